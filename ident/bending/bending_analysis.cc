@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 #include "ident/bending/beam_segments.h"
-#include "ident/bending/bending_pooling.h"
 #include "ident/bending/bending_strokes.h"
-#include "ident/bending/friction_transient.h"
 #include "ident/bending/table_line.h"
-#include "ident/stiffness/tension_spread.h"
+#include "ident/stiffness/stiffness_law.h"
+#include "signal/estimation/groups.h"
 #include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
@@ -37,6 +37,35 @@ std::vector<Eigen::Index> table_spikes(const Eigen::VectorXd& d, const Eigen::Ve
     if (!line.used[0][static_cast<std::size_t>(i)] && std::abs(off) > limit) spikes.push_back(i);
   }
   return spikes;
+}
+
+struct PooledSlope {
+  double K = 0, variance = 0;  // N/m
+  double welch = 0;            // variance^2 over its degrees of freedom
+};
+
+// The mean over strokes with the scatter between them, degrees of freedom after Welch and
+// Satterthwaite (GUM G.4). Exact tables have lines without residuals; rounding keeps their variance
+// from being zero.
+PooledSlope pool_slopes(const std::vector<signal::Estimate>& slopes,
+                        const std::vector<double>& freedoms) {
+  std::vector<double> values, variances;
+  for (const auto& K : slopes) {
+    values.push_back(K.value);
+    variances.push_back(std::pow(std::max(K.std, 1e-10 * K.value), 2));
+  }
+  const auto mean = signal::mean_over_groups(values, variances);
+  PooledSlope pooled{mean.mean, mean.variance, 0};
+  double scatter = mean.variance;  // what the strokes' own variances do not explain
+  for (std::size_t i = 0; i < slopes.size(); ++i) {
+    const double own = mean.weights[i] * mean.weights[i] * variances[i];
+    pooled.welch += own * own / std::max(1.0, freedoms[i]);
+    scatter -= own;
+  }
+  if (slopes.size() > 1 && scatter > 0) {
+    pooled.welch += scatter * scatter / static_cast<double>(slopes.size() - 1);
+  }
+  return pooled;
 }
 
 class Analysis {
@@ -226,6 +255,35 @@ class Analysis {
       return;
     }
     if (beam()) return fit_elastic_parts(runs);
+    if (!fit_straight_parts(runs, kTurnShare)) {
+      refuse("no_slope",
+             "Check the signs of load and deflection: no stroke has a straight part with a "
+             "positive slope");
+      return;
+    }
+    if (loops_open()) {
+      const PooledSlope near_turns = pooled_;
+      const auto strokes = result_.strokes;
+      hysteresis_seen_ = true;
+      if (fit_straight_parts(runs, kFrictionShare)) {
+        // What is still left of the transient: nothing by one law of friction, twice the change
+        // by another, either as likely.
+        const double change = pooled_.K - near_turns.K;
+        pooled_.K += change;
+        friction_change_ = std::abs(change) / pooled_.K;
+        pooled_.variance += change * change;
+        take(pooled_);
+      } else {
+        result_.strokes = strokes;
+        take(near_turns);
+      }
+    }
+    solve_for_EI();
+  }
+
+  /// The lines of all strokes without `turn_share` of their travel after each turn, with the EI
+  /// that follows; false where no stroke has one.
+  bool fit_straight_parts(const std::vector<StrokeRange>& runs, double turn_share) {
     double EI = 0, before = -1;
     for (int pass = 0; pass < 8; ++pass) {
       const Eigen::VectorXd x = tension_corrected(EI);
@@ -234,27 +292,38 @@ class Analysis {
       for (const StrokeRange& run : runs) {
         double freedom = 0;
         BendingStroke stroke = fit_straight_part(
-            run, {d_, x, Q_, range_Q_, result_.load_noise_N, result_.deflection_noise_m}, freedom);
+            run, {d_, x, Q_, range_Q_, result_.load_noise_N, result_.deflection_noise_m},
+            turn_share, freedom);
         if (!(stroke.stiffness_N_m.value > 0) || !std::isfinite(stroke.stiffness_N_m.std)) continue;
         result_.strokes.push_back(stroke);
         freedoms.push_back(freedom);
       }
-      if (result_.strokes.empty()) {
-        refuse("no_slope",
-               "Check the signs of load and deflection: no stroke has a straight part with a "
-               "positive slope");
-        return;
-      }
+      if (result_.strokes.empty()) return false;
       take(pool_strokes(freedoms));
       EI = EI_of_slope();
       if (std::abs(EI - before) <= 1e-7 * EI) break;
       before = EI;
     }
-    for (int pass = 0; pass < 2; ++pass) {
-      if (!take_friction(tension_corrected(EI))) break;
-      EI = EI_of_slope();
+    return true;
+  }
+
+  /// Whether loading and unloading lie apart in the middle of the travel by three standard
+  /// deviations (of a line's middle: that of its slope times the range over sqrt(12)).
+  [[nodiscard]] bool loops_open() const {
+    std::vector<double> level[2], variance[2];
+    const double middle = 0.5 * range_d_;
+    for (const auto& s : result_.strokes) {
+      level[s.loading].push_back(s.offset_N + s.stiffness_N_m.value * middle);
+      const double range = std::abs(d_[s.used_last] - d_[s.used_first]);
+      variance[s.loading].push_back(std::pow(s.stiffness_N_m.std * range, 2) / 12);
     }
-    solve_for_EI();
+    if (level[0].empty() || level[1].empty()) return false;
+    const auto mean = [](const std::vector<double>& x) {
+      return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
+    };
+    const double std = std::sqrt(mean(variance[0]) / static_cast<double>(level[0].size()) +
+                                 mean(variance[1]) / static_cast<double>(level[1].size()));
+    return mean(level[1]) - mean(level[0]) > 3 * std + 1e-6 * range_Q_;
   }
 
   /// Strokes of a beam without tension. Where it yielded, or broke, only loading is used.
@@ -428,22 +497,33 @@ class Analysis {
                                : 0;
   }
 
+  static std::string friction_message(double hysteresis) {
+    return fmt::format(
+        "loading and unloading lie {:.2g} N apart by wire friction, which stiffens "
+        "the strand after every turn; the rows after the turns are left out, and "
+        "the change by this adds to the uncertainty",
+        2 * hysteresis);
+  }
+  /// Share of the travel left out after each turn.
+  [[nodiscard]] double turn_share() const { return hysteresis_seen_ ? kFrictionShare : kTurnShare; }
+
   void judge_strokes() {
     const bool tensioned = !beam();
-    if (tensioned && result_.friction_probability > 0.5 &&
-        std::abs(result_.relative_friction_correction) > 1e-3) {
-      note("friction",
-           fmt::format("wire friction stiffens the first {:.2g} mm after every turn (by {:.2g} N "
-                       "in all); without it the slope is {:+.1f} % of a straight line's",
-                       1e3 * result_.friction_travel_m, 2 * result_.friction_load_N,
-                       100 * result_.relative_friction_correction));
-    } else if (tensioned && toe_ > kTurnShare + 0.05) {
+    if (friction_change_ > kFrictionRefusal) {
+      refuse(
+          "friction",
+          fmt::format("Deflect further: wire friction turns round over much of a stroke; without "
+                      "the first {:.0f} % after the turns the slope changes by {:.1f} %",
+                      100 * kFrictionShare, 100 * friction_change_));
+    } else if (friction_change_ > 1e-3) {
+      note("friction", friction_message(result_.hysteresis_N));
+    } else if (tensioned && toe_ > turn_share() + 0.05) {
       note("toe",
            fmt::format("the first {:.0f} % of the deflection are left out as a toe (slack or "
                        "friction being taken up)",
                        100 * toe_));
     }
-    if (tensioned && (steepest_ > 2 || top_ > kTurnShare + 0.05)) {
+    if (tensioned && (steepest_ > 2 || top_ > turn_share() + 0.05)) {
       note("stop",
            fmt::format("Deflect less, or check for a stop or a sensor's end: the last {:.0f} % "
                        "of the loading leave the straight line (slope {:.1f} times as "
@@ -463,13 +543,8 @@ class Analysis {
     if (!(std::abs(curvature) > kCurvatureWarning)) return;
     const std::string message =
         fmt::format("the slope changes by {:+.0f} % over the straight part", 100 * curvature);
-    const bool friction = result_.friction_probability > 0.9;
-    if (std::abs(curvature) > (friction ? 2 * kCurvatureWarning : kCurvatureRefusal)) {
-      refuse(friction ? "friction" : "curved",
-             (friction ? "Deflect further: wire friction turns round over most of a stroke, and "
-                         "without it "
-                       : kNoStiffness) +
-                 message);
+    if (std::abs(curvature) > kCurvatureRefusal) {
+      refuse("curved", kNoStiffness + message);
     } else {
       note("curved",
            "Look for slip, a toe or a stop: " + message + "; EI is that of its mean slope");
@@ -490,11 +565,7 @@ class Analysis {
                t.left_out, t.left_out == 1 ? "row lies" : "rows lie"));
     }
     if (t.hysteresis_N > 0) {
-      note("friction",
-           fmt::format("loading and unloading lie {:.2g} N apart by wire friction, which "
-                       "stiffens the strand after every turn; the rows after the turns "
-                       "are left out, and the change by this adds to the uncertainty",
-                       2 * t.hysteresis_N));
+      note("friction", friction_message(t.hysteresis_N));
     }
     if (t.strokes_differ) {
       note("strokes_differ",
@@ -536,47 +607,10 @@ class Analysis {
     return mean_tension_ * std::pow(options_.span_m.value / lambda, 2) / 4;
   }
 
-  // The slope averaged over what friction may do after the turns. False when the strokes are too
-  // short to tell.
-  bool take_friction(const Eigen::VectorXd& x) {
-    std::vector<FrictionStroke> strokes;
-    // A stop that ends the straight part of loading is at the beginning of unloading.
-    double stop = std::numeric_limits<double>::infinity();
-    for (const auto& s : result_.strokes) {
-      if (s.loading && d_[s.last] - d_[s.used_last] > 0.05 * range_d_) {
-        stop = std::min(stop, d_[s.used_last]);
-      }
-    }
-    for (const auto& s : result_.strokes) {
-      if (s.last - s.first + 1 < 40) return false;
-      // What lies beyond the straight part at the far end is a stop or a toe, no friction.
-      const double travel = std::abs(d_[s.last] - d_[s.first]);
-      Eigen::Index first = s.first;
-      while (first < s.used_first && std::abs(d_[first] - d_[s.first]) < 0.01 * travel) ++first;
-      while (!s.loading && first < s.used_first && d_[first] > stop) ++first;
-      const Eigen::Index n = s.used_last - first + 1;
-      FrictionStroke stroke;
-      stroke.sign = s.loading ? 1 : -1;
-      stroke.travel_m = (d_.segment(first, n).array() - d_[s.first]).abs();
-      stroke.x_m = x.segment(first, n);
-      stroke.load_N = Q_.segment(first, n);
-      strokes.push_back(std::move(stroke));
-    }
-    const auto averaged = average_over_friction(strokes, straight_, result_.deflection_noise_m);
-    if (!averaged) return false;
-    result_.friction_probability = averaged->probability;
-    result_.friction_travel_m = averaged->travel_m;
-    result_.friction_load_N = averaged->load_N;
-    result_.relative_std_friction = averaged->relative_std;
-    result_.relative_friction_correction = averaged->relative_correction;
-    take(averaged->pooled);
-    return true;
-  }
-
   PooledSlope pool_strokes(const std::vector<double>& freedoms) {
     std::vector<signal::Estimate> slopes;
     for (const auto& stroke : result_.strokes) slopes.push_back(stroke.stiffness_N_m);
-    return straight_ = pool_slopes(slopes, freedoms);
+    return pooled_ = pool_slopes(slopes, freedoms);
   }
 
   void take(const PooledSlope& pooled) {
@@ -592,8 +626,10 @@ class Analysis {
   BendingTestOptions options_;
   BendingTestResult result_;
   Eigen::VectorXd P_, Q_, d_;
-  PooledSlope straight_;  // by the straight parts alone
-  TableLine table_;       // line through strokes of few rows
+  PooledSlope pooled_;
+  bool hysteresis_seen_ = false;
+  double friction_change_ = 0;  // of K, relative: what leaving more of the turns out changes
+  TableLine table_;             // line through strokes of few rows
   double range_d_ = 0, range_Q_ = 0, mean_tension_ = 0, zero_ = 0;
   // Extremes over all strokes: shares of the travel left out, the slope beyond the straight part
   // relative to it, the largest curvature.
@@ -606,6 +642,43 @@ class Analysis {
 BendingTestResult analyse_bending_test(const BendingRecord& record,
                                        const BendingTestOptions& options) {
   return Analysis(record, options).run();
+}
+
+std::vector<BendingRecord> split_by_tension(const BendingRecord& table) {
+  const Eigen::Index n = table.tension_N.size();
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return table.tension_N[a] < table.tension_N[b];  // NaN never compares; such rows stay together
+  });
+  std::vector<std::vector<Eigen::Index>> clusters;
+  for (Eigen::Index index : order) {
+    const double P = table.tension_N[index];
+    if (!std::isfinite(P)) continue;
+    bool apart = clusters.empty();
+    if (!apart) {
+      const double low = table.tension_N[clusters.back().front()];
+      const double high = table.tension_N[clusters.back().back()];
+      apart = P - high > 0.05 * std::abs(P) && P - high > high - low;
+    }
+    if (apart) clusters.emplace_back();
+    clusters.back().push_back(index);
+  }
+  std::vector<BendingRecord> records;
+  for (auto& cluster : clusters) {
+    std::sort(cluster.begin(), cluster.end());
+    BendingRecord record;
+    const auto size = static_cast<Eigen::Index>(cluster.size());
+    record.tension_N.resize(size), record.load_N.resize(size), record.deflection_m.resize(size);
+    for (Eigen::Index i = 0; i < size; ++i) {
+      const Eigen::Index row = cluster[static_cast<std::size_t>(i)];
+      record.tension_N[i] = table.tension_N[row];
+      record.load_N[i] = table.load_N[row];
+      record.deflection_m[i] = table.deflection_m[row];
+    }
+    records.push_back(std::move(record));
+  }
+  return records;
 }
 
 }  // namespace rigfit::ident

@@ -10,9 +10,11 @@
 // the channels' own noise) with Huber weights. Its variance is the larger of the textbook formula's
 // and of a block jackknife's, which allows for correlated residuals within a stroke. Strokes are
 // pooled with the scatter between them (estimation/groups.h), degrees of freedom after Welch and
-// Satterthwaite (GUM G.4). Where strokes have 40 samples or more, the slope is averaged over laws
-// of wire friction after a turn (friction_transient.h), and the spread between these laws adds to
-// the uncertainty. `stiffness_from_compliance` then gives EI.
+// Satterthwaite (GUM G.4). Where loading and unloading lie apart, wire friction stiffens the
+// strand after every turn: the strokes lose kFrictionShare of their travel instead of kTurnShare,
+// and the slope moves on by the change that this made, with the same as its standard uncertainty:
+// of the transient, one law of friction leaves nothing, another twice that.
+// `stiffness_from_compliance` then gives EI.
 //
 // Without tension (`ends` clamped, pinned or cantilever) the tension of a record is not used, the
 // straight part of long strokes is the elastic one between toe and yield or stop

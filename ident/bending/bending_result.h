@@ -57,21 +57,14 @@ struct BendingTestResult {
   std::vector<BendingFinding> findings;
   signal::Estimate tension_N;  ///< mean over the samples used; std from calibration
   double tension_low_N = 0, tension_high_N = 0;  ///< over the samples used
-  /// Standard uncertainty of the tension at which EI holds, within the strokes (tension_spread.h).
+  /// Standard uncertainty of the tension at which EI holds, within the strokes.
   double tension_spread_N = 0;
   signal::Estimate compliance_m_N;  ///< 1/K, calibration included
   double degrees_of_freedom = 0;    ///< for the compliance; 0: many
   std::vector<BendingStroke> strokes;
   double hysteresis_N = 0;  ///< half the distance between loading and unloading lines
   double load_noise_N = 0, deflection_noise_m = 0;  ///< as used
-  // Wire friction after the turns, averaged over its laws; zero where strokes are too short to
-  // tell.
-  double friction_probability = 0;          ///< Akaike weight of the laws with friction
-  double friction_travel_m = 0;             ///< travel over which it reverses; 0: no friction seen
-  double friction_load_N = 0;               ///< half of the load that it adds after a turn
-  double relative_std_friction = 0;         ///< of K, from the spread between the laws
-  double relative_friction_correction = 0;  ///< of K, relative to straight lines
-  StiffnessFromBending stiffness;           ///< solved only when not refused
+  StiffnessFromBending stiffness;                   ///< solved only when not refused
 };
 
 }  // namespace rigfit::ident

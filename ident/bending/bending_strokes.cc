@@ -84,7 +84,7 @@ std::vector<StrokeRange> find_strokes(const Eigen::VectorXd& d, double least) {
   return runs;
 }
 
-BendingStroke fit_straight_part(const StrokeRange& run, const StrokeData& data,
+BendingStroke fit_straight_part(const StrokeRange& run, const StrokeData& data, double turn_share,
                                 double& degrees_of_freedom) {
   const Eigen::VectorXd &x = data.x, &d = data.deflection;
   BendingStroke stroke;
@@ -96,7 +96,7 @@ BendingStroke fit_straight_part(const StrokeRange& run, const StrokeData& data,
   const auto share = [&](Eigen::Index i) { return (d[i] - start) / travel; };
   Eigen::Index earliest = run.first;
   if (samples >= 20) {
-    while (share(earliest) < kTurnShare) ++earliest;
+    while (share(earliest) < turn_share) ++earliest;
   }
   // Toe lies at the bottom, stop and friction's turn at the top of the loading stroke.
   const double from = stroke.loading ? 0.35 : 0.15, to = stroke.loading ? 0.85 : 0.65;

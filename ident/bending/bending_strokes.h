@@ -29,9 +29,9 @@ struct StrokeData {
 };
 
 /// Straight part of a stroke: a Deming line through its middle, followed outwards to where the
-/// local mean leaves it. `degrees_of_freedom` of its slope.
+/// local mean leaves it, without `turn_share` of the travel after the turn.
 [[nodiscard]] BendingStroke fit_straight_part(const StrokeRange& run, const StrokeData& data,
-                                              double& degrees_of_freedom);
+                                              double turn_share, double& degrees_of_freedom);
 
 /// Samples of one channel (20 at least, else none) that lie off the mean of their neighbours and
 /// off the straight lines through the two samples before and after, all three, by more than 12
@@ -45,6 +45,10 @@ struct StrokeData {
 /// After every turn friction first changes sign: this share of a stroke's travel is not used
 /// (strokes of 20 samples and more).
 inline constexpr double kTurnShare = 0.15;
+/// The share where loading and unloading lie apart. A transient of any of Dahl's laws then leaves
+/// at most twice the change of the slope by this, as long as that is under kFrictionRefusal
+/// (tests/bench/bending_coverage); more is a stroke too short for its friction.
+inline constexpr double kFrictionShare = 0.35, kFrictionRefusal = 0.007;
 /// Where the local median over a twentieth of a stroke leaves the line by more than this share of
 /// the load range (and four times its noise), toe, stop or slip begin.
 inline constexpr double kStraight = 0.005;

@@ -10,7 +10,6 @@
 #include <stdexcept>
 
 #include "ident/statistics/probability_text.h"
-#include "ident/stiffness/tension_spread.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {

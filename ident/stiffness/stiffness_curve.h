@@ -11,7 +11,7 @@
 //   other laws     sqrt(weight) (EI of that law - EI of the curve)
 //   interpolation  the standard uncertainty of each point times its share at the tension
 //   tension        change of all points if EI holds at another tension within their tests
-//                  (tension_spread.h)
+//
 //   shared         uncertainty common to the tests (span, calibrations), relative to EI
 // so that the covariance of EI between two tensions is the sum of products of their terms. Terms of
 // a law are scaled so that 1.96 of them span its Student's 95 % band. The law is extrapolated down

@@ -5,11 +5,11 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
 #include "ident/statistics/uncertainty.h"
-#include "ident/stiffness/tension_spread.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -18,29 +18,24 @@ namespace {
 using signal::kNaN;
 constexpr int kMaxParameters = 3;
 using Gradient = Eigen::Matrix<double, kMaxParameters, 1>;
+using Bounds = std::optional<StiffnessBounds>;
+using Starts = std::vector<std::vector<double>>;
 
-// EI and its derivatives by a law's own parameters: (a, b), or (EImin, EImax, Th).
-double evaluate(LawKind kind, double T, double T0, const double* p, Gradient& gradient) {
-  gradient.setZero();
-  switch (kind) {
-    case LawKind::linear:
-      gradient << 1, T, 0;
-      return p[0] + p[1] * T;
-    case LawKind::square_root:
-      gradient << 1, std::sqrt(T), 0;
-      return p[0] + p[1] * std::sqrt(T);
-    case LawKind::power: {
-      const double power = std::pow(T / T0, p[1]);
-      gradient << power, p[0] * power * std::log(T / T0), 0;
-      return p[0] * power;
-    }
-    case LawKind::saturating: {
-      const double share = T / (T + p[2]);
-      gradient << 1 - share, share, -(p[1] - p[0]) * T / ((T + p[2]) * (T + p[2]));
-      return p[0] + (p[1] - p[0]) * share;
-    }
+double reference_tension(const std::vector<StiffnessPoint>& points) {
+  double sum = 0;
+  for (const auto& point : points) sum += std::log(point.tension_N);
+  return std::exp(sum / static_cast<double>(points.size()));
+}
+
+/// EI at the geometric mean of the tensions, and the exponent: a line in the logarithms.
+std::pair<double, double> power_through(const std::vector<StiffnessPoint>& points) {
+  const double T0 = reference_tension(points), n = static_cast<double>(points.size());
+  double mean = 0, xx = 0, xy = 0;
+  for (const auto& point : points) {
+    const double x = std::log(point.tension_N / T0), y = std::log(point.EI_Nm2);
+    mean += y / n, xx += x * x, xy += x * y;  // the mean of x is zero
   }
-  return kNaN;
+  return {std::exp(mean), xx > 0 ? xy / xx : 0};
 }
 
 struct Data {
@@ -51,10 +46,122 @@ struct Data {
   bool weighted = true;
 };
 
+/// A term with its sign before it: "+ 0.04281", "- 0.2".
+std::string added(double value) {
+  return fmt::format("{} {:.5g}", value < 0 ? "-" : "+", std::abs(value));
+}
+
+// A straight line over g(T), and the start of its fit: relative errors, by linear regression.
+double straight(double g, const double* p, Gradient& by) {
+  by << 1, g, 0;
+  return p[0] + p[1] * g;
+}
+std::vector<double> regression(const Data& data, double (*g)(double)) {
+  const auto n = static_cast<Eigen::Index>(data.points.size());
+  Eigen::MatrixX2d A(n, 2);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& point = data.points[static_cast<std::size_t>(i)];
+    A.row(i) << 1 / point.EI_Nm2, g(point.tension_N) / point.EI_Nm2;
+  }
+  const Eigen::Vector2d line = A.colPivHouseholderQr().solve(Eigen::VectorXd::Ones(n));
+  return {line[0], line[1]};
+}
+
+Starts saturating_starts(const Data& data, const Bounds& bounds) {
+  double smallest = data.points[0].EI_Nm2, largest = smallest, last = data.points[0].tension_N;
+  for (const auto& point : data.points) {
+    smallest = std::min(smallest, point.EI_Nm2);
+    largest = std::max(largest, point.EI_Nm2);
+    last = std::max(last, point.tension_N);
+  }
+  if (bounds) {
+    const double low = bounds->EI_min_Nm2, high = bounds->EI_max_Nm2;
+    const double share = std::clamp((largest - low) / (high - low), 1e-6, 1 - 1e-6);
+    return {{low, high, last * (1 - share) / share}};
+  }
+  Starts several;
+  for (double half : {0.1, 1.0, 10.0}) {
+    const double T_half = half * last;
+    const double top = 0.5 * smallest + (largest - 0.5 * smallest) * (last + T_half) / last;
+    several.push_back({0.5 * smallest, top, T_half});
+  }
+  return several;
+}
+
+/// A law by its own parameters p: (a, b), or (EImin, EImax, Th); T0 is the power law's.
+struct Law {
+  const char* name;
+  std::vector<LawParameter> parameters;
+  /// EI and its derivatives.
+  double (*value)(double T, double T0, const double* p, Gradient& by);
+  Starts (*starts)(const Data&, const Bounds&);
+  std::string (*formula)(const double* p, double T0);  ///< EI in N m2, T in N
+};
+
+const Law& law_of(LawKind kind) {
+  static const std::array<Law, 4> laws{{
+      {"linear",
+       {{"a", 0, kNaN, "N m2"}, {"b", 0, kNaN, "m2"}},
+       [](double T, double, const double* p, Gradient& by) { return straight(T, p, by); },
+       [](const Data& data, const Bounds&) {
+         return Starts{regression(data, [](double T) { return T; })};
+       },
+       [](const double* p, double) { return fmt::format("EI = {:.5g} {} T", p[0], added(p[1])); }},
+      {"square root",
+       {{"a", 0, kNaN, "N m2"}, {"b", 0, kNaN, "N^0.5 m2"}},
+       [](double T, double, const double* p, Gradient& by) {
+         return straight(std::sqrt(T), p, by);
+       },
+       [](const Data& data, const Bounds&) {
+         return Starts{regression(data, [](double T) { return std::sqrt(T); })};
+       },
+       [](const double* p, double) {
+         return fmt::format("EI = {:.5g} {} sqrt(T)", p[0], added(p[1]));
+       }},
+      {"power",
+       {{"a", 0, kNaN, "N m2"}, {"b", 0, kNaN, "1"}},
+       [](double T, double T0, const double* p, Gradient& by) {
+         const double power = std::pow(T / T0, p[1]);
+         by << power, p[0] * power * std::log(T / T0), 0;
+         return p[0] * power;
+       },
+       [](const Data& data, const Bounds&) {
+         const auto [a, b] = power_through(data.points);
+         return Starts{{a, b}};
+       },
+       [](const double* p, double T0) {
+         return fmt::format("EI = {:.5g} (T / {:.5g})^{:.4g}", p[0], T0, p[1]);
+       }},
+      {"saturating",
+       {{"EI_min", 0, kNaN, "N m2"}, {"EI_max", 0, kNaN, "N m2"}, {"T_half", 0, kNaN, "N"}},
+       [](double T, double, const double* p, Gradient& by) {
+         const double share = T / (T + p[2]);
+         by << 1 - share, share, -(p[1] - p[0]) * T / ((T + p[2]) * (T + p[2]));
+         return p[0] + (p[1] - p[0]) * share;
+       },
+       saturating_starts,
+       [](const double* p, double) {
+         return fmt::format("EI = {:.5g} {} T / (T + {:.5g})", p[0], added(p[1] - p[0]), p[2]);
+       }},
+  }};
+  return laws[static_cast<std::size_t>(kind)];
+}
+
+std::vector<LawParameter> parameters_of(LawKind kind, const StiffnessLawOptions& options) {
+  auto parameters = law_of(kind).parameters;
+  if (kind == LawKind::saturating && options.bounds) {
+    parameters[0].value = options.bounds->EI_min_Nm2;
+    parameters[1].value = options.bounds->EI_max_Nm2;
+    parameters[0].fixed = parameters[1].fixed = true;
+    parameters[0].std = parameters[1].std = 0;
+  }
+  return parameters;
+}
+
 // Points, then where the tension lies within the tests, a standard normal of all together.
 class LawCost : public ceres::CostFunction {
  public:
-  LawCost(LawKind kind, const Data& data, int parameters) : kind_(kind), data_(data) {
+  LawCost(const Law& law, const Data& data, int parameters) : law_(law), data_(data) {
     set_num_residuals(static_cast<int>(data.points.size()) + 1);
     *mutable_parameter_block_sizes() = {parameters, 1};
   }
@@ -63,7 +170,7 @@ class LawCost : public ceres::CostFunction {
     Gradient gradient;
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto& point = data_.points[static_cast<std::size_t>(i)];
-      const double EI = evaluate(kind_, point.tension_N, data_.reference_tension, x[0], gradient);
+      const double EI = law_.value(point.tension_N, data_.reference_tension, x[0], gradient);
       residuals[i] = (EI + data_.change[i] * x[1][0] - point.EI_Nm2) / data_.sigma[i];
       if (!std::isfinite(residuals[i])) return false;
       if (!jacobians) continue;
@@ -79,7 +186,7 @@ class LawCost : public ceres::CostFunction {
   }
 
  private:
-  LawKind kind_;
+  const Law& law_;
   const Data& data_;
 };
 
@@ -88,19 +195,17 @@ Data prepare(const std::vector<StiffnessPoint>& points, const StiffnessLawOption
   data.points = points;
   const auto n = static_cast<Eigen::Index>(points.size());
   data.sigma.resize(n), data.change = Eigen::VectorXd::Zero(n);
-  double log_sum = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto& point = points[static_cast<std::size_t>(i)];
     if (!(std::isfinite(point.tension_N) && point.tension_N > 0 && std::isfinite(point.EI_Nm2) &&
           point.EI_Nm2 > 0)) {
       throw std::invalid_argument("stiffness law: tension and EI of every point must be positive");
     }
-    log_sum += std::log(point.tension_N);
     const double own = own_std(point);
     data.sigma[i] = own > 0 ? own : options.assumed_relative_std * point.EI_Nm2;
     data.weighted &= data.sigma[i] > 0;
   }
-  data.reference_tension = std::exp(log_sum / static_cast<double>(n));
+  data.reference_tension = reference_tension(points);
   if (data.weighted) {
     const auto change = change_by_tension(points);
     data.change = Eigen::Map<const Eigen::VectorXd>(change.data(), n);
@@ -112,87 +217,18 @@ Data prepare(const std::vector<StiffnessPoint>& points, const StiffnessLawOption
   return data;
 }
 
-std::vector<LawParameter> parameters_of(LawKind kind, const StiffnessLawOptions& options) {
-  switch (kind) {
-    case LawKind::linear:
-      return {{"a", 0, kNaN, "N m2"}, {"b", 0, kNaN, "m2"}};
-    case LawKind::square_root:
-      return {{"a", 0, kNaN, "N m2"}, {"b", 0, kNaN, "N^0.5 m2"}};
-    case LawKind::power:
-      return {{"a", 0, kNaN, "N m2"}, {"b", 0, kNaN, "1"}};
-    case LawKind::saturating: {
-      const bool fixed = options.bounds.has_value();
-      return {{"EI_min", fixed ? options.bounds->EI_min_Nm2 : 0, kNaN, "N m2", fixed},
-              {"EI_max", fixed ? options.bounds->EI_max_Nm2 : 0, kNaN, "N m2", fixed},
-              {"T_half", 0, kNaN, "N"}};
-    }
-  }
-  return {};
-}
-
-// Starting values in closed form: linear regression in the law's own coordinates.
-std::vector<std::vector<double>> starts(LawKind kind, const Data& data,
-                                        const StiffnessLawOptions& options) {
-  const auto n = static_cast<Eigen::Index>(data.points.size());
-  Eigen::MatrixXd A(n, 2);
-  Eigen::VectorXd y(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto& point = data.points[static_cast<std::size_t>(i)];
-    const double T = point.tension_N, w = 1 / point.EI_Nm2;
-    A.row(i) << w, w * (kind == LawKind::square_root ? std::sqrt(T) : T);
-    y[i] = 1;
-    if (kind != LawKind::power) continue;
-    A.row(i) << 1, std::log(T / data.reference_tension);
-    y[i] = std::log(point.EI_Nm2);
-  }
-  const Eigen::Vector2d line = A.colPivHouseholderQr().solve(y);
-  if (kind == LawKind::power) return {{std::exp(line[0]), line[1]}};
-  if (kind != LawKind::saturating) return {{line[0], line[1]}};
-
-  double smallest = data.points[0].EI_Nm2, largest = smallest, last = data.points[0].tension_N;
-  for (const auto& point : data.points) {
-    smallest = std::min(smallest, point.EI_Nm2);
-    largest = std::max(largest, point.EI_Nm2);
-    last = std::max(last, point.tension_N);
-  }
-  if (options.bounds) {
-    const double low = options.bounds->EI_min_Nm2, high = options.bounds->EI_max_Nm2;
-    const double share = std::clamp((largest - low) / (high - low), 1e-6, 1 - 1e-6);
-    return {{low, high, last * (1 - share) / share}};
-  }
-  std::vector<std::vector<double>> several;
-  for (double half : {0.1, 1.0, 10.0}) {
-    const double T_half = half * last;
-    const double top = 0.5 * smallest + (largest - 0.5 * smallest) * (last + T_half) / last;
-    several.push_back({0.5 * smallest, top, T_half});
-  }
-  return several;
-}
-
-/// A term with its sign before it: "+ 0.04281", "- 0.2".
-std::string added(double value) {
-  return fmt::format("{} {:.5g}", value < 0 ? "-" : "+", std::abs(value));
-}
-
-/// EI in N m2, T in N.
-std::string formula_of(const FittedLaw& law) {
-  const auto value = [&](std::size_t i) { return law.parameters[i].value; };
-  switch (law.kind) {
-    case LawKind::linear:
-      return fmt::format("EI = {:.5g} {} T", value(0), added(value(1)));
-    case LawKind::square_root:
-      return fmt::format("EI = {:.5g} {} sqrt(T)", value(0), added(value(1)));
-    case LawKind::power:
-      return fmt::format("EI = {:.5g} (T / {:.5g})^{:.4g}", value(0), law.reference_tension_N,
-                         value(1));
-    case LawKind::saturating:
-      return fmt::format("EI = {:.5g} {} T / (T + {:.5g})", value(0), added(value(1) - value(0)),
-                         value(2));
-  }
-  return {};
+ceres::Solver::Options tight() {
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.logging_type = ceres::SILENT;
+  solver.max_num_iterations = 500;
+  solver.function_tolerance = solver.parameter_tolerance = 1e-13;
+  solver.gradient_tolerance = 1e-14;
+  return solver;
 }
 
 FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options) {
+  const Law& form = law_of(kind);
   FittedLaw law;
   law.kind = kind;
   law.parameters = parameters_of(kind, options);
@@ -202,18 +238,17 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
     law.common_relative_std = std::max(law.common_relative_std, point.shared_relative_std);
   }
   const int size = static_cast<int>(law.parameters.size());
-  std::vector<int> fixed;
-  std::vector<int> free;
+  std::vector<int> fixed, free;
   for (int j = 0; j < size; ++j) {
     (law.parameters[static_cast<std::size_t>(j)].fixed ? fixed : free).push_back(j);
   }
-
-  double best_cost = std::numeric_limits<double>::infinity();
+  const LawCost cost(form, data, size);
+  double best_cost = std::numeric_limits<double>::infinity(), best_place = 0;
   std::vector<double> best;
-  for (auto start : starts(kind, data, options)) {
+  for (auto start : form.starts(data, options.bounds)) {
     ceres::Problem problem;
     double place = 0;
-    problem.AddResidualBlock(new LawCost(kind, data, size), nullptr, start.data(), &place);
+    problem.AddResidualBlock(new LawCost(form, data, size), nullptr, start.data(), &place);
     if (!fixed.empty()) {
       problem.SetManifold(start.data(), new ceres::SubsetManifold(size, fixed));
     }
@@ -222,43 +257,46 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
       problem.SetParameterUpperBound(start.data(), 2, 1e6 * data.reference_tension);
       if (fixed.empty()) problem.SetParameterLowerBound(start.data(), 0, 0);
     }
-    ceres::Solver::Options solver;
-    solver.linear_solver_type = ceres::DENSE_QR;
-    solver.logging_type = ceres::SILENT;
-    solver.max_num_iterations = 500;
-    solver.function_tolerance = solver.parameter_tolerance = 1e-13;
-    solver.gradient_tolerance = 1e-14;
     ceres::Solver::Summary summary;
-    ceres::Solve(solver, &problem, &summary);
-    if (summary.IsSolutionUsable() && summary.final_cost < best_cost) {
-      best_cost = summary.final_cost;
-      best = start;
-      law.converged = summary.termination_type == ceres::CONVERGENCE;
-    }
+    ceres::Solve(tight(), &problem, &summary);
+    if (!summary.IsSolutionUsable() || !(summary.final_cost < best_cost)) continue;
+    best_cost = summary.final_cost, best = start, best_place = place;
+    law.converged = summary.termination_type == ceres::CONVERGENCE;
   }
+  const auto remark = [&law](const std::string& text) {
+    law.message += (law.message.empty() ? "" : "; ") + text;
+  };
   if (best.empty()) {
-    law.message = "the fit did not start";
+    remark("the fit did not start");
     return law;
   }
-  if (!law.converged) law.message = "the fit had not settled after 500 iterations";
+  if (!law.converged) remark("the fit had not settled after 500 iterations");
+  for (std::size_t j = 0; j < law.parameters.size(); ++j) law.parameters[j].value = best[j];
+  law.formula = form.formula(best.data(), law.reference_tension_N);
 
+  // Free parameters, then where the tension lies within the tests.
   const auto n = static_cast<Eigen::Index>(data.points.size());
   const auto p = static_cast<Eigen::Index>(free.size());
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(n + 1, p + 1);
-  Gradient gradient;
-  double squares = 0;
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::VectorXd residuals(n + 1), by_place(n + 1);
+  RowMajor by_law(n + 1, size);
+  const double* const at[] = {best.data(), &best_place};
+  double* const by[] = {by_law.data(), by_place.data()};
+  (void)cost.Evaluate(at, residuals.data(), const_cast<double**>(by));
+  Eigen::MatrixXd jacobian(n + 1, p + 1);
+  jacobian << by_law(Eigen::all, free), by_place;
+
+  double squares = 0, mean_relative = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const auto& point = data.points[static_cast<std::size_t>(i)];
-    const double EI =
-        evaluate(kind, point.tension_N, data.reference_tension, best.data(), gradient);
-    jacobian.row(i).head(p) = gradient(free).transpose() / data.sigma[i];
-    jacobian(i, p) = data.change[i] / data.sigma[i];
-    squares += std::pow(EI / point.EI_Nm2 - 1, 2);
+    const double EI = data.points[static_cast<std::size_t>(i)].EI_Nm2;
+    const double misfit = residuals[i] * data.sigma[i] - data.change[i] * best_place;
+    squares += misfit * misfit / (EI * EI);
+    mean_relative += (std::pow(data.sigma[i], 2) + std::pow(data.change[i], 2)) / (EI * EI);
   }
-  jacobian(n, p) = 1;
+  const auto count = static_cast<double>(n);
   law.chi_squared = 2 * best_cost;
   law.degrees_of_freedom = static_cast<double>(n - p);
-  law.rms_relative_error = std::sqrt(squares / static_cast<double>(n));
+  law.rms_relative_error = std::sqrt(squares / count);
 
   // Weights that promise less scatter than there is are corrected by it (Birge ratio); fewer
   // points than would show the scatter are left as they are.
@@ -267,18 +305,18 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   const double variance = data.weighted && !(reduced > 1) ? 1 : reduced;
   const bool from_scatter = !data.weighted || variance > 1;
   law.coverage_factor = coverage_factor(0.95, from_scatter ? law.degrees_of_freedom : 0);
+  law.scatter_relative_std = std::sqrt(mean_relative / count * variance);
 
-  std::vector<std::string> names;
-  Eigen::VectorXd scales = Eigen::VectorXd::Constant(p + 1, 10);  // a prior of 1 is no open end
-  for (Eigen::Index j = 0; j < p; ++j) {
-    const auto k = static_cast<std::size_t>(free[static_cast<std::size_t>(j)]);
-    names.push_back(law.parameters[k].name);
-    scales[j] = std::max(std::abs(best[k]), 1e-12);
-  }
-  names.emplace_back("tension");
-  for (std::size_t j = 0; j < law.parameters.size(); ++j) law.parameters[j].value = best[j];
   law.covariance = Eigen::MatrixXd::Constant(p, p, kNaN);
   if (std::isfinite(variance)) {
+    std::vector<std::string> names;
+    Eigen::VectorXd scales = Eigen::VectorXd::Constant(p + 1, 10);  // a prior of 1 is no open end
+    for (const int j : free) {
+      scales[static_cast<Eigen::Index>(names.size())] =
+          std::max(std::abs(best[static_cast<std::size_t>(j)]), 1e-12);
+      names.push_back(law.parameters[static_cast<std::size_t>(j)].name);
+    }
+    names.emplace_back("tension");
     // An offset or slope near zero has no relative uncertainty; what is asked is that the law's
     // own parameters are not hopelessly confounded.
     const double limit = kind == LawKind::saturating ? 1 : 1e6;
@@ -290,27 +328,12 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
       law.parameters[static_cast<std::size_t>(free[static_cast<std::size_t>(j)])].std =
           known.std[j];
     }
-    for (const auto& open : known.open) {
-      law.message += (law.message.empty() ? "" : "; ") + open.message;
-    }
+    for (const auto& open : known.open) remark(open.message);
   } else {
-    law.message += std::string(law.message.empty() ? "" : "; ") +
-                   "as many parameters as points: no uncertainty";
+    remark("as many parameters as points: no uncertainty");
   }
-  for (auto& parameter : law.parameters) {
-    if (parameter.fixed) parameter.std = 0;
-  }
-  law.formula = formula_of(law);
-
-  double mean_relative = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double EI = data.points[static_cast<std::size_t>(i)].EI_Nm2;
-    mean_relative += (std::pow(data.sigma[i], 2) + std::pow(data.change[i], 2)) / (EI * EI);
-  }
-  law.scatter_relative_std = std::sqrt(mean_relative / static_cast<double>(n) * variance);
 
   const double k = static_cast<double>(p) + (data.weighted ? 0 : 1);
-  const double count = static_cast<double>(n);
   if (count > k + 1) {
     const double misfit = data.weighted
                               ? law.chi_squared
@@ -322,19 +345,7 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
 
 }  // namespace
 
-const char* name_of(LawKind kind) {
-  switch (kind) {
-    case LawKind::linear:
-      return "linear";
-    case LawKind::square_root:
-      return "square root";
-    case LawKind::power:
-      return "power";
-    case LawKind::saturating:
-      return "saturating";
-  }
-  return "linear";
-}
+const char* name_of(LawKind kind) { return law_of(kind).name; }
 
 namespace {
 
@@ -350,7 +361,7 @@ double evaluate(const FittedLaw& law, double tension_N, Eigen::VectorXd& by) {
     if (!law.parameters[j].fixed) free.push_back(static_cast<int>(j));
   }
   Gradient gradient;
-  const double EI = evaluate(law.kind, tension_N, law.reference_tension_N, values, gradient);
+  const double EI = law_of(law.kind).value(tension_N, law.reference_tension_N, values, gradient);
   by = gradient(free);
   return EI;
 }
@@ -463,6 +474,38 @@ StiffnessLaws fit_stiffness_laws(const std::vector<StiffnessPoint>& points,
   }
   rank_laws(result, points.size(), left_out);
   return result;
+}
+
+double tension_spread(const Eigen::Ref<const Eigen::VectorXd>& tension, double noise) {
+  if (tension.size() == 0) return 0;
+  // The largest of n normal deviates is about sqrt(2 ln n).
+  const double extreme = noise * std::sqrt(2 * std::log(static_cast<double>(tension.size())));
+  const double low = tension.minCoeff() + extreme, high = tension.maxCoeff() - extreme;
+  if (!(high > low)) return 0;
+  const double mean = std::clamp(tension.mean(), low, high);
+  return std::hypot(0.5 * (low + high) - mean, (high - low) / std::sqrt(12.0));
+}
+
+std::vector<double> change_by_tension(const std::vector<StiffnessPoint>& points) {
+  std::vector<double> change(points.size(), 0.0);
+  if (points.empty()) return change;
+  const auto [low, high] =
+      std::minmax_element(points.begin(), points.end(),
+                          [](const auto& a, const auto& b) { return a.tension_N < b.tension_N; });
+  if (!(high->tension_N > 1.05 * low->tension_N)) return change;
+  const double exponent = power_through(points).second;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    change[i] = exponent * points[i].EI_Nm2 / points[i].tension_N * points[i].tension_std_N;
+  }
+  return change;
+}
+
+double own_std(const StiffnessPoint& point) {
+  const double whole = std::isfinite(point.low) && std::isfinite(point.high)
+                           ? (point.high - point.low) / (2 * 1.959964)
+                           : point.std;
+  const double shared = point.shared_relative_std * point.EI_Nm2;
+  return std::sqrt(std::max(whole * whole - shared * shared, 1e-6 * whole * whole));
 }
 
 }  // namespace rigfit::ident

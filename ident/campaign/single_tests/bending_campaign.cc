@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "ident/bending/bending_equation.h"
-#include "ident/stiffness/tension_spread.h"
+#include "ident/stiffness/stiffness_law.h"
 
 namespace rigfit::ident {
 namespace {

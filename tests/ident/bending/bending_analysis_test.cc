@@ -239,5 +239,39 @@ TEST(BendingTest, IntervalsCoverTheTruthOfTheVirtualLaboratory) {
   EXPECT_LT(std::abs(bias), 1.0 / 3 + 3 / std::sqrt(120.0));
 }
 
+// Friction that turns round over a part of the stroke, in which a straight line is too stiff.
+// By an exponential law and one with a longer tail; over more of the stroke it is refused.
+TEST(BendingTest, FrictionIsInTheIntervalOrRefused) {
+  int covered = 0, given = 0, refused = 0;
+  const auto analyse = [](double travel, double exponent, std::uint64_t seed) {
+    VirtualBendingTest test = laboratory(0.8, 300);
+    test.peak_load_N = 4;
+    test.friction_load_N = 0.08;
+    test.friction_travel_m = travel;
+    test.friction_exponent = exponent;
+    test.load_cell.noise_std = 0.005;
+    Random random = random_stream(seed, 3);
+    return analyse_bending_test(channels(virtual_bending_record(test, random)), span_of(0.5));
+  };
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    for (const auto& [travel, exponent] : {std::pair{1e-4, 1.0}, {5e-5, 1.5}}) {
+      const auto result = analyse(travel, exponent, seed);
+      if (result.refused) continue;
+      ++given;
+      EXPECT_TRUE(has(result, "friction")) << codes(result);
+      covered += result.stiffness.low <= 0.8 && 0.8 <= result.stiffness.high;
+    }
+    simulated::Bending slow;
+    slow.rows = 400, slow.load_noise = slow.deflection_noise = 0.001;
+    slow.friction = simulated::Friction::dahl;
+    slow.friction_N = 0.1, slow.friction_travel_m = 4e-4;  // of 1 mm
+    std::mt19937_64 random(seed);
+    refused += analyse_bending_test(simulated::record(slow, random), span_of(slow.span_m)).refused;
+  }
+  EXPECT_GE(given, 36);
+  EXPECT_GE(covered, given - 6);  // 95 % of 40: 38 +- 1.4, three of these
+  EXPECT_EQ(refused, 20);
+}
+
 }  // namespace
 }  // namespace rigfit::ident::bending_analysis_test
