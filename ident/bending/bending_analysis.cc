@@ -603,7 +603,7 @@ class Analysis {
     if (beam()) return 0;
     const double ratio = 4 * mean_tension_ * result_.compliance_m_N.value / options_.span_m.value;
     if (!(ratio > 0 && ratio < 1)) return 0;
-    const double lambda = lambda_from_bending_ratio(ratio).lambda;
+    const double lambda = lambda_from_bending_ratio(ratio);
     return mean_tension_ * std::pow(options_.span_m.value / lambda, 2) / 4;
   }
 

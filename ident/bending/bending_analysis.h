@@ -18,7 +18,7 @@
 //
 // Without tension (`ends` clamped, pinned or cantilever) the tension of a record is not used, the
 // straight part of long strokes is the elastic one between toe and yield or stop
-// (beam_segments.h), and EI = L^3 / (c s) (beam_ends.h).
+// (beam_segments.h), and EI = L^3 / (c s).
 #pragma once
 
 #include <vector>

@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_errno.h>
 #include <gsl/gsl_qrng.h>
-#include <gsl/gsl_roots.h>
 
 #include <algorithm>
 #include <array>
@@ -18,48 +16,21 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// c in tanh(x) / x = 1 / (1 + c): x^2 / (3 + x^2 / (5 + ...)). Nine levels leave less than 1e-17 at
-// x = 1: each level k divides the remainder by about (2 k + 1)^2 / x^2.
-double lambert_fraction(double x) {
-  const double square = x * x;
+// D in tanh(x) / x = 1 / (1 + x^2 / D): D = 3 + x^2 / (5 + x^2 / (7 + ...)). Nine levels leave less
+// than 1e-17 at x = 1: each level k divides the remainder by about (2 k + 1)^2 / x^2.
+double lambert_denominator(double x) {
   double denominator = 21;
-  for (int odd = 19; odd >= 3; odd -= 2) denominator = odd + square / denominator;
-  return square / denominator;
+  for (int odd = 19; odd >= 3; odd -= 2) denominator = odd + x * x / denominator;
+  return denominator;
 }
 
 // 12 F(lambda) / lambda^2, which is 1 at zero: what P takes off a beam's compliance.
 double tension_factor(double lambda) {
-  if (lambda < 2) {
-    const double x = lambda / 2, square = x * x;
-    double denominator = 21;
-    for (int odd = 19; odd >= 3; odd -= 2) denominator = odd + square / denominator;
-    return 3 / denominator / (1 + square / denominator);
-  }
+  if (lambda < 2) return 3 / (lambert_denominator(lambda / 2) + lambda * lambda / 4);
   return 12 * bending_ratio(lambda) / lambda / lambda;
 }
 
 bool positive_finite(double value) { return std::isfinite(value) && value > 0; }
-
-struct Equation {
-  double log_odds;  // ln(F / (1 - F)) asked for
-};
-
-void odds_fdf(double log_lambda, void* data, double* value, double* slope) {
-  const double lambda = std::exp(log_lambda);
-  const double ratio = bending_ratio(lambda), complement = bending_ratio_complement(lambda);
-  *value = std::log(ratio) - std::log(complement) - static_cast<Equation*>(data)->log_odds;
-  *slope = bending_ratio_log_derivative(lambda) / (ratio * complement);
-}
-double odds_f(double log_lambda, void* data) {
-  double value, slope;
-  odds_fdf(log_lambda, data, &value, &slope);
-  return value;
-}
-double odds_df(double log_lambda, void* data) {
-  double value, slope;
-  odds_fdf(log_lambda, data, &value, &slope);
-  return slope;
-}
 
 // EI of one draw; 0 where it is softer than a string, infinite where it does not yield at all.
 double EI_of_draw(double compliance, double tension, double span, BeamEnds ends) {
@@ -70,7 +41,7 @@ double EI_of_draw(double compliance, double tension, double span, BeamEnds ends)
   }
   const double ratio = 4 * tension * compliance / span;
   if (ratio >= 1) return 0;
-  const double lambda = lambda_from_bending_ratio(ratio).lambda;
+  const double lambda = lambda_from_bending_ratio(ratio);
   return tension * span * span / (4 * lambda * lambda);
 }
 
@@ -108,31 +79,28 @@ double quantile(const std::vector<double>& sorted, double p) {
 }  // namespace
 
 const char* name_of(BendingStatus status) {
-  switch (status) {
-    case BendingStatus::solved:
-      return "solved";
-    case BendingStatus::not_positive:
-      return "not positive";
-    case BendingStatus::string_like:
-      return "string-like";
-    case BendingStatus::upper_bound_only:
-      return "upper bound only";
-    case BendingStatus::not_converged:
-      return "not converged";
-  }
-  return "not converged";
+  constexpr std::array names{"solved", "not positive", "string-like", "upper bound only"};
+  return names[static_cast<std::size_t>(status)];
+}
+
+const char* name_of(BeamEnds ends) {
+  constexpr std::array names{"tensioned", "clamped", "pinned", "cantilever"};
+  return names[static_cast<std::size_t>(ends)];
 }
 
 double bending_ratio(double lambda) {
   if (lambda < 2) {
-    const double c = lambert_fraction(lambda / 2);
-    return c / (1 + c);
+    const double square = lambda * lambda / 4;
+    return square / (lambert_denominator(lambda / 2) + square);
   }
   return 1 - bending_ratio_complement(lambda);
 }
 
 double bending_ratio_complement(double lambda) {
-  if (lambda < 2) return 1 / (1 + lambert_fraction(lambda / 2));
+  if (lambda < 2) {
+    const double denominator = lambert_denominator(lambda / 2);
+    return denominator / (denominator + lambda * lambda / 4);
+  }
   // tanh(lambda/2) = (1 - e^-lambda) / (1 + e^-lambda)
   return -std::expm1(-lambda) / (1 + std::exp(-lambda)) * 2 / lambda;
 }
@@ -148,41 +116,27 @@ double bending_ratio_log_derivative(double lambda) {
   return bending_ratio_complement(lambda) - 4 * decay / ((1 + decay) * (1 + decay));
 }
 
-LambdaSolution lambda_from_bending_ratio(double ratio) {
+double lambda_from_bending_ratio(double ratio) {
   if (!(ratio > 0 && ratio < 1)) {
     throw std::invalid_argument("the ratio 4 P d / (Q l) must lie between 0 and 1");
   }
-  // F < lambda^2 / 12 and 1 - F < 2 / lambda hold for every lambda.
+  // F < lambda^2 / 12 and 1 - F < 2 / lambda hold for every lambda. The small-lambda end is a
+  // straight line of slope 2 through `low`, the other of slope 1.
   double low = 0.5 * std::log(12 * ratio), high = std::log(2 / (1 - ratio) + 2);
-  Equation equation{std::log(ratio) - std::log1p(-ratio)};
-  gsl_function_fdf function{odds_f, odds_df, odds_fdf, &equation};
-  const std::unique_ptr<gsl_root_fdfsolver, void (*)(gsl_root_fdfsolver*)> solver(
-      gsl_root_fdfsolver_alloc(gsl_root_fdfsolver_newton), gsl_root_fdfsolver_free);
-  // The small-lambda end is a straight line of slope 2 through `low`, the other of slope 1.
-  double guess = ratio < 0.5 ? low + 0.1 * ratio : std::log(2 / (1 - ratio));
-  guess = std::clamp(guess, low, high);
-  gsl_root_fdfsolver_set(solver.get(), &function, guess);
-  LambdaSolution solution;
-  constexpr int kMaxIterations = 100;  // bisection alone would need some 60
-  for (; solution.iterations < kMaxIterations; ++solution.iterations) {
-    const double before = gsl_root_fdfsolver_root(solver.get());
-    (odds_f(before, &equation) < 0 ? low : high) = before;
-    double next = before;
-    if (gsl_root_fdfsolver_iterate(solver.get()) == GSL_SUCCESS) {
-      next = gsl_root_fdfsolver_root(solver.get());
-    }
-    if (!(next >= low && next <= high)) {
-      next = 0.5 * (low + high);
-      gsl_root_fdfsolver_set(solver.get(), &function, next);
-    }
-    // Newton's next step would be of the order of this one squared: below rounding.
-    if (std::abs(next - before) <= 1e-8) {
-      solution.converged = true;
-      break;
-    }
+  const double log_odds = std::log(ratio) - std::log1p(-ratio);
+  double x = std::clamp(ratio < 0.5 ? low + 0.1 * ratio : std::log(2 / (1 - ratio)), low, high);
+  for (int i = 0; i < 100; ++i) {  // bisection alone would need some 60
+    const double lambda = std::exp(x);
+    const double F = bending_ratio(lambda), rest = bending_ratio_complement(lambda);
+    const double off = std::log(F) - std::log(rest) - log_odds;
+    (off < 0 ? low : high) = x;
+    double next = x - off * F * rest / bending_ratio_log_derivative(lambda);
+    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+    const double step = std::abs(next - x);
+    x = next;
+    if (step <= 1e-8) break;  // the next one would be of the order of its square: below rounding
   }
-  solution.lambda = std::exp(gsl_root_fdfsolver_root(solver.get()));
-  return solution;
+  return std::exp(x);
 }
 
 double midspan_compliance(double EI_Nm2, double tension_N, double span_m) {
@@ -243,14 +197,9 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
 
   double k = 1;  // 2 F / (dF / d ln lambda)
   if (result.ratio > 0) {
-    const LambdaSolution solution = lambda_from_bending_ratio(result.ratio);
-    if (!solution.converged) {
-      result.reason = fmt::format("no lambda found for 4 P d / (Q l) = {:.17g}", result.ratio);
-      return result;
-    }
-    result.lambda = solution.lambda;
-    result.EI_Nm2.value = tension * span * span / (4 * solution.lambda * solution.lambda);
-    k = 2 * result.ratio / bending_ratio_log_derivative(solution.lambda);
+    result.lambda = lambda_from_bending_ratio(result.ratio);
+    result.EI_Nm2.value = tension * span * span / (4 * result.lambda * result.lambda);
+    k = 2 * result.ratio / bending_ratio_log_derivative(result.lambda);
   } else {
     result.lambda = 0;
     result.EI_Nm2.value = span * span * span / (beam_stiffness_factor(measured.ends) * slope);

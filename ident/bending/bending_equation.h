@@ -8,6 +8,10 @@
 // Source: Jalali and Rideout 2021, eqs. (17)-(19), whose form suffers from cancellation and
 // overflow.
 //
+// Without tension EI = L^3 / (c s), s = d / Q, the limit for tension zero, with c = 192 clamped, 48
+// pinned (load at mid-span), 3 cantilever (load at its end); no shear. Source: Gere and Timoshenko,
+// Mechanics of Materials, appendix G.
+//
 // F is evaluated without cancellation by the continued fraction of tanh (Lambert; Abramowitz and
 // Stegun 4.5.70) below lambda = 2 and by 1 - tanh above; both are good to a few units in the last
 // place for every positive lambda.
@@ -16,10 +20,23 @@
 #include <limits>
 #include <string>
 
-#include "ident/bending/beam_ends.h"
 #include "signal/numerics/estimate.h"
 
 namespace rigfit::ident {
+
+enum class BeamEnds {
+  tensioned,   ///< clamped at both ends under a measured tension
+  clamped,     ///< at both ends, no tension
+  pinned,      ///< on two simple supports, no tension
+  cantilever,  ///< clamped at one end, loaded at the other; the span is the length to the load
+};
+
+/// The factor c; with tension 192, the limit for tension zero.
+[[nodiscard]] constexpr double beam_stiffness_factor(BeamEnds ends) {
+  if (ends == BeamEnds::pinned) return 48;
+  return ends == BeamEnds::cantilever ? 3 : 192;
+}
+[[nodiscard]] const char* name_of(BeamEnds ends);
 
 /// F(lambda), in (0, 1), for lambda > 0; 0 at 0.
 [[nodiscard]] double bending_ratio(double lambda);
@@ -28,16 +45,10 @@ namespace rigfit::ident {
 /// d F / d ln(lambda).
 [[nodiscard]] double bending_ratio_log_derivative(double lambda);
 
-struct LambdaSolution {
-  double lambda = std::numeric_limits<double>::quiet_NaN();
-  int iterations = 0;
-  bool converged = false;
-};
-
 /// Inverts F for a ratio in (0, 1) (throws std::invalid_argument otherwise): Newton on
 /// ln(F / (1 - F)) over ln(lambda), which is nearly straight, inside the bracket
 /// sqrt(12 F) < lambda < 2 / (1 - F) + 2.
-[[nodiscard]] LambdaSolution lambda_from_bending_ratio(double ratio);
+[[nodiscard]] double lambda_from_bending_ratio(double ratio);
 
 /// Deflection at mid-span per unit load, m/N. Tension zero is allowed. Throws
 /// std::invalid_argument for EI or span not positive, a negative tension, or a value not finite.
@@ -56,7 +67,7 @@ struct ComplianceMeasurement {
   signal::Estimate tension_N;
   signal::Estimate span_m;
   double degrees_of_freedom = 0;  ///< for the slope's uncertainty (Student's t); 0: normal
-  /// For other ends than `tensioned` the tension is ignored, EI = L^3 / (c s) (beam_ends.h).
+  /// For other ends than `tensioned` the tension is ignored, EI = L^3 / (c s).
   BeamEnds ends = BeamEnds::tensioned;
   /// Stiffness of each clamp, N m/rad; 0: rigid. 1 over it is the standard uncertainty of its
   /// flexibility.
@@ -68,12 +79,11 @@ enum class BendingStatus {
   not_positive,      ///< slope, tension or span are not positive
   string_like,       ///< 4 P d / (Q l) >= 1: softer than a string without any EI
   upper_bound_only,  ///< solved, but the 95 % interval reaches EI = 0
-  not_converged,
 };
 [[nodiscard]] const char* name_of(BendingStatus status);
 
 struct StiffnessFromBending {
-  BendingStatus status = BendingStatus::not_converged;
+  BendingStatus status = BendingStatus::not_positive;
   std::string reason;                                       ///< for a person; empty when solved
   double ratio = std::numeric_limits<double>::quiet_NaN();  ///< 4 P d / (Q l)
   double lambda = std::numeric_limits<double>::quiet_NaN();

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "ident/bending/beam_ends.h"
 #include "ident/bending/bending_equation.h"
 
 namespace rigfit::ident {

@@ -34,12 +34,11 @@ void count(benchmark::State& state, const signal::Estimate& found, double truth)
 void bending_equation(benchmark::State& state) {
   const double lambda = 0.1 * static_cast<double>(state.range(0));
   const auto ratio = static_cast<double>(apps::exact_bending_ratio(lambda));
-  LambdaSolution found;
+  double found = 0;
   for (auto _ : state) benchmark::DoNotOptimize(found = lambda_from_bending_ratio(ratio));
-  state.counters["relative_error"] = std::abs(std::pow(lambda / found.lambda, 2) - 1);
+  state.counters["relative_error"] = std::abs(std::pow(lambda / found, 2) - 1);
   state.counters["reference_error"] =
       std::numeric_limits<double>::epsilon() * ratio / bending_ratio_log_derivative(lambda);
-  state.counters["iterations"] = found.iterations;
 }
 BENCHMARK(bending_equation)->ArgName("tenths_of_lambda")->Arg(3)->Arg(20)->Arg(80)->Arg(250);
 

@@ -45,26 +45,22 @@ TEST(BendingRatio, DerivativeMatchesDifferences) {
 }
 
 TEST(LambdaFromBendingRatio, InvertsOverTenDecades) {
-  int most = 0;
   for (int i = 0; i <= 2000; ++i) {
     const double lambda = std::pow(10.0, -6 + 10.0 * i / 2000);
     const double ratio = bending_ratio(lambda);
-    const LambdaSolution solution = lambda_from_bending_ratio(ratio);
-    ASSERT_TRUE(solution.converged) << lambda;
+    const double found = lambda_from_bending_ratio(ratio);
     // The ratio is stored to half a unit in the last place, which loses d ln(lambda) = eps F /
     // (dF/d ln lambda) for good.
     const double conditioning = ratio / bending_ratio_log_derivative(lambda);
-    ASSERT_NEAR(solution.lambda, lambda, lambda * (4e-15 + 4e-16 * conditioning)) << lambda;
-    most = std::max(most, solution.iterations);
+    ASSERT_NEAR(found, lambda, lambda * (4e-15 + 4e-16 * conditioning)) << lambda;
   }
-  EXPECT_LE(most, 8);
 }
 
 TEST(LambdaFromBendingRatio, WorksAtTheVeryEnds) {
-  const double smallest = lambda_from_bending_ratio(1e-300).lambda;
+  const double smallest = lambda_from_bending_ratio(1e-300);
   EXPECT_NEAR(smallest, std::sqrt(12e-300), 1e-13 * smallest);
   const double nearly_one = std::nextafter(1.0, 0.0);
-  EXPECT_NEAR(lambda_from_bending_ratio(nearly_one).lambda, 2 / (1 - nearly_one),
+  EXPECT_NEAR(lambda_from_bending_ratio(nearly_one), 2 / (1 - nearly_one),
               1e-13 / (1 - nearly_one));
   EXPECT_THROW((void)lambda_from_bending_ratio(0), std::invalid_argument);
   EXPECT_THROW((void)lambda_from_bending_ratio(1), std::invalid_argument);
