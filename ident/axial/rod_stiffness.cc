@@ -1,12 +1,10 @@
 #include "ident/axial/rod_stiffness.h"
 
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_roots.h>
-
 #include <algorithm>
 #include <limits>
-#include <memory>
 #include <numbers>
+
+#include "ident/statistics/root.h"
 
 namespace rigfit::ident {
 namespace {
@@ -46,18 +44,7 @@ RodStiffness rod_stiffness(const RodOnMass& rod) {
     result.cable_N_m = result.series_N_m = std::numeric_limits<double>::quiet_NaN();
     return result;
   }
-  gsl_function function{[](double kc, void* of) { return (*static_cast<const Equation*>(of))(kc); },
-                        const_cast<Equation*>(&equation)};
-  const std::unique_ptr<gsl_root_fsolver, void (*)(gsl_root_fsolver*)> brent(
-      gsl_root_fsolver_alloc(gsl_root_fsolver_brent), gsl_root_fsolver_free);
-  gsl_root_fsolver_set(brent.get(), &function, low, high);
-  for (int i = 0; i < 200; ++i) {
-    if (gsl_root_fsolver_iterate(brent.get()) != GSL_SUCCESS) break;
-    const double a = gsl_root_fsolver_x_lower(brent.get());
-    const double b = gsl_root_fsolver_x_upper(brent.get());
-    if (gsl_root_test_interval(a, b, 0, 4e-16) == GSL_SUCCESS) break;
-  }
-  const double kc = result.cable_N_m = gsl_root_fsolver_root(brent.get());
+  const double kc = result.cable_N_m = root_between(low, high, 4e-16, equation);
   result.series_N_m = 1 / (1 / kc + told(rod.adapter_N_m) + told(rod.frame_N_m));
   constexpr double h = 1e-5;
   const auto slope = [&](auto at) { return at(h) - at(-h); };

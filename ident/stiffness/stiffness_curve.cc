@@ -26,17 +26,8 @@ bool has_covariance(const FittedLaw& law) {
 }  // namespace
 
 const char* name_of(StiffnessSource source) {
-  switch (source) {
-    case StiffnessSource::none:
-      return "none";
-    case StiffnessSource::law:
-      return "law";
-    case StiffnessSource::weighted_laws:
-      return "weighted laws";
-    case StiffnessSource::interpolation:
-      return "interpolation";
-  }
-  return "none";
+  constexpr std::array names{"none", "law", "weighted laws", "interpolation"};
+  return names[static_cast<std::size_t>(source)];
 }
 
 StiffnessCurve::StiffnessCurve(std::vector<StiffnessPoint> points,

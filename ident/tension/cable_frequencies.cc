@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "ident/statistics/root.h"
+
 namespace rigfit::ident {
 namespace {
 
@@ -81,7 +83,9 @@ class HalfBeam {
       if (!(b > low * (1 - kRounding) && b < high)) break;
       if (std::abs(step) < last_step * b) return std::max(b, low);
     }
-    return bracketed(low, high);
+    const double root =
+        root_between(low, high, 1e-13, [this](double x) { return misfit(x).value; });
+    return std::isfinite(root) ? root : low;
   }
 
   [[nodiscard]] bool sags() const { return sag_ > 0; }
@@ -100,31 +104,6 @@ class HalfBeam {
     tanh_kappa_ = std::tanh(kappa_);
     const double sech2 = kappa_ > 20 ? 0 : 1 - tanh_kappa_ * tanh_kappa_;
     squared_ = 1 - 1.5 * tanh_kappa_ / kappa_ + sech2 / 2;
-  }
-
-  [[nodiscard]] double bracketed(double low, double high) const {
-    double at_low = misfit(low).value, at_high = misfit(high).value;
-    if (at_low == 0 || (at_low > 0) == (at_high > 0)) return low;
-    int side = 0;
-    for (int i = 0; i < 100 && high - low > 1e-13 * high; ++i) {  // Illinois
-      const double middle = (at_high * low - at_low * high) / (at_high - at_low);
-      const double here = misfit(middle).value;
-      if (here == 0) return middle;
-      if ((here > 0) == (at_high > 0)) {
-        if (high - middle < 1e-14 * high && side == 1) return middle;
-        high = middle;
-        at_high = here;
-        if (side == 1) at_low /= 2;
-        side = 1;
-      } else {
-        if (middle - low < 1e-14 * high && side == -1) return middle;
-        low = middle;
-        at_low = here;
-        if (side == -1) at_high /= 2;
-        side = -1;
-      }
-    }
-    return (low + high) / 2;
   }
 
   [[nodiscard]] Slope right_side(double at, bool symmetric) const {

@@ -11,7 +11,6 @@
 #include "ident/tension/cable_model.h"
 #include "ident/tension/tension_formulas.h"
 #include "ident/tension/tension_posterior.h"
-#include "ident/tension/tension_summary.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -28,6 +27,7 @@ constexpr double kSettled = 3e-5;  // change of ln f
 // summed over, and a sound one reaches it in few modes only.
 constexpr double kRmsRuledOut = 0.02, kWorstRuledOut = 0.05, kChanceRuledOut = 1e-6;
 constexpr double kSoundModel = 5e-3;  // error of the model that the chance counts, at most
+constexpr double kTaut = 0.5;         // Irvine's parameter, as the search tells tensions apart
 constexpr double kSameCell = 1e-3;  // change of ln T, ln EI, ln k: fits of one cell from two starts
 
 /// Whether the heaviest cell of an answer is one of another answer: two starts have led to one.
@@ -44,37 +44,16 @@ bool contained(const TensionAnswer& answer, const TensionAnswer& other) {
   });
 }
 
-/// Whether an assignment's start leads to an answer that is known: at the answer's own EI and
-/// springs both end at one tension.
-bool leads_to(const EndsPosterior& one, const TensionData& data, const Assignment& assignment,
-              const TensionAnswer& answer) {
-  if (answer.modes != assignment.modes) return false;
-  const auto there = answer.state();
-  auto start = there;
-  start.tension_N = std::exp(assignment.ln_tension);
-  start.EA = assignment.EA;
-  start.length = start.mass = start.EI = 1;
-  start.EI_Nm2 = there.EI_Nm2 / there.EI;
-  if (!one.model.cable().EI_Nm2) {  // at the same x and q
-    const double scale = start.tension_N / there.tension_N;
-    start.EI_Nm2 *= scale;
-    start.spring_Nm_rad *= scale;
-  }
-  const auto a = refitted(one.model, data, answer.modes, there),
-             b = refitted(one.model, data, answer.modes, start);
-  return std::abs(std::log(a.tension_N / b.tension_N)) < kSameCell;
-}
-
-/// `best`: ln of the evidence of the best answer with other ends. Returns for each assignment
-/// whether it led to an answer that none before it did.
-std::vector<bool> evaluate(EndsPosterior& one, const TensionData& data,
-                           const std::vector<Assignment>& assignments, double best) {
+/// Answers of all assignments, heaviest first. `best`: ln of the evidence of the best answer with
+/// other ends.
+void evaluate(EndsPosterior& one, const TensionData& data,
+              const std::vector<Assignment>& assignments, double best) {
   one.answers.clear();
-  std::vector<bool> led(assignments.size(), false);
-  for (std::size_t i = 0; i < assignments.size(); ++i) {
-    const auto& assignment = assignments[i];
-    if (std::any_of(one.answers.begin(), one.answers.end(),
-                    [&](const auto& other) { return leads_to(one, data, assignment, other); })) {
+  for (const auto& assignment : assignments) {
+    // A cable that hardly sags has one tension for given orders.
+    const bool taut = one.model.lambda_squared(std::exp(assignment.ln_tension)) < kTaut;
+    if (taut && std::any_of(one.answers.begin(), one.answers.end(),
+                            [&](const auto& other) { return other.modes == assignment.modes; })) {
       continue;
     }
     auto answer = tension_answer(one.model, data, one.ends, assignment, best);
@@ -83,18 +62,16 @@ std::vector<bool> evaluate(EndsPosterior& one, const TensionData& data,
     const bool known = std::any_of(one.answers.begin(), one.answers.end(),
                                    [&](const auto& other) { return contained(answer, other); });
     if (known) continue;
-    led[i] = true;
     std::erase_if(one.answers, [&](const auto& other) { return contained(other, answer); });
     one.answers.push_back(std::move(answer));
   }
   std::stable_sort(one.answers.begin(), one.answers.end(),
                    [](const auto& a, const auto& b) { return a.ln_evidence > b.ln_evidence; });
-  if (one.answers.empty()) return led;
+  if (one.answers.empty()) return;
   const double top = one.answers.front().ln_evidence;
   double sum = 0;
   for (const auto& answer : one.answers) sum += std::exp(answer.ln_evidence - top);
   one.ln_evidence = top + std::log(sum);
-  return led;
 }
 
 /// The correction at a state of the heaviest answer; returns by how much it changes ln f of a
@@ -131,16 +108,20 @@ double correct(EndsPosterior& one, const CableState& state) {
   return change;
 }
 
+CableFrequencies frequencies_of(const EndsPosterior& one, const TensionAnswer& answer,
+                                const TensionData& data) {
+  return one.model.frequencies(answer.state(), 200, 1.05 * data.highest_hz);
+}
+
 /// Order of each measured mode among those of its plane by rising frequency, from 1; 0: none.
-std::vector<int> orders(const TensionAnswer& answer, const CableFrequencies& frequencies) {
+std::vector<int> orders(const EndsPosterior& one, const TensionAnswer& answer,
+                        const TensionData& data) {
+  const auto frequencies = frequencies_of(one, answer, data);
   std::vector<int> found;
-  found.reserve(answer.modes.size());
   for (const auto& mode : answer.modes) {
     const auto& list = mode.plane == model::ModePlane::in ? frequencies.in_hz : frequencies.out_hz;
     const auto place = static_cast<std::size_t>(std::max(0, mode.order));
-    if (mode.order < 0) {
-      found.push_back(0);
-    } else if (place >= list.size()) {
+    if (mode.order < 0 || place >= list.size()) {
       found.push_back(mode.order + 1);
     } else {
       const auto below =
@@ -151,16 +132,11 @@ std::vector<int> orders(const TensionAnswer& answer, const CableFrequencies& fre
   return found;
 }
 
-std::vector<int> orders(const EndsPosterior& one, const TensionAnswer& answer,
-                        const TensionData& data) {
-  return orders(answer, one.model.frequencies(answer.state(), 200, 1.05 * data.highest_hz));
-}
-
 /// Order of each measured mode, and how well it agrees.
 void list_modes(const EndsPosterior& one, const TensionData& data, TensionCandidate& candidate) {
   const auto& answer = one.answers.front();
-  const auto frequencies = one.model.frequencies(one.state(), 200, 1.05 * data.highest_hz);
-  const auto order_of = orders(answer, frequencies);
+  const auto frequencies = frequencies_of(one, answer, data);
+  const auto order_of = orders(one, answer, data);
   std::vector<TensionData::Listed> listed;
   data.list(frequencies, listed);
   double last = -kInf;  // the highest paired frequency
@@ -277,30 +253,24 @@ void describe(const CableModel& model, TensionResult& result) {
                      zui_tension(input)};
 }
 
-/// Those of the assignments that `led` to answers of their own with pinned or clamped ends, which
-/// springs lie between, and are there within exp(-20) of the best; all where neither has been
-/// evaluated.
+/// Assignments for springs, which lie between pinned and clamped ends: those with an answer there
+/// within exp(-20) of the best; all where neither has been evaluated.
 std::vector<Assignment> likely(const std::vector<EndsPosterior>& all,
-                               const std::vector<Assignment>& assignments,
-                               const std::vector<bool>& led) {
+                               std::vector<Assignment> assignments) {
   double best = -kInf;
   for (const auto& one : all) {
     if (one.ends != CableEnds::springs) best = std::max(best, one.ln_evidence);
   }
   if (!std::isfinite(best)) return assignments;
-  std::vector<Assignment> kept;
-  for (std::size_t i = 0; i < assignments.size(); ++i) {
-    const auto& assignment = assignments[i];
-    if (!led[i]) continue;
-    const bool good = std::any_of(all.begin(), all.end(), [&](const auto& one) {
+  std::erase_if(assignments, [&](const auto& assignment) {
+    return std::none_of(all.begin(), all.end(), [&](const auto& one) {
       return one.ends != CableEnds::springs &&
              std::any_of(one.answers.begin(), one.answers.end(), [&](const auto& answer) {
                return answer.modes == assignment.modes && answer.ln_evidence > best - 20;
              });
     });
-    if (good) kept.push_back(assignment);
-  }
-  return kept;
+  });
+  return assignments;
 }
 
 /// The answers that may still be the best, as starts.
@@ -330,7 +300,7 @@ double settle(EndsPosterior& one, const TensionData& data, double best) {
       state = refitted(one.model, data, one.answers.front().modes, state);
       change = correct(one, state);
     }
-    (void)evaluate(one, data, surviving(one), best);
+    evaluate(one, data, surviving(one), best);
   }
   return first;
 }
@@ -350,15 +320,10 @@ std::vector<EndsPosterior> posteriors(const CableDescription& cable, const Tensi
     const auto assignments = search_assignments(searched, data);
     double change = 0;
     const EndsPosterior* heaviest = nullptr;
-    std::vector<bool> led(assignments.size(), false);
     for (auto& one : all) {
       const double best = heaviest != nullptr ? heaviest->ln_evidence : -kInf;
-      if (one.ends == CableEnds::springs) {
-        (void)evaluate(one, data, likely(all, assignments, led), best);
-      } else {
-        const auto new_ones = evaluate(one, data, assignments, best);
-        for (std::size_t i = 0; i < led.size(); ++i) led[i] = led[i] || new_ones[i];
-      }
+      const bool springs = one.ends == CableEnds::springs;
+      evaluate(one, data, springs ? likely(all, assignments) : assignments, best);
       if (one.answers.empty()) continue;
       change = std::max(change, settle(one, data, best));
       if (!one.answers.empty() && (heaviest == nullptr || one.ln_evidence > heaviest->ln_evidence))

@@ -1,4 +1,4 @@
-#include "ident/tension/tension_fit.h"
+#include "ident/tension/tension_posterior.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -1,11 +1,8 @@
 #include "ident/tension/tension_formulas.h"
 
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_roots.h>
-
 #include <cmath>
-#include <memory>
 
+#include "ident/statistics/root.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -18,12 +15,6 @@ constexpr double kHalfTurn = signal::kTwoPi / 2;
 double beam_frequency(const CableFormulaInput& in) {
   return 2 * kHalfTurn * in.frequency_hz * in.span_m * in.span_m *
          std::sqrt(in.mass_per_length / in.EI_Nm2);
-}
-
-/// The clamped beam's characteristic function of b over cosh a, where a = w / b.
-double characteristic(double b, void* w_address) {
-  const double w = *static_cast<double*>(w_address), a = w / b;
-  return 2 * w * (1 / std::cosh(a) - std::cos(b)) + (a * a - b * b) * std::tanh(a) * std::sin(b);
 }
 
 }  // namespace
@@ -39,22 +30,15 @@ double pinned_beam_tension(const CableFormulaInput& in) {
 
 double clamped_beam_tension(const CableFormulaInput& in) {
   if (!(in.EI_Nm2 > 0)) return string_tension(in);
-  double w = beam_frequency(in);
-  // b of order n lies between n pi (a string) and (n + 1) pi, where sin b is 0 and cos b has
-  // turned.
-  double low = in.order * kHalfTurn, high = (in.order + 1) * kHalfTurn;
-  if (!(characteristic(low, &w) * characteristic(high, &w) < 0)) return kNaN;
-  const std::unique_ptr<gsl_root_fsolver, decltype(&gsl_root_fsolver_free)> solver(
-      gsl_root_fsolver_alloc(gsl_root_fsolver_brent), gsl_root_fsolver_free);
-  gsl_function function{characteristic, &w};
-  if (gsl_root_fsolver_set(solver.get(), &function, low, high) != GSL_SUCCESS) return kNaN;
-  for (int i = 0; i < 200; ++i) {
-    if (gsl_root_fsolver_iterate(solver.get()) != GSL_SUCCESS) return kNaN;
-    low = gsl_root_fsolver_x_lower(solver.get());
-    high = gsl_root_fsolver_x_upper(solver.get());
-    if (gsl_root_test_interval(low, high, 0, 1e-14) == GSL_SUCCESS) break;
-  }
-  const double b = gsl_root_fsolver_root(solver.get());
+  const double w = beam_frequency(in);
+  // The beam's characteristic function over cosh a, a = w / b. b of order n lies between n pi (a
+  // string) and (n + 1) pi, where sin b is 0 and cos b has turned.
+  const double b =
+      root_between(in.order * kHalfTurn, (in.order + 1) * kHalfTurn, 1e-14, [w](double x) {
+        const double a = w / x;
+        return 2 * w * (1 / std::cosh(a) - std::cos(x)) +
+               (a * a - x * x) * std::tanh(a) * std::sin(x);
+      });
   const double T = (w * w / (b * b) - b * b) * in.EI_Nm2 / (in.span_m * in.span_m);
   return T > 0 ? T : kNaN;
 }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
-#include "ident/tension/tension_fit.h"
+#include "ident/statistics/root.h"
 
 namespace rigfit::ident {
 namespace {
@@ -268,6 +270,130 @@ CableState refitted(const CableModel& model, const TensionData& data,
                       .first_pinned = state.first_pinned};
   });
   return done ? local.state() : state;
+}
+
+namespace {
+
+/// A weighted normal of ln T, and where it comes from.
+struct Part {
+  double weight = 0, ln_tension = 0, variance = 0;
+};
+
+double mixture_quantile(const std::vector<Part>& parts, double probability) {
+  double low = kUnbounded, high = -kUnbounded;
+  for (const auto& part : parts) {
+    const double reach = 8 * std::sqrt(part.variance) + 1e-12;
+    low = std::min(low, part.ln_tension - reach);
+    high = std::max(high, part.ln_tension + reach);
+  }
+  // Over 1 + ln T - low, which is not near zero.
+  const double place = root_between(1, 1 + high - low, 1e-10, [&](double x) {
+    double below = 0;
+    for (const auto& part : parts) {
+      const double deviation = (part.ln_tension - (low + x - 1)) / std::sqrt(2 * part.variance);
+      below += part.weight * 0.5 * std::erfc(deviation);
+    }
+    return below - probability;
+  });
+  return std::exp(low + place - 1);
+}
+
+/// Variance of ln T within one cell.
+double cell_variance(const TensionCell& cell) {
+  return std::accumulate(cell.variance_input.begin(), cell.variance_input.end(),
+                         cell.variance_frequency + cell.variance_model);
+}
+
+/// All cells; weights sum to 1.
+std::vector<Part> mixture(const std::vector<const EndsPosterior*>& all, double top) {
+  std::vector<Part> parts;
+  double sum = 0;
+  for (const auto* one : all) {
+    for (const auto& answer : one->answers) {
+      for (const auto& cell : answer.cells) {
+        parts.push_back({std::exp(cell.ln_weight - top), cell.ln_tension, cell_variance(cell)});
+        sum += parts.back().weight;
+      }
+    }
+  }
+  for (auto& part : parts) part.weight /= sum;
+  std::erase_if(parts, [](const Part& part) { return part.weight < 1e-8; });
+  return parts;
+}
+
+}  // namespace
+
+TensionSummary summarise_tension(const std::vector<const EndsPosterior*>& all) {
+  double top = -kUnbounded;
+  for (const auto* one : all) top = std::max(top, one->ln_evidence);
+  const auto parts = mixture(all, top);
+  TensionSummary summary;
+  summary.low = mixture_quantile(parts, 0.025);
+  summary.high = mixture_quantile(parts, 0.975);
+  const double beside = std::log(summary.high / summary.low) / 2 + 1e-6;
+  const double from = std::log(summary.low) - beside, to = std::log(summary.high) + beside;
+  struct Cell {
+    const TensionCell* cell;
+    double weight, T;
+    std::array<int, 4> group;  // ends, answer, spring, rigidity
+  };
+  std::vector<Cell> cells;
+  double sum = 0, mean = 0, EI = 0, spring = 0;
+  for (int ends = 0, answers = 0; ends < static_cast<int>(all.size()); ++ends) {
+    for (const auto& answer : all[static_cast<std::size_t>(ends)]->answers) {
+      ++answers;
+      for (const auto& cell : answer.cells) {
+        if (cell.ln_tension < from || cell.ln_tension > to) continue;
+        const double w = std::exp(cell.ln_weight - top), T = std::exp(cell.ln_tension);
+        cells.push_back({&cell, w, T, {ends, answers, cell.spring, cell.rigidity}});
+        sum += w, mean += w * T;
+        EI += w * cell.state.EI_Nm2, spring += w * cell.state.spring_Nm_rad;
+      }
+    }
+  }
+  mean /= sum, EI /= sum, spring /= sum;
+  // Law of total variance: what a level adds is the mean square of its groups' means less that of
+  // the level above.
+  std::array<double, 6> square{};
+  for (std::size_t level = 1; level <= 4; ++level) {
+    std::map<std::vector<int>, std::pair<double, double>> groups;  // weight, weighted T - mean
+    for (const auto& one : cells) {
+      auto& [w, deviation] =
+          groups[{one.group.begin(), one.group.begin() + static_cast<std::ptrdiff_t>(level)}];
+      w += one.weight, deviation += one.weight * (one.T - mean);
+    }
+    for (const auto& [key, group] : groups) {
+      if (group.first > 0) square[level] += group.second * group.second / group.first / sum;
+    }
+  }
+  double frequencies = 0, models = 0, EI_square = 0, spring_square = 0;
+  std::array<double, kCableInputs.size()> inputs{};
+  for (const auto& [cell, weight, T, group] : cells) {
+    const double w = weight / sum, w_TT = w * T * T, own = cell->state.EI_Nm2;
+    square[5] += w * (T - mean) * (T - mean);
+    frequencies += w_TT * cell->variance_frequency;
+    models += w_TT * cell->variance_model;
+    for (std::size_t j = 0; j < inputs.size(); ++j) inputs[j] += w_TT * cell->variance_input[j];
+    EI_square += w * ((own - EI) * (own - EI) + own * own * cell->variance_ln_EI);
+    spring_square += w * std::pow(cell->state.spring_Nm_rad - spring, 2);
+  }
+  double variance = 0;
+  const auto term = [&](const char* name, double part) {
+    variance += std::max(0.0, part);
+    // What rounding leaves of a difference of squares is no source.
+    if (part > 1e-16 * mean * mean) summary.budget.push_back({name, std::sqrt(part)});
+  };
+  term("frequencies", frequencies);
+  term("model", models + square[5] - square[4]);
+  term("EI", square[4] - square[3] + inputs.back());
+  term("end springs", square[3] - square[2]);
+  term("assignment", square[2] - square[1]);
+  term("ends", square[1]);
+  for (std::size_t j = 0; j + 1 < inputs.size(); ++j) term(kCableInputs[j], inputs[j]);
+  summary.tension = {mean, std::sqrt(variance)};
+  summary.EI = {EI, std::sqrt(EI_square)};
+  summary.spring = {spring, std::sqrt(spring_square)};
+  return summary;
 }
 
 }  // namespace rigfit::ident

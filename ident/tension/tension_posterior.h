@@ -20,12 +20,151 @@
 // k is a hypothesis for T; the best monotone assignment of all others by dynamic programming.
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
+#include <functional>
+#include <limits>
 #include <vector>
 
 #include "ident/tension/cable_model.h"
-#include "ident/tension/tension_data.h"
 
 namespace rigfit::ident {
+
+/// A mode of the cable, or none (order -1).
+struct AssignedMode {
+  model::ModePlane plane = model::ModePlane::in;
+  int order = -1;  ///< its place in CableFrequencies, from 0
+  [[nodiscard]] bool operator==(const AssignedMode&) const = default;
+};
+
+struct Assignment {
+  std::vector<AssignedMode> modes;  ///< by measured mode
+  double score = 0;                 ///< score in the search
+  double ln_tension = 0;            ///< there
+  double EA = 1;                    ///< factor there
+  double x = 1;                     ///< L sqrt(T / EI) there
+  double q = 0;                     ///< springs there: 0 pinned, infinity clamped
+  double ln_prior = 0;              ///< there: TensionData::ln_assigned
+};
+
+/// One value of (EI, k, t): ln T and the uncertain inputs are normal.
+struct TensionCell {
+  double ln_weight = 0;  ///< with the prior and the grid's spacing
+  double ln_tension = 0;
+  /// Contributions to the variance of ln T.
+  double variance_frequency = 0, variance_model = 0;
+  std::array<double, kCableInputs.size()> variance_input = {};  ///< likewise, by input
+  double variance_ln_EI = 0;                                    ///< within the cell
+  CableState state;
+  int spring = 0;          ///< index of the grid's value
+  int rigidity = 0;        ///< index of the grid's value among those of this spring
+  double model_std = 0;    ///< t
+  double chi2_stated = 0;  ///< with t = 0 in the weights
+};
+
+/// An assignment with one kind of ends.
+struct TensionAnswer {
+  std::vector<AssignedMode> modes;
+  double ln_evidence = -std::numeric_limits<double>::infinity();
+  double ln_prior = 0;             ///< TensionData::ln_assigned at the heaviest cell
+  std::vector<TensionCell> cells;  ///< those within exp(-18) of the heaviest
+  std::size_t best = 0;            ///< the heaviest
+  /// State of the heaviest cell.
+  [[nodiscard]] CableState state() const { return cells[best].state; }
+};
+
+/// What the measured frequencies are, sorted, with the options: shared by search and posterior.
+class TensionData {
+ public:
+  /// By rising frequency.
+  TensionData(std::vector<MeasuredMode> modes, const TensionOptions& options);
+
+  struct Listed {
+    double ln_hz = 0;
+    AssignedMode mode;
+    double ln_seen = 0, ln_unseen = 0;
+    int rank = 0;  ///< among the modes of its plane by rising frequency, from 1
+  };
+  /// Modes of the cable by rising frequency, with their probabilities of being seen.
+  void list(const CableFrequencies& frequencies, std::vector<Listed>& listed) const;
+  /// ln of the probability density factor of pairing measured i with a mode, without the normal;
+  /// -infinity where another order is stated.
+  [[nodiscard]] double ln_pair(std::size_t i, const Listed& listed) const;
+  /// That measured i is no mode of the cable; -infinity where its order is stated.
+  [[nodiscard]] double ln_false_of(std::size_t i) const;
+  /// ln of the part of the likelihood that an assignment has whatever the frequencies' misfit.
+  [[nodiscard]] double ln_assigned(const std::vector<AssignedMode>& assigned,
+                                   const std::vector<Listed>& listed) const;
+
+  std::vector<MeasuredMode> modes;
+  std::vector<double> ln_hz, variance;  ///< 0 where not stated
+  bool stated = true;
+  double ln_false = 0;
+  double highest_hz = 0, lowest_hz = 0;
+
+ private:
+  bool in_ = false, out_ = false, any_ = false;
+  TensionOptions options_;
+};
+
+/// Relative errors t of the model that are summed over; 0 first.
+inline constexpr std::array<double, 6> kModelStd = {0, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2};
+[[nodiscard]] double ln_prior_of_model_std(std::size_t index, bool stated);
+
+/// The tension that fits an assignment best, with what is known of the cable but not exactly:
+/// length, mass per length, EA and EI, each ln normal about its value.
+///
+///   min  sum_i (ln f_i - ln f_i(T, z))^2 / (s_i^2 + t^2) + sum_j z_j^2
+///
+/// over ln T and z, z_j the departure of input j from its value in standard uncertainties. With J
+/// the derivatives of ln f and H = J' W J + diag(0, 1, ...), the cell of (EI, k, t) is normal about
+/// the minimum with covariance H^-1. A taut cable says nothing about z; one that sags does, and an
+/// EA off by two standard uncertainties must not look like another tension.
+class TensionFit {
+ public:
+  using StateAt = std::function<CableState(double ln_tension)>;
+
+  TensionFit(const CableModel& model, const TensionData& data,
+             const std::vector<AssignedMode>& modes);
+
+  [[nodiscard]] int pairs() const { return pairs_; }
+
+  /// From `start` (T and the factors of the inputs); `state_at` gives EI and springs at a tension.
+  /// False where it does not converge.
+  [[nodiscard]] bool fit(const CableState& start, const StateAt& state_at);
+  /// Where the last fit ended, factors included.
+  [[nodiscard]] CableState state() const;
+
+  /// One cell a value of t about the last fit.
+  void add_cells(double ln_prior, const TensionCell& at, std::vector<TensionCell>& cells);
+
+ private:
+  /// Weights of one value of t.
+  struct Normal {
+    Eigen::MatrixXd H;
+    Eigen::VectorXd gradient;
+    double squares = 0, ln_density = 0;
+  };
+
+  [[nodiscard]] CableState at(const Eigen::VectorXd& unknowns) const;
+  void residuals(const Eigen::VectorXd& unknowns, Eigen::VectorXd& values);
+  void slopes();
+  [[nodiscard]] Normal normal(double model_variance) const;
+  /// Newton steps with the weights of t; false where they do not end.
+  [[nodiscard]] bool converge(double model_variance, int steps);
+
+  const CableModel& model_;
+  const TensionData& data_;
+  const std::vector<AssignedMode>& modes_;
+  std::vector<CableInput> inputs_;
+  int count_ = 0, pairs_ = 0;
+  StateAt state_at_;
+  Eigen::VectorXd unknowns_, residual_, variance_;
+  Eigen::MatrixXd slope_;     // d ln f / d unknowns
+  Eigen::VectorXd slope_at_;  // the unknowns there
+  CableRoots roots_;          // roots at the last state
+  CableState slope_state_;
+};
 
 /// Assignments worth a look, best first.
 [[nodiscard]] std::vector<Assignment> search_assignments(const CableModel& model,
@@ -45,5 +184,28 @@ namespace rigfit::ident {
 [[nodiscard]] bool EI_is_exact(const CableDescription& cable);
 /// The number in use where it is exact, or given: a string is a beam of x = 1e5.
 [[nodiscard]] double given_EI(const CableDescription& cable, double tension_N);
+
+/// One kind of ends: its model as corrected, its answers, heaviest first.
+struct EndsPosterior {
+  CableEnds ends = CableEnds::pinned;
+  CableModel model;
+  std::vector<TensionAnswer> answers;
+  double ln_evidence = -std::numeric_limits<double>::infinity();
+  bool corrected = true;  ///< false: needed and not to be had
+
+  [[nodiscard]] CableState state() const { return answers.front().state(); }
+};
+
+/// Mean and variances of T over the cells of one or several kinds of ends, by the law of total
+/// variance: between ends, assignments, springs, rigidities; within: frequencies and model.
+struct TensionSummary {
+  signal::Estimate tension, EI, spring;
+  double low = 0, high = 0;
+  std::vector<UpdateBudgetTerm> budget;
+};
+
+/// Value, std and budget are of what lies in the 95 % interval or within half its width beside it:
+/// an improbable other answer far off would otherwise make the std larger than the interval.
+[[nodiscard]] TensionSummary summarise_tension(const std::vector<const EndsPosterior*>& all);
 
 }  // namespace rigfit::ident

@@ -1,22 +1,14 @@
 #include "ident/tension/tension_result.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
 namespace rigfit::ident {
 
 const char* name_of(CableEnds ends) {
-  switch (ends) {
-    case CableEnds::pinned:
-      return "pinned";
-    case CableEnds::clamped:
-      return "clamped";
-    case CableEnds::springs:
-      return "springs";
-    case CableEnds::pinned_clamped:
-      return "pinned-clamped";
-  }
-  return "";
+  constexpr std::array names{"pinned", "clamped", "springs", "pinned-clamped"};
+  return names[static_cast<std::size_t>(ends)];
 }
 
 std::vector<CableEnds> cable_ends(const std::string& word) {

@@ -2,36 +2,41 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace rigfit::ident::rod_stiffness_test {
 namespace {
 
-// omega^2 of mass, adapter and rod by bisection of the frequency equation: the model forwards.
-double omega_squared(double kc, const RodOnMass& rod) {
-  double low = 0, high = 1e4;
-  const double mc = rod.mass_per_length_kg_m * rod.length_m;
-  if (mc > 0) high = std::min(high, 0.5 * std::numbers::pi * std::sqrt(kc / mc));
+// Lowest frequency of mass, rod and frame by the transfer matrix of the rod, by bisection:
+// at the top the frame's force kf u0, below u' EA = kf u0; at the bottom W M u = EA u'.
+double omega_squared(double kc, double mc, double M, double kf, double km) {
+  const double quarter_wave = std::pow(std::numbers::pi / 2, 2) * kc / mc;  // without the mass
+  double low = 0, high = std::min(2 * kc / M, quarter_wave);
   for (int i = 0; i < 200; ++i) {
-    const double w = 0.5 * (low + high), x = w * std::sqrt(mc / kc);
-    const double kr = x > 0 ? kc * x / std::tan(x) : kc;
-    const double k = rod.adapter_N_m > 0 ? 1 / (1 / kr + 1 / rod.adapter_N_m) : kr;
-    (w * w * rod.mass_kg < k ? low : high) = w;
+    const double W = 0.5 * (low + high), x = std::sqrt(W * mc / kc);
+    const double u = std::cos(x) + kf / kc * std::sin(x) / x;  // relative to u0
+    const double force = kc * (-x * std::sin(x)) + kf * std::cos(x);
+    (force > W * M * (u + force / km) ? low : high) = W;
   }
-  return low * low;
+  return low;
 }
 
-TEST(RodStiffness, InvertsTheContinuousRodFromFeatherToFarHeavierThanItsMass) {
-  for (const double per_length : {0.0, 1e-6, 1e-3, 0.16667, 5.0, 100.0}) {
-    for (const double adapter : {0.0, 5e5, 2e6}) {
-      RodOnMass rod{0, 2.2, per_length, 1.3, adapter};
-      rod.omega_squared = omega_squared(1.6e5, rod);
-      const auto k = rod_stiffness(rod);
-      // Bisection and inversion round to some 1e-15; near x = pi/2 (cable 60 times the mass) kr is
-      // the small difference that costs a hundred of those.
-      EXPECT_NEAR(k.cable_N_m, 1.6e5, 1e-12 * 1.6e5) << per_length << " " << adapter;
-      EXPECT_NEAR(k.series_N_m, adapter > 0 ? 1 / (1 / 1.6e5 + 1 / adapter) : 1.6e5, 1e-6);
+TEST(RodStiffness, InvertsTheRodFromFeatherToFarHeavierThanItsMass) {
+  constexpr double kRigid = 1e15;
+  for (const double per_length : {1e-9, 1e-4, 0.16667, 1.0, 5.0, 100.0}) {
+    for (const double frame : {5e5, 5e6, kRigid}) {
+      for (const double adapter : {2e6, kRigid}) {
+        const double kc = 1.6e5, L = 1.3;
+        const double W = omega_squared(kc, per_length * L, 2.2, frame, adapter);
+        const auto told = [&](double k) { return k == kRigid ? 0 : k; };
+        const auto k = rod_stiffness({W, 2.2, per_length, L, told(adapter), told(frame)});
+        // Both round to some 1e-15; what cancels in 1/k less the told compliances costs ten of
+        // those, near x = pi/2 (cable 60 times the mass) the small difference kr a hundred.
+        EXPECT_NEAR(k.cable_N_m, kc, 1e-12 * kc) << per_length << " " << frame << " " << adapter;
+        EXPECT_NEAR(k.series_N_m, 1 / (1 / kc + 1 / frame + 1 / adapter), 1e-6);
+      }
     }
   }
 }
@@ -64,8 +69,9 @@ TEST(RodStiffness, DerivativesAreDifferenceQuotients) {
   }
 }
 
-TEST(RodStiffness, AnAdapterSofterThanTheWholeHasNoAnswer) {
+TEST(RodStiffness, AnAdapterOrFrameSofterThanTheWholeHasNoAnswer) {
   EXPECT_TRUE(std::isnan(rod_stiffness({1e5, 2.2, 0.1, 1, 2e5}).cable_N_m));
+  EXPECT_TRUE(std::isnan(rod_stiffness({1e5, 2.2, 0.1, 1, 0, 2e5}).cable_N_m));
 }
 
 }  // namespace
