@@ -27,7 +27,6 @@ constexpr double kSettled = 3e-5;  // change of ln f
 // summed over, and a sound one reaches it in few modes only.
 constexpr double kRmsRuledOut = 0.02, kWorstRuledOut = 0.05, kChanceRuledOut = 1e-6;
 constexpr double kSoundModel = 5e-3;  // error of the model that the chance counts, at most
-constexpr double kTaut = 0.5;         // Irvine's parameter, as the search tells tensions apart
 constexpr double kSameCell = 1e-3;  // change of ln T, ln EI, ln k: fits of one cell from two starts
 
 /// Whether the heaviest cell of an answer is one of another answer: two starts have led to one.
@@ -44,16 +43,35 @@ bool contained(const TensionAnswer& answer, const TensionAnswer& other) {
   });
 }
 
+/// Whether an assignment's start leads to an answer that is known: at the answer's own EI and
+/// springs both end at one tension.
+bool leads_to(const EndsPosterior& one, const TensionData& data, const Assignment& assignment,
+              const TensionAnswer& answer) {
+  if (answer.modes != assignment.modes) return false;
+  const auto there = answer.state();
+  auto start = there;
+  start.tension_N = std::exp(assignment.ln_tension);
+  start.EA = assignment.EA;
+  start.length = start.mass = start.EI = 1;
+  start.EI_Nm2 = there.EI_Nm2 / there.EI;
+  if (!one.model.cable().EI_Nm2) {  // at the same x and q
+    const double scale = start.tension_N / there.tension_N;
+    start.EI_Nm2 *= scale;
+    start.spring_Nm_rad *= scale;
+  }
+  const auto a = refitted(one.model, data, answer.modes, there),
+             b = refitted(one.model, data, answer.modes, start);
+  return std::abs(std::log(a.tension_N / b.tension_N)) < kSameCell;
+}
+
 /// Answers of all assignments, heaviest first. `best`: ln of the evidence of the best answer with
 /// other ends.
 void evaluate(EndsPosterior& one, const TensionData& data,
               const std::vector<Assignment>& assignments, double best) {
   one.answers.clear();
   for (const auto& assignment : assignments) {
-    // A cable that hardly sags has one tension for given orders.
-    const bool taut = one.model.lambda_squared(std::exp(assignment.ln_tension)) < kTaut;
-    if (taut && std::any_of(one.answers.begin(), one.answers.end(),
-                            [&](const auto& other) { return other.modes == assignment.modes; })) {
+    if (std::any_of(one.answers.begin(), one.answers.end(),
+                    [&](const auto& other) { return leads_to(one, data, assignment, other); })) {
       continue;
     }
     auto answer = tension_answer(one.model, data, one.ends, assignment, best);
