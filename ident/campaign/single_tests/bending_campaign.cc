@@ -253,8 +253,6 @@ std::vector<BendingRow> bending_rows(const BendingCampaign& campaign,
     if (one.analysis) {
       const auto& analysis = *one.analysis;
       row.hysteresis_N = analysis.hysteresis_N;
-      row.friction_load_N = analysis.friction_load_N;
-      row.friction_travel_m = analysis.friction_travel_m;
       if (analysis.ends != BeamEnds::tensioned) {
         row.ends = name_of(analysis.ends);
         const auto& slope = analysis.compliance_m_N;

@@ -87,7 +87,7 @@ struct BendingRow {
   describe::Bounded EI_Nm2{};                  ///< NaN where refused
   signal::Estimate stiffness_N_m, modulus_Pa;  ///< without tension; NaN: not known
   double shared_relative_std = 0, tension_spread_N = 0;
-  double hysteresis_N = 0, friction_load_N = 0, friction_travel_m = 0;  ///< of a record
+  double hysteresis_N = 0;  ///< of a record
 };
 [[nodiscard]] std::vector<BendingRow> bending_rows(const BendingCampaign& campaign,
                                                    const BendingCampaignResult& result);
@@ -126,8 +126,6 @@ struct Described<ident::BendingRow> {
       field("shared_relative_std", &T::shared_relative_std, "", "", "common to all tests"),
       field("tension_spread_N", &T::tension_spread_N, "N", "", "std of the tension within a test"),
       field("hysteresis_N", &T::hysteresis_N, "N", "", "half between loading and unloading"),
-      field("friction_load_N", &T::friction_load_N, "N", "", "of the wires, after a turn"),
-      field("friction_travel_m", &T::friction_travel_m, "m", "", "over which it reverses"),
       field("file", &T::file, "", "from", "")};
 };
 
