@@ -273,6 +273,7 @@ class Analysis {
         friction_change_ = std::abs(change) / pooled_.K;
         pooled_.variance += change * change;
         take(pooled_);
+        far_end_ = far_end();
       } else {
         result_.strokes = strokes;
         take(near_turns);
@@ -324,6 +325,15 @@ class Analysis {
     const double std = std::sqrt(mean(variance[0]) / static_cast<double>(level[0].size()) +
                                  mean(variance[1]) / static_cast<double>(level[1].size()));
     return mean(level[1]) - mean(level[0]) > 3 * std + 1e-6 * range_Q_;
+  }
+
+  /// Share of the travel that the straight parts lack at the end away from the turn, on average.
+  [[nodiscard]] double far_end() const {
+    double sum = 0;
+    for (const auto& s : result_.strokes) {
+      sum += std::abs(d_[s.last] - d_[s.used_last]) / std::abs(d_[s.last] - d_[s.first]);
+    }
+    return sum / static_cast<double>(result_.strokes.size());
   }
 
   /// Strokes of a beam without tension. Where it yielded, or broke, only loading is used.
@@ -515,6 +525,12 @@ class Analysis {
           fmt::format("Deflect further: wire friction turns round over much of a stroke; without "
                       "the first {:.0f} % after the turns the slope changes by {:.1f} %",
                       100 * kFrictionShare, 100 * friction_change_));
+    } else if (far_end_ > kFrictionFarEnd) {
+      refuse("friction",
+             fmt::format("Deflect further, or less where there is a stop: loading and unloading "
+                         "lie apart, and the slope is another one over the last {:.0f} % of the "
+                         "strokes, so that friction may still be turning round before",
+                         100 * far_end_));
     } else if (friction_change_ > 1e-3) {
       note("friction", friction_message(result_.hysteresis_N));
     } else if (tensioned && toe_ > turn_share() + 0.05) {
@@ -628,6 +644,7 @@ class Analysis {
   Eigen::VectorXd P_, Q_, d_;
   PooledSlope pooled_;
   bool hysteresis_seen_ = false;
+  double far_end_ = 0;          // of the strokes' travel: not in their straight parts
   double friction_change_ = 0;  // of K, relative: what leaving more of the turns out changes
   TableLine table_;             // line through strokes of few rows
   double range_d_ = 0, range_Q_ = 0, mean_tension_ = 0, zero_ = 0;

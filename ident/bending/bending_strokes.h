@@ -49,6 +49,8 @@ inline constexpr double kTurnShare = 0.15;
 /// at most twice the change of the slope by this, as long as that is under kFrictionRefusal
 /// (tests/bench/bending_coverage); more is a stroke too short for its friction.
 inline constexpr double kFrictionShare = 0.35, kFrictionRefusal = 0.007;
+/// A transient over most of a stroke is its straight part; the end of the stroke is not.
+inline constexpr double kFrictionFarEnd = 0.1;
 /// Where the local median over a twentieth of a stroke leaves the line by more than this share of
 /// the load range (and four times its noise), toe, stop or slip begin.
 inline constexpr double kStraight = 0.005;
