@@ -69,7 +69,7 @@ namespace rigfit::describe {
 template <>
 struct Described<apps::BenchRow> {
   using T = apps::BenchRow;
-  static constexpr std::string_view title = "";
+  static constexpr std::string_view title{};
   static constexpr auto in_space = [](const T& r) { return r.segments > 0; };
   static constexpr auto fields = std::tuple{
       field(

@@ -66,7 +66,7 @@ struct Held<std::optional<M>> {
 /// In a table the unit stands in the head, else behind the value.
 template <class M>
 [[nodiscard]] std::string text_of(const M& x, std::string_view unit, int digits, bool in_table) {
-  const auto with_unit = [&](std::string text) {
+  const auto with_unit = [&](const std::string& text) {
     return in_table || unit.empty() || text == "-"
                ? text
                : text + " " + std::string(shown_unit(unit).name);

@@ -135,12 +135,12 @@ namespace rigfit::describe {
 template <>
 struct Described<ident::LawParameter> {
   using T = ident::LawParameter;
-  static constexpr auto fields = std::tuple{
-      field("name", &T::name, "", "parameter", "of the formula"),
-      field("value", &T::value, "", "value", ""),
-      field("std", &T::std, "", "std", "null where the points do not determine it"),
-      field("unit", &T::unit, "", "unit", "of the value"),
-      field("fixed", &T::fixed, "", "fixed", "by the strand's geometry")};
+  static constexpr auto fields =
+      std::tuple{field("name", &T::name, "", "parameter", "of the formula"),
+                 field("value", &T::value, "", "value", ""),
+                 field("std", &T::std, "", "std", "null where the points do not determine it"),
+                 field("unit", &T::unit, "", "unit", "of the value"),
+                 field("fixed", &T::fixed, "", "fixed", "by the strand's geometry")};
 };
 
 template <>

@@ -60,7 +60,7 @@ struct Described<ident::UpdateBudgetTerm> {
 template <>
 struct Described<ident::UpdatedParameter> {
   using T = ident::UpdatedParameter;
-  static constexpr std::string_view title = "";
+  static constexpr std::string_view title{};
   static constexpr auto fields = std::tuple{
       field("name", &T::name, "", "parameter", "of the scene"),
       field("start", &T::start, "", "start", "as the scene says", 5),
@@ -128,7 +128,7 @@ constexpr auto of_pair(Get get) {
 template <>
 struct Described<ident::PairRow> {
   using T = ident::PairRow;
-  static constexpr std::string_view title = "";
+  static constexpr std::string_view title{};
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   static constexpr double measured(const T& r) {
     return r.pair ? r.pair->measured_hz : r.alone.measured ? r.alone.frequency_hz : kNone;

@@ -104,7 +104,7 @@ namespace rigfit::describe {
 template <>
 struct Described<ident::BendingRow> {
   using T = ident::BendingRow;
-  static constexpr std::string_view title = "";
+  static constexpr std::string_view title{};
   static constexpr auto fields = std::tuple{
       field("tension_N", &T::tension_N, "N", "", "mean over the samples used; 0 without tension"),
       field("", where([](const T& r) { return r.ends.empty(); }, &T::tension_N), "N", "tension", "",
