@@ -34,10 +34,10 @@ std::string synopsis(const Option& option) {
   const std::string kind = option.kind();
   std::string text = option.name;
   if (by_place(option)) {
-    if (!option.placeholder.empty()) text = option.placeholder;
+    if (!option.value_name.empty()) text = option.value_name;
     std::transform(text.begin(), text.end(), text.begin(), [](char c) { return std::toupper(c); });
-  } else if (!option.placeholder.empty()) {
-    text += " " + option.placeholder;
+  } else if (!option.value_name.empty()) {
+    text += " " + option.value_name;
   } else if (!option.words.empty()) {
     text += fmt::format(" {}", fmt::join(option.words, "|"));
   } else if (kind != "flag") {

@@ -29,7 +29,7 @@ struct Option {
   bool above_lowest = false;                      ///< `lowest` itself is not allowed
   std::vector<std::string> words;                 ///< the only ones allowed; empty: any
   int numbers = 0;                                ///< how many; 0: any
-  std::string placeholder;                        ///< in help: "HZ"
+  std::string value_name;                         ///< in help: "HZ"
   std::string heading;                            ///< in help; empty: the usual one
   std::vector<std::string> not_with, only_with;   ///< other options
   bool is_required = false;
@@ -44,7 +44,7 @@ struct Option {
     return words = std::move(allowed), std::move(*this);
   }
   Option count(int n) { return numbers = n, std::move(*this); }
-  Option type(std::string shown) { return placeholder = std::move(shown), std::move(*this); }
+  Option type(std::string shown) { return value_name = std::move(shown), std::move(*this); }
   Option group(std::string title) { return heading = std::move(title), std::move(*this); }
   Option writes() { return is_written = true, std::move(*this); }
   Option file() { return is_file = true, std::move(*this); }  ///< that is there to be read

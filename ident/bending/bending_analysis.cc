@@ -262,22 +262,23 @@ class Analysis {
       return;
     }
     if (loops_open()) {
-      const PooledSlope near_turns = pooled_;
-      const auto strokes = result_.strokes;
+      const double near_turns = pooled_.K;
       hysteresis_seen_ = true;
-      if (fit_straight_parts(runs, kFrictionShare)) {
-        // What is still left of the transient: nothing by one law of friction, twice the change
-        // by another, either as likely.
-        const double change = pooled_.K - near_turns.K;
-        pooled_.K += change;
-        friction_change_ = std::abs(change) / pooled_.K;
-        pooled_.variance += change * change;
-        take(pooled_);
-        far_end_ = far_end();
-      } else {
-        result_.strokes = strokes;
-        take(near_turns);
+      if (!fit_straight_parts(runs, kFrictionShare)) {
+        refuse("friction",
+               fmt::format("Deflect further: wire friction turns round, and without the first "
+                           "{:.0f} % after the turns no stroke has a straight part",
+                           100 * kFrictionShare));
+        return;
       }
+      // What is still left of the transient: nothing by one law of friction, twice the change by
+      // another, either as likely.
+      const double change = pooled_.K - near_turns;
+      pooled_.K += change;
+      friction_change_ = std::abs(change) / pooled_.K;
+      pooled_.variance += change * change;
+      take(pooled_);
+      far_end_ = far_end();
     }
     solve_for_EI();
   }

@@ -49,7 +49,9 @@ inline constexpr double kTurnShare = 0.15;
 /// at most twice the change of the slope by this, as long as that is under kFrictionRefusal
 /// (tests/bench/bending_coverage); more is a stroke too short for its friction.
 inline constexpr double kFrictionShare = 0.35, kFrictionRefusal = 0.007;
-/// A transient over most of a stroke is its straight part; the end of the stroke is not.
+/// A transient over most of a stroke is itself taken for its straight part, and the end of the
+/// stroke, where it is over, is left out. Bilinear friction that takes 0.8 of a stroke to turn
+/// round leaves 0.2 there, straight strokes next to nothing: the limit lies between.
 inline constexpr double kFrictionFarEnd = 0.1;
 /// Where the local median over a twentieth of a stroke leaves the line by more than this share of
 /// the load range (and four times its noise), toe, stop or slip begin.

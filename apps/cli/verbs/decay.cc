@@ -75,8 +75,9 @@ Json run(DecayCommand command, VerbContext& context) {
   tell(found.findings);
   if (context.plots) draw_decay(*context.plots, command.file, found);
   if (found.strongest.refusal_code.empty()) {
-    context.out << fmt::format("{}: channel {}, fitted from {:.6g} s to {:.6g} s\n", command.file,
-                               channel.name, found.start_s, found.end_s);
+    context.out << fmt::format("{}: channel {}{}, fitted from {:.6g} s to {:.6g} s\n", command.file,
+                               channel.name, channel.unit.empty() ? "" : " in " + channel.unit,
+                               found.start_s, found.end_s);
     describe::print(context.out, describe::sheet_of(found));
   }
   Json result = describe::json_of(found);

@@ -224,7 +224,7 @@ Json inspect_result(const signal::Recording& recording, VerbContext& context) {
   return json_of(recording, quality);
 }
 
-/// The same of a file, which may hold functions that are not over time.
+/// The entry of a file, which may hold functions that are not over time.
 Json inspect_file(const std::string& path, double sample_rate_hz, VerbContext& context) {
   std::optional<signal::FrequencyTable> spectrum;
   if (!recording_at_hand(path, context)) {

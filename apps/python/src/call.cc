@@ -234,7 +234,7 @@ py::list described_options(const std::string& verb) {
         py::dict("name"_a = o.name, "kind"_a = o.kind(), "text"_a = o.text(), "lowest"_a = o.lowest,
                  "highest"_a = o.highest, "positive"_a = o.above_lowest, "words"_a = o.words,
                  "numbers"_a = o.numbers, "required"_a = o.is_required, "written"_a = o.is_written,
-                 "type"_a = o.placeholder, "default"_a = o.default_text()));
+                 "type"_a = o.value_name, "default"_a = o.default_text()));
   }
   return list;
 }
