@@ -13,7 +13,6 @@ namespace {
 
 using Eigen::Index;
 using Style = PlotSeries::Style;
-constexpr double kNormal95 = 1.959963984540054;  // two-sided 95 % of a normal distribution
 // A band whose lower end is not positive is drawn down to this share of the line: a logarithmic
 // axis has no zero.
 constexpr double kLowestShown = 0.05;

@@ -270,7 +270,6 @@ std::vector<Block> tension_blocks(const std::string& id, const ident::TensionRes
 std::vector<Block> fit_blocks(const std::string& id, const std::vector<ident::UpdateState>& states,
                               const ident::UpdateResult& result,
                               const std::vector<ident::HeldOut>& held_out) {
-  constexpr double kNormal95 = 1.959963984540054;  // two-sided 95 % of a normal distribution
   Plot plot{id + "-errors-by-mode", "Model against test, mode by mode",
             "How far the model's frequency lies above the test's.", "frequency of the test, Hz",
             "model over test, %"};
