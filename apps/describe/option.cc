@@ -10,14 +10,12 @@ std::string Option::default_text() const {
   return std::visit(
       [&](auto* member) -> std::string {
         using Value = std::remove_pointer_t<decltype(member)>;
-        if constexpr (std::is_same_v<Value, bool>) {
-          return "";
-        } else if constexpr (std::is_arithmetic_v<Value>) {
+        if constexpr (std::is_same_v<Value, std::string>) {
+          return *member;
+        } else if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
           const auto value = static_cast<double>(*member);
           const bool meant = value != 0 && value >= lowest && value <= highest;
           return meant ? fmt::format("{:g}", value) : "";
-        } else if constexpr (std::is_same_v<Value, std::string>) {
-          return *member;
         } else {
           return "";
         }
