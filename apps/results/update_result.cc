@@ -54,25 +54,6 @@ Json exact_inputs_json(const ident::UpdateResult& result) {
   return list;
 }
 
-Json exact_ends_json(const ident::UpdateResult& result) {
-  Json list = Json::array();
-  for (const auto& ends : result.exact_ends) {
-    Json shifts = Json::object(), largest = Json::object();
-    for (std::size_t p = 0; p < result.parameters.size(); ++p) {
-      const auto& name = result.parameters[p].name;
-      shifts[name] = json_number(ends.shift[static_cast<Eigen::Index>(p)]);
-      largest[name] = json_number(ends.largest_shift[static_cast<Eigen::Index>(p)]);
-    }
-    list.push_back({{"nodes", ends.nodes},
-                    {"taken_as", ends.taken_as},
-                    {"springs_Nm_rad", json_number(ends.stiffness)},
-                    {"chi2_less", json_number(ends.chi2_less)},
-                    {"changes", std::move(shifts)},
-                    {"largest_changes", std::move(largest)}});
-  }
-  return list;
-}
-
 Json alternatives_json(const ident::UpdateResult& result, const States& states) {
   Json list = Json::array();
   for (const auto& one : result.alternatives) {
@@ -108,7 +89,7 @@ Json update_json(const ident::UpdateResult& result, const States& states) {
             {"alternatives", alternatives_json(result, states)},
             {"log_evidence", json_number(result.log_evidence)}};
   json["exact_inputs"] = exact_inputs_json(result);
-  json["exact_ends"] = exact_ends_json(result);
+  json["exact_ends"] = result.exact_ends;
   json["correlation"] = correlation_json(result.correlation);
   json["rank"] = result.identifiability.rank;
   json["condition"] = json_number(result.identifiability.condition);
@@ -120,9 +101,7 @@ Json update_json(const ident::UpdateResult& result, const States& states) {
   json["degrees_of_freedom"] = result.degrees_of_freedom;
   json["coverage_factor"] = result.coverage_factor;
   json["starts"] = result.starts;
-  json["starts_agreeing"] = result.starts_agreeing;
   json["model_evaluations"] = result.model_evaluations;
-  json["auto_segments"] = result.auto_segments;
   if (result.frf_lines > 0) {
     json["frf_lines"] = result.frf_lines;
     json["rms_log_frf_error"] = json_number(result.rms_log_frf_error);

@@ -77,9 +77,6 @@ namespace {
 constexpr double kInputMatters = 1;
 // A model that is off by more in its FRFs is another structure's.
 constexpr double kFrfErrorRuledOut = 0.03;
-// End conditions move a parameter out of its 95 % interval.
-constexpr double kEndsMatter = 1.96;
-
 // An exact input and how far 1 % of it moves one parameter, in its standard uncertainties.
 struct ExactShift {
   const ExactInput* input = nullptr;
@@ -101,45 +98,12 @@ std::vector<ExactShift> exact_shifts(const UpdateResult& result, std::size_t par
 
 }  // namespace
 
-namespace {
-
-double stds_of(double shift, const UpdatedParameter& parameter) {
-  return std::isfinite(shift) && parameter.std > 0 ? std::abs(shift) / parameter.std : 0;
-}
-
-// What springs instead change, of the parameters that they move out of their intervals; empty:
-// none.
-std::string exact_ends_text(const UpdateResult& result, const ExactEnds& ends) {
-  std::string list;
-  for (std::size_t p = 0; p < result.parameters.size(); ++p) {
-    const auto& parameter = result.parameters[p];
-    const double shift = ends.shift[static_cast<Eigen::Index>(p)];
-    const double most = ends.largest_shift[static_cast<Eigen::Index>(p)];
-    if (stds_of(most, parameter) < kEndsMatter) continue;
-    list += fmt::format("{}{} by {:+.2g}, up to {:+.2g} ({})", list.empty() ? "" : ", ",
-                        parameter.name, shift, most, in_std(stds_of(most, parameter)));
-  }
-  if (list.empty()) return list;
-  std::string nodes;
-  for (const auto& node : ends.nodes) nodes += (nodes.empty() ? "" : ", ") + node;
-  const bool better = ends.chi2_less > 1e-3;
-  return fmt::format(
-      "{} taken as {}; springs there that fit as well ({}) change {}", nodes, ends.taken_as,
-      better ? fmt::format("{:.2g} N m/rad, chi-square {:.2g} less", ends.stiffness, ends.chi2_less)
-             : ends.taken_as,
-      list);
-}
-
-}  // namespace
-
 std::vector<std::string> exact_input_texts(const UpdateResult& result) {
   std::vector<std::string> texts;
   if (result.exact_inputs.empty()) return texts;
   std::string names;
   for (const auto& input : result.exact_inputs) names += (names.empty() ? "" : ", ") + input.name;
-  for (const auto& ends : result.exact_ends) {
-    for (const auto& node : ends.nodes) names += fmt::format(", {} ({})", node, ends.taken_as);
-  }
+  for (const auto& ends : result.exact_ends) names += ", " + ends;
   texts.push_back("taken as exact: " + names);
   for (std::size_t p = 0; p < result.parameters.size(); ++p) {
     std::string list;
@@ -153,9 +117,6 @@ std::vector<std::string> exact_input_texts(const UpdateResult& result) {
                                          in_std(one.stds));
     }
     if (!list.empty()) texts.push_back(result.parameters[p].name + ": " + list);
-  }
-  for (const auto& ends : result.exact_ends) {
-    if (auto text = exact_ends_text(result, ends); !text.empty()) texts.push_back(std::move(text));
   }
   return texts;
 }
@@ -223,23 +184,6 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
                         "them as exact: " +
                             exact,
                         "", false});
-  }
-  for (const auto& ends : result.exact_ends) {
-    const std::string text = exact_ends_text(result, ends);
-    if (text.empty()) continue;
-    findings.push_back({"exact_ends",
-                        "Compare the ends (--ends, --candidates), or fit springs there; the "
-                        "intervals leave out the end conditions: " +
-                            text,
-                        "", false});
-  }
-  if (result.starts > 1 && result.starts_agreeing < result.starts) {
-    findings.push_back(
-        {"several_answers",
-         fmt::format("Check the start values: only {} of {} starts ended in this answer, the "
-                     "others in worse ones",
-                     result.starts_agreeing, result.starts),
-         "", false});
   }
   return findings;
 }

@@ -38,8 +38,7 @@ struct FitOutcome {
 [[nodiscard]] std::string fit_text(const UpdateFit& fit);
 
 /// Inputs that the fit takes as exact; then for each parameter its change per 1 % of these inputs,
-/// largest first, where that exceeds its standard uncertainty; and the change by other end
-/// conditions. Empty if no input is taken as exact.
+/// largest first, where that exceeds its standard uncertainty. Empty if no input is taken as exact.
 [[nodiscard]] std::vector<std::string> exact_input_texts(const UpdateResult& result);
 
 /// Describes each alternative but the first, and why it has less weight.

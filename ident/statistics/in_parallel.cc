@@ -10,12 +10,14 @@ namespace rigfit::ident {
 void in_parallel(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
   std::vector<std::exception_ptr> faults(count);
   std::atomic<std::size_t> next{0};
+  std::atomic<bool> failed{false};
   const auto run = [&] {
-    for (std::size_t i; (i = next++) < count;) {
+    for (std::size_t i; !failed && (i = next++) < count;) {
       try {
         work(i);
       } catch (...) {
         faults[i] = std::current_exception();
+        failed = true;
       }
     }
   };

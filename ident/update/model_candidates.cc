@@ -77,9 +77,7 @@ std::vector<UpdatedParameter> averaged(const CandidateComparison& comparison) {
 }  // namespace
 
 CandidateComparison compare_candidates(const std::vector<ModelCandidate>& candidates,
-                                       const UpdateOptions& given) {
-  UpdateOptions options = given;
-  options.exact_ends = false;  // comparing models does that
+                                       const UpdateOptions& options) {
   if (candidates.empty()) throw std::invalid_argument("candidates: none");
   check(candidates);
   CandidateComparison comparison;

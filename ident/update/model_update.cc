@@ -7,11 +7,10 @@
 #include <stdexcept>
 
 #include "ident/update/assignment/update_alternatives.h"
-#include "ident/update/frfs/frf_segments.h"
 #include "ident/update/problem/update_problem.h"
 #include "ident/update/problem/update_solver.h"
-#include "ident/update/uncertainty/exact_ends.h"
 #include "ident/update/uncertainty/exact_inputs.h"
+#include "ident/update/uncertainty/shared_sources.h"
 #include "ident/update/uncertainty/update_intervals.h"
 #include "ident/update/uncertainty/update_misfit.h"
 #include "ident/update/uncertainty/update_segments.h"
@@ -22,8 +21,6 @@ namespace rigfit::ident {
 namespace {
 
 using signal::kNaN;
-
-constexpr int kRefinements = 3;
 
 // The answer's values, and its pairs.
 void state_values(const UpdateProblem& problem, const UpdateSolution& answer,
@@ -55,7 +52,7 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
         "Try other start values or narrower bounds: the fit or its pairs had not settled, and the "
         "best values so far are given; ";
   }
-  const auto data = problem.residual_count(matches, UpdateStage::full);
+  const auto data = problem.residual_count(matches);
   if (problem.size() > data) {
     result.status = UpdateStatus::too_little_data;
     result.message += fmt::format("{} unknowns and {} data; ", problem.size(), data);
@@ -81,7 +78,7 @@ void take_error_off(const UpdateProblem& problem, const UpdateOptions& options,
   if (!problem.modes_only()) return;
   Eigen::VectorXd q = answer.q;
   double cost = 0;
-  if (minimise(problem, answer.matches.matches, UpdateStage::full, options, q, cost) &&
+  if (minimise(problem, answer.matches.matches, options, q, cost) &&
       misfit_of(problem, answer.matches.matches, q).p_value > kUnlikelyMisfit) {
     answer.q = std::move(q);
   }
@@ -105,7 +102,7 @@ void allow_for_misfit(const UpdateOptions& options, UpdateProblem& settled, Upda
     const UpdateProblem trial = settled.with_model_std(tau);
     Eigen::VectorXd q = answer.q;
     double cost = 0;
-    if (!minimise(trial, matches, UpdateStage::full, options, q, cost)) return;
+    if (!minimise(trial, matches, options, q, cost)) return;
     answer.q = std::move(q);
     settled = trial;
     result.fit.model_std = tau;
@@ -165,40 +162,42 @@ const char* name_of(UpdateStatus status) {
 
 namespace {
 
-// Fits to modes: all answers. Others: the best of the starts.
+// Fits to modes: all answers. Fits of FRFs: the best that begins with one of their modes' answers,
+// or where the scene is.
 std::vector<UpdateAnswer> answers_of(const UpdateProblem& problem, const UpdateOptions& options,
                                      UpdateResult& result, std::string& failure) {
+  std::vector<UpdateAnswer> answers;
+  if (problem.has_modes()) {
+    answers = find_answers(problem.modes_alone(), options, result.starts, failure);
+  } else if (problem.has_frfs()) {
+    answers.resize(1);
+    answers.front().solution.q = problem.start();
+    result.starts = 1;
+  } else {
+    failure = "no mode and no FRF was measured";
+  }
+  for (const auto& answer : answers) result.pairings += answer.solution.pairings;
+  if (answers.empty()) return answers;
   if (problem.modes_only()) {
-    auto answers = find_answers(problem, options, result.starts, failure);
     double all = 0;
     for (const auto& answer : answers) {
-      const double more = answer.log_evidence - answers.front().log_evidence;
-      all += std::exp(more);
-      result.pairings += answer.solution.pairings;
+      all += std::exp(answer.log_evidence - answers.front().log_evidence);
     }
-    if (!answers.empty()) result.log_evidence = answers.front().log_evidence + std::log(all);
-    result.starts_agreeing = result.starts;
+    result.log_evidence = answers.front().log_evidence + std::log(all);
     return answers;
   }
-  const auto solved = solve_from_all_starts(problem, options);
-  const UpdateSolution* best = nullptr;
-  for (const auto& one : solved) {
-    if (one.q.size() > 0 && (best == nullptr || one.cost < best->cost)) best = &one;
+  UpdateAnswer best;
+  for (auto& answer : answers) {
+    auto& solution = answer.solution;
+    solution.converged =
+        minimise(problem, solution.matches.matches, options, solution.q, solution.cost);
+    if (!robust_cost(problem, solution.matches.matches, options, solution.q, solution.cost)) {
+      continue;
+    }
+    if (solution.cost < best.solution.cost) best = answer;
   }
-  result.starts = static_cast<int>(solved.size());
-  if (best == nullptr) {
-    failure = solved.front().failure;
-    return {};
-  }
-  for (const auto& one : solved) {
-    result.pairings += one.pairings;
-    // The same answer: a cost that differs by less than what a hundredth of a standard deviation
-    // in one residual makes.
-    result.starts_agreeing += one.q.size() > 0 && one.cost <= best->cost * (1 + 1e-4) + 1e-4;
-  }
-  std::vector<UpdateAnswer> answers(1);
-  answers.front().solution = *best;
-  return answers;
+  failure = "no response of the model there";
+  return best.solution.q.size() > 0 ? std::vector<UpdateAnswer>{best} : std::vector<UpdateAnswer>{};
 }
 
 }  // namespace
@@ -220,7 +219,7 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
   }
   result.rms_relative_error = result.rms_relative_error_before = kNaN;
   std::string failure;
-  const UpdateMatches before = problem.match(start, 1, failure);
+  const UpdateMatches before = problem.match(start, failure);
   if (failure.empty()) {
     result.pairs_before = problem.pairs(start, before.matches);
     result.rms_relative_error_before = rms_of_pairs(result.pairs_before);
@@ -241,40 +240,25 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
   UpdateProblem settled = take_segments_off(problem, options, answer);
   allow_for_misfit(options, settled, answer, result);
   allow_for_shared(options, settled, answer, result);
-  result.auto_segments = options.auto_segments;
   state_answer(settled, options, answer, result);
-  for (int round = 0; round < kRefinements; ++round) {
-    const auto& matches = answer.matches.matches;
-    const int more = auto_segments_needed(settled, options, matches, result, result.auto_segments);
-    if (more <= result.auto_segments) break;
-    const UpdateProblem finer = settled.with_segment_errors().with_auto_segments(more);
-    UpdateSolution trial = answer;
-    double cost = 0;
-    if (!minimise(finer, matches, UpdateStage::full, options, trial.q, cost)) break;
-    answer = std::move(trial);
-    settled = take_segments_off(finer, options, answer);
-    result.fit.frf_model_std = 0;
-    allow_for_shared(options, settled, answer, result);
-    result.auto_segments = more;
-    state_answer(settled, options, answer, result);
-  }
   if (auto fine = with_resolving_segments(settled, options, answer, result)) {
+    const bool given = settled.has_given_segments();
     result.fit = fine->fit;
-    state_answer(fine->problem, options, fine->answer, result, fine->by_segments);
+    result.segment_factor = given ? 1 : fine->problem.variant().segment_factor;
+    state_answer(fine->problem, options, fine->answer, result,
+                 given ? fine->by_segments : Eigen::VectorXd());
     state_exact_inputs(fine->problem, options, fine->answer.matches.matches, result);
-    // What is reported is the model with the segments that its scene gives.
-    state_values(settled, answer, result);
-    state_prediction_uncertainty(settled, options, result, answer.q, -1, result.pairs);
+    if (given) {  // what is reported is the model with the segments that its scene gives
+      state_values(settled, answer, result);
+      state_prediction_uncertainty(settled, options, result, answer.q, -1, result.pairs);
+    } else {
+      settled = std::move(fine->problem);
+      answer = std::move(fine->answer);
+    }
   } else {
     state_exact_inputs(settled, options, answer.matches.matches, result);
-    state_exact_ends(settled, options, answer.matches.matches, result);
   }
-  // Only differences of the cost count here: the segments of the beginning serve, with their error.
-  const UpdateProblem quick =
-      result.auto_segments > options.auto_segments
-          ? settled.with_auto_segments(options.auto_segments).with_segment_errors_off(answer.q)
-          : settled;
-  state_intervals(quick, options, answer.matches.matches, result);
+  state_intervals(settled, options, answer.matches.matches, result);
   if (problem.modes_only() && options.intervals) {
     result.alternatives.push_back(alternative_of(answers.front(), result));
     state_alternatives(problem, options, answers, result);
@@ -290,19 +274,6 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
 UpdateResult update_model(const std::vector<UpdateState>& states,
                           const std::vector<FreeParameter>& free, const UpdateOptions& options) {
   return update_result(UpdateProblem(states, free, options), options);
-}
-
-PairedModes compare_with_measured(const std::vector<UpdateState>& states,
-                                  const UpdateOptions& options) {
-  const UpdateProblem problem(states, {}, options);
-  PairedModes result;
-  std::string failure;
-  const auto matches = problem.match(Eigen::VectorXd(), 1, failure);
-  if (!failure.empty()) return result;
-  result.pairs = problem.pairs(Eigen::VectorXd(), matches.matches);
-  result.unpaired = matches.unpaired;
-  result.rms_relative_error = rms_of_pairs(result.pairs);
-  return result;
 }
 
 }  // namespace rigfit::ident

@@ -11,21 +11,21 @@
 // with Huber's rho, s the relative standard uncertainty of the measured value and of the model
 // together. Positive parameters are fitted in their logarithm. Derivatives are the model's own
 // sensitivities (equilibrium's change included), the minimiser is Ceres' Levenberg-Marquardt; modes
-// are paired anew (mode_pairing.h) until the pairs stay, from several starts. A modelled mode is
+// are assigned anew (mode_assignment.h) until the assignment stays, all over the range of the
+// parameters (update_alternatives.h); fits to FRFs begin with their modes. A modelled mode is
 // followed by its plane and its place among the modes of that plane, which crossings of planes do
 // not change.
 //
 // Uncertainty, to first order: the data's scatter and the priors through (J'J)^-1; inputs that
 // are uncertain but not fitted (`UncertainInput`) and the error of the segments through the shift
 // -(J'J)^-1 J' (d residuals) that they cause. The error of "auto" segments is subtracted from the
-// frequencies and only the rest counts (update_segments.h); the error of given numbers of segments
-// is 4/3 of the difference to a model of twice as many segments (Richardson, second order; it is a
-// quarter too large for a fourth-order error). The shifts of one source are shared by all
+// frequencies (update_segments.h); the error of given numbers of segments is 4/3 of the difference
+// to a model of twice as many segments (Richardson, second order; it is a quarter too large for a
+// fourth-order error). The shifts of one source are shared by all
 // parameters and predictions, so that an error compensated by the fit does not count in a
 // prediction. Sources: Friswell and Mottershead 1995; Mottershead, Link, Friswell 2011.
 #pragma once
 
-#include <limits>
 #include <vector>
 
 #include "ident/update/problem/update_data.h"
@@ -39,14 +39,5 @@ namespace rigfit::ident {
 [[nodiscard]] UpdateResult update_model(const std::vector<UpdateState>& states,
                                         const std::vector<FreeParameter>& free,
                                         const UpdateOptions& options = {});
-
-/// Modes of the states' scenes without a fit, paired with the measured ones.
-struct PairedModes {
-  std::vector<UpdatedPair> pairs;
-  std::vector<UpdatedUnpaired> unpaired;
-  double rms_relative_error = std::numeric_limits<double>::quiet_NaN();
-};
-[[nodiscard]] PairedModes compare_with_measured(const std::vector<UpdateState>& states,
-                                                const UpdateOptions& options = {});
 
 }  // namespace rigfit::ident

@@ -1,16 +1,11 @@
-// Hold-out, Monte Carlo and profile intervals of the update.
 #include "ident/update/update_checks.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <random>
-#include <thread>
 
 #include "ident/statistics/in_parallel.h"
 #include "ident/update/problem/update_solver.h"
-#include "ident/update/uncertainty/update_intervals.h"
 #include "ident/update/uncertainty/update_segments.h"
 #include "ident/update/uncertainty/update_uncertainty.h"
 #include "signal/numerics/numbers.h"
@@ -79,7 +74,7 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
                                    const std::vector<FreeParameter>& free,
                                    const UpdateOptions& given) {
   UpdateOptions options = given;
-  options.exact_ends = options.intervals = false;  // the prediction needs the covariance alone
+  options.intervals = false;  // the prediction needs the covariance alone
   std::vector<HeldOut> result(states.size());
   in_parallel(states.size(), options.threads, [&](std::size_t index) {
     const int s = static_cast<int>(index);
@@ -91,7 +86,7 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
     const UpdateResult fitted = update_result(problem, options);
     held.status = fitted.status;
     std::string failure;
-    const auto before = problem.match(problem.start(), 1, failure, s);
+    const auto before = problem.match(problem.start(), failure, s);
     if (failure.empty())
       held.rms_before = rms_of_pairs(problem.pairs(problem.start(), before.matches));
     if (problem.has_frfs()) held.frf_before = problem.rms_log_frf_error(problem.start(), s);
@@ -108,7 +103,7 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
       const UpdateProblem solved = as_solved(problem, options, fitted, q);
       if (problem.has_frfs()) held.frf_predicted = solved.rms_log_frf_error(q, s);
       failure.clear();
-      const auto after = solved.match(q, 1, failure, s);
+      const auto after = solved.match(q, failure, s);
       if (failure.empty()) {
         held.pairs = solved.pairs(q, after.matches);
         held.rms_predicted = rms_of_pairs(held.pairs);
@@ -134,69 +129,47 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
   const double spread = std::sqrt(solution.variance_factor);
   std::vector<Eigen::VectorXd> values(static_cast<std::size_t>(samples)), fitted(values.size()),
       before(values.size());
-  std::atomic<int> next{0};
-  std::exception_ptr fault;
-  std::atomic<bool> failed{false};
-  const auto work = [&] {
-    try {
-      for (int k = next++; k < samples && !failed; k = next++) {
-        std::mt19937_64 random(options.seed * 0x9E3779B97F4A7C15ULL +
-                               static_cast<std::uint64_t>(k));
-        std::normal_distribution<double> normal;
-        UpdateProblem problem = solved;
-        for (const auto& pair : solution.pairs) {
-          const double s = spread * problem.relative_std(pair.state, pair.measured);
-          const auto& measured = states[static_cast<std::size_t>(pair.state)]
-                                     .measured[static_cast<std::size_t>(pair.measured)];
-          const double damping_std = std::isfinite(measured.damping_ratio.std)
-                                         ? measured.damping_ratio.std / measured.damping_ratio.value
-                                         : options.assumed_damping_relative_std;
-          const double frequency = pair.model_hz * std::exp(s * normal(random));
-          const double damping = pair.model_damping * std::exp(damping_std * normal(random));
-          problem.set_measured(pair.state, pair.measured, frequency, damping);
-        }
-        if (problem.has_frfs() &&
-            !problem.redraw_frfs(solution.coordinates, spread, [&] { return normal(random); })) {
-          continue;
-        }
-        Eigen::VectorXd start = problem.start();
-        for (Eigen::Index j = 0; j < n; ++j) {
-          const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
-          if (coordinate.prior_std > 0) {
-            const double off = coordinate.prior_std * normal(random);
-            start[j] = std::clamp(coordinate.prior + off, coordinate.low, coordinate.high);
-            problem.set_prior(j, solution.coordinates[j] + off);
-          }
-        }
-        // The data are the rig's; what is taken as known is off.
-        Eigen::VectorXd off(static_cast<Eigen::Index>(options.inputs.size()));
-        for (double& value : off) value = normal(random);
-        if (off.size() > 0) problem = problem.with_inputs(off);
-        Eigen::VectorXd q = solution.coordinates, frequencies, first;
-        double cost = 0;
-        if (minimise(problem, matches, UpdateStage::full, options, q, cost) &&
-            frequencies_of(problem, matches, q, frequencies)) {
-          if (frequencies_of(problem, matches, start, first)) {
-            before[static_cast<std::size_t>(k)] = std::move(first);
-          }
-          fitted[static_cast<std::size_t>(k)] = std::move(frequencies);
-          Eigen::VectorXd value(n);
-          for (Eigen::Index j = 0; j < n; ++j) {
-            value[j] = problem.coordinates()[static_cast<std::size_t>(j)].value(q[j]);
-          }
-          values[static_cast<std::size_t>(k)] = std::move(value);
-        }
-        if (progress) progress();
-      }
-    } catch (...) {
-      if (!failed.exchange(true)) fault = std::current_exception();
+  in_parallel(values.size(), options.threads, [&](std::size_t k) {
+    std::mt19937_64 random(options.seed * 0x9E3779B97F4A7C15ULL + k);
+    std::normal_distribution<double> normal;
+    UpdateProblem problem = solved;
+    for (const auto& pair : solution.pairs) {
+      const double s = spread * problem.relative_std(pair.state, pair.measured);
+      const double damping_std = problem.damping_relative_std(pair.state, pair.measured);
+      const double frequency = pair.model_hz * std::exp(s * normal(random));
+      const double damping = pair.model_damping * std::exp(damping_std * normal(random));
+      problem.set_measured(pair.state, pair.measured, frequency, damping);
     }
-  };
-  std::vector<std::thread> threads;
-  for (int t = 1; t < options.threads; ++t) threads.emplace_back(work);
-  work();
-  for (auto& thread : threads) thread.join();
-  if (fault) std::rethrow_exception(fault);
+    if (problem.has_frfs() &&
+        !problem.redraw_frfs(solution.coordinates, spread, [&] { return normal(random); })) {
+      return;
+    }
+    Eigen::VectorXd start = problem.start();
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+      if (coordinate.prior_std > 0) {
+        const double off = coordinate.prior_std * normal(random);
+        start[j] = std::clamp(coordinate.prior + off, coordinate.low, coordinate.high);
+        problem.set_prior(j, solution.coordinates[j] + off);
+      }
+    }
+    // The data are the rig's; what is taken as known is off.
+    Eigen::VectorXd off(static_cast<Eigen::Index>(options.inputs.size()));
+    for (double& value : off) value = normal(random);
+    if (off.size() > 0) problem = problem.with(&UpdateVariant::inputs_off, off);
+    Eigen::VectorXd q = solution.coordinates, frequencies, first;
+    double cost = 0;
+    if (minimise(problem, matches, options, q, cost) &&
+        frequencies_of(problem, matches, q, frequencies)) {
+      if (frequencies_of(problem, matches, start, first)) before[k] = std::move(first);
+      fitted[k] = std::move(frequencies);
+      values[k].resize(n);
+      for (Eigen::Index j = 0; j < n; ++j) {
+        values[k][j] = problem.coordinates()[static_cast<std::size_t>(j)].value(q[j]);
+      }
+    }
+    if (progress) progress();
+  });
 
   const auto together = [](std::vector<Eigen::VectorXd>& columns) {
     std::erase_if(columns, [](const auto& column) { return column.size() == 0; });
@@ -219,34 +192,6 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
     *out = {each.mean, each.std, each.low, each.high};
   }
   return result;
-}
-
-std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution,
-                                               const std::vector<UpdateState>& states,
-                                               const std::vector<FreeParameter>& free,
-                                               const UpdateOptions& options) {
-  std::vector<ProfileInterval> intervals(solution.parameters.size());
-  if (solution.coordinates.size() == 0) return intervals;
-  const UpdateProblem problem =
-      as_solved(UpdateProblem(states, free, options), options, solution, solution.coordinates);
-  const std::vector<UpdateMatch> matches = matches_of(solution);
-  double least = 0;
-  if (!robust_cost(problem, matches, UpdateStage::full, options, solution.coordinates, least)) {
-    return intervals;
-  }
-  in_parallel(solution.parameters.size(), options.threads, [&](std::size_t p) {
-    if (!solution.parameters[p].identifiable) return;
-    const auto j = static_cast<Eigen::Index>(p);
-    const auto end = [&](double direction) {
-      const double q = profile_end(problem, options, matches, solution, j, direction, least);
-      return std::isfinite(q) ? problem.coordinates()[p].value(q) : kNaN;
-    };
-    // A negative scale turns the ends round.
-    const double one = end(-1), other = end(1);
-    const bool rising = problem.coordinates()[p].derivative(solution.coordinates[j]) > 0;
-    intervals[p] = rising ? ProfileInterval{one, other} : ProfileInterval{other, one};
-  });
-  return intervals;
 }
 
 }  // namespace rigfit::ident

@@ -1,9 +1,8 @@
-// Checks of an update: states held out, Monte Carlo, profile intervals.
+// Checks of an update: states held out, Monte Carlo.
 #pragma once
 
 #include <Eigen/Core>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -48,20 +47,5 @@ struct UpdateMonteCarlo {
                                                   const std::vector<FreeParameter>& free,
                                                   const UpdateOptions& options, int samples,
                                                   const std::function<void()>& progress = {});
-
-struct ProfileInterval {
-  double low =
-      std::numeric_limits<double>::quiet_NaN();  ///< NaN: open, as the cost stays below the limit
-  double high = std::numeric_limits<double>::quiet_NaN();
-};
-
-/// Profile-likelihood 95 % intervals: the limits are where the minimum cost with the parameter held
-/// and all others fitted again exceeds the solution's by half the squared coverage factor (times
-/// the variance factor). They cover data and priors, not inputs and segments. NaN if not
-/// identifiable. Source: Bates and Watts, Nonlinear Regression Analysis, 6.1.2.
-[[nodiscard]] std::vector<ProfileInterval> profile_intervals(const UpdateResult& solution,
-                                                             const std::vector<UpdateState>& states,
-                                                             const std::vector<FreeParameter>& free,
-                                                             const UpdateOptions& options);
 
 }  // namespace rigfit::ident

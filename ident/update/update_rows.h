@@ -95,7 +95,6 @@ struct Described<ident::UpdatedParameter> {
       field("std_from_data", &T::std_from_data, "", "", "without priors"),
       field("at_bound", &T::at_bound, "", "", "of its range"),
       field("segment_shift", &T::segment_shift, "", "", "error left by the number of segments"),
-      field("segments_taken_off", &T::segments_taken_off, "", "", "correction for segments"),
       field("budget", &T::budget, "", "", "where the uncertainty comes from")};
 };
 

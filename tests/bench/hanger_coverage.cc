@@ -121,7 +121,7 @@ Case draw(std::uint64_t seed, bool imperfect, double sensor_share, Ends ends) {
 }
 
 struct Row {
-  int fits = 0, held = 0, flagged = 0, several = 0, ends = 0, inputs = 0, silent = 0, none = 0;
+  int fits = 0, held = 0, flagged = 0, several = 0, inputs = 0, silent = 0, none = 0;
   std::vector<double> seconds, width;
 };
 
@@ -146,20 +146,17 @@ void add(Row& row, const Case& one, const Hanger& model, Ends ends, std::uint64_
   row.held += held;
   row.flagged += result.fit.ruled_out();
   row.several += several;
-  bool ends_named = false, inputs_named = false;
+  bool inputs_named = false;
   for (const auto& finding : ident::fit_findings(result)) {
-    ends_named = ends_named || finding.code == "exact_ends";
     inputs_named = inputs_named || finding.code == "exact_inputs";
   }
-  row.ends += ends_named;
   row.inputs += inputs_named;
-  row.silent += !held && !result.fit.ruled_out() && !several && !ends_named && !inputs_named;
+  row.silent += !held && !result.fit.ruled_out() && !several && !inputs_named;
   const double width = (tension.high - tension.low) / tension.value;
   if (std::isfinite(width)) row.width.push_back(width);
   if (std::getenv("HANGER_TIMES")) {
-    fmt::print("seed {}: {:.3f} s, {} evaluations, {} fits, {} segments, profile {}\n", seed,
-               row.seconds.back(), result.model_evaluations, result.starts, result.auto_segments,
-               tension.interval_by_profile);
+    fmt::print("seed {}: {:.3f} s, {} evaluations, {} fits, profile {}\n", seed, row.seconds.back(),
+               result.model_evaluations, result.starts, tension.interval_by_profile);
   }
   if (!held && std::getenv("HANGER_SHOW")) {
     fmt::print(
@@ -184,9 +181,9 @@ int main(int argc, char** argv) {
   const int first = argc > 2 ? std::atoi(argv[2]) : 1;
   const std::string part = argc > 3 ? argv[3] : "";
   fmt::print(
-      "| {:<34} | fits | interval holds | ruled out | several | ends named | exact inputs named | "
+      "| {:<34} | fits | interval holds | ruled out | several | exact inputs named | "
       "wrong and silent | no answer | median width | median s | slowest s |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+      "|---|---|---|---|---|---|---|---|---|---|---|\n",
       "case");
   struct Kind {
     const char* name;
@@ -215,11 +212,11 @@ int main(int argc, char** argv) {
     }
     const double n = row.fits / 100.0;
     fmt::print(
-        "| {:<34} | {} | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {} | "
+        "| {:<34} | {} | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {} | "
         "{:.2f} % | {:.3f} | "
         "{:.2f} |\n",
-        kind.name, row.fits, row.held / n, row.flagged / n, row.several / n, row.ends / n,
-        row.inputs / n, row.silent / n, row.none, 100 * median(row.width), median(row.seconds),
+        kind.name, row.fits, row.held / n, row.flagged / n, row.several / n, row.inputs / n,
+        row.silent / n, row.none, 100 * median(row.width), median(row.seconds),
         *std::max_element(row.seconds.begin(), row.seconds.end()));
     std::fflush(stdout);
   }

@@ -152,7 +152,6 @@ ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& sta
   update.frf_model_relative_std = options.frf_model_std;
   update.shape_std = options.shape_std;
   update.starts = options.starts;
-  update.start_spread = options.start_spread;
   update.seed = context.seed;
   update.threads = context.threads;
   if (!options.axial.empty()) {
@@ -186,10 +185,10 @@ void tell_findings(const std::vector<ident::Finding>& findings, const ident::Upd
 // Several models of the same modes: the heaviest as a fit by itself, and all beside each other.
 Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbContext& context,
                     ident::UpdateResult& result) {
-  if (options.hold_out || options.profile || options.monte_carlo > 0) {
+  if (options.hold_out || options.monte_carlo > 0) {
     throw UsageError(
-        "candidates are compared without --hold-out, --profile and --monte-carlo: give these to a "
-        "fit of the model chosen");
+        "candidates are compared without --hold-out and --monte-carlo: give these to a fit of the "
+        "model chosen");
   }
   if (!options.data.frfs.empty()) {
     throw UsageError("candidates are compared by modes: give --measured or --decay alone");
@@ -245,19 +244,6 @@ Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext
   if (context.plots) draw_update(*context.plots, states.states, result, outcome.held);
   tell_findings(outcome.findings, result, context);
   Json json = update_json(result, states.states);
-  if (options.profile) {
-    const auto intervals = ident::profile_intervals(result, states.states, free, update);
-    for (std::size_t p = 0; p < intervals.size(); ++p) {
-      const auto& interval = intervals[p];
-      json["parameters"][p]["profile"] = {{"low", json_number(interval.low)},
-                                          {"high", json_number(interval.high)}};
-      const auto end = [](double value) {
-        return std::isfinite(value) ? fmt::format("{:.5g}", value) : "open";
-      };
-      context.out << fmt::format("{:<34} 95 % by profile: {} .. {}\n", result.parameters[p].name,
-                                 end(interval.low), end(interval.high));
-    }
-  }
   if (options.hold_out) {
     print_held_out(states, outcome.held, context);
     json["hold_out"] = held_out_json(outcome.held, states.states);
@@ -369,7 +355,6 @@ describe::Options options_of(UpdateCommand& c) {
              "Where a load of the scene struck, LOAD=METRES,DEGREES (standard uncertainties of its "
              "place along the member and of its direction, of the mean of the hits): carried on "
              "like every --input. With --frf"),
-      option("--profile", c.profile, "Also 95 % intervals by profile (of data and priors alone)"),
       option("--assumed-std", c.assumed_std,
              "Relative standard uncertainty of frequencies that come without one")
           .within(1e-9, 1.0),
@@ -386,9 +371,8 @@ describe::Options options_of(UpdateCommand& c) {
       option("--segments", c.data.segments,
              "Of every member while fitting (default: the scene's); fewer are faster")
           .within(2, 10000),
-      option("--starts", c.starts, "Starts, the first at the scene's own values").within(1, 1000),
-      option("--start-spread", c.start_spread, "Factor by which the other starts are off at most")
-          .within(1.0, 100.0),
+      option("--starts", c.starts, "1: only the answer near the scene's own values is looked for")
+          .within(1, 1000),
       option("--hold-out", c.hold_out,
              "Also leave out each state in turn and predict it from the others"),
       option("--monte-carlo", c.monte_carlo,

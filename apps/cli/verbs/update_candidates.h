@@ -34,9 +34,9 @@ struct UpdateCommand {
   std::vector<std::string> ends;  ///< "pinned", "clamped", "springs", "own springs": the same
   std::string out, axial;
   bool axial_damping = false;
-  bool hold_out = false, profile = false;
+  bool hold_out = false;
   int monte_carlo = 0, starts = 4;
-  double start_spread = 3, assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
+  double assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
   double stiffness_common_std = 0;
 };
 

@@ -64,9 +64,9 @@ bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const
   const UpdateProblem plain = problem.with_model_std(0);
   Eigen::VectorXd r;
   Eigen::MatrixXd J;
-  if (!plain.residuals(q, found.matches, UpdateStage::full, r, &J)) return false;
+  if (!plain.residuals(q, found.matches, r, &J)) return false;
   const Eigen::Index n = problem.size();
-  const auto rows = plain.frequency_rows(found.matches, UpdateStage::full);
+  const auto rows = plain.frequency_rows(found.matches);
   const double fixed = found.log_detected + found.log_false + found.log_missed;
   evidence.log_evidence = -std::numeric_limits<double>::infinity();
   double best = evidence.log_evidence;
@@ -118,7 +118,8 @@ class Search {
   Search(const UpdateProblem& problem, const UpdateOptions& options)
       : problem_(problem),
         options_(options),
-        few_(problem.with_segments(std::min(1.0, kFewSegments / problem.fewest_segments()))) {
+        few_(problem.with(&UpdateVariant::segment_factor,
+                          std::min(1.0, kFewSegments / problem.fewest_segments()))) {
     rough_ = options;
     rough_.function_tolerance = std::max(options.function_tolerance, 1e-5);
   }
@@ -225,7 +226,7 @@ class Search {
       const UpdateProblem here =
           held_about(q, problem.with_model_std(errors.frequency, errors.damping));
       Eigen::VectorXd at = q;
-      const bool converged = minimise(here, matches.matches, UpdateStage::full, options, at, cost);
+      const bool converged = minimise(here, matches.matches, options, at, cost);
       Evidence evidence;
       if (!evidence_of(problem, matches, at, evidence)) break;
       std::string failure;
@@ -271,12 +272,11 @@ class Search {
   bool explained(const UpdateAnswer& answer) const {
     const auto& solution = answer.solution;
     Eigen::VectorXd r;
-    if (!problem_.with_model_std(0).residuals(solution.q, solution.matches.matches,
-                                              UpdateStage::full, r, nullptr)) {
+    if (!problem_.with_model_std(0).residuals(solution.q, solution.matches.matches, r, nullptr)) {
       return false;
     }
     double squares = 0;
-    const auto rows = problem_.frequency_rows(solution.matches.matches, UpdateStage::full);
+    const auto rows = problem_.frequency_rows(solution.matches.matches);
     for (const auto& row : rows) {
       const auto& match = solution.matches.matches[row.match];
       squares += std::pow(
@@ -432,11 +432,11 @@ class Search {
       Eigen::VectorXd r;
       Eigen::MatrixXd J;
       const auto& all = solution.matches.matches;
-      if (!here.residuals(solution.q, all, UpdateStage::full, r, &J)) return;
+      if (!here.residuals(solution.q, all, r, &J)) return;
       const Eigen::MatrixXd hat = J * J.completeOrthogonalDecomposition().pseudoInverse();
       double most = 0;
       std::size_t worst = all.size();
-      for (const auto& row : here.frequency_rows(all, UpdateStage::full)) {
+      for (const auto& row : here.frequency_rows(all)) {
         const double gained = r[row.row] * r[row.row] / std::max(1 - hat(row.row, row.row), 1e-6);
         if (gained > most) most = gained, worst = row.match;
       }

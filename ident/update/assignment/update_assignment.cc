@@ -10,18 +10,18 @@ namespace rigfit::ident {
 
 UpdateProblem UpdateProblem::with_model_std(double frequency, double damping) const {
   UpdateProblem other = *this;
-  other.model_std_ = frequency;
-  other.damping_model_std_ = damping;
+  other.variant_.model_std = frequency;
+  other.variant_.damping_model_std = damping;
   return other;
 }
 
 std::vector<UpdateProblem::FrequencyRow> UpdateProblem::frequency_rows(
-    const std::vector<UpdateMatch>& matches, UpdateStage stage) const {
+    const std::vector<UpdateMatch>& matches) const {
   std::vector<FrequencyRow> rows;
   Eigen::Index row = 0;
   for (std::size_t m = 0; m < matches.size(); ++m) {
     const auto& match = matches[m];
-    if (match.cross_plane || !counts(match.state, stage)) continue;
+    if (match.cross_plane || !counts(match.state)) continue;
     const auto& mode = states_[static_cast<std::size_t>(match.state)]
                            .measured[static_cast<std::size_t>(match.measured)];
     const bool damping = damping_fitted(mode);

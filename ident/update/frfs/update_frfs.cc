@@ -13,12 +13,23 @@
 #include <utility>
 
 #include "ident/update/problem/update_problem.h"
+#include "model/frfs/frf_sensitivities.h"
 
 namespace rigfit::ident {
 namespace {
 
 bool solved_together(const MeasuredFrf& a, const MeasuredFrf& b) {
   return a.decay_rate_1_s == b.decay_rate_1_s && a.frequency_hz == b.frequency_hz;
+}
+
+model::FrfSensitivities frfs_at(const model::Scene& scene, const Eigen::VectorXd& lines,
+                                const std::vector<std::string>& names, double decay_rate_1_s) {
+  if (!names.empty()) {
+    return model::synthesize_frf_sensitivities(scene, lines, names, {}, decay_rate_1_s);
+  }
+  model::FrfSensitivities plain;
+  plain.frfs = model::synthesize_frfs(scene, lines, {}, decay_rate_1_s);
+  return plain;
 }
 
 }  // namespace
@@ -39,11 +50,12 @@ UpdateProblem::FrfLines UpdateProblem::lines_of(const MeasuredFrf& frf) const {
       own = frf.std[k] / size;
       if (!std::isfinite(own)) continue;
     }
-    const bool difference = frf_differences_ && frf.std.size() > 0 && own > kNoisy;
+    const bool difference = variant_.frf_differences && frf.std.size() > 0 && own > kNoisy;
     if (!difference && own > options_.frf_max_relative_std) continue;
     if (!difference)
       own *= std::sqrt(1 + own * own);  // std of ln(1 + n), n complex noise, parts' variance own^2
-    const double relative = std::hypot(own, options_.frf_model_relative_std, frf_model_std_);
+    const double relative =
+        std::hypot(own, options_.frf_model_relative_std, variant_.frf_model_std);
     if (!(relative > 0)) continue;  // exact lines have no weight beside others
     lines.line.push_back(k);
     lines.difference.push_back(difference ? 1 : 0);
@@ -89,8 +101,8 @@ bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::In
     for (std::size_t g = 0; g < f; ++g) before = before || solved_together(frfs[g], frfs[f]);
     if (before) continue;
     ++shared_->evaluations;
-    const auto solved = options_.frf_solver(scene, measured_factor(state) * frfs[f].frequency_hz,
-                                            targets, frfs[f].decay_rate_1_s);
+    const auto solved = frfs_at(scene, measured_factor(state) * frfs[f].frequency_hz, targets,
+                                frfs[f].decay_rate_1_s);
     if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
     for (std::size_t g = f; g < frfs.size(); ++g) {
       const MeasuredFrf& frf = frfs[g];
@@ -144,7 +156,7 @@ std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows_of(int state) const 
 
 std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows(
     const std::vector<UpdateMatch>& matches) const {
-  Eigen::Index row = residual_count(matches, UpdateStage::full) - priors_ - 2 * frf_lines();
+  Eigen::Index row = residual_count(matches) - priors_ - 2 * frf_lines();
   std::vector<FrfRows> all;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (!takes_part(s)) continue;
@@ -158,10 +170,8 @@ std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows(
 }
 
 double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q, int only) const {
-  if (frf_differences_) {
-    UpdateProblem logarithms = *this;
-    logarithms.frf_differences_ = false;
-    return logarithms.rms_log_frf_error(q, only);
+  if (variant_.frf_differences) {
+    return with(&UpdateVariant::frf_differences, false).rms_log_frf_error(q, only);
   }
   double squares = 0;
   Eigen::Index count = 0;
@@ -187,18 +197,6 @@ double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q, int only) cons
                    : std::numeric_limits<double>::quiet_NaN();
 }
 
-UpdateProblem UpdateProblem::with_frf_model_std(double relative) const {
-  UpdateProblem other = *this;
-  other.frf_model_std_ = relative;
-  return other;
-}
-
-UpdateProblem UpdateProblem::with_frf_differences() const {
-  UpdateProblem other = *this;
-  other.frf_differences_ = true;
-  return other;
-}
-
 UpdateProblem UpdateProblem::with_places_of_hits(const Eigen::VectorXd& q) const {
   constexpr double kQuantile = 0.05;
   UpdateProblem other = *this;
@@ -215,8 +213,7 @@ UpdateProblem UpdateProblem::with_places_of_hits(const Eigen::VectorXd& q) const
       std::vector<double> largest;  // standard uncertainty that each line allows
       for (const auto& frf : state.frfs) {
         if (frf.load != l || frf.std.size() == 0) continue;
-        const auto solved =
-            options_.frf_solver(scene, frf.frequency_hz, {target}, frf.decay_rate_1_s);
+        const auto solved = frfs_at(scene, frf.frequency_hz, {target}, frf.decay_rate_1_s);
         if (solved.frfs.H.empty()) continue;
         for (const auto line : lines_of(frf).line) {
           const auto k = static_cast<std::size_t>(line);
@@ -245,7 +242,7 @@ bool UpdateProblem::redraw_frfs(const Eigen::VectorXd& q, double spread,
     std::string failure;
     if (!fixed_scene(s, q, scene, failure)) return false;
     for (auto& frf : frfs) {
-      const auto solved = options_.frf_solver(scene, frf.frequency_hz, {}, frf.decay_rate_1_s);
+      const auto solved = frfs_at(scene, frf.frequency_hz, {}, frf.decay_rate_1_s);
       if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
       const FrfLines lines = lines_of(frf);
       for (std::size_t i = 0; i < lines.line.size(); ++i) {

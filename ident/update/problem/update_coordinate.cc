@@ -6,16 +6,9 @@
 
 namespace rigfit::ident {
 
-double UpdateCoordinate::value(double q) const {
-  if (fixity) return scale * q / (1 - q);
-  return logarithmic ? std::exp(q) : q * scale;
-}
-double UpdateCoordinate::derivative(double q) const {
-  if (fixity) return scale / ((1 - q) * (1 - q));
-  return logarithmic ? std::exp(q) : scale;
-}
+double UpdateCoordinate::value(double q) const { return logarithmic ? std::exp(q) : q * scale; }
+double UpdateCoordinate::derivative(double q) const { return logarithmic ? std::exp(q) : scale; }
 double UpdateCoordinate::coordinate(double v) const {
-  if (fixity) return v / (scale + v);
   return logarithmic ? std::log(v) : v / scale;
 }
 
@@ -72,13 +65,13 @@ double scale_at_zero(const model::Scene& scene, const std::string& name) {
   return name.ends_with(".mass") && mass > 0 ? 0.01 * mass : 1;
 }
 
-double EndMember::half_held(Eigen::Index i) const {
-  const double EI = member->EI[i == 2 ? 0 : 1];
-  return 3 * EI / length + std::sqrt(EI * std::abs(member->tension.value_or(0)));
-}
-
-EndMember member_at(const model::Scene& scene, const std::string& node) {
-  EndMember found;
+double half_held(const model::Scene& scene, const std::string& name) {
+  const auto dot = name.rfind(".rotational_");
+  if (dot == std::string::npos) return 0;
+  const std::string node = name.substr(0, dot);
+  const Eigen::Index i = name.back() - 'x';
+  double half = 0;
+  Eigen::Index axis = -1;
   for (const auto& member : scene.members) {
     if (member.nodes[0] != node && member.nodes[1] != node) continue;
     Eigen::Vector3d along = Eigen::Vector3d::Zero();
@@ -86,21 +79,15 @@ EndMember member_at(const model::Scene& scene, const std::string& node) {
       if (end.name == member.nodes[0]) along -= end.position;
       if (end.name == member.nodes[1]) along += end.position;
     }
-    Eigen::Index axis = 0;
+    Eigen::Index own = 0;
     const double length = along.norm();
-    if (along.cwiseAbs().maxCoeff(&axis) < 0.95 * length) return {};
-    if (found.member != nullptr && axis != found.axis) return {};
-    if (found.member == nullptr) found = {&member, length, axis};
+    if (along.cwiseAbs().maxCoeff(&own) < 0.95 * length || own == i) return 0;
+    if (axis >= 0 && own != axis) return 0;
+    const double EI = member.EI[i == 2 ? 0 : 1];
+    if (axis < 0) half = 3 * EI / length + std::sqrt(EI * std::abs(member.tension.value_or(0)));
+    axis = own;
   }
-  return found;
-}
-
-double half_held(const model::Scene& scene, const std::string& name) {
-  const auto dot = name.rfind(".rotational_");
-  if (dot == std::string::npos) return 0;
-  const Eigen::Index i = name.back() - 'x';
-  const EndMember end = member_at(scene, name.substr(0, dot));
-  return end.member != nullptr && i != end.axis ? end.half_held(i) : 0;
+  return half;
 }
 
 }  // namespace rigfit::ident

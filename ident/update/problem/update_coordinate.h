@@ -9,12 +9,11 @@
 namespace rigfit::ident {
 
 /// One unknown as it is fitted: q = ln(value) where the value is positive by nature, else
-/// value / scale, or, of a spring, its fixity value / (scale + value): 0 without it, 1 where it
-/// holds.
+/// value / scale.
 struct UpdateCoordinate {
   int parameter = 0;  ///< index into the free parameters
   int state = -1;     ///< -1: shared
-  bool logarithmic = true, fixity = false;
+  bool logarithmic = true;
   double scale = 1;
   double start = 0, low = 0, high = 0;  ///< q
   double prior = 0, prior_std = 0;      ///< q; prior_std 0: none
@@ -44,18 +43,9 @@ struct UpdateCoordinate {
 /// tension for a load cell's zero, else 1.
 [[nodiscard]] double scale_at_zero(const model::Scene& scene, const std::string& name);
 
-/// The first member at a node, its length and the axis along which all members there lie.
-struct EndMember {
-  const model::Member* member = nullptr;  ///< null: along no axis, or along several
-  double length = 0;                      ///< m
-  Eigen::Index axis = 0;
-
-  /// Stiffness of a rotational spring about axis i that is half way between a free and a held end,
-  /// N m/rad: 3 EI/L of a beam without tension, sqrt(EI T) of a long cable, here their sum.
-  [[nodiscard]] double half_held(Eigen::Index i) const;
-};
-[[nodiscard]] EndMember member_at(const model::Scene& scene, const std::string& node);
-/// The same of a scene's parameter NODE.rotational_AXIS; 0 of any other.
+/// Stiffness of the rotational spring NODE.rotational_AXIS that is half way between a free and a
+/// held end, N m/rad: 3 EI/L of a beam without tension, sqrt(EI T) of a long cable, here their sum,
+/// of the first member there. 0 for other parameters, and where members do not lie along one axis.
 [[nodiscard]] double half_held(const model::Scene& scene, const std::string& name);
 
 }  // namespace rigfit::ident

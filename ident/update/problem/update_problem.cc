@@ -12,11 +12,7 @@
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
-namespace {
-
 using signal::kNaN;
-
-}  // namespace
 
 const UpdateModelMode* UpdateStateModes::find(model::ModePlane plane, int order) const {
   for (const auto& mode : modes) {
@@ -30,26 +26,6 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
                              int held_out)
     : states_(states), free_(free), options_(options), held_out_(held_out) {
   if (states_.empty()) throw std::invalid_argument("update: no scene");
-  if (!options_.solver) {
-    options_.solver = [](const model::Scene& scene, const std::vector<std::string>& names,
-                         const model::ModesOptions& modes) {
-      if (!names.empty()) return model::analyse_mode_sensitivities(scene, names, modes);
-      model::ModeSensitivities plain;
-      plain.analysis = model::analyse_modes(scene, modes);
-      return plain;
-    };
-  }
-  if (!options_.frf_solver) {
-    options_.frf_solver = [](const model::Scene& scene, const Eigen::VectorXd& lines,
-                             const std::vector<std::string>& names, double decay_rate) {
-      if (!names.empty()) {
-        return model::synthesize_frf_sensitivities(scene, lines, names, {}, decay_rate);
-      }
-      model::FrfSensitivities plain;
-      plain.frfs = model::synthesize_frfs(scene, lines, {}, decay_rate);
-      return plain;
-    };
-  }
   for (const auto& state : states_) {
     for (const auto& frf : state.frfs) {
       if (frf.sensor >= state.scene.sensors.size() || frf.load >= state.scene.loads.size() ||
@@ -66,7 +42,6 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
     if (state.modes_lead_only) continue;
     for (const auto& mode : state.measured) {
       if (!known(mode.frequency_hz.std)) uncertainties_known_ = false;
-      if (damping_fitted(mode)) damping_ = true;
     }
   }
   for (const auto& state : states_) {
@@ -180,18 +155,6 @@ std::vector<std::string> UpdateProblem::names() const {
   return names;
 }
 
-UpdateProblem UpdateProblem::with_segments(double factor) const {
-  UpdateProblem other = *this;
-  other.segment_factor_ = factor;
-  return other;
-}
-
-UpdateProblem UpdateProblem::with_inputs(const Eigen::VectorXd& off) const {
-  UpdateProblem other = *this;
-  other.inputs_off_ = off;
-  return other;
-}
-
 int UpdateProblem::fewest_segments() const {
   int fewest = std::numeric_limits<int>::max();
   for (const auto& state : states_) {
@@ -204,12 +167,13 @@ int UpdateProblem::fewest_segments() const {
 
 model::Scene UpdateProblem::scene_at(int state, const Eigen::VectorXd& q) const {
   model::Scene scene = states_[static_cast<std::size_t>(state)].scene;
-  for (Eigen::Index i = 0; i < inputs_off_.size(); ++i) {
-    if (inputs_off_[i] == 0) continue;
+  for (Eigen::Index i = 0; i < variant_.inputs_off.size(); ++i) {
+    if (variant_.inputs_off[i] == 0) continue;
     for (const auto& effect : options_.inputs[static_cast<std::size_t>(i)].effects) {
       if (effect.state != state || effect.target == kSampleRateTarget) continue;
-      model::set_parameter(scene, effect.target,
-                           model::parameter(scene, effect.target) + inputs_off_[i] * effect.change);
+      model::set_parameter(
+          scene, effect.target,
+          model::parameter(scene, effect.target) + variant_.inputs_off[i] * effect.change);
     }
   }
   for (Eigen::Index j = 0; j < size(); ++j) {
@@ -233,10 +197,11 @@ bool UpdateProblem::fixed_scene(int state, const Eigen::VectorXd& q, model::Scen
     failure = error.what();
     return false;
   }
+  const double factor = is_resolved(state) ? 1 : variant_.segment_factor;
   for (auto& member : scene.members) {  // the same number all along, or frequencies would jump
     if (member.segments == 0) member.segments = options_.auto_segments;
     member.segments = std::max(std::min(member.segments, 8),
-                               static_cast<int>(std::lround(segment_factor_ * member.segments)));
+                               static_cast<int>(std::lround(factor * member.segments)));
   }
   return true;
 }
@@ -273,6 +238,11 @@ UpdateProblem::ModeNeed UpdateProblem::need_of(int state,
   return {in > 0 ? ModePlane::in : ModePlane::out, std::max(in, out) + 2};
 }
 
+int UpdateProblem::mode_count(int state) const {
+  const auto measured = states_[static_cast<std::size_t>(state)].measured.size();
+  return std::min<int>(100, 3 * static_cast<int>(measured) + 8);
+}
+
 UpdateStateModes UpdateProblem::modes(int state, const Eigen::VectorXd& q, bool derivatives,
                                       const std::vector<UpdateMatch>* matches) const {
   const ModeNeed need = need_of(state, matches);
@@ -290,13 +260,11 @@ UpdateStateModes UpdateProblem::modes(int state, const Eigen::VectorXd& q, bool 
 UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q, bool derivatives,
                                             const ModeNeed& need) const {
   UpdateStateModes result;
-  const auto& measured = states_[static_cast<std::size_t>(state)].measured;
   model::Scene scene;
   if (!fixed_scene(state, q, scene, result.failure)) return result;
   const auto [targets, owner] = derivatives ? targets_of(state) : Targets{};
   model::ModesOptions modes;
-  modes.count =
-      need.count > 0 ? need.count : std::min<int>(100, 3 * static_cast<int>(measured.size()) + 8);
+  modes.count = need.count > 0 ? need.count : mode_count(state);
   modes.plane = need.plane;
   modes.damped = damping_;
   modes.shapes = false;
@@ -304,7 +272,12 @@ UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q,
   // Rates of shapes cost as much as the modes: only where shapes are fitted.
   if (derivatives && !(options_.shape_std > 0)) scene.sensors.clear();
   ++shared_->evaluations;
-  const auto solved = options_.solver(scene, targets, modes);
+  model::ModeSensitivities solved;
+  if (targets.empty()) {
+    solved.analysis = model::analyse_modes(scene, modes);
+  } else {
+    solved = model::analyse_mode_sensitivities(scene, targets, modes);
+  }
   const auto& analysis = solved.analysis;
   if (analysis.equilibrium.status != model::EquilibriumStatus::converged) {
     result.failure = fmt::format("no equilibrium: {}", analysis.equilibrium.reason);
@@ -347,15 +320,19 @@ UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q,
     result.modes.push_back(std::move(mode));
   }
   if (result.modes.empty()) result.failure = "the model has no modes";
-  take_errors_off(state, result.modes);
+  if (is_resolved(state)) {
+    for (const auto& error : (*variant_.segment_errors)[static_cast<std::size_t>(state)]) {
+      for (auto& mode : result.modes) {
+        if (mode.plane != error.plane || mode.order != error.order) continue;
+        mode.frequency_hz *= std::exp(-error.log_error);
+      }
+    }
+  }
   return result;
 }
 
-UpdateMatches UpdateProblem::match(const Eigen::VectorXd& q, double common_factor_range,
-                                   std::string& failure, int only) const {
+UpdateMatches UpdateProblem::match(const Eigen::VectorXd& q, std::string& failure, int only) const {
   UpdateMatches result;
-  PairingOptions pairing = options_.pairing;
-  pairing.common_factor_range = common_factor_range;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (only >= 0 ? s != only : !takes_part(s)) continue;
     const auto& state = states_[static_cast<std::size_t>(s)];
@@ -373,7 +350,7 @@ UpdateMatches UpdateProblem::match(const Eigen::VectorXd& q, double common_facto
       model_modes.push_back(
           {.frequency_hz = mode.frequency_hz, .plane = mode.plane, .shape = mode.shape});
     }
-    const ModePairing paired = pair_modes(measured_modes, model_modes, pairing);
+    const ModePairing paired = pair_modes(measured_modes, model_modes);
     for (const auto& pair : paired.pairs) {
       const auto& mode = modelled.modes[static_cast<std::size_t>(pair.model)];
       result.matches.push_back(
@@ -399,7 +376,7 @@ double UpdateProblem::relative_std(int state, int measured) const {
       states_[static_cast<std::size_t>(state)].measured[static_cast<std::size_t>(measured)];
   const double own = known(mode.frequency_hz.std) ? mode.frequency_hz.std / mode.frequency_hz.value
                                                   : options_.assumed_relative_std;
-  return std::hypot(std::hypot(own, options_.model_relative_std), model_std_);
+  return std::hypot(std::hypot(own, options_.model_relative_std), variant_.model_std);
 }
 
 double UpdateProblem::damping_relative_std(int state, int measured) const {
@@ -408,11 +385,11 @@ double UpdateProblem::damping_relative_std(int state, int measured) const {
                             .damping_ratio;
   const double own =
       known(damping.std) ? damping.std / damping.value : options_.assumed_damping_relative_std;
-  return std::hypot(own, damping_model_std_);
+  return std::hypot(own, variant_.damping_model_std);
 }
 
 double UpdateProblem::measured_factor(int state) const {
-  return sample_rate_factor(options_.inputs, inputs_off_, state);
+  return sample_rate_factor(options_.inputs, variant_.inputs_off, state);
 }
 
 std::vector<UpdatedPair> UpdateProblem::pairs(const Eigen::VectorXd& q,

@@ -9,6 +9,8 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "ident/update/problem/update_coordinate.h"
@@ -58,8 +60,34 @@ struct UpdateMatches {
   double log_likelihood = 0, log_detected = 0, log_false = 0, log_missed = 0;
 };
 
-/// What counts as data: first the modes alone, then everything (modes that only lead drop out).
-enum class UpdateStage { lead, full };
+/// Columns U and factors 1 - (1 + S^2)^(-1/2) of what residuals share (shared_sources.h).
+struct SharedSources {
+  Eigen::MatrixXd U;
+  Eigen::ArrayXd less;
+  Eigen::VectorXd off;  ///< C times the estimates of the sources that are in the residuals
+};
+
+/// Error of ln f of a mode with the segments that there are.
+struct SegmentError {
+  model::ModePlane plane = model::ModePlane::in;
+  int order = 0;
+  double log_error = 0;
+};
+
+/// What problems of one fit differ by.
+struct UpdateVariant {
+  /// Times the segments of the scenes (at least 8, where there are as many).
+  double segment_factor = 1;
+  double model_std = 0, damping_model_std = 0;  ///< see with_model_std
+  double frf_model_std = 0;                     ///< a further relative error of the model in FRFs
+  /// Noisy lines of FRFs by their difference instead of its logarithm (update_frfs.cc).
+  bool frf_differences = false;
+  Eigen::VectorXd inputs_off;  ///< standard uncertainties that each input is off by; empty: none
+  /// Subtracts `off` from the residuals and multiplies them by L; null: residuals are independent.
+  std::shared_ptr<const SharedSources> sources;
+  /// By state, taken off the frequencies that count as data; null or empty: nothing.
+  std::shared_ptr<const std::vector<std::vector<SegmentError>>> segment_errors;
+};
 
 class UpdateProblem {
  public:
@@ -73,54 +101,35 @@ class UpdateProblem {
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] const std::vector<UpdateState>& states() const { return states_; }
   [[nodiscard]] bool takes_part(int state) const { return state != held_out_; }
-  /// The same with that many times the segments of its scenes (at least 8, where there are as
-  /// many).
-  [[nodiscard]] UpdateProblem with_segments(double factor) const;
-  [[nodiscard]] double segment_factor() const { return segment_factor_; }
-  /// The same with that many segments where the scene says "auto".
-  [[nodiscard]] UpdateProblem with_auto_segments(int segments) const;
-  [[nodiscard]] bool has_auto_segments() const;
+  /// A copy that differs in one thing: `problem.with(&UpdateVariant::segment_factor, 2.0)`.
+  template <typename T>
+  [[nodiscard]] UpdateProblem with(T UpdateVariant::*what, std::type_identity_t<T> value) const {
+    UpdateProblem other = *this;
+    other.variant_.*what = std::move(value);
+    return other;
+  }
+  [[nodiscard]] const UpdateVariant& variant() const { return variant_; }
+  /// A further relative error of the model, of its own in every frequency and damping ratio.
+  [[nodiscard]] UpdateProblem with_model_std(double frequency, double damping = 0) const;
+  /// This problem with the error of "auto" segments, found at q, taken off the frequencies that
+  /// count as data (update_segments.h).
+  [[nodiscard]] UpdateProblem with_resolved_modes(const Eigen::VectorXd& q) const;
   [[nodiscard]] bool has_given_segments() const;
-  /// This problem with the error of "auto" segments, evaluated at q, taken off the frequencies that
-  /// count as data (update_segments.h). Its `with_segments(2)` differs by the error that may
-  /// remain.
-  [[nodiscard]] UpdateProblem with_segment_errors_off(const Eigen::VectorXd& q) const;
-  [[nodiscard]] bool takes_errors_off() const;  ///< for any mode
-  /// The same with nothing taken off.
-  [[nodiscard]] UpdateProblem with_segment_errors() const;
-  /// What is left in these pairs' frequencies over the accuracy that their scenes ask for, largest.
-  [[nodiscard]] double left_over_accuracy(const std::vector<UpdateMatch>& matches) const;
-  /// Columns U and factors 1 - (1 + S^2)^(-1/2) of what residuals share (shared_sources.h).
-  struct Sources {
-    Eigen::MatrixXd U;
-    Eigen::ArrayXd less;
-    Eigen::VectorXd off;  ///< C times the estimates of the sources that are in the residuals
-  };
-  /// The same with `off` subtracted from its residuals, then multiplied by L; null: as they are.
-  [[nodiscard]] UpdateProblem with_sources(std::shared_ptr<const Sources> sources) const;
   /// Variances of gain * r of plain residuals r, whose covariance is I + C C'.
   [[nodiscard]] Eigen::VectorXd plain_variances(const Eigen::MatrixXd& gain) const;
   /// Changes of plain residuals, as those of this problem change.
   [[nodiscard]] Eigen::VectorXd with_sources_of(Eigen::VectorXd change) const;
-  [[nodiscard]] bool has_sources() const { return sources_ != nullptr; }
+  [[nodiscard]] bool has_sources() const { return variant_.sources != nullptr; }
   [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return options_.inputs; }
   /// Whether a scene parameter is fitted or moved by an input in that state.
   [[nodiscard]] bool is_stated(int state, const std::string& target) const;
   /// The same with further coordinates, ln(value) of parameters of one state each.
   [[nodiscard]] UpdateProblem with_scaled(
       const std::vector<std::pair<int, FreeParameter>>& further) const;
-  /// The same with other scenes, one a state, and one further coordinate of `parameter`, shared.
-  [[nodiscard]] UpdateProblem with_scenes(const std::vector<model::Scene>& scenes,
-                                          const FreeParameter& parameter,
-                                          UpdateCoordinate coordinate) const;
   /// By how many standard uncertainties each input is off.
   [[nodiscard]] Eigen::VectorXd inputs_off() const;
   /// The same with further inputs, the mean places of hits that nothing is said of.
   [[nodiscard]] UpdateProblem with_places_of_hits(const Eigen::VectorXd& q) const;
-  /// The same with a further relative error of the model in FRFs.
-  [[nodiscard]] UpdateProblem with_frf_model_std(double relative) const;
-  /// Noisy lines of FRFs by their difference instead of its logarithm (update_frfs.cc).
-  [[nodiscard]] UpdateProblem with_frf_differences() const;
   /// Residuals of FRFs in the order of their rows: first row, lines, relative uncertainties.
   struct FrfRows {
     Eigen::Index first = 0;
@@ -131,25 +140,22 @@ class UpdateProblem {
     std::vector<double> frequency_hz = {};
   };
   [[nodiscard]] std::vector<FrfRows> frf_rows(const std::vector<UpdateMatch>& matches) const;
-  /// The same with its inputs off by so many standard uncertainties each.
-  [[nodiscard]] UpdateProblem with_inputs(const Eigen::VectorXd& off) const;
   [[nodiscard]] int fewest_segments() const;  ///< in any member
   [[nodiscard]] model::Scene scene_at(int state, const Eigen::VectorXd& q) const;
   /// `matches`: modes are asked for that these need; null: all that may pair.
   [[nodiscard]] UpdateStateModes modes(int state, const Eigen::VectorXd& q, bool derivatives,
                                        const std::vector<UpdateMatch>* matches = nullptr) const;
 
-  /// Pairs every state that takes part (or `only` that one); `failure` says why there are none.
-  [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, double common_factor_range,
-                                    std::string& failure, int only = -1) const;
+  /// Pairs every state that takes part (or `only` that one) by frequency, plane and shape
+  /// (mode_pairing.h), for lists; `failure` says why there are none.
+  [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, std::string& failure,
+                                    int only = -1) const;
 
   /// Residuals over their standard deviations: frequencies, dampings and shapes of the fitted pairs
   /// in order, FRFs, then priors. False when some state has no modes or a pair's mode is gone.
   [[nodiscard]] bool residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
-                               UpdateStage stage, Eigen::VectorXd& residuals,
-                               Eigen::MatrixXd* jacobian) const;
-  [[nodiscard]] Eigen::Index residual_count(const std::vector<UpdateMatch>& matches,
-                                            UpdateStage stage) const;
+                               Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
+  [[nodiscard]] Eigen::Index residual_count(const std::vector<UpdateMatch>& matches) const;
   [[nodiscard]] bool has_modes() const;
   [[nodiscard]] bool has_frfs() const;
   /// Rms of |ln(H_model / H_measured)| over the fitted lines of the states that take part (or
@@ -168,17 +174,16 @@ class UpdateProblem {
   [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled,
                                            double factor = 1) const;
 
-  /// The same with a further relative error of the model, of its own in every frequency and in
-  /// every damping ratio.
-  [[nodiscard]] UpdateProblem with_model_std(double frequency, double damping = 0) const;
   /// Rows of the residuals that are frequencies of fitted pairs, with their match.
   struct FrequencyRow {
     Eigen::Index row = 0, damping = -1;  ///< its damping ratio's row, where it is fitted
     std::size_t match = 0;
   };
-  [[nodiscard]] std::vector<FrequencyRow> frequency_rows(const std::vector<UpdateMatch>& matches,
-                                                         UpdateStage stage) const;
+  [[nodiscard]] std::vector<FrequencyRow> frequency_rows(
+      const std::vector<UpdateMatch>& matches) const;
   [[nodiscard]] bool modes_only() const { return has_modes() && !has_frfs(); }
+  /// The same without FRFs, with modes that only lead as data.
+  [[nodiscard]] UpdateProblem modes_alone() const;
 
   [[nodiscard]] double relative_std(int state, int measured) const;
   [[nodiscard]] double damping_relative_std(int state, int measured) const;
@@ -225,7 +230,9 @@ class UpdateProblem {
                                              const ModeNeed& need) const;
   [[nodiscard]] bool damping_fitted(const MeasuredMode& mode) const;
   [[nodiscard]] bool shape_fitted(const MeasuredMode& mode) const;
-  [[nodiscard]] bool counts(int state, UpdateStage stage) const;
+  [[nodiscard]] bool counts(int state) const;
+  [[nodiscard]] bool is_resolved(int state) const;
+  [[nodiscard]] int mode_count(int state) const;  // that may pair
   [[nodiscard]] Targets targets_of(int state) const;
   [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
                                  std::string& failure) const;
@@ -244,24 +251,8 @@ class UpdateProblem {
   std::vector<bool> joint_dampers_;             // by state: in its scene, or to be found
   Eigen::Index priors_ = 0;
   bool uncertainties_known_ = true, damping_ = false;
-  double segment_factor_ = 1;
-  double model_std_ = 0, damping_model_std_ = 0, frf_model_std_ = 0;
-  bool frf_differences_ = false;
-  // Errors of ln f, by state, with the segments that there are (`here`) and with twice as many.
-  struct ModeError {
-    model::ModePlane plane;
-    int order;
-    double here, twice;
-    double left;  // what may be left, not negative
-  };
-  using ModeErrors = std::vector<std::vector<ModeError>>;
-  [[nodiscard]] static const ModeError* find(const std::vector<ModeError>& errors,
-                                             model::ModePlane plane, int order);
-  void take_errors_off(int state, std::vector<UpdateModelMode>& modes) const;
-  std::shared_ptr<const ModeErrors> mode_errors_;  // null: nothing is taken off
-  Eigen::VectorXd inputs_off_;                     // empty: none
-  std::shared_ptr<const Sources> sources_;         // null: residuals are independent
-  struct Shared {                                  // by copies of a problem too
+  UpdateVariant variant_;
+  struct Shared {  // by copies of a problem too
     std::atomic<int> evaluations{0};
     std::atomic<bool> narrow{true};  // asking for the paired modes alone has not failed yet
   };

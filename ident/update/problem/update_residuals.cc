@@ -9,8 +9,17 @@
 
 namespace rigfit::ident {
 
-bool UpdateProblem::counts(int state, UpdateStage stage) const {
-  return stage == UpdateStage::lead || !states_[static_cast<std::size_t>(state)].modes_lead_only;
+bool UpdateProblem::counts(int state) const {
+  return !states_[static_cast<std::size_t>(state)].modes_lead_only;
+}
+
+UpdateProblem UpdateProblem::modes_alone() const {
+  UpdateProblem other = *this;
+  for (auto& state : other.states_) {
+    state.frfs.clear();
+    state.modes_lead_only = false;
+  }
+  return other;
 }
 
 bool UpdateProblem::has_modes() const {
@@ -28,30 +37,27 @@ bool UpdateProblem::shape_fitted(const MeasuredMode& mode) const {
          mode.shape.norm() > 0;
 }
 
-Eigen::Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& matches,
-                                           UpdateStage stage) const {
+Eigen::Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& matches) const {
   Eigen::Index count = priors_;
   for (const auto& match : matches) {
-    if (match.cross_plane || !counts(match.state, stage)) continue;
+    if (match.cross_plane || !counts(match.state)) continue;
     const auto& mode = states_[static_cast<std::size_t>(match.state)]
                            .measured[static_cast<std::size_t>(match.measured)];
     count += damping_fitted(mode) ? 2 : 1;
     if (shape_fitted(mode)) count += mode.shape.size();
   }
-  if (stage == UpdateStage::full) count += 2 * frf_lines();
-  return count;
+  return count + 2 * frf_lines();
 }
 
 bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
-                              UpdateStage stage, Eigen::VectorXd& r,
-                              Eigen::MatrixXd* jacobian) const {
-  r.setZero(residual_count(matches, stage));
+                              Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
+  r.setZero(residual_count(matches));
   if (jacobian != nullptr) jacobian->setZero(r.size(), size());
   Eigen::Index row = 0;
   int current = -1;
   UpdateStateModes modelled;
   for (const auto& match : matches) {  // ordered by state
-    if (match.cross_plane || !counts(match.state, stage)) continue;
+    if (match.cross_plane || !counts(match.state)) continue;
     if (match.state != current) {
       modelled = modes(match.state, q, jacobian != nullptr, &matches);
       if (!modelled.failure.empty()) return false;
@@ -93,11 +99,9 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
       row += wanted.size();
     }
   }
-  if (stage == UpdateStage::full) {
-    for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-      if (!takes_part(s)) continue;
-      if (!frf_residuals(s, q, row, r, jacobian)) return false;
-    }
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    if (!takes_part(s)) continue;
+    if (!frf_residuals(s, q, row, r, jacobian)) return false;
   }
   for (Eigen::Index j = 0; j < size(); ++j) {
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
@@ -106,8 +110,8 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
     if (jacobian != nullptr) (*jacobian)(row, j) = 1 / coordinate.prior_std;
     ++row;
   }
-  if (sources_ && sources_->U.rows() == r.size()) {
-    r -= sources_->off;
+  if (variant_.sources && variant_.sources->U.rows() == r.size()) {
+    r -= variant_.sources->off;
     whiten(r);
     if (jacobian != nullptr) whiten(*jacobian);
   }
@@ -115,25 +119,25 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
 }
 
 void UpdateProblem::whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const {
-  const Eigen::MatrixXd along = sources_->U.transpose() * residuals;
-  residuals -= sources_->U * (sources_->less.matrix().asDiagonal() * along);
+  const Eigen::MatrixXd along = variant_.sources->U.transpose() * residuals;
+  residuals -= variant_.sources->U * (variant_.sources->less.matrix().asDiagonal() * along);
 }
 
 Eigen::VectorXd UpdateProblem::plain_variances(const Eigen::MatrixXd& gain) const {
   Eigen::VectorXd variances = gain.rowwise().squaredNorm();
-  if (!sources_ || sources_->U.rows() != gain.cols()) return variances;
-  const Eigen::VectorXd more = ((1 - sources_->less).square().inverse() - 1).matrix();
-  return variances + (gain * sources_->U).cwiseAbs2() * more;
+  if (!variant_.sources || variant_.sources->U.rows() != gain.cols()) return variances;
+  const Eigen::VectorXd more = ((1 - variant_.sources->less).square().inverse() - 1).matrix();
+  return variances + (gain * variant_.sources->U).cwiseAbs2() * more;
 }
 
 Eigen::VectorXd UpdateProblem::with_sources_of(Eigen::VectorXd change) const {
-  if (sources_ && sources_->U.rows() == change.size()) whiten(change);
+  if (variant_.sources && variant_.sources->U.rows() == change.size()) whiten(change);
   return change;
 }
 
 Eigen::VectorXd UpdateProblem::inputs_off() const {
   Eigen::VectorXd off = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(options_.inputs.size()));
-  off.head(inputs_off_.size()) = inputs_off_;
+  off.head(variant_.inputs_off.size()) = variant_.inputs_off;
   return off;
 }
 
@@ -159,27 +163,6 @@ UpdateProblem UpdateProblem::with_scaled(
     other.free_.push_back(parameter);
     other.coordinates_.push_back(coordinate);
   }
-  return other;
-}
-
-UpdateProblem UpdateProblem::with_scenes(const std::vector<model::Scene>& scenes,
-                                         const FreeParameter& parameter,
-                                         UpdateCoordinate coordinate) const {
-  UpdateProblem other = *this;
-  for (std::size_t s = 0; s < scenes.size(); ++s) {
-    other.states_[s].scene = scenes[s];
-    const auto names = model::parameter_names(scenes[s]);
-    other.present_[s] = {names.begin(), names.end()};
-  }
-  coordinate.parameter = static_cast<int>(other.free_.size());
-  other.free_.push_back(parameter);
-  other.coordinates_.push_back(coordinate);
-  return other;
-}
-
-UpdateProblem UpdateProblem::with_sources(std::shared_ptr<const Sources> sources) const {
-  UpdateProblem other = *this;
-  other.sources_ = std::move(sources);
   return other;
 }
 

@@ -39,7 +39,6 @@ struct UpdatedParameter {
   std::vector<UpdateBudgetTerm> budget = {};  ///< empty when not identifiable
   /// Largest remaining error of the value due to the number of segments; NaN: unknown.
   double segment_shift = std::numeric_limits<double>::quiet_NaN();
-  double segments_taken_off = 0;  ///< correction for segments, which lowered the value
 };
 
 /// A number of the scenes that is taken as exact: neither fitted nor given with an uncertainty.
@@ -47,17 +46,6 @@ struct ExactInput {
   std::string name;            ///< a scene parameter, or "lengths": coordinates of all nodes
   double relative_change = 0;  ///< relative change of the input that gives `shift`
   Eigen::VectorXd shift;       ///< change of each parameter, to first order; NaN: unknown
-};
-
-/// Ends of members whose rotational stiffness is taken as exact: neither fitted nor stated.
-struct ExactEnds {
-  std::vector<std::string> nodes;
-  std::string taken_as;   ///< "pinned", "clamped", "springs"
-  double stiffness = 0;   ///< N m/rad, springs that explain the data best; first node, in plane
-  double chi2_less = 0;   ///< decrease of chi2 by these springs, without model error
-  Eigen::VectorXd shift;  ///< change of each parameter by them; NaN: unknown
-  /// Largest change by springs within their 95 % interval from the data.
-  Eigen::VectorXd largest_shift;
 };
 
 struct UpdatedPair {
@@ -135,15 +123,15 @@ struct UpdateResult {
   Eigen::Index frf_lines = 0;
   UpdateFit fit;
   std::vector<ExactInput> exact_inputs;  ///< not covered by any interval
-  std::vector<ExactEnds> exact_ends;     ///< end conditions likewise; for fits to modes
+  std::vector<std::string> exact_ends;   ///< "left (pinned)": end conditions likewise
   /// Answers of weight 0.001 or more, heaviest first; the first is this result. For fits to modes.
   std::vector<UpdateAlternative> alternatives;
   double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< ln, over all answers
   double chi_squared = 0, degrees_of_freedom = 0;  ///< with the final weights of the fit
   double variance_factor = 1;
-  double coverage_factor = 1.96;        ///< for 95 %
-  int auto_segments = 0;                ///< final number for "auto" members
-  int starts = 0, starts_agreeing = 0;  ///< number that ended in this answer
+  double coverage_factor = 1.96;  ///< for 95 %
+  double segment_factor = 1;      ///< times the segments that "auto" members had at first
+  int starts = 0;                 ///< local fits of the search
   int pairings = 0, model_evaluations = 0;
   std::vector<model::Scene> scenes;  ///< updated, by state
   Eigen::VectorXd coordinates;       ///< solution in fitted coordinates, for refits

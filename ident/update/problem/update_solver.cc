@@ -8,11 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <random>
 #include <utility>
 #include <vector>
-
-#include "ident/statistics/in_parallel.h"
 
 namespace rigfit::ident {
 
@@ -31,9 +28,9 @@ namespace {
 class UpdateCost : public ceres::CostFunction {
  public:
   UpdateCost(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-             UpdateStage stage, double threshold)
-      : problem_(problem), matches_(matches), stage_(stage), threshold_(threshold) {
-    set_num_residuals(static_cast<int>(problem.residual_count(matches, stage)));
+             double threshold)
+      : problem_(problem), matches_(matches), threshold_(threshold) {
+    set_num_residuals(static_cast<int>(problem.residual_count(matches)));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(problem.size()));
   }
   bool Evaluate(double const* const* blocks, double* out, double** jacobians) const override {
@@ -47,7 +44,7 @@ class UpdateCost : public ceres::CostFunction {
     // asked for.
     if (q_.size() == 0 || q != q_) {
       q_.resize(0);
-      if (!problem_.residuals(q, matches_, stage_, r_, &J_)) return false;
+      if (!problem_.residuals(q, matches_, r_, &J_)) return false;
       q_ = q;
     }
     const Eigen::VectorXd& r = r_;
@@ -93,7 +90,6 @@ class UpdateCost : public ceres::CostFunction {
 
   const UpdateProblem& problem_;
   const std::vector<UpdateMatch>& matches_;
-  UpdateStage stage_;
   double threshold_;
   mutable Eigen::VectorXd q_, r_;  // the last point; of one solver, on its thread
   mutable Eigen::MatrixXd J_;
@@ -172,32 +168,23 @@ bool solve_within_bounds(UpdateCost& function, const UpdateProblem& problem,
   return true;
 }
 
-// What a mode that finds no partner adds to the cost: as much as one 20 % off.
-double unpaired_cost(const UpdateOptions& options) {
-  double ignored;
-  const double far = 0.2 / std::hypot(options.assumed_relative_std, options.model_relative_std);
-  return 0.5 * std::pow(huber_residual(far, options.huber_threshold, ignored), 2);
-}
-
 // A cost that is nothing but rounding: data without noise, fitted exactly.
-double negligible_cost(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                       UpdateStage stage) {
-  return 1e-10 * static_cast<double>(problem.residual_count(matches, stage));
+double negligible_cost(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches) {
+  return 1e-10 * static_cast<double>(problem.residual_count(matches));
 }
 
 }  // namespace
 
 bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-              UpdateStage stage, const UpdateOptions& options, Eigen::VectorXd& q, double& cost,
-              int held) {
-  if (held >= 0 && q.size() == 1) return robust_cost(problem, matches, stage, options, q, cost);
+              const UpdateOptions& options, Eigen::VectorXd& q, double& cost, int held) {
+  if (held >= 0 && q.size() == 1) return robust_cost(problem, matches, options, q, cost);
   const auto& coordinates = problem.coordinates();
   const auto coordinate_of = [&](Eigen::Index j) -> const UpdateCoordinate& {
     return coordinates[static_cast<std::size_t>(j)];
   };
   Eigen::VectorXd u(q.size());
   for (Eigen::Index j = 0; j < q.size(); ++j) u[j] = coordinate_of(j).step(q[j]);
-  UpdateCost function(problem, matches, stage, options.huber_threshold);
+  UpdateCost function(problem, matches, options.huber_threshold);
   bool converged = false;
   if (!solve_within_bounds(function, problem, options, held, u, cost, converged)) return false;
   for (Eigen::Index j = 0; j < q.size(); ++j) {
@@ -205,14 +192,13 @@ bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matc
     if (j != held) q[j] = std::clamp(coordinate.from_step(u[j]), coordinate.low, coordinate.high);
   }
   // Data without noise: the cost goes on falling by large factors when nothing is left of it.
-  return converged || cost < negligible_cost(problem, matches, stage);
+  return converged || cost < negligible_cost(problem, matches);
 }
 
 bool robust_cost(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                 UpdateStage stage, const UpdateOptions& options, const Eigen::VectorXd& q,
-                 double& cost) {
+                 const UpdateOptions& options, const Eigen::VectorXd& q, double& cost) {
   Eigen::VectorXd r;
-  if (!problem.residuals(q, matches, stage, r, nullptr)) return false;
+  if (!problem.residuals(q, matches, r, nullptr)) return false;
   cost = 0;
   for (Eigen::Index i = 0; i < r.size(); ++i) {
     double ignored;
@@ -220,141 +206,6 @@ bool robust_cost(const UpdateProblem& problem, const std::vector<UpdateMatch>& m
     cost += 0.5 * std::pow(data ? huber_residual(r[i], options.huber_threshold, ignored) : r[i], 2);
   }
   return true;
-}
-
-namespace {
-
-// Cost of an answer with the pairs it really has; false when there is no model.
-bool cost_at(const UpdateProblem& problem, const UpdateOptions& options, const UpdateMatches& pairs,
-             UpdateStage stage, const Eigen::VectorXd& q, double& cost) {
-  if (!robust_cost(problem, pairs.matches, stage, options, q, cost)) return false;
-  cost += unpaired_cost(options) * pairs.unpaired_measured;
-  return true;
-}
-
-// Modes alone: fitted, paired anew, until the pairs stay.
-UpdateSolution lead_by_modes(const UpdateProblem& problem, Eigen::VectorXd q,
-                             const UpdateOptions& options, UpdateStage stage) {
-  UpdateSolution best;
-  std::vector<std::vector<UpdateMatch>> seen;
-  std::string failure;
-  UpdateMatches matches = problem.match(q, options.first_common_factor, failure);
-  for (int pass = 0; pass < options.max_pairings; ++pass) {
-    ++best.pairings;
-    if (!failure.empty()) {
-      if (best.q.size() == 0) best.failure = failure;
-      break;
-    }
-    if (matches.matches.empty()) {
-      if (best.q.size() == 0) best.failure = "no measured mode lies near any modelled one";
-      break;
-    }
-    seen.push_back(matches.matches);
-    double cost = 0;
-    const bool converged = minimise(problem, matches.matches, stage, options, q, cost);
-    UpdateMatches next = problem.match(q, 1, failure);
-    if (!failure.empty()) break;
-    double total = 0;
-    if (!cost_at(problem, options, next, stage, q, total)) break;
-    const bool settled = next.matches == matches.matches;
-    // Pairs that stay confirm an answer that an earlier pass had already reached to rounding.
-    const bool confirmed =
-        settled && total <= best.cost + negligible_cost(problem, next.matches, stage);
-    if (total < best.cost || confirmed) {
-      best.q = q;
-      best.matches = next;
-      best.cost = total;
-      best.converged = converged && settled;
-    }
-    if (settled || std::find(seen.begin(), seen.end(), next.matches) != seen.end()) break;
-    matches = std::move(next);
-  }
-  return best;
-}
-
-UpdateSolution solve_from(const UpdateProblem& problem, Eigen::VectorXd q,
-                          const UpdateOptions& options) {
-  if (!problem.has_frfs()) return lead_by_modes(problem, std::move(q), options, UpdateStage::full);
-  UpdateSolution best;
-  if (problem.has_modes()) {
-    best = lead_by_modes(problem, q, options, UpdateStage::lead);
-    if (best.q.size() == 0) return best;
-    q = best.q;
-  }
-  // Then everything, with the pairs that the modes ended in.
-  double cost = 0;
-  best.converged = minimise(problem, best.matches.matches, UpdateStage::full, options, q, cost);
-  std::string failure;
-  if (problem.has_modes()) best.matches = problem.match(q, 1, failure);
-  if (!failure.empty() ||
-      !cost_at(problem, options, best.matches, UpdateStage::full, q, best.cost)) {
-    best.q.resize(0);
-    best.failure = failure.empty() ? "no response of the model there" : failure;
-    return best;
-  }
-  best.q = std::move(q);
-  return best;
-}
-
-std::vector<Eigen::VectorXd> starts_of(const UpdateProblem& problem, const UpdateOptions& options) {
-  std::vector<Eigen::VectorXd> starts{problem.start()};
-  std::mt19937_64 random(options.seed);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  for (int k = 1; k < options.starts; ++k) {
-    Eigen::VectorXd q = problem.start();
-    for (Eigen::Index j = 0; j < q.size(); ++j) {
-      const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
-      const double u = uniform(random);
-      // Lengths are never off by a factor: a tenth; what has a prior moves within it.
-      double reach = coordinate.logarithmic ? std::log(options.start_spread) : 0.1;
-      if (coordinate.prior_std > 0) reach = std::min(reach, 2 * coordinate.prior_std);
-      q[j] = std::clamp(q[j] + reach * u, coordinate.low, coordinate.high);
-    }
-    starts.push_back(std::move(q));
-  }
-  return starts;
-}
-
-// The same minimum: all residuals together differ by less than a tenth of a standard deviation.
-bool same_answer(const UpdateProblem& problem, const UpdateSolution& a, const UpdateSolution& b) {
-  if (!a.converged || !b.converged || a.matches.matches != b.matches.matches) return false;
-  Eigen::VectorXd ra, rb;
-  return problem.residuals(a.q, a.matches.matches, UpdateStage::full, ra, nullptr) &&
-         problem.residuals(b.q, b.matches.matches, UpdateStage::full, rb, nullptr) &&
-         (ra - rb).squaredNorm() < 0.01;
-}
-
-constexpr int kCoarsenFrom = 16;  // segments
-constexpr double kCoarse = 1.0 / 3;
-constexpr double kCoarseTolerance = 1e-5;  // relative change of the cost; answers differ by more
-
-}  // namespace
-
-std::vector<UpdateSolution> solve_from_all_starts(const UpdateProblem& problem,
-                                                  const UpdateOptions& options) {
-  const auto starts = starts_of(problem, options);
-  std::vector<UpdateSolution> solved(starts.size());
-  solved[0] = solve_from(problem, starts[0], options);
-  if (starts.size() == 1) return solved;
-  const bool coarsen =
-      options.coarse_starts && problem.fewest_segments() >= kCoarsenFrom && solved[0].q.size() > 0;
-  const UpdateProblem coarse = problem.with_segments(coarsen ? kCoarse : 1);
-  UpdateOptions rough = options;
-  rough.function_tolerance = std::max(options.function_tolerance, kCoarseTolerance);
-  const UpdateSolution reference =
-      coarsen ? solve_from(coarse, solved[0].q, rough) : UpdateSolution();
-  const auto solve = [&](const Eigen::VectorXd& start) {
-    if (!coarsen) return solve_from(problem, start, options);
-    const UpdateSolution found = solve_from(coarse, start, rough);
-    if (found.q.size() == 0) return solve_from(problem, start, options);
-    if (!same_answer(coarse, found, reference)) return solve_from(problem, found.q, options);
-    UpdateSolution same = solved[0];
-    same.pairings = found.pairings;
-    return same;
-  };
-  in_parallel(starts.size() - 1, options.threads,
-              [&](std::size_t k) { solved[k + 1] = solve(starts[k + 1]); });
-  return solved;
 }
 
 }  // namespace rigfit::ident

@@ -1,5 +1,5 @@
-// The minimiser behind `update_model`: pairs, least squares by Ceres, pairs anew, from several
-// starts. For the update and its checks, not for users.
+// The minimiser behind `update_model`: least squares with given pairs, by Ceres. For the update and
+// its checks, not for users.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,18 +26,14 @@ struct UpdateSolution {
 /// With fixed pairs, from q, which becomes the answer. False when it did not converge. `held`: a
 /// coordinate that stays as it is; -1: none.
 [[nodiscard]] bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                            UpdateStage stage, const UpdateOptions& options, Eigen::VectorXd& q,
-                            double& cost, int held = -1);
+                            const UpdateOptions& options, Eigen::VectorXd& q, double& cost,
+                            int held = -1);
 
 /// Half the sum of squares with Huber's rho; false when there is no model.
 [[nodiscard]] bool robust_cost(const UpdateProblem& problem,
-                               const std::vector<UpdateMatch>& matches, UpdateStage stage,
+                               const std::vector<UpdateMatch>& matches,
                                const UpdateOptions& options, const Eigen::VectorXd& q,
                                double& cost);
-
-/// From every start, on `options.threads` threads.
-[[nodiscard]] std::vector<UpdateSolution> solve_from_all_starts(const UpdateProblem& problem,
-                                                                const UpdateOptions& options);
 
 /// What `update_model` gives for a problem that may hold a state out.
 [[nodiscard]] UpdateResult update_result(const UpdateProblem& problem,

@@ -27,6 +27,7 @@ class ExactNumbers {
     }
   }
   [[nodiscard]] std::vector<Exact> take() { return std::move(all_); }
+  [[nodiscard]] std::vector<std::string> take_ends() { return std::move(ends_); }
 
  private:
   void add_state(int state) {
@@ -48,7 +49,23 @@ class ExactNumbers {
         add(state, mass, mass);
       }
     }
-    for (const auto& node : scene.nodes) add(state, node.name + ".mass", node.name + ".mass");
+    for (const auto& node : scene.nodes) {
+      add(state, node.name + ".mass", node.name + ".mass");
+      add_end(state, node);
+    }
+  }
+
+  void add_end(int state, const model::SceneNode& node) {
+    using Kind = model::Support::Kind;
+    const Kind kind = node.support.kind;
+    if (kind != Kind::pinned && kind != Kind::clamped && kind != Kind::elastic) return;
+    for (const char* axis : {"x", "y", "z"}) {
+      if (problem_.is_stated(state, node.name + ".rotational_" + axis)) return;
+    }
+    const std::string end = node.name + (kind == Kind::pinned    ? " (pinned)"
+                                         : kind == Kind::clamped ? " (clamped)"
+                                                                 : " (springs)");
+    if (std::find(ends_.begin(), ends_.end(), end) == ends_.end()) ends_.push_back(end);
   }
 
   void add_stiffness(int state, const model::Member& member) {
@@ -80,13 +97,16 @@ class ExactNumbers {
 
   const UpdateProblem& problem_;
   std::vector<Exact> all_;
+  std::vector<std::string> ends_;
 };
 
 }  // namespace
 
 void state_exact_inputs(const UpdateProblem& problem, const UpdateOptions& options,
                         const std::vector<UpdateMatch>& matches, UpdateResult& result) {
-  const auto exact = ExactNumbers(problem).take();
+  ExactNumbers numbers(problem);
+  const auto exact = numbers.take();
+  result.exact_ends = numbers.take_ends();
   const Eigen::Index n = problem.size();
   result.exact_inputs.clear();
   std::vector<std::pair<int, FreeParameter>> scaled;
@@ -99,7 +119,7 @@ void state_exact_inputs(const UpdateProblem& problem, const UpdateOptions& optio
   Eigen::VectorXd q = Eigen::VectorXd::Zero(wide.size()), r;  // ln 1
   q.head(n) = result.coordinates;
   Eigen::MatrixXd J;
-  if (!wide.residuals(q, matches, UpdateStage::full, r, &J)) return;
+  if (!wide.residuals(q, matches, r, &J)) return;
   J = huber_weights(problem, options, r).asDiagonal() * J;
   IdentifiabilityOptions limits;
   limits.relative_rank_tolerance = kRankTolerance;

@@ -12,8 +12,8 @@
 
 namespace rigfit::ident {
 
-/// Fills `result.exact_inputs`; its uncertainty is stated with `problem`. Without the changes (NaN)
-/// where the model has no derivatives.
+/// Fills `result.exact_inputs` and `exact_ends`; its uncertainty is stated with `problem`. Without
+/// the changes (NaN) where the model has no derivatives.
 void state_exact_inputs(const UpdateProblem& problem, const UpdateOptions& options,
                         const std::vector<UpdateMatch>& matches, UpdateResult& result);
 

@@ -101,7 +101,7 @@ double correlated_variance_factor(const UpdateProblem& problem,
   Eigen::VectorXd plain_r;
   Eigen::MatrixXd plain_J;
   if (problem.has_sources() &&
-      problem.with_sources(nullptr).residuals(q, matches, UpdateStage::full, plain_r, &plain_J)) {
+      problem.with(&UpdateVariant::sources, nullptr).residuals(q, matches, plain_r, &plain_J)) {
     constexpr double kFarApart = 3.84;  // chi-square of one, 5 %
     const auto solve = plain_J.completeOrthogonalDecomposition();
     const Eigen::VectorXd apart = solve.solve(plain_r).cwiseAbs2();

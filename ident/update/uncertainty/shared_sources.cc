@@ -10,6 +10,9 @@
 #include <memory>
 #include <utility>
 
+#include "ident/update/problem/update_solver.h"
+#include "ident/update/uncertainty/update_misfit.h"
+
 namespace rigfit::ident {
 namespace {
 
@@ -62,7 +65,7 @@ SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
   SharedChanges shared;
   std::vector<Eigen::VectorXd> columns;
   const auto residuals = [&](const UpdateProblem& moved, Eigen::VectorXd& r) {
-    return moved.residuals(q, matches, UpdateStage::full, r, nullptr);
+    return moved.residuals(q, matches, r, nullptr);
   };
   Eigen::VectorXd change;
   const auto add = [&](const std::string& name, Eigen::Index input) {
@@ -87,7 +90,7 @@ SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
           "{} is not in the uncertainties, as half its standard uncertainty gave no model; ", name);
     }
   }
-  const Eigen::Index count = problem.residual_count(matches, UpdateStage::full);
+  const Eigen::Index count = problem.residual_count(matches);
   const auto frf_rows = problem.frf_rows(matches);
   std::map<std::pair<int, std::size_t>, std::vector<const UpdateProblem::FrfRows*>> by_load;
   for (const auto& rows : frf_rows) {
@@ -111,16 +114,19 @@ SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
   return shared;
 }
 
+namespace {
+
+// `problem` with its residuals multiplied by L, C found at q, and its inputs moved to where the
+// residuals want them.
 UpdateProblem with_shared_sources(const UpdateProblem& problem,
                                   const std::vector<UpdateMatch>& matches,
                                   const Eigen::VectorXd& q) {
   constexpr double kMost = 6;  // standard uncertainties that an estimate may be off
-  UpdateProblem plain = problem.with_sources(nullptr);
+  UpdateProblem plain = problem.with(&UpdateVariant::sources, nullptr);
   const SharedChanges shared = shared_changes(plain, false, matches, q);
   const Eigen::MatrixXd& C = shared.changes;
   Eigen::VectorXd r;
-  if (C.size() == 0 || !C.allFinite() ||
-      !plain.residuals(q, matches, UpdateStage::full, r, nullptr)) {
+  if (C.size() == 0 || !C.allFinite() || !plain.residuals(q, matches, r, nullptr)) {
     return plain;
   }
   // The sources d that minimise |r + C (d - before)|^2 + |d|^2. The inputs move there, what is
@@ -136,12 +142,50 @@ UpdateProblem with_shared_sources(const UpdateProblem& problem,
     const Eigen::Index input = shared.inputs[static_cast<std::size_t>(k)];
     if (input >= 0) d[k] = off[input] = std::clamp(found[k], -kMost, kMost);
   }
-  auto sources = std::make_shared<UpdateProblem::Sources>();
+  auto sources = std::make_shared<SharedSources>();
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(C, Eigen::ComputeThinU);
   sources->U = svd.matrixU();
   sources->less = 1 - (1 + svd.singularValues().array().square()).rsqrt();
   sources->off = C * d;
-  return plain.with_inputs(off).with_sources(std::move(sources));
+  return plain.with(&UpdateVariant::inputs_off, off)
+      .with(&UpdateVariant::sources, std::move(sources));
+}
+
+}  // namespace
+
+void allow_for_shared(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
+                      UpdateResult& result) {
+  if (!settled.has_frfs()) return;
+  settled =
+      settled.with(&UpdateVariant::frf_model_std, 0).with(&UpdateVariant::frf_differences, true);
+  const auto& matches = answer.matches.matches;
+  const auto again = [&](const UpdateProblem& trial) {
+    Eigen::VectorXd q = answer.q;
+    double cost = 0;
+    const bool converged = minimise(trial, matches, options, q, cost);
+    if (!converged && !robust_cost(trial, matches, options, q, cost)) return;
+    answer.q = std::move(q);
+    answer.cost = cost;
+    answer.converged = converged;
+    settled = trial;
+  };
+  if (settled.inputs().size() == options.inputs.size()) {
+    settled = settled.with_places_of_hits(answer.q);
+  }
+  constexpr int kPasses = 6;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const Eigen::VectorXd before = answer.q, off = settled.inputs_off();
+    again(with_shared_sources(settled, matches, answer.q));
+    if (!settled.has_sources()) break;
+    if ((answer.q - before).norm() < 1e-6 && (settled.inputs_off() - off).norm() < 1e-3) break;
+  }
+  const UpdateFit fit = misfit_of(settled, matches, answer.q);
+  if (!(fit.p_value < kUnlikelyMisfit) || !fit.stated) return;
+  const double tau = frf_model_std_of(settled, matches, answer.q);
+  if (!(tau > 0)) return;
+  result.fit = fit;
+  result.fit.frf_model_std = tau;
+  again(with_shared_sources(settled.with(&UpdateVariant::frf_model_std, tau), matches, answer.q));
 }
 
 }  // namespace rigfit::ident

@@ -33,7 +33,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/problem/update_problem.h"
+#include "ident/update/problem/update_solver.h"
 
 namespace rigfit::ident {
 
@@ -50,12 +50,12 @@ struct SharedChanges {
                                            const std::vector<UpdateMatch>& matches,
                                            const Eigen::VectorXd& q);
 
-/// `problem` with its residuals multiplied by L, C found at q, and its inputs moved to where the
-/// residuals want them: repeated with q, that solves for both without linearising H in the place of
-/// a hammer.
-[[nodiscard]] UpdateProblem with_shared_sources(const UpdateProblem& problem,
-                                                const std::vector<UpdateMatch>& matches,
-                                                const Eigen::VectorXd& q);
+/// Fits of FRFs: moves `answer` to the minimum with the sources that lines share, the inputs where
+/// the residuals want them (repeated, that solves for both without linearising H in the place of a
+/// hammer), then, where the misfit asks for it, with an error of the model in every line
+/// (`result.fit`). `settled` becomes the problem of that minimum. Nothing without FRFs.
+void allow_for_shared(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
+                      UpdateResult& result);
 
 /// Residuals changed by 4/3 of the difference between n and 2 n segments; false without a model.
 /// `value` gives what is compared of a problem.
@@ -64,7 +64,9 @@ template <typename Value>
                                       Eigen::VectorXd& change) {
   constexpr double kRichardson = 4.0 / 3;
   Eigen::VectorXd here, fine;
-  if (!value(problem, here) || !value(problem.with_segments(2 * problem.segment_factor()), fine)) {
+  if (!value(problem, here) ||
+      !value(problem.with(&UpdateVariant::segment_factor, 2 * problem.variant().segment_factor),
+             fine)) {
     return false;
   }
   change = kRichardson * (here - fine);
@@ -79,8 +81,8 @@ template <typename Value>
   const Eigen::VectorXd off = problem.inputs_off();
   const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(off.size(), input);
   Eigen::VectorXd up, down;
-  if (!value(problem.with_inputs(off + step), up)) return false;
-  if (!value(problem.with_inputs(off - step), down)) return false;
+  if (!value(problem.with(&UpdateVariant::inputs_off, off + step), up)) return false;
+  if (!value(problem.with(&UpdateVariant::inputs_off, off - step), down)) return false;
   change = (up - down) / (2 * kStep);
   return true;
 }

@@ -31,8 +31,8 @@ bool at_bound(const UpdateCoordinate& coordinate, double q, double reach) {
 bool least_cost(const UpdateProblem& problem, const UpdateOptions& options,
                 const std::vector<UpdateMatch>& matches, const UpdateResult& solution, int held,
                 bool from_inside, Eigen::VectorXd& q, double& cost) {
-  (void)minimise(problem, matches, UpdateStage::full, options, q, cost, held);
-  if (!robust_cost(problem, matches, UpdateStage::full, options, q, cost)) return false;
+  (void)minimise(problem, matches, options, q, cost, held);
+  if (!robust_cost(problem, matches, options, q, cost)) return false;
   for (Eigen::Index i = 0; from_inside && i < q.size(); ++i) {
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
     if (i == held || coordinate.half_held > 0) continue;
@@ -45,8 +45,8 @@ bool least_cost(const UpdateProblem& problem, const UpdateOptions& options,
       trial[i] = std::clamp(solution.coordinates[i] + step * (coordinate.logarithmic ? 1 : 0.1),
                             coordinate.low, coordinate.high);
       double other = 0;
-      (void)minimise(problem, matches, UpdateStage::full, options, trial, other, held);
-      if (robust_cost(problem, matches, UpdateStage::full, options, trial, other) && other < cost) {
+      (void)minimise(problem, matches, options, trial, other, held);
+      if (robust_cost(problem, matches, options, trial, other) && other < cost) {
         cost = other;
         q = trial;
       }
@@ -112,7 +112,7 @@ bool is_curved(const UpdateProblem& problem, const UpdateOptions& options,
       const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
       if (q[i] <= coordinate.low || q[i] >= coordinate.high) return true;
     }
-    if (!robust_cost(problem, matches, UpdateStage::full, options, q, cost)) return true;
+    if (!robust_cost(problem, matches, options, q, cost)) return true;
     const double root = signed_root(cost, least, result.variance_factor);
     if (std::abs(root / k - 1) > kCurved) return true;
   }
@@ -127,9 +127,8 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
   const Eigen::Index n = problem.size();
   if (known.std.size() != n) return;
   double least = 0;
-  const bool costs =
-      options.intervals && problem.modes_only() &&
-      robust_cost(problem, matches, UpdateStage::full, options, result.coordinates, least);
+  const bool costs = options.intervals && problem.modes_only() &&
+                     robust_cost(problem, matches, options, result.coordinates, least);
   bool loose = false;
   for (const auto& parameter : result.parameters) {
     loose = loose || parameter.at_bound || !parameter.identifiable;

@@ -43,8 +43,7 @@ std::optional<Linearised> linearised(const UpdateProblem& problem,
   const Eigen::MatrixXd C = shared_changes(problem, false, matches, q).changes;
   Linearised system;
   Eigen::MatrixXd J;
-  if (C.cols() == 0 || !C.allFinite() ||
-      !problem.residuals(q, matches, UpdateStage::full, system.r, &J)) {
+  if (C.cols() == 0 || !C.allFinite() || !problem.residuals(q, matches, system.r, &J)) {
     return std::nullopt;
   }
   for (Eigen::Index j = 0; j < J.cols(); ++j) {  // a parameter at its bound stays there
@@ -73,7 +72,7 @@ UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
   fit.stated = problem.uncertainties_known();
   const UpdateProblem plain = problem.with_model_std(0);
   Eigen::VectorXd r;
-  if (!plain.residuals(q, matches, UpdateStage::full, r, nullptr)) return fit;
+  if (!plain.residuals(q, matches, r, nullptr)) return fit;
   fit.chi2 = r.squaredNorm();
   fit.degrees_of_freedom =
       static_cast<double>(r.size() - problem.size()) - problem.shared_residuals();
@@ -124,7 +123,7 @@ double paule_mandel(const std::vector<std::pair<double, double>>& errors, double
 double frf_model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                         const Eigen::VectorXd& q) {
   Eigen::VectorXd r;
-  if (!problem.residuals(q, matches, UpdateStage::full, r, nullptr)) return 0;
+  if (!problem.residuals(q, matches, r, nullptr)) return 0;
   double rest = r.squaredNorm();
   std::vector<std::pair<double, double>> errors;
   for (const auto& rows : problem.frf_rows(matches)) {
@@ -145,9 +144,9 @@ double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
                     const Eigen::VectorXd& q) {
   const UpdateProblem plain = problem.with_model_std(0);
   Eigen::VectorXd r;
-  if (!plain.residuals(q, matches, UpdateStage::full, r, nullptr)) return 0;
+  if (!plain.residuals(q, matches, r, nullptr)) return 0;
   const double dof = static_cast<double>(r.size() - problem.size());
-  const auto rows = plain.frequency_rows(matches, UpdateStage::full);
+  const auto rows = plain.frequency_rows(matches);
   if (const auto system = linearised(plain, matches, q)) {
     return paule_mandel(
         [&](double tau) {
@@ -178,7 +177,7 @@ Eigen::VectorXd clustered_variance(const UpdateProblem& problem,
   Eigen::VectorXd largest = Eigen::VectorXd::Zero(J.cols());
   std::map<std::pair<int, int>, Eigen::VectorXd> by_mode;
   std::map<int, Eigen::VectorXd> by_state;
-  for (const auto& row : problem.frequency_rows(matches, UpdateStage::full)) {
+  for (const auto& row : problem.frequency_rows(matches)) {
     const auto& match = matches[row.match];
     const Eigen::VectorXd score = J.row(row.row).transpose() * r[row.row];
     for (auto* sum :

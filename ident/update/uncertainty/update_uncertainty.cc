@@ -97,7 +97,7 @@ ModelPart model_part(const UpdateProblem& problem, const std::vector<UpdateMatch
   if (!result.fit.stated) return part;
   const UpdateProblem plain = problem.with_model_std(0);
   Eigen::MatrixXd stated = J;
-  for (const auto& row : plain.frequency_rows(matches, UpdateStage::full)) {
+  for (const auto& row : plain.frequency_rows(matches)) {
     const auto& match = matches[row.match];
     stated.row(row.row) *= problem.relative_std(match.state, match.measured) /
                            plain.relative_std(match.state, match.measured);
@@ -129,7 +129,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   result.covariance = result.correlation = Eigen::MatrixXd::Constant(n, n, kNaN);
   Eigen::VectorXd r;
   Eigen::MatrixXd J;
-  if (!problem.residuals(q, matches, UpdateStage::full, r, &J)) return;
+  if (!problem.residuals(q, matches, r, &J)) return;
   const Eigen::VectorXd weights = huber_weights(problem, options, r);
   r = r.cwiseProduct(weights).eval();
   J = weights.asDiagonal() * J;
@@ -154,12 +154,6 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   const auto names = problem.names();
   result.identifiability = identifiability(J, scales, names, limits);
   const Identifiability& known = result.identifiability;
-  Eigen::VectorXd off = Eigen::VectorXd::Zero(n);  // what the segments would have done
-  if (Eigen::VectorXd with;
-      problem.takes_errors_off() &&
-      problem.with_segment_errors().residuals(q, matches, UpdateStage::full, with, nullptr)) {
-    off = known.shift_by(J, weights.cwiseProduct(with) - r, limits);
-  }
   const auto alone =
       identifiability(J.topRows(r.size() - problem.prior_count()), scales, names, limits);
   for (const auto& open : known.open) result.open.push_back(open.message);
@@ -193,7 +187,6 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
     auto& parameter = result.parameters[static_cast<std::size_t>(i)];
     parameter.identifiable = known.identifiable[static_cast<std::size_t>(i)];
-    parameter.segments_taken_off = by[i] * off[i];
     parameter.std = std::sqrt(result.covariance(i, i));
     parameter.std_from_data = std::abs(by[i]) * alone.std[i];
     parameter.at_bound = q[i] <= coordinate.low + 1e-9 || q[i] >= coordinate.high - 1e-9;

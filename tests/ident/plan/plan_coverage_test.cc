@@ -36,7 +36,7 @@ UpdateResult fitted(const std::vector<UpdateState>& states, const std::vector<Fr
   UpdateOptions update;
   update.inputs = inputs;
   update.starts = 1;
-  update.segment_uncertainty = update.exact_ends = false;
+  update.segment_uncertainty = false;
   return update_model(states, free, update);
 }
 
@@ -53,7 +53,7 @@ UpdateResult least_squares(const std::vector<UpdateState>& states,
   }
   Eigen::VectorXd q = problem.start();
   double cost = 0;
-  EXPECT_TRUE(minimise(problem, matches, UpdateStage::full, update, q, cost));
+  EXPECT_TRUE(minimise(problem, matches, update, q, cost));
   UpdateResult result;
   for (Eigen::Index j = 0; j < q.size(); ++j) {
     result.parameters.emplace_back().value =

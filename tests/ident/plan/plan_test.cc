@@ -154,7 +154,7 @@ TEST(Plan, PredictsWhatTheUpdateStates) {
   UpdateOptions update;
   update.inputs = options.inputs;
   update.starts = 1;
-  update.segment_uncertainty = update.exact_ends = false;
+  update.segment_uncertainty = false;
   const auto fit = update_model(measured, free, update);
   ASSERT_EQ(fit.parameters.size(), plan.parameters.size());
   for (std::size_t p = 0; p < fit.parameters.size(); ++p) {

@@ -444,29 +444,5 @@ TEST(UpdateFrfs, TheMeanPlaceOfTheHitsIsNoErrorOfTheModel) {
   EXPECT_EQ(wrong_ruled_out, kSeeds);
 }
 
-// Starts that look around with a third of the segments find what all segments find. Fits to modes
-// alone have no such starts: they search the whole range (update_alternatives.h).
-TEST(UpdateStarts, CoarseOnesEndInTheSameAnswer) {
-  const auto with_segments = [](model::Scene scene) {
-    scene.members[0].segments = 24;
-    return scene;
-  };
-  const auto truth = with_segments(beam(2.1, 0.02, kRatio));
-  const UpdateState state{"beam", with_segments(beam(3.0, 0.01, kRatio)), modes_of(truth, 3, 0.1),
-                          frfs_of(truth, 0.02, 8), true};
-  UpdateOptions options;
-  options.segment_uncertainty = false;  // the data have the model's segments
-  const auto fast = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
-  options.coarse_starts = false;
-  const auto slow = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
-  ASSERT_EQ(fast.status, UpdateStatus::converged);
-  EXPECT_EQ(fast.starts, 4);
-  EXPECT_EQ(fast.starts_agreeing, slow.starts_agreeing);
-  for (std::size_t p = 0; p < 2; ++p) {
-    // Ceres stops at 1e-9 of cost, which is 3e-5 of a standard deviation.
-    EXPECT_NEAR(fast.parameters[p].value, slow.parameters[p].value, 1e-3 * fast.parameters[p].std);
-  }
-}
-
 }  // namespace
 }  // namespace rigfit::ident::update_frfs_test

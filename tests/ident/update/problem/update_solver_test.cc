@@ -64,18 +64,18 @@ void expect_the_answer_at(double bound, double truth, double low, double high) {
   const UpdateOptions options = same_segments();
   const UpdateProblem problem = springs(truth, low, high, options);
   std::string failure;
-  const auto matches = problem.match(problem.start(), 1, failure).matches;
+  const auto matches = problem.match(problem.start(), failure).matches;
   ASSERT_EQ(matches.size(), 6u) << failure;
   Eigen::VectorXd at_bound(2);
   at_bound << std::log(testing::kTension), std::log(bound * kHalf);
   double least = 0;
-  ASSERT_TRUE(minimise(problem, matches, UpdateStage::full, options, at_bound, least, 1));
+  ASSERT_TRUE(minimise(problem, matches, options, at_bound, least, 1));
   for (const double tension : {0.7, 1.0, 1.4}) {
     for (const double spring : {std::sqrt(low * high), bound}) {
       Eigen::VectorXd q(2);
       q << std::log(tension * testing::kTension), std::log(spring * kHalf);
       double cost = 0;
-      EXPECT_TRUE(minimise(problem, matches, UpdateStage::full, options, q, cost));
+      EXPECT_TRUE(minimise(problem, matches, options, q, cost));
       EXPECT_NEAR(q[1], at_bound[1], 1e-9) << tension << " " << spring;
       EXPECT_NEAR(q[0], at_bound[0], 1e-5) << tension << " " << spring;
       EXPECT_NEAR(cost, least, 1e-6 * least) << tension << " " << spring;
@@ -92,12 +92,12 @@ TEST(UpdateSolver, LeavesABoundWhereTheSlopeLeadsInwards) {
   const UpdateOptions options = same_segments();
   const UpdateProblem problem = springs(0.7, 1e-4, 1e4, options);
   std::string failure;
-  const auto matches = problem.match(problem.start(), 1, failure).matches;
+  const auto matches = problem.match(problem.start(), failure).matches;
   for (const double start : {1e-4, 1e4}) {
     Eigen::VectorXd q(2);
     q << std::log(0.9 * testing::kTension), std::log(start * kHalf);
     double cost = 0;
-    EXPECT_TRUE(minimise(problem, matches, UpdateStage::full, options, q, cost));
+    EXPECT_TRUE(minimise(problem, matches, options, q, cost));
     EXPECT_NEAR(std::exp(q[0]), testing::kTension, 1e-6 * testing::kTension) << start;
     EXPECT_NEAR(std::exp(q[1]), 0.7 * kHalf, 1e-5 * kHalf) << start;
   }
