@@ -65,7 +65,6 @@ UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelle
   for (const int index : found.unpaired_measured) {
     const double hz = measured[static_cast<std::size_t>(index)].frequency_hz;
     result.unpaired.push_back({s, hz, true, false, "no mode of the model explains it"});
-    ++result.unpaired_measured;
   }
   for (const auto& missed : found.missed) {
     const auto& mode = modelled.modes[static_cast<std::size_t>(missed.model)];
@@ -90,7 +89,6 @@ UpdateMatches UpdateProblem::assign(const Eigen::VectorXd& q, std::string& failu
     UpdateMatches one = assign_state(s, modelled);
     all.matches.insert(all.matches.end(), one.matches.begin(), one.matches.end());
     all.unpaired.insert(all.unpaired.end(), one.unpaired.begin(), one.unpaired.end());
-    all.unpaired_measured += one.unpaired_measured;
     all.log_likelihood += one.log_likelihood;
     all.log_detected += one.log_detected;
     all.log_false += one.log_false;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <stdexcept>
 
 #include "signal/numerics/numbers.h"
@@ -14,104 +13,45 @@ namespace {
 
 using signal::kNaN;
 
-void require_frequencies(const std::vector<PairingMode>& modes) {
-  for (const auto& mode : modes) {
-    if (!(std::isfinite(mode.frequency_hz) && mode.frequency_hz > 0)) {
-      throw std::invalid_argument("mode pairing: every frequency must be positive and finite");
-    }
-  }
-}
-
-// Planes differ when both are known to be one of the two and not the same; a mode that is mixed,
-// axial or torsional may show in either test.
-bool planes_differ(const PairingMode& measured, const PairingMode& modelled) {
-  const auto transverse = [](model::ModePlane plane) {
-    return plane == model::ModePlane::in || plane == model::ModePlane::out;
-  };
-  return measured.plane && modelled.plane && transverse(*measured.plane) &&
-         transverse(*modelled.plane) && *measured.plane != *modelled.plane;
-}
-
-struct PairCost {
-  double cost = 0, mac = kNaN;
-  bool cross_plane = false;
-};
-
-PairCost cost_of(const PairingMode& measured, const PairingMode& modelled, double factor,
-                 const PairingOptions& options) {
-  PairCost result;
-  const double deviation = std::log(factor * modelled.frequency_hz / measured.frequency_hz);
-  result.cost = std::pow(deviation / options.frequency_scale, 2);
-  result.mac = shape_correlation(measured.shape, modelled.shape);
-  if (std::isfinite(result.mac)) result.cost += (1 - result.mac) / options.mac_scale;
-  result.cross_plane = planes_differ(measured, modelled);
-  if (result.cross_plane) result.cost += options.plane_price;
-  return result;
-}
-
-struct Assignment {
-  std::vector<ModePair> pairs;
-  double cost = 0;
-};
-
-// One test: its measured modes against all modelled ones.
-Assignment assign(const std::vector<PairingMode>& measured, const std::vector<int>& test,
-                  const std::vector<PairingMode>& modelled, double factor,
-                  const PairingOptions& options) {
-  const auto rows = static_cast<Eigen::Index>(test.size());
-  const auto columns = static_cast<Eigen::Index>(modelled.size());
-  Assignment result;
-  result.cost = options.unpaired_measured * static_cast<double>(rows);
-  for (const auto& mode : modelled) result.cost += options.unpaired_model * mode.visibility;
-  if (rows == 0 || columns == 0) return result;
-
-  // What a pair saves against leaving both alone; a pair that saves nothing is none.
-  Eigen::MatrixXd gain(rows, columns);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    for (Eigen::Index j = 0; j < columns; ++j) {
-      const auto& mode = modelled[static_cast<std::size_t>(j)];
-      const auto& row = measured[static_cast<std::size_t>(test[static_cast<std::size_t>(i)])];
-      gain(i, j) =
-          std::min(0.0, cost_of(row, mode, factor, options).cost - options.unpaired_measured -
-                            options.unpaired_model * mode.visibility);
-    }
-  }
-  const bool wide = rows <= columns;
-  const std::vector<int> chosen =
-      wide ? least_cost_assignment(gain) : least_cost_assignment(gain.transpose());
-  for (std::size_t k = 0; k < chosen.size(); ++k) {
-    const auto i = wide ? k : static_cast<std::size_t>(chosen[k]);
-    const auto j = wide ? static_cast<std::size_t>(chosen[k]) : k;
-    const double saved = gain(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-    if (saved >= 0) continue;
-    result.cost += saved;
-    const auto& row = measured[static_cast<std::size_t>(test[i])];
-    const PairCost cost = cost_of(row, modelled[j], factor, options);
-    result.pairs.push_back({.measured = test[i],
-                            .model = static_cast<int>(j),
-                            .relative_error = modelled[j].frequency_hz / row.frequency_hz - 1,
-                            .mac = cost.mac,
-                            .cost = cost.cost,
-                            .cross_plane = cost.cross_plane});
-  }
-  return result;
-}
+// Relative deviation in frequency and loss of MAC that cost 1, the price of pairing across planes,
+// and that of leaving a modelled and a measured mode alone: 20 % in frequency.
+constexpr double kFrequencyScale = 0.1, kMacScale = 0.5, kPlanePrice = 1.5, kUnpaired = 4;
 
 std::string nearest_text(const PairingMode& mode, const std::vector<PairingMode>& others,
                          const char* kind) {
-  const PairingMode* nearest = nullptr;
-  for (const auto& other : others) {
-    if (nearest == nullptr || std::abs(std::log(other.frequency_hz / mode.frequency_hz)) <
-                                  std::abs(std::log(nearest->frequency_hz / mode.frequency_hz))) {
-      nearest = &other;
-    }
-  }
-  if (nearest == nullptr) return fmt::format("there is no {} mode", kind);
+  const auto apart = [&](const PairingMode& other) {
+    return std::abs(std::log(other.frequency_hz / mode.frequency_hz));
+  };
+  const auto nearest =
+      std::min_element(others.begin(), others.end(),
+                       [&](const auto& a, const auto& b) { return apart(a) < apart(b); });
+  if (nearest == others.end()) return fmt::format("there is no {} mode", kind);
   return fmt::format("nearest {} mode at {:.4g} Hz ({:+.1f} %)", kind, nearest->frequency_hz,
                      100 * (nearest->frequency_hz / mode.frequency_hz - 1));
 }
 
 }  // namespace
+
+bool planes_differ(const std::optional<model::ModePlane>& measured,
+                   const std::optional<model::ModePlane>& modelled) {
+  const auto transverse = [](model::ModePlane plane) {
+    return plane == model::ModePlane::in || plane == model::ModePlane::out;
+  };
+  return measured && modelled && transverse(*measured) && transverse(*modelled) &&
+         *measured != *modelled;
+}
+
+std::vector<std::vector<int>> tests_of(const std::vector<PairingMode>& measured) {
+  std::vector<std::vector<int>> tests;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    auto test = std::find_if(tests.begin(), tests.end(), [&](const auto& one) {
+      return measured[static_cast<std::size_t>(one.front())].plane == measured[i].plane;
+    });
+    if (test == tests.end()) test = tests.insert(tests.end(), std::vector<int>{});
+    test->push_back(static_cast<int>(i));
+  }
+  return tests;
+}
 
 double shape_correlation(const Eigen::Ref<const Eigen::VectorXcd>& a,
                          const Eigen::Ref<const Eigen::VectorXcd>& b) {
@@ -182,89 +122,66 @@ std::vector<int> least_cost_assignment(const Eigen::Ref<const Eigen::MatrixXd>& 
 }
 
 ModePairing pair_modes(const std::vector<PairingMode>& measured,
-                       const std::vector<PairingMode>& modelled, const PairingOptions& options) {
-  require_frequencies(measured);
-  require_frequencies(modelled);
-  // Tests: one for each plane that is named among the measured modes.
-  std::vector<std::pair<int, std::vector<int>>> tests;
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    const int plane = measured[i].plane ? static_cast<int>(*measured[i].plane) : -1;
-    auto test = std::find_if(tests.begin(), tests.end(),
-                             [&](const auto& known) { return known.first == plane; });
-    if (test == tests.end()) test = tests.insert(tests.end(), {plane, {}});
-    test->second.push_back(static_cast<int>(i));
-  }
-
-  ModePairing result;
-  result.cost = std::numeric_limits<double>::infinity();
-  constexpr double kStep = 0.02;  // a fifth of the frequency scale: the cost is smooth on that
-  const int steps = options.common_factor_range > 1
-                        ? static_cast<int>(std::ceil(std::log(options.common_factor_range) / kStep))
-                        : 0;
-  for (int k = 0; k <= 2 * steps; ++k) {
-    // 0, +1, -1, +2, ...: of equal costs the smallest factor wins.
-    const double log_factor = kStep * (k % 2 == 1 ? (k + 1) / 2 : -k / 2);
-    double cost = std::pow(log_factor / options.common_factor_scale, 2);
-    std::vector<ModePair> pairs;
-    for (const auto& [plane, test] : tests) {
-      auto assigned = assign(measured, test, modelled, std::exp(log_factor), options);
-      cost += assigned.cost;
-      pairs.insert(pairs.end(), assigned.pairs.begin(), assigned.pairs.end());
+                       const std::vector<PairingMode>& modelled) {
+  for (const auto* modes : {&measured, &modelled}) {
+    for (const auto& mode : *modes) {
+      if (!(std::isfinite(mode.frequency_hz) && mode.frequency_hz > 0)) {
+        throw std::invalid_argument("mode pairing: every frequency must be positive and finite");
+      }
     }
-    if (cost < result.cost) {
-      result.cost = cost;
-      result.common_factor = std::exp(log_factor);
-      result.pairs = std::move(pairs);
+  }
+  ModePairing result;
+  std::vector<char> paired(measured.size(), 0), found(modelled.size(), 0);
+  const auto columns = static_cast<Eigen::Index>(modelled.size());
+  for (const auto& test : tests_of(measured)) {
+    // What a pair saves against leaving both alone; the columns beyond the modelled: alone.
+    const auto rows = static_cast<Eigen::Index>(test.size());
+    Eigen::MatrixXd gain = Eigen::MatrixXd::Zero(rows, columns + rows);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const auto& row = measured[static_cast<std::size_t>(test[static_cast<std::size_t>(i)])];
+      for (Eigen::Index j = 0; j < columns; ++j) {
+        const auto& mode = modelled[static_cast<std::size_t>(j)];
+        const double mac = shape_correlation(row.shape, mode.shape);
+        double cost = std::pow(std::log(mode.frequency_hz / row.frequency_hz) / kFrequencyScale, 2);
+        if (std::isfinite(mac)) cost += (1 - mac) / kMacScale;
+        if (planes_differ(row.plane, mode.plane)) cost += kPlanePrice;
+        gain(i, j) = std::min(0.0, cost - kUnpaired);
+      }
+    }
+    const auto chosen = least_cost_assignment(gain);
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const int j = chosen[i];
+      if (!(gain(static_cast<Eigen::Index>(i), j) < 0)) continue;
+      const auto &row = measured[static_cast<std::size_t>(test[i])],
+                 &mode = modelled[static_cast<std::size_t>(j)];
+      const bool leaks = planes_differ(row.plane, mode.plane);
+      result.pairs.push_back({test[i], j, shape_correlation(row.shape, mode.shape), leaks});
+      paired[static_cast<std::size_t>(test[i])] = 1;
+      // Leakage into another test does not make up for the test that should have seen the mode.
+      if (!leaks) found[static_cast<std::size_t>(j)] = 1;
     }
   }
   std::sort(result.pairs.begin(), result.pairs.end(),
             [](const ModePair& a, const ModePair& b) { return a.measured < b.measured; });
-
-  std::set<int> paired_measured, paired_model;
-  for (const auto& pair : result.pairs) {
-    paired_measured.insert(pair.measured);
-    // Leakage into another test does not make up for the test that should have seen the mode.
-    if (!pair.cross_plane) paired_model.insert(pair.model);
-  }
   for (std::size_t i = 0; i < measured.size(); ++i) {
-    if (paired_measured.contains(static_cast<int>(i))) continue;
-    result.unpaired_measured.push_back(
-        {static_cast<int>(i), false, nearest_text(measured[i], modelled, "modelled")});
+    if (paired[i]) continue;
+    result.unpaired.push_back(
+        {static_cast<int>(i), nearest_text(measured[i], modelled, "modelled")});
   }
   for (std::size_t j = 0; j < modelled.size(); ++j) {
-    if (paired_model.contains(static_cast<int>(j))) continue;
+    if (found[j]) continue;
     const auto& mode = modelled[j];
-    double low = std::numeric_limits<double>::infinity(), high = 0;
+    bool below = false, above = false;  // measured modes of a test that could have seen it
     for (const auto& row : measured) {
-      if (planes_differ(row, mode)) continue;
-      low = std::min(low, row.frequency_hz);
-      high = std::max(high, row.frequency_hz);
+      if (planes_differ(row.plane, mode.plane)) continue;
+      below = below || row.frequency_hz <= mode.frequency_hz;
+      above = above || row.frequency_hz >= mode.frequency_hz;
     }
-    const bool inside = mode.frequency_hz >= low && mode.frequency_hz <= high;
-    std::string reason;
-    if (high == 0) {
-      reason = "no test in its plane";
-    } else if (!inside) {
-      reason = fmt::format("outside the measured modes, {:.4g} to {:.4g} Hz", low, high);
-    } else if (mode.visibility < 0.1) {
-      reason = "missed by the test: a node of this mode is near the sensors or the hammer";
-    } else {
-      reason = "missed by the test, " + nearest_text(mode, measured, "measured");
-    }
-    result.unpaired_model.push_back({static_cast<int>(j), inside, std::move(reason)});
+    if (!below || !above) continue;
+    result.missed.push_back(
+        {static_cast<int>(j), "missed by the test, " + nearest_text(mode, measured, "measured")});
   }
   return result;
-}
-
-double rms_relative_error(const ModePairing& pairing) {
-  double squares = 0;
-  int count = 0;
-  for (const auto& pair : pairing.pairs) {
-    if (pair.cross_plane) continue;
-    squares += pair.relative_error * pair.relative_error;
-    ++count;
-  }
-  return count > 0 ? std::sqrt(squares / count) : kNaN;
 }
 
 }  // namespace rigfit::ident

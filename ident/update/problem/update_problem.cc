@@ -356,16 +356,13 @@ UpdateMatches UpdateProblem::match(const Eigen::VectorXd& q, std::string& failur
       result.matches.push_back(
           {s, pair.measured, mode.plane, mode.order, pair.mac, pair.cross_plane});
     }
-    for (const auto& mode : paired.unpaired_measured) {
-      result.unpaired.push_back({s,
-                                 measured_modes[static_cast<std::size_t>(mode.index)].frequency_hz,
-                                 true, false, mode.reason});
-      ++result.unpaired_measured;
+    for (const auto& mode : paired.unpaired) {
+      const double hz = measured_modes[static_cast<std::size_t>(mode.index)].frequency_hz;
+      result.unpaired.push_back({s, hz, true, false, mode.reason});
     }
-    for (const auto& mode : paired.unpaired_model) {
-      if (!mode.missing) continue;  // outside of what was measured: nobody looked
-      result.unpaired.push_back({s, model_modes[static_cast<std::size_t>(mode.index)].frequency_hz,
-                                 false, true, mode.reason});
+    for (const auto& mode : paired.missed) {
+      const double hz = model_modes[static_cast<std::size_t>(mode.index)].frequency_hz;
+      result.unpaired.push_back({s, hz, false, true, mode.reason});
     }
   }
   return result;

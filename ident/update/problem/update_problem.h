@@ -55,7 +55,6 @@ struct UpdateMatch {
 struct UpdateMatches {
   std::vector<UpdateMatch> matches;
   std::vector<UpdatedUnpaired> unpaired;
-  int unpaired_measured = 0;
   /// ln(likelihood) of an assignment and its parts (mode_assignment.h).
   double log_likelihood = 0, log_detected = 0, log_false = 0, log_missed = 0;
 };

@@ -65,26 +65,21 @@ TEST(LeastCostAssignment, EqualsTheBestOfAllPermutations) {
 TEST(PairModes, AMissingModeDoesNotShiftTheOthers) {
   const auto pairing = pair_modes(modes({10, 20, 40, 50}), modes({10.2, 19.5, 30, 41, 51}));
   EXPECT_EQ(partners(pairing, 4), (std::vector<int>{0, 1, 3, 4}));
-  ASSERT_EQ(pairing.unpaired_model.size(), 1U);
-  EXPECT_EQ(pairing.unpaired_model[0].index, 2);
-  EXPECT_TRUE(pairing.unpaired_model[0].missing);
-  EXPECT_NEAR(pairing.pairs[0].relative_error, 0.02, 1e-12);
+  ASSERT_EQ(pairing.missed.size(), 1U);
+  EXPECT_EQ(pairing.missed[0].index, 2);
 }
 
 TEST(PairModes, AStrangerStaysUnpaired) {
   const auto pairing = pair_modes(modes({10, 14.5, 20}), modes({10, 20, 80}));
   EXPECT_EQ(partners(pairing, 3), (std::vector<int>{0, -1, 1}));
-  ASSERT_EQ(pairing.unpaired_measured.size(), 1U);
-  EXPECT_NE(pairing.unpaired_measured[0].reason.find("20 Hz"), std::string::npos);
-  ASSERT_EQ(pairing.unpaired_model.size(), 1U);
-  EXPECT_FALSE(pairing.unpaired_model[0].missing);  // 80 Hz lies above all that was measured
+  ASSERT_EQ(pairing.unpaired.size(), 1U);
+  EXPECT_NE(pairing.unpaired[0].reason.find("20 Hz"), std::string::npos);
+  EXPECT_TRUE(pairing.missed.empty());  // 80 Hz lies above all that was measured
 }
 
-TEST(PairModes, PriceDecidesHowFarIsTooFar) {
-  const auto measured = modes({10}), modelled = modes({11.5});
-  EXPECT_EQ(pair_modes(measured, modelled).pairs.size(), 1U);
-  EXPECT_TRUE(pair_modes(measured, modelled, {.unpaired_measured = 0.9, .unpaired_model = 0.9})
-                  .pairs.empty());
+TEST(PairModes, BeyondAFifthIsTooFar) {
+  EXPECT_EQ(pair_modes(modes({10}), modes({12})).pairs.size(), 1U);
+  EXPECT_TRUE(pair_modes(modes({10}), modes({12.3})).pairs.empty());
 }
 
 TEST(PairModes, ShapesSettleWhatFrequenciesLeaveOpen) {
@@ -94,26 +89,6 @@ TEST(PairModes, ShapesSettleWhatFrequenciesLeaveOpen) {
   const auto pairing = pair_modes(measured, modelled);
   EXPECT_EQ(partners(pairing, 2), (std::vector<int>{1, 0}));
   EXPECT_NEAR(pairing.pairs[0].mac, 1, 1e-12);
-}
-
-TEST(PairModes, AnInvisibleModeIsRatherLeftAlone) {
-  auto modelled = modes({10, 11.8});
-  modelled[1].visibility = 0.01;
-  // 14 Hz is 0.171 from 11.8 Hz in the logarithm: cost 2.92, between 2 and 4.
-  const auto pairing = pair_modes(modes({10, 14}), modelled);
-  EXPECT_EQ(partners(pairing, 2), (std::vector<int>{0, -1}));
-  modelled[1].visibility = 1;
-  EXPECT_EQ(partners(pair_modes(modes({10, 14}), modelled), 2), (std::vector<int>{0, 1}));
-}
-
-TEST(PairModes, ACommonFactorIsFoundWhenAllowed) {
-  const std::vector<double> measured{7.8, 15.5, 23.1, 31.5};
-  std::vector<double> modelled;
-  for (double f : measured) modelled.push_back(1.7 * f);
-  modelled.insert(modelled.begin() + 2, 1.7 * 19);
-  const auto pairing = pair_modes(modes(measured), modes(modelled), {.common_factor_range = 2.5});
-  EXPECT_EQ(partners(pairing, 4), (std::vector<int>{0, 1, 3, 4}));
-  EXPECT_NEAR(pairing.common_factor, 1 / 1.7, 0.02);
 }
 
 // Table 4 of the paper: at 100 and 200 N the second "out-of-plane" row lies at the in-plane
@@ -156,10 +131,7 @@ TEST(PairModes, OneModelledModeServesBothTests) {
   EXPECT_EQ(partners(pairing, 3), (std::vector<int>{0, 1, 0}));
   EXPECT_FALSE(pairing.pairs[0].cross_plane);
   EXPECT_TRUE(pairing.pairs[2].cross_plane);
-  EXPECT_TRUE(pairing.unpaired_model.empty());
-  // Leakage is no error of the model.
-  EXPECT_NEAR(rms_relative_error(pairing),
-              std::sqrt((std::pow(6.2 / 6.33 - 1, 2) + std::pow(5.1 / 4.9 - 1, 2)) / 2), 1e-12);
+  EXPECT_TRUE(pairing.missed.empty());
 }
 
 // Table 5: the bond-graph column has no value where its software found no mode. Without row
@@ -168,15 +140,14 @@ TEST(PairModes, DashesOfTable5ComeOutAsUnpaired) {
   const auto pairing = pair_modes(modes({13.490, 14.537, 16.069, 26.111, 32.404, 39.604}),
                                   modes({15.788, 16.740, 27.410, 33.887, 41.185}));
   EXPECT_EQ(pairing.pairs.size(), 5U);
-  ASSERT_EQ(pairing.unpaired_measured.size(), 1U);
-  EXPECT_EQ(pairing.unpaired_measured[0].index, 0);
+  ASSERT_EQ(pairing.unpaired.size(), 1U);
+  EXPECT_EQ(pairing.unpaired[0].index, 0);
 }
 
 TEST(PairModes, NothingToPair) {
   EXPECT_TRUE(pair_modes({}, modes({1, 2})).pairs.empty());
   const auto pairing = pair_modes(modes({1, 2}), {});
-  EXPECT_EQ(pairing.unpaired_measured.size(), 2U);
-  EXPECT_TRUE(std::isnan(rms_relative_error(pairing)));
+  EXPECT_EQ(pairing.unpaired.size(), 2U);
   EXPECT_THROW((void)pair_modes(modes({NAN}), {}), std::invalid_argument);
 }
 
