@@ -1,17 +1,19 @@
 #include "ident/predict/scene_prediction.h"
 
+#include <gsl/gsl_statistics_double.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <map>
 #include <random>
-#include <span>
 #include <stdexcept>
 
-#include "ident/predict/drawn_frequencies.h"
 #include "ident/update/pairing/mode_pairing.h"
 #include "model/frfs/frf_sensitivities.h"
 #include "model/scene/parameters.h"
+#include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
 namespace {
@@ -124,6 +126,13 @@ model::ModesOptions modes_options(const PredictionOptions& options, bool shapes)
   return modes;
 }
 
+/// Every member leaves its segments to the program.
+bool all_auto(const model::Scene& scene, const model::ModesOptions& options) {
+  return std::all_of(scene.members.begin(), scene.members.end(), [&](const auto& member) {
+    return options.segments.value_or(member.segments) <= 0;
+  });
+}
+
 constexpr double kRateAccuracy = 1e-4;  // relative, frequencies of the chain for derivatives
 
 /// Modes and their derivatives. Where a scene leaves its segments to the program, `analyse_modes`
@@ -156,36 +165,66 @@ model::ModeSensitivities nominal_modes(const model::Scene& scene,
   return found;
 }
 
-/// A move of the parameters; those that are positive stay so.
-Eigen::VectorXd moved(const Selection& selection, const Eigen::VectorXd& change) {
+/// Independent moves of one standard uncertainty each, as columns.
+Eigen::MatrixXd directions_of(const Eigen::MatrixXd& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+}
+
+/// `base` with the parameters moved; those that are positive stay so.
+model::Scene moved(const model::Scene& base, const Selection& selection,
+                   const Eigen::VectorXd& change) {
   Eigen::VectorXd values = selection.value;
   for (Eigen::Index i = 0; i < values.size(); ++i) {
     values[i] = values[i] > 0 ? values[i] * std::exp(change[i] / values[i]) : values[i] + change[i];
   }
-  return values;
+  return selection.scene(base, values);
 }
 
-/// What moved scenes are compared with, and how well their frequencies must be known.
+Eigen::VectorXd drawn(Eigen::Index size, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd unit(size);
+  for (auto& value : unit) value = normal(random);
+  return unit;
+}
+
+/// Frequencies of moved scenes, of the same modes as a prediction's.
 struct Draws {
   std::vector<model::NaturalMode> reference;
+  std::vector<int> orders;  // of each among those of its plane
   model::ModesOptions options;
-  double accuracy = 0;
+  double accuracy = 1e-3;
 
   /// Scenes that leave their segments to the program: a hundredth of the least std of a frequency,
   /// by the linear answer, within reasonable bounds.
   Draws(const ModePrediction& prediction, const PredictionOptions& asked)
-      : options(modes_options(asked, false)), accuracy(1e-3) {
+      : options(modes_options(asked, false)) {
     constexpr double kShare = 0.01, kLeast = 1e-7;
     options.damped = false;
-    reference.reserve(prediction.modes.size());
+    std::map<model::ModePlane, int> seen;
     for (const auto& mode : prediction.modes) {
       reference.push_back(mode.mode);
+      orders.push_back(seen[mode.mode.plane]++);
       const double relative = mode.frequency_hz.std / mode.frequency_hz.value;
       if (relative > 0) accuracy = std::min(accuracy, std::max(kShare * relative, kLeast));
     }
   }
-  [[nodiscard]] std::vector<Eigen::VectorXd> of(std::span<const model::Scene> scenes) const {
-    return drawn_frequencies(scenes, reference, options, accuracy);
+  /// Empty where the scene has no equilibrium or lacks one of the modes.
+  [[nodiscard]] Eigen::VectorXd of(const model::Scene& scene) const {
+    model::ModesOptions own = options;
+    if (all_auto(scene, options)) own.accuracy = accuracy;
+    std::map<model::ModePlane, std::vector<double>> hz;
+    for (const auto& mode : model::analyse_modes(scene, own).modes) {
+      hz[mode.plane].push_back(mode.frequency_hz);
+    }
+    Eigen::VectorXd found(static_cast<Eigen::Index>(reference.size()));
+    for (std::size_t i = 0; i < reference.size(); ++i) {
+      const auto& list = hz[reference[i].plane];
+      const auto order = static_cast<std::size_t>(orders[i]);
+      if (order >= list.size()) return {};
+      found[static_cast<Eigen::Index>(i)] = list[order];
+    }
+    return found;
   }
 };
 
@@ -193,29 +232,22 @@ struct Draws {
 double nonlinearity(const model::Scene& scene, const Selection& selection,
                     const Eigen::MatrixXd& directions, const Eigen::MatrixXd& gradient,
                     const ModePrediction& prediction, const Draws& draws) {
-  std::vector<Eigen::VectorXd> changes{Eigen::VectorXd::Zero(selection.value.size())};
+  const Eigen::VectorXd here = draws.of(prediction.scene);
+  if (here.size() == 0) return std::numeric_limits<double>::infinity();
+  double worst = 0;
   for (Eigen::Index k = 0; k < directions.cols(); ++k) {
     if (!(directions.col(k).norm() > 0)) continue;
     for (const double size : {-kCoverage, -1.0, 1.0, kCoverage}) {
-      changes.emplace_back(size * directions.col(k));
-    }
-  }
-  std::vector<model::Scene> scenes;
-  scenes.reserve(changes.size());
-  for (const auto& change : changes) {
-    scenes.push_back(selection.scene(scene, moved(selection, change)));
-  }
-  const auto found = draws.of(scenes);
-  double worst = 0;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    if (found[k].size() == 0) return std::numeric_limits<double>::infinity();
-    for (Eigen::Index i = 0; i < found[k].size(); ++i) {
-      const auto& mode = prediction.modes[static_cast<std::size_t>(i)];
-      if (!(mode.frequency_hz.std > 0)) continue;
-      const double f = mode.frequency_hz.value;
-      const double linear = gradient.row(i).dot(changes[k]) / f;
-      const double change = std::log(found[k][i] / found[0][i]);
-      worst = std::max(worst, std::abs(change - linear) * f / mode.frequency_hz.std);
+      const Eigen::VectorXd change = size * directions.col(k);
+      const Eigen::VectorXd found = draws.of(moved(scene, selection, change));
+      if (found.size() == 0) return std::numeric_limits<double>::infinity();
+      for (Eigen::Index i = 0; i < found.size(); ++i) {
+        const auto& f = prediction.modes[static_cast<std::size_t>(i)].frequency_hz;
+        if (!(f.std > 0)) continue;
+        const double linear = gradient.row(i).dot(change) / f.value;
+        const double off = std::log(found[i] / here[i]) - linear;
+        worst = std::max(worst, std::abs(off) * f.value / f.std);
+      }
     }
   }
   return worst;
@@ -226,40 +258,22 @@ void sample(const model::Scene& scene, const Selection& selection,
             const Eigen::MatrixXd& directions, const PredictionOptions& options, const Draws& draws,
             ModePrediction& prediction) {
   std::mt19937_64 random(options.seed);
-  std::normal_distribution<double> normal;
-  std::vector<model::Scene> scenes{prediction.scene};
-  scenes.reserve(static_cast<std::size_t>(options.samples) + 1);
+  std::vector<std::vector<double>> all(prediction.modes.size());
   for (int s = 0; s < options.samples; ++s) {
-    Eigen::VectorXd unit(directions.cols());
-    for (auto& value : unit) value = normal(random);
-    scenes.push_back(selection.scene(scene, moved(selection, directions * unit)));
-  }
-  const auto found = draws.of(scenes);
-  std::vector<std::vector<double>> drawn(prediction.modes.size());
-  for (std::size_t s = 1; s < found.size(); ++s) {
-    for (Eigen::Index i = 0; i < found[s].size(); ++i) {
-      drawn[static_cast<std::size_t>(i)].push_back(found[s][i]);
+    const Eigen::VectorXd change = directions * drawn(directions.cols(), random);
+    const Eigen::VectorXd found = draws.of(moved(scene, selection, change));
+    for (Eigen::Index i = 0; i < found.size(); ++i) {
+      all[static_cast<std::size_t>(i)].push_back(found[i]);
     }
   }
   prediction.sampled = true;
-  for (std::size_t i = 0; i < drawn.size(); ++i) {
-    auto& values = drawn[i];
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& values = all[i];
     if (values.size() < 20) continue;
-    std::sort(values.begin(), values.end());
-    double mean = 0, square = 0;
-    for (const double value : values) mean += value;
-    mean /= static_cast<double>(values.size());
-    for (const double value : values) square += (value - mean) * (value - mean);
     auto& mode = prediction.modes[i];
-    mode.frequency_hz.std = std::sqrt(square / static_cast<double>(values.size() - 1));
-    const auto quantile = [&](double q) {
-      const double at = q * static_cast<double>(values.size() - 1);
-      const auto k = static_cast<std::size_t>(at);
-      const double next = values[std::min(k + 1, values.size() - 1)];
-      return values[k] + (at - static_cast<double>(k)) * (next - values[k]);
-    };
-    mode.low_hz = quantile(0.025);
-    mode.high_hz = quantile(0.975);
+    mode.frequency_hz.std = gsl_stats_sd(values.data(), 1, values.size());
+    mode.low_hz = signal::quantile(values, 0.025);
+    mode.high_hz = signal::quantile(values, 0.975);
   }
 }
 
@@ -310,12 +324,41 @@ FittedParameters fitted_parameters(const UpdateResult& fit,
   return fitted;
 }
 
-model::Scene scene_with(const model::Scene& scene, const FittedParameters& fitted,
-                        std::vector<std::string>& used, std::vector<std::string>& not_used) {
-  auto selection = select(scene, fitted);
-  used = selection.used;
-  not_used = selection.not_used;
-  return selection.scene(scene, selection.value);
+std::vector<AddedInput> add_scene_inputs(const model::Scene& scene,
+                                         const std::vector<SceneInput>& inputs,
+                                         FittedParameters& fitted) {
+  std::vector<AddedInput> added;
+  added.reserve(inputs.size());
+  const auto of_fit = static_cast<Eigen::Index>(fitted.parameters.size());
+  for (const auto& input : inputs) {
+    AddedInput one{input.name, input.value.value_or(model::parameter(scene, input.name)),
+                   input.std};
+    if (input.relative) one.std *= std::abs(one.value);
+    if (!(one.std > 0) || !std::isfinite(one.std) || !std::isfinite(one.value)) {
+      throw std::invalid_argument("the uncertainty of " + input.name + " is not positive");
+    }
+    for (const auto& parameter : fitted.parameters) {
+      const auto& targets = parameter.targets;
+      one.fitted = one.fitted || parameter.name == input.name ||
+                   std::find(targets.begin(), targets.end(), input.name) != targets.end();
+    }
+    if (!one.fitted) {
+      const auto n = static_cast<Eigen::Index>(fitted.parameters.size());
+      fitted.parameters.push_back({input.name, one.value});
+      fitted.covariance.conservativeResize(n + 1, n + 1);
+      fitted.covariance.row(n).setZero();
+      fitted.covariance.col(n).setZero();
+      fitted.covariance(n, n) = one.std * one.std;
+      for (const auto& effect : fitted.inputs) {
+        if (effect.name != input.name) continue;
+        one.of_fit = true;
+        fitted.covariance.col(n).head(of_fit) = one.std * effect.change.head(of_fit);
+        fitted.covariance.row(n) = fitted.covariance.col(n).transpose();
+      }
+    }
+    added.push_back(one);
+  }
+  return added;
 }
 
 ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& fitted,
@@ -349,9 +392,7 @@ ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& 
     mode.high_hz = f * std::exp(kCoverage * std / f);
     prediction.modes.push_back(std::move(mode));
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(selection.covariance);
-  const Eigen::MatrixXd directions =
-      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const Eigen::MatrixXd directions = directions_of(selection.covariance);
   const Draws draws(prediction, options);
   prediction.nonlinearity = nonlinearity(scene, selection, directions, gradient, prediction, draws);
   if (options.always_sample || prediction.nonlinearity > kLinear) {
@@ -386,6 +427,46 @@ FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fi
       }
     }
     prediction.std.push_back(std::move(std));
+  }
+  return prediction;
+}
+
+ResponsePrediction predict_response(const model::Scene& scene, const FittedParameters& fitted,
+                                    const ResponsePredictionOptions& options) {
+  constexpr int kFewestDraws = 40;  // the 2.5 % quantile then lies inside of the draws
+  const auto selection = select(scene, fitted);
+  ResponsePrediction prediction;
+  prediction.used = selection.used;
+  prediction.not_used = selection.not_used;
+  prediction.response =
+      model::simulate_response(selection.scene(scene, selection.value), options.response);
+  if (!prediction.response.completed) return prediction;
+  const Eigen::MatrixXd directions = directions_of(selection.covariance);
+  auto wanted = options.response;
+  wanted.solver = prediction.response.solver;
+  const auto& at_fit = prediction.response.samples;
+  std::mt19937_64 random(options.seed);
+  std::vector<Eigen::MatrixXd> all;
+  for (int s = 0; s < options.samples; ++s) {
+    const Eigen::VectorXd change = directions * drawn(directions.cols(), random);
+    auto one = model::simulate_response(moved(scene, selection, change), wanted);
+    if (one.completed && one.samples.rows() == at_fit.rows() && one.samples.allFinite()) {
+      all.push_back(std::move(one.samples));
+    }
+  }
+  prediction.samples = static_cast<int>(all.size());
+  if (prediction.samples < kFewestDraws) return prediction;
+  prediction.low.resizeLike(at_fit);
+  prediction.high.resizeLike(at_fit);
+  std::vector<double> values(all.size());
+  for (Eigen::Index i = 0; i < at_fit.size(); ++i) {
+    std::transform(all.begin(), all.end(), values.begin(),
+                   [&](const auto& one) { return one.data()[i]; });
+    std::sort(values.begin(), values.end());
+    prediction.low.data()[i] =
+        gsl_stats_quantile_from_sorted_data(values.data(), 1, values.size(), 0.025);
+    prediction.high.data()[i] =
+        gsl_stats_quantile_from_sorted_data(values.data(), 1, values.size(), 0.975);
   }
   return prediction;
 }

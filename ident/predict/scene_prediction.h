@@ -1,5 +1,5 @@
-// Predicts modes and FRFs of another scene, with uncertainties, from the parameters of a fit and
-// their covariance.
+// Predicts modes, FRFs and time responses of another scene, with uncertainties, from the parameters
+// of a fit and their covariance.
 //
 // With p the fitted values, C their covariance and y(p) a quantity of the scene,
 //
@@ -12,7 +12,7 @@
 // std, the modes are sampled instead (positive parameters lognormal), and the interval comes from
 // the samples.
 //
-// The uncertainty contains the fitted parameters and the scene's own inputs that scene_inputs.h
+// The uncertainty contains the fitted parameters and the scene's own inputs that `add_scene_inputs`
 // adds. All other numbers of the scene count as exact. Sources: GUM (JCGM 100:2008), 5; JCGM
 // 101:2008 (sampling).
 #pragma once
@@ -28,6 +28,7 @@
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"
 #include "model/linear/modal_analysis.h"
+#include "model/response/response.h"
 #include "model/scene/scene.h"
 
 namespace rigfit::ident {
@@ -87,11 +88,32 @@ struct ModePrediction {
   model::Scene scene;                       ///< with the fitted values
 };
 
-/// The scene with the values in it; names that match into `used`, others into `not_used`. Throws
-/// model::SceneError for a target that the scene does not have.
-[[nodiscard]] model::Scene scene_with(const model::Scene& scene, const FittedParameters& fitted,
-                                      std::vector<std::string>& used,
-                                      std::vector<std::string>& not_used);
+/// An input of a scene that is known to an uncertainty, beside the parameters of a fit: a tip mass,
+/// a length, a mass per length that a prediction would otherwise take as exact.
+struct SceneInput {
+  std::string name;                  ///< a parameter of the scene
+  std::optional<double> value = {};  ///< not given: the scene's own
+  double std = 0;                    ///< > 0
+  bool relative = false;             ///< `std` is relative to the value
+};
+
+struct AddedInput {
+  std::string name;
+  double value = 0, std = 0;
+  bool of_fit = false;  ///< an input of the fit as well
+  bool fitted = false;  ///< a parameter of the fit: not added
+};
+
+/// Adds the inputs to `fitted` as parameters. With p the fit's parameters and x the inputs the
+/// joint covariance is cov(p, p) = C, cov(x, x) = s^2, cov(p, x) = change s, where `change` is by
+/// how much p moves with one standard uncertainty of the input in the fit, if the fit had an input
+/// of that name (it is then the same quantity, and what C holds of it counts once), else 0. An
+/// input that the fit found as a parameter keeps the fit's value and covariance (GUM, 5.2). Throws
+/// model::SceneError for a name that the scene does not have, std::invalid_argument for an
+/// uncertainty that is not positive and finite.
+std::vector<AddedInput> add_scene_inputs(const model::Scene& scene,
+                                         const std::vector<SceneInput>& inputs,
+                                         FittedParameters& fitted);
 
 /// Throws std::invalid_argument when no parameter is one of the scene's: the message names both.
 [[nodiscard]] ModePrediction predict_modes(const model::Scene& scene,
@@ -106,6 +128,29 @@ struct FrfPrediction {
 /// Throws like predict_modes.
 [[nodiscard]] FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fitted,
                                          const Eigen::VectorXd& frequency_hz);
+
+struct ResponsePredictionOptions {
+  model::ResponseOptions response;
+  int samples = 200;  ///< draws, >= 40
+  std::uint64_t seed = 1;
+};
+
+struct ResponsePrediction {
+  model::ResponseResult response;           ///< at the fitted values; check its status first
+  Eigen::MatrixXd low, high;                ///< as `response.samples`: 95 %
+  int samples = 0;                          ///< draws that have a response
+  std::vector<std::string> used, not_used;  ///< names of parameters
+};
+
+/// Time response to the scene's loads. The scene, its equilibrium and its response are computed for
+/// every draw of the parameters. The interval is that of the draws at each instant: it holds the
+/// value at that instant with a probability of 95 %, not the whole history. With a standard
+/// uncertainty s of a frequency the phase error grows as 2 pi s t, so that it widens with time
+/// until it spans the amplitude. No interval (empty matrices) where fewer than 40 draws have a
+/// response. Throws like predict_modes and simulate_response.
+[[nodiscard]] ResponsePrediction predict_response(const model::Scene& scene,
+                                                  const FittedParameters& fitted,
+                                                  const ResponsePredictionOptions& options);
 
 /// A measured frequency compared with a prediction.
 struct HeldAgainst {

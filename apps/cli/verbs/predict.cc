@@ -14,8 +14,6 @@
 #include "apps/cli/verbs/fit_file.h"
 #include "apps/describe/digits.h"
 #include "ident/predict/damage_estimate.h"
-#include "ident/predict/response_prediction.h"
-#include "ident/predict/scene_inputs.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/scene/sensor_quantity.h"
 #include "signal/writers/write_csv.h"

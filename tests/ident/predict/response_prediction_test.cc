@@ -1,4 +1,4 @@
-#include "ident/predict/response_prediction.h"
+#include "ident/predict/scene_prediction.h"
 
 #include <gtest/gtest.h>
 

@@ -4,9 +4,12 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
+#include "ident/update/model_update.h"
 #include "model/frfs/frf_synthesis.h"
+#include "model/scene/read_scene.h"
 #include "tests/model/test_scenes.h"
 
 namespace rigfit::ident::scene_prediction_test {
@@ -159,6 +162,117 @@ TEST(ScenePrediction, HoldsMeasurementsAgainstIt) {
   EXPECT_NEAR(held[0].standard_units, -0.5, 0.01);
   EXPECT_TRUE(held[0].inside);
   EXPECT_FALSE(held[1].inside);
+}
+
+model::Scene cable(double tension, double EI, const std::string& segments) {
+  return model::parse_scene(R"(
+accuracy = 1e-4
+[[node]]
+name = "left"
+position = [0.0, 0.0, 0.0]
+support = "pinned"
+[[node]]
+name = "right"
+position = [2.4, 0.0, 0.0]
+support = "pinned"
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["left", "right"]
+mass_per_length = 0.16667
+EA = 221780.0
+GJ = 0.1
+segments = )" + segments + "\ntension = " +
+                                std::to_string(tension) + "\nEI = " + std::to_string(EI) + "\n",
+                            "cable.toml");
+}
+
+TEST(ScenePrediction, AutoSegmentsGiveTheIntervalThatGivenSegmentsGive) {
+  FittedParameters fitted;
+  fitted.parameters = {{"cable.tension", 60}, {"cable.EI", 0.5}};
+  fitted.covariance = Eigen::Vector2d(36, 0.01).asDiagonal();
+  PredictionOptions options;
+  options.always_sample = true;
+  const auto left = predict_modes(cable(60, 0.5, "\"auto\""), fitted, options);
+  const auto given = predict_modes(cable(60, 0.5, "60"), fitted, options);
+  ASSERT_EQ(left.modes.size(), 6u);
+  ASSERT_EQ(given.modes.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    // The same draws; 60 segments err by less than 1e-4.
+    const double f = given.modes[i].frequency_hz.value;
+    EXPECT_NEAR(left.modes[i].low_hz, given.modes[i].low_hz, 3e-4 * f) << i;
+    EXPECT_NEAR(left.modes[i].high_hz, given.modes[i].high_hz, 3e-4 * f) << i;
+    EXPECT_NEAR(left.modes[i].frequency_hz.std, given.modes[i].frequency_hz.std, 3e-4 * f) << i;
+  }
+}
+
+const std::string kMass = "beam.mass_per_length";
+
+FittedParameters stiffness(double std) {
+  FittedParameters fitted;
+  fitted.parameters = {{"beam.EI", 100}};
+  fitted.covariance = Eigen::MatrixXd::Constant(1, 1, std * std);
+  return fitted;
+}
+
+double relative_std(const FittedParameters& fitted) {
+  const auto prediction = predict_modes(cantilever(), fitted, {});
+  return prediction.modes.front().frequency_hz.std / prediction.modes.front().frequency_hz.value;
+}
+
+TEST(SceneInputs, AddInSquaresWhereTheFitDoesNotKnowThem) {
+  auto fitted = stiffness(2);  // 2 % of EI: 1 % of f
+  const auto added = add_scene_inputs(cantilever(), {{kMass, {}, 0.03, true}}, fitted);
+  EXPECT_FALSE(added.front().of_fit);
+  EXPECT_NEAR(relative_std(fitted), std::hypot(0.01, 0.015), 1e-5);
+}
+
+TEST(SceneInputs, CountOnceWhereTheFitHadThem) {
+  // EI fitted to frequencies of the same beam with the mass known to 3 %: EI goes with the mass,
+  // and the frequencies of the very same beam do not depend on it.
+  UpdateOptions options;
+  options.inputs = {{kMass, {{0, kMass, 0.03 * 2}}}};
+  options.segment_uncertainty = false;
+  UpdateState state;
+  state.scene = cantilever();
+  for (const auto& mode : model::analyse_modes(state.scene).modes) {
+    if (mode.plane != model::ModePlane::in || state.measured.size() == 3) continue;
+    MeasuredMode one;
+    one.frequency_hz = {mode.frequency_hz, 1e-4 * mode.frequency_hz};
+    one.plane = mode.plane;
+    state.measured.push_back(one);
+  }
+  FreeParameter EI;
+  EI.name = "beam.EI";
+  const auto fit = update_model({state}, {EI}, options);
+  const auto fitted = fitted_parameters(fit, {EI});
+  ASSERT_EQ(fitted.inputs.size(), 1u);
+  EXPECT_NEAR(fitted.inputs[0].change[0] / fitted.parameters[0].value, 0.03, 1e-3);
+  auto once = fitted;
+  const auto added = add_scene_inputs(cantilever(), {{kMass, {}, 0.06}}, once);
+  EXPECT_TRUE(added.front().of_fit);
+  auto twice = fitted;
+  twice.inputs.clear();
+  (void)add_scene_inputs(cantilever(), {{kMass, {}, 0.06}}, twice);
+  const auto in_plane = [](const FittedParameters& with) {
+    for (const auto& mode : predict_modes(cantilever(), with, {}).modes) {
+      if (mode.mode.plane == model::ModePlane::in) {
+        return mode.frequency_hz.std / mode.frequency_hz.value;
+      }
+    }
+    return 0.0;
+  };
+  EXPECT_LT(in_plane(once), 0.002);
+  EXPECT_NEAR(in_plane(twice), 0.015 * std::sqrt(2.0), 1e-3);
+}
+
+TEST(SceneInputs, AFittedParameterKeepsItsFit) {
+  auto fitted = stiffness(2);
+  const auto added = add_scene_inputs(cantilever(), {{"beam.EI", 50.0, 10}}, fitted);
+  EXPECT_TRUE(added.front().fitted);
+  EXPECT_EQ(fitted.parameters.size(), 1u);
+  EXPECT_THROW((void)add_scene_inputs(cantilever(), {{kMass, {}, 0}}, fitted),
+               std::invalid_argument);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST(FindAnswers, RoundingOfTheMeasuredModesChangesNothing) {
     // Bound on the std of ln EI: twice the 0.1 % of one mode's frequency, and half as much again.
     EXPECT_LT(std, 3e-3);
     EXPECT_NEAR(ln_EI, std::log(testing::kLaboratoryEI), 4 * std);
-    EXPECT_EQ(answer.solution.matches.unpaired_measured, 0);
+    for (const auto& lone : answer.solution.matches.unpaired) EXPECT_FALSE(lone.measured);
     EXPECT_TRUE(answer.solution.converged);
   }
 }
