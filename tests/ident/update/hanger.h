@@ -4,9 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "ident/update/model_update.h"
-#include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
+#include "tests/ident/update/fit_data.h"
 
 namespace rigfit::ident::testing {
 
@@ -45,17 +44,7 @@ inline model::Scene hanger(model::Support::Kind kind, double EI, double rotation
 // Its first modes in the plane, each known to a relative `std`.
 inline std::vector<MeasuredMode> measured(const model::Scene& truth, std::size_t count,
                                           double std) {
-  model::ModesOptions options;
-  options.count = 3 * static_cast<int>(count);
-  options.plane = model::ModePlane::in;
-  std::vector<MeasuredMode> modes;
-  for (const auto& mode : model::analyse_modes(truth, options).modes) {
-    if (mode.plane != model::ModePlane::in || modes.size() == count) continue;
-    modes.emplace_back();
-    modes.back().frequency_hz = {mode.frequency_hz, std * mode.frequency_hz};
-    modes.back().plane = model::ModePlane::in;
-  }
-  return modes;
+  return modes_of(truth, model::ModePlane::in, count, std);
 }
 
 }  // namespace rigfit::ident::testing

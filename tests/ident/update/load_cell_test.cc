@@ -8,6 +8,7 @@
 #include "ident/update/model_update.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"
+#include "tests/ident/update/fit_data.h"
 #include "tests/model/test_scenes.h"
 
 namespace rigfit::ident::load_cell_test {
@@ -17,22 +18,13 @@ constexpr double kScale = 1.03, kZero = -1.5;  // N
 
 std::vector<UpdateState> states(double EI, double std, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
   std::vector<UpdateState> all;
   for (const double reading : {25.0, 100.0, 200.0, 300.0}) {
     const auto truth = model::testing::paper_cable(kScale * reading + kZero, EI, 12);
     UpdateState state;
     state.name = std::to_string(static_cast<int>(reading)) + " N";
     state.scene = model::testing::paper_cable(reading, EI, 12);
-    model::ModesOptions options;
-    options.count = 20;
-    for (const auto& mode : model::analyse_modes(truth, options).modes) {
-      if (mode.plane != model::ModePlane::in || state.measured.size() == 6) continue;
-      MeasuredMode one;
-      one.frequency_hz = {mode.frequency_hz * (1 + std * normal(random)), std * mode.frequency_hz};
-      one.plane = model::ModePlane::in;
-      state.measured.push_back(one);
-    }
+    state.measured = testing::modes_of(truth, model::ModePlane::in, 6, std, &random);
     all.push_back(std::move(state));
   }
   return all;
@@ -43,9 +35,7 @@ TEST(LoadCell, ScaleAndZeroCommonToAllStatesAreFound) {
   constexpr std::array truth{0.6, kScale, kZero};
   int covered = 0, total = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    UpdateOptions options;
-    options.starts = 1;
-    options.segment_uncertainty = false;  // the data have the model's segments
+    UpdateOptions options = testing::plain_options();
     const auto result = update_model(
         states(0.6, 1e-3, seed), {{"cable.EI"}, {"load_cell.scale"}, {"load_cell.zero"}}, options);
     ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
@@ -64,9 +54,7 @@ TEST(LoadCell, ScaleAndZeroCommonToAllStatesAreFound) {
 
 // Readings taken for true rule the model out, and a free zero that starts at zero has a scale.
 TEST(LoadCell, ReadingsTakenForTrueAreRuledOut) {
-  UpdateOptions options;
-  options.starts = 1;
-  options.segment_uncertainty = false;
+  UpdateOptions options = testing::plain_options();
   const auto wrong = update_model(states(0.6, 1e-3, 1), {{"cable.EI"}}, options);
   EXPECT_LT(wrong.fit.p_value, 1e-6);
   const auto right = update_model(states(0.6, 1e-3, 1),

@@ -8,6 +8,7 @@
 
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
+#include "tests/ident/update/fit_data.h"
 
 namespace rigfit::ident::model_candidates_test {
 namespace {
@@ -42,21 +43,7 @@ GJ = 3.0
 std::vector<MeasuredMode> measured(const model::Scene& truth, double std, std::uint64_t seed,
                                    std::size_t count) {
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  model::ModesOptions options;
-  options.plane = model::ModePlane::in;
-  options.count = 6;
-  std::vector<MeasuredMode> modes;
-  for (const auto& natural : model::analyse_modes(truth, options).modes) {
-    if (modes.size() == count || natural.plane != model::ModePlane::in) continue;
-    MeasuredMode mode;
-    const double f = natural.frequency_hz * (1 + std * normal(random));
-    mode.frequency_hz = {f, std * f};
-    mode.damping_ratio.value = std::nan("");
-    mode.plane = model::ModePlane::in;
-    modes.push_back(mode);
-  }
-  return modes;
+  return testing::modes_of(truth, model::ModePlane::in, count, std, &random);
 }
 
 // ln of the integral over ln EI of prior and likelihood of these modes in order, the model's error

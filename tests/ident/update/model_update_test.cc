@@ -11,6 +11,8 @@
 
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
+#include "tests/ident/update/fit_data.h"
+#include "tests/model/test_scenes.h"
 #include "tests/reference/mode_differences.h"
 
 namespace rigfit::ident::model_update_test {
@@ -48,46 +50,12 @@ GJ = 3.0
 }
 
 model::Scene cable(double tension, double EI) {
-  auto scene = model::parse_scene(R"(
-[[node]]
-name = "left"
-position = [0.0, 0.0, 0.0]
-support = "pinned"
-[[node]]
-name = "right"
-position = [2.4, 0.0, 0.0]
-support = "pinned"
-[[member]]
-name = "cable"
-kind = "cable"
-nodes = ["left", "right"]
-segments = 12
-mass_per_length = 0.16667
-EA = 221780.0
-EI = 0.6
-tension = 200.0
-)",
-                                  "cable.toml");
-  model::set_parameter(scene, "cable.tension", tension);
-  model::set_parameter(scene, "cable.EI", EI);
-  return scene;
+  return model::testing::paper_cable(tension, EI, 12);
 }
 
-// The first modes of a plane, as a test would give them: relative noise `std`.
 std::vector<MeasuredMode> measured(const model::Scene& truth, ModePlane plane, std::size_t count,
                                    double std, std::mt19937_64& random) {
-  std::normal_distribution<double> normal;
-  model::ModesOptions options;
-  options.count = 3 * static_cast<int>(count) + 8;
-  std::vector<MeasuredMode> modes;
-  for (const auto& mode : model::analyse_modes(truth, options).modes) {
-    if (mode.plane != plane || modes.size() == count) continue;
-    MeasuredMode one;
-    one.frequency_hz = {mode.frequency_hz * (1 + std * normal(random)), std * mode.frequency_hz};
-    one.plane = plane;
-    modes.push_back(one);
-  }
-  return modes;
+  return testing::modes_of(truth, plane, count, std, &random);
 }
 
 std::mt19937_64 seeded(std::uint64_t seed) { return std::mt19937_64(seed); }
@@ -147,9 +115,7 @@ TEST(UpdateModel, APriorSeparatesThem) {
   state.measured = measured(beam(2.1, 0.3, 0, 0), ModePlane::in, 5, 1e-3, random);
   FreeParameter mass{"beam.mass_per_length"};
   mass.prior = signal::Estimate{0.3, 0.003};
-  UpdateOptions options;
-  options.segment_uncertainty = false;  // the data have the model's segments
-  const auto result = update_model({state}, {{"beam.EI_z"}, mass}, options);
+  const auto result = update_model({state}, {{"beam.EI_z"}, mass}, {.segment_uncertainty = false});
   ASSERT_TRUE(result.parameters[0].identifiable);
   EXPECT_TRUE(std::isnan(result.parameters[1].std_from_data));
   // EI = 7 m: its 1 % comes from the prior, 2 * 1e-3 / sqrt(5) from the data.
@@ -167,9 +133,7 @@ TEST(UpdateModel, AssumedUncertaintiesThatAreTooLargeLeaveAPriorAsItIs) {
   for (auto& mode : state.measured) mode.frequency_hz.std = std::nan("");
   FreeParameter mass{"beam.mass_per_length"};
   mass.prior = signal::Estimate{0.3, 0.003};
-  UpdateOptions options;
-  options.segment_uncertainty = false;  // the data have the model's segments
-  const auto result = update_model({state}, {{"beam.EI_z"}, mass}, options);
+  const auto result = update_model({state}, {{"beam.EI_z"}, mass}, {.segment_uncertainty = false});
   for (const auto& parameter : result.parameters) {
     EXPECT_GT(parameter.std / parameter.value, 0.0099);
   }
@@ -315,10 +279,8 @@ TEST(UpdateModel, IntervalsCover) {
     auto random = seeded(100 + seed);
     UpdateState state{"beam", beam(2.3, 0.3, 0.025), {}};
     state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 6, 2e-3, random);
-    UpdateOptions options;
-    options.starts = 1;
-    options.segment_uncertainty = false;  // the data have the model's segments
-    const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
+    const auto result =
+        update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, testing::plain_options());
     for (int k : {0, 1}) {
       const auto& parameter = result.parameters[static_cast<std::size_t>(k)];
       const double half = result.coverage_factor * parameter.std;
@@ -336,9 +298,7 @@ TEST(UpdateModel, TooLittleDataGetNoUncertainty) {
   UpdateState state{"beam", beam(2.3, 0.3, 0.02), {}};
   const auto data = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 3, 0, random);
   const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
-  UpdateOptions options;
-  options.starts = 1;
-  options.segment_uncertainty = false;  // the data have the model's segments
+  const UpdateOptions options = testing::plain_options();
   const auto finite = [](const UpdateResult& result) {
     for (const auto& parameter : result.parameters) {
       if (!std::isfinite(parameter.value)) return false;

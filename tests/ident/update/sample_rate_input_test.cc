@@ -8,6 +8,7 @@
 #include <string>
 
 #include "ident/update/model_update.h"
+#include "tests/ident/update/fit_data.h"
 #include "tests/ident/update/hammered_beam.h"
 #include "tests/model/test_scenes.h"
 
@@ -43,9 +44,7 @@ std::vector<UpdateState> tests(int count, double off) {
 
 UpdatedParameter tension(const std::vector<UpdateState>& states,
                          const std::vector<StateClock>& clocks) {
-  UpdateOptions options;
-  options.starts = 1;
-  options.segment_uncertainty = false;  // the data have the model's segments
+  UpdateOptions options = testing::plain_options();
   options.inputs = sample_rate_inputs(clocks);
   const auto result = update_model(states, {{"cable.tension"}}, options);
   EXPECT_EQ(result.status, UpdateStatus::converged) << result.message;
@@ -101,9 +100,7 @@ TEST(SampleRateInput, LinesOfFrfsAreOffTogether) {
   for (auto& frf : frfs) frf.frequency_hz *= 1 + kOff * kRate;
   const UpdateState state{
       "", testing::hammered_beam(1.01 * testing::kBeamEI, testing::kTipMass, 16), {}, frfs};
-  UpdateOptions options;
-  options.starts = 1;
-  options.segment_uncertainty = false;
+  UpdateOptions options = testing::plain_options();
   options.inputs = sample_rate_inputs({{0, 2048, kRate}});
   const auto result = update_model({state}, {{"beam.EI_z"}}, options);
   ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tests/ident/update/fit_data.h"
 #include "tests/ident/update/hammered_beam.h"
 
 namespace rigfit::ident::frf_coverage_test {
@@ -21,9 +22,7 @@ TEST(FrfCoverage, IntervalsHoldUnderNoiseOfTheForce) {
   int held = 0;
   double squares = 0, EI_std = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    UpdateOptions options;
-    options.starts = 1;
-    options.segment_uncertainty = false;  // the data have the model's segments
+    UpdateOptions options = testing::plain_options();
     const UpdateState state{"",
                             testing::hammered_beam(1.02 * testing::kBeamEI, testing::kTipMass, 16),
                             {},
@@ -57,9 +56,7 @@ TEST(FrfCoverage, ChiSquareOfWhiteNoiseIsItsDegreesOfFreedom) {
   constexpr int kSeeds = 8;
   double reduced = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    UpdateOptions options;
-    options.starts = 1;
-    options.segment_uncertainty = false;  // the data have the model's segments
+    UpdateOptions options = testing::plain_options();
     const testing::HammerTestNoise noise{
         .place_m = 0, .force = 0, .response = 0.08, .known_std = true};
     const UpdateState state{"",

@@ -9,6 +9,7 @@
 #include "model/response/response.h"
 #include "model/scene/read_scene.h"
 #include "signal/spectra/frf.h"
+#include "tests/ident/update/fit_data.h"
 #include "tests/reference/frf_differences.h"
 
 namespace rigfit::ident::update_frfs_test {
@@ -139,9 +140,7 @@ TEST(UpdateFrfs, WhereAndAlongWhatTheHammerStruckIsAnInput) {
     }
     EXPECT_NEAR(truth.loads[0].direction.norm(), 1, 1e-15);
     UpdateState state{"beam", beam(2.15, 0.022, kRatio), {}, frfs_of(truth, 0.005, seed)};
-    UpdateOptions options;
-    options.starts = 1;
-    options.segment_uncertainty = false;  // the data have the model's segments
+    UpdateOptions options = testing::plain_options();
     for (const bool aim : {false, true}) {
       options.inputs.clear();
       if (aim) {
@@ -185,9 +184,7 @@ TEST(UpdateFrfs, IntervalsCover) {
   int covered = 0, total = 0;
   for (std::uint64_t seed = 0; seed < 25; ++seed) {
     UpdateState state{"beam", beam(2.15, 0.021, kRatio), {}, frfs_of(truth, 0.05, 100 + seed)};
-    UpdateOptions options;
-    options.starts = 1;
-    options.segment_uncertainty = false;  // the data have the model's segments
+    UpdateOptions options = testing::plain_options();
     const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
     for (std::size_t p = 0; p < 2; ++p) {
       covered += std::abs(result.parameters[p].value - (p == 0 ? 2.1 : 0.02)) <=
@@ -219,9 +216,7 @@ TEST(UpdateFrfs, MonteCarloAgreesWithTheCovariance) {
   const auto truth = beam(2.1, 0.02, kRatio);
   UpdateState state{"beam", beam(2.1, 0.02, kRatio), {}, frfs_of(truth, 0.05, 3)};
   const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
-  UpdateOptions options;
-  options.starts = 1;
-  options.segment_uncertainty = false;  // the data have the model's segments
+  UpdateOptions options = testing::plain_options();
   // The place is known: Monte Carlo draws what is stated, the hits' own scatter is in the FRFs.
   options.inputs = {{"place", {{0, "hammer.position", 1e-6}}}};
   const auto result = update_model({state}, free, options);
@@ -294,9 +289,7 @@ TEST(UpdateFrfs, AnExponentialWindowBiasesNothing) {
     auto start = beam(2.13, 0.02, kRatio);
     model::set_parameter(start, "beam.damping_ratio", 0.014);
     UpdateState state{"beam", start, {}, windowed_frfs(truth, 0.05, 2.5, 500 + seed)};
-    UpdateOptions options;
-    options.starts = 1;
-    options.segment_uncertainty = false;  // the data have the model's segments
+    UpdateOptions options = testing::plain_options();
     const std::vector<FreeParameter> free{{"beam.EI_z"}, {"beam.damping_ratio"}};
     const auto result = update_model({state}, free, options);
     ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
@@ -426,9 +419,7 @@ TEST(UpdateFrfs, TheMeanPlaceOfTheHitsIsNoErrorOfTheModel) {
       for (std::size_t hit = 1; hit < kAveraged; ++hit) mean[f].H += hits[hit][f].H;
       mean[f].H /= kAveraged;
     }
-    UpdateOptions options;
-    options.starts = 1;
-    options.segment_uncertainty = false;  // the data have the model's segments
+    UpdateOptions options = testing::plain_options();
     const UpdateState state{"beam", beam(2.15, 0.022, kRatio), {}, mean};
     const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
     ruled_out += result.fit.ruled_out();

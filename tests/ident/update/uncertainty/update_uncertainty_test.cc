@@ -7,6 +7,7 @@
 #include <random>
 
 #include "model/scene/read_scene.h"
+#include "tests/ident/update/fit_data.h"
 
 namespace rigfit::ident::update_uncertainty_test {
 namespace {
@@ -67,21 +68,7 @@ GJ = 3.0
   return scene;
 }
 
-std::vector<MeasuredMode> exact(const model::Scene& truth, ModePlane plane, std::size_t count,
-                                double std) {
-  model::ModesOptions options;
-  options.count = 2 * static_cast<int>(count) + 8;
-  options.error_estimate = false;
-  std::vector<MeasuredMode> modes;
-  for (const auto& mode : model::analyse_modes(truth, options).modes) {
-    if (mode.plane != plane || modes.size() == count) continue;
-    MeasuredMode one;
-    one.frequency_hz = {mode.frequency_hz, std * mode.frequency_hz};
-    one.plane = plane;
-    modes.push_back(one);
-  }
-  return modes;
-}
+using testing::modes_of;
 
 void add_noise(std::vector<MeasuredMode>& modes, std::uint64_t seed) {
   std::mt19937_64 random(seed);
@@ -92,7 +79,7 @@ void add_noise(std::vector<MeasuredMode>& modes, std::uint64_t seed) {
 // Data of a rig with 120 segments, fitted with 10: what the segments do to the parameters is many
 // times the data's scatter, and is known to the fit.
 TEST(UpdateUncertainty, CoversTheTruthWithTooFewSegments) {
-  const auto truth = exact(cable(200, 0.6, 120), ModePlane::out, 5, 1e-4);
+  const auto truth = modes_of(cable(200, 0.6, 120), ModePlane::out, 5, 1e-4);
   constexpr int kSeeds = 30;
   int covered = 0, covered_without = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
@@ -118,10 +105,8 @@ TEST(UpdateUncertainty, CoversTheTruthWithTooFewSegments) {
 
 // EI goes with the mass that is taken as known; the frequencies that the fit gives do not.
 TEST(UpdateUncertainty, AnInputReachesParametersButNotWhatTheFitMakesUpFor) {
-  UpdateState state{"beam", cantilever(2.0), exact(cantilever(2.1), ModePlane::in, 4, 1e-3)};
-  UpdateOptions options;
-  options.starts = 1;
-  options.segment_uncertainty = false;
+  UpdateState state{"beam", cantilever(2.0), modes_of(cantilever(2.1), ModePlane::in, 4, 1e-3)};
+  UpdateOptions options = testing::plain_options();
   options.inputs = {{"mass", {{0, "beam.mass_per_length", 0.02 * 0.3}}}};
   const auto result = update_model({state}, {{"beam.EI_z"}}, options);
   const auto& EI = result.parameters[0];
@@ -139,13 +124,11 @@ TEST(UpdateUncertainty, MonteCarloWithInputsAndPriorsAgreesWithTheBudget) {
   std::vector<UpdateState> states;
   for (const double tension : {100.0, 300.0}) {
     states.push_back({tension < 200 ? "100 N" : "300 N", cable(tension, 0.6, 10),
-                      exact(cable(tension, 0.6, 10), ModePlane::out, 4, 1e-3)});
+                      modes_of(cable(tension, 0.6, 10), ModePlane::out, 4, 1e-3)});
   }
   FreeParameter mass{"cable.mass_per_length"};
   mass.prior = signal::Estimate{0.16667, 0.001};
-  UpdateOptions options;
-  options.starts = 1;
-  options.segment_uncertainty = false;
+  UpdateOptions options = testing::plain_options();
   options.inputs = {{"reading at 100 N", {{0, "cable.tension", 0.5}}},
                     {"reading at 300 N", {{1, "cable.tension", 1.5}}},
                     {"EA", {{0, "cable.EA", 2e3}, {1, "cable.EA", 2e3}}}};
@@ -180,7 +163,7 @@ TEST(UpdateUncertainty, MonteCarloWithInputsAndPriorsAgreesWithTheBudget) {
 // With q = ln EI and frequencies that go with its root the cost is a parabola: the ends are
 // EI exp(-+ 1.96 std).
 TEST(UpdateUncertainty, ProfileOfAParabolaIsTheLinearInterval) {
-  UpdateState state{"beam", cantilever(2.0), exact(cantilever(2.1), ModePlane::in, 4, 1e-2)};
+  UpdateState state{"beam", cantilever(2.0), modes_of(cantilever(2.1), ModePlane::in, 4, 1e-2)};
   add_noise(state.measured, 5);
   UpdateOptions options;
   options.starts = 1;
@@ -200,13 +183,11 @@ TEST(UpdateUncertainty, AHeldOutStatesPredictionHasItsUncertainty) {
   std::vector<UpdateState> states;
   for (const double tension : {100.0, 200.0, 300.0}) {
     UpdateState state{std::to_string(tension), cable(tension, 0.57, 12),
-                      exact(cable(tension, 0.6, 12), ModePlane::out, 4, 1e-3)};
+                      modes_of(cable(tension, 0.6, 12), ModePlane::out, 4, 1e-3)};
     add_noise(state.measured, 7);
     states.push_back(state);
   }
-  UpdateOptions options;
-  options.starts = 1;
-  options.segment_uncertainty = false;  // the data have the model's segments
+  UpdateOptions options = testing::plain_options();
   for (const auto& held : hold_out_each(states, {{"cable.EI"}}, options)) {
     ASSERT_EQ(held.pairs.size(), 4U);
     for (const auto& pair : held.pairs) {
@@ -224,7 +205,7 @@ TEST(UpdateUncertainty, AHeldOutStatesPredictionHasItsUncertainty) {
 // lengths. In two states at once; what is stated or fitted is not exact.
 TEST(ExactInputs, AreNamedWithWhatTheyChange) {
   std::vector<UpdateState> states(
-      2, {"", cantilever(1.9), exact(cantilever(2.1), ModePlane::in, 3, 1e-4)});
+      2, {"", cantilever(1.9), modes_of(cantilever(2.1), ModePlane::in, 3, 1e-4)});
   UpdateOptions options;
   options.segment_uncertainty = false;
   const auto found = [](const UpdateResult& result, const std::string& name) {
@@ -254,11 +235,9 @@ TEST(Priors, AtEachStatesOwnValue) {
   std::vector<UpdateState> states;
   for (const double tension : {150.0, 250.0}) {
     states.push_back({"", cable(tension, 0.6, 20),
-                      exact(cable(1.05 * tension, 0.6, 20), ModePlane::out, 3, 0.1)});
+                      modes_of(cable(1.05 * tension, 0.6, 20), ModePlane::out, 3, 0.1)});
   }
-  UpdateOptions options;
-  options.segment_uncertainty = false;
-  options.starts = 1;
+  UpdateOptions options = testing::plain_options();
   FreeParameter tension{.name = "cable.tension"};
   tension.per_state = true;
   tension.prior_relative_std = 1e-4;
@@ -273,7 +252,7 @@ TEST(Priors, AtEachStatesOwnValue) {
 UpdateResult tension_beside_uncertain_stiffness(double EI_std) {
   UpdateState state;
   state.scene = cable(200, 0.6, 60);
-  state.measured = exact(cable(201, 0.6072, 60), ModePlane::in, 6, 1e-4);
+  state.measured = modes_of(cable(201, 0.6072, 60), ModePlane::in, 6, 1e-4);
   UpdateOptions options;
   options.segment_uncertainty = false;
   options.inputs = {{"EI", {{0, "cable.EI", EI_std}}}};

@@ -1,0 +1,41 @@
+// What tests of fits share: modes as a test would give them, options of a plain fit.
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <random>
+#include <vector>
+
+#include "ident/update/model_update.h"
+#include "model/linear/modal_analysis.h"
+
+namespace rigfit::ident::testing {
+
+/// Starts where it is; the data have the model's segments.
+inline UpdateOptions plain_options() {
+  UpdateOptions options;
+  options.starts = 1;
+  options.segment_uncertainty = false;
+  return options;
+}
+
+/// The first modes of a plane, known to a relative `std`, and off by that with `random`.
+inline std::vector<MeasuredMode> modes_of(const model::Scene& truth, model::ModePlane plane,
+                                          std::size_t count, double std,
+                                          std::mt19937_64* random = nullptr) {
+  std::normal_distribution<double> normal;
+  model::ModesOptions options;
+  options.count = 3 * static_cast<int>(count) + 8;
+  std::vector<MeasuredMode> modes;
+  for (const auto& mode : model::analyse_modes(truth, options).modes) {
+    if (mode.plane != plane || modes.size() == count) continue;
+    const double off = random != nullptr ? std * normal(*random) : 0;
+    modes.emplace_back();
+    modes.back().frequency_hz = {mode.frequency_hz * (1 + off), std * mode.frequency_hz};
+    modes.back().damping_ratio = {std::nan(""), std::nan("")};
+    modes.back().plane = plane;
+  }
+  return modes;
+}
+
+}  // namespace rigfit::ident::testing
