@@ -272,7 +272,7 @@ TEST(UpdateModel, HeldOutStatesArePredictedAsWellAsFitted) {
 }
 
 // 95 % intervals over virtual campaigns; 60 of them: within three binomial deviations (8.4 %) of
-// 95 %. The long study is tests/bench/ident_truth.
+// 95 %.
 TEST(UpdateModel, IntervalsCover) {
   int covered = 0, total = 0;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
