@@ -9,7 +9,6 @@
 #include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/problem/update_problem.h"
 #include "ident/update/problem/update_solver.h"
-#include "ident/update/uncertainty/exact_inputs.h"
 #include "ident/update/uncertainty/shared_sources.h"
 #include "ident/update/uncertainty/update_intervals.h"
 #include "ident/update/uncertainty/update_misfit.h"

@@ -1,5 +1,4 @@
-#include "ident/update/uncertainty/exact_inputs.h"
-
+// What a fit takes as exact, and what 1 % of it changes.
 #include <algorithm>
 #include <cmath>
 #include <string>

@@ -1,4 +1,4 @@
-#include "ident/update/uncertainty/frf_correlation.h"
+#include "ident/update/uncertainty/shared_sources.h"
 
 #include <Eigen/QR>
 #include <algorithm>

@@ -181,7 +181,7 @@ void allow_for_shared(const UpdateOptions& options, UpdateProblem& settled, Upda
   }
   const UpdateFit fit = misfit_of(settled, matches, answer.q);
   if (!(fit.p_value < kUnlikelyMisfit) || !fit.stated) return;
-  const double tau = frf_model_std_of(settled, matches, answer.q);
+  const double tau = model_std_of(settled, matches, answer.q);
   if (!(tau > 0)) return;
   result.fit = fit;
   result.fit.frf_model_std = tau;

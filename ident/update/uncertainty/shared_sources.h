@@ -25,8 +25,23 @@
 // A pulse that excites lines up to f lasts 1.5 / f at most (half sine), and windows keep three
 // pulses, faded over half as long: T = 6.75 / f. The a_j are independent; what they add up to in a
 // line is bounded as the place is, by the 5 % quantile of the lines' relative uncertainties.
-// Source: Aitken's generalised least squares, e.g. Rao, Linear Statistical Inference, 4a. For the
-// update and its checks, not for users.
+// Source: Aitken's generalised least squares, e.g. Rao, Linear Statistical Inference, 4a.
+//
+// Lines that err together. The noise that a force window leaves, the smallest part of a place that
+// is not taken out and a model that is a little off move neighbouring lines alike, and all
+// responses of a load. With z_k the complex residual of line k after the fit, over its standard
+// deviation,
+//   R_l = mean Re(conj(z_k) z_(k+l)) / 2
+// correlates each FRF with itself and with those of the same load. For the probability of the
+// misfit lines count as one by the integrated autocorrelation time t = 1 + 2 sum_l R_l / R_0, up to
+// the first R_l / R_0 below 2 / sqrt(lines) (Bartlett's effective number of samples). A parameter
+// feels the correlation only as far as its derivatives reach, which is the width of a resonance:
+// its variance is that of the sandwich
+//   B M B,  B = (J' J)^-1,  M = sum of s_g s_g', s_g = J' r of a block of 2 t lines of all
+//   responses of a load (other data: their part of J' J),
+// and at least R_0 t B. Sources: Bartlett, J. R. Stat. Soc. 98 (1935) 536; White, Econometrica 48
+// (1980) 817; Liang and Zeger, Biometrika 73 (1986) 13. For the update and its checks, not
+// for users.
 #pragma once
 
 #include <Eigen/Core>
@@ -56,6 +71,21 @@ struct SharedChanges {
 /// (`result.fit`). `settled` becomes the problem of that minimum. Nothing without FRFs.
 void allow_for_shared(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
                       UpdateResult& result);
+
+/// t of the residuals r of the problem's FRFs, 1 or more; 1 without FRFs.
+[[nodiscard]] double correlated_lines_of(const UpdateProblem& problem,
+                                         const std::vector<UpdateMatch>& matches,
+                                         const Eigen::VectorXd& r);
+
+/// The largest ratio of a coordinate's variance to that in B, at q with its residuals and
+/// derivatives: of B M B, of R_0 t B, and of the squared step to the estimate that takes no shared
+/// source out of its residuals, where that is larger than its variance, that of the less exact
+/// estimate less that of this one, explains (5 %): then something else is shared than the sources,
+/// such as a hammer aimed beside (Hausman, Econometrica 46 (1978) 1251). 0 without FRFs.
+[[nodiscard]] double correlated_variance_factor(const UpdateProblem& problem,
+                                                const std::vector<UpdateMatch>& matches,
+                                                const Eigen::VectorXd& q, const Eigen::VectorXd& r,
+                                                const Eigen::MatrixXd& J);
 
 /// Residuals changed by 4/3 of the difference between n and 2 n segments; false without a model.
 /// `value` gives what is compared of a problem.

@@ -55,8 +55,7 @@ bool least_cost(const UpdateProblem& problem, const UpdateOptions& options,
   return true;
 }
 
-}  // namespace
-
+// One end of the profile interval of coordinate j, in q; NaN: the cost stays below.
 double profile_end(const UpdateProblem& problem, const UpdateOptions& given,
                    const std::vector<UpdateMatch>& matches, const UpdateResult& solution,
                    Eigen::Index j, double direction, double least) {
@@ -94,8 +93,6 @@ double profile_end(const UpdateProblem& problem, const UpdateOptions& given,
   }
   return kNaN;
 }
-
-namespace {
 
 // Whether the cost is no parabola between the linear ends of coordinate j.
 bool is_curved(const UpdateProblem& problem, const UpdateOptions& options,

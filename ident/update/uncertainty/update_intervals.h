@@ -16,12 +16,6 @@
 
 namespace rigfit::ident {
 
-/// One end of the profile interval of coordinate j, in q; NaN: the cost stays below.
-[[nodiscard]] double profile_end(const UpdateProblem& problem, const UpdateOptions& options,
-                                 const std::vector<UpdateMatch>& matches,
-                                 const UpdateResult& solution, Eigen::Index j, double direction,
-                                 double least);
-
 /// low, high and interval_by_profile of the result's parameters.
 void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
                      const std::vector<UpdateMatch>& matches, UpdateResult& result);

@@ -5,11 +5,9 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <utility>
 
-#include "ident/update/uncertainty/frf_correlation.h"
 #include "ident/update/uncertainty/shared_sources.h"
 
 namespace rigfit::ident {
@@ -94,11 +92,17 @@ UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
 
 namespace {
 
-// Root tau of chi2(tau) = dof; 0: there is none to be found.
-double paule_mandel(const std::function<double(double)>& chi2, double dof) {
-  if (dof <= 0 || chi2(0) <= dof) return 0;
+// Relative error tau that rows of these relative uncertainties must have beside them for chi2 to be
+// `dof` (Paule and Mandel); 0: none, or none that would do.
+double more_std(const Eigen::VectorXd& r, const std::vector<std::pair<Eigen::Index, double>>& rows,
+                const std::optional<Linearised>& system, double dof) {
+  const auto chi2 = [&](double tau) {
+    Eigen::VectorXd weights = Eigen::VectorXd::Ones(r.size());
+    for (const auto& [row, own] : rows) weights[row] = own / std::hypot(own, tau);
+    return system ? system->least_chi2(weights) : weights.cwiseProduct(r).squaredNorm();
+  };
   double low = 1e-9, high = 1;
-  if (chi2(high) > dof) return 0;  // not these errors' doing
+  if (dof <= 0 || chi2(0) <= dof || chi2(high) > dof) return 0;
   for (int k = 0; k < 60; ++k) {
     const double middle = std::sqrt(low * high);
     (chi2(middle) > dof ? low : high) = middle;
@@ -106,69 +110,30 @@ double paule_mandel(const std::function<double(double)>& chi2, double dof) {
   return std::sqrt(low * high);
 }
 
-// chi2(tau) = rest + sum e^2 / (s^2 + tau^2), of (e^2, s^2).
-double paule_mandel(const std::vector<std::pair<double, double>>& errors, double rest, double dof) {
-  if (errors.empty()) return 0;
-  return paule_mandel(
-      [&](double tau) {
-        double sum = rest;
-        for (const auto& [e2, s2] : errors) sum += e2 / (s2 + tau * tau);
-        return sum;
-      },
-      dof);
-}
-
 }  // namespace
-
-double frf_model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                        const Eigen::VectorXd& q) {
-  Eigen::VectorXd r;
-  if (!problem.residuals(q, matches, r, nullptr)) return 0;
-  double rest = r.squaredNorm();
-  std::vector<std::pair<double, double>> errors;
-  for (const auto& rows : problem.frf_rows(matches)) {
-    for (std::size_t i = 0; i < rows.relative_std.size(); ++i) {
-      for (int part = 0; part < 2; ++part) {
-        const double z = r[rows.first + 2 * static_cast<Eigen::Index>(i) + part];
-        const double s2 = std::pow(rows.relative_std[i], 2);
-        errors.emplace_back(z * z * s2, s2);
-        rest -= z * z;
-      }
-    }
-  }
-  return paule_mandel(errors, rest,
-                      static_cast<double>(r.size() - problem.size()) - problem.shared_residuals());
-}
 
 double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                     const Eigen::VectorXd& q) {
-  const UpdateProblem plain = problem.with_model_std(0);
+  const bool frfs = problem.has_frfs();
+  const UpdateProblem plain = frfs ? problem : problem.with_model_std(0);
   Eigen::VectorXd r;
   if (!plain.residuals(q, matches, r, nullptr)) return 0;
-  const double dof = static_cast<double>(r.size() - problem.size());
-  const auto rows = plain.frequency_rows(matches);
-  if (const auto system = linearised(plain, matches, q)) {
-    return paule_mandel(
-        [&](double tau) {
-          Eigen::VectorXd weights = Eigen::VectorXd::Ones(r.size());
-          for (const auto& row : rows) {
-            const auto& match = matches[row.match];
-            const double s = plain.relative_std(match.state, match.measured);
-            weights[row.row] = s / std::hypot(s, tau);
-          }
-          return system->least_chi2(weights);
-        },
-        dof);
+  std::vector<std::pair<Eigen::Index, double>> rows;
+  if (frfs) {
+    for (const auto& one : plain.frf_rows(matches)) {
+      Eigen::Index row = one.first;
+      for (const double own : one.relative_std) {
+        for (int part = 0; part < 2; ++part) rows.emplace_back(row++, own);
+      }
+    }
+  } else {
+    for (const auto& row : plain.frequency_rows(matches)) {
+      const auto& match = matches[row.match];
+      rows.emplace_back(row.row, plain.relative_std(match.state, match.measured));
+    }
   }
-  double rest = r.squaredNorm();
-  std::vector<std::pair<double, double>> errors;  // squared error, squared uncertainty
-  for (const auto& row : rows) {
-    const auto& match = matches[row.match];
-    const double s = plain.relative_std(match.state, match.measured);
-    errors.emplace_back(std::pow(r[row.row] * s, 2), s * s);
-    rest -= r[row.row] * r[row.row];
-  }
-  return paule_mandel(errors, rest, dof);
+  const double dof = static_cast<double>(r.size() - problem.size()) - problem.shared_residuals();
+  return more_std(r, rows, linearised(plain, matches, q), dof);
 }
 
 Eigen::VectorXd clustered_variance(const UpdateProblem& problem,

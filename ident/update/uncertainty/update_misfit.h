@@ -15,7 +15,7 @@
 // worked out where chi2 without them has a probability below 5 %.
 // FRFs the same, with the relative errors of their lines in place of frequencies; what they share
 // (shared_sources.h) is taken out before. Lines that err together count as one: chi-square and its
-// degrees of freedom are divided by t of frf_correlation.h for the probability.
+// degrees of freedom are divided by t of shared_sources.h for the probability.
 // Sources: Paule and Mandel, J. Res. NBS 87 (1982) 377;
 // Liang and Zeger, Biometrika 73 (1986) 13. For the update and its checks, not for users.
 #pragma once
@@ -41,15 +41,11 @@ inline constexpr double kUnlikelyMisfit = 0.05;
                                                      const std::vector<UpdateMatch>& matches,
                                                      const Eigen::VectorXd& q);
 
-/// tau at q; 0 where chi2 is not above its degrees of freedom, or without any.
+/// tau at q, of frequencies, or of the lines of FRFs where there are any (the problem with its
+/// sources); 0 where chi2 is not above its degrees of freedom, or without any.
 [[nodiscard]] double model_std_of(const UpdateProblem& problem,
                                   const std::vector<UpdateMatch>& matches,
                                   const Eigen::VectorXd& q);
-
-/// Of FRFs, relative in every line: the same; the problem with its sources (shared_sources.h).
-[[nodiscard]] double frf_model_std_of(const UpdateProblem& problem,
-                                      const std::vector<UpdateMatch>& matches,
-                                      const Eigen::VectorXd& q);
 
 /// The larger of the covariances by modes and by states, each coordinate's variance for itself; of
 /// the whitened residuals r and J of the problem. Zero with fewer than three clusters of a kind.

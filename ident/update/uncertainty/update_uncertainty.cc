@@ -7,7 +7,6 @@
 #include <functional>
 #include <limits>
 
-#include "ident/update/uncertainty/frf_correlation.h"
 #include "ident/update/uncertainty/shared_sources.h"
 #include "ident/update/uncertainty/update_misfit.h"
 #include "signal/numerics/numbers.h"
