@@ -10,9 +10,6 @@
 #include <memory>
 #include <utility>
 
-#include "ident/update/problem/update_solver.h"
-#include "ident/update/uncertainty/update_misfit.h"
-
 namespace rigfit::ident {
 namespace {
 
@@ -114,10 +111,6 @@ SharedChanges shared_changes(const UpdateProblem& problem, bool segments,
   return shared;
 }
 
-namespace {
-
-// `problem` with its residuals multiplied by L, C found at q, and its inputs moved to where the
-// residuals want them.
 UpdateProblem with_shared_sources(const UpdateProblem& problem,
                                   const std::vector<UpdateMatch>& matches,
                                   const Eigen::VectorXd& q) {
@@ -149,43 +142,6 @@ UpdateProblem with_shared_sources(const UpdateProblem& problem,
   sources->off = C * d;
   return plain.with(&UpdateVariant::inputs_off, off)
       .with(&UpdateVariant::sources, std::move(sources));
-}
-
-}  // namespace
-
-void allow_for_shared(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
-                      UpdateResult& result) {
-  if (!settled.has_frfs()) return;
-  settled =
-      settled.with(&UpdateVariant::frf_model_std, 0).with(&UpdateVariant::frf_differences, true);
-  const auto& matches = answer.matches.matches;
-  const auto again = [&](const UpdateProblem& trial) {
-    Eigen::VectorXd q = answer.q;
-    double cost = 0;
-    const bool converged = minimise(trial, matches, options, q, cost);
-    if (!converged && !robust_cost(trial, matches, options, q, cost)) return;
-    answer.q = std::move(q);
-    answer.cost = cost;
-    answer.converged = converged;
-    settled = trial;
-  };
-  if (settled.inputs().size() == options.inputs.size()) {
-    settled = settled.with_places_of_hits(answer.q);
-  }
-  constexpr int kPasses = 6;
-  for (int pass = 0; pass < kPasses; ++pass) {
-    const Eigen::VectorXd before = answer.q, off = settled.inputs_off();
-    again(with_shared_sources(settled, matches, answer.q));
-    if (!settled.has_sources()) break;
-    if ((answer.q - before).norm() < 1e-6 && (settled.inputs_off() - off).norm() < 1e-3) break;
-  }
-  const UpdateFit fit = misfit_of(settled, matches, answer.q);
-  if (!(fit.p_value < kUnlikelyMisfit) || !fit.stated) return;
-  const double tau = model_std_of(settled, matches, answer.q);
-  if (!(tau > 0)) return;
-  result.fit = fit;
-  result.fit.frf_model_std = tau;
-  again(with_shared_sources(settled.with(&UpdateVariant::frf_model_std, tau), matches, answer.q));
 }
 
 }  // namespace rigfit::ident

@@ -48,7 +48,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/problem/update_solver.h"
+#include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
 
@@ -65,12 +65,12 @@ struct SharedChanges {
                                            const std::vector<UpdateMatch>& matches,
                                            const Eigen::VectorXd& q);
 
-/// Fits of FRFs: moves `answer` to the minimum with the sources that lines share, the inputs where
-/// the residuals want them (repeated, that solves for both without linearising H in the place of a
-/// hammer), then, where the misfit asks for it, with an error of the model in every line
-/// (`result.fit`). `settled` becomes the problem of that minimum. Nothing without FRFs.
-void allow_for_shared(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
-                      UpdateResult& result);
+/// `problem` with its residuals multiplied by L, C found at q, and its inputs moved to where the
+/// residuals want them: repeated with q, that solves for both without linearising H in the place of
+/// a hammer.
+[[nodiscard]] UpdateProblem with_shared_sources(const UpdateProblem& problem,
+                                                const std::vector<UpdateMatch>& matches,
+                                                const Eigen::VectorXd& q);
 
 /// t of the residuals r of the problem's FRFs, 1 or more; 1 without FRFs.
 [[nodiscard]] double correlated_lines_of(const UpdateProblem& problem,

@@ -24,7 +24,7 @@
 #include <optional>
 #include <vector>
 
-#include "ident/update/problem/update_problem.h"
+#include "ident/update/problem/update_solver.h"
 
 namespace rigfit::ident {
 
@@ -46,6 +46,12 @@ inline constexpr double kUnlikelyMisfit = 0.05;
 [[nodiscard]] double model_std_of(const UpdateProblem& problem,
                                   const std::vector<UpdateMatch>& matches,
                                   const Eigen::VectorXd& q);
+
+/// Fits of FRFs: moves `answer` to the minimum with the sources that lines share, then, where the
+/// misfit asks for it, with an error of the model in every line (`result.fit`). `settled` becomes
+/// the problem of that minimum. Nothing without FRFs.
+void allow_for_shared(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
+                      UpdateResult& result);
 
 /// The larger of the covariances by modes and by states, each coordinate's variance for itself; of
 /// the whitened residuals r and J of the problem. Zero with fewer than three clusters of a kind.
