@@ -43,7 +43,9 @@ GJ = 3.0
 std::vector<MeasuredMode> measured(const model::Scene& truth, double std, std::uint64_t seed,
                                    std::size_t count) {
   std::mt19937_64 random(seed);
-  return testing::modes_of(truth, model::ModePlane::in, count, std, &random);
+  auto modes = testing::modes_of(truth, model::ModePlane::in, count, std, &random);
+  for (auto& mode : modes) mode.frequency_hz.std = std * mode.frequency_hz.value;
+  return modes;
 }
 
 // ln of the integral over ln EI of prior and likelihood of these modes in order, the model's error

@@ -13,7 +13,6 @@
 #include "model/scene/scene_error.h"
 #include "tests/ident/update/fit_data.h"
 #include "tests/model/test_scenes.h"
-#include "tests/reference/mode_differences.h"
 
 namespace rigfit::ident::model_update_test {
 namespace {
@@ -347,27 +346,6 @@ TEST(UpdateModel, WrongNamesAndImpossibleRigsAreSaid) {
   const auto result = update_model({soft}, {{"beam.EI_z"}});
   EXPECT_EQ(result.status, UpdateStatus::no_model);
   EXPECT_FALSE(result.message.empty());
-}
-
-// The model's own derivatives against central differences of whole analyses, and the fit by either.
-TEST(UpdateModel, DerivativesAgreeWithDifferences) {
-  const std::vector<std::string> names{"cable.EI", "cable.tension", "cable.mass_per_length",
-                                       "cable.EA", "right.x"};
-  model::ModesOptions options;
-  options.count = 8;
-  const auto analytic = model::analyse_mode_sensitivities(cable(150, 0.5), names, options);
-  const auto differences = mode_differences(cable(150, 0.5), names, options);
-  ASSERT_EQ(analytic.frequency.rows(), differences.frequency.rows());
-  for (Eigen::Index k = 0; k < analytic.frequency.rows(); ++k) {
-    for (Eigen::Index p = 0; p < analytic.frequency.cols(); ++p) {
-      const double value = model::parameter(cable(150, 0.5), names[static_cast<std::size_t>(p)]);
-      const double f = analytic.analysis.modes[static_cast<std::size_t>(k)].frequency_hz;
-      // Relative sensitivities; differences over 1e-4 of solutions good to 1e-9 or so.
-      EXPECT_NEAR(analytic.frequency(k, p) * value / f, differences.frequency(k, p) * value / f,
-                  2e-5)
-          << names[static_cast<std::size_t>(p)] << " " << k;
-    }
-  }
 }
 
 }  // namespace

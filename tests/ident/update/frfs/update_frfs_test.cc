@@ -212,23 +212,6 @@ TEST(UpdateFrfs, AHeldOutStateIsPredicted) {
   }
 }
 
-TEST(UpdateFrfs, MonteCarloAgreesWithTheCovariance) {
-  const auto truth = beam(2.1, 0.02, kRatio);
-  UpdateState state{"beam", beam(2.1, 0.02, kRatio), {}, frfs_of(truth, 0.05, 3)};
-  const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
-  UpdateOptions options = testing::plain_options();
-  // The place is known: Monte Carlo draws what is stated, the hits' own scatter is in the FRFs.
-  options.inputs = {{"place", {{0, "hammer.position", 1e-6}}}};
-  const auto result = update_model({state}, free, options);
-  const auto study = update_monte_carlo(result, {state}, free, options, 60);
-  ASSERT_EQ(study.samples, 60);
-  for (Eigen::Index p = 0; p < 2; ++p) {
-    // 60 samples know a standard deviation to 9 %, three of these.
-    const double std = result.parameters[static_cast<std::size_t>(p)].std;
-    EXPECT_NEAR(study.std[p], std, 0.3 * std);
-  }
-}
-
 // Hits on the scene as a hammer test records them: 2 s at 4 kHz, an exponential window of 2.5 1/s
 // on force and response (down to 0.7 % at the end), five hits averaged. The half sine of 8 ms has
 // nothing beyond 1 kHz that folds back into the lines used.
