@@ -93,6 +93,8 @@ UpdateProblem take_segments_off(const UpdateProblem& problem, const UpdateOption
   if (!options.segment_uncertainty || !problem.has_modes()) return settled;
   for (int pass = 0; pass < passes; ++pass) {
     UpdateProblem trial = problem.with_resolved_modes(answer.q);
+    const auto& errors = *trial.variant().segment_errors;
+    if (std::all_of(errors.begin(), errors.end(), [](const auto& of) { return of.empty(); })) break;
     Eigen::VectorXd q = answer.q;
     double cost = 0;
     if (!minimise(trial, answer.matches.matches, options, q, cost)) break;

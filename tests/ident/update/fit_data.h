@@ -8,6 +8,7 @@
 
 #include "ident/update/model_update.h"
 #include "model/linear/modal_analysis.h"
+#include "tests/model/test_scenes.h"
 
 namespace rigfit::ident::testing {
 
@@ -17,6 +18,15 @@ inline UpdateOptions plain_options() {
   options.starts = 1;
   options.segment_uncertainty = false;
   return options;
+}
+
+/// A vertical cantilever "beam" from "base" to "tip", 0.75 m, of 0.3 kg/m; its second EI is so high
+/// that its low modes are all in the plane.
+inline model::Scene beam(double EI, double tip_mass, int segments = 12) {
+  auto scene = model::testing::vertical_beam(0.75, EI, 0.3, segments);
+  scene.members[0].EI[1] = 200;
+  scene.nodes[1].mass = tip_mass;
+  return scene;
 }
 
 /// The first modes of a plane, known to a relative `std`, and off by that with `random`.

@@ -7,36 +7,21 @@
 #include <random>
 
 #include "model/linear/modal_analysis.h"
-#include "model/scene/read_scene.h"
 #include "tests/ident/update/fit_data.h"
 
 namespace rigfit::ident::model_candidates_test {
 namespace {
 
-// A hanger between two supports, 12 segments.
+// A hanger of 1 m between two supports, stress-free, 12 segments.
 model::Scene hanger(const std::string& support, double EI) {
-  auto scene = model::parse_scene(R"(
-gravity = 0.0
-[[node]]
-name = "left"
-position = [0.0, 0.0, 0.0]
-support = ")" + support + R"("
-[[node]]
-name = "right"
-position = [1.0, 0.0, 0.0]
-support = ")" + support + R"("
-[[member]]
-name = "rod"
-kind = "beam"
-nodes = ["left", "right"]
-segments = 12
-mass_per_length = 0.3
-EA = 7.0e6
-EI = [2.0, 200.0]
-GJ = 3.0
-)",
-                                  "hanger.toml");
-  model::set_parameter(scene, "rod.EI_z", EI);
+  using Kind = model::Support::Kind;
+  auto scene = model::testing::vertical_beam(1, EI, 0.3, 12);
+  scene.gravity.setZero();
+  scene.members[0].name = "rod";
+  scene.members[0].EI[1] = 200;
+  for (auto& node : scene.nodes) {
+    node.support.kind = support == "pinned" ? Kind::pinned : Kind::clamped;
+  }
   return scene;
 }
 

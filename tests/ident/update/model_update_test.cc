@@ -9,10 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
 #include "tests/ident/update/fit_data.h"
-#include "tests/model/test_scenes.h"
 
 namespace rigfit::ident::model_update_test {
 namespace {
@@ -21,30 +19,9 @@ using model::ModePlane;
 
 // A vertical cantilever with a tip mass.
 model::Scene beam(double EI, double mass_per_length, double tip_mass, double gravity = 9.80665) {
-  auto scene = model::parse_scene(R"(
-gravity = 9.80665
-[[node]]
-name = "foot"
-position = [0.0, 0.0, 0.0]
-support = "clamped"
-[[node]]
-name = "tip"
-position = [0.0, 0.75, 0.0]
-[[member]]
-name = "beam"
-kind = "beam"
-nodes = ["foot", "tip"]
-segments = 12
-mass_per_length = 0.3
-EA = 7.0e6
-EI = [2.0, 200.0]
-GJ = 3.0
-)",
-                                  "beam.toml");
+  auto scene = testing::beam(EI, tip_mass);
+  scene.members[0].mass_per_length = mass_per_length;
   scene.gravity.y() = -gravity;
-  model::set_parameter(scene, "beam.EI_z", EI);
-  model::set_parameter(scene, "beam.mass_per_length", mass_per_length);
-  model::set_parameter(scene, "tip.mass", tip_mass);
   return scene;
 }
 

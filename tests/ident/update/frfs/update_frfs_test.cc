@@ -7,7 +7,6 @@
 #include "ident/update/model_update.h"
 #include "ident/update/update_checks.h"
 #include "model/response/response.h"
-#include "model/scene/read_scene.h"
 #include "signal/spectra/frf.h"
 #include "tests/ident/update/fit_data.h"
 #include "tests/reference/frf_differences.h"
@@ -15,52 +14,28 @@
 namespace rigfit::ident::update_frfs_test {
 namespace {
 
-model::Scene beam(double EI, double tip_mass, const std::string& damping) {
-  auto scene = model::parse_scene(R"(
-gravity = 9.80665
-[[node]]
-name = "foot"
-position = [0.0, 0.0, 0.0]
-support = "clamped"
-[[node]]
-name = "tip"
-position = [0.0, 0.75, 0.0]
-[[member]]
-name = "beam"
-kind = "beam"
-nodes = ["foot", "tip"]
-segments = 12
-mass_per_length = 0.3
-EA = 7.0e6
-EI = [2.0, 200.0]
-GJ = 3.0
-)" + damping + R"(
-[[load]]
-name = "hammer"
-kind = "impact"
-member = "beam"
-position = 0.8
-direction = [1.0, 0.0, 0.0]
-peak = 1.0
-duration = 0.002
-[[sensor]]
-name = "low"
-member = "beam"
-position = 0.5
-direction = [1.0, 0.0, 0.0]
-[[sensor]]
-name = "high"
-member = "beam"
-position = 0.9
-direction = [1.0, 0.0, 0.0]
-)",
-                                  "beam.toml");
-  model::set_parameter(scene, "beam.EI_z", EI);
-  model::set_parameter(scene, "tip.mass", tip_mass);
+// Struck at 0.8; responses at 0.5 and 0.9.
+model::Scene beam(double EI, double tip_mass) {
+  auto scene = testing::beam(EI, tip_mass);
+  scene.members[0].damping_ratio = 0.01;
+  scene.loads.resize(1), scene.sensors.resize(2);
+  scene.loads[0].name = "hammer";
+  scene.loads[0].kind = model::Load::Kind::impact;
+  scene.loads[0].place = {"", "beam", 0.8};
+  scene.loads[0].peak = 1, scene.loads[0].duration = 0.002;
+  scene.sensors[0].name = "low", scene.sensors[1].name = "high";
+  scene.sensors[0].place = {"", "beam", 0.5}, scene.sensors[1].place = {"", "beam", 0.9};
+  for (auto& sensor : scene.sensors) sensor.direction = {1, 0, 0};
+  scene.loads[0].direction = {1, 0, 0};
   return scene;
 }
 
-const std::string kRatio = "damping_ratio = 0.01";
+model::Scene beam_with_dampers() {
+  auto scene = beam(2.1, 0.02);
+  scene.members[0].damping_ratio.reset();
+  scene.members[0].damping.bending = 0.004, scene.members[0].damping.axial = 1;
+  return scene;
+}
 
 // FRFs of a scene at lines up to 60 Hz, with relative noise.
 std::vector<MeasuredFrf> frfs_of(const model::Scene& truth, double std, std::uint64_t seed) {
@@ -101,9 +76,9 @@ std::vector<MeasuredMode> modes_of(const model::Scene& truth, int count, double 
 }
 
 TEST(UpdateFrfs, FindsStiffnessMassAndDampingFromStartsOffByThree) {
-  const auto truth = beam(2.1, 0.02, kRatio);
+  const auto truth = beam(2.1, 0.02);
   for (const double factor : {1.0 / 3, 3.0}) {
-    auto start = beam(2.1 * factor, 0.02 / factor, kRatio);
+    auto start = beam(2.1 * factor, 0.02 / factor);
     model::set_parameter(start, "beam.damping_ratio", 0.01 * factor);
     UpdateState state{"beam", start, modes_of(truth, 3, 0.1), frfs_of(truth, 0.02, 1), true};
     UpdateOptions options;
@@ -133,13 +108,13 @@ TEST(UpdateFrfs, WhereAndAlongWhatTheHammerStruckIsAnInput) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     std::mt19937_64 random(900 + seed);
     std::normal_distribution<double> normal;
-    auto truth = beam(2.1, 0.02, kRatio);
+    auto truth = beam(2.1, 0.02);
     model::set_parameter(truth, "hammer.position", 0.8 + kPlace * normal(random));
     for (const char* side : {"hammer.direction_y", "hammer.direction_z"}) {
       model::set_parameter(truth, side, kTurn * normal(random));
     }
     EXPECT_NEAR(truth.loads[0].direction.norm(), 1, 1e-15);
-    UpdateState state{"beam", beam(2.15, 0.022, kRatio), {}, frfs_of(truth, 0.005, seed)};
+    UpdateState state{"beam", beam(2.15, 0.022), {}, frfs_of(truth, 0.005, seed)};
     UpdateOptions options = testing::plain_options();
     for (const bool aim : {false, true}) {
       options.inputs.clear();
@@ -169,8 +144,8 @@ TEST(UpdateFrfs, WhereAndAlongWhatTheHammerStruckIsAnInput) {
 }
 
 TEST(UpdateFrfs, WithoutAnyModeTheFitStartsFromWhereItIs) {
-  const auto truth = beam(2.1, 0.02, kRatio);
-  UpdateState state{"beam", beam(2.0, 0.02, kRatio), {}, frfs_of(truth, 0.02, 2)};
+  const auto truth = beam(2.1, 0.02);
+  UpdateState state{"beam", beam(2.0, 0.02), {}, frfs_of(truth, 0.02, 2)};
   UpdateOptions options;
   options.starts = 1;
   const auto result = update_model({state}, {{"beam.EI_z"}}, options);
@@ -180,10 +155,10 @@ TEST(UpdateFrfs, WithoutAnyModeTheFitStartsFromWhereItIs) {
 }
 
 TEST(UpdateFrfs, IntervalsCover) {
-  const auto truth = beam(2.1, 0.02, kRatio);
+  const auto truth = beam(2.1, 0.02);
   int covered = 0, total = 0;
   for (std::uint64_t seed = 0; seed < 25; ++seed) {
-    UpdateState state{"beam", beam(2.15, 0.021, kRatio), {}, frfs_of(truth, 0.05, 100 + seed)};
+    UpdateState state{"beam", beam(2.15, 0.021), {}, frfs_of(truth, 0.05, 100 + seed)};
     UpdateOptions options = testing::plain_options();
     const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
     for (std::size_t p = 0; p < 2; ++p) {
@@ -198,9 +173,8 @@ TEST(UpdateFrfs, IntervalsCover) {
 TEST(UpdateFrfs, AHeldOutStateIsPredicted) {
   std::vector<UpdateState> states;
   for (const double tip : {0.01, 0.03, 0.05}) {
-    UpdateState state{"tip " + std::to_string(tip), beam(3.0, tip, kRatio),
-                      modes_of(beam(2.1, tip, kRatio), 3, 0.1),
-                      frfs_of(beam(2.1, tip, kRatio), 0.02, 7), true};
+    UpdateState state{"tip " + std::to_string(tip), beam(3.0, tip),
+                      modes_of(beam(2.1, tip), 3, 0.1), frfs_of(beam(2.1, tip), 0.02, 7), true};
     states.push_back(state);
   }
   UpdateOptions options;
@@ -263,13 +237,13 @@ std::vector<MeasuredFrf> windowed_frfs(const model::Scene& truth, double noise, 
 // The window adds 2.5 / omega to every damping ratio: 0.026 and 0.009 at the two modes among the
 // lines, which have 0.01. Fitted is what the beam has.
 TEST(UpdateFrfs, AnExponentialWindowBiasesNothing) {
-  auto truth = beam(2.1, 0.02, kRatio);
+  auto truth = beam(2.1, 0.02);
   truth.loads[0].duration = 0.008;
   constexpr int kSeeds = 16;
   int covered = 0;
   double deviation = 0, squares = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    auto start = beam(2.13, 0.02, kRatio);
+    auto start = beam(2.13, 0.02);
     model::set_parameter(start, "beam.damping_ratio", 0.014);
     UpdateState state{"beam", start, {}, windowed_frfs(truth, 0.05, 2.5, 500 + seed)};
     UpdateOptions options = testing::plain_options();
@@ -310,7 +284,7 @@ TEST(UpdateFrfs, NoiseBandwidthOfTheWindow) {
 }
 
 TEST(UpdateFrfs, TheModelsRatesAreThoseOfDifferences) {
-  const auto scene = beam(2.1, 0.02, kRatio);
+  const auto scene = beam(2.1, 0.02);
   const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(9, 3, 50);
   const std::vector<std::string> names{"beam.EI_z", "tip.mass", "beam.damping_ratio"};
   for (const double window : {0.0, 2.0}) {
@@ -328,7 +302,7 @@ TEST(UpdateFrfs, TheModelsRatesAreThoseOfDifferences) {
 
 // Joint dampers from the damping ratios of measured decays: what the source tuned by hand.
 TEST(DamperFit, JointDampersComeFromMeasuredDecays) {
-  const auto truth = beam(2.1, 0.02, "damping = { bending = 0.004, axial = 1.0 }");
+  const auto truth = beam_with_dampers();
   UpdateState state{"beam", truth, modes_of(truth, 3, 0.02)};
   for (auto& mode : state.measured) mode.damping_ratio.value *= 1.01;
   model::set_parameter(state.scene, "beam.damping_bending", 0.012);
@@ -343,7 +317,7 @@ TEST(DamperFit, JointDampersComeFromMeasuredDecays) {
 }
 
 TEST(DamperFit, AndFromFrfsAndAnAxialDamperIsNotSeenInBending) {
-  const auto truth = beam(2.1, 0.02, "damping = { bending = 0.004, axial = 1.0 }");
+  const auto truth = beam_with_dampers();
   auto start = truth;
   model::set_parameter(start, "beam.damping_bending", 0.01);
   UpdateState state{"beam", start, modes_of(truth, 3, 0.1), frfs_of(truth, 0.02, 5), true};
@@ -357,8 +331,8 @@ TEST(DamperFit, AndFromFrfsAndAnAxialDamperIsNotSeenInBending) {
 
 // Shapes say where stiffness or mass sits, which few frequencies do not.
 TEST(UpdateShapes, ShapesAreDataWhenAskedFor) {
-  const auto truth = beam(2.1, 0.05, kRatio);
-  UpdateState state{"beam", beam(2.1, 0.01, kRatio), modes_of(truth, 3, 0.1)};
+  const auto truth = beam(2.1, 0.05);
+  UpdateState state{"beam", beam(2.1, 0.01), modes_of(truth, 3, 0.1)};
   for (auto& mode : state.measured) {
     mode.frequency_hz.std = 0.2 * mode.frequency_hz.value;  // hardly known
     mode.shape *= std::polar(3.0, 0.7);                     // any scale and phase
@@ -387,7 +361,7 @@ TEST(UpdateFrfs, TheMeanPlaceOfTheHitsIsNoErrorOfTheModel) {
     std::normal_distribution<double> normal;
     std::vector<std::vector<MeasuredFrf>> hits;
     for (int hit = 0; hit < kHits; ++hit) {
-      auto truth = beam(2.1, 0.02, kRatio);
+      auto truth = beam(2.1, 0.02);
       model::set_parameter(truth, "hammer.position", 0.8 + place_std * normal(random));
       hits.push_back(frfs_of(truth, noise, 100 * seed + static_cast<std::uint64_t>(hit)));
     }
@@ -403,11 +377,11 @@ TEST(UpdateFrfs, TheMeanPlaceOfTheHitsIsNoErrorOfTheModel) {
       mean[f].H /= kAveraged;
     }
     UpdateOptions options = testing::plain_options();
-    const UpdateState state{"beam", beam(2.15, 0.022, kRatio), {}, mean};
+    const UpdateState state{"beam", beam(2.15, 0.022), {}, mean};
     const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}}, options);
     ruled_out += result.fit.ruled_out();
     covered += result.parameters[0].low <= 2.1 && result.parameters[0].high >= 2.1;
-    UpdateState wrong{"beam", beam(2.0, 0, kRatio), {}, mean};
+    UpdateState wrong{"beam", beam(2.0, 0), {}, mean};
     const auto other = update_model({wrong}, {{"beam.EI_z"}}, options);
     wrong_ruled_out += other.fit.ruled_out();
   }

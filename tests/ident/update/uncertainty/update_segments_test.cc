@@ -10,52 +10,28 @@
 
 #include "ident/update/model_update.h"
 #include "model/frfs/frf_synthesis.h"
-#include "model/scene/read_scene.h"
+#include "tests/ident/update/fit_data.h"
 
 namespace rigfit::ident::update_segments_test {
 namespace {
 
 using model::ModePlane;
 
+// Struck at a quarter; the sensor is at 0.4.
 model::Scene cable(double gravity, const std::string& support, double tension, double EI,
                    int segments) {
-  auto scene = model::parse_scene("gravity = " + std::to_string(gravity) + R"(
-[[node]]
-name = "left"
-position = [0.0, 0.0, 0.0]
-support = ")" + support + R"("
-[[node]]
-name = "right"
-position = [2.4, 0.0, 0.0]
-support = ")" + support + R"("
-[[member]]
-name = "cable"
-kind = "cable"
-nodes = ["left", "right"]
-segments = "auto"
-mass_per_length = 0.16667
-EA = 221780.0
-EI = 0.6
-tension = 200.0
-damping_ratio = 0.005
-[[load]]
-name = "hammer"
-kind = "impact"
-member = "cable"
-position = 0.25
-direction = [0.0, 0.0, 1.0]
-peak = 1.0
-duration = 0.002
-[[sensor]]
-name = "mid"
-member = "cable"
-position = 0.4
-direction = [0.0, 0.0, 1.0]
-)",
-                                  "cable.toml");
-  scene.members[0].segments = segments;
-  model::set_parameter(scene, "cable.tension", tension);
-  model::set_parameter(scene, "cable.EI", EI);
+  auto scene = model::testing::paper_cable(tension, EI, segments);
+  scene.gravity = {0, -gravity, 0};
+  if (support == "clamped") {
+    for (auto& node : scene.nodes) node.support.kind = model::Support::Kind::clamped;
+  }
+  scene.members[0].damping_ratio = 0.005;
+  scene.loads.resize(1), scene.sensors.resize(1);
+  scene.loads[0].name = "hammer";
+  scene.loads[0].place = {"", "cable", 0.25};
+  scene.sensors[0].name = "mid";
+  scene.sensors[0].place = {"", "cable", 0.4};
+  scene.loads[0].direction = scene.sensors[0].direction = {0, 0, 1};
   return scene;
 }
 
@@ -67,15 +43,13 @@ double closed_form_hz(double tension, double EI, int n) {
          (2 * std::numbers::pi);
 }
 
-std::vector<MeasuredMode> modes_of(const std::vector<double>& hz, ModePlane plane, double std,
-                                   std::mt19937_64* random) {
+std::vector<MeasuredMode> as_measured(const std::vector<double>& hz, ModePlane plane, double std,
+                                      std::mt19937_64* random) {
   std::normal_distribution<double> normal;
-  std::vector<MeasuredMode> modes;
-  for (const double f : hz) {
-    MeasuredMode mode;
-    mode.frequency_hz = {f * (1 + (random != nullptr ? std * normal(*random) : 0)), std * f};
-    mode.plane = plane;
-    modes.push_back(mode);
+  std::vector<MeasuredMode> modes(hz.size());
+  for (std::size_t k = 0; k < hz.size(); ++k) {
+    modes[k].frequency_hz = {hz[k] * (1 + (random ? std * normal(*random) : 0)), std * hz[k]};
+    modes[k].plane = plane;
   }
   return modes;
 }
@@ -86,7 +60,7 @@ std::vector<UpdateState> four_tensions(int segments, double std, std::mt19937_64
     std::vector<double> hz;
     for (int n = 1; n <= 6; ++n) hz.push_back(closed_form_hz(T, 0.6, n));
     states.push_back({std::to_string(T), cable(0, "pinned", 1.1 * T, 0.8, segments),
-                      modes_of(hz, ModePlane::out, std, random)});
+                      as_measured(hz, ModePlane::out, std, random)});
   }
   return states;
 }
@@ -147,16 +121,9 @@ TEST(UpdateSegments, IntervalsHoldTheClosedFormsParameters) {
 TEST(UpdateSegments, ASaggingCableInItsPlane) {
   std::vector<UpdateState> states;
   for (const double T : {40.0, 100.0, 200.0}) {
-    model::ModesOptions options;
-    options.count = 16;
-    options.error_estimate = false;
-    std::vector<double> hz;
-    for (const auto& mode :
-         model::analyse_modes(cable(9.80665, "pinned", T, 0.6, 400), options).modes) {
-      if (mode.plane == ModePlane::in && hz.size() < 6) hz.push_back(mode.frequency_hz);
-    }
-    states.push_back({std::to_string(T), cable(9.80665, "pinned", 1.05 * T, 0.7, 0),
-                      modes_of(hz, ModePlane::in, 3e-4, nullptr)});
+    states.push_back(
+        {std::to_string(T), cable(9.80665, "pinned", 1.05 * T, 0.7, 0),
+         testing::modes_of(cable(9.80665, "pinned", T, 0.6, 400), ModePlane::in, 6, 3e-4)});
   }
   UpdateOptions options;
   options.starts = 1;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <random>
 
-#include "model/scene/read_scene.h"
 #include "tests/ident/update/fit_data.h"
 
 namespace rigfit::ident::update_uncertainty_test {
@@ -16,55 +15,16 @@ using model::ModePlane;
 
 // A clamped cable: frequencies err by second order in the segments.
 model::Scene cable(double tension, double EI, int segments) {
-  auto scene = model::parse_scene(R"(
-[[node]]
-name = "left"
-position = [0.0, 0.0, 0.0]
-support = "clamped"
-[[node]]
-name = "right"
-position = [1.2, 0.0, 0.0]
-support = "clamped"
-[[member]]
-name = "cable"
-kind = "cable"
-nodes = ["left", "right"]
-segments = 30
-mass_per_length = 0.16667
-EA = 221780.0
-EI = 0.6
-tension = 200.0
-)",
-                                  "cable.toml");
-  scene.members[0].segments = segments;
-  model::set_parameter(scene, "cable.tension", tension);
-  model::set_parameter(scene, "cable.EI", EI);
+  auto scene = model::testing::paper_cable(tension, EI, segments);
+  scene.nodes[1].position.x() = 1.2;
+  for (auto& node : scene.nodes) node.support.kind = model::Support::Kind::clamped;
   return scene;
 }
 
-// A cantilever without weight: frequencies go with the root of EI over mass, and nothing else.
+// Without weight frequencies go with the root of EI over mass, and nothing else.
 model::Scene cantilever(double EI) {
-  auto scene = model::parse_scene(R"(
-gravity = 0.0
-[[node]]
-name = "foot"
-position = [0.0, 0.0, 0.0]
-support = "clamped"
-[[node]]
-name = "tip"
-position = [0.0, 0.75, 0.0]
-[[member]]
-name = "beam"
-kind = "beam"
-nodes = ["foot", "tip"]
-segments = 24
-mass_per_length = 0.3
-EA = 7.0e6
-EI = [2.0, 200.0]
-GJ = 3.0
-)",
-                                  "beam.toml");
-  model::set_parameter(scene, "beam.EI_z", EI);
+  auto scene = testing::beam(EI, 0, 24);
+  scene.gravity.setZero();
   return scene;
 }
 
