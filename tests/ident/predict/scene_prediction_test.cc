@@ -1,5 +1,7 @@
 #include "ident/predict/scene_prediction.h"
 
+#include "model/linear/modal_analysis.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -273,6 +275,60 @@ TEST(SceneInputs, AFittedParameterKeepsItsFit) {
   EXPECT_EQ(fitted.parameters.size(), 1u);
   EXPECT_THROW((void)add_scene_inputs(cantilever(), {{kMass, {}, 0}}, fitted),
                std::invalid_argument);
+}
+
+/// Standing, struck at its tip.
+model::Scene struck_cantilever() {
+  auto scene = model::testing::vertical_beam(1, 10, 0.5, 0);
+  scene.members[0].EA = 1e6;
+  scene.loads.resize(1), scene.sensors.resize(1);
+  scene.loads[0].name = "hammer";
+  scene.loads[0].place.node = scene.sensors[0].place.node = "tip";
+  scene.loads[0].direction = scene.sensors[0].direction = {1, 0, 0};
+  scene.loads[0].peak = 1, scene.loads[0].duration = 0.005;
+  scene.sensors[0].name = "tip";
+  scene.sensors[0].quantity = model::Sensor::Quantity::displacement;
+  return scene;
+}
+
+TEST(ResponsePrediction, TheIntervalHoldsAndOpensWithTime) {
+  // EI known to 2 %, the truth one standard uncertainty off: at most some instants are outside, and
+  // the interval widens as the phase runs away.
+  const auto scene = struck_cantilever();
+  FittedParameters fitted;
+  fitted.parameters = {{"beam.EI", 10}};
+  fitted.covariance = Eigen::MatrixXd::Constant(1, 1, 0.04);
+  ResponsePredictionOptions options;
+  options.response.sampling.duration_s = 2;
+  options.response.sampling.rate_hz = 200;
+  options.response.segments = 10;
+  options.samples = 60;
+  const auto predicted = predict_response(scene, fitted, options);
+  ASSERT_TRUE(predicted.response.completed) << predicted.response.reason;
+  ASSERT_EQ(predicted.samples, 60);
+  auto truth = scene;
+  truth.members[0].EI = {10.2, 10.2};
+  const auto measured = model::simulate_response(truth, options.response);
+  ASSERT_TRUE(measured.completed);
+  const auto n = measured.samples.rows();
+  ASSERT_EQ(predicted.low.rows(), n);
+  int outside = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    outside += measured.samples(i, 0) < predicted.low(i, 0) ||
+               measured.samples(i, 0) > predicted.high(i, 0);
+  }
+  // One standard uncertainty is within the 2.5 % quantiles but where all draws cross.
+  EXPECT_LT(outside, n / 10);
+  const Eigen::ArrayXd width = predicted.high.col(0) - predicted.low.col(0);
+  EXPECT_GT(width.tail(n / 4).mean(), 2 * width.head(n / 4).mean());
+  EXPECT_LT(width.head(n / 4).mean(), measured.samples.col(0).cwiseAbs().maxCoeff());
+}
+
+TEST(ResponsePrediction, RefusesAFitOfOtherParameters) {
+  FittedParameters fitted;
+  fitted.parameters = {{"cable.EI", 1}};
+  fitted.covariance = Eigen::MatrixXd::Constant(1, 1, 0.01);
+  EXPECT_THROW((void)predict_response(struck_cantilever(), fitted, {}), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "ident/statistics/uncertainty.h"
 
+#include "ident/statistics/probability_text.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -87,6 +89,16 @@ TEST(Identifiability, NothingFiniteDeterminesNothing) {
 TEST(CoverageFactor, IsNormalOrStudents) {
   EXPECT_NEAR(coverage_factor(0.95, 0), 1.959964, 1e-6);
   EXPECT_NEAR(coverage_factor(0.95, 4), 2.776445, 1e-6);  // any table of Student's t
+}
+
+TEST(ProbabilityText, HasTwoDigitsAndALeastValue) {
+  EXPECT_EQ(probability_text(0.01234), "0.012");
+  EXPECT_EQ(probability_text(2e-6), "2e-06");
+  EXPECT_EQ(probability_text(9.9e-146), "below 1e-6");
+  EXPECT_EQ(probability_text(0), "below 1e-6");
+  EXPECT_EQ(probability_text(std::nan("")), "-");
+  EXPECT_EQ(p_text(1), "p = 1");
+  EXPECT_EQ(p_text(0), "p below 1e-6");
 }
 
 }  // namespace

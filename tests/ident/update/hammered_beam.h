@@ -10,9 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/model_update.h"
 #include "model/frfs/frf_synthesis.h"
-#include "model/scene/read_scene.h"
+#include "tests/ident/update/fit_data.h"
 
 namespace rigfit::ident::testing {
 
@@ -20,48 +19,16 @@ inline constexpr double kBeamEI = 2.1, kTipMass = 0.02, kBeamDamping = 0.01;
 
 /// 0.75 m, hammer at 0.6 m, responses at 0.45 and 0.65 m; `segments` 0: left to the program.
 inline model::Scene hammered_beam(double EI, double tip_mass, int segments) {
-  auto scene = model::parse_scene(R"(
-gravity = 9.80665
-[[node]]
-name = "foot"
-position = [0.0, -0.75, 0.0]
-support = "clamped"
-[[node]]
-name = "tip"
-position = [0.0, 0.0, 0.0]
-[[member]]
-name = "beam"
-kind = "beam"
-nodes = ["foot", "tip"]
-segments = "auto"
-mass_per_length = 0.3
-EA = 7.0e6
-EI = [2.0, 200.0]
-GJ = 3.0
-damping_ratio = 0.01
-[[load]]
-name = "hammer"
-kind = "impact"
-member = "beam"
-position = 0.8
-direction = [1.0, 0.0, 0.0]
-peak = 1.0
-duration = 0.002
-[[sensor]]
-name = "low"
-member = "beam"
-position = 0.6
-direction = [1.0, 0.0, 0.0]
-[[sensor]]
-name = "high"
-member = "beam"
-position = 0.866667
-direction = [1.0, 0.0, 0.0]
-)",
-                                  "beam.toml");
-  model::set_parameter(scene, "beam.EI_z", EI);
-  model::set_parameter(scene, "tip.mass", tip_mass);
-  scene.members[0].segments = segments;
+  auto scene = beam(EI, tip_mass, segments);
+  scene.members[0].damping_ratio = kBeamDamping;
+  scene.loads.resize(1), scene.sensors.resize(2);
+  scene.loads[0].name = "hammer";
+  scene.loads[0].place = {"", "beam", 0.8};
+  scene.loads[0].peak = 1, scene.loads[0].duration = 0.002;
+  scene.sensors[0].name = "low", scene.sensors[1].name = "high";
+  scene.sensors[0].place = {"", "beam", 0.6}, scene.sensors[1].place = {"", "beam", 0.866667};
+  scene.loads[0].direction = {1, 0, 0};
+  for (auto& sensor : scene.sensors) sensor.direction = {1, 0, 0};
   return scene;
 }
 

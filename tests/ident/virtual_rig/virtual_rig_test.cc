@@ -1,5 +1,8 @@
 #include "ident/virtual_rig/virtual_rig.h"
 
+#include "ident/virtual_rig/virtual_axial.h"
+#include "ident/virtual_rig/virtual_bending.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -146,6 +149,128 @@ TEST(Decimated, KeepsWhatIsBelowAndRemovesWhatIsAboveTheNewNyquist) {
     EXPECT_NEAR(kept[j], low[4 * j], 2e-4);
     EXPECT_NEAR(removed[j], 0, 2e-4);
   }
+}
+
+VirtualAxialTest light_test() {
+  VirtualAxialTest test;
+  test.EA_N = 221780;
+  test.mass_per_length_kg_m = 0.16667;
+  test.length_m = 1.0;
+  test.hung_mass_kg = 2.2;
+  test.damping_ratio = 0.017;
+  return test;
+}
+
+// k = (M + mc/3) w^2 is the rod's Rayleigh quotient; what it leaves out is of second order in mc/M:
+// the exact series k_rod = EA/L (1 - x/3 - x^2/45 ...), x = (bL)^2 = about mc/M = 0.076, so x^2/45
+// = 1.3e-4.
+TEST(VirtualAxial, ContinuousRodNearsTheLumpedOneFromBelow) {
+  const auto test = light_test();
+  const double k = test.EA_N / test.length_m;
+  const double lumped = std::sqrt(k / (test.hung_mass_kg + 0.16667 / 3)) *
+                        std::sqrt(1 - 0.017 * 0.017) / (2 * std::numbers::pi);
+  const double exact = axial_truth(test).frequency_hz;
+  EXPECT_LT(exact, lumped);
+  EXPECT_NEAR(exact, lumped, 1.3e-4 * lumped);
+}
+
+TEST(VirtualAxial, AStiffAdapterVanishesAndASoftOneTakesOver) {
+  auto test = light_test();
+  const double bare = axial_truth(test).frequency_hz;
+  test.adapter_stiffness_N_m = 1e15;
+  EXPECT_NEAR(axial_truth(test).frequency_hz, bare, 1e-9 * bare);
+  test.adapter_stiffness_N_m =
+      10;  // cable is 22000 times stiffer: only the adapter's spring is left
+  const double soft = std::sqrt(10 / 2.2) / (2 * std::numbers::pi);
+  EXPECT_NEAR(axial_truth(test).frequency_hz, soft, 3e-4 * soft);
+}
+
+// Without any disturbance the record is the weight, then a decaying sinusoid about it: its
+// successive extremes obey the logarithmic decrement.
+TEST(VirtualAxial, RecordDecaysWithTheStatedDampingRatio) {
+  auto test = light_test();
+  test.swing_rad = 0;
+  test.sample_rate_hz = 50000;
+  Random random = random_stream(1, 0);
+  const auto recording = virtual_axial_record(test, random);
+  const auto& x = recording.channels[0].samples;
+  const double weight = 2.2 * 9.80665;
+  EXPECT_NEAR(x[0], weight, 1e-9);
+  std::vector<double> peaks;
+  for (Eigen::Index i = 25100; i + 1 < x.size() && peaks.size() < 11; ++i) {
+    if (x[i] > x[i - 1] && x[i] >= x[i + 1]) peaks.push_back(x[i] - weight);
+  }
+  ASSERT_EQ(peaks.size(), 11u);
+  const double decrement = std::log(peaks.front() / peaks.back()) / 10;
+  // Peaks are met within half a sample of 1000 a cycle: relative error (pi/1000)^2 / 2 = 5e-6 each.
+  EXPECT_NEAR(decrement, 2 * std::numbers::pi * 0.017 / std::sqrt(1 - 0.017 * 0.017), 2e-6);
+}
+
+TEST(VirtualAxial, SameSeedSameRecordAndBadValuesRefused) {
+  auto test = light_test();
+  test.load_cell = {0.05, 0.5, 0.1, 0.05, 0, 500, 16};
+  Random a = random_stream(7, 3), b = random_stream(7, 3), c = random_stream(8, 3);
+  const auto first = virtual_axial_record(test, a);
+  EXPECT_EQ(first.channels[0].samples, virtual_axial_record(test, b).channels[0].samples);
+  EXPECT_NE(first.channels[0].samples, virtual_axial_record(test, c).channels[0].samples);
+  test.hung_mass_kg = 0;
+  EXPECT_THROW((void)axial_truth(test), std::invalid_argument);
+}
+
+VirtualBendingTest quiet_test() {
+  VirtualBendingTest test;
+  test.EI_Nm2 = 0.5972;
+  test.span_m = 1.0;
+  test.tension_N = 200;
+  test.friction_load_N = 0;
+  test.frame_stiffness_N_m = 0;
+  return test;
+}
+
+// Without tension to speak of, a clamped beam: d = Q l^3 / (192 EI); g's next term is x^2/10
+// = 2.5e-6 here.
+TEST(VirtualBending, WithoutTensionIsAClampedBeam) {
+  auto test = quiet_test();
+  test.tension_N = 6e-5;
+  Random random = random_stream(1, 0);
+  const auto recording = virtual_bending_record(test, random);
+  const auto& load = recording.channels[1].samples;
+  const auto& deflection = recording.channels[2].samples;
+  const Eigen::Index peak = recording.samples() / 4;  // middle of the first of two cycles
+  EXPECT_NEAR(load[peak], 10, 1e-5);
+  EXPECT_NEAR(deflection[peak], 10 / (192 * test.EI_Nm2), 4e-6 * 10 / (192 * test.EI_Nm2));
+}
+
+TEST(VirtualBending, TensionOnlyGrowsAndFrictionOpensALoop) {
+  auto test = quiet_test();
+  test.frame_stiffness_N_m = 2e4;
+  test.friction_load_N = 0.05;
+  Random random = random_stream(1, 0);
+  const auto recording = virtual_bending_record(test, random);
+  const auto& tension = recording.channels[0].samples;
+  const auto& load = recording.channels[1].samples;
+  EXPECT_GE(tension.minCoeff(), test.tension_N);
+  EXPECT_GT(tension.maxCoeff(), test.tension_N);
+  // At the same deflection, half-way up and half-way down, the loads differ by twice the friction.
+  const Eigen::Index cycle = (recording.samples() - 1) / 2;
+  EXPECT_NEAR(load[cycle / 4] - load[3 * cycle / 4], 2 * test.friction_load_N, 1e-9);
+}
+
+TEST(SensorModel, QuantisesClipsAndAddsTheTransverseSignal) {
+  Random random = random_stream(1, 0);
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(101, -2, 2);
+  const Eigen::VectorXd t = Eigen::VectorXd::Ones(101);
+  SensorModel sensor;
+  sensor.full_scale = 1;
+  sensor.bits = 3;
+  const Eigen::VectorXd y = recorded(x, Eigen::VectorXd(), 0.01, sensor, random);
+  EXPECT_EQ(y.minCoeff(), -1);
+  EXPECT_EQ(y.maxCoeff(), 1);
+  EXPECT_EQ((y * 4).array().round().matrix(), y * 4);  // 2^3 steps over +-1
+  SensorModel tilted;
+  tilted.transverse_sensitivity = 0.05;
+  EXPECT_NEAR((recorded(x, t, 0.01, tilted, random) - x).maxCoeff(), 0.05, 1e-12);
+  EXPECT_THROW((void)recorded(x, t.head(3), 0.01, tilted, random), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 #include "ident/update/pairing/mode_pairing.h"
 
+#include "ident/update/pairing/mode_assignment.h"
+
 #include <gtest/gtest.h>
+#include <vector>
 
 #include <algorithm>
 #include <cmath>
@@ -157,6 +160,47 @@ TEST(ShapeCorrelation, IsBlindToScaleAndPhase) {
   EXPECT_NEAR(shape_correlation(a, Eigen::Vector3cd(1, 0, 1)), 0, 1e-15);
   EXPECT_TRUE(std::isnan(shape_correlation(a, Eigen::Vector2cd(1, 0))));
   EXPECT_TRUE(std::isnan(shape_correlation(a, Eigen::Vector3cd::Zero())));
+}
+
+// One pair, one mode in between that was not measured, one false one: the sum of the header's
+// terms.
+TEST(ModeAssignment, LikelihoodIsTheSumOfItsParts) {
+  const AssignmentOptions options;
+  const double s = 0.01;
+  const auto measured = modes({10, 17, 30}, ModePlane::in);
+  const auto result = assign_modes(measured, {s, s, s}, modes({10.1, 20, 30}, ModePlane::in),
+                                   std::nullopt, options);
+  ASSERT_EQ(result.pairs.size(), 2U);
+  EXPECT_EQ(result.unpaired_measured, std::vector<int>{1});
+  ASSERT_EQ(result.missed.size(), 1U);
+  EXPECT_EQ(result.missed[0].model, 1);
+  // All equally visible: the strongest's own visibility.
+  const double v = 1 / (1 + options.visible_ratio * options.visible_ratio);
+  const double seen = (1 - options.missed) * (options.leaked + (1 - options.leaked) * v);
+  const double normal =
+      -2 * std::log(s * std::sqrt(2 * M_PI)) - 0.5 * std::pow(std::log(1.01) / s, 2);
+  const double expected = normal + 2 * std::log((1 - options.false_mode) * seen) +
+                          std::log(options.false_mode) + std::log(1 - seen);
+  EXPECT_NEAR(result.log_likelihood, expected, 1e-9);
+}
+
+// Below the lowest measured mode, too, a visible mode counts as missed; an invisible one hardly,
+// and none where the test did not look.
+TEST(ModeAssignment, VisibleModesBelowTheMeasuredOnesAreCharged) {
+  const AssignmentOptions options;
+  const auto measured = modes({10, 20}, ModePlane::in);
+  const std::vector<double> stds{0.01, 0.01};
+  auto modelled = modes({2, 10, 20}, ModePlane::in);
+  for (auto& mode : modelled) mode.visibility = 1;
+  const auto charged = assign_modes(measured, stds, modelled, std::nullopt, options);
+  EXPECT_NEAR(charged.log_missed, std::log(1 - charged.missed.at(0).probability), 1e-12);
+  modelled[0].visibility = 1e-6;
+  const auto unseen = assign_modes(measured, stds, modelled, std::nullopt, options);
+  EXPECT_NEAR(unseen.log_missed, std::log(1 - (1 - options.missed) * options.leaked), 1e-6);
+  EXPECT_TRUE(unseen.missed.empty());
+  modelled[0].visibility = 1;
+  const auto outside = assign_modes(measured, stds, modelled, {{5, 50}}, options);
+  EXPECT_NEAR(outside.log_missed, 0, 1e-9);
 }
 
 }  // namespace
