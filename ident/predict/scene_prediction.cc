@@ -181,12 +181,20 @@ model::Scene moved(const model::Scene& base, const Selection& selection,
   return selection.scene(base, values);
 }
 
-Eigen::VectorXd drawn(Eigen::Index size, std::mt19937_64& random) {
-  std::normal_distribution<double> normal;
-  Eigen::VectorXd unit(size);
-  for (auto& value : unit) value = normal(random);
-  return unit;
-}
+/// Vectors of independent standard normal numbers.
+class NormalDraws {
+ public:
+  explicit NormalDraws(std::uint64_t seed) : random_(seed) {}
+  Eigen::VectorXd operator()(Eigen::Index size) {
+    Eigen::VectorXd unit(size);
+    for (auto& value : unit) value = normal_(random_);
+    return unit;
+  }
+
+ private:
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+};
 
 /// Frequencies of moved scenes, of the same modes as a prediction's.
 struct Draws {
@@ -257,10 +265,10 @@ double nonlinearity(const model::Scene& scene, const Selection& selection,
 void sample(const model::Scene& scene, const Selection& selection,
             const Eigen::MatrixXd& directions, const PredictionOptions& options, const Draws& draws,
             ModePrediction& prediction) {
-  std::mt19937_64 random(options.seed);
+  NormalDraws draw(options.seed);
   std::vector<std::vector<double>> all(prediction.modes.size());
   for (int s = 0; s < options.samples; ++s) {
-    const Eigen::VectorXd change = directions * drawn(directions.cols(), random);
+    const Eigen::VectorXd change = directions * draw(directions.cols());
     const Eigen::VectorXd found = draws.of(moved(scene, selection, change));
     for (Eigen::Index i = 0; i < found.size(); ++i) {
       all[static_cast<std::size_t>(i)].push_back(found[i]);
@@ -445,10 +453,10 @@ ResponsePrediction predict_response(const model::Scene& scene, const FittedParam
   auto wanted = options.response;
   wanted.solver = prediction.response.solver;
   const auto& at_fit = prediction.response.samples;
-  std::mt19937_64 random(options.seed);
+  NormalDraws draw(options.seed);
   std::vector<Eigen::MatrixXd> all;
   for (int s = 0; s < options.samples; ++s) {
-    const Eigen::VectorXd change = directions * drawn(directions.cols(), random);
+    const Eigen::VectorXd change = directions * draw(directions.cols());
     auto one = model::simulate_response(moved(scene, selection, change), wanted);
     if (one.completed && one.samples.rows() == at_fit.rows() && one.samples.allFinite()) {
       all.push_back(std::move(one.samples));
