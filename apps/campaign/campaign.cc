@@ -90,54 +90,63 @@ Options keys_of(RecordingGroup& g) {
           option("synthetic", g.synthetic, "Made by a virtual laboratory")};
 }
 
-Options keys_of(BendingTest& t) {
-  return {option("span", t.campaign.test.span_m.value,
-                 "Clear length between clamps or supports; cantilever: to the load", "m")
-              .required()
-              .positive(),
-          option("tension", t.tension_N,
-                 "0: a beam without tension, by dead weights or a testing machine", "N")
-              .from_zero()};
-}
-
-Options record_keys_of(BendingTest& t) {
-  auto& test = t.campaign.test;
-  return {option("span_std", test.span_m.std, "Standard uncertainty of the span", "m").from_zero(),
-          option("tension_zero_std", test.tension_zero_std_N, "Of the tension cell's zero", "N")
-              .from_zero(),
-          option("clamp_stiffness", test.clamp_stiffness_Nm_rad,
-                 "1 over the standard uncertainty of each clamp's flexibility; default: rigid",
-                 "N m/rad")
-              .from_zero(),
-          option("tension_calibration_std", test.tension_calibration_std, "Relative").from_zero(),
-          option("load_calibration_std", test.load_calibration_std, "Relative").from_zero(),
-          option("deflection_calibration_std", test.deflection_calibration_std, "Relative")
-              .from_zero()};
-}
-
 Options channel_keys_of(BendingTest& t) {
   return {
       option("tension", t.tension_channel, "Name of the channel; default: by name and quantity"),
       option("load", t.load_channel, ""), option("deflection", t.deflection_channel, "")};
 }
 
-Options beam_keys_of(BendingTest& t) {
-  return {
-      option("ends", t.ends, "Loaded at mid-span, or at the end of a cantilever")
-          .one_of({"clamped", "pinned", "cantilever"}),
-      option("rectangle", t.rectangle_m,
-             "Cross-section, width and height (along the load): gives the modulus", "m")
-          .count(2)
-          .positive()
-          .excludes("diameter")
-          .excludes("second_moment"),
-      option("diameter", t.section.diameter_m, "Of a round and solid section", "m")
-          .positive()
-          .excludes("second_moment"),
-      option("second_moment", t.section.second_moment_m4, "Of area, about the axis of bending",
-             "m4")
-          .positive(),
-      option("section_std", t.section.relative_std, "Of the second moment, relative").from_zero()};
+Options keys_of(BendingTest& t) {
+  auto& test = t.campaign.test;
+  return {option("span", test.span_m.value,
+                 "Clear length between clamps or supports; cantilever: to the load", "m")
+              .required()
+              .positive(),
+          option("span_std", test.span_m.std, "Standard uncertainty of the span", "m")
+              .from_zero()
+              .needs("recording"),
+          option("tension_zero_std", test.tension_zero_std_N, "Of the tension cell's zero", "N")
+              .from_zero()
+              .needs("recording"),
+          option("clamp_stiffness", test.clamp_stiffness_Nm_rad,
+                 "1 over the standard uncertainty of each clamp's flexibility; default: rigid",
+                 "N m/rad")
+              .from_zero()
+              .needs("recording"),
+          option("tension_calibration_std", test.tension_calibration_std, "Relative")
+              .from_zero()
+              .needs("recording"),
+          option("load_calibration_std", test.load_calibration_std, "Relative")
+              .from_zero()
+              .needs("recording"),
+          option("deflection_calibration_std", test.deflection_calibration_std, "Relative")
+              .from_zero()
+              .needs("recording"),
+          option("tension", t.tension_N,
+                 "0: a beam without tension, by dead weights or a testing machine", "N")
+              .from_zero()
+              .excludes("table"),
+          option("ends", t.ends, "Of the beam: loaded at mid-span, or at the end of a cantilever")
+              .one_of({"clamped", "pinned", "cantilever"})
+              .needs("tension"),
+          option("rectangle", t.rectangle_m,
+                 "Its section, width and height (along the load): gives the modulus", "m")
+              .count(2)
+              .positive()
+              .needs("tension")
+              .excludes("diameter")
+              .excludes("second_moment"),
+          option("diameter", t.section.diameter_m, "Of a round and solid section", "m")
+              .positive()
+              .needs("tension")
+              .excludes("second_moment"),
+          option("second_moment", t.section.second_moment_m4, "Of area, about the axis of bending",
+                 "m4")
+              .positive()
+              .needs("tension"),
+          option("section_std", t.section.relative_std, "Of the second moment, relative")
+              .from_zero()
+              .needs("tension")};
 }
 
 Options keys_of(AxialTest& t) {
@@ -171,12 +180,10 @@ Options keys_of(AxialTest& t) {
 
 Options keys_of(DecayTest& t) {
   return {option("channels", t.inputs.options.channels, "Default: all"),
-          option("band", t.band_hz, "Where decays are looked for", "Hz").count(2).from_zero()};
-}
-
-Options scene_keys_of(DecayTest& t) {
-  return {option("load", t.inputs.load,
-                 "The scene's release or impact, simulated and laid over the records")};
+          option("band", t.band_hz, "Where decays are looked for", "Hz").count(2).from_zero(),
+          option("load", t.inputs.load,
+                 "The scene's release or impact, simulated and laid over the records")
+              .needs("scene")};
 }
 
 Options keys_of(ident::SceneUse& use) {
@@ -188,36 +195,34 @@ Options keys_of(ident::SceneUse& use) {
 }
 
 Options keys_of(ModalTest& t) {
-  return {option("planes", t.planes, "What the test sees: in and out of the plane of gravity")
-              .one_of({"in", "out"})};
-}
-
-Options recorded_keys_of(ModalTest& t) {
   auto& options = t.inputs.options;
-  return {option("ambient", options.ambient, "Motion under unknown forces: no hammer"),
-          option("responses", options.hammer.responses, "Channels; default: every other one"),
-          option("band", t.band_hz, "Of the modes", "Hz").count(2).from_zero()};
-}
-
-Options ambient_keys_of(ModalTest& t) {
-  return {option("reference", t.inputs.options.references,
-                 "Channels that stay in place in all set-ups; default: what they share")};
-}
-
-Options hammer_keys_of(ModalTest& t) {
-  auto& hammer = t.inputs.options.hammer;
-  return {option("force", hammer.force, "Channel of the hammer").required(),
-          option("load", t.load, "The place struck: the scene's load; default: its only impact"),
-          option("direction", t.direction, "Struck and measured along it").count(3),
-          option("estimator", t.estimator, "Noise on responses, on the force, on both")
-              .one_of({"h1", "h2", "hv"}),
-          option("force_window", t.force_window_s,
-                 "Force kept from the pulse's start; default: by the noise on the force", "s")
-              .positive(),
-          option("exponential_window", hammer.impact.exponential_end_level,
-                 "Level of the window at the end of the block; its damping is taken off again")
-              .within(1e-12, 0.999),
-          option("max_order", t.max_order, "Of the stabilisation diagram").within(2, 400)};
+  auto& hammer = options.hammer;
+  Options keys{option("planes", t.planes, "What the test sees: in and out of the plane of gravity")
+                   .one_of({"in", "out"})};
+  for (auto& key : {option("responses", hammer.responses, "Channels; default: every other one"),
+                    option("band", t.band_hz, "Of the modes", "Hz").count(2).from_zero(),
+                    option("ambient", options.ambient, "Motion under unknown forces: no hammer"),
+                    option("reference", options.references,
+                           "Channels that stay in place in all set-ups; default: what they share")
+                        .needs("ambient")}) {
+    keys.push_back(Option(key).needs("recording"));
+  }
+  for (auto& key :
+       {option("force", hammer.force, "Channel of the hammer; required with recordings of hits"),
+        option("load", t.load, "The place struck: the scene's load; default: its only impact"),
+        option("direction", t.direction, "Struck and measured along it").count(3),
+        option("estimator", t.estimator, "Noise on responses, on the force, on both")
+            .one_of({"h1", "h2", "hv"}),
+        option("force_window", t.force_window_s,
+               "Force kept from the pulse's start; default: by the noise on the force", "s")
+            .positive(),
+        option("exponential_window", hammer.impact.exponential_end_level,
+               "Level of the window at the end of the block; its damping is taken off again")
+            .within(1e-12, 0.999),
+        option("max_order", t.max_order, "Of the stabilisation diagram").within(2, 400)}) {
+    keys.push_back(Option(key).needs("recording").excludes("ambient"));
+  }
+  return keys;
 }
 
 Options keys_of(TensionTest& t) {
@@ -250,13 +255,13 @@ Options keys_of(TensionTest& t) {
       option("orders", t.orders, "Which modes `frequencies` are: 1 is the first of its plane")
           .positive(),
       option("measured", t.measured, "Table of frequencies, or modes as UFF 55"),
-      option("column", t.column, "Of the frequencies in that table")};
-}
-
-Options peak_keys_of(TensionTest& t) {
-  return {option("channels", t.inputs.channels, "Default: all"),
-          option("band", t.band_hz, "Where peaks are looked for", "Hz").count(2).from_zero(),
-          option("max_peaks", t.inputs.max_peaks, "A channel").within(1, 200)};
+      option("column", t.column, "Of the frequencies in that table").needs("measured"),
+      option("channels", t.inputs.channels, "Default: all").needs("recording"),
+      option("band", t.band_hz, "Where peaks are looked for", "Hz")
+          .count(2)
+          .from_zero()
+          .needs("recording"),
+      option("max_peaks", t.inputs.max_peaks, "A channel").within(1, 200).needs("recording")};
 }
 
 Options reference_keys_of(CampaignTest& t) {
@@ -377,6 +382,12 @@ void read_keys(TomlTable& table, const Options& keys) {
         throw table.error(key.name, "is given beside " + other, "keep one of them");
       }
     }
+    for (const auto& other : key.only_with) {
+      if (given && !table.has(other)) {
+        throw table.error(key.name, "is given without " + other,
+                          "add " + other + ", or leave " + key.name + " out");
+      }
+    }
     std::visit(
         [&](auto* target) {
           if constexpr (requires { read(table, key, *target); }) {
@@ -391,15 +402,6 @@ void read_keys(TomlTable& table, const Options& keys) {
   }
 }
 
-void refuse_keys(const TomlTable& table, const Options& keys, const std::string& problem,
-                 const std::string& remedy) {
-  for (const auto& key : keys) {
-    if (table.has(key.name)) {
-      throw table.error(key.name, problem, remedy + ", or leave " + key.name + " out");
-    }
-  }
-}
-
 namespace {
 
 std::vector<std::string> row_of(const Option& key, const std::string& before) {
@@ -411,6 +413,7 @@ std::vector<std::string> row_of(const Option& key, const std::string& before) {
   if (std::isfinite(key.highest)) add(describe::range_text(key));
   if (const auto text = key.default_text(); !text.empty()) add("default: " + text);
   if (key.is_required) add("required");
+  for (const auto& other : key.only_with) add("with " + other);
   return {"  " + before + key.name, meaning};
 }
 
@@ -449,21 +452,14 @@ std::vector<KeySection> campaign_keys() {
   also("title", "Default: its name");
   add("[[test]] kind = \"bending\"", keys_of(bending));
   add(all.back().title, channel_keys_of(bending), "channels.");
-  add(all.back().title, record_keys_of(bending));
-  add(all.back().title + ", tension = 0", beam_keys_of(bending));
   add("[[test]] kind = \"axial\"", keys_of(axial));
   add("[[test]] kind = \"decay\"", keys_of(decay));
-  add(all.back().title, scene_keys_of(decay));
   add("[[test]] kind = \"modal\"", keys_of(modal));
-  add(all.back().title, recorded_keys_of(modal));
-  add(all.back().title + ", ambient = true", ambient_keys_of(modal));
-  add(all.back().title.substr(0, all.back().title.find(',')) + ", hits", hammer_keys_of(modal));
   add("[[test]] kind = \"decay\", \"modal\"", {});
   also("scene", "Name of the scene that stands for the rig");
   also("sensors.CHANNEL", "The scene's sensor, where names differ");
   add(all.back().title, keys_of(use));
   add("[[test]] kind = \"tension\"", keys_of(tension));
-  add(all.back().title, peak_keys_of(tension));
   add("[test.table]: results instead of recordings (bending, modal)", {});
   also("file", "Required");
   also("tension, EI, measured", "Names of columns");

@@ -66,9 +66,6 @@ struct RecordingGroup {
 // The kinds of tests: what the analysis takes (ident/campaign) without the recordings, and keys
 // that the analysis has in another form.
 
-/// A published or earlier table of results instead of recordings.
-using PublishedModels = std::vector<std::pair<std::string, std::size_t>>;  ///< label, column
-
 struct BendingTest {
   ident::BendingCampaign campaign;  ///< its sources: the published EI values, if there are any
   /// Names of the channels; empty: as `rigfit bending` finds them.
@@ -96,7 +93,7 @@ struct DecayTest {
 
 struct ModalTest {
   ident::ModalInputs inputs;
-  PublishedModels models;  ///< by column of `inputs.published`
+  std::vector<std::string> models;  ///< labels of the published models, as in `inputs.published`
   std::string estimator = "h1", load;
   std::vector<std::string> planes{"in"};
   std::vector<double> band_hz, direction;
@@ -176,31 +173,22 @@ struct Campaign {
 [[nodiscard]] describe::Options keys_of(RecordingGroup& group);
 [[nodiscard]] describe::Options keys_of(BendingTest& test);
 [[nodiscard]] describe::Options channel_keys_of(BendingTest& test);  ///< channels = { ... }
-[[nodiscard]] describe::Options beam_keys_of(BendingTest& test);     ///< with tension = 0
-[[nodiscard]] describe::Options record_keys_of(BendingTest& test);   ///< with recordings
 [[nodiscard]] describe::Options keys_of(AxialTest& test);
 [[nodiscard]] describe::Options keys_of(DecayTest& test);
-[[nodiscard]] describe::Options scene_keys_of(DecayTest& test);  ///< with a scene
 [[nodiscard]] describe::Options keys_of(ident::SceneUse& use);
 [[nodiscard]] describe::Options keys_of(ModalTest& test);
-[[nodiscard]] describe::Options recorded_keys_of(ModalTest& test);  ///< with recordings
-[[nodiscard]] describe::Options ambient_keys_of(ModalTest& test);   ///< with ambient = true
-[[nodiscard]] describe::Options hammer_keys_of(ModalTest& test);    ///< without
 [[nodiscard]] describe::Options keys_of(TensionTest& test);
-[[nodiscard]] describe::Options peak_keys_of(TensionTest& test);  ///< with recordings
 [[nodiscard]] describe::Options reference_keys_of(CampaignTest& test);
 [[nodiscard]] describe::Options keys_of(CampaignFit& fit);
 [[nodiscard]] describe::Options keys_of(FitParameter& parameter);
 
 /// Reads keys from a table; those that are absent keep their default. Throws DocumentError with
-/// file, line and key for a value of another type, outside its range or among no words allowed, and
-/// for a missing key that is required.
+/// file, line and key for a value of another type, outside its range or among no words allowed, for
+/// a missing key that is required, and for a key beside one that excludes it or without one that it
+/// needs.
 void read_keys(document::TomlTable& table, const describe::Options& keys);
 /// What is wrong with a number that a key does not allow; empty: nothing.
 [[nodiscard]] std::string range_problem(const describe::Option& key, double value);
-/// Refuses keys that mean nothing here.
-void refuse_keys(const document::TomlTable& table, const describe::Options& keys,
-                 const std::string& problem, const std::string& remedy);
 
 /// Keys of a table for `rigfit help campaign`: name, meaning with unit, range and default.
 struct KeySection {

@@ -21,23 +21,22 @@ class CableRows {
  public:
   explicit CableRows(const std::filesystem::path& path)
       : table_(read_text_table(path, ShortRows::filled)) {
-    for (const auto& column : table_.columns) names_.push_back(column.name);
     const auto fail = [&](const std::string& problem, const char* remedy) {
       throw model::SceneError({table_.file, table_.header_line, 0, ""}, problem, remedy);
     };
     for (const char* needed : {"length", "mass_per_length"}) {
-      if (find_column(names_, needed) >= 0) continue;
+      if (table_.find(needed) >= 0) continue;
       fail(fmt::format("no column \"{}\"", needed),
            "a table of cables has name, length, mass_per_length and f1, f2 ...");
     }
-    for (std::size_t i = 0; i < names_.size(); ++i) {
-      const auto& name = names_[i];
+    for (std::size_t i = 0; i < table_.columns.size(); ++i) {
+      const auto& name = table_.columns[i].name;
       if (name.size() > 1 && name[0] == 'f' &&
           name.find_first_not_of("0123456789", 1) == std::string::npos) {
         frequencies_.push_back(i);
       }
     }
-    if (frequencies_.empty() && find_column(names_, "frequencies") < 0) {
+    if (frequencies_.empty() && table_.find("frequencies") < 0) {
       fail("no column of frequencies",
            "name them f1, f2 ..., or put them into one column \"frequencies\"");
     }
@@ -70,17 +69,9 @@ class CableRows {
   /// (csv_layout.cc) and is then no title.
   [[nodiscard]] std::string name_of_row(const TextTable::Row& row) const {
     for (const char* title : {"name", "cable"}) {
-      if (find_column(names_, title) >= 0) return text(row, title);
+      if (table_.find(title) >= 0) return table_.text(row, title);
     }
-    return names_.front().empty() ? row.cells.front() : std::string();
-  }
-
-  [[nodiscard]] std::string text(const TextTable::Row& row, const std::string& name) const {
-    const auto column = find_column(names_, name);
-    if (column < 0) return {};
-    auto cell = row.cells[static_cast<std::size_t>(column)];
-    const auto begin = cell.find_first_not_of(" \t"), end = cell.find_last_not_of(" \t");
-    return begin == std::string::npos ? std::string() : cell.substr(begin, end - begin + 1);
+    return table_.columns.front().name.empty() ? row.cells.front() : std::string();
   }
 
   static void require(const describe::Option& key, double value) {
@@ -91,7 +82,7 @@ class CableRows {
 
   /// A cell into the key of the same name in a campaign; a blank one leaves its default.
   void read(const TextTable::Row& row, const describe::Option& key) const {
-    const std::string cell = text(row, key.name == "orders" ? "order" : key.name);
+    const std::string cell = table_.text(row, key.name == "orders" ? "order" : key.name);
     if (cell.empty()) return;
     if (auto* const* word = std::get_if<std::string*>(&key.target)) {
       if (!key.words.empty() &&
@@ -111,8 +102,7 @@ class CableRows {
         require(key, (*list)->back());
       }
     } else {
-      const double value =
-          table_.number(row, static_cast<std::size_t>(find_column(names_, key.name)));
+      const double value = table_.number(row, key.name);
       if (!std::isfinite(value)) return;
       require(key, value);
       if (auto* const* number = std::get_if<double*>(&key.target)) **number = value;
@@ -135,7 +125,7 @@ class CableRows {
     const auto whole = [](double order) { return order == std::round(order); };
     if (test.orders.size() > test.frequencies_hz.size() ||
         !std::all_of(test.orders.begin(), test.orders.end(), whole)) {
-      throw std::invalid_argument("order \"" + text(row, "order") +
+      throw std::invalid_argument("order \"" + table_.text(row, "order") +
                                   "\" is no list of one whole number a frequency");
     }
     test.complete();
@@ -143,7 +133,6 @@ class CableRows {
   }
 
   TextTable table_;
-  std::vector<std::string> names_;
   std::vector<std::size_t> frequencies_;
 };
 

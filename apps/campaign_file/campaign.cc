@@ -9,7 +9,7 @@
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_group.h"
 #include "apps/campaign_file/report_details.h"
-#include "apps/results/result_table.h"
+#include "apps/results/text_table.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/toml_table.h"
@@ -75,44 +75,46 @@ void check_parameter(const model::Scene& scene, const std::string& parameter,
 
 enum class Blanks { refused, allowed };
 
-/// A column of a table of results, whose numbers are positive.
-std::size_t column_of(TomlTable& table, const ResultTable& results, const std::string& key,
-                      Blanks blanks) {
+/// Positive numbers of a column, by row; NaN where blanks are allowed.
+std::vector<double> numbers_of(TomlTable& table, const TextTable& results, const std::string& key,
+                               Blanks blanks) {
   std::size_t column = 0;
+  const std::string title = table.string(key);
   try {
-    column = results.column(table.string(key));
+    column = results.column(title);
   } catch (const model::SceneError& error) {
-    if (error.where().column > 0 || error.where().file != results.file) throw;
     throw table.error(key, results.file + " " + error.problem(), error.remedy());
   }
-  for (std::size_t row = 0; row < results.rows.size(); ++row) {
-    const double value = results.rows[row][column];
+  std::vector<double> numbers;
+  for (const auto& row : results.rows) {
+    const double value = numbers.emplace_back(results.number(row, column));
     if (value > 0 || (blanks == Blanks::allowed && std::isnan(value))) continue;
     throw table.error(key,
-                      fmt::format("{}, line {}: the value is {}", results.file, results.lines[row],
+                      fmt::format("{}, line {}: the value is {}", results.file, row.line,
                                   std::isnan(value) ? "blank" : "not positive"),
                       blanks == Blanks::allowed
                           ? "give frequencies in Hz, and nothing where none was found"
                           : "give every row a positive number in this column");
   }
-  return column;
+  return numbers;
 }
 
 /// The published EI values of a bending test, with their uncertainty where a column has it.
-ident::BendingSource published_values(TomlTable& table, const ResultTable& results) {
-  const std::size_t tension = column_of(table, results, "tension", Blanks::refused);
-  const std::size_t EI = column_of(table, results, "EI", Blanks::refused);
-  const auto beginning = [&](const std::vector<double>& row, const std::string& with) {
+ident::BendingSource published_values(TomlTable& table, const TextTable& results) {
+  const auto tension = numbers_of(table, results, "tension", Blanks::refused);
+  const auto EI = numbers_of(table, results, "EI", Blanks::refused);
+  const auto beginning = [&](const TextTable::Row& row, const std::string& with) {
     for (std::size_t i = 0; i < results.columns.size(); ++i) {
-      if (results.columns[i].starts_with(with)) return row[i];
+      if (results.columns[i].name.starts_with(with)) return results.number(row, i);
     }
     return signal::kNaN;
   };
   ident::BendingSource source;
   source.name = results.file;
-  for (const auto& row : results.rows) {
-    source.values.push_back({row[tension], row[EI], beginning(row, "std"), beginning(row, "low"),
-                             beginning(row, "high")});
+  for (std::size_t i = 0; i < EI.size(); ++i) {
+    const auto& row = results.rows[i];
+    source.values.push_back(
+        {tension[i], EI[i], beginning(row, "std"), beginning(row, "low"), beginning(row, "high")});
   }
   return source;
 }
@@ -238,9 +240,9 @@ class Reader {
     reference.finish();
   }
 
-  ResultTable read_results(TomlTable& table) {
-    ResultTable results =
-        read_result_table(file_of(table, "file", table.string("file"), "a CSV table"));
+  TextTable read_results(TomlTable& table) {
+    TextTable results =
+        read_text_table(file_of(table, "file", table.string("file"), "a CSV table"));
     add_input(results.file);
     return results;
   }
@@ -254,7 +256,6 @@ class Reader {
                           "recordings of a cable under tension hold a channel of it; tension = 0 "
                           "is for a beam without");
       }
-      read_keys(table, beam_keys_of(bending));
       auto& section = bending.section;
       if (!bending.rectangle_m.empty()) {
         section.rectangle_m = {bending.rectangle_m[0], bending.rectangle_m[1]};
@@ -264,21 +265,17 @@ class Reader {
                            : bending.ends == "cantilever" ? ident::BeamEnds::cantilever
                                                           : ident::BeamEnds::clamped;
     } else {
-      refuse_keys(table, beam_keys_of(bending), "belongs to a beam without tension",
-                  "add tension = 0");
       campaign.strand = campaign_.strand;
     }
     if (!table.has("recording") && !bending.beam()) {
       TomlTable results = table.table("table");
       campaign.sources.push_back(published_values(results, read_results(results)));
       results.finish();
-      refuse_keys(table, record_keys_of(bending), "is of recordings", "add [[test.recording]]");
       return;
     }
     if (table.has("table")) {
       throw table.error("table", "is given beside recordings", "keep one of them");
     }
-    read_keys(table, record_keys_of(bending));
     if (bending.beam()) {  // without tension these have no effect
       auto& options = campaign.test;
       options.tension_zero_std_N = options.tension_calibration_std = 0;
@@ -315,7 +312,6 @@ class Reader {
     take_band(decay.band_hz, inputs.options.decay);
     if (table.has("scene")) {
       inputs.scene = scene_use(table, test, inputs.sensors);
-      read_keys(table, scene_keys_of(decay));
       const auto loads = names_of(inputs.scene->scene.loads);
       if (!inputs.load.empty()) {
         static_cast<void>(place_of(inputs.load, loads, table, "load", "load of the scene",
@@ -350,7 +346,6 @@ class Reader {
     }
     tension.complete();
     if (table.has("recording")) {
-      read_keys(table, peak_keys_of(tension));
       take_band(tension.band_hz, inputs);
       read_recordings(table, test);
     } else if (inputs.test.modes.empty()) {
@@ -372,29 +367,21 @@ class Reader {
     if (std::all_of(planes.begin(), planes.end(), [&](const auto& p) { return p == planes[0]; })) {
       inputs.setup.plane = plane_named(planes[0]);
     }
-    if (recorded) {
-      read_keys(table, recorded_keys_of(modal));
-      auto& options = inputs.options;
-      if (!modal.band_hz.empty()) {
-        options.hammer.impact.hits.band_hz = {modal.band_hz[0], modal.band_hz[1]};
-      }
-      if (options.ambient) {
-        refuse_keys(table, hammer_keys_of(modal), "is of hits", "take ambient = true out");
-        read_keys(table, ambient_keys_of(modal));
-        read_recordings(table, test);
-      } else {
-        refuse_keys(table, ambient_keys_of(modal), "is of ambient motion", "add ambient = true");
-        read_hammer(table, test, modal);
-      }
+    auto& hammer = inputs.options.hammer;
+    if (!modal.band_hz.empty()) {
+      hammer.impact.hits.band_hz = {modal.band_hz[0], modal.band_hz[1]};
     }
+    if (recorded && !inputs.options.ambient && hammer.force.empty()) {
+      throw table.error("force", "is missing", "name the hammer's channel, or say ambient = true");
+    }
+    if (recorded) read_hits(table, test, modal);
     std::optional<bool> by_tension;
     if (!recorded || table.has("table")) by_tension = read_published(table, recorded, modal);
     check_tensions(table, test, inputs.scene, by_tension);
     inputs.name = test.name;
   }
 
-  void read_hammer(TomlTable& table, CampaignTest& test, ModalTest& modal) const {
-    read_keys(table, hammer_keys_of(modal));
+  void read_hits(TomlTable& table, CampaignTest& test, ModalTest& modal) const {
     auto& options = modal.inputs.options;
     auto& impact = options.hammer.impact;
     impact.estimator = modal.estimator == "h2"   ? signal::FrfEstimator::h2
@@ -430,27 +417,28 @@ class Reader {
   /// A table of frequencies; whether it goes by tension.
   bool read_published(TomlTable& table, bool recorded, ModalTest& modal) {
     TomlTable results = table.table("table");
-    const ResultTable found = read_results(results);
-    std::optional<std::size_t> tension, measured;
-    if (results.has("tension")) tension = column_of(results, found, "tension", Blanks::refused);
+    const TextTable found = read_results(results);
+    std::vector<double> tension, measured;
+    if (results.has("tension")) tension = numbers_of(results, found, "tension", Blanks::refused);
     if (!recorded || results.has("measured")) {
-      measured = column_of(results, found, "measured", Blanks::allowed);
+      measured = numbers_of(results, found, "measured", Blanks::allowed);
+    }
+    auto& published = modal.inputs.published;
+    published.resize(found.rows.size());
+    for (std::size_t i = 0; i < published.size(); ++i) {
+      if (!tension.empty()) published[i].tension_N = tension[i];
+      published[i].measured_hz = measured.empty() ? signal::kNaN : measured[i];
     }
     if (results.has("models")) {
       TomlTable models = results.table("models");
       for (const auto& label : models.keys()) {
-        modal.models.emplace_back(label, column_of(models, found, label, Blanks::allowed));
+        const auto theirs = numbers_of(models, found, label, Blanks::allowed);
+        for (std::size_t i = 0; i < theirs.size(); ++i) published[i].models_hz.push_back(theirs[i]);
+        modal.models.push_back(label);
       }
     }
     results.finish();
-    for (const auto& row : found.rows) {
-      ident::PublishedMode mode;
-      if (tension) mode.tension_N = row[*tension];
-      mode.measured_hz = measured ? row[*measured] : signal::kNaN;
-      for (const auto& [label, column] : modal.models) mode.models_hz.push_back(row[column]);
-      modal.inputs.published.push_back(std::move(mode));
-    }
-    return tension.has_value();
+    return !tension.empty();
   }
 
   /// The scene that stands for a test, the parameters that take a state's values, sensors.

@@ -1,12 +1,13 @@
 #include "apps/results/text_table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "model/scene/scene_error.h"
+#include "model/scene/toml_table.h"
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
 #include "signal/readers/csv/csv_table.h"
@@ -171,10 +172,11 @@ class Reader {
 
 }  // namespace
 
-std::ptrdiff_t find_column(const std::vector<std::string>& names, const std::string& title) {
+std::ptrdiff_t TextTable::find(const std::string& title) const {
   const auto at = [&](auto&& matches) {
-    const auto name = std::find_if(names.begin(), names.end(), matches);
-    return name == names.end() ? std::ptrdiff_t{-1} : name - names.begin();
+    const auto found = std::find_if(columns.begin(), columns.end(),
+                                    [&](const Column& column) { return matches(column.name); });
+    return found == columns.end() ? std::ptrdiff_t{-1} : found - columns.begin();
   };
   const auto is = [](const std::string& wanted) {
     return [lower = signal::lower_case(wanted)](const std::string& name) {
@@ -185,6 +187,30 @@ std::ptrdiff_t find_column(const std::vector<std::string>& names, const std::str
   if (index < 0) index = at(is(title));
   if (index < 0) index = at(is(signal::split_title(title).name));
   return index;
+}
+
+std::size_t TextTable::column(const std::string& title) const {
+  if (const auto index = find(title); index >= 0) return static_cast<std::size_t>(index);
+  std::vector<std::string> names;
+  for (const auto& one : columns) names.push_back(one.name);
+  const auto nearest = model::nearest_word(title, names);
+  throw model::SceneError({file, header_line, 0, ""}, "has no column \"" + title + "\"",
+                          nearest ? "did you mean \"" + *nearest + "\"?"
+                                  : fmt::format("its columns: \"{}\"", fmt::join(names, "\", \"")));
+}
+
+double TextTable::number(const Row& row, const std::string& title) const {
+  const auto index = find(title);
+  return index < 0 ? std::numeric_limits<double>::quiet_NaN()
+                   : number(row, static_cast<std::size_t>(index));
+}
+
+std::string TextTable::text(const Row& row, const std::string& title) const {
+  const auto index = find(title);
+  if (index < 0) return {};
+  const auto& cell = row.cells[static_cast<std::size_t>(index)];
+  const auto begin = cell.find_first_not_of(" \t"), end = cell.find_last_not_of(" \t");
+  return begin == std::string::npos ? std::string() : cell.substr(begin, end - begin + 1);
 }
 
 double TextTable::number(const Row& row, std::size_t column) const {

@@ -35,11 +35,15 @@ struct TextTable {
   /// The cell in SI; NaN for a blank or a word for none ("-", "NaN"). Throws model::SceneError with
   /// line and column for what is no finite number.
   [[nodiscard]] double number(const Row& row, std::size_t column) const;
-};
 
-/// Index of the column of that title, with or without its unit, in any case of letters; -1: none.
-[[nodiscard]] std::ptrdiff_t find_column(const std::vector<std::string>& names,
-                                         const std::string& title);
+  /// Index of the column of that title, with or without its unit, in any case of letters; -1: none.
+  [[nodiscard]] std::ptrdiff_t find(const std::string& title) const;
+  /// The same; throws model::SceneError with the nearest title or all there are when it is missing.
+  [[nodiscard]] std::size_t column(const std::string& title) const;
+  /// The cell under a title, blanks around it taken off; NaN, empty: there is no such column.
+  [[nodiscard]] double number(const Row& row, const std::string& title) const;
+  [[nodiscard]] std::string text(const Row& row, const std::string& title) const;
+};
 
 enum class ShortRows { refused, filled };  ///< what is absent at the end is blank
 

@@ -13,10 +13,8 @@ namespace rigfit::apps {
 namespace {
 
 /// Labels of the published models in the test's table; empty without a table.
-std::vector<std::string> published_models(const CampaignTest& test) {
-  std::vector<std::string> labels;
-  for (const auto& [label, column] : test.as<ModalTest>().models) labels.push_back(label);
-  return labels;
+const std::vector<std::string>& published_models(const CampaignTest& test) {
+  return test.as<ModalTest>().models;
 }
 
 using ident::MeasuredRow, ident::ModalState;

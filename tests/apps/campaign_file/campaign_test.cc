@@ -97,7 +97,7 @@ TEST_F(CampaignFiles, AreReadWhole) {
   const auto& modal = campaign.tests[1].as<ModalTest>();
   EXPECT_EQ(modal.inputs.setup.plane, model::ModePlane::in);
   EXPECT_THAT(modal.inputs.scene->EI_of, ElementsAre("cable.EI"));
-  EXPECT_EQ(modal.models[0].first, "FE");
+  EXPECT_EQ(modal.models[0], "FE");
   EXPECT_EQ(campaign.inputs.size(), 4u);
 }
 
@@ -123,7 +123,7 @@ files = ["*.csv"]
                                      folder_.path() / "campaign.toml"));
     ADD_FAILURE() << "a force of ambient motion was accepted";
   } catch (const model::SceneError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("is of hits"));
+    EXPECT_THAT(error.what(), HasSubstr("beside ambient"));
   }
 }
 

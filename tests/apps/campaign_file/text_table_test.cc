@@ -1,4 +1,4 @@
-#include "apps/results/result_table.h"
+#include "apps/results/text_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,29 +8,29 @@
 #include "model/scene/scene_error.h"
 #include "tests/apps/run_program.h"
 
-namespace rigfit::apps::result_table_test {
+namespace rigfit::apps::text_table_test {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-TEST(ResultTable, ReadsNumbersBlanksAndRemarks) {
+TEST(TextTable, ReadsNumbersBlanksAndRemarks) {
   const TemporaryFolder folder;
-  const auto table = read_result_table(folder.write(
+  const auto table = read_text_table(folder.write(
       "t.csv", "\xef\xbb\xbf# a remark\r\ntension_N, \"test_Hz\"\r\n25,1.5\r\n\r\n100,\r\n"));
-  EXPECT_THAT(table.columns, ElementsAre("tension_N", "test_Hz"));
+  EXPECT_EQ(table.columns[0].name, "tension_N");
   ASSERT_EQ(table.rows.size(), 2u);
-  EXPECT_EQ(table.rows[0][1], 1.5);
-  EXPECT_TRUE(std::isnan(table.rows[1][1]));
-  EXPECT_THAT(table.lines, ElementsAre(3, 5));
+  EXPECT_EQ(table.number(table.rows[0], 1), 1.5);
+  EXPECT_TRUE(std::isnan(table.number(table.rows[1], 1)));
+  EXPECT_EQ(table.rows[0].line, 3);
+  EXPECT_EQ(table.rows[1].line, 5);
   EXPECT_EQ(table.column("test_Hz"), 1u);
-  const auto semicolons = read_result_table(folder.write("s.csv", "a;b\n1;2\n"));
-  EXPECT_EQ(semicolons.rows[0][1], 2);
+  const auto semicolons = read_text_table(folder.write("s.csv", "a;b\n1;2\n"));
+  EXPECT_EQ(semicolons.number(semicolons.rows[0], 1), 2);
 }
 
 // As a spreadsheet of a country with decimal commas writes it: a title, units in brackets or in a
 // line of their own, semicolons or tabs.
-TEST(ResultTable, ReadsWhatARecordingReaderReads) {
+TEST(TextTable, ReadsWhatARecordingReaderReads) {
   const TemporaryFolder folder;
   for (const char* text :
        {"\xef\xbb\xbfTension (kN);test [Hz];note\r\n0,025;5,26;first\r\n0,1;;\r\n",
@@ -38,28 +38,30 @@ TEST(ResultTable, ReadsWhatARecordingReaderReads) {
         "tension_kN,test_Hz\n0.025,5.26\n0.1,n/a\n", "tension;test\nkN;Hz\n0,025;5,26\n0,1;\n",
         "\"tension [kN]\",\"test [Hz]\"\n\"0,025\",\"5,26\"\n\"0,1\",\"\"\n"}) {
     SCOPED_TRACE(text);
-    const auto table = read_result_table(folder.write("t.csv", text));
-    const bool suffix = table.columns[0] == "tension_kN";
+    const auto table = read_text_table(folder.write("t.csv", text));
+    const bool suffix = table.columns[0].name == "tension_kN";
     const auto tension = table.column(suffix ? "tension_kN" : "tension (kN)");
     const auto test = table.column(suffix ? "test_Hz" : "Test");
     ASSERT_EQ(table.rows.size(), 2u);
     // Products of decimals with 1000: one rounding each.
-    EXPECT_DOUBLE_EQ(table.rows[0][tension], 25);
-    EXPECT_DOUBLE_EQ(table.rows[1][tension], 100);
-    EXPECT_EQ(table.rows[0][test], 5.26);
-    EXPECT_TRUE(std::isnan(table.rows[1][test]));
+    EXPECT_DOUBLE_EQ(table.number(table.rows[0], tension), 25);
+    EXPECT_DOUBLE_EQ(table.number(table.rows[1], tension), 100);
+    EXPECT_EQ(table.number(table.rows[0], test), 5.26);
+    EXPECT_TRUE(std::isnan(table.number(table.rows[1], test)));
   }
   // A suffix that looks like a unit stays a name: neither inches nor degrees Celsius.
-  const auto names = read_result_table(folder.write("n.csv", "f_in,case_C\n5,6\n7,8\n"));
-  EXPECT_EQ(names.rows[0][names.column("f_in")], 5);
-  EXPECT_EQ(names.rows[1][names.column("case_C")], 8);
+  const auto names = read_text_table(folder.write("n.csv", "f_in,case_C\n5,6\n7,8\n"));
+  EXPECT_EQ(names.number(names.rows[0], "f_in"), 5);
+  EXPECT_EQ(names.number(names.rows[1], "case_C"), 8);
 }
 
-TEST(ResultTable, RefusesWhatIsNoTable) {
+TEST(TextTable, RefusesWhatIsNoTable) {
   const TemporaryFolder folder;
   const auto message = [&](const std::string& text) -> std::string {
     try {
-      static_cast<void>(read_result_table(folder.write("t.csv", text)).column("test_Hz"));
+      const auto table = read_text_table(folder.write("t.csv", text));
+      const auto column = table.column("test_Hz");
+      for (const auto& row : table.rows) static_cast<void>(table.number(row, column));
     } catch (const model::SceneError& error) {
       return error.what();
     }
@@ -75,9 +77,9 @@ TEST(ResultTable, RefusesWhatIsNoTable) {
   EXPECT_THAT(message("a,test_Hz\n"), HasSubstr("no rows"));
   EXPECT_THAT(message(""), HasSubstr("no rows"));
   EXPECT_THAT(message("a,tset_Hz\n1,2\n"), HasSubstr("did you mean \"tset_Hz\"?"));
-  EXPECT_THROW(static_cast<void>(read_result_table(folder.path() / "none.csv")), model::SceneError);
-  EXPECT_THROW(static_cast<void>(read_result_table(folder.path())), model::SceneError);
+  EXPECT_THROW(static_cast<void>(read_text_table(folder.path() / "none.csv")), model::SceneError);
+  EXPECT_THROW(static_cast<void>(read_text_table(folder.path())), model::SceneError);
 }
 
 }  // namespace
-}  // namespace rigfit::apps::result_table_test
+}  // namespace rigfit::apps::text_table_test
