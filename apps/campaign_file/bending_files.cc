@@ -8,10 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <ostream>
-#include <streambuf>
 
-#include "apps/campaign_file/load_deflection.h"
-#include "apps/cli/at_hand.h"
 #include "apps/cli/exit_code.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
@@ -56,6 +53,67 @@ const signal::Channel* only_in(const signal::Recording& recording, const std::st
   }
   return only;
 }
+
+/// Correlation of two channels without missing samples; 0: something is missing or constant.
+double correlation(const Eigen::VectorXd& x, const Eigen::VectorXd& y) {
+  const Eigen::ArrayXd a = x.array() - x.mean(), b = y.array() - y.mean();
+  const double r = (a * b).sum() / std::sqrt(a.square().sum() * b.square().sum());
+  return std::isfinite(r) ? std::abs(r) : 0;
+}
+
+/// Standard deviation over mean.
+double relative_change(const Eigen::VectorXd& x) {
+  const double mean = std::abs(x.mean());
+  return mean > 0 ? std::sqrt((x.array() - x.mean()).square().mean()) / mean : 1e300;
+}
+
+}  // namespace
+
+std::optional<LoadDeflection> load_deflection(const signal::Recording& recording) {
+  LoadDeflection found;
+  std::vector<const signal::Channel*> forces;
+  const signal::Channel* way = find(recording, "", {"deflection", "displacement", "lvdt"});
+  for (const auto& channel : recording.channels) {
+    const bool grams = channel.source_unit == "g" && find(recording, "", {"load"}) == &channel;
+    if (channel.quantity == signal::Quantity::force || channel.unit == "kg" || grams ||
+        lower(channel.name).starts_with("mass")) {
+      forces.push_back(&channel);
+    } else if (channel.quantity == signal::Quantity::displacement && way == nullptr) {
+      way = &channel;
+    } else if (channel.quantity == signal::Quantity::displacement && way != &channel) {
+      return std::nullopt;
+    }
+  }
+  const auto* const named_tension = find(recording, "", {"tension", "preload"});
+  const auto* const named_load = find(recording, "", {"load", "force", "q"});
+  if (named_tension != nullptr && named_load != nullptr && way != nullptr) {
+    return LoadDeflection{named_tension->name, named_load->name, way->name};
+  }
+  if (way == nullptr || forces.empty() || forces.size() > 2 || !way->samples.allFinite()) return {};
+  const auto& d = way->samples;
+  int crossings = 0;
+  const double middle = d.mean();
+  for (Eigen::Index i = 1; i < d.size(); ++i) crossings += (d[i - 1] < middle) != (d[i] < middle);
+  constexpr int kMostTurns = 20;  // a bending test has fewer; a vibration has more
+  if (crossings >= kMostTurns || d.size() < 3) return std::nullopt;
+  for (const auto* force : forces) {
+    if (!force->samples.allFinite()) return std::nullopt;
+  }
+  const signal::Channel *load = forces.front(), *tension = nullptr;
+  if (forces.size() == 2) {
+    tension = forces.back();
+    const double r_load = correlation(load->samples, d), r_other = correlation(tension->samples, d);
+    const double c_load = relative_change(load->samples),
+                 c_other = relative_change(tension->samples);
+    const bool steady = std::min(c_load, c_other) < 0.2 * std::max(c_load, c_other);
+    if (steady ? c_load < c_other : r_load < r_other) std::swap(load, tension);
+    if (!steady && std::min(r_load, r_other) > 0.7 * std::max(r_load, r_other)) return std::nullopt;
+  }
+  if (correlation(load->samples, d) < 0.8) return std::nullopt;
+  return LoadDeflection{tension == nullptr ? "" : tension->name, load->name, way->name};
+}
+
+namespace {
 
 const std::vector<std::string> kLoadNames = {"load", "force",  "standard force",
                                              "q",    "weight", "mass"};
@@ -187,10 +245,6 @@ class Columns {
   std::string file_;
 };
 
-class NullBuffer : public std::streambuf {
-  int overflow(int c) override { return c; }
-};
-
 /// The tests of a bending result that gave an EI, fitted again by the same laws.
 ident::StiffnessCurve curve_of_result(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -239,25 +293,8 @@ void drop_time_notes(signal::Recording& recording) {
   });
 }
 
-signal::Recording load_bending_file(const std::filesystem::path& path, VerbContext& context,
-                                    const RecordingDescription& given) {
-  NullBuffer nothing;
-  std::ostream sink(&nothing);
-  VerbContext own(sink);
-  own.quiet = context.quiet || context.silent;  // no progress
-  own.silent = true;                            // no notes: they are told below
-  own.hashes_inputs = false;
-  own.reading = context.reading;
-  own.at_hand = context.at_hand;
-  if (!recording_at_hand(path.string(), context)) {
-    // The inputs are named before they are read.
-    context.input(path.string());
-    for (const auto& file :
-         {signal::description_of_folder(path), signal::description_beside(path)}) {
-      if (file) context.input(file->string());
-    }
-  }
-  signal::Recording recording = load_recording(path, own, {}, given);
+signal::Recording load_bending_file(const std::filesystem::path& path, VerbContext& context) {
+  signal::Recording recording = load_untold(path, context);
   drop_time_notes(recording);
   const std::string file = recording.path.string();
   for (const auto& note : recording.notes) {
@@ -274,9 +311,8 @@ ident::BendingSource bending_source(const signal::Recording& recording,
 
 ident::StiffnessCurve read_stiffness_curve(const std::filesystem::path& path) {
   if (path.extension() == ".json") return curve_of_result(path);
-  NullBuffer nothing;
-  std::ostream sink(&nothing);
-  VerbContext own(sink);
+  std::ostream nothing(nullptr);
+  VerbContext own(nothing);
   own.quiet = true;
   own.hashes_inputs = false;
   std::vector<Warning> warnings;

@@ -2,6 +2,8 @@
 // `rigfit bending --json` wrote. The verb, the report and what takes EI(T) read them here.
 #pragma once
 
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,17 @@
 #include "signal/recording/recording.h"
 
 namespace rigfit::apps {
+
+/// The channels of a load-deflection table or record.
+struct LoadDeflection {
+  std::string tension, load, deflection;  ///< tension: empty where there is none
+  bool operator==(const LoadDeflection&) const = default;
+};
+
+/// By names ("tension", "load", "deflection" ...), else by their quantities: one displacement and a
+/// force (or mass) that rises and falls with it; of two forces the one that does so least, or that
+/// hardly changes, is the tension. Empty: the recording is something else.
+[[nodiscard]] std::optional<LoadDeflection> load_deflection(const signal::Recording& recording);
 
 /// Names of columns; empty: the first whose name begins in one of the usual ways, such as
 /// "tension", "preload"; "load", "force", "Q"; "deflection", "displacement", "lvdt", "d"; without
@@ -26,8 +39,7 @@ struct BendingColumns {
 /// A recording or table as every reader of it; times and their faults do not matter here and are
 /// not noted. Inputs and notes go to the context.
 [[nodiscard]] signal::Recording load_bending_file(const std::filesystem::path& path,
-                                                  VerbContext& context,
-                                                  const RecordingDescription& given = {});
+                                                  VerbContext& context);
 /// Takes notes out that only matter where time does.
 void drop_time_notes(signal::Recording& recording);
 

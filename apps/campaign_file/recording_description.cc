@@ -11,13 +11,12 @@
 namespace rigfit::apps {
 namespace fs = std::filesystem;
 
-signal::Recording load_recording(const fs::path& path, VerbContext& context,
-                                 const signal::ReadOptions& options,
-                                 const RecordingDescription& given) {
+signal::Recording load_untold(const fs::path& path, VerbContext& context,
+                              const signal::ReadOptions& options,
+                              const RecordingDescription& given) {
   if (const auto known = recording_at_hand(path.string(), context)) {
     signal::Recording copy = *known;
     if (!(copy.sample_rate_hz > 0)) copy.sample_rate_hz = options.sample_rate_hz;
-    tell_notes(copy, context);
     return copy;
   }
   std::vector<RecordingDescription> descriptions;  // what wins stands last
@@ -36,7 +35,8 @@ signal::Recording load_recording(const fs::path& path, VerbContext& context,
   signal::Recording recording;
   {
     const auto size = static_cast<long>(fs::file_size(path, no_size));
-    Progress progress("reading " + path.filename().string(), no_size ? 0 : size, context.quiet);
+    Progress progress("reading " + path.filename().string(), no_size ? 0 : size,
+                      context.quiet || context.silent);
     long told = 0;
     recording = signal::read_recording(path, used, [&](std::size_t bytes) {
       progress.advance(static_cast<long>(bytes) - told);
@@ -44,6 +44,13 @@ signal::Recording load_recording(const fs::path& path, VerbContext& context,
     });
   }
   for (const auto& description : descriptions) signal::apply_description(description, recording);
+  return recording;
+}
+
+signal::Recording load_recording(const fs::path& path, VerbContext& context,
+                                 const signal::ReadOptions& options,
+                                 const RecordingDescription& given) {
+  signal::Recording recording = load_untold(path, context, options, given);
   tell_notes(recording, context);
   return recording;
 }

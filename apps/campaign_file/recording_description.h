@@ -22,6 +22,11 @@ using signal::RecordingDescription;
                                                const signal::ReadOptions& options = {},
                                                const RecordingDescription& given = {});
 
+/// The same; its notes are not told yet.
+[[nodiscard]] signal::Recording load_untold(const std::filesystem::path& path, VerbContext& context,
+                                            const signal::ReadOptions& options = {},
+                                            const RecordingDescription& given = {});
+
 /// The same, at `sample_rate_hz` where the file gives none.
 [[nodiscard]] signal::Recording load_recording(const std::filesystem::path& path,
                                                VerbContext& context, double sample_rate_hz);

@@ -3,7 +3,6 @@
 #include <glob.h>
 
 #include <ostream>
-#include <streambuf>
 #include <unordered_set>
 #include <utility>
 
@@ -13,10 +12,6 @@
 namespace rigfit::apps {
 namespace fs = std::filesystem;
 namespace {
-
-class NullBuffer : public std::streambuf {
-  int overflow(int c) override { return c; }
-};
 
 /// Files a pattern names, sorted; of a folder none.
 std::vector<std::string> matches(const fs::path& pattern) {
@@ -59,8 +54,7 @@ std::vector<RecordingGroup> read_recording_groups(model::TomlTable& test, const 
 std::vector<LoadedRecording> load_recordings(const std::vector<RecordingGroup>& groups,
                                              const std::function<void()>& file_read) {
   std::vector<LoadedRecording> loaded;
-  NullBuffer nothing;
-  std::ostream sink(&nothing);
+  std::ostream nothing(nullptr);
   for (std::size_t k = 0; k < groups.size(); ++k) {
     for (const auto& name : groups[k].missing) {
       loaded.push_back({name,
@@ -71,7 +65,7 @@ std::vector<LoadedRecording> load_recordings(const std::vector<RecordingGroup>& 
     }
     for (const auto& file : groups[k].files) {
       LoadedRecording entry{file, k, std::nullopt, "", {}};
-      VerbContext context(sink);  // its warnings are the recording's notes, which come along
+      VerbContext context(nothing);  // its warnings are the recording's notes, which come along
       context.quiet = true;
       context.hashes_inputs = false;
       try {
