@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "apps/campaign_file/bending_files.h"
-#include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/at_hand.h"
 #include "apps/cli/plots/verb_figures.h"
