@@ -32,9 +32,6 @@ std::string fit_text(const UpdateFit& fit) {
                                  fit.degrees_of_freedom);
   if (std::isfinite(fit.p_value)) text += ", probability " + probability_text(fit.p_value);
   if (!fit.stated) text += ", with assumed uncertainties";
-  if (fit.by_inputs > 0) {
-    text += fmt::format("; chi-square {:.4g} more, were the inputs exact", fit.by_inputs);
-  }
   if (fit.model_std > 0) {
     text += fmt::format("; error of the model in frequency {}", percent(fit.model_std));
   }

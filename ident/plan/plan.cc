@@ -223,10 +223,11 @@ std::vector<double> planned_stds(const PlanCandidates& candidates, const Eigen::
 PlannedGoal planned_goal(const PlanCandidates& candidates, const std::vector<FreeParameter>& free,
                          const PlanGoal& goal) {
   const auto& coordinates = candidates.problem.coordinates();
-  const auto at = std::find_if(coordinates.begin(), coordinates.end(), [&](const auto& one) {
+  const auto last = coordinates.begin() + candidates.problem.parameter_count();
+  const auto at = std::find_if(coordinates.begin(), last, [&](const auto& one) {
     return free[static_cast<std::size_t>(one.parameter)].name == goal.parameter;
   });
-  if (at == coordinates.end() || !(goal.std > 0) || !std::isfinite(goal.std)) {
+  if (at == last || !(goal.std > 0) || !std::isfinite(goal.std)) {
     throw std::invalid_argument("the goal " + goal.parameter +
                                 " is no free parameter or not positive");
   }
@@ -238,7 +239,7 @@ PlannedGoal planned_goal(const PlanCandidates& candidates, const std::vector<Fre
 // What no measurement determines: the null space of all data, without priors.
 std::vector<OpenDirection> open_directions(const PlanCandidates& candidates,
                                            const std::vector<PlannedMode>& modes) {
-  const Eigen::Index n = candidates.problem.size();
+  const Eigen::Index n = candidates.problem.parameter_count();
   IdentifiabilityOptions limits;
   limits.relative_rank_tolerance = kRankTolerance;
   return identifiability(plan_rows(candidates, modes).leftCols(n), Eigen::VectorXd::Ones(n),
@@ -255,7 +256,7 @@ std::string what_it_takes(const PlanCandidates& candidates, const PlannedGoal& g
   if (excess <= 0) {
     return candidates.problem.inputs().empty()
                ? "allow more sensors, hits or longer records"
-               : "fit the uncertain inputs as free parameters with priors, or know them better";
+               : "allow more sensors, hits or longer records, or know the uncertain inputs better";
   }
   // A prior of variance v on parameter j lowers the variance by c^2 / (var_j + v). One that is
   // wider than the value says nothing, and the condition is then rounding.
@@ -312,7 +313,7 @@ PlanResult plan_measurements(const std::vector<UpdateState>& states,
   }
   const Tests everything = all_tests(candidates, options);
   const auto all_modes = planned_modes(candidates, options, everything);
-  const Eigen::MatrixXd least = plan_covariance(candidates, all_modes, true);
+  const Eigen::MatrixXd least = plan_covariance(candidates, all_modes);
   result.not_identifiable = open_directions(candidates, all_modes);
   std::vector<std::pair<Eigen::Index, double>> targets;
   for (const auto& one : goals) {
@@ -337,7 +338,7 @@ PlanResult plan_measurements(const std::vector<UpdateState>& states,
   const auto after = planned_stds(candidates, planner.covariance(now)),
              best = planned_stds(candidates, least);
   const auto names = candidates.problem.names();
-  for (std::size_t j = 0; j < names.size(); ++j) {
+  for (std::size_t j = 0; j < before.size(); ++j) {
     const double value =
         candidates.problem.coordinates()[j].value(candidates.q[static_cast<Eigen::Index>(j)]);
     result.parameters.push_back({names[j], value, before[j], after[j], best[j]});

@@ -10,7 +10,6 @@
 
 #include "ident/plan/decay_bound.h"
 #include "ident/statistics/in_parallel.h"
-#include "ident/update/uncertainty/shared_sources.h"
 
 namespace rigfit::ident {
 namespace {
@@ -73,34 +72,6 @@ Eigen::MatrixXd decay_amplitudes(const model::NaturalMode& mode, const PlanCandi
   return amplitude.cwiseAbs();
 }
 
-// Fills `by_input`, from differences.
-void differentiate_by_inputs(int state, const PlanCandidates& candidates, PlanStateModes& result) {
-  const auto& inputs = candidates.problem.inputs();
-  const auto count = static_cast<Eigen::Index>(result.modes.size());
-  result.by_input = Eigen::MatrixXd::Zero(2 * count, static_cast<Eigen::Index>(inputs.size()));
-  const auto logarithms = [&](const UpdateProblem& moved, Eigen::VectorXd& values) {
-    const auto modelled = moved.modes(state, candidates.q, false);
-    values.setZero(2 * count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const auto& mode = result.modes[static_cast<std::size_t>(i)];
-      const auto* at = modelled.find(mode.plane, mode.order);
-      if (at == nullptr) return false;
-      values[i] = std::log(at->frequency_hz);
-      if (known(at->damping_ratio)) values[count + i] = std::log(at->damping_ratio);
-    }
-    return true;
-  };
-  for (Eigen::Index k = 0; k < result.by_input.cols(); ++k) {
-    Eigen::VectorXd change;
-    if (change_by_input(candidates.problem, k, logarithms, change)) {
-      result.by_input.col(k) = change;
-    } else {
-      result.failure =
-          "no equilibrium within the uncertainty of " + inputs[static_cast<std::size_t>(k)].name;
-    }
-  }
-}
-
 PlanStateModes state_modes(int state, const PlanCandidates& candidates,
                            const PlanOptions& options) {
   PlanStateModes result;
@@ -135,7 +106,6 @@ PlanStateModes state_modes(int state, const PlanCandidates& candidates,
   }
   result.by_coordinate.resize(2 * count, frequency.cols());
   result.by_coordinate << frequency.topRows(count), damping.topRows(count);
-  differentiate_by_inputs(state, candidates, result);
   return result;
 }
 
@@ -162,6 +132,7 @@ PlanCandidates plan_candidates(const std::vector<UpdateState>& states,
   update.inputs = options.inputs;
   PlanCandidates candidates{UpdateProblem(asked, free, update)};
   candidates.q = candidates.problem.start();
+  candidates.problem = candidates.problem.with_nuisances(candidates.q);
   const auto is_damping = [](const auto& name) { return name.find("damping") != name.npos; };
   candidates.damping_free = std::any_of(free.begin(), free.end(), [&](const auto& one) {
     return is_damping(one.name) || std::any_of(one.targets.begin(), one.targets.end(), is_damping);
@@ -209,9 +180,8 @@ std::vector<PlannedMode> planned_modes(const PlanCandidates& candidates, const P
 }
 
 Eigen::MatrixXd plan_rows(const PlanCandidates& candidates, const std::vector<PlannedMode>& modes) {
-  const auto count = static_cast<Eigen::Index>(modes.size()), n = candidates.problem.size(),
-             inputs = static_cast<Eigen::Index>(candidates.problem.inputs().size());
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2 * count, n + inputs);
+  const auto count = static_cast<Eigen::Index>(modes.size());
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2 * count, candidates.problem.size());
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto& mode = modes[static_cast<std::size_t>(i)];
     const auto& state = candidates.states[mode.state];
@@ -221,29 +191,23 @@ Eigen::MatrixXd plan_rows(const PlanCandidates& candidates, const std::vector<Pl
                                  }) -
                     state.modes.begin();
     const auto damping = at + static_cast<Eigen::Index>(state.modes.size());
-    rows.row(2 * i) << state.by_coordinate.row(at), state.by_input.row(at);
-    rows.row(2 * i) /= mode.frequency_std;
+    rows.row(2 * i) = state.by_coordinate.row(at) / mode.frequency_std;
     if (!(mode.damping_std > 0) || !candidates.damping_free) continue;
-    rows.row(2 * i + 1) << state.by_coordinate.row(damping), state.by_input.row(damping);
-    rows.row(2 * i + 1) /= mode.damping_std;
+    rows.row(2 * i + 1) = state.by_coordinate.row(damping) / mode.damping_std;
   }
   return rows;
 }
 
 Eigen::MatrixXd plan_covariance(const PlanCandidates& candidates,
-                                const std::vector<PlannedMode>& modes, bool least) {
+                                const std::vector<PlannedMode>& modes) {
   const Eigen::MatrixXd rows = plan_rows(candidates, modes);
-  const Eigen::Index n = candidates.problem.size(), inputs = rows.cols() - n;
+  const Eigen::Index n = candidates.problem.parameter_count();
   Eigen::MatrixXd information = rows.transpose() * rows;
-  information.bottomRightCorner(inputs, inputs).diagonal().array() += 1;
-  for (Eigen::Index j = 0; j < n; ++j) {
+  for (Eigen::Index j = 0; j < rows.cols(); ++j) {
     const double prior = candidates.problem.coordinates()[static_cast<std::size_t>(j)].prior_std;
     if (prior > 0) information(j, j) += 1 / (prior * prior);
   }
-  if (least) return vague_inverse(information).topLeftCorner(n, n);
-  const Eigen::MatrixXd C = vague_inverse(information.topLeftCorner(n, n));
-  const Eigen::MatrixXd shifts = C * information.topRightCorner(n, inputs);
-  return C + shifts * shifts.transpose();
+  return vague_inverse(information).topLeftCorner(n, n);
 }
 
 }  // namespace rigfit::ident

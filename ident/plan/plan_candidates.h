@@ -27,15 +27,14 @@ struct PlanTest {
 
 /// Every mode of a state that a test may identify.
 struct PlanStateModes {
-  std::string failure;             ///< empty: there are modes
-  std::vector<PlannedMode> modes;  ///< no standard uncertainties
-  /// d ln(f) of each mode, then d ln(zeta) of each, by coordinate and by one std of each input.
-  Eigen::MatrixXd by_coordinate, by_input;
+  std::string failure;                     ///< empty: there are modes
+  std::vector<PlannedMode> modes;          ///< no standard uncertainties
+  Eigen::MatrixXd by_coordinate;           ///< d ln(f) of each mode, then d ln(zeta) of each
   std::vector<Eigen::MatrixXd> amplitude;  ///< by mode: loads x sensors, over the noise
 };
 
 struct PlanCandidates {
-  UpdateProblem problem;
+  UpdateProblem problem;   ///< with the inputs as coordinates
   Eigen::VectorXd q = {};  ///< the scenes' own values
   bool damping_free = false;
   std::vector<PlanStateModes> states = {};
@@ -54,15 +53,13 @@ struct PlanCandidates {
                                                      const std::vector<PlanTest>& tests);
 
 /// Derivatives over standard uncertainties: a row for each frequency, and for each damping ratio
-/// where a damping is free; columns are coordinates, then inputs.
+/// where a damping is free, by coordinate.
 [[nodiscard]] Eigen::MatrixXd plan_rows(const PlanCandidates& candidates,
                                         const std::vector<PlannedMode>& modes);
 
-/// Covariance of the coordinates by `modes` and priors, as an update states it; `least`: the
-/// smallest by any weights of the data. Directions without information get a standard uncertainty
-/// of 1000, so that it is finite.
+/// Covariance of the parameters' coordinates by `modes` and priors, as an update states it.
+/// Directions without information get a standard uncertainty of 1000, so that it is finite.
 [[nodiscard]] Eigen::MatrixXd plan_covariance(const PlanCandidates& candidates,
-                                              const std::vector<PlannedMode>& modes,
-                                              bool least = false);
+                                              const std::vector<PlannedMode>& modes);
 
 }  // namespace rigfit::ident

@@ -9,7 +9,6 @@
 #include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/problem/update_problem.h"
 #include "ident/update/problem/update_solver.h"
-#include "ident/update/uncertainty/shared_sources.h"
 #include "ident/update/uncertainty/update_intervals.h"
 #include "ident/update/uncertainty/update_misfit.h"
 #include "ident/update/uncertainty/update_segments.h"
@@ -26,7 +25,7 @@ void state_values(const UpdateProblem& problem, const UpdateSolution& answer,
                   UpdateResult& result) {
   const auto& coordinates = problem.coordinates();
   result.coordinates = answer.q;
-  for (std::size_t j = 0; j < coordinates.size(); ++j) {
+  for (std::size_t j = 0; j < result.parameters.size(); ++j) {
     result.parameters[j].value = coordinates[j].value(answer.q[static_cast<Eigen::Index>(j)]);
   }
   result.pairs = problem.pairs(answer.q, answer.matches.matches);
@@ -57,7 +56,6 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
     result.message += fmt::format("{} unknowns and {} data; ", problem.size(), data);
   }
   state_values(problem, answer, result);
-  result.shift_sources.clear();
   result.open.clear();
   const UpdateFit before = result.fit;
   result.fit = misfit_of(problem, matches, answer.q);
@@ -81,6 +79,14 @@ void take_error_off(const UpdateProblem& problem, const UpdateOptions& options,
       misfit_of(problem, answer.matches.matches, q).p_value > kUnlikelyMisfit) {
     answer.q = std::move(q);
   }
+}
+
+// The problem with everything that is known to an uncertainty, and the answer in it.
+UpdateProblem whole_problem(const UpdateProblem& problem, const UpdateOptions& options,
+                            UpdateSolution& answer) {
+  const UpdateProblem whole = problem.with_nuisances(answer.q);
+  take_error_off(whole, options, answer);
+  return take_segments_off(whole, options, answer);
 }
 
 // The error of the model that the misfit at the answer asks for, and the answer with it.
@@ -133,8 +139,7 @@ void state_alternatives(const UpdateProblem& problem, const UpdateOptions& optio
       parameter.std = parameter.low = parameter.high = kNaN;
     }
     UpdateSolution solution = answers[k].solution;
-    take_error_off(problem, options, solution);
-    UpdateProblem settled = take_segments_off(problem, options, solution);
+    UpdateProblem settled = whole_problem(problem, options, solution);
     allow_for_misfit(options, settled, solution, other);
     state_answer(settled, options, solution, other);
     state_intervals(settled, options, solution.matches.matches, other);
@@ -235,10 +240,9 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     return result;
   }
   UpdateSolution answer = answers.front().solution;
-  take_error_off(problem, options, answer);
-  UpdateProblem settled = take_segments_off(problem, options, answer);
+  UpdateProblem settled = whole_problem(problem, options, answer);
   allow_for_misfit(options, settled, answer, result);
-  allow_for_shared(options, settled, answer, result);
+  settle_frfs(options, settled, answer, result);
   state_answer(settled, options, answer, result);
   if (auto fine = with_resolving_segments(settled, options, answer, result)) {
     const bool given = settled.has_given_segments();

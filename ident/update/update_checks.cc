@@ -153,18 +153,14 @@ UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
         problem.set_prior(j, solution.coordinates[j] + off);
       }
     }
-    // The data are the rig's; what is taken as known is off.
-    Eigen::VectorXd off(static_cast<Eigen::Index>(options.inputs.size()));
-    for (double& value : off) value = normal(random);
-    if (off.size() > 0) problem = problem.with(&UpdateVariant::inputs_off, off);
     Eigen::VectorXd q = solution.coordinates, frequencies, first;
     double cost = 0;
     if (minimise(problem, matches, options, q, cost) &&
         frequencies_of(problem, matches, q, frequencies)) {
       if (frequencies_of(problem, matches, start, first)) before[k] = std::move(first);
       fitted[k] = std::move(frequencies);
-      values[k].resize(n);
-      for (Eigen::Index j = 0; j < n; ++j) {
+      values[k].resize(solved.parameter_count());
+      for (Eigen::Index j = 0; j < solved.parameter_count(); ++j) {
         values[k][j] = problem.coordinates()[static_cast<std::size_t>(j)].value(q[j]);
       }
     }

@@ -105,7 +105,6 @@ struct Described<ident::UpdateFit> {
       field("chi2", &T::chi2, "", "chi-square", "misfit"),
       field("degrees_of_freedom", &T::degrees_of_freedom, "", "degrees of freedom", ""),
       field("p_value", &T::p_value, "", "probability", "of such a misfit"),
-      field("chi2_by_inputs", &T::by_inputs, "", "", "decrease by the inputs' uncertainty"),
       field(
           "uncertainties", [](const T& f) { return f.stated ? "stated" : "assumed"; }, "", "",
           "stated or assumed"),

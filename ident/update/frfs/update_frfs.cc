@@ -22,6 +22,8 @@ bool solved_together(const MeasuredFrf& a, const MeasuredFrf& b) {
   return a.decay_rate_1_s == b.decay_rate_1_s && a.frequency_hz == b.frequency_hz;
 }
 
+constexpr double kRateStep = 1e-7;  // relative: a resonance is wider than 1e-4 of its frequency
+
 model::FrfSensitivities frfs_at(const model::Scene& scene, const Eigen::VectorXd& lines,
                                 const std::vector<std::string>& names, double decay_rate_1_s) {
   if (!names.empty()) {
@@ -95,15 +97,21 @@ bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::In
   std::string failure;
   if (!fixed_scene(state, q, scene, failure)) return false;
   const auto [targets, owner] = jacobian != nullptr ? targets_of(state) : Targets{};
+  std::vector<std::pair<Eigen::Index, double>> rates;
+  if (jacobian != nullptr) rates = rate_changes(state);
   for (std::size_t f = 0; f < frfs.size(); ++f) {
     // FRFs of one test share their lines: solved once for all of them.
     bool before = false;
     for (std::size_t g = 0; g < f; ++g) before = before || solved_together(frfs[g], frfs[f]);
     if (before) continue;
     ++shared_->evaluations;
-    const auto solved = frfs_at(scene, measured_factor(state) * frfs[f].frequency_hz, targets,
-                                frfs[f].decay_rate_1_s);
+    const double rate = measured_factor(state, q);
+    const Eigen::VectorXd lines_hz = rate * frfs[f].frequency_hz;
+    const auto solved = frfs_at(scene, lines_hz, targets, frfs[f].decay_rate_1_s);
     if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
+    model::FrfSensitivities beside;  // at a slightly higher sample rate
+    if (!rates.empty())
+      beside = frfs_at(scene, (1 + kRateStep) * lines_hz, {}, frfs[f].decay_rate_1_s);
     for (std::size_t g = f; g < frfs.size(); ++g) {
       const MeasuredFrf& frf = frfs[g];
       if (g != f && !solved_together(frf, frfs[f])) continue;
@@ -125,6 +133,12 @@ bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::In
             const double by = factor * coordinates_[static_cast<std::size_t>(j)].derivative(q[j]);
             const std::complex<double> slope =
                 by * solved.rate[t][k](sensor, load) / (difference ? measured : H);
+            (*jacobian)(row, j) += slope.real() / std;
+            (*jacobian)(row + 1, j) += slope.imag() / std;
+          }
+          for (const auto& [j, change] : rates) {
+            const std::complex<double> slope = (beside.frfs.H[k](sensor, load) - H) * change /
+                                               (rate * kRateStep * (difference ? measured : H));
             (*jacobian)(row, j) += slope.real() / std;
             (*jacobian)(row + 1, j) += slope.imag() / std;
           }
@@ -195,42 +209,6 @@ double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q, int only) cons
   }
   return count > 0 ? std::sqrt(squares / static_cast<double>(count))
                    : std::numeric_limits<double>::quiet_NaN();
-}
-
-UpdateProblem UpdateProblem::with_places_of_hits(const Eigen::VectorXd& q) const {
-  constexpr double kQuantile = 0.05;
-  UpdateProblem other = *this;
-  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    const auto& state = states_[static_cast<std::size_t>(s)];
-    if (!takes_part(s)) continue;
-    for (std::size_t l = 0; l < state.scene.loads.size(); ++l) {
-      const auto& load = state.scene.loads[l];
-      const std::string target = load.name + ".position";
-      model::Scene scene;
-      std::string failure;
-      if (!load.place.node.empty() || is_stated(s, target)) continue;
-      if (!fixed_scene(s, q, scene, failure)) continue;
-      std::vector<double> largest;  // standard uncertainty that each line allows
-      for (const auto& frf : state.frfs) {
-        if (frf.load != l || frf.std.size() == 0) continue;
-        const auto solved = frfs_at(scene, frf.frequency_hz, {target}, frf.decay_rate_1_s);
-        if (solved.frfs.H.empty()) continue;
-        for (const auto line : lines_of(frf).line) {
-          const auto k = static_cast<std::size_t>(line);
-          const double slope = std::abs(solved.rate[0][k](static_cast<Eigen::Index>(frf.sensor),
-                                                          static_cast<Eigen::Index>(l)));
-          if (slope > 0) largest.push_back(frf.std[line] / slope);
-        }
-      }
-      if (largest.empty()) continue;
-      const auto at = static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(largest.size()));
-      std::nth_element(largest.begin(), largest.begin() + at, largest.end());
-      const std::string name = "place of the hits of " + load.name;
-      other.options_.inputs.push_back({state.name.empty() ? name : name + " [" + state.name + "]",
-                                       {{s, target, largest[static_cast<std::size_t>(at)]}}});
-    }
-  }
-  return other;
 }
 
 bool UpdateProblem::redraw_frfs(const Eigen::VectorXd& q, double spread,

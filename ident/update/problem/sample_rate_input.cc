@@ -35,19 +35,6 @@ std::vector<UncertainInput> sample_rate_inputs(const std::vector<StateClock>& cl
   return inputs;
 }
 
-double sample_rate_factor(const std::vector<UncertainInput>& inputs, const Eigen::VectorXd& off,
-                          int state) {
-  double factor = 1;
-  for (Eigen::Index i = 0; i < off.size(); ++i) {
-    for (const auto& effect : inputs[static_cast<std::size_t>(i)].effects) {
-      if (effect.state == state && effect.target == kSampleRateTarget) {
-        factor += off[i] * effect.change;
-      }
-    }
-  }
-  return factor;
-}
-
 double sample_rate_std(const std::vector<UncertainInput>& inputs, int state) {
   double variance = 0;
   for (const auto& input : inputs) {

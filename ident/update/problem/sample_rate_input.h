@@ -7,7 +7,6 @@
 // The frequencies' own standard uncertainties must then exclude it.
 #pragma once
 
-#include <Eigen/Core>
 #include <string_view>
 #include <vector>
 
@@ -29,11 +28,6 @@ struct StateClock {
 /// several. For a state listed several times with the same rate the largest e counts; a state with
 /// several rates is affected by each. Clocks with e = 0 are left out.
 [[nodiscard]] std::vector<UncertainInput> sample_rate_inputs(const std::vector<StateClock>& clocks);
-
-/// Factor on the state's measured frequencies when each input is off by `off` standard
-/// uncertainties; `off` may be empty.
-[[nodiscard]] double sample_rate_factor(const std::vector<UncertainInput>& inputs,
-                                        const Eigen::VectorXd& off, int state);
 
 /// Relative standard uncertainty of the state's frequencies due to these inputs.
 [[nodiscard]] double sample_rate_std(const std::vector<UncertainInput>& inputs, int state);

@@ -127,6 +127,7 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       coordinates_.push_back(q);
     }
   }
+  parameters_ = size();
 }
 
 bool UpdateProblem::damping_fitted(const MeasuredMode& mode) const {
@@ -148,6 +149,17 @@ Eigen::VectorXd UpdateProblem::start() const {
 std::vector<std::string> UpdateProblem::names() const {
   std::vector<std::string> names;
   for (const auto& q : coordinates_) {
+    if (q.input >= 0) {
+      names.push_back(options_.inputs[static_cast<std::size_t>(q.input)].name);
+      continue;
+    }
+    if (q.force >= 0) {
+      const auto& force = forces_[static_cast<std::size_t>(q.force)];
+      const auto& state = states_[static_cast<std::size_t>(force.state)];
+      names.push_back("force of the hits of " + state.scene.loads[force.load].name +
+                      (state.name.empty() ? "" : " [" + state.name + "]"));
+      continue;
+    }
     const auto& name = free_[static_cast<std::size_t>(q.parameter)].name;
     names.push_back(
         q.state < 0 ? name : name + " [" + states_[static_cast<std::size_t>(q.state)].name + "]");
@@ -167,17 +179,18 @@ int UpdateProblem::fewest_segments() const {
 
 model::Scene UpdateProblem::scene_at(int state, const Eigen::VectorXd& q) const {
   model::Scene scene = states_[static_cast<std::size_t>(state)].scene;
-  for (Eigen::Index i = 0; i < variant_.inputs_off.size(); ++i) {
-    if (variant_.inputs_off[i] == 0) continue;
-    for (const auto& effect : options_.inputs[static_cast<std::size_t>(i)].effects) {
+  for (Eigen::Index j = parameters_; j < size(); ++j) {
+    const int input = coordinates_[static_cast<std::size_t>(j)].input;
+    if (input < 0 || q[j] == 0) continue;
+    for (const auto& effect : options_.inputs[static_cast<std::size_t>(input)].effects) {
       if (effect.state != state || effect.target == kSampleRateTarget) continue;
-      model::set_parameter(
-          scene, effect.target,
-          model::parameter(scene, effect.target) + variant_.inputs_off[i] * effect.change);
+      model::set_parameter(scene, effect.target,
+                           model::parameter(scene, effect.target) + q[j] * effect.change);
     }
   }
   for (Eigen::Index j = 0; j < size(); ++j) {
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+    if (coordinate.input >= 0 || coordinate.force >= 0) continue;
     if (coordinate.state >= 0 && coordinate.state != state) continue;
     const auto& parameter = free_[static_cast<std::size_t>(coordinate.parameter)];
     for (std::size_t t = 0; t < parameter.targets.size(); ++t) {
@@ -210,6 +223,17 @@ UpdateProblem::Targets UpdateProblem::targets_of(int state) const {
   Targets targets;
   for (Eigen::Index j = 0; j < size(); ++j) {
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+    if (coordinate.force >= 0) continue;
+    if (coordinate.input >= 0) {
+      for (const auto& effect :
+           options_.inputs[static_cast<std::size_t>(coordinate.input)].effects) {
+        if (effect.state != state || effect.target == kSampleRateTarget) continue;
+        if (is_free(state, effect.target)) continue;  // has the value of the free parameter
+        targets.names.push_back(effect.target);
+        targets.owner.emplace_back(j, effect.change);
+      }
+      continue;
+    }
     if (coordinate.state >= 0 && coordinate.state != state) continue;
     const auto& parameter = free_[static_cast<std::size_t>(coordinate.parameter)];
     for (std::size_t t = 0; t < parameter.targets.size(); ++t) {
@@ -385,8 +409,24 @@ double UpdateProblem::damping_relative_std(int state, int measured) const {
   return std::hypot(own, variant_.damping_model_std);
 }
 
-double UpdateProblem::measured_factor(int state) const {
-  return sample_rate_factor(options_.inputs, variant_.inputs_off, state);
+std::vector<std::pair<Eigen::Index, double>> UpdateProblem::rate_changes(int state) const {
+  std::vector<std::pair<Eigen::Index, double>> changes;
+  for (Eigen::Index j = parameters_; j < size(); ++j) {
+    const int input = coordinates_[static_cast<std::size_t>(j)].input;
+    if (input < 0) continue;
+    for (const auto& effect : options_.inputs[static_cast<std::size_t>(input)].effects) {
+      if (effect.state == state && effect.target == kSampleRateTarget) {
+        changes.emplace_back(j, effect.change);
+      }
+    }
+  }
+  return changes;
+}
+
+double UpdateProblem::measured_factor(int state, const Eigen::VectorXd& q) const {
+  double factor = 1;
+  for (const auto& [j, change] : rate_changes(state)) factor += q[j] * change;
+  return factor;
 }
 
 std::vector<UpdatedPair> UpdateProblem::pairs(const Eigen::VectorXd& q,

@@ -59,13 +59,6 @@ struct UpdateMatches {
   double log_likelihood = 0, log_detected = 0, log_false = 0, log_missed = 0;
 };
 
-/// Columns U and factors 1 - (1 + S^2)^(-1/2) of what residuals share (shared_sources.h).
-struct SharedSources {
-  Eigen::MatrixXd U;
-  Eigen::ArrayXd less;
-  Eigen::VectorXd off;  ///< C times the estimates of the sources that are in the residuals
-};
-
 /// Error of ln f of a mode with the segments that there are.
 struct SegmentError {
   model::ModePlane plane = model::ModePlane::in;
@@ -81,9 +74,6 @@ struct UpdateVariant {
   double frf_model_std = 0;                     ///< a further relative error of the model in FRFs
   /// Noisy lines of FRFs by their difference instead of its logarithm (update_frfs.cc).
   bool frf_differences = false;
-  Eigen::VectorXd inputs_off;  ///< standard uncertainties that each input is off by; empty: none
-  /// Subtracts `off` from the residuals and multiplies them by L; null: residuals are independent.
-  std::shared_ptr<const SharedSources> sources;
   /// By state, taken off the frequencies that count as data; null or empty: nothing.
   std::shared_ptr<const std::vector<std::vector<SegmentError>>> segment_errors;
 };
@@ -96,6 +86,8 @@ class UpdateProblem {
 
   [[nodiscard]] const std::vector<UpdateCoordinate>& coordinates() const { return coordinates_; }
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(coordinates_.size()); }
+  /// Coordinates that are free parameters: the first.
+  [[nodiscard]] Eigen::Index parameter_count() const { return parameters_; }
   [[nodiscard]] Eigen::VectorXd start() const;
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] const std::vector<UpdateState>& states() const { return states_; }
@@ -114,21 +106,15 @@ class UpdateProblem {
   /// count as data (update_segments.h).
   [[nodiscard]] UpdateProblem with_resolved_modes(const Eigen::VectorXd& q) const;
   [[nodiscard]] bool has_given_segments() const;
-  /// Variances of gain * r of plain residuals r, whose covariance is I + C C'.
-  [[nodiscard]] Eigen::VectorXd plain_variances(const Eigen::MatrixXd& gain) const;
-  /// Changes of plain residuals, as those of this problem change.
-  [[nodiscard]] Eigen::VectorXd with_sources_of(Eigen::VectorXd change) const;
-  [[nodiscard]] bool has_sources() const { return variant_.sources != nullptr; }
+  /// This problem with everything that is known to an uncertainty as further coordinates, each with
+  /// its normal prior (update_nuisances.cc); q, of the parameters, becomes a place in it.
+  [[nodiscard]] UpdateProblem with_nuisances(Eigen::VectorXd& q) const;
   [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return options_.inputs; }
   /// Whether a scene parameter is fitted or moved by an input in that state.
   [[nodiscard]] bool is_stated(int state, const std::string& target) const;
   /// The same with further coordinates, ln(value) of parameters of one state each.
   [[nodiscard]] UpdateProblem with_scaled(
       const std::vector<std::pair<int, FreeParameter>>& further) const;
-  /// By how many standard uncertainties each input is off.
-  [[nodiscard]] Eigen::VectorXd inputs_off() const;
-  /// The same with further inputs, the mean places of hits that nothing is said of.
-  [[nodiscard]] UpdateProblem with_places_of_hits(const Eigen::VectorXd& q) const;
   /// Residuals of FRFs in the order of their rows: first row, lines, relative uncertainties.
   struct FrfRows {
     Eigen::Index first = 0;
@@ -186,8 +172,8 @@ class UpdateProblem {
 
   [[nodiscard]] double relative_std(int state, int measured) const;
   [[nodiscard]] double damping_relative_std(int state, int measured) const;
-  /// Factor on a state's measured frequencies where the inputs change its sample rate.
-  [[nodiscard]] double measured_factor(int state) const;
+  /// Factor on a state's measured frequencies where the inputs change its sample rate at q.
+  [[nodiscard]] double measured_factor(int state, const Eigen::VectorXd& q) const;
   [[nodiscard]] bool uncertainties_known() const { return uncertainties_known_; }
   [[nodiscard]] int evaluations() const { return shared_->evaluations; }
 
@@ -233,11 +219,18 @@ class UpdateProblem {
   [[nodiscard]] bool is_resolved(int state) const;
   [[nodiscard]] int mode_count(int state) const;  // that may pair
   [[nodiscard]] Targets targets_of(int state) const;
+  [[nodiscard]] bool is_free(int state, const std::string& target) const;
+  /// Changes of a state's sample rate by one standard uncertainty of each coordinate; empty: none.
+  [[nodiscard]] std::vector<std::pair<Eigen::Index, double>> rate_changes(int state) const;
+  void add_places_of_hits(const Eigen::VectorXd& q);
+  void add_forces();
+  void add_nuisance(UpdateCoordinate coordinate);
+  void add_force_noise(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
+                       Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
   [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
                                  std::string& failure) const;
   [[nodiscard]] FrfLines lines_of(const MeasuredFrf& frf) const;
   [[nodiscard]] std::vector<FrfRows> frf_rows_of(int state) const;  // `first` left 0
-  void whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const;         // columns times L
   [[nodiscard]] bool frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
                                    Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
 
@@ -248,7 +241,13 @@ class UpdateProblem {
   std::vector<UpdateCoordinate> coordinates_;
   std::vector<std::set<std::string>> present_;  // parameters of each state's scene
   std::vector<bool> joint_dampers_;             // by state: in its scene, or to be found
-  Eigen::Index priors_ = 0;
+  struct Force {  // noise of the hammer at one delay, in all lines of a load
+    int state = 0;
+    std::size_t load = 0;
+    double std = 0, delay_s = 0;
+  };
+  std::vector<Force> forces_;
+  Eigen::Index parameters_ = 0, priors_ = 0;
   bool uncertainties_known_ = true, damping_ = false;
   UpdateVariant variant_;
   struct Shared {  // by copies of a problem too

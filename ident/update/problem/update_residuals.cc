@@ -68,9 +68,14 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
     const auto& measured = states_[static_cast<std::size_t>(match.state)]
                                .measured[static_cast<std::size_t>(match.measured)];
     const double std = relative_std(match.state, match.measured);
-    const double measured_hz = measured.frequency_hz.value * measured_factor(match.state);
-    r[row] = std::log(mode->frequency_hz / measured_hz) / std;
-    if (jacobian != nullptr) jacobian->row(row) = mode->dlog_frequency / std;
+    const double factor = measured_factor(match.state, q);
+    r[row] = std::log(mode->frequency_hz / (measured.frequency_hz.value * factor)) / std;
+    if (jacobian != nullptr) {
+      jacobian->row(row) = mode->dlog_frequency / std;
+      for (const auto& [j, change] : rate_changes(match.state)) {
+        (*jacobian)(row, j) -= change / (factor * std);
+      }
+    }
     ++row;
     if (damping_fitted(measured)) {
       if (!known(mode->damping_ratio)) return false;
@@ -103,6 +108,7 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
     if (!takes_part(s)) continue;
     if (!frf_residuals(s, q, row, r, jacobian)) return false;
   }
+  add_force_noise(q, matches, r, jacobian);
   for (Eigen::Index j = 0; j < size(); ++j) {
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
     if (coordinate.prior_std <= 0) continue;
@@ -110,35 +116,14 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
     if (jacobian != nullptr) (*jacobian)(row, j) = 1 / coordinate.prior_std;
     ++row;
   }
-  if (variant_.sources && variant_.sources->U.rows() == r.size()) {
-    r -= variant_.sources->off;
-    whiten(r);
-    if (jacobian != nullptr) whiten(*jacobian);
-  }
   return r.allFinite() && (jacobian == nullptr || jacobian->allFinite());
 }
 
-void UpdateProblem::whiten(Eigen::Ref<Eigen::MatrixXd> residuals) const {
-  const Eigen::MatrixXd along = variant_.sources->U.transpose() * residuals;
-  residuals -= variant_.sources->U * (variant_.sources->less.matrix().asDiagonal() * along);
-}
-
-Eigen::VectorXd UpdateProblem::plain_variances(const Eigen::MatrixXd& gain) const {
-  Eigen::VectorXd variances = gain.rowwise().squaredNorm();
-  if (!variant_.sources || variant_.sources->U.rows() != gain.cols()) return variances;
-  const Eigen::VectorXd more = ((1 - variant_.sources->less).square().inverse() - 1).matrix();
-  return variances + (gain * variant_.sources->U).cwiseAbs2() * more;
-}
-
-Eigen::VectorXd UpdateProblem::with_sources_of(Eigen::VectorXd change) const {
-  if (variant_.sources && variant_.sources->U.rows() == change.size()) whiten(change);
-  return change;
-}
-
-Eigen::VectorXd UpdateProblem::inputs_off() const {
-  Eigen::VectorXd off = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(options_.inputs.size()));
-  off.head(variant_.inputs_off.size()) = variant_.inputs_off;
-  return off;
+bool UpdateProblem::is_free(int state, const std::string& target) const {
+  return present_[static_cast<std::size_t>(state)].contains(target) &&
+         std::any_of(free_.begin(), free_.end(), [&](const FreeParameter& parameter) {
+           return std::count(parameter.targets.begin(), parameter.targets.end(), target) > 0;
+         });
 }
 
 bool UpdateProblem::is_stated(int state, const std::string& target) const {

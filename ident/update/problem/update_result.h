@@ -73,12 +73,11 @@ struct UpdatedUnpaired {
 /// the states of a mode and by the modes of a state if that gives larger uncertainties.
 struct UpdateFit {
   double chi2 = 0, degrees_of_freedom = 0;
-  double by_inputs = 0;  ///< decrease of chi2 by the inputs' uncertainty; 0: not needed
   double p_value = std::numeric_limits<double>::quiet_NaN();  ///< NaN: no degree of freedom
   bool stated = false;   ///< the uncertainties came with the data; else they are assumed
   double model_std = 0;  ///< std of that random error, relative in frequency
   /// Std of such a random error of FRFs, relative in every line, beyond the lines' uncertainties
-  /// and shared errors (segments, inputs, the place of the hits).
+  /// and shared errors (segments, inputs, place and force of the hits).
   double frf_model_std = 0;
   /// Number of neighbouring FRF lines that err together, from the autocorrelation of residuals. For
   /// the probability, chi2 and its degrees of freedom are divided by it; variances are multiplied
@@ -105,14 +104,14 @@ struct UpdateResult {
   UpdateStatus status = UpdateStatus::not_converged;
   std::string message;  ///< for a person, when not converged or doubtful
   std::vector<UpdatedParameter> parameters;
-  Identifiability identifiability;  ///< data and priors, in the fitted coordinates (relative)
-  Eigen::MatrixXd covariance;       ///< parameters' values, all sources; NaN where not
-                                    ///< identifiable
-  Eigen::MatrixXd correlation;      ///< NaN like the covariance
-  /// Shifts of the fitted coordinates by one standard uncertainty of each shared source.
-  Eigen::MatrixXd shifts;
-  std::vector<std::string> shift_sources;  ///< "segments" and the inputs; one per column
-  std::vector<std::string> open;           ///< what the data cannot separate, in words
+  /// By data and priors, in the fitted coordinates (relative): the parameters, then what is known
+  /// to an uncertainty.
+  Identifiability identifiability;
+  Eigen::MatrixXd covariance;     ///< parameters' values, all sources; NaN where not
+                                  ///< identifiable
+  Eigen::MatrixXd correlation;    ///< NaN like the covariance
+  Eigen::VectorXd by_segments;    ///< shift of the coordinates by the segments' error; empty: none
+  std::vector<std::string> open;  ///< what the data cannot separate, in words
   std::vector<UpdatedPair> pairs;
   std::vector<UpdatedUnpaired> unpaired;
   std::vector<UpdatedPair> pairs_before;                         ///< at the start values
@@ -134,7 +133,7 @@ struct UpdateResult {
   int starts = 0;                 ///< local fits of the search
   int pairings = 0, model_evaluations = 0;
   std::vector<model::Scene> scenes;  ///< updated, by state
-  Eigen::VectorXd coordinates;       ///< solution in fitted coordinates, for refits
+  Eigen::VectorXd coordinates;       ///< solution, as identifiability has them, for refits
 };
 
 }  // namespace rigfit::ident

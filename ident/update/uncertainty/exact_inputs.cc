@@ -106,11 +106,12 @@ void state_exact_inputs(const UpdateProblem& problem, const UpdateOptions& optio
   ExactNumbers numbers(problem);
   const auto exact = numbers.take();
   result.exact_ends = numbers.take_ends();
-  const Eigen::Index n = problem.size();
+  const Eigen::Index n = problem.size(), count = problem.parameter_count();
   result.exact_inputs.clear();
   std::vector<std::pair<int, FreeParameter>> scaled;
   for (const auto& one : exact) {
-    result.exact_inputs.push_back({one.name, kChange, Eigen::VectorXd::Constant(n, signal::kNaN)});
+    result.exact_inputs.push_back(
+        {one.name, kChange, Eigen::VectorXd::Constant(count, signal::kNaN)});
     scaled.insert(scaled.end(), one.by_state.begin(), one.by_state.end());
   }
   if (exact.empty() || result.identifiability.std.size() != n) return;
@@ -119,16 +120,15 @@ void state_exact_inputs(const UpdateProblem& problem, const UpdateOptions& optio
   q.head(n) = result.coordinates;
   Eigen::MatrixXd J;
   if (!wide.residuals(q, matches, r, &J)) return;
-  J = huber_weights(problem, options, r).asDiagonal() * J;
+  J = residual_weights(problem, options, r, result.variance_factor).asDiagonal() * J;
   IdentifiabilityOptions limits;
   limits.relative_rank_tolerance = kRankTolerance;
-  limits.variance_factor = std::max(result.variance_factor, 1e-12);
   Eigen::Index column = n;
   for (std::size_t k = 0; k < exact.size(); ++k) {
     Eigen::VectorXd change = Eigen::VectorXd::Zero(r.size());
     for (std::size_t s = 0; s < exact[k].by_state.size(); ++s) change += kChange * J.col(column++);
     const Eigen::VectorXd shift = result.identifiability.shift_by(J.leftCols(n), change, limits);
-    for (Eigen::Index j = 0; j < n; ++j) {
+    for (Eigen::Index j = 0; j < count; ++j) {
       const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
       if (!result.parameters[static_cast<std::size_t>(j)].identifiable) continue;
       result.exact_inputs[k].shift[j] = coordinate.derivative(q[j]) * shift[j];

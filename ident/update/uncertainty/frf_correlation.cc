@@ -1,4 +1,4 @@
-#include "ident/update/uncertainty/shared_sources.h"
+#include "ident/update/uncertainty/frf_correlation.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -77,8 +77,8 @@ double correlated_lines_of(const UpdateProblem& problem, const std::vector<Updat
 }
 
 double correlated_variance_factor(const UpdateProblem& problem,
-                                  const std::vector<UpdateMatch>& matches, const Eigen::VectorXd& q,
-                                  const Eigen::VectorXd& r, const Eigen::MatrixXd& J) {
+                                  const std::vector<UpdateMatch>& matches, const Eigen::VectorXd& r,
+                                  const Eigen::MatrixXd& J) {
   if (!problem.has_frfs()) return 0;
   const auto all = problem.frf_rows(matches);
   const auto R = autocorrelation(all, r);
@@ -98,20 +98,7 @@ double correlated_variance_factor(const UpdateProblem& problem,
     const double few = static_cast<double>(blocks.count) / static_cast<double>(blocks.count - 1);
     variance = (bread * (meat + few * blocks.meat) * bread).diagonal();
   }
-  Eigen::VectorXd plain_r;
-  Eigen::MatrixXd plain_J;
-  if (problem.has_sources() &&
-      problem.with(&UpdateVariant::sources, nullptr).residuals(q, matches, plain_r, &plain_J)) {
-    constexpr double kFarApart = 3.84;  // chi-square of one, 5 %
-    const auto solve = plain_J.completeOrthogonalDecomposition();
-    const Eigen::VectorXd apart = solve.solve(plain_r).cwiseAbs2();
-    const Eigen::VectorXd spread = problem.plain_variances(solve.pseudoInverse());
-    for (Eigen::Index j = 0; j < J.cols(); ++j) {
-      const double expected = std::max(0.0, spread[j] - bread(j, j)) * std::max(1.0, R[0]);
-      if (apart[j] > kFarApart * expected) variance[j] = std::max(variance[j], apart[j]);
-    }
-  }
-  for (Eigen::Index j = 0; j < J.cols(); ++j) {
+  for (Eigen::Index j = 0; j < problem.parameter_count(); ++j) {
     if (bread(j, j) > 0) factor = std::max(factor, variance[j] / bread(j, j));
   }
   return factor;

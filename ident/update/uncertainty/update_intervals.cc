@@ -33,7 +33,7 @@ bool least_cost(const UpdateProblem& problem, const UpdateOptions& options,
                 bool from_inside, Eigen::VectorXd& q, double& cost) {
   (void)minimise(problem, matches, options, q, cost, held);
   if (!robust_cost(problem, matches, options, q, cost)) return false;
-  for (Eigen::Index i = 0; from_inside && i < q.size(); ++i) {
+  for (Eigen::Index i = 0; from_inside && i < problem.parameter_count(); ++i) {
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
     if (i == held || coordinate.half_held > 0) continue;
     if (solution.parameters[static_cast<std::size_t>(i)].identifiable &&
@@ -121,8 +121,8 @@ bool is_curved(const UpdateProblem& problem, const UpdateOptions& options,
 void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
                      const std::vector<UpdateMatch>& matches, UpdateResult& result) {
   const auto& known = result.identifiability;
-  const Eigen::Index n = problem.size();
-  if (known.std.size() != n) return;
+  const Eigen::Index n = problem.parameter_count();
+  if (known.std.size() != problem.size()) return;
   double least = 0;
   const bool costs = options.intervals && problem.modes_only() &&
                      robust_cost(problem, matches, options, result.coordinates, least);
@@ -148,7 +148,7 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
       parameter.interval_by_profile = costs && n <= kMostProfiled;
     }
     if (parameter.interval_by_profile) {
-      // What is not in the profile: inputs, segments, errors that modes share.
+      // What is not in the profile: segments, errors that modes share.
       const double own = std::isfinite(known.std[j]) ? known.std[j] : 0;
       const double all = std::isfinite(parameter.std) ? parameter.std / by : 0;
       const double more = result.coverage_factor * std::sqrt(std::max(0.0, all * all - own * own));

@@ -9,19 +9,16 @@
 // in a mode is so in every state. The covariance by clusters
 //   B (sum_g J_g' r_g r_g' J_g) B G / (G - 1),  B = (J' J)^-1,
 // with g the modes, or the states, widens what tau alone gives where it is larger.
-// Inputs of a fit to modes that are known to an uncertainty explain what they can, to first order:
-//   chi2 = min over dq, d of |r + J dq + C d|^2 + |d|^2,
-// C the changes of the residuals by one standard uncertainty of each (shared_sources.h). It is
-// worked out where chi2 without them has a probability below 5 %.
-// FRFs the same, with the relative errors of their lines in place of frequencies; what they share
-// (shared_sources.h) is taken out before. Lines that err together count as one: chi-square and its
-// degrees of freedom are divided by t of shared_sources.h for the probability.
+// chi2 is the least over all coordinates, to first order from the place given: what is known to an
+// uncertainty explains what it can (update_nuisances.cc).
+// FRFs have the relative errors of their lines in the place of frequencies. Lines that err together
+// count as one: chi-square and its degrees of freedom are divided by t of frf_correlation.h for the
+// probability.
 // Sources: Paule and Mandel, J. Res. NBS 87 (1982) 377;
 // Liang and Zeger, Biometrika 73 (1986) 13. For the update and its checks, not for users.
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "ident/update/problem/update_solver.h"
@@ -36,22 +33,17 @@ inline constexpr double kUnlikelyMisfit = 0.05;
                                   const std::vector<UpdateMatch>& matches,
                                   const Eigen::VectorXd& q);
 
-/// chi2 with what the inputs explain of the residuals of a fit to modes; empty: there are none.
-[[nodiscard]] std::optional<double> chi2_with_inputs(const UpdateProblem& problem,
-                                                     const std::vector<UpdateMatch>& matches,
-                                                     const Eigen::VectorXd& q);
-
-/// tau at q, of frequencies, or of the lines of FRFs where there are any (the problem with its
-/// sources); 0 where chi2 is not above its degrees of freedom, or without any.
+/// tau at q, of frequencies, or of the lines of FRFs where there are any; 0 where chi2 is not above
+/// its degrees of freedom, or without any.
 [[nodiscard]] double model_std_of(const UpdateProblem& problem,
                                   const std::vector<UpdateMatch>& matches,
                                   const Eigen::VectorXd& q);
 
-/// Fits of FRFs: moves `answer` to the minimum with the sources that lines share, then, where the
-/// misfit asks for it, with an error of the model in every line (`result.fit`). `settled` becomes
-/// the problem of that minimum. Nothing without FRFs.
-void allow_for_shared(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
-                      UpdateResult& result);
+/// Fits of FRFs: moves `answer` to the minimum with noisy lines by their difference, then, where
+/// the misfit asks for it, with an error of the model in every line (`result.fit`). `settled`
+/// becomes the problem of that minimum. Nothing without FRFs.
+void settle_frfs(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
+                 UpdateResult& result);
 
 /// The larger of the covariances by modes and by states, each coordinate's variance for itself; of
 /// the whitened residuals r and J of the problem. Zero with fewer than three clusters of a kind.

@@ -5,7 +5,6 @@
 #include <map>
 #include <utility>
 
-#include "ident/update/uncertainty/shared_sources.h"
 #include "ident/update/uncertainty/update_misfit.h"
 #include "ident/update/uncertainty/update_uncertainty.h"
 
@@ -114,14 +113,13 @@ std::optional<ResolvedFit> with_resolving_segments(const UpdateProblem& settled,
   ResolvedFit fine{settled, answer, {}, {}};
   for (int factor = 2; factor <= kMostTimes; factor *= 2) {
     if (!(segment_excess(fine.problem, matches, result) > 1)) break;
-    UpdateProblem finer = settled.with(&UpdateVariant::segment_factor, factor)
-                              .with(&UpdateVariant::frf_model_std, 0)
-                              .with(&UpdateVariant::sources, nullptr);
+    UpdateProblem finer =
+        settled.with(&UpdateVariant::segment_factor, factor).with(&UpdateVariant::frf_model_std, 0);
     UpdateSolution trial = fine.answer;
     trial.converged = minimise(finer, matches, options, trial.q, trial.cost);
     if (!trial.converged) break;
     result.fit = {};
-    allow_for_shared(options, finer, trial, result);
+    settle_frfs(options, finer, trial, result);
     fine.fit = result.fit;
     result.coordinates = trial.q;
     for (auto& parameter : result.parameters) parameter.budget.clear();
@@ -135,15 +133,15 @@ std::optional<ResolvedFit> with_resolving_segments(const UpdateProblem& settled,
     return std::nullopt;
   }
   fine.by_segments = answer.q - fine.answer.q;
-  if (!result.shift_sources.empty() && result.shift_sources.front() == "segments") {
-    fine.by_segments += result.shifts.col(0);
-  }
+  if (result.by_segments.size() > 0) fine.by_segments += result.by_segments;
   return fine;
 }
 
 UpdateProblem as_solved(const UpdateProblem& problem, const UpdateOptions& options,
                         const UpdateResult& solution, const Eigen::VectorXd& q) {
-  const UpdateProblem same = problem.with(&UpdateVariant::segment_factor, solution.segment_factor)
+  Eigen::VectorXd parameters = q.head(problem.parameter_count());
+  const UpdateProblem same = problem.with_nuisances(parameters)
+                                 .with(&UpdateVariant::segment_factor, solution.segment_factor)
                                  .with_model_std(solution.fit.model_std);
   return options.segment_uncertainty ? same.with_resolved_modes(q) : same;
 }

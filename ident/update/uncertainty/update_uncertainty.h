@@ -13,9 +13,11 @@ namespace rigfit::ident {
 /// Ratio of singular values below which a direction counts as not determined.
 inline constexpr double kRankTolerance = 1e-8;
 
-/// Huber's weights of the data's residuals, as factors of their rows; one for priors.
-[[nodiscard]] Eigen::VectorXd huber_weights(const UpdateProblem& problem,
-                                            const UpdateOptions& options, const Eigen::VectorXd& r);
+/// Factors of the residuals' rows: Huber's weights of the data over the root of their variance
+/// factor; one for priors.
+[[nodiscard]] Eigen::VectorXd residual_weights(const UpdateProblem& problem,
+                                               const UpdateOptions& options,
+                                               const Eigen::VectorXd& r, double variance_factor);
 
 /// Fills everything in `result` that is uncertain, from its coordinates. `by_segments`: how far the
 /// segments move the coordinates, where that is known better than by a linear estimate; empty: by
