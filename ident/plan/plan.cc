@@ -242,8 +242,10 @@ std::vector<OpenDirection> open_directions(const PlanCandidates& candidates,
   const Eigen::Index n = candidates.problem.parameter_count();
   IdentifiabilityOptions limits;
   limits.relative_rank_tolerance = kRankTolerance;
-  return identifiability(plan_rows(candidates, modes).leftCols(n), Eigen::VectorXd::Ones(n),
-                         candidates.problem.names(), limits)
+  auto names = candidates.problem.names();
+  names.resize(static_cast<std::size_t>(n));
+  return identifiability(plan_rows(candidates, modes).leftCols(n), Eigen::VectorXd::Ones(n), names,
+                         limits)
       .open;
 }
 

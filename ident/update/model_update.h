@@ -6,24 +6,24 @@
 //   sum_pairs rho((ln f_model(p) - ln f_measured) / s) + such a sum over measured damping ratios
 //   + such a sum over shapes if requested (both of unit length, the model's sign)
 //   + sum_lines rho(Re, Im of ln(H_model(p) / H_measured) / s) over measured FRFs
-//   + sum_priors ((p - p0) / s_p)^2
+//   + sum_priors ((p - p0) / s_p)^2 + sum_inputs d^2
 //
-// with Huber's rho, s the relative standard uncertainty of the measured value and of the model
-// together. Positive parameters are fitted in their logarithm. Derivatives are the model's own
-// sensitivities (equilibrium's change included), the minimiser is Ceres' Levenberg-Marquardt; modes
-// are assigned anew (mode_assignment.h) until the assignment stays, all over the range of the
-// parameters (update_alternatives.h); fits to FRFs begin with their modes. A modelled mode is
-// followed by its plane and its place among the modes of that plane, which crossings of planes do
-// not change.
+// over p and over d, by how many standard uncertainties each uncertain input (`UncertainInput`,
+// place and force of hits) is off, with Huber's rho, s the relative standard uncertainty of the
+// measured value and of the model together. Positive parameters are fitted in their logarithm.
+// Derivatives are the model's own sensitivities (equilibrium's change included), the minimiser is
+// Ceres' Levenberg-Marquardt; modes are assigned anew (mode_assignment.h) until the assignment
+// stays, all over the range of the parameters (update_alternatives.h); fits to FRFs begin with
+// their modes. A modelled mode is followed by its plane and its place among the modes of that
+// plane, which crossings of planes do not change.
 //
-// Uncertainty, to first order: the data's scatter and the priors through (J'J)^-1; inputs that
-// are uncertain but not fitted (`UncertainInput`) and the error of the segments through the shift
-// -(J'J)^-1 J' (d residuals) that they cause. The error of "auto" segments is subtracted from the
-// frequencies (update_segments.h); the error of given numbers of segments is 4/3 of the difference
-// to a model of twice as many segments (Richardson, second order; it is a quarter too large for a
-// fourth-order error). The shifts of one source are shared by all
-// parameters and predictions, so that an error compensated by the fit does not count in a
-// prediction. Sources: Friswell and Mottershead 1995; Mottershead, Link, Friswell 2011.
+// Uncertainty, to first order: (J'J)^-1 of p and d together, so that an error of an input which the
+// fit compensates does not count in a prediction. A source's part of a variance is the square of
+// the parameter's covariance with it, in its standard uncertainty. The error of the segments moves
+// the parameters by -(J'J)^-1 J' (d residuals): that of "auto" segments is subtracted from the
+// frequencies (update_segments.h); that of given numbers of segments is 4/3 of the difference to a
+// model of twice as many segments (Richardson, second order; it is a quarter too large for a
+// fourth-order error). Sources: Friswell and Mottershead 1995; Mottershead, Link, Friswell 2011.
 #pragma once
 
 #include <vector>

@@ -71,10 +71,10 @@ TEST(SampleRateInput, OneClockIsNotAveragedOverItsRecordings) {
     apart.push_back({k, 1000.0 + 24 * k, kRate});
   }
   const auto four = tension(tests(4, 0), shared);
-  EXPECT_NEAR(part_of(four, "sample rate"), part_of(one, "sample rate"),
-              0.01 * part_of(one, "sample rate"));
-  EXPECT_LT(part_of(four, "data"), 0.6 * part_of(one, "data"));  // the tests' own part: a half
-  EXPECT_GT(four.std, part_of(one, "sample rate") * 0.99);
+  // A half, were each test's clock its own. The part of EI tells a little of the clock, four tests
+  // four times as much.
+  EXPECT_GT(four.std, 0.9 * part_of(one, "sample rate"));
+  EXPECT_LT(four.std, one.std);
   // Four stated rates are four roundings.
   EXPECT_NEAR(part_of(tension(tests(4, 0), apart), "sample rate"),
               0.5 * part_of(one, "sample rate"), 0.01 * part_of(one, "sample rate"));
