@@ -95,12 +95,12 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
       held.rms_fitted = fitted.rms_relative_error;
       // Its own values, where a parameter has one a state, stay as they were known before.
       Eigen::VectorXd q = fitted.coordinates;
-      for (Eigen::Index j = 0; j < q.size(); ++j) {
+      for (Eigen::Index j = 0; j < problem.size(); ++j) {
         const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
         if (coordinate.state == s) q[j] = coordinate.start;
       }
-      held.scene = problem.scene_at(s, q);
       const UpdateProblem solved = as_solved(problem, options, fitted, q);
+      held.scene = solved.scene_at(s, q);
       if (problem.has_frfs()) held.frf_predicted = solved.rms_log_frf_error(q, s);
       failure.clear();
       const auto after = solved.match(q, failure, s);

@@ -134,6 +134,7 @@ void damper_rates(const FrfEquations& equations, const ShapeSolver& solver, cons
 /// v' A u for one envelope matrix and many columns.
 void add_form(const EnvelopeMatrix& a, Complex factor, const Eigen::MatrixXcd& v,
               const Eigen::MatrixXcd& u, Eigen::MatrixXcd& sum) {
+  if (a.values().isZero(0)) return;  // most parameters move one matrix or none
   for (Eigen::Index c = 0; c < u.cols(); ++c) {
     const Eigen::VectorXd re = u.col(c).real(), im = u.col(c).imag();
     const Eigen::VectorXd a_re = a * re, a_im = a * im;

@@ -116,10 +116,10 @@ std::optional<ResolvedFit> with_resolving_segments(const UpdateProblem& settled,
     UpdateProblem finer =
         settled.with(&UpdateVariant::segment_factor, factor).with(&UpdateVariant::frf_model_std, 0);
     UpdateSolution trial = fine.answer;
-    trial.converged = minimise(finer, matches, options, trial.q, trial.cost);
-    if (!trial.converged) break;
+    trial.converged = false;
     result.fit = {};
     settle_frfs(options, finer, trial, result);
+    if (!trial.converged) break;
     fine.fit = result.fit;
     result.coordinates = trial.q;
     for (auto& parameter : result.parameters) parameter.budget.clear();

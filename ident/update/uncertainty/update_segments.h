@@ -31,22 +31,6 @@ namespace rigfit::ident {
                                               const UpdateOptions& options, UpdateSolution& answer,
                                               int passes = 2);
 
-/// Change of residuals by the error of the segments: 4/3 of the difference between n and 2 n of
-/// them (Richardson). `value` gives what is compared of a problem; false without a model.
-template <typename Value>
-[[nodiscard]] bool change_by_segments(const UpdateProblem& problem, const Value& value,
-                                      Eigen::VectorXd& change) {
-  constexpr double kRichardson = 4.0 / 3;
-  Eigen::VectorXd here, fine;
-  if (!value(problem, here) ||
-      !value(problem.with(&UpdateVariant::segment_factor, 2 * problem.variant().segment_factor),
-             fine)) {
-    return false;
-  }
-  change = kRichardson * (here - fine);
-  return true;
-}
-
 /// A fit to FRFs with more segments than at first.
 struct ResolvedFit {
   UpdateProblem problem;

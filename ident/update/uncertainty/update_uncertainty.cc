@@ -8,7 +8,6 @@
 
 #include "ident/update/uncertainty/frf_correlation.h"
 #include "ident/update/uncertainty/update_misfit.h"
-#include "ident/update/uncertainty/update_segments.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {

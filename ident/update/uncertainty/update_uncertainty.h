@@ -19,6 +19,22 @@ inline constexpr double kRankTolerance = 1e-8;
                                                const UpdateOptions& options,
                                                const Eigen::VectorXd& r, double variance_factor);
 
+/// Change of residuals by the error of the segments: 4/3 of the difference between n and 2 n of
+/// them (Richardson). `value` gives what is compared of a problem; false without a model.
+template <typename Value>
+[[nodiscard]] bool change_by_segments(const UpdateProblem& problem, const Value& value,
+                                      Eigen::VectorXd& change) {
+  constexpr double kRichardson = 4.0 / 3;
+  Eigen::VectorXd here, fine;
+  if (!value(problem, here) ||
+      !value(problem.with(&UpdateVariant::segment_factor, 2 * problem.variant().segment_factor),
+             fine)) {
+    return false;
+  }
+  change = kRichardson * (here - fine);
+  return true;
+}
+
 /// Fills everything in `result` that is uncertain, from its coordinates. `by_segments`: how far the
 /// segments move the coordinates, where that is known better than by a linear estimate; empty: by
 /// that.
