@@ -281,28 +281,11 @@ void take_times(const std::vector<const Segment*>& segments, std::size_t referen
   bool have_x = false;
   const Eigen::VectorXd time = joined_times(segments, reference, have_x);
   if (have_x || segments.size() > 1) {
-    const TimeAxis axis =
-        time_axis(time, {have_x ? times.printed_resolution_s : 0, times.stated.rate_hz});
-    recording.sample_rate_hz = axis.rate_hz;
-    recording.start_time_s = std::isfinite(axis.start_s) ? axis.start_s : 0;
-    recording.time_jitter_s = axis.jitter_s;
-    if (!axis.agrees_with_stated && axis.rate_hz > 0) {
-      recording.notes.push_back(
-          {"rates_disagree",
-           fmt::format(
-               "the X values give {:.9g} Hz, Delta_X says {:.9g} Hz: the X values are taken",
-               axis.rate_hz, times.stated.rate_hz),
-           ""});
-    }
-    if (!axis.uniform && axis.rate_hz > 0) {
-      if (axis.missing > 0) {
-        throw RecordingError({recording.path.string(), first.layout.body_line, 1, "X_Value", ""},
-                             "X values are missing and sampling is not uniform",
-                             "record again, or delete the X columns");
-      }
-      recording.time_s = time;
-      recording.notes.push_back(not_uniform_note(axis));
-    }
+    const double printed = have_x ? times.printed_resolution_s : 0;
+    signal::take_times(time_axis(time, {printed, times.stated.rate_hz}),
+                       {time, printed, fmt::format("Delta_X says {:.9g} Hz", times.stated.rate_hz),
+                        "", "X_Value", segments.size() > 1 ? 0 : first.layout.body_line},
+                       recording);
   }
   if (recording.sample_rate_hz == 0) {
     recording.sample_rate_hz = times.stated.rate_hz;

@@ -1,6 +1,7 @@
 #include "signal/readers/read_recording.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
@@ -14,20 +15,6 @@
 #include "signal/recording/recording_time.h"
 
 namespace rigfit::signal {
-
-namespace {
-
-RecordingFormat format_named(const std::string& name, const std::string& file) {
-  const auto names = format_names();
-  const auto at = std::find(names.begin(), names.end(), name);
-  if (at == names.end()) {
-    throw RecordingError({file, 0, 0, "", name}, "no format of that name is read",
-                         "csv (any table of text), lvm, uff, wav, npy, mat or xlsx");
-  }
-  return static_cast<RecordingFormat>(at - names.begin());  // in the order of the enumeration
-}
-
-}  // namespace
 
 RecordingFormat format_of(std::string_view bytes) {
   const auto magic = bytes.substr(0, 4);
@@ -57,43 +44,46 @@ RecordingFormat format_of(std::string_view bytes) {
 
 namespace {
 
-Recording read_any(const std::filesystem::path& path, const ReadOptions& options,
-                   const std::function<void(std::size_t)>& done_with) {
-  const MappedFile file(path);
-  const auto read_to = [&](std::size_t offset) {
-    file.release_before(offset);
-    if (done_with) done_with(offset);
-  };
-  if (options.format.empty()) {
-    if (const auto foreign = foreign_format(file.bytes())) {
-      throw RecordingError({path.string(), 0, 0, "", ""}, "is " + foreign->name, foreign->remedy);
-    }
-  }
-  switch (options.format.empty() ? format_of(file.bytes())
-                                 : format_named(options.format, path.string())) {
-    case RecordingFormat::wav:
-      return read_wav(file.bytes(), path, options, read_to);
-    case RecordingFormat::npy:
-      return read_npy(file.bytes(), path, options, read_to);
-    case RecordingFormat::mat:
-      return read_mat(path, options);
-    case RecordingFormat::uff:
-      return read_uff(file.bytes(), path, options, read_to);
-    case RecordingFormat::lvm:
-      return read_lvm(file.bytes(), path, options, read_to);
-    case RecordingFormat::xlsx:
-      return read_xlsx(path, options);
-    case RecordingFormat::csv:
-      break;
-  }
-  return read_csv(file.bytes(), path, options, read_to);
-}
+using DoneWith = std::function<void(std::size_t)>;
+using Read = Recording (*)(std::string_view, const std::filesystem::path&, const ReadOptions&,
+                           const DoneWith&);
+
+/// In the order of RecordingFormat, as format_names() gives them.
+constexpr Read kReaders[] = {
+    read_csv,
+    read_lvm,
+    read_uff,
+    read_wav,
+    read_npy,
+    [](std::string_view, const std::filesystem::path& path, const ReadOptions& options,
+       const DoneWith&) { return read_mat(path, options); },
+    [](std::string_view, const std::filesystem::path& path, const ReadOptions& options,
+       const DoneWith&) { return read_xlsx(path, options); }};
 
 }  // namespace
 
 Recording read_recording(const std::filesystem::path& path, const ReadOptions& options,
                          const std::function<void(std::size_t)>& done_with) {
-  Recording recording = read_any(path, options, done_with);
+  const MappedFile file(path);
+  const auto refusal = [&](const std::string& value, std::string problem, std::string remedy) {
+    return RecordingError({path.string(), 0, 0, "", value}, std::move(problem), std::move(remedy));
+  };
+  auto format = static_cast<std::size_t>(format_of(file.bytes()));
+  if (!options.format.empty()) {
+    const auto names = format_names();
+    const auto at = std::find(names.begin(), names.end(), options.format);
+    if (at == names.end()) {
+      throw refusal(options.format, "no format of that name is read",
+                    "csv (any table of text), lvm, uff, wav, npy, mat or xlsx");
+    }
+    format = static_cast<std::size_t>(at - names.begin());
+  } else if (const auto foreign = foreign_format(file.bytes())) {
+    throw refusal("", "is " + foreign->name, foreign->remedy);
+  }
+  Recording recording = kReaders[format](file.bytes(), path, options, [&](std::size_t offset) {
+    file.release_before(offset);
+    if (done_with) done_with(offset);
+  });
   shorten(recording.notes);
   return recording;
 }

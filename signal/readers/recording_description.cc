@@ -138,26 +138,28 @@ void apply_channel(const ChannelDescription& given, Recording& recording) {
 /// or unit off by a thousand; empty: nothing to say. `by_voltage`: the channel is scaled by a
 /// sensitivity from volts. Zeros and channels without a number are not judged.
 std::optional<std::string> implausible_values(const Channel& channel, bool by_voltage) {
-  constexpr double kAny = std::numeric_limits<double>::infinity();
-  double least = 0, most = kAny;  // of the largest magnitude
-  if (channel.quantity == Quantity::acceleration) {
-    // A tenth of a millionth of g is below every sensor's noise, 10000 g is a shock, beyond what
-    // vibration is measured with.
-    least = 1e-6, most = 1e5;
-  } else if (channel.quantity == Quantity::force) {
-    // Hammers and dynamic load cells end before.
-    least = by_voltage ? 1e-3 : 0, most = by_voltage ? 1e5 : 1e8;
-  } else if (channel.quantity == Quantity::displacement) {
-    most = 1000;
-  } else if (channel.quantity == Quantity::velocity) {
-    most = 1e4;
-  }
+  struct Limits {
+    Quantity quantity;
+    bool by_voltage, otherwise;
+    double least, most;  // of the largest magnitude
+  };
+  // A tenth of a millionth of g is below every sensor's noise, 10000 g is a shock, beyond what
+  // vibration is measured with. Hammers and dynamic load cells end before 100 kN.
+  constexpr Limits kLimits[] = {{Quantity::acceleration, true, true, 1e-6, 1e5},
+                                {Quantity::force, true, false, 1e-3, 1e5},
+                                {Quantity::force, false, true, 0, 1e8},
+                                {Quantity::displacement, true, true, 0, 1000},
+                                {Quantity::velocity, true, true, 0, 1e4}};
+  const auto* const limits = std::find_if(std::begin(kLimits), std::end(kLimits), [&](auto& one) {
+    return one.quantity == channel.quantity && (by_voltage ? one.by_voltage : one.otherwise);
+  });
+  if (limits == std::end(kLimits)) return std::nullopt;
   double largest = 0;
   for (const double x : channel.samples) {
     if (std::isfinite(x)) largest = std::max(largest, std::abs(x));
   }
-  const bool high = largest > most;
-  if (!(largest > 0) || (!high && largest >= least)) return std::nullopt;
+  const bool high = largest > limits->most;
+  if (!(largest > 0) || (!high && largest >= limits->least)) return std::nullopt;
   std::string text = by_voltage ? "Check the sensitivity"
                                 : fmt::format("Check its unit (\"{}\" in the file) and scale",
                                               channel.source_unit);

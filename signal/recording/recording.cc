@@ -20,30 +20,27 @@ bool same_ignoring_case(const std::string& a, const std::string& b) {
 }  // namespace
 
 Eigen::Index Recording::channel_index(const std::string& name) const {
-  const auto find = [&](auto&& matches) {
+  Eigen::Index index = -1;
+  const auto look_for = [&](auto&& matches) {
     const auto at = std::find_if(channels.begin(), channels.end(), matches);
-    return at == channels.end() ? Eigen::Index{-1} : Eigen::Index{at - channels.begin()};
+    if (index < 0 && at != channels.end()) index = at - channels.begin();
   };
-  Eigen::Index index = find([&](const Channel& c) { return c.name == name; });
-  if (index < 0) index = find([&](const Channel& c) { return same_ignoring_case(c.name, name); });
-  if (index < 0) {  // "acc" of "run.acc", where there is one
-    const auto ends = [&](const Channel& c) { return c.name.ends_with("." + name); };
-    if (std::count_if(channels.begin(), channels.end(), ends) == 1) index = find(ends);
+  look_for([&](const Channel& c) { return c.name == name; });
+  look_for([&](const Channel& c) { return same_ignoring_case(c.name, name); });
+  // "acc" of "run.acc", where there is one.
+  const auto ends = [&](const Channel& c) { return c.name.ends_with("." + name); };
+  if (std::count_if(channels.begin(), channels.end(), ends) == 1) look_for(ends);
+  long number = 0;
+  const char* const end = name.data() + name.size();
+  if (index < 0 && name.starts_with('#') &&
+      std::from_chars(name.data() + 1, end, number).ptr == end && number >= 1 &&
+      number <= static_cast<long>(channels.size())) {
+    index = number - 1;
   }
-  if (index < 0 && name.size() > 1 && name.front() == '#') {
-    long number = 0;
-    const auto [end, error] = std::from_chars(name.data() + 1, name.data() + name.size(), number);
-    if (error == std::errc() && end == name.data() + name.size() && number >= 1 &&
-        number <= static_cast<long>(channels.size())) {
-      index = number - 1;
-    }
-  }
-  if (index < 0) {
-    // The title as the file writes it, "Force [N]", names the channel "Force" too.
-    const TitledUnit titled = split_title(name);
-    if (!titled.unit.empty() && titled.name != name) {
-      index = find([&](const Channel& c) { return same_ignoring_case(c.name, titled.name); });
-    }
+  // The title as the file writes it, "Force [N]", names the channel "Force" too.
+  const TitledUnit titled = split_title(name);
+  if (!titled.unit.empty() && titled.name != name) {
+    look_for([&](const Channel& c) { return same_ignoring_case(c.name, titled.name); });
   }
   if (index >= 0) return index;
   const std::string known = listed_names(channels);

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
 
+#include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
@@ -57,11 +59,56 @@ std::string unused_name(const std::string& name, std::set<std::string>& used) {
   return own;
 }
 
-Note not_uniform_note(const TimeAxis& axis) {
-  return {"time_axis",
-          fmt::format("sampling is not uniform: times go back {} times, repeat {} times, {} gaps",
-                      axis.backward, axis.repeated, axis.gaps),
-          ""};
+void take_times(const TimeAxis& axis, const ReadTimes& times, Recording& recording) {
+  const auto note = [&](const char* code, std::string message, std::string where = "") {
+    recording.notes.push_back({code, std::move(message), std::move(where)});
+  };
+  const auto line = [&](Eigen::Index sample) {
+    return times.first_line == 0 ? fmt::format("near sample {}", sample + 1)
+                                 : fmt::format("near line {}", times.first_line + sample);
+  };
+  recording.sample_rate_hz = axis.rate_hz;
+  recording.start_time_s = std::isfinite(axis.start_s) ? axis.start_s : 0;
+  recording.time_jitter_s = axis.jitter_s;
+  const bool is_known = axis.rate_hz > 0, is_uneven = is_known && !axis.uniform;
+  if (axis.backward > 0 || axis.repeated > 0) {
+    note("time_axis",
+         fmt::format("times go back {} times and repeat {} times", axis.backward, axis.repeated),
+         line(axis.first_fault));
+  }
+  if (axis.gaps > 0) {
+    note("time_axis",
+         fmt::format("{} gaps in the times, the longest {:.9g} s", axis.gaps, axis.longest_gap_s),
+         line(axis.longest_gap_at));
+  }
+  if (axis.missing > 0) note("time_missing", fmt::format("{} times are missing", axis.missing));
+  if (is_uneven) {
+    note("time_axis",
+         fmt::format("sampling is not uniform (rms departure {:.9g} s)", axis.jitter_s));
+  } else if (is_known && times.printed_resolution_s * axis.rate_hz > 1) {
+    note("read_as", fmt::format("times are rounded to {:.9g} s, coarser than the sampling step; "
+                                "the rate is that of the whole record",
+                                times.printed_resolution_s));
+  }
+  if (is_known && !axis.agrees_with_stated) {
+    note("rates_disagree",
+         fmt::format("the times give {:.9g} Hz, {}: the times are taken", axis.rate_hz,
+                     times.stated),
+         times.stated_where);
+  }
+  if (is_uneven && axis.missing > 0) {
+    Eigen::Index at = 0;
+    while (std::isfinite(times.time_s[at])) ++at;
+    const bool by_line = times.first_line > 0;
+    throw RecordingError({recording.path.string(), by_line ? times.first_line + at : 0, 0,
+                          times.name, by_line ? "" : fmt::format("sample {}", at + 1)},
+                         "the time is missing and sampling is not uniform",
+                         "fix the times, or delete that column and give the sample rate");
+  }
+  if (is_uneven) recording.time_s = times.time_s;
+  if (!is_known && times.time_s.size() > 1) {
+    note("time_axis", "Give the sample rate: the times do not rise", times.name);
+  }
 }
 
 void note_unitless(Recording& recording) {

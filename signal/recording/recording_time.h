@@ -31,7 +31,19 @@ void note_unitless(Recording& recording);
 /// Leaves the first 20 notes of each code and says in the last of them how many there were.
 void shorten(std::vector<Note>& notes);
 
-/// "time_axis", with the counts of what is wrong with the times.
-[[nodiscard]] Note not_uniform_note(const TimeAxis& axis);
+/// A file's column of times.
+struct ReadTimes {
+  Eigen::VectorXd time_s;
+  double printed_resolution_s = 0;  ///< one unit of the last printed digit; 0: full precision
+  std::string stated;               ///< "the header says 100 Hz", for people
+  std::string stated_where;         ///< such as "line 3"
+  std::string name;                 ///< of the column
+  long first_line = 0;              ///< line of the first time; 0: none
+};
+
+/// Takes rate, start and jitter of the recording from its times, which are kept where sampling is
+/// not uniform, and notes what is wrong with them. Throws RecordingError when sampling is not
+/// uniform and times are missing.
+void take_times(const TimeAxis& axis, const ReadTimes& times, Recording& recording);
 
 }  // namespace rigfit::signal

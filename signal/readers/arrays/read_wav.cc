@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "signal/readers/arrays/array_columns.h"
 #include "signal/recording/recording_error.h"
-#include "signal/recording/recording_time.h"
 
 namespace rigfit::signal {
 namespace {
@@ -78,25 +78,18 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
   // Every sample takes a byte at least.
   const std::size_t most = bytes.size() / channels;
   std::vector<double> samples(std::min<std::size_t>(1 << 16, most + 1) * channels);
-  std::vector<std::vector<double>> data(channels);
-  while (data[0].size() <= most) {
+  std::vector<double> data;
+  while (data.size() <= most * channels) {
     const sf_count_t got = sf_readf_double(file.get(), samples.data(),
                                            static_cast<sf_count_t>(samples.size() / channels));
     if (got <= 0) break;
     if (done_with) done_with(static_cast<std::size_t>(memory.at));
-    for (std::size_t c = 0; c < channels; ++c) {
-      for (std::size_t k = 0; k < static_cast<std::size_t>(got); ++k) {
-        data[c].push_back(samples[k * channels + c]);
-      }
-    }
+    data.insert(data.end(), samples.begin(),
+                samples.begin() + static_cast<std::ptrdiff_t>(got * info.channels));
   }
-  if (data[0].empty()) throw refusal("holds no samples", "record again");
+  if (data.empty()) throw refusal("holds no samples", "record again");
 
-  Recording recording;
-  recording.path = path;
-  recording.format = "wav";
-  recording.sample_rate_hz = info.samplerate;
-  take_stated_rate(options.sample_rate_hz, recording);
+  std::vector<Note> notes;
   // The size that the file states of its data, chunk "data" behind "fmt ".
   const std::size_t chunk = bytes.substr(0, 1 << 16).find("data");
   if (chunk != std::string_view::npos && chunk + 8 <= bytes.size() &&
@@ -108,7 +101,7 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
     }
     const std::size_t held = bytes.size() - chunk - 8;
     if (stated > held && stated < 0xFFFFFF00u) {
-      recording.notes.push_back(
+      notes.push_back(
           {"incomplete",
            fmt::format(
                "the file states {} bytes of samples and holds {}: cut short, or a wrong size",
@@ -116,16 +109,16 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
            ""});
     }
   }
+  std::vector<ArrayColumn> columns;
+  const auto frames = static_cast<Eigen::Index>(data.size() / channels);
   for (std::size_t c = 0; c < channels; ++c) {
-    Channel channel;
-    channel.name = "channel " + std::to_string(c + 1);
-    channel.nominal_range = whole ? 1 : 0;
-    take_samples(Eigen::Map<const Eigen::VectorXd>(data[c].data(),
-                                                   static_cast<Eigen::Index>(data[c].size())),
-                 channel);
-    recording.channels.push_back(std::move(channel));
+    const Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>> of_channel(
+        data.data() + c, frames, Eigen::InnerStride<>(info.channels));
+    columns.push_back({fmt::format("channel {}", c + 1), of_channel});
   }
-  note_unitless(recording);
+  Recording recording = recording_of_columns(std::move(columns), path, "wav", options,
+                                             info.samplerate, std::move(notes));
+  for (auto& channel : recording.channels) channel.nominal_range = whole ? 1 : 0;
   if (whole) {
     recording.notes.back().message =
         "samples are fractions of full scale: give scale and unit for physical values";

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <regex>
 #include <utility>
 
 #include "signal/recording/recording_error.h"
@@ -302,53 +303,30 @@ constexpr std::array<std::string_view, kUses> kRowLabels = {
 
 bool is_comment_sign(char c) { return c == '#' || c == '%' || c == '!'; }
 
-/// Titles of a line, parted by `parted`, which is asked at each character outside brackets and says
-/// how many characters end a field there (0: none).
-template <typename Parted>
-Fields titles_by(std::string_view line, Parted&& parted) {
-  Fields fields;
-  std::size_t first = 0;
-  int depth = 0;
-  for (std::size_t at = 0; at <= line.size();) {
-    const char c = at < line.size() ? line[at] : '\0';
-    if (c == '(' || c == '[') ++depth;
-    if (c == ')' || c == ']') depth = std::max(0, depth - 1);
-    const std::size_t width = c == '\0' ? 1 : depth == 0 ? parted(line, at) : 0;
-    if (width > 0) {
-      const auto text = trim_blanks(line.substr(first, at - first));
-      if (!text.empty()) fields.push_back({text, false});
-      first = at + width;
-    }
-    at += std::max<std::size_t>(width, 1);
-  }
-  return fields;
-}
-
 /// Titles above a table parted by blanks, which may hold blanks themselves: parted by tabs, by two
 /// blanks or more, by a sign, or by blanks that stand before no unit in brackets, whichever gives
-/// as many titles as there are columns. Empty: none does.
+/// as many titles as there are columns. Signs within brackets part nothing. Empty: none does.
 Fields titles_with_blanks(std::string_view line, std::size_t columns) {
+  constexpr std::size_t kLongestTitles = 4096;  // std::regex takes some stack for each character
   line = trim_blanks(line);
   while (!line.empty() && is_comment_sign(line[0])) line = trim_blanks(line.substr(1));
-  const auto blanks_at = [](std::string_view text, std::size_t at) {
-    return std::min(text.find_first_not_of(" \t", at), text.size()) - at;
-  };
-  const auto wide = [&](std::string_view text, std::size_t at) {
-    const std::size_t blanks = blanks_at(text, at);
-    return blanks >= 2 ? blanks : 0;
-  };
-  const auto before_no_unit = [&](std::string_view text, std::size_t at) {
-    const std::size_t blanks = blanks_at(text, at);
-    const char next = at + blanks < text.size() ? text[at + blanks] : 'x';
-    return next == '(' || next == '[' ? 0 : blanks;
-  };
-  const auto by_sign = [&](char sign) {
-    return titles_by(line, [sign](std::string_view text, std::size_t at) -> std::size_t {
-      return text[at] == sign ? 1 : 0;
-    });
-  };
-  for (auto& fields : {by_sign('\t'), titles_by(line, wide), by_sign(';'), by_sign(','),
-                       by_sign('|'), titles_by(line, before_no_unit)}) {
+  if (line.size() > kLongestTitles) return {};
+  // Of each way what a title is made of: brackets, and what does not part.
+  static const std::array<std::regex, 6> kTitles = [] {
+    const std::string bracket = R"((?:[(\[][^)\]]*[)\]]|)";
+    return std::array{
+        std::regex(bracket + R"([^\t])+)"), std::regex(bracket + R"([^ \t]|[ \t](?![ \t]))+)"),
+        std::regex(bracket + "[^;])+"),     std::regex(bracket + "[^,])+"),
+        std::regex(bracket + "[^|])+"),     std::regex(bracket + R"([^ \t]|[ \t]+(?=[(\[]))+)")};
+  }();
+  for (const auto& title : kTitles) {
+    Fields fields;
+    const char *const begin = line.data(), *const end = begin + line.size();
+    for (std::cregex_iterator one(begin, end, title), last; one != last; ++one) {
+      const auto text =
+          trim_blanks({begin + one->position(), static_cast<std::size_t>(one->length())});
+      if (!text.empty()) fields.push_back({text, false});
+    }
     if (fields.size() == columns) return fields;
   }
   return {};

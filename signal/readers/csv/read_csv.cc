@@ -200,7 +200,14 @@ class TimeTaker {
              column.name);
       }
     }
-    take_axis(axis, resolution);
+    ReadTimes times{column.samples,
+                    resolution,
+                    fmt::format("the header says {:.9g} Hz (\"{}\")", layout_.stated_rate_hz,
+                                layout_.rate_text),
+                    layout_.rate_line > 0 ? fmt::format("line {}", layout_.rate_line) : "",
+                    column.name,
+                    layout_.body_line};
+    signal::take_times(axis, times, recording_);
     left_out_.push_back(*time_);
     // LabVIEW and others repeat the time for each channel.
     for (std::size_t k = 0; k < table_.channels.size(); ++k) {
@@ -210,55 +217,6 @@ class TimeTaker {
         left_out_.push_back(k);
         note("read_as", "the same times once more: left out", other.name);
       }
-    }
-  }
-
-  void take_axis(const TimeAxis& axis, double resolution) {
-    const Channel& column = table_.channels[*time_];
-    const auto line = [&](Eigen::Index sample) {
-      return fmt::format("near line {}", layout_.body_line + sample);
-    };
-    recording_.sample_rate_hz = axis.rate_hz;
-    recording_.start_time_s = axis.start_s;
-    recording_.time_jitter_s = axis.jitter_s;
-    const bool is_known = axis.rate_hz > 0, is_uneven = is_known && !axis.uniform;
-    if (axis.backward > 0 || axis.repeated > 0) {
-      note("time_axis",
-           fmt::format("times go back {} times and repeat {} times", axis.backward, axis.repeated),
-           line(axis.first_fault));
-    }
-    if (axis.gaps > 0) {
-      note("time_axis",
-           fmt::format("{} gaps in the times, the longest {:.9g} s", axis.gaps, axis.longest_gap_s),
-           line(axis.longest_gap_at));
-    }
-    if (axis.missing > 0) note("time_missing", fmt::format("{} times are missing", axis.missing));
-    if (is_uneven) {
-      note("time_axis",
-           fmt::format("sampling is not uniform (rms departure {:.9g} s)", axis.jitter_s));
-    } else if (is_known && resolution * axis.rate_hz > 1) {
-      note("read_as", fmt::format("times are rounded to {:.9g} s, coarser than the sampling step; "
-                                  "the rate is that of the whole record",
-                                  resolution));
-    }
-    if (is_known && !axis.agrees_with_stated) {
-      note("rates_disagree",
-           fmt::format("the times give {:.9g} Hz, the header says {:.9g} Hz (\"{}\"): the times "
-                       "are taken",
-                       axis.rate_hz, layout_.stated_rate_hz, layout_.rate_text),
-           fmt::format("line {}", layout_.rate_line));
-    }
-    if (is_uneven && axis.missing > 0) {
-      const auto at = std::find_if_not(column.samples.begin(), column.samples.end(),
-                                       [](double t) { return std::isfinite(t); });
-      throw RecordingError(
-          {table_.file, layout_.body_line + (at - column.samples.begin()), 0, column.name, ""},
-          "the time is missing and sampling is not uniform",
-          "fix the times, or delete that column and give the sample rate");
-    }
-    if (is_uneven) recording_.time_s = column.samples;
-    if (!is_known && column.samples.size() > 1) {
-      note("time_axis", "Give the sample rate: the times do not rise", column.name);
     }
   }
 

@@ -1,8 +1,6 @@
 #include "signal/readers/files/foreign_formats.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 
 namespace rigfit::signal {
 namespace {
@@ -15,14 +13,12 @@ struct Signature {
   const char* remedy;
 };
 
-constexpr const char* kSpreadsheet = "save the sheet as CSV (File, Save As, CSV UTF-8)";
+constexpr const char* kUnpack = "unpack it and give the recording itself";
 
-constexpr std::array<Signature, 23> kSignatures = {{
+constexpr Signature kSignatures[] = {
     {"TDSm"sv, "a National Instruments TDMS file",
      "export it as LVM, CSV or UFF 58: in LabVIEW or DIAdem, or in Python by nptdms "
      "(TdmsFile.read(F).as_dataframe().to_csv)"},
-    {"TDSh"sv, "the index of a National Instruments TDMS file",
-     "give the .tdms file's data exported as LVM, CSV or UFF 58"},
     {"MDF     "sv, "an ASAM MDF (MF4) file",
      "export it as MAT or CSV, in Python by asammdf: MDF(F).export('mat') or export('csv')"},
     {"UnFinMF "sv, "an ASAM MDF (MF4) file that was not closed",
@@ -31,25 +27,14 @@ constexpr std::array<Signature, 23> kSignatures = {{
      "export the arrays as .npy, .mat or CSV, in Python by h5py and numpy.save"},
     {"|CF,"sv, "an imc FAMOS file", "export it as CSV or UFF 58 from FAMOS"},
     {"|CK,"sv, "an imc FAMOS file", "export it as CSV or UFF 58 from FAMOS"},
-    {"PAR1"sv, "an Apache Parquet file", "write it as CSV, in Python by pandas: to_csv"},
-    {"ARROW1"sv, "an Apache Arrow file", "write it as CSV, in Python by pandas: to_csv"},
-    {"SQLite format 3"sv, "an SQLite database", "export the table as CSV"},
-    {"\x1F\x8B"sv, "a gzip file", "unpack it (gunzip) and give the recording itself"},
-    {"BZh"sv, "a bzip2 file", "unpack it (bunzip2) and give the recording itself"},
-    {"\xFD"
-     "7zXZ"sv,
-     "an xz file", "unpack it (unxz) and give the recording itself"},
-    {"7z\xBC\xAF\x27\x1C"sv, "a 7z archive", "unpack it and give the recording itself"},
-    {"Rar!"sv, "a RAR archive", "unpack it and give the recording itself"},
+    {"DEWE"sv, "a Dewesoft file", "export it as UFF 58, MAT or CSV from DewesoftX"},
+    {"\x1F\x8B"sv, "a gzip file", kUnpack},
+    {"7z\xBC\xAF\x27\x1C"sv, "a 7z archive", kUnpack},
     {"%PDF"sv, "a PDF document", "give the recording, not its plot or report"},
-    {"\x89PNG"sv, "a picture", "give the recording, not its plot"},
-    {"\xFF\xD8\xFF"sv, "a picture", "give the recording, not its plot"},
     {"fLaC"sv, "a FLAC sound file", "convert it to WAV: flac -d F"},
     {"OggS"sv, "an Ogg sound file", "its compression changes the signal; record as WAV"},
     {"ID3"sv, "an MP3 sound file", "its compression changes the signal; record as WAV"},
-    {"FORMAT  "sv, "an RPC III file", "export it as CSV or UFF 58"},
-    {"DEWE"sv, "a Dewesoft file", "export it as UFF 58, MAT or CSV from DewesoftX"},
-}};
+};
 
 constexpr auto kCompoundFile = "\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"sv;
 constexpr auto kZipPart = "PK\x03\x04"sv;  // a part of a zip archive: 30 bytes, then its name
@@ -89,31 +74,26 @@ std::optional<ForeignFormat> foreign_format(std::string_view bytes) {
   if (bytes.substr(0, 4) == kZipPart && !is_excel_workbook(bytes)) {
     const auto head = bytes.substr(0, 1 << 16);
     if (head.find("opendocument.spreadsheet") != std::string_view::npos) {
-      return ForeignFormat{"an OpenDocument spreadsheet (.ods)", kSpreadsheet};
+      return ForeignFormat{"an OpenDocument spreadsheet (.ods)", "save the sheet as .xlsx or CSV"};
     }
     if (head.find(".npy") != std::string_view::npos) {
       return ForeignFormat{"a NumPy archive (.npz)",
                            "unpack it (unzip) and give the .npy file of one array"};
     }
-    return ForeignFormat{"a zip archive", "unpack it and give the recording itself"};
+    return ForeignFormat{"a zip archive", kUnpack};
   }
   auto text = bytes.substr(0, 512);
-  if (text.substr(0, 3) == "\xEF\xBB\xBF"sv) text.remove_prefix(3);
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front())) != 0) {
-    text.remove_prefix(1);
+  text.remove_prefix(std::min(text.find_first_not_of("\xEF\xBB\xBF \t\r\n"), text.size()));
+  for (const char* begin : {"<?xml", "<!doctype", "<!DOCTYPE", "<html", "<HTML"}) {
+    if (text.starts_with(begin)) {
+      return ForeignFormat{"a web page or XML file",
+                           "export the recording itself as CSV, LVM or UFF 58"};
+    }
   }
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (lower.starts_with("<!doctype html") || lower.starts_with("<html")) {
-    return ForeignFormat{"a web page", "download the recording itself"};
-  }
-  if (lower.starts_with("<?xml")) {
-    return ForeignFormat{"an XML file (DIAdem .tdm, SoMat .sie ...)",
-                         "export its channels as CSV, LVM or UFF 58"};
-  }
-  if (lower.starts_with("{\"") || lower.starts_with("{\n") || lower.starts_with("[{")) {
-    return ForeignFormat{"a JSON document", "write the samples as CSV, one line a sample"};
+  for (const char* begin : {"{\"", "{\n", "[{"}) {
+    if (text.starts_with(begin)) {
+      return ForeignFormat{"a JSON document", "write the samples as CSV, one line a sample"};
+    }
   }
   return std::nullopt;
 }

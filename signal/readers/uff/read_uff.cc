@@ -167,7 +167,7 @@ Functions of_one_form(const Functions& all, std::vector<Note>& notes) {
   return taken;
 }
 
-void take_times(const Uff58& first, Recording& recording) {
+void take_abscissa(const Uff58& first, Recording& recording) {
   const auto unit = parse_unit(first.abscissa.unit);
   const bool known = unit && unit->quantity == Quantity::time;
   const double to_seconds = known ? unit->factor : 1;
@@ -190,17 +190,13 @@ void take_times(const Uff58& first, Recording& recording) {
   options.printed_resolution_s =
       std::isfinite(latest) ? latest * (first.binary && !first.single_precision ? 1e-15 : 1e-5) : 0;
   const TimeAxis axis = time_axis(time, options);
-  recording.sample_rate_hz = first.noted("rate", axis.rate_hz);
-  recording.start_time_s = axis.start_s;
-  recording.time_jitter_s = axis.jitter_s;
   if (axis.missing > 0) {
     throw RecordingError({recording.path.string(), first.line, 0, "", ""}, "some times are missing",
                          "export the recording again");
   }
-  if (!axis.uniform) {
-    recording.time_s = time;
-    recording.notes.push_back(not_uniform_note(axis));
-  }
+  take_times(axis, {time, options.printed_resolution_s, "", "", first.abscissa.label, 0},
+             recording);
+  recording.sample_rate_hz = first.noted("rate", recording.sample_rate_hz);
 }
 
 FrfUnit scale_of(const Uff58& f) {
@@ -454,7 +450,7 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
   }
   const Functions taken = of_one_form(histories, recording.notes);
   take_channels(file, taken, bytes.size(), recording);
-  take_times(*taken.front(), recording);
+  take_abscissa(*taken.front(), recording);
   take_stated_rate(options.sample_rate_hz, recording);
   if (!(recording.sample_rate_hz > 0) || !std::isfinite(recording.sample_rate_hz)) {
     recording.sample_rate_hz = 0;

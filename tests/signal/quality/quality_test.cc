@@ -75,21 +75,6 @@ TEST(Quality, CountsClippedSamplesWithAndWithoutARange) {
   EXPECT_GT(check(r).clipped_samples, truth);
 }
 
-TEST(Quality, SmoothPeaksOfACoarseConverterAreNotClipping) {
-  // Quantum 1/100 of the amplitude, 2000 samples a period: tops of 2 sqrt(2 * 0.005) / w = 64
-  // samples.
-  Eigen::VectorXd x = sine(20000, 1, 2000, 1);
-  for (auto& v : x) v = std::round(v * 100) / 100;
-  EXPECT_EQ(check(recording_of(x, 2000)).clipped_samples, 0);
-}
-
-TEST(Quality, OneClippedHammerPulse) {
-  Eigen::VectorXd x = noise(4000, 0.01, 3);
-  for (int k = 0; k < 12; ++k) x[500 + k] += std::min(70.0, 100 * std::sin(kPi * k / 12));
-  for (int k = 3; k < 10; ++k) x[500 + k] = 70;
-  EXPECT_EQ(check(recording_of(x, 10000)).clipped_samples, 7);
-}
-
 TEST(Quality, DropoutsStuckEndAndMissing) {
   Eigen::VectorXd x = sine(6000, 11, 1000, 1) + noise(6000, 0.01, 4);
   x.segment(1000, 20).setZero();

@@ -49,8 +49,8 @@ TEST(ReadLvm, XThatIsUnevenIsKeptAndXThatIsMissingThereRefused) {
   lacking.erase(lacking.find("0.002"), 5);
   const auto error = error_of(lvm(kTwo, lacking + "0.010\t9\t9\n0.011\t9\t9\n"));
   EXPECT_EQ(error.where().channel, "X_Value");
-  EXPECT_EQ(error.where().line, 14);
-  EXPECT_THAT(error.remedy(), ::testing::HasSubstr("delete the X columns"));
+  EXPECT_EQ(error.where().line, 16);
+  EXPECT_THAT(error.remedy(), ::testing::HasSubstr("delete that column"));
 }
 
 TEST(ReadLvm, XValuesWinOverAStepThatDisagrees) {

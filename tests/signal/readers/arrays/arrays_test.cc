@@ -132,7 +132,7 @@ TEST(Npy, WhatCannotBeReadIsSaid) {
     return refusal_of([&] { return read_npy(npy(header, data), "a.npy"); });
   };
   EXPECT_THAT(refused("{'descr': '|O', 'fortran_order': False, 'shape': (1,), }"),
-              ::testing::HasSubstr("kind"));
+              ::testing::HasSubstr("Python objects"));
   EXPECT_THAT(refused("{'descr': '<c16', 'fortran_order': False, 'shape': (1,), }"),
               ::testing::HasSubstr("complex"));
   EXPECT_THAT(

@@ -140,9 +140,9 @@ TEST(ReadCsv, MissingAndWrongFields) {
   EXPECT_EQ(error.where().value, "x7");
 }
 
-/// Text of the basic plane as UTF-16 with its mark.
-std::string utf16(const std::u16string& text, bool little) {
-  std::string bytes = little ? "\xFF\xFE" : "\xFE\xFF";
+/// Text of the basic plane as UTF-16.
+std::string utf16(const std::u16string& text, bool little, bool marked = true) {
+  std::string bytes = !marked ? "" : little ? "\xFF\xFE" : "\xFE\xFF";
   for (const char16_t code : text) {
     const char low = static_cast<char>(code & 0xFF), high = static_cast<char>(code >> 8);
     bytes += little ? low : high;
@@ -161,6 +161,8 @@ TEST(ReadCsv, Utf16OfEitherByteOrderIsRead) {
     EXPECT_NEAR(recording.sample_rate_hz, 10, 1e-9);
     EXPECT_NEAR(recording.channels[0].samples[2], -3e-6, 1e-18);
   }
+  EXPECT_EQ(read(utf16(u"Zeit (s);Kraft (N)\n0;1\n0,5;2\n1;3\n", true, false)).sample_rate_hz, 2);
+  EXPECT_EQ(read(utf16(u"Zeit (s);Kraft (N)\n0;1\n0,5;2\n1;3\n", false, false)).sample_rate_hz, 2);
   // Half a character pair beyond the basic plane, and a last byte that is missing.
   const auto odd = read(utf16(u"t (s),a\xD83D\n0,1\n1,2\n", true) + "x");
   EXPECT_EQ(odd.samples(), 2);

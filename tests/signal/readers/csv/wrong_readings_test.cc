@@ -202,17 +202,6 @@ TEST(FrfTables, FrequenciesThatRepeatAreNamed) {
               ::testing::HasSubstr("repeats"));
 }
 
-TEST(Utf16, WithoutAMarkIsRead) {
-  const std::string text = "Time (s);Kraft (N)\n0;1\n0,5;2\n1;3\n1,5;2\n";
-  for (const bool little : {true, false}) {
-    std::string wide;
-    for (const char c : text) wide += little ? std::string{c, '\0'} : std::string{'\0', c};
-    const auto recording = read(wide);
-    EXPECT_EQ(recording.sample_rate_hz, 2);
-    EXPECT_EQ(recording.channels[0].name, "Kraft");
-  }
-}
-
 // A message stays readable however many columns a table has.
 TEST(Notes, OfVeryManyColumnsAreShort) {
   std::string line;

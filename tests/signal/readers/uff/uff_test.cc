@@ -66,50 +66,38 @@ FrfSet made_frfs() {
   return f;
 }
 
-TEST(Uff, BinaryRecordingComesBackExactly) {
-  // A rate that six printed digits of its step do not give.
-  const Recording out = made_recording(51234.56789, 1001);
-  const Recording in = read_uff(uff_text(out, UffEncoding::binary), "x.uff");
-  EXPECT_EQ(in.format, "uff58-binary");
-  EXPECT_EQ(in.sample_rate_hz, out.sample_rate_hz);
-  EXPECT_EQ(in.start_time_s, out.start_time_s);
-  ASSERT_EQ(in.channels.size(), out.channels.size());
-  for (std::size_t c = 0; c < in.channels.size(); ++c) {
-    EXPECT_EQ(in.channels[c].name, out.channels[c].name);
-    EXPECT_EQ(in.channels[c].unit, out.channels[c].unit);
-    EXPECT_EQ(in.channels[c].quantity, out.channels[c].quantity);
-    EXPECT_EQ(in.channels[c].direction, out.channels[c].direction);
-    EXPECT_EQ(in.channels[c].nominal_range, out.channels[c].nominal_range);
-    EXPECT_TRUE(MatricesNear(in.channels[c].samples, out.channels[c].samples, 0));
-  }
-}
-
-TEST(Uff, SinglePrecisionHalvesTheSizeAndKeepsSevenDigits) {
-  const Recording out = made_recording(2048, 1001);
-  const std::string text = uff_text(out, UffEncoding::binary_single, "synthetic");
-  EXPECT_NE(text.find("synthetic"), std::string::npos);
-  EXPECT_LT(text.size(), 0.6 * uff_text(out, UffEncoding::binary).size());
-  const Recording in = read_uff(text, "x.uff");
-  ASSERT_EQ(in.channels.size(), out.channels.size());
-  EXPECT_EQ(in.sample_rate_hz, 2048);
-  for (std::size_t c = 0; c < in.channels.size(); ++c) {
-    const auto& samples = out.channels[c].samples;
-    // Half a unit of the 24th binary digit.
-    EXPECT_TRUE(MatricesNear(in.channels[c].samples, samples,
-                             samples.cwiseAbs().maxCoeff() * std::ldexp(1.0, -24)));
-  }
-}
-
-TEST(Uff, TextRecordingComesBackWithinItsDigits) {
+TEST(Uff, RecordingsComeBackWithinTheirDigits) {
+  struct Case {
+    UffEncoding encoding;
+    double rate;
+    Eigen::Index samples;
+    double tolerance;
+  };
+  // Binary: exactly, also at a rate that six printed digits of its step do not give. Single: half a
+  // unit of the 24th binary digit of 4e-3. Text: half a unit of the thirteenth digit below 1e-2.
+  std::vector<Case> cases{{UffEncoding::binary, 51234.56789, 1001, 0},
+                          {UffEncoding::binary_single, 2048, 1001, 4e-3 * std::ldexp(1.0, -24)}};
   for (const Eigen::Index n : {1, 3, 4, 5, 1000}) {
-    const Recording out = made_recording(48000, n);
-    const Recording in = read_uff(uff_text(out, UffEncoding::ascii), "x.uff");
-    EXPECT_EQ(in.format, "uff58-ascii");
-    EXPECT_EQ(in.sample_rate_hz, 48000);
-    for (std::size_t c = 0; c < in.channels.size(); ++c) {
-      // 4E20.12: half a unit of the thirteenth digit of values below 1e-2.
-      EXPECT_TRUE(MatricesNear(in.channels[c].samples, out.channels[c].samples, 0.5e-14));
+    cases.push_back({UffEncoding::ascii, 48000, n, 0.5e-14});
+  }
+  for (const Case& c : cases) {
+    const Recording out = made_recording(c.rate, c.samples);
+    const std::string text = uff_text(out, c.encoding, "synthetic");
+    EXPECT_NE(text.find("synthetic"), std::string::npos);
+    const Recording in = read_uff(text, "x.uff");
+    EXPECT_EQ(in.format, c.encoding == UffEncoding::ascii ? "uff58-ascii" : "uff58-binary");
+    EXPECT_EQ(in.sample_rate_hz, out.sample_rate_hz);
+    ASSERT_EQ(in.channels.size(), out.channels.size());
+    for (std::size_t k = 0; k < in.channels.size(); ++k) {
+      EXPECT_EQ(in.channels[k].name, out.channels[k].name);
+      EXPECT_EQ(in.channels[k].unit, out.channels[k].unit);
+      EXPECT_EQ(in.channels[k].quantity, out.channels[k].quantity);
+      EXPECT_EQ(in.channels[k].direction, out.channels[k].direction);
+      EXPECT_EQ(in.channels[k].nominal_range, out.channels[k].nominal_range);
+      EXPECT_TRUE(MatricesNear(in.channels[k].samples, out.channels[k].samples, c.tolerance));
     }
+    if (c.encoding != UffEncoding::binary_single) continue;
+    EXPECT_LT(text.size(), 0.6 * uff_text(out, UffEncoding::binary).size());
   }
 }
 
