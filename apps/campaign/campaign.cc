@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <type_traits>
 
 namespace rigfit::apps {
@@ -42,7 +44,37 @@ std::optional<model::ModePlane> plane_named(const std::string& word) {
   return std::nullopt;
 }
 
+void BendingTest::complete() {
+  auto& options = campaign.test;
+  if (!beam()) return;
+  options.ends = ends == "pinned"       ? ident::BeamEnds::pinned
+                 : ends == "cantilever" ? ident::BeamEnds::cantilever
+                                        : ident::BeamEnds::clamped;
+  // Without tension these have no effect.
+  options.tension_zero_std_N = options.tension_calibration_std = 0;
+  options.clamp_stiffness_Nm_rad = 0;
+  if (!rectangle_m.empty()) section.rectangle_m = {rectangle_m[0], rectangle_m[1]};
+  campaign.second_moment_m4 = ident::second_moment(section);
+}
+
+void AxialTest::complete() {
+  auto& setup = inputs.setup;
+  setup.frame_stated = frame_stiffness_N_m.has_value();
+  if (setup.frame_stated && std::isfinite(*frame_stiffness_N_m)) {
+    setup.frame_stiffness_N_m.value = *frame_stiffness_N_m;
+  }
+  if (!band_hz.empty()) inputs.band_low_hz = band_hz[0], inputs.band_high_hz = band_hz[1];
+}
+
 void TensionTest::complete() {
+  if (!band_hz.empty()) inputs.band_low_hz = band_hz[0], inputs.band_high_hz = band_hz[1];
+  const bool whole = std::all_of(orders.begin(), orders.end(),
+                                 [](double order) { return order == std::round(order); });
+  if (!whole || (!orders.empty() && orders.size() != frequencies_hz.size())) {
+    throw std::invalid_argument(
+        fmt::format("{} is no list of one whole number for each of {} frequencies",
+                    fmt::join(orders, " "), frequencies_hz.size()));
+  }
   auto& cable = inputs.test.cable;
   if (mass_of == "installed") cable.mass_reference = ident::MassReference::installed;
   if (mass_of == "unstretched") cable.mass_reference = ident::MassReference::unstretched;

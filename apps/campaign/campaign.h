@@ -76,6 +76,8 @@ struct BendingTest {
   ident::BeamSection section;
 
   BendingTest() { campaign.test.span_m = {0, 0}; }
+  /// Takes what was read over into `campaign`: ends and section of a beam.
+  void complete();
   [[nodiscard]] bool beam() const { return tension_N.has_value(); }
   [[nodiscard]] bool published() const { return !campaign.sources.empty(); }
 };
@@ -84,6 +86,9 @@ struct AxialTest {
   ident::AxialInputs inputs;
   std::vector<double> band_hz;
   std::optional<double> frame_stiffness_N_m;  ///< infinite: rigid
+
+  /// Takes frame and band over into `inputs`.
+  void complete();
 };
 
 struct DecayTest {
@@ -111,7 +116,8 @@ struct TensionTest {
   std::string measured, column;
 
   TensionTest();
-  /// Takes what was read over into `inputs`: cable, ends, plane; adds the frequencies to its modes.
+  /// Takes what was read over into `inputs`: cable, ends, plane, band; adds the frequencies to its
+  /// modes. Throws std::invalid_argument where orders are no whole number for each of them.
   void complete();
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <stdexcept>
 
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_group.h"
@@ -117,12 +118,6 @@ ident::BendingSource published_values(TomlTable& table, const TextTable& results
         {tension[i], EI[i], beginning(row, "std"), beginning(row, "low"), beginning(row, "high")});
   }
   return source;
-}
-
-template <class Options>
-void take_band(const std::vector<double>& band_hz, Options& options) {
-  if (band_hz.empty()) return;
-  options.band_low_hz = band_hz[0], options.band_high_hz = band_hz[1];
 }
 
 class Reader {
@@ -256,14 +251,7 @@ class Reader {
                           "recordings of a cable under tension hold a channel of it; tension = 0 "
                           "is for a beam without");
       }
-      auto& section = bending.section;
-      if (!bending.rectangle_m.empty()) {
-        section.rectangle_m = {bending.rectangle_m[0], bending.rectangle_m[1]};
-      }
-      campaign.second_moment_m4 = ident::second_moment(section);
-      campaign.test.ends = bending.ends == "pinned"       ? ident::BeamEnds::pinned
-                           : bending.ends == "cantilever" ? ident::BeamEnds::cantilever
-                                                          : ident::BeamEnds::clamped;
+      bending.complete();
     } else {
       campaign.strand = campaign_.strand;
     }
@@ -276,11 +264,6 @@ class Reader {
     if (table.has("table")) {
       throw table.error("table", "is given beside recordings", "keep one of them");
     }
-    if (bending.beam()) {  // without tension these have no effect
-      auto& options = campaign.test;
-      options.tension_zero_std_N = options.tension_calibration_std = 0;
-      options.clamp_stiffness_Nm_rad = 0;
-    }
     if (table.has("channels")) {
       TomlTable channels = table.table("channels");
       read_keys(channels, channel_keys_of(bending));
@@ -291,12 +274,7 @@ class Reader {
 
   void read_kind(TomlTable& table, CampaignTest& test, AxialTest& axial) {
     read_keys(table, keys_of(axial));
-    auto& setup = axial.inputs.setup;
-    setup.frame_stated = axial.frame_stiffness_N_m.has_value();
-    if (setup.frame_stated && std::isfinite(*axial.frame_stiffness_N_m)) {
-      setup.frame_stiffness_N_m.value = *axial.frame_stiffness_N_m;
-    }
-    take_band(axial.band_hz, axial.inputs);
+    axial.complete();
     read_recordings(table, test);
     for (const auto& group : test.recordings) {
       if (group.length_m) continue;
@@ -309,7 +287,9 @@ class Reader {
   void read_kind(TomlTable& table, CampaignTest& test, DecayTest& decay) {
     auto& inputs = decay.inputs;
     read_keys(table, keys_of(decay));
-    take_band(decay.band_hz, inputs.options.decay);
+    if (const auto& band = decay.band_hz; !band.empty()) {
+      inputs.options.decay.band_low_hz = band[0], inputs.options.decay.band_high_hz = band[1];
+    }
     if (table.has("scene")) {
       inputs.scene = scene_use(table, test, inputs.sensors);
       const auto loads = names_of(inputs.scene->scene.loads);
@@ -339,14 +319,12 @@ class Reader {
         inputs.test.modes.push_back(std::move(row.mode));
       }
     }
-    const auto& frequencies = tension.frequencies_hz;
-    if (!tension.orders.empty() && tension.orders.size() != frequencies.size()) {
-      throw table.error("orders", fmt::format("has {} values", tension.orders.size()),
-                        "give one for each of frequencies");
+    try {
+      tension.complete();
+    } catch (const std::invalid_argument& error) {
+      throw table.error("orders", error.what(), "give one for each of frequencies");
     }
-    tension.complete();
     if (table.has("recording")) {
-      take_band(tension.band_hz, inputs);
       read_recordings(table, test);
     } else if (inputs.test.modes.empty()) {
       throw table.error("frequencies", "is missing, and there is no recording",

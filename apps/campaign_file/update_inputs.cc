@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/exit_code.h"
+#include "apps/cli/named_numbers.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/scene_use.h"
 #include "model/scene/scene_error.h"
@@ -20,50 +20,21 @@ using Effect = ident::UncertainInput::Effect;
 
 struct InputText {
   std::string name;
-  std::vector<std::string> targets;
-  std::vector<double> signs;
+  SignedNames targets;
   double std = 0;
   bool relative = false, each = false;
 };
 
-InputText parsed(const std::string& whole) {
-  const auto fail = [&](const char* problem) {
-    throw UsageError(fmt::format(
-        "--input \"{}\": {}; write TARGET=STD, TARGET=0.5%, TARGET,-TARGET=STD, @each at the end",
-        whole, problem));
-  };
+InputText parsed(std::string text) {
   InputText input;
-  std::string text = whole;
-  if (text.ends_with("@each")) {
-    input.each = true;
-    text.resize(text.size() - 5);
-  }
-  const auto equals = text.rfind('=');
-  if (equals == std::string::npos) fail("has no \"=\"");
-  input.name = text.substr(0, equals);
-  std::string number = text.substr(equals + 1);
-  if (number.ends_with("%")) {
-    input.relative = true;
-    number.pop_back();
-  }
-  const auto [end, error] =
-      std::from_chars(number.data(), number.data() + number.size(), input.std);
-  if (error != std::errc() || end != number.data() + number.size() || !std::isfinite(input.std) ||
-      !(input.std > 0)) {
-    fail("its uncertainty is no positive number");
-  }
-  if (input.relative) input.std /= 100;
-  for (std::size_t begin = 0;;) {
-    const auto comma = input.name.find(',', begin);
-    std::string target = input.name.substr(begin, comma - begin);
-    const bool minus = target.starts_with("-");
-    if (minus) target.erase(0, 1);
-    if (target.empty()) fail("an empty name");
-    input.targets.push_back(target);
-    input.signs.push_back(minus ? -1 : 1);
-    if (comma == std::string::npos) break;
-    begin = comma + 1;
-  }
+  input.each = text.ends_with("@each");
+  if (input.each) text.resize(text.size() - 5);
+  const auto given =
+      named_numbers("--input", text,
+                    "TARGET=STD, TARGET=0.5% or TARGET,-TARGET=STD (@each at the end)", 1, 1, true);
+  input.name = given.name;
+  input.targets = signed_names("--input", given.name);
+  input.std = given.numbers[0], input.relative = given.relative;
   return input;
 }
 
@@ -97,15 +68,16 @@ void add_tension(const UpdateStates& states, std::size_t state, double std, bool
 void add_targets(const InputText& input, const UpdateStates& states, std::size_t state,
                  std::vector<Effect>& effects) {
   const auto& scene = states.states[state].scene;
-  if (input.targets[0] == "tension") {
+  if (input.targets.names[0] == "tension") {
     add_tension(states, state, input.std, input.relative, effects);
     return;
   }
-  for (std::size_t t = 0; t < input.targets.size(); ++t) {
-    if (!has_parameter(scene, input.targets[t])) continue;
-    const double size = input.relative ? std::abs(model::parameter(scene, input.targets[t])) : 1;
-    effects.push_back(
-        {static_cast<int>(state), input.targets[t], input.signs[t] * input.std * size});
+  for (std::size_t t = 0; t < input.targets.names.size(); ++t) {
+    if (!has_parameter(scene, input.targets.names[t])) continue;
+    const double size =
+        input.relative ? std::abs(model::parameter(scene, input.targets.names[t])) : 1;
+    effects.push_back({static_cast<int>(state), input.targets.names[t],
+                       input.targets.signs[t] * input.std * size});
   }
 }
 
@@ -132,7 +104,7 @@ std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::strin
   std::vector<ident::UncertainInput> inputs;
   for (const auto& text : texts) {
     const InputText input = parsed(text);
-    for (const auto& target : input.targets) {
+    for (const auto& target : input.targets.names) {
       if (target == "tension") continue;
       bool somewhere = false;
       for (const auto& state : states.states) {
@@ -174,24 +146,13 @@ std::vector<ident::UncertainInput> aim_inputs(const std::vector<std::string>& te
                                               const UpdateStates& states) {
   std::vector<ident::UncertainInput> inputs;
   for (const auto& text : texts) {
-    const auto fail = [&](const std::string& problem) {
-      throw UsageError(fmt::format(
-          "--aim \"{}\": {}; write LOAD=METRES,DEGREES, such as hammer=0.003,2", text, problem));
-    };
-    const auto equals = text.rfind('='), comma = text.find(',', equals + 1);
-    if (equals == std::string::npos || comma == std::string::npos) fail("is not understood");
-    const std::string name = text.substr(0, equals);
-    const auto number = [&](std::size_t begin, std::size_t end, double most) {
-      double value = 0;
-      const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
-      if (error != std::errc() || stop != text.data() + end || !(value >= 0 && value <= most)) {
-        fail(fmt::format("\"{}\" is no number from 0 to {:g}", text.substr(begin, end - begin),
-                         most));
-      }
-      return value;
-    };
-    const double metres = number(equals + 1, comma, 1e3);
-    const double turn = number(comma + 1, text.size(), 45) * M_PI / 180;
+    const auto aim =
+        named_numbers("--aim", text, "LOAD=METRES,DEGREES, such as hammer=0.003,2", 2, 2);
+    const auto& name = aim.name;
+    const double metres = aim.numbers[0], turn = aim.numbers[1] * M_PI / 180;
+    if (!(metres >= 0 && metres <= 1e3 && aim.numbers[1] <= 45)) {
+      throw UsageError("--aim: \"" + text + "\" is beyond 1000 m or 45 degrees");
+    }
     bool found = false;
     std::string known;
     for (std::size_t s = 0; s < states.states.size(); ++s) {
@@ -208,7 +169,6 @@ std::vector<ident::UncertainInput> aim_inputs(const std::vector<std::string>& te
           inputs.push_back({fmt::format("place of {}{}", name, state),
                             {{index, name + ".position", metres / length}}});
         }
-        if (!(turn > 0)) continue;
         const Eigen::Vector3d first = load.direction.unitOrthogonal();
         for (const Eigen::Vector3d& side : {first, Eigen::Vector3d(load.direction.cross(first))}) {
           // Named after the axis it leans to.
@@ -225,7 +185,10 @@ std::vector<ident::UncertainInput> aim_inputs(const std::vector<std::string>& te
         }
       }
     }
-    if (!found) fail("the scene has no such load; there are:" + (known.empty() ? " none" : known));
+    if (!found) {
+      throw UsageError("--aim: the scene has no load " + name +
+                       "; there are:" + (known.empty() ? " none" : known));
+    }
   }
   return inputs;
 }

@@ -13,11 +13,17 @@ namespace {
 
 // CLI11's own checks let NaN pass and name limits with 300 digits.
 CLI::Validator number_check(const describe::Option& option) {
-  const std::string wanted = option.highest != HUGE_VAL ? "number " + range_text(option)
-                             : option.above_lowest      ? "positive number"
-                             : option.lowest == 0       ? "number from zero up"
-                                                        : "finite number";
+  std::string wanted = option.highest != HUGE_VAL ? "number " + range_text(option)
+                       : option.above_lowest      ? "positive number"
+                       : option.lowest == 0       ? "number from zero up"
+                                                  : "finite number";
+  for (const auto& word : option.words) wanted += " or " + word;
   return {[wanted, option](std::string& text) {
+            // A word in place of a number is a number without end: a rigid frame.
+            if (std::find(option.words.begin(), option.words.end(), text) != option.words.end()) {
+              text = "inf";
+              return std::string();
+            }
             double x = 0;
             const bool read = CLI::detail::lexical_cast(text, x) && std::isfinite(x);
             const bool within = x <= option.highest &&
@@ -39,13 +45,49 @@ CLI::Option* add(CLI::App& app, const describe::Option& option) {
       option.target);
   if (option.is_required) added->required();
   if (option.numbers > 0) added->expected(option.numbers);
-  if (!option.words.empty()) added->check(CLI::IsMember(option.words));
   if (option.is_file) added->check(CLI::ExistingFile);
-  if (option.kind() == std::string("number") || option.kind() == std::string("numbers") ||
-      option.kind() == std::string("integer")) {
-    added->check(number_check(option));
+  if (const std::string kind = option.kind(); kind.starts_with("number") || kind == "integer") {
+    added->transform(number_check(option));
+  } else if (!option.words.empty()) {
+    added->check(CLI::IsMember(option.words));
   }
   return added;
+}
+
+/// "--mass 2.2,0.001" stands for "--mass 2.2 --mass-std 0.001" where there is such an option.
+std::vector<std::string> std_apart(const describe::Options& options,
+                                   const std::vector<std::string>& arguments) {
+  const auto number = [&](const std::string& name) {
+    return std::any_of(options.begin(), options.end(), [&](const auto& option) {
+      return option.name == name && option.kind() == std::string("number");
+    });
+  };
+  std::vector<std::string> apart;
+  std::string name;
+  for (const auto& text : arguments) {
+    const auto equals = text.find('='), comma = text.find(',');
+    const bool option = text.starts_with("--");
+    if (option) name = text.substr(0, equals);
+    if (comma != std::string::npos && number(name) && number(name + "-std")) {
+      apart.push_back(text.substr(0, comma));
+      apart.push_back(name + "-std=" + text.substr(comma + 1));
+    } else {
+      apart.push_back(text);
+    }
+    if (!option) name.clear();  // what follows is another value
+  }
+  return apart;
+}
+
+/// Bands rise.
+void check_bands(const describe::Options& options) {
+  for (const auto& option : options) {
+    const auto* const* band = std::get_if<std::vector<double>*>(&option.target);
+    if (band == nullptr || option.unit != "Hz" || option.numbers != 2 || (*band)->empty()) continue;
+    if ((**band)[0] < 0 || !((**band)[0] < (**band)[1])) {
+      throw UsageError(option.name + " must rise: two frequencies in Hz, the lower one first");
+    }
+  }
 }
 
 }  // namespace
@@ -60,7 +102,8 @@ void parse_options(const Verb& verb, const std::vector<std::string>& arguments) 
     for (const auto& other : verb.options[k].only_with) added[k]->needs(app.get_option(other));
   }
   try {
-    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    const auto apart = std_apart(verb.options, arguments);
+    app.parse(std::vector<std::string>(apart.rbegin(), apart.rend()));
   } catch (const CLI::ParseError& error) {
     const auto known = names_of(verb.options);
     for (const auto& text : arguments) {
@@ -74,6 +117,7 @@ void parse_options(const Verb& verb, const std::vector<std::string>& arguments) 
     throw UsageError(
         fmt::format("{}\nrigfit help {} says how it is used.", error.what(), verb.name));
   }
+  check_bands(verb.options);
   for (std::size_t k = 0; k < added.size(); ++k) {
     if (verb.options[k].told != nullptr && added[k]->count() > 0) {
       verb.options[k].told->push_back(verb.options[k].name);

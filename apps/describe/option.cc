@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <type_traits>
 
 namespace rigfit::describe {
@@ -21,6 +22,28 @@ std::string Option::default_text() const {
         }
       },
       target);
+}
+
+Options as_command_line(Options keys) {
+  const auto rename = [](std::string& name) {
+    std::replace(name.begin(), name.end(), '_', '-');
+    name.insert(0, "--");
+  };
+  std::vector<std::string> names;
+  for (auto& key : keys) {
+    rename(key.name);
+    names.push_back(key.name);
+  }
+  const auto unknown = [&](const std::string& name) {
+    return std::find(names.begin(), names.end(), name) == names.end();
+  };
+  for (auto& key : keys) {
+    for (auto* others : {&key.not_with, &key.only_with}) {
+      for (auto& other : *others) rename(other);
+      std::erase_if(*others, unknown);
+    }
+  }
+  return keys;
 }
 
 const char* Option::kind() const {

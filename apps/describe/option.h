@@ -68,6 +68,10 @@ struct Option {
 
 using Options = std::vector<Option>;
 
+/// Keys of a file as options of a command line: "mass_per_length" is "--mass-per-length". What they
+/// need or exclude counts where it is an option too.
+[[nodiscard]] Options as_command_line(Options keys);
+
 template <class T>
 [[nodiscard]] Option option(std::string name, T& member, std::string meaning,
                             std::string unit = "") {

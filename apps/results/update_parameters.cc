@@ -1,38 +1,13 @@
 #include "apps/results/update_parameters.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
-#include <exception>
+#include <utility>
 
 #include "apps/cli/exit_code.h"
+#include "apps/cli/named_numbers.h"
 #include "model/scene/scene.h"
 
 namespace rigfit::apps {
-namespace {
-
-double number_of(const std::string& text, const std::string& option) {
-  try {
-    std::size_t used = 0;
-    const double value = std::stod(text, &used);
-    if (used == text.size() && std::isfinite(value)) return value;
-  } catch (const std::exception&) {
-  }
-  throw UsageError(fmt::format("{}: \"{}\" is no number", option, text));
-}
-
-std::vector<std::string> split(const std::string& text, char at) {
-  std::vector<std::string> parts;
-  for (std::size_t begin = 0;;) {
-    const auto end = text.find(at, begin);
-    parts.push_back(text.substr(begin, end - begin));
-    if (end == std::string::npos) return parts;
-    begin = end + 1;
-  }
-}
-
-}  // namespace
 
 ident::FreeParameter free_parameter(std::string text) {
   ident::FreeParameter parameter;
@@ -43,13 +18,9 @@ ident::FreeParameter free_parameter(std::string text) {
   const auto equals = text.find('=');
   parameter.name = text.substr(0, equals);
   if (equals != std::string::npos) {
-    for (std::string target : split(text.substr(equals + 1), ',')) {
-      const bool minus = target.starts_with("-");
-      if (minus) target.erase(0, 1);
-      if (target.empty()) throw UsageError("--free: an empty name in \"" + text + "\"");
-      parameter.targets.push_back(target);
-      parameter.factors.push_back(minus ? -1 : 1);
-    }
+    auto targets = signed_names("--free", text.substr(equals + 1));
+    parameter.targets = std::move(targets.names);
+    parameter.factors = std::move(targets.signs);
   }
   if (parameter.name.empty()) throw UsageError("--free: a parameter without a name");
   return parameter;
@@ -68,19 +39,11 @@ std::vector<ident::FreeParameter> free_parameters(const std::vector<std::string>
     }
   }
   for (const auto& text : priors) {
-    const auto equals = text.find('=');
-    const auto values = equals == std::string::npos ? std::vector<std::string>{}
-                                                    : split(text.substr(equals + 1), ',');
-    if (values.size() != 2) {
-      throw UsageError("--prior: write NAME=VALUE,STD, not \"" + text + "\"");
-    }
-    const std::string name = text.substr(0, equals);
+    const auto prior = named_numbers("--prior", text, "NAME=VALUE,STD", 2, 2);
     auto known = std::find_if(free.begin(), free.end(),
-                              [&](const auto& parameter) { return parameter.name == name; });
-    if (known == free.end()) throw UsageError("--prior: " + name + " is not among --free");
-    known->prior =
-        signal::Estimate{number_of(values[0], "--prior"), number_of(values[1], "--prior")};
-    if (!(known->prior->std > 0)) throw UsageError("--prior: the uncertainty must be positive");
+                              [&](const auto& parameter) { return parameter.name == prior.name; });
+    if (known == free.end()) throw UsageError("--prior: " + prior.name + " is not among --free");
+    known->prior = signal::Estimate{prior.numbers[0], prior.numbers[1]};
   }
   return free;
 }

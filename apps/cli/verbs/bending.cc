@@ -6,12 +6,12 @@
 #include <memory>
 #include <optional>
 
+#include "apps/campaign/campaign.h"
 #include "apps/campaign_file/bending_files.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/sheet.h"
 #include "apps/results/bending_json.h"
-#include "ident/campaign/single_tests/beam_section.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::apps {
@@ -19,17 +19,9 @@ namespace {
 
 struct BendingCommand {
   std::vector<std::string> files;
-  BendingColumns columns;
-  ident::BendingCampaign campaign;  ///< its sources, read
-  double span = 0, span_std = 0;
+  BendingColumns columns;  ///< tension "0": a beam without tension
+  BendingTest test;
   std::vector<double> strand;  ///< E, elements, element diameter, strand diameter
-  std::optional<double> EA, mass_per_length;
-  /// "clamped", "pinned", "cantilever" without tension (columns.tension "0"); empty: clamped.
-  std::string ends;
-  // Cross-section of a beam without tension: one of them, or none; m, m4.
-  std::vector<double> rectangle;  ///< width, height
-  double diameter = 0, second_moment = 0;
-  double section_std = 0;  ///< relative standard uncertainty of the second moment
 };
 
 // What the records cannot show of themselves: said where the intervals leave it out.
@@ -53,30 +45,21 @@ void print_tension_cell(std::ostream& out, const ident::BendingTestOptions& opti
 
 /// Ends and section of a beam without tension.
 void take_beam(BendingCommand& command) {
-  auto& campaign = command.campaign;
+  auto& test = command.test;
   command.columns.without_tension = command.columns.tension == "0";
-  const bool section =
-      !command.rectangle.empty() || command.diameter > 0 || command.second_moment > 0;
-  if (!command.columns.without_tension) {
-    if (!command.ends.empty() || section) {
-      throw UsageError("--ends and a cross-section belong to a beam without tension: --tension 0");
-    }
-    return;
+  if (command.columns.without_tension) {
+    test.tension_N = 0;
+  } else if (test.ends != BendingTest().ends || !test.rectangle_m.empty() ||
+             test.section.diameter_m > 0 || test.section.second_moment_m4 > 0) {
+    throw UsageError("--ends and a cross-section belong to a beam without tension: --tension 0");
   }
-  campaign.test.ends = command.ends == "pinned"       ? ident::BeamEnds::pinned
-                       : command.ends == "cantilever" ? ident::BeamEnds::cantilever
-                                                      : ident::BeamEnds::clamped;
-  ident::BeamSection shape{{}, command.diameter, command.second_moment, command.section_std};
-  if (!command.rectangle.empty()) {
-    shape.rectangle_m = {command.rectangle[0], command.rectangle[1]};
-  }
-  campaign.second_moment_m4 = ident::second_moment(shape);
+  test.complete();
 }
 
 void read_source(const std::string& file, BendingCommand& command, VerbContext& context) {
   std::vector<Warning> warnings;
   auto source = bending_source(load_bending_file(file, context), command.columns, warnings);
-  if (source.values.empty() && !(command.span > 0)) {
+  if (source.values.empty() && !(command.test.campaign.test.span_m.value > 0)) {
     throw UsageError(
         "--span is needed for load-deflection records: the clear length between the clamps in "
         "metres");
@@ -84,12 +67,11 @@ void read_source(const std::string& file, BendingCommand& command, VerbContext& 
   for (auto& warning : warnings) {
     context.warn(std::move(warning.code), std::move(warning.message), std::move(warning.where));
   }
-  command.campaign.sources.push_back(std::move(source));
+  command.test.campaign.sources.push_back(std::move(source));
 }
 
 Json run(BendingCommand command, VerbContext& context) {
-  auto& campaign = command.campaign;
-  campaign.test.span_m = {command.span, command.span_std};
+  auto& campaign = command.test.campaign;
   take_beam(command);  // before files are read
   for (const auto& file : command.files) read_source(file, command, context);
   if (!command.strand.empty()) {
@@ -124,17 +106,6 @@ Json run(BendingCommand command, VerbContext& context) {
     out << "For a model: " << found.curve.sentence() << '\n';
   }
   Json result = bending_json(campaign, found);
-  if (command.EA && command.mass_per_length) {
-    result["equivalent_cylinders"] = Json::array();
-    for (const auto& point : found.curve.points()) {
-      const auto bar =
-          ident::equivalent_cylinder(point.EI_Nm2, *command.EA, *command.mass_per_length);
-      result["equivalent_cylinders"].push_back({{"tension_N", point.tension_N},
-                                                {"youngs_modulus_Pa", bar.youngs_modulus_Pa},
-                                                {"diameter_m", bar.diameter_m},
-                                                {"density_kg_m3", bar.density_kg_m3}});
-    }
-  }
   const bool none = std::none_of(found.points.begin(), found.points.end(),
                                  [](const auto& one) { return one.usable(); });
   if ((beams ? none : found.curve.empty()) && context.exit_code == ExitCode::done) {
@@ -145,69 +116,32 @@ Json run(BendingCommand command, VerbContext& context) {
 
 describe::Options options_of(BendingCommand& c) {
   using describe::option;
-  return {option("FILE", c.files,
-                 "Records or tables with tension, load and deflection, or tables of tension and EI "
-                 "(with std, or low and high)")
-              .required()
-              .file(),
-          option("--span", c.span,
-                 "Clear length between the clamps or supports (cantilever: to the load)", "m")
-              .positive(),
-          option("--span-std", c.span_std, "Standard uncertainty of the span", "m").from_zero(),
-          option("--tension", c.columns.tension,
-                 "Name of the tension column; 0: there is no tension (a beam, by dead weights or a "
-                 "testing machine)"),
-          option("--ends", c.ends,
-                 "Of a beam without tension: clamped (default) or pinned, loaded at mid-span; "
-                 "cantilever, loaded at its end")
-              .one_of({"clamped", "pinned", "cantilever"}),
-          option("--rectangle", c.rectangle,
-                 "Its cross-section: width and height (along the load), m: gives the modulus")
-              .count(2)
-              .positive(),
-          option("--diameter", c.diameter, "Its diameter when round and solid", "m")
-              .positive()
-              .excludes("--rectangle"),
-          option("--second-moment", c.second_moment,
-                 "Its second moment of area about the axis of bending", "m4")
-              .positive()
-              .excludes("--rectangle")
-              .excludes("--diameter"),
-          option("--section-std", c.section_std,
-                 "Relative standard uncertainty of the second moment (three times that of a "
-                 "height, four times that of a diameter)")
-              .within(0.0, 1.0),
-          option("--load", c.columns.load, "Name of the load column"),
-          option("--deflection", c.columns.deflection, "Name of the deflection column"),
-          option("--load-calibration", c.campaign.test.load_calibration_std,
-                 "Relative standard uncertainty of the load cell's calibration")
-              .within(0.0, 1.0),
-          option("--deflection-calibration", c.campaign.test.deflection_calibration_std,
-                 "Relative standard uncertainty of the deflection sensor's calibration")
-              .within(0.0, 1.0),
-          option("--tension-zero-std", c.campaign.test.tension_zero_std_N,
-                 "Standard uncertainty of the tension cell's zero, N (offset and drift)")
-              .from_zero(),
-          option("--clamp-stiffness", c.campaign.test.clamp_stiffness_Nm_rad,
-                 "Clamps may turn, each with this rotational stiffness or a larger one, N m/rad: "
-                 "the standard uncertainty of their flexibility is 1 over it (default: rigid)")
-              .positive(),
-          option("--tension-calibration", c.campaign.test.tension_calibration_std,
-                 "Relative standard uncertainty of the tension cell's calibration")
-              .within(0.0, 1.0),
-          option("--strand", c.strand,
-                 "Young's modulus (Pa), number of wires, wire diameter (m), strand diameter (m): "
-                 "bounds on EI")
-              .count(4)
-              .positive(),
-          option("--relative-std", c.campaign.assumed_relative_std,
-                 "Relative standard uncertainty of EI values that come without one")
-              .within(0.0, 1.0),
-          option("--EA", c.EA,
-                 "Axial rigidity, N: with --mass-per-length, the equivalent solid cylinder at each "
-                 "tension")
-              .positive(),
-          option("--mass-per-length", c.mass_per_length, "Of the cable", "kg/m").positive()};
+  describe::Options options{
+      option("FILE", c.files,
+             "Records or tables with tension, load and deflection, or tables of tension and EI "
+             "(with std, or low and high)")
+          .required()
+          .file(),
+      option("--load", c.columns.load, "Name of the load column"),
+      option("--deflection", c.columns.deflection, "Name of the deflection column"),
+      option("--strand", c.strand,
+             "Young's modulus (Pa), number of wires, wire diameter (m), strand diameter (m): "
+             "bounds on EI")
+          .count(4)
+          .positive(),
+      option("--relative-std", c.test.campaign.assumed_relative_std,
+             "Relative standard uncertainty of EI values that come without one")
+          .within(0.0, 1.0)};
+  for (auto& key : as_command_line(keys_of(c.test))) {
+    key.is_required = false;  // tables of EI have no span
+    if (key.name == "--tension") {
+      key = option("--tension", c.columns.tension,
+                   "Name of the tension column; 0: there is no tension (a beam, by dead weights or "
+                   "a testing machine)");
+    }
+    options.push_back(std::move(key));
+  }
+  return options;
 }
 
 }  // namespace

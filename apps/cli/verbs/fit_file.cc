@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
+#include "apps/cli/named_numbers.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::apps {
@@ -123,19 +125,14 @@ void apply_maps(const std::vector<std::string>& maps, ident::FittedParameters& f
     if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
       throw UsageError("--map: write NAME=TARGET[,-TARGET...], not \"" + text + "\"");
     }
-    bool found = false;
-    for (auto& parameter : fitted.parameters) {
-      if (parameter.name != text.substr(0, equals)) continue;
-      found = true;
-      for (std::size_t begin = equals + 1; begin < text.size();) {
-        const auto end = std::min(text.find(',', begin), text.size());
-        const bool minus = text[begin] == '-';
-        parameter.targets.push_back(text.substr(begin + minus, end - begin - minus));
-        parameter.factors.push_back(minus ? -1 : 1);
-        begin = end + 1;
-      }
-    }
-    if (!found) throw UsageError("--map: the fit has no parameter " + text.substr(0, equals));
+    const auto name = text.substr(0, equals);
+    const auto known = std::find_if(fitted.parameters.begin(), fitted.parameters.end(),
+                                    [&](const auto& parameter) { return parameter.name == name; });
+    if (known == fitted.parameters.end())
+      throw UsageError("--map: the fit has no parameter " + name);
+    auto targets = signed_names("--map", text.substr(equals + 1));
+    known->targets = std::move(targets.names);
+    known->factors = std::move(targets.signs);
   }
 }
 

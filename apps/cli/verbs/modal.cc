@@ -201,10 +201,6 @@ MeasuredFrfs frfs_of(ModalCommand& options, VerbContext& context) {
 }
 
 Json run(ModalCommand options, VerbContext& context) {
-  const auto& band = options.impact.band;
-  if (!band.empty() && !(band[0] >= 0 && band[1] > band[0])) {
-    throw UsageError("--band needs two frequencies, the lower one first");
-  }
   if (options.ambient) return ambient_result(options, context);
   const MeasuredFrfs measured = frfs_of(options, context);
   if (context.at_hand) context.at_hand->frfs = std::make_shared<signal::FrfSet>(measured.frfs);

@@ -11,6 +11,7 @@
 
 #include "apps/campaign_file/update_inputs.h"
 #include "apps/cli/json_document.h"
+#include "apps/cli/named_numbers.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/digits.h"
 #include "apps/results/update_parameters.h"
@@ -28,21 +29,9 @@ struct PlanCommand {
 
 // "NAME=PERCENT%" or "NAME=STD".
 ident::PlanGoal goal_of(const std::string& text) {
-  const auto equals = text.rfind('=');
-  std::string number = equals == std::string::npos ? "" : text.substr(equals + 1);
-  ident::PlanGoal goal{text.substr(0, equals), 0, number.ends_with("%")};
-  if (goal.relative) number.pop_back();
-  try {
-    std::size_t used = 0;
-    goal.std = std::stod(number, &used) / (goal.relative ? 100 : 1);
-    if (used != number.size()) goal.std = 0;
-  } catch (const std::exception&) {
-  }
-  if (goal.parameter.empty() || !(goal.std > 0) || !std::isfinite(goal.std)) {
-    throw UsageError("--goal \"" + text +
-                     "\": write NAME=PERCENT%, such as cable.EI=5%, or NAME=STD");
-  }
-  return goal;
+  const auto given =
+      named_numbers("--goal", text, "NAME=PERCENT%, such as cable.EI=5%, or NAME=STD", 1, 1, true);
+  return {given.name, given.numbers[0], given.relative};
 }
 
 std::string relative_text(double std, double value) {

@@ -1,7 +1,6 @@
 // rigfit predict: parameters of a fit, with their covariance, in another scene.
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -10,6 +9,7 @@
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/cli/at_hand.h"
 #include "apps/cli/json_document.h"
+#include "apps/cli/named_numbers.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/fit_file.h"
 #include "apps/describe/digits.h"
@@ -41,30 +41,13 @@ std::vector<ident::SceneInput> scene_inputs(const std::vector<std::string>& text
   std::vector<ident::SceneInput> inputs;
   inputs.reserve(texts.size());
   for (const auto& text : texts) {
-    const auto number = [&](std::string part) {
-      double value = 0;
-      const auto* end = part.data() + part.size();
-      const auto [stop, error] = std::from_chars(part.data(), end, value);
-      if (error != std::errc() || stop != end || !std::isfinite(value)) {
-        throw UsageError("--input \"" + text +
-                         "\": write NAME=STD, NAME=0.5% or NAME=VALUE,STD with numbers");
-      }
-      return value;
-    };
-    const auto equals = text.rfind('=');
-    if (equals == std::string::npos || equals == 0) (void)number("");
+    const auto given =
+        named_numbers("--input", text, "NAME=STD, NAME=0.5% or NAME=VALUE,STD", 1, 2, true);
     ident::SceneInput input;
-    input.name = text.substr(0, equals);
-    std::string rest = text.substr(equals + 1);
-    if (const auto comma = rest.find(','); comma != std::string::npos) {
-      input.value = number(rest.substr(0, comma));
-      rest.erase(0, comma + 1);
-    }
-    input.relative = rest.ends_with("%");
-    if (input.relative) rest.pop_back();
-    input.std = number(rest) / (input.relative ? 100 : 1);
-    if (!(input.std > 0))
-      throw UsageError("--input \"" + text + "\": the uncertainty is not positive");
+    input.name = given.name;
+    if (given.numbers.size() > 1) input.value = given.numbers[0];
+    input.relative = given.relative;
+    input.std = given.numbers.back();
     inputs.push_back(std::move(input));
   }
   return inputs;
@@ -302,9 +285,6 @@ Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
 
 Json run(const PredictCommand& command, VerbContext& context) {
   const model::Scene scene = scene_of(command.scene, context);
-  if (!command.band.empty() && !(command.band[0] >= 0 && command.band[1] > command.band[0])) {
-    throw UsageError("--band needs two rising frequencies in Hz");
-  }
   context.input(command.from);
   auto fitted = read_fit(command.from, command.accept_fit, context);
   apply_maps(command.maps, fitted);

@@ -6,26 +6,26 @@
 #include <memory>
 #include <optional>
 
+#include "apps/campaign/campaign.h"
 #include "apps/campaign_file/cable_table.h"
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/json_document.h"
+#include "apps/cli/named_numbers.h"
 #include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/digits.h"
 #include "apps/results/tension_result.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
+#include "signal/readers/csv/csv_fields.h"
 
 namespace rigfit::apps {
 namespace {
 
 struct TensionCommand {
-  std::vector<std::string> files, channels;
-  std::vector<double> frequencies, band;
-  std::string measured, column, plane = "any", length, mass, EI, EA, mass_of, ends = "compare";
-  double frequency_std = 0, inclination = 0, sample_rate_hz = 0, missed = 0.1, false_mode = 0.05;
-  int max_peaks = 12;
-  std::vector<double> orders;       ///< whole numbers, one for each of `frequencies`
+  std::vector<std::string> files;
+  double sample_rate_hz = 0;
+  TensionTest test;
   std::vector<std::string> masses;  ///< "PLACE=KG[,STD]"
   std::string table, out;           ///< many cables, a row each (campaign_file/cable_table.h)
 };
@@ -38,80 +38,20 @@ constexpr const char* kExample =
     "62.1,0.5 --EA 1.6e9\n"
     "  rigfit tension --table cables.csv --out tensions.csv --json tensions.json";
 
-/// "V" or "V,STD".
-signal::Estimate value_and_std(const std::string& text, const std::string& option) {
-  signal::Estimate estimate{0, 0};
-  try {
-    std::size_t used = 0;
-    estimate.value = std::stod(text, &used);
-    if (used < text.size() && text[used] == ',') {
-      const std::string rest = text.substr(used + 1);
-      estimate.std = std::stod(rest, &used);
-      if (used == rest.size() && std::isfinite(estimate.value) && estimate.std >= 0 &&
-          std::isfinite(estimate.std)) {
-        return estimate;
-      }
-    } else if (used == text.size() && std::isfinite(estimate.value)) {
-      return estimate;
+void add_masses(const std::vector<std::string>& texts, ident::CableDescription& cable) {
+  for (const std::string& text : texts) {
+    const auto given =
+        named_numbers("--mass-at", text, "PLACE=KG[,STD], such as 0.5=1.2,0.1", 1, 2);
+    const double mass = given.numbers[0];
+    double place = -1;
+    if (!signal::parse_whole_number(given.name, '.', place)) {
+      throw UsageError("--mass-at: \"" + given.name + "\" is no place from 0 to 1");
     }
-  } catch (const std::exception&) {
-  }
-  throw UsageError(fmt::format("{}: write a value or VALUE,STD, not \"{}\"", option, text));
-}
-
-std::optional<model::ModePlane> plane_of(const TensionCommand& command) {
-  if (command.plane == "in") return model::ModePlane::in;
-  if (command.plane == "out") return model::ModePlane::out;
-  return std::nullopt;
-}
-
-std::vector<ident::MeasuredMode> measured_modes(const TensionCommand& command,
-                                                VerbContext& context) {
-  std::vector<ident::MeasuredMode> modes;
-  if (!command.measured.empty()) {
-    context.input(command.measured);
-    for (auto& row : read_measured_modes(command.measured, command.column, plane_of(command), {})) {
-      modes.push_back(std::move(row.mode));
+    cable.masses.push_back({place, mass});
+    if (given.numbers.size() > 1) {
+      cable.masses_std = std::max(cable.masses_std, given.numbers[1] / mass);
     }
   }
-  if (!command.orders.empty() && command.orders.size() != command.frequencies.size()) {
-    throw UsageError("--order needs one number for each of --frequencies");
-  }
-  for (std::size_t i = 0; i < command.frequencies.size(); ++i) {
-    ident::MeasuredMode mode;
-    if (!command.orders.empty()) {
-      mode.order = static_cast<int>(std::lround(command.orders[i]));
-      if (mode.order != command.orders[i]) throw UsageError("--order takes whole numbers");
-    }
-    mode.frequency_hz = {command.frequencies[i],
-                         command.frequency_std > 0 ? command.frequency_std : std::nan("")};
-    mode.plane = plane_of(command);
-    modes.push_back(std::move(mode));
-  }
-  return modes;
-}
-
-ident::CableDescription description_of(const TensionCommand& command) {
-  ident::CableDescription cable;
-  cable.length_m = value_and_std(command.length, "--length");
-  cable.mass_per_length = value_and_std(command.mass, "--mass-per-length");
-  if (!command.EI.empty()) cable.EI_Nm2 = value_and_std(command.EI, "--EI");
-  if (!command.EA.empty()) cable.EA_N = value_and_std(command.EA, "--EA");
-  if (command.mass_of == "installed") cable.mass_reference = ident::MassReference::installed;
-  if (command.mass_of == "unstretched") cable.mass_reference = ident::MassReference::unstretched;
-  cable.inclination_deg = command.inclination;
-  for (const std::string& text : command.masses) {
-    const auto equals = text.find('=');
-    if (equals == std::string::npos) {
-      throw UsageError(
-          fmt::format("--mass-at: write PLACE=KG or PLACE=KG,STD (0.5=1.2,0.1), not \"{}\"", text));
-    }
-    const double place = value_and_std(text.substr(0, equals), "--mass-at").value;
-    const auto mass = value_and_std(text.substr(equals + 1), "--mass-at");
-    cable.masses.push_back({place, mass.value});
-    cable.masses_std = std::max(cable.masses_std, mass.std / mass.value);
-  }
-  return cable;
 }
 
 /// One row a cable: its result, or why there is none; a refused or unreadable row ends the run with
@@ -124,8 +64,8 @@ Json table_of_cables(const TensionCommand& command, VerbContext& context) {
     if (!row.error.empty()) continue;
     tests.push_back(row.test);
     auto& options = tests.back().options;
-    options.missed = command.missed;
-    options.false_mode = command.false_mode;
+    options.missed = command.test.inputs.test.options.missed;
+    options.false_mode = command.test.inputs.test.options.false_mode;
   }
   const auto results = ident::analyse_cable_tests(tests, context.threads);
   context.out << fmt::format("{:<20} {:>14} {:>10} {:>28}  {}\n", "cable", "tension, N", "std",
@@ -167,15 +107,25 @@ Json table_of_cables(const TensionCommand& command, VerbContext& context) {
   return Json{{"cables", std::move(cables)}};
 }
 
-Json one_cable(const TensionCommand& command, VerbContext& context) {
-  if (command.length.empty() || command.mass.empty()) {
+Json one_cable(TensionCommand command, VerbContext& context) {
+  auto& inputs = command.test.inputs;
+  auto& cable = inputs.test.cable;
+  if (!(cable.length_m.value > 0 && cable.mass_per_length.value > 0)) {
     throw UsageError("give --length and --mass-per-length, or --table");
   }
-  if (!command.band.empty() && !(command.band[0] >= 0 && command.band[1] > command.band[0])) {
-    throw UsageError("--band needs two rising frequencies in Hz");
+  add_masses(command.masses, cable);
+  if (const auto& file = command.test.measured; !file.empty()) {
+    context.input(file);
+    const auto plane = plane_named(command.test.plane);
+    for (auto& row : read_measured_modes(file, command.test.column, plane, {})) {
+      inputs.test.modes.push_back(std::move(row.mode));
+    }
   }
-  ident::TensionInputs inputs;
-  inputs.test = {"", description_of(command), measured_modes(command, context)};
+  try {
+    command.test.complete();
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(std::string("--order ") + error.what());
+  }
   if (inputs.test.modes.empty() && command.files.empty()) {
     throw UsageError("give recordings, --measured or --frequencies");
   }
@@ -184,17 +134,6 @@ Json one_cable(const TensionCommand& command, VerbContext& context) {
     const std::string name = recording.path.string();
     inputs.recordings.push_back({name, std::move(recording)});
   }
-  inputs.channels = command.channels;
-  if (!command.band.empty()) {
-    inputs.band_low_hz = command.band[0];
-    inputs.band_high_hz = command.band[1];
-  }
-  inputs.max_peaks = command.max_peaks;
-  inputs.plane = plane_of(command);
-  auto& options = inputs.test.options;
-  options.ends = ident::cable_ends(command.ends);
-  options.missed = command.missed;
-  options.false_mode = command.false_mode;
   const auto campaign = ident::tension_campaign(inputs);
   if (!campaign.modes.empty()) {
     try {
@@ -217,8 +156,10 @@ Json one_cable(const TensionCommand& command, VerbContext& context) {
 
 Json run(const TensionCommand& command, VerbContext& context) {
   if (command.table.empty()) return one_cable(command, context);
-  if (!command.files.empty() || !command.measured.empty() || !command.frequencies.empty() ||
-      !command.length.empty() || !command.mass.empty()) {
+  const auto& test = command.test;
+  if (!command.files.empty() || !test.measured.empty() || !test.frequencies_hz.empty() ||
+      test.inputs.test.cable.length_m.value > 0 ||
+      test.inputs.test.cable.mass_per_length.value > 0) {
     throw UsageError("--table brings lengths, masses and frequencies of its own");
   }
   return table_of_cables(command, context);
@@ -226,44 +167,25 @@ Json run(const TensionCommand& command, VerbContext& context) {
 
 describe::Options options_of(TensionCommand& c) {
   using describe::option;
-  return {
+  describe::Options options{
       option("files", c.files, "Recordings of the cable's motion: peaks of their spectra")
           .type("FILE"),
-      option("--channel", c.channels, "Channels to use (default: all)").type("C"),
-      option("--band", c.band, "Where peaks are looked for", "Hz").count(2).type("LO HI"),
-      option("--max-peaks", c.max_peaks, "Peaks a channel at most").within(1, 200),
-      option("--sample-rate", c.sample_rate_hz, "Where a file gives none", "Hz").positive(),
-      option("--measured", c.measured, "Table of measured frequencies, or modes as UFF 55")
-          .type("F"),
-      option("--column", c.column, "Column of the frequencies in the table").type("NAME"),
-      option("--frequencies", c.frequencies, "Measured frequencies", "Hz").positive().type("HZ"),
-      option("--frequency-std", c.frequency_std, "Standard uncertainty of --frequencies", "Hz")
-          .positive(),
-      option("--order", c.orders, "Which modes --frequencies are: 1 is the first of its plane")
-          .within(1, 200)
-          .type("N"),
-      option("--plane", c.plane, "The motion that was measured").one_of({"in", "out", "any"}),
-      option("--length", c.length, "Between the ends, along the chord", "m").type("V[,STD]"),
-      option("--mass-per-length", c.mass, "Of the cable", "kg/m").type("V[,STD]"),
       option("--table", c.table, "Many cables, a row each (columns: ident/tension/README.md)")
           .type("CABLES.csv"),
-      option("--out", c.out, "Table of the tensions of --table").writes().type("F.csv"),
-      option("--mass-at", c.masses,
-             "Masses or clamps on the cable: place from 0 to 1 of its length, kg (the largest "
-             "relative std counts for all)")
-          .type("PLACE=KG[,STD]"),
-      option("--mass-of", c.mass_of, "State of the cable that the mass per length is of")
-          .one_of({"installed", "unstretched"}),
-      option("--EI", c.EI, "Flexural rigidity, N m2 (default: fitted)").type("V[,STD]"),
-      option("--EA", c.EA, "Axial rigidity", "N").type("V[,STD]"),
-      option("--inclination", c.inclination, "Of the chord, degrees: 0 horizontal, 90 a hanger")
-          .within(-90, 90),
-      option("--ends", c.ends, "Kinds of ends")
-          .one_of({ident::kCableEndsWords.begin(), ident::kCableEndsWords.end()}),
-      option("--missed", c.missed, "Probability that a mode in the band was missed")
-          .within(0.001, 0.9),
-      option("--false", c.false_mode, "Probability that a measured mode is none of the cable's")
-          .within(0.001, 0.9)};
+      option("--out", c.out, "Table of the tensions of --table").writes().type("F.csv")};
+  for (auto& key : as_command_line(keys_of(c.test))) {
+    key.is_required = false;  // --table has its own
+    if (key.name == "--channels") key.name = "--channel";
+    if (key.name == "--orders") key.name = "--order";
+    options.push_back(std::move(key));
+  }
+  options.push_back(option("--mass-at", c.masses,
+                           "Masses or clamps on the cable: place from 0 to 1 of its length, kg "
+                           "(the largest relative std counts for all)")
+                        .type("PLACE=KG[,STD]"));
+  options.push_back(
+      option("--sample-rate", c.sample_rate_hz, "Where a file gives none", "Hz").positive());
+  return options;
 }
 
 }  // namespace

@@ -266,10 +266,7 @@ Json run_update(VerbContext& context, UpdateCommand options) {
   if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty()) {
     throw UsageError("nothing to fit to: give --measured, --frf or --decay");
   }
-  if (!options.band.empty()) {
-    if (!(options.band[0] < options.band[1])) throw UsageError("--band must rise");
-    options.data.band_hz = {options.band[0], options.band[1]};
-  }
+  if (!options.band.empty()) options.data.band_hz = {options.band[0], options.band[1]};
   UpdateStates states = read_update_states(options.data, context);
   ident::UpdateResult result;
   Json json = fitted_json(states, options, context, result);

@@ -33,26 +33,27 @@ def options_of(verb):
             option["key"] = option["name"][2:].replace("-", "_")
             if option["key"] not in _LEFT_OUT:
                 found[_RENAMED.get(option["key"], option["key"])] = option
+    for key, option in found.items():  # a number whose std is an option too may be given as (value, std)
+        option["std"] = found.get(f"{key}_std", {}).get("key") if option["kind"] == "number" else None
     return found
 
 
 def _number_too(option):
-    """Whether a text may be a number, or a number with its std: V[,STD], S|auto."""
-    return option["type"][:1].isupper() and option["type"][1:2] in ("|", "[")
+    """Whether a text may be a number: S|auto."""
+    return option["type"][:1].isupper() and option["type"][1:2] == "|"
 
 
-def estimate_text(argument, value, positive=True):
-    """"V" or "V,STD" of a number, a pair, an Estimate or a ufloat."""
+def parted(argument, value):
+    """Value and std of a pair, an Estimate or a ufloat; of anything else itself and None."""
     if isinstance(value, Estimate):
-        value = (value.value, value.std) if value.std is not None else value.value
-    elif hasattr(value, "nominal_value") and hasattr(value, "std_dev"):
-        value = (value.nominal_value, value.std_dev)
-    if isinstance(value, (tuple, list)):
-        if len(value) != 2:
-            checks.fail(argument, "must be a number or (value, std)")
-        return ",".join((repr(checks.number(argument, value[0], positive=positive)),
-                         repr(checks.number(f"{argument} std", value[1], 0))))
-    return repr(checks.number(argument, value, positive=positive))
+        return value.value, value.std
+    if hasattr(value, "nominal_value") and hasattr(value, "std_dev"):
+        return value.nominal_value, value.std_dev
+    if not isinstance(value, (tuple, list)):
+        return value, None
+    if len(value) != 2:
+        checks.fail(argument, "must be a number or (value, std)")
+    return value
 
 
 def checked(argument, option, value):
@@ -64,6 +65,8 @@ def checked(argument, option, value):
         return checks.flag(argument, value)
     if kind == "integer":
         return checks.integer(argument, value, int(limits.get("low", 0)), int(limits.get("high", 2**64 - 1)))
+    if kind == "number" and words and isinstance(value, str):
+        return checks.choice(argument, value, words)
     if kind == "number":
         return checks.number(argument, value, **limits)
     if kind == "numbers":
@@ -80,7 +83,7 @@ def checked(argument, option, value):
     if option["written"]:
         return checks.new_file(argument, value)
     if _number_too(option) and not isinstance(value, str):
-        return estimate_text(argument, value)
+        return repr(checks.number(argument, value, positive=True))
     if isinstance(value, str) or not hasattr(value, "__fspath__"):
         return checks.text(argument, value)
     return checks.path(argument, value)
@@ -90,6 +93,10 @@ def _type_of(option):
     """In the words of a docstring and of a stub."""
     words = [repr(word) for word in option["words"]]
     kind = option["kind"]
+    if option.get("std"):
+        return ("float or (value, std)", "_Value")
+    if kind == "number" and words:
+        return (f"float or {' or '.join(words)}".replace("'", '"'), f"float | Literal[{', '.join(words)}]")
     if kind in ("flag", "integer", "number"):
         return {"flag": ("bool", "bool"), "integer": ("int", "int"), "number": ("float", "float")}[kind]
     if kind == "numbers":
@@ -102,7 +109,7 @@ def _type_of(option):
         return ("{" + ", ".join(words).replace("'", '"') + "}", f"Literal[{', '.join(words)}]")
     if option["written"]:
         return ("path", "_Path")
-    return ("float, (value, std) or str", "_Value | str") if _number_too(option) else ("str", "str")
+    return ("float or str", "float | str") if _number_too(option) else ("str", "str")
 
 
 def _text_of(option):
@@ -178,8 +185,13 @@ def verb(name, result, raw=None, without=()):
             given = signature.bind(*arguments, **keywords).arguments
             values = {}
             for key, value in given.items():
-                if key in options and value is not None:
-                    values[options[key]["key"]] = value if key in raw else checked(key, options[key], value)
+                if key not in options or value is None:
+                    continue
+                if options[key]["std"] and key not in raw:
+                    value, std = parted(key, value)
+                    if std is not None:
+                        values[options[key]["std"]] = checks.number(f"{key} std", std, 0)
+                values[options[key]["key"]] = value if key in raw else checked(key, options[key], value)
             answer = function(**{p.name: given.get(p.name) for p in own}, options=values)
             extra = answer[-1] if isinstance(answer[-1], dict) and len(answer) > 3 else {}
             return finish(result, *answer[:3], **extra)

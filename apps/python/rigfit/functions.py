@@ -10,7 +10,7 @@ import tempfile
 import numpy as np
 
 from . import _core, checks
-from .described import call, checked, estimate_text, is_path, options_of, verb
+from .described import call, checked, is_path, options_of, parted, verb
 from .model import Scene, scene_or_path
 from .recordings import Recording, sources, warn
 from .results import (AxialResult, BendingResult, DecayResult, FrfResult, InspectResult, ModalResult, ModesResult,
@@ -254,8 +254,9 @@ def update(scene, options, folder=None):
     if "prior" in options:
         if not isinstance(options["prior"], Mapping):
             checks.fail("prior", f"must be a dict of parameter to (value, std), not {checks.kind(options['prior'])}")
-        options["prior"] = [f"{checks.text('prior', name)}={estimate_text(f'prior[{name!r}]', value, positive=False)}"
-                            for name, value in options["prior"].items()]
+        pairs = {checks.text("prior", name): parted(f"prior[{name!r}]", value) for name, value in options["prior"].items()}
+        options["prior"] = [f"{name}=" + ",".join(repr(checks.number(f"prior[{name!r}]", one)) for one in pair)
+                            for name, pair in pairs.items()]
     if "candidates" in options:
         options["candidates"] = checks.document("candidates", options["candidates"])
     several = scene if isinstance(scene, (list, tuple)) and scene else [scene]

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <future>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -123,7 +125,15 @@ void take(const describe::Options& options, const py::dict& given) {
     if (!given.contains(key.c_str())) continue;
     const py::object value = given[key.c_str()];
     std::visit(
-        [&](auto* member) { *member = value.cast<std::remove_pointer_t<decltype(member)>>(); },
+        [&](auto* member) {
+          using Value = std::remove_pointer_t<decltype(member)>;
+          if constexpr (std::is_same_v<Value, std::optional<double>>) {
+            // A word in place of a number is a number without end: a rigid frame.
+            *member = py::isinstance<py::str>(value) ? HUGE_VAL : value.cast<double>();
+          } else {
+            *member = value.cast<Value>();
+          }
+        },
         option.target);
     if (option.told != nullptr) option.told->push_back(option.name);
   }

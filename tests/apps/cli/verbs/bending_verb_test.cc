@@ -54,8 +54,8 @@ TEST(BendingVerb, TableOfRecordsGivesStiffnessAtEachTension) {
 TEST(BendingVerb, PublishedTableGivesLawsAndBounds) {
   const TemporaryFolder folder;
   const auto file = folder.write("table1.csv", kPublished);
-  const auto run = run_program({"bending", file, "--strand", "195e9", "133", "0.397e-3", "6.35e-3",
-                                "--EA", "221780", "--mass-per-length", "0.16667", "--json", "-"});
+  const auto run = run_program(
+      {"bending", file, "--strand", "195e9", "133", "0.397e-3", "6.35e-3", "--json", "-"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = document(run);
   ASSERT_EQ(json["tests"].size(), 4U);
@@ -64,7 +64,6 @@ TEST(BendingVerb, PublishedTableGivesLawsAndBounds) {
   EXPECT_EQ(json["laws"].size(), 4U);
   EXPECT_NEAR(json["bounds"]["EI_max_Nm2"].get<double>(), 15.5632, 0.003 * 15.5632);
   EXPECT_FALSE(json["law_choice"]["decided"].get<bool>());
-  EXPECT_EQ(json["equivalent_cylinders"].size(), 4U);
 }
 
 TEST(BendingVerb, ReadsItsOwnIntervals) {

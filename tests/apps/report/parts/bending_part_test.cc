@@ -64,7 +64,7 @@ TEST(BendingPart, RecordsGiveTheVerbsNumbers) {
     command.push_back(kLaboratory + "bench/bending/T" + T + "N.csv");
   }
   for (const char* word : {"--span", "0.5", "--span-std", "0.0005", "--tension-zero-std", "0.1",
-                           "--load-calibration", "0.002"}) {
+                           "--load-calibration-std", "0.002"}) {
     command.emplace_back(word);
   }
   const Json part =
@@ -94,7 +94,7 @@ TEST(BendingPart, BeamsWithoutTensionGiveTheVerbsNumbers) {
   }
   for (const char* word :
        {"--span", "0.1", "--span-std", "0.0002", "--tension", "0", "--ends", "pinned",
-        "--rectangle", "0.01", "0.004", "--section-std", "0.01", "--load-calibration", "0.002"}) {
+        "--rectangle", "0.01", "0.004", "--section-std", "0.01", "--load-calibration-std", "0.002"}) {
     command.emplace_back(word);
   }
   const Json part = reported(

@@ -1,0 +1,56 @@
+#include "apps/cli/named_numbers.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "apps/cli/exit_code.h"
+
+namespace rigfit::apps {
+namespace {
+
+/// Parts between commas; at least one.
+std::vector<std::string> parts_of(const std::string& text) {
+  std::vector<std::string> parts{""};
+  for (const char c : text) c == ',' ? void(parts.emplace_back()) : parts.back().push_back(c);
+  return parts;
+}
+
+}  // namespace
+
+NamedNumbers named_numbers(const std::string& option, const std::string& text,
+                           const std::string& form, std::size_t fewest, std::size_t most,
+                           bool percent) {
+  const auto equals = text.rfind('=');
+  NamedNumbers found{text.substr(0, equals), {}};
+  bool good = equals != std::string::npos && equals > 0;
+  for (std::string part : parts_of(good ? text.substr(equals + 1) : "")) {
+    if (percent && part.ends_with('%')) part.pop_back(), found.relative = true;
+    const char* last = part.data() + part.size();
+    double number = 0;
+    const auto [end, error] = std::from_chars(part.data(), last, number);
+    good = good && error == std::errc() && end == last && std::isfinite(number);
+    found.numbers.push_back(found.relative ? number / 100 : number);
+  }
+  const auto count = found.numbers.size();
+  good = good && count >= fewest && count <= most && (!found.relative || count == 1);
+  if (!good || !(found.numbers.back() > 0)) {
+    throw UsageError(fmt::format("{}: write {} with a positive number at its end, not \"{}\"",
+                                 option, form, text));
+  }
+  return found;
+}
+
+SignedNames signed_names(const std::string& option, const std::string& text) {
+  SignedNames found;
+  for (auto& name : parts_of(text)) {
+    found.signs.push_back(name.starts_with('-') ? -1 : 1);
+    if (name.starts_with('-')) name.erase(0, 1);
+    if (name.empty()) throw UsageError(option + ": an empty name in \"" + text + "\"");
+    found.names.push_back(std::move(name));
+  }
+  return found;
+}
+
+}  // namespace rigfit::apps
