@@ -18,7 +18,8 @@ namespace {
 
 void check_ambient_options(const ModalCommand& command) {
   const auto& impact = command.impact;
-  if (!impact.force.empty()) throw UsageError("--ambient is for motion without a measured force");
+  if (!impact.hammer.force.empty())
+    throw UsageError("--ambient is for motion without a measured force");
   for (const auto& name : command.of_hits) {
     if (name != "--response" && name != "--sample-rate") {
       throw UsageError(name + " is for hits; --ambient has none");
@@ -30,7 +31,7 @@ void check_ambient_options(const ModalCommand& command) {
 /// Set-ups that have a reference, or an error that names the channels that would serve.
 signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context) {
   signal::AmbientOptions options;
-  options.channels = command.impact.responses;
+  options.channels = command.impact.hammer.responses;
   if (!command.impact.band.empty()) {
     options.low_hz = command.impact.band[0], options.high_hz = command.impact.band[1];
   }

@@ -21,7 +21,6 @@ using Eigen::Index;
 struct FrfCommand {
   ImpactCommand impact;
   std::string out, csv;
-  std::string encoding = "binary";
 };
 
 /// Median over the lines of the usable band of |H_std / H| of one response.
@@ -220,9 +219,7 @@ Json run_frf(const FrfCommand& options, VerbContext& context) {
     result["driving_point"] = driving_json(hammer.driving_points.front().check);
   }
   if (!options.out.empty()) {
-    const auto encoding =
-        options.encoding == "ascii" ? signal::UffEncoding::ascii : signal::UffEncoding::binary;
-    context.write(options.out, signal::uff_text(frfs, encoding));
+    context.write(options.out, signal::uff_text(frfs, signal::UffEncoding::binary));
     result["out"] = options.out;
     context.out << "FRFs, coherence and error bars: " << options.out << '\n';
   }
@@ -244,7 +241,6 @@ describe::Options options_of(FrfCommand& c) {
   for (auto& one : {option("--out", c.out, "FRFs with coherence and error bars as UFF 58")
                         .writes()
                         .type("F.uff"),
-                    option("--encoding", c.encoding, "Of the UFF file").one_of({"binary", "ascii"}),
                     option("--csv", c.csv, "FRFs with standard deviations and coherence as CSV")
                         .writes()
                         .type("F")}) {

@@ -8,51 +8,30 @@
 
 #include "apps/campaign_file/recording_description.h"
 #include "apps/results/modal_json.h"
+#include "signal/readers/csv/csv_fields.h"
 
 namespace rigfit::apps {
 namespace {
 
-signal::ImpactTestOptions options_of(const ImpactCommand& command) {
-  signal::ImpactTestOptions options;
-  signal::HitOptions& hits = options.hits;
-  hits.sign = command.sign == "positive"   ? signal::PulseSign::positive
-              : command.sign == "negative" ? signal::PulseSign::negative
-                                           : signal::PulseSign::automatic;
-  hits.trigger = command.trigger / 100;
-  hits.double_hit = command.double_hit / 100;
-  hits.max_spectrum_drop_db = command.max_spectrum_drop_db;
-  hits.ring_down_level = command.ring_down_level / 100;
-  hits.min_pulse_samples = command.min_pulse_samples;
-  hits.accept_unresolved = command.frequencies_only;
-  hits.block_s = command.block_s;
-  hits.pre_trigger_s = command.pre_trigger_s;
-  if (!command.band.empty()) hits.band_hz = {command.band[0], command.band[1]};
-  options.estimator = command.estimator == "h2"   ? signal::FrfEstimator::h2
-                      : command.estimator == "hv" ? signal::FrfEstimator::hv
-                                                  : signal::FrfEstimator::h1;
-  if (command.force_window == "auto") {
-    options.force_window_s = -1;
-  } else if (command.force_window == "off") {
-    options.force_window_s = 0;
-  } else if (command.force_window != "by-noise") {
-    std::size_t used = 0;
-    double seconds = 0;
-    try {
-      seconds = std::stod(command.force_window, &used);
-    } catch (const std::exception&) {
-      used = 0;
-    }
-    if (used != command.force_window.size() || !(seconds > 0) || !std::isfinite(seconds)) {
-      throw UsageError("--force-window is by-noise, off, auto or a time in seconds, not \"" +
-                       command.force_window + "\"");
-    }
-    options.force_window_s = seconds;
+/// The analysis' options, with those that a person gives in another form.
+ident::HammerTestOptions hammer_options(const ImpactCommand& command) {
+  ident::HammerTestOptions hammer = command.hammer;
+  auto& impact = hammer.impact;
+  impact.hits.trigger = command.trigger_percent / 100;
+  if (!command.band.empty()) impact.hits.band_hz = {command.band[0], command.band[1]};
+  impact.estimator = command.estimator == "h2"   ? signal::FrfEstimator::h2
+                     : command.estimator == "hv" ? signal::FrfEstimator::hv
+                                                 : signal::FrfEstimator::h1;
+  const std::string& window = command.force_window;
+  double seconds = window == "auto" ? -1 : 0;
+  if (window != "auto" && window != "off" && window != "by-noise" &&
+      !(signal::parse_whole_number(window, '.', seconds) && seconds > 0 &&
+        std::isfinite(seconds))) {
+    throw UsageError("--force-window is by-noise, off, auto or a time in seconds, not \"" + window +
+                     "\"");
   }
-  options.exponential_decay_rate_1_s = command.exponential_window;
-  options.exponential_end_level = command.exponential_end_level;
-  options.error_smoothing_lines = command.error_smoothing_lines;
-  options.reject_outliers = !command.keep_outliers;
-  return options;
+  if (window != "by-noise") impact.force_window_s = seconds;
+  return hammer;
 }
 
 /// The recordings by the place struck, in the order of the files.
@@ -92,22 +71,14 @@ ImpactRun::~ImpactRun() {
   }
 }
 
-ImpactCommand::ImpactCommand() {
-  const signal::HitOptions hits;
-  trigger = 100 * hits.trigger;
-  double_hit = 100 * hits.double_hit;
-  max_spectrum_drop_db = hits.max_spectrum_drop_db;
-  ring_down_level = 100 * hits.ring_down_level;
-  min_pulse_samples = hits.min_pulse_samples;
-  error_smoothing_lines = signal::FrfOptions().error_smoothing_lines;
-}
-
 describe::Options options_of(ImpactCommand& c) {
   using describe::option;
+  auto& hits = c.hammer.impact.hits;
   return {
-      option("--force", c.force, "Force channel: name or #k").type("C"),
-      option("--response", c.responses, "Response channels [every other]").type("C"),
-      option("--driving-point", c.driving_point, "The response at the point struck").type("C"),
+      option("--force", c.hammer.force, "Force channel: name or #k").type("C"),
+      option("--response", c.hammer.responses, "Response channels [every other]").type("C"),
+      option("--driving-point", c.hammer.driving_point, "The response at the point struck")
+          .type("C"),
       option("--struck", c.struck,
              "Point struck in each file, one a file (roving hammer): a response's name where it "
              "was struck, else any name")
@@ -118,11 +89,11 @@ describe::Options options_of(ImpactCommand& c) {
              "Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or "
              "by-noise: auto where the noise on the force matters, else off")
           .type("S|auto|off|by-noise"),
-      option("--exponential-window", c.exponential_window,
+      option("--exponential-window", c.hammer.impact.exponential_decay_rate_1_s,
              "Decay rate of a window on force and responses, 1/s; its damping is carried along and "
              "taken off the poles again")
           .within(0.0, 1e6),
-      option("--exponential-end-level", c.exponential_end_level,
+      option("--exponential-end-level", c.hammer.impact.exponential_end_level,
              "The same, given as its level at the end of the block")
           .within(1e-12, 1.0)
           .excludes("--exponential-window"),
@@ -130,38 +101,15 @@ describe::Options options_of(ImpactCommand& c) {
           .count(2)
           .type("LO HI"),
       option("--sample-rate", c.sample_rate_hz, "Hz, for files that do not say").positive(),
-      option("--block", c.block_s, "Seconds analysed a hit [what uses most of the recordings]")
+      option("--block", hits.block_s, "Seconds analysed a hit [what uses most of the recordings]")
           .positive(),
-      option("--pre-trigger", c.pre_trigger_s, "Seconds before the peak [1 % of the block]")
-          .from_zero(),
-      option("--pulse-sign", c.sign, "Side to which the force goes when hit")
-          .one_of({"auto", "positive", "negative"})
-          .group("Limits on hits"),
-      option("--trigger", c.trigger, "A hit exceeds this much of the largest force", "%")
-          .within(0.1, 100.0)
-          .group("Limits on hits"),
-      option("--double-hit", c.double_hit, "Smallest second contact that is reported, % of the hit")
-          .within(0.1, 100.0)
-          .group("Limits on hits"),
-      option("--min-pulse-samples", c.min_pulse_samples,
+      option("--trigger", c.trigger_percent, "A hit exceeds this much of the largest force", "%")
+          .within(0.1, 100.0),
+      option("--min-pulse-samples", hits.min_pulse_samples,
              "Samples a pulse needs above 10 % of its peak")
-          .within(1, 10000)
-          .group("Limits on hits"),
-      option("--max-spectrum-drop", c.max_spectrum_drop_db,
-             "Drop of the force spectrum within the band, dB (ISO 7626-5)")
-          .positive()
-          .group("Limits on hits"),
-      option("--ring-down-level", c.ring_down_level,
-             "A ring-down may be cut once it has fallen to this, % of its largest value")
-          .within(1e-6, 100.0)
-          .group("Limits on hits"),
-      option("--keep-outliers", c.keep_outliers, "No leave-one-out test").group("Limits on hits"),
-      option("--frequencies-only", c.frequencies_only,
-             "Keep hits whose pulse is not resolved; the FRFs then have no scale")
-          .group("Limits on hits"),
-      option("--error-smoothing", c.error_smoothing_lines,
-             "Lines on either side over which the noise under error bars is averaged")
-          .within(0L, 1000000L)};
+          .within(1, 10000),
+      option("--frequencies-only", hits.accept_unresolved,
+             "Keep hits whose pulse is not resolved; the FRFs then have no scale")};
 }
 
 std::shared_ptr<const ImpactRun> run_impact_test(VerbContext& context,
@@ -170,17 +118,13 @@ std::shared_ptr<const ImpactRun> run_impact_test(VerbContext& context,
     throw UsageError(fmt::format("--struck names {} points for {} files: one a file",
                                  command.struck.size(), command.files.size()));
   }
-  if (!command.struck.empty() && !command.driving_point.empty()) {
+  if (!command.struck.empty() && !command.hammer.driving_point.empty()) {
     throw UsageError("--driving-point is for one point; --struck names every file's point");
   }
   const auto made = std::make_shared<ImpactRun>();
   ImpactRun& run = *made;
   read_places(context, command, run);
-  ident::HammerTestOptions options;
-  options.force = command.force;
-  options.responses = command.responses;
-  options.driving_point = command.driving_point;
-  options.impact = options_of(command);
+  ident::HammerTestOptions options = hammer_options(command);
   options.impact.threads = context.threads;
   try {
     run.test = ident::analyse_hammer_test(run.places, options);

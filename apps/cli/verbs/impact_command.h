@@ -15,24 +15,13 @@ namespace rigfit::apps {
 
 struct ImpactCommand {
   std::vector<std::string> files;
-  std::string force;
-  std::vector<std::string> responses;  ///< empty: every other channel
-  std::string driving_point;
+  ident::HammerTestOptions hammer;
   std::vector<std::string> struck;  ///< point struck in each file; empty: one point in all
   std::string estimator = "h1";
   std::string force_window = "by-noise";  ///< that, "off", "auto" or seconds
-  double exponential_window = 0;          ///< 1/s
-  double exponential_end_level = 0;       ///< 0..1; 0: not used
   std::vector<double> band;               ///< Hz, two or none
   double sample_rate_hz = 0;
-  std::string sign = "auto";
-  double trigger = 0, double_hit = 0, max_spectrum_drop_db = 0, ring_down_level = 0;
-  double block_s = 0, pre_trigger_s = -1;
-  int min_pulse_samples = 0;
-  bool keep_outliers = false;
-  bool frequencies_only = false;
-  long error_smoothing_lines = 10;
-  ImpactCommand();
+  double trigger_percent = 100 * signal::HitOptions().trigger;
 };
 
 /// Those of the test, without the files.

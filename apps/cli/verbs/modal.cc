@@ -44,13 +44,13 @@ void refuse_options_of_hits(const ModalCommand& options) {
 
 /// The exponential window that another analyser used, as stated: its decay rate is in every pole.
 void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
-  double rate = options.impact.exponential_window;
-  if (options.impact.exponential_end_level > 0) {
+  double rate = options.impact.hammer.impact.exponential_decay_rate_1_s;
+  if (options.impact.hammer.impact.exponential_end_level > 0) {
     const Index lines = frfs.frequency_hz.size();
     if (lines < 2) return;
     const double spacing =
         (frfs.frequency_hz[lines - 1] - frfs.frequency_hz[0]) / static_cast<double>(lines - 1);
-    rate = signal::decay_rate_for(options.impact.exponential_end_level, 1 / spacing);
+    rate = signal::decay_rate_for(options.impact.hammer.impact.exponential_end_level, 1 / spacing);
   }
   if (!(rate > 0)) return;
   if (frfs.exponential_decay_rate_1_s > 0) {
@@ -177,7 +177,7 @@ MeasuredFrfs completed(signal::FrfSet frfs, const ModalCommand& options, VerbCon
 
 /// FRFs at hand, of one UFF file or of text tables; or those of hits.
 MeasuredFrfs frfs_of(ModalCommand& options, VerbContext& context) {
-  if (!options.impact.force.empty()) {
+  if (!options.impact.hammer.force.empty()) {
     if (options.averages > 0) throw UsageError("--averages is for FRFs from a file");
     options.impact.files = options.files;
     const auto run = run_impact_test(context, options.impact);
