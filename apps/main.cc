@@ -14,7 +14,6 @@
 #include <iostream>
 #include <map>
 #include <optional>
-#include <streambuf>
 #include <string_view>
 #include <system_error>
 #include <thread>
@@ -95,10 +94,6 @@ class StandardInput {
   std::filesystem::path folder_;
 };
 
-class NullBuffer : public std::streambuf {
-  int overflow(int c) override { return c; }
-};
-
 int run(int argc, char** argv) {
   Verbs verbs = all_verbs();
   CommonOptions common;
@@ -139,8 +134,7 @@ int run(int argc, char** argv) {
   parse_options(verb, arguments);
 
   check_outputs(arguments);
-  NullBuffer nothing;
-  std::ostream sink(&nothing);
+  std::ostream sink(nullptr);  // discards
   ResultBuffer result_buffer(std::cout.rdbuf());
   std::ostream results(&result_buffer);
   VerbContext context(common.quiet || common.json == "-" ? sink : results);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -12,6 +11,7 @@
 #include "apps/cli/exit_code.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
+#include "signal/readers/csv/csv_fields.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 
@@ -19,11 +19,6 @@ namespace rigfit::apps {
 namespace {
 
 using signal::kNaN;
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 /// The column a person means: by the name given, else by one of the usual beginnings.
 const signal::Channel* find(const signal::Recording& recording, const std::string& asked,
@@ -35,12 +30,7 @@ const signal::Channel* find(const signal::Recording& recording, const std::strin
       return nullptr;
     }
   }
-  for (const auto& beginning : beginnings) {
-    for (const auto& column : recording.channels) {
-      if (lower(column.name).starts_with(beginning)) return &column;
-    }
-  }
-  return nullptr;
+  return channel_like(recording, beginnings);
 }
 
 /// The only column in a unit; null: none, or several.
@@ -69,6 +59,16 @@ double relative_change(const Eigen::VectorXd& x) {
 
 }  // namespace
 
+const signal::Channel* channel_like(const signal::Recording& recording,
+                                    const std::vector<std::string>& beginnings) {
+  for (const auto& beginning : beginnings) {
+    for (const auto& channel : recording.channels) {
+      if (signal::lower_case(channel.name).starts_with(beginning)) return &channel;
+    }
+  }
+  return nullptr;
+}
+
 std::optional<LoadDeflection> load_deflection(const signal::Recording& recording) {
   LoadDeflection found;
   std::vector<const signal::Channel*> forces;
@@ -76,7 +76,7 @@ std::optional<LoadDeflection> load_deflection(const signal::Recording& recording
   for (const auto& channel : recording.channels) {
     const bool grams = channel.source_unit == "g" && find(recording, "", {"load"}) == &channel;
     if (channel.quantity == signal::Quantity::force || channel.unit == "kg" || grams ||
-        lower(channel.name).starts_with("mass")) {
+        signal::lower_case(channel.name).starts_with("mass")) {
       forces.push_back(&channel);
     } else if (channel.quantity == signal::Quantity::displacement && way == nullptr) {
       way = &channel;
@@ -159,7 +159,7 @@ class Columns {
   /// In newtons; masses as dead weights.
   Eigen::VectorXd load() const {
     const auto* found = find(recording_, name_of("load"), kLoadNames);
-    const bool named = found != nullptr && lower(found->name).starts_with("mass");
+    const bool named = found != nullptr && signal::lower_case(found->name).starts_with("mass");
     // "g" is the standard gravity to the reader, grams on a mass or load.
     const bool grams = found != nullptr && found->source_unit == "g";
     if (found == nullptr || !(named || grams || found->unit == "kg")) {

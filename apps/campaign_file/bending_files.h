@@ -14,6 +14,11 @@
 
 namespace rigfit::apps {
 
+/// The first channel whose name begins, in any case of letters, as the first of these that one
+/// does; null: none.
+[[nodiscard]] const signal::Channel* channel_like(const signal::Recording& recording,
+                                                  const std::vector<std::string>& beginnings);
+
 /// The channels of a load-deflection table or record.
 struct LoadDeflection {
   std::string tension, load, deflection;  ///< tension: empty where there is none

@@ -1,7 +1,7 @@
 #include "apps/campaign_file/report_details.h"
 
-#include <algorithm>
-#include <array>
+#include <openssl/evp.h>
+
 #include <cstddef>
 #include <fstream>
 #include <iterator>
@@ -27,19 +27,11 @@ std::string media_type(const std::string& bytes) {
 }
 
 std::string base64(const std::string& bytes) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve(4 * (bytes.size() / 3 + 1));
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::array<unsigned, 3> part{0, 0, 0};
-    const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
-    for (std::size_t k = 0; k < n; ++k) part[k] = static_cast<unsigned char>(bytes[i + k]);
-    const unsigned all = part[0] << 16 | part[1] << 8 | part[2];
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += k <= n ? kDigits[all >> (18 - 6 * k) & 63U] : '=';
-    }
-  }
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // EVP ends with a zero
+  const auto* from = reinterpret_cast<const unsigned char*>(bytes.data());
+  const int length = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), from,
+                                     static_cast<int>(bytes.size()));
+  text.resize(static_cast<std::size_t>(length));
   return text;
 }
 

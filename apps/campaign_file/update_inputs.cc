@@ -9,6 +9,7 @@
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/named_numbers.h"
+#include "apps/results/modal_files.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/scene_use.h"
 #include "model/scene/scene_error.h"
@@ -83,17 +84,8 @@ void add_targets(const InputText& input, const UpdateStates& states, std::size_t
 
 // Between its nodes, m; 0: no such member.
 double member_length(const model::Scene& scene, const std::string& name) {
-  for (const auto& member : scene.members) {
-    if (member.name != name) continue;
-    std::vector<Eigen::Vector3d> ends;
-    for (const auto& node : scene.nodes) {
-      if (node.name == member.nodes[0] || node.name == member.nodes[1]) {
-        ends.push_back(node.position);
-      }
-    }
-    return ends.size() == 2 ? (ends[1] - ends[0]).norm() : 0;
-  }
-  return 0;
+  const auto end = [&](double position) { return position_of(scene, {"", name, position}); };
+  return (end(1) - end(0)).norm();
 }
 
 }  // namespace

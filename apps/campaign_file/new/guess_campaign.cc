@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "document/document_error.h"
 #include "document/toml_table.h"
 #include "signal/impact/pulse_shape.h"
+#include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
@@ -26,10 +26,7 @@ namespace rigfit::apps {
 namespace fs = std::filesystem;
 namespace {
 
-std::string lower_case(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
+using signal::lower_case;
 
 std::string quoted(const std::string& text) {
   std::string out = "\"";
@@ -38,16 +35,6 @@ std::string quoted(const std::string& text) {
     out += c;
   }
   return out + '"';
-}
-
-const signal::Channel* channel_like(const signal::Recording& recording,
-                                    const std::vector<std::string>& beginnings) {
-  for (const auto& beginning : beginnings) {
-    for (const auto& channel : recording.channels) {
-      if (lower_case(channel.name).starts_with(beginning)) return &channel;
-    }
-  }
-  return nullptr;
 }
 
 /// Short pulses over a quiet record: the largest sample stands far above the root mean square.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -14,16 +13,14 @@
 #include "apps/cli/output_file.h"
 #include "apps/cli/plots/browser.h"
 #include "apps/report/page/figures_page.h"
+#include "signal/readers/csv/csv_fields.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
 namespace {
 
 std::string kind_of(const std::string& file) {
-  std::string kind = fs::path(file).extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return kind;
+  return signal::lower_case(fs::path(file).extension().string());
 }
 
 std::string content_of(const fs::path& file) {
@@ -86,6 +83,7 @@ std::string repeat_command(const VerbContext& context) {
 }
 
 void PlotSheet::add(Block block) {
+  if (const auto* plot = std::get_if<Plot>(&block); plot && plot->series.empty()) return;
   set_id(block, ids_);
   if (auto* group = std::get_if<PlotGroup>(&block)) {
     for (auto& tab : group->tabs) {
@@ -97,10 +95,6 @@ void PlotSheet::add(Block block) {
     }
   }
   blocks.push_back(std::move(block));
-}
-
-void PlotSheet::add(std::vector<Block> more) {
-  for (auto& block : more) add(std::move(block));
 }
 
 describe::Options options_of(PlotCommand& c) {

@@ -4,6 +4,7 @@
 
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/cli/verb_context.h"
@@ -24,9 +25,12 @@ struct PlotSheet {
   std::vector<Block> blocks;
   std::size_t sources = 0;  ///< recordings met so far, where a verb draws only the first
 
-  /// Ids are made unique over the sheet.
+  /// Ids are made unique over the sheet; a plot without series is left out.
   void add(Block block);
-  void add(std::vector<Block> more);
+  template <class Any>
+  void add(std::vector<Any> more) {
+    for (auto& one : more) add(Block(std::move(one)));
+  }
 
  private:
   std::set<std::string> ids_;

@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "apps/campaign_file/recording_description.h"
-#include "apps/cli/plots/verb_figures.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/impact_command.h"
 #include "apps/describe/digits.h"
+#include "apps/report/figures/figures.h"
 #include "apps/results/modal_json.h"
 #include "signal/ambient/ambient_modes.h"
 #include "signal/writers/write_uff.h"
@@ -98,6 +99,40 @@ void print(std::ostream& out, const signal::AmbientResult& result, bool all) {
                      result.high_hz, result.duration_s, result.lag_s);
 }
 
+/// Singular values of the spectral matrix with the modes, stabilisation diagram.
+void draw(PlotSheet& sheet, const signal::AmbientResult& found) {
+  signal::ModalResult poles;
+  poles.stabilisation = found.stabilisation;
+  Plot plot{"ambient-spectrum",
+            "Singular values of the spectral matrix",
+            "Motion of all channels together, each over its standard deviation. A mode is a peak "
+            "of the first singular value; where the second rises with it, two modes are close. "
+            "Lines: modes, broken where they are uncertain.",
+            "frequency, Hz",
+            "singular value",
+            false,
+            true};
+  plot.link = plot.id;
+  for (const auto& one : found.modes) {
+    const double f = one.mode.frequency_hz.value;
+    plot.marks.push_back({f, fmt::format("{:.4g}", f), Origin::modelled, one.mode.doubtful});
+    if (!one.mode.doubtful) poles.model.modes.push_back(one.mode);
+  }
+  for (Eigen::Index k = 0; k < std::min<Eigen::Index>(3, found.singular_values.cols()); ++k) {
+    PlotSeries series{fmt::format("singular value {}", k + 1), Origin::measured,
+                      static_cast<int>(k)};
+    for (Eigen::Index i = 0; i < found.spectrum_hz.size(); ++i) {
+      series.add(found.spectrum_hz[i], found.singular_values(i, k));
+    }
+    plot.series.push_back(std::move(series));
+  }
+  sheet.add(std::move(plot));
+  if (poles.stabilisation.poles.empty()) return;
+  Plot diagram = stabilisation_plot("ambient-stabilisation", poles, Origin::measured);
+  diagram.link = "ambient-spectrum";
+  sheet.add(std::move(diagram));
+}
+
 }  // namespace
 
 Json ambient_result(const ModalCommand& command, VerbContext& context) {
@@ -124,7 +159,7 @@ Json ambient_result(const ModalCommand& command, VerbContext& context) {
   result["band_hz"] = {found.low_hz, found.high_hz};
   result["lag_s"] = found.lag_s;
   print(context.out, found, command.all);
-  if (context.plots) draw_ambient(*context.plots, found);
+  if (context.plots) draw(*context.plots, found);
   if (!command.out.empty()) {
     signal::ModalModel sure;  // UFF has no place for doubts
     for (const auto& one : found.modes) {

@@ -8,9 +8,11 @@
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/exit_code.h"
-#include "apps/cli/plots/verb_figures.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/results/axial_result.h"
+#include "apps/describe/sheet.h"
+#include "apps/report/figures/figures.h"
+#include "apps/results/test_json.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 
 namespace rigfit::apps {
@@ -68,8 +70,13 @@ Json run(AxialCommand command, VerbContext& context) {
   }
   const auto result = ident::axial_campaign(inputs);
   context.tell(result.findings);
-  if (context.plots) draw_axial(*context.plots, inputs, result);
-  if (result.test) print_axial(context.out, *result.test);
+  if (context.plots) {
+    auto& plots = *context.plots;
+    if (result.test) plots.add(axial_length_plot("EA", *result.test, Origin::measured));
+    const std::vector<Origin> origins(inputs.recordings.size(), Origin::measured);
+    plots.add(axial_decay_blocks("axial", inputs, result, origins));
+  }
+  if (result.test) describe::print(context.out, describe::sheet_of(*result.test));
   return axial_json(inputs, result);
 }
 

@@ -8,10 +8,11 @@
 
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/bending_files.h"
-#include "apps/cli/plots/verb_figures.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/sheet.h"
-#include "apps/results/bending_json.h"
+#include "apps/report/figures/figures.h"
+#include "apps/results/test_json.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::apps {
@@ -94,7 +95,11 @@ Json run(BendingCommand command, VerbContext& context) {
     }
   }
   for (const auto& finding : found.findings) context.warn(finding.code, finding.message);
-  if (context.plots) draw_bending(*context.plots, campaign, found);
+  if (context.plots) {
+    const std::vector<Origin> origins(campaign.sources.size(), Origin::measured);
+    context.plots->add(load_deflection_plot("load-deflection", campaign, origins, found));
+    context.plots->add(stiffness_plot("EI", origins, found));
+  }
   const bool beams = campaign.test.ends != ident::BeamEnds::tensioned;
   auto& out = context.out;
   describe::print(out, describe::table_of(bending_rows(campaign, found)));

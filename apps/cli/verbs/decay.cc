@@ -8,9 +8,10 @@
 
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/exit_code.h"
-#include "apps/cli/plots/verb_figures.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/sheet.h"
+#include "apps/report/figures/figures.h"
 
 namespace rigfit::apps {
 namespace {
@@ -71,7 +72,13 @@ Json run(DecayCommand command, VerbContext& context) {
   if (test.channels.empty()) return {{"channel", channel.name}, {"modes", Json::array()}};
   const auto& found = test.channels.front();
   tell(found.findings);
-  if (context.plots) draw_decay(*context.plots, command.file, found);
+  if (context.plots) {
+    const AnalysedDecay drawn{command.file,     found.channel,        found.unit,
+                              Origin::measured, found.sample_rate_hz, found.start_time_s,
+                              found.samples,    found.strongest};
+    context.plots->add(decay_plot("decay", drawn));
+    context.plots->add(damping_plot("damping", {drawn}));
+  }
   if (found.strongest.refusal_code.empty()) {
     context.out << fmt::format("{}: channel {}{}, fitted from {:.6g} s to {:.6g} s\n", command.file,
                                channel.name, channel.unit.empty() ? "" : " in " + channel.unit,

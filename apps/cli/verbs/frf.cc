@@ -6,7 +6,6 @@
 #include <iterator>
 #include <memory>
 
-#include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/impact_command.h"
 #include "apps/describe/digits.h"

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "apps/cli/at_hand.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verb.h"
+#include "apps/report/figures/figures.h"
 #include "ident/campaign/modal/hammer_campaign.h"
 #include "signal/modal/modal_identification.h"
 
@@ -64,6 +66,9 @@ struct ModalCommand {
 [[nodiscard]] describe::Options options_of(ModalCommand& command);
 /// `modal --ambient`: `command.files` are a set-up each, joined by references.
 [[nodiscard]] Json ambient_result(const ModalCommand& command, VerbContext& context);
+
+/// Hits, FRFs and, where there are any, modes with their MAC.
+void draw_hammer_test(PlotSheet& sheet, const HammerFigures& figures);
 
 /// `hits[]`, as `frf` gives them; each with the point `struck` when the hammer roves.
 [[nodiscard]] Json hits_json(const ImpactRun& run);

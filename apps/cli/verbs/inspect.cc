@@ -11,8 +11,9 @@
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/at_hand.h"
-#include "apps/cli/plots/verb_figures.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/report/figures/figures.h"
 #include "signal/quality/quality.h"
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/foreign_formats.h"
@@ -218,7 +219,8 @@ Json inspect_result(const signal::Recording& recording, VerbContext& context) {
   }
   print(context.out, recording, quality);
   if (context.plots && context.plots->sources++ < kMostDrawn) {
-    draw_recording(*context.plots, recording, quality);
+    const auto id = fmt::format("recording-{}", context.plots->blocks.size() + 1);
+    context.plots->add(recording_plots(id, recording, quality));
   }
   return json_of(recording, quality);
 }

@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "apps/cli/plots/verb_figures.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/impact_command.h"
 #include "apps/describe/digits.h"

@@ -4,8 +4,9 @@
 #include <memory>
 
 #include "apps/cli/at_hand.h"
-#include "apps/cli/plots/verb_figures.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/report/figures/figures.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/actual_state.h"
 
@@ -172,7 +173,7 @@ Json run(const ModesCommand& options, VerbContext& context) {
         options.scene);
   }
   print(context.out, analysis, scene);
-  if (context.plots) draw_modes(*context.plots, scene, analysis);
+  if (context.plots) context.plots->add(modes_blocks("shapes", scene, analysis));
   return result;
 }
 

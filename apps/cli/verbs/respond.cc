@@ -5,9 +5,10 @@
 #include <memory>
 
 #include "apps/cli/at_hand.h"
-#include "apps/cli/plots/verb_figures.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/digits.h"
+#include "apps/report/figures/figures.h"
 #include "model/response/response.h"
 #include "model/scene/actual_state.h"
 #include "model/scene/scene_error.h"
@@ -215,7 +216,7 @@ Json run(const RespondCommand& options, VerbContext& context) {
     context.out << fmt::format("left out: {}: about {:.2g} in {}\n", what.what, what.relative_error,
                                what.of);
   }
-  if (context.plots) draw_response(*context.plots, scene, response);
+  if (context.plots) context.plots->add(response_plots("response", scene, response));
   if (context.at_hand) context.at_hand->samples = response.samples;
   if (!options.out.empty()) {
     context.write(options.out, signal::csv_text(recording_of(scene, response), {}, 9));

@@ -12,10 +12,12 @@
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/named_numbers.h"
-#include "apps/cli/plots/verb_figures.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/digits.h"
-#include "apps/results/tension_result.h"
+#include "apps/describe/sheet.h"
+#include "apps/report/figures/figures.h"
+#include "apps/results/test_json.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
 #include "signal/readers/csv/csv_fields.h"
 
@@ -89,7 +91,7 @@ Json table_of_cables(const TensionCommand& command, VerbContext& context) {
       cables.push_back(std::move(json));
       continue;
     }
-    json.update(tension_json(one.tension));
+    json.update(describe::json_of(one.tension));
     const auto& T = one.tension.tension_N;
     const char* ends = ident::name_of(one.tension.candidates.front().ends);
     context.out << fmt::format(
@@ -149,8 +151,8 @@ Json one_cable(TensionCommand command, VerbContext& context) {
   if (!result.solved) {
     throw Refused(result.message, campaign.modes.empty() ? "no_peaks" : "no_tension");
   }
-  print_tension(context.out, result);
-  if (context.plots) draw_tension(*context.plots, result);
+  describe::print(context.out, describe::sheet_of(result));
+  if (context.plots) context.plots->add(tension_blocks("tension", result));
   return tension_json(campaign);
 }
 

@@ -12,10 +12,11 @@
 #include "apps/campaign_file/update_inputs.h"
 #include "apps/cli/at_hand.h"
 #include "apps/cli/json_document.h"
-#include "apps/cli/plots/verb_figures.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/update_candidates.h"
+#include "apps/report/figures/figures.h"
 #include "apps/results/update_parameters.h"
 #include "apps/results/update_result.h"
 #include "ident/campaign/fit_campaign.h"
@@ -219,7 +220,7 @@ Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbCont
   states = std::move(models[best].states);
   context.out << "the heaviest candidate: " << comparison.candidates[best].name << '\n';
   print_update(context.out, result, states.states);
-  if (context.plots) draw_update(*context.plots, states.states, result, {});
+  if (context.plots) context.plots->add(fit_blocks("fit", states.states, result, {}));
   tell_findings(ident::fit_findings(result), result, context);
   Json json = update_json(result, states.states);
   json.update(candidates_json(comparison, context));
@@ -241,7 +242,9 @@ Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext
   if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
 
   print_update(context.out, result, states.states);
-  if (context.plots) draw_update(*context.plots, states.states, result, outcome.held);
+  if (context.plots) {
+    context.plots->add(fit_blocks("fit", states.states, result, outcome.held));
+  }
   tell_findings(outcome.findings, result, context);
   Json json = update_json(result, states.states);
   if (options.hold_out) {

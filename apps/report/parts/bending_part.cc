@@ -7,7 +7,7 @@
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/figures.h"
 #include "apps/report/parts/parts.h"
-#include "apps/results/bending_json.h"
+#include "apps/results/test_json.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {

@@ -2,7 +2,7 @@
 
 #include "apps/report/figures/figures.h"
 #include "apps/report/parts/parts.h"
-#include "apps/results/tension_result.h"
+#include "apps/results/test_json.h"
 
 namespace rigfit::apps {
 namespace {

@@ -1,4 +1,4 @@
-#include "apps/results/bending_json.h"
+#include "apps/results/test_json.h"
 
 #include "apps/describe/json_of.h"
 
@@ -22,6 +22,12 @@ Json curve_json(const ident::StiffnessCurve& curve) {
 
 }  // namespace
 
+Json axial_json(const ident::AxialInputs& inputs, const ident::AxialCampaignResult& result) {
+  Json out = result.test ? describe::json_of(*result.test) : Json::object();
+  out["samples"] = describe::json_of(ident::axial_records(inputs, result));
+  return out;
+}
+
 Json bending_json(const ident::BendingCampaign& campaign,
                   const ident::BendingCampaignResult& result) {
   const auto& laws = result.curve.laws();
@@ -36,6 +42,13 @@ Json bending_json(const ident::BendingCampaign& campaign,
   if (campaign.assumed_relative_std > 0) {
     json["assumed_relative_std"] = campaign.assumed_relative_std;
   }
+  return json;
+}
+
+Json tension_json(const ident::TensionCampaignResult& campaign) {
+  Json json = describe::json_of(campaign.result.tension);
+  if (!campaign.peaks.empty()) json["peaks"] = describe::json_of(campaign.peaks);
+  if (!campaign.tones.empty()) json["steady_tones"] = describe::json_of(campaign.tones);
   return json;
 }
 

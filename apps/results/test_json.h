@@ -1,0 +1,23 @@
+// What tests of one kind found, as JSON: walks over the descriptions of the results. The verbs and
+// the report's document hold the same.
+#pragma once
+
+#include "apps/cli/verb.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
+#include "ident/campaign/single_tests/bending_campaign.h"
+#include "ident/campaign/single_tests/tension_campaign.h"
+
+namespace rigfit::apps {
+
+/// The test's fields and `samples`; of a test without a result the samples only.
+[[nodiscard]] Json axial_json(const ident::AxialInputs& inputs,
+                              const ident::AxialCampaignResult& result);
+
+/// `tests[], laws[], law_choice, curve, bounds`.
+[[nodiscard]] Json bending_json(const ident::BendingCampaign& campaign,
+                                const ident::BendingCampaignResult& result);
+
+/// A solved tension with the peaks of the recordings it is found from.
+[[nodiscard]] Json tension_json(const ident::TensionCampaignResult& campaign);
+
+}  // namespace rigfit::apps
