@@ -6,9 +6,11 @@
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/key_reference.h"
-#include "apps/cli/result_schema.h"
 #include "apps/cli/terminal.h"
+#include "apps/describe/json_of.h"
 #include "document/toml_table.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
+#include "ident/campaign/single_tests/tension_campaign.h"
 
 namespace rigfit::apps {
 namespace {
@@ -93,6 +95,19 @@ std::string roff(const std::string& text) {
     }
   }
   return out;
+}
+
+/// The JSON schema of described results, built from their descriptions; under `$defs` what each
+/// verb of that name gives. A report's document has lists of the same objects by kind of test.
+describe::Json result_schema() {
+  auto axial = describe::schema_of<ident::AxialTestResult>();
+  axial["properties"]["samples"] = describe::schema_of<std::vector<ident::AxialRecord>>();
+  auto tension = describe::schema_of<ident::TensionResult>();
+  tension["properties"]["peaks"] = describe::schema_of<std::vector<ident::TensionPeak>>();
+  tension["properties"]["steady_tones"] = describe::schema_of<std::vector<ident::TensionTone>>();
+  return {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+          {"title", "results of rigfit, schema version 2"},
+          {"$defs", {{"axial", std::move(axial)}, {"tension", std::move(tension)}}}};
 }
 
 /// Paragraphs that were broken for a source file in one line each; commands begin with a blank.

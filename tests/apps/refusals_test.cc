@@ -15,26 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const char* const kRig = R"([[node]]
-name = "left"
-position = [0.0, 0.0, 0.0]
-support = "pinned"
-[[node]]
-name = "right"
-position = [2.4, 0.0, 0.0]
-support = "pinned"
-[[member]]
-name = "cable"
-kind = "cable"
-nodes = ["left", "right"]
-segments = 12
-mass_per_length = 0.16667
-EA = 221780.0
-EI = 0.5972
-GJ = 0.1
-tension = 200.0
-damping_ratio = 0.005
-)";
+const std::string kRig = std::string(kCableScene) + "damping_ratio = 0.005\n";
 const char* const kHit = R"([[load]]
 name = "hammer"
 kind = "impact"
@@ -65,7 +46,7 @@ struct Files {
   TemporaryFolder folder;
   Files() {
     folder.write("bare.toml", kRig);
-    folder.write("scene.toml", std::string(kRig) + kHit);
+    folder.write("scene.toml", kRig + kHit);
     folder.write("modes.csv", "frequency_hz,plane\n7.36,in\n14.5,in\n21.8,in\n");
     folder.write("damped.csv", "frequency_hz,damping_ratio\n7.36,0.5\n14.5,1.7\n");
     folder.write("shaped.csv", "frequency_hz,shape:mdi\n7.36,1\n");
@@ -234,6 +215,7 @@ TEST(Refusals, OfUpdate) {
        {table + "@ragged.csv", 3, "ragged.csv:2: has 3 values, the header 2"},
        {table + "@sideways.csv", 3, "\"up\" is no plane; write in, out"},
        {table + "@blank.csv", 3, "blank.csv: holds no rows; give a header line"},
+       {"update @scene.toml --frf @modes.csv", 3, "modes.csv"},
        {"update @scene.toml --decay @norate.csv", 2, "norate.csv gives no sample rate"},
        {"update @scene.toml --decay @two.csv", 2, "several channels: name one with --channel"},
        {"update @scene.toml --decay @decay.csv --band 300 400", 4, "above half the sample rate"}});

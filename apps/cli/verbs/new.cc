@@ -1,12 +1,10 @@
 // rigfit new: a campaign to start from, of one's own recordings or as a commented example.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 #include "apps/campaign_file/new/guess_campaign.h"
@@ -25,6 +23,7 @@ struct NewCommand {
   std::vector<std::string> from, units, sensitivities;
   GuessOptions guess;
   UtilityLine line;
+  std::vector<std::string> of_line;  ///< options given that are of a line
 };
 
 /// "CH5=g" by channel.
@@ -70,25 +69,6 @@ TextFiles utility_line_files(const UtilityLine& line) {
   }
 }
 
-const std::vector<std::string_view> kLineOptions = {
-    "--poles",     "--height",   "--ground-diameter", "--top-diameter", "--modulus",
-    "--density",   "--embedded", "--line-span",       "--conductors",   "--conductor-tension",
-    "--zone-from", "--zone-to",  "--damage"};
-const std::vector<std::string_view> kRecordingOptions = {"--force-channel",   "--span",   "--mass",
-                                                         "--mass-per-length", "--length", "--unit",
-                                                         "--sensitivity"};
-
-/// Options that say something of what is not made.
-void refuse_given(const VerbContext& context, const std::vector<std::string_view>& names,
-                  const char* why) {
-  for (const auto& word : context.command) {
-    const std::string name = word.substr(0, word.find('='));
-    if (std::find(names.begin(), names.end(), name) != names.end()) {
-      throw UsageError(name + " " + why);
-    }
-  }
-}
-
 Json run_new(VerbContext& context, const NewCommand& command) {
   if (command.example && !command.from.empty()) {
     throw UsageError("--example and --from: one of the two");
@@ -97,9 +77,8 @@ Json run_new(VerbContext& context, const NewCommand& command) {
   if (line && (command.example || !command.from.empty())) {
     throw UsageError("--kind utility-line is a scene of its own: without --example and --from");
   }
-  if (!line) refuse_given(context, kLineOptions, "belongs to --kind utility-line");
-  if (command.from.empty()) {
-    refuse_given(context, kRecordingOptions, "belongs to recordings: name them with --from");
+  if (!line && !command.of_line.empty()) {
+    throw UsageError(command.of_line.front() + " belongs to --kind utility-line");
   }
   const TextFiles texts = line ? utility_line_files(command.line) : files_of(command, context);
   const fs::path root = command.folder;
@@ -124,7 +103,7 @@ Json run_new(VerbContext& context, const NewCommand& command) {
 
 describe::Options options_of(NewCommand& c) {
   using describe::option;
-  return {
+  describe::Options options{
       option("folder", c.folder, "Folder to make").required().type("DIR"),
       option("--from", c.from, "Recordings, or folders of them, to make a campaign of")
           .type("FILES"),
@@ -132,33 +111,41 @@ describe::Options options_of(NewCommand& c) {
              "The commented example with published values (also without --from)"),
       option("--kind", c.guess.kind,
              "What the recordings are [guessed], or a scene of utility poles")
-          .one_of({"bending", "axial", "decay", "modal", "tension", "utility-line"}),
-      option("--poles", c.line.poles, "Utility line: number of poles"),
-      option("--height", c.line.height_m, "Of a pole above ground", "m"),
-      option("--ground-diameter", c.line.ground_diameter_m, "", "m"),
-      option("--top-diameter", c.line.top_diameter_m, "", "m"),
-      option("--modulus", c.line.modulus_Pa, "", "Pa"),
-      option("--density", c.line.density_kg_m3, "", "kg/m3"),
-      option("--embedded", c.line.embedded_m,
-             "m, on Winkler springs; 0: springs at the ground line"),
-      option("--line-span", c.line.span_m, "", "m"),
-      option("--conductors", c.line.conductors, "Of a span; 0: bare poles"),
-      option("--conductor-tension", c.line.conductor_tension_N, "N, of one"),
-      option("--zone-from", c.line.damage_from, "Zone of free EI: from, of the height"),
-      option("--zone-to", c.line.damage_to, "Zone of free EI: to, of the height"),
-      option("--damage", c.line.damage_depth, "Loss of EI in the zone of pole 1, 0..1"),
-      option("--force-channel", c.guess.force, "Channel of the hammer [guessed]"),
-      option("--span", c.guess.span_m, "Of bending tests", "m").positive(),
-      option("--mass", c.guess.mass_kg, "Of axial tests", "kg").positive(),
-      option("--mass-per-length", c.guess.mass_per_length, "Of tension tests", "kg/m").positive(),
-      option("--length", c.guess.lengths,
-             "Of axial and tension tests, m: one for all, one a file, or FILE=M")
-          .type("M"),
-      option("--unit", c.units, "Unit of a channel that the files do not give")
-          .type("CHANNEL=UNIT"),
-      option("--sensitivity", c.sensitivities, "Of a channel's transducer")
-          .type("\"CHANNEL=2.27 mV/N\"")};
+          .one_of({"bending", "axial", "decay", "modal", "tension", "utility-line"})};
+  for (auto& one :
+       {option("--poles", c.line.poles, "Utility line: number of poles"),
+        option("--height", c.line.height_m, "Of a pole above ground", "m"),
+        option("--ground-diameter", c.line.ground_diameter_m, "", "m"),
+        option("--top-diameter", c.line.top_diameter_m, "", "m"),
+        option("--modulus", c.line.modulus_Pa, "", "Pa"),
+        option("--density", c.line.density_kg_m3, "", "kg/m3"),
+        option("--embedded", c.line.embedded_m,
+               "m, on Winkler springs; 0: springs at the ground line"),
+        option("--line-span", c.line.span_m, "", "m"),
+        option("--conductors", c.line.conductors, "Of a span; 0: bare poles"),
+        option("--conductor-tension", c.line.conductor_tension_N, "N, of one"),
+        option("--zone-from", c.line.damage_from, "Zone of free EI: from, of the height"),
+        option("--zone-to", c.line.damage_to, "Zone of free EI: to, of the height"),
+        option("--damage", c.line.damage_depth, "Loss of EI in the zone of pole 1, 0..1")}) {
+    options.push_back(describe::Option(one).tells(c.of_line));
+  }
+  for (auto& one :
+       {option("--force-channel", c.guess.force, "Channel of the hammer [guessed]"),
+        option("--span", c.guess.span_m, "Of bending tests", "m").positive(),
+        option("--mass", c.guess.mass_kg, "Of axial tests", "kg").positive(),
+        option("--mass-per-length", c.guess.mass_per_length, "Of tension tests", "kg/m").positive(),
+        option("--length", c.guess.lengths,
+               "Of axial and tension tests, m: one for all, one a file, or FILE=M")
+            .type("M"),
+        option("--unit", c.units, "Unit of a channel that the files do not give")
+            .type("CHANNEL=UNIT"),
+        option("--sensitivity", c.sensitivities, "Of a channel's transducer")
+            .type("\"CHANNEL=2.27 mV/N\"")}) {
+    options.push_back(describe::Option(one).needs("--from"));
+  }
+  return options;
 }
+
 }  // namespace
 
 Verb new_verb() {

@@ -11,25 +11,7 @@ namespace rigfit::apps::struck_points_test {
 namespace {
 
 std::string scene() {
-  std::string text = R"([[node]]
-name = "left"
-position = [0.0, 0.0, 0.0]
-support = "pinned"
-[[node]]
-name = "right"
-position = [2.4, 0.0, 0.0]
-support = "pinned"
-[[member]]
-name = "cable"
-kind = "cable"
-nodes = ["left", "right"]
-segments = 12
-mass_per_length = 0.16667
-EA = 221780.0
-EI = 0.5972
-tension = 200.0
-damping_ratio = 0.005
-)";
+  std::string text = kCableScene + std::string("damping_ratio = 0.005\n");
   for (const auto& [name, place] : {std::pair{"quarter", "0.25"}, std::pair{"middle", "0.4"}}) {
     text += std::string("[[load]]\nname = \"") + name + "\"\nposition = " + place +
             "\nkind = \"impact\"\nmember = \"cable\"\ndirection = [0.0, -1.0, 0.0]\npeak = 5.0\n"
