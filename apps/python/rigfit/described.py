@@ -193,6 +193,8 @@ def verb(name, result, raw=None, without=()):
                         values[options[key]["std"]] = checks.number(f"{key} std", std, 0)
                 values[options[key]["key"]] = value if key in raw else checked(key, options[key], value)
             answer = function(**{p.name: given.get(p.name) for p in own}, options=values)
+            if isinstance(answer, result):
+                return answer
             extra = answer[-1] if isinstance(answer[-1], dict) and len(answer) > 3 else {}
             return finish(result, *answer[:3], **extra)
 

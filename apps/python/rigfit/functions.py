@@ -10,7 +10,7 @@ import tempfile
 import numpy as np
 
 from . import _core, checks
-from .described import call, checked, is_path, options_of, parted, verb
+from .described import call, is_path, options_of, parted, verb
 from .model import Scene, scene_or_path
 from .recordings import Recording, sources, warn
 from .results import (AxialResult, BendingResult, DecayResult, FrfResult, InspectResult, ModalResult, ModesResult,
@@ -43,38 +43,10 @@ def _with_folder(function):
     return called
 
 
-def read(file, sample_rate=None, *, format=None, decimal=None, separator=None, time_unit=None, variable=None, sheet=None):
-    """Reads a recording: every format that ``rigfit inspect`` reads. A TOML file of its name beside it describes its channels.
-
-    Parameters
-    ----------
-    file : path
-    sample_rate : float, optional
-        Hz, where the file gives none.
-    format : {"csv", "lvm", "uff", "wav", "npy", "mat", "xlsx"}, optional
-        Where the content misleads.
-    decimal : {".", ","}, optional
-    separator : {",", ";", "\\t", " "}, optional
-    time_unit : {"s", "ms", "us", "min"}, optional
-    variable : str or list of str, optional
-        Arrays to take of .mat files.
-    sheet : str, optional
-        Sheet of .xlsx files, by name or number ("#2"); the first one otherwise.
-
-    Returns
-    -------
-    Recording
-        Its channels are views of what was read; nothing is copied.
-
-    Raises
-    ------
-    InputError
-        With file, line, channel, value and remedy.
-    """
-    given = {"format": format, "decimal": decimal, "separator": separator, "time_unit": time_unit, "variable": variable, "sheet": sheet}
-    options = {key: checked(key, options_of("read")[key], value) for key, value in given.items() if value is not None}
-    if sample_rate is not None:
-        options["sample_rate"] = checks.number("sample_rate", sample_rate, positive=True)
+@verb("read", Recording, raw={"file": "_Path"})
+def read(file, sample_rate=None, *, options):
+    """Reads a recording: every format that ``rigfit inspect`` reads. A TOML file of its name beside it describes its channels, which
+    are views of what was read; nothing is copied."""
     core, found = call(_core.read, checks.path("file", file), options)
     warn(found)
     return Recording._of(core)

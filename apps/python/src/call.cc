@@ -236,8 +236,14 @@ py::list described_options(const std::string& verb) {
   for (const auto& one : verbs) {
     if (one.name == verb) options = one.options;
   }
-  for (auto& one : verb == "read" ? options_of(reading) : options_of(common))
-    options.push_back(one);
+  double rate = 0;
+  if (verb == "read") {
+    options = options_of(reading);
+    options.push_back(
+        describe::option("--sample-rate", rate, "Where the file gives none", "Hz").positive());
+  } else {
+    for (auto& one : options_of(common)) options.push_back(std::move(one));
+  }
   py::list list;
   for (const auto& o : options) {
     list.append(
