@@ -62,11 +62,7 @@ signal::Recording functions_of(const signal::FrequencyTable& table, VerbContext&
            signal::holds_frfs(table) ? "FRFs" : "a spectrum", f[0], f[f.size() - 1], f.size(),
            signal::holds_frfs(table) ? "rigfit modal finds modes in them" : "its peaks are listed"),
        ""});
-  for (const auto& note : functions.notes) {
-    context.warn(
-        note.code, note.message,
-        note.where.empty() ? table.path.string() : table.path.string() + ": " + note.where);
-  }
+  tell_notes(functions, context);
   return functions;
 }
 
@@ -102,10 +98,7 @@ signal::Recording load(const std::string& path, VerbContext& context, double rat
       bool over_time = true;
       for (const auto& note : functions.notes) over_time &= note.code != "not_a_time_history";
       if (!over_time) {
-        for (const auto& note : functions.notes) {
-          context.warn(note.code, note.message,
-                       note.where.empty() ? path : path + ": " + note.where);
-        }
+        tell_notes(functions, context);
         return functions;
       }
     }

@@ -8,7 +8,6 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/report/figures/figures.h"
 #include "model/linear/modal_analysis.h"
-#include "model/scene/actual_state.h"
 
 namespace rigfit::apps {
 namespace {
@@ -164,14 +163,7 @@ Json run(const ModesCommand& options, VerbContext& context) {
                              analysis.relative_error_estimate, scene.accuracy),
                  options.scene);
   }
-  if (const double strain = model::undecided_mass(scene)) {
-    context.warn(
-        "mass_of",
-        fmt::format("say mass_of = \"installed\" or \"unstretched\" of the cables: which one "
-                    "changes the mass by {:.2g} %, frequencies by half of that",
-                    100 * strain),
-        options.scene);
-  }
+  warn_of_mass(scene, options.scene, context);
   print(context.out, analysis, scene);
   if (context.plots) context.plots->add(modes_blocks("shapes", scene, analysis));
   return result;

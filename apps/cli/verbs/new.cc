@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "apps/campaign_file/new/guess_campaign.h"
-#include "apps/campaign_file/new/new_campaign.h"
 #include "apps/campaign_file/new/utility_line.h"
+#include "apps/cli/assets.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
 
@@ -45,9 +45,10 @@ using TextFiles = std::vector<std::pair<std::string, std::string>>;
 
 TextFiles files_of(const NewCommand& command, VerbContext& context) {
   if (command.from.empty()) {
-    TextFiles files;
-    for (const auto& [name, content] : new_campaign_files()) files.emplace_back(name, content);
-    return files;
+    return {{"campaign.toml", std::string(assets::new_campaign_toml)},
+            {"scenes/cable.toml", std::string(assets::new_cable_toml)},
+            {"bending.csv", std::string(assets::new_bending_csv)},
+            {"frequencies.csv", std::string(assets::new_frequencies_csv)}};
   }
   GuessOptions guess = command.guess;
   guess.units = by_channel(command.units, "--unit");

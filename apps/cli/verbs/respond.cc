@@ -10,7 +10,6 @@
 #include "apps/describe/digits.h"
 #include "apps/report/figures/figures.h"
 #include "model/response/response.h"
-#include "model/scene/actual_state.h"
 #include "model/scene/scene_error.h"
 #include "model/scene/sensor_quantity.h"
 #include "signal/readers/read_recording.h"
@@ -138,14 +137,7 @@ Json run(const RespondCommand& options, VerbContext& context) {
         fmt::format("{}: {}: {}", options.scene, name_of(response.solver), response.reason));
   }
 
-  if (const double strain = model::undecided_mass(scene)) {
-    context.warn(
-        "mass_of",
-        fmt::format("say mass_of = \"installed\" or \"unstretched\" of the cables: which one "
-                    "changes the mass by {:.2g} %, frequencies by half of that",
-                    100 * strain),
-        options.scene);
-  }
+  warn_of_mass(scene, options.scene, context);
   if (response.linear_error > 0) {
     context.warn(
         "motion_not_linear",
