@@ -1,8 +1,5 @@
 #include "apps/cli/at_hand.h"
 
-#include <fmt/format.h>
-
-#include "model/scene/actual_state.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
@@ -21,17 +18,6 @@ model::Scene scene_of(const std::string& key, VerbContext& context) {
   }
   context.input(key);
   return model::read_scene(key);
-}
-
-void warn_of_mass(const model::Scene& scene, const std::string& file, VerbContext& context) {
-  const double strain = model::undecided_mass(scene);
-  if (strain == 0) return;
-  context.warn(
-      "mass_of",
-      fmt::format("say mass_of = \"installed\" or \"unstretched\" of the cables: which one "
-                  "changes the mass by {:.2g} %, frequencies by half of that",
-                  100 * strain),
-      file);
 }
 
 void tell_notes(const signal::Recording& recording, VerbContext& context) {

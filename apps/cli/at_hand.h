@@ -38,9 +38,6 @@ struct AtHand {
 /// The scene of that key, or of the file, which is an input of the run.
 [[nodiscard]] model::Scene scene_of(const std::string& key, VerbContext& context);
 
-/// Warns where the cables' mass per length may be that of two states that differ.
-void warn_of_mass(const model::Scene& scene, const std::string& file, VerbContext& context);
-
 /// The recording's notes as warnings.
 void tell_notes(const signal::Recording& recording, VerbContext& context);
 

@@ -1,5 +1,9 @@
 #include "apps/cli/verbs/all.h"
 
+#include <fmt/format.h>
+
+#include "model/scene/actual_state.h"
+
 namespace rigfit::apps {
 
 Verbs all_verbs() {
@@ -11,6 +15,17 @@ Verbs all_verbs() {
     verbs.push_back(verb());
   }
   return verbs;
+}
+
+void warn_of_mass(const model::Scene& scene, const std::string& file, VerbContext& context) {
+  const double strain = model::undecided_mass(scene);
+  if (strain == 0) return;
+  context.warn(
+      "mass_of",
+      fmt::format("say mass_of = \"installed\" or \"unstretched\" of the cables: which one "
+                  "changes the mass by {:.2g} %, frequencies by half of that",
+                  100 * strain),
+      file);
 }
 
 }  // namespace rigfit::apps

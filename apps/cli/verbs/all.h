@@ -2,6 +2,7 @@
 #pragma once
 
 #include "apps/cli/verb.h"
+#include "model/scene/scene.h"
 
 namespace rigfit::apps {
 
@@ -23,5 +24,8 @@ Verb respond_verb();
 Verb synthesize_verb();
 Verb tension_verb();
 Verb update_verb();
+
+/// Warns where the cables' mass per length may be that of two states that differ.
+void warn_of_mass(const model::Scene& scene, const std::string& file, VerbContext& context);
 
 }  // namespace rigfit::apps
