@@ -1,6 +1,7 @@
 """Misuse: every call either works or raises rigfit.Error (or what Python itself raises for unknown arguments) that names
 the argument and the reason; a thousand random misuses without a crash."""
 
+import inspect
 import io
 import os
 import pathlib
@@ -36,43 +37,11 @@ ODD = [None, True, 0, -1, 1, 2, 7, 2**70, -2**70, 0.0, -0.5, 0.5, 1e-320, 1e308,
        np.zeros(8, dtype=">f8"), np.float32(2), np.int8(3), range(4), lambda: 0, rigfit.Recording, GOOD, [GOOD, GOOD],
        pathlib.Path("/"), pathlib.Path(CABLE), CABLE, "title = 1\n", rigfit.Scene(CABLE), ...]
 
-FUNCTIONS = {
-    rigfit.read: ["file", "sample_rate", "format", "decimal", "separator", "time_unit", "variable", "sheet"],
-    rigfit.Recording: ["channels", "fs", "units", "start_time_s", "name"],
-    rigfit.inspect: ["recordings", "sample_rate"],
-    rigfit.resample: ["recording", "rate", "out", "sample_rate"],
-    rigfit.decay: ["recording", "channel", "start", "end", "band", "each", "max_modes", "sample_rate", "threads", "seed"],
-    rigfit.frf: ["recordings", "force", "response", "band", "driving_point", "struck", "estimator",
-                 "force_window", "exponential_window", "exponential_end_level", "sample_rate", "block", "trigger",
-                 "min_pulse_samples", "frequencies_only", "threads", "seed", "no_such"],
-    rigfit.modal: ["frfs", "force", "response", "band", "order", "max_damping", "averages", "exponential_window", "struck"],
-    rigfit.frfs_of_arrays: ["frequency_hz", "H", "form", "responses", "inputs", "coherence", "averages",
-                            "exponential_window"],
-    rigfit.read_frfs: ["file"],
-    rigfit.bending: ["recordings", "span", "span_std", "ends", "rectangle", "diameter", "second_moment", "section_std", "tension", "load", "deflection", "load_calibration_std",
-                     "tension_zero_std", "strand", "relative_std"],
-    rigfit.axial: ["recordings", "mass", "length", "channel", "mass_per_length", "mass_std", "length_std",
-                   "adapter_stiffness", "compliance_std", "catalogue_EA", "band", "sample_rate",
-                   "frame_stiffness", "frame_stiffness_std"],
-    rigfit.tension: ["recordings", "length", "mass_per_length", "frequencies", "frequency_std", "measured", "column",
-                     "channel", "band", "max_peaks", "plane", "mass_of", "EI", "EA", "inclination", "ends", "missed"],
-    rigfit.tension_table: ["table", "out", "missed", "false_mode", "threads", "seed"],
-    rigfit.Scene: ["scene"],
-    rigfit.modes: ["scene", "count", "band", "segments", "rotary_inertia", "torsion", "shapes"],
-    rigfit.frf_of: ["scene", "frequency_hz", "segments", "exponential_window"],
-    rigfit.respond: ["scene", "duration", "rate", "solver", "plane", "segments", "step", "tolerance"],
-    rigfit.update: ["scene", "measured", "frf", "decay", "response", "free", "prior", "tension", "plane", "column",
-                    "compare", "node", "channel", "band", "stiffness", "stiffness_std", "axial", "axial_damping", "input",
-                    "aim", "candidates", "ends", "assumed_std", "model_std", "frf_model_std", "shape_std",
-                    "segments", "starts", "hold_out", "threads", "seed"],
-    rigfit.predict: ["scene", "fit", "map", "count", "segments", "measured", "column", "plane", "damage", "frf", "band",
-                     "lines", "response", "duration", "rate", "sample", "threads", "seed", "input"],
-    rigfit.synthesize: ["scene", "out", "hits", "double_hits", "record", "rate", "finer", "tension", "tension_std",
-                        "stiffness", "format", "accelerometer_mass", "bending_span", "bending_load", "axial_length",
-                        "axial_length_std", "axial_mass", "axial_damping", "taps", "threads", "seed"],
-    rigfit.report: ["campaign", "out", "style", "pdf", "force", "figure_size", "figure_font", "figure_font_size", "threads",
-                    "seed"],
-}
+# Every argument of every function, and of these one that there is not.
+FUNCTIONS = {function: [*inspect.signature(function).parameters, "no_such"] for function in (
+    rigfit.read, rigfit.Recording, rigfit.inspect, rigfit.resample, rigfit.decay, rigfit.frf, rigfit.modal, rigfit.frfs_of_arrays,
+    rigfit.read_frfs, rigfit.bending, rigfit.axial, rigfit.tension, rigfit.tension_table, rigfit.Scene, rigfit.modes, rigfit.frf_of,
+    rigfit.respond, rigfit.update, rigfit.predict, rigfit.synthesize, rigfit.report)}
 # Arguments that make a call whole, so that one wrong among them is met where it is used; small, that what works is quick.
 WHOLE = {
     rigfit.decay: {"recording": GOOD, "channel": "a"},
