@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/campaign/campaign.h"
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_description.h"
@@ -84,10 +85,7 @@ class StateReader {
 
   std::optional<model::ModePlane> plane_of(std::size_t file) const {
     if (data_.planes.empty()) return std::nullopt;
-    const auto& word = data_.planes[data_.planes.size() == 1 ? 0 : file];
-    if (word == "in") return model::ModePlane::in;
-    if (word == "out") return model::ModePlane::out;
-    return std::nullopt;  // "any"
+    return plane_named(data_.planes[data_.planes.size() == 1 ? 0 : file]);
   }
 
   const std::string& scene_of(std::size_t file) const {

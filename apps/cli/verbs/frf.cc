@@ -10,6 +10,7 @@
 #include "apps/cli/verbs/impact_command.h"
 #include "apps/describe/digits.h"
 #include "apps/results/modal_json.h"
+#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
 #include "signal/writers/write_uff.h"
 
@@ -25,25 +26,22 @@ struct FrfCommand {
 /// Median over the lines of the usable band of |H_std / H| of one response.
 double relative_error(const signal::FrfSet& frfs, Index column, double low, double high) {
   std::vector<double> ratios;
-  if (frfs.H_std.size() == 0) return std::numeric_limits<double>::quiet_NaN();
+  if (frfs.H_std.size() == 0) return signal::kNaN;
   for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
     const double f = frfs.frequency_hz[k], size = std::abs(frfs.H(k, column));
     if (f > low && f <= high && size > 0) ratios.push_back(frfs.H_std(k, column) / size);
   }
-  if (ratios.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return *middle;
+  return ratios.empty() ? signal::kNaN : signal::median(ratios);
 }
 
 double mean_coherence(const signal::FrfSet& frfs, Index column, double low, double high) {
   double sum = 0, count = 0;
-  if (frfs.coherence.size() == 0) return std::numeric_limits<double>::quiet_NaN();
+  if (frfs.coherence.size() == 0) return signal::kNaN;
   for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
     if (frfs.frequency_hz[k] <= low || frfs.frequency_hz[k] > high) continue;
     sum += frfs.coherence(k, column), ++count;
   }
-  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+  return count > 0 ? sum / count : signal::kNaN;
 }
 
 std::string csv_quoted(const std::string& name) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <ostream>
 
+#include "apps/campaign/campaign.h"
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/cli/at_hand.h"
 #include "apps/cli/json_document.h"
@@ -99,9 +100,7 @@ Json modes_json(const ident::ModePrediction& prediction) {
 Json compared_json(const PredictCommand& command, const ident::ModePrediction& prediction,
                    VerbContext& context) {
   context.input(command.measured);
-  std::optional<model::ModePlane> plane;
-  if (command.plane == "in") plane = model::ModePlane::in;
-  if (command.plane == "out") plane = model::ModePlane::out;
+  const auto plane = plane_named(command.plane);
   std::vector<ident::MeasuredMode> measured;
   std::vector<MeasuredTableRow> rows;
   if (is_universal_file(command.measured)) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
 
 #include "apps/campaign_file/update_data.h"
 #include "apps/campaign_file/update_inputs.h"
@@ -50,50 +51,47 @@ Json comparison_json(const UpdateCommand& options, const UpdateStates& states,
     }
     double rms() const { return count > 0 ? std::sqrt(squares / count) : std::nan(""); }
   };
-  std::vector<Sum> all(names.size());
-  const auto shown = [](double error) {
-    return std::isfinite(error) ? fmt::format("{:+.2f} %", 100 * error) : std::string("-");
+  const auto print = [&](const std::string& name, const std::string& measured, const auto& cells) {
+    context.out << fmt::format("{:<24} {:>12}", name, measured);
+    for (const auto& cell : cells) context.out << fmt::format(" {:>14}", cell);
+    context.out << '\n';
   };
-  auto& out = context.out;
-  out << fmt::format("\n{:<24} {:>12}", "relative errors", "measured, Hz");
-  for (const auto& name : names) out << fmt::format(" {:>14}", name);
-  out << '\n';
+  const auto rms_of = [](const std::vector<Sum>& sums) {
+    std::vector<std::string> cells;
+    for (const auto& sum : sums) cells.push_back(percent(sum.rms()));
+    return cells;
+  };
+  context.out << '\n';
+  print("relative errors", "measured, Hz", names);
+  std::vector<Sum> all(names.size());
   Json rows = Json::array();
   for (std::size_t s = 0; s < states.states.size(); ++s) {
+    const auto& [state, compared] = std::tie(states.states[s], states.compared[s]);
     std::vector<Sum> sums(names.size());
-    for (std::size_t m = 0; m < states.states[s].measured.size(); ++m) {
-      const double measured = states.states[s].measured[m].frequency_hz.value;
-      const int state = static_cast<int>(s), index = static_cast<int>(m);
-      std::vector<double> errors{error_of(result.pairs_before, state, index),
-                                 error_of(result.pairs, state, index)};
-      if (!held.empty()) errors.push_back(error_of(held[s].pairs, state, index));
-      for (const double other : states.compared[s][m]) errors.push_back(other / measured - 1);
-      out << fmt::format("{:<24} {:>12.4f}", states.states[s].name, measured);
-      Json row{{"state", states.states[s].name}, {"measured_hz", measured}};
+    for (std::size_t m = 0; m < state.measured.size(); ++m) {
+      const double measured = state.measured[m].frequency_hz.value;
+      const int at = static_cast<int>(s), index = static_cast<int>(m);
+      std::vector<double> errors{error_of(result.pairs_before, at, index),
+                                 error_of(result.pairs, at, index)};
+      if (!held.empty()) errors.push_back(error_of(held[s].pairs, at, index));
+      for (const double other : compared[m]) errors.push_back(other / measured - 1);
+      Json row{{"state", state.name}, {"measured_hz", measured}};
+      std::vector<std::string> cells;
       for (std::size_t i = 0; i < names.size(); ++i) {
-        out << fmt::format(" {:>14}", shown(errors[i]));
+        cells.push_back(std::isfinite(errors[i]) ? fmt::format("{:+.2f} %", 100 * errors[i]) : "-");
         row[names[i]] = json_number(errors[i]);
-        sums[i].add(errors[i]);
-        all[i].add(errors[i]);
+        sums[i].add(errors[i]), all[i].add(errors[i]);
       }
-      out << '\n';
+      print(state.name, fmt::format("{:.4f}", measured), cells);
       rows.push_back(std::move(row));
     }
-    if (states.states.size() == 1) continue;
-    out << fmt::format("{:<24} {:>12}", states.states[s].name, "rms");
-    for (const auto& sum : sums) {
-      out << fmt::format(" {:>14}", sum.count > 0 ? fmt::format("{:.2f} %", 100 * sum.rms()) : "-");
-    }
-    out << '\n';
+    if (states.states.size() > 1) print(state.name, "rms", rms_of(sums));
   }
+  print("all", "rms", rms_of(all));
   Json rms;
-  out << fmt::format("{:<24} {:>12}", "all", "rms");
   for (std::size_t i = 0; i < names.size(); ++i) {
-    out << fmt::format(" {:>14}",
-                       all[i].count > 0 ? fmt::format("{:.2f} %", 100 * all[i].rms()) : "-");
     rms[names[i]] = {{"rms_relative_error", json_number(all[i].rms())}, {"modes", all[i].count}};
   }
-  out << '\n';
   return {{"rms", std::move(rms)}, {"rows", std::move(rows)}};
 }
 
