@@ -14,7 +14,7 @@
 #include "apps/describe/option.h"
 #include "document/toml_table.h"
 #include "ident/campaign/campaign.h"
-#include "ident/campaign/single_tests/bending_campaign.h"
+#include "ident/campaign/single_tests/beam_section.h"
 #include "ident/stiffness/strand.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"

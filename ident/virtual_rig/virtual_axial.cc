@@ -1,11 +1,9 @@
 #include "ident/virtual_rig/virtual_axial.h"
 
-#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <stdexcept>
-
-#include "ident/statistics/root.h"
 
 namespace rigfit::ident {
 namespace {
@@ -42,9 +40,13 @@ double natural_omega(const VirtualAxialTest& test) {
   }
   const double clamped_rod =
       std::numbers::pi / 2 / test.length_m * std::sqrt(test.EA_N / test.mass_per_length_kg_m);
-  const double high = std::min(std::sqrt(k / test.hung_mass_kg), clamped_rod);
-  return root_between(1e-6 * high, high, 1e-15,
-                      [&](double omega) { return frequency_equation(test, omega); });
+  double low = 0;
+  double high = std::min(std::sqrt(k / test.hung_mass_kg), clamped_rod);
+  for (int i = 0; i < 200 && high - low > 1e-15 * high; ++i) {
+    const double middle = 0.5 * (low + high);
+    (frequency_equation(test, middle) < 0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
 }
 
 }  // namespace

@@ -53,8 +53,8 @@ signal::Recording virtual_bending_record(const VirtualBendingTest& test, Random&
     const double step = d - before;
     friction = after(friction, step, test);
     const double tension = test.tension_N + test.frame_stiffness_N_m * 2 * d * d / test.span_m;
-    truth.row(i) << tension, d / midspan_compliance(test.EI_Nm2, tension, test.span_m) + friction,
-        d;
+    const double EI = test.EI_Nm2 + test.EI_by_tension_m2 * (tension - test.tension_N);
+    truth.row(i) << tension, d / midspan_compliance(EI, tension, test.span_m) + friction, d;
     before = d;
   }
   signal::Recording recording;

@@ -14,6 +14,9 @@ namespace rigfit::ident {
 
 struct VirtualBendingTest {
   double EI_Nm2 = 0;  ///< at the tension before loading, with the wires slipping: the truth
+  /// d EI / d tension if EI follows the instantaneous tension; 0: EI stays that at rest, as if
+  /// friction between wires was set when the cable was tensioned.
+  double EI_by_tension_m2 = 0;
   double span_m = 0;
   double tension_N = 0;  ///< before loading
   double peak_load_N = 10;

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "apps/campaign_file/campaign.h"
+#include "tests/apps/cable_scene.h"
 #include "tests/apps/run_program.h"
 
 namespace rigfit::apps::refusals_test {

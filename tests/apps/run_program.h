@@ -19,27 +19,6 @@ struct ProgramRun {
 /// What a program wrote as JSON; is_discarded() when it is none.
 [[nodiscard]] nlohmann::json parsed(const std::string& text);
 
-/// A scene: a cable of 2.4 m in 12 segments between pinned ends at 200 N.
-inline constexpr const char* kCableScene = R"([[node]]
-name = "left"
-position = [0.0, 0.0, 0.0]
-support = "pinned"
-[[node]]
-name = "right"
-position = [2.4, 0.0, 0.0]
-support = "pinned"
-[[member]]
-name = "cable"
-kind = "cable"
-nodes = ["left", "right"]
-segments = 12
-mass_per_length = 0.16667
-EA = 221780.0
-EI = 0.5972
-GJ = 0.1
-tension = 200.0
-)";
-
 /// A folder of this test's own, empty, removed with the object.
 class TemporaryFolder {
  public:

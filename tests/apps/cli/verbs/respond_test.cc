@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/apps/cable_scene.h"
 #include "tests/apps/run_program.h"
 
 namespace rigfit::apps::respond_test {

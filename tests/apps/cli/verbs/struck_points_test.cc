@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/apps/cable_scene.h"
 #include "tests/apps/run_program.h"
 
 namespace rigfit::apps::struck_points_test {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/apps/cable_scene.h"
 #include "tests/apps/run_program.h"
 
 namespace rigfit::apps::update_verb_test {

@@ -1,0 +1,26 @@
+#pragma once
+
+namespace rigfit::apps {
+
+/// A scene: a cable of 2.4 m in 12 segments between pinned ends at 200 N.
+inline constexpr const char* kCableScene = R"([[node]]
+name = "left"
+position = [0.0, 0.0, 0.0]
+support = "pinned"
+[[node]]
+name = "right"
+position = [2.4, 0.0, 0.0]
+support = "pinned"
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["left", "right"]
+segments = 12
+mass_per_length = 0.16667
+EA = 221780.0
+EI = 0.5972
+GJ = 0.1
+tension = 200.0
+)";
+
+}  // namespace rigfit::apps
