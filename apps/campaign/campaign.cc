@@ -189,19 +189,22 @@ Options keys_of(AxialTest& t) {
           .positive(),
       option("mass_std", s.mass_kg.std, "Standard uncertainty", "kg").from_zero(),
       option("mass_per_length", s.mass_per_length_kg_m.value, "Of the cable", "kg/m").from_zero(),
-      option("mass_per_length_std", s.mass_per_length_kg_m.std, "", "kg/m").from_zero(),
+      option("mass_per_length_std", s.mass_per_length_kg_m.std, "Standard uncertainty", "kg/m")
+          .from_zero(),
       option("length_std", s.length_std_m, "Of each length; not given: EA has no uncertainty", "m")
           .from_zero(),
       option("adapter_stiffness", s.adapter_stiffness_N_m.value,
              "In series below the cable; default: rigid", "N/m")
           .from_zero(),
-      option("adapter_stiffness_std", s.adapter_stiffness_N_m.std, "", "N/m").from_zero(),
+      option("adapter_stiffness_std", s.adapter_stiffness_N_m.std, "Standard uncertainty", "N/m")
+          .from_zero(),
       option("frame_stiffness", t.frame_stiffness_N_m,
              "What gives way above the cable; not given: one length gives EA from below only",
              "N/m")
           .positive()
           .one_of({"rigid"}),
-      option("frame_stiffness_std", s.frame_stiffness_N_m.std, "", "N/m").from_zero(),
+      option("frame_stiffness_std", s.frame_stiffness_N_m.std, "Standard uncertainty", "N/m")
+          .from_zero(),
       option("compliance_std", s.series_compliance_std_m_N,
              "Of what else gives way in series; 0: rigid", "m/N")
           .from_zero(),
@@ -265,14 +268,17 @@ Options keys_of(TensionTest& t) {
           .required()
           .positive(),
       option("length_std", cable.length_m.std, "Standard uncertainty", "m").from_zero(),
-      option("mass_per_length", cable.mass_per_length.value, "", "kg/m").required().positive(),
-      option("mass_per_length_std", cable.mass_per_length.std, "", "kg/m").from_zero(),
+      option("mass_per_length", cable.mass_per_length.value, "Of the cable", "kg/m")
+          .required()
+          .positive(),
+      option("mass_per_length_std", cable.mass_per_length.std, "Standard uncertainty", "kg/m")
+          .from_zero(),
       option("mass_of", t.mass_of, "State of the cable that the mass per length is of")
           .one_of({"installed", "unstretched"}),
       option("EI", t.EI_Nm2, "Flexural rigidity; default: fitted", "N m2").positive(),
-      option("EI_std", t.EI_std_Nm2, "", "N m2").from_zero(),
+      option("EI_std", t.EI_std_Nm2, "Standard uncertainty", "N m2").from_zero(),
       option("EA", t.EA_N, "Axial rigidity; default: a strain of 0.001", "N").positive(),
-      option("EA_std", t.EA_std_N, "", "N").from_zero(),
+      option("EA_std", t.EA_std_N, "Standard uncertainty", "N").from_zero(),
       option("inclination", cable.inclination_deg, "Of the chord: 0 horizontal, 90 a hanger",
              "degrees")
           .within(-90, 90),
@@ -282,18 +288,20 @@ Options keys_of(TensionTest& t) {
       option("missed", options.missed, "Probability that a mode was not seen").within(0.001, 0.9),
       option("false", options.false_mode, "Probability that a mode is none of the cable's")
           .within(0.001, 0.9),
-      option("frequencies", t.frequencies_hz, "Measured otherwise", "Hz").positive(),
+      option("frequencies", t.frequencies_hz, "Measured frequencies", "Hz").positive(),
       option("frequency_std", t.frequency_std_hz, "Standard uncertainty", "Hz").positive(),
       option("orders", t.orders, "Which modes `frequencies` are: 1 is the first of its plane")
           .positive(),
       option("measured", t.measured, "Table of frequencies, or modes as UFF 55"),
       option("column", t.column, "Of the frequencies in that table").needs("measured"),
-      option("channels", t.inputs.channels, "Default: all").needs("recording"),
+      option("channels", t.inputs.channels, "Of the recordings; default: all").needs("recording"),
       option("band", t.band_hz, "Where peaks are looked for", "Hz")
           .count(2)
           .from_zero()
           .needs("recording"),
-      option("max_peaks", t.inputs.max_peaks, "A channel").within(1, 200).needs("recording")};
+      option("max_peaks", t.inputs.max_peaks, "Most peaks of a channel")
+          .within(1, 200)
+          .needs("recording")};
 }
 
 Options reference_keys_of(CampaignTest& t) {

@@ -31,7 +31,7 @@ std::string joined(const std::vector<std::string>& words) {
 
 bool by_place(const Option& option) { return !option.name.starts_with("--"); }
 
-/// "--length L ...", "FILE ...".
+/// "--length L ...", "FILE ...", "--band X X", "--frame-stiffness X|rigid".
 std::string synopsis(const Option& option) {
   const std::string kind = option.kind();
   std::string text = option.name;
@@ -41,7 +41,9 @@ std::string synopsis(const Option& option) {
   } else if (!option.value_name.empty()) {
     text += " " + option.value_name;
   } else if (!option.words.empty()) {
-    text += fmt::format(" {}", fmt::join(option.words, "|"));
+    text += fmt::format(" {}{}", kind == "number" ? "X|" : "", fmt::join(option.words, "|"));
+  } else if (kind == "numbers" && option.numbers > 0) {
+    for (int k = 0; k < option.numbers; ++k) text += " X";
   } else if (kind != "flag") {
     text += option.is_file ? " FILE" : kind == "integer" ? " N" : kind[0] == 'n' ? " X" : " WORD";
   }
@@ -71,6 +73,8 @@ void add_options(std::string& text, const describe::Options& options, const std:
     if (!any) text += "\n" + (heading.empty() ? std::string("Options") : heading) + ":\n";
     any = true;
     std::string line = "  " + synopsis(option);
+    const auto own_std = [&](const Option& other) { return other.name == option.name + "-std"; };
+    if (std::any_of(options.begin(), options.end(), own_std)) line += "[,STD]";
     if (line.size() + 2 > kIndent) {
       text += wrapped(line, 6, width) + "\n";
       line.clear();
