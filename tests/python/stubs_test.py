@@ -53,7 +53,7 @@ class Described(unittest.TestCase):
         self.assertEqual(STUB, stubs.text())
         defined = {node.name for node in ast.parse(STUB).body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
         self.assertEqual(defined, set(rigfit.__all__))
-        self.assertIn("mass: float, length: float | Sequence[float]", STUB)
+        self.assertIn("mass: _Value, mass_std: float | None", STUB)
         self.assertEqual(set(dir(rigfit)), set(rigfit.__all__) | {"__version__"})
 
     def test_by_mypy(self):

@@ -93,10 +93,9 @@ def _type_of(option):
     """In the words of a docstring and of a stub."""
     words = [repr(word) for word in option["words"]]
     kind = option["kind"]
-    if option.get("std"):
-        return ("float or (value, std)", "_Value")
-    if kind == "number" and words:
-        return (f"float or {' or '.join(words)}".replace("'", '"'), f"float | Literal[{', '.join(words)}]")
+    if kind == "number" and (words or option.get("std")):
+        shown, types = ("float or (value, std)", "_Value") if option.get("std") else ("float", "float")
+        return (" or ".join([shown, *words]).replace("'", '"'), types + (f" | Literal[{', '.join(words)}]" if words else ""))
     if kind in ("flag", "integer", "number"):
         return {"flag": ("bool", "bool"), "integer": ("int", "int"), "number": ("float", "float")}[kind]
     if kind == "numbers":
