@@ -189,7 +189,7 @@ TEST(Refusals, OfUpdate) {
        {modes + "--plane in out", 2, "--plane: one for all, or one for each file"},
        {modes + "--tension 100", 2, "--tension: one for each --frf"},
        {modes + "--free ''", 2, "a parameter without a name"},
-       {modes + "--free x=cable.EI,,cable.EA", 2, "an empty name in \"x=cable.EI,,cable.EA\""},
+       {modes + "--free x=cable.EI,,cable.EA", 2, "an empty name in \"cable.EI,,cable.EA\""},
        {modes + "--free cable.XX", 3, "no parameter \"cable.XX\"; use one of: cable.EI"},
        {modes + "--prior cable.EI", 2, "--prior: write NAME=VALUE,STD with a positive"},
        {modes + "--prior cable.EI=1,x", 2, "not \"cable.EI=1,x\""},
