@@ -92,9 +92,9 @@ TEST(BendingPart, BeamsWithoutTensionGiveTheVerbsNumbers) {
     }
     command.push_back(folder.write(fmt::format("coupon{}.csv", command.size() + 1), text));
   }
-  for (const char* word :
-       {"--span", "0.1", "--span-std", "0.0002", "--tension", "0", "--ends", "pinned",
-        "--rectangle", "0.01", "0.004", "--section-std", "0.01", "--load-calibration-std", "0.002"}) {
+  for (const char* word : {"--span", "0.1", "--span-std", "0.0002", "--tension", "0", "--ends",
+                           "pinned", "--rectangle", "0.01", "0.004", "--section-std", "0.01",
+                           "--load-calibration-std", "0.002"}) {
     command.emplace_back(word);
   }
   const Json part = reported(
