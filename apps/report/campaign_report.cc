@@ -108,7 +108,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
   inputs.advance = advance;
   for (auto& part : shown) part->add_to(inputs);
   for (const auto& fit : campaign.fits) {
-    inputs.fits.push_back(fit_inputs(fit, modal_tests, context.seed, context.threads));
+    inputs.fits.push_back(fit_inputs(fit, modal_tests, context.threads));
   }
   auto result = ident::run_campaign(std::move(inputs));
 

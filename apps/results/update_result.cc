@@ -29,12 +29,6 @@ void print_budget(std::ostream& out, const ident::UpdateResult& result) {
   }
 }
 
-Json spread_json(const Eigen::VectorXd& mean, const Eigen::VectorXd& std,
-                 const Eigen::VectorXd& low, const Eigen::VectorXd& high, Eigen::Index j) {
-  if (j >= mean.size()) return nullptr;
-  return {{"mean", mean[j]}, {"std", std[j]}, {"low", low[j]}, {"high", high[j]}};
-}
-
 Json pairs_json(const std::vector<ident::UpdatedPair>& paired,
                 const std::vector<ident::UpdatedUnpaired>& unpaired, const States& states) {
   return describe::json_of(ident::pair_rows(paired, unpaired, states));
@@ -124,29 +118,6 @@ Json held_out_json(const std::vector<ident::HeldOut>& held, const States& states
                     {"pairs", pairs_json(one.pairs, {}, states)}});
   }
   return json;
-}
-
-Json monte_carlo_json(const ident::UpdateResult& result, const States& states,
-                      const ident::UpdateMonteCarlo& study) {
-  Json rows = Json::array(), pairs = Json::array();
-  for (Eigen::Index j = 0; j < study.mean.size(); ++j) {
-    rows.push_back(spread_json(study.mean, study.std, study.low, study.high, j));
-    rows.back()["name"] = result.parameters[static_cast<std::size_t>(j)].name;
-  }
-  for (std::size_t i = 0; i < result.pairs.size(); ++i) {
-    const auto j = static_cast<Eigen::Index>(i);
-    const auto& pair = result.pairs[i];
-    const auto &fitted = study.fitted, &before = study.before;
-    pairs.push_back(
-        {{"state", states[static_cast<std::size_t>(pair.state)].name},
-         {"measured_hz", pair.measured_hz},
-         {"fitted_hz", spread_json(fitted.mean, fitted.std, fitted.low, fitted.high, j)},
-         {"before_hz", spread_json(before.mean, before.std, before.low, before.high, j)}});
-  }
-  return {{"samples", study.samples},
-          {"failed", study.failed},
-          {"parameters", std::move(rows)},
-          {"pairs", std::move(pairs)}};
 }
 
 std::string percent(double ratio) {

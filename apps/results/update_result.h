@@ -19,9 +19,6 @@ using States = std::vector<ident::UpdateState>;
 [[nodiscard]] Json update_json(const ident::UpdateResult& result, const States& states);
 /// States held out: errors before, of those fitted, and as predicted.
 [[nodiscard]] Json held_out_json(const std::vector<ident::HeldOut>& held, const States& states);
-/// Mean, std and 95 % bounds of every parameter and predicted frequency.
-[[nodiscard]] Json monte_carlo_json(const ident::UpdateResult& result, const States& states,
-                                    const ident::UpdateMonteCarlo& study);
 
 /// "1.23 %"; "-" when there is no such number.
 [[nodiscard]] std::string percent(double ratio);

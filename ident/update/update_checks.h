@@ -1,8 +1,6 @@
-// Checks of an update: states held out, Monte Carlo.
+// A check of an update: states held out.
 #pragma once
 
-#include <Eigen/Core>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -25,27 +23,5 @@ struct HeldOut {
 [[nodiscard]] std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
                                                  const std::vector<FreeParameter>& free,
                                                  const UpdateOptions& options = {});
-
-struct UpdateMonteCarlo {
-  int samples = 0, failed = 0;
-  Eigen::MatrixXd values;                ///< parameters x successful samples
-  Eigen::VectorXd mean, std, low, high;  ///< central 95 % interval
-  /// Frequencies of the solution's pairs, in their order: as the refitted model gives them, and as
-  /// the scene gives them before any fit (inputs and priors drawn, the rest at its start).
-  struct Frequencies {
-    Eigen::VectorXd mean, std, low, high;  ///< Hz
-  };
-  Frequencies fitted, before;
-};
-
-/// Refits from the solution, with its pairs. Each sample draws from normal distributions: measured
-/// frequencies, damping ratios and FRFs about the fitted model's (with their uncertainties, or the
-/// fit's scatter where there are none), priors, and every input.
-/// `progress` is called after each sample, from any thread.
-[[nodiscard]] UpdateMonteCarlo update_monte_carlo(const UpdateResult& solution,
-                                                  const std::vector<UpdateState>& states,
-                                                  const std::vector<FreeParameter>& free,
-                                                  const UpdateOptions& options, int samples,
-                                                  const std::function<void()>& progress = {});
 
 }  // namespace rigfit::ident

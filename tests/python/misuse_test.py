@@ -64,7 +64,7 @@ WHOLE = {
     rigfit.report: {"campaign": "campaign.toml", "out": "out"},
 }
 # Sizes that are right and only slow.
-SLOW = {("count", 7), ("segments", 2**70), ("taps", 7), ("monte_carlo", 7)}
+SLOW = {("count", 7), ("segments", 2**70), ("taps", 7)}
 
 
 # Arguments that name files to write.

@@ -151,7 +151,6 @@ ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& sta
   update.frf_model_relative_std = options.frf_model_std;
   update.shape_std = options.shape_std;
   update.starts = options.starts;
-  update.seed = context.seed;
   update.threads = context.threads;
   if (!options.axial.empty()) {
     context.input(options.axial);
@@ -184,10 +183,9 @@ void tell_findings(const std::vector<ident::Finding>& findings, const ident::Upd
 // Several models of the same modes: the heaviest as a fit by itself, and all beside each other.
 Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbContext& context,
                     ident::UpdateResult& result) {
-  if (options.hold_out || options.monte_carlo > 0) {
+  if (options.hold_out) {
     throw UsageError(
-        "candidates are compared without --hold-out and --monte-carlo: give these to a fit of the "
-        "model chosen");
+        "candidates are compared without --hold-out: give it to a fit of the model chosen");
   }
   if (!options.data.frfs.empty()) {
     throw UsageError("candidates are compared by modes: give --measured or --decay alone");
@@ -252,13 +250,6 @@ Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext
   }
   if (!options.data.compare.empty()) {
     json["comparison"] = comparison_json(options, states, result, outcome.held, context);
-  }
-  if (options.monte_carlo > 0) {
-    Progress progress("Monte Carlo", options.monte_carlo, context.quiet);
-    const auto study = ident::update_monte_carlo(result, states.states, free, update,
-                                                 options.monte_carlo, [&] { progress.advance(); });
-    json["monte_carlo"] = monte_carlo_json(result, states.states, study);
-    context.out << fmt::format("Monte Carlo: {} samples, {} failed\n", study.samples, study.failed);
   }
   return json;
 }
@@ -347,8 +338,7 @@ describe::Options options_of(UpdateCommand& c) {
       option("--input", c.inputs,
              "Uncertainty of what is not fitted: TARGET=STD or TARGET=0.5%, several targets with "
              "commas (-TARGET: opposite), `tension` for the cables' reading, @each at the end: "
-             "independent in each state. Carried into the parameters, the predictions and "
-             "--monte-carlo"),
+             "independent in each state. Carried into the parameters and the predictions"),
       option("--aim", c.aims,
              "Where a load of the scene struck, LOAD=METRES,DEGREES (standard uncertainties of its "
              "place along the member and of its direction, of the mean of the hits): carried on "
@@ -373,10 +363,6 @@ describe::Options options_of(UpdateCommand& c) {
           .within(1, 1000),
       option("--hold-out", c.hold_out,
              "Also leave out each state in turn and predict it from the others"),
-      option("--monte-carlo", c.monte_carlo,
-             "Refits with measured frequencies, damping ratios and FRFs, priors, "
-             "the stiffness table, EA, every --input and --aim drawn anew")
-          .within(0, 1000000),
       option("--out", c.out, "Updated scene")};
 }
 

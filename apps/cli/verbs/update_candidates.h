@@ -35,7 +35,7 @@ struct UpdateCommand {
   std::string out, axial;
   bool axial_damping = false;
   bool hold_out = false;
-  int monte_carlo = 0, starts = 4;
+  int starts = 4;
   double assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
   double stiffness_common_std = 0;
 };

@@ -376,7 +376,7 @@ class Fit {
 }  // namespace
 
 ident::FitInputs fit_inputs(const CampaignFit& fit, const std::vector<std::size_t>& modal_tests,
-                            std::uint64_t seed, int threads) {
+                            int threads) {
   ident::FitInputs inputs;
   inputs.title = fit.title;
   for (const std::size_t test : fit.tests) {
@@ -385,7 +385,6 @@ ident::FitInputs fit_inputs(const CampaignFit& fit, const std::vector<std::size_
   }
   for (const auto& parameter : fit.parameters) inputs.free.push_back(parameter.free);
   inputs.options.starts = fit.starts;
-  inputs.options.seed = seed;
   inputs.options.threads = threads;
   inputs.options.model_relative_std = fit.model_std;
   inputs.hold_out = fit.hold_out;

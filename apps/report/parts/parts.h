@@ -72,8 +72,7 @@ using TestPartPtr = std::unique_ptr<TestPart>;
 
 /// `modal_tests`: the campaign's modal tests, in the order of CampaignInputs::modal.
 [[nodiscard]] ident::FitInputs fit_inputs(const CampaignFit& fit,
-                                          const std::vector<std::size_t>& modal_tests,
-                                          std::uint64_t seed, int threads);
+                                          const std::vector<std::size_t>& modal_tests, int threads);
 /// A fit of the campaign: what was fitted to which tests, what came out with which uncertainty,
 /// errors before, after and of states held out, FRFs laid over the test.
 [[nodiscard]] ReportPart fit_part(const Campaign& campaign, const CampaignFit& fit,

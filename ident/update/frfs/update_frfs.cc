@@ -211,31 +211,4 @@ double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q, int only) cons
                    : std::numeric_limits<double>::quiet_NaN();
 }
 
-bool UpdateProblem::redraw_frfs(const Eigen::VectorXd& q, double spread,
-                                const std::function<double()>& normal) {
-  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    auto& frfs = states_[static_cast<std::size_t>(s)].frfs;
-    if (frfs.empty()) continue;
-    model::Scene scene;
-    std::string failure;
-    if (!fixed_scene(s, q, scene, failure)) return false;
-    for (auto& frf : frfs) {
-      const auto solved = frfs_at(scene, frf.frequency_hz, {}, frf.decay_rate_1_s);
-      if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
-      const FrfLines lines = lines_of(frf);
-      for (std::size_t i = 0; i < lines.line.size(); ++i) {
-        const double std = spread * lines.relative_std[i];
-        const double amplitude = std * normal(), phase = std * normal();
-        const std::complex<double> H = solved.frfs.H[static_cast<std::size_t>(lines.line[i])](
-            static_cast<Eigen::Index>(frf.sensor), static_cast<Eigen::Index>(frf.load));
-        std::complex<double>& drawn = frf.H[lines.line[i]];
-        drawn = lines.difference[i] != 0
-                    ? H + std::abs(drawn) * std::complex<double>(amplitude, phase)
-                    : H * std::polar(std::exp(amplitude), phase);
-      }
-    }
-  }
-  return true;
-}
-
 }  // namespace rigfit::ident

@@ -1,7 +1,6 @@
 // Options of an update. The defaults suit most fits.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "ident/update/pairing/mode_assignment.h"
@@ -29,7 +28,6 @@ struct UpdateOptions {
   /// 1: finds the answer near the scene's own values. More: fits to modes search the whole range of
   /// the parameters (update_alternatives.h), fits of FRFs that of their modes.
   int starts = 4;
-  std::uint64_t seed = 1;  ///< of Monte Carlo
   int max_iterations = 60;
   double function_tolerance = 1e-9;  ///< relative change of the cost
   int threads = 1;                   ///< work on starts in parallel

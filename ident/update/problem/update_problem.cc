@@ -459,14 +459,6 @@ std::vector<UpdatedPair> UpdateProblem::pairs(const Eigen::VectorXd& q,
   return result;
 }
 
-void UpdateProblem::set_measured(int state, int measured, double frequency_hz,
-                                 double damping_ratio) {
-  auto& mode =
-      states_[static_cast<std::size_t>(state)].measured[static_cast<std::size_t>(measured)];
-  mode.frequency_hz.value = frequency_hz;
-  mode.damping_ratio.value = damping_ratio;
-}
-
 double rms_of_pairs(const std::vector<UpdatedPair>& pairs) {
   double squares = 0;
   int count = 0;

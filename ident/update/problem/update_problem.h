@@ -177,18 +177,9 @@ class UpdateProblem {
   [[nodiscard]] bool uncertainties_known() const { return uncertainties_known_; }
   [[nodiscard]] int evaluations() const { return shared_->evaluations; }
 
-  /// Replaces what was measured and the priors' centres (for Monte Carlo).
-  void set_measured(int state, int measured, double frequency_hz, double damping_ratio);
-  /// Draws every FRF anew about the model's at q, by its own relative uncertainty times `spread`.
-  /// False when there is no model there.
-  [[nodiscard]] bool redraw_frfs(const Eigen::VectorXd& q, double spread,
-                                 const std::function<double()>& normal);
-  void set_prior(Eigen::Index coordinate, double q) {
-    coordinates_[static_cast<std::size_t>(coordinate)].prior = q;
-  }
   /// A prior where there was none.
   void set_prior(Eigen::Index coordinate, double q, double std) {
-    set_prior(coordinate, q);
+    coordinates_[static_cast<std::size_t>(coordinate)].prior = q;
     coordinates_[static_cast<std::size_t>(coordinate)].prior_std = std;
     ++priors_;
   }

@@ -195,8 +195,7 @@ TEST(UpdateVerb, WhatIsTakenAsKnownIsPartOfTheUncertainty) {
   auto with = command;
   for (const std::string& word :
        {std::string("--axial"), axial, std::string("--input"), std::string("tension=0.5%@each"),
-        std::string("right.x=0.002"), std::string("--stiffness-std"), std::string("0.01"),
-        std::string("--monte-carlo"), std::string("40")}) {
+        std::string("right.x=0.002"), std::string("--stiffness-std"), std::string("0.01")}) {
     with.push_back(word);
   }
   const auto run = run_program(with);
@@ -217,13 +216,7 @@ TEST(UpdateVerb, WhatIsTakenAsKnownIsPartOfTheUncertainty) {
   EXPECT_NEAR(std::sqrt(squares), mass["std"].get<double>(), 1e-9);
   // f^2 goes with T / m: half a percent of each reading, shared out between two, is what leads.
   EXPECT_GT(mass["std"].get<double>(), 0.003 * mass["value"].get<double>());
-  const auto& draws = json["monte_carlo"];
-  EXPECT_EQ(draws["samples"].get<int>() + draws["failed"].get<int>(), 40);
-  ASSERT_EQ(draws["pairs"].size(), 4U);
-  for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_GT(draws["pairs"][i]["before_hz"]["std"].get<double>(), 0);
-    EXPECT_GT(json["pairs"][i]["model_std_hz"].get<double>(), 0);
-  }
+  for (const auto& pair : json["pairs"]) EXPECT_GT(pair["model_std_hz"].get<double>(), 0);
 }
 
 // Four tensions of Table 4, each predicted from the others; rows at the in-plane fundamental (100
