@@ -15,7 +15,7 @@ constexpr auto kAnswerMayBeWrong = std::to_array<std::string_view>({
     "time_axis",         "at_bound",         "extrapolated",   "curved",         "unpaired",
     "systematic_misfit",
 });
-constexpr std::array<std::string_view, 2> kTakenAsSaid = {"taken_as_exact", "exact_inputs"};
+constexpr std::array<std::string_view, 1> kTakenAsSaid = {"taken_as_exact"};
 // What was done, in normal operation: reading, choosing, leaving out with a reason.
 constexpr auto kNotes = std::to_array<std::string_view>({
     "decay_cut_off",

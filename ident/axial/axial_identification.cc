@@ -386,7 +386,7 @@ class Identification {
                            std::abs(1e-3 * row.value * row.sensitivity));
     }
     if (exact.empty()) return;
-    note("exact_inputs",
+    note("taken_as_exact",
          "Give standard uncertainties of what is taken as exact (in brackets what it changes EA "
          "by): " +
              exact);

@@ -176,7 +176,7 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
                          first.input->name, result.parameters[p].name);
   }
   if (!exact.empty()) {
-    findings.push_back({"exact_inputs",
+    findings.push_back({"taken_as_exact",
                         "State what these inputs are known to, or fit them; the intervals take "
                         "them as exact: " +
                             exact,

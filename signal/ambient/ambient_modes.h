@@ -39,7 +39,7 @@ namespace rigfit::signal {
 
 /// One result for several set-ups, whose references have the same names. Modes without doubts are
 /// matched by frequency and by the shape of the references; frequency and log damping are means
-/// over set-ups where they agree, else random effects (groups.h) and a note "setups_differ". Shapes
+/// over set-ups where they agree, else random effects (groups.h) and a note "groups_differ". Shapes
 /// are scaled by the references in the least-squares sense. A note "gain_changed" names a reference
 /// whose ratio to the first one changed alike in all modes. Throws RecordingError when a reference
 /// is missing in a set-up.

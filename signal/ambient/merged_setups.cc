@@ -177,7 +177,7 @@ AmbientMode merged_mode(const Setups& setups, const Matched& set, std::vector<No
                        zeta * std::exp(log.factor * log.std)};
   if (hz.differ || log.differ) {
     notes.push_back(
-        {"setups_differ",
+        {"groups_differ",
          fmt::format("check temperature and mass between set-ups: {} of the mode differs "
                      "between {} of them by more than its uncertainty",
                      hz.differ ? "the frequency" : "the damping", set.size()),

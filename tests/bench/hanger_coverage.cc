@@ -148,7 +148,7 @@ void add(Row& row, const Case& one, const Hanger& model, Ends ends, std::uint64_
   row.several += several;
   bool inputs_named = false;
   for (const auto& finding : ident::fit_findings(result)) {
-    inputs_named = inputs_named || finding.code == "exact_inputs";
+    inputs_named = inputs_named || finding.code == "taken_as_exact";
   }
   row.inputs += inputs_named;
   row.silent += !held && !result.fit.ruled_out() && !several && !inputs_named;

@@ -132,7 +132,7 @@ void tell_plan(const ident::PlanResult& plan, VerbContext& context) {
   for (const auto& open : plan.not_identifiable) {
     context.warn("not_identifiable", "Whatever is measured, " + open.message);
   }
-  for (const auto& text : plan.exact_inputs) context.warn("exact_inputs", text);
+  for (const auto& text : plan.exact_inputs) context.warn("taken_as_exact", text);
   for (const auto& text : plan.left_out) context.warn("state_left_out", text);
 }
 

@@ -201,7 +201,7 @@ std::vector<Finding> tension_findings(const TensionResult& result, const CableDe
          "unstretched cable: here the answers differ");
   }
   if (cable.length_m.std == 0 || cable.mass_per_length.std == 0) {
-    warn("exact_inputs",
+    warn("taken_as_exact",
          "Give the standard uncertainty of length and mass per length: without it they count as "
          "exact (1 % of length is 2 % of tension)");
   }
