@@ -14,7 +14,7 @@
 
 namespace rigfit::signal {
 
-/// Of a band: a pole, a residue and a constant have five parameters.
+/// Of a band: a pole, a residue and a line have six parameters.
 inline constexpr Eigen::Index kFewestLines = 8;
 
 /// Distance of two poles over the sum of their half bandwidths.

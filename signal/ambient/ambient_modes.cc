@@ -30,7 +30,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kBandHalfBandwidths = 10;  // 20: f 5 % better at twice the work, coverage lower
+constexpr double kBandHalfBandwidths = 20;  // 15: f 10 % worse, half the work
 constexpr double kNullHalfBandwidths = 4;  // nearer neighbours are suppressed; off: pairs are wrong
 constexpr double kFilterLoad = 1e-3;       // of the mean power: shapes are known to 3 %
 constexpr double kDecayTimesOfGroup = 5;   // what groups share lowers stds by tau / 4 T_g = 5 %

@@ -68,7 +68,7 @@ Evaluation evaluate(const LagSpectrum& spectrum, const std::vector<FilteredSpect
     const auto& signal = signals[static_cast<std::size_t>(q)];
     const auto used = static_cast<Index>(signal.modes.size());
     const VectorXd v = signal.S0.cwiseInverse();
-    MatrixXd X(signal.count, 2 * used + 1);
+    MatrixXd X(signal.count, 2 * used + 2);
     std::vector<TwoSided> parts;
     for (Index a = 0; a < used; ++a) {
       const Complex pole = poles[signal.modes[static_cast<std::size_t>(a)]];
@@ -76,6 +76,7 @@ Evaluation evaluate(const LagSpectrum& spectrum, const std::vector<FilteredSpect
       X.middleCols(2 * a, 2) = v.asDiagonal() * parts.back().value;
     }
     X.col(2 * used) = v;
+    X.col(2 * used + 1) = v.cwiseProduct(VectorXd::LinSpaced(signal.count, -1, 1));
     const VectorXd scale = X.colwise().norm().cwiseMax(1e-200).cwiseInverse().transpose();
     const auto qr = thin_qr(X * scale.asDiagonal());
     const VectorXd z = v.cwiseProduct(signal.S);
@@ -85,6 +86,7 @@ Evaluation evaluate(const LagSpectrum& spectrum, const std::vector<FilteredSpect
     MatrixXd J = MatrixXd::Zero(signal.count, 2 * n);
     for (Index a = 0; a < used; ++a) {
       const Index mode = signal.modes[static_cast<std::size_t>(a)];
+      if (a >= used - signal.skirts) break;
       const auto& part = parts[static_cast<std::size_t>(a)];
       const Eigen::Vector2d residue = c.segment(2 * a, 2);
       J.col(2 * mode) = v.cwiseProduct(part.by_real * residue);
@@ -194,6 +196,21 @@ ResonanceFit fit_resonances(const LagSpectrum& spectrum, std::vector<FilteredSpe
           continue;
         }
         signal.modes.push_back(i);
+      }
+      // What reaches in from the nearest modes outside: their poles are told elsewhere.
+      signal.skirts = 0;
+      for (const bool above : {false, true}) {
+        Index nearest = -1;
+        for (Index i = 0; i < poles.size(); ++i) {
+          const double off = poles[i].imag() - (above ? high : low);
+          const bool outside = above ? off > 0 : off < 0;
+          if (!outside || signal.nulled[static_cast<std::size_t>(i)] ||
+              std::count(signal.modes.begin(), signal.modes.end(), i) > 0) {
+            continue;
+          }
+          if (nearest < 0 || above == (poles[i].imag() < poles[nearest].imag())) nearest = i;
+        }
+        if (nearest >= 0) signal.modes.push_back(nearest), ++signal.skirts;
       }
     }
     fit = minimise(spectrum, signals, poles).fit;

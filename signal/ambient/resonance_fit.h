@@ -8,8 +8,9 @@
 // and its part of an auto-spectrum 2 Re(a (b(lambda) - 1/2) + conj(a) (b(conj lambda) - 1/2)) with
 // a complex residue a. Minimised over the poles is the sum over signals q and lines of [(S_q -
 // model) / S0_q]^2 with S0 the model of the round before: the score of Whittle's likelihood.
-// Residues and a constant for each signal are eliminated (variable projection, Kaufman's Jacobian).
-// Sources: Whittle, Ark. Mat. 2 (1953) 423; Golub and Pereyra, Inverse Problems 19 (2003) R1.
+// Residues and a straight background for each signal are eliminated (variable projection, Kaufman's
+// Jacobian). Sources: Whittle, Ark. Mat. 2 (1953) 423; Golub and Pereyra, Inverse Problems 19
+// (2003) R1.
 #pragma once
 
 #include <Eigen/Core>
@@ -45,6 +46,7 @@ struct FilteredSpectrum {
   Eigen::VectorXd S0;                ///< weight is 1 / S0
   std::vector<bool> nulled;          ///< by mode: the filter suppresses it
   std::vector<Eigen::Index> modes;   ///< those that the model has here
+  Eigen::Index skirts = 0;           ///< the last of them: outside, their poles held
 };
 
 struct ResonanceFit {

@@ -61,6 +61,15 @@ std::vector<Case> cases() {
     }
   };
   add("gusts").motion.amplitude = gusts(1);
+  add("a vehicle of 10 s a minute").motion.amplitude = [](double t) {
+    return 0.2 + 2 * std::exp(-std::pow((std::fmod(t, 60) - 30) / 5, 2));
+  };
+  // What filters all forces filters all channels.
+  add("forces coloured, first order").alter = [](Recording& r) {
+    const double stays = std::exp(-2 * std::numbers::pi / r.sample_rate_hz);
+    for (auto& c : r.channels)
+      for (Index k = 1; k < c.samples.size(); ++k) c.samples[k] += stays * c.samples[k - 1];
+  };
   auto& correlated = add("forces correlated 0.7");
   correlated.structure.forces.setConstant(0.7);
   correlated.structure.forces.diagonal().setOnes();
@@ -84,7 +93,7 @@ struct ModeCount {
 signal::AmbientResult analysed(const Case& one, std::uint64_t seed) {
   auto motion = one.motion;
   motion.seed = seed;
-  if (motion.amplitude) motion.amplitude = gusts(seed);
+  if (one.name == "gusts") motion.amplitude = gusts(seed);
   signal::AmbientOptions options;
   options.low_hz = one.low_hz, options.high_hz = one.high_hz;
   Recording recording = reference::recorded(one.structure, motion);

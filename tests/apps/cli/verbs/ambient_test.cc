@@ -1,10 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "ident/virtual_rig/virtual_rig.h"
+#include "model/linear/modal_analysis.h"
+#include "model/scene/parameters.h"
+#include "model/scene/read_scene.h"
+#include "signal/ambient/ambient_modes.h"
 #include "signal/writers/write_csv.h"
 #include "tests/apps/run_program.h"
 #include "tests/reference/ambient_motion.h"
@@ -67,6 +73,71 @@ TEST_F(AmbientVerb, FigureMarksTheModes) {
 TEST_F(AmbientVerb, OptionsOfHitsAreRefused) {
   const auto run = run_program({"modal", setup("a.csv", 1, {0, 4}), "--ambient", "--trigger", "5"});
   EXPECT_EQ(run.exit_code, 2);
+}
+
+// The rig of the virtual laboratory in the state that was struck, moved by unknown forces: its own
+// modes with 120 segments a member, sensors and accelerometers where the hammer test had them.
+signal::Recording rig_in_ambient_motion(const std::string& laboratory) {
+  const auto records =
+      nlohmann::json::parse(std::ifstream(laboratory + "rig/truth.json"))["rig"][0];
+  auto scene = model::read_scene(laboratory + "truth/rig.toml");
+  for (const auto& [name, value] : records["parameters"].items()) {
+    if (name.ends_with(".tension") || name.find(".EI") != std::string::npos) {
+      model::set_parameter(scene, name, value);
+    }
+  }
+  scene = ident::finer_scene(scene, records["segments_times"]);
+  model::ModesOptions options;
+  options.count = 16;
+  const auto modes = model::analyse_modes(scene, options).modes;
+  const auto count = static_cast<Eigen::Index>(modes.size());
+  reference::AmbientStructure rig{
+      Eigen::VectorXd(count), Eigen::VectorXd(count),
+      Eigen::MatrixXd(static_cast<Eigen::Index>(scene.sensors.size()), count),
+      Eigen::MatrixXd::Identity(count, count)};
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const auto& mode = modes[static_cast<std::size_t>(r)];
+    rig.frequency_hz[r] = mode.frequency_hz;
+    rig.damping_ratio[r] = mode.damping_ratio;
+    rig.shapes.col(r) = mode.sensor_shape;
+  }
+  reference::AmbientMotion motion;
+  motion.rate_hz = 256, motion.duration_s = 1800;
+  return reference::recorded(rig, motion);
+}
+
+// Two tests that share nothing but the rig: every mode that both show is the same within both
+// intervals.
+TEST(AmbientMotion, ModesAreThoseOfTheHammerTest) {
+  const std::string laboratory = std::string(RIGFIT_TESTDATA) + "/virtual_laboratory/";
+  std::vector<std::string> command{"modal"};
+  for (int hit = 1; hit <= 5; ++hit) {
+    command.push_back(laboratory + "rig/rig/T200N-hammer-hit" + std::to_string(hit) + ".uff");
+  }
+  for (const char* word : {"--force", "force", "--band", "2", "60", "--json", "-"}) {
+    command.emplace_back(word);
+  }
+  const auto struck = run_program(command);
+  ASSERT_EQ(struck.exit_code, 0) << struck.err;
+  signal::AmbientOptions options;
+  options.low_hz = 2, options.high_hz = 60;
+  const auto ambient = signal::ambient_modes(rig_in_ambient_motion(laboratory), options);
+  int same = 0;
+  const auto json = parsed(struck.out);
+  for (const auto& hammer : json["modes"]) {
+    if (hammer["doubtful"].get<bool>()) continue;
+    const double f = hammer["frequency_hz"]["value"], f_std = hammer["frequency_hz"]["std"],
+                 zeta = hammer["damping_ratio"]["value"], zeta_std = hammer["damping_ratio"]["std"];
+    for (const auto& found : ambient.modes) {
+      if (found.mode.doubtful || std::abs(found.mode.frequency_hz.value - f) > zeta * f) continue;
+      ++same;
+      EXPECT_LT(found.frequency_95.low, f + 1.96 * f_std) << f;
+      EXPECT_GT(found.frequency_95.high, f - 1.96 * f_std) << f;
+      EXPECT_LT(found.damping_95.low, zeta + 1.96 * zeta_std) << f;
+      EXPECT_GT(found.damping_95.high, zeta - 1.96 * zeta_std) << f;
+    }
+  }
+  EXPECT_GE(same, 5);
 }
 
 }  // namespace
