@@ -126,7 +126,8 @@ Outcome one_mode(bool) {
 Outcome no_mode(bool) {
   UpdateState state{"beam", beam(2.3, 0.02), {}};
   const auto found = update_model({state}, stiffness_and_mass());
-  return refusal(found.status == UpdateStatus::no_model, found.message, "no mode and no FRF was measured");
+  return refusal(found.status == UpdateStatus::no_model, found.message,
+                 "no mode and no FRF was measured");
 }
 
 Outcome zero_frequencies(bool) {
