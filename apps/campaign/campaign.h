@@ -71,7 +71,7 @@ struct BendingTest {
   /// Names of the channels; empty: as `rigfit bending` finds them.
   std::string tension_channel, load_channel, deflection_channel;
   std::optional<double> tension_N;  ///< 0: a beam without tension
-  std::string ends = "clamped";     ///< of the beam
+  std::string ends = "clamped";     ///< how the beam is held
   std::vector<double> rectangle_m;
   ident::BeamSection section;
 

@@ -27,7 +27,7 @@ struct AtHand {
   // Results.
   std::shared_ptr<const signal::Recording> resampled;
   Eigen::MatrixXd samples;     ///< a response: rows x sensors
-  Eigen::MatrixXd covariance;  ///< of a fit's parameters
+  Eigen::MatrixXd covariance;  ///< between a fit's parameters
   std::vector<model::Scene> fitted_scenes;
 };
 

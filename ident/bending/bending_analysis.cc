@@ -645,7 +645,7 @@ class Analysis {
   Eigen::VectorXd P_, Q_, d_;
   PooledSlope pooled_;
   bool hysteresis_seen_ = false;
-  double far_end_ = 0;          // of the strokes' travel: not in their straight parts
+  double far_end_ = 0;          // share of the strokes' travel beyond their straight parts
   double friction_change_ = 0;  // of K, relative: what leaving more of the turns out changes
   TableLine table_;             // line through strokes of few rows
   double range_d_ = 0, range_Q_ = 0, mean_tension_ = 0, zero_ = 0;

@@ -20,7 +20,8 @@ namespace {
 
 using Tests = std::vector<PlanTest>;
 
-// Of the best that can be had, where that misses a goal: further steps cost much and add little.
+// Share of the best that can be had, where that misses a goal: further steps cost much and add
+// little.
 constexpr double kNearBest = 1.05;
 // Least decrease of the sum of ln(std / goal): 1 % of a std is not worth a step. Far from the
 // goals, by a factor of e, the first of two steps may show little beyond rounding.
@@ -210,7 +211,7 @@ double by_coordinate(const PlanCandidates& candidates, Eigen::Index i) {
       candidates.problem.coordinates()[static_cast<std::size_t>(i)].derivative(candidates.q[i]));
 }
 
-// Of the values; NaN: not determined.
+// Standard uncertainties of the values; NaN: not determined.
 std::vector<double> planned_stds(const PlanCandidates& candidates, const Eigen::MatrixXd& C) {
   std::vector<double> stds;
   for (Eigen::Index i = 0; i < C.rows(); ++i) {

@@ -25,7 +25,7 @@ struct PlanGoal {
 struct PlanOptions {
   int modes = 6;                           ///< most modes of each plane that a test can identify
   std::vector<double> hits = {5, 10, 20};  ///< averaged hits that a test may have, rising
-  std::vector<double> durations_s = {4, 8, 16};  ///< of a record, rising
+  std::vector<double> durations_s = {4, 8, 16};  ///< lengths of a record, rising
   int sensors = 3;                               ///< most in one test
   /// False: sensors may also be placed at tenths of members, and hammers and sensors turned along
   /// z.
@@ -60,7 +60,7 @@ struct PlannedMode {
 struct PlanProposal {
   std::string what;         ///< the test after this step, for a person
   double cost_s = 0;        ///< time on the rig that the step adds
-  std::vector<double> std;  ///< of every parameter after it; NaN: not determined
+  std::vector<double> std;  ///< for every parameter after it; NaN: not determined
 };
 
 struct PlannedParameter {

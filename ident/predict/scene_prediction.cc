@@ -199,7 +199,7 @@ class NormalDraws {
 /// Frequencies of moved scenes, of the same modes as a prediction's.
 struct Draws {
   std::vector<model::NaturalMode> reference;
-  std::vector<int> orders;  // of each among those of its plane
+  std::vector<int> orders;  // place of each among those of its plane
   model::ModesOptions options;
   double accuracy = 1e-3;
 

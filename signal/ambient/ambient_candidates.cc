@@ -24,7 +24,7 @@ using Eigen::VectorXd;
 
 // The window then widens a mode by a third; with 4, of pairs 0.5 % apart 5 % more are lost.
 constexpr double kDecayTimesOfLags = 12;
-constexpr double kNarrow = 0.25;           // of a neighbour's bandwidth: follows its noise
+constexpr double kNarrow = 0.25;           // share of a neighbour's bandwidth: follows its noise
 constexpr Index kSearchSamples = 1 << 21;  // candidates and filters need no more
 
 /// The channels that tell most: pivots of the QR of the spectral matrices over their traces.

@@ -32,10 +32,10 @@ using Eigen::VectorXd;
 
 constexpr double kBandHalfBandwidths = 20;  // 15: f 10 % worse, half the work
 constexpr double kNullHalfBandwidths = 4;  // nearer neighbours are suppressed; off: pairs are wrong
-constexpr double kFilterLoad = 1e-3;       // of the mean power: shapes are known to 3 %
+constexpr double kFilterLoad = 1e-3;       // share of the mean power: shapes are known to 3 %
 constexpr double kDecayTimesOfGroup = 5;   // what groups share lowers stds by tau / 4 T_g = 5 %
 constexpr double kFewestDecayTimes = 40;   // damping known to 16 % at best
-constexpr double kLeastOwnShare = 0.5;     // of a peak: else another mode's side
+constexpr double kLeastOwnShare = 0.5;     // share of a peak: else another mode's side
 
 /// Sums of so many neighbouring values.
 VectorXd joined_sums(const VectorXd& values, Index together) {
@@ -82,7 +82,7 @@ class AmbientAnalysis {
   MatrixXd gap_;      ///< distance of the modes in half bandwidths at the pass's beginning
   std::vector<FilteredSpectrum> bands_;
   ResonanceFit fit_;
-  // Of the last pass, by group: poles, shapes (channels x groups, by mode), energy (groups x
+  // The last pass has by group: poles, shapes (channels x groups, by mode), energy (groups x
   // modes).
   std::vector<VectorXcd> poles_without_;
   std::vector<MatrixXcd> shapes_without_;

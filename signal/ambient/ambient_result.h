@@ -19,9 +19,9 @@ struct AmbientOptions {
   std::vector<std::string> references;
   double low_hz = 0;   ///< 0: 100 over the length, where 5 % of damping is the least to be decided
   double high_hz = 0;  ///< 0: 0.4 times the sample rate
-  int max_order = 0;   ///< of the stabilisation diagram; 0: 60 / references, 8 to 40
+  int max_order = 0;   ///< highest in the stabilisation diagram; 0: 60 / references, 8 to 40
   double max_damping_ratio = 0.2;  ///< above it a pole describes the forces
-  int groups = 24;                 ///< of the jackknife: 12 lower the coverage by 1 %
+  int groups = 24;                 ///< that the jackknife takes: 12 lower the coverage by 1 %
   int threads = 1;
 };
 
@@ -50,7 +50,7 @@ struct AmbientResult {
   std::vector<Note> notes;
   double low_hz = 0, high_hz = 0;
   double lag_s = 0;          ///< longest lag of the correlations
-  double duration_s = 0;     ///< of all set-ups
+  double duration_s = 0;     ///< all set-ups together
   LscfResult stabilisation;  ///< window included
   /// Singular values of the spectral matrix of the channels over their standard deviations, lines x
   /// channels, for figures. Empty after merging.

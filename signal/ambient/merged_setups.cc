@@ -23,14 +23,14 @@ using Eigen::VectorXd;
 using Indices = std::vector<Index>;
 
 constexpr double kSetupsDiffer = 0.01;  // chance of the scatter where set-ups agree
-constexpr double kGainChance = 1e-3;    // of a change of gain that is none
+constexpr double kGainChance = 1e-3;    // that a change of gain is called which is none
 
 /// Set-up and its mode.
 using Matched = std::map<std::size_t, const AmbientMode*>;
 
 struct Setups {
   std::span<const AmbientResult> results;
-  std::vector<std::string> channels;  ///< of all
+  std::vector<std::string> channels;  ///< every one
   std::vector<Indices> places;        ///< by set-up: its channels among all
   std::vector<Indices> references;    ///< by set-up: of its channels
 

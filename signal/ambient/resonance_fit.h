@@ -26,7 +26,7 @@ struct LagSpectrum {
   double dt;              ///< s
   double decay;           ///< s of the window, 1/s: it falls to exp(-4) at the last lag
   Eigen::Index lags;      ///< L
-  Eigen::Index length;    ///< of the transform, at least 2 L
+  Eigen::Index length;    ///< samples of the transform, at least 2 L
   Eigen::Index first;     ///< line of omega[0]
   Eigen::VectorXd omega;  ///< rad/s
 

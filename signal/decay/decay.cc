@@ -326,7 +326,7 @@ void take_back(const NarrowRecord& narrow, DecayResult& result) {
   }
   result.start = narrow.record_sample(result.start);
   result.end = narrow.record_end(result.end);
-  // Of white noise of the same density at the record's rate.
+  // The std of white noise of the same density at the record's rate.
   result.noise_std *= std::sqrt(step);
   result.signal_to_noise_db -= 10 * std::log10(step);
   result.residual.resize(0);

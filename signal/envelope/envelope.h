@@ -29,7 +29,7 @@ enum class DecayLaw { exponential, friction, drag };
 /// Amplitudes of a mode, cycle by cycle, for as long as they stand out of the noise.
 struct CycleAmplitudes {
   std::complex<double> pole;     ///< p, per sample
-  double sample_rate_hz = 0;     ///< of the samples they were fitted to
+  double sample_rate_hz = 0;     ///< rate of the samples they were fitted to
   std::vector<double> time_s;    ///< m_k, from the first sample
   std::vector<double> log_size;  ///< ln|C_k|
   std::vector<double> turn;      ///< arg C_k - Im p m_k, unwrapped

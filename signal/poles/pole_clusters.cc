@@ -23,8 +23,8 @@ bool alike(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b, double least) {
 struct Track {
   std::vector<Complex> poles;  ///< from the highest order down
   std::vector<int> orders;
-  Eigen::VectorXcd participation;  ///< of the last pole linked
-  Eigen::VectorXcd first;          ///< of the highest order's
+  Eigen::VectorXcd participation;  ///< that the last pole linked has
+  Eigen::VectorXcd first;          ///< that the highest order's pole has
 };
 
 /// Links the poles of each order, from the highest down, to the nearest track end; each track takes

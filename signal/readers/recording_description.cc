@@ -141,7 +141,7 @@ std::optional<std::string> implausible_values(const Channel& channel, bool by_vo
   struct Limits {
     Quantity quantity;
     bool by_voltage, otherwise;
-    double least, most;  // of the largest magnitude
+    double least, most;  // bounds of the largest magnitude
   };
   // A tenth of a millionth of g is below every sensor's noise, 10000 g is a shock, beyond what
   // vibration is measured with. Hammers and dynamic load cells end before 100 kN.

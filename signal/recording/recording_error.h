@@ -16,7 +16,7 @@ class RecordingError : public std::runtime_error {
     long column = 0;        ///< 1-based column of the table or character position; 0: none
     std::string channel{};  ///< empty: none
     std::string value{};    ///< the offending text, empty: none
-    std::string cell{};     ///< of a sheet ("Sheet1!B7"), said instead of line and column
+    std::string cell{};     ///< in a sheet ("Sheet1!B7"), said instead of line and column
   };
   /// `remedy` says what to do about it.
   RecordingError(Where where, std::string problem, std::string remedy);

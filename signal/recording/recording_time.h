@@ -37,7 +37,7 @@ struct ReadTimes {
   double printed_resolution_s = 0;  ///< one unit of the last printed digit; 0: full precision
   std::string stated;               ///< "the header says 100 Hz", for people
   std::string stated_where;         ///< such as "line 3"
-  std::string name;                 ///< of the column
+  std::string name;                 ///< as the column has it
   long first_line = 0;              ///< line of the first time; 0: none
 };
 

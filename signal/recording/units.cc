@@ -206,7 +206,7 @@ const Symbol* find_symbol(std::string_view text, bool ignore_case) {
   return nullptr;
 }
 
-/// Of an SI prefix; 0: none.
+/// The factor of an SI prefix; 0: none.
 double prefix_factor(char c) {
   constexpr std::string_view kLetters = "numcdkMG";
   constexpr std::array<double, 9> kFactors = {1e-9, 1e-6, 1e-3, 1e-2, 1e-1, 1e3, 1e6, 1e9, 0};

@@ -60,7 +60,7 @@ struct ModalCommand {
   std::string out, synthesis;
   bool all = false;                     ///< print uncertain modes as well
   bool ambient = false;                 ///< motion under unknown forces: no FRFs, no hits
-  std::vector<std::string> references;  ///< of ambient motion, in all set-ups
+  std::vector<std::string> references;  ///< stay in place in all set-ups of ambient motion
   std::vector<std::string> of_hits;     ///< options given that mean nothing for FRFs from a file
 };
 [[nodiscard]] describe::Options options_of(ModalCommand& command);

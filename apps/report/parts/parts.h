@@ -48,7 +48,7 @@ class TestPart {
   const CampaignTest& test_;
   std::size_t index_ = 0;        ///< among the inputs of its kind
   std::size_t files_ = 0;        ///< recordings that the campaign names
-  std::vector<Origin> origins_;  ///< of the recordings that can be used
+  std::vector<Origin> origins_;  ///< where the usable recordings come from
   ReportPart part_;
 };
 using TestPartPtr = std::unique_ptr<TestPart>;

@@ -87,7 +87,7 @@ struct BendingRow {
   describe::Bounded EI_Nm2{};                  ///< NaN where refused
   signal::Estimate stiffness_N_m, modulus_Pa;  ///< without tension; NaN: not known
   double shared_relative_std = 0, tension_spread_N = 0;
-  double hysteresis_N = 0;  ///< of a record
+  double hysteresis_N = 0;  ///< for a record
 };
 [[nodiscard]] std::vector<BendingRow> bending_rows(const BendingCampaign& campaign,
                                                    const BendingCampaignResult& result);

@@ -26,7 +26,7 @@ struct PairingMode {
   double frequency_hz = 0;
   std::optional<model::ModePlane> plane = std::nullopt;  ///< measured: the plane of the test
   Eigen::VectorXcd shape = {};  ///< at the same points on both sides; empty: not known
-  double visibility = 1;        ///< of a modelled mode (mode_assignment.h)
+  double visibility = 1;        ///< how well a modelled mode is seen (mode_assignment.h)
 };
 
 struct ModePair {

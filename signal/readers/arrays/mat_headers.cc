@@ -110,7 +110,7 @@ class MatWalk {
     if (array_class == kObject && !next_of(kInt8, part)) return false;  // name of its class
     if (has_fields) {
       if (!next_of(kInt32, part) || part.data.size() != 4) return false;
-      const std::size_t length = word(part.data, 0);  // of a field's name
+      const std::size_t length = word(part.data, 0);  // a field's name has so many bytes
       if (length == 0 || !next_of(kInt8, part)) return false;
       count = product(count, part.data.size() / length);
     }

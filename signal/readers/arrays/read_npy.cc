@@ -154,7 +154,7 @@ Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
   if (length > bytes.size() - begin) {
     throw refusal("breaks off inside its header", "copy the file again");
   }
-  constexpr std::size_t kLongestHeader = 1 << 13;  // of a hundred named fields
+  constexpr std::size_t kLongestHeader = 1 << 13;  // enough for a hundred named fields
   const std::string dictionary(bytes.substr(begin, std::min(length, kLongestHeader)));
   const Header header = HeaderParser(dictionary, file).parse();
   const std::string_view data = bytes.substr(begin + length);

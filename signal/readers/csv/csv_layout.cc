@@ -311,7 +311,7 @@ Fields titles_with_blanks(std::string_view line, std::size_t columns) {
   line = trim_blanks(line);
   while (!line.empty() && is_comment_sign(line[0])) line = trim_blanks(line.substr(1));
   if (line.size() > kLongestTitles) return {};
-  // Of each way what a title is made of: brackets, and what does not part.
+  // What a title is made of in each way: brackets, and what does not part.
   static const std::array<std::regex, 6> kTitles = [] {
     const std::string bracket = R"((?:[(\[][^)\]]*[)\]]|)";
     return std::array{

@@ -45,7 +45,7 @@ bool is_frequency_name(const std::string& name) {
 
 using Words = std::initializer_list<std::string_view>;
 
-// Of titles of channels over time, too: coherence and the like are none.
+// Holds for titles of channels over time, too: coherence and the like are none.
 const Words kNoTime = {"fft", "spectrum",  "spektrum",     "psd",
                        "asd", "autopower", "autospectrum", "periodogram"};
 const Words kSpectrumOnly = {

@@ -16,7 +16,7 @@ struct ReadOptions {
   char separator = 0;      ///< between columns, ',', ';', tab or ' '; 0: detected
   std::string format;      ///< one of `format_names()`; empty: detected from the content
   std::vector<std::string> variables;  ///< arrays to take of a file that names several; empty: all
-  std::string sheet;  ///< of a workbook, by name or number ("#2"); empty: the first
+  std::string sheet;  ///< in a workbook, by name or number ("#2"); empty: the first
 };
 
 }  // namespace rigfit::signal

@@ -49,14 +49,14 @@ struct SheetText {
   std::string file;
   std::string sheet;
   std::string text;
-  long first_column = 1;  ///< of the sheet: the first field of each line
+  long first_column = 1;  ///< in the sheet: the first field of each line
   std::vector<CellRange> merged;
   /// Cells of text that read as numbers, row by row, with their text.
   std::vector<std::pair<CellPlace, std::string>> number_texts;
   CellPlace percent;     ///< the first number shown in percent
   long hidden_rows = 0;  ///< with values, which are read all the same
 
-  /// Of a cell, or of a row where the column is 0.
+  /// The place of a cell, or of a row where the column is 0.
   [[nodiscard]] RecordingError refusal(const CellPlace& place, std::string value,
                                        std::string problem, std::string remedy) const;
 };
