@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -151,6 +152,16 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   result.identifiability = identifiability(J, scales, names, limits);
   const Identifiability& known = result.identifiability;
   const Eigen::Index own_priors = problem.prior_count() - (n - count);
+  if (n > count) {  // rank and condition are those of the parameters
+    result.identifiability.rank -= static_cast<int>(n - count);
+    const Eigen::MatrixXd own = known.covariance.topLeftCorner(count, count);
+    if (own.allFinite()) {
+      const Eigen::MatrixXd by = scales.head(count).cwiseInverse().asDiagonal();
+      const auto values =
+          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(by * own * by).eigenvalues();
+      result.identifiability.condition = std::sqrt(values.maxCoeff() / values.minCoeff());
+    }
+  }
   Eigen::MatrixXd data = J;
   data.middleRows(r.size() - problem.prior_count(), own_priors).setZero();
   const auto alone = identifiability(data, scales, names, limits);
