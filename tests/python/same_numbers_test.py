@@ -103,6 +103,9 @@ class SameNumbers(unittest.TestCase):
         self.same(document, result, ["inputs"])
         self.assertEqual(len(result.modes), 1)
         self.assertLess(abs(result.modes[0].frequency_hz.value - 2), 4 * result.modes[0].frequency_hz.std)
+        channels = {"a": motion + noise[:, 0], "b": 0.5 * motion + noise[:, 1]}
+        at_hand = rigfit.modal(rigfit.Recording(channels, fs=rate), ambient=True, band=(0.5, 6))
+        self.assertAlmostEqual(at_hand.modes[0].frequency_hz.value, result.modes[0].frequency_hz.value, delta=1e-6)
 
     def test_frfs_of_arrays(self):
         lines = np.arange(1, 101.0)

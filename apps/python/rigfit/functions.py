@@ -86,14 +86,15 @@ def frf(recordings, force, response=None, *, options):
 
 @verb("modal", ModalResult)
 def modal(frfs, *, options):
-    """Natural frequencies, damping and shapes with error bars from FRFs (an FrfResult, a FrfSet, files) or, with ``force``, from hits."""
+    """Natural frequencies, damping and shapes with error bars from FRFs (an FrfResult, a FrfSet, files), with ``force`` from hits,
+    with ``ambient`` from motion under unknown forces."""
     at_hand = frfs._arrays() if isinstance(frfs, FrfResult) else frfs if isinstance(frfs, _core.FrfSet) else None
     given = [] if at_hand is not None else sources("frfs", frfs)
     if at_hand is not None and "force" in options:
         checks.fail("force", "is for recordings of hits; these are FRFs already")
     ambient = options.get("ambient", False)
-    if ambient and (at_hand is not None or not all(isinstance(one, str) for one in given)):
-        checks.fail("ambient", "is for files of recordings")
+    if ambient and at_hand is not None:
+        checks.fail("ambient", "is for recordings; these are FRFs already")
     if not ambient and "force" not in options and not all(isinstance(one, str) for one in given):
         checks.fail("force", "is needed for recordings of hits")
     if given:
