@@ -1,8 +1,7 @@
-// Bounds of a strand's bending stiffness, and the equivalent solid cylinder for a finite-element
-// model.
+// Bounds of a strand's bending stiffness.
 //
 // EImin = sum_i E pi d_i^4 / 64 (all elements slip), EImax = E pi d_c^4 / 64 (none does).
-// Source: Jalali and Rideout 2021, eqs. (16), (20), (21).
+// Source: Jalali and Rideout 2021, eqs. (20), (21).
 #pragma once
 
 namespace rigfit::ident {
@@ -21,16 +20,5 @@ struct StiffnessBounds {
 
 /// Throws std::invalid_argument for values that are not positive and finite.
 [[nodiscard]] StiffnessBounds stiffness_bounds(const StrandGeometry& geometry);
-
-/// Solid round bar with the same EI, EA and mass per length.
-struct EquivalentCylinder {
-  double youngs_modulus_Pa = 0;
-  double diameter_m = 0;
-  double density_kg_m3 = 0;
-};
-
-/// d = 4 sqrt(EI / EA). Throws std::invalid_argument for values that are not positive and finite.
-[[nodiscard]] EquivalentCylinder equivalent_cylinder(double EI_Nm2, double EA_N,
-                                                     double mass_per_length_kg_m);
 
 }  // namespace rigfit::ident

@@ -9,10 +9,9 @@
 int main() {
   rigfit::model::Scene scene;
   rigfit::signal::Recording recording;
-  const auto cylinder = rigfit::ident::equivalent_cylinder(0.5972, 221780, 0.16667);
-  const double EA =
-      cylinder.youngs_modulus_Pa * std::acos(-1.0) * std::pow(cylinder.diameter_m, 2) / 4;
-  std::printf("EA %.1f N, %zu nodes, %ld samples\n", EA, scene.nodes.size(),
+  const double EI = rigfit::ident::stiffness_bounds({2e11, 1, 5e-3, 5e-3}).EI_max_Nm2;
+  std::printf("EI %.4f N m2, %zu nodes, %ld samples\n", EI, scene.nodes.size(),
               static_cast<long>(recording.samples()));
-  return std::abs(EA - 221780) < 1e-6 * 221780 ? 0 : 1;
+  const double round_bar = 2e11 * std::acos(-1.0) * std::pow(5e-3, 4) / 64;
+  return std::abs(EI - round_bar) < 1e-12 * round_bar ? 0 : 1;
 }

@@ -110,8 +110,10 @@ bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::In
     const auto solved = frfs_at(scene, lines_hz, targets, frfs[f].decay_rate_1_s);
     if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
     model::FrfSensitivities beside;  // at a slightly higher sample rate
-    if (!rates.empty())
+    if (!rates.empty()) {
       beside = frfs_at(scene, (1 + kRateStep) * lines_hz, {}, frfs[f].decay_rate_1_s);
+      if (beside.frfs.H.size() != solved.frfs.H.size()) return false;
+    }
     for (std::size_t g = f; g < frfs.size(); ++g) {
       const MeasuredFrf& frf = frfs[g];
       if (g != f && !solved_together(frf, frfs[f])) continue;

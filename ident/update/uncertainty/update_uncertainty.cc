@@ -159,7 +159,9 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
       const Eigen::MatrixXd by = scales.head(count).cwiseInverse().asDiagonal();
       const auto values =
           Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(by * own * by).eigenvalues();
-      result.identifiability.condition = std::sqrt(values.maxCoeff() / values.minCoeff());
+      result.identifiability.condition =
+          std::sqrt(values.maxCoeff() /
+                    std::max(values.minCoeff(), 1e-300));  // what rounding leaves may be 0
     }
   }
   Eigen::MatrixXd data = J;

@@ -77,6 +77,7 @@ TEST(Campaign, StiffnessOfTheBendingTestsReachesTheFitWithItsUncertainty) {
   ASSERT_EQ(parameters.size(), 2u);
   EXPECT_NEAR(parameters[0].value / 101, 1, 1e-3);
   EXPECT_NEAR(parameters[1].value / 303, 1, 1e-3);
+  // Four modes to 1e-4 tell EI better than 5 %: its tests' part of the tension is small, not none.
   const auto& budget = parameters[1].budget;
   EXPECT_TRUE(std::any_of(budget.begin(), budget.end(), [&](const auto& term) {
     return term.source.find("EI") != std::string::npos && term.std > 0.05 * parameters[1].std;

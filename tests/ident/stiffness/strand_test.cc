@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 namespace rigfit::ident::strand_test {
@@ -22,17 +21,7 @@ TEST(StiffnessBounds, OneElementOfFullDiameterIsSolid) {
   EXPECT_DOUBLE_EQ(bounds.EI_min_Nm2, bounds.EI_max_Nm2);
 }
 
-TEST(EquivalentCylinder, GivesBackStiffnessesAndMass) {
-  const auto bar = equivalent_cylinder(0.5972, 221780, 0.16667);
-  const double area = std::numbers::pi * bar.diameter_m * bar.diameter_m / 4;
-  EXPECT_NEAR(bar.youngs_modulus_Pa * area, 221780, 1e-9 * 221780);
-  EXPECT_NEAR(bar.youngs_modulus_Pa * std::numbers::pi * std::pow(bar.diameter_m, 4) / 64, 0.5972,
-              1e-12);
-  EXPECT_NEAR(bar.density_kg_m3 * area, 0.16667, 1e-14);
-}
-
-TEST(EquivalentCylinder, RefusesWhatIsNotPositive) {
-  EXPECT_THROW((void)equivalent_cylinder(0, 1, 1), std::invalid_argument);
+TEST(StiffnessBounds, RefuseWhatIsNotPositive) {
   EXPECT_THROW((void)stiffness_bounds({195e9, 0, 1e-3, 1e-2}), std::invalid_argument);
   EXPECT_THROW((void)stiffness_bounds({NAN, 7, 1e-3, 1e-2}), std::invalid_argument);
 }
