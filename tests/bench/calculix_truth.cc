@@ -28,7 +28,7 @@
 #include "model/export/write_calculix.h"
 #include "model/linear/modal_analysis.h"
 #include "model/linear/segment_extrapolation.h"
-#include "tests/model/test_scenes.h"
+#include "tests/scenes.h"
 
 namespace {
 

@@ -16,7 +16,7 @@
 
 #include "model/linear/modal_analysis.h"
 #include "model/linear/segment_extrapolation.h"
-#include "tests/model/test_scenes.h"
+#include "tests/scenes.h"
 
 namespace {
 

@@ -14,6 +14,7 @@
 #include "ident/tension/cable_model.h"
 #include "ident/tension/cable_tension.h"
 #include "model/linear/modal_analysis.h"
+#include "tests/ident/update/fit_data.h"
 
 namespace rigfit::ident::published_answers_test {
 namespace {
@@ -41,36 +42,15 @@ std::vector<std::map<std::string, double>> table(const std::string& name) {
   return rows;
 }
 
-MeasuredMode measured(double hz, double std) {
-  MeasuredMode mode;
-  mode.frequency_hz = {hz, std};
-  mode.damping_ratio = {NAN, NAN};
-  return mode;
-}
-
 TEST(Published, CantileverWithATipMass) {
   // Five roots of five tip masses: a beam of 1 m, 1 kg/m and 1 N m2 without gravity. The table has
   // eight digits; modes are asked for to 1e-8.
   const auto rows = table("laura1974.csv");
   ASSERT_EQ(rows.size(), 5u);
   for (const auto& row : rows) {
-    model::Scene scene;
-    scene.gravity.setZero();
-    scene.nodes.resize(2);
-    scene.nodes[0].name = "foot";
-    scene.nodes[0].support.kind = model::Support::Kind::clamped;
-    scene.nodes[1].name = "tip";
-    scene.nodes[1].position = {1, 0, 0};
+    auto scene = model::testing::level_cantilever(1, 1, 0);
     scene.nodes[1].mass = row.at("mass_ratio");
-    model::Member beam;
-    beam.name = "beam";
-    beam.kind = model::Member::Kind::beam;
-    beam.nodes = {"foot", "tip"};
-    beam.mass_per_length = 1;
-    beam.EA = 1e8;
-    beam.EI = {1, 1};
-    beam.GJ = 1;
-    scene.members.push_back(beam);
+    scene.members[0].EA = 1e8;
     model::ModesOptions options;
     options.count = 5;
     options.plane = model::ModePlane::in;
@@ -144,7 +124,8 @@ TEST(Published, StaysWhoseFreeLengthNobodyKnows) {
     cable.mass_per_length = {60, 0};
     const double L = std::sqrt(string / (4 * f1 * f1 * 60));
     cable.length_m = {L, 0.15 * L};
-    auto first = measured(f1, kLine), second = measured(row.at("f2_Hz"), kLine);
+    auto first = testing::mode_of(f1, kLine, {}),
+         second = testing::mode_of(row.at("f2_Hz"), kLine, {});
     first.order = 1;
     second.order = 2;
     const auto result = identify_tension(cable, {first, second});

@@ -13,7 +13,7 @@
 
 #include "model/frfs/frf_synthesis.h"
 #include "model/response/response.h"
-#include "tests/model/test_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::invariance_test {
 namespace {
@@ -21,13 +21,7 @@ namespace {
 constexpr double kTolerance = 1e-7;
 
 Load at(std::string name, Place place, const Eigen::Vector3d& direction) {
-  Load load;
-  load.name = std::move(name);
-  load.place = std::move(place);
-  load.direction = direction.normalized();
-  load.peak = 0.5;
-  load.duration = 0.004;
-  return load;
+  return testing::impact(std::move(place), direction.normalized(), 0.5, 0.004, std::move(name));
 }
 
 /// An inclined cable with a mass on it, held by springs at one end, rigidly at the other.
@@ -65,11 +59,7 @@ Scene stayed_pole() {
   Scene scene = testing::vertical_beam(4, 3e3, 5, 8);
   scene.members[0].EA = 1e8;
   scene.members[0].taper = 0.6;
-  SceneNode ground;
-  ground.name = "ground";
-  ground.position << 3, 0, 1;
-  ground.support.kind = Support::Kind::pinned;
-  scene.nodes.push_back(ground);
+  scene.nodes.push_back(testing::node("ground", {3, 0, 1}, Support::Kind::pinned));
   scene.nodes[1].mass = 0.5;
   Member stay = testing::paper_cable(150, 0.6, 8).members[0];
   stay.nodes = {"ground", scene.members[0].nodes[1]};

@@ -11,7 +11,7 @@
 
 #include "ident/predict/damage_estimate.h"
 #include "ident/update/model_update.h"
-#include "tests/reference/damaged_rig.h"
+#include "tests/scenes.h"
 
 namespace rigfit::reference {
 
@@ -30,12 +30,12 @@ struct DamageOutcome {
   double bare_hz = 0, bare_std_hz = 0;  ///< first mode of the bare beam, predicted
 };
 
-inline double first_in_plane_hz(const DamagedRig& rig) {
+inline double first_in_plane_hz(const model::testing::DamagedRig& rig) {
   model::ModesOptions options;
   options.count = 1;
   options.plane = model::ModePlane::in;
   options.shapes = options.damped = options.error_estimate = false;
-  return model::analyse_modes(damaged_rig(rig), options).modes.front().frequency_hz;
+  return model::analyse_modes(model::testing::damaged_rig(rig), options).modes.front().frequency_hz;
 }
 
 inline DamageOutcome damage_outcome(const DamageStudy& study, std::uint64_t seed) {
@@ -48,15 +48,15 @@ inline DamageOutcome damage_outcome(const DamageStudy& study, std::uint64_t seed
   ident::UpdateState state;
   state.name = "rig";
   for (const auto& mode :
-       model::analyse_modes(damaged_rig({study.loss, true, study.foot_Nm_rad}), options).modes) {
-    ident::MeasuredMode one;
-    one.frequency_hz = {mode.frequency_hz * (1 + study.relative_std * normal(random)),
-                        study.relative_std * mode.frequency_hz};
-    one.damping_ratio = {std::nan(""), std::nan("")};
-    one.plane = model::ModePlane::in;
-    state.measured.push_back(one);
+       model::analyse_modes(model::testing::damaged_rig({study.loss, true, study.foot_Nm_rad}),
+                            options)
+           .modes) {
+    state.measured.push_back({{mode.frequency_hz * (1 + study.relative_std * normal(random)),
+                               study.relative_std * mode.frequency_hz},
+                              {std::nan(""), std::nan("")},
+                              model::ModePlane::in});
   }
-  state.scene = damaged_rig({0, true, study.foot_free ? 200 : study.foot_Nm_rad});
+  state.scene = model::testing::damaged_rig({0, true, study.foot_free ? 200 : study.foot_Nm_rad});
   std::vector<ident::FreeParameter> free(1);
   free[0].name = "base.EI_z";
   if (study.shaft_free) {
@@ -84,8 +84,8 @@ inline DamageOutcome damage_outcome(const DamageStudy& study, std::uint64_t seed
   }
   ident::PredictionOptions bare;
   bare.count = 1;
-  const auto prediction =
-      ident::predict_modes(damaged_rig({0, false, study.foot_Nm_rad}), fitted, bare);
+  const auto prediction = ident::predict_modes(
+      model::testing::damaged_rig({0, false, study.foot_Nm_rad}), fitted, bare);
   if (prediction.modes.empty()) return outcome;
   outcome.bare_hz = prediction.modes[0].frequency_hz.value;
   outcome.bare_std_hz = prediction.modes[0].frequency_hz.std;

@@ -4,8 +4,8 @@
 
 #include "model/linear/modal_analysis.h"
 #include "tests/bench/hard_cases/hard_case.h"
-#include "tests/model/test_scenes.h"
 #include "tests/reference/closed_forms.h"
+#include "tests/scenes.h"
 
 namespace rigfit::hard_cases {
 namespace beam_area {

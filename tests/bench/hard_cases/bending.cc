@@ -1,5 +1,5 @@
 // Bending stiffness where its equation says little: limits of lambda, strands that slip freely or
-// not at all, strings, records that are no bending test.
+// not at all.
 #include <cmath>
 #include <limits>
 #include <random>
@@ -69,29 +69,6 @@ Outcome bounds_of_the_strand(bool quick) {
   return coverage.outcome();
 }
 
-Outcome softer_than_a_string(bool) {
-  const auto found = stiffness_from_compliance({{1.001 * 0.5 / 400, 1e-6}, {100, 0}, {0.5, 0}});
-  return refusal(found.status == BendingStatus::string_like && std::isnan(found.EI_Nm2.value),
-                 found.reason, "not below 1");
-}
-
-Outcome interval_reaches_zero(bool) {
-  const double slope = midspan_compliance(0.001, 200, 0.5);
-  const auto found = stiffness_from_compliance({{slope, 0.02 * slope}, {200, 0}, {0.5, 0}});
-  Outcome outcome = refusal(found.status == BendingStatus::upper_bound_only && found.low == 0 &&
-                                found.high > 0.001 && std::isfinite(found.high),
-                            found.reason, "only EI <");
-  return outcome;
-}
-
-Outcome no_tension(bool) {
-  // d = Q l^3 / (192 EI)
-  const double EI = 0.5972, span = 0.5;
-  const auto found =
-      stiffness_from_compliance({{span * span * span / (192 * EI), 0}, {0, 0}, {span, 0}});
-  return within(std::abs(found.EI_Nm2.value / EI - 1), 10 * kRounding);
-}
-
 }  // namespace
 }  // namespace bending_area
 
@@ -105,9 +82,6 @@ std::vector<HardCase> bending_cases() {
        stiffness_over_ten_decades},
       {area, "EI at EImin and EImax, 25 and 300 N", "95 % intervals hold the truth",
        bounds_of_the_strand},
-      {area, "softer than a string", "refused", softer_than_a_string},
-      {area, "interval that reaches EI = 0", "an upper bound only", interval_reaches_zero},
-      {area, "no tension", "Q l^3 / (192 d), to rounding", no_tension},
   };
 }
 

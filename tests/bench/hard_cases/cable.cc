@@ -9,8 +9,8 @@
 #include "model/linear/modal_analysis.h"
 #include "tests/bench/hard_cases/bar_chain.h"
 #include "tests/bench/hard_cases/hard_case.h"
-#include "tests/model/test_scenes.h"
 #include "tests/reference/closed_forms.h"
+#include "tests/scenes.h"
 
 namespace rigfit::hard_cases {
 namespace cable_area {
@@ -206,17 +206,6 @@ Outcome three_thousand_segments(bool) {
   return worst.outcome();
 }
 
-/// A cable that is too long to pull anywhere, and one whose support gives way.
-Outcome slack(bool) {
-  Scene scene = cable(0.5972);
-  scene.gravity.setZero();
-  scene.members[0].tension.reset();
-  scene.members[0].unstretched_length = kSpan * 1.001;
-  const ModalAnalysis found = analyse_modes(scene);
-  return refusal(found.modes.empty() && found.equilibrium.status == EquilibriumStatus::slack,
-                 found.equilibrium.reason, "is slack");
-}
-
 }  // namespace
 }  // namespace cable_area
 
@@ -233,7 +222,6 @@ std::vector<HardCase> cable_cases() {
       {area, "inextensible, lambda^2 = 5000", "Irvine, own estimate + 2e-6", inextensible},
       {area, "3 segments", "closed form within own estimate", three_segments},
       {area, "3000 segments", "closed form, estimate + rounding", three_thousand_segments},
-      {area, "weightless and too long", "refused", slack},
   };
 }
 

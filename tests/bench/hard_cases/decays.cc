@@ -238,34 +238,6 @@ Outcome sweep(int records, double low_db, double high_db) {
   return tally.outcome();
 }
 
-/// What is no record at all: every answer is a refusal with this code.
-Outcome nothing_to_fit(bool) {
-  struct Nothing {
-    Eigen::VectorXd y;
-    const char* code;
-  };
-  const double infinity = std::numeric_limits<double>::infinity();
-  Generator draw(1);
-  Eigen::VectorXd pulse = Eigen::VectorXd::NullaryExpr(500, [&](Index) { return draw.normal(); });
-  pulse(250) = 100;
-  const Nothing list[] = {{Eigen::VectorXd(0), "too_few_samples"},
-                          {Eigen::VectorXd::Constant(1, 3), "too_few_samples"},
-                          {Eigen::VectorXd::LinSpaced(6, 0, 1), "too_few_samples"},
-                          {Eigen::VectorXd::Constant(500, kNaN), "too_few_samples"},
-                          {Eigen::VectorXd::Constant(500, infinity), "too_few_samples"},
-                          {Eigen::VectorXd::Zero(500), "constant"},
-                          {Eigen::VectorXd::Constant(500, 1e300), "constant"},
-                          {Eigen::VectorXd::LinSpaced(500, -1, 1), "too_noisy"},
-                          {pulse, "too_noisy"}};
-  for (const auto& [y, code] : list) {
-    const auto result = signal::estimate_decay(y, 500);
-    if (result.refusal_code != code) {
-      return {Verdict::failed, result.refusal_code + ": " + result.refusal, code};
-    }
-  }
-  return {Verdict::refused, "too_few_samples, constant, too_noisy", "these"};
-}
-
 HardCase of_many(std::string name, std::string must, std::vector<Decays> kinds, int records,
                  std::set<std::string> may_refuse = {}, bool intervals_only = false) {
   return {"decay", std::move(name), std::move(must),
@@ -361,8 +333,6 @@ std::vector<HardCase> decay_cases() {
               {noise, with(noise, [](Decays& d) { d.colour = 0.9; })}, 100, {"too_noisy"}),
       of_many("drift in noise", "refused", {with(noise, [](Decays& d) { d.drift = 100; })}, 40,
               {"too_noisy"}),
-      {"decay", "nothing: empty, constant, not finite, a line, one pulse", "refused",
-       nothing_to_fit},
   };
   for (const double per_cycle : {2.5, 4.0, 10.0, 200.0}) {
     cases.push_back(

@@ -6,13 +6,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <condition_variable>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
-#include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "tests/bench/hard_cases/hard_case.h"
@@ -21,40 +17,7 @@ namespace {
 
 using namespace rigfit::hard_cases;
 
-/// A case that has not ended by then hangs: none takes a tenth of it, sanitizers included.
-constexpr std::chrono::seconds kLimit{600};
-
-/// Ends the program with a line that says which case hangs.
-class Watchdog {
- public:
-  explicit Watchdog(const HardCase& hard_case)
-      : thread_([this, &hard_case] {
-          std::unique_lock lock(mutex_);
-          if (!ended_.wait_for(lock, kLimit, [this] { return done_; })) {
-            fmt::print("| {} | {} | {} | no end after {} s | | FAILED |\n", hard_case.area,
-                       hard_case.name, hard_case.must, kLimit.count());
-            std::fflush(stdout);
-            std::_Exit(1);
-          }
-        }) {}
-  ~Watchdog() {
-    {
-      const std::lock_guard lock(mutex_);
-      done_ = true;
-    }
-    ended_.notify_one();
-    thread_.join();
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable ended_;
-  bool done_ = false;
-  std::thread thread_;
-};
-
 Outcome run(const HardCase& hard_case, bool quick) {
-  const Watchdog watchdog(hard_case);
   try {
     return hard_case.run(quick);
   } catch (const std::exception& error) {

@@ -13,8 +13,8 @@
 #include "model/linear/modal_analysis.h"
 #include "tests/bench/hard_cases/bar_chain.h"
 #include "tests/bench/hard_cases/hard_case.h"
-#include "tests/model/test_scenes.h"
 #include "tests/reference/closed_forms.h"
+#include "tests/scenes.h"
 
 namespace rigfit::hard_cases {
 namespace modes_area {
@@ -53,14 +53,8 @@ Outcome planes_that_agree(bool) {
       scene.gravity = turn * scene.gravity;
     }
     if (variant == 2) {  // a stiff strut beside it, out of every plane
-      SceneNode foot, top;
-      foot.name = "foot";
-      foot.position << 1, -1, 1;
-      foot.support.kind = Support::Kind::clamped;
-      top.name = "top";
-      top.position << 1.3, -0.5, 1.2;
-      scene.nodes.push_back(foot);
-      scene.nodes.push_back(top);
+      scene.nodes.push_back(testing::node("foot", {1, -1, 1}, Support::Kind::clamped));
+      scene.nodes.push_back(testing::node("top", {1.3, -0.5, 1.2}));
       Member strut = testing::vertical_beam(1, 5000, 1, 4).members[0];
       strut.nodes = {"foot", "top"};
       scene.members.push_back(strut);
@@ -96,15 +90,13 @@ Outcome mast_with_four_guys(bool) {
   Scene scene = testing::vertical_beam(0.75, 2.1, 0.295, 12);
   scene.nodes[1].mass = 0.02;
   for (int k = 0; k < 4; ++k) {
-    SceneNode end;
-    end.name = fmt::format("anchor {}", k);
     const double c[] = {1, 0, -1, 0}, s[] = {0, 1, 0, -1};
-    end.position << 1.2 * c[k], 0.75, 1.2 * s[k];
-    end.support.kind = Support::Kind::pinned;
-    scene.nodes.push_back(end);
+    const std::string end = fmt::format("anchor {}", k);
+    scene.nodes.push_back(
+        testing::node(end, {1.2 * c[k], 0.75, 1.2 * s[k]}, Support::Kind::pinned));
     Member guy = testing::paper_cable(100, 0.4948, 12).members[0];
     guy.name = fmt::format("guy {}", k);
-    guy.nodes = {end.name, "tip"};
+    guy.nodes = {end, "tip"};
     scene.members.push_back(guy);
   }
   ModesOptions options;

@@ -17,15 +17,13 @@
 #include "model/statics/equilibrium.h"
 #include "model/statics/loaded_state.h"
 #include "tests/bench/hard_cases/hard_case.h"
-#include "tests/model/motion_scenes.h"
-#include "tests/model/test_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::hard_cases {
 namespace motion_area {
 namespace {
 
 using namespace model;
-using testing::node;
 
 /// Displacement and velocity of every node of a chain along every axis, as sensors.
 void see_all(Chain& chain, MotionProblem& problem) {
@@ -52,19 +50,11 @@ struct FlyingBeam {
   Eigen::VectorXd mass_of_node;  // lumped, kg: row sums of the mass matrix
 
   explicit FlyingBeam(bool damped) {
-    Scene scene;
+    Scene scene =
+        testing::span(testing::member(Member::Kind::beam, "beam", "", "", 4, 0.3, 1e5, 0.6),
+                      testing::node("a", {0, 0, 0}), testing::node("b", {1, 0, 0}));
     scene.gravity.setZero();
-    scene.nodes = {node("a", {0, 0, 0}), node("b", {1, 0, 0})};
-    Member beam;
-    beam.name = "beam";
-    beam.kind = Member::Kind::beam;
-    beam.nodes = {"a", "b"};
-    beam.segments = 4;
-    beam.mass_per_length = 0.3;
-    beam.EA = 1e5;
-    beam.EI = {0.6, 0.6};
-    if (damped) beam.damping = {.axial = 1e-2, .bending = 1e-6, .torsion = 0};
-    scene.members = {beam};
+    if (damped) scene.members[0].damping = {.axial = 1e-2, .bending = 1e-6, .torsion = 0};
     chain = Chain::from_scene(scene);
     chain.settled = true;
     problem.chain = &chain;
@@ -256,15 +246,9 @@ BentBeam bent_beam(int segments, double alpha, double force, double EA = 1e7) {
   scene.gravity.setZero();
   scene.nodes[1].position << kLength, 0, 0;
   scene.members[0].EA = EA;
-  Load pull;
-  pull.place.node = "tip";
-  pull.direction << std::cos(alpha), std::sin(alpha), 0;
-  scene.loads = {pull};
-  Sensor tip;
-  tip.place.node = "tip";
-  tip.quantity = Sensor::Quantity::displacement;
-  tip.direction << 1, 0, 0;
-  scene.sensors = {tip};
+  scene.loads = {
+      testing::impact({"tip", "", 0}, {std::cos(alpha), std::sin(alpha), 0}, 0, 0, "pull")};
+  scene.sensors = {{"tip", {"tip", "", 0}, {1, 0, 0}, Sensor::Quantity::displacement}};
   BentBeam out;
   out.chain = Chain::from_scene(scene);
   out.rest = find_equilibrium(out.chain, scene);

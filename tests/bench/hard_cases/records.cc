@@ -1,5 +1,5 @@
-// Load-deflection records and points at the ends of what a fit can take: a million samples, one,
-// nothing but zeros or constants, outliers, and laws of EI(T) through too few points.
+// Load-deflection records and points at the ends of what a fit can take: a million samples,
+// outliers, noise alone, and laws of EI(T) through too few points.
 #include <cmath>
 #include <random>
 #include <string>
@@ -79,34 +79,6 @@ Outcome outliers(bool quick) {
   return coverage.outcome();
 }
 
-Outcome without_noise(bool) {
-  std::mt19937_64 random(5);
-  const auto result = analyse_bending_test(record_of(100, 0, 0, random), span());
-  return within(std::abs(result.stiffness.EI_Nm2.value / kEI - 1), 1e-10);
-}
-
-Outcome zero_load(bool) {
-  std::mt19937_64 random(6);
-  BendingRecord record = record_of(200, 0.01, 1e-6, random);
-  record.load_N.setZero();
-  const auto result = analyse_bending_test(record, span());
-  return refusal(result.refused, reasons(result), "no_loading");
-}
-
-Outcome constant_deflection(bool) {
-  std::mt19937_64 random(7);
-  BendingRecord record = record_of(200, 0.01, 1e-6, random);
-  record.deflection_m.setConstant(2.5e-3);
-  const auto result = analyse_bending_test(record, span());
-  return refusal(result.refused, reasons(result), "no_loading");
-}
-
-Outcome one_sample(bool) {
-  std::mt19937_64 random(8);
-  const auto result = analyse_bending_test(record_of(1, 0, 0, random), span());
-  return refusal(result.refused, reasons(result), "too_few_points");
-}
-
 /// Noise alone: no line goes through it.
 Outcome only_noise(bool) {
   std::mt19937_64 random(9);
@@ -148,11 +120,7 @@ std::vector<HardCase> record_cases() {
   const std::string area = "records";
   return {
       {area, "a million samples", "EI within three std", a_million_samples},
-      {area, "no noise at all", "EI to rounding", without_noise},
       {area, "5 % outliers of 40 std", "95 % intervals hold the truth", outliers},
-      {area, "load all zeros", "refused", zero_load},
-      {area, "constant deflection", "refused", constant_deflection},
-      {area, "one sample", "refused", one_sample},
       {area, "noise alone, 20 records", "refused", only_noise},
       {area, "law of EI(T) through two points", "exact, its std; nothing decided",
        law_of_two_points},

@@ -41,17 +41,6 @@ TEST(RodStiffness, InvertsTheRodFromFeatherToFarHeavierThanItsMass) {
   }
 }
 
-TEST(RodStiffness, IsTheThirdOfTheMassToFirstOrderAndItsShareBehindAnAdapter) {
-  const double m = 1e-3, L = 1.0, M = 2.2, W = 1e5;
-  const auto rigid = rod_stiffness({W, M, m, L, 0});
-  // Relative remainder (m L / M)^2 / 45.
-  EXPECT_NEAR(rigid.cable_N_m, W * (M + m * L / 3), 5e-9 * W * M);
-  const double km = 4e5;
-  const auto soft = rod_stiffness({W, M, m, L, km});
-  const double share = 1 - soft.series_N_m / km;
-  EXPECT_NEAR(soft.series_N_m, W * (M + m * L / 3 * share * share), 1e-7 * W * M);
-}
-
 TEST(RodStiffness, DerivativesAreDifferenceQuotients) {
   for (const double per_length : {1e-6, 0.16667, 5.0}) {
     const RodOnMass rod{9.5e4, 2.2, per_length, 1.3, 6e5};

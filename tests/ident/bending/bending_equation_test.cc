@@ -13,47 +13,11 @@
 namespace rigfit::ident::bending_equation_test {
 namespace {
 
-TEST(BendingRatio, HasTwelveDigitsOverTenDecades) {
-  for (int i = 0; i <= 2000; ++i) {
-    const double lambda = std::pow(10.0, -6 + 10.0 * i / 2000);
-    const auto expected = static_cast<double>(apps::exact_bending_ratio(lambda));
-    // A few roundings of the double arithmetic; the continued fraction's remainder is below them.
-    ASSERT_NEAR(bending_ratio(lambda), expected, 1e-15 * expected) << lambda;
-    const auto complement = static_cast<double>(1 - apps::exact_bending_ratio(lambda));
-    ASSERT_NEAR(bending_ratio_complement(lambda), complement, 1e-15 * complement) << lambda;
-  }
-}
-
 TEST(BendingRatio, LimitsAreBeamAndString) {
   EXPECT_DOUBLE_EQ(bending_ratio(1e-6), 1e-12 / 12 * (1 - 1e-13));  // next term: lambda^2 / 10
   EXPECT_EQ(bending_ratio(0), 0);
   EXPECT_DOUBLE_EQ(bending_ratio_complement(1e4), 2e-4);
   EXPECT_DOUBLE_EQ(bending_ratio_complement(1e300), 2e-300);
-}
-
-TEST(BendingRatio, DerivativeMatchesDifferences) {
-  for (double lambda : {1e-5, 1e-2, 0.5, 1.999, 2.001, 7.0, 60.0, 1e4}) {
-    // Central difference in ln(lambda): error h^2/6 relative to F''' ~ 8 F', rounding eps F/(h F').
-    const double h = 1e-5;
-    const double difference =
-        lambda < 20 ? (bending_ratio(lambda * std::exp(h)) - bending_ratio(lambda * std::exp(-h)))
-                    : (bending_ratio_complement(lambda * std::exp(-h)) -
-                       bending_ratio_complement(lambda * std::exp(h)));
-    const double derivative = bending_ratio_log_derivative(lambda);
-    EXPECT_NEAR(derivative, difference / (2 * h), 3e-9 * derivative) << lambda;
-  }
-}
-
-TEST(LambdaFromBendingRatio, InvertsOverTenDecades) {
-  for (int i = 0; i <= 2000; ++i) {
-    const double lambda = std::pow(10.0, -6 + 10.0 * i / 2000);
-    const double ratio = bending_ratio(lambda);
-    const double found = lambda_from_bending_ratio(ratio);
-    // The ratio is stored to half a unit in the last place, which loses d ln(lambda) = eps F /
-    // (dF/d ln lambda) for good.
-    const double conditioning = ratio / bending_ratio_log_derivative(lambda);
-    ASSERT_NEAR(found, lambda, lambda * (4e-15 + 4e-16 * conditioning)) << lambda;
-  }
 }
 
 TEST(LambdaFromBendingRatio, WorksAtTheVeryEnds) {
@@ -108,20 +72,6 @@ TEST(MidspanCompliance, RefusesWhatIsNotPositive) {
   EXPECT_THROW((void)midspan_compliance(0, 1, 1), std::invalid_argument);
   EXPECT_THROW((void)midspan_compliance(1, -1, 1), std::invalid_argument);
   EXPECT_THROW((void)midspan_compliance(1, 1, INFINITY), std::invalid_argument);
-}
-
-TEST(StiffnessFromCompliance, GivesBackTheStiffnessAtEveryTension) {
-  for (double P : {0.0, 1e-9, 1.0, 25.0, 300.0, 1e4}) {
-    const double EI = 0.4948, l = 0.6;
-    const auto result =
-        stiffness_from_compliance({{midspan_compliance(EI, P, l), 0}, {P, 0}, {l, 0}});
-    ASSERT_EQ(result.status, BendingStatus::solved) << result.reason;
-    // Rounding of the slope times the amplification that the result itself states.
-    const double tolerance = 1e-14 * (1 + std::abs(result.log_sensitivity_compliance)) * EI;
-    EXPECT_NEAR(result.EI_Nm2.value, EI, tolerance) << P;
-    EXPECT_NEAR(result.low, EI, tolerance);
-    EXPECT_NEAR(result.high, EI, tolerance);
-  }
 }
 
 TEST(StiffnessFromCompliance, SensitivitiesMatchDifferences) {
@@ -206,24 +156,6 @@ TEST(StiffnessFromCompliance, UnknownUncertaintyGivesNoInterval) {
   EXPECT_EQ(result.status, BendingStatus::solved);
   EXPECT_TRUE(std::isnan(result.EI_Nm2.std));
   EXPECT_TRUE(std::isnan(result.low));
-}
-
-// 95 % intervals of noisy slopes cover the truth: 2000 draws, so 0.95 +- 3 * 0.0049.
-TEST(StiffnessFromCompliance, IntervalsCover) {
-  std::mt19937_64 random(7);
-  std::normal_distribution<double> normal;
-  const double EI = 0.05, P = 200, l = 0.5, slope = midspan_compliance(EI, P, l);
-  int covered = 0;
-  constexpr int kTrials = 500;
-  for (int i = 0; i < kTrials; ++i) {
-    const auto result =
-        stiffness_from_compliance({{slope * (1 + 0.02 * normal(random)), 0.02 * slope},
-                                   {P * (1 + 0.005 * normal(random)), 0.005 * P},
-                                   {l, 0}});
-    covered += result.low <= EI && EI <= result.high;
-  }
-  // Three standard deviations of a binomial share over 500 trials are 2.9 %.
-  EXPECT_NEAR(static_cast<double>(covered) / kTrials, 0.95, 0.03);
 }
 
 }  // namespace

@@ -8,18 +8,6 @@
 namespace rigfit::ident::deming_line_test {
 namespace {
 
-TEST(DemingLine, ExactPointsGiveTheExactLine) {
-  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(11, 0, 1e-3);
-  const Eigen::VectorXd y = (2.0 + 5000 * x.array()).matrix();
-  for (double noise_x : {0.0, 1e-6}) {
-    const auto line = fit_deming_line(x, y, noise_x, 0.01);
-    EXPECT_TRUE(line.usable);
-    EXPECT_NEAR(line.slope, 5000, 1e-8);
-    EXPECT_NEAR(line.offset, 2, 1e-11);
-    EXPECT_NEAR(line.curvature, 0, 1e-10);
-  }
-}
-
 // With errors in x as large as in y (in units of the slope) ordinary regression is biased by
 // var(error) / var(x); Deming's line is not. Mean over many sets against its standard error.
 TEST(DemingLine, ErrorsInBothChannelsDoNotBiasTheSlope) {

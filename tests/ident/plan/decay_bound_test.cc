@@ -24,13 +24,6 @@ TEST(DecayBound, LimitsOfLongRecordsAndOfNoDamping) {
   }
 }
 
-// The series and the closed form meet: at x = 2 a T = 0.01 they differ by less than 1e-10.
-TEST(DecayBound, HasNoJumpBetweenItsTwoForms) {
-  const double below = decay_information(1, 0.01 * (1 - 1e-9) / 16, 8, 100).pole;
-  const double above = decay_information(1, 0.01 * (1 + 1e-9) / 16, 8, 100).pole;
-  EXPECT_NEAR(below / above, 1, 1e-9);
-}
-
 // The covariance of the maximum-likelihood fit of one decay is the bound, but for terms at twice
 // its frequency, of the order 1 / (w T) = 1 / 250.
 TEST(DecayBound, IsTheCovarianceOfAFittedDecay) {

@@ -11,40 +11,17 @@
 
 #include "ident/update/model_update.h"
 #include "model/frfs/frf_synthesis.h"
-#include "model/scene/read_scene.h"
-#include "tests/model/test_scenes.h"
+#include "tests/ident/update/fit_data.h"
 
 namespace rigfit::ident::scene_prediction_test {
 namespace {
 
 /// A horizontal cantilever, weightless: f goes with sqrt(EI / m).
 model::Scene cantilever() {
-  model::Scene scene;
-  scene.gravity.setZero();
-  scene.nodes.resize(2);
-  scene.nodes[0].name = "foot";
-  scene.nodes[0].support.kind = model::Support::Kind::clamped;
-  scene.nodes[1].name = "tip";
-  scene.nodes[1].position = {1, 0, 0};
-  model::Member beam;
-  beam.name = "beam";
-  beam.kind = model::Member::Kind::beam;
-  beam.nodes = {"foot", "tip"};
-  beam.segments = 20;
-  beam.mass_per_length = 2;
-  beam.EA = 1e7;
-  beam.EI = {100, 100};
-  beam.GJ = 100;
-  beam.damping_ratio = 0.01;
-  scene.members.push_back(beam);
-  scene.loads.resize(1);
-  scene.loads[0].name = "hammer";
-  scene.loads[0].place.node = "tip";
-  scene.loads[0].peak = 1;
-  scene.loads[0].duration = 1e-3;
-  scene.sensors.resize(1);
-  scene.sensors[0].name = "tip";
-  scene.sensors[0].place.node = "tip";
+  auto scene = model::testing::level_cantilever(100, 2, 20);
+  scene.members[0].damping_ratio = 0.01;
+  scene.loads = {model::testing::impact({"tip", "", 0}, {0, -1, 0}, 1, 1e-3)};
+  scene.sensors = {{"tip", {"tip", "", 0}, {0, 1, 0}, {}}};
   return scene;
 }
 
@@ -154,10 +131,8 @@ TEST(ScenePrediction, FrfIntervalsFollowTheStiffness) {
 
 TEST(ScenePrediction, HoldsMeasurementsAgainstIt) {
   const auto prediction = predict_modes(cantilever(), two(0.02 * 121, 0, 0), {});
-  MeasuredMode mode;
   const double f = prediction.modes[0].frequency_hz.value;
-  mode.frequency_hz = {1.005 * f, 0};
-  mode.plane = prediction.modes[0].mode.plane;
+  const auto mode = testing::mode_of(1.005 * f, 0, prediction.modes[0].mode.plane);
   MeasuredMode far = mode;
   far.frequency_hz.value = 1.05 * prediction.modes[2].frequency_hz.value;
   const auto held = held_against(prediction, {mode, far});
@@ -166,37 +141,14 @@ TEST(ScenePrediction, HoldsMeasurementsAgainstIt) {
   EXPECT_FALSE(held[1].inside);
 }
 
-model::Scene cable(double tension, double EI, const std::string& segments) {
-  return model::parse_scene(R"(
-accuracy = 1e-4
-[[node]]
-name = "left"
-position = [0.0, 0.0, 0.0]
-support = "pinned"
-[[node]]
-name = "right"
-position = [2.4, 0.0, 0.0]
-support = "pinned"
-[[member]]
-name = "cable"
-kind = "cable"
-nodes = ["left", "right"]
-mass_per_length = 0.16667
-EA = 221780.0
-GJ = 0.1
-segments = )" + segments + "\ntension = " +
-                                std::to_string(tension) + "\nEI = " + std::to_string(EI) + "\n",
-                            "cable.toml");
-}
-
 TEST(ScenePrediction, AutoSegmentsGiveTheIntervalThatGivenSegmentsGive) {
   FittedParameters fitted;
   fitted.parameters = {{"cable.tension", 60}, {"cable.EI", 0.5}};
   fitted.covariance = Eigen::Vector2d(36, 0.01).asDiagonal();
   PredictionOptions options;
   options.always_sample = true;
-  const auto left = predict_modes(cable(60, 0.5, "\"auto\""), fitted, options);
-  const auto given = predict_modes(cable(60, 0.5, "60"), fitted, options);
+  const auto left = predict_modes(model::testing::paper_cable(60, 0.5, 0), fitted, options);
+  const auto given = predict_modes(model::testing::paper_cable(60, 0.5, 60), fitted, options);
   ASSERT_EQ(left.modes.size(), 6u);
   ASSERT_EQ(given.modes.size(), 6u);
   for (std::size_t i = 0; i < 6; ++i) {
@@ -237,13 +189,7 @@ TEST(SceneInputs, CountOnceWhereTheFitHadThem) {
   options.segment_uncertainty = false;
   UpdateState state;
   state.scene = cantilever();
-  for (const auto& mode : model::analyse_modes(state.scene).modes) {
-    if (mode.plane != model::ModePlane::in || state.measured.size() == 3) continue;
-    MeasuredMode one;
-    one.frequency_hz = {mode.frequency_hz, 1e-4 * mode.frequency_hz};
-    one.plane = mode.plane;
-    state.measured.push_back(one);
-  }
+  state.measured = testing::modes_of(state.scene, model::ModePlane::in, 3, 1e-4);
   FreeParameter EI;
   EI.name = "beam.EI";
   const auto fit = update_model({state}, {EI}, options);
@@ -281,13 +227,8 @@ TEST(SceneInputs, AFittedParameterKeepsItsFit) {
 model::Scene struck_cantilever() {
   auto scene = model::testing::vertical_beam(1, 10, 0.5, 0);
   scene.members[0].EA = 1e6;
-  scene.loads.resize(1), scene.sensors.resize(1);
-  scene.loads[0].name = "hammer";
-  scene.loads[0].place.node = scene.sensors[0].place.node = "tip";
-  scene.loads[0].direction = scene.sensors[0].direction = {1, 0, 0};
-  scene.loads[0].peak = 1, scene.loads[0].duration = 0.005;
-  scene.sensors[0].name = "tip";
-  scene.sensors[0].quantity = model::Sensor::Quantity::displacement;
+  scene.loads = {model::testing::impact({"tip", "", 0}, {1, 0, 0}, 1, 0.005)};
+  scene.sensors = {{"tip", {"tip", "", 0}, {1, 0, 0}, model::Sensor::Quantity::displacement}};
   return scene;
 }
 

@@ -52,23 +52,6 @@ TEST(Identifiability, NamesTwoThatOnlyActTogether) {
               1e-9 * known.std[1]);
 }
 
-TEST(Identifiability, NamesOneWithoutInfluence) {
-  Eigen::MatrixXd J = random_matrix(8, 2);
-  J.col(1).setZero();
-  const auto known = identifiability(J, Eigen::Vector2d(1, 1), {"EI", "GJ"});
-  ASSERT_EQ(known.open.size(), 1U);
-  EXPECT_EQ(known.open[0].message, "the data do not determine GJ");
-  EXPECT_TRUE(known.identifiable[0]);
-}
-
-TEST(Identifiability, FewerResidualsThanParameters) {
-  const auto known =
-      identifiability(random_matrix(2, 4), Eigen::Vector4d::Ones(), {"a", "b", "c", "d"});
-  EXPECT_EQ(known.rank, 2);
-  EXPECT_EQ(known.open.size(), 2U);
-  EXPECT_FALSE(known.complete());
-}
-
 TEST(Identifiability, VagueIsNotDetermined) {
   // One residual of standard deviation 1 per parameter: relative standard deviations 0.1 and 10.
   const auto known = identifiability(Eigen::Vector2d(10, 0.1).asDiagonal().toDenseMatrix(),

@@ -149,14 +149,6 @@ TEST(StiffnessLaws, CommonUncertaintyWidensTheBandOnly) {
   EXPECT_NEAR(wide * wide - narrow * narrow, std::pow(0.03 * 0.4, 2), 1e-9);
 }
 
-TEST(StiffnessLaws, TwoPointsGiveALineWithoutUncertainty) {
-  const auto laws = fit_stiffness_laws({{100, 0.5}, {200, 0.7}});
-  const auto& line = law_of(laws, LawKind::linear);
-  EXPECT_NEAR(predict(line, 150).EI_Nm2, 0.6, 1e-9);
-  EXPECT_TRUE(std::isnan(line.parameters[0].std));
-  EXPECT_NE(laws.sentence.find("saturating"), std::string::npos) << laws.sentence;
-}
-
 TEST(StiffnessLaws, RefuseWhatIsNotPositive) {
   EXPECT_THROW((void)fit_stiffness_laws({{100, 0.5}}), std::invalid_argument);
   EXPECT_THROW((void)fit_stiffness_laws({{100, 0.5}, {0, 0.7}}), std::invalid_argument);

@@ -10,6 +10,7 @@
 #include "ident/tension/cable_frequencies.h"
 #include "ident/tension/cable_model.h"
 #include "model/linear/modal_analysis.h"
+#include "tests/ident/update/fit_data.h"
 
 namespace rigfit::ident::cable_tension_test {
 namespace {
@@ -25,11 +26,7 @@ std::vector<MeasuredMode> frequencies(const CableDescription& cable, CableEnds e
   std::vector<MeasuredMode> modes;
   for (const auto& mode :
        model::analyse_modes(cable_scene(cable, ends, tension_N, EI), options).modes) {
-    MeasuredMode one;
-    one.frequency_hz = {mode.frequency_hz, relative_std * mode.frequency_hz};
-    one.damping_ratio = {NAN, NAN};
-    one.plane = model::ModePlane::in;
-    modes.push_back(one);
+    modes.push_back(testing::mode_of(mode.frequency_hz, relative_std * mode.frequency_hz));
   }
   return modes;
 }
@@ -126,10 +123,8 @@ TEST(CableTension, IntervalsHoldOverSpansAndTensions) {
     std::vector<MeasuredMode> modes;
     for (std::size_t k = 0; k < f.in_hz.size(); ++k) {
       if (k == 2) continue;
-      MeasuredMode mode;
-      mode.frequency_hz = {f.in_hz[k] * (1 + 5e-4 * normal(random)), 5e-4 * f.in_hz[k]};
-      mode.plane = model::ModePlane::in;
-      modes.push_back(mode);
+      modes.push_back(
+          testing::mode_of(f.in_hz[k] * (1 + 5e-4 * normal(random)), 5e-4 * f.in_hz[k]));
     }
     CableDescription cable;
     cable.length_m = {L, 0};
@@ -190,10 +185,7 @@ TEST(CableTension, MainsHumAboveTheBandIsNoMode) {
   cable.EI_Nm2 = signal::Estimate{1e5, 1e4};
   std::vector<MeasuredMode> modes;
   for (const double hz : {2.0, 4.0, 6.0, 8.0, 10.0, 50.0}) {
-    MeasuredMode one;
-    one.frequency_hz = {hz, 0.003};
-    one.damping_ratio = {NAN, NAN};
-    modes.push_back(one);
+    modes.push_back(testing::mode_of(hz, 0.003, {}));
   }
   const auto result = identify_tension(cable, modes);
   ASSERT_TRUE(result.solved);
@@ -240,11 +232,7 @@ TEST(CableTension, PreciseFrequenciesOfAClampedCableWithoutEI) {
     for (const double hz :
          cable_frequencies({20, 5, T, EI, std::numeric_limits<double>::infinity(), 0}, 8, 1e9)
              .out_hz) {
-      MeasuredMode one;
-      one.frequency_hz = {hz, 1.3e-4 * hz};
-      one.damping_ratio = {NAN, NAN};
-      one.plane = model::ModePlane::in;
-      modes.push_back(one);
+      modes.push_back(testing::mode_of(hz, 1.3e-4 * hz));
     }
     const auto result = identify_tension(cable, modes, options);
     ASSERT_TRUE(result.solved);
@@ -278,11 +266,8 @@ TEST(CableTension, SpringsThatAreClamped) {
 }
 
 TEST(CableTension, MergesWhatAgreesAndKeepsTheRestApart) {
-  MeasuredMode a, b, c;
-  a.frequency_hz = {1.000, 0.001};
-  b.frequency_hz = {1.002, 0.001};
-  c.frequency_hz = {1.050, 0.001};
-  const auto merged = merged_modes({c, a, b});
+  const auto merged = merged_modes({testing::mode_of(1.050, 0.001), testing::mode_of(1.000, 0.001),
+                                    testing::mode_of(1.002, 0.001)});
   ASSERT_EQ(merged.size(), 2u);
   EXPECT_NEAR(merged[0].frequency_hz.value, 1.001, 1e-12);
   EXPECT_NEAR(merged[0].frequency_hz.std, 1e-3,
@@ -324,10 +309,8 @@ TEST(CableTension, RefusesWhatMakesNoSense) {
   cable.length_m = {10, 0};
   cable.mass_per_length = {1, 0};
   EXPECT_THROW((void)identify_tension(cable, {}), std::invalid_argument);
-  MeasuredMode mode;
-  mode.frequency_hz = {1, 0.01};
   cable.length_m.value = -1;
-  EXPECT_THROW((void)identify_tension(cable, {mode}), std::invalid_argument);
+  EXPECT_THROW((void)identify_tension(cable, {testing::mode_of(1, 0.01)}), std::invalid_argument);
 }
 
 }  // namespace

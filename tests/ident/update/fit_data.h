@@ -8,7 +8,7 @@
 
 #include "ident/update/model_update.h"
 #include "model/linear/modal_analysis.h"
-#include "tests/model/test_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::ident::testing {
 
@@ -29,6 +29,13 @@ inline model::Scene beam(double EI, double tip_mass, int segments = 12) {
   return scene;
 }
 
+/// A frequency without damping ratio or shape.
+inline MeasuredMode mode_of(double hz, double std_hz,
+                            std::optional<model::ModePlane> plane = model::ModePlane::in) {
+  return {
+      .frequency_hz = {hz, std_hz}, .damping_ratio = {std::nan(""), std::nan("")}, .plane = plane};
+}
+
 /// The first modes of a plane, known to a relative `std`, and off by that with `random`.
 inline std::vector<MeasuredMode> modes_of(const model::Scene& truth, model::ModePlane plane,
                                           std::size_t count, double std,
@@ -40,10 +47,7 @@ inline std::vector<MeasuredMode> modes_of(const model::Scene& truth, model::Mode
   for (const auto& mode : model::analyse_modes(truth, options).modes) {
     if (mode.plane != plane || modes.size() == count) continue;
     const double off = random != nullptr ? std * normal(*random) : 0;
-    modes.emplace_back();
-    modes.back().frequency_hz = {mode.frequency_hz * (1 + off), std * mode.frequency_hz};
-    modes.back().damping_ratio = {std::nan(""), std::nan("")};
-    modes.back().plane = plane;
+    modes.push_back(mode_of(mode.frequency_hz * (1 + off), std * mode.frequency_hz, plane));
   }
   return modes;
 }

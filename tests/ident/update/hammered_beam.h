@@ -21,14 +21,9 @@ inline constexpr double kBeamEI = 2.1, kTipMass = 0.02, kBeamDamping = 0.01;
 inline model::Scene hammered_beam(double EI, double tip_mass, int segments) {
   auto scene = beam(EI, tip_mass, segments);
   scene.members[0].damping_ratio = kBeamDamping;
-  scene.loads.resize(1), scene.sensors.resize(2);
-  scene.loads[0].name = "hammer";
-  scene.loads[0].place = {"", "beam", 0.8};
-  scene.loads[0].peak = 1, scene.loads[0].duration = 0.002;
-  scene.sensors[0].name = "low", scene.sensors[1].name = "high";
-  scene.sensors[0].place = {"", "beam", 0.6}, scene.sensors[1].place = {"", "beam", 0.866667};
-  scene.loads[0].direction = {1, 0, 0};
-  for (auto& sensor : scene.sensors) sensor.direction = {1, 0, 0};
+  scene.loads = {model::testing::impact({"", "beam", 0.8}, {1, 0, 0}, 1, 0.002)};
+  scene.sensors = {{"low", {"", "beam", 0.6}, {1, 0, 0}, {}},
+                   {"high", {"", "beam", 0.866667}, {1, 0, 0}, {}}};
   return scene;
 }
 

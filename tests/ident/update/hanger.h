@@ -13,31 +13,19 @@ constexpr double kLength = 10, kTension = 5e5;  // m, N
 
 // A hanger of 30 kg/m; springs of `rotational` N m/rad where the support is elastic.
 inline model::Scene hanger(model::Support::Kind kind, double EI, double rotational = 0) {
-  model::Scene scene;
-  scene.gravity.setZero();
-  constexpr double kFixed = std::numeric_limits<double>::infinity();
-  for (const double x : {0.0, kLength}) {
-    model::SceneNode node;
-    node.name = x == 0 ? "a" : "b";
-    node.position = {x, 0, 0};
-    node.support.kind = kind;
-    if (kind == model::Support::Kind::elastic) {
-      node.support.translational.setConstant(kFixed);
-      node.support.rotational = {kFixed, rotational, rotational};
-    }
-    scene.nodes.push_back(node);
-  }
-  model::Member member;
-  member.name = "h";
-  member.kind = model::Member::Kind::cable;
-  member.nodes = {"a", "b"};
-  member.segments = 40;
-  member.mass_per_length = 30;
-  member.EA = 2e3 * kTension;
-  member.EI = {EI, EI};
+  namespace build = model::testing;
+  auto member = build::member(model::Member::Kind::cable, "h", "", "", 40, 30, 2e3 * kTension, EI);
   member.GJ = EI;
   member.tension = kTension;
-  scene.members.push_back(member);
+  auto scene = build::span(member, build::node("a", {0, 0, 0}, kind),
+                           build::node("b", {kLength, 0, 0}, kind));
+  scene.gravity.setZero();
+  constexpr double kFixed = std::numeric_limits<double>::infinity();
+  for (auto& node : scene.nodes) {
+    if (kind != model::Support::Kind::elastic) continue;
+    node.support.translational.setConstant(kFixed);
+    node.support.rotational = {kFixed, rotational, rotational};
+  }
   return scene;
 }
 

@@ -9,7 +9,7 @@
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"
 #include "tests/ident/update/fit_data.h"
-#include "tests/model/test_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::ident::load_cell_test {
 namespace {

@@ -10,7 +10,7 @@
 #include "ident/update/model_update.h"
 #include "tests/ident/update/fit_data.h"
 #include "tests/ident/update/hammered_beam.h"
-#include "tests/model/test_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::ident::sample_rate_input_test {
 namespace {
@@ -20,24 +20,12 @@ constexpr double kTension = 200, kRate = 3e-4, kNoise = 1e-4;
 // `count` tests of one cable, all frequencies measured by the part `off` too high.
 std::vector<UpdateState> tests(int count, double off) {
   std::mt19937_64 random(7);
-  std::normal_distribution<double> normal;
   const auto truth = model::testing::paper_cable(kTension, 0.6, 12);
-  model::ModesOptions options;
-  options.count = 16;
-  const auto modes = model::analyse_modes(truth, options).modes;
   std::vector<UpdateState> all;
   for (int k = 0; k < count; ++k) {
-    UpdateState state{"test " + std::to_string(k + 1), truth, {}};
-    for (const auto& mode : modes) {
-      if (mode.plane != model::ModePlane::out || state.measured.size() == 5) continue;
-      MeasuredMode one;
-      const double f = mode.frequency_hz;
-      one.frequency_hz = {f * (1 + off) * (1 + kNoise * normal(random)), kNoise * f};
-      one.damping_ratio.value = std::nan("");
-      one.plane = model::ModePlane::out;
-      state.measured.push_back(one);
-    }
-    all.push_back(std::move(state));
+    all.push_back({"test " + std::to_string(k + 1), truth,
+                   testing::modes_of(truth, model::ModePlane::out, 5, kNoise, &random)});
+    for (auto& mode : all.back().measured) mode.frequency_hz.value *= 1 + off;
   }
   return all;
 }

@@ -31,7 +31,7 @@ TEST(FindAnswers, RoundingOfTheMeasuredModesChangesNothing) {
   options.starts = 1;
   options.model_relative_std = 1e-3;
   std::normal_distribution<double> normal;
-  for (int draw = 0; draw < 20; ++draw) {
+  for (int draw = 0; draw < 8; ++draw) {
     SCOPED_TRACE(draw);
     auto states = measured;
     for (auto& state : states) {

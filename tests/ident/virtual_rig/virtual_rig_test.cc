@@ -2,6 +2,7 @@
 
 #include "ident/virtual_rig/virtual_axial.h"
 #include "ident/virtual_rig/virtual_bending.h"
+#include "tests/scenes.h"
 
 #include <gtest/gtest.h>
 
@@ -32,26 +33,11 @@ Eigen::MatrixXd quasi_static(const model::Scene& scene, double duration_s, doubl
 }
 
 model::Scene scene() {
-  model::Scene result;
-  result.nodes.resize(2);
-  result.nodes[0].name = "a";
-  result.nodes[1].name = "b";
-  result.nodes[1].position = {2.4, 0, 0};
-  result.members.resize(1);
-  result.members[0].name = "cable";
-  result.members[0].nodes = {"a", "b"};
-  result.members[0].segments = 30;
-  result.loads.resize(2);
-  result.loads[0].name = "quarter";
-  result.loads[0].place = {"", "cable", 0.25};
-  result.loads[0].peak = 50;
-  result.loads[0].duration = 0.02;
-  result.loads[1].kind = model::Load::Kind::release;
-  result.loads[1].place = {"", "cable", 0.25};
-  result.loads[1].mass = 1;
-  result.sensors.resize(2);
-  result.sensors[0].name = "mid";
-  result.sensors[1].name = "end";
+  auto result = model::testing::released_cable();
+  result.loads.insert(result.loads.begin(),
+                      model::testing::impact({"", "cable", 0.25}, {0, -1, 0}, 50, 0.02, "quarter"));
+  result.loads[1].name = "";
+  result.sensors = {{"mid", {}, {0, 1, 0}, {}}, {"end", {}, {0, 1, 0}, {}}};
   return result;
 }
 
@@ -135,22 +121,6 @@ TEST(VirtualRig, RefusesASceneWithNothingToTest) {
   EXPECT_THROW((void)virtual_rig_records(empty, {}, quasi_static, 1), std::invalid_argument);
 }
 
-// Pass band to 0.8, stop band from 1 of the new Nyquist frequency: ripple of an 80 dB design is
-// 1e-4.
-TEST(Decimated, KeepsWhatIsBelowAndRemovesWhatIsAboveTheNewNyquist) {
-  const int factor = 4;
-  Eigen::VectorXd low(4000), high(4000);
-  for (Eigen::Index i = 0; i < low.size(); ++i) {
-    low[i] = std::sin(0.79 * std::numbers::pi / factor * static_cast<double>(i));
-    high[i] = std::sin(1.02 * std::numbers::pi / factor * static_cast<double>(i));
-  }
-  const Eigen::VectorXd kept = decimated(low, factor), removed = decimated(high, factor);
-  for (Eigen::Index j = 100; j < 900; ++j) {
-    EXPECT_NEAR(kept[j], low[4 * j], 2e-4);
-    EXPECT_NEAR(removed[j], 0, 2e-4);
-  }
-}
-
 VirtualAxialTest light_test() {
   VirtualAxialTest test;
   test.EA_N = 221780;
@@ -159,30 +129,6 @@ VirtualAxialTest light_test() {
   test.hung_mass_kg = 2.2;
   test.damping_ratio = 0.017;
   return test;
-}
-
-// k = (M + mc/3) w^2 is the rod's Rayleigh quotient; what it leaves out is of second order in mc/M:
-// the exact series k_rod = EA/L (1 - x/3 - x^2/45 ...), x = (bL)^2 = about mc/M = 0.076, so x^2/45
-// = 1.3e-4.
-TEST(VirtualAxial, ContinuousRodNearsTheLumpedOneFromBelow) {
-  const auto test = light_test();
-  const double k = test.EA_N / test.length_m;
-  const double lumped = std::sqrt(k / (test.hung_mass_kg + 0.16667 / 3)) *
-                        std::sqrt(1 - 0.017 * 0.017) / (2 * std::numbers::pi);
-  const double exact = axial_truth(test).frequency_hz;
-  EXPECT_LT(exact, lumped);
-  EXPECT_NEAR(exact, lumped, 1.3e-4 * lumped);
-}
-
-TEST(VirtualAxial, AStiffAdapterVanishesAndASoftOneTakesOver) {
-  auto test = light_test();
-  const double bare = axial_truth(test).frequency_hz;
-  test.adapter_stiffness_N_m = 1e15;
-  EXPECT_NEAR(axial_truth(test).frequency_hz, bare, 1e-9 * bare);
-  test.adapter_stiffness_N_m =
-      10;  // cable is 22000 times stiffer: only the adapter's spring is left
-  const double soft = std::sqrt(10 / 2.2) / (2 * std::numbers::pi);
-  EXPECT_NEAR(axial_truth(test).frequency_hz, soft, 3e-4 * soft);
 }
 
 // Without any disturbance the record is the weight, then a decaying sinusoid about it: its
@@ -206,17 +152,6 @@ TEST(VirtualAxial, RecordDecaysWithTheStatedDampingRatio) {
   EXPECT_NEAR(decrement, 2 * std::numbers::pi * 0.017 / std::sqrt(1 - 0.017 * 0.017), 2e-6);
 }
 
-TEST(VirtualAxial, SameSeedSameRecordAndBadValuesRefused) {
-  auto test = light_test();
-  test.load_cell = {0.05, 0.5, 0.1, 0.05, 0, 500, 16};
-  Random a = random_stream(7, 3), b = random_stream(7, 3), c = random_stream(8, 3);
-  const auto first = virtual_axial_record(test, a);
-  EXPECT_EQ(first.channels[0].samples, virtual_axial_record(test, b).channels[0].samples);
-  EXPECT_NE(first.channels[0].samples, virtual_axial_record(test, c).channels[0].samples);
-  test.hung_mass_kg = 0;
-  EXPECT_THROW((void)axial_truth(test), std::invalid_argument);
-}
-
 VirtualBendingTest quiet_test() {
   VirtualBendingTest test;
   test.EI_Nm2 = 0.5972;
@@ -225,20 +160,6 @@ VirtualBendingTest quiet_test() {
   test.friction_load_N = 0;
   test.frame_stiffness_N_m = 0;
   return test;
-}
-
-// Without tension to speak of, a clamped beam: d = Q l^3 / (192 EI); g's next term is x^2/10
-// = 2.5e-6 here.
-TEST(VirtualBending, WithoutTensionIsAClampedBeam) {
-  auto test = quiet_test();
-  test.tension_N = 6e-5;
-  Random random = random_stream(1, 0);
-  const auto recording = virtual_bending_record(test, random);
-  const auto& load = recording.channels[1].samples;
-  const auto& deflection = recording.channels[2].samples;
-  const Eigen::Index peak = recording.samples() / 4;  // middle of the first of two cycles
-  EXPECT_NEAR(load[peak], 10, 1e-5);
-  EXPECT_NEAR(deflection[peak], 10 / (192 * test.EI_Nm2), 4e-6 * 10 / (192 * test.EI_Nm2));
 }
 
 TEST(VirtualBending, TensionOnlyGrowsAndFrictionOpensALoop) {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "model/linear/modes.h"
-#include "tests/reference/utility_line.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::eigenpairs_test {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 TEST(Eigenpairs, CrowdedOnesOfALongLineAreAllFound) {
   ModesOptions options;
   options.count = 50;
-  const ChainModes modes = find_modes(apps::utility_line(50, 30, 10), options);
+  const ChainModes modes = find_modes(testing::utility_line(50, 30, 10), options);
   ASSERT_EQ(modes.order.size(), 50u);
   EXPECT_TRUE(modes.complete());
   for (const MotionModes& motion : modes.motions) {

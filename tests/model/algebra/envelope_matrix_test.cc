@@ -50,31 +50,6 @@ TEST(EnvelopeFactor, SolvesAndCountsAsDenseAlgebraDoes) {
   }
 }
 
-// Zeros that rows begin with go, those inside stay: the same matrix, and the same products.
-TEST(EnvelopeMatrix, TrimmedIsTheSameMatrix) {
-  EnvelopeMatrix matrix(Envelope::from_rows({0, 0, 0, 1, 0}));
-  matrix.add(0, 0, 1), matrix.add(1, 1, 2), matrix.add(2, 2, 3);
-  matrix.add(3, 3, 4), matrix.add(4, 4, 5);
-  matrix.add(2, 1, 6), matrix.add(3, 1, 7), matrix.add(4, 2, 8);
-  const EnvelopeMatrix trimmed = matrix.trimmed();
-  EXPECT_EQ(trimmed.envelope()->first, (std::vector<int>{0, 1, 1, 1, 2}));
-  EXPECT_TRUE(MatricesNear(trimmed.dense(), matrix.dense(), 0));
-  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(5, -1, 2);
-  EXPECT_TRUE(MatricesNear(trimmed * x, matrix * x, 0));
-}
-
-TEST(EnvelopeFactor, SolvesComplexSymmetricMatrices) {
-  std::mt19937_64 random(2);
-  const auto matrix = random_matrix<std::complex<double>>(30, random);
-  const Eigen::VectorXcd x = Eigen::VectorXcd::Random(30);
-  Eigen::VectorXcd y = matrix * x;
-  EXPECT_TRUE(MatricesNear((y - matrix.dense() * x).cwiseAbs(), Eigen::VectorXd::Zero(30), 1e-12));
-  ComplexEnvelopeFactor factor;
-  ASSERT_TRUE(factor.factor(matrix));
-  factor.solve_in_place(y);
-  EXPECT_LT((y - x).norm(), 1e-10 / factor.smallest_pivot_ratio());
-}
-
 TEST(EnvelopeFactor, NamesTheRowOfASingularPivot) {
   EnvelopeMatrix matrix(Envelope::from_rows({0, 0, 1}));
   matrix.add(0, 0, 1);

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "tests/expect_matrix.h"
-#include "tests/model/test_scenes.h"
 #include "tests/reference/dense_eigen.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::assembly_test {
 namespace {
@@ -123,79 +123,6 @@ TEST(Assembly, RigidMotionOfTheWholeStoresNothing) {
   turned.director = turn * state.director;
   for (auto& r : turned.rotation) r = turn * r;
   EXPECT_NEAR(assembly.potential(turned), before, 1e-12 * before);
-}
-
-TEST(Assembly, DampersDissipateNothingInRigidTranslationAndAreNotNegative) {
-  Scene scene = rich_scene();
-  for (auto& node : scene.nodes) node.support = {};
-  for (auto& member : scene.members) member.damping = {10, 0.1, 0.2};
-  const Chain chain = Chain::from_scene(scene);
-  const Assembly assembly(chain, Motion::space);
-  ChainState state = drawn_state(chain);
-  std::mt19937_64 random(6);
-  assembly.advance(state, random_vector(assembly.size(), random), 0.05, state);
-  EnvelopeMatrix c = assembly.matrix();
-  assembly.damping(state, c);
-  Eigen::VectorXd shift = Eigen::VectorXd::Zero(assembly.size());
-  for (int node = 0; node < chain.nodes; ++node) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const int i = assembly.numbering().displacement(axis, node);
-      if (i >= 0) shift[i] = axis + 1;
-    }
-  }
-  const Eigen::MatrixXd dense = c.dense();
-  EXPECT_LT((c * shift).norm(), 1e-10 * dense.norm());
-  const Eigen::VectorXd values = testing::symmetric_eigenvalues(dense);
-  EXPECT_GT(values.minCoeff(), -1e-12 * values.maxCoeff());
-}
-
-TEST(Assembly, LengthDerivativesAreThoseOfTheForceAndTension) {
-  Scene scene = rich_scene();
-  ChainOptions options;
-  options.torsion = false;  // with a frame the tension's gradient leaves out torque times curvature
-  Chain chain = Chain::from_scene(scene, options);
-  chain.settled = true;
-  const Assembly assembly(chain, Motion::space);
-  ChainState state = drawn_state(chain);
-  std::mt19937_64 random(8);
-  assembly.advance(state, random_vector(assembly.size(), random), 0.05, state);
-  const int member = 1;
-  Eigen::VectorXd by_length, gradient(assembly.size()), plus(assembly.size()),
-      minus(assembly.size());
-  assembly.length_derivative(state, member, by_length);
-  double tension_by_length = 0;
-  assembly.tension_gradient(state, member, gradient, tension_by_length);
-  const double length = chain.members[member].unstretched_length, h = 1e-5 * length;
-  chain.set_unstretched_length(member, length + h);
-  assembly.force(state, plus);
-  const double tension_plus = assembly.tension(state, member);
-  chain.set_unstretched_length(member, length - h);
-  assembly.force(state, minus);
-  const double tension_minus = assembly.tension(state, member);
-  chain.set_unstretched_length(member, length);
-  // Central differences: (h / L)^2 = 1e-10 of the value, rounding 1e-16 / 1e-5.
-  const Eigen::VectorXd difference = (plus - minus) / (2 * h);
-  EXPECT_TRUE(MatricesNear(by_length, difference, 1e-8 * by_length.norm()));
-  EXPECT_NEAR(tension_by_length, (tension_plus - tension_minus) / (2 * h),
-              1e-8 * std::abs(tension_by_length));
-  ChainState moved;
-  for (int trial = 0; trial < 10; ++trial) {
-    const Eigen::VectorXd d = random_vector(assembly.size(), random);
-    assembly.advance(state, d, 1e-5, moved);
-    const double up = assembly.tension(moved, member);
-    assembly.advance(state, d, -1e-5, moved);
-    const double down = assembly.tension(moved, member);
-    // (1e-5)^2 times third derivatives some 1e4 times the first ones' size.
-    EXPECT_NEAR(gradient.dot(d), (up - down) / 2e-5, 1e-5 * gradient.norm());
-  }
-}
-
-TEST(Chain, CableInAPlaneNeedsNeitherSpaceNorTorsion) {
-  const Chain chain = Chain::from_scene(paper_cable(200, 0.6));
-  EXPECT_TRUE(chain.planar);
-  EXPECT_FALSE(chain.torsion);
-  EXPECT_EQ(Assembly(chain, Motion::in_plane).size(), 2 * 29);
-  EXPECT_EQ(Assembly(chain, Motion::out_of_plane).size(), 29);
 }
 
 TEST(Chain, PlaneOfSymmetryIsFoundForAnInclinedCableAskew) {

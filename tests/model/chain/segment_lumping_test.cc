@@ -8,67 +8,11 @@
 
 #include "model/linear/modal_analysis.h"
 #include "model/scene/model_reduction.h"
-#include "tests/model/test_scenes.h"
 #include "tests/reference/closed_forms.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::segment_lumping_test {
 namespace {
-
-TEST(SegmentLumping, ClampIsGregorysRuleWithoutTension) {
-  const ClampFlexibility none = clamp_flexibility(0);
-  EXPECT_EQ(none.end, 3.0 / 8);
-  EXPECT_EQ(1 + none.next, 7.0 / 6);
-  EXPECT_EQ(1 + none.second, 23.0 / 24);
-  // Continuous there: of first order in q for the end, of second for the others.
-  for (const double q : {1e-7, 1e-4, 1e-2}) {
-    const ClampFlexibility little = clamp_flexibility(q * q);
-    EXPECT_NEAR(little.end, none.end, q);
-    EXPECT_NEAR(little.next, none.next, q * q + 1e-15);
-    EXPECT_NEAR(little.second, none.second, q * q + 1e-15);
-  }
-  // From one way of evaluating to the other.
-  for (const double q : {0.1, 2 * std::sinh(0.5)}) {
-    const double below = clamp_flexibility(q * q * (1 - 1e-9)).end;
-    const double above = clamp_flexibility(q * q * (1 + 1e-9)).end;
-    EXPECT_NEAR(below, above, 1e-9);
-  }
-}
-
-// Moments of a chain under tension, by the recurrence of its joints from the far end to the clamp:
-// the straight part it is asymptotic to must be the beam's, slope times (x - sqrt(EI / T)).
-TEST(SegmentLumping, ClampPutsTheLayersFarSideWhereTheBeamIs) {
-  for (const double q : {0.05, 0.3, 1.0, 1.455, 4.0, 20.0}) {
-    const ClampFlexibility clamp = clamp_flexibility(q * q);
-    ASSERT_GT(clamp.end, 0) << q;
-    ASSERT_GT(1 + clamp.second, 0) << q;
-    // Unit of length: the segment; of force: T. M_(i+1) - M_i = phi_(i+1) - slope, phi_(i+1) -
-    // phi_i = q^2 f_i M_i, and M decays.
-    const double p = 2 * std::asinh(q / 2);
-    double m_2 = 1, m_3 = std::exp(-p);
-    const double m_1 = (2 + q * q * (1 + clamp.second)) * m_2 - m_3;
-    const double m_0 = (2 + q * q * (1 + clamp.next)) * m_1 - m_2;
-    // phi_1 = q^2 f_0 M_0 and the slope follow; the offset of the straight part is -M_0.
-    const double slope = q * q * clamp.end * m_0 - (m_1 - m_0);
-    EXPECT_NEAR(m_0 / slope, 1 / q, 1e-12 / (q * q)) << q;
-  }
-}
-
-TEST(SegmentLumping, NominalTensionIsTheEquilibriums) {
-  for (const double tension : {5.0, 25.0, 200.0}) {
-    Scene scene = testing::paper_cable(tension, 0);  // bending would carry a part
-    ModesOptions options;
-    options.count = 1;
-    options.error_estimate = false;
-    const auto rest = analyse_modes(scene, options).equilibrium.members[0];
-    Member member = scene.members[0];
-    EXPECT_EQ(nominal_tension(member, 2.4, 1, 1.6), tension);
-    member.tension.reset();
-    member.unstretched_length = rest.unstretched_length_m;
-    // Parabola's length against the chain's: (w L / T)^2 / 40 relative, and the chain's n^-2.
-    const double w = 0.16667 * kStandardGravity, slope = w * 2.4 / tension;
-    EXPECT_NEAR(nominal_tension(member, 2.4, 1, w) / tension, 1, 0.1 * slope * slope + 4e-3);
-  }
-}
 
 /// Largest error of the first `count` frequencies of a plane.
 double worst(Scene scene, const std::vector<double>& truth, int n) {

@@ -14,6 +14,7 @@
 #include <limits>
 
 #include "model/scene/scene_error.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::write_calculix_test {
 namespace {
@@ -34,26 +35,20 @@ std::vector<double> solved_by_ccx(const CalculixDeck& deck) {
 }
 
 Scene cable(double tension, double EI) {
-  Scene scene;
-  scene.nodes.resize(2);
-  scene.nodes[0].name = "left";
-  scene.nodes[1].name = "right";
-  scene.nodes[1].position = {2.4, 0, 0};
-  for (auto& node : scene.nodes) node.support.kind = Support::Kind::pinned;
-  Member member;
-  member.name = "cable";
-  member.nodes = {"left", "right"};
-  member.segments = 60;
-  member.mass_per_length = 0.16667;
-  member.EA = 221780;
-  member.EI = {EI, EI};
+  Scene scene = testing::paper_cable(tension, EI, 60);
   // A square bar's torsion constant is 0.1406 b^4 (Roark), its EI E b^4 / 12; Poisson's ratio is
   // 0.3.
-  member.GJ = 0.1406 * 12 * EI / 2.6;
-  member.tension = tension;
-  member.assembled = Member::Assembled::straight;
-  scene.members = {member};
+  scene.members[0].GJ = 0.1406 * 12 * EI / 2.6;
+  scene.members[0].assembled = Member::Assembled::straight;
   return scene;
+}
+
+/// From "foot" to "tip", with second bending stiffness far above the first.
+Scene beam(const Eigen::Vector3d& tip) {
+  Member member = testing::member(Member::Kind::beam, "beam", "", "", 60, 0.295, 7e6, 2.1);
+  member.EI[1] = 250;
+  member.GJ = 3;
+  return testing::span(member, testing::node("foot", {0, 0, 0}), testing::node("tip", tip));
 }
 
 // The first `count` frequencies of both, ours for vanishing segments; `spinning`: one of ccx's, of
@@ -84,11 +79,10 @@ void expect_agreement(const Scene& scene, std::size_t count, double tolerance, i
 // ccx's 40 quadratic elements: with 20 the sixth mode is 4e-4 higher, the first 5e-5, so that 1e-4
 // and less of it is left. Its axial stiffness is 1.5 e too large where its tension is right (e:
 // strain at rest, 9e-4 at 200 N), of which the first symmetric mode feels a tenth. The square bar
-// adds a shear and rotary effect of (h/L)^2 = 2e-6 times the mode number squared.
-TEST(WriteCalculix, CableAt200NAgrees) { expect_agreement(cable(200, 0.5972), 6, 5e-4, 40, true); }
-
-// Past the first crossover: the first symmetric in-plane mode lies above the antisymmetric one.
-TEST(WriteCalculix, SaggingCableAt25NAgrees) {
+// adds a shear and rotary effect of (h/L)^2 = 2e-6 times the mode number squared. At 25 N, past the
+// first crossover, the first symmetric in-plane mode lies above the antisymmetric one.
+TEST(WriteCalculix, CablesAt200And25NAgree) {
+  expect_agreement(cable(200, 0.5972), 6, 5e-4, 40, true);
   expect_agreement(cable(25, 0.2549), 6, 5e-4, 40, true);
 }
 
@@ -136,23 +130,9 @@ TEST(WriteCalculix, TensionsAreTheScenesAtLargeStrains) {
 }
 
 TEST(WriteCalculix, CantileverWithTipMassAgrees) {
-  Scene scene;
-  scene.nodes.resize(2);
-  scene.nodes[0].name = "foot";
+  Scene scene = beam({0, 0.75, 0});
   scene.nodes[0].support.kind = Support::Kind::clamped;
-  scene.nodes[1].name = "tip";
-  scene.nodes[1].position = {0, 0.75, 0};
   scene.nodes[1].mass = 0.02;
-  Member beam;
-  beam.name = "beam";
-  beam.kind = Member::Kind::beam;
-  beam.nodes = {"foot", "tip"};
-  beam.segments = 60;
-  beam.mass_per_length = 0.295;
-  beam.EA = 7e6;
-  beam.EI = {2.1, 250};
-  beam.GJ = 3;
-  scene.members = {beam};
   // The stiff direction's modes and torsion of ccx's section lie among the higher ones: the first
   // two in the soft plane are compared.
   expect_agreement(scene, 2, 1e-3, 40, false);
@@ -160,30 +140,12 @@ TEST(WriteCalculix, CantileverWithTipMassAgrees) {
 
 TEST(WriteCalculix, InclinedBeamOnAHingeAndASpringWithAMassAgrees) {
   for (const bool inclined : {false, true}) {
-    Scene scene;
+    Scene scene = beam(inclined ? Eigen::Vector3d(0.6, 0.45, 0) : Eigen::Vector3d(0, 0.75, 0));
     scene.gravity.setZero();
-    scene.nodes.resize(2);
-    scene.nodes[0].name = "foot";
     scene.nodes[0].support.kind = Support::Kind::pinned;
-    scene.nodes[1].name = "tip";
-    if (inclined) {
-      scene.nodes[1].position << 0.6, 0.45, 0;
-    } else {
-      scene.nodes[1].position << 0, 0.75, 0;
-    }
     scene.nodes[1].support.kind = Support::Kind::elastic;
     scene.nodes[1].support.translational << 2e3, 2e3, std::numeric_limits<double>::infinity();
-    Member beam;
-    beam.name = "beam";
-    beam.kind = Member::Kind::beam;
-    beam.nodes = {"foot", "tip"};
-    beam.segments = 60;
-    beam.mass_per_length = 0.295;
-    beam.EA = 7e6;
-    beam.EI = {2.1, 250};
-    beam.GJ = 3;
-    beam.masses = {{0.5, 0.03}};
-    scene.members = {beam};
+    scene.members[0].masses = {{0.5, 0.03}};
     expect_agreement(scene, 3, 1e-3, 40, inclined);
     ModesOptions options;
     options.count = 1;

@@ -6,17 +6,18 @@
 #include <cmath>
 
 #include "model/scene/scene_error.h"
-#include "tests/model/test_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::frf_sensitivities_test {
 namespace {
 
 /// Largest |rate - differences| over the largest |rate| of all lines, sensors and loads.
 void expect_differences(const Scene& scene, const std::vector<std::string>& names,
-                        const Eigen::VectorXd& lines, double relative_step, double tolerance) {
-  const FrfSensitivities found = synthesize_frf_sensitivities(scene, lines, names);
+                        const Eigen::VectorXd& lines, double relative_step, double tolerance,
+                        double window = 0) {
+  const FrfSensitivities found = synthesize_frf_sensitivities(scene, lines, names, {}, window);
   ASSERT_EQ(found.frfs.equilibrium.status, EquilibriumStatus::converged);
-  const SynthesizedFrfs plain = synthesize_frfs(scene, lines);
+  const SynthesizedFrfs plain = synthesize_frfs(scene, lines, {}, window);
   for (std::size_t k = 0; k < plain.H.size(); ++k) {
     EXPECT_LT((found.frfs.H[k] - plain.H[k]).norm(), 1e-12 * plain.H[k].norm());
   }
@@ -27,7 +28,7 @@ void expect_differences(const Scene& scene, const std::vector<std::string>& name
     const auto at = [&](double x) {
       Scene moved = scene;
       set_parameter(moved, names[p], x);
-      return synthesize_frfs(moved, lines).H;
+      return synthesize_frfs(moved, lines, {}, window).H;
     };
     const auto up = at(value + h), down = at(value - h), up2 = at(value + 2 * h),
                down2 = at(value - 2 * h);
@@ -45,15 +46,8 @@ void expect_differences(const Scene& scene, const std::vector<std::string>& name
 Scene cable(double tension) {
   Scene scene = testing::paper_cable(tension, 0.4, 14);
   scene.members[0].damping_ratio = 0.02;
-  Load load;
-  load.name = "hammer";
-  load.place = {"", "cable", 0.3};
-  load.direction = Eigen::Vector3d(0, 0.8, 0.6);
-  scene.loads.push_back(load);
-  load.name = "second";
-  load.place = {"", "cable", 0.6};
-  load.direction = Eigen::Vector3d(0, 1, 0);
-  scene.loads.push_back(load);
+  scene.loads = {testing::impact({"", "cable", 0.3}, {0, 0.8, 0.6}, 0, 0),
+                 testing::impact({"", "cable", 0.6}, {0, 1, 0}, 0, 0, "second")};
   scene.sensors.push_back({"quarter", {"", "cable", 0.25}, {0, 1, 0}, {}});
   scene.sensors.push_back({"out", {"", "cable", 0.45}, {0, 0, 1}, Sensor::Quantity::velocity});
   scene.sensors.push_back({"pull", {"", "cable", 0.5}, {1, 0, 0}, Sensor::Quantity::force});
@@ -79,11 +73,7 @@ TEST(FrfSensitivities, OfTheRigWithDifferentRatiosAndEqualCables) {
   Scene scene = testing::cable_beam_rig(100, 0.4948, 8);
   scene.members[0].damping_ratio = 0.03;
   scene.members[1].damping_ratio = scene.members[2].damping_ratio = 0.02;
-  Load load;
-  load.name = "hammer";
-  load.place = {"", "beam", 0.8};
-  load.direction = Eigen::Vector3d(1, 0, 0);
-  scene.loads.push_back(load);
+  scene.loads = {testing::impact({"", "beam", 0.8}, {1, 0, 0}, 0, 0)};
   scene.sensors.push_back({"beam", {"", "beam", 0.6}, {1, 0, 0}, {}});
   scene.sensors.push_back({"left", {"", "left cable", 0.5}, {0, 1, 0}, {}});
   expect_differences(scene,
@@ -106,18 +96,14 @@ TEST(FrfSensitivities, OfJointDampersAndElasticSupports) {
   expect_differences(scene,
                      {"cable.stretch", "left.translational_x", "left.translational_y",
                       "left.rotational_z", "cable.damping_bending", "cable.damping_axial"},
-                     Eigen::VectorXd::LinSpaced(25, 1, 40), 1e-4, 5e-5);
+                     Eigen::VectorXd::LinSpaced(25, 1, 40), 1e-4, 5e-5, 2);
 }
 
 TEST(FrfSensitivities, OfANodeMovedOutOfThePlane) {
   // The scene loses its plane of symmetry: the motion in the plane drives the one out of it.
   Scene scene = testing::cable_beam_rig(100, 0.4948, 8);
   for (auto& member : scene.members) member.damping = {200, 2e-2, 1e-3};
-  Load load;
-  load.name = "hammer";
-  load.place = {"", "beam", 0.8};
-  load.direction = Eigen::Vector3d(1, 0, 0);
-  scene.loads.push_back(load);
+  scene.loads = {testing::impact({"", "beam", 0.8}, {1, 0, 0}, 0, 0)};
   scene.sensors.push_back({"out", {"", "left cable", 0.5}, {0, 0, 1}, {}});
   scene.sensors.push_back({"in", {"", "left cable", 0.5}, {0, 1, 0}, {}});
   const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(10, 3, 25);

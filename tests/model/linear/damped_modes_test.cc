@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "model/algebra/general_eigen.h"
-#include "tests/model/test_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::damped_modes_test {
 namespace {
@@ -37,10 +37,7 @@ TEST(DampedModes, OfUnevenDampersAgreeWithTheDenseQuadraticProblem) {
   Scene scene = testing::paper_cable(200, 0.5972, 12);
   scene.members[0].damping = {300, 0.05, 0};
   // Uneven: a second, undamped half.
-  SceneNode middle;
-  middle.name = "middle";
-  middle.position << 1.2, 0, 0;
-  scene.nodes.push_back(middle);
+  scene.nodes.push_back(testing::node("middle", {1.2, 0, 0}));
   Member half = scene.members[0];
   half.name = "half";
   half.segments = 6;

@@ -8,9 +8,9 @@
 
 #include "model/algebra/eigenpairs.h"
 #include "tests/expect_matrix.h"
-#include "tests/model/test_scenes.h"
 #include "tests/reference/closed_forms.h"
 #include "tests/reference/dense_eigen.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::modes_test {
 namespace {
@@ -83,25 +83,6 @@ TEST(Modes, OfOnePlaneAreThoseOfAll) {
   }
 }
 
-TEST(Modes, TensionedBeamPinned) {
-  Scene scene = paper_cable(200, 0.5972);
-  scene.gravity.setZero();
-  const auto truth = pinned_beam_frequencies(stretched(200, 0.5972), 3);
-  const auto found = extrapolated(scene, 20, ModePlane::out, 3);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found[i] / truth[i], 1, 1e-6) << i;
-}
-
-TEST(Modes, TensionedBeamClamped) {
-  Scene scene = paper_cable(200, 0.5972);
-  scene.gravity.setZero();
-  for (auto& node : scene.nodes) node.support.kind = Support::Kind::clamped;
-  const auto truth = clamped_beam_frequencies(stretched(200, 0.5972), 3);
-  // Boundary layers of sqrt(EI / T) = 55 mm want fine segments: at n = 120 h / layer = 0.36, its
-  // sixth power over 15 steps of extrapolation is below 1e-6.
-  const auto found = extrapolated(scene, 120, ModePlane::out, 3);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found[i] / truth[i], 1, 1e-6) << i;
-}
-
 TEST(Modes, CantileverWithTipMass) {
   Scene scene = vertical_beam(0.75, 2.1, 0.295);
   scene.gravity.setZero();
@@ -116,34 +97,6 @@ TEST(Modes, StandingCantileverIsSoftenedByItsWeight) {
   const auto truth = standing_cantilever_frequencies({0.75, 0.295, 2.1, 0}, 0, kStandardGravity, 2);
   const auto found = extrapolated(scene, 30, ModePlane::in, 2);
   for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(found[i] / truth[i], 1, 1e-6) << i;
-}
-
-// At 99 % of the weight that buckles it, m g L^3 / EI = 7.8373 (Greenhill), errors of the axial
-// force's lumping show a hundredfold.
-TEST(Modes, ColumnNearItsCriticalWeightIsFourthOrder) {
-  Scene scene = vertical_beam(0.75, 1, 0.3);
-  const double EI = 0.3 * kStandardGravity * std::pow(0.75, 3) / (0.99 * 7.837347438943);
-  scene.members[0].EI = {EI, EI};
-  scene.members[0].EA = 1e8;
-  const auto truth = standing_cantilever_frequencies({0.75, 0.3, EI, 0}, 0, kStandardGravity, 1);
-  const double coarse = frequencies(scene, 20, ModePlane::in, 1)[0] / truth[0] - 1;
-  const double fine = frequencies(scene, 40, ModePlane::in, 1)[0] / truth[0] - 1;
-  EXPECT_LT(std::abs(coarse), 2e-3);
-  // 16, and more while the sixth order still counts; what is left below is rounding of EA.
-  EXPECT_GT(coarse / fine, 14);
-}
-
-TEST(Modes, IrvinesSagInItsLimit) {
-  // Irvine's theory is the limit of small (m g L / H)^2 and strain at a fixed parameter: here
-  // 1e-6 and 1e-6 at lambda^2 = 1.
-  Scene scene = paper_cable(200, 0);
-  scene.members[0].EA = 200e6;
-  scene.gravity << 0, -1e-3 * 200 / (0.16667 * 2.4), 0;
-  const SaggingCable cable{2.4, 0.16667, 200e6, 200, 1e-3 * 200 / (0.16667 * 2.4)};
-  ASSERT_NEAR(irvine_parameter(cable), 1, 1e-3);
-  const auto truth = irvine_symmetric_frequencies(cable, 1);
-  const auto found = extrapolated(scene, 20, ModePlane::in, 1);
-  EXPECT_NEAR(found[0] / truth[0], 1, 2e-6);
 }
 
 TEST(Modes, ThirtySegmentsOfTheAccurateInertiaAreFourthOrderForACable) {
@@ -194,33 +147,6 @@ TEST(Modes, AgreeWithDenseAlgebra) {
     }
     EXPECT_TRUE(modes.complete());
   }
-}
-
-TEST(Modes, EqualFrequenciesAreAllFound) {
-  // Three equal cables side by side: every frequency three times, which a single Lanczos space
-  // cannot see.
-  Scene scene = paper_cable(200, 0.5972, 20);
-  for (int copy = 1; copy < 3; ++copy) {
-    for (int end = 0; end < 2; ++end) {
-      SceneNode node = scene.nodes[std::size_t(end)];
-      node.name += std::to_string(copy);
-      node.position.y() += copy;
-      scene.nodes.push_back(node);
-    }
-    Member cable = scene.members[0];
-    cable.name += std::to_string(copy);
-    cable.nodes = {"left" + std::to_string(copy), "right" + std::to_string(copy)};
-    scene.members.push_back(cable);
-  }
-  ModesOptions options;
-  options.count = 12;
-  const ChainModes modes = find_modes(scene, options);
-  ASSERT_EQ(modes.order.size(), 12u);
-  EXPECT_TRUE(modes.complete());
-  for (std::size_t i = 0; i < 12; i += 3) {
-    EXPECT_NEAR(modes.frequency_hz(i + 2) / modes.frequency_hz(i), 1, 1e-8) << i;
-  }
-  EXPECT_GT(modes.frequency_hz(3) / modes.frequency_hz(2), 1.001);
 }
 
 TEST(Modes, BandHoldsWhatTheCountHolds) {
@@ -306,40 +232,6 @@ TEST(ModalAnalysis, TorsionLeftOutIsPriced) {
                                     [](const auto& left) { return left.what == "torsion"; });
   ASSERT_NE(torsion, without.left_out.end());
   EXPECT_NEAR(torsion->relative_error, worst, 1e-6 * worst);
-}
-
-/// "auto" meets the accuracy, and says honestly how well.
-TEST(ModalAnalysis, AutomaticSegmentsMeetTheAccuracyHonestly) {
-  for (const double accuracy : {1e-3, 1e-4, 1e-5}) {
-    Scene scene = paper_cable(200, 0.5972, 0);
-    scene.gravity.setZero();
-    scene.accuracy = accuracy;
-    ModesOptions options;
-    options.count = 6;
-    const ModalAnalysis analysis = analyse_modes(scene, options);
-    const auto truth = pinned_beam_frequencies(stretched(200, 0.5972), 3);
-    double worst = 0;
-    for (std::size_t i = 0; i < 6; ++i) {
-      worst = std::max(worst, std::abs(analysis.modes[i].frequency_hz / truth[i / 2] - 1));
-    }
-    EXPECT_TRUE(analysis.extrapolated);
-    EXPECT_LE(worst, 1.1 * accuracy);
-    EXPECT_LT(analysis.relative_error_estimate, 3 * worst);
-    EXPECT_GT(analysis.relative_error_estimate, worst / 3);
-
-    scene = vertical_beam(0.75, 2.1, 0.295, 0);
-    scene.gravity.setZero();
-    scene.accuracy = accuracy;
-    const ModalAnalysis beam = analyse_modes(scene, options);
-    const auto beam_truth = cantilever_frequencies({0.75, 0.295, 2.1, 0}, 0, 3);
-    worst = 0;
-    for (std::size_t i = 0; i < 6; ++i) {
-      worst = std::max(worst, std::abs(beam.modes[i].frequency_hz / beam_truth[i / 2] - 1));
-    }
-    EXPECT_LE(worst, 1.1 * accuracy);
-    EXPECT_LT(beam.relative_error_estimate, 3 * worst);
-    EXPECT_GT(beam.relative_error_estimate, worst / 3);
-  }
 }
 
 /// A pinned beam of L / h = 15, rectangular: what its section takes off the third frequency by

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "model/linear/modal_analysis.h"
-#include "tests/model/test_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::sensitivities_test {
 namespace {

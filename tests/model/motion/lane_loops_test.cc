@@ -2,12 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <cmath>
 #include <cstring>
 #include <random>
-
-#include "tests/expect_matrix.h"
 
 namespace rigfit::model::lane_loops_test {
 namespace {
@@ -95,68 +92,6 @@ TEST(LaneLoops, SameBitsWithEveryVectorOfTheProcessor) {
     for (const double stretch : {1e-3, 0.2}) {  // the series, square roots
       expect_same_bits<2>(segments, stretch);
       expect_same_bits<3>(segments, stretch);
-    }
-  }
-}
-
-// Up to the largest stretch of the series, 0.6 %, and beyond: forces to rounding, EA times a few
-// units in the last place of (L / l)^2 = 1.
-TEST(LaneLoops, AxialForcesAndDirections) {
-  for (const double stretch : {1e-6, 1e-3, 6e-3, 7e-3, 0.3}) {
-    const Zigzag<2> chain(21, stretch);
-    const Loops found = run(chain, kLanes);
-    for (int i = 0; i < 21; ++i) {
-      const std::size_t a = chain.at(i), b = chain.at(i + 1), y = chain.size(1);
-      const long double ex = static_cast<long double>(chain.positions[b]) - chain.positions[a];
-      const long double ey =
-          static_cast<long double>(chain.positions[y + b]) - chain.positions[y + a];
-      const long double length = std::sqrt(ex * ex + ey * ey);
-      EXPECT_NEAR(found.tension[a], static_cast<double>(100 * (length - 1)), 100 * 6e-16) << i;
-      EXPECT_NEAR(found.inverse[a], static_cast<double>(1 / length), 6e-16) << i;
-      EXPECT_NEAR(found.direction[y + a], static_cast<double>(ey / length), 6e-16) << i;
-    }
-  }
-}
-
-// Against a dense solution; diagonally dominant as masses are (condition number 1.5) and hardly so
-// (some 4 n^2 / pi^2, as where axial waves are slowed).
-TEST(LaneLoops, SolvesTridiagonalSystems) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  for (const double dominance : {0.2, 0.9999}) {
-    for (int n = 2; n <= 60; n += n < 18 ? 1 : 7) {
-      const int rows = lane_rows(n), slots = kLanes * rows;
-      std::vector<double> diagonal(static_cast<std::size_t>(n) + 1), off(diagonal.size() - 1);
-      for (double& d : diagonal) d = 2 + 0.1 * uniform(random);
-      for (std::size_t i = 0; i < off.size(); ++i) {
-        off[i] = dominance * std::sqrt(diagonal[i] * diagonal[i + 1]) / 2;
-      }
-      Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n - 1, n - 1);
-      Eigen::VectorXd right(n - 1), found(n - 1);
-      LaneVector values(2 * static_cast<std::size_t>(slots), 0);
-      for (int i = 0; i < n - 1; ++i) {
-        const auto k = static_cast<std::size_t>(i) + 1;
-        A(i, i) = diagonal[k];
-        if (i > 0) A(i, i - 1) = A(i - 1, i) = off[k - 1];
-        right(i) = uniform(random);
-        values[static_cast<std::size_t>(lane_slot(i + 1, rows))] = right(i);
-      }
-      // What stands at nodes outside of the matrix neither matters nor stays.
-      values[static_cast<std::size_t>(lane_slot(0, rows))] = 5;
-      values[static_cast<std::size_t>(lane_slot(n, rows))] = -7;
-      const LaneFactors factors = lane_factors(diagonal, off, 1, n - 1, rows);
-      const LaneFactors* const each[2] = {&factors, &factors};
-      lane_loops<2>().solve(each, slots, values.data());
-      for (int i = 0; i < n - 1; ++i) {
-        found(i) = values[static_cast<std::size_t>(lane_slot(i + 1, rows))];
-      }
-      const Eigen::VectorXd truth = A.partialPivLu().solve(right);
-      const double condition = dominance > 0.9 ? 0.5 * n * n : 2;
-      EXPECT_TRUE(rigfit::testing::MatricesNear(found, truth,
-                                                4e-16 * condition * truth.cwiseAbs().maxCoeff()))
-          << n;
-      EXPECT_EQ(values[static_cast<std::size_t>(lane_slot(0, rows))], 0);
-      EXPECT_EQ(values[static_cast<std::size_t>(lane_slot(n, rows))], 0);
     }
   }
 }

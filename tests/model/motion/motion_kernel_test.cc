@@ -5,7 +5,7 @@
 #include <random>
 
 #include "tests/expect_matrix.h"
-#include "tests/model/motion_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::motion_kernel_test {
 namespace {

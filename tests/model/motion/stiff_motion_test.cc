@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "model/response/response.h"
-#include "tests/model/motion_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::stiff_motion_test {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 // A rig struck across its plane: torsion and a node that turns in space. What the formulas damp
 // falls with the tolerance, and so does what the samples change by.
 TEST(StiffMotion, ConvergesInSpaceWithTorsionAndTurningNodes) {
-  Scene scene = testing::beam_and_cables(10);
+  Scene scene = testing::beam_and_cables(5);
   scene.members[0].GJ = 1.5;
   scene.loads[0].direction = {0.6, 0, 0.8};
   scene.loads[0].peak = 100;
@@ -41,20 +41,12 @@ TEST(StiffMotion, ConvergesInSpaceWithTorsionAndTurningNodes) {
 // A free beam that spins through every direction, with torsion: the rates of increments are not
 // those of angles there. Its energy stays, and its sum of momenta.
 TEST(StiffMotion, CountsIncrementsAnewWhereAChainTurnsFar) {
-  Scene scene;
+  Scene scene = testing::span(testing::member(Member::Kind::beam, "beam", "", "", 4, 0.3, 2e3, 0.6),
+                              testing::node("a", {0, 0, 0}), testing::node("b", {1, 0, 0}));
   scene.gravity.setZero();
-  scene.nodes = {testing::node("a", {0, 0, 0}), testing::node("b", {1, 0, 0})};
-  Member beam;
-  beam.name = "beam";
-  beam.kind = Member::Kind::beam;
-  beam.nodes = {"a", "b"};
-  beam.segments = 4;
-  beam.mass_per_length = 0.3;
-  beam.EA = 2e3;
-  beam.EI = {0.6, 1.2};
-  beam.GJ = 0.5;
-  beam.polar_inertia = 1e-4;
-  scene.members = {beam};
+  scene.members[0].EI[1] = 1.2;
+  scene.members[0].GJ = 0.5;
+  scene.members[0].polar_inertia = 1e-4;
   ChainOptions chosen;
   chosen.torsion = true;
   Chain chain = Chain::from_scene(scene, chosen);

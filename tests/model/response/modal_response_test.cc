@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/expect_matrix.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::modal_response_test {
 namespace {
@@ -15,10 +15,7 @@ namespace {
 using Quantity = Sensor::Quantity;
 
 Load impact(double peak, double duration, double start) {
-  Load load;
-  load.kind = Load::Kind::impact;
-  load.peak = peak;
-  load.duration = duration;
+  Load load = testing::impact({}, {0, -1, 0}, peak, duration);
   load.start = start;
   return load;
 }

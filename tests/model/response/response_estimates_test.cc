@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "model/response/response.h"
-#include "tests/model/motion_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::response_estimates_test {
 namespace {

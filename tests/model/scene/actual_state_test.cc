@@ -9,7 +9,7 @@
 #include "model/scene/parameters.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
-#include "tests/model/test_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::actual_state_test {
 namespace {
@@ -51,22 +51,6 @@ TEST(ActualState, AWarmCableIsSlack) {
   by_length.members[0].unstretched_length = 2.4 - *cold.members[0].stretch;
   by_length.members[0].stretch.reset();
   EXPECT_NEAR(tension(by_length), tension(warm), 1e-9 * 221780);
-}
-
-TEST(ActualState, IsWrittenAndReadBack) {
-  Scene scene = testing::paper_cable(100, 0.5);
-  scene.load_cell = {1.03, -2};
-  const Scene again = parse_scene(scene_text(scene), "again.toml");
-  EXPECT_EQ(again.load_cell.scale, 1.03);
-  EXPECT_EQ(again.load_cell.zero, -2);
-  scene.load_cell = {};
-  scene.members[0].tension.reset();
-  scene.members[0].stretch = 0.002;
-  scene.members[0].thermal_expansion = 1.2e-5;
-  scene.temperature_change = -7;
-  const Scene cold = parse_scene(scene_text(scene), "cold.toml");
-  EXPECT_EQ(cold.temperature_change, -7);
-  EXPECT_EQ(cold.members[0].thermal_expansion, 1.2e-5);
 }
 
 void expect_refused(Scene scene, const std::string& reason) {

@@ -5,7 +5,7 @@
 
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene_error.h"
-#include "tests/model/test_scenes.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::parameters_test {
 namespace {

@@ -6,25 +6,18 @@
 #include <random>
 
 #include "model/linear/modal_analysis.h"
+#include "tests/scenes.h"
 
 namespace rigfit::model::stiff_springs_test {
 namespace {
 
 Scene cable(double length, double mass_per_length, double EA, double EI, double tension) {
-  Scene scene;
-  scene.nodes.resize(2);
-  scene.nodes[0].name = "a", scene.nodes[1].name = "b";
-  scene.nodes[1].position = {length, 0, 0};
-  for (auto& node : scene.nodes) node.support.kind = Support::Kind::pinned;
-  Member member;
-  member.name = "cable";
-  member.nodes = {"a", "b"};
-  member.segments = 20;
-  member.mass_per_length = mass_per_length;
-  member.EA = EA, member.EI = {EI, EI}, member.GJ = EI;
+  Member member =
+      testing::member(Member::Kind::cable, "cable", "", "", 20, mass_per_length, EA, EI);
+  member.GJ = EI;
   member.tension = tension;
-  scene.members = {member};
-  return scene;
+  return testing::span(member, testing::node("a", {0, 0, 0}, Support::Kind::pinned),
+                       testing::node("b", {length, 0, 0}, Support::Kind::pinned));
 }
 
 void spring(SceneNode& node, const Eigen::Vector3d& translational,

@@ -40,26 +40,6 @@ bool says(const DecayResult& result, const char* code) {
                      [&](const Note& note) { return note.code == code; });
 }
 
-// Below 0.4 of the narrow rate nothing changes, above 0.6 nothing is left, but for the window's
-// 100 dB (1e-5 of amplitude 2, either way).
-TEST(NarrowRecord, PassesTheBandAndNothingAboveIt) {
-  const DecayBand band{0, 0.005, false};
-  const auto narrow = narrow_record(record(10, 0, 1), band);
-  ASSERT_TRUE(narrow);
-  EXPECT_EQ(narrow->step, 6);
-  for (const double share : {0.01, 0.2, 0.39, 0.61, 3.3}) {
-    const double hz = share * kRate / 6;
-    const Eigen::VectorXd y = record(hz, 0, 1);
-    const auto got = narrow_record(y, band);
-    ASSERT_TRUE(got) << hz;
-    for (Index i = 0; i < got->samples.size(); i += 97) {
-      const Index j = got->record_sample(i);
-      const double line = 5 + 1e-5 * static_cast<double>(j);
-      EXPECT_NEAR(got->samples(i), share < 0.5 ? y(j) : line, 5e-5) << hz << " " << i;
-    }
-  }
-}
-
 // The same stretch of the record, whole and in its band. What the two know differs by the filter's
 // reach at the ends. Estimates differ by a fifth of a standard uncertainty (twice that is allowed),
 // standard uncertainties by 2 % and by the scatter of the noise found, 1.6 % (three times that).

@@ -48,48 +48,15 @@ struct Mistake {
 
 TEST(TomlTable, SaysWhatIsWrongWhereAndWhatToDo) {
   const std::vector<Mistake> mistakes = {
-      {"a = 1\nb = = 2\n", [](TomlTable&) {}, 2, "not TOML"},
-      {"a = 1\na = 2\n", [](TomlTable&) {}, 2, "not TOML"},
-      {"\nx = \"4 N\"\n", [](TomlTable& t) { t.number("x", Bound::any, "N"); }, 2,
-       "got the string \"4 N\"; write the number alone in N"},
-      {"x = nan\n", [](TomlTable& t) { t.number("x", Bound::any, "N"); }, 1, "finite"},
-      {"x = [1, inf]\n", [](TomlTable& t) { t.numbers("x", 2, 2, Bound::any, "m"); }, 1, "finite"},
-      {"x = -1\n", [](TomlTable& t) { t.number("x", Bound::not_negative, "N"); }, 1, "negative"},
-      {"x = 0.0\n", [](TomlTable& t) { t.number("x", Bound::positive, "N"); }, 1,
-       "greater than zero"},
-      {"y = 0.0\n", [](TomlTable& t) { t.number("x", Bound::positive, "kg"); }, 0,
-       "x: is missing; add `x = ...`, a number in kg"},
       {"[s]\ny = 0.0\n", [](TomlTable& t) { t.table("s").number("x", Bound::positive, "kg"); }, 1,
        "s.x: is missing"},
-      {"x = 1.5\n", [](TomlTable& t) { t.integer_or("x", 1, 9, 1); }, 1, "whole number"},
       {"x = 11\n", [](TomlTable& t) { t.integer_or("x", 1, 9, 1); }, 1, "from 1 to 9, got 11"},
       {"x = \"yes\"\n", [](TomlTable& t) { t.boolean_or("x", true); }, 1, "true or false"},
-      {"x = 3\n", [](TomlTable& t) { t.string("x"); }, 1, "must be a string, got 3"},
-      {"x = [1, 2]\n", [](TomlTable& t) { t.numbers("x", 3, 3, Bound::any, "m"); }, 1,
-       "has 2 values; give a list of 3 numbers in m"},
       {"x = [1, \"a\"]\n", [](TomlTable& t) { t.numbers("x", 2, 2, Bound::any, "m"); }, 1,
        "value 2 must be a number"},
       {"x = [1]\n", [](TomlTable& t) { t.strings("x"); }, 1, "value 1 must be a string"},
       {"x = 1\n", [](TomlTable& t) { t.table("x"); }, 1, "must be a table"},
       {"x = [1]\n", [](TomlTable& t) { t.tables_or_empty("x"); }, 1, "must be a table, got 1"},
-      {"x = \"beem\"\n",
-       [](TomlTable& t) {
-         t.choice_or("x", {"cable", "beam"}, "");
-       },
-       1, "did you mean \"beam\"?"},
-      {"x = 1\nmas = 2\n",
-       [](TomlTable& t) {
-         t.number("x", Bound::any, "");
-         static_cast<void>(t.has("mass"));
-         t.finish();
-       },
-       2, "mas: this key is not known here; did you mean \"mass\"?"},
-      {"zebra = 2\n",
-       [](TomlTable& t) {
-         static_cast<void>(t.has("mass"));
-         t.finish();
-       },
-       1, "known keys: mass"},
   };
   for (const auto& mistake : mistakes) {
     SCOPED_TRACE(mistake.text);

@@ -140,34 +140,6 @@ TEST(ImpactTest, AKnockDuringOneRingDownIsAnOutlierAndCleanHitsAreNot) {
   }
 }
 
-TEST(ImpactTest, OneHitHasErrorBarsFromTheQuietBeforeIt) {
-  const auto truth = testing::ten_mode_truth(2);
-  ImpactRecordOptions record;
-  record.block_samples = 16384;
-  record.hits = 1;
-  double square = 0, count = 0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    record.seed = seed;
-    ImpactTestOptions options;
-    options.exponential_decay_rate_1_s = 6;
-    options.hits.pre_trigger_s = 0.08;
-    const ImpactTest test = analyse(testing::impact_recording(truth, record), 2, options);
-    ASSERT_EQ(test.frfs.averages, 1);
-    EXPECT_EQ(test.frfs.coherence.size(), 0);
-    EXPECT_THAT(test.notes, Contains(Field(&Note::code, "few_hits")));
-    const Eigen::VectorXd f = lines_below(test.frfs, 1200);
-    const Eigen::MatrixXcd exact = truth.accelerance(f, 6);
-    for (Index c = 0; c < 2; ++c) {
-      for (Index k = 2; k < f.size(); ++k, count += 2) {
-        square += std::norm(test.frfs.H(k, c) - exact(k, c)) / std::pow(test.frfs.H_std(k, c), 2);
-      }
-    }
-  }
-  // Each of 20 noise levels comes from some 600 samples (3 % in its std, 6 % in the square, 1.3 %
-  // averaged); 2,400 lines each, correlated over a few by the window.
-  EXPECT_NEAR(square / count, 1, 0.06);
-}
-
 TEST(ImpactTest, SaysWhatCannotBeTrusted) {
   const auto truth = testing::ten_mode_truth(2);
   ImpactRecordOptions record;

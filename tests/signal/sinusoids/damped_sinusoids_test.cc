@@ -8,8 +8,6 @@
 
 #include "tests/expect_matrix.h"
 
-#include "signal/sinusoids/power_sums.h"
-
 namespace rigfit::signal::damped_sinusoids_test {
 namespace {
 
@@ -27,31 +25,6 @@ Eigen::VectorXd decay(const std::vector<Complex>& poles, const std::vector<Compl
     }
   }
   return y;
-}
-
-TEST(PowerSums, AgreeWithTheLoopFromOneTermToManyAndAtOne) {
-  for (const Complex q :
-       {Complex(1, 0), Complex(0.999, 1e-3), std::polar(0.98, 2.5), Complex(0.1, 0)}) {
-    for (const Index n : {1, 2, 3, 7, 64, 1000, 4097}) {
-      std::array<Complex, 5> sums;
-      power_sums(q, n, sums);
-      Complex z = 1;
-      std::array<Complex, 5> loop{};
-      for (Index j = 0; j < n; ++j) {
-        for (std::size_t k = 0; k < 5; ++k) {
-          loop[k] +=
-              std::pow(static_cast<double>(j) / static_cast<double>(n), static_cast<double>(k)) * z;
-        }
-        z *= q;
-      }
-      // Terms are at most 1 in modulus: rounding of a sum of n terms, and of q^n by repeated
-      // multiplication in the loop, stays below n eps each.
-      for (std::size_t k = 0; k < 5; ++k) {
-        EXPECT_LT(std::abs(sums[k] - loop[k]), 4e-16 * static_cast<double>(n * (n < 10 ? 10 : n)))
-            << q << " " << n << " " << k;
-      }
-    }
-  }
 }
 
 TEST(DampedSinusoids, RecoversManufacturedModesToRounding) {
@@ -124,18 +97,6 @@ TEST(DampedSinusoids, ArrivesSoonWhereTheResidualIsNoNoise) {
         1e-3 / std::sqrt(static_cast<double>(fit.degrees)) * column.norm() * fit.residual.norm())
         << k;
   }
-}
-
-TEST(DampedSinusoids, LeavesMissingSamplesOut) {
-  const std::vector<Complex> poles{{-0.01, 0.6}};
-  const std::vector<Complex> amplitudes{{1.0, 0.2}};
-  auto y = decay(poles, amplitudes, 300, 0.2, 0.1);
-  std::vector<Index> missing;
-  for (Index j = 40; j < 55; ++j) missing.push_back(j), y(j) = 0;
-  const std::vector<Complex> start{{-0.012, 0.601}};
-  const auto fit = fit_damped_sinusoids(y, start, {}, missing);
-  EXPECT_LT(std::abs(fit.poles[0] - poles[0]), 1e-14);
-  EXPECT_EQ(fit.degrees, 300 - 15 - 6);
 }
 
 TEST(DampedSinusoids, TwiceTheSamePoleIsRankDeficient) {

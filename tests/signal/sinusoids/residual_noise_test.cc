@@ -51,23 +51,5 @@ TEST(ResidualNoise, CovarianceOfACrowdOfFitsUnderColouredNoiseIsAsStated) {
   EXPECT_NEAR(squared / stated, 1, 0.3);
 }
 
-TEST(ResidualNoise, FilteredCovarianceOfWhiteNoiseIsThePlainOne) {
-  const Complex pole(-0.01, 0.3);
-  Eigen::VectorXd y = coloured(300, 0, 7);
-  for (Index j = 0; j < y.size(); ++j) y(j) += 9 * std::exp(pole * static_cast<double>(j)).real();
-  const auto fit = fit_damped_sinusoids(y, std::span(&pole, 1));
-  ResidualNoise flat;
-  flat.variance = flat.innovation_variance = 2;
-  const auto plain = fit_uncertainty(fit, flat).covariance;
-  flat.coefficients = Eigen::VectorXd::Zero(1);  // order one, but white: the long way round
-  const auto filtered = fit_uncertainty(fit, flat).covariance;
-  // Columns scaled to unit covariance: rounding times conditioning.
-  for (Index i = 0; i < plain.rows(); ++i) {
-    for (Index k = 0; k < plain.rows(); ++k) {
-      EXPECT_NEAR(filtered(i, k), plain(i, k), 1e-10 * std::sqrt(plain(i, i) * plain(k, k)));
-    }
-  }
-}
-
 }  // namespace
 }  // namespace rigfit::signal::residual_noise_test

@@ -84,13 +84,6 @@ TEST(Fft, GoodLengthsHaveSmallFactorsAndAreClosest) {
   EXPECT_EQ(good_fft_length_below(2), 2);
 }
 
-TEST(Fft, LineFrequenciesEndAtHalfTheRate) {
-  const Eigen::VectorXd f = line_frequencies(8, 100);
-  ASSERT_EQ(f.size(), 5);
-  EXPECT_DOUBLE_EQ(f[1], 12.5);
-  EXPECT_DOUBLE_EQ(f[4], 50);
-}
-
 TEST(Fft, RefusesLengthsThatAreNone) {
   EXPECT_THROW(RealFft(0), std::invalid_argument);
   EXPECT_THROW(RealFft(-4), std::invalid_argument);

@@ -77,49 +77,6 @@ TEST(Frf, ErrorBarsAreTheScatterOfTheAverage) {
   }
 }
 
-// With noise on both sides and error bars smoothed over 2 * 10 + 1 lines, |error| < 1.96 std in 95
-// % of the lines: t with 2 (n - 1) 21 degrees of freedom is Gaussian to 0.2 %, lines of one trial
-// share their error bars but not their errors; 19,000 of them scatter by 0.16 %. The variance is
-// not constant over lines: the force noise comes through |H| (constant here) only.
-TEST(Frf, SmoothedErrorBarsCover) {
-  constexpr Index kSamples = 256;
-  std::mt19937_64 random(11);
-  FrfOptions options = options_for(kSamples);
-  options.error_smoothing_lines = 10;
-  for (const int hits : {3, 5}) {
-    double inside = 0, all = 0;
-    for (int trial = 0; trial < 150; ++trial) {
-      const GainTest test(kSamples, hits, 3, 0.002, 0.01, random);
-      const FrfEstimate estimate = average_frfs(test.blocks, options);
-      for (Index k = 1; k + 1 < estimate.H.rows(); ++k, ++all) {
-        inside += std::abs(estimate.H(k, 0).real() - 3) < 1.96 * estimate.H_std(k, 0) ? 1 : 0;
-      }
-    }
-    EXPECT_NEAR(inside / all, 0.95, 0.007) << hits;
-  }
-}
-
-TEST(Frf, OneHitHasErrorBarsFromTheNoiseBeforeItOrNone) {
-  constexpr Index kSamples = 64;
-  std::mt19937_64 random(3);
-  double error = 0, stated = 0;
-  for (int trial = 0; trial < 2000; ++trial) {
-    const GainTest test(kSamples, 1, 2, 0.002, 0.004, random);
-    const FrfEstimate estimate = average_frfs(test.blocks, options_for(kSamples));
-    EXPECT_EQ(estimate.coherence.size(), 0);
-    ASSERT_TRUE(estimate.std_from_noise_before_hit);
-    error += (estimate.H.col(0).segment(1, 31).array() - 2).abs2().sum();
-    stated += 2 * estimate.H_std.col(0).segment(1, 31).squaredNorm();
-  }
-  // 62,000 complex errors, half of their power from either side. The force has 0.12 or more a line,
-  // its noise 64 * 0.002^2: second order adds at most 0.2 %.
-  EXPECT_NEAR(error / stated, 1, 0.02);
-
-  GainTest unknown(kSamples, 1, 2, 0, 0.05, random);
-  unknown.blocks.front().response_noise_std.clear();
-  EXPECT_EQ(average_frfs(unknown.blocks, options_for(kSamples)).H_std.size(), 0);
-}
-
 // Noise of s^2 per line over signal of S per hit biases H1 by 1 / (1 + s^2 n / (S n)) where it is
 // on the force, H2 by 1 + that where it is on the response; the other is unbiased, Hv in between.
 TEST(Frf, EstimatorsAreBiasedWhereTheoryPutsIt) {

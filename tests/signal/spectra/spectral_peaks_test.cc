@@ -98,17 +98,6 @@ void add_tone(Eigen::VectorXd& x, double hz, double amplitude) {
     x[i] += amplitude * std::sin(2 * M_PI * hz * double(i) / kRate + 0.4);
 }
 
-TEST(SpectralPeaks, ToneIsNoPeak) {
-  auto x = driven({{2, 0.01}}, 20000, 3);
-  add_tone(x, 7.77, 2);
-  const auto found = spectral_peaks(x, kRate, {});
-  ASSERT_EQ(found.peaks.size(), 1u);
-  EXPECT_FALSE(found.peaks[0].tone);
-  ASSERT_EQ(found.tones.size(), 1u);
-  EXPECT_NEAR(found.tones[0].frequency_hz, 7.77, 1e-4);
-  EXPECT_NEAR(found.tones[0].amplitude, 2, 0.02);
-}
-
 TEST(SpectralPeaks, TonesNearAndFarFromModesAreLeftOutAndNoModeIsLost) {
   // Ten minutes, three modes; tones far from them, beside one (3 bandwidths) and on its flank. A
   // mode's frequency then is within four of its standard uncertainties in all records.

@@ -14,31 +14,6 @@ namespace {
 
 using model::Support;
 
-TEST(UpdateCoordinate, StepsOfASpringAreItsFixity) {
-  UpdateCoordinate spring;
-  spring.low = std::log(1e-3), spring.high = std::log(1e9);
-  spring.step_by_fixity(500);
-  EXPECT_NEAR(spring.step(std::log(500)), 0.5, 1e-15);
-  for (const double k : {1e-2, 1.0, 500.0, 1e5, 1e8}) {
-    const double q = std::log(k), u = spring.step(q);
-    EXPECT_NEAR(u, k / (500 + k), 1e-15) << k;
-    EXPECT_NEAR(spring.from_step(u), q, 1e-9) << k;
-    const double h = 1e-4;  // differences err by h^2
-    EXPECT_NEAR(spring.step_derivative(u) * (spring.step(q + h) - spring.step(q - h)) / (2 * h), 1,
-                1e-6)
-        << k;
-  }
-}
-
-TEST(UpdateCoordinate, StepsAreLogarithmicWhereFixityWouldRoundToOne) {
-  UpdateCoordinate spring;
-  spring.low = std::log(1e9), spring.high = std::log(1e21);
-  spring.step_by_fixity(500);
-  EXPECT_EQ(spring.step(30.0), 30.0);
-  spring.step_by_fixity(0);
-  EXPECT_EQ(spring.step_derivative(30.0), 1);
-}
-
 constexpr double kEI = 2e5;
 const double kHalf = 3 * kEI / testing::kLength + std::sqrt(kEI * testing::kTension);
 

@@ -26,12 +26,8 @@ model::Scene cable(double gravity, const std::string& support, double tension, d
     for (auto& node : scene.nodes) node.support.kind = model::Support::Kind::clamped;
   }
   scene.members[0].damping_ratio = 0.005;
-  scene.loads.resize(1), scene.sensors.resize(1);
-  scene.loads[0].name = "hammer";
-  scene.loads[0].place = {"", "cable", 0.25};
-  scene.sensors[0].name = "mid";
-  scene.sensors[0].place = {"", "cable", 0.4};
-  scene.loads[0].direction = scene.sensors[0].direction = {0, 0, 1};
+  scene.loads = {model::testing::impact({"", "cable", 0.25}, {0, 0, 1}, 0, 0)};
+  scene.sensors = {{"mid", {"", "cable", 0.4}, {0, 0, 1}, {}}};
   return scene;
 }
 
@@ -97,7 +93,7 @@ TEST(UpdateSegments, ClosedFormFrequenciesGiveTheirOwnParameters) {
 }
 
 TEST(UpdateSegments, IntervalsHoldTheClosedFormsParameters) {
-  constexpr int kSeeds = 24;
+  constexpr int kSeeds = 12;
   int covered = 0;
   double EI = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
@@ -113,8 +109,8 @@ TEST(UpdateSegments, IntervalsHoldTheClosedFormsParameters) {
     }
     EI += (result.parameters[0].value - 0.6) / result.parameters[0].std / kSeeds;
   }
-  EXPECT_GE(covered, 107);        // of 120: 95 %, three binomial deviations
-  EXPECT_LT(std::abs(EI), 0.62);  // the mean of 24 scatters by 0.2: three of these
+  EXPECT_GE(covered, 52);         // of 60: 95 %, three binomial deviations
+  EXPECT_LT(std::abs(EI), 0.87);  // the mean of 12 scatters by 0.29: three of these
 }
 
 // A sagging cable in its plane, data of 400 segments: near the crossover the error falls slowly.
