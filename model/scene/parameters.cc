@@ -2,18 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "model/scene/scene_error.h"
+#include "model/scene/scene_numbers.h"
 
 namespace rigfit::model {
 namespace {
-
-template <class Get>
-ParameterAccess access(std::string name, std::string unit, Get reference) {
-  return {std::move(name), std::move(unit),
-          [reference](const Scene& scene) { return double(reference(const_cast<Scene&>(scene))); },
-          [reference](Scene& scene, double value) { reference(scene) = value; }};
-}
 
 const ParameterAccess* find(const std::vector<ParameterAccess>& all, const std::string& name) {
   for (const auto& one : all) {
@@ -33,98 +29,72 @@ const ParameterAccess* find(const std::vector<ParameterAccess>& all, const std::
 
 std::vector<ParameterAccess> scene_parameters(const Scene& scene) {
   std::vector<ParameterAccess> all;
+  const auto add = [&](std::string name, const char* unit, auto reference) {
+    all.push_back({std::move(name), unit,
+                   [reference](const Scene& s) { return reference(const_cast<Scene&>(s)); },
+                   [reference](Scene& s, double value) { reference(s) = value; }});
+  };
   for (std::size_t m = 0; m < scene.members.size(); ++m) {
-    const Member& member = scene.members[m];
-    const std::string& n = member.name;
+    Member member = scene.members[m];
+    const std::string own = member.name + ".";
     if (member.EI[0] == member.EI[1]) {
       // One number for both axes.
-      all.push_back({n + ".EI", "N m2", [m](const Scene& s) { return s.members[m].EI[0]; },
+      all.push_back({own + "EI", "N m2", [m](const Scene& s) { return s.members[m].EI[0]; },
                      [m](Scene& s, double v) {
                        s.members[m].EI = {v, v};
                      }});
     }
-    all.push_back(
-        access(n + ".EI_z", "N m2", [m](Scene& s) -> double& { return s.members[m].EI[0]; }));
-    all.push_back(
-        access(n + ".EI_y", "N m2", [m](Scene& s) -> double& { return s.members[m].EI[1]; }));
-    all.push_back(access(n + ".EA", "N", [m](Scene& s) -> double& { return s.members[m].EA; }));
-    all.push_back(access(n + ".GJ", "N m2", [m](Scene& s) -> double& { return s.members[m].GJ; }));
-    all.push_back(access(n + ".mass_per_length", "kg/m",
-                         [m](Scene& s) -> double& { return s.members[m].mass_per_length; }));
-    all.push_back(access(n + ".polar_inertia", "kg m",
-                         [m](Scene& s) -> double& { return s.members[m].polar_inertia; }));
-    all.push_back(
-        access(n + ".taper", "", [m](Scene& s) -> double& { return s.members[m].taper; }));
-    if (member.tension) {
-      all.push_back(
-          access(n + ".tension", "N", [m](Scene& s) -> double& { return *s.members[m].tension; }));
+    for (const std::size_t axis : {0, 1}) {
+      add(own + (axis == 0 ? "EI_z" : "EI_y"), "N m2",
+          [m, axis](Scene& s) -> double& { return s.members[m].EI[axis]; });
     }
-    if (member.unstretched_length) {
-      all.push_back(access(n + ".unstretched_length", "m",
-                           [m](Scene& s) -> double& { return *s.members[m].unstretched_length; }));
+    for (const auto& one : kMemberNumbers) {
+      // What is not given cannot be found; a cable that does not expand has no temperature.
+      const double* value = one.of(member);
+      if (!value || (value == &member.thermal_expansion && *value == 0)) continue;
+      add(own + one.key, one.unit,
+          [m, &one](Scene& s) -> double& { return *one.of(s.members[m]); });
     }
-    if (member.stretch) {
-      all.push_back(
-          access(n + ".stretch", "m", [m](Scene& s) -> double& { return *s.members[m].stretch; }));
-    }
-    if (member.thermal_expansion != 0) {
-      all.push_back(access(n + ".thermal_expansion", "1/K",
-                           [m](Scene& s) -> double& { return s.members[m].thermal_expansion; }));
-    }
-    if (member.damping_ratio) {
-      all.push_back(access(n + ".damping_ratio", "",
-                           [m](Scene& s) -> double& { return *s.members[m].damping_ratio; }));
-    } else {
-      all.push_back(access(n + ".damping_axial", "N s",
-                           [m](Scene& s) -> double& { return s.members[m].damping.axial; }));
-      all.push_back(access(n + ".damping_bending", "N m2 s",
-                           [m](Scene& s) -> double& { return s.members[m].damping.bending; }));
-      all.push_back(access(n + ".damping_torsion", "N m2 s",
-                           [m](Scene& s) -> double& { return s.members[m].damping.torsion; }));
+    for (const auto& one : kDampingNumbers) {
+      if (member.damping_ratio) break;
+      add(own + "damping_" + one.key, one.unit,
+          [m, &one](Scene& s) -> double& { return *one.of(s.members[m].damping); });
     }
     for (std::size_t k = 0; k < member.masses.size(); ++k) {
-      const std::string prefix = n + ".masses" + std::to_string(k + 1);
-      all.push_back(access(prefix + ".mass", "kg",
-                           [m, k](Scene& s) -> double& { return s.members[m].masses[k].mass; }));
-      all.push_back(access(prefix + ".position", "", [m, k](Scene& s) -> double& {
-        return s.members[m].masses[k].position;
-      }));
+      const std::string prefix = own + "masses" + std::to_string(k + 1);
+      add(prefix + ".mass", "kg",
+          [m, k](Scene& s) -> double& { return s.members[m].masses[k].mass; });
+      add(prefix + ".position", "",
+          [m, k](Scene& s) -> double& { return s.members[m].masses[k].position; });
     }
   }
-  const char* axis_name[] = {"x", "y", "z"};
+  const std::string axis_name[] = {"x", "y", "z"};
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
     const SceneNode& node = scene.nodes[k];
-    all.push_back(
-        access(node.name + ".mass", "kg", [k](Scene& s) -> double& { return s.nodes[k].mass; }));
+    add(node.name + ".mass", "kg", [k](Scene& s) -> double& { return s.nodes[k].mass; });
     for (int axis = 0; axis < 3; ++axis) {
-      all.push_back(access(node.name + "." + axis_name[axis], "m",
-                           [k, axis](Scene& s) -> double& { return s.nodes[k].position[axis]; }));
+      add(node.name + "." + axis_name[axis], "m",
+          [k, axis](Scene& s) -> double& { return s.nodes[k].position[axis]; });
     }
     if (node.support.kind != Support::Kind::elastic) continue;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (std::isfinite(node.support.translational[axis])) {
-        all.push_back(access(
-            node.name + ".translational_" + axis_name[axis], "N/m",
-            [k, axis](Scene& s) -> double& { return s.nodes[k].support.translational[axis]; }));
-      }
-    }
-    for (int axis = 0; axis < 3; ++axis) {
-      if (std::isfinite(node.support.rotational[axis])) {
-        all.push_back(
-            access(node.name + ".rotational_" + axis_name[axis], "N m/rad",
-                   [k, axis](Scene& s) -> double& { return s.nodes[k].support.rotational[axis]; }));
+    for (const auto& [words, unit, stiffness] :
+         {std::tuple{".translational_", "N/m", &Support::translational},
+          std::tuple{".rotational_", "N m/rad", &Support::rotational}}) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!std::isfinite((node.support.*stiffness)[axis])) continue;
+        add(node.name + words + axis_name[axis], unit, [k, axis, stiffness](Scene& s) -> double& {
+          return (s.nodes[k].support.*stiffness)[axis];
+        });
       }
     }
   }
   for (std::size_t k = 0; k < scene.loads.size(); ++k) {
     const Load& load = scene.loads[k];
     if (load.kind == Load::Kind::release) {
-      all.push_back(
-          access(load.name + ".mass", "kg", [k](Scene& s) -> double& { return s.loads[k].mass; }));
+      add(load.name + ".mass", "kg", [k](Scene& s) -> double& { return s.loads[k].mass; });
     }
     if (load.kind == Load::Kind::impact) {
-      all.push_back(
-          access(load.name + ".peak", "N", [k](Scene& s) -> double& { return s.loads[k].peak; }));
+      add(load.name + ".peak", "N", [k](Scene& s) -> double& { return s.loads[k].peak; });
     }
     if (load.place.node.empty()) {
       // Beyond the member's end there is nothing to strike.
@@ -147,16 +117,36 @@ std::vector<ParameterAccess> scene_parameters(const Scene& scene) {
     return std::any_of(scene.members.begin(), scene.members.end(), holds);
   };
   if (any([](const Member& m) { return m.tension.has_value(); })) {
-    all.push_back(
-        access("load_cell.scale", "", [](Scene& s) -> double& { return s.load_cell.scale; }));
-    all.push_back(
-        access("load_cell.zero", "N", [](Scene& s) -> double& { return s.load_cell.zero; }));
+    add("load_cell.scale", "", [](Scene& s) -> double& { return s.load_cell.scale; });
+    add("load_cell.zero", "N", [](Scene& s) -> double& { return s.load_cell.zero; });
   }
   if (any([](const Member& m) { return m.thermal_expansion != 0; })) {
-    all.push_back(access("temperature_change", "K",
-                         [](Scene& s) -> double& { return s.temperature_change; }));
+    add("temperature_change", "K", [](Scene& s) -> double& { return s.temperature_change; });
   }
   return all;
+}
+
+std::string quantity_words(std::string_view quantity) {
+  for (const auto& one : kMemberNumbers) {
+    if (quantity == one.key) return one.words;
+  }
+  for (const auto& one : kDampingNumbers) {
+    if (quantity == std::string("damping_") + one.key) return one.words;
+  }
+  if (quantity == "EI" || quantity == "EI_z" || quantity == "EI_y") {
+    return "bending stiffness " + std::string(quantity);
+  }
+  if (quantity == "mass") return "mass";
+  if (quantity == "peak") return "peak force";
+  if (quantity == "position") return "position along the member";
+  const std::string axis(1, quantity.empty() ? ' ' : quantity.back());
+  const std::string_view along = quantity.substr(0, std::max<std::size_t>(quantity.size(), 1) - 1);
+  if (axis != "x" && axis != "y" && axis != "z") return "";
+  if (along.empty()) return "position " + axis;
+  if (along == "direction_") return "direction " + axis;
+  if (along == "translational_") return "support stiffness k_" + axis;
+  if (along == "rotational_") return "support stiffness about " + axis;
+  return "";
 }
 
 std::vector<ParameterAccess> parameters_named(const Scene& scene,

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/scene/scene.h"
@@ -23,6 +24,10 @@ namespace rigfit::model {
 void set_parameter(Scene& scene, const std::string& name, double value);
 /// Names of all parameters of the scene.
 [[nodiscard]] std::vector<std::string> parameter_names(const Scene& scene);
+
+/// What the last part of a parameter's name means, such as "axial stiffness EA" for "EA"; empty:
+/// not known.
+[[nodiscard]] std::string quantity_words(std::string_view quantity);
 
 /// A parameter's name and unit, and how it is read and set.
 struct ParameterAccess {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "model/scene/scene_keys.h"
+#include "model/scene/scene_numbers.h"
 
 namespace rigfit::model {
 namespace {
@@ -30,10 +31,7 @@ std::array<double, 2> bending_stiffness(TomlTable& table, Member::Kind kind) {
   return {EI[0], EI[1]};
 }
 
-void read_initial_state(TomlTable& table, Member& member) {
-  member.tension = table.optional_number("tension", Bound::positive, "N");
-  member.unstretched_length = table.optional_number("unstretched_length", Bound::positive, "m");
-  member.stretch = table.optional_number("stretch", Bound::not_negative, "m");
+void check_initial_state(const TomlTable& table, const Member& member) {
   const int given = member.tension.has_value() + member.unstretched_length.has_value() +
                     member.stretch.has_value();
   if (member.kind == Member::Kind::beam && given > 0) {
@@ -52,7 +50,6 @@ void read_initial_state(TomlTable& table, Member& member) {
                       "says a second time how the cable is tensioned",
                       "keep only one of tension, unstretched_length and stretch");
   }
-  member.thermal_expansion = table.number_or("thermal_expansion", Bound::not_negative, "1/K", 0);
   if (member.thermal_expansion > 0 && (member.kind == Member::Kind::beam || member.tension)) {
     throw table.error("thermal_expansion",
                       member.tension ? "is given for a cable whose tension is given"
@@ -62,7 +59,6 @@ void read_initial_state(TomlTable& table, Member& member) {
 }
 
 void read_damping(TomlTable& table, Member& member) {
-  member.damping_ratio = table.optional_number("damping_ratio", Bound::not_negative, "");
   if (member.damping_ratio && *member.damping_ratio >= 1) {
     throw table.error("damping_ratio",
                       fmt::format("must be below 1, got {}", *member.damping_ratio),
@@ -74,9 +70,7 @@ void read_damping(TomlTable& table, Member& member) {
                       "keep one: joint dampers or a modal ratio");
   }
   TomlTable damping = table.table("damping");
-  member.damping.axial = damping.number_or("axial", Bound::not_negative, "N s", 0);
-  member.damping.bending = damping.number_or("bending", Bound::not_negative, "N m2 s", 0);
-  member.damping.torsion = damping.number_or("torsion", Bound::not_negative, "N m2 s", 0);
+  for (const auto& number : kDampingNumbers) number.read(damping, member.damping);
   damping.finish();
 }
 
@@ -112,18 +106,14 @@ Member read_member(TomlTable& table) {
   }
   member.nodes = {nodes[0], nodes[1]};
   member.segments = segments_of(table);
-  member.mass_per_length = table.number("mass_per_length", Bound::positive, "kg/m");
+  for (const auto& number : kMemberNumbers) number.read(table, member);
   if (table.has("mass_of")) {
     member.mass_of = table.choice_or("mass_of", {"unstretched", "installed"}, "") == "installed"
                          ? Member::MassOf::installed
                          : Member::MassOf::unstretched;
   }
-  member.EA = table.number("EA", Bound::positive, "N");
   member.EI = bending_stiffness(table, member.kind);
-  member.GJ = table.number_or("GJ", Bound::not_negative, "N m2", 0);
-  member.polar_inertia = table.number_or("polar_inertia", Bound::not_negative, "kg m", 0);
-  member.taper = table.number_or("taper", Bound::positive, "", 1);
-  read_initial_state(table, member);
+  check_initial_state(table, member);
   member.assembled = table.choice_or("assembled", {"hanging", "straight"}, "hanging") == "straight"
                          ? Member::Assembled::straight
                          : Member::Assembled::hanging;

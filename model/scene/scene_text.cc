@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/scene/read_scene.h"
+#include "model/scene/scene_numbers.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
@@ -65,27 +66,24 @@ std::string member_text(const Member& member) {
       fmt::format("\n[[member]]\nname = {}\nkind = \"{}\"\nnodes = [{}, {}]\n", quoted(member.name),
                   cable ? "cable" : "beam", quoted(member.nodes[0]), quoted(member.nodes[1]));
   const auto line = [&](const char* key, double value, const char* unit) {
-    text += fmt::format("{} = {}  # {}\n", key, number(value), unit);
+    text += fmt::format("{} = {}{}{}\n", key, number(value), *unit ? "  # " : "", unit);
   };
   text += member.segments > 0 ? fmt::format("segments = {}\n", member.segments)
                               : std::string("segments = \"auto\"\n");
-  line("mass_per_length", member.mass_per_length, "kg/m");
   if (member.mass_of == Member::MassOf::installed) text += "mass_of = \"installed\"\n";
   if (member.mass_of == Member::MassOf::unstretched) text += "mass_of = \"unstretched\"\n";
-  line("EA", member.EA, "N");
   if (member.EI[0] == member.EI[1]) {
     line("EI", member.EI[0], "N m2");
   } else {
     text += fmt::format("EI = [{}, {}]  # N m2, about z and about the horizontal in-plane axis\n",
                         number(member.EI[0]), number(member.EI[1]));
   }
-  if (member.GJ != 0) line("GJ", member.GJ, "N m2");
-  if (member.polar_inertia != 0) line("polar_inertia", member.polar_inertia, "kg m");
-  if (member.taper != 1) line("taper", member.taper, "diameter at the second node over the first");
-  if (member.tension) line("tension", *member.tension, "N, horizontal, in the sagged equilibrium");
-  if (member.unstretched_length) line("unstretched_length", *member.unstretched_length, "m");
-  if (member.stretch) line("stretch", *member.stretch, "m");
-  if (member.thermal_expansion != 0) line("thermal_expansion", member.thermal_expansion, "1/K");
+  Member all = member, usual;
+  for (const auto& one : kMemberNumbers) {
+    const double* value = one.of(all);
+    if (!value || !(one.required || one.is_optional() || *value != *one.of(usual))) continue;
+    line(one.key, *value, one.unit);
+  }
   if (member.assembled == Member::Assembled::straight) text += "assembled = \"straight\"\n";
   const auto joint = [](Member::Joint j) {
     return j == Member::Joint::pinned ? "\"pinned\"" : "\"rigid\"";
@@ -94,9 +92,8 @@ std::string member_text(const Member& member) {
     text += fmt::format("joint = [{}, {}]\n", joint(member.joint[0]), joint(member.joint[1]));
   }
   const auto& damping = member.damping;
-  if (member.damping_ratio) {
-    text += fmt::format("damping_ratio = {}\n", number(*member.damping_ratio));
-  } else if (damping.axial != 0 || damping.bending != 0 || damping.torsion != 0) {
+  if (!member.damping_ratio &&
+      (damping.axial != 0 || damping.bending != 0 || damping.torsion != 0)) {
     text += fmt::format(
         "damping = {{ axial = {}, bending = {}, torsion = {} }}  # N s, N m2 s, N m2 s\n",
         number(damping.axial), number(damping.bending), number(damping.torsion));

@@ -1,44 +1,11 @@
 #include "apps/report/page/parameter_words.h"
 
-#include <array>
 #include <cctype>
-#include <utility>
+
+#include "model/scene/parameters.h"
 
 namespace rigfit::apps {
 namespace {
-
-constexpr std::array<std::pair<std::string_view, std::string_view>, 30> kQuantities{{
-    {"EI", "bending stiffness EI"},
-    {"EI_z", "bending stiffness EI_z"},
-    {"EI_y", "bending stiffness EI_y"},
-    {"EA", "axial stiffness EA"},
-    {"GJ", "torsional stiffness GJ"},
-    {"mass_per_length", "mass per length"},
-    {"polar_inertia", "polar inertia per length"},
-    {"tension", "tension T"},
-    {"unstretched_length", "unstretched length"},
-    {"stretch", "end displacement"},
-    {"taper", "taper"},
-    {"damping_ratio", "damping ratio ζ"},
-    {"damping_axial", "axial damper"},
-    {"damping_bending", "bending damper"},
-    {"damping_torsion", "torsional damper"},
-    {"mass", "mass"},
-    {"x", "position x"},
-    {"y", "position y"},
-    {"z", "position z"},
-    {"translational_x", "support stiffness k_x"},
-    {"translational_y", "support stiffness k_y"},
-    {"translational_z", "support stiffness k_z"},
-    {"rotational_x", "support stiffness about x"},
-    {"rotational_y", "support stiffness about y"},
-    {"rotational_z", "support stiffness about z"},
-    {"peak", "peak force"},
-    {"position", "position along the member"},
-    {"direction_x", "direction x"},
-    {"thermal_expansion", "thermal expansion"},
-    {"direction_y", "direction y"},
-}};
 
 std::string capitalised(std::string_view text) {
   std::string words(text);
@@ -57,10 +24,8 @@ std::string parameter_words(std::string_view name) {
   const auto dot = name.rfind('.');
   if (dot == std::string_view::npos) return capitalised(name);
   const auto quantity = name.substr(dot + 1);
-  for (const auto& [key, words] : kQuantities) {
-    if (key == quantity) return capitalised(name.substr(0, dot)) + " " + std::string(words);
-  }
-  return capitalised(name);
+  const std::string words = model::quantity_words(quantity);
+  return words.empty() ? capitalised(name) : capitalised(name.substr(0, dot)) + " " + words;
 }
 
 std::string with_parameter_words(std::string sentence) {
@@ -71,11 +36,9 @@ std::string with_parameter_words(std::string sentence) {
     std::size_t end = dot + 1;
     while (end < sentence.size() && part_of_name(sentence[end])) ++end;
     const auto quantity = std::string_view(sentence).substr(dot + 1, end - dot - 1);
-    for (const auto& [key, words] : kQuantities) {
-      if (key != quantity || dot == 0 || !part_of_name(sentence[dot - 1])) continue;
-      sentence.replace(dot, end - dot, " " + std::string(words));
-      break;
-    }
+    const std::string words = model::quantity_words(quantity);
+    if (words.empty() || dot == 0 || !part_of_name(sentence[dot - 1])) continue;
+    sentence.replace(dot, end - dot, " " + words);
   }
   return sentence;
 }
