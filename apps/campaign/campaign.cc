@@ -103,8 +103,7 @@ Options keys_of(ReportDetails& d) {
           option("client", d.client, ""),
           option("project", d.project, ""),
           option("revision", d.revision, ""),
-          option("date", d.date, "Such as 2026-05-18; default: the day the page is made"),
-          option("logo", d.logo, "PNG, JPEG or SVG, at most 2 MB")};
+          option("date", d.date, "Such as 2026-05-18; default: the day the page is made")};
 }
 
 Options keys_of(ident::StrandGeometry& s) {

@@ -7,11 +7,13 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "apps/describe/option.h"
+#include "document/describe.h"
 #include "document/toml_table.h"
 #include "ident/campaign/campaign.h"
 #include "ident/campaign/single_tests/beam_section.h"
@@ -28,7 +30,6 @@ using ident::Origin;
 struct ReportDetails {
   std::string author, organisation, client, project, revision;
   std::string date;  ///< as given; empty: the day the page is made
-  std::string logo;  ///< file; empty: none
 };
 
 /// How a value of a scene is known.
@@ -37,6 +38,8 @@ struct ValueOrigin {
   std::string parameter;  ///< such as "cable.EI"
   Kind kind = Kind::assumed;
   std::string how;
+  double value = 0;
+  std::string unit;
 };
 [[nodiscard]] const char* name_of(ValueOrigin::Kind kind);
 
@@ -204,3 +207,19 @@ struct KeySection {
 [[nodiscard]] std::vector<KeySection> campaign_keys();
 
 }  // namespace rigfit::apps
+
+namespace rigfit::describe {
+
+template <>
+struct Described<apps::ValueOrigin> {
+  using T = apps::ValueOrigin;
+  static constexpr std::string_view title{};
+  static constexpr auto fields =
+      std::tuple{field("parameter", &T::parameter, "", "value of", "of the scene"),
+                 field("value", &T::value, "", "value", "SI"),
+                 field("unit", &T::unit, "", "unit", "1: a ratio"),
+                 field("known", &T::kind, "", "known", "published, inferred or assumed"),
+                 field("how", &T::how, "", "how", "")};
+};
+
+}  // namespace rigfit::describe

@@ -9,7 +9,6 @@
 
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_group.h"
-#include "apps/campaign_file/report_details.h"
 #include "apps/results/text_table.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
@@ -134,11 +133,6 @@ class Reader {
       TomlTable report = root_.table("report");
       read_keys(report, keys_of(campaign_.report));
       report.finish();
-      if (!campaign_.report.logo.empty()) {
-        campaign_.report.logo = file_of(report, "logo", campaign_.report.logo, "a picture");
-        check_logo(campaign_.report.logo, report);
-        add_input(campaign_.report.logo);
-      }
     }
     if (root_.has("strand")) read_strand();
     std::set<std::string> scene_names, names;
@@ -197,7 +191,9 @@ class Reader {
         if (!said.insert(parameter).second) {
           throw origins.error(parameter, "its origin is given twice", "keep one");
         }
-        scene.origins.push_back({parameter, kind, origins.string(parameter)});
+        const auto known = model::parameters_named(scene.scene, {parameter}).front();
+        scene.origins.push_back({parameter, kind, origins.string(parameter),
+                                 model::parameter(scene.scene, parameter), known.unit});
       }
     }
     table.finish();

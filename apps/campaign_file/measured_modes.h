@@ -36,24 +36,12 @@ struct MeasuredTableRow {
 /// Whether the file begins as a universal file does.
 [[nodiscard]] bool is_universal_file(const std::filesystem::path& path);
 
-/// A sensor of the scene and the node of a file that it is at, "tip=12": its shape is what the node
-/// moves along the sensor's direction; "tip=12-Y": what it moves along the file's -y.
-struct NodeOfSensor {
-  std::string sensor;
-  int node = 0;
-  int direction = 0;  ///< +-1 x, +-2 y, +-3 z; 0: the sensor's own
-};
-
-/// Throws std::invalid_argument for what is no such text.
-[[nodiscard]] NodeOfSensor node_of_sensor(const std::string& text);
-
-/// Modes of datasets 55. Sensors that `nodes` does not name are at the node of the file that is
-/// where they are in the scene (within 1/1000 of its extent; the coordinates of both must agree).
+/// Modes of datasets 55. A sensor's node is the one of the file that is where the sensor is in the
+/// scene (within 1/1000 of its extent; the coordinates of both must agree).
 /// Shapes are taken where every sensor has a node; `remarks` says where not, and what the reader
 /// left out. Throws signal::RecordingError.
 [[nodiscard]] std::vector<MeasuredTableRow> read_uff_measured_modes(
     const std::filesystem::path& path, std::optional<model::ModePlane> plane,
-    const model::Scene& scene, const std::vector<NodeOfSensor>& nodes,
-    std::vector<std::string>& remarks);
+    const model::Scene& scene, std::vector<std::string>& remarks);
 
 }  // namespace rigfit::apps

@@ -159,21 +159,8 @@ class StateReader {
     if (!data_.column.empty() || !data_.compare.empty()) {
       throw UsageError(path + " is a universal file: --column and --compare are of tables");
     }
-    std::vector<NodeOfSensor> nodes;
-    try {
-      for (const auto& text : data_.nodes) nodes.push_back(node_of_sensor(text));
-    } catch (const std::invalid_argument& error) {
-      throw UsageError(std::string("--node: ") + error.what());
-    }
-    for (const auto& one : nodes) {
-      const bool known = std::any_of(scene.sensors.begin(), scene.sensors.end(),
-                                     [&](const auto& s) { return s.name == one.sensor; });
-      if (!known) {
-        throw UsageError("--node: " + scene_of(file) + " has no sensor \"" + one.sensor + "\"");
-      }
-    }
     std::vector<std::string> remarks;
-    const auto rows = read_uff_measured_modes(path, plane_of(file), scene, nodes, remarks);
+    const auto rows = read_uff_measured_modes(path, plane_of(file), scene, remarks);
     for (const auto& remark : remarks) context_.warn("universal_file", remark, path);
     const std::size_t before = taken_;
     const auto tension = modes_have_tensions_ ? tension_of(next_tension_++) : std::nullopt;

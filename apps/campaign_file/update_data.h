@@ -22,7 +22,6 @@ struct UpdateData {
   std::vector<std::string> planes;   ///< in, out, any: one for all or for each file
   std::string column;                ///< column of the frequencies in tables
   std::vector<std::string> compare;  ///< further columns: frequencies of other models
-  std::vector<std::string> nodes;    ///< SENSOR=NODE[+X] of universal files of modes
   std::string decay_channel;
   std::string stiffness;  ///< table of tension_N, EI_Nm2, or JSON result of bending tests
   int segments = 0;       ///< segments in every member while fitting; 0: the scene's

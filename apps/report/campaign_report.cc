@@ -10,6 +10,7 @@
 #include "apps/cli/output_file.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
+#include "apps/describe/json_of.h"
 #include "apps/report/compare_reports.h"
 #include "apps/report/parts/parts.h"
 #include "ident/campaign/campaign.h"
@@ -164,9 +165,8 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
   }
   Json result{{"title", campaign.title}, {"source", campaign.source}, {"seed", context.seed}};
   result["summary"] = summary_json(parts, context);
-  result["answers"] = Json::array();
   const auto answers = all_answers(parts);
-  for (const auto& answer : answers) result["answers"].push_back(answer_json(answer));
+  result["answers"] = describe::json_of(answers);
   if (given) *given = answers;
   for (const auto& part : parts) {
     if (part.json_key.empty()) continue;

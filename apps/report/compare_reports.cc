@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/describe/json_of.h"
 #include "apps/report/drawing/html_text.h"
+#include "signal/numerics/estimate.h"
 
 namespace rigfit::apps {
 namespace {
@@ -106,11 +108,8 @@ std::string shown_side(const Answer* answer) { return answer ? value_words(*answ
 
 Json side_json(const Answer* answer) {
   if (!answer) return nullptr;
-  const Json whole = answer_json(*answer);
-  return {{"value", whole["value"]}, {"std", whole["std"]}};
+  return describe::json_of(signal::Estimate{answer->value, answer->std});
 }
-
-Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 /// The change for the first page.
 Answer answer_of(const Pair& pair, const Change& change) {
@@ -156,10 +155,6 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
        {"change"},
        {"relative"},
        {"verdict", {}, false}}};
-  Plot plot{"comparison-changes", "Changes with their 95 % intervals",
-            "Relative change of every value, in the order of the table.", "row of the table",
-            "change, %"};
-  PlotSeries series{"after over before", Origin::modelled, 0, PlotSeries::Style::points};
   Json list = Json::array();
   std::size_t changed = 0, compared = 0;
   for (const auto& pair : pairs_of(before.answers, after.answers)) {
@@ -178,28 +173,19 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
                     {"unit", one.unit.empty() ? "1" : one.unit},
                     {"before", side_json(pair.before)},
                     {"after", side_json(pair.after)},
-                    {"change", finite(change.value)},
-                    {"change_std", finite(change.std)},
-                    {"relative_change", finite(change.relative)},
+                    {"change", describe::number_json(change.value)},
+                    {"change_std", describe::number_json(change.std)},
+                    {"relative_change", describe::number_json(change.relative)},
                     {"changed", change.changed},
                     {"verdict", change.verdict}});
     if (!pair.before || !pair.after) continue;
     ++compared;
     changed += change.changed;
     part.answers.push_back(answer_of(pair, change));
-    if (!std::isfinite(change.relative) || !(change.std > 0)) continue;
-    const double half = 196 * change.std / std::abs(pair.before->value);
-    const double y = 100 * change.relative;
-    series.add(static_cast<double>(table.rows.size()), y, y - half, y + half);
   }
-  part.summary.push_back({SummaryItem::Kind::result,
-                          "Changed",
-                          fmt::format("{} of {} compared", changed, counted(compared, "value")),
-                          {},
-                          part.id});
-  part.brief = {table.id, plot.id};
-  plot.add(std::move(series));
-  if (!plot.series.empty()) part.blocks.push_back(std::move(plot));
+  part.summary.push_back({SummaryItem::Kind::result, "Changed",
+                          fmt::format("{} of {} compared", changed, counted(compared, "value"))});
+  part.brief = {table.id};
   part.blocks.push_back(std::move(table));
   part.json = std::move(list);
   return part;

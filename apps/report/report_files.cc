@@ -7,7 +7,6 @@
 
 #include "apps/cli/output_file.h"
 #include "apps/cli/plots/browser.h"
-#include "apps/report/page/block_html.h"
 #include "apps/report/page/tables.h"
 #include "ident/statistics/in_parallel.h"
 
@@ -45,23 +44,7 @@ std::string csv_of(const Picture& picture) { return picture.csv; }
 std::string svg_of(const Plot& plot, const SvgOptions& options) { return svg_plot(plot, options); }
 std::string svg_of(const Picture& picture, const SvgOptions&) { return picture.svg; }
 
-/// Every figure on a page of its own, of the figures' size.
-std::string figures_page(std::span<const ReportPart> parts, const SvgOptions& options) {
-  const std::string width = fmt::format("{:.2f}mm", options.width * 25.4 / 96),
-                    height = fmt::format("{:.2f}mm", options.height * 25.4 / 96);
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Figures</title>"
-      "<style>@page {{ size: {0} {1}; margin: 0; }} body {{ margin: 0; }} div {{ width: {0}; "
-      "height: {1}; overflow: hidden; break-after: page; }} div:last-child {{ break-after: auto; "
-      "}} svg {{ display: block; }}</style>{2}</head><body>\n",
-      width, height, BlockHtml::styles());
-  each_figure(parts,
-              [&](const auto& figure) { html += "<div>" + svg_of(figure, options) + "</div>\n"; });
-  return html + "</body></html>\n";
-}
-
-void write_pdfs(const fs::path& folder, std::span<const ReportPart> parts,
-                const ReportOptions& options, VerbContext& context) {
+void write_pdfs(const fs::path& folder, const ReportOptions& options, VerbContext& context) {
   const fs::path browser = find_chromium();
   if (browser.empty()) {
     context.refuse(
@@ -73,10 +56,6 @@ void write_pdfs(const fs::path& folder, std::span<const ReportPart> parts,
   }
   std::vector<std::string> names{"report"};
   if (options.style == ReportStyle::client) names.emplace_back("appendix");
-  if (options.figures) {
-    write_whole_file(folder / "figures.html", figures_page(parts, *options.figures));
-    names.emplace_back("figures");
-  }
   for (const auto& name : names) {
     const fs::path part = folder / (name + ".part.pdf"), pdf = folder / (name + ".pdf");
     std::error_code error;
@@ -92,8 +71,6 @@ void write_pdfs(const fs::path& folder, std::span<const ReportPart> parts,
                      name + ".pdf");
     }
   }
-  std::error_code error;
-  fs::remove(folder / "figures.html", error);
 }
 
 }  // namespace
@@ -174,7 +151,7 @@ void write_report_files(const fs::path& folder, const PageFrame& frame,
   } else {
     write_whole_file(folder / "appendix.html", appendix);
   }
-  if (options.pdf) write_pdfs(folder, parts, options, context);
+  if (options.pdf) write_pdfs(folder, options, context);
 }
 
 }  // namespace rigfit::apps

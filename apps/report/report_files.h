@@ -18,8 +18,7 @@ namespace rigfit::apps {
 struct ReportOptions {
   ReportStyle style = ReportStyle::lab;
   bool pdf = false;  ///< report.pdf (and appendix.pdf) beside the page
-  /// Size and font of the figures for papers; none: as on the page. With `pdf` also figures.pdf, a
-  /// figure a page.
+  /// Size and font of the figures for papers; none: as on the page.
   std::optional<SvgOptions> figures;
   bool force = false;  ///< another campaign's report in the folder may be replaced
 };

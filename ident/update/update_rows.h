@@ -51,6 +51,7 @@ namespace rigfit::describe {
 template <>
 struct Described<ident::UpdateBudgetTerm> {
   using T = ident::UpdateBudgetTerm;
+  static constexpr std::string_view title{};
   static constexpr auto fields = std::tuple{
       field("source", &T::source, "", "source", "data, model, a prior, segments or an input"),
       field("std", &T::std, "", "contribution", "the squares add up", 2),

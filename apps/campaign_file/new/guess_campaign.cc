@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <system_error>
@@ -12,6 +11,7 @@
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/at_hand.h"
+#include "apps/cli/named_numbers.h"
 #include "document/document_error.h"
 #include "document/toml_table.h"
 #include "signal/impact/pulse_shape.h"
@@ -39,22 +39,14 @@ std::string quoted(const std::string& text) {
 
 /// Short pulses over a quiet record: the largest sample stands far above the root mean square.
 bool has_pulses(const signal::Channel& channel) {
-  double sum = 0, square = 0, largest = 0;
-  long count = 0;
-  for (const double x : channel.samples) {
-    if (!std::isfinite(x)) continue;
-    sum += x;
-    square += x * x;
-    ++count;
-  }
-  if (count < 64) return false;
-  const double mean = sum / static_cast<double>(count);
-  const double rms = std::sqrt(std::max(0.0, square / static_cast<double>(count) - mean * mean));
-  for (const double x : channel.samples) {
-    if (std::isfinite(x)) largest = std::max(largest, std::abs(x - mean));
-  }
+  Eigen::ArrayXd x = channel.samples.array();
+  const auto last = std::remove_if(x.begin(), x.end(), [](double y) { return !std::isfinite(y); });
+  x.conservativeResize(last - x.begin());
+  if (x.size() < 64) return false;
+  x -= x.mean();
   // A sine has a crest factor of 1.4, noise of 4 to 5, a decay that fills the record of some 5.
-  return rms > 0 && largest > 8 * rms;
+  const double rms = std::sqrt(x.square().mean());
+  return rms > 0 && x.abs().maxCoeff() > 8 * rms;
 }
 
 /// Pulses to one side with rest between them, as a hammer's force: around the largest one, in
@@ -214,25 +206,18 @@ double length_of(const std::string& file, std::size_t place, std::size_t files,
                  const std::vector<std::string>& lengths) {
   double found = 0;
   for (std::size_t k = 0; k < lengths.size(); ++k) {
-    const std::size_t sign = lengths[k].rfind('=');
-    const bool named = sign != std::string::npos;
-    const std::string number = named ? lengths[k].substr(sign + 1) : lengths[k];
-    const std::string of = named ? lengths[k].substr(0, sign) : "";
-    double value = 0;
-    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-    if (error != std::errc() || end != number.data() + number.size() || !(value > 0) ||
-        !std::isfinite(value)) {
-      throw UsageError("--length " + lengths[k] + ": write metres, or FILE=METRES");
-    }
-    if (named ? of == file || of == fs::path(file).filename() : lengths.size() == 1 || k == place) {
-      found = value;
-    }
+    const bool named = lengths[k].find('=') != std::string::npos;
     if (!named && lengths.size() != 1 && lengths.size() != files) {
       throw UsageError(
           fmt::format("--length gives {} lengths for {} files: one for all, one each, "
                       "or FILE=METRES",
                       lengths.size(), files));
     }
+    const auto given = named_numbers("--length", named ? lengths[k] : file + "=" + lengths[k],
+                                     "metres, or FILE=METRES", 1, 1);
+    const bool this_one = named ? given.name == file || given.name == fs::path(file).filename()
+                                : lengths.size() == 1 || k == place;
+    if (this_one) found = given.numbers[0];
   }
   return found;
 }

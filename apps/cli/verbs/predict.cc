@@ -108,7 +108,7 @@ Json compared_json(const PredictCommand& command, const ident::ModePrediction& p
       throw UsageError(command.measured + " is a universal file: --column is of tables");
     }
     std::vector<std::string> remarks;
-    rows = read_uff_measured_modes(command.measured, plane, prediction.scene, {}, remarks);
+    rows = read_uff_measured_modes(command.measured, plane, prediction.scene, remarks);
     for (const auto& remark : remarks) context.warn("universal_file", remark, command.measured);
   } else {
     rows = read_measured_modes(command.measured, command.column, plane, {});

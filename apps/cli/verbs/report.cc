@@ -34,8 +34,7 @@ describe::Options options_of(ReportCommand& c) {
               .one_of({"lab", "client"}),
           option("--pdf", c.pdf, "Print to PDF as well, by a Chromium on PATH"),
           option("--force", c.force, "Replace another campaign's report in the folder"),
-          option("--figure-size", c.figure_size,
-                 "Width and height of the figures for a paper, mm; with --pdf also figures.pdf")
+          option("--figure-size", c.figure_size, "Width and height of the figures for a paper, mm")
               .count(2)
               .within(20.0, 1000.0)
               .type("MM MM"),

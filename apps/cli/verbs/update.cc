@@ -284,9 +284,6 @@ describe::Options options_of(UpdateCommand& c) {
              "damping_std, plane, tension_N (a state each), shape:<sensor>; or universal files of "
              "mode shapes (UFF 55, with 15 or 2411 for where the nodes are)")
           .file(),
-      option("--node", c.data.nodes,
-             "SENSOR=NODE of universal files of mode shapes (SENSOR=NODE-Y: along the file's -y); "
-             "without it a sensor's node is the one at its place in the scene"),
       option("--frf", c.data.frfs,
              "FRFs (UFF 58), fitted line by line; names of inputs and responses are those of the "
              "scene's loads and sensors. Their modes give its starting values. An exponential "

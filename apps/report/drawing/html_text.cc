@@ -3,29 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
+#include <array>
 #include <cmath>
 
 #include "apps/describe/digits.h"
+#include "signal/recording/units.h"
 
 namespace rigfit::apps {
 namespace {
-
-/// Length of the UTF-8 sequence at `i`, 0 when it is none.
-std::size_t sequence_length(std::string_view text, std::size_t i) {
-  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
-  const unsigned char lead = byte(i);
-  const std::size_t length = lead < 0x80                    ? 1
-                             : lead >= 0xc2 && lead <= 0xdf ? 2
-                             : lead >= 0xe0 && lead <= 0xef ? 3
-                             : lead >= 0xf0 && lead <= 0xf4 ? 4
-                                                            : 0;
-  if (length == 0 || i + length > text.size()) return 0;
-  for (std::size_t k = 1; k < length; ++k) {
-    if ((byte(i + k) & 0xc0) != 0x80) return 0;
-  }
-  return length;
-}
 
 std::string with_minus(std::string text) {
   if (text.find_first_not_of("-0.") == std::string::npos && text.starts_with('-')) text.erase(0, 1);
@@ -37,37 +22,14 @@ std::string with_minus(std::string text) {
 
 std::string escaped(std::string_view text) {
   std::string result;
-  result.reserve(text.size() + text.size() / 8);
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = sequence_length(text, i);
-    if (length == 0) {
-      result += "\xef\xbf\xbd";
-      ++i;
-      continue;
-    }
-    if (length > 1) {
-      result += text.substr(i, length);
-      i += length;
-      continue;
-    }
-    switch (const char c = text[i++]) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\'':
-        result += "&#39;";
-        break;
-      default:
-        if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') result += c;
+  for (const char c : signal::to_utf8(text)) {
+    const auto at = std::string_view("&<>\"'").find(c);
+    static constexpr std::array<const char*, 5> kWritten{"&amp;", "&lt;", "&gt;", "&quot;",
+                                                         "&#39;"};
+    if (at == std::string_view::npos) {
+      result += c;
+    } else {
+      result += kWritten[at];
     }
   }
   return result;
@@ -77,11 +39,9 @@ std::string shown(double value, int digits) {
   if (!std::isfinite(value)) return "–";
   if (value == 0) return "0";
   const int exponent = static_cast<int>(std::floor(std::log10(std::abs(value))));
-  std::string text = exponent >= -4 && exponent < 7
-                         ? fmt::format("{:.{}f}", value, std::max(0, digits - 1 - exponent))
-                         : fmt::format("{:.{}e}", value, digits - 1);
-  if (text.starts_with('-')) text.replace(0, 1, "−");
-  return text;
+  return with_minus(exponent >= -4 && exponent < 7
+                        ? fmt::format("{:.{}f}", value, std::max(0, digits - 1 - exponent))
+                        : fmt::format("{:.{}e}", value, digits - 1));
 }
 
 std::string shown_percent(double ratio) {

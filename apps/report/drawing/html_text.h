@@ -6,7 +6,8 @@
 
 namespace rigfit::apps {
 
-/// &, <, >, ", ' replaced; bytes that are not UTF-8 become U+FFFD; control characters go.
+/// &, <, >, ", ' replaced; bytes that are not UTF-8 as by the readers (signal::to_utf8), control
+/// characters as blanks.
 [[nodiscard]] std::string escaped(std::string_view text);
 
 /// A number with so many significant digits, thin-spaced thousands left out; "–" when not finite.

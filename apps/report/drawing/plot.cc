@@ -3,6 +3,8 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 
@@ -10,40 +12,29 @@
 
 namespace rigfit::apps {
 
-const char* name_of(Origin origin) {
-  switch (origin) {
-    case Origin::measured:
-      return "measured";
-    case Origin::published:
-      return "published test";
-    case Origin::published_model:
-      return "published model";
-    case Origin::synthetic:
-      return "synthetic";
-    case Origin::modelled:
-      return "rigfit model";
-  }
-  return "";
-}
+namespace {
 
-const char* word_of(Origin origin) {
-  switch (origin) {
-    case Origin::measured:
-      return "measured";
-    case Origin::published:
-      return "published";
-    case Origin::published_model:
-      return "published-model";
-    case Origin::synthetic:
-      return "synthetic";
-    case Origin::modelled:
-      return "modelled";
-  }
-  return "";
-}
+struct OriginWords {
+  const char *name, *word;
+  SeriesLook::Marker marker;
+};
+using Marker = SeriesLook::Marker;
+/// By ident::Origin. A model's cross reaches out of a point that it lies on.
+constexpr std::array<OriginWords, 5> kOrigins{
+    {{"measured", "measured", Marker::circle},
+     {"published test", "published", Marker::square},
+     {"published model", "published-model", Marker::square},
+     {"synthetic", "synthetic", Marker::diamond},
+     {"rigfit model", "modelled", Marker::cross}}};
+
+const OriginWords& words_of(Origin origin) { return kOrigins[static_cast<std::size_t>(origin)]; }
+
+}  // namespace
+
+const char* name_of(Origin origin) { return words_of(origin).name; }
+const char* word_of(Origin origin) { return words_of(origin).word; }
 
 SeriesLook look_of(const PlotSeries& series, bool overlaid) {
-  using Marker = SeriesLook::Marker;
   using Style = PlotSeries::Style;
   constexpr std::size_t kManyPoints = 150;  // as dots from here on
   SeriesLook look;
@@ -56,29 +47,16 @@ SeriesLook look_of(const PlotSeries& series, bool overlaid) {
     look.dash = "9 3 2 3";
   }
   if (series.style == Style::line || series.style == Style::dashed) return look;
-  if (series.x.size() > kManyPoints) {
-    look.marker = Marker::dot;
-    return look;
-  }
-  switch (series.origin) {
-    case Origin::measured:
-      look.marker = Marker::circle;
-      break;
-    case Origin::synthetic:
-      look.marker = Marker::diamond;
-      break;
-    case Origin::published:
-      look.marker = Marker::square;
-      break;
-    case Origin::published_model:
-      look.marker = Marker::square;
-      look.hollow = true;
-      break;
-    case Origin::modelled:  // reaches out of a point that it lies on
-      look.marker = Marker::cross;
-      break;
-  }
+  look.marker = series.x.size() > kManyPoints ? Marker::dot : words_of(series.origin).marker;
+  look.hollow = look.marker != Marker::dot && series.origin == Origin::published_model;
   return look;
+}
+
+PlotSeries& Plot::named(const std::string& name, Origin origin, PlotSeries::Style style) {
+  const auto at = std::find_if(series.begin(), series.end(),
+                               [&](const PlotSeries& one) { return one.name == name; });
+  if (at != series.end()) return *at;
+  return series.emplace_back(PlotSeries{name, origin, static_cast<int>(series.size()), style});
 }
 
 std::string plot_csv(const Plot& plot) {

@@ -70,6 +70,9 @@ struct Plot {
   void add(PlotSeries one) {
     if (!one.x.empty()) series.push_back(std::move(one));
   }
+  /// The series of that name, added with the next colour where there is none.
+  PlotSeries& named(const std::string& name, Origin origin = Origin::modelled,
+                    PlotSeries::Style style = PlotSeries::Style::points);
 };
 
 /// Columns series, x, y (and low, high), one line a point; numbers that read back exactly.

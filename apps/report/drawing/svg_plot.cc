@@ -354,29 +354,7 @@ class SvgFigure {
         x, y, anchor, more, escaped(words));
   }
 
-  /// Faint lines within the decades of a logarithmic axis.
-  template <class Line>
-  static void within_decades(const SvgAxis& axis, Line line) {
-    if (!axis.logarithmic || axis.high / axis.low > 1e6) return;
-    for (int e = static_cast<int>(std::floor(std::log10(axis.low))); std::pow(10, e) <= axis.high;
-         ++e) {
-      for (int m = 2; m < 10; ++m) {
-        const double value = m * std::pow(10, e);
-        if (value > axis.low && value < axis.high) line(axis.at(value));
-      }
-    }
-  }
-
   void grid() {
-    std::string minor;
-    within_decades(
-        x_, [&](double at) { minor += fmt::format("M{:.1f} {:.1f}V{:.1f}", at, y_.from, y_.to); });
-    within_decades(
-        y_, [&](double at) { minor += fmt::format("M{:.1f} {:.1f}H{:.1f}", x_.from, at, x_.to); });
-    if (!minor.empty()) {
-      svg_ += fmt::format("<path class=\"grid minor\" d=\"{}\" fill=\"none\" stroke=\"#eee\"/>\n",
-                          minor);
-    }
     const auto x_labels = tick_labels(x_), y_labels = tick_labels(y_);
     svg_ += "<g class=\"ticks\">\n";
     for (std::size_t i = 0; i < x_.ticks.size(); ++i) {

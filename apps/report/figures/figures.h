@@ -160,6 +160,10 @@ struct MeasuredShape {
   Origin origin = Origin::measured;
 };
 
+/// A scene to scale, seen from the side: members, supports, masses, sensors and where it is struck
+/// or released. The caption names the marks; the data are the places.
+[[nodiscard]] Picture rig_picture(const model::Scene& scene);
+
 /// The modes of the analysis (at most `most`) in a parallel projection, six a picture: at rest
 /// (broken), moved, with supports, sensors and the nodes of the shape; measured shapes as points,
 /// scaled to the model's by least squares, with their MAC. `state` stands in the titles where there

@@ -11,6 +11,7 @@
 #include "apps/report/page/tables.h"
 #include "ident/bending/bending_equation.h"
 #include "ident/statistics/uncertainty.h"
+#include "ident/update/update_rows.h"
 
 namespace rigfit::apps {
 
@@ -253,15 +254,11 @@ std::vector<Block> tension_blocks(const std::string& id, const ident::TensionRes
     add(errors, std::move(series), one, [](const auto& m) { return 100 * m.relative_error; });
   }
   std::vector<Block> blocks{std::move(frequencies), std::move(errors)};
-  Shares shares{"tension", {}};
-  for (const auto& term : result.budget) {
-    if (std::isfinite(term.std)) shares.parts.emplace_back(term.source, term.std * term.std);
-  }
-  if (!shares.parts.empty()) {
-    blocks.emplace_back(share_table(
-        id + "-budget", "Where the uncertainty of the tension comes from: shares of its variance.",
-        {shares}));
-  }
+  std::vector<ident::TensionBudgetRow> budget;
+  for (const auto& term : result.budget) budget.push_back({term.source, term.std});
+  blocks.emplace_back(described_table(id + "-budget",
+                                      "Where the uncertainty of the tension comes from.",
+                                      describe::table_of(std::move(budget))));
   return blocks;
 }
 
@@ -298,20 +295,18 @@ std::vector<Block> fit_blocks(const std::string& id, const std::vector<ident::Up
   for (auto* series : {&before, &held, &fitted}) plot.add(std::move(*series));
   std::vector<Block> blocks;
   if (!plot.series.empty()) blocks.emplace_back(std::move(plot));
-  std::vector<Shares> budgets;
+  ReportTable budgets{id + "-budget",
+                      "Where the uncertainty of each parameter comes from; the squares of the "
+                      "contributions add up. Those under 0.5 % of the variance are left out.",
+                      {{"parameter", {}, false}}};
   for (const auto& parameter : result.parameters) {
-    if (parameter.budget.empty()) continue;
-    budgets.push_back({parameter_words(parameter.name), {}});
-    for (const auto& term : parameter.budget) {
-      budgets.back().parts.emplace_back(with_parameter_words(term.source), term.std * term.std);
-    }
+    auto terms = parameter.budget;
+    std::erase_if(terms, [&](const auto& term) { return term.std < 0.07 * parameter.std; });
+    for (auto& term : terms) term.source = with_parameter_words(term.source);
+    add_rows(budgets, {parameter_words(parameter.name)}, describe::table_of(std::move(terms)),
+             Origin::modelled);
   }
-  if (!budgets.empty()) {
-    blocks.emplace_back(share_table(id + "-budget",
-                                    "Where the uncertainty of each parameter comes from: shares "
-                                    "of its variance. The largest is what to improve first.",
-                                    budgets));
-  }
+  if (!budgets.rows.empty()) blocks.emplace_back(std::move(budgets));
   return blocks;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "apps/describe/json_of.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/page/parameter_words.h"
 
@@ -15,10 +16,6 @@ double scale_of(const Answer& answer) { return answer.percent ? 100 : 1; }
 std::string bound_words(const Answer& answer, double bound) {
   return std::isfinite(bound) ? shown_bound(scale_of(answer) * bound, scale_of(answer) * answer.std)
                               : std::string("open");
-}
-
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
 /// Half the 95 % interval over the value; infinite where an end is open.
@@ -115,36 +112,23 @@ void recommend(std::vector<Answer*>& answers) {
   }
 }
 
-nlohmann::ordered_json answer_json(const Answer& answer) {
-  return {{"key", answer.key},
-          {"quantity", answer.quantity},
-          {"structure", answer.structure},
-          {"recommended", answer.recommended},
-          {"value", number(answer.value)},
-          {"std", number(answer.std)},
-          {"low", number(answer.low)},
-          {"high", number(answer.high)},
-          {"unit", answer.unit.empty() ? "1" : answer.unit},
-          {"determined", answer.determined},
-          {"how", answer.how},
-          {"verdict", verdict_words(answer)},
-          {"mode_hz", number(answer.mode_hz)},
-          {"reference", answer.reference ? number(*answer.reference) : number(Answer::kNone)}};
-}
-
 std::string answers_csv(const std::vector<Answer>& answers) {
-  std::string text = "key,quantity,value,std,low,high,unit,how,verdict\n";
-  const auto cell = [](double value) {
-    return std::isfinite(value) ? fmt::format("{}", value) : std::string();
-  };
-  for (const auto& answer : answers) {
-    text += fmt::format("{},{},{},{},{},{},{},{},{}\n", csv_quoted(answer.key),
-                        csv_quoted(answer.quantity), cell(answer.value), cell(answer.std),
-                        cell(answer.low), cell(answer.high),
-                        csv_quoted(answer.unit.empty() ? "1" : answer.unit), csv_quoted(answer.how),
-                        csv_quoted(verdict_words(answer)));
+  std::string text;
+  const auto blank = describe::json_of(Answer{});
+  for (const auto& field : blank.items()) {
+    text += (text.empty() ? "" : ",") + field.key();
   }
-  return text;
+  for (const auto& answer : answers) {
+    const char* before = "\n";
+    const auto json = describe::json_of(answer);
+    for (const auto& value : json) {
+      text += before + (value.is_null()     ? ""
+                        : value.is_string() ? csv_quoted(value.get<std::string>())
+                                            : value.dump());
+      before = ",";
+    }
+  }
+  return text + "\n";
 }
 
 }  // namespace rigfit::apps

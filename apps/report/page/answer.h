@@ -3,11 +3,12 @@
 #pragma once
 
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "ident/campaign/single_tests/origin.h"
 
 namespace rigfit::apps {
@@ -54,10 +55,33 @@ struct Answer {
 /// One that differs from it by more than three standard uncertainties says so in its verdict.
 void recommend(std::vector<Answer*>& answers);
 
-/// The same for programs: SI units, null where there is no number.
-[[nodiscard]] nlohmann::ordered_json answer_json(const Answer& answer);
-
 /// A table for a spreadsheet.
 [[nodiscard]] std::string answers_csv(const std::vector<Answer>& answers);
 
 }  // namespace rigfit::apps
+
+namespace rigfit::describe {
+
+template <>
+struct Described<apps::Answer> {
+  using T = apps::Answer;
+  static constexpr auto fields =
+      std::tuple{field("key", &T::key, "", "", "the same in every report of the campaign"),
+                 field("quantity", &T::quantity, "", "", ""),
+                 field("value", &T::value, "", "", "SI; null: not determined"),
+                 field("std", &T::std, "", "", "standard uncertainty"),
+                 field("low", &T::low, "", "", "95 %; null: open"),
+                 field("high", &T::high, "", "", "95 %; null: open"),
+                 field(
+                     "unit", [](const T& a) { return a.unit.empty() ? std::string("1") : a.unit; },
+                     "", "", ""),
+                 field("how", &T::how, "", "", "what it was found from"),
+                 field("verdict", &apps::verdict_words, "", "", "how well it is known, and agrees"),
+                 field("determined", &T::determined, "", "", "by these data"),
+                 field("structure", &T::structure, "", "", "what it belongs to"),
+                 field("recommended", &T::recommended, "", "", "no other answer is known better"),
+                 field("mode_hz", &T::mode_hz, "Hz", "", "of the mode that it belongs to"),
+                 field("reference", &T::reference, "", "", "as known otherwise")};
+};
+
+}  // namespace rigfit::describe

@@ -77,9 +77,11 @@ void BlockHtml::add(const ReportTable& table) {
   }
   // A column with nothing in it says nothing: remarks where there are none.
   std::vector<bool> shown_column(table.columns.size(), table.rows.empty());
+  bool grouped = false;  // what is above is not repeated
   for (const auto& row : table.rows) {
+    grouped = grouped || row[0].text.empty();
     for (std::size_t i = 0; i < std::min(row.size(), shown_column.size()); ++i) {
-      if (!row[i].text.empty()) shown_column[i] = true;
+      if (!row[i].text.empty() && row[i].text != "–") shown_column[i] = true;
     }
   }
   constexpr std::ptrdiff_t kNarrow = 4;  // columns; a table of these stands beside a figure
@@ -100,7 +102,7 @@ void BlockHtml::add(const ReportTable& table) {
   html_ += "</tr></thead>\n<tbody>\n";
   for (const std::size_t row_index : rows_on_page(table)) {
     const auto& row = table.rows[row_index];
-    const bool starts = !row.empty() && !row[0].text.empty() && table.rows.size() > 6;
+    const bool starts = grouped && !row[0].text.empty();
     html_ += starts ? "<tr class=\"state\">" : "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i) {
       if (i < shown_column.size() && !shown_column[i]) continue;
@@ -111,10 +113,13 @@ void BlockHtml::add(const ReportTable& table) {
       if (origin) css += fmt::format(" o-{}", word_of(*origin));
       if (row[i].doubtful) css += " doubt";
       if (row[i].shade) css += " shade";
+      std::string text = escaped(row[i].text);
+      if (!row[i].anchor.empty()) {
+        text = fmt::format("<a href=\"#{}\">{}</a>", escaped(row[i].anchor), text);
+      }
       html_ += fmt::format(
           "<td{}{}>{}</td>", css.empty() ? "" : " class=\"" + css + "\"",
-          row[i].shade ? fmt::format(" style=\"--shade:{:.0f}%\"", 100 * *row[i].shade) : "",
-          escaped(row[i].text));
+          row[i].shade ? fmt::format(" style=\"--shade:{:.0f}%\"", 100 * *row[i].shade) : "", text);
     }
     html_ += "</tr>\n";
   }

@@ -12,12 +12,13 @@
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/page/block_html.h"
 #include "apps/report/page/parameter_words.h"
+#include "apps/report/page/tables.h"
 
 namespace rigfit::apps {
 namespace {
 
 /// Pages of the short report behind the first one, and what things take of one on paper.
-constexpr double kShortPages = 6.2, kFigurePages = 0.27, kTextPages = 0.075, kRowPages = 0.021;
+constexpr double kShortPages = 5.2, kFigurePages = 0.27, kTextPages = 0.075, kRowPages = 0.021;
 constexpr std::size_t kLongestShortTable = 16;  // rows
 
 /// The parts of one test or fit.
@@ -97,10 +98,6 @@ std::string today() {
 void heading(std::string& html, const PageFrame& frame) {
   const auto& details = frame.details;
   html += "<header>\n";
-  if (const std::string logo = logo_data_uri(details.logo); !logo.empty()) {
-    html += fmt::format("<img class=\"logo\" src=\"{}\" alt=\"{}\">\n", logo,
-                        escaped(details.organisation.empty() ? "Logo" : details.organisation));
-  }
   html += fmt::format("<h1>{}</h1>\n<dl class=\"details\">", escaped(frame.title));
   for (const auto& [name, value] :
        {std::pair{"Client", details.client}, std::pair{"Project", details.project},
@@ -118,48 +115,32 @@ void heading(std::string& html, const PageFrame& frame) {
   html += "</header>\n";
 }
 
-void answers_table(std::string& html, std::span<const ReportPart> parts) {
-  std::vector<const Answer*> list;
-  std::size_t all = 0;
+/// The recommended answers: those of the first page, others where there is room.
+ReportTable answers_table(std::span<const ReportPart> parts) {
+  ReportTable table{"answers",
+                    "Results, ± standard uncertainty; verdicts are about 95 % intervals.",
+                    {{"quantity", {}, false},
+                     {"value"},
+                     {"unit", {}, false},
+                     {"how known", {}, false},
+                     {"verdict", {}, false}}};
   for (int rank = 0; rank < 2; ++rank) {
-    std::vector<const Answer*> of_rank;
+    auto rows = table.rows;
     for (const auto& part : parts) {
       for (const auto& answer : part.answers) {
-        all += rank == 0;
-        if (answer.rank == rank && answer.recommended) of_rank.push_back(&answer);
+        if (answer.rank != rank || !answer.recommended) continue;
+        Cell quantity(quantity_words(answer)), verdict(verdict_words(answer));
+        quantity.anchor = answer.anchor;
+        verdict.doubtful = doubtful(answer);
+        const char* synthetic = answer.origin == Origin::synthetic ? " (synthetic)" : "";
+        rows.push_back({std::move(quantity), value_words(answer), shown_unit(answer),
+                        Cell(answer.how + synthetic, answer.origin), std::move(verdict)});
       }
     }
-    if (rank > 0 && list.size() + of_rank.size() > kMostAnswers) continue;
-    list.insert(list.end(), of_rank.begin(), of_rank.end());
+    if (rank == 0 || rows.size() <= kMostAnswers) table.rows = std::move(rows);
   }
-  list.resize(std::min(list.size(), kMostAnswers));
-  if (list.empty()) {
-    html += "<p class=\"warning\">These recordings gave no answer: the warnings say why.</p>\n";
-    return;
-  }
-  html +=
-      "<div class=\"table\"><table class=\"answers short\" id=\"answers\"><caption>Results, ± "
-      "standard uncertainty; verdicts are about 95 % intervals.</caption>\n<thead><tr><th "
-      "scope=\"col\">quantity</th><th scope=\"col\" class=\"n\">value</th><th "
-      "scope=\"col\">unit</th><th scope=\"col\">how known</th><th scope=\"col\">verdict</th></tr>"
-      "</thead>\n<tbody>\n";
-  for (const auto* answer : list) {
-    html += fmt::format(
-        "<tr><th scope=\"row\"><a href=\"#{}\">{}</a></th><td class=\"n\">{}</td><td "
-        "class=\"u\">{}</td>"
-        "<td class=\"o-{}\">{}{}</td><td{}>{}</td></tr>\n",
-        escaped(answer->anchor), escaped(quantity_words(*answer)), escaped(value_words(*answer)),
-        escaped(shown_unit(*answer)), word_of(answer->origin), escaped(answer->how),
-        answer->origin == Origin::synthetic ? " (synthetic)" : "",
-        doubtful(*answer) ? " class=\"doubt\"" : "", escaped(verdict_words(*answer)));
-  }
-  html += "</tbody></table></div>\n";
-  if (all > list.size()) {
-    html += fmt::format(
-        "<p class=\"small\">{} of {} values; all, with their intervals, are in <a "
-        "href=\"data/results.csv\">data/results.csv</a>.</p>\n",
-        list.size(), all);
-  }
+  table.rows.resize(std::min(table.rows.size(), kMostAnswers));
+  return table;
 }
 
 class PageWriter {
@@ -217,7 +198,22 @@ class PageWriter {
     blocks_.heading(3);
     for (const auto& block : overview.blocks) blocks_.add(block);
     html_ += blocks_.taken() + "</div>\n<h3 id=\"results\">Results</h3>\n";
-    answers_table(html_, parts_);
+    const ReportTable answers = answers_table(parts_);
+    std::size_t all = 0;
+    for (const auto& part : parts_) all += part.answers.size();
+    if (answers.rows.empty()) {
+      blocks_.add(Paragraph{"These recordings gave no answer: the warnings say why.",
+                            Paragraph::Kind::warning});
+    } else {
+      blocks_.add(answers);
+    }
+    html_ += blocks_.taken();
+    if (all > answers.rows.size()) {
+      html_ += fmt::format(
+          "<p class=\"small\">{} of {} values; all, with their intervals, are in <a "
+          "href=\"data/results.csv\">data/results.csv</a>.</p>\n",
+          answers.rows.size(), all);
+    }
     html_ += "<h3 id=\"warnings\">Warnings</h3>\n";
     const std::size_t count = count_warnings();
     html_ += warnings_html(count, kMostWarnings);
@@ -456,22 +452,20 @@ class PageWriter {
     html_ += "<section aria-labelledby=\"provenance\"><h2 id=\"provenance\">Provenance</h2>\n";
     html_ += fmt::format("<p>rigfit {}. To repeat: <code>{}</code></p>\n", escaped(RIGFIT_VERSION),
                          escaped(frame_.repeat));
-    constexpr std::size_t kMost = 400;
-    html_ += fmt::format(
-        "<details class=\"fold\"><summary>{} input files and their SHA-256</summary>\n<div "
-        "class=\"table\"><table class=\"hashes\"><caption>Inputs and their SHA-256{}.</caption>"
-        "<thead><tr><th scope=\"col\">file</th><th "
-        "scope=\"col\">SHA-256</th></tr></thead><tbody>\n",
-        frame_.inputs.size(),
-        frame_.inputs.size() > kMost ? fmt::format(", the first {}; report.json has all", kMost)
-                                     : std::string());
-    for (std::size_t i = 0; i < std::min(frame_.inputs.size(), kMost); ++i) {
-      const auto& [path, hash] = frame_.inputs[i];
-      html_ += fmt::format("<tr><td>{}</td><td><code>{}</code></td></tr>\n", escaped(path),
-                           escaped(hash));
+    const std::size_t most = std::min(frame_.inputs.size(), kMostRows);
+    ReportTable table{"inputs",
+                      "Inputs and their SHA-256.",
+                      {{"file", {}, false}, {"SHA-256", {}, false}},
+                      {},
+                      counted(frame_.inputs.size(), "input file") + " and their SHA-256"};
+    if (most < frame_.inputs.size()) {
+      table.caption += fmt::format(" The first {}; report.json has all.", most);
     }
-    html_ += "</tbody></table></div></details>\n";
-    html_ += "</section>\n";
+    for (std::size_t i = 0; i < most; ++i) {
+      table.rows.push_back({frame_.inputs[i].first, frame_.inputs[i].second});
+    }
+    blocks_.add(table);
+    html_ += blocks_.taken() + "</section>\n";
   }
 
   std::string finished() {

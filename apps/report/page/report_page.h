@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/campaign_file/report_details.h"
+#include "apps/campaign/campaign.h"
 #include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {

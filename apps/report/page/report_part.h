@@ -10,6 +10,7 @@
 
 #include "apps/report/drawing/plot.h"
 #include "apps/report/page/answer.h"
+#include "ident/campaign/single_tests/finding.h"
 
 namespace rigfit::apps {
 
@@ -32,6 +33,7 @@ struct Cell {
   std::optional<Origin> origin;  ///< colours the cell; none: as its column
   bool doubtful = false;
   std::optional<double> shade;  ///< 0..1: how dark the cell stands out (a matrix)
+  std::string anchor;           ///< id of the part that it leads to
 };
 
 struct Column {
@@ -73,13 +75,6 @@ struct SummaryItem {
   Kind kind = Kind::result;
   std::string label, text;
   std::optional<Origin> origin = std::nullopt;
-  std::string anchor;  ///< id of the part that says more
-};
-
-/// A warning of the document, raised when the parts are put together.
-struct PartWarning {
-  std::string code, message, where;
-  bool refused = false;  ///< ends the run with exit code 4
 };
 
 /// A file of the report for other programs; `path` is relative to the report's folder.
@@ -101,7 +96,8 @@ struct ReportPart {
   std::vector<std::string> brief;  ///< ids of figures and tables for the short report
   std::vector<Answer> answers;
   std::vector<SummaryItem> summary;
-  std::vector<PartWarning> warnings;
+  std::vector<ident::Finding>
+      warnings;  ///< of the document, raised when the parts are put together
   std::vector<OutputFile> files;
   std::vector<ModeOfModel> modes;
   std::vector<std::string> inputs;  ///< files read for it besides the campaign's own

@@ -4,55 +4,58 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "apps/report/drawing/html_text.h"
 
 namespace rigfit::apps {
 namespace {
 
-Cell shaded(std::string text, double share) {
-  Cell cell(std::move(text));
-  if (std::isfinite(share)) cell.shade = std::clamp(share, 0.0, 1.0);
-  return cell;
+std::string with_signs(std::string text) {
+  if (text == "-") return "–";
+  if (text.starts_with('-')) text.replace(0, 1, "−");
+  for (const auto& [plain, written] :
+       {std::pair{"+-", "±"}, std::pair{" m2", " m²"}, std::pair{"chi2", "χ²"}}) {
+    if (const auto at = text.find(plain); at != std::string::npos) {
+      text.replace(at, std::string_view(plain).size(), written);
+    }
+  }
+  return text;
 }
 
 }  // namespace
 
-ReportTable share_table(const std::string& id, const std::string& caption,
-                        const std::vector<Shares>& quantities) {
-  constexpr double kShown = 0.005;
-  struct Row {
-    std::string source;
-    std::vector<double> shares;
-    double largest = 0;
-  };
-  std::vector<Row> rows;
-  for (std::size_t q = 0; q < quantities.size(); ++q) {
-    double sum = 0;
-    for (const auto& part : quantities[q].parts) sum += part.second;
-    for (const auto& [source, size] : quantities[q].parts) {
-      auto at = std::find_if(rows.begin(), rows.end(),
-                             [&](const Row& row) { return row.source == source; });
-      if (at == rows.end()) {
-        at = rows.insert(at, {source, std::vector<double>(quantities.size(), 0.0), 0});
-      }
-      at->shares[q] += sum > 0 ? size / sum : 0;
-      at->largest = std::max(at->largest, at->shares[q]);
-    }
+void add_rows(ReportTable& table, std::vector<Cell> front, const describe::Table& rows,
+              std::optional<Origin> origin) {
+  const bool first = table.columns.size() == front.size();
+  for (std::size_t c = 0; c < rows.heads.size() && first; ++c) {
+    table.columns.push_back({with_signs(rows.heads[c]), std::nullopt, rows.numeric[c]});
   }
-  std::stable_sort(rows.begin(), rows.end(),
-                   [](const Row& a, const Row& b) { return a.largest > b.largest; });
-  ReportTable table{id, caption, {{"source", {}, false}}};
-  for (const auto& one : quantities) table.columns.push_back({one.name + ", %"});
-  for (const auto& row : rows) {
-    if (row.largest < kShown) break;
-    std::vector<Cell> cells{row.source};
-    for (const double share : row.shares) {
-      cells.push_back(shaded(share < kShown ? "" : fmt::format("{:.0f}", 100 * share), share));
+  for (const auto& row : rows.rows) {
+    auto& cells = table.rows.emplace_back(front);
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      Cell& cell = cells.emplace_back(with_signs(row[c]));
+      if (rows.numeric[c]) cell.origin = origin;
+      cell.doubtful = rows.heads[c] == "remark" && !row[c].empty() && row[c] != "-";
     }
-    table.rows.push_back(std::move(cells));
+    front.assign(front.size(), Cell());
   }
-  return table;
+}
+
+ReportTable described_table(const std::string& id, const std::string& caption,
+                            const describe::Table& table, std::optional<Origin> origin) {
+  ReportTable shown{id, caption};
+  add_rows(shown, {}, table, origin);
+  return shown;
+}
+
+ReportTable described_table(const std::string& id, const std::string& caption,
+                            const std::vector<describe::Sheet::Line>& lines,
+                            std::optional<Origin> origin) {
+  ReportTable shown{id, caption, {{"quantity", {}, false}, {"value", origin}}};
+  for (const auto& line : lines) shown.rows.push_back({line.label, with_signs(line.text)});
+  return shown;
 }
 
 ReportTable matrix_table(const std::string& id, const std::string& caption,
@@ -63,7 +66,8 @@ ReportTable matrix_table(const std::string& id, const std::string& caption,
     std::vector<Cell> cells{names[static_cast<std::size_t>(i)]};
     for (Eigen::Index j = 0; j < values.cols(); ++j) {
       const double value = values(i, j);
-      cells.push_back(shaded(std::isfinite(value) ? fmt::format("{:.2f}", value) : "–", value));
+      cells.emplace_back(std::isfinite(value) ? fmt::format("{:.2f}", value) : "–");
+      if (std::isfinite(value)) cells.back().shade = std::clamp(value, 0.0, 1.0);
     }
     table.rows.push_back(std::move(cells));
   }

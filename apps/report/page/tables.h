@@ -1,27 +1,31 @@
-// Tables of the report: numbers from 0 to 1 whose cells are the darker the larger they are, and
-// what a page of thousands of recordings carries of a long table. The rest is in data/ beside the
-// page.
+// Tables of the report: walks over described lists, matrices whose cells are the darker the larger
+// they are, and what a page of thousands of recordings carries of a long table. The rest is in
+// data/ beside the page.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "apps/describe/sheet.h"
 #include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 
-struct Shares {
-  std::string name;                                   ///< name of the quantity
-  std::vector<std::pair<std::string, double>> parts;  ///< source and its size; not negative
-};
-
-/// A row a source, a column a quantity: the source's share of the quantity's sum in percent; the
-/// largest first, those under 0.5 % of every quantity left out.
-[[nodiscard]] ReportTable share_table(const std::string& id, const std::string& caption,
-                                      const std::vector<Shares>& quantities);
+/// Rows of a described list below those that the table has, the first one with `front` before it.
+/// The first list gives the columns. Remarks stand out.
+void add_rows(ReportTable& table, std::vector<Cell> front, const describe::Table& rows,
+              std::optional<Origin> origin);
+/// A described list (apps/describe/sheet.h) as a table of the report.
+[[nodiscard]] ReportTable described_table(const std::string& id, const std::string& caption,
+                                          const describe::Table& table,
+                                          std::optional<Origin> origin = std::nullopt);
+/// The single values of a described result.
+[[nodiscard]] ReportTable described_table(const std::string& id, const std::string& caption,
+                                          const std::vector<describe::Sheet::Line>& lines,
+                                          std::optional<Origin> origin = std::nullopt);
 
 /// `values`: rows x columns, 0..1.
 [[nodiscard]] ReportTable matrix_table(const std::string& id, const std::string& caption,

@@ -89,10 +89,8 @@ class AxialPart : public TestPart {
     Answer damping = answer("damping_ratio", "Axial damping ratio ζ", how, "", r.damping_ratio,
                             origin, test_.damping_ratio);
     damping.low = r.damping_low, damping.high = r.damping_high;
-    for (auto* one : {&EA, &damping}) {
-      part_.summary.push_back(summary_of(*one));
-      part_.answers.push_back(std::move(*one));
-    }
+    add_answer(part_, std::move(EA));
+    add_answer(part_, std::move(damping));
   }
 
   ident::AxialInputs inputs_;

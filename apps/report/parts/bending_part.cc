@@ -46,20 +46,40 @@ class BendingPart : public TestPart {
         part_.warnings.push_back({finding.code, finding.message, where, finding.refuses});
       }
     }
+    const std::string& name = test_.name;
     if (!kind_.beam() && !laws.laws.empty()) {
-      part_.blocks.push_back(stiffness_plot(test_.name + "-EI", from_, result));
+      part_.blocks.push_back(stiffness_plot(name + "-EI", from_, result));
     }
     if (!result.points.empty()) {
-      part_.blocks.push_back(points_table(result));
+      auto rows = ident::bending_rows(bending_, result);
+      for (auto& row : rows) row.file = short_name(row.file);
+      part_.blocks.push_back(described_table(name + "-results",
+                                             "EI with its standard uncertainty and 95 % interval.",
+                                             describe::table_of(std::move(rows)), from_.front()));
       if (!kind_.published()) {
         part_.blocks.push_back(
-            load_deflection_plot(test_.name + "-load-deflection", bending_, from_, result));
+            load_deflection_plot(name + "-load-deflection", bending_, from_, result));
       }
     }
-    if (!kind_.beam()) show_laws(result);
+    if (!kind_.beam() && !laws.laws.empty()) {
+      part_.blocks.push_back(
+          Paragraph{"For the model: " + result.curve.sentence(), Paragraph::Kind::note});
+      part_.blocks.push_back(described_table(name + "-laws", "Laws for EI(T), the closest first.",
+                                             describe::table_of(laws.laws), Origin::modelled));
+      if (!laws.decided) {
+        part_.warnings.push_back({"law_not_decided", result.curve.sentence(), name});
+      }
+    }
+    if (result.bounds && !kind_.beam()) {
+      part_.blocks.push_back(described_table(name + "-bounds", "Bounds from the strand's geometry.",
+                                             describe::sheet_of(*result.bounds).lines));
+    }
+    if (result.specimens) {
+      part_.blocks.push_back(described_table(name + "-specimens", "All specimens.",
+                                             describe::sheet_of(*result.specimens).lines));
+    }
     add_answers(result);
-    part_.brief = {kind_.beam() ? test_.name + "-load-deflection" : test_.name + "-EI",
-                   test_.name + "-results"};
+    part_.brief = {kind_.beam() ? name + "-load-deflection" : name + "-EI", name + "-results"};
     return {std::move(part_)};
   }
 
@@ -97,80 +117,6 @@ class BendingPart : public TestPart {
     from_.push_back(group.origin());
     for (auto& one : warnings) {
       part_.warnings.push_back({std::move(one.code), std::move(one.message), std::move(one.where)});
-    }
-  }
-
-  [[nodiscard]] ReportTable points_table(const ident::BendingCampaignResult& result) const {
-    ReportTable table{test_.name + "-results",
-                      "EI with its standard uncertainty and 95 % interval.",
-                      {{"recording", {}, false},
-                       {"tension, N"},
-                       {"slope d/Q, µm/N"},
-                       {"EI, N m²"},
-                       {"95 % interval"},
-                       {"hysteresis, N"},
-                       {"modulus, GPa"},
-                       {"remarks", {}, false}}};
-    for (const auto& one : result.points) {
-      const Origin from = from_[one.source];
-      const auto* r = one.analysis ? &*one.analysis : nullptr;
-      const auto& point = one.point;
-      // What is wrong stands in the row; what is only taken as exact, in the warnings.
-      std::string said, modulus;
-      if (r && !one.usable()) {
-        for (const auto& finding : r->findings) {
-          if (finding.refuses) said += (said.empty() ? "" : "; ") + finding.message;
-        }
-        if (said.empty()) said = r->stiffness.reason;
-      }
-      if (bending_.second_moment_m4.value > 0 && one.usable()) {
-        const auto E = ident::bending_modulus(bending_, one);
-        modulus = shown_estimate(1e-9 * E.value, 1e-9 * E.std);
-      }
-      Cell remarks(said);
-      remarks.doubtful = !said.empty();
-      table.rows.push_back(
-          {short_name(bending_.sources[one.source].name),
-           kind_.beam() ? ""
-           : r          ? shown_estimate(r->tension_N.value, r->tension_N.std)
-                        : shown(point.tension_N, 3),
-           r ? shown_estimate(1e6 * r->compliance_m_N.value, 1e6 * r->compliance_m_N.std) : "",
-           Cell(one.usable() ? shown_estimate(point.EI_Nm2, point.std) : "none", from),
-           one.usable() && std::isfinite(point.low)
-               ? shown_bound(point.low, point.std) + " to " + shown_bound(point.high, point.std)
-               : std::string(),
-           r && !kind_.beam() ? shown(r->hysteresis_N, 2) : "", modulus, std::move(remarks)});
-    }
-    return table;
-  }
-
-  void show_laws(const ident::BendingCampaignResult& result) {
-    const auto& laws = result.curve.laws();
-    if (!laws.laws.empty()) {
-      part_.blocks.push_back(
-          Paragraph{"For the model: " + result.curve.sentence(), Paragraph::Kind::note});
-      ReportTable table{test_.name + "-laws",
-                        "Laws for EI(T), the closest first.",
-                        {{"law", {}, false},
-                         {"formula (EI in N m², T in N)", {}, false},
-                         {"rms deviation", Origin::modelled},
-                         {"weight", Origin::modelled},
-                         {"remark", {}, false}}};
-      for (const auto& law : laws.laws) {
-        table.rows.push_back(
-            {name_of(law.kind), law.formula, shown(100 * law.rms_relative_error, 2) + " %",
-             std::isfinite(law.akaike_weight) ? shown(law.akaike_weight, 2) : "", law.message});
-      }
-      part_.blocks.push_back(std::move(table));
-      if (!laws.decided) {
-        part_.warnings.push_back({"law_not_decided", result.curve.sentence(), test_.name});
-      }
-    }
-    if (const auto& bounds = result.bounds) {
-      part_.blocks.push_back(
-          Paragraph{fmt::format("Bounds from the strand's geometry: EImin = {} N m² (all wires "
-                                "slip), EImax = {} N m² (none does).",
-                                shown(bounds->EI_min_Nm2, 4), shown(bounds->EI_max_Nm2, 6))});
     }
   }
 
@@ -212,21 +158,13 @@ class BendingPart : public TestPart {
         const double width = 1.959964 * I.std / I.value;
         E.low = modulus.value * (1 - std::hypot(1 - EI.low / EI.value, width));
         E.high = modulus.value * (1 + std::hypot(EI.high / EI.value - 1, width));
-        part_.answers.push_back(std::move(E));
+        add_answer(part_, std::move(E), false);
       }
-      part_.summary.push_back(
-          {SummaryItem::Kind::result, EI.quantity, value_words(EI) + " N m²", EI.origin, part_.id});
-      part_.answers.push_back(std::move(EI));
+      add_answer(part_, std::move(EI));
     }
     if (kind_.beam() && found == 0 && !refused) {
       refuse(part_, "no_EI", "no test gives an EI", test_.name);
     }
-    if (!result.specimens) return;
-    const auto& all = *result.specimens;
-    part_.blocks.push_back(Paragraph{
-        fmt::format("{} specimens: EI {} N m² on average; standard deviation between them {} %.",
-                    all.count, shown(all.EI_Nm2, 3), shown(100 * all.relative_scatter, 2)),
-        Paragraph::Kind::note});
   }
 
   const BendingTest& kind_;

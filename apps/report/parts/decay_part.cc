@@ -30,19 +30,12 @@ class DecayPart : public TestPart {
       refuse(part_, finding.code, finding.message, finding.where);
     }
     table_ = {test_.name + "-modes",
-              "Oscillations found in each record, strongest first, with standard uncertainties; "
-              "those of the model by the same estimator over the same time.",
+              "Oscillations found in each record, strongest first; those of the model by the same "
+              "estimator over the same time.",
               {{"record", {}, false},
                {"channel", {}, false},
                {"taken at", {}, false},
-               {"frequency, Hz"},
-               {"damping, %"},
-               {"R²"},
-               {"cycles"},
-               {"model", {}, false},
-               {"frequency, Hz", Origin::modelled},
-               {"error", Origin::modelled},
-               {"damping, %", Origin::modelled}}};
+               {"of", {}, false}}};
     part_.json["records"] = Json::array();
     PlotGroup group{test_.name + "-decays", "Decays", {}};
     PlotTab tab;
@@ -59,11 +52,11 @@ class DecayPart : public TestPart {
     if (!group.tabs.empty()) part_.blocks.push_back(std::move(group));
     auto damping = damping_plot(test_.name + "-damping", decays_);
     if (!damping.series.empty()) part_.blocks.push_back(std::move(damping));
-    part_.summary.push_back(
-        {test_.scene ? SummaryItem::Kind::error : SummaryItem::Kind::recorded, test_.title,
-         fmt::format("{} in {}{}", counted(decays_.size(), "decay"), counted(files_, "recording"),
-                     best_),
-         decays_.empty() ? std::optional<Origin>() : decays_.front().origin, part_.id});
+    part_.summary.push_back({test_.scene ? SummaryItem::Kind::error : SummaryItem::Kind::recorded,
+                             test_.title,
+                             fmt::format("{} in {}{}", counted(decays_.size(), "decay"),
+                                         counted(files_, "recording"), best_),
+                             decays_.empty() ? std::optional<Origin>() : decays_.front().origin});
     return {std::move(part_)};
   }
 
@@ -99,8 +92,10 @@ class DecayPart : public TestPart {
               {"modes", describe::json_of(decay.result.modes)},
               {"decays", describe::json_of(outcome.found.decays)},
               {"law", name_of(decay.result.envelope.law)}};
-    add_answers(decay, recorded.tension_N);
-    std::vector<const ident::ReleaseAnswer*> models;
+    const std::string at = recorded.tension_N ? fmt::format("{:g} N", *recorded.tension_N) : "";
+    add_answers(decay, at.empty() ? at : ", " + at);
+    add_rows(table_, {short_name(decay.file), decay.channel, at, "record"},
+             describe::table_of(decay.result.modes), origin);
     if (outcome.modelled) {
       for (auto& plot : release_plots(id, decay, outcome.answers,
                                       test_.as<DecayTest>().inputs.options.decay.band_high_hz)) {
@@ -113,22 +108,20 @@ class DecayPart : public TestPart {
                  fmt::format("{}: {}, {}", test_.title, short_name(decay.file), answer.label));
           continue;
         }
-        models.push_back(&answer);
         json["models"].push_back({{"version", answer.label},
                                   {"nonlinear", answer.response.nonlinear},
                                   {"frequency_shift", answer.response.frequency_shift},
                                   {"modes", describe::json_of(answer.found.modes)}});
+        list_model(decay, answer);
       }
     }
-    list_modes(decay, recorded.tension_N, models);
     part_.json["records"].push_back(std::move(json));
     decays_.push_back(std::move(decay));
   }
 
   /// Adds frequency and damping of the strongest oscillation.
-  void add_answers(const AnalysedDecay& decay, std::optional<double> tension_N) {
+  void add_answers(const AnalysedDecay& decay, const std::string& at) {
     const auto& mode = decay.result.modes.front();
-    const std::string at = tension_N ? fmt::format(", {:g} N", *tension_N) : "";
     const std::string how = "decay of " + decay.channel;
     for (auto one : {answer("frequency", test_.title + at + ": frequency", how, "Hz",
                             mode.frequency_hz, decay.origin),
@@ -136,42 +129,23 @@ class DecayPart : public TestPart {
                             mode.damping_ratio, decay.origin)}) {
       one.key.insert(test_.name.size(), at);
       one.rank = test_.scene ? 2 : 0;
-      part_.answers.push_back(std::move(one));
+      add_answer(part_, std::move(one), false);
     }
   }
 
-  /// A row a mode; of several models one below the other.
-  void list_modes(const AnalysedDecay& decay, std::optional<double> tension_N,
-                  const std::vector<const ident::ReleaseAnswer*>& models) {
-    bool first = true;
+  /// The model's oscillations that are those of the record.
+  void list_model(const AnalysedDecay& decay, const ident::ReleaseAnswer& model) {
+    std::vector<signal::DecayMode> modes;
     for (const auto& mode : decay.result.modes) {
-      std::vector<Cell> row{
-          first ? short_name(decay.file) : "",
-          first ? decay.channel : "",
-          first && tension_N ? fmt::format("{:g} N", *tension_N) : "",
-          Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), decay.origin),
-          Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
-               decay.origin),
-          shown(mode.r_squared, 4),
-          shown(mode.cycles, 3)};
-      for (const auto* model : models) {
-        const auto* same = ident::same_oscillation(mode, *model);
-        const double f = same ? same->frequency_hz.value : Answer::kNone;
-        for (const auto& cell :
-             {model->label, shown(f, 5), shown_percent(f / mode.frequency_hz.value - 1),
-              same ? shown(100 * same->damping_ratio.value, 3) : std::string("–")}) {
-          row.emplace_back(cell);
-        }
-        if (same && first) {
-          best_ = fmt::format("; strongest {} Hz, {} {} Hz", shown(mode.frequency_hz.value, 5),
-                              model->label, shown(f, 5));
-        }
-        table_.rows.push_back(std::move(row));
-        row.assign(7, Cell());
-      }
-      if (models.empty()) table_.rows.push_back(std::move(row));
-      first = false;
+      const auto* same = ident::same_oscillation(mode, model);
+      if (!same) continue;
+      modes.push_back(*same);
+      if (&mode != &decay.result.modes.front()) continue;
+      best_ = fmt::format("; strongest {} Hz, {} {} Hz", shown(mode.frequency_hz.value, 5),
+                          model.label, shown(same->frequency_hz.value, 5));
     }
+    add_rows(table_, {"", "", "", model.label}, describe::table_of(std::move(modes)),
+             Origin::modelled);
   }
 
   const Campaign& campaign_;

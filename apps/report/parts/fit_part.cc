@@ -11,6 +11,7 @@
 #include "apps/results/modal_files.h"
 #include "apps/results/update_result.h"
 #include "ident/campaign/fit_campaign.h"
+#include "ident/update/update_rows.h"
 #include "model/scene/parameters.h"
 
 namespace rigfit::apps {
@@ -135,152 +136,61 @@ class Fit {
   }
 
   void add_parameters() {
-    const bool priors =
-        std::any_of(fit_.parameters.begin(), fit_.parameters.end(), [](const FitParameter& one) {
-          return one.free.prior.has_value() || one.free.prior_relative_std > 0;
-        });
-    ReportTable table{fit_.name + "-parameters",
-                      std::string("What was found, ± its standard uncertainty, with 95 % "
-                                  "intervals.") +
-                          (priors ? " Data alone: the standard uncertainty without what was known "
-                                    "before."
-                                  : ""),
-                      {{"parameter", {}, false},
-                       {"state", {}, false},
-                       {"start", Origin::modelled},
-                       {"found", Origin::modelled},
-                       {"95 % interval", Origin::modelled},
-                       {"data alone ±", Origin::modelled},
-                       {fit_.reference_name},
-                       {"remark", {}, false}}};
+    ReportTable table =
+        described_table(fit_.name + "-parameters", "What was found, ± its standard uncertainty.",
+                        describe::table_of(result_.parameters), Origin::modelled);
+    table.columns.push_back({fit_.reference_name});
     for (std::size_t i = 0; i < result_.parameters.size(); ++i) {
-      const auto& parameter = result_.parameters[i];
-      Answer answer = answer_of(parameter);
-      const double scale = answer.percent ? 100 : 1;
-      const std::string unit = shown_unit(answer),
-                        words = answer.quantity.substr(0, answer.quantity.find(", "));
-      std::string remark;
-      if (!parameter.identifiable) {
-        remark = "not identifiable from these data";
-      } else if (!std::isfinite(parameter.std_from_data)) {
-        remark = "the data add nothing to what was known before";
-      }
-      if (parameter.at_bound) remark += std::string(remark.empty() ? "" : "; ") + "at its bound";
-      Cell remark_cell(remark);
-      remark_cell.doubtful = !remark.empty();
-      table.rows.push_back(
-          {unit.empty() ? words : words + ", " + unit,
-           parameter.state < 0 ? "all" : state_words(state_of(parameter.state)),
-           shown(scale * parameter.start, 4),
-           answer.determined ? value_words(answer) : shown(scale * parameter.value, 4),
-           answer.determined ? interval_words(answer) : std::string("–"),
-           priors && std::isfinite(parameter.std_from_data)
-               ? shown(scale * parameter.std_from_data, 2)
-               : "",
-           answer.reference ? shown(scale * *answer.reference, 4) : std::string(), remark_cell});
+      Answer answer = answer_of(result_.parameters[i]);
+      table.rows[i].front() = answer.quantity + (answer.unit.empty() ? "" : ", " + answer.unit);
+      table.rows[i].emplace_back(answer.reference ? shown(*answer.reference, 4) : "");
       part_.json["parameters"][i]["reference"] =
           answer.reference ? Json(*answer.reference) : Json(nullptr);
-      if (answer.determined && parameter.state < 0) part_.summary.push_back(summary_of(answer));
-      part_.answers.push_back(std::move(answer));
+      const bool told = answer.determined && result_.parameters[i].state < 0;
+      add_answer(part_, std::move(answer), told);
     }
     part_.blocks.push_back(std::move(table));
     part_.blocks.push_back(
         Paragraph{"Fit: " + ident::fit_text(result_.fit) + ".",
                   result_.fit.ruled_out() ? Paragraph::Kind::note : Paragraph::Kind::plain});
-    add_exact();
-    if (result_.alternatives.size() > 1) add_alternatives();
-  }
-
-  /// What is taken as exact and moves a parameter by more than a tenth of its standard uncertainty.
-  void add_exact() {
-    constexpr double kMatters = 0.1;
-    const auto& parameters = result_.parameters;
-    ReportTable table{fit_.name + "-exact",
-                      "Taken as exact: neither fitted nor given an uncertainty. Change of each "
-                      "parameter when the input changes, in its standard uncertainties.",
-                      {{"input", {}, false}, {"changed by"}}};
-    for (const auto& one : parameters) table.columns.push_back({parameter_words(one.name)});
-    for (const auto& input : result_.exact_inputs) {
-      std::vector<Cell> cells{parameter_words(input.name), shown_percent(input.relative_change)};
-      bool matters = false;
-      for (std::size_t p = 0; p < parameters.size(); ++p) {
-        const double stds = input.shift[static_cast<Eigen::Index>(p)] / parameters[p].std;
-        matters = matters || std::abs(stds) > kMatters;
-        cells.emplace_back(std::isfinite(stds) ? fmt::format("{:+.1f}", stds) : "–");
-        cells.back().doubtful = std::abs(stds) > 1;
-      }
-      if (matters) table.rows.push_back(std::move(cells));
+    if (result_.alternatives.size() < 2) return;
+    std::string others = fmt::format("This answer has a weight of {:.3f}; the data also support:",
+                                     result_.alternatives.front().weight);
+    for (const auto& text : ident::alternative_texts(result_)) {
+      others += " " + with_parameter_words(text) + ".";
     }
-    if (!table.rows.empty()) part_.blocks.push_back(std::move(table));
+    part_.blocks.push_back(Paragraph{others, Paragraph::Kind::note});
   }
 
-  /// The answers that the data support, each with its weight and what decides.
-  void add_alternatives() {
-    ReportTable table{fit_.name + "-alternatives",
-                      "All answers that the data support, by which measured mode is which of the "
-                      "model's.",
-                      {{"weight", Origin::modelled},
-                       {"parameters", Origin::modelled, false},
-                       {"rms error", Origin::modelled},
-                       {"why", {}, false}}};
-    const auto texts = ident::alternative_texts(result_);
-    for (std::size_t k = 0; k < result_.alternatives.size(); ++k) {
-      const auto& one = result_.alternatives[k];
-      std::string values;
-      for (const auto& parameter : one.parameters) {
-        values += (values.empty() ? "" : ", ") + parameter_words(parameter.name) + " " +
-                  shown(parameter.value, 4);
-      }
-      table.rows.push_back({fmt::format("{:.3f}", one.weight), values,
-                            percent_words(one.rms_relative_error),
-                            k == 0 ? "" : with_parameter_words(texts[k - 1])});
-    }
-    part_.blocks.push_back(std::move(table));
-  }
-
-  /// Errors before, fitted and held out, by state.
+  /// Errors before, fitted and held out.
   void add_errors() {
     const double held_rms = answer_.outcome.rms_held_out;
-    const auto rms = [](const std::vector<ident::UpdatedPair>& pairs, int state) {
-      double sum = 0;
-      int n = 0;
-      for (const auto& pair : pairs) {
-        if (pair.state != state || pair.cross_plane) continue;
-        sum += pair.relative_error * pair.relative_error;
-        ++n;
-      }
-      return n > 0 ? std::sqrt(sum / n) : Answer::kNone;
-    };
-    ReportTable table{fit_.name + "-errors",
-                      "Root-mean-square relative error in frequency.",
-                      {{"state", {}, false},
-                       {"before", Origin::modelled},
-                       {"fitted", Origin::modelled},
-                       {"held out, predicted", Origin::modelled}}};
-    for (std::size_t s = 0; s < updates_.size(); ++s) {
-      const int state = static_cast<int>(s);
-      std::string predicted;
-      for (const auto& held : held_) {
-        if (held.state != state) continue;
-        predicted = held.status == ident::UpdateStatus::converged
-                        ? percent_words(held.rms_predicted)
-                        : ident::name_of(held.status);
-      }
-      table.rows.push_back({state_words(updates_[s].name),
-                            percent_words(rms(result_.pairs_before, state)),
-                            percent_words(rms(result_.pairs, state)), predicted});
-    }
     const bool held = std::isfinite(held_rms);
     const std::string before = percent_words(result_.rms_relative_error_before),
                       fitted = percent_words(result_.rms_relative_error);
-    table.rows.push_back({"all", before, fitted, held ? percent_words(held_rms) : ""});
     part_.json["rms_relative_error_held_out"] = json_number(held_rms);
-    part_.blocks.push_back(std::move(table));
     part_.summary.push_back(
         {SummaryItem::Kind::error, fit_.title + ", rms error",
          fmt::format("{} before, {} fitted", before, fitted) +
              (held ? fmt::format(", {} held out", percent_words(held_rms)) : ""),
-         Origin::modelled, part_.id});
+         Origin::modelled});
+    if (held_.empty()) return;
+    ReportTable table{fit_.name + "-errors",
+                      "Root-mean-square relative error in frequency: before, of the states fitted, "
+                      "of the state held out.",
+                      {{"held out", {}, false},
+                       {"before", Origin::modelled},
+                       {"fitted", Origin::modelled},
+                       {"predicted", Origin::modelled}}};
+    for (const auto& one : held_) {
+      table.rows.push_back({state_words(state_of(one.state)), percent_words(one.rms_before),
+                            percent_words(one.rms_fitted),
+                            one.status == ident::UpdateStatus::converged
+                                ? percent_words(one.rms_predicted)
+                                : ident::name_of(one.status)});
+    }
+    table.rows.push_back({"all", before, fitted, percent_words(held_rms)});
+    part_.blocks.push_back(std::move(table));
     // An error held out that is much larger than the fitted one: too much freedom.
     if (held && held_rms > 3 * result_.rms_relative_error && held_rms > 0.005) {
       part_.warnings.push_back(
@@ -294,41 +204,22 @@ class Fit {
 
   /// Every measured mode and the model's; one without a partner is always a warning.
   void add_pairs() {
-    std::vector<PairRow> rows;
+    std::vector<ident::UpdatedUnpaired> alone;
     std::string lonely;
-    for (std::size_t s = 0; s < updates_.size(); ++s) {
-      const auto* recorded = answer_.states[s].modal->recorded;
-      for (std::size_t m = 0; m < updates_[s].measured.size(); ++m) {
-        const auto& f = updates_[s].measured[m].frequency_hz;
-        const auto find = [&](const std::vector<ident::UpdatedPair>& pairs) {
-          const auto at = std::find_if(pairs.begin(), pairs.end(), [&](const auto& pair) {
-            return pair.state == static_cast<int>(s) && pair.measured == static_cast<int>(m);
-          });
-          return at == pairs.end() ? nullptr : &*at;
-        };
-        PairRow row{state_words(updates_[s].name), f.value, f.std,
-                    recorded ? recorded->origin : Origin::published};
-        if (const auto* before = find(result_.pairs_before)) row.before_hz = before->model_hz;
-        if (const auto* pair = find(result_.pairs)) {
-          row.model_hz = pair->model_hz;
-          row.mac = pair->mac;
-          row.mode = fmt::format("{} {}", model::name_of(pair->plane), pair->order + 1);
-          if (pair->cross_plane) {
-            row.remark = "a mode of the other plane: leaked into the test, not fitted";
-          } else {
-            part_.modes.push_back({"model fitted", Origin::modelled, f.value, pair->model_hz});
-          }
-        } else {
-          row.remark = "no mode of the model is near";
-          lonely +=
-              fmt::format("{}{} Hz ({})", lonely.empty() ? "" : ", ", shown(f.value, 5), row.state);
-        }
-        rows.push_back(std::move(row));
-      }
+    for (const auto& one : result_.unpaired) {
+      if (!one.measured) continue;
+      alone.push_back(one);
+      lonely += fmt::format("{}{} Hz ({})", lonely.empty() ? "" : ", ", shown(one.frequency_hz, 5),
+                            state_words(state_of(one.state)));
     }
-    ReportTable table = pairs_table(fit_.name + "-pairs",
-                                    "Every measured mode and the model's, before and after.", rows);
-    if (rows.size() > 16) table.fold = fmt::format("All {} pairs", rows.size());
+    for (const auto& pair : result_.pairs) {
+      if (pair.cross_plane) continue;
+      part_.modes.push_back({"model fitted", Origin::modelled, pair.measured_hz, pair.model_hz});
+    }
+    ReportTable table = described_table(
+        fit_.name + "-pairs", "Every measured mode and the model's.",
+        describe::table_of(ident::pair_rows(result_.pairs, alone, updates_)), Origin::modelled);
+    if (table.rows.size() > 16) table.fold = fmt::format("All {} pairs", table.rows.size());
     part_.blocks.push_back(std::move(table));
     if (lonely.empty()) return;
     part_.warnings.push_back(

@@ -112,7 +112,7 @@ class ModalPart : public TestPart {
          fmt::format("{} in {} from {}", counted(modes_.rows.size(), "mode"),
                      counted(states, "state"), counted(files_, "recording")) +
              (hits > 0 ? fmt::format("; {} of {} hits rejected", rejected, hits) : ""),
-         origin, part_.id});
+         origin});
     if (!modes_.rows.empty()) part_.blocks.push_back(std::move(modes_));
   }
 

@@ -70,25 +70,21 @@ Plot frequency_plot(const CampaignTest& test, const ident::SceneUse& use,
     for (const auto& one : followed.crossings) crossings.add(one.tension_N, one.frequency_hz);
     plot.add(std::move(crossings));
   }
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   /// Points of every state: `value(state, row)`, NaN where there is none.
-  const auto points = [&](PlotSeries series, auto value, bool bars = false) {
+  const auto points = [&](PlotSeries series, auto value) {
     series.style = Style::points;
+    const bool recorded = series.origin == Origin::measured || series.origin == Origin::synthetic;
     for (const auto& state : states) {
       for (std::size_t i = 0; i < state.rows.size(); ++i) {
         const auto& row = state.rows[i];
         const double at = tensions ? *state.tension_N : static_cast<double>(i + 1);
-        const double hz = value(state, row), half = 1.96 * row.std_hz;
-        if (!std::isfinite(hz)) continue;
-        if (bars) {
-          series.add(at, hz, hz - half, hz + half);
-        } else {
-          series.add(at, hz);
-        }
+        const double hz = value(state, row), half = recorded ? 1.96 * row.std_hz : kNone;
+        if (std::isfinite(hz)) series.add(at, hz, hz - half, hz + half);
       }
     }
     plot.add(std::move(series));
   };
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const auto published = published_models(test);
   for (std::size_t k = 0; k < published.size(); ++k) {
     points({published[k] + " (published model)", Origin::published_model, 2 + static_cast<int>(k)},
@@ -97,13 +93,11 @@ Plot frequency_plot(const CampaignTest& test, const ident::SceneUse& use,
            });
   }
   for (const Origin origin : {Origin::published, Origin::measured, Origin::synthetic}) {
-    points(
-        {fmt::format("test ({})", origin == Origin::published ? "published" : name_of(origin)),
-         origin, 1},
-        [&](const auto&, const MeasuredRow& row) {
-          return row.origin == origin ? row.measured_hz : kNone;
-        },
-        origin != Origin::published);
+    points({fmt::format("test ({})", origin == Origin::published ? "published" : name_of(origin)),
+            origin, 1},
+           [&](const auto&, const MeasuredRow& row) {
+             return row.origin == origin ? row.measured_hz : kNone;
+           });
   }
   if (!tensions) {
     points({"rigfit"}, [](const ModalState& state, const MeasuredRow& row) {
@@ -113,30 +107,50 @@ Plot frequency_plot(const CampaignTest& test, const ident::SceneUse& use,
   return plot;
 }
 
-std::vector<PairRow> pair_rows(const ModalStates& states) {
-  std::vector<PairRow> rows;
+/// Each measured mode beside the model's and the published models' values of that row.
+ReportTable pairs_table(const CampaignTest& test, const ModalStates& states) {
+  ReportTable table{test.name + "-pairs",
+                    "Each measured frequency beside the model's mode, found by pairing (not by row "
+                    "number), and beside the published models' values of that row.",
+                    {{"state", {}, false},
+                     {"test, Hz"},
+                     {"model, Hz", Origin::modelled},
+                     {"error", Origin::modelled},
+                     {"mode", {}, false}}};
+  const auto& published = published_models(test);
+  for (const auto& name : published) {
+    table.columns.push_back({name + ", Hz", Origin::published_model});
+    table.columns.push_back({"error", Origin::published_model});
+  }
+  table.columns.push_back({"remark", {}, false});
   for (const auto& state : states) {
+    std::string label = label_of(state.tension_N);
     for (const auto& row : state.rows) {
-      const bool published = row.origin == Origin::published;
-      if (published && state.recorded && !std::isfinite(row.measured_hz) && row.models_hz.empty()) {
-        continue;
+      const bool of_table = row.origin == Origin::published, known = std::isfinite(row.measured_hz);
+      if (of_table && state.recorded && !known && row.models_hz.empty()) continue;
+      std::vector<Cell> cells{std::exchange(label, ""),
+                              Cell(shown_estimate(row.measured_hz, row.std_hz, 4), row.origin)};
+      const auto add = [&](double hz) {
+        cells.emplace_back(shown(hz, 4));
+        cells.emplace_back(shown_percent(hz / row.measured_hz - 1));
+      };
+      const auto* mode = row.mode ? &state.analysis.modes[*row.mode] : nullptr;
+      add(mode ? mode->frequency_hz : Answer::kNone);
+      cells.emplace_back(
+          mode ? fmt::format("{} ({})", mode_name(state.analysis, *row.mode), name_of(mode->family))
+               : "");
+      for (std::size_t k = 0; k < published.size(); ++k) {
+        add(k < row.models_hz.size() ? row.models_hz[k] : Answer::kNone);
       }
-      PairRow pair{label_of(state.tension_N), row.measured_hz, row.std_hz, row.origin};
-      pair.published_hz = row.models_hz;
-      if (row.mode) {
-        const auto& mode = state.analysis.modes[*row.mode];
-        pair.model_hz = mode.frequency_hz;
-        pair.mode =
-            fmt::format("{} ({})", mode_name(state.analysis, *row.mode), name_of(mode.family));
-        if (row.other_plane) pair.remark = "a mode of the other plane: leaked into this test";
-      } else if (std::isfinite(row.measured_hz)) {
-        pair.remark = "no mode of the model is near";
-      }
-      if (state.recorded && published && pair.remark.empty()) pair.remark = "published";
-      rows.push_back(std::move(pair));
+      auto& remark =
+          cells.emplace_back(row.other_plane  ? "a mode of the other plane: leaked into this test"
+                             : !mode && known ? "no mode of the model is near"
+                                              : "");
+      remark.doubtful = !remark.text.empty();
+      table.rows.push_back(std::move(cells));
     }
   }
-  return rows;
+  return table;
 }
 
 /// Root-mean-square errors of this model and of the published ones, state by state.
@@ -276,11 +290,7 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                   [](const auto& state) { return !state.analysis.modes.empty(); })) {
     part.blocks.push_back(frequency_plot(test, *test.as<ModalTest>().inputs.scene, known, states));
   }
-  ReportTable pairs = pairs_table(
-      test.name + "-pairs",
-      "Each measured frequency beside the model's mode, found by pairing (not by row number), and "
-      "beside the published models' values of that row.",
-      pair_rows(states), published);
+  ReportTable pairs = pairs_table(test, states);
   part.brief = {test.name + "-frequency",
                 pairs.rows.size() <= 14 ? pairs.id : test.name + "-errors"};
   part.blocks.push_back(std::move(pairs));
@@ -326,7 +336,7 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                         theirs.rows);
   }
   part.summary.push_back(
-      {SummaryItem::Kind::error, test.title + ", rms error", text, Origin::modelled, part.id});
+      {SummaryItem::Kind::error, test.title + ", rms error", text, Origin::modelled});
   return part;
 }
 

@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
 
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/drawing/rig_drawing.h"
-#include "apps/report/page/parameter_words.h"
-#include "model/scene/parameters.h"
+#include "apps/report/figures/figures.h"
 
 namespace rigfit::apps {
 namespace {
@@ -38,14 +36,8 @@ Plot all_modes_plot(const std::vector<ReportPart>& parts) {
   for (const auto& part : parts) {
     for (const auto& mode : part.modes) {
       if (!(mode.measured_hz > 0 && mode.model_hz > 0)) continue;
-      auto at = std::find_if(plot.series.begin(), plot.series.end(),
-                             [&](const PlotSeries& one) { return one.name == mode.label; });
-      if (at == plot.series.end()) {
-        plot.series.push_back({mode.label, mode.origin, static_cast<int>(plot.series.size()),
-                               PlotSeries::Style::points});
-        at = plot.series.end() - 1;
-      }
-      at->add(mode.measured_hz, 100 * (mode.model_hz / mode.measured_hz - 1));
+      plot.named(mode.label, mode.origin)
+          .add(mode.measured_hz, 100 * (mode.model_hz / mode.measured_hz - 1));
     }
   }
   return plot;
@@ -58,14 +50,7 @@ ReportPart overview_part(const Campaign& campaign, const std::vector<ReportPart>
   part.id = "overview";
   part.title = "Overview";
   if (const auto* scene = largest_scene(campaign)) {
-    Picture picture;
-    picture.id = "rig-drawing";
-    picture.title = "What was tested";
-    picture.caption = fmt::format("{}, to scale. S: sensor, H: where it is struck or released.",
-                                  scene->title.empty() ? "The rig" : scene->title);
-    picture.svg = rig_drawing(*scene);
-    picture.csv = rig_places(*scene);
-    part.blocks.push_back(std::move(picture));
+    part.blocks.push_back(rig_picture(*scene));
   }
   if (auto plot = all_modes_plot(parts); !plot.series.empty()) {
     part.blocks.push_back(std::move(plot));
@@ -78,36 +63,15 @@ ReportPart scenes_part(const Campaign& campaign) {
   part.id = "scenes";
   part.title = "What the model was given";
   part.json_key = "scenes";
-  ReportTable table{"scene-values",
-                    "Values of the scenes, and how each is known.",
-                    {{"scene", {}, false},
-                     {"value of", {}, false},
-                     {"value"},
-                     {"unit", {}, false},
-                     {"known", {}, false},
-                     {"how", {}, false}}};
+  ReportTable table{
+      "scene-values", "Values of the scenes, and how each is known.", {{"scene", {}, false}}};
   Json scenes = Json::array();
-  int inferred = 0, assumed = 0;
+  std::array<std::size_t, 3> count{};  // by kind
   for (const auto& scene : campaign.scenes) {
-    bool first = true;
-    Json values = Json::array();
-    for (const auto& origin : scene.origins) {
-      const double value = model::parameter(scene.scene, origin.parameter);
-      inferred += origin.kind == ValueOrigin::Kind::inferred;
-      assumed += origin.kind == ValueOrigin::Kind::assumed;
-      Cell known = name_of(origin.kind);
-      if (origin.kind == ValueOrigin::Kind::published) known.origin = Origin::published;
-      known.doubtful = origin.kind == ValueOrigin::Kind::assumed;
-      table.rows.push_back({first ? scene.name : "", parameter_words(origin.parameter),
-                            fmt::format("{}", value), parameter_unit(scene.scene, origin.parameter),
-                            known, origin.how});
-      values.push_back({{"parameter", origin.parameter},
-                        {"value", value},
-                        {"known", name_of(origin.kind)},
-                        {"how", origin.how}});
-      first = false;
-    }
-    scenes.push_back({{"name", scene.name}, {"file", scene.file}, {"values", std::move(values)}});
+    add_rows(table, {scene.name}, describe::table_of(scene.origins), std::nullopt);
+    for (const auto& origin : scene.origins) ++count[static_cast<std::size_t>(origin.kind)];
+    scenes.push_back(
+        {{"name", scene.name}, {"file", scene.file}, {"values", describe::json_of(scene.origins)}});
   }
   part.json = std::move(scenes);
   if (campaign.scenes.empty()) return part;
@@ -116,13 +80,12 @@ ReportPart scenes_part(const Campaign& campaign) {
       "inferred ones were worked out from its tables and are starting values, not truth; assumed "
       "ones are neither, with the reason why they hardly matter here."});
   if (!table.rows.empty()) part.blocks.push_back(std::move(table));
-  if (inferred + assumed > 0) {
+  if (count[1] + count[2] > 0) {
     part.warnings.push_back(
         {"read_as",
          fmt::format("{} of the model are not measured but inferred ({}) or assumed ({}); each is "
                      "listed with how",
-                     counted(static_cast<std::size_t>(inferred + assumed), "value"), inferred,
-                     assumed),
+                     counted(count[1] + count[2], "value"), count[1], count[2]),
          ""});
   }
   return part;

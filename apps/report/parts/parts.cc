@@ -116,18 +116,6 @@ void add_recordings(ReportPart& part, const CampaignTest& test,
   part.json["recordings"] = std::move(list);
 }
 
-std::string with_signs(std::string text) {
-  if (text == "-") return "–";
-  if (text.starts_with('-')) text.replace(0, 1, "−");
-  for (const auto& [plain, written] :
-       {std::pair{"+-", "±"}, std::pair{" m2", " m²"}, std::pair{"chi2", "χ²"}}) {
-    if (const auto at = text.find(plain); at != std::string::npos) {
-      text.replace(at, std::string_view(plain).size(), written);
-    }
-  }
-  return text;
-}
-
 }  // namespace
 
 TestPart::TestPart(const CampaignTest& test, const char* json_key) : test_(test) {
@@ -157,13 +145,10 @@ void TestPart::read(const FileRead& file_read) {
   }
 }
 
-void TestPart::tell(const std::vector<ident::Finding>& findings, const std::string& where) {
-  for (const auto& one : findings) {
-    part_.warnings.push_back({one.code, one.message,
-                              !where.empty()       ? where
-                              : !one.where.empty() ? one.where
-                                                   : test_.name,
-                              one.refused});
+void TestPart::tell(std::vector<ident::Finding> findings, const std::string& where) {
+  for (auto& one : findings) {
+    if (!where.empty() || one.where.empty()) one.where = where.empty() ? test_.name : where;
+    part_.warnings.push_back(std::move(one));
   }
 }
 
@@ -190,80 +175,18 @@ void refuse(ReportPart& part, const std::string& code, const std::string& messag
   part.warnings.push_back({code, message, where, true});
 }
 
-SummaryItem summary_of(const Answer& answer) {
-  const std::string unit = shown_unit(answer), interval = interval_words(answer);
-  std::string text = value_words(answer) + (unit.empty() ? "" : " " + unit);
-  if (!interval.empty()) text += fmt::format(" (95 %: {})", interval);
-  if (answer.reference) {
-    text += fmt::format("; {} {}", answer.reference_name,
-                        shown((answer.percent ? 100 : 1) * *answer.reference, 5));
-  }
-  return {SummaryItem::Kind::result, answer.quantity, text, answer.origin, answer.anchor};
-}
-
-ReportTable described_table(const std::string& id, const std::string& caption,
-                            const describe::Table& table, std::optional<Origin> origin) {
-  ReportTable shown{id, caption};
-  for (std::size_t c = 0; c < table.heads.size(); ++c) {
-    shown.columns.push_back(
-        {with_signs(table.heads[c]), c > 0 ? origin : std::nullopt, table.numeric[c]});
-  }
-  for (const auto& row : table.rows) {
-    shown.rows.emplace_back();
-    for (const auto& cell : row) shown.rows.back().emplace_back(with_signs(cell));
-  }
-  return shown;
-}
-
-ReportTable described_table(const std::string& id, const std::string& caption,
-                            const std::vector<describe::Sheet::Line>& lines,
-                            std::optional<Origin> origin) {
-  ReportTable shown{id, caption, {{"quantity", {}, false}, {"value", origin}}};
-  for (const auto& line : lines) shown.rows.push_back({line.label, with_signs(line.text)});
-  return shown;
-}
-
-ReportTable pairs_table(const std::string& id, const std::string& caption,
-                        const std::vector<PairRow>& rows,
-                        const std::vector<std::string>& published) {
-  ReportTable table{id,
-                    caption,
-                    {{"state", {}, false},
-                     {"test, Hz"},
-                     {"model, Hz", Origin::modelled},
-                     {"error", Origin::modelled},
-                     {"before the fit", Origin::modelled},
-                     {"MAC", Origin::modelled},
-                     {"mode", {}, false}}};
-  for (const auto& name : published) {
-    table.columns.push_back({name + ", Hz", Origin::published_model});
-    table.columns.push_back({"error", Origin::published_model});
-  }
-  table.columns.push_back({"remark", {}, false});
-  const std::string* last = nullptr;
-  for (const auto& row : rows) {
-    const auto error = [&](double hz) {
-      return std::isfinite(hz) ? shown_percent(hz / row.measured_hz - 1) : std::string();
-    };
-    const bool paired = std::isfinite(row.model_hz);
-    std::vector<Cell> cells{
-        last && *last == row.state ? "" : row.state,
-        Cell(shown_estimate(row.measured_hz, row.measured_std_hz, 4), row.origin),
-        paired ? shown(row.model_hz, 5) : "–",
-        paired ? error(row.model_hz) : "–",
-        error(row.before_hz),
-        std::isfinite(row.mac) ? shown(row.mac, 3) : "",
-        row.mode};
-    for (std::size_t k = 0; k < published.size(); ++k) {
-      const bool has = k < row.published_hz.size();
-      cells.emplace_back(has ? shown(row.published_hz[k], 4) : "");
-      cells.emplace_back(has ? error(row.published_hz[k]) : "");
+void add_answer(ReportPart& part, Answer answer, bool told) {
+  if (told) {
+    const std::string unit = shown_unit(answer), interval = interval_words(answer);
+    std::string text = value_words(answer) + (unit.empty() ? "" : " " + unit);
+    if (!interval.empty()) text += fmt::format(" (95 %: {})", interval);
+    if (answer.reference) {
+      text += fmt::format("; {} {}", answer.reference_name,
+                          shown((answer.percent ? 100 : 1) * *answer.reference, 5));
     }
-    cells.push_back(doubtful_cell(row.remark, !row.remark.empty() && row.remark != "published"));
-    table.rows.push_back(std::move(cells));
-    last = &row.state;
+    part.summary.push_back({SummaryItem::Kind::result, answer.quantity, text, answer.origin});
   }
-  return table;
+  part.answers.push_back(std::move(answer));
 }
 
 std::string percent_words(double ratio) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,8 +11,8 @@
 
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/recording_group.h"
-#include "apps/describe/sheet.h"
 #include "apps/report/page/report_part.h"
+#include "apps/report/page/tables.h"
 #include "ident/campaign/campaign.h"
 
 namespace rigfit::apps {
@@ -39,7 +38,8 @@ class TestPart {
   /// What was done, for somebody who does not know such tests.
   [[nodiscard]] virtual std::string intro() const = 0;
   virtual void take(LoadedRecording entry, const RecordingGroup& group) = 0;
-  void tell(const std::vector<ident::Finding>& findings, const std::string& where = {});
+  /// `where`: instead of each finding's own place.
+  void tell(std::vector<ident::Finding> findings, const std::string& where = {});
   /// `name`: the key within the test; `reference`: as known otherwise.
   [[nodiscard]] Answer answer(const std::string& name, std::string quantity, std::string how,
                               std::string unit, const signal::Estimate& value, Origin origin,
@@ -91,35 +91,8 @@ using TestPartPtr = std::unique_ptr<TestPart>;
 void refuse(ReportPart& part, const std::string& code, const std::string& message,
             const std::string& where);
 
-/// The answer with its interval and reference.
-[[nodiscard]] SummaryItem summary_of(const Answer& answer);
-
-/// A described list (apps/describe/sheet.h) as a table of the report.
-[[nodiscard]] ReportTable described_table(const std::string& id, const std::string& caption,
-                                          const describe::Table& table,
-                                          std::optional<Origin> origin = std::nullopt);
-/// The single values of a described result.
-[[nodiscard]] ReportTable described_table(const std::string& id, const std::string& caption,
-                                          const std::vector<describe::Sheet::Line>& lines,
-                                          std::optional<Origin> origin = std::nullopt);
-
-/// A measured mode beside the model's.
-struct PairRow {
-  std::string state;
-  double measured_hz = 0, measured_std_hz = 0;  ///< std NaN: not known
-  Origin origin = Origin::measured;
-  /// NaN: the model has no mode near.
-  double model_hz = std::numeric_limits<double>::quiet_NaN();
-  double before_hz = std::numeric_limits<double>::quiet_NaN();  ///< before a fit
-  double mac = std::numeric_limits<double>::quiet_NaN();
-  std::string mode = {};                  ///< the model's: "in 2"
-  std::vector<double> published_hz = {};  ///< by published model; NaN: dash
-  std::string remark = {};
-};
-/// Columns without values are left out. `published`: names of the published models.
-[[nodiscard]] ReportTable pairs_table(const std::string& id, const std::string& caption,
-                                      const std::vector<PairRow>& rows,
-                                      const std::vector<std::string>& published = {});
+/// With a line in the summary where `told`: value, interval and reference.
+void add_answer(ReportPart& part, Answer answer, bool told = true);
 
 /// "0.82 %"; a dash where there is none.
 [[nodiscard]] std::string percent_words(double ratio);

@@ -47,8 +47,7 @@ class TensionPart : public TestPart {
                test_.tension_N);
     tension.low = r.low, tension.high = r.high;
     tension.determined = r.decided;
-    part_.summary.push_back(summary_of(tension));
-    part_.answers.push_back(std::move(tension));
+    add_answer(part_, std::move(tension));
     return {std::move(part_)};
   }
 

@@ -165,7 +165,7 @@ TEST(MeasuredModes, UniversalFilesHaveATensionOfTheirOwn) {
   EXPECT_EQ(run({"--tension", "150", "160"}).exit_code, 2);
 }
 
-TEST(MeasuredModes, NodesElsewhereAreNamedOrSaid) {
+TEST(MeasuredModes, NodesElsewhereAreSaid) {
   const TemporaryFolder folder;
   const auto scene_file = folder.write("scene.toml", beam(2.1, 0.02));
   const auto scene = model::read_scene(scene_file);
@@ -182,33 +182,17 @@ TEST(MeasuredModes, NodesElsewhereAreNamedOrSaid) {
       "    -1\n";
   const auto file = folder.write("modes.uff", text);
   std::vector<std::string> remarks;
-  const auto plain = read_uff_measured_modes(file, {}, scene, {}, remarks);
+  const auto plain = read_uff_measured_modes(file, {}, scene, remarks);
   ASSERT_EQ(plain.size(), 1u);
   EXPECT_EQ(plain[0].mode.shape.size(), 0);
-  EXPECT_THAT(remarks, ::testing::ElementsAre(HasSubstr("--node low=NUMBER")));
+  EXPECT_THAT(remarks, ::testing::ElementsAre(HasSubstr("sensor low at")));
 
-  remarks.clear();
-  std::vector<NodeOfSensor> nodes;
-  for (const char* one : {"low=11+Y", "middle=12-y", "tip=13+Y"}) {
-    nodes.push_back(node_of_sensor(one));
-  }
-  const auto named = read_uff_measured_modes(file, {}, scene, nodes, remarks);
-  EXPECT_TRUE(remarks.empty());
-  ASSERT_EQ(named[0].mode.shape.size(), 3);
-  EXPECT_EQ(named[0].mode.shape[1], std::complex<double>(-0.4));
-  EXPECT_EQ(named[0].mode.damping_ratio.value, 0.01);
-
-  for (const char* wrong : {"low", "=3", "low=x", "low=3X", "low=3+W", "low=3+XY"}) {
-    EXPECT_THROW((void)node_of_sensor(wrong), std::invalid_argument) << wrong;
-  }
+  EXPECT_EQ(plain[0].mode.damping_ratio.value, 0.01);
   const auto run = [&](std::vector<std::string> more) {
     std::vector<std::string> all{"update", scene_file, "--measured", file};
     all.insert(all.end(), more.begin(), more.end());
     return run_program(all);
   };
-  const auto absent = run({"--node", "top=3"});
-  EXPECT_EQ(absent.exit_code, 2);
-  EXPECT_THAT(absent.err, HasSubstr("no sensor \"top\""));
   EXPECT_EQ(run({"--column", "test_Hz"}).exit_code, 2);
   EXPECT_EQ(run({"--band", "50", "60"}).exit_code, 2);
   const auto cut = folder.write("cut.uff", text.substr(0, text.find("4.00000E-01")));

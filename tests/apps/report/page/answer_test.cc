@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "apps/describe/json_of.h"
 #include "apps/report/compare_reports.h"
 #include "apps/report/page/report_page.h"
 
@@ -51,7 +52,7 @@ TEST(Answer, RatiosAreShownInPercent) {
   EXPECT_EQ(value_words(answer), "1.200 ± 0.030");
   EXPECT_EQ(interval_words(answer), "1.141 to 1.259");
   EXPECT_EQ(shown_unit(answer), "%");
-  EXPECT_EQ(answer_json(answer)["unit"], "1");
+  EXPECT_EQ(describe::json_of(answer)["unit"], "1");
 }
 
 TEST(Answer, CsvHasAllNumbers) {
