@@ -52,10 +52,9 @@ direction = [1.0, 0.0, 0.0]
                        tip_kg, stiffness);
   };
   folder.write("scene.toml", scene(1.8, 0.01));
-  const auto made =
-      run_program({"synthesize", folder.write("truth.toml", scene(EI_Nm2, 0.023)), "--out",
-                   (folder.path() / "lab").string(), "--seed", std::to_string(seed), "--hits", "3",
-                   "--record", "4", "--rate", "2048", "--format", "uff", "--quiet"});
+  const auto made = run_line(
+      "synthesize {} --out {} --seed {} --hits 3 --record 4 --rate 2048 --format uff --quiet",
+      {folder.write("truth.toml", scene(EI_Nm2, 0.023)), folder.at("lab"), std::to_string(seed)});
   EXPECT_EQ(made.exit_code, 0) << made.err;
   return folder.write("campaign.toml", fmt::format(R"(title = "Synthetic beam, laboratory {}"
 [[scene]]
@@ -92,14 +91,14 @@ name = "beam.damping_ratio"
 /// Verdicts of the values that both have, by key; of several modes the worst one.
 std::map<std::string, bool> changed(const std::string& before, const std::string& after) {
   const TemporaryFolder out;
-  const auto run = run_program(
-      {"report", before, after, "--out", out.path().string(), "--quiet", "--seed", "1"});
+  const auto run =
+      run_line("report {} {} --out {} --quiet --seed 1", {before, after, out.path().string()});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   std::map<std::string, bool> verdicts;
   // All of the comparison is in the short report: no empty section in the appendix, no link to one.
   const std::string page = out.read("report.html");
-  EXPECT_THAT(page, testing::HasSubstr("id=\"comparison\""));
-  EXPECT_THAT(page, testing::Not(testing::HasSubstr("comparison-details")));
+  EXPECT_THAT(page, ::testing::HasSubstr("id=\"comparison\""));
+  EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("comparison-details")));
   const auto document = parsed(out.read("report.json"));
   for (const auto& one : document["comparison"]) {
     if (one["before"].is_null() || one["after"].is_null()) continue;

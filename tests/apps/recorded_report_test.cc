@@ -51,8 +51,8 @@ class LaboratoryReport : public ::testing::Test {
     delete folder_;
   }
   static ProgramRun report() {
-    return run_program({"report", kLaboratory + "/campaign.toml", "--out", folder_->path().string(),
-                        "--threads", "2"});
+    return run_line("report $/virtual_laboratory/campaign.toml --out {} --threads 2",
+                    {folder_->path().string()});
   }
   static TemporaryFolder* folder_;
   static ProgramRun* run_;
@@ -79,7 +79,7 @@ TEST_F(LaboratoryReport, GoesTheWholeWay) {
 }
 
 TEST_F(LaboratoryReport, IsAsItsSchemaSays) {
-  const Json schema = parsed(run_program({"help", "schema"}).out)["$defs"]["axial"];
+  const Json schema = parsed(run_line("help schema").out)["$defs"]["axial"];
   for (const auto& test : (*document_)["axial"]) {
     EXPECT_THAT(schema_errors(test, schema), ::testing::IsEmpty());
   }
@@ -308,8 +308,8 @@ class BrokenRecordings : public ::testing::Test {
 
 TEST_F(BrokenRecordings, AreNamedInTheirPlaceAndTheRestGoesOn) {
   const TemporaryFolder out;
-  const auto run = run_program({"report", (folder_.path() / "campaign.toml").string(), "--out",
-                                out.path().string(), "--threads", "2"});
+  const auto run = run_line("report {} --out {} --threads 2",
+                            {folder_.at("campaign.toml"), out.path().string()});
   EXPECT_EQ(run.exit_code, 4) << run.err;
   const Json document = parsed(out.read("report.json"));
   // The good hits give the beam's modes all the same.
@@ -358,7 +358,7 @@ exponential_window = 0.05
 [[test.recording]]
 files = [")" + kLaboratory + R"(/beam/rig/hammer-hit*.uff"]
 )");
-  const auto run = run_program({"report", campaign, "--out", (folder.path() / "out").string()});
+  const auto run = run_line("report {} --out {}", {campaign, folder.at("out")});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json document = parsed(folder.read("out/report.json"));
   const auto& state = document["recorded_modal"][0]["states"][0];
@@ -374,9 +374,9 @@ TEST(DecayTest, ModelOverItsOwnRecordAgrees) {
   const TemporaryFolder folder, out;
   const std::string scene = std::string(RIGFIT_TESTDATA) + "/scenes/cable-release.toml";
   fs::copy_file(scene, folder.path() / "scene.toml");
-  const std::string record = (folder.path() / "release.csv").string();
-  ASSERT_EQ(run_program(
-                {"respond", scene, "--duration", "4", "--rate", "500", "--out", record, "--quiet"})
+  const std::string record = folder.at("release.csv");
+  ASSERT_EQ(run_line("respond $/scenes/cable-release.toml --duration 4 --rate 500 --out {} --quiet",
+                     {record})
                 .exit_code,
             0);
   folder.write("campaign.toml", R"(title = "Release"
@@ -391,8 +391,8 @@ scene = "cable"
 files = ["release.csv"]
 synthetic = true
 )");
-  const auto run = run_program(
-      {"report", (folder.path() / "campaign.toml").string(), "--out", out.path().string()});
+  const auto run =
+      run_line("report {} --out {}", {folder.at("campaign.toml"), out.path().string()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json document = parsed(out.read("report.json"));
   ASSERT_EQ(document["decays"].size(), 1u);

@@ -1,13 +1,16 @@
 #include "tests/apps/run_program.h"
 
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
+#include <iomanip>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 
 namespace rigfit::apps {
@@ -50,6 +53,30 @@ ProgramRun run_program(const std::vector<std::string>& arguments) {
   int status = 0;
   ::waitpid(child, &status, 0);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content(out), content(err)};
+}
+
+ProgramRun run_line(const std::string& line, const std::vector<std::string>& values) {
+  std::vector<std::string> words;
+  std::istringstream stream(line);
+  for (std::string word; stream >> std::quoted(word, '\'');) {
+    if (word.starts_with('$')) word.replace(0, 1, RIGFIT_TESTDATA);
+    words.push_back(std::move(word));
+  }
+  auto value = values.begin();
+  for (std::string& word : words) {
+    for (auto at = word.find("{}"); at != std::string::npos; at = word.find("{}", at)) {
+      word.replace(at, 2, *value);
+      at += (value++)->size();
+    }
+  }
+  if (value != values.end()) throw std::logic_error("more values than {}: " + line);
+  return run_program(words);
+}
+
+nlohmann::json document_of(const std::string& line, const std::vector<std::string>& values) {
+  const ProgramRun run = run_line(line + " --json -", values);
+  EXPECT_EQ(run.exit_code, 0) << line << "\n" << run.err;
+  return parsed(run.out);
 }
 
 TemporaryFolder::TemporaryFolder() {

@@ -139,7 +139,7 @@ TEST(SceneMistakes, EndWithThreeNamingFileLineKeyAndRemedy) {
       text.replace(at, mistake.from.size(), mistake.to);
     }
     const std::string scene = folder.write("rig.toml", text);
-    const auto run = run_program({"modes", scene, "--json", "-"});
+    const auto run = run_line("modes {} --json -", {scene});
     EXPECT_EQ(run.exit_code, 3) << run.err;
     EXPECT_EQ(run.out, "");
     std::string where = scene;
@@ -159,7 +159,7 @@ TEST(SceneMistakes, EndWithThreeNamingFileLineKeyAndRemedy) {
 
 TEST(SceneMistakes, AFileThatIsNoSceneAndARigThatNothingHolds) {
   const TemporaryFolder folder;
-  EXPECT_EQ(run_program({"modes", folder.write("rig.toml", kScene), "--quiet"}).exit_code, 0);
+  EXPECT_EQ(run_line("modes {} --quiet", {folder.write("rig.toml", kScene)}).exit_code, 0);
   std::string loose = kScene;
   for (const char* support : {"support = \"pinned\"\n", "support = \"pinned\"\n",
                               "support = { translational = [inf, inf, inf], rotational = [1e3, "
@@ -167,9 +167,9 @@ TEST(SceneMistakes, AFileThatIsNoSceneAndARigThatNothingHolds) {
     loose.erase(loose.find(support), std::string(support).size());
   }
   for (const auto& [path, problem] :
-       {std::pair{(folder.path() / "none.toml").string(), "there is no such file"},
+       {std::pair{folder.at("none.toml"), "there is no such file"},
         {folder.write("loose.toml", loose), "nothing holds the rig"}}) {
-    const auto run = run_program({"modes", path});
+    const auto run = run_line("modes {}", {path});
     EXPECT_EQ(run.exit_code, 3) << run.err;
     EXPECT_THAT(run.err, HasSubstr(path));
     EXPECT_THAT(run.err, HasSubstr(problem));
@@ -196,7 +196,7 @@ TEST(SceneMistakes, ScenesThatCannotRestEndWithFive) {
     std::string text = kScene;
     text.replace(text.find(one.from), one.from.size(), one.to);
     const std::string scene = folder.write("rig.toml", text);
-    const auto run = run_program({"modes", scene, "--json", "-"});
+    const auto run = run_line("modes {} --json -", {scene});
     EXPECT_EQ(run.exit_code, 5) << run.err;
     EXPECT_THAT(run.err, HasSubstr(scene));
     EXPECT_THAT(run.err, HasSubstr(one.culprit));
@@ -226,7 +226,7 @@ EI = 2.1
     std::string text = post;
     text.replace(text.find("SUPPORT"), 7, support);
     text.replace(text.find("MASS"), 4, mass);
-    return run_program({"modes", folder.write("post.toml", text), "--json", "-"});
+    return run_line("modes {} --json -", {folder.write("post.toml", text)});
   };
   EXPECT_EQ(rest("clamped", "0.3").exit_code, 0);
   for (const auto& [support, mass] : {std::pair{"pinned", "0.3"}, std::pair{"clamped", "6.0"}}) {
@@ -241,7 +241,7 @@ EI = 2.1
   std::string text = weightless;
   text.replace(text.find("SUPPORT"), 7, "pinned");
   text.replace(text.find("MASS"), 4, "0.3");
-  const auto run = run_program({"modes", folder.write("post.toml", text), "--json", "-"});
+  const auto run = run_line("modes {} --json -", {folder.write("post.toml", text)});
   EXPECT_EQ(run.exit_code, 5) << run.err;
   EXPECT_THAT(run.err, HasSubstr("\"post\" can move"));
   EXPECT_THAT(run.err, HasSubstr("mechanism; give one of its nodes a support"));

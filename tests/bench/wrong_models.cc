@@ -14,7 +14,7 @@
 
 #include "ident/campaign/fit_campaign.h"
 #include "model/linear/modal_analysis.h"
-#include "model/scene/read_scene.h"
+#include "tests/scenes.h"
 
 namespace {
 
@@ -25,28 +25,8 @@ constexpr double kEI = 0.6, kStd = 5e-4;
 enum class Ends { pinned, clamped, springs };
 
 model::Scene cable(double tension, Ends ends) {
-  auto scene = model::parse_scene(R"(gravity = 0.0
-[[node]]
-name = "left"
-position = [0.0, 0.0, 0.0]
-support = "pinned"
-[[node]]
-name = "right"
-position = [2.4, 0.0, 0.0]
-support = "pinned"
-[[member]]
-name = "cable"
-kind = "cable"
-nodes = ["left", "right"]
-segments = 40
-mass_per_length = 0.16667
-EA = 221780.0
-EI = 0.6
-GJ = 0.1
-tension = 200.0
-)",
-                                  "cable.toml");
-  model::set_parameter(scene, "cable.tension", tension);
+  auto scene = model::testing::paper_cable(tension, 0.6, 40);
+  scene.gravity.setZero();
   for (auto& node : scene.nodes) {
     using Kind = model::Support::Kind;
     node.support.kind = ends == Ends::pinned    ? Kind::pinned

@@ -231,16 +231,15 @@ TEST_F(CampaignFiles, MistakesInWhatItNamesAreRefusedInTheirFile) {
 
 // The same through the program: exit code 3, the message on standard error, nothing written.
 TEST_F(CampaignFiles, MistakesEndTheProgramWithThree) {
-  const std::string out = (folder_.path() / "out").string();
+  const std::string out = folder_.at("out");
   const auto& mistake = mistakes().at(1);
   const auto run =
-      run_program({"report", folder_.write("campaign.toml", with(mistake)), "--out", out});
+      run_line("report {} --out {}", {folder_.write("campaign.toml", with(mistake)), out});
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_THAT(run.err, HasSubstr(mistake.message));
   EXPECT_FALSE(std::filesystem::exists(out));
-  EXPECT_EQ(
-      run_program({"report", (folder_.path() / "none.toml").string(), "--out", out}).exit_code, 3);
-  EXPECT_EQ(run_program({"report", folder_.path().string(), "--out", out}).exit_code, 3);
+  EXPECT_EQ(run_line("report {} --out {}", {folder_.at("none.toml"), out}).exit_code, 3);
+  EXPECT_EQ(run_line("report {} --out {}", {folder_.path().string(), out}).exit_code, 3);
 }
 
 }  // namespace

@@ -70,10 +70,10 @@ TEST(MeasuredModes, ShapesOfAUniversalFileFitAScene) {
   const auto truth = folder.write("truth.toml", beam(2.1, 0.02));
   const auto start = folder.write("start.toml", beam(3.5, 0.03));
   const auto file = folder.write("modes.uff", mode_shapes(truth));
-  const auto run =
-      run_program({"update", start, "--measured", file, "--free", "beam.EI_z", "tip.mass",
-                   "beam.damping_ratio", "--band", "1", "200", "--plane", "in", "--starts", "1",
-                   "--out", (folder.path() / "o.toml").string(), "--json", "-"});
+  const auto run = run_line(
+      "update {} --measured {} --free beam.EI_z tip.mass beam.damping_ratio --band 1 200 --plane "
+      "in --starts 1 --out {} --json -",
+      {start, file, folder.at("o.toml")});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = Json::parse(run.out);
   // Frequencies and shapes carry six digits: 0.5e-5, twice that in EI; the mass, a tenth of the
@@ -98,9 +98,8 @@ TEST(MeasuredModes, PredictionsAreHeldAgainstAUniversalFile) {
       "fit.json", Json{{"parameters", {{{"name", "beam.EI_z"}, {"value", 2.1}, {"std", 0.02}}}},
                        {"correlation", {{1.0}}}}
                       .dump());
-  const auto run =
-      run_program({"predict", folder.write("start.toml", beam(3.5, 0.02)), "--from", fit, "--count",
-                   "8", "--measured", file, "--plane", "in", "--json", "-"});
+  const auto run = run_line("predict {} --from {} --count 8 --measured {} --plane in --json -",
+                            {folder.write("start.toml", beam(3.5, 0.02)), fit, file});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = Json::parse(run.out);
   ASSERT_EQ(json["measured"].size(), 8u);  // the file's
@@ -151,7 +150,7 @@ TEST(MeasuredModes, UniversalFilesHaveATensionOfTheirOwn) {
                                  "--plane",     "any",
                                  "--stiffness", table,
                                  "--starts",    "1",
-                                 "--out",       (folder.path() / "o.toml").string(),
+                                 "--out",       folder.at("o.toml"),
                                  "--json",      "-"};
     all.insert(all.end(), more.begin(), more.end());
     return run_program(all);
@@ -196,7 +195,7 @@ TEST(MeasuredModes, NodesElsewhereAreSaid) {
   EXPECT_EQ(run({"--column", "test_Hz"}).exit_code, 2);
   EXPECT_EQ(run({"--band", "50", "60"}).exit_code, 2);
   const auto cut = folder.write("cut.uff", text.substr(0, text.find("4.00000E-01")));
-  const auto broken = run_program({"update", scene_file, "--measured", cut});
+  const auto broken = run_line("update {} --measured {}", {scene_file, cut});
   EXPECT_EQ(broken.exit_code, 3);
   EXPECT_THAT(broken.err, HasSubstr("cut.uff:14"));
 }

@@ -58,9 +58,7 @@ std::string xml_error(const std::string& text) {
 }
 
 struct PlotOption : ::testing::Test {
-  [[nodiscard]] std::string path(const std::string& name) const {
-    return (folder.path() / name).string();
-  }
+  [[nodiscard]] std::string path(const std::string& name) const { return folder.at(name); }
   /// The SVG that a verb draws.
   std::string svg(Words words, int exit_code = 0) {
     words.insert(words.end(), {"--plot", path("f.svg"), "--quiet"});
@@ -117,10 +115,10 @@ TEST_F(PlotOption, TensionDrawsFrequenciesAndCandidates) {
 
 TEST_F(PlotOption, HitsAndFrfsAreOneLinkedPage) {
   const std::string rig = kLab + "beam/rig/hammer-hit";
-  const auto run =
-      run_program({"modal", rig + "1.uff", rig + "2.uff", rig + "3.uff", "--force", "force",
-                   "--force-window", "0.012", "--exponential-window", "0.05", "--band", "1", "160",
-                   "--plot", path("f.html"), "--json", path("f.json"), "--quiet"});
+  const auto run = run_line(
+      "modal {}1.uff {}2.uff {}3.uff --force force --force-window 0.012 --exponential-window 0.05 "
+      "--band 1 160 --plot {} --json {} --quiet",
+      {rig, rig, rig, path("f.html"), path("f.json")});
   ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 4) << run.err;  // 4: a window's damping
   const std::string page = folder.read("f.html");
   EXPECT_THAT(page, HasSubstr("double hit"));
@@ -138,7 +136,7 @@ TEST_F(PlotOption, ResponsesAreDrawnWithTheirSpectra) {
 
 TEST_F(PlotOption, APictureIsMadeWhereAProgramForItIs) {
   const auto run =
-      run_program({"modes", kScene, "--count", "2", "--plot", path("f.png"), "--quiet"});
+      run_line("modes $/jalali2021/scenes/cable.toml --count 2 --plot {} --quiet", {path("f.png")});
   if (find_program({"rsvg-convert"}).empty() && find_chromium().empty()) {
     EXPECT_EQ(run.exit_code, 2);
     EXPECT_THAT(run.err, HasSubstr("rsvg-convert"));
@@ -150,7 +148,7 @@ TEST_F(PlotOption, APictureIsMadeWhereAProgramForItIs) {
 
 TEST_F(PlotOption, WhatCannotBeWrittenIsRefusedFirst) {
   const auto refused = [&](const std::string& file) {
-    const auto run = run_program({"modes", kScene, "--plot", file});
+    const auto run = run_line("modes $/jalali2021/scenes/cable.toml --plot {}", {file});
     EXPECT_EQ(run.exit_code, 2) << file;
     EXPECT_EQ(run.out, "") << file;
     return run.err;

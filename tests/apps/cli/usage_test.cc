@@ -18,31 +18,31 @@ using ::testing::Not;
 using ::testing::StartsWith;
 
 TEST(Usage, MisspeltWordsAreNamedWithTheNearest) {
-  const auto verb = run_program({"inspct", "x.csv"});
+  const auto verb = run_line("inspct x.csv");
   EXPECT_EQ(verb.exit_code, 2);
   EXPECT_THAT(verb.err, StartsWith("error: there is no verb \"inspct\"; did you mean inspect?"));
-  const auto option = run_program({"decay", "x.csv", "--chanel", "a"});
+  const auto option = run_line("decay x.csv --chanel a");
   EXPECT_EQ(option.exit_code, 2);
   EXPECT_THAT(option.err,
               StartsWith("error: rigfit decay has no option --chanel; did you mean --channel?"));
-  EXPECT_THAT(run_program({"decay"}).err, StartsWith("error: "));
+  EXPECT_THAT(run_line("decay").err, StartsWith("error: "));
 }
 
 TEST(Usage, HelpIsThereForEveryVerbAndFile) {
-  const auto bare = run_program({});
+  const auto bare = run_line("");
   EXPECT_EQ(bare.exit_code, 2);
   EXPECT_THAT(bare.err, HasSubstr("inspect"));
-  const std::string modal = run_program({"help", "modal"}).out;
+  const std::string modal = run_line("help modal").out;
   EXPECT_THAT(modal, HasSubstr("Usage: rigfit modal FILE ... [OPTIONS]"));
   EXPECT_THAT(modal, HasSubstr("--band"));
   // Types in words.
   for (const char* internal : {"FLOAT", "TEXT:", "(1x)"}) {
-    EXPECT_THAT(modal + run_program({"help", "report"}).out, Not(HasSubstr(internal)));
+    EXPECT_THAT(modal + run_line("help report").out, Not(HasSubstr(internal)));
   }
-  EXPECT_THAT(run_program({"help", "scene"}).out, HasSubstr("mass_per_length"));
-  EXPECT_THAT(run_program({"help", "man", "decay"}).out, StartsWith(".TH \"rigfit\\-decay\" 1"));
-  EXPECT_THAT(run_program({"help", "completion", "bash"}).out, HasSubstr("--channel"));
-  const auto wrong = run_program({"help", "scen"});
+  EXPECT_THAT(run_line("help scene").out, HasSubstr("mass_per_length"));
+  EXPECT_THAT(run_line("help man decay").out, StartsWith(".TH \"rigfit\\-decay\" 1"));
+  EXPECT_THAT(run_line("help completion bash").out, HasSubstr("--channel"));
+  const auto wrong = run_line("help scen");
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("did you mean scene?"));
 }
@@ -94,9 +94,9 @@ TEST(KeyReference, HoldsEveryKeyThatTheReadersKnow) {
   }
   folder.write("r.csv", "Time (s),a (m/s^2)\n0,1\n0.1,2\n0.2,1\n");
   folder.write("r.toml", unknown);
-  check("sidecar", {"inspect", (folder.path() / "r.csv").string()});
+  check("sidecar", {"inspect", folder.at("r.csv")});
   folder.write("r.toml", "[[channel]]\nsource = \"a\"\n" + unknown);
-  check("sidecar", {"inspect", (folder.path() / "r.csv").string()});
+  check("sidecar", {"inspect", folder.at("r.csv")});
   const std::string title = "title = \"x\"\n";
   const std::string recording = "[[test.recording]]\nfiles = [\"r.csv\"]\n";
   for (const std::string& text :
@@ -111,7 +111,7 @@ TEST(KeyReference, HoldsEveryKeyThatTheReadersKnow) {
             unknown + recording,
         title + "[[test]]\nname = \"t\"\nkind = \"decay\"\n" + recording + unknown}) {
     check("campaign", {"report", folder.write(fmt::format("campaign{}.toml", ++number), text),
-                       "--out", (folder.path() / "out").string()});
+                       "--out", folder.at("out")});
   }
 }
 

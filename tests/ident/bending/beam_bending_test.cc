@@ -11,14 +11,11 @@
 
 #include "ident/bending/bending_analysis.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
+#include "tests/findings.h"
 
 namespace rigfit::ident::beam_bending_test {
 namespace {
-
-bool found(const BendingTestResult& result, const std::string& code) {
-  return std::any_of(result.findings.begin(), result.findings.end(),
-                     [&](const auto& finding) { return finding.code == code; });
-}
+using rigfit::testing::says;
 
 BendingTestOptions options_of(BeamEnds ends, double span) {
   BendingTestOptions options;
@@ -112,9 +109,9 @@ TEST(BeamTest, ToeYieldAndBreakOfAMachineRecord) {
     // Three standard uncertainties; these are far under a percent.
     EXPECT_NEAR(result.stiffness.EI_Nm2.value, EI, 3 * result.stiffness.EI_Nm2.std) << seed;
     EXPECT_LT(result.stiffness.EI_Nm2.std, 0.01 * EI) << seed;
-    EXPECT_TRUE(found(result, "toe")) << seed;
-    EXPECT_TRUE(found(result, "yield")) << seed;
-    EXPECT_EQ(found(result, "break"), seed % 2 == 0) << seed;
+    EXPECT_TRUE(says(result.findings, "toe")) << seed;
+    EXPECT_TRUE(says(result.findings, "yield")) << seed;
+    EXPECT_EQ(says(result.findings, "break"), seed % 2 == 0) << seed;
     EXPECT_EQ(result.tension_N.value, 0);
   }
 }
@@ -128,7 +125,7 @@ TEST(BeamTest, StopOfAMachineRecordAndNothingWhereNothingIs) {
   const auto stop =
       analyse_bending_test(coupon(c, 5).record(), options_of(BeamEnds::cantilever, 0.3));
   ASSERT_FALSE(stop.refused);
-  EXPECT_TRUE(found(stop, "stop"));
+  EXPECT_TRUE(says(stop.findings, "stop"));
   EXPECT_NEAR(1 / stop.compliance_m_N.value, 1e3 * c.K, 0.005 * 1e3 * c.K);
   c.travel_mm = 2.5;
   const auto straight =
@@ -148,7 +145,7 @@ TEST(BeamTest, AStiffeningRecordHasNoStiffness) {
   }
   const auto result = analyse_bending_test(all.record(), options_of(BeamEnds::clamped, 0.3));
   EXPECT_TRUE(result.refused);
-  EXPECT_TRUE(found(result, "curved"));
+  EXPECT_TRUE(says(result.findings, "curved"));
 }
 
 /// Steps of 0.5 N, deflection read to 0.01 mm with a reading error of 0.005 mm.
@@ -173,16 +170,16 @@ TEST(BeamTest, DeadWeightsAcceptedCurvedAndStoppedRefused) {
         analyse_bending_test(dead_weights(0.1947, 1e9, 0, seed).record(), options);
     ASSERT_FALSE(straight.refused) << seed;
     EXPECT_NEAR(1 / straight.compliance_m_N.value, 194.7, 0.3) << seed;  // 0.005 mm of 30 mm
-    EXPECT_FALSE(found(straight, "stop")) << seed;
+    EXPECT_FALSE(says(straight.findings, "stop")) << seed;
 
     const auto stopped = analyse_bending_test(dead_weights(0.1947, 18, 0, seed).record(), options);
     EXPECT_TRUE(stopped.refused) << seed;  // a corner is no line: its rows must be cut off
-    EXPECT_TRUE(found(stopped, "curved")) << seed;
+    EXPECT_TRUE(says(stopped.findings, "curved")) << seed;
 
     const auto curved =
         analyse_bending_test(dead_weights(0.1947, 1e9, 0.12, seed).record(), options);
     EXPECT_TRUE(curved.refused) << seed;
-    EXPECT_TRUE(found(curved, "curved")) << seed;
+    EXPECT_TRUE(says(curved.findings, "curved")) << seed;
   }
 }
 

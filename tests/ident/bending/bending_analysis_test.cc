@@ -8,10 +8,12 @@
 #include <stdexcept>
 
 #include "ident/virtual_rig/virtual_bending.h"
+#include "tests/findings.h"
 #include "tests/ident/bending/simulated_bending.h"
 
 namespace rigfit::ident::bending_analysis_test {
 namespace {
+using rigfit::testing::says;
 
 // A load-deflection table straight from the equation, loading then unloading.
 BendingRecord exact_record(double EI, double P, double span, double frame = 0, int points = 50) {
@@ -36,10 +38,6 @@ BendingTestOptions span_of(double span) {
   return options;
 }
 
-bool has(const BendingTestResult& result, const std::string& code) {
-  return std::any_of(result.findings.begin(), result.findings.end(),
-                     [&](const auto& finding) { return finding.code == code; });
-}
 std::string codes(const BendingTestResult& result) {
   std::string text;
   for (const auto& finding : result.findings) text += finding.code + ": " + finding.message + "\n";
@@ -87,7 +85,7 @@ TEST(BendingTest, ASlippingClampIsRefusedOrFlagged) {
       record.load_N[i] = record.deflection_m[i] / midspan_compliance(0.6, record.tension_N[i], 0.5);
     }
     const auto result = analyse_bending_test(record, span_of(0.5));
-    EXPECT_TRUE(has(result, "clamp_slip")) << codes(result);
+    EXPECT_TRUE(says(result.findings, "clamp_slip")) << codes(result);
     EXPECT_EQ(result.refused, loss > 0.1) << codes(result);
   }
 }
@@ -130,20 +128,20 @@ TEST(BendingTest, ClampsThatTurnAreInTheInterval) {
 TEST(BendingTest, ASpanThatIsWrongIsStringLikeAndRefused) {
   const auto result = analyse_bending_test(exact_record(0.05, 300, 0.6), span_of(0.45));
   EXPECT_TRUE(result.refused);
-  EXPECT_TRUE(has(result, "string_like")) << codes(result);
+  EXPECT_TRUE(says(result.findings, "string_like")) << codes(result);
 }
 
 TEST(BendingTest, NothingOrNonsenseIsRefusedWithAReason) {
   EXPECT_TRUE(analyse_bending_test({}, span_of(1)).refused);
   auto record = exact_record(0.6, 100, 0.5);
   record.load_N.setConstant(3);
-  EXPECT_TRUE(has(analyse_bending_test(record, span_of(1)), "no_loading"));
+  EXPECT_TRUE(says(analyse_bending_test(record, span_of(1)).findings, "no_loading"));
   record = exact_record(0.6, 100, 0.5);
   record.tension_N *= -1;
-  EXPECT_TRUE(has(analyse_bending_test(record, span_of(1)), "no_tension"));
+  EXPECT_TRUE(says(analyse_bending_test(record, span_of(1)).findings, "no_tension"));
   record = exact_record(0.6, 100, 0.5);
   record.load_N.setConstant(NAN);
-  EXPECT_TRUE(has(analyse_bending_test(record, span_of(1)), "too_few_points"));
+  EXPECT_TRUE(says(analyse_bending_test(record, span_of(1)).findings, "too_few_points"));
   record.load_N.resize(3);
   EXPECT_THROW((void)analyse_bending_test(record, span_of(1)), std::invalid_argument);
   EXPECT_THROW((void)analyse_bending_test(exact_record(1, 1, 1), {}), std::invalid_argument);
@@ -222,7 +220,7 @@ TEST(BendingTest, FrictionIsInTheIntervalOrRefused) {
       const auto result = analyse(travel, exponent, seed);
       if (result.refused) continue;
       ++given;
-      EXPECT_TRUE(has(result, "friction")) << codes(result);
+      EXPECT_TRUE(says(result.findings, "friction")) << codes(result);
       covered += result.stiffness.low <= 0.8 && 0.8 <= result.stiffness.high;
     }
     simulated::Bending slow;

@@ -10,9 +10,11 @@
 
 #include "signal/decay/decay_window.h"
 #include "signal/sinusoids/damped_sinusoids.h"
+#include "tests/findings.h"
 
 namespace rigfit::signal::decay_test {
 namespace {
+using rigfit::testing::says;
 
 using Complex = std::complex<double>;
 using Eigen::Index;
@@ -50,11 +52,6 @@ class Records {
  private:
   std::mt19937_64 generator_;
 };
-
-bool says(const DecayResult& result, const std::string& code) {
-  return std::any_of(result.notes.begin(), result.notes.end(),
-                     [&](const Note& n) { return n.code == code; });
-}
 
 double noise_of(double snr_db) { return std::sqrt(0.5 * std::pow(10, -snr_db / 10)); }
 
@@ -108,14 +105,14 @@ TEST(Decay, StartsAfterClippedSamplesTooFewToBeFlat) {
     y = y.cwiseMin(level + 0.3);
     const auto result = estimate_decay(y, 500);
     ASSERT_TRUE(result.refusal.empty()) << result.refusal;
-    EXPECT_TRUE(says(result, "clipped")) << level;
+    EXPECT_TRUE(says(result.notes, "clipped")) << level;
     ASSERT_EQ(result.modes.size(), 1u) << level;
     const auto& zeta = result.modes[0].damping_ratio;
     EXPECT_NEAR(zeta.value, 0.01, 5 * zeta.std) << level;
     // Where the person names the stretch it is fitted, and said.
     DecayOptions as_given;
     as_given.choose_window = as_given.trim_start = false;
-    EXPECT_TRUE(level > 0.7 || says(estimate_decay(y, 500, as_given), "clipped"));
+    EXPECT_TRUE(level > 0.7 || says(estimate_decay(y, 500, as_given).notes, "clipped"));
   }
 }
 
@@ -125,9 +122,9 @@ TEST(Decay, PairsThatBeatTooSlowlyAreSaid) {
   const auto result = estimate_decay(y, 500);
   ASSERT_TRUE(result.refusal.empty()) << result.refusal;
   ASSERT_EQ(result.modes.size(), 1u);
-  EXPECT_TRUE(says(result, "not_one_decay"));
+  EXPECT_TRUE(says(result.notes, "not_one_decay"));
   const auto one = estimate_decay(records.decay({{50, 0.002, 1}}, 500, 1000, 0.007), 500);
-  EXPECT_FALSE(says(one, "not_one_decay"));
+  EXPECT_FALSE(says(one.notes, "not_one_decay"));
 }
 
 TEST(Decay, StartsAfterTheImpactAndTheQuietBefore) {
@@ -144,7 +141,7 @@ TEST(Decay, StartsAfterTheImpactAndTheQuietBefore) {
   ASSERT_TRUE(result.refusal.empty()) << result.refusal;
   EXPECT_GE(result.start, 598);
   EXPECT_LE(result.start, 640);
-  EXPECT_TRUE(says(result, "start_chosen"));
+  EXPECT_TRUE(says(result.notes, "start_chosen"));
   EXPECT_NEAR(result.modes[0].frequency_hz.value, 50, 5 * result.modes[0].frequency_hz.std);
   EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.017, 5 * result.modes[0].damping_ratio.std);
 }
@@ -180,11 +177,11 @@ TEST(Decay, AnOffsetThatDiesAwayIsPartOfTheBackground) {
   for (unsigned seed = 0; seed < kRecords; ++seed) {
     Records records(seed + 300);
     Eigen::VectorXd y = records.decay({{48, 0.017, 1}}, 1000, 1000, noise_of(30));
-    silent += says(estimate_decay(y, 1000), "decaying_offset");
+    silent += says(estimate_decay(y, 1000).notes, "decaying_offset");
     for (Index j = 0; j < y.size(); ++j) y(j) += 0.3 * std::exp(-static_cast<double>(j) / 150);
     const auto result = estimate_decay(y, 1000);
     ASSERT_TRUE(result.refusal.empty()) << result.refusal;
-    said += says(result, "decaying_offset");
+    said += says(result.notes, "decaying_offset");
     const auto& f = result.modes[0].frequency_interval_95_hz;
     const auto& zeta = result.modes[0].damping_ratio_interval_95;
     in_f += f.low < 48 && f.high > 48;
@@ -203,7 +200,7 @@ TEST(Decay, QuantisedSlowSignalIsNotCalledClipped) {
   for (double& v : y) v = 0.01 * std::round(v / 0.01);
   const auto result = estimate_decay(y, 1000);
   ASSERT_TRUE(result.refusal.empty()) << result.refusal;
-  EXPECT_FALSE(says(result, "clipped"));
+  EXPECT_FALSE(says(result.notes, "clipped"));
   EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.005, 5 * result.modes[0].damping_ratio.std);
 }
 
@@ -252,7 +249,7 @@ TEST(Decay, SaysWhenTheRecordIsShorterThanTheDecay) {
   Records records(13);
   const auto result = estimate_decay(records.decay({{50, 1e-4, 1}}, 500, 500, 0.01), 500);
   ASSERT_TRUE(result.refusal.empty());
-  EXPECT_TRUE(says(result, "record_short"));
+  EXPECT_TRUE(says(result.notes, "record_short"));
 }
 
 }  // namespace

@@ -10,9 +10,11 @@
 #include <random>
 
 #include "signal/decay/decay.h"
+#include "tests/findings.h"
 
 namespace rigfit::signal::narrow_record_test {
 namespace {
+using rigfit::testing::says;
 
 using Complex = std::complex<double>;
 using Eigen::Index;
@@ -35,11 +37,6 @@ Eigen::VectorXd record(double frequency_hz, double noise, unsigned seed, Index s
   return y;
 }
 
-bool says(const DecayResult& result, const char* code) {
-  return std::any_of(result.notes.begin(), result.notes.end(),
-                     [&](const Note& note) { return note.code == code; });
-}
-
 // The same stretch of the record, whole and in its band. What the two know differs by the filter's
 // reach at the ends. Estimates differ by a fifth of a standard uncertainty (twice that is allowed),
 // standard uncertainties by 2 % and by the scatter of the noise found, 1.6 % (three times that).
@@ -49,7 +46,7 @@ TEST(NarrowRecord, EstimatesAreThoseOfTheWholeRecord) {
   options.choose_window = options.trim_start = false;
   options.band_low_hz = 3, options.band_high_hz = 7.5;
   const DecayResult narrow = estimate_decay(y, kRate, options);
-  ASSERT_TRUE(says(narrow, "fitted_in_band"));
+  ASSERT_TRUE(says(narrow.notes, "fitted_in_band"));
   options.band_low_hz = options.band_high_hz = 0;
   const DecayResult whole =
       estimate_decay(y.segment(narrow.start, narrow.end - narrow.start), kRate, options);

@@ -44,7 +44,7 @@ Eigen::VectorXd lines_below(const FrfSet& frfs, double f) {
   return frfs.frequency_hz.head((frfs.frequency_hz.array() < f).count());
 }
 
-// Without noise what is left of the error is what aliases (5e-6, see ten_mode_truth_test) and what
+// Without noise what is left of the error is what aliases (5e-6 past its low-pass) and what
 // each ring-down leaves beyond its block: exp(-(1.57 + a) 4 s) of the 25 Hz mode.
 TEST(ImpactTest, GivesTheExactFrfAlsoUnderAnExponentialWindow) {
   const auto truth = testing::ten_mode_truth(6);

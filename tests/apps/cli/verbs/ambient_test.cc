@@ -35,11 +35,9 @@ struct AmbientVerb : ::testing::Test {
 };
 
 TEST_F(AmbientVerb, ModesOfTwoSetups) {
-  const auto run =
-      run_program({"modal", setup("a.csv", 1, {0, 4, 1}), setup("b.csv", 2, {0, 4, 2, 3}),
-                   "--ambient", "--band", "0.3", "8", "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
+  const nlohmann::json json =
+      document_of("modal {} {} --ambient --band 0.3 8",
+                  {setup("a.csv", 1, {0, 4, 1}), setup("b.csv", 2, {0, 4, 2, 3})});
   ASSERT_EQ(json["modes"].size(), 5u);
   ASSERT_EQ(json["responses"].size(), 5u);
   for (std::size_t r = 0; r < 5; ++r) {
@@ -54,16 +52,16 @@ TEST_F(AmbientVerb, ModesOfTwoSetups) {
 }
 
 TEST_F(AmbientVerb, MissingReferenceNamesThoseThatServe) {
-  const auto run = run_program({"modal", setup("a.csv", 1, {0, 4, 1}), setup("b.csv", 2, {0, 4, 2}),
-                                "--ambient", "--reference", "c2", "--band", "0.3", "8"});
+  const auto run = run_line("modal {} {} --ambient --reference c2 --band 0.3 8",
+                            {setup("a.csv", 1, {0, 4, 1}), setup("b.csv", 2, {0, 4, 2})});
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_NE(run.err.find("\"c1\", \"c5\""), std::string::npos) << run.err;
 }
 
 TEST_F(AmbientVerb, FigureMarksTheModes) {
-  const std::string figure = (folder.path() / "modes.svg").string();
-  const auto run = run_program(
-      {"modal", setup("a.csv", 1, {0, 4, 1}), "--ambient", "--band", "0.3", "8", "--plot", figure});
+  const std::string figure = folder.at("modes.svg");
+  const auto run =
+      run_line("modal {} --ambient --band 0.3 8 --plot {}", {setup("a.csv", 1, {0, 4, 1}), figure});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const std::string drawn = folder.read("modes.svg");
   EXPECT_NE(drawn.find("singular value 1"), std::string::npos);
@@ -71,7 +69,7 @@ TEST_F(AmbientVerb, FigureMarksTheModes) {
 }
 
 TEST_F(AmbientVerb, OptionsOfHitsAreRefused) {
-  const auto run = run_program({"modal", setup("a.csv", 1, {0, 4}), "--ambient", "--trigger", "5"});
+  const auto run = run_line("modal {} --ambient --trigger 5", {setup("a.csv", 1, {0, 4})});
   EXPECT_EQ(run.exit_code, 2);
 }
 

@@ -94,10 +94,8 @@ TEST(AxialVerb, GivesTheNumbersOfTheReport) {
             }
             return groups;
           }());
-  const auto report = run_program({"report", (folder.path() / "campaign.toml").string(), "--out",
-                                   (folder.path() / "out").string(), "--json", "-"});
-  ASSERT_EQ(report.exit_code, 0) << report.err;
-  const auto by_report = parsed(report.out)["axial"][0];
+  const auto by_report =
+      document_of("report {} --out {}", {folder.at("campaign.toml"), folder.at("out")})["axial"][0];
   for (const char* key :
        {"EA_N", "damping_ratio", "damping_Ns_m", "coverage_factor_95", "samples", "lengths",
         "budget", "series_compliance_m_N", "between_lengths_std_N", "p_same_EA"}) {
@@ -144,52 +142,12 @@ TEST(AxialVerb, OneLengthIsABoundUnlessTheFrameIsStated) {
                      frame +
                      "[[test.recording]]\nfiles = [\"tap2.csv\", \"tap3.csv\"]\n"
                      "length = 1.0\n");
-    const auto report = run_program({"report", (folder.path() / "campaign.toml").string(), "--out",
-                                     (folder.path() / "out").string(), "--json", "-"});
-    EXPECT_EQ(report.exit_code, 0) << report.err;
-    return parsed(report.out)["axial"][0];
+    return document_of("report {} --out {}",
+                       {folder.at("campaign.toml"), folder.at("out")})["axial"][0];
   };
   EXPECT_EQ(campaign("")["EA_N"], bound["EA_N"]);
   EXPECT_EQ(campaign("frame_stiffness = \"rigid\"\n")["EA_N"], rigid["EA_N"]);
   EXPECT_EQ(campaign("frame_stiffness = 5e6\nframe_stiffness_std = 5e5\n")["EA_N"], soft["EA_N"]);
-}
-
-TEST(AxialVerb, WithoutTheLengthsUncertaintyPrintsNone) {
-  TemporaryFolder folder;
-  const auto files = records(folder);
-  std::vector<std::string> all{
-      "axial",  files[0], files[2], "--mass", "2.2", "--length", "0.7", "1.0", "--mass-per-length",
-      "0.16667"};
-  const auto text = run_program(all);
-  EXPECT_EQ(text.exit_code, 0) << text.err;
-  const std::string EA = text.out.substr(text.out.find("EA "), text.out.find('\n'));
-  EXPECT_EQ(EA.find("+-"), std::string::npos) << EA;
-  EXPECT_THAT(text.err, HasSubstr("--length-std"));
-  EXPECT_THAT(text.err, HasSubstr("1 mm of each length changes EA by"));
-  all.insert(all.end(), {"--json", "-"});
-  const auto json = parsed(run_program(all).out);
-  EXPECT_GT(json["EA_N"]["value"].get<double>(), 2e5);
-  for (const char* key : {"std", "low", "high"}) EXPECT_TRUE(json["EA_N"][key].is_null()) << key;
-}
-
-TEST(AxialVerb, ExitCodesSayWhoseFaultItIs) {
-  TemporaryFolder folder;
-  const auto files = records(folder);
-  EXPECT_EQ(run_program({"axial", files[0], "--mass", "2.2", "--length", "0.7", "--frame-stiffness",
-                         "soft"})
-                .exit_code,
-            2);
-  EXPECT_EQ(run_program({"axial", files[0], "--length", "0.7"}).exit_code, 2);
-  const auto uneven = run_program(
-      {"axial", files[0], files[1], files[2], "--mass", "2.2", "--length", "0.7", "1.0"});
-  EXPECT_EQ(uneven.exit_code, 2);
-  EXPECT_THAT(uneven.err, HasSubstr("3 files and 2 lengths"));
-  EXPECT_EQ(run_program({"axial", files[0], "--mass", "-1", "--length", "0.7"}).exit_code, 2);
-  EXPECT_EQ(run_program({"axial", "none.csv", "--mass", "2.2", "--length", "0.7"}).exit_code, 3);
-  const auto soft = run_program(
-      {"axial", files[0], "--mass", "2.2", "--length", "0.7", "--adapter-stiffness", "1000"});
-  EXPECT_EQ(soft.exit_code, 4);
-  EXPECT_THAT(soft.err, HasSubstr("softer"));
 }
 
 }  // namespace

@@ -9,7 +9,9 @@
 #include <set>
 
 #include "apps/bench/bench_plot.h"
+#include "model/scene/read_scene.h"
 #include "tests/apps/run_program.h"
+#include "tests/scenes.h"
 
 namespace rigfit::apps::bench_test {
 namespace {
@@ -20,7 +22,7 @@ using Json = nlohmann::json;
 class BenchRun : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    run_ = new ProgramRun(run_program({"bench", "--quick", "--json", "-"}));
+    run_ = new ProgramRun(run_line("bench --quick --json -"));
     if (run_->exit_code == 0) json_ = new Json(parsed(run_->out));
   }
   static void TearDownTestSuite() {
@@ -104,27 +106,6 @@ TEST_F(BenchRun, SchemesGoTheSameWay) {
   EXPECT_TRUE(stiff);
 }
 
-const char* const kCantilever = R"(
-title = "cantilever"
-gravity = 0.0
-[[node]]
-name = "base"
-position = [0.0, 0.0, 0.0]
-support = "clamped"
-[[node]]
-name = "tip"
-position = [0.75, 0.0, 0.0]
-[[member]]
-name = "beam"
-kind = "beam"
-nodes = ["base", "tip"]
-segments = 30
-mass_per_length = 0.295
-EA = 1e7
-EI = [2.1, 8.4]
-GJ = 2.0
-)";
-
 // Methods in order of time, the front joined, the default marked; what failed is not drawn.
 TEST(BenchPlot, TimeAgainstError) {
   BenchStudy study;
@@ -155,11 +136,12 @@ TEST(BenchPlot, TimeAgainstError) {
 
 TEST(BenchVerb, BadInputsAndUsage) {
   const TemporaryFolder folder;
-  EXPECT_EQ(run_program({"bench", "missing.toml"}).exit_code, 3);
-  EXPECT_EQ(run_program({"bench", "--task", "weather"}).exit_code, 2);
-  const std::string scene = folder.write("beam.toml", kCantilever);
+  EXPECT_EQ(run_line("bench missing.toml").exit_code, 3);
+  EXPECT_EQ(run_line("bench --task weather").exit_code, 2);
+  const std::string scene = folder.write(
+      "beam.toml", model::scene_text(model::testing::level_cantilever(2.1, 0.295, 30)));
   // A beam that nothing loads has no motion to integrate.
-  const auto nothing = run_program({"bench", scene, "--quick"});
+  const auto nothing = run_line("bench {} --quick", {scene});
   EXPECT_EQ(nothing.exit_code, 4);
   EXPECT_THAT(nothing.err, HasSubstr("no load"));
 }

@@ -35,7 +35,7 @@ const char* const kPublished = "tension_N,EI_Nm2\n25,0.2549\n100,0.4948\n200,0.5
 TEST(BendingVerb, TableOfRecordsGivesStiffnessAtEachTension) {
   const TemporaryFolder folder;
   const auto file = folder.write("bend.csv", table(0.6, {50, 150, 300}, 0.5));
-  const auto run = run_program({"bending", file, "--span", "0.5", "--json", "-"});
+  const auto run = run_line("bending {} --span 0.5 --json -", {file});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = document(run);
   ASSERT_EQ(json["tests"].size(), 3U);
@@ -54,8 +54,7 @@ TEST(BendingVerb, TableOfRecordsGivesStiffnessAtEachTension) {
 TEST(BendingVerb, PublishedTableGivesLawsAndBounds) {
   const TemporaryFolder folder;
   const auto file = folder.write("table1.csv", kPublished);
-  const auto run = run_program(
-      {"bending", file, "--strand", "195e9", "133", "0.397e-3", "6.35e-3", "--json", "-"});
+  const auto run = run_line("bending {} --strand 195e9 133 0.397e-3 6.35e-3 --json -", {file});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = document(run);
   ASSERT_EQ(json["tests"].size(), 4U);
@@ -70,7 +69,7 @@ TEST(BendingVerb, ReadsItsOwnIntervals) {
   const TemporaryFolder folder;
   const auto file = folder.write(
       "t.csv", "tension_N,EI_Nm2,low,high\n25,0.25,0.2,0.3\n100,0.5,0.45,0.55\n200,0.6,0.5,0.7\n");
-  const Json json = document(run_program({"bending", file, "--json", "-"}));
+  const Json json = document(run_line("bending {} --json -", {file}));
   EXPECT_DOUBLE_EQ(json["tests"][0]["EI_Nm2"]["low"], 0.2);
   EXPECT_DOUBLE_EQ(json["tests"][0]["EI_Nm2"]["high"], 0.3);
 }
@@ -78,7 +77,7 @@ TEST(BendingVerb, ReadsItsOwnIntervals) {
 TEST(BendingVerb, WrongSpanIsRefusedByName) {
   const TemporaryFolder folder;
   const auto file = folder.write("bend.csv", table(0.05, {300}, 0.6));
-  const auto run = run_program({"bending", file, "--span", "0.4", "--json", "-"});
+  const auto run = run_line("bending {} --span 0.4 --json -", {file});
   EXPECT_EQ(run.exit_code, 4) << run.err;
   const Json json = document(run);
   EXPECT_TRUE(json["tests"][0]["EI_Nm2"]["value"].is_null());
@@ -88,13 +87,13 @@ TEST(BendingVerb, WrongSpanIsRefusedByName) {
 TEST(BendingVerb, BadInputsEndWithTheirExitCode) {
   const TemporaryFolder folder;
   const auto no_load = folder.write("a.csv", "tension_N,foo_m\n1,2\n3,4\n");
-  const auto run = run_program({"bending", no_load, "--span", "0.5"});
+  const auto run = run_line("bending {} --span 0.5", {no_load});
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_NE(run.err.find("load"), std::string::npos) << run.err;
   EXPECT_NE(run.err.find("tension_N"), std::string::npos) << run.err;
 
   const auto negative = folder.write("c.csv", "tension_N,EI_Nm2\n25,-0.2\n50,0.3\n");
-  const auto refused = run_program({"bending", negative});
+  const auto refused = run_line("bending {}", {negative});
   EXPECT_EQ(refused.exit_code, 3);
   EXPECT_NE(refused.err.find("row 1"), std::string::npos) << refused.err;
 }

@@ -30,9 +30,7 @@ std::string decay_csv(double f, double zeta, double rate, int samples, double no
 TEST(DecayVerb, GivesFrequencyAndDampingOfAFile) {
   TemporaryFolder folder;
   const auto file = folder.write("tap.csv", decay_csv(50, 0.017, 500, 800, 0.003, 200));
-  const auto run = run_program({"decay", file, "--channel", "force", "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
+  const nlohmann::json json = document_of("decay {} --channel force", {file});
   EXPECT_EQ(json["command"], "decay");
   EXPECT_EQ(json["inputs"].size(), 1u);
   ASSERT_EQ(json["modes"].size(), 1u);
@@ -53,10 +51,7 @@ TEST(DecayVerb, GivesFrequencyAndDampingOfAFile) {
 TEST(DecayVerb, TakesStartEndAndBandInTheFilesTime) {
   TemporaryFolder folder;
   const auto file = folder.write("tap.csv", decay_csv(50, 0.017, 500, 800, 0.003));
-  const auto run = run_program(
-      {"decay", file, "--start", "0.1", "--end", "0.9", "--band", "30", "80", "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
+  const nlohmann::json json = document_of("decay {} --start 0.1 --end 0.9 --band 30 80", {file});
   EXPECT_NEAR(json["window"]["start_s"].get<double>(), 0.1, 1e-9);
   EXPECT_NEAR(json["window"]["end_s"].get<double>(), 0.9, 1e-9);
 }
@@ -64,15 +59,15 @@ TEST(DecayVerb, TakesStartEndAndBandInTheFilesTime) {
 TEST(DecayVerb, ExitCodesSayWhoseFaultItIs) {
   TemporaryFolder folder;
   const auto file = folder.write("tap.csv", decay_csv(50, 0.017, 500, 800, 0.003));
-  EXPECT_EQ(run_program({"decay"}).exit_code, 2);
-  EXPECT_EQ(run_program({"decay", file, "--band", "80", "30"}).exit_code, 2);
-  EXPECT_EQ(run_program({"decay", file, "--start", "5"}).exit_code, 2);
-  EXPECT_EQ(run_program({"decay", (folder.path() / "none.csv").string()}).exit_code, 3);
-  const auto unknown = run_program({"decay", file, "--channel", "gyro"});
+  EXPECT_EQ(run_line("decay").exit_code, 2);
+  EXPECT_EQ(run_line("decay {} --band 80 30", {file}).exit_code, 2);
+  EXPECT_EQ(run_line("decay {} --start 5", {file}).exit_code, 2);
+  EXPECT_EQ(run_line("decay {}", {folder.at("none.csv")}).exit_code, 3);
+  const auto unknown = run_line("decay {} --channel gyro", {file});
   EXPECT_EQ(unknown.exit_code, 3);
   EXPECT_THAT(unknown.err, HasSubstr("force"));
   const auto quiet = folder.write("noise.csv", decay_csv(50, 0.017, 500, 800, 0.003, 800));
-  const auto refused = run_program({"decay", quiet, "--json", "-"});
+  const auto refused = run_line("decay {} --json -", {quiet});
   EXPECT_EQ(refused.exit_code, 4);
   EXPECT_EQ(parsed(refused.out)["modes"].size(), 0u);
   EXPECT_THAT(refused.err, HasSubstr("noise"));
@@ -98,11 +93,9 @@ kind = "decay"
 [[test.recording]]
 files = ["taps.csv"]
 )");
-  const auto run = run_program({"decay", file, "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto verb = parsed(run.out);
-  const auto report = run_program(
-      {"report", (folder.path() / "campaign.toml").string(), "--out", out.path().string()});
+  const nlohmann::json verb = document_of("decay {}", {file});
+  const auto report =
+      run_line("report {} --out {}", {folder.at("campaign.toml"), out.path().string()});
   ASSERT_EQ(report.exit_code, 0) << report.err;
   const auto document = parsed(out.read("report.json"));
   const auto& record = document["decays"][0]["records"][0];
@@ -119,7 +112,7 @@ files = ["taps.csv"]
   const double zeta = verb["modes"][0]["damping_ratio"]["value"];
   EXPECT_NEAR(verb["modes"][0]["log_decrement"]["value"].get<double>(),
               2 * std::numbers::pi * zeta / std::sqrt(1 - zeta * zeta), 1e-12);
-  const auto each = parsed(run_program({"decay", file, "--each", "--json", "-"}).out);
+  const auto each = document_of("decay {} --each", {file});
   ASSERT_EQ(each["pooled"].size(), 1u);
   EXPECT_EQ(each["pooled"][0]["decays"], 2);
   EXPECT_TRUE(each["decays"][0]["fitted"].get<bool>() && each["decays"][1]["fitted"].get<bool>());

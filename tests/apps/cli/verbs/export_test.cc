@@ -13,12 +13,12 @@ using ::testing::HasSubstr;
 
 TEST(ExportVerb, WritesADeckAndRefusesWhatItCannotSay) {
   const TemporaryFolder folder;
-  const std::string scene = RIGFIT_TESTDATA "/jalali2021/scenes/cable.toml";
-  const auto run = run_program({"export", scene, "--calculix", folder.path() / "ccx"});
+  const auto run =
+      run_line("export $/jalali2021/scenes/cable.toml --calculix {}", {folder.path() / "ccx"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(folder.read("ccx/cable.inp"), HasSubstr("*FREQUENCY"));
-  EXPECT_EQ(run_program({"export", scene}).exit_code, 2);
-  EXPECT_EQ(run_program({"export", "none.toml", "--calculix", folder.path() / "x"}).exit_code, 3);
+  EXPECT_EQ(run_line("export $/jalali2021/scenes/cable.toml").exit_code, 2);
+  EXPECT_EQ(run_line("export none.toml --calculix {}", {folder.path() / "x"}).exit_code, 3);
 }
 
 /// Read again: the line's type, its ends and its length are the scene's; with a fit its values, and
@@ -28,8 +28,8 @@ TEST(ExportVerb, WritesCablesForMoorDyn) {
   const std::string scenes = RIGFIT_TESTDATA "/jalali2021/scenes/";
   const std::string fit = folder.write("fit.json", R"({"parameters": [{"name": "cable.EA",
       "value": 200000.0, "std": 500.0, "low": 199000.0, "high": 201000.0}]})");
-  const auto run = run_program(
-      {"export", scenes + "cable.toml", "--moordyn", folder.path() / "md", "--from", fit});
+  const auto run = run_line("export $/jalali2021/scenes/cable.toml --moordyn {} --from {}",
+                            {folder.path() / "md", fit});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   std::istringstream text(folder.read("md/cable.txt"));
   std::string line, section;
@@ -61,7 +61,8 @@ TEST(ExportVerb, WritesCablesForMoorDyn) {
     }
   }
   EXPECT_TRUE(found);
-  const auto beam = run_program({"export", scenes + "rig.toml", "--moordyn", folder.path() / "md"});
+  const auto beam =
+      run_line("export $/jalali2021/scenes/rig.toml --moordyn {}", {folder.path() / "md"});
   EXPECT_EQ(beam.exit_code, 3);
   EXPECT_THAT(beam.err, HasSubstr("is a beam"));
 }

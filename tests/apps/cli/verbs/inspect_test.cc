@@ -12,9 +12,7 @@ namespace {
 
 class Inspect : public ::testing::Test {
  protected:
-  [[nodiscard]] std::string path(const std::string& name) const {
-    return (folder.path() / name).string();
-  }
+  [[nodiscard]] std::string path(const std::string& name) const { return folder.at(name); }
   TemporaryFolder folder;
 };
 
@@ -37,7 +35,7 @@ std::string sine(double top) {
 
 TEST_F(Inspect, GivesRateChannelsAndClipping) {
   folder.write("a.csv", sine(1.5));
-  const auto run = run_program({"inspect", "--json", "-", path("a.csv")});
+  const auto run = run_line("inspect --json - {}", {path("a.csv")});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto recording = json_of(run)["recordings"][0];
   EXPECT_EQ(recording["format"], "csv");
@@ -67,7 +65,7 @@ TEST_F(Inspect, FileBesideItNamesAndScales) {
       "[[channel]]\nsource = \"CH1\"\nname = \"hammer\"\nsensitivity = 2.0\n"
       "unit = \"mV\"\nsensitivity_unit = \"mV/N\"\n[[channel]]\nsource = \"#2\"\nunit = \"g\"\n"
       "direction = [0, -2, 0]\n");
-  const auto run = run_program({"inspect", "--json", "-", path("b.csv")});
+  const auto run = run_line("inspect --json - {}", {path("b.csv")});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto document = json_of(run);
   const auto channels = document["recordings"][0]["channels"];
@@ -88,7 +86,7 @@ TEST_F(Inspect, WrongDescriptionsAreRefused) {
         "[[channel]]\nsource = \"CH1\"\nsensitivity = 0.0\nsensitivity_unit = \"mV/N\"\n",
         "sample_rate_hz = -1.0\n", "[[channel\n"}) {
     folder.write("c.toml", text);
-    const auto run = run_program({"inspect", "--json", "-", path("c.csv")});
+    const auto run = run_line("inspect --json - {}", {path("c.csv")});
     EXPECT_EQ(run.exit_code, 3) << text << run.err;
     EXPECT_THAT(run.err, ::testing::HasSubstr("c."));
   }
@@ -98,21 +96,21 @@ TEST_F(Inspect, BadInputsEndWithThree) {
   folder.write("bad.csv", "t,F\n0,1\n0.1,2\n0.2,oops\n0.3,3\n0.4,1\n");
   folder.write("empty.csv", "");
   folder.write("words.csv", "nothing here\nbut words\n");
-  const auto run = run_program({"inspect", path("bad.csv")});
+  const auto run = run_line("inspect {}", {path("bad.csv")});
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_THAT(run.err, ::testing::HasSubstr("bad.csv:4:5"));
   EXPECT_THAT(run.err, ::testing::HasSubstr("oops"));
-  EXPECT_EQ(run_program({"inspect", path("empty.csv")}).exit_code, 3);
-  EXPECT_EQ(run_program({"inspect", path("words.csv")}).exit_code, 3);
-  EXPECT_EQ(run_program({"inspect", path("none.csv")}).exit_code, 3);
-  EXPECT_EQ(run_program({"inspect", folder.path().string()}).exit_code, 3);
-  EXPECT_EQ(run_program({"inspect"}).exit_code, 2);
-  EXPECT_EQ(run_program({"inspect", "--sample-rate", "0", path("bad.csv")}).exit_code, 2);
+  EXPECT_EQ(run_line("inspect {}", {path("empty.csv")}).exit_code, 3);
+  EXPECT_EQ(run_line("inspect {}", {path("words.csv")}).exit_code, 3);
+  EXPECT_EQ(run_line("inspect {}", {path("none.csv")}).exit_code, 3);
+  EXPECT_EQ(run_line("inspect {}", {folder.path().string()}).exit_code, 3);
+  EXPECT_EQ(run_line("inspect").exit_code, 2);
+  EXPECT_EQ(run_line("inspect --sample-rate 0 {}", {path("bad.csv")}).exit_code, 2);
 }
 
 TEST_F(Inspect, EmptyChannelGivesNullNotNan) {
   folder.write("d.csv", "t,a,b\n0,1,\n0.5,2,\n1,4,\n1.5,1,\n");
-  const auto run = run_program({"inspect", "--json", "-", path("d.csv")});
+  const auto run = run_line("inspect --json - {}", {path("d.csv")});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto b = json_of(run)["recordings"][0]["channels"][1];
   EXPECT_TRUE(b["min"].is_null());

@@ -20,9 +20,7 @@ using ::testing::HasSubstr;
 using Complex = std::complex<double>;
 
 struct ModalVerb : ::testing::Test {
-  [[nodiscard]] std::string path(const std::string& name) const {
-    return (folder.path() / name).string();
-  }
+  [[nodiscard]] std::string path(const std::string& name) const { return folder.at(name); }
   /// Exact FRFs with 1e-3 noise, 0.5 to 1400 Hz, under a window.
   [[nodiscard]] std::string frf_file(double window) const {
     signal::FrfSet set = truth.frfs(Eigen::VectorXd::LinSpaced(2800, 0.5, 1400), window);
@@ -39,10 +37,8 @@ struct ModalVerb : ::testing::Test {
 
 TEST_F(ModalVerb, FrfsGiveModesThatRebuildThem) {
   const std::string file = frf_file(1);
-  const auto run = run_program(
-      {"modal", file, "--out", path("modes.uff"), "--synthesis", path("again.uff"), "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
+  const nlohmann::json json =
+      document_of("modal {} --out {} --synthesis {}", {file, path("modes.uff"), path("again.uff")});
   ASSERT_EQ(json["modes"].size(), 10u);
   const Eigen::MatrixXcd residues = truth.residues();
   for (std::size_t r = 0; r < 10; ++r) {
@@ -94,8 +90,8 @@ TEST_F(ModalVerb, RecordingsGiveTheSameModesDirectly) {
   options.block_samples = 16384;
   const std::string file =
       folder.write("hits.csv", signal::csv_text(testing::impact_recording(truth, options), {}, 9));
-  const auto run = run_program({"modal", file, "--force", "force", "--exponential-window", "2",
-                                "--band", "40", "1000", "--json", "-"});
+  const auto run =
+      run_line("modal {} --force force --exponential-window 2 --band 40 1000 --json -", {file});
   // 68 Hz has -Re p = 3.4 1/s: the window is 37 % of what is measured, and accepted.
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto json = parsed(run.out);
@@ -109,7 +105,7 @@ TEST_F(ModalVerb, RecordingsGiveTheSameModesDirectly) {
 }
 
 TEST_F(ModalVerb, ADominatingWindowsDampingIsRefused) {
-  const auto run = run_program({"modal", frf_file(3), "--json", "-"});
+  const auto run = run_line("modal {} --json -", {frf_file(3)});
   EXPECT_EQ(run.exit_code, 4);
   EXPECT_THAT(run.err, HasSubstr("the window gives 66 %"));
   const auto json = parsed(run.out);
@@ -126,20 +122,16 @@ TEST_F(ModalVerb, FrfsFromAFileTakeAStatedWindowAndRefuseOptionsOfHits) {
   set.exponential_decay_rate_1_s = 0;
   const std::string file =
       folder.write("other.uff", signal::uff_text(set, signal::UffEncoding::binary));
-  const auto run =
-      run_program({"modal", file, "--exponential-window", "1", "--quiet", "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
+  const nlohmann::json json = document_of("modal {} --exponential-window 1 --quiet", {file});
   EXPECT_EQ(json["exponential_decay_rate_1_s"], 1);
   // The 25 Hz mode: 1 % with 1 / (2 pi 25) = 0.64 % of the window on top. No noise.
   EXPECT_NEAR(json["modes"][0]["damping_ratio"]["value"].get<double>(), 0.01, 1e-5);
   EXPECT_NEAR(json["modes"][0]["damping_ratio_with_window"].get<double>(), 0.01637, 1e-4);
-  const auto refused =
-      run_program({"modal", file, "--block", "2", "--struck", "a1", "--force-window", "auto"});
+  const auto refused = run_line("modal {} --block 2 --struck a1 --force-window auto", {file});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.err, HasSubstr("--struck, --force-window, --block"));
-  EXPECT_EQ(run_program({"modal", frf_file(1), "--exponential-window", "2"}).exit_code, 2);
-  EXPECT_EQ(run_program({"modal", file, "--force", "force", "--averages", "5"}).exit_code, 2);
+  EXPECT_EQ(run_line("modal {} --exponential-window 2", {frf_file(1)}).exit_code, 2);
+  EXPECT_EQ(run_line("modal {} --force force --averages 5", {file}).exit_code, 2);
 }
 
 // Records of 8 s that end with 40 % of the first mode's amplitude: the FRFs rebuilt have what that
@@ -155,9 +147,10 @@ TEST_F(ModalVerb, RebuiltFrfsHaveWhatRecordsThatEndEarlyAdd) {
   const signal::FrfSet set = testing::defective_frfs(options);
   const std::string file =
       folder.write("cut.uff", signal::uff_text(set, signal::UffEncoding::binary));
-  const auto run = run_program({"modal", file, "--synthesis", path("again.uff"), "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_GT(parsed(run.out)["background"]["part_of_frfs"].get<double>(), 0.02);
+  EXPECT_GT(document_of("modal {} --synthesis {}",
+                        {file, path("again.uff")})["background"]["part_of_frfs"]
+                .get<double>(),
+            0.02);
   const signal::FrfSet again = signal::read_uff_frfs(path("again.uff"));
   EXPECT_LT((again.H - set.H).norm(), 2e-3 * set.H.norm());
 }
@@ -176,7 +169,7 @@ TEST_F(ModalVerb, AModeThatLeavesMuchUnexplainedIsDoubtful) {
   set.averages = 10;
   const std::string file =
       folder.write("misfit.uff", signal::uff_text(set, signal::UffEncoding::binary));
-  const auto run = run_program({"modal", file, "--json", "-"});
+  const auto run = run_line("modal {} --json -", {file});
   const auto json = parsed(run.out);
   ASSERT_EQ(json["modes"].size(), 3u) << run.err;
   for (const auto& mode : json["modes"]) {
@@ -186,18 +179,18 @@ TEST_F(ModalVerb, AModeThatLeavesMuchUnexplainedIsDoubtful) {
 }
 
 TEST_F(ModalVerb, WrongUseAndBadFilesAreSaid) {
-  EXPECT_EQ(run_program({"modal"}).exit_code, 2);
-  EXPECT_EQ(run_program({"modal", path("none.uff")}).exit_code, 3);
+  EXPECT_EQ(run_line("modal").exit_code, 2);
+  EXPECT_EQ(run_line("modal {}", {path("none.uff")}).exit_code, 3);
   const std::string file = frf_file(0);
-  EXPECT_EQ(run_program({"modal", file, file}).exit_code, 2);
-  EXPECT_EQ(run_program({"modal", file, "--band", "500", "400"}).exit_code, 2);
-  EXPECT_EQ(run_program({"modal", file, "--order", "1"}).exit_code, 2);
-  const auto empty = run_program({"modal", file, "--band", "5000", "6000"});
+  EXPECT_EQ(run_line("modal {} {}", {file, file}).exit_code, 2);
+  EXPECT_EQ(run_line("modal {} --band 500 400", {file}).exit_code, 2);
+  EXPECT_EQ(run_line("modal {} --order 1", {file}).exit_code, 2);
+  const auto empty = run_line("modal {} --band 5000 6000", {file});
   EXPECT_EQ(empty.exit_code, 4);
   EXPECT_THAT(empty.err, HasSubstr("0 usable lines"));
-  const auto table = run_program({"modal", folder.write("table.csv", "a,b\n1,2\n3,4\n")});
+  const auto table = run_line("modal {}", {folder.write("table.csv", "a,b\n1,2\n3,4\n")});
   EXPECT_EQ(table.exit_code, 3);
-  EXPECT_EQ(run_program({"modal", "--help"}).exit_code, 0);
+  EXPECT_EQ(run_line("modal --help").exit_code, 0);
 }
 
 }  // namespace

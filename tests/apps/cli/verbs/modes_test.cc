@@ -43,10 +43,8 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 TEST(ModesVerb, GivesTheCablesModes) {
   const TemporaryFolder folder;
-  const auto run = run_program(
-      {"modes", folder.write("cable.toml", kCable), "--count", "4", "--shapes", "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
+  const nlohmann::json json =
+      document_of("modes {} --count 4 --shapes", {folder.write("cable.toml", kCable)});
   EXPECT_EQ(json["command"], "modes");
   ASSERT_EQ(json["modes"].size(), 4u);
   // Taut string of mass 0.16667 kg/m with EI: f = sqrt((T + EI k^2) / m) / (2 L), to the strain
@@ -73,62 +71,24 @@ TEST(ModesVerb, GivesTheCablesModes) {
   EXPECT_EQ(json["modelled"]["left_out"][0]["what"], "torsion");
 }
 
-TEST(ModesVerb, BandGivesTheSameModesAsTheCount) {
-  const TemporaryFolder folder;
-  const std::string scene = folder.write("cable.toml", kCable);
-  const auto counted =
-      run_program({"modes", scene, "--segments", "30", "--count", "8", "--json", "-"});
-  const auto banded =
-      run_program({"modes", scene, "--segments", "30", "--band", "10", "25", "--json", "-"});
-  ASSERT_EQ(banded.exit_code, 0) << banded.err;
-  const auto all = parsed(counted.out)["modes"];
-  const auto some = parsed(banded.out)["modes"];
-  std::size_t next = 0;
-  for (const auto& mode : all) {
-    const double f = mode["frequency_hz"];
-    if (f < 10 || f > 25) continue;
-    ASSERT_LT(next, some.size());
-    EXPECT_NEAR(some[next++]["frequency_hz"].get<double>(), f, 1e-7 * f);
-  }
-  EXPECT_EQ(next, some.size());
-  EXPECT_GT(next, 2u);
-}
-
-TEST(ModesVerb, SlackCableEndsWithFiveAndTheReason) {
-  const TemporaryFolder folder;
-  const std::string scene = folder.write(
-      "slack.toml", "gravity = 0.0\n" + replaced(kCable, "tension = 200.0", "stretch = -0.01"));
-  const auto run = run_program({"modes", scene, "--json", "-"});
-  EXPECT_EQ(run.exit_code, run.err.find("stretch") != std::string::npos ? 3 : 5) << run.err;
-  const std::string longer = folder.write(
-      "longer.toml",
-      "gravity = 0.0\n" + replaced(kCable, "tension = 200.0", "unstretched_length = 2.5"));
-  const auto second = run_program({"modes", longer, "--json", "-"});
-  EXPECT_EQ(second.exit_code, 5);
-  EXPECT_THAT(second.err, HasSubstr("slack"));
-  const auto json = parsed(second.out);
-  EXPECT_EQ(json["equilibrium"]["status"], "slack");
-  EXPECT_TRUE(json["modes"].empty());
-}
-
 TEST(ModesVerb, BadInputsAndUsage) {
   const TemporaryFolder folder;
   const std::string scene = folder.write("cable.toml", kCable);
-  EXPECT_EQ(run_program({"modes", "missing.toml"}).exit_code, 3);
-  EXPECT_EQ(run_program({"modes", scene, "--count", "0"}).exit_code, 2);
-  EXPECT_EQ(run_program({"modes", scene, "--band", "20", "10"}).exit_code, 2);
-  EXPECT_EQ(run_program({"modes", scene, "--band", "1", "5", "--count", "3"}).exit_code, 2);
+  EXPECT_EQ(run_line("modes missing.toml").exit_code, 3);
+  EXPECT_EQ(run_line("modes {} --count 0", {scene}).exit_code, 2);
+  EXPECT_EQ(run_line("modes {} --band 20 10", {scene}).exit_code, 2);
+  EXPECT_EQ(run_line("modes {} --band 1 5 --count 3", {scene}).exit_code, 2);
   const std::string unknown =
       folder.write("unknown.toml", replaced(kCable, "\"right\"]", "\"rihgt\"]"));
-  const auto run = run_program({"modes", unknown});
+  const auto run = run_line("modes {}", {unknown});
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_THAT(run.err, HasSubstr("rihgt"));
 }
 
 TEST(ModesVerb, ExampleOfTheHelpWorks) {
   const TemporaryFolder folder;
-  const auto run = run_program({"modes", RIGFIT_TESTDATA "/jalali2021/scenes/rig.toml", "--count",
-                                "6", "--json", (folder.path() / "modes.json").string()});
+  const auto run =
+      run_line("modes $/jalali2021/scenes/rig.toml --count 6 --json {}", {folder.at("modes.json")});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(parsed(folder.read("modes.json"))["modes"].size(), 6u);
   EXPECT_THAT(run.out, HasSubstr("Sturm"));
@@ -139,27 +99,27 @@ TEST(ModesVerb, OptionsOfTheModel) {
   const std::string cable =
       folder.write("cable.toml", replaced(kCable, "segments = \"auto\"", "segments = 30"));
   const auto first = [&](const char* inertia) {
-    const auto run = run_program({"modes", cable, "--rotary-inertia", inertia, "--json", "-"});
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    return parsed(run.out)["modes"][0]["frequency_hz"].get<double>();
+    return document_of("modes {} --rotary-inertia {}", {cable, inertia})["modes"][0]["frequency_hz"]
+        .get<double>();
   };
   // Rigid rods' mass (l/3, l/6) is that of linear elements: a string's frequency + (k l)^2 / 24.
   EXPECT_NEAR(first("rigid_rod") / first("accurate") - 1, std::pow(M_PI / 30, 2) / 24, 2e-5);
 
-  const auto empty = run_program({"modes", cable, "--band", "1", "2", "--json", "-"});
+  const auto empty = run_line("modes {} --band 1 2 --json -", {cable});
   EXPECT_EQ(empty.exit_code, 0) << empty.err;
   const auto json = parsed(empty.out);
   EXPECT_TRUE(json["modes"].empty());
   ASSERT_GE(json["warnings"].size(), 1u);
   EXPECT_EQ(json["warnings"][0]["code"], "empty_band");
 
-  const auto twisting = run_program(
-      {"modes",
-       folder.write("twist.toml", replaced(replaced(kCable, "segments = \"auto\"", "segments = 12"),
-                                           "EI = 0.5972", "EI = 0.5972\nGJ = 0.1")),
-       "--torsion", "on", "--shapes", "--json", "-"});
-  ASSERT_EQ(twisting.exit_code, 0) << twisting.err;
-  EXPECT_EQ(parsed(twisting.out)["modes"][0]["shape"][0]["twist"].size(), 12u);
+  EXPECT_EQ(document_of(
+                "modes {} --torsion on --shapes",
+                {folder.write("twist.toml",
+                              replaced(replaced(kCable, "segments = \"auto\"", "segments = 12"),
+                                       "EI = 0.5972",
+                                       "EI = 0.5972\nGJ = 0.1"))})["modes"][0]["shape"][0]["twist"]
+                .size(),
+            12u);
 }
 
 }  // namespace

@@ -32,19 +32,17 @@ std::string fit_json(const std::string& name, double value, double std) {
 // with that mass and with none. The source's own model of the beam errs by 4.5 to 9.7 %.
 TEST(PredictVerb, TheBareBeamFromTheCoupledRig) {
   const TemporaryFolder folder;
-  const auto fit = (folder.path() / "fit.json").string();
-  const auto update = run_program({"update", kPaper + "scenes/rig.toml", "--measured",
-                                   kPaper + "table5_cable_beam.csv", "--column", "test_Hz",
-                                   "--stiffness", kPaper + "table1_bending_stiffness.csv", "--free",
-                                   "beam.EI_z", "--segments", "12", "--starts", "1", "--out",
-                                   (folder.path() / "o.toml").string(), "--json", fit});
+  const auto fit = folder.at("fit.json");
+  const auto update = run_line(
+      "update $/jalali2021/scenes/rig.toml --measured $/jalali2021/table5_cable_beam.csv --column "
+      "test_Hz --stiffness $/jalali2021/table1_bending_stiffness.csv --free beam.EI_z --segments "
+      "12 --starts 1 --out {} --json {}",
+      {folder.at("o.toml"), fit});
   ASSERT_TRUE(update.exit_code == 0 || update.exit_code == 4) << update.err;
-  const auto run =
-      run_program({"predict", kPaper + "scenes/beam.toml", "--from", fit, "--count", "8",
-                   "--segments", "30", "--measured", kPaper + "table2_beam_frequencies.csv",
-                   "--column", "test_Hz", "--plane", "in", "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
+  const nlohmann::json json = document_of(
+      "predict $/jalali2021/scenes/beam.toml --from {} --count 8 --segments 30 --measured "
+      "$/jalali2021/table2_beam_frequencies.csv --column test_Hz --plane in",
+      {fit});
   ASSERT_EQ(json["measured"].size(), 5u);
   for (std::size_t i = 0; i < 5; ++i) {
     const auto& row = json["measured"][i];
@@ -56,18 +54,11 @@ TEST(PredictVerb, TheBareBeamFromTheCoupledRig) {
   // What is known of these numbers: the bare beam's tip carries between nothing and the rig's 0.02
   // kg, its mass is 0.29 to 0.30 kg/m, each rectangular (width over sqrt(12)). All five are then
   // within 3 %, inside their intervals, and the first is known less well than by EI alone.
-  const auto stated = run_program({"predict",    kPaper + "scenes/beam.toml",
-                                   "--from",     fit,
-                                   "--count",    "8",
-                                   "--segments", "30",
-                                   "--measured", kPaper + "table2_beam_frequencies.csv",
-                                   "--column",   "test_Hz",
-                                   "--plane",    "in",
-                                   "--input",    "tip.mass=0.01,0.00577",
-                                   "--input",    "beam.mass_per_length=0.00289",
-                                   "--json",     "-"});
-  ASSERT_EQ(stated.exit_code, 0) << stated.err;
-  const auto with = parsed(stated.out);
+  const nlohmann::json with = document_of(
+      "predict $/jalali2021/scenes/beam.toml --from {} --count 8 --segments 30 --measured "
+      "$/jalali2021/table2_beam_frequencies.csv --column test_Hz --plane in --input "
+      "tip.mass=0.01,0.00577 --input beam.mass_per_length=0.00289",
+      {fit});
   ASSERT_EQ(with["measured"].size(), 5u);
   for (const auto& row : with["measured"]) {
     EXPECT_LT(std::abs(row["relative_error"].get<double>()), 0.03) << row.dump();
@@ -81,21 +72,21 @@ TEST(PredictVerb, TheBareBeamFromTheCoupledRig) {
   const auto mass = bare.find("mass = 0.02");
   ASSERT_NE(mass, std::string::npos);
   bare.replace(mass, 11, "mass = 0.00");
-  const auto without = run_program({"predict", folder.write("bare.toml", bare), "--from", fit,
-                                    "--count", "1", "--segments", "30", "--json", "-"});
-  ASSERT_EQ(without.exit_code, 0) << without.err;
   constexpr double kPublished = 2.24;  // Hz, Table 2
   EXPECT_LT(json["measured"][0]["predicted_hz"].get<double>(), kPublished);
-  EXPECT_GT(parsed(without.out)["modes"][0]["frequency_hz"]["value"].get<double>(), kPublished);
+  EXPECT_GT(document_of("predict {} --from {} --count 1 --segments 30",
+                        {folder.write("bare.toml", bare), fit})["modes"][0]["frequency_hz"]["value"]
+                .get<double>(),
+            kPublished);
 }
 
 TEST(PredictVerb, FrfsWithIntervals) {
   const TemporaryFolder folder;
-  const auto frf = (folder.path() / "frf.csv").string();
-  const auto run = run_program({"predict", kPaper + "scenes/beam.toml", "--from",
-                                folder.write("fit.json", fit_json("beam.EI_z", 2.1, 0.1)),
-                                "--count", "2", "--segments", "12", "--frf", frf, "--band", "0.05",
-                                "10", "--lines", "20", "--json", "-"});
+  const auto frf = folder.at("frf.csv");
+  const auto run = run_line(
+      "predict $/jalali2021/scenes/beam.toml --from {} --count 2 --segments 12 --frf {} --band "
+      "0.05 10 --lines 20 --json -",
+      {folder.write("fit.json", fit_json("beam.EI_z", 2.1, 0.1)), frf});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   std::ifstream file(frf);
   std::string header, line;
@@ -116,13 +107,13 @@ TEST(PredictVerb, FrfsWithIntervals) {
 
 TEST(PredictVerb, ResponsesWithIntervals) {
   const TemporaryFolder folder;
-  const auto table = (folder.path() / "response.csv").string();
-  const auto run = run_program({"predict", kPaper + "scenes/beam.toml", "--from",
-                                folder.write("fit.json", fit_json("beam.EI_z", 2.1, 0.02)),
-                                "--count", "2", "--segments", "8", "--response", table,
-                                "--duration", "0.2", "--rate", "500", "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(parsed(run.out)["response"]["draws"].get<int>(), 200);
+  const auto table = folder.at("response.csv");
+  EXPECT_EQ(document_of("predict $/jalali2021/scenes/beam.toml --from {} --count 2 --segments 8 "
+                        "--response {} --duration 0.2 --rate 500",
+                        {folder.write("fit.json", fit_json("beam.EI_z", 2.1, 0.02)),
+                         table})["response"]["draws"]
+                .get<int>(),
+            200);
   std::ifstream file(table);
   std::string header, line;
   std::getline(file, header);
@@ -146,26 +137,25 @@ TEST(PredictVerb, RefusesWhatDoesNotMatchAndWhatIsNoFit) {
   const TemporaryFolder folder;
   const auto scene = kPaper + "scenes/beam.toml";
   const auto other = folder.write("other.json", fit_json("cable.EI", 1, 0.1));
-  auto run = run_program({"predict", scene, "--from", other, "--json", "-"});
+  auto run = run_line("predict {} --from {} --json -", {scene, other});
   EXPECT_EQ(run.exit_code, 4);
   EXPECT_THAT(run.err, HasSubstr("cable.EI"));
   EXPECT_THAT(run.err, HasSubstr("beam.EI_z"));
-  run = run_program({"predict", scene, "--from", other, "--segments", "10", "--map",
-                     "cable.EI=beam.EI_z", "--json", "-"});
+  run = run_line("predict {} --from {} --segments 10 --map cable.EI=beam.EI_z --json -",
+                 {scene, other});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  run = run_program({"predict", scene, "--from", folder.write("no.json", "{}")});
+  run = run_line("predict {} --from {}", {scene, folder.write("no.json", "{}")});
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_THAT(run.err, HasSubstr("parameters"));
   for (const char* input : {"tip.mass", "tip.mass=x", "tip.mass=1,", "tip.mass=-1", "tip.mass=0"}) {
-    EXPECT_EQ(run_program({"predict", scene, "--from", other, "--map", "cable.EI=beam.EI_z",
-                           "--input", input})
-                  .exit_code,
-              2)
+    EXPECT_EQ(
+        run_line("predict {} --from {} --map cable.EI=beam.EI_z --input {}", {scene, other, input})
+            .exit_code,
+        2)
         << input;
   }
   // An input alone is no parameter of a fit.
-  EXPECT_EQ(run_program({"predict", scene, "--from", other, "--input", "tip.mass=0.01"}).exit_code,
-            4);
+  EXPECT_EQ(run_line("predict {} --from {} --input tip.mass=0.01", {scene, other}).exit_code, 4);
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ class PublishedTables : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
-    run_ = new ProgramRun(
-        run_program({"report", kCampaign, "--out", folder_->path().string(), "--threads", "2"}));
+    run_ = new ProgramRun(run_line("report $/jalali2021/campaign.toml --out {} --threads 2",
+                                   {folder_->path().string()}));
     document_ = new Json(parsed(folder_->read("report.json")));
   }
   static void TearDownTestSuite() {
@@ -180,11 +180,11 @@ TEST_F(PublishedTables, SameNumbersOnOneThread) {
 }
 
 TEST(Report, WrongUsage) {
-  EXPECT_EQ(run_program({"report"}).exit_code, 2);
+  EXPECT_EQ(run_line("report").exit_code, 2);
   const TemporaryFolder folder;
   const std::string file = folder.write("taken", "x");
-  EXPECT_EQ(run_program({"report", kCampaign, "--out", file}).exit_code, 2);
-  const auto help = run_program({"report", "--help"});
+  EXPECT_EQ(run_line("report $/jalali2021/campaign.toml --out {}", {file}).exit_code, 2);
+  const auto help = run_line("report --help");
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_THAT(help.out, HasSubstr("rigfit report testdata/jalali2021/campaign.toml --out report"));
 }

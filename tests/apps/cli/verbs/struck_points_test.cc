@@ -27,12 +27,13 @@ std::string scene() {
 
 TEST(StruckPoints, AreJoinedByTheReportAsByTheVerb) {
   const TemporaryFolder folder;
-  const auto path = [&](const char* name) { return (folder.path() / name).string(); };
+  const auto path = [&](const char* name) { return folder.at(name); };
   const std::string rig = folder.write("rig.toml", scene());
-  ASSERT_EQ(run_program({"synthesize", rig, "--out", path("lab"), "--seed", "3", "--rate", "1024",
-                         "--record", "4", "--hits", "2", "--double-hits", "0"})
-                .exit_code,
-            0);
+  ASSERT_EQ(
+      run_line("synthesize {} --out {} --seed 3 --rate 1024 --record 4 --hits 2 --double-hits 0",
+               {rig, path("lab")})
+          .exit_code,
+      0);
   folder.write("campaign.toml", R"(title = "rig"
 [[scene]]
 name = "cable"
@@ -51,7 +52,7 @@ load = "quarter"
 files = "lab/rig/middle-hit*.csv"
 load = "middle"
 )");
-  const auto reported = run_program({"report", path("campaign.toml"), "--out", path("out")});
+  const auto reported = run_line("report {} --out {}", {path("campaign.toml"), path("out")});
   ASSERT_EQ(reported.exit_code, 0) << reported.err;
   const auto report = parsed(folder.read("out/report.json"));
   const auto& state = report["recorded_modal"][0]["states"][0];

@@ -11,30 +11,24 @@ namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-const std::string kScene = RIGFIT_TESTDATA "/jalali2021/scenes/cable.toml";
-
 TEST(SynthesizeVerb, WritesRecordingsThatTheOtherVerbsReadBack) {
   const TemporaryFolder folder;
   const std::string out = folder.path() / "lab";
-  const auto made = run_program({"synthesize",     kScene, "--out",          out,   "--seed",  "7",
-                                 "--hits",         "3",    "--record",       "4",   "--finer", "1",
-                                 "--bending-span", "1",    "--axial-length", "1.0", "--taps",  "1",
-                                 "--json",         "-"});
-  ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_EQ(parsed(made.out)["data"], "synthetic");
+  EXPECT_EQ(document_of("synthesize $/jalali2021/scenes/cable.toml --out {} --seed 7 --hits 3 "
+                        "--record 4 --finer 1 --bending-span 1 --axial-length 1.0 --taps 1",
+                        {out})["data"],
+            "synthetic");
   const Json truth = parsed(folder.read("lab/truth.json"));
   EXPECT_EQ(truth["seed"], 7);
   ASSERT_EQ(truth["rig"][0]["records"].size(), 3u);
   EXPECT_THAT(folder.read("lab/rig/hammer-hit1.csv"), HasSubstr("synthetic"));
 
   // The tap's frequency comes back: 1 s of decay at 30 dB and more gives it to well under 0.1 %.
-  const auto decay = run_program({"decay", out + "/axial/L1m-1.csv", "--channel", "tension",
-                                  "--band", "20", "100", "--json", "-"});
-  ASSERT_EQ(decay.exit_code, 0) << decay.err;
   const double damped = truth["axial"][0]["frequency_hz"];
   const double ratio = truth["axial"][0]["damping_ratio"];
   const double natural = damped / std::sqrt(1 - ratio * ratio);
-  const Json mode = parsed(decay.out)["modes"][0];
+  const Json mode =
+      document_of("decay {}/axial/L1m-1.csv --channel tension --band 20 100", {out})["modes"][0];
   EXPECT_NEAR(mode["frequency_hz"]["value"], natural, 1e-3 * natural);
   EXPECT_NEAR(mode["damping_ratio"]["value"], ratio, 0.05 * ratio);
 }
@@ -42,29 +36,11 @@ TEST(SynthesizeVerb, WritesRecordingsThatTheOtherVerbsReadBack) {
 TEST(SynthesizeVerb, SeveralTensionsInUffAndTheirTruth) {
   const TemporaryFolder folder;
   const std::string out = folder.path() / "lab";
-  const auto made = run_program({"synthesize",
-                                 kScene,
-                                 "--out",
-                                 out,
-                                 "--tension",
-                                 "100",
-                                 "200",
-                                 "--tension-std",
-                                 "0.01",
-                                 "--hits",
-                                 "1",
-                                 "--double-hits",
-                                 "0",
-                                 "--record",
-                                 "1",
-                                 "--finer",
-                                 "1",
-                                 "--format",
-                                 "uff",
-                                 "--bending-span",
-                                 "0.5",
-                                 "--stiffness",
-                                 RIGFIT_TESTDATA "/jalali2021/table1_bending_stiffness.csv"});
+  const auto made = run_line(
+      "synthesize $/jalali2021/scenes/cable.toml --out {} --tension 100 200 --tension-std 0.01 "
+      "--hits 1 --double-hits 0 --record 1 --finer 1 --format uff --bending-span 0.5 --stiffness "
+      "$/jalali2021/table1_bending_stiffness.csv",
+      {out});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   const Json truth = parsed(folder.read("lab/truth.json"));
   ASSERT_EQ(truth["rig"].size(), 2u);
@@ -152,15 +128,15 @@ EA = 1e6
 EI = 2.0
 GJ = 1.0
 )");
-  const auto nothing = run_program({"synthesize", bare, "--out", folder.path() / "x"});
+  const auto nothing = run_line("synthesize {} --out {}", {bare, folder.path() / "x"});
   EXPECT_EQ(nothing.exit_code, 2);
   EXPECT_THAT(nothing.err, HasSubstr("nothing to test"));
-  const auto endless =
-      run_program({"synthesize", kScene, "--out", folder.path() / "endless", "--rate", "1e300"});
+  const auto endless = run_line("synthesize $/jalali2021/scenes/cable.toml --out {} --rate 1e300",
+                                {folder.path() / "endless"});
   EXPECT_EQ(endless.exit_code, 2);
   EXPECT_THAT(endless.err, HasSubstr("lower --rate"));
   const auto no_cable =
-      run_program({"synthesize", bare, "--out", folder.path() / "x", "--bending-span", "1"});
+      run_line("synthesize {} --out {} --bending-span 1", {bare, folder.path() / "x"});
   EXPECT_EQ(no_cable.exit_code, 3);
   EXPECT_THAT(no_cable.err, HasSubstr("no cable"));
 }

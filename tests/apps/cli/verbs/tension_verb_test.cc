@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <random>
 #include <sstream>
 #include <string>
@@ -25,13 +25,14 @@ double frequency(int n) {
                    std::pow(n, 4) * M_PI * M_PI * kEI / (4 * kMass * std::pow(kLength, 4)));
 }
 
-std::vector<std::string> command(std::vector<std::string> more) {
-  std::vector<std::string> all = {"tension", "--length",  "20,0.002", "--mass-per-length",
-                                  "5,0.005", "--EI",      "200,10",   "--EA",
-                                  "2e7",     "--mass-of", "installed"};
-  all.insert(all.end(), more.begin(), more.end());
-  all.insert(all.end(), {"--json", "-"});
-  return all;
+const std::string kCable =
+    "tension --length 20,0.002 --mass-per-length 5,0.005 --EI 200,10 --EA 2e7 --mass-of installed "
+    "--plane out ";
+
+std::string frequencies(std::vector<int> orders) {
+  std::string text = " --frequencies";
+  for (const int n : orders) text += " " + std::to_string(frequency(n));
+  return text;
 }
 
 void expect_tension(const nlohmann::json& json) {
@@ -49,13 +50,8 @@ void expect_tension(const nlohmann::json& json) {
 }
 
 TEST(TensionVerb, FromFrequenciesWithAMissingAndAFalseOne) {
-  std::vector<std::string> arguments = {"--plane", "out", "--frequency-std", "0.004",
-                                        "--frequencies"};
-  for (const int n : {1, 2, 4, 5}) arguments.push_back(std::to_string(frequency(n)));
-  arguments.push_back(std::to_string(1.17 * frequency(2)));  // no mode of this cable
-  const auto run = run_program(command(arguments));
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
+  const auto json = document_of(kCable + "--frequency-std 0.004" + frequencies({1, 2, 4, 5}) + " " +
+                                std::to_string(1.17 * frequency(2)));  // no mode of this cable
   expect_tension(json);
   std::vector<int> orders;
   for (const auto& mode : json["modes"])
@@ -65,18 +61,12 @@ TEST(TensionVerb, FromFrequenciesWithAMissingAndAFalseOne) {
 }
 
 TEST(TensionVerb, OneFrequencyWhoseOrderIsStated) {
-  const std::vector<std::string> first = {
-      "--frequency-std", "0.004", "--plane", "out", "--frequencies", std::to_string(frequency(3))};
-  auto stated = first;
-  stated.insert(stated.end(), {"--order", "3"});
-  const auto run = run_program(command(stated));
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
+  const std::string stated = kCable + "--frequency-std 0.004" + frequencies({3}) + " --order 3";
+  const auto json = document_of(stated);
   EXPECT_LT(json["tension_N"]["low"].get<double>(), kTension);
   EXPECT_GT(json["tension_N"]["high"].get<double>(), kTension);
   EXPECT_EQ(json["modes"][0]["order"], 3);
-  stated.emplace_back("1");
-  EXPECT_EQ(run_program(command(stated)).exit_code, 2);  // one number a frequency
+  EXPECT_EQ(run_line(stated + " 1").exit_code, 2);  // one number a frequency
 }
 
 TEST(TensionVerb, OrdersOfATable) {
@@ -85,44 +75,28 @@ TEST(TensionVerb, OrdersOfATable) {
   std::ostringstream table;
   table << "order,frequency_hz,frequency_std_hz\n";
   for (const int n : {2, 4, 6}) table << n << ',' << frequency(n) << ",0.004\n";
-  const auto run = run_program(
-      command({"--measured", folder.write("modes.csv", table.str()), "--plane", "out"}));
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
+  const auto json = document_of(kCable + "--measured {}", {folder.write("modes.csv", table.str())});
   EXPECT_NEAR(json["tension_N"]["value"].get<double>() / kTension, 1, 0.02);
-  const auto bad = run_program(command(
-      {"--measured", folder.write("bad.csv", "order,frequency_hz\n1.5,3\n"), "--plane", "out"}));
+  const auto bad =
+      run_line(kCable + "--measured {}", {folder.write("bad.csv", "order,frequency_hz\n1.5,3\n")});
   EXPECT_EQ(bad.exit_code, 3);
   EXPECT_THAT(bad.err, HasSubstr("bad.csv:2"));
 }
 
 TEST(TensionVerb, WhatIsNoCableIsRefused) {
   // The first four modes of a cantilever: (1.8751^2, 4.6941^2, 7.8548^2, 10.9955^2) in ratio.
-  const auto run =
-      run_program({"tension", "--length", "1", "--mass-per-length", "1", "--frequencies", "3.516",
-                   "22.034", "61.697", "120.902", "--order", "1", "2", "3", "4"});
+  const auto run = run_line(
+      "tension --length 1 --mass-per-length 1 --frequencies 3.516 22.034 61.697 120.902 --order 1 "
+      "2 3 4");
   EXPECT_EQ(run.exit_code, 4) << run.out;
   EXPECT_THAT(run.err, HasSubstr("78 % at most"));
 }
 
 TEST(TensionVerb, SixtyFrequencies) {
-  std::vector<std::string> arguments = {"--plane", "out", "--frequency-std", "0.01",
-                                        "--frequencies"};
-  for (int n = 1; n <= 60; ++n) arguments.push_back(std::to_string(frequency(n)));
-  const auto run = run_program(command(arguments));
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NEAR(parsed(run.out)["tension_N"]["value"].get<double>() / kTension, 1, 0.02);
-}
-
-TEST(TensionVerb, FromATable) {
-  const TemporaryFolder folder;
-  std::ostringstream table;
-  table << "mode,frequency_hz,frequency_std_hz\n";
-  for (int n = 1; n <= 5; ++n) table << n << ',' << frequency(n) << ",0.004\n";
-  const auto run = run_program(
-      command({"--measured", folder.write("modes.csv", table.str()), "--plane", "out"}));
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  expect_tension(parsed(run.out));
+  std::vector<int> orders(60);
+  std::iota(orders.begin(), orders.end(), 1);
+  const auto json = document_of(kCable + "--frequency-std 0.01" + frequencies(orders));
+  EXPECT_NEAR(json["tension_N"]["value"].get<double>() / kTension, 1, 0.02);
 }
 
 TEST(TensionVerb, FromAnAmbientRecording) {
@@ -148,10 +122,8 @@ TEST(TensionVerb, FromAnAmbientRecording) {
     }
     csv << i * dt << ',' << sum << '\n';
   }
-  const auto run = run_program(
-      command({folder.write("ambient.csv", csv.str()), "--band", "1", "12", "--plane", "out"}));
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
+  const auto json =
+      document_of(kCable + "{} --band 1 12", {folder.write("ambient.csv", csv.str())});
   expect_tension(json);
   EXPECT_GE(json["peaks"].size(), 4u);
 
@@ -162,10 +134,8 @@ TEST(TensionVerb, FromAnAmbientRecording) {
                "EI_std = 10\nEA = 2e7\nmass_of = \"installed\"\nplane = \"out\"\nband = [1, 12]\n"
                "reference = { name = \"truth\", tension = 5e4 }\n"
                "[[test.recording]]\nfiles = [\"ambient.csv\"]\nsynthetic = true\n");
-  const auto report = run_program({"report", folder.path() / "campaign.toml", "--out",
-                                   folder.path() / "out", "--quiet", "--json", "-"});
-  ASSERT_EQ(report.exit_code, 0) << report.err;
-  const auto document = parsed(report.out);
+  const nlohmann::json document = document_of(
+      "report {} --out {} --quiet", {folder.path() / "campaign.toml", folder.path() / "out"});
   const auto& part = document["tension"][0];
   for (const char* key : {"tension_N", "tension_start_N", "tension_end_N", "EI_Nm2", "ends",
                           "candidates", "modes", "formulas", "budget", "decided"}) {
@@ -175,7 +145,7 @@ TEST(TensionVerb, FromAnAmbientRecording) {
   for (std::size_t i = 0; i < json["peaks"].size(); ++i) {
     EXPECT_EQ(json["peaks"][i]["frequency_hz"].dump(), part["peaks"][i]["frequency_hz"].dump());
   }
-  const auto schema = parsed(run_program({"help", "schema"}).out)["$defs"]["tension"];
+  const auto schema = parsed(run_line("help schema").out)["$defs"]["tension"];
   EXPECT_EQ(schema_errors(part, schema), std::vector<std::string>{});
   EXPECT_EQ(schema_errors(json, schema), std::vector<std::string>{});
   const auto& answer = document["answers"][0];
@@ -192,8 +162,8 @@ TEST(TensionVerb, AModelThatIsRuledOutIsSaidOnTheFirstPageOfTheReport) {
                "length_std = 0.002\nmass_per_length = 5\nmass_per_length_std = 0.005\nEI = 2\n"
                "EI_std = 0.1\nEA = 2e7\nfrequencies = [2.50, 5.03, 7.46, 10.04, 12.48]\n"
                "frequency_std = 0.002\n");
-  const auto report = run_program({"report", folder.path() / "campaign.toml", "--out",
-                                   folder.path() / "out", "--quiet", "--json", "-"});
+  const auto report = run_line("report {} --out {} --quiet --json -",
+                               {folder.path() / "campaign.toml", folder.path() / "out"});
   const auto document = parsed(report.out);
   bool said = false;
   for (const auto& item : document["warnings"]) {
@@ -207,8 +177,8 @@ TEST(TensionVerb, ACampaignTestWithoutFrequenciesIsRefused) {
   folder.write("campaign.toml",
                "title = \"cable\"\n[[test]]\nname = \"stay\"\nkind = \"tension\"\nlength = 20\n"
                "mass_per_length = 5\n");
-  const auto report = run_program(
-      {"report", folder.path() / "campaign.toml", "--out", folder.path() / "out", "--quiet"});
+  const auto report = run_line("report {} --out {} --quiet",
+                               {folder.path() / "campaign.toml", folder.path() / "out"});
   EXPECT_EQ(report.exit_code, 3);
   EXPECT_THAT(report.err, HasSubstr("frequencies"));
 }
@@ -227,9 +197,9 @@ TEST(TensionVerb, ManyCablesInOneTable) {
   for (int n = 1; n <= 4; ++n) table << (n > 1 ? " " : "") << frequency(n);
   table << "\nA3,,0.002,5,200,10,2e7,pinned,out,installed,0.004,1,2,3,4,\n"
            "A4,20,0.002,5,200,10,2e7,welded,out,installed,0.004,1,2,3,4,\n";
-  const auto out = (folder.path() / "out.csv").string();
-  const auto run = run_program(
-      {"tension", "--table", folder.write("cables.csv", table.str()), "--out", out, "--json", "-"});
+  const auto out = folder.at("out.csv");
+  const auto run = run_line("tension --table {} --out {} --json -",
+                            {folder.write("cables.csv", table.str()), out});
   ASSERT_EQ(run.exit_code, 4) << run.err;
   const auto json = parsed(run.out);
   ASSERT_EQ(json["cables"].size(), 4u);
@@ -247,19 +217,16 @@ TEST(TensionVerb, ManyCablesInOneTable) {
 }
 
 TEST(TensionVerb, BadInputs) {
-  const auto said = [](const std::vector<std::string>& arguments, int code, const char* what) {
-    const auto run = run_program(arguments);
+  const auto said = [](const std::string& line, int code, const char* what) {
+    const auto run = run_line("tension --mass-per-length 1 " + line);
     EXPECT_EQ(run.exit_code, code) << run.err;
     EXPECT_THAT(run.err, HasSubstr(what));
   };
-  said({"tension", "--length", "2", "--mass-per-length", "1"}, 2, "--frequencies");
-  said({"tension", "--length", "2m", "--mass-per-length", "1", "--frequencies", "3"}, 2,
-       "--length");
-  said({"tension", "--length", "-2", "--mass-per-length", "1", "--frequencies", "3"}, 2, "length");
-  said({"tension", "--length", "2", "--mass-per-length", "1", "--frequencies", "3", "--EI", "-1"},
-       2, "EI");
-  said({"tension", "--length", "2", "--mass-per-length", "1", "--measured", "none.csv"}, 3,
-       "none.csv");
+  said("--length 2", 2, "--frequencies");
+  said("--length 2m --frequencies 3", 2, "--length");
+  said("--length -2 --frequencies 3", 2, "length");
+  said("--length 2 --frequencies 3 --EI -1", 2, "EI");
+  said("--length 2 --measured none.csv", 3, "none.csv");
 }
 
 }  // namespace

@@ -43,13 +43,11 @@ std::string six_frequencies(const TemporaryFolder& folder, double relative_std) 
   const auto truth = folder.write(
       "truth.toml",
       hanger("{ translational = [inf, inf, inf], rotational = [inf, 6.0e5, 6.0e5] }", "5.0e5"));
-  const auto run = run_program({"modes", truth, "--count", "14", "--json", "-"});
-  EXPECT_EQ(run.exit_code, 0) << run.err;
   std::mt19937_64 random(4);
   std::normal_distribution<double> normal;
   std::string text = "frequency_hz,std,plane\n";
   int count = 0;
-  const Json modelled = parsed(run.out);
+  const Json modelled = document_of("modes {} --count 14", {truth});
   for (const auto& mode : modelled["modes"]) {
     if (mode["plane"] != "in" || ++count > 6) continue;
     const double f = mode["frequency_hz"];
@@ -80,11 +78,9 @@ supports = { a = "clamped", b = "clamped" }
 name = "springs"
 supports = { a = "springs", b = "springs" }
 )");
-  const auto run =
-      run_program({"update", scene, "--measured", modes, "--free", "h.tension", "--candidates",
-                   file, "--out", (folder.path() / "updated.toml").string(), "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = parsed(run.out);
+  const nlohmann::json json =
+      document_of("update {} --measured {} --free h.tension --candidates {} --out {}",
+                  {scene, modes, file, folder.at("updated.toml")});
   ASSERT_EQ(json["candidates"].size(), 3U);
   const auto& springs = named(json["candidates"], "springs");
   EXPECT_GT(springs["weight"].get<double>(), 0.99);
@@ -109,8 +105,8 @@ TEST(UpdateCandidates, WhatTheDataCannotTellIsRefusedWithItsAverage) {
       folder.write("modes.csv", "frequency_hz,std,plane\n7.17,0.36,in\n15.0,0.75,in\n");
   const auto scene = folder.write("hanger.toml", hanger("\"pinned\"", "4.0e5"));
   const auto run =
-      run_program({"update", scene, "--measured", modes, "--free", "h.tension", "--ends", "pinned",
-                   "clamped", "--out", (folder.path() / "updated.toml").string(), "--json", "-"});
+      run_line("update {} --measured {} --free h.tension --ends pinned clamped --out {} --json -",
+               {scene, modes, folder.at("updated.toml")});
   EXPECT_EQ(run.exit_code, 4) << run.err;
   EXPECT_NE(run.err.find("no candidate has 90 % of the weight"), std::string::npos) << run.err;
   const Json json = parsed(run.out);
@@ -129,9 +125,8 @@ TEST(UpdateCandidates, MistakesAreNamed) {
   const auto scene = folder.write("hanger.toml", hanger("\"pinned\"", "4.0e5"));
   const auto fails = [&](const std::string& text, int code, const std::string& said) {
     const auto file = folder.write("c.toml", text);
-    const auto run =
-        run_program({"update", scene, "--measured", modes, "--free", "h.tension", "--candidates",
-                     file, "--out", (folder.path() / "updated.toml").string()});
+    const auto run = run_line("update {} --measured {} --free h.tension --candidates {} --out {}",
+                              {scene, modes, file, folder.at("updated.toml")});
     EXPECT_EQ(run.exit_code, code) << run.err;
     EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
   };

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "model/scene/read_scene.h"
 #include "tests/apps/run_program.h"
+#include "tests/scenes.h"
 
 namespace rigfit::apps::update_rate_test {
 namespace {
@@ -15,26 +17,12 @@ namespace {
 using Json = nlohmann::json;
 
 // A taut string of 2.4 m: f = sqrt(T / m) / 4.8 m.
-const char* const kScene = R"(gravity = 0.0
-[[node]]
-name = "left"
-position = [0.0, 0.0, 0.0]
-support = "pinned"
-[[node]]
-name = "right"
-position = [2.4, 0.0, 0.0]
-support = "pinned"
-[[member]]
-name = "cable"
-kind = "cable"
-nodes = ["left", "right"]
-segments = 30
-mass_per_length = 0.16
-EA = 221780.0
-EI = 1e-4
-GJ = 0.1
-tension = 200.0
-)";
+std::string string_scene() {
+  auto scene = model::testing::paper_cable(200, 1e-4);
+  scene.gravity.setZero();
+  scene.members[0].mass_per_length = 0.16;
+  return model::scene_text(scene);
+}
 
 // A decay of 4 s at 256 Hz, step printed as 0.00391 s: known to 5e-6 / 0.00391 / sqrt(3).
 constexpr double kRelative = 5e-6 / 0.00391 / 1.7320508075688772;
@@ -59,26 +47,21 @@ std::string decay_file(double frequency_hz) {
 
 TEST(UpdateVerb, ARoundedSampleRateIsOneSourceOfAllDecays) {
   const TemporaryFolder folder;
-  const auto scene = folder.write("scene.toml", kScene);
+  const auto scene = folder.write("scene.toml", string_scene());
   const auto a = folder.write("a.lvm", decay_file(std::sqrt(100 / 0.16) / 4.8));
   const auto b = folder.write("b.lvm", decay_file(std::sqrt(200 / 0.16) / 4.8));
-  const auto fit = [&](std::vector<std::string> data) {
-    std::vector<std::string> words{
-        "update",   scene, "--free", "cable.mass_per_length",
-        "--starts", "1",   "--out",  (folder.path() / "new.toml").string()};
-    words.insert(words.end(), data.begin(), data.end());
-    words.insert(words.end(), {"--json", "-"});
-    const auto run = run_program(words);
-    EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto fit = [&](const std::string& data) {
     double part = 0;
-    const Json json = parsed(run.out);
+    const Json json =
+        document_of("update {} --free cable.mass_per_length --starts 1 --out {} " + data,
+                    {scene, folder.at("new.toml")});
     for (const auto& term : json["parameters"][0]["budget"]) {
       if (term["source"] == "sample rate") part = term["std"];
     }
     return part;
   };
-  const double one = fit({"--decay", b, "--tension", "200"});
-  const double two = fit({"--decay", a, b, "--tension", "100", "200"});
+  const double one = fit("--decay " + b + " --tension 200");
+  const double two = fit("--decay " + a + " " + b + " --tension 100 200");
   EXPECT_NEAR(one, 2 * kRelative * 0.16, 0.02 * one);
   EXPECT_NEAR(two, one, 0.02 * one);
 }

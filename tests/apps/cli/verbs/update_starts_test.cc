@@ -26,11 +26,11 @@ TEST(UpdateVerb, TableFiveHasOneAnswerFromEveryStart) {
   for (const char* start : {"2.0", "0.2", "20.0"}) {
     std::string text = scene;
     text.replace(at, 9, std::string("EI = [") + start);
-    const auto run = run_program(
-        {"update", folder.write("rig.toml", text), "--measured", paper + "table5_cable_beam.csv",
-         "--column", "test_Hz", "--stiffness", paper + "table1_bending_stiffness.csv", "--free",
-         "beam.EI_z", "--segments", "12", "--out", (folder.path() / "o.toml").string(), "--json",
-         (folder.path() / "fit.json").string()});
+    const auto run = run_line(
+        "update {} --measured $/jalali2021/table5_cable_beam.csv --column test_Hz --stiffness "
+        "$/jalali2021/table1_bending_stiffness.csv --free beam.EI_z --segments 12 --out {} --json "
+        "{}",
+        {folder.write("rig.toml", text), folder.at("o.toml"), folder.at("fit.json")});
     ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 4) << run.err;
     std::ifstream result(folder.path() / "fit.json");
     const auto json = nlohmann::json::parse(result);

@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "model/scene/read_scene.h"
 #include "tests/apps/cable_scene.h"
 #include "tests/apps/run_program.h"
+#include "tests/scenes.h"
 
 namespace rigfit::apps::update_verb_test {
 namespace {
@@ -17,36 +19,18 @@ using Json = nlohmann::json;
 
 // A vertical cantilever; gravity and tip mass as given.
 std::string beam(double EI, double tip_mass, double gravity = 9.80665) {
-  return "gravity = " + std::to_string(gravity) + R"(
-[[node]]
-name = "foot"
-position = [0.0, 0.0, 0.0]
-support = "clamped"
-[[node]]
-name = "tip"
-position = [0.0, 0.75, 0.0]
-mass = )" +
-         std::to_string(tip_mass) + R"(
-[[member]]
-name = "beam"
-kind = "beam"
-nodes = ["foot", "tip"]
-segments = 12
-mass_per_length = 0.3
-EA = 7.0e6
-EI = [)" +
-         std::to_string(EI) + R"(, 200.0]
-GJ = 3.0
-)";
+  auto scene = model::testing::vertical_beam(0.75, EI, 0.3, 12);
+  scene.gravity.y() = -gravity;
+  scene.nodes[1].mass = tip_mass;
+  scene.members[0].EI[1] = 200;
+  return model::scene_text(scene);
 }
 
 // The first five in-plane frequencies of a scene, as a table of measured modes.
 std::string frequencies(const std::string& scene, bool std) {
-  const auto run = run_program({"modes", scene, "--count", "12", "--json", "-"});
-  EXPECT_EQ(run.exit_code, 0) << run.err;
   std::string text = std ? "frequency_hz,std,plane\n" : "frequency_hz,plane\n";
   int count = 0;
-  const Json found = parsed(run.out);
+  const Json found = document_of("modes {} --count 12", {scene});
   for (const auto& mode : found["modes"]) {
     if (mode["plane"] != "in" || ++count > 5) continue;
     const double f = mode["frequency_hz"];
@@ -60,11 +44,9 @@ TEST(UpdateVerb, FitsASceneAndWritesIt) {
   const auto truth = folder.write("truth.toml", beam(2.1, 0.02));
   const auto modes = folder.write("modes.csv", frequencies(truth, true));
   const auto start = folder.write("start.toml", beam(5.0, 0.05));
-  const auto out = (folder.path() / "new.toml").string();
-  const auto run = run_program({"update", start, "--measured", modes, "--free", "beam.EI_z",
-                                "tip.mass", "--out", out, "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = parsed(run.out);
+  const auto out = folder.at("new.toml");
+  const nlohmann::json json = document_of(
+      "update {} --measured {} --free beam.EI_z tip.mass --out {}", {start, modes, out});
   // Frequencies are written with six decimals: 1e-6 / 2 Hz, twice that for EI.
   EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 2.1, 1e-4 * 2.1);
   EXPECT_NEAR(json["parameters"][1]["value"].get<double>(), 0.02, 1e-3 * 0.02);
@@ -74,26 +56,9 @@ TEST(UpdateVerb, FitsASceneAndWritesIt) {
   EXPECT_GT(json["rms_relative_error_before"].get<double>(), 0.05);
 
   // What was written is a scene that fits at once.
-  const Json again =
-      parsed(run_program({"update", out, "--measured", modes, "--free", "beam.EI_z", "--starts",
-                          "1", "--out", (folder.path() / "newer.toml").string(), "--json", "-"})
-                 .out);
+  const Json again = document_of("update {} --measured {} --free beam.EI_z --starts 1 --out {}",
+                                 {out, modes, folder.at("newer.toml")});
   EXPECT_LT(again["rms_relative_error_before"].get<double>(), 1e-5);
-}
-
-TEST(UpdateVerb, AnUnidentifiableSetIsRefusedByName) {
-  const TemporaryFolder folder;
-  const auto scene = folder.write("scene.toml", beam(2.1, 0, 0));
-  const auto modes = folder.write("modes.csv", frequencies(scene, true));
-  const auto run = run_program({"update", scene, "--measured", modes, "--free", "beam.EI_z",
-                                "beam.mass_per_length", "--starts", "1", "--out",
-                                (folder.path() / "o.toml").string(), "--json", "-"});
-  EXPECT_EQ(run.exit_code, 4) << run.err;
-  EXPECT_NE(run.err.find("cannot separate"), std::string::npos) << run.err;
-  EXPECT_NE(run.err.find("beam.mass_per_length"), std::string::npos) << run.err;
-  const Json json = parsed(run.out);
-  EXPECT_TRUE(json["parameters"][0]["std"].is_null());
-  EXPECT_FALSE(json["parameters"][0]["identifiable"].get<bool>());
 }
 
 // The bond-graph column of Table 2 is a vertical cantilever under its own weight with a tip mass of
@@ -101,12 +66,10 @@ TEST(UpdateVerb, AnUnidentifiableSetIsRefusedByName) {
 TEST(UpdateVerb, APublishedModelIsRecognised) {
   const TemporaryFolder folder;
   const std::string data = RIGFIT_TESTDATA "/jalali2021/";
-  const auto run = run_program({"update", data + "scenes/beam.toml", "--measured",
-                                data + "table2_beam_frequencies.csv", "--column", "bond_graph_Hz",
-                                "--plane", "in", "--free", "beam.EI_z", "tip.mass", "--segments",
-                                "40", "--out", (folder.path() / "o.toml").string(), "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = parsed(run.out);
+  const nlohmann::json json = document_of(
+      "update {}scenes/beam.toml --measured {}table2_beam_frequencies.csv --column bond_graph_Hz "
+      "--plane in --free beam.EI_z tip.mass --segments 40 --out {}",
+      {data, data, folder.at("o.toml")});
   EXPECT_LT(json["rms_relative_error"].get<double>(), 1e-3);
   EXPECT_NEAR(json["parameters"][1]["value"].get<double>() / (0.295 * 0.75), 0.096, 0.003);
 }
@@ -114,13 +77,10 @@ TEST(UpdateVerb, APublishedModelIsRecognised) {
 TEST(UpdateVerb, OtherModelsErrorsStandBesideItsOwn) {
   const TemporaryFolder folder;
   const std::string data = RIGFIT_TESTDATA "/jalali2021/";
-  const auto run = run_program({"update", data + "scenes/beam.toml", "--measured",
-                                data + "table2_beam_frequencies.csv", "--column", "test_Hz",
-                                "--compare", "bond_graph_Hz", "--plane", "in", "--free",
-                                "beam.EI_z", "tip.mass", "--segments", "40", "--out",
-                                (folder.path() / "o.toml").string(), "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json rms = parsed(run.out)["comparison"]["rms"];
+  const Json rms = document_of(
+      "update {}scenes/beam.toml --measured {}table2_beam_frequencies.csv --column test_Hz "
+      "--compare bond_graph_Hz --plane in --free beam.EI_z tip.mass --segments 40 --out {}",
+      {data, data, folder.at("o.toml")})["comparison"]["rms"];
   double squares = 0;
   const double table[][2] = {
       {2.24, 2.34}, {14.70, 15.79}, {41.57, 45.40}, {84.22, 90.56}, {138.2, 151.65}};
@@ -144,19 +104,11 @@ TEST(UpdateVerb, TableFivesModelIsFoundByThreeUnknowns) {
     if (!line.starts_with("25,")) rows += line + "\n";
   }
   const auto measured = folder.write("table5.csv", rows);
-  const auto run = run_program({"update",        data + "scenes/rig.toml",
-                                "--measured",    measured,
-                                "--column",      "fe_Hz",
-                                "--stiffness",   data + "table1_bending_stiffness.csv",
-                                "--plane",       "in",
-                                "--segments",    "12",
-                                "--starts",      "2",
-                                "--free",        "beam.EI_z",
-                                "right frame.x", "left frame.x",
-                                "--out",         (folder.path() / "o.toml").string(),
-                                "--json",        "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = parsed(run.out);
+  const nlohmann::json json = document_of(
+      "update {}scenes/rig.toml --measured {} --column fe_Hz --stiffness "
+      "{}table1_bending_stiffness.csv --plane in --segments 12 --starts 2 --free beam.EI_z 'right "
+      "frame.x' 'left frame.x' --out {}",
+      {data, measured, data, folder.at("o.toml")});
   EXPECT_LT(json["rms_relative_error"].get<double>(), 0.01);
   EXPECT_EQ(json["pairs"].size(), 18U);
   EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 2.1, 0.1);
@@ -190,7 +142,7 @@ TEST(UpdateVerb, WhatIsTakenAsKnownIsPartOfTheUncertainty) {
                                          "--segments",  "12",
                                          "--starts",    "1",
                                          "--free",      "cable.mass_per_length",
-                                         "--out",       (folder.path() / "o.toml").string(),
+                                         "--out",       folder.at("o.toml"),
                                          "--json",      "-"};
   auto with = command;
   for (const std::string& word :
@@ -224,29 +176,11 @@ TEST(UpdateVerb, WhatIsTakenAsKnownIsPartOfTheUncertainty) {
 TEST(UpdateVerb, HoldOutByTensionPrintsBothErrors) {
   const TemporaryFolder folder;
   const std::string data = RIGFIT_TESTDATA "/jalali2021/";
-  const auto run = run_program({"update",
-                                data + "scenes/cable.toml",
-                                "--measured",
-                                data + "table4_cable_out_of_plane.csv",
-                                "--column",
-                                "test_Hz",
-                                "--compare",
-                                "fe_Hz",
-                                "--plane",
-                                "out",
-                                "--stiffness",
-                                data + "table1_bending_stiffness.csv",
-                                "--free",
-                                "cable.mass_per_length",
-                                "--segments",
-                                "12",
-                                "--starts",
-                                "1",
-                                "--hold-out",
-                                "--out",
-                                (folder.path() / "o.toml").string(),
-                                "--json",
-                                (folder.path() / "o.json").string()});
+  const auto run = run_line(
+      "update {}scenes/cable.toml --measured {}table4_cable_out_of_plane.csv --column test_Hz "
+      "--compare fe_Hz --plane out --stiffness {}table1_bending_stiffness.csv --free "
+      "cable.mass_per_length --segments 12 --starts 1 --hold-out --out {} --json {}",
+      {data, data, data, folder.at("o.toml"), folder.at("o.json")});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find("held out"), std::string::npos);
   const Json json = parsed(folder.read("o.json"));
@@ -269,7 +203,7 @@ TEST(UpdateVerb, HoldOutByTensionPrintsBothErrors) {
 TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
   const TemporaryFolder folder;
   const std::string data = RIGFIT_TESTDATA "/virtual_laboratory/";
-  const auto frf = (folder.path() / "beam.uff").string();
+  const auto frf = folder.at("beam.uff");
   std::vector<std::string> command{"frf"};
   for (int hit = 1; hit <= 5; ++hit) {
     command.push_back(data + "beam/rig/hammer-hit" + std::to_string(hit) + ".uff");
@@ -281,28 +215,10 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
   command.push_back(frf);
   const auto averaged = run_program(command);
   ASSERT_EQ(averaged.exit_code, 0) << averaged.err;
-  const auto run = run_program({"update",
-                                data + "scenes/beam.toml",
-                                "--frf",
-                                frf,
-                                "--band",
-                                "8",
-                                "60",
-                                "--plane",
-                                "in",
-                                "--free",
-                                "beam.EI_z",
-                                "tip.mass",
-                                "--starts",
-                                "1",
-                                "--frf-model-std",
-                                "0.02",
-                                "--out",
-                                (folder.path() / "o.toml").string(),
-                                "--json",
-                                "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = parsed(run.out);
+  const nlohmann::json json = document_of(
+      "update {}scenes/beam.toml --frf {} --band 8 60 --plane in --free beam.EI_z tip.mass "
+      "--starts 1 --frf-model-std 0.02 --out {}",
+      {data, frf, folder.at("o.toml")});
   EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 2.17, 0.01 * 2.17);
   EXPECT_GT(json["frf_lines"].get<int>(), 100);
   EXPECT_LT(json["rms_log_frf_error"].get<double>(),
@@ -311,31 +227,10 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
   for (const char* word : {"--exponential-window", "2"}) command.emplace_back(word);
   const auto windowed = run_program(command);
   ASSERT_EQ(windowed.exit_code, 0) << windowed.err;
-  const auto again = run_program({"update",
-                                  data + "scenes/beam.toml",
-                                  "--frf",
-                                  frf,
-                                  "--band",
-                                  "8",
-                                  "25",
-                                  "--plane",
-                                  "in",
-                                  "--free",
-                                  "beam.EI_z",
-                                  "tip.mass",
-                                  "beam.damping_ratio",
-                                  "--starts",
-                                  "1",
-                                  "--frf-model-std",
-                                  "0.02",
-                                  "--aim",
-                                  "hammer=0.0015,1",
-                                  "--out",
-                                  (folder.path() / "o.toml").string(),
-                                  "--json",
-                                  "-"});
-  ASSERT_EQ(again.exit_code, 0) << again.err;
-  const auto damping = parsed(again.out)["parameters"][2];
+  const auto damping = document_of(
+      "update {}scenes/beam.toml --frf {} --band 8 25 --plane in --free beam.EI_z tip.mass "
+      "beam.damping_ratio --starts 1 --frf-model-std 0.02 --aim hammer=0.0015,1 --out {}",
+      {data, frf, folder.at("o.toml")})["parameters"][2];
   std::string sources;
   for (const auto& term : damping["budget"]) sources += term["source"].get<std::string>() + "; ";
   EXPECT_EQ(sources,
@@ -366,15 +261,12 @@ quantity = "displacement"
   };
   const auto truth = folder.write("truth.toml", cable(0.02));
   const auto start = folder.write("start.toml", cable(0.006));
-  const auto record = (folder.path() / "r.csv").string();
-  ASSERT_EQ(run_program({"respond", truth, "--duration", "3", "--rate", "500", "--out", record})
-                .exit_code,
-            0);
-  const auto run = run_program({"update", start, "--decay", record, "--channel", "mid", "--band",
-                                "5", "30", "--plane", "in", "--free", "cable.damping_ratio",
-                                "--out", (folder.path() / "o.toml").string(), "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = parsed(run.out);
+  const auto record = folder.at("r.csv");
+  ASSERT_EQ(run_line("respond {} --duration 3 --rate 500 --out {}", {truth, record}).exit_code, 0);
+  const nlohmann::json json = document_of(
+      "update {} --decay {} --channel mid --band 5 30 --plane in --free cable.damping_ratio --out "
+      "{}",
+      {start, record, folder.at("o.toml")});
   // The record is the model's own: what is left is its anti-aliasing (none) and seven digits.
   EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 0.02, 2e-4);
 }
@@ -385,23 +277,26 @@ TEST(UpdateVerb, WritesNoSceneUnasked) {
   const TemporaryFolder folder;
   const auto scene = folder.write("scene.toml", beam(2.1, 0, 0));
   const auto modes = folder.write("modes.csv", frequencies(scene, true));
-  const auto fit = (folder.path() / "fit.json").string();
+  const auto fit = folder.at("fit.json");
   const auto here = std::filesystem::current_path();
   std::filesystem::current_path(folder.path());
-  const auto run = run_program({"update", scene, "--measured", modes, "--free", "beam.EI_z",
-                                "beam.mass_per_length", "--starts", "1", "--json", fit});
+  const auto run =
+      run_line("update {} --measured {} --free beam.EI_z beam.mass_per_length --starts 1 --json {}",
+               {scene, modes, fit});
   std::filesystem::current_path(here);
   EXPECT_EQ(run.exit_code, 4) << run.err;
+  EXPECT_NE(run.err.find("cannot separate"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("beam.mass_per_length"), std::string::npos) << run.err;
   EXPECT_NE(run.out.find("--out FILE writes the updated scene"), std::string::npos) << run.out;
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "scene.updated.toml"));
-  const auto one = run_program({"update", scene, "--measured", modes, "--free", "beam.EI_z",
-                                "beam.EI_y", "--starts", "1", "--json", fit});
+  const auto one =
+      run_line("update {} --measured {} --free beam.EI_z beam.EI_y --starts 1 --json {}",
+               {scene, modes, fit});
   ASSERT_EQ(one.exit_code, 4) << one.err;  // nothing measured moves with EI_y
-  const auto refused = run_program({"predict", scene, "--from", fit, "--count", "2"});
+  const auto refused = run_line("predict {} --from {} --count 2", {scene, fit});
   EXPECT_EQ(refused.exit_code, 4) << refused.err;
   EXPECT_NE(refused.err.find("--accept-fit"), std::string::npos) << refused.err;
-  EXPECT_EQ(
-      run_program({"predict", scene, "--from", fit, "--count", "2", "--accept-fit"}).exit_code, 0);
+  EXPECT_EQ(run_line("predict {} --from {} --count 2 --accept-fit", {scene, fit}).exit_code, 0);
 }
 
 }  // namespace

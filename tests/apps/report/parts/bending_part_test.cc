@@ -25,8 +25,8 @@ Json reported(const TemporaryFolder& folder, const std::string& test) {
                "wire_diameter = 0.397e-3\ndiameter = 6.35e-3\n[[test]]\nname = \"bending\"\nkind = "
                "\"bending\"\n" +
                    test);
-  const auto run = run_program({"report", folder.path() / "campaign.toml", "--out",
-                                folder.path() / "out", "--quiet", "--json", "-"});
+  const auto run = run_line("report {} --out {} --quiet --json -",
+                            {folder.path() / "campaign.toml", folder.path() / "out"});
   EXPECT_TRUE(run.exit_code == 0 || run.exit_code == 4) << run.err;
   return parsed(run.out)["bending"][0];
 }
@@ -120,7 +120,7 @@ TEST(BendingPart, KeysOfABeamAreChecked) {
     const auto campaign = folder.write(
         "c.toml", "title = \"b\"\n[[test]]\nname = \"b\"\nkind = \"bending\"\nspan = 0.1\n" + keys +
                       "[[test.recording]]\nfiles = [\"beam.csv\"]\n");
-    const auto run = run_program({"report", campaign, "--out", folder.path() / "out"});
+    const auto run = run_line("report {} --out {}", {campaign, folder.path() / "out"});
     EXPECT_EQ(run.exit_code, 3) << run.err;
     return run.err;
   };

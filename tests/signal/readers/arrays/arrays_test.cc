@@ -302,12 +302,13 @@ TEST_F(Mat, StructsThatStateMoreThanTheFileHoldsAreRefused) {
   };
   for (const std::uint64_t elements : {2ULL, 1ULL << 30}) {
     std::ofstream(path_, std::ios::binary) << file(elements);
-    EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), testing::HasSubstr("can hold"));
+    EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), ::testing::HasSubstr("can hold"));
   }
   std::ofstream(path_, std::ios::binary) << file(1);
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), testing::HasSubstr("no array"));
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), ::testing::HasSubstr("no array"));
   std::ofstream(path_, std::ios::binary) << std::string(200, '\1');
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), testing::HasSubstr("version 5 to 7.3"));
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }),
+              ::testing::HasSubstr("version 5 to 7.3"));
 }
 
 TEST(Damaged, WavAndNumpyFilesAreRefusedOrRead) {
