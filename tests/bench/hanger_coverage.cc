@@ -15,10 +15,12 @@
 #include "ident/campaign/fit_campaign.h"
 #include "ident/update/model_update.h"
 #include "model/linear/modal_analysis.h"
+#include "tests/scenes.h"
 
 namespace {
 
 using namespace rigfit;
+using model::testing::member, model::testing::node;
 
 enum class Ends { springs, pinned, clamped };
 
@@ -27,42 +29,29 @@ struct Hanger {
 };
 
 model::Scene scene_of(const Hanger& hanger, Ends ends) {
+  using Kind = model::Support::Kind;
+  const Kind kind = ends == Ends::springs   ? Kind::elastic
+                    : ends == Ends::clamped ? Kind::clamped
+                                            : Kind::pinned;
   model::Scene scene;
   scene.gravity.setZero();
-  for (const double x : {0.0, hanger.length}) {
-    model::SceneNode node;
-    node.name = x == 0 ? "a" : "b";
-    node.position = {x, 0, 0};
-    using Kind = model::Support::Kind;
-    node.support.kind = ends == Ends::springs   ? Kind::elastic
-                        : ends == Ends::clamped ? Kind::clamped
-                                                : Kind::pinned;
-    if (ends == Ends::springs) {
-      node.support.translational.setConstant(std::numeric_limits<double>::infinity());
-      node.support.rotational = {std::numeric_limits<double>::infinity(), hanger.spring,
-                                 hanger.spring};
+  scene.nodes = {node("a", {0, 0, 0}, kind), node("b", {hanger.length, 0, 0}, kind)};
+  if (ends == Ends::springs) {
+    constexpr double kRigid = std::numeric_limits<double>::infinity();
+    for (auto& end : scene.nodes) {
+      end.support.translational.setConstant(kRigid);
+      end.support.rotational = {kRigid, hanger.spring, hanger.spring};
     }
-    scene.nodes.push_back(node);
   }
   const auto add = [&](const char* name, const char* from, const char* to) {
-    model::Member member;
-    member.name = name;
-    member.kind = model::Member::Kind::cable;
-    member.nodes = {from, to};
-    member.segments = 0;
-    member.mass_per_length = hanger.mass;
-    member.EA = 2e3 * hanger.tension;
-    member.EI = {hanger.EI, hanger.EI};
-    member.GJ = hanger.EI;
-    member.tension = hanger.tension;
-    scene.members.push_back(member);
+    auto& cable = scene.members.emplace_back(member(model::Member::Kind::cable, name, from, to, 0,
+                                                    hanger.mass, 2e3 * hanger.tension, hanger.EI));
+    cable.GJ = hanger.EI;
+    cable.tension = hanger.tension;
   };
   if (hanger.sensor > 0) {
-    model::SceneNode node;
-    node.name = "sensor";
-    node.position = {0.3 * hanger.length, 0, 0};
-    node.mass = hanger.sensor;
-    scene.nodes.push_back(node);
+    scene.nodes.push_back(node("sensor", {0.3 * hanger.length, 0, 0}));
+    scene.nodes.back().mass = hanger.sensor;
     add("h", "a", "sensor");
     add("h2", "sensor", "b");
   } else {
@@ -154,18 +143,6 @@ void add(Row& row, const Case& one, const Hanger& model, Ends ends, std::uint64_
   row.silent += !held && !result.fit.ruled_out() && !several && !inputs_named;
   const double width = (tension.high - tension.low) / tension.value;
   if (std::isfinite(width)) row.width.push_back(width);
-  if (std::getenv("HANGER_TIMES")) {
-    fmt::print("seed {}: {:.3f} s, {} evaluations, {} fits, profile {}\n", seed, row.seconds.back(),
-               result.model_evaluations, result.starts, tension.interval_by_profile);
-  }
-  if (!held && std::getenv("HANGER_SHOW")) {
-    fmt::print(
-        "seed {}: truth {:.5g}, {:.5g} [{:.5g}, {:.5g}] tau {:.2g} p {:.2g} k {:.3g} of {} pairs "
-        "{}\n",
-        seed, one.truth.tension, tension.value, tension.low, tension.high, result.fit.model_std,
-        result.fit.p_value, one.truth.spring * one.truth.length / one.truth.EI, one.modes.size(),
-        result.pairs.size());
-  }
 }
 
 double median(std::vector<double> values) {

@@ -83,47 +83,19 @@ std::vector<Case> cases() {
       list.push_back(one);
     }
   };
-  testing::StrikeOptions plain;
+  testing::StrikeOptions plain, noisy, changing, coarse, aside, two;
   add("plain", plain);
-  testing::StrikeOptions noisy = plain;
   noisy.force_noise = 0.02;
-  add("force noise 2 %, window off", noisy, 0.0);
-  add("force noise 2 %, window auto", noisy, -1.0);
   add("force noise 2 %, window 0.1 s", noisy, 0.1);
   add("force noise 2 %, by noise", noisy);
-  noisy.force_noise_colour = 0.95;
-  add("force noise 2 %, coloured, by noise", noisy);
-  for (const double scatter : {1e-4, 1e-3, 3e-3}) {
-    testing::StrikeOptions changing = plain;
-    changing.frequency_scatter = scatter;
-    add(fmt::format("frequency scatters by {} % between hits", 100 * scatter), changing);
-  }
-  testing::StrikeOptions kept = plain;
-  kept.frequency_scatter = 1e-3;
-  add("frequency scatters by 0.1 %, no hit left out", kept);
-  for (Case* one : {&list[list.size() - 2], &list.back()}) one->impact.reject_outliers = false;
-  testing::StrikeOptions coarse = plain;
+  changing.frequency_scatter = 1e-3;
+  add("frequency scatters by 0.1 % between hits", changing);
   coarse.converter_bits = 10;
   add("10-bit converter", coarse);
-  testing::StrikeOptions twice = plain;
-  twice.second_contact = 0.02;
-  add("second contacts of 2 %", twice);
-  for (const double shift : {-0.05, -0.3, -1.0, 1.0}) {
-    testing::StrikeOptions nonlinear = plain;
-    nonlinear.cubic = shift;
-    add(fmt::format("cubic spring, {} bandwidths", shift), nonlinear);
-  }
-  testing::StrikeOptions ten = plain;
-  ten.cubic = -0.3, ten.hits = 10;
-  add("cubic spring, -0.3 bandwidths, ten hits", ten);
-  testing::StrikeOptions aside = plain;
   aside.off_axis = 0.13, aside.off_place = 0.005;
   add("hammer 7.5 degrees off axis, 0.5 % off place", aside);
-  testing::StrikeOptions two = plain;
   two.hits = 2;
   add("two hits", two);
-  two.frequency_scatter = 1e-3;
-  add("two hits, frequency scatters by 0.1 %", two);
   return list;
 }
 

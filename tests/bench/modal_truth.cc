@@ -3,17 +3,13 @@
 // often 95 % intervals hold the truth. Prints Markdown tables.
 //
 //   modal_truth [--seeds N] [--first SEED] [--window RATE]... [--noise LEVEL] [--high HZ]
-//   [--threads N]
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <complex>
 #include <cstdio>
-#include <mutex>
-#include <thread>
 #include <vector>
 
 #include "signal/impact/impact_frfs.h"
@@ -31,7 +27,6 @@ struct Options {
   std::vector<double> windows{0.0, 1.0};
   double noise = 0.005;
   double high_hz = 1400;
-  int threads = 1;
 };
 
 /// Sums over seeds of one mode.
@@ -47,7 +42,6 @@ struct Study {
   std::vector<Tally> modes{10};
   int right = 0, fewer = 0, more = 0, unconverged = 0;
   double frf_s = 0, modal_s = 0;
-  std::mutex mutex;
 };
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -75,7 +69,6 @@ void one_seed(const testing::TenModeTruth& truth, const Options& options, double
   const signal::ModalResult result = identify_modes(test.frfs, modal);
   const double modal_s = seconds_since(middle);
 
-  const std::scoped_lock lock(study.mutex);
   study.frf_s += frf_s;
   study.modal_s += modal_s;
   study.unconverged += result.end != signal::RefineEnd::converged;
@@ -168,21 +161,13 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--noise", options.noise, "Of each channel's rms")->capture_default_str();
   app.add_option("--high", options.high_hz, "End of the band, Hz")->capture_default_str();
-  app.add_option("--threads", options.threads)->check(CLI::Range(1, 64))->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   const testing::TenModeTruth truth = testing::ten_mode_truth();
   for (const double window : options.windows) {
     Study study;
-    std::atomic<int> next{0};
-    std::vector<std::jthread> workers;
-    for (int t = 0; t < options.threads; ++t) {
-      workers.emplace_back([&] {
-        for (int i = next++; i < options.seeds; i = next++) {
-          one_seed(truth, options, window, options.first + static_cast<unsigned>(i), study);
-        }
-      });
+    for (int i = 0; i < options.seeds; ++i) {
+      one_seed(truth, options, window, options.first + static_cast<unsigned>(i), study);
     }
-    workers.clear();
     print(study, truth, options, window);
   }
   return 0;

@@ -29,8 +29,7 @@ struct UniformBeam {
   double tension_N = 0;  ///< constant along the beam, not negative
 };
 
-// Each returns the first `count` frequencies in Hz, rising. Values that make no sense (no mass, no
-// length, neither tension nor stiffness, negative tension) throw std::invalid_argument.
+// Each returns the first `count` frequencies in Hz, rising.
 
 [[nodiscard]] std::vector<double> pinned_beam_frequencies(const UniformBeam& beam, int count);
 [[nodiscard]] std::vector<double> clamped_beam_frequencies(const UniformBeam& beam, int count);
@@ -40,8 +39,8 @@ struct UniformBeam {
                                                          double tip_mass_kg, int count);
 
 /// A vertical cantilever clamped at its foot (`gravity` > 0, self-weight softens it) or hanging
-/// from it (`gravity` < 0). Throws std::invalid_argument when it buckles under its own weight, and
-/// above 8 modes, where the series cancels.
+/// from it (`gravity` < 0). It must not buckle under its own weight; at most 8 modes (above, the
+/// series cancels).
 [[nodiscard]] std::vector<double> standing_cantilever_frequencies(const UniformBeam& beam,
                                                                   double tip_mass_kg,
                                                                   double gravity_m_s2, int count);
@@ -77,7 +76,6 @@ struct CatenaryState {
   double sag_m = 0;  ///< largest distance below the chord, vertically
 };
 
-/// Throw std::invalid_argument for values that are not positive and finite.
 [[nodiscard]] CatenaryState catenary_of_tension(const ElasticCatenary& cable, double tension_N);
 [[nodiscard]] CatenaryState catenary_of_length(const ElasticCatenary& cable,
                                                double unstretched_length_m);

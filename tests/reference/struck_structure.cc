@@ -60,47 +60,18 @@ class Oscillator {
   double a_, k_, wd_, h_, e_ = 0, s_ = 0, c_ = 0;
 };
 
-/// Modal accelerations (steps x modes) under a force at a place with mode shapes `struck`, and a
-/// spring of `cubic` N/m^3 at response 0.
+/// Modal accelerations (steps x modes) under a force at a place with mode shapes `struck`.
 Eigen::MatrixXd modal_accelerations(const StruckStructure& structure, double factor,
-                                    const VectorXd& struck, double cubic, const VectorXd& force,
-                                    double h) {
-  const Index modes = structure.frequency_hz.size();
-  std::vector<Oscillator> all;
-  all.reserve(static_cast<std::size_t>(modes));
-  for (Index r = 0; r < modes; ++r) {
-    all.emplace_back(2 * kPi * structure.frequency_hz[r] * factor, structure.damping_ratio[r], h);
-  }
-  const VectorXd shape = structure.shapes.row(0).transpose();
-  const auto spring = [&] {
-    double x = 0;
-    for (Index r = 0; r < modes; ++r) x += shape[r] * all[static_cast<std::size_t>(r)].q;
-    return -cubic * x * x * x;
-  };
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(force.size(), modes);
-  for (Index n = 0; n + 1 < force.size(); ++n) {
-    const double before = cubic != 0 ? spring() : 0;
-    for (Index r = 0; r < modes; ++r) {
-      Oscillator& mode = all[static_cast<std::size_t>(r)];
-      result(n, r) = mode.acceleration(struck[r] * force[n] + shape[r] * before);
-      mode.v += 0.5 * h * shape[r] * before;
+                                    const VectorXd& struck, const VectorXd& force, double h) {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(force.size(), structure.frequency_hz.size());
+  for (Index r = 0; r < result.cols(); ++r) {
+    Oscillator mode(2 * kPi * structure.frequency_hz[r] * factor, structure.damping_ratio[r], h);
+    for (Index n = 0; n + 1 < force.size(); ++n) {
+      result(n, r) = mode.acceleration(struck[r] * force[n]);
       mode.step(struck[r] * force[n], struck[r] * force[n + 1]);
-    }
-    if (cubic == 0) continue;
-    const double after = spring();
-    for (Index r = 0; r < modes; ++r) {
-      all[static_cast<std::size_t>(r)].v += 0.5 * h * shape[r] * after;
     }
   }
   return result;
-}
-
-/// N/m^3 that shift the first mode by `bandwidths` after a hit of impulse `impulse`: backbone curve
-/// w^2 = w0^2 + 3/4 k phi^4 A^2, A = phi impulse / w0.
-double cubic_stiffness(const StruckStructure& structure, double bandwidths, double impulse) {
-  const double w = 2 * kPi * structure.frequency_hz[0], phi = structure.shapes(0, 0);
-  const double shift = 2 * structure.damping_ratio[0] * bandwidths;
-  return shift * w * w * 8 / 3 / (std::pow(phi, 4) * std::pow(phi * impulse / w, 2));
 }
 
 /// Mode shapes along the force of a hit off its place and axis.
@@ -114,15 +85,11 @@ VectorXd struck_shapes(const StruckStructure& structure, double place, double ac
   return shapes;
 }
 
-VectorXd coloured(Index n, double std, double colour, std::mt19937_64& random) {
+VectorXd noise(Index n, double std, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   VectorXd x(n);
-  double value = normal(random);
-  const double fresh = std::sqrt(1 - colour * colour);
-  for (double& sample : x) {
-    sample = std * value;
-    value = colour * value + fresh * normal(random);
-  }
+  for (double& sample : x) sample = std * normal(random);
+  normal(random);  // keeps the numbers that follow
   return x;
 }
 
@@ -150,31 +117,26 @@ std::vector<signal::Recording> struck_recordings(const StruckStructure& structur
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::normal_distribution<double> normal;
   constexpr double kPeak = 100;
-  const double cubic = cubic_stiffness(structure, options.cubic, 2 / kPi * kPeak * options.pulse_s);
   const auto n = static_cast<Index>((options.before_s + options.after_s) * options.sample_rate_hz);
   const double h = 1 / (kFine * options.sample_rate_hz);
   std::vector<signal::Recording> recordings;
   for (int i = 0; i < options.hits; ++i) {
-    const double size = 1 + options.size_scatter * uniform(random);
+    const double size = 1 + 0.3 * uniform(random);
     const double duration = options.pulse_s * (1 + 0.1 * uniform(random));
     const double start = options.before_s + 0.1 * uniform(random) * options.before_s;
     const double factor = 1 + options.frequency_scatter * normal(random);
-    const double second = start + 0.035 + 0.015 * uniform(random);
-    const auto pulse = [&](double t, double peak) {
-      return t > 0 && t < duration ? peak * std::sin(kPi * t / duration) : 0;
-    };
+    uniform(random);  // keeps the numbers that follow
     VectorXd fine(kFine * n + 1);
     for (Index k = 0; k < fine.size(); ++k) {
-      const double t = static_cast<double>(k) * h;
-      fine[k] =
-          pulse(t - start, kPeak * size) + pulse(t - second, kPeak * size * options.second_contact);
+      const double t = static_cast<double>(k) * h - start;
+      fine[k] = t > 0 && t < duration ? kPeak * size * std::sin(kPi * t / duration) : 0;
     }
     VectorXd struck = structure.shapes.row(0).transpose();
     if (options.off_axis > 0 || options.off_place > 0) {
       struck = struck_shapes(structure, kStruckAt + options.off_place * normal(random),
                              std::sin(options.off_axis * normal(random)));
     }
-    const Eigen::MatrixXd q = modal_accelerations(structure, factor, struck, cubic, fine, h);
+    const Eigen::MatrixXd q = modal_accelerations(structure, factor, struck, fine, h);
     Eigen::MatrixXd responses = Eigen::MatrixXd::Zero(n, structure.shapes.rows());
     for (Index r = 0; r < q.cols(); ++r) {
       responses += sampled(q.col(r)) * structure.shapes.col(r).transpose();
@@ -190,13 +152,11 @@ std::vector<signal::Recording> struck_recordings(const StruckStructure& structur
       channel.samples = std::move(samples);
       recording.channels.push_back(std::move(channel));
     };
-    add("force", "N",
-        sampled(fine) +
-            coloured(n, options.force_noise * kPeak, options.force_noise_colour, random));
+    add("force", "N", sampled(fine) + noise(n, options.force_noise * kPeak, random));
     for (Index j = 0; j < responses.cols(); ++j) {
       const double rms = responses.col(j).norm() / std::sqrt(static_cast<double>(n)) / size;
       add(fmt::format("a{}", j + 1), "m/s^2",
-          responses.col(j) + coloured(n, options.response_noise * rms, 0, random));
+          responses.col(j) + noise(n, options.response_noise * rms, random));
     }
     recordings.push_back(std::move(recording));
   }
