@@ -9,7 +9,6 @@
 
 #include "signal/decay/decay_background.h"
 #include "signal/decay/decay_clipping.h"
-#include "signal/decay/decay_description.h"
 #include "signal/decay/decay_judgement.h"
 #include "signal/decay/narrow_record.h"
 #include "signal/numerics/numbers.h"
@@ -51,7 +50,7 @@ class Estimation {
 
   DecayResult run() {
     if (!usable() || !choose_window() || !take_samples() || !find_modes()) return result_;
-    if (!options_.choose_window) warn_of_rails();
+    if (!leave_out_clipped()) return result_;
     if (!leave_out_background()) return result_;
     leave_out_the_tail();
     trim_start();
@@ -76,7 +75,7 @@ class Estimation {
       steady.amplitude = std::abs(term.amplitude);
       result_.steady_tones.push_back(steady);
     }
-    judge_decay(describe_fit(*fit_, rate_, options_.false_alarm), band_, rate_, result_);
+    judge_decay(*fit_, band_, rate_, options_.false_alarm, result_);
     return result_;
   }
 
@@ -120,7 +119,7 @@ class Estimation {
 
   bool choose_window() {
     if (!options_.choose_window) {
-      result_.decays = {{0, result_.end, false, 0}};
+      result_.decays.push_back({0, result_.end, false});
       return true;
     }
     result_.decays = find_decays(y_.head(result_.end), band_, &peaks_);
@@ -144,12 +143,6 @@ class Estimation {
       result_.note("several_decays",
                    fmt::format("{} decays in the record: {}; the strongest is fitted",
                                result_.decays.size(), where));
-    }
-    if (chosen.clipped_until > 0) {
-      result_.note(
-          "clipped",
-          fmt::format("the signal sits on its rail until {:.6g} s; the fit starts after it",
-                      time_of(chosen.clipped_until - 1)));
     }
     return true;
   }
@@ -181,25 +174,28 @@ class Estimation {
 
   bool find_modes() {
     fit_ = find_decay_modes(samples_, band_, search_, peaks_);
-    if (fit_ && options_.choose_window) {
-      const Index clip = clipped_by_fit(samples_, *fit_, band_, search_);
-      if (clip > 0) {
-        result_.note(
-            "clipped",
-            fmt::format("the signal is cut off at its rail until {:.6g} s; the fit starts after it",
-                        time_of(result_.start + clip - 1)));
-        result_.start += clip;
-        samples_ = decay_samples(y_, result_.start, result_.end);
-        if (!enough()) return false;
-        fit_ = find_decay_modes(samples_, band_, search_);
-      }
-    }
     if (fit_) return true;
     result_.refuse(
         "too_noisy",
         "no oscillation stands out of the noise (or less than half a cycle is recorded): a "
         "longer record, a harder impulse or a band around the mode would help");
     return false;
+  }
+
+  bool leave_out_clipped() {
+    const auto clipped = clipped_by_fit(samples_, *fit_, band_, search_);
+    if (clipped.empty()) return true;
+    for (const Index j : clipped) y_(result_.start + j) = kNaN;
+    result_.note(
+        "clipped",
+        fmt::format(
+            "{} samples are cut off at a rail or close to it, the last at {:.6g} s; they count as "
+            "missing",
+            clipped.size(),
+            time_of(result_.start + *std::max_element(clipped.begin(), clipped.end()))));
+    samples_ = decay_samples(y_, result_.start, result_.end);
+    peaks_.clear();
+    return enough() && find_modes();
   }
 
   // Steady tones, from where they stand alone, and an offset that dies away; the modes are looked
@@ -283,18 +279,6 @@ class Estimation {
     return first > 9 * level * static_cast<double>(half) ? half : 0;
   }
 
-  void warn_of_rails() {
-    const double frequency = fit_->poles[strongest_mode(*fit_, band_)].imag() / kTwoPi;
-    const Index clip =
-        clipped_until(y_.segment(result_.start, result_.end - result_.start), frequency);
-    if (clip == 0) return;
-    result_.note(
-        "clipped",
-        fmt::format("the signal sits on its rail until {:.6g} s, within what was fitted: damping "
-                    "and amplitudes are wrong; start the fit after it",
-                    time_of(result_.start + clip - 1)));
-  }
-
   [[nodiscard]] double time_of(Index sample) const {
     return options_.start_time_s + static_cast<double>(sample) / rate_;
   }
@@ -322,7 +306,6 @@ void take_back(const NarrowRecord& narrow, DecayResult& result) {
   for (DecayWindow& window : result.decays) {
     window.start = narrow.record_sample(window.start);
     window.end = narrow.record_end(window.end);
-    if (window.clipped_until > 0) window.clipped_until = narrow.record_end(window.clipped_until);
   }
   result.start = narrow.record_sample(result.start);
   result.end = narrow.record_end(result.end);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "signal/numerics/numbers.h"
+#include "signal/numerics/power_sums.h"
 #include "signal/numerics/scaled_gram.h"
 #include "signal/sinusoids/decay_modes.h"
 #include "signal/sinusoids/decay_search.h"
@@ -200,6 +201,10 @@ DecayBackground::Term first_offset(const Eigen::Ref<const Eigen::VectorXd>& y,
 
 }  // namespace
 
+Eigen::ArrayXcd DecayBackground::Term::at(Index first, Index count) const {
+  return std::exp(rate * static_cast<double>(first)) * powers(rate, count);
+}
+
 Index DecayBackground::parameters() const {
   Index count = 0;
   for (const Term& term : terms) count += term.tone() ? 3 : 2;
@@ -209,15 +214,10 @@ Index DecayBackground::parameters() const {
 Eigen::VectorXd DecayBackground::at_samples(Index from, Index to) const {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(to - from);
   for (const Term& term : terms) {
-    const Complex turn = std::exp(term.rate);
-    Complex z = 0;
     const Index first = term.tone() ? from : std::max(from, origin);
-    for (Index j = first; j < to; ++j, z *= turn) {
-      if ((j - first) % 256 == 0) {
-        z = term.amplitude * std::exp(term.rate * static_cast<double>(j - origin));
-      }
-      sum(j - from) += z.real();
-    }
+    if (first < to)
+      sum.tail(to - first) +=
+          (term.amplitude * term.at(first - origin, to - first)).real().matrix();
   }
   return sum;
 }
@@ -226,12 +226,19 @@ Eigen::MatrixXd DecayBackground::columns(Index from, Index to) const {
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(to - from, parameters());
   Index k = 0;
   for (const Term& term : terms) {
-    for (Index j = term.tone() ? from : std::max(from, origin); j < to; ++j) {
-      const auto t = static_cast<double>(j - origin);
-      const Complex z = std::exp(term.rate * t), moved = t * term.amplitude * z;
-      all(j - from, k) = z.real();
-      all(j - from, k + 1) = term.tone() ? -z.imag() : -moved.real();
-      if (term.tone()) all(j - from, k + 2) = -moved.imag();
+    const Index first = term.tone() ? from : std::max(from, origin), count = to - first;
+    if (count > 0) {
+      const auto t0 = static_cast<double>(first - origin);
+      const Eigen::ArrayXcd z = term.at(first - origin, count);
+      const Eigen::ArrayXcd moved =
+          term.amplitude *
+          (Eigen::ArrayXd::LinSpaced(count, t0, t0 + static_cast<double>(count - 1)) * z);
+      all.col(k).tail(count) = z.real();
+      if (term.tone()) {
+        all.col(k + 1).tail(count) = -z.imag(), all.col(k + 2).tail(count) = -moved.imag();
+      } else {
+        all.col(k + 1).tail(count) = -moved.real();
+      }
     }
     k += term.tone() ? 3 : 2;
   }

@@ -31,6 +31,8 @@ struct DecayBackground {
     std::complex<double> rate;       ///< q, per sample
     std::complex<double> amplitude;  ///< B, real for an offset
     [[nodiscard]] bool tone() const { return rate.imag() > 0; }
+    /// exp(q j) at samples first .. first + count - 1 from the origin.
+    [[nodiscard]] Eigen::ArrayXcd at(Eigen::Index first, Eigen::Index count) const;
   };
   Eigen::Index origin = 0;  ///< sample of the record
   std::vector<Term> terms;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "signal/numerics/numbers.h"
@@ -15,6 +14,8 @@ using Eigen::Index;
 
 namespace {
 
+// Standard deviations of the noise, which exceeds them once in a thousand times.
+constexpr double kNear = 3;
 // What lies beyond a rail is this many times as large, squared, as the fit errs near by.
 constexpr double kOverLocal = 6;
 
@@ -48,67 +49,59 @@ bool cut_off(const DampedSinusoidsFit& fit, Index j, double sign, Index cycle) {
 
 }  // namespace
 
-Index clipped_by_fit(const DecaySamples& samples, const DampedSinusoidsFit& whole,
-                     const DecayBand& band, const DecayModesOptions& options) {
-  const Index n = samples.values.size();
-  std::vector<bool> gap(static_cast<std::size_t>(n));
-  for (const Index j : samples.missing) gap[static_cast<std::size_t>(j)] = true;
-  double high = -std::numeric_limits<double>::infinity(), low = -high;
-  for (Index j = 0; j < n; ++j) {
-    if (gap[static_cast<std::size_t>(j)]) continue;
-    high = std::max(high, samples.values(j)), low = std::min(low, samples.values(j));
-  }
-  const double rounding = 1e-12 * (high - low);
-  std::vector<Index> at_high, at_low;
-  for (Index j = 0; j < n; ++j) {
-    if (gap[static_cast<std::size_t>(j)]) continue;
-    if (samples.values(j) >= high - rounding) at_high.push_back(j);
-    if (samples.values(j) <= low + rounding) at_low.push_back(j);
-  }
+std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DampedSinusoidsFit& whole,
+                                  const DecayBand& band, const DecayModesOptions& options) {
+  constexpr Index kFewest = 12;
+  Eigen::VectorXd y = samples.values;
+  for (const Index j : samples.missing) y(j) = kNaN;
+  const double high = y.maxCoeff<Eigen::PropagateNumbers>();
+  const double low = y.minCoeff<Eigen::PropagateNumbers>();
   const double w = whole.poles[strongest_mode(whole, band)].imag();
   const auto cycle = std::max<Index>(4, static_cast<Index>(std::ceil(kTwoPi / w)));
-  Index last = 0;
-  if (at_high.size() == 1) {
-    if (cut_off(whole, at_high[0], 1, cycle)) last = at_high[0] + 1;
-    at_high.clear();
-  }
-  if (at_low.size() == 1) {
-    if (cut_off(whole, at_low[0], -1, cycle)) last = std::max(last, at_low[0] + 1);
-    at_low.clear();
-  }
-  if (at_high.empty() && at_low.empty()) return last;
+  struct Rail {
+    double sign, level;
+    std::vector<Index> at;
+  };
+  Rail rails[] = {{1, high, {}}, {-1, low, {}}};
+  std::vector<Index> clipped;
   DecaySamples others = samples;
-  for (const auto* rail : {&at_high, &at_low}) {
-    for (const Index j : *rail) others.missing.push_back(j), others.values(j) = 0;
+  for (auto& [sign, level, at] : rails) {
+    for (Index j = 0; j < y.size(); ++j) {
+      if (sign * (y(j) - level) >= -1e-12 * (high - low)) at.push_back(j);
+    }
+    if (at.size() == 1) {
+      if (cut_off(whole, at[0], sign, cycle)) clipped.push_back(at[0]);
+      at.clear();
+    }
+    for (const Index j : at) others.missing.push_back(j), others.values(j) = 0;
   }
-  // A fifth of the samples may be missing.
-  if (5 * static_cast<Index>(others.missing.size()) > n) return last;
+  const auto left = y.size() - static_cast<Index>(others.missing.size());
+  if (others.missing.size() == samples.missing.size() || left < kFewest) return clipped;
   std::sort(others.missing.begin(), others.missing.end());
   const auto fit = find_decay_modes(others, band, options);
-  if (!fit || fit->degrees < 1) return last;
+  if (!fit || fit->degrees < 1) return clipped;
   const double variance = fit->residual_sum_squares / static_cast<double>(fit->degrees);
-  Eigen::VectorXd says(n);
-  for (Index j = 0; j < n; ++j) {
-    says(j) = fit->offset + fit->drift * static_cast<double>(j) / static_cast<double>(n);
-  }
+  Eigen::VectorXd says = Eigen::VectorXd::LinSpaced(
+      y.size(), fit->offset,
+      fit->offset + fit->drift * static_cast<double>(y.size() - 1) / static_cast<double>(y.size()));
   for (std::size_t m = 0; m < fit->poles.size(); ++m) says += fit->mode_signal(m);
-  const auto judge = [&](const std::vector<Index>& rail, double level, double sign) {
+  for (const auto& [sign, level, at] : rails) {
     double sum = 0, near = 0;
-    for (const Index j : rail) {
-      const double beyond = std::max(0.0, sign * (says(j) - level));
-      sum += beyond * beyond;
+    for (const Index j : at) {
+      sum += std::pow(std::max(0.0, sign * (says(j) - level)), 2);
       near = std::max(near, level_near(*fit, j, cycle));
     }
-    const auto count = static_cast<double>(rail.size());
-    if (rail.empty() || !(sum > variance * gsl_cdf_chisq_Qinv(1e-4, count)) ||
-        !(sum > kOverLocal * near * count)) {
-      return;
+    const auto count = static_cast<double>(at.size());
+    if (!at.empty() && sum > variance * gsl_cdf_chisq_Qinv(1e-4, count) &&
+        sum > kOverLocal * near * count) {
+      // Near the rail too: what stays below it there is what noise made smaller.
+      const double near_rail = level - sign * kNear * std::sqrt(variance);
+      for (Index j = 0; j < y.size(); ++j) {
+        if (sign * (says(j) - near_rail) > 0 || y(j) == level) clipped.push_back(j);
+      }
     }
-    last = std::max(last, rail.back() + 1);
-  };
-  judge(at_high, high, 1);
-  judge(at_low, low, -1);
-  return last;
+  }
+  return clipped;
 }
 
 }  // namespace rigfit::signal

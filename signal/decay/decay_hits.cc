@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "signal/numerics/numbers.h"
+#include "signal/numerics/power_sums.h"
 #include "signal/sinusoids/decay_modes.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
@@ -38,10 +39,7 @@ std::vector<Jump> jumps(const Eigen::VectorXd& y, double w, const Eigen::VectorX
   const Index n = y.size(), cycle = averaging_cycle(w);
   const RunningAmplitude running(y, w);
   const Index step = std::max<Index>(1, cycle / 8);
-  double largest = 0;
-  for (Index j = 0; j + cycle <= n; j += step) {
-    largest = std::max(largest, std::abs(running.over(j, j + cycle)));
-  }
+  const double largest = running.largest(cycle, step);
   std::vector<Jump> found;
   for (const Index cycles : {2, 6}) {
     const Index length = cycles * cycle;
@@ -89,11 +87,9 @@ struct Side {
 // The damped sinusoids of samples [from, to), those in [gap_from, gap_to) left out.
 Side fitted(const Eigen::VectorXd& y, Index from, Index to, Index gap_from, Index gap_to) {
   Side side;
-  DecaySamples samples;
-  samples.values = y.segment(from, to - from);
-  for (Index j = std::max(gap_from, from); j < std::min(gap_to, to); ++j) {
-    samples.values(j - from) = 0, samples.missing.push_back(j - from);
-  }
+  Eigen::VectorXd values = y.segment(from, to - from);
+  for (Index j = gap_from; j < gap_to; ++j) values(j - from) = kNaN;
+  const DecaySamples samples = decay_samples(values, 0, to - from);
   side.samples = to - from - static_cast<Index>(samples.missing.size());
   side.missing = samples.missing;
   side.fit = find_decay_modes(samples, {0, 0.5, true}, {});
@@ -101,19 +97,15 @@ Side fitted(const Eigen::VectorXd& y, Index from, Index to, Index gap_from, Inde
     side.sum_squares = side.fit->residual_sum_squares;
     side.parameters = side.fit->jacobian_gram.rows();
   } else {
-    Eigen::VectorXd values = samples.values;
-    for (const Index j : samples.missing) values(j) = std::numeric_limits<double>::quiet_NaN();
     side.sum_squares = without_trend(values).squaredNorm();
   }
   return side;
 }
 
 std::size_t nearest(const DampedSinusoidsFit& fit, double w) {
-  std::size_t best = 0;
-  for (std::size_t m = 1; m < fit.poles.size(); ++m) {
-    if (std::abs(fit.poles[m].imag() - w) < std::abs(fit.poles[best].imag() - w)) best = m;
-  }
-  return best;
+  const auto& poles = fit.poles;
+  const auto apart = [w](Complex p) { return std::abs(p.imag() - w); };
+  return static_cast<std::size_t>(std::ranges::min_element(poles, {}, apart) - poles.begin());
 }
 
 // Complex amplitude of a fit's mode nearest to `pole` at sample `at` of it; 0: has none there.
@@ -172,15 +164,17 @@ bool is_impact(const Eigen::VectorXd& y, const Jump& place, Index from, Index to
 
 RunningAmplitude::RunningAmplitude(const Eigen::Ref<const Eigen::VectorXd>& y, double w)
     : sums_(y.size() + 1) {
-  Complex sum = 0, z = 1;
-  const Complex q = std::polar(1.0, -w);
+  const Eigen::ArrayXcd z = powers(Complex(0, -w), y.size());
   sums_(0) = 0;
-  for (Index j = 0; j < y.size(); ++j) {
-    if (j % 1024 == 0) z = std::polar(1.0, -w * static_cast<double>(j));
-    sum += y(j) * z;
-    sums_(j + 1) = sum;
-    z *= q;
+  for (Index j = 0; j < y.size(); ++j) sums_(j + 1) = sums_(j) + y(j) * z(j);
+}
+
+double RunningAmplitude::largest(Index length, Index step) const {
+  double largest = 0;
+  for (Index j = 0; j + length < sums_.size(); j += step) {
+    largest = std::max(largest, std::abs(over(j, j + length)));
   }
+  return largest;
 }
 
 Complex RunningAmplitude::over(Index from, Index to) const {
@@ -205,11 +199,8 @@ std::vector<Index> further_hits(const Eigen::VectorXd& y, const std::vector<doub
     for (const Jump& jump : jumps(y, each, missing_before)) found.push_back(jump);
   }
   if (found.empty()) return {};
-  const RunningAmplitude running(y, w.front());
-  double largest = 0;
-  for (Index j = 0; j + cycle <= n; j += std::max<Index>(1, cycle / 4)) {
-    largest = std::max(largest, std::abs(running.over(j, j + cycle)));
-  }
+  const double largest =
+      RunningAmplitude(y, w.front()).largest(cycle, std::max<Index>(1, cycle / 4));
   // The largest first: what stands beside an impact already found, and every place close to it, is
   // its own skirt.
   std::sort(found.begin(), found.end(),

@@ -22,6 +22,8 @@ class RunningAmplitude {
   RunningAmplitude(const Eigen::Ref<const Eigen::VectorXd>& y, double w);
   /// Complex amplitude over samples [from, to); those outside of the record count as zero.
   [[nodiscard]] std::complex<double> over(Eigen::Index from, Eigen::Index to) const;
+  /// The largest over `length` samples, every `step`-th of them as the first.
+  [[nodiscard]] double largest(Eigen::Index length, Eigen::Index step) const;
 
  private:
   Eigen::VectorXcd sums_;

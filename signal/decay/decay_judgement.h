@@ -16,13 +16,14 @@
 // random walk, which is neither, over the whole of the record.
 #pragma once
 
-#include "signal/decay/decay_description.h"
-#include "signal/decay/decay_result.h"
+#include "signal/decay/decay.h"
+#include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::signal {
 
-/// Fills modes, steady tones, covariance and envelope of `result`, or its refusal.
-void judge_decay(const DescribedFit& described, const DecayBand& band, double sample_rate_hz,
-                 DecayResult& result);
+/// Fills modes, steady tones, covariance and envelope of `result`, or its refusal. `fit` must not
+/// be rank-deficient.
+void judge_decay(const DampedSinusoidsFit& fit, const DecayBand& band, double sample_rate_hz,
+                 double false_alarm, DecayResult& result);
 
 }  // namespace rigfit::signal

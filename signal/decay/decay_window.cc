@@ -8,7 +8,6 @@
 
 #include "signal/decay/decay_hits.h"
 #include "signal/numerics/numbers.h"
-#include "signal/recording/clipping.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/spectra/fft.h"
 
@@ -59,11 +58,8 @@ bool quiet_before(const Eigen::VectorXd& y, double w, Index start, Index cycle) 
 // Whether a decay is under way in the record's first samples, before the first impact.
 bool decays_before(const Eigen::VectorXd& y, double w, Index first, Index cycle) {
   const RunningAmplitude running(y, w);
-  double largest = 0;
-  for (Index j = 0; j + cycle <= y.size(); j += std::max<Index>(1, cycle / 2)) {
-    largest = std::max(largest, std::abs(running.over(j, j + cycle)));
-  }
-  return std::abs(running.over(0, std::min(2 * cycle, first))) > 0.1 * largest;
+  return std::abs(running.over(0, std::min(2 * cycle, first))) >
+         0.1 * running.largest(cycle, std::max<Index>(1, cycle / 2));
 }
 
 // Whether a record that was cut off at a rail comes off it at `at`, which steps its amplitude too:
@@ -84,41 +80,6 @@ bool leaves_rail(const Eigen::Ref<const Eigen::VectorXd>& y, Index at, Index cyc
 
 }  // namespace
 
-Index clipped_until(const Eigen::Ref<const Eigen::VectorXd>& y, double cycles_per_sample) {
-  double high = -std::numeric_limits<double>::infinity(), low = -high;
-  for (Index j = 0; j < y.size(); ++j) {
-    if (std::isfinite(y(j))) high = std::max(high, y(j)), low = std::min(low, y(j));
-  }
-  const double amplitude = 0.5 * (high - low);
-  if (!(amplitude > 0)) return 0;
-  // Quantum: the least step between neighbouring samples that is a step at all.
-  double quantum = std::numeric_limits<double>::infinity();
-  for (Index j = 1; j < y.size(); ++j) {
-    const double step = std::abs(y(j) - y(j - 1));
-    if (step > 1e-9 * amplitude) quantum = std::min(quantum, step);
-  }
-  quantum = std::min(quantum, amplitude);
-  // A sinusoid stays within one quantum of its peak for acos(1 - q/A) / (pi f) samples.
-  const double natural =
-      std::acos(1 - quantum / amplitude) / (std::numbers::pi * cycles_per_sample);
-  const double longest = std::max(3.0, 2 * natural + 2);
-  Index last = 0;
-  for (const double rail : {high, low}) {
-    Index run = 0, any = 0;
-    bool flat = false;
-    for (Index j = 0; j <= y.size(); ++j) {
-      if (j < y.size() && std::abs(y(j) - rail) <= 1e-12 * amplitude) {
-        ++run, any = j + 1;
-        continue;
-      }
-      flat = flat || static_cast<double>(run) >= longest;
-      run = 0;
-    }
-    if (flat || piles_up(y, rail)) last = std::max(last, any);
-  }
-  return last;
-}
-
 Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y) {
   // As many equal samples at the end, and three times as many as anywhere else.
   constexpr Index kFewest = 16;
@@ -126,20 +87,12 @@ Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y) {
   Index tail = 1;
   while (tail < n && y(n - 1 - tail) == y(n - 1)) ++tail;
   if (tail < kFewest || tail == n) return n;
-  Index longest = 1, run = 1;
-  for (Index j = 1; j < n - tail; ++j) {
+  // Quiet before the impact may be constant too: what leads in is not compared with.
+  Index lead = 1, longest = 1, run = 1;
+  while (lead < n - tail && y(lead) == y(0)) ++lead;
+  for (Index j = lead + 1; j < n - tail; ++j) {
     run = y(j) == y(j - 1) ? run + 1 : 1;
     longest = std::max(longest, run);
-  }
-  // Quiet before the impact may be constant too: what leads in is not compared with.
-  Index lead = 1;
-  while (lead < n - tail && y(lead) == y(0)) ++lead;
-  if (longest == lead) {
-    longest = 1, run = 1;
-    for (Index j = lead + 1; j < n - tail; ++j) {
-      run = y(j) == y(j - 1) ? run + 1 : 1;
-      longest = std::max(longest, run);
-    }
   }
   if (tail <= 3 * longest) return n;
   // A swing that came to rest on a coarse scale: within two of its steps before, too.
@@ -243,8 +196,7 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
     if (k + 1 < starts.size()) {
       window.end = std::max<Index>(starts[k + 1] - 2 * cycle, starts[k] + 1);
     }
-    if (starts[k] == chosen.start || starts[k] == 0) {
-    } else {
+    if (starts[k] != chosen.start && starts[k] != 0) {
       // Sharpened where the decay before has died.
       const Index from = std::max<Index>(0, starts[k] - 2 * cycle);
       const Onset onset = best_onset(x.segment(from, window.end - from), w);
@@ -254,12 +206,6 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
     if (window.after_impact) {
       window.start =
           std::min(window.start + static_cast<Index>(std::ceil(0.5 * kTwoPi / w)), window.end - 1);
-    }
-    const Index clip =
-        clipped_until(y.segment(window.start, window.end - window.start), w / kTwoPi);
-    if (clip > 0) {
-      window.clipped_until = window.start + clip;
-      window.start = std::min(window.clipped_until, window.end);
     }
     windows.push_back(window);
   }

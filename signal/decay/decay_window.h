@@ -1,5 +1,5 @@
-// Finds the free decays in a recording: each begins after an impact or release and after clipped
-// samples, and lasts to the next impact or the end.
+// Finds the free decays in a recording: each begins after an impact or release and lasts to
+// the next impact or the end.
 //
 // The onset is the start s that maximises the energy a causal damped sinusoid takes out of the
 // samples from s on, |sum_{j>=s} y_j exp(-(a + i w)(j - s))|^2 / energy of the exponential, which a
@@ -21,7 +21,6 @@ namespace rigfit::signal {
 struct DecayWindow {
   Eigen::Index start = 0, end = 0;  ///< samples [start, end)
   bool after_impact = false;        ///< start was moved behind an impact or release
-  Eigen::Index clipped_until = 0;   ///< last clipped sample + 1; 0: none found
 };
 
 /// All decays of a record, in time. Never empty for a record that has samples. `y`: NaN where
@@ -34,11 +33,5 @@ struct DecayWindow {
 /// Number of samples without a run of equal values at the end of the record (a stopped logger
 /// writes zeros); such a run has 16 samples or more and is three times as long as any other.
 [[nodiscard]] Eigen::Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y);
-
-/// One past the last sample on a rail, which is an extreme value with runs longer than those of
-/// a sinusoid of that frequency at that sample rate, or one at which samples pile up (clipping.h).
-/// 0: none.
-[[nodiscard]] Eigen::Index clipped_until(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                         double cycles_per_sample);
 
 }  // namespace rigfit::signal

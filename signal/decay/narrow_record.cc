@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "signal/decay/decay_window.h"
-#include "signal/numerics/numbers.h"
+#include "signal/recording/clipping.h"
 #include "signal/spectra/fft.h"
+#include "signal/spectra/window.h"
 
 namespace rigfit::signal {
 namespace {
@@ -33,10 +34,7 @@ constexpr Index kSpectrumBlock = Index{1} << 15, kAround = 64, kOffsetLines = 4,
 double highest_line(const Eigen::Ref<const Eigen::VectorXd>& y, double high) {
   const Index size = std::min(kSpectrumBlock, good_fft_length_below(y.size() / 16));
   RealFft fft(size);
-  const Eigen::ArrayXd window =
-      0.5 - 0.5 * (Eigen::ArrayXd::LinSpaced(size, 0, static_cast<double>(size - 1)) *
-                   (kTwoPi / static_cast<double>(size)))
-                      .cos();
+  const Eigen::ArrayXd window = hann_window(size);
   Eigen::ArrayXd mean = Eigen::ArrayXd::Zero(fft.lines()), most = mean;
   const Index blocks = y.size() / size;
   for (Index b = 0; b < blocks; ++b) {
@@ -90,7 +88,7 @@ std::optional<NarrowRecord> narrow_record(const Eigen::Ref<const Eigen::VectorXd
   out.step = step, out.first = kReach * step;
   const Index count = (y.size() - 1 - 2 * out.first) / step + 1;
   if (count < kFewestNarrow) return {};
-  if (!y.allFinite() || recorded_until(y) < y.size() || clipped_until(y, high) > 0) return {};
+  if (!y.allFinite() || recorded_until(y) < y.size() || clipped_samples(y, 0).count > 0) return {};
   const Eigen::VectorXd h = low_pass(step);
   out.samples.resize(count);
   for (Index i = 0; i < count; ++i) out.samples(i) = h.dot(y.segment(i * step, h.size()));

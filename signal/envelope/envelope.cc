@@ -62,15 +62,8 @@ DecayLaw law_of(const std::vector<double>& amplitude, const std::vector<double>&
 }  // namespace
 
 const char* name_of(DecayLaw law) {
-  switch (law) {
-    case DecayLaw::exponential:
-      return "exponential";
-    case DecayLaw::friction:
-      return "friction";
-    case DecayLaw::drag:
-      return "drag";
-  }
-  return "exponential";
+  constexpr const char* kNames[] = {"exponential", "friction", "drag"};
+  return kNames[static_cast<std::size_t>(law)];
 }
 
 CycleAmplitudes cycle_amplitudes(const Eigen::Ref<const Eigen::VectorXd>& alone,

@@ -4,12 +4,12 @@
 #include <gsl/gsl_cdf.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
-#include <numbers>
+#include <functional>
 
 #include "signal/estimation/robust.h"
-#include "signal/impact/frf_labels.h"
 #include "signal/recording/recording_error.h"
 #include "signal/spectra/window.h"
 
@@ -32,6 +32,35 @@ double scatter(const Eigen::Ref<const Eigen::VectorXd>& x) {
   constexpr Index kFewest = 16;  // a standard deviation from fewer is off by a fifth or more
   if (x.size() < kFewest) return 0;
   return std::sqrt((x.array() - x.mean()).square().sum() / static_cast<double>(x.size() - 1));
+}
+
+/// UFF direction (+-1, 2, 3) of an axis vector; 0 when it is along none.
+int uff_direction(const std::array<double, 3>& direction) {
+  const double length = std::hypot(direction[0], direction[1], direction[2]);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double along = direction[static_cast<std::size_t>(axis)];
+    if (length > 0 && std::abs(along) > 0.999 * length) return along > 0 ? axis + 1 : -axis - 1;
+  }
+  return 0;
+}
+
+/// By the units of both; unknown where they are no SI units of motion and force.
+FrfForm form_of(const Channel& response, const Channel& force) {
+  if (force.unit != "N") return FrfForm::unknown;
+  if (response.unit == "m/s^2") return FrfForm::accelerance;
+  if (response.unit == "m/s") return FrfForm::mobility;
+  if (response.unit == "m") return FrfForm::receptance;
+  return FrfForm::unknown;
+}
+
+/// "(m/s^2)/N"; "?" for a unit that is not known, empty where neither is.
+std::string ratio_of_units(const std::string& response, const std::string& force) {
+  if (response.empty() && force.empty()) return "";
+  const auto part = [](const std::string& unit) {
+    if (unit.empty()) return std::string("?");
+    return unit.find('/') == std::string::npos ? unit : "(" + unit + ")";
+  };
+  return part(response) + "/" + part(force);
 }
 
 class Analysis {
@@ -62,10 +91,7 @@ class Analysis {
       if (hit.accepted && hit.has(HitFault::unresolved_pulse)) test_.amplitudes = false;
     }
     describe(estimate);
-    if (estimate.H.rows() > 0) {
-      judge(estimate);
-      check_driving();
-    }
+    if (estimate.H.rows() > 0) judge(estimate);
     return std::move(test_);
   }
 
@@ -137,15 +163,14 @@ class Analysis {
     frf.sample_rate_hz = test_.search.sample_rate_hz;
     frf.block_samples = test_.search.block_samples;
     frf.exponential_decay_rate_1_s = decay_rate();
-    frf.error_smoothing_lines = options_.error_smoothing_lines;
     frf.leave_one_out = options_.reject_outliers;
-    frf.leave_one_out_range_db = options_.hits.max_spectrum_drop_db;
     frf.threads = options_.threads;
     return frf;
   }
 
   /// Measures the noise on the force without a window, and chooses one where it matters.
   void choose_force_window() {
+    constexpr double kNoiseLimit = 1e-3;
     window_s_ = 0;
     std::vector<FrfBlock> blocks;
     for (const Hit& hit : test_.search.hits) {
@@ -163,7 +188,7 @@ class Analysis {
     }
     if (options_.force_window_s) {
       window_s_ = *options_.force_window_s;
-    } else if (test_.force_noise && *test_.force_noise > options_.force_noise_limit) {
+    } else if (test_.force_noise && *test_.force_noise > kNoiseLimit) {
       window_s_ = -1;
       test_.force_window_by_noise = true;
     }
@@ -206,7 +231,7 @@ class Analysis {
   /// outlier.
   double outlier_ratio(std::size_t hits, bool others_differ) const {
     const auto n = static_cast<double>(hits);
-    const double chance = (others_differ ? 0.2 : 1) * options_.outlier_chance;
+    const double chance = (others_differ ? 0.2 : 1) * 0.05;
     const double left = gsl_cdf_beta_Pinv(chance / n, 0.5 * (n - 2), 0.5);
     return std::min(0.5, left * (n - 1) / (n - 2));
   }
@@ -228,6 +253,7 @@ class Analysis {
   }
 
   FrfEstimate average_without_outliers() {
+    constexpr double kLeastIncoherence = 1e-3;  // of the response power
     FrfOptions frf = frf_options();
     frf.by_hit_lines = lines_of_hits();
     for (;;) {
@@ -247,7 +273,7 @@ class Analysis {
       const double without = estimate.incoherence_without.minCoeff(&worst);
       const double noise = noise_share(blocks);
       const bool others_differ = noise > 0 && without > 10 * noise;
-      if (estimate.incoherence < options_.outlier_least ||
+      if (estimate.incoherence < kLeastIncoherence ||
           without >= outlier_ratio(blocks.size(), others_differ) * estimate.incoherence) {
         return estimate;
       }
@@ -287,10 +313,6 @@ class Analysis {
       forms.push_back(form_of(response, force));
     }
     frfs.inputs.push_back({force.name, 0, uff_direction(force.direction)});
-    if (options_.driving_response) {
-      const auto driving = static_cast<std::size_t>(*options_.driving_response);
-      frfs.inputs.front().node = frfs.responses.at(driving).node;
-    }
     set_form(forms, force);
     if (!test_.amplitudes) {
       frfs.form = FrfForm::unknown;
@@ -314,17 +336,7 @@ class Analysis {
         const int power = forms[r] == FrfForm::receptance ? 2
                           : forms[r] == FrfForm::mobility ? 1
                                                           : 0;
-        for (Index k = 0; k < frfs.H.rows(); ++k) {
-          const std::complex<double> s(frfs.exponential_decay_rate_1_s,
-                                       2 * std::numbers::pi * frfs.frequency_hz[k]);
-          for (int i = 0; i < power; ++i) {
-            frfs.H(k, static_cast<Index>(r)) *= s;
-            if (frfs.H_std.size() > 0) frfs.H_std(k, static_cast<Index>(r)) *= std::abs(s);
-            for (Eigen::MatrixXcd& hit : frfs.by_hit) {
-              if (k < hit.rows()) hit(k, static_cast<Index>(r)) *= s;
-            }
-          }
-        }
+        if (frfs.H.rows() > 0) multiply_by_s(frfs, static_cast<Index>(r), power);
       }
       frfs.form = FrfForm::accelerance;
       test_.notes.push_back(
@@ -371,7 +383,7 @@ class Analysis {
             std::max(test_.frfs.force_noise_span_s, before / test_.search.sample_rate_hz);
       }
     }
-    if (left > options_.hits.ring_down_level && left > 3 * quietest()) {
+    if (left > kRungDown && left > 3 * quietest()) {
       test_.notes.push_back(
           {"ring_down_truncated",
            fmt::format(
@@ -380,7 +392,7 @@ class Analysis {
                100 * left),
            ""});
     }
-    if (drop > options_.hits.good_spectrum_drop_db) {
+    if (drop > kGoodSpectrumDrop) {
       test_.notes.push_back(
           {"force_noise",
            fmt::format("Use a harder tip or a narrower band: the force spectrum falls by {:.1f} dB "
@@ -473,18 +485,6 @@ class Analysis {
       if (hit.level_before > 0) level = std::min(level, hit.level_before);
     }
     return level < 1 ? level : 0;
-  }
-
-  void check_driving() {
-    if (!options_.driving_response || test_.frfs.form == FrfForm::unknown) return;
-    const double high = options_.hits.band_hz ? options_.hits.band_hz->second : test_.usable_hz;
-    const double low = options_.hits.band_hz ? options_.hits.band_hz->first : 0;
-    const DrivingPointCheck check =
-        check_driving_point(test_.frfs, *options_.driving_response, 0, std::pair(low, high));
-    test_.driving_point = check;
-    const std::string where =
-        test_.frfs.responses[static_cast<std::size_t>(*options_.driving_response)].name;
-    if (const auto note = note_of(check)) test_.notes.push_back({note->code, note->message, where});
   }
 
   std::span<const Recording> recordings_;

@@ -1,5 +1,5 @@
 // An impact test from recordings to FRFs with error bars: hits found and judged, outliers left out,
-// the accepted ones averaged, the driving point checked.
+// the accepted ones averaged.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,6 @@
 #include "signal/impact/impact_hits.h"
 #include "signal/recording/recording.h"
 #include "signal/spectra/frf.h"
-#include "signal/spectra/frf_checks.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
@@ -21,27 +20,21 @@ struct ImpactTestOptions {
   FrfEstimator estimator = FrfEstimator::h1;
   /// Length of force kept after the beginning of the pulse, s; it is then faded out over half that
   /// length. 0: the whole block. Negative: three durations of each hit's pulse. Not given: three
-  /// pulse durations or the whole block, depending on the noise (`force_noise_limit`).
+  /// pulse durations when noise has more than a thousandth of the force's power in half of the
+  /// band's lines (a random error of H of 2 % per hit), else the whole block. Mains hum alone does
+  /// not cause a window, as a short one would spread its few lines over the band.
   std::optional<double> force_window_s;
-  /// A force window is chosen when noise has more than this share of the force's power in half of
-  /// the band's lines (a random error of H of 2 % per hit). Mains hum alone does not cause one, as
-  /// a short window would spread its few lines over the band.
-  double force_noise_limit = 1e-3;
   /// Rate of an exponential window on force and responses, 1/s. `exponential_end_level`, if
   /// positive, gives it instead by the level at the end of the block.
   double exponential_decay_rate_1_s = 0;
   double exponential_end_level = 0;
-  Eigen::Index error_smoothing_lines = 10;  ///< see FrfOptions
-  bool reject_outliers = true;              ///< from three accepted hits on
-  /// A hit is an outlier when leaving it out halves the incoherent power per degree of freedom, and
-  /// lowers that power by more than happens with this probability for the worst of n hits that
-  /// differ in one way, such as a changing frequency (Grubbs, Ann. Math. Stat. 21 (1950) 27: the
-  /// ratio of the powers is Beta((n - 2) / 2, 1 / 2)). Where the other hits leave more than ten
-  /// times the noise of the responses, all hits differ, and a fifth of this probability is used,
-  /// since a hit left out by chance makes their scatter too small ...
-  double outlier_chance = 0.05;
-  double outlier_least = 1e-3;  ///< ... and that power is at least this part of the response power
-  std::optional<Eigen::Index> driving_response;  ///< index into the responses
+  /// From three accepted hits on. A hit is an outlier when leaving it out halves the incoherent
+  /// power per degree of freedom, and lowers that power by more than happens with a chance of 5 %
+  /// for the worst of n hits that differ in one way, such as a changing frequency (Grubbs, Ann.
+  /// Math. Stat. 21 (1950) 27: the ratio of the powers is Beta((n - 2) / 2, 1 / 2)). Where the
+  /// other hits leave more than ten times the noise of the responses, all hits differ, and the
+  /// chance is 1 %, since a hit left out by chance makes their scatter too small.
+  bool reject_outliers = true;
   int threads = 1;
 };
 
@@ -61,7 +54,6 @@ struct ImpactTest {
   double force_noise_left = 0;
   double force_window_s = 0;           ///< length kept, mean over the hits; 0: no window
   bool force_window_by_noise = false;  ///< chosen because of the noise, not by the user
-  std::optional<DrivingPointCheck> driving_point;
   std::vector<Note> notes;
 };
 

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "signal/estimation/robust.h"
-#include "signal/impact/double_hit.h"
 #include "signal/impact/pulse_shape.h"
 #include "signal/recording/clipping.h"
 #include "signal/recording/recording_error.h"
@@ -17,6 +16,11 @@
 namespace rigfit::signal {
 namespace {
 using Eigen::Index;
+
+constexpr double kTriggerNoise = 10;  // standard deviations of the noise
+constexpr double kHitWindow =
+    0.25;                           // s around a peak, within which pulses are no hits of their own
+constexpr double kPulseEdge = 0.1;  // the pulse is where the force exceeds this part of its peak
 
 std::vector<double> finite_values(const Eigen::Ref<const Eigen::VectorXd>& x) {
   std::vector<double> values;
@@ -53,12 +57,11 @@ struct ForceTrace {
 };
 
 /// Peaks above the level, none closer to a larger one than `apart`. `sign` 0: either side.
-std::vector<Index> find_peaks(const ForceTrace& trace, int sign, const HitOptions& options,
-                              Index apart) {
+std::vector<Index> find_peaks(const ForceTrace& trace, int sign, double trigger, Index apart) {
   const auto value = [&](Index k) { return sign == 0 ? std::abs(trace.x[k]) : sign * trace.x[k]; };
   double largest = 0;
   for (Index k = 0; k < trace.x.size(); ++k) largest = std::max(largest, value(k));
-  const double level = std::max(options.trigger * largest, options.trigger_noise * trace.noise);
+  const double level = std::max(trigger * largest, kTriggerNoise * trace.noise);
   std::vector<Index> peaks;
   if (!(largest > 0)) return peaks;
   Index last_above = -1;
@@ -74,12 +77,11 @@ std::vector<Index> find_peaks(const ForceTrace& trace, int sign, const HitOption
   return peaks;
 }
 
-void measure_pulse(const Eigen::VectorXd& force, int sign, double rate, const HitOptions& options,
-                   Index earliest, Hit& hit) {
+void measure_pulse(const Eigen::VectorXd& force, int sign, double rate, Index earliest, Hit& hit) {
   const Index n = force.size();
   const auto value = [&](Index k) { return sign * (force[k] - hit.offset); };
   const auto edges = [&] {
-    const double edge = options.pulse_edge * value(hit.peak_sample);
+    const double edge = kPulseEdge * value(hit.peak_sample);
     hit.pulse_first = hit.pulse_last = hit.peak_sample;
     while (hit.pulse_first > 0 && value(hit.pulse_first - 1) > edge) --hit.pulse_first;
     while (hit.pulse_last + 1 < n && value(hit.pulse_last + 1) > edge) ++hit.pulse_last;
@@ -109,8 +111,8 @@ void measure_pulse(const Eigen::VectorXd& force, int sign, double rate, const Hi
 }
 
 /// Spectrum of the pulse alone, dB below its maximum.
-void judge_spectrum(const Eigen::VectorXd& force, double rate, const HitOptions& options,
-                    Hit& hit) {
+void judge_spectrum(const Eigen::VectorXd& force, double rate,
+                    const std::optional<std::pair<double, double>>& band_hz, Hit& hit) {
   const Index width = hit.pulse_last - hit.pulse_first + 1;
   const Index first = std::max<Index>(0, hit.pulse_first - width);
   const Index last = std::min(force.size(), hit.pulse_last + 4 * width);
@@ -124,26 +126,25 @@ void judge_spectrum(const Eigen::VectorXd& force, double rate, const HitOptions&
   const Eigen::ArrayXd power = fft.spectrum().array().abs2();
   const Eigen::VectorXd f = line_frequencies(fft.length(), rate);
   const double largest = power.maxCoeff();
-  const double least = largest * std::pow(10, -options.max_spectrum_drop_db / 10);
+  const double least = largest * std::pow(10, -kMostSpectrumDrop / 10);
   // From the maximum on, where a dip is the end of what can be used.
   Index top = 0;
   power.maxCoeff(&top);
   while (top + 1 < power.size() && power[top + 1] >= least) ++top;
   hit.usable_hz = f[top];
-  if (!options.band_hz) return;
-  const auto [low, high] = *options.band_hz;
+  if (!band_hz) return;
+  const auto [low, high] = *band_hz;
   for (Index k = 0; k < f.size(); ++k) {
     if (f[k] < low || f[k] > high) continue;
     const double drop =
         power[k] > 0 ? -10 * std::log10(power[k] / largest) : std::numeric_limits<double>::max();
     hit.spectrum_drop_db = std::max(hit.spectrum_drop_db, std::min(drop, 300.0));
   }
-  if (hit.spectrum_drop_db > options.max_spectrum_drop_db) {
-    hit.reject(
-        HitFault::force_spectrum,
-        fmt::format("the force spectrum falls by {:.1f} dB within {:g} to {:g} Hz (at most "
-                    "{:g} dB; usable to {:.4g} Hz): use a harder tip or a narrower band",
-                    hit.spectrum_drop_db, low, high, options.max_spectrum_drop_db, hit.usable_hz));
+  if (hit.spectrum_drop_db > kMostSpectrumDrop) {
+    hit.reject(HitFault::force_spectrum,
+               fmt::format("the force spectrum falls by {:.1f} dB within {:g} to {:g} Hz (at most "
+                           "{:g} dB; usable to {:.4g} Hz): use a harder tip or a narrower band",
+                           hit.spectrum_drop_db, low, high, kMostSpectrumDrop, hit.usable_hz));
   }
 }
 
@@ -201,7 +202,7 @@ void judge_pulse(const Recording& recording, const Channel& force, const Channel
     const std::string why = fmt::format(
         "pulse not resolved: {} sample{} above {:.0f} % of the peak at {:g} Hz, {} needed; "
         "sample at {:.3g} Hz or more, or use a softer tip",
-        width, width == 1 ? "" : "s", 100 * options.pulse_edge, rate, options.min_pulse_samples,
+        width, width == 1 ? "" : "s", 100 * kPulseEdge, rate, options.min_pulse_samples,
         rate * (options.min_pulse_samples + 1) / static_cast<double>(width));
     if (options.accept_unresolved) {
       hit.faults.push_back(HitFault::unresolved_pulse);
@@ -213,13 +214,13 @@ void judge_pulse(const Recording& recording, const Channel& force, const Channel
 }
 
 void judge_double_hit(const Channel& force, Index block_samples, int sign, double rate,
-                      const HitOptions& options, Hit& hit) {
+                      double smallest, Hit& hit) {
   const Index length = std::min(block_samples, hit.available);
   const Eigen::VectorXd block =
       sign * (force.samples.segment(hit.block_first, length).array() - hit.offset).matrix();
-  const SecondContact second = find_second_contact(
-      block, hit.pulse_first - hit.block_first, hit.peak_sample - hit.block_first,
-      hit.pulse_last - hit.block_first, {options.double_hit, options.double_hit_noise, 0.5});
+  const SecondContact second = find_second_contact(block, hit.pulse_first - hit.block_first,
+                                                   hit.peak_sample - hit.block_first,
+                                                   hit.pulse_last - hit.block_first, smallest);
   hit.smallest_second_hit = second.smallest_visible;
   hit.second_hit = second.ratio;
   hit.second_hit_delay_s = static_cast<double>(second.delay) / rate;
@@ -257,21 +258,15 @@ void measure_levels(const Recording& recording, std::span<const Index> responses
   hit.level_before = median(befores);
 }
 
-bool any_missing(const Recording& recording, Index channel, Index first, Index length) {
-  return !recording.channels[static_cast<std::size_t>(channel)]
-              .samples.segment(first, length)
-              .allFinite();
-}
-
 /// Reasons that concern the block: missing samples, overload of a response.
 void judge_block(const Recording& recording, Index force, std::span<const Index> responses,
                  const std::vector<ChannelFacts>& facts, Index block_samples, Hit& hit) {
   const Index length = std::min(block_samples, hit.available);
-  const auto missing = [&](Index channel) {
-    if (!any_missing(recording, channel, hit.block_first, length)) return;
+  const auto missing = [&](Index index) {
+    const Channel& channel = recording.channels[static_cast<std::size_t>(index)];
+    if (channel.samples.segment(hit.block_first, length).allFinite()) return;
     hit.reject(HitFault::missing_samples,
-               fmt::format("samples of \"{}\" are missing within the block",
-                           recording.channels[static_cast<std::size_t>(channel)].name));
+               fmt::format("samples of \"{}\" are missing within the block", channel.name));
   };
   missing(force);
   for (std::size_t r = 0; r < responses.size(); ++r) {
@@ -338,8 +333,7 @@ void place_blocks(std::span<const Recording> recordings, const HitOptions& optio
   }
 }
 
-void judge_cut_off(std::span<const Recording> recordings, const HitOptions& options,
-                   HitSearch& search) {
+void judge_cut_off(std::span<const Recording> recordings, HitSearch& search) {
   // What the responses are like at rest: the quietest moment before a hit.
   double rest = std::numeric_limits<double>::infinity();
   for (const Hit& hit : search.hits) {
@@ -349,7 +343,7 @@ void judge_cut_off(std::span<const Recording> recordings, const HitOptions& opti
   for (std::size_t i = 0; i < search.hits.size(); ++i) {
     Hit& hit = search.hits[i];
     if (hit.available >= search.block_samples) continue;
-    if (hit.end_level <= std::max(options.ring_down_level, 1.5 * rest)) continue;
+    if (hit.end_level <= std::max(kRungDown, 1.5 * rest)) continue;
     const bool next = hit.block_first + hit.available < recordings[hit.recording].samples();
     hit.reject(
         HitFault::cut_off,
@@ -379,12 +373,10 @@ void check_recordings(std::span<const Recording> recordings) {
   }
 }
 
-int sign_of_most(const std::vector<ForceTrace>& traces, const HitOptions& options, Index apart) {
-  if (options.sign == PulseSign::positive) return 1;
-  if (options.sign == PulseSign::negative) return -1;
+int sign_of_most(const std::vector<ForceTrace>& traces, double trigger, Index apart) {
   double sum = 0;
   for (const ForceTrace& trace : traces) {
-    for (const Index peak : find_peaks(trace, 0, options, apart)) {
+    for (const Index peak : find_peaks(trace, 0, trigger, apart)) {
       sum += trace.x[peak] > 0 ? 1 : -1;
     }
   }
@@ -394,25 +386,10 @@ int sign_of_most(const std::vector<ForceTrace>& traces, const HitOptions& option
 }  // namespace
 
 const char* name_of(HitFault fault) {
-  switch (fault) {
-    case HitFault::rings:
-      return "rings";
-    case HitFault::missing_samples:
-      return "missing_samples";
-    case HitFault::overload:
-      return "overload";
-    case HitFault::unresolved_pulse:
-      return "unresolved_pulse";
-    case HitFault::double_hit:
-      return "double_hit";
-    case HitFault::cut_off:
-      return "cut_off";
-    case HitFault::force_spectrum:
-      return "force_spectrum";
-    case HitFault::outlier:
-      break;
-  }
-  return "outlier";
+  constexpr const char* kNames[] = {
+      "rings",      "missing_samples", "overload",       "unresolved_pulse",
+      "double_hit", "cut_off",         "force_spectrum", "outlier"};
+  return kNames[static_cast<std::size_t>(fault)];
 }
 
 bool Hit::has(HitFault fault) const {
@@ -432,17 +409,17 @@ HitSearch find_hits(std::span<const Recording> recordings, Index force,
   if (recordings.empty()) return search;
   search.sample_rate_hz = recordings.front().sample_rate_hz;
   const double rate = search.sample_rate_hz;
-  const auto apart = static_cast<Index>(std::ceil(options.double_hit_window_s * rate));
+  const auto apart = static_cast<Index>(std::ceil(kHitWindow * rate));
   const auto channel_of = [&](std::size_t i) -> const Channel& {
     return recordings[i].channels[static_cast<std::size_t>(force)];
   };
 
   std::vector<ForceTrace> traces;
   for (std::size_t i = 0; i < recordings.size(); ++i) traces.emplace_back(channel_of(i).samples);
-  search.sign = sign_of_most(traces, options, apart);
+  search.sign = sign_of_most(traces, options.trigger, apart);
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     Index earliest = 0;
-    const std::vector<Index> peaks = find_peaks(traces[i], search.sign, options, apart);
+    const std::vector<Index> peaks = find_peaks(traces[i], search.sign, options.trigger, apart);
     if (peaks.empty()) {
       search.notes.push_back(
           {"no_hit",
@@ -456,7 +433,7 @@ HitSearch find_hits(std::span<const Recording> recordings, Index force,
       hit.peak_sample = peak;
       hit.time_s = recordings[i].start_time_s + static_cast<double>(peak) / rate;
       hit.offset = traces[i].offset;
-      measure_pulse(channel_of(i).samples, search.sign, rate, options, earliest, hit);
+      measure_pulse(channel_of(i).samples, search.sign, rate, earliest, hit);
       earliest = hit.pulse_last + 1;
       search.hits.push_back(std::move(hit));
     }
@@ -482,11 +459,11 @@ HitSearch find_hits(std::span<const Recording> recordings, Index force,
     judge_block(recording, force, responses, facts[hit.recording], search.block_samples, hit);
     if (hit.has(HitFault::missing_samples)) continue;
     judge_pulse(recording, channel, force_facts[hit.recording], options, hit);
-    judge_double_hit(channel, search.block_samples, search.sign, rate, options, hit);
-    judge_spectrum(channel.samples, rate, options, hit);
+    judge_double_hit(channel, search.block_samples, search.sign, rate, options.double_hit, hit);
+    judge_spectrum(channel.samples, rate, options.band_hz, hit);
     measure_levels(recording, responses, facts[hit.recording], search.block_samples, hit);
   }
-  judge_cut_off(recordings, options, search);
+  judge_cut_off(recordings, search);
   refuse_all_where_the_largest_rings(search);
   return search;
 }

@@ -1,7 +1,7 @@
 // Hammer hits in a force signal, each accepted or rejected with its reason.
 //
-// A hit begins where the force exceeds the trigger level, and everything within
-// `double_hit_window_s` belongs to it. Second contacts are looked for in the force correlated with
+// A hit begins where the force exceeds the trigger level, and everything within a quarter of a
+// second belongs to it. Second contacts are looked for in the force correlated with
 // the hit's own pulse: this matched filter raises a contact above the noise and suppresses anything
 // shorter. Ringing of the hammer or of anti-alias filters and the undershoot of AC-coupled
 // amplifiers swing to both sides; a second contact pushes to one side only, which tells them apart.
@@ -19,8 +19,6 @@
 
 namespace rigfit::signal {
 
-enum class PulseSign { automatic, positive, negative };
-
 enum class HitFault {
   rings,             ///< the force swings to both sides and rings on: it is a response
   missing_samples,   ///< NaN in the force or a response within the block
@@ -34,35 +32,28 @@ enum class HitFault {
 [[nodiscard]] const char* name_of(HitFault fault);
 
 struct HitOptions {
-  PulseSign sign = PulseSign::automatic;  ///< automatic: the sign of most hits
-  double trigger = 0.1;                   ///< a hit exceeds this part of the largest force ...
-  double trigger_noise = 10;              ///< ... and this many standard deviations of the noise
-  /// Pulses within this time of a hit's peak are not hits of their own, s.
-  double double_hit_window_s = 0.25;
+  double trigger = 0.1;  ///< a hit exceeds this part of the largest force and ten times the noise
   /// Smallest second contact that is reported, relative to the peak (3 %, so that 5 % are found).
   /// Noise may hide contacts up to `Hit::smallest_second_hit`.
   double double_hit = 0.03;
-  double double_hit_noise = 6;  ///< and at least this many standard deviations of filtered noise
-  double pulse_edge = 0.1;      ///< the pulse is where the force exceeds this part of its peak
-  /// Samples a pulse needs above `pulse_edge`. A half sine with four lasts 3.2 sample intervals or
-  /// more and has at most 0.5 % of its energy above half the sample rate (with three: 2.2 %, with
-  /// one or two a quarter), so that its area hardly depends on the logger's anti-alias filter.
+  /// Samples a pulse needs above a tenth of its peak. A half sine with four lasts 3.2 sample
+  /// intervals or more and has at most 0.5 % of its energy above half the sample rate (with
+  /// three: 2.2 %, with one or two a quarter), so that its area hardly depends on the logger's
+  /// anti-alias filter.
   int min_pulse_samples = 4;
   bool accept_unresolved = false;  ///< keep such hits all the same: frequencies without amplitudes
 
   double block_s = 0;         ///< 0: the length that uses most of the recordings (see `find_hits`)
   double pre_trigger_s = -1;  ///< before the peak; negative: 1 % of the block, at least two pulses
-  /// A block cut by the next hit or the end of the record is accepted, and filled with zeros, when
-  /// the responses have fallen to this part of their largest value (or to the noise before the
-  /// hit).
-  double ring_down_level = 0.01;
-
   std::optional<std::pair<double, double>> band_hz;  ///< band that the force spectrum must cover
-  /// Largest drop of the force spectrum in the band, dB below its maximum. ISO 7626-5 asks for a
-  /// spectrum that is reasonably flat; 20 dB is the customary outer limit, 10 dB good practice.
-  double max_spectrum_drop_db = 20;
-  double good_spectrum_drop_db = 10;  ///< a larger drop is noted
 };
+
+/// A block cut by the next hit or the end of the record is accepted, and filled with zeros, when
+/// the responses have fallen to this part of their largest value (or to the noise before the hit).
+inline constexpr double kRungDown = 0.01;
+/// Largest drop of the force spectrum in the band, dB below its maximum. ISO 7626-5 asks for a
+/// spectrum that is reasonably flat; 20 dB is the customary outer limit, 10 dB good practice.
+inline constexpr double kMostSpectrumDrop = 20, kGoodSpectrumDrop = 10;
 
 struct Hit {
   std::size_t recording = 0;  ///< index of the recording it is in
@@ -77,10 +68,10 @@ struct Hit {
   double second_hit = 0;                         ///< largest second contact relative to the peak
   double second_hit_delay_s = 0;                 ///< negative: before the peak
   double smallest_second_hit = 0;  ///< smallest visible in the noise, relative to the peak
-  double usable_hz = 0;         ///< the force spectrum stays within max_spectrum_drop_db up to here
-  double spectrum_drop_db = 0;  ///< largest in the band (0 without a band)
-  double end_level = 0;         ///< responses at the end of the block over their largest value
-  double level_before = 0;      ///< responses before the hit over their largest value
+  double usable_hz = 0;            ///< the force spectrum stays within kMostSpectrumDrop up to here
+  double spectrum_drop_db = 0;     ///< largest in the band (0 without a band)
+  double end_level = 0;            ///< responses at the end of the block over their largest value
+  double level_before = 0;         ///< responses before the hit over their largest value
   bool accepted = true;
   std::vector<HitFault> faults;
   std::string reason;  ///< for a person; empty when accepted

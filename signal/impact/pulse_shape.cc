@@ -53,4 +53,88 @@ PulseShape pulse_shape(const VectorXd& samples, Index first, Index length) {
   return shape;
 }
 
+namespace {
+
+Eigen::VectorXd correlate(const Eigen::Ref<const Eigen::VectorXd>& force, Index pulse_first,
+                          Index peak, Index pulse_last) {
+  const Index width = pulse_last - pulse_first + 1, before = peak - pulse_first;
+  const Eigen::VectorXd pulse = force.segment(pulse_first, width) / force[peak];
+  const double scale = 1 / pulse.squaredNorm();
+  Eigen::VectorXd y(force.size());
+  for (Index k = 0; k < y.size(); ++k) {
+    const Index first = std::max<Index>(0, before - k);
+    const Index last = std::min(width, force.size() - (k - before));
+    y[k] = last > first ? scale * pulse.segment(first, last - first)
+                                      .dot(force.segment(k - before + first, last - first))
+                        : 0;
+  }
+  return y;
+}
+
+}  // namespace
+
+SecondContact find_second_contact(const Eigen::Ref<const Eigen::VectorXd>& force, Index pulse_first,
+                                  Index peak, Index pulse_last, double smallest) {
+  constexpr double kNoise = 6;      // it exceeds so many standard deviations of the filtered noise
+  constexpr double kRinging = 0.5;  // swings to the other side of this part of its height
+  SecondContact result;
+  const double height = force[peak];
+  if (!(height > 0)) return result;
+  const Index n = force.size(), width = pulse_last - pulse_first + 1;
+  const Eigen::VectorXd y = correlate(force, pulse_first, peak, pulse_last);
+
+  // The hit itself: a half sine ends 3.5 % of its length beyond its 10 % crossings.
+  const Index guard = width + width / 10 + 1;
+  const Index hit_first = std::max<Index>(0, peak - guard),
+              hit_last = std::min(n - 1, peak + guard);
+  std::vector<double> rest;
+  rest.reserve(static_cast<std::size_t>(n));
+  for (Index k = 0; k < n; ++k) {
+    if (k < hit_first || k > hit_last) rest.push_back(y[k]);
+  }
+  const double level = median(rest);
+  double noise = robust_std(rest, level);
+  if (noise == 0) {
+    // More than half of the samples alike (coarse steps): the rms of what is not a contact.
+    double sum = 0;
+    for (const double value : rest) {
+      sum += std::pow(std::min(std::abs(value - level), smallest * height), 2);
+    }
+    noise = rest.empty() ? 0 : std::sqrt(sum / static_cast<double>(rest.size()));
+  }
+  const double least = std::max(smallest * height, kNoise * noise);
+  result.smallest_visible = least / height;
+
+  for (Index k = 1; k + 1 < n; ++k) {
+    if (y[k] - level < least || (k >= hit_first && k <= hit_last)) continue;
+    if (y[k] <= y[k - 1] || y[k] < y[k + 1]) continue;
+
+    const Index around = 5 * width + 8;
+    std::vector<double> near;
+    for (Index j = std::max<Index>(0, k - around); j <= std::min(n - 1, k + around); ++j) {
+      if (j < hit_first || j > hit_last) near.push_back(y[j]);
+    }
+    const double base = median(near), rise = y[k] - base;
+    if (rise < least) continue;
+
+    Index left = k, right = k;
+    while (left > 0 && y[left] - base > rise / 2) --left;
+    while (right + 1 < n && y[right] - base > rise / 2) ++right;
+    // Ringing dies away from the hit, so the swing between it and the hit is the larger one.
+    const Index reach = 2 * (right - left + 1) + width;
+    double lowest = y[k];
+    if (k > peak) {
+      lowest = y.segment(std::max(peak, k - reach), k - std::max(peak, k - reach)).minCoeff();
+    } else {
+      lowest = y.segment(k + 1, std::min(peak, k + reach) - k).minCoeff();
+    }
+    if (base - lowest >= kRinging * rise) continue;
+    if (rise / height > result.ratio) {
+      result.ratio = rise / height;
+      result.delay = k - peak;
+    }
+  }
+  return result;
+}
+
 }  // namespace rigfit::signal

@@ -4,6 +4,11 @@
 // to both sides and rings on. Two figures tell them apart: the largest swing to the other side over
 // the peak, and the part of the energy that comes more than five pulse widths away from the pulse,
 // both beyond what the channel's noise gives.
+//
+// Second contacts of a hammer with the structure, before or after the hit:
+// y(k) = sum_i p_i x(k + i) / sum_i p_i^2 with p the hit's own pulse scaled to one: a second
+// contact of the same shape and a times the height peaks at y = a times the hit's peak, white noise
+// falls by sqrt(sum p^2).
 #pragma once
 
 #include <Eigen/Core>
@@ -25,5 +30,18 @@ struct PulseShape {
 /// samples count as rest. No signal: neither rings nor is a pulse.
 [[nodiscard]] PulseShape pulse_shape(const Eigen::VectorXd& samples, Eigen::Index first,
                                      Eigen::Index length);
+
+struct SecondContact {
+  double ratio = 0;             ///< second contact relative to the peak; 0: none found
+  Eigen::Index delay = 0;       ///< samples from peak to peak; negative: before the hit
+  double smallest_visible = 0;  ///< larger of `smallest` and what noise hides, relative to the peak
+};
+
+/// `force`: one block, offset removed, pulses upwards, finite; the hit's pulse spans
+/// pulse_first..pulse_last with its peak at `peak`. `smallest`: second contact looked for, relative
+/// to the peak.
+[[nodiscard]] SecondContact find_second_contact(const Eigen::Ref<const Eigen::VectorXd>& force,
+                                                Eigen::Index pulse_first, Eigen::Index peak,
+                                                Eigen::Index pulse_last, double smallest);
 
 }  // namespace rigfit::signal

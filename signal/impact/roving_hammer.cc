@@ -13,11 +13,12 @@ namespace rigfit::signal {
 namespace {
 using Eigen::Index;
 
-/// Index of the response that bears a point's name.
-std::optional<Index> response_named(const ImpactTest& test, const Recording& recording,
-                                    const std::string& point) {
+/// The response at a point.
+std::optional<Index> response_at(const StruckPoint& point, const ImpactTest& test) {
+  if (point.response || point.name.empty()) return point.response;
   for (std::size_t r = 0; r < test.responses.size(); ++r) {
-    if (recording.channels[static_cast<std::size_t>(test.responses[r])].name == point) {
+    const auto channel = static_cast<std::size_t>(test.responses[r]);
+    if (point.recordings.front().channels[channel].name == point.name) {
       return static_cast<Index>(r);
     }
   }
@@ -27,21 +28,19 @@ std::optional<Index> response_named(const ImpactTest& test, const Recording& rec
 void same_rate(std::span<const StruckPoint> points) {
   const Recording& first = points.front().recordings.front();
   for (const StruckPoint& point : points) {
-    for (const Recording& recording : point.recordings) {
-      if (recording.sample_rate_hz == first.sample_rate_hz) continue;
-      throw RecordingError(
-          {recording.path.string(), 0, 0, "", fmt::format("{}", recording.sample_rate_hz)},
-          fmt::format("is sampled at another rate than {} ({} Hz)", first.path.string(),
-                      first.sample_rate_hz),
-          "resample it, or analyse the points by themselves: FRFs of several points need one rate");
-    }
+    const Recording& recording = point.recordings.front();
+    if (recording.sample_rate_hz == first.sample_rate_hz) continue;
+    throw RecordingError(
+        {recording.path.string(), 0, 0, "", fmt::format("{}", recording.sample_rate_hz)},
+        fmt::format("is sampled at another rate than {} ({} Hz)", first.path.string(),
+                    first.sample_rate_hz),
+        "resample it, or analyse the points by themselves: FRFs of several points need one rate");
   }
 }
 
 /// The tests' FRFs side by side; the points without FRFs are left out.
 FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& tests,
               std::vector<std::size_t>& kept, std::vector<Note>& notes) {
-  FrfSet all;
   for (std::size_t p = 0; p < tests.size(); ++p) {
     if (tests[p].frfs.H.rows() > 0) {
       kept.push_back(p);
@@ -51,8 +50,8 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
                        points[p].name});
     }
   }
+  FrfSet all = tests[kept.empty() ? 0 : kept.front()].frfs;
   if (kept.empty()) return all;
-  all = tests[kept.front()].frfs;
   all.inputs.clear();
   all.hit_impulse.clear();
   all.notes.clear();
@@ -81,10 +80,13 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
     const std::size_t p = kept[static_cast<std::size_t>(i)];
     const FrfSet& one = tests[p].frfs;
     MeasuredPoint input = one.inputs.front();
-    input.name = points[p].name;
-    const auto response = response_named(tests[p], points[p].recordings.front(), input.name);
-    input.node = response ? all.responses[static_cast<std::size_t>(*response)].node
-                          : static_cast<int>(responses) + ++named;
+    const auto response = response_at(points[p], tests[p]);
+    if (response) {
+      input.node = all.responses[static_cast<std::size_t>(*response)].node;
+    } else if (!points[p].name.empty()) {
+      input.node = static_cast<int>(responses) + ++named;
+    }
+    if (!points[p].name.empty()) input.name = points[p].name;
     all.inputs.push_back(input);
     all.hit_impulse.push_back(one.hit_impulse.front());
     all.force_noise_span_s = std::max(all.force_noise_span_s, one.force_noise_span_s);
@@ -115,7 +117,6 @@ RovingHammer analyse_roving_hammer(std::span<const StruckPoint> points, const st
   if (points.empty()) return result;
   same_rate(points);
   ImpactTestOptions chosen = options;
-  chosen.driving_response.reset();
   const auto analyse = [&] {
     result.tests.clear();
     for (const StruckPoint& point : points) {
@@ -154,21 +155,21 @@ RovingHammer analyse_roving_hammer(std::span<const StruckPoint> points, const st
   }
   std::vector<std::size_t> kept;
   result.frfs = joined(points, result.tests, kept, result.notes);
-  if (result.frfs.form == FrfForm::unknown) return result;
+  if (kept.empty() || result.frfs.form == FrfForm::unknown) return result;
 
   double usable = std::numeric_limits<double>::infinity();
   for (const std::size_t p : kept) usable = std::min(usable, result.tests[p].usable_hz);
   const std::pair band = options.hits.band_hz ? *options.hits.band_hz : std::pair(0.0, usable);
   for (std::size_t i = 0; i < kept.size(); ++i) {
-    const auto response = response_named(result.tests[kept[i]], points[kept[i]].recordings.front(),
-                                         result.frfs.inputs[i].name);
+    const auto response = response_at(points[kept[i]], result.tests[kept[i]]);
     if (!response) continue;
     const auto input = static_cast<Index>(i);
     result.driving_points.push_back(
         {*response, input, check_driving_point(result.frfs, *response, input, band)});
     const DrivingPoint& driving = result.driving_points.back();
     if (const auto note = note_of(driving.check)) {
-      result.notes.push_back({note->code, note->message, result.frfs.inputs[i].name});
+      result.notes.push_back({note->code, note->message,
+                              result.frfs.responses[static_cast<std::size_t>(*response)].name});
     }
   }
   result.reciprocity = check_reciprocity(result.frfs, band);

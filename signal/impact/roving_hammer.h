@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,8 +20,10 @@
 namespace rigfit::signal {
 
 struct StruckPoint {
-  std::string name;
+  std::string name;  ///< empty: the only point, its input has the name of the force
   std::span<const Recording> recordings;  ///< recordings of hits on the point
+  /// The response at the point, an index; none: that of the point's name, if there is one.
+  std::optional<Eigen::Index> response = {};
 };
 
 struct DrivingPoint {
@@ -37,9 +40,8 @@ struct RovingHammer {
   std::vector<Note> notes;
 };
 
-/// All recordings need the same channels and sample rate. Points' names determine the driving
-/// points; `options.driving_response` is not used. All blocks have the length of the shortest that
-/// any point's hits allow. Throws like analyse_impact_test.
+/// All recordings need the same channels and sample rate. All blocks have the length of the
+/// shortest that any point's hits allow. Throws like analyse_impact_test.
 [[nodiscard]] RovingHammer analyse_roving_hammer(std::span<const StruckPoint> points,
                                                  const std::string& force,
                                                  std::span<const std::string> responses,

@@ -1,7 +1,5 @@
 #include "signal/recording/clipping.h"
 
-#include <gsl/gsl_cdf.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,48 +21,7 @@ double next_step(const Eigen::Ref<const Eigen::VectorXd>& channel, Index at, Ind
   return static_cast<double>(channel.size());  // the record ends there: nothing can be said
 }
 
-/// Least step between different values of (at most some thousand of) the samples.
-double least_step(const Eigen::Ref<const Eigen::VectorXd>& y, double rounding) {
-  constexpr Index kEnough = 4096;
-  std::vector<double> values;
-  for (Index j = 0; j < y.size() && static_cast<Index>(values.size()) < kEnough; ++j) {
-    if (std::isfinite(y[j])) values.push_back(y[j]);
-  }
-  std::sort(values.begin(), values.end());
-  double step = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 1; k < values.size(); ++k) {
-    const double gap = values[k] - values[k - 1];
-    if (gap > rounding) step = std::min(step, gap);
-  }
-  return step;
-}
-
 }  // namespace
-
-bool piles_up(const Eigen::Ref<const Eigen::VectorXd>& y, double rail) {
-  constexpr unsigned kFewest = 3;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const double value : y) {
-    if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
-  }
-  const double span = high - low;
-  if (!(span > 0)) return false;
-  const double rounding = 1e-12 * std::max({span, std::abs(low), std::abs(high)});
-  const double quantum = std::max(least_step(y, rounding), rounding);
-  if (!std::isfinite(quantum)) return false;
-  const double near = std::max(0.05 * span, 3 * quantum);
-  unsigned at = 0, beside = 0;
-  for (const double value : y) {
-    const double distance = std::abs(value - rail);
-    if (distance <= rounding) {
-      ++at;
-    } else if (distance <= near) {
-      ++beside;
-    }
-  }
-  if (at < kFewest) return false;
-  return gsl_cdf_binomial_Q(at - 1, std::sqrt(quantum / (quantum + near)), at + beside) < 1e-4;
-}
 
 ClipLevels clip_levels(const Eigen::Ref<const Eigen::VectorXd>& channel) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -38,10 +38,4 @@ struct ClippedSamples {
 [[nodiscard]] ClippedSamples clipped_samples(const Eigen::Ref<const Eigen::VectorXd>& channel,
                                              double nominal_range);
 
-/// Whether more samples equal `rail`, an extreme of `y`, than the values next to it explain, as
-/// when a signal sampled so coarsely that no top is flat for three samples is clipped. An unclipped
-/// top is at most as crowded as that of a steady sinusoid: of its samples within d of the extreme,
-/// those within the quantum q are sqrt(q / (q + d)), less than 1e-4 of the time significantly more.
-[[nodiscard]] bool piles_up(const Eigen::Ref<const Eigen::VectorXd>& y, double rail);
-
 }  // namespace rigfit::signal

@@ -10,9 +10,9 @@
 
 #include "signal/numerics/least_squares.h"
 #include "signal/numerics/numbers.h"
+#include "signal/numerics/power_sums.h"
 #include "signal/numerics/scaled_gram.h"
 #include "signal/sinusoids/decay_search.h"
-#include "signal/sinusoids/power_sums.h"
 #include "signal/sinusoids/residual_noise.h"
 #include "signal/sinusoids/subspace_poles.h"
 
@@ -70,7 +70,7 @@ class DecayModeSearch {
     DecaySearchOptions search;
     search.lowest = lowest, search.highest = highest, search.candidates = 3;
     search.energy_over_noise = threshold();
-    for (const auto& candidate : search_decays(fit.residual, search)) {
+    for (const auto& candidate : distinct_decays(decay_peaks(fit.residual, search), n_, search)) {
       auto poles = fit.poles;
       poles.push_back(candidate.pole);
       const auto needed = static_cast<Index>(4 * poles.size() + 2);
@@ -85,10 +85,7 @@ class DecayModeSearch {
   // Two modes in place of the strongest where it leaves something that is smooth over a beat or
   // less, which no line of the residual shows: started by HTLS (subspace_poles.h).
   std::optional<DampedSinusoidsFit> split(const DampedSinusoidsFit& fit) {
-    std::size_t m = 0;
-    for (std::size_t k = 1; k < fit.poles.size(); ++k) {
-      if (mode_energy(fit, k) > mode_energy(fit, m)) m = k;
-    }
+    const std::size_t m = strongest_mode(fit, {0, 0.5, true});
     const auto needed = static_cast<Index>(4 * fit.poles.size() + 8);
     if (n_ - static_cast<Index>(samples_.missing.size()) <= needed) return {};
     const double noise = pair_evidence(fit.residual, fit.poles[m]);
@@ -166,11 +163,9 @@ class DecayModeSearch {
   }
 
   static std::size_t nearest(const DampedSinusoidsFit& fit, Complex pole) {
-    std::size_t best = 0;
-    for (std::size_t m = 1; m < fit.poles.size(); ++m) {
-      if (std::abs(fit.poles[m] - pole) < std::abs(fit.poles[best] - pole)) best = m;
-    }
-    return best;
+    const auto apart = [pole](Complex p) { return std::abs(p - pole); };
+    return static_cast<std::size_t>(std::ranges::min_element(fit.poles, {}, apart) -
+                                    fit.poles.begin());
   }
 
   // Whether noise of the residual's variance would take out so much with one mode more, in the best
@@ -189,17 +184,12 @@ class DecayModeSearch {
     const double lasts =
         p.real() < 0 ? std::min(static_cast<double>(n_), 3 / -p.real()) : static_cast<double>(n_);
     if (p.imag() / kTwoPi * lasts > 3) return true;
-    Eigen::MatrixXd legendre(n_, 6);
-    for (Index j = 0; j < n_; ++j) {
-      const double t = n_ > 1 ? 2 * static_cast<double>(j) / static_cast<double>(n_ - 1) - 1 : 0;
-      legendre(j, 0) = 1, legendre(j, 1) = t;
-      for (int k = 2; k < 6; ++k) {
-        legendre(j, k) = ((2 * k - 1) * t * legendre(j, k - 1) - (k - 1) * legendre(j, k - 2)) / k;
-      }
-    }
-    for (Index j : samples_.missing) legendre.row(j).setZero();
+    Eigen::MatrixXd polynomials = Eigen::MatrixXd::Ones(n_, 6);
+    const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(n_, -1, 1);
+    for (int k = 1; k < 6; ++k) polynomials.col(k) = polynomials.col(k - 1).cwiseProduct(t);
+    for (Index j : samples_.missing) polynomials.row(j).setZero();
     const double left = fit.residual_sum_squares;
-    const double polynomial = least_squares(legendre, samples_.values).left_sum_squares[0];
+    const double polynomial = least_squares(polynomials, samples_.values).left_sum_squares[0];
     return left < 0.5 * polynomial ||
            polynomial - left > threshold() * left / static_cast<double>(fit.degrees);
   }
@@ -221,13 +211,8 @@ double energy_explained(const DampedSinusoidsFit& fit, std::size_t m) {
   const Eigen::MatrixXd inverse = gram.inverse();
   const Eigen::Vector2d amplitude(fit.amplitudes[m].real(), fit.amplitudes[m].imag());
   const auto at = static_cast<Index>(2 * m);
-  // amplitude' (its block of the inverse)^-1 amplitude, by Cramer's rule.
-  const Eigen::Matrix2d of = inverse.block<2, 2>(at, at);
-  const double determinant = of(0, 0) * of(1, 1) - of(0, 1) * of(1, 0);
-  const double scaled = of(1, 1) * amplitude[0] * amplitude[0] -
-                        (of(0, 1) + of(1, 0)) * amplitude[0] * amplitude[1] +
-                        of(0, 0) * amplitude[1] * amplitude[1];
-  return determinant > 0 ? std::max(0.0, scaled / determinant) : 0;
+  const ScaledGram of(inverse.block<2, 2>(at, at));
+  return of.usable() ? amplitude.dot(of.solve_vector(amplitude)) : 0;
 }
 
 /// The mode that noise passes for most readily where the noise is larger while the mode lasts than
@@ -324,18 +309,13 @@ double departing_residual(const DampedSinusoidsFit& fit, std::span<const Index> 
                           std::span<const std::size_t> modes) {
   const auto n = fit.samples;
   Eigen::MatrixXd columns(n, 8 * static_cast<Index>(modes.size()));
+  const Eigen::ArrayXd t =
+      Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)) / static_cast<double>(n);
   for (std::size_t m = 0; m < modes.size(); ++m) {
     const Complex pole = fit.poles[modes[m]];
     auto own = columns.middleCols<8>(8 * static_cast<Index>(m));
-    for (Index j = 0; j < n; ++j) {
-      const double t = static_cast<double>(j) / static_cast<double>(n);
-      const Complex z = std::exp(pole * static_cast<double>(j));
-      double power = 1;
-      for (Index k = 0; k < 4; ++k) {
-        own(j, 2 * k) = power * z.real(), own(j, 2 * k + 1) = power * z.imag();
-        power *= t;
-      }
-    }
+    Eigen::ArrayXcd z = powers(pole, n);
+    for (Index k = 0; k < 4; ++k, z *= t) own.col(2 * k) = z.real(), own.col(2 * k + 1) = z.imag();
   }
   for (const Index j : missing) columns.row(j).setZero();
   return least_squares(columns, fit.residual).left_sum_squares[0];

@@ -147,17 +147,11 @@ void filter(const Eigen::Ref<const Eigen::VectorXd>& y, Index length, double a, 
             Eigen::VectorXd& power) {
   auto time = fft.time();
   double window_energy = 0;
-  if (a == 0) {
-    time.head(length) = y.head(length);
-    window_energy = static_cast<double>(length);
-  } else {
-    const double q = std::exp(-a);
-    double w = 1;
-    for (Index j = 0; j < length; ++j) {
-      time(j) = w * y(j);
-      window_energy += w * w;
-      w *= q;
-    }
+  const double q = std::exp(-a);
+  double w = 1;
+  for (Index j = 0; j < length; ++j, w *= q) {
+    time(j) = w * y(j);
+    window_energy += w * w;
   }
   time.tail(time.size() - length).setZero();
   fft.forward();
@@ -186,10 +180,8 @@ std::vector<DecayCandidate> search_lines(const LineSpectrum& spectrum,
   return distinct_decays(std::move(peaks.found), spectrum.samples, options);
 }
 
-namespace {
-
-std::vector<DecayCandidate> bank_peaks(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                       const DecaySearchOptions& options) {
+std::vector<DecayCandidate> decay_peaks(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                        const DecaySearchOptions& options) {
   const Index n = y.size();
   if (n < 4) return {};
   LineSpectrum undamped;
@@ -215,12 +207,6 @@ std::vector<DecayCandidate> bank_peaks(const Eigen::Ref<const Eigen::VectorXd>& 
   return std::move(peaks.found);
 }
 
-}  // namespace
-
-std::vector<DecayCandidate> decay_peaks(const Eigen::Ref<const Eigen::VectorXd>& y) {
-  return bank_peaks(y, {});
-}
-
 std::vector<DecayCandidate> distinct_decays(std::vector<DecayCandidate> peaks, Index samples,
                                             const DecaySearchOptions& options) {
   // Strongest first: what is weaker may be no more than the spread skirt of what is stronger.
@@ -241,12 +227,6 @@ std::vector<DecayCandidate> distinct_decays(std::vector<DecayCandidate> peaks, I
     if (!same) distinct.push_back(c);
   }
   return distinct;
-}
-
-std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                          const DecaySearchOptions& options) {
-  if (!options.damped) return search_lines(line_spectrum(y), options);
-  return distinct_decays(bank_peaks(y, options), y.size(), options);
 }
 
 std::vector<DecayCandidate> few_cycle_starts(const Eigen::Ref<const Eigen::VectorXd>& y,

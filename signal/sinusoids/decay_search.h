@@ -19,7 +19,6 @@ struct DecaySearchOptions {
   double lowest = 0;             ///< cycles per sample; lower peaks are ignored
   double highest = 0.5;          ///< cycles per sample
   int candidates = 3;            ///< largest number of distinct peaks, best first
-  bool damped = true;            ///< false: the undamped filter only
   double energy_over_noise = 0;  ///< peaks with less are left out; see `detection_threshold`
 };
 
@@ -38,18 +37,15 @@ struct LineSpectrum {
 };
 [[nodiscard]] LineSpectrum line_spectrum(const Eigen::Ref<const Eigen::VectorXd>& y);
 
-/// Strongest distinct peaks of the bank, by energy. `y` should have its offset and trend removed.
-[[nodiscard]] std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                                        const DecaySearchOptions& options = {});
 /// Strongest distinct peaks of the undamped filter alone.
 [[nodiscard]] std::vector<DecayCandidate> search_lines(const LineSpectrum& spectrum,
                                                        const DecaySearchOptions& options = {});
 
-/// The peaks from which `search_decays` chooses: the strongest of the damped bank at all
-/// frequencies, with their noise, unordered and not distinct.
-[[nodiscard]] std::vector<DecayCandidate> decay_peaks(const Eigen::Ref<const Eigen::VectorXd>& y);
-/// The choice that `search_decays` makes among `peaks` for a record of `samples` samples; `lowest`,
-/// `highest` and `damped` of the options are ignored.
+/// The strongest peaks of the damped bank between `lowest` and `highest`, with their noise,
+/// unordered and not distinct. `y` should have its offset and trend removed.
+[[nodiscard]] std::vector<DecayCandidate> decay_peaks(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                                      const DecaySearchOptions& options = {});
+/// The strongest distinct ones of `peaks` of a record of `samples` samples, by energy.
 [[nodiscard]] std::vector<DecayCandidate> distinct_decays(std::vector<DecayCandidate> peaks,
                                                           Eigen::Index samples,
                                                           const DecaySearchOptions& options = {});

@@ -134,27 +134,28 @@ FitUncertainty fit_uncertainty(const DampedSinusoidsFit& fit, const ResidualNois
   double count = 0, squares = 0, fourth_powers = 0;
   // Filtered from the end on: behind the rows of a block stand those of the next that it needs. A
   // block before the record has what earlier noise adds to its first samples.
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kNoiseBlock + order, parameters);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(parameters, kNoiseBlock + order);
   for (Index start = (fit.samples - 1) / kNoiseBlock * kNoiseBlock; start >= -kNoiseBlock;
        start -= kNoiseBlock) {
     const Index length = std::min(kNoiseBlock, fit.samples - start);
     Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(length, parameters);
     if (start >= 0) jacobian = fit.jacobian_rows(start, length);
-    const Eigen::MatrixXd influence = jacobian * fit.unit_covariance;
-    const Eigen::MatrixXd behind = rows.topRows(order);
-    rows.topRows(length) = influence;
-    rows.middleRows(length, order) = behind;
+    const Eigen::MatrixXd influence = fit.unit_covariance * jacobian.transpose();
+    const Eigen::ArrayXd leverage =
+        influence.cwiseProduct(jacobian.transpose()).colwise().sum().transpose();
+    const Eigen::MatrixXd behind = rows.leftCols(order);
+    rows.leftCols(length) = influence;
+    rows.middleCols(length, order) = behind;
     for (Index l = length - 1; l >= 0; --l) {
-      for (Index k = 1; k <= order; ++k) rows.row(l) += noise.coefficients(k - 1) * rows.row(l + k);
+      if (order > 0) rows.col(l).noalias() += rows.middleCols(l + 1, order) * noise.coefficients;
       const Index j = start + l;
       if (j < 0 || !e.known[static_cast<std::size_t>(j)]) continue;
-      const double leverage = std::min(jacobian.row(l).dot(influence.row(l)), 0.99);
-      const double square = e.values(j) * e.values(j) / (1 - leverage);
-      w = rows.row(l).transpose().array().square();
+      const double square = e.values(j) * e.values(j) / (1 - std::min(leverage(l), 0.99));
+      w = rows.col(l).array().square();
       weights += w, squared_weights += w.square(), with_e += square * w;
       ++count, squares += square, fourth_powers += square * square;
     }
-    if (order > 0) products += rows.topRows(length).transpose() * rows.topRows(length);
+    if (order > 0) products += rows.leftCols(length) * rows.leftCols(length).transpose();
   }
   FitUncertainty out;
   out.covariance =

@@ -8,6 +8,7 @@
 
 #include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
+#include "signal/numerics/power_sums.h"
 
 namespace rigfit::signal {
 namespace {
@@ -36,16 +37,13 @@ Blocks demodulated(const Eigen::Ref<const Eigen::VectorXd>& y, Complex pole) {
   blocks.length = std::max<Index>(1, static_cast<Index>(std::lround(halves * half_cycle)));
   const Index count = samples / blocks.length;
   blocks.z.resize(count);
-  const Complex q = std::polar(1.0, -pole.imag());
+  const Eigen::VectorXcd turn = powers(Complex(0, -pole.imag()), count * blocks.length);
   for (Index k = 0; k < count; ++k) {
     const Index from = k * blocks.length;
-    Complex turn = std::polar(1.0, -std::fmod(pole.imag() * static_cast<double>(from), kTwoPi));
-    Complex sum = 0;
-    for (Index j = from; j < from + blocks.length; ++j) {
-      sum += y(j) * turn;
-      turn *= q;
-    }
-    blocks.z(k) = 2.0 * sum / static_cast<double>(blocks.length);
+    const auto own = y.segment(from, blocks.length);
+    const auto z = turn.segment(from, blocks.length);
+    blocks.z(k) =
+        Complex(own.dot(z.real()), own.dot(z.imag())) * (2 / static_cast<double>(blocks.length));
   }
   return blocks;
 }

@@ -63,19 +63,17 @@ void error_bars_from_coherence(FrfSet& frfs, int averages,
                           ""});
   }
   const int n = frfs.averages > 0 ? frfs.averages : 2;
-  constexpr Index kLines = 10;        // on either side, as FrfOptions::error_smoothing_lines
-  constexpr double kSmallest = 1e-8;  // what eight digits tell from 0 and from 1
-  // Where noise rises locally beyond chance (a line of hum, leakage at a resonance), it is not
-  // averaged away: 99.9 % of chi-square over its degrees of freedom (Wilson and Hilferty).
+  constexpr Index kLines = 10;  // on either side, as FrfOptions::error_smoothing_lines
   constexpr Index kNarrow = 2;
-  const double freedom = 2.0 * (n - 1) * (2 * kNarrow + 1);
-  const double limit = std::pow(1 - 2 / (9 * freedom) + 3.09 * std::sqrt(2 / (9 * freedom)), 3);
+  constexpr double kSmallest = 1e-8;  // what eight digits tell from 0 and from 1
   frfs.H_std.resize(frfs.H.rows(), frfs.H.cols());
   for (Index c = 0; c < frfs.H.cols(); ++c) {
     const ArrayXd g2 = frfs.coherence.col(c).array().max(kSmallest).min(1 - kSmallest);
     const ArrayXd noise = frfs.H.col(c).array().abs2() * (1 - g2) / g2;
     const ArrayXd wide = mean_over_lines(noise, kLines), narrow = mean_over_lines(noise, kNarrow);
-    frfs.H_std.col(c) = ((narrow > limit * wide).select(narrow, wide) / (2.0 * (n - 1))).sqrt();
+    frfs.H_std.col(c) =
+        (narrow_where_raised(narrow, wide, 2.0 * (n - 1) * (2 * kNarrow + 1)) / (2.0 * (n - 1)))
+            .sqrt();
   }
 }
 

@@ -5,34 +5,11 @@
 #include <cassert>
 #include <map>
 #include <mutex>
-#include <new>
 #include <stdexcept>
 #include <utility>
 
 namespace rigfit::signal {
 using Eigen::Index;
-
-/// Aligned as FFTW likes it.
-struct FftBuffers {
-  explicit FftBuffers(Index length)
-      : time(fftw_alloc_real(static_cast<std::size_t>(length))),
-        spectrum(fftw_alloc_complex(static_cast<std::size_t>(length / 2 + 1))) {
-    if (time == nullptr || spectrum == nullptr) {
-      release();
-      throw std::bad_alloc();
-    }
-  }
-  ~FftBuffers() { release(); }
-  FftBuffers(const FftBuffers&) = delete;
-  FftBuffers& operator=(const FftBuffers&) = delete;
-  void release() {
-    fftw_free(time);
-    fftw_free(spectrum);
-  }
-
-  double* time;
-  fftw_complex* spectrum;
-};
 
 struct FftPlans {
   fftw_plan forward = nullptr;
@@ -60,22 +37,18 @@ struct PlanCache {
 
 /// FFTW's planner is not thread-safe; executing a plan on other arrays of the same alignment is.
 /// The plan inverse is made when it is first wanted: its tables take as long as a transform.
-fftw_plan plan_of(Index length, FftBuffers& buffers, bool inverse) {
+fftw_plan plan_of(Eigen::VectorXd& time, fftw_complex* spectrum, bool inverse) {
   static PlanCache cache;
   const std::lock_guard lock(cache.mutex);
-  FftPlans& plans = cache.plans[length];
-  const int n = static_cast<int>(length);
-  if (inverse) {
-    if (plans.inverse == nullptr) {
-      plans.inverse = fftw_plan_dft_c2r_1d(n, buffers.spectrum, buffers.time, FFTW_ESTIMATE);
-    }
-    return plans.inverse;
+  const int n = static_cast<int>(time.size());
+  FftPlans& plans = cache.plans[time.size()];
+  if (inverse && plans.inverse == nullptr) {
+    plans.inverse = fftw_plan_dft_c2r_1d(n, spectrum, time.data(), FFTW_ESTIMATE);
+  } else if (!inverse && plans.forward == nullptr) {
+    plans.forward =
+        fftw_plan_dft_r2c_1d(n, time.data(), spectrum, FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
   }
-  if (plans.forward == nullptr) {
-    plans.forward = fftw_plan_dft_r2c_1d(n, buffers.time, buffers.spectrum,
-                                         FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
-  }
-  return plans.forward;
+  return inverse ? plans.inverse : plans.forward;
 }
 
 bool has_small_factors(Index n) {
@@ -88,9 +61,11 @@ bool has_small_factors(Index n) {
 }  // namespace
 
 struct RealFft::State {
-  explicit State(Index n) : length(n), buffers(n) {}
-  Index length;
-  FftBuffers buffers;
+  explicit State(Index n) : time(n), spectrum(n / 2 + 1) {}
+  fftw_complex* lines() { return reinterpret_cast<fftw_complex*>(spectrum.data()); }
+
+  Eigen::VectorXd time;  // aligned to 16 bytes, as FFTW likes it
+  Eigen::VectorXcd spectrum;
   FftPlans plans;  // those that this object has used
 };
 
@@ -104,25 +79,23 @@ RealFft::~RealFft() = default;
 RealFft::RealFft(RealFft&&) noexcept = default;
 RealFft& RealFft::operator=(RealFft&&) noexcept = default;
 
-Index RealFft::length() const { return state_->length; }
+Index RealFft::length() const { return state_->time.size(); }
 
-Eigen::Map<Eigen::VectorXd> RealFft::time() { return {state_->buffers.time, state_->length}; }
+Eigen::Map<Eigen::VectorXd> RealFft::time() { return {state_->time.data(), length()}; }
 
-Eigen::Map<Eigen::VectorXcd> RealFft::spectrum() {
-  return {reinterpret_cast<std::complex<double>*>(state_->buffers.spectrum), lines()};
-}
+Eigen::Map<Eigen::VectorXcd> RealFft::spectrum() { return {state_->spectrum.data(), lines()}; }
 
 void RealFft::forward() {
   fftw_plan& plan = state_->plans.forward;
-  if (plan == nullptr) plan = plan_of(state_->length, state_->buffers, false);
-  fftw_execute_dft_r2c(plan, state_->buffers.time, state_->buffers.spectrum);
+  if (plan == nullptr) plan = plan_of(state_->time, state_->lines(), false);
+  fftw_execute_dft_r2c(plan, state_->time.data(), state_->lines());
 }
 
 void RealFft::inverse() {
   fftw_plan& plan = state_->plans.inverse;
-  if (plan == nullptr) plan = plan_of(state_->length, state_->buffers, true);
-  fftw_execute_dft_c2r(plan, state_->buffers.spectrum, state_->buffers.time);
-  time() /= static_cast<double>(state_->length);
+  if (plan == nullptr) plan = plan_of(state_->time, state_->lines(), true);
+  fftw_execute_dft_c2r(plan, state_->lines(), state_->time.data());
+  state_->time /= static_cast<double>(length());
 }
 
 Eigen::MatrixXcd real_spectra(const Eigen::Ref<const Eigen::MatrixXd>& signals, Index length) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "signal/estimation/robust.h"
 #include "signal/spectra/fft.h"
 #include "signal/spectra/line_means.h"
 #include "signal/spectra/window.h"
@@ -108,16 +107,6 @@ ArrayXd lags_of(const ArrayXd& power) {
   return fft.time().head(power.size() - 1).array();
 }
 
-/// Median over the lines within `half` of each line.
-ArrayXd medians(const ArrayXd& values, Index half) {
-  ArrayXd result(values.size());
-  for (Index k = 0; k < values.size(); ++k) {
-    const Index first = std::max<Index>(0, k - half), last = std::min(values.size(), k + half + 1);
-    result[k] = median({values.data() + first, values.data() + last});
-  }
-  return result;
-}
-
 /// Largest power of a line over the median that noise of `freedom` degrees of freedom gives, but
 /// for once in a million.
 double most_of_noise(double freedom) {
@@ -130,7 +119,7 @@ ArrayXd without_tones(const ArrayXd& r, double freedom, Index smoothing_lines) {
   const auto n = static_cast<double>(r.size());
   const ArrayXd angle = ArrayXd::LinSpaced(r.size(), 0, n - 1) * (4 * EIGEN_PI / n);
   const ArrayXd power = power_of(r * (-0.5 * angle.square()).exp());
-  return lags_of(power.min(most_of_noise(freedom) * medians(power, 4 * smoothing_lines)));
+  return lags_of(power.min(most_of_noise(freedom) * median_over_lines(power, 4 * smoothing_lines)));
 }
 
 ArrayXd every_second(const ArrayXd& values) {

@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "signal/spectra/frf_estimate.h"
+#include "signal/spectra/frf.h"
 
 namespace rigfit::signal {
 

@@ -10,6 +10,7 @@
 
 #include "signal/spectra/fft.h"
 #include "signal/spectra/force_noise.h"
+#include "signal/spectra/line_means.h"
 #include "signal/spectra/window.h"
 
 namespace rigfit::signal {
@@ -301,10 +302,8 @@ class Averager {
     average_lines(sums.cumulative, lines_of(options_.error_smoothing_lines), sums.residual);
     if (options_.error_smoothing_lines <= kNarrow) return;
     average_lines(sums.cumulative, lines_of(kNarrow), sums.narrow);
-    // 99.9 % of chi-square over its degrees of freedom (Wilson and Hilferty).
-    const double dof = 2.0 * static_cast<double>(hits() - 1) * (2 * kNarrow + 1);
-    const double limit = std::pow(1 - 2 / (9 * dof) + 3.09 * std::sqrt(2 / (9 * dof)), 3);
-    sums.residual = (sums.narrow > limit * sums.residual).select(sums.narrow, sums.residual);
+    sums.residual = narrow_where_raised(sums.narrow, sums.residual,
+                                        2.0 * static_cast<double>(hits() - 1) * (2 * kNarrow + 1));
   }
 
   /// Residual power per degree of freedom relative to the response's power: all hits (last row) and
@@ -357,15 +356,8 @@ bool noise_is_known(std::span<const FrfBlock> blocks) {
 }  // namespace
 
 const char* name_of(FrfEstimator estimator) {
-  switch (estimator) {
-    case FrfEstimator::h1:
-      return "h1";
-    case FrfEstimator::h2:
-      return "h2";
-    case FrfEstimator::hv:
-      break;
-  }
-  return "hv";
+  constexpr const char* kNames[] = {"h1", "h2", "hv"};
+  return kNames[static_cast<std::size_t>(estimator)];
 }
 
 FrfEstimate average_frfs(std::span<const FrfBlock> blocks, const FrfOptions& options) {

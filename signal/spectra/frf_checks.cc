@@ -37,17 +37,8 @@ std::vector<Index> prominent_peaks(const Eigen::ArrayXd& power, double factor) {
 }  // namespace
 
 const char* name_of(DrivingPointVerdict verdict) {
-  switch (verdict) {
-    case DrivingPointVerdict::consistent:
-      return "consistent";
-    case DrivingPointVerdict::inverted:
-      return "inverted";
-    case DrivingPointVerdict::inconsistent:
-      return "inconsistent";
-    case DrivingPointVerdict::unclear:
-      break;
-  }
-  return "unclear";
+  constexpr const char* kNames[] = {"consistent", "inverted", "inconsistent", "unclear"};
+  return kNames[static_cast<std::size_t>(verdict)];
 }
 
 DrivingPointCheck check_driving_point(const FrfSet& frfs, Index response, Index input,
@@ -61,24 +52,13 @@ DrivingPointCheck check_driving_point(const FrfSet& frfs, Index response, Index 
       lines.push_back(k);
     }
   }
-  const auto count = static_cast<Index>(lines.size());
-  Eigen::ArrayXcd Y(count);
-  Eigen::ArrayXd std = Eigen::ArrayXd::Zero(count);
-  for (Index i = 0; i < count; ++i) {
-    Y[i] = mobility.H(lines[static_cast<std::size_t>(i)], column);
-    if (mobility.H_std.size() > 0) {
-      std[i] = mobility.H_std(lines[static_cast<std::size_t>(i)], column);
-    }
-  }
-  double total = 0, wrong = 0;
-  for (Index i = 0; i < count; ++i) {
-    const double real = Y[i].real();
-    if (std::abs(real) <= 3 * std[i]) continue;
-    total += std::abs(real);
-    if (real < 0) wrong -= real;
-  }
+  const Eigen::ArrayXcd Y(mobility.H.col(column)(lines));
+  Eigen::ArrayXd std = Eigen::ArrayXd::Zero(Y.size());
+  if (mobility.H_std.size() > 0) std = mobility.H_std.col(column)(lines);
+  const Eigen::ArrayXd real = (Y.real().abs() > 3 * std).select(Y.real(), 0.0);
+  const double total = real.abs().sum();
   if (!(total > 0)) return check;
-  check.wrong_sign_share = wrong / total;
+  check.wrong_sign_share = -real.min(0.0).sum() / total;
   check.verdict = check.wrong_sign_share <= 0.05   ? DrivingPointVerdict::consistent
                   : check.wrong_sign_share >= 0.95 ? DrivingPointVerdict::inverted
                                                    : DrivingPointVerdict::inconsistent;

@@ -9,18 +9,9 @@ namespace rigfit::signal {
 namespace {
 using Eigen::Index;
 
-/// Time derivatives of displacement that the response is.
+/// Time derivatives of displacement that the response is: the order of the forms.
 int derivatives(FrfForm form) {
-  switch (form) {
-    case FrfForm::receptance:
-      return 0;
-    case FrfForm::mobility:
-      return 1;
-    case FrfForm::accelerance:
-      return 2;
-    case FrfForm::unknown:
-      break;
-  }
+  if (form != FrfForm::unknown) return static_cast<int>(form);
   throw std::invalid_argument(
       "an FRF of unknown form cannot be converted: it is not known whether the response is a "
       "displacement, a velocity or an acceleration");
@@ -34,31 +25,13 @@ void drop_first_row(Matrix& matrix) {
 }  // namespace
 
 const char* name_of(FrfForm form) {
-  switch (form) {
-    case FrfForm::receptance:
-      return "receptance";
-    case FrfForm::mobility:
-      return "mobility";
-    case FrfForm::accelerance:
-      return "accelerance";
-    case FrfForm::unknown:
-      break;
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"receptance", "mobility", "accelerance", "unknown"};
+  return kNames[static_cast<std::size_t>(form)];
 }
 
 const char* unit_of(FrfForm form) {
-  switch (form) {
-    case FrfForm::receptance:
-      return "m/N";
-    case FrfForm::mobility:
-      return "(m/s)/N";
-    case FrfForm::accelerance:
-      return "(m/s^2)/N";
-    case FrfForm::unknown:
-      break;
-  }
-  return "";
+  constexpr const char* kNames[] = {"m/N", "(m/s)/N", "(m/s^2)/N", ""};
+  return kNames[static_cast<std::size_t>(form)];
 }
 
 FrfSet converted(const FrfSet& frfs, FrfForm form) {
@@ -77,18 +50,22 @@ FrfSet converted(const FrfSet& frfs, FrfForm form) {
                                 " at 0 Hz; that line is left out",
                             ""});
   }
-  for (Index k = 0; k < result.frequency_hz.size(); ++k) {
-    const std::complex<double> s(frfs.exponential_decay_rate_1_s,
-                                 2 * std::numbers::pi * result.frequency_hz[k]);
-    std::complex<double> factor = 1;
-    for (int i = 0; i < std::abs(power); ++i) factor = power > 0 ? factor * s : factor / s;
-    result.H.row(k) *= factor;
-    if (result.H_std.size() > 0) result.H_std.row(k) *= std::abs(factor);
-    for (Eigen::MatrixXcd& hit : result.by_hit) {
-      if (k < hit.rows()) hit.row(k) *= factor;
-    }
-  }
+  for (Index c = 0; c < result.H.cols(); ++c) multiply_by_s(result, c, power);
   return result;
+}
+
+void multiply_by_s(FrfSet& frfs, Index column, int power) {
+  Eigen::ArrayXcd s(frfs.frequency_hz.size());
+  s.real().setConstant(frfs.exponential_decay_rate_1_s);
+  s.imag() = 2 * std::numbers::pi * frfs.frequency_hz.array();
+  Eigen::ArrayXcd factor = Eigen::ArrayXcd::Ones(s.size());
+  for (int i = 0; i < power; ++i) factor *= s;
+  for (int i = 0; i > power; --i) factor /= s;
+  frfs.H.col(column).array() *= factor;
+  if (frfs.H_std.size() > 0) frfs.H_std.col(column).array() *= factor.abs();
+  for (Eigen::MatrixXcd& hit : frfs.by_hit) {
+    if (hit.rows() > 0) hit.col(column).array() *= factor.head(hit.rows());
+  }
 }
 
 }  // namespace rigfit::signal

@@ -68,4 +68,7 @@ struct FrfSet {
 /// 0 Hz is dropped, with a note. Throws std::invalid_argument when either form is unknown.
 [[nodiscard]] FrfSet converted(const FrfSet& frfs, FrfForm form);
 
+/// Multiplies one column by s^power.
+void multiply_by_s(FrfSet& frfs, Eigen::Index column, int power);
+
 }  // namespace rigfit::signal

@@ -1,19 +1,42 @@
 #include "signal/spectra/line_means.h"
 
+#include <gsl/gsl_cdf.h>
+
 #include <algorithm>
 
-namespace rigfit::signal {
+#include "signal/estimation/robust.h"
 
-Eigen::ArrayXd mean_over_lines(const Eigen::Ref<const Eigen::ArrayXd>& powers, Eigen::Index half) {
-  using Eigen::Index;
-  Eigen::ArrayXd sums(powers.size() + 1), result(powers.size());
-  sums[0] = 0;
-  for (Index k = 0; k < powers.size(); ++k) sums[k + 1] = sums[k] + powers[k];
+namespace rigfit::signal {
+using Eigen::ArrayXd;
+using Eigen::Index;
+
+ArrayXd mean_over_lines(const Eigen::Ref<const ArrayXd>& powers, Index half) {
+  const Index n = powers.size();
+  if (n == 0) return {};
+  half = std::min(half, n);
+  // Lines, and the sum of those, before each end of a mean: the one ends where another that lies 2
+  // half + 1 lines further begins.
+  const auto reach = static_cast<double>(half), size = static_cast<double>(n);
+  const ArrayXd ends = ArrayXd::LinSpaced(n + 2 * half + 1, -reach, size + reach).max(0).min(size);
+  ArrayXd sums = ArrayXd::Zero(ends.size());
+  for (Index k = 0; k < n; ++k) sums[half + k + 1] = sums[half + k] + powers[k];
+  sums.tail(half).setConstant(sums[half + n]);
+  return (sums.tail(n) - sums.head(n)).max(0) / (ends.tail(n) - ends.head(n));
+}
+
+ArrayXd median_over_lines(const Eigen::Ref<const ArrayXd>& powers, Index half) {
+  ArrayXd result(powers.size());
   for (Index k = 0; k < powers.size(); ++k) {
     const Index first = std::max<Index>(0, k - half), last = std::min(powers.size(), k + half + 1);
-    result[k] = std::max(0.0, sums[last] - sums[first]) / static_cast<double>(last - first);
+    result[k] = median({powers.data() + first, powers.data() + last});
   }
   return result;
+}
+
+ArrayXd narrow_where_raised(const Eigen::Ref<const ArrayXd>& narrow,
+                            const Eigen::Ref<const ArrayXd>& wide, double degrees) {
+  const double limit = gsl_cdf_chisq_Pinv(0.999, degrees) / degrees;
+  return (narrow > limit * wide).select(narrow, wide);
 }
 
 }  // namespace rigfit::signal

@@ -9,8 +9,9 @@
 #include <utility>
 
 #include "signal/estimation/groups.h"
-#include "signal/numerics/numbers.h"
 #include "signal/spectra/fft.h"
+#include "signal/spectra/line_means.h"
+#include "signal/spectra/window.h"
 
 namespace rigfit::signal {
 namespace {
@@ -21,11 +22,6 @@ using Eigen::VectorXd;
 // A Hann window correlates neighbouring lines: the variance of what is estimated from many lines
 // grows by mean(w^4) / mean(w^2)^2.
 constexpr double kHannVariance = 35.0 / 18;
-
-VectorXd hann(Index n) {
-  return VectorXd::NullaryExpr(
-      n, [n](Index i) { return 0.5 - 0.5 * std::cos(kTwoPi * (i + 0.5) / double(n)); });
-}
 
 /// Power per Hz of one windowed block, one-sided.
 VectorXd block_power(const Eigen::Ref<const VectorXd>& block, const VectorXd& window,
@@ -40,27 +36,13 @@ VectorXd block_power(const Eigen::Ref<const VectorXd>& block, const VectorXd& wi
 VectorXd welch(const Eigen::Ref<const VectorXd>& samples, Index length, double rate_hz,
                Index& averages) {
   RealFft fft(length);
-  const VectorXd window = hann(length);
+  const VectorXd window = hann_window(length);
   VectorXd sum = VectorXd::Zero(length / 2 + 1);
   averages = 0;
   for (Index first = 0; first + length <= samples.size(); first += length / 2, ++averages) {
     sum += block_power(samples.segment(first, length), window, rate_hz, fft);
   }
   return sum / static_cast<double>(averages);
-}
-
-/// Median of the spectrum over a neighbourhood of each line, peaks included: the floor beside a
-/// peak.
-VectorXd floor_of(const VectorXd& spectrum, Index reach) {
-  VectorXd floor(spectrum.size());
-  std::vector<double> near;
-  for (Index k = 0; k < spectrum.size(); ++k) {
-    const Index from = std::max<Index>(0, k - reach), to = std::min(spectrum.size(), k + reach + 1);
-    near.assign(spectrum.data() + from, spectrum.data() + to);
-    std::nth_element(near.begin(), near.begin() + (to - from) / 2, near.end());
-    floor[k] = near[static_cast<std::size_t>(to - from) / 2];
-  }
-  return floor;
 }
 
 // Parts of the record that are compared, as long as a part resolves the peak into so many lines.
@@ -151,7 +133,7 @@ void compare_parts(const VectorXd& samples, double rate_hz, double from, double 
   const Index count = std::min(length / 2, static_cast<Index>(std::lround(to / line))) - first + 1;
   if (count < kFewestPeakLines) return;
   RealFft fft(length);
-  const VectorXd window = hann(length);
+  const VectorXd window = hann_window(length);
   std::vector<double> values, variances;
   for (Index k = 0; k < kParts; ++k) {
     const VectorXd power =
@@ -221,12 +203,7 @@ SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& recorded, double 
 
   // At least 8 averages of half-overlapping blocks: a block of 2 / 9 of the record.
   Index length = good_fft_length_below(std::max<Index>(64, samples.size() * 2 / 9));
-  if (options.resolution_hz > 0) {
-    length = std::clamp<Index>(good_fft_length(std::lround(rate_hz / options.resolution_hz)), 64,
-                               length);
-  } else {
-    length = std::min(length, good_fft_length(std::max<Index>(2048, samples.size() / 100)));
-  }
+  length = std::min(length, good_fft_length(std::max<Index>(2048, samples.size() / 100)));
   Index averages = 0;
   result.spectrum = welch(samples, length, rate_hz, averages);
   result.frequency_hz = line_frequencies(length, rate_hz);
@@ -237,8 +214,9 @@ SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& recorded, double 
   const double step = rate_hz / static_cast<double>(length);
   const Index first = static_cast<Index>(std::ceil(options.low_hz / step));
   const Index last = static_cast<Index>(std::floor(high / step));
+  // Peaks included: the floor beside a peak.
   const VectorXd floor =
-      floor_of(result.spectrum, std::max<Index>(10, result.spectrum.size() / 40));
+      median_over_lines(result.spectrum, std::max<Index>(10, result.spectrum.size() / 40));
   // The largest of n averages of K powers of noise: about 1 + sqrt(2 ln(n / 0.01) / K) + ln(n /
   // 0.01) / K means.
   const double rare = std::log(static_cast<double>(std::max<Index>(2, last - first + 1)) / 0.01);
@@ -260,7 +238,7 @@ SpectralPeaks spectral_peaks(const Eigen::Ref<const VectorXd>& recorded, double 
 
   const Index whole = good_fft_length_below(samples.size());
   RealFft fft(whole);
-  const VectorXd periodogram = block_power(samples.head(whole), hann(whole), rate_hz, fft);
+  const VectorXd periodogram = block_power(samples.head(whole), hann_window(whole), rate_hz, fft);
   const double line = rate_hz / static_cast<double>(whole);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const double f0 = step * static_cast<double>(found[i]);

@@ -29,8 +29,6 @@ namespace rigfit::signal {
 struct SpectralPeakOptions {
   double low_hz = 0, high_hz = 0;  ///< band; high 0: to the end
   int max_peaks = 12;              ///< only the strongest are kept
-  double resolution_hz =
-      0;  ///< of Welch's spectrum; 0: a 200th of the record's lines, at least 8 averages
 };
 
 struct SpectralPeak {

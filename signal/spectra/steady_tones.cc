@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "signal/numerics/numbers.h"
+#include "signal/numerics/power_sums.h"
 #include "signal/spectra/fft.h"
+#include "signal/spectra/window.h"
 
 namespace rigfit::signal {
 namespace {
@@ -26,24 +28,13 @@ constexpr double kToneScatter = 2.04;   // chi-square of 15 degrees of freedom o
 constexpr std::size_t kMostLines = 40;  // looked at
 constexpr double kWandering = 0.05;     // share of a tone's power that one sinusoid leaves
 
-VectorXd hann_window(Index n) {
-  return VectorXd::NullaryExpr(n, [n](Index i) {
-    return 0.5 - 0.5 * std::cos(kTwoPi * (static_cast<double>(i) + 0.5) / static_cast<double>(n));
-  });
-}
-
 /// sum_i w_i x_i exp(-i omega i) / sum w, of what is left of the mean.
 Complex amplitude_at(const Eigen::Ref<const VectorXd>& samples, const VectorXd& window,
                      double omega) {
   const double mean = samples.dot(window) / window.sum();
-  const Complex turn = std::polar(1.0, -omega);
-  Complex phase(1, 0), sum(0, 0);
-  for (Index i = 0; i < samples.size(); ++i) {
-    if (i % 1024 == 0) phase = std::polar(1.0, -omega * static_cast<double>(i));
-    sum += phase * (window[i] * (samples[i] - mean));
-    phase *= turn;
-  }
-  return sum / window.sum();
+  const VectorXd left = (samples.array() - mean) * window.array();
+  const Eigen::ArrayXcd turn = powers(Complex(0, -omega), samples.size());
+  return (left.array() * turn).sum() / window.sum();
 }
 
 double variation_limit(double bandwidth_hz, double duration_s) {
@@ -63,19 +54,20 @@ Sinusoid fitted_sinusoid(const Eigen::Ref<const VectorXd>& samples, double omega
   const Complex start = 2.0 * amplitude_at(samples, window, omega);
   Sinusoid tone{omega, start.real(), -start.imag()};
   const double mean = samples.mean(), middle = static_cast<double>(n - 1) / 2;
+  const Eigen::ArrayXd time =
+      (Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)) - middle) /
+      static_cast<double>(n);
   for (int step = 0; step < 6; ++step) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (Index i = 0; i < n; ++i) {
-      const double angle = tone.omega * static_cast<double>(i), c = std::cos(angle),
-                   s = std::sin(angle);
-      const double time = (static_cast<double>(i) - middle) / static_cast<double>(n);
-      // The window keeps leakage of what else is there out of the fit.
-      const Eigen::Vector3d slope(c, s, (tone.quadrature * c - tone.in_phase * s) * time);
-      const double left = samples[i] - mean - tone.in_phase * c - tone.quadrature * s;
-      normal += window[i] * slope * slope.transpose();
-      right += window[i] * left * slope;
-    }
+    const Eigen::ArrayXcd turned = powers(Complex(0, tone.omega), n);
+    const Eigen::ArrayXd c = turned.real(), s = turned.imag();
+    Eigen::MatrixXd slopes(n, 3);
+    slopes << c.matrix(), s.matrix(), ((tone.quadrature * c - tone.in_phase * s) * time).matrix();
+    // The window keeps leakage of what else is there out of the fit.
+    const Eigen::MatrixXd weighted = window.asDiagonal() * slopes;
+    const Eigen::Matrix3d normal = slopes.transpose() * weighted;
+    const Eigen::Vector3d right =
+        weighted.transpose() *
+        (samples.array() - mean - tone.in_phase * c - tone.quadrature * s).matrix();
     const Eigen::Vector3d change = normal.ldlt().solve(right);
     if (!change.allFinite()) break;
     // The frequency turns about the middle: the phase there stays.
@@ -202,10 +194,9 @@ TonesRemoved remove_steady_tones(const Eigen::Ref<const VectorXd>& samples, doub
     // Not where the fit has left the line.
     const double line = rate_hz / static_cast<double>(samples.size());
     if (!(std::abs(tone.frequency_hz - frequency) < 2 * line)) continue;
-    for (Index i = 0; i < samples.size(); ++i) {
-      const double angle = fit.omega * static_cast<double>(i);
-      removed.samples[i] -= fit.in_phase * std::cos(angle) + fit.quadrature * std::sin(angle);
-    }
+    removed.samples.array() -=
+        (Complex(fit.in_phase, -fit.quadrature) * powers(Complex(0, fit.omega), samples.size()))
+            .real();
     const double left = power_at(removed.samples, fit.omega);
     if (left > kWandering * tone.amplitude * tone.amplitude / 4)
       tone.reach_hz = wander_hz(samples, rate_hz, tone.frequency_hz);

@@ -21,7 +21,6 @@
 #include "signal/readers/read_frfs.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff.h"
-#include "signal/spectra/line_peaks.h"
 
 namespace rigfit::apps {
 namespace {
@@ -57,35 +56,12 @@ signal::Recording functions_of(const signal::FrequencyTable& table, VerbContext&
   const auto& f = table.frequency_hz;
   functions.notes.push_back(
       {"not_a_time_history",
-       fmt::format(
-           "{} over frequency, {:.6g} to {:.6g} Hz in {} lines; {}",
-           signal::holds_frfs(table) ? "FRFs" : "a spectrum", f[0], f[f.size() - 1], f.size(),
-           signal::holds_frfs(table) ? "rigfit modal finds modes in them" : "its peaks are listed"),
+       fmt::format("{} over frequency, {:.6g} to {:.6g} Hz in {} lines{}",
+                   signal::holds_frfs(table) ? "FRFs" : "a spectrum", f[0], f[f.size() - 1],
+                   f.size(), signal::holds_frfs(table) ? "; rigfit modal finds modes in them" : ""),
        ""});
   tell_notes(functions, context);
   return functions;
-}
-
-/// Peaks of each function over frequency, printed and as JSON by channel.
-std::vector<Json> peaks_of(const signal::FrequencyTable& table, std::ostream& out) {
-  std::vector<Json> all;
-  for (const auto& function : table.functions) {
-    const bool decibels = signal::in_decibels(function);
-    const Eigen::VectorXd magnitude =
-        decibels ? Eigen::VectorXd((function.samples * (std::log(10.0) / 20)).array().exp())
-                 : Eigen::VectorXd(function.samples.cwiseAbs());
-    Json list = Json::array();
-    std::string text;
-    for (const auto& peak : signal::line_peaks(table.frequency_hz, magnitude)) {
-      const double value = decibels ? 20 * std::log10(peak.value) : peak.value;
-      list.push_back({{"frequency_hz", peak.frequency_hz}, {"value", value}});
-      text +=
-          fmt::format("{}{:.6g} Hz ({:.4g})", text.empty() ? "" : ", ", peak.frequency_hz, value);
-    }
-    if (!text.empty()) out << "  peaks of " << function.name << ": " << text << '\n';
-    all.push_back(std::move(list));
-  }
-  return all;
 }
 
 /// What the file holds: a recording, or functions that are not over time.
@@ -230,8 +206,6 @@ Json inspect_file(const std::string& path, double sample_rate_hz, VerbContext& c
   Json entry = inspect_result(functions_of(*spectrum, context), context);
   const auto& f = spectrum->frequency_hz;
   entry["frequency_hz"] = {{"first", f[0]}, {"last", f[f.size() - 1]}, {"lines", f.size()}};
-  const std::vector<Json> peaks = peaks_of(*spectrum, context.out);
-  for (std::size_t k = 0; k < peaks.size(); ++k) entry["channels"][k]["peaks"] = peaks[k];
   return entry;
 }
 

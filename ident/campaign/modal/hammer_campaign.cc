@@ -99,36 +99,26 @@ std::string left_out(const ImpactTest& test) {
                      test.search.hits.front().reason);
 }
 
-void analyse_one(const StruckPlace& place, const HammerTestOptions& options, HammerTest& test) {
-  auto impact = options.impact;
-  impact.driving_response.reset();
-  const Recording& first = place.recordings.front();
-  if (!options.driving_point.empty()) {
-    const Index driving = first.channel_index(options.driving_point);
-    for (std::size_t r = 0; r < test.responses.size(); ++r) {
-      if (first.channel_index(test.responses[r]) == driving) {
-        impact.driving_response = static_cast<Index>(r);
-      }
-    }
-    if (!impact.driving_response) {
-      throw std::invalid_argument("the driving point \"" + options.driving_point +
-                                  "\" is not among the responses");
-    }
+/// Index among the responses of the driving point that the options name.
+std::optional<Index> driving_response(const Recording& first, const HammerTestOptions& options,
+                                      const std::vector<std::string>& responses) {
+  if (options.driving_point.empty()) return {};
+  const Index driving = first.channel_index(options.driving_point);
+  for (std::size_t r = 0; r < responses.size(); ++r) {
+    if (first.channel_index(responses[r]) == driving) return static_cast<Index>(r);
   }
-  test.tests.push_back(
-      signal::analyse_impact_test(place.recordings, options.force, test.responses, impact));
-  const ImpactTest& only = test.tests.front();
-  test.frfs = only.frfs;
-  if (only.driving_point) {
-    test.driving_points.push_back({*impact.driving_response, 0, *only.driving_point});
-  }
-  add_notes(only.notes, test.findings);
+  throw std::invalid_argument("the driving point \"" + options.driving_point +
+                              "\" is not among the responses");
 }
 
 void analyse_places(std::span<const StruckPlace> places, const HammerTestOptions& options,
                     HammerTest& test) {
   std::vector<signal::StruckPoint> points;
-  for (const auto& place : places) points.push_back({place.name, place.recordings});
+  for (const auto& place : places) points.push_back({place.name, place.recordings, {}});
+  if (places.size() == 1 && places.front().name.empty()) {
+    points.front().response =
+        driving_response(places.front().recordings.front(), options, test.responses);
+  }
   signal::RovingHammer roving =
       signal::analyse_roving_hammer(points, options.force, test.responses, options.impact);
   test.tests = std::move(roving.tests);
@@ -177,11 +167,7 @@ HammerTest analyse_hammer_test(std::span<const StruckPlace> places,
          first.path.string(), true});
     return test;
   }
-  if (places.size() == 1 && places.front().name.empty()) {
-    analyse_one(places.front(), options, test);
-  } else {
-    analyse_places(places, options, test);
-  }
+  analyse_places(places, options, test);
   if (test.hits() == 0) {
     test.findings.push_back(
         {"no_hit",

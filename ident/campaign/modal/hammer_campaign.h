@@ -32,7 +32,7 @@ struct HammerTestOptions {
   /// The response at the excitation point, for a single place without a name; empty: unknown. A
   /// named place is at the response of that name.
   std::string driving_point;
-  signal::ImpactTestOptions impact;  ///< `driving_response` is set by `driving_point`
+  signal::ImpactTestOptions impact;
 };
 
 struct HammerTest {

@@ -96,7 +96,7 @@ TEST(Decay, AxialTestReachesTheCramerRaoBound) {
   }
 }
 
-TEST(Decay, StartsAfterClippedSamplesTooFewToBeFlat) {
+TEST(Decay, LeavesOutClippedSamplesTooFewToBeFlat) {
   // Ten samples a cycle: a top cut at 0.8 of the amplitude loses two samples. Five standard
   // uncertainties; left in, they are wrong by more.
   for (const double level : {0.8, 0.6}) {

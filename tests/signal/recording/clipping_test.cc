@@ -56,22 +56,5 @@ TEST(Clipping, TwoEqualSamplesOfASharpTop) {
   EXPECT_TRUE(clipped(pulse.cwiseMin(0.8)));
 }
 
-TEST(Clipping, CoarselySampledTopsPileUp) {
-  // No flat is three samples long here; without clipping nothing piles up, however coarse the
-  // steps.
-  for (const double period : {2.1, 2.7, 3.3, 8.1, 39.7, 300.3}) {
-    for (const double step : {0.0, 1.0 / 2048, 1.0 / 32, 1.0 / 4}) {
-      const Eigen::VectorXd x = sine(period, step);
-      EXPECT_FALSE(piles_up(x, x.maxCoeff())) << period << " " << step;
-      EXPECT_FALSE(piles_up(x, x.minCoeff())) << period << " " << step;
-      if (step > 0.1 || period > 10) continue;
-      const Eigen::VectorXd cut = x.cwiseMin(step > 0 ? step * std::round(0.6 / step) : 0.6);
-      EXPECT_TRUE(piles_up(cut, cut.maxCoeff())) << period << " " << step;
-      EXPECT_FALSE(piles_up(cut, cut.minCoeff())) << period << " " << step;
-    }
-  }
-  EXPECT_FALSE(piles_up(Eigen::VectorXd::Constant(50, 3), 3));
-}
-
 }  // namespace
 }  // namespace rigfit::signal::clipping_test

@@ -38,7 +38,6 @@ TEST(OwnFiles, FrfsAsTextGiveModes) {
   }
   const auto inspected = run_program({"inspect", command.back(), "--json", "-"});
   EXPECT_EQ(inspected.exit_code, 0) << inspected.err;
-  EXPECT_FALSE(parsed(inspected.out)["recordings"][0]["channels"][0]["peaks"].empty());
   command.insert(command.end(), {"--json", "-"});
   const auto run = run_program(command);
   ASSERT_EQ(run.exit_code, 0) << run.err;

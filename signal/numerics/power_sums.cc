@@ -1,4 +1,4 @@
-#include "signal/sinusoids/power_sums.h"
+#include "signal/numerics/power_sums.h"
 
 #include <algorithm>
 #include <array>
@@ -45,6 +45,15 @@ void power_sums(Complex q, Index n, std::span<Complex> sums) {
     }
   }
   std::copy_n(s.begin(), order, sums.begin());
+}
+
+Eigen::ArrayXcd powers(Complex exponent, Index count) {
+  Eigen::ArrayXcd z = Eigen::ArrayXcd::Ones(count);
+  for (Index have = 1; have < count; have *= 2) {
+    const Index more = std::min(have, count - have);
+    z.segment(have, more) = z.head(more) * std::exp(exponent * static_cast<double>(have));
+  }
+  return z;
 }
 
 }  // namespace rigfit::signal
