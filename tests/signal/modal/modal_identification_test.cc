@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 #include <random>
 
 #include "signal/impact/impact_frfs.h"
 #include "signal/modes/modal_synthesis.h"
-#include "tests/expect_matrix.h"
 #include "tests/reference/ten_mode_truth.h"
 
 namespace rigfit::signal::modal_identification_test {
@@ -105,18 +105,6 @@ TEST(ModalIdentification, ExportedModesRebuildTheFrfs) {
     EXPECT_NEAR(result.model.frf_error(o, 0), 1e-3 * std::sqrt(2.0) * all / own,
                 0.1 * 1e-3 * std::sqrt(2.0) * all / own);
   }
-}
-
-TEST(ModalIdentification, DampingUnderADominatingWindowIsRefused) {
-  const auto truth = testing::ten_mode_truth(6);
-  // -Re p = 1.57 1/s at 25 Hz and 3.4 at 68 Hz: a window of 3 dominates the first only.
-  const ModalResult result = identify_modes(noisy_truth(truth, 1e-3, 3, 7));
-  ASSERT_EQ(result.model.modes.size(), 10u);
-  EXPECT_TRUE(result.model.modes[0].damping_dominated_by_window);
-  EXPECT_TRUE(result.model.modes[0].doubtful);
-  EXPECT_NE(result.model.modes[0].doubt.find("66 %"), std::string::npos)
-      << result.model.modes[0].doubt;
-  EXPECT_FALSE(result.model.modes[1].damping_dominated_by_window);
 }
 
 TEST(ModalIdentification, TwoInputsGiveShapesAndParticipations) {

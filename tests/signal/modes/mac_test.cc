@@ -4,8 +4,6 @@
 
 #include <complex>
 
-#include "tests/expect_matrix.h"
-
 namespace rigfit::signal::mac_test {
 namespace {
 using Complex = std::complex<double>;
@@ -19,16 +17,6 @@ TEST(Mac, ProportionalShapesAreOneAndOrthogonalOnesZero) {
   EXPECT_EQ(mac(a, Eigen::VectorXcd::Zero(3)), 0);
   // Residues in SI of stiff structures: squares underflow.
   EXPECT_NEAR(mac(1e-200 * a, 1e-180 * a), 1, 1e-14);
-}
-
-TEST(Mac, AutoMacIsSymmetricWithOnes) {
-  Eigen::MatrixXcd shapes(4, 3);
-  shapes.real() << 1, 2, 3, 4, 5, -6, 7, 8, 9, 1, -2, 3;
-  shapes.imag() << 0, 1, 0, 2, 0, 1, 1, 1, 3, -1, 0, 2;
-  const Eigen::MatrixXd m = auto_mac(shapes);
-  EXPECT_TRUE(testing::MatricesNear(m, m.transpose(), 1e-15));
-  EXPECT_TRUE(testing::MatricesNear(m.diagonal(), Eigen::VectorXd::Ones(3), 1e-14));
-  EXPECT_LE(m.maxCoeff(), 1 + 1e-14);
 }
 
 TEST(Mac, PhaseCollinearityOfRealAndTravellingShapes) {
