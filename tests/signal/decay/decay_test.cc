@@ -7,69 +7,54 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <span>
+#include <stdexcept>
+#include <vector>
 
 #include "signal/decay/decay_window.h"
 #include "signal/sinusoids/damped_sinusoids.h"
-#include "tests/findings.h"
+#include "tests/signal/decays.h"
 
 namespace rigfit::signal::decay_test {
 namespace {
-using rigfit::testing::says;
 
 using Complex = std::complex<double>;
 using Eigen::Index;
+using testing::add_decay;
+using testing::add_noise;
+using Mode = testing::DecayingMode;
+using testing::expect_mode;
+using testing::pole;
+using testing::says;
 
-struct Mode {
-  double f, zeta, amplitude;
-};
-
-Complex pole(const Mode& m, double rate) {
-  const double w = 2 * std::numbers::pi * m.f / rate;
-  return {-m.zeta * w, w * std::sqrt(1 - m.zeta * m.zeta)};
+/// Decays of random phases on an offset that drifts.
+Eigen::VectorXd decays(unsigned seed, const std::vector<Mode>& modes, double rate, Index n,
+                       double noise) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
+  Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(n, 0.3, 0.4);
+  for (const auto& m : modes) add_decay(y, m, rate, angle(random));
+  add_noise(y, noise, random);
+  return y;
 }
-
-class Records {
- public:
-  explicit Records(unsigned seed) : generator_(seed) {}
-
-  Eigen::VectorXd decay(const std::vector<Mode>& modes, double rate, Index n, double noise) {
-    Eigen::VectorXd y(n);
-    std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
-    for (Index j = 0; j < n; ++j)
-      y(j) = 0.3 + 0.1 * static_cast<double>(j) / static_cast<double>(n);
-    for (const auto& m : modes) {
-      const Complex a = std::polar(m.amplitude, angle(generator_)), p = pole(m, rate);
-      for (Index j = 0; j < n; ++j) y(j) += (a * std::exp(p * static_cast<double>(j))).real();
-    }
-    add_noise(y, noise);
-    return y;
-  }
-  void add_noise(Eigen::Ref<Eigen::VectorXd> y, double noise) {
-    std::normal_distribution<double> normal(0, 1);
-    for (double& v : y) v += noise * normal(generator_);
-  }
-
- private:
-  std::mt19937_64 generator_;
-};
 
 double noise_of(double snr_db) { return std::sqrt(0.5 * std::pow(10, -snr_db / 10)); }
 
 TEST(Decay, AxialTestReachesTheCramerRaoBound) {
   // 200 seeds a level: scatter known to 5 %, bias to 0.07 of the bound. The bound is a floor that
   // an unbiased estimate cannot pass: 1.1 of it plus two standard deviations of the scatter's own
-  // scatter; bias a tenth plus two standard deviations.
-  const Mode truth{50, 0.017, 1};
+  // scatter; bias a tenth plus two standard deviations. At 10 dB the amplitude over a cycle is
+  // hidden now and then and comes back threefold: no further impact.
+  const Mode truth{50, 0.017};
   for (const double snr : {10.0, 30.0, 60.0}) {
     double sf = 0, sff = 0, sz = 0, szz = 0, bf = 0, bz = 0;
     int in_f = 0, in_z = 0;
     const int seeds = 200;
     for (unsigned seed = 0; seed < seeds; ++seed) {
-      Records records(seed + 1);
-      const auto y = records.decay({truth}, 500, 500, noise_of(snr));
+      const auto y = decays(seed + 1, {truth}, 500, 500, noise_of(snr));
+      ASSERT_EQ(find_decays(y).size(), 1u) << seed;
       const auto result = estimate_decay(y, 500);
-      ASSERT_TRUE(result.refusal.empty()) << result.refusal;
-      ASSERT_EQ(result.modes.size(), 1u);
+      ASSERT_EQ(result.modes.size(), 1u) << result.refusal;
       const auto& mode = result.modes[0];
       DampedSinusoidsOptions at_truth;
       at_truth.max_iterations = 0;
@@ -100,15 +85,11 @@ TEST(Decay, LeavesOutClippedSamplesTooFewToBeFlat) {
   // Ten samples a cycle: a top cut at 0.8 of the amplitude loses two samples. Five standard
   // uncertainties; left in, they are wrong by more.
   for (const double level : {0.8, 0.6}) {
-    Records records(23);
-    Eigen::VectorXd y = records.decay({{50, 0.01, 1}}, 500, 250, 0.003);
-    y = y.cwiseMin(level + 0.3);
+    const Eigen::VectorXd y = decays(23, {{50, 0.01}}, 500, 250, 0.003).cwiseMin(level + 0.3);
     const auto result = estimate_decay(y, 500);
-    ASSERT_TRUE(result.refusal.empty()) << result.refusal;
     EXPECT_TRUE(says(result.notes, "clipped")) << level;
-    ASSERT_EQ(result.modes.size(), 1u) << level;
-    const auto& zeta = result.modes[0].damping_ratio;
-    EXPECT_NEAR(zeta.value, 0.01, 5 * zeta.std) << level;
+    ASSERT_EQ(result.modes.size(), 1u) << level << result.refusal;
+    expect_mode(result.modes[0], 50, 0.01);
     // Where the person names the stretch it is fitted, and said.
     DecayOptions as_given;
     as_given.choose_window = as_given.trim_start = false;
@@ -117,57 +98,27 @@ TEST(Decay, LeavesOutClippedSamplesTooFewToBeFlat) {
 }
 
 TEST(Decay, PairsThatBeatTooSlowlyAreSaid) {
-  Records records(29);
-  const auto y = records.decay({{50, 0.002, 1}, {50.1, 0.002, 0.8}}, 500, 1000, 0.007);
-  const auto result = estimate_decay(y, 500);
-  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
-  ASSERT_EQ(result.modes.size(), 1u);
+  const auto two = decays(29, {{50, 0.002}, {50.1, 0.002, 0.8}}, 500, 1000, 0.007);
+  const auto result = estimate_decay(two, 500);
+  ASSERT_EQ(result.modes.size(), 1u) << result.refusal;
   EXPECT_TRUE(says(result.notes, "not_one_decay"));
-  const auto one = estimate_decay(records.decay({{50, 0.002, 1}}, 500, 1000, 0.007), 500);
+  const auto one = estimate_decay(decays(29, {{50, 0.002}}, 500, 1000, 0.007), 500);
   EXPECT_FALSE(says(one.notes, "not_one_decay"));
 }
 
 TEST(Decay, StartsAfterTheImpactAndTheQuietBefore) {
-  Records records(6);
+  std::mt19937_64 random(6);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(1500);
-  const Mode m{50, 0.017, 1};
-  for (Index j = 0; j < 900; ++j) {
-    y(600 + j) = (std::exp(pole(m, 500) * static_cast<double>(j)) * Complex(0, -1)).real();
-  }
+  add_decay(y, {50, 0.017}, 500, -std::numbers::pi / 2, 600);
   for (Index j = 0; j < 4; ++j)
     y(598 + j) += 6 * std::sin(0.6 * static_cast<double>(j + 1));  // pulse
-  records.add_noise(y, 0.005);
+  add_noise(y, 0.005, random);
   const auto result = estimate_decay(y, 500);
   ASSERT_TRUE(result.refusal.empty()) << result.refusal;
   EXPECT_GE(result.start, 598);
   EXPECT_LE(result.start, 640);
   EXPECT_TRUE(says(result.notes, "start_chosen"));
-  EXPECT_NEAR(result.modes[0].frequency_hz.value, 50, 5 * result.modes[0].frequency_hz.std);
-  EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.017, 5 * result.modes[0].damping_ratio.std);
-}
-
-TEST(Decay, NoiseDoesNotPassForAnImpact) {
-  // At 10 dB the amplitude over a cycle is hidden now and then and comes back threefold. 300
-  // records; a false impact has a chance of about 1e-6 each.
-  for (unsigned seed = 0; seed < 300; ++seed) {
-    Records records(seed + 900);
-    const auto windows = find_decays(records.decay({{50, 0.017, 1}}, 500, 500, noise_of(10)));
-    ASSERT_EQ(windows.size(), 1u) << seed;
-    EXPECT_EQ(windows[0].start, 0) << seed;
-  }
-}
-
-TEST(Decay, ASteadyVibrationIsNoDecay) {
-  Records records(71);
-  for (const double noise : {0.0, 1e-6, 0.01}) {
-    const auto result = estimate_decay(records.decay({{120, 0, 1}}, 2000, 20000, noise), 2000);
-    EXPECT_EQ(result.refusal_code, "no_decay") << noise;
-    EXPECT_TRUE(result.modes.empty());
-  }
-  // A slow decay that the record shows: the amplitude falls by 4 %.
-  const auto slow = estimate_decay(records.decay({{10, 1e-4, 1}}, 200, 1300, 1e-3), 200);
-  ASSERT_TRUE(slow.refusal.empty()) << slow.refusal;
-  EXPECT_NEAR(slow.modes[0].damping_ratio.value, 1e-4, 5 * slow.modes[0].damping_ratio.std);
+  expect_mode(result.modes[0], 50, 0.017);
 }
 
 TEST(Decay, AnOffsetThatDiesAwayIsPartOfTheBackground) {
@@ -175,8 +126,7 @@ TEST(Decay, AnOffsetThatDiesAwayIsPartOfTheBackground) {
   int in_f = 0, in_z = 0, said = 0, silent = 0;
   constexpr int kRecords = 100;
   for (unsigned seed = 0; seed < kRecords; ++seed) {
-    Records records(seed + 300);
-    Eigen::VectorXd y = records.decay({{48, 0.017, 1}}, 1000, 1000, noise_of(30));
+    Eigen::VectorXd y = decays(seed + 300, {{48, 0.017}}, 1000, 1000, noise_of(30));
     silent += says(estimate_decay(y, 1000).notes, "decaying_offset");
     for (Index j = 0; j < y.size(); ++j) y(j) += 0.3 * std::exp(-static_cast<double>(j) / 150);
     const auto result = estimate_decay(y, 1000);
@@ -194,62 +144,107 @@ TEST(Decay, AnOffsetThatDiesAwayIsPartOfTheBackground) {
   EXPECT_LE(silent, 1);
 }
 
-TEST(Decay, QuantisedSlowSignalIsNotCalledClipped) {
-  Records records(9);
-  auto y = records.decay({{1, 0.005, 1}}, 1000, 20000, 0.001);
-  for (double& v : y) v = 0.01 * std::round(v / 0.01);
-  const auto result = estimate_decay(y, 1000);
-  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
-  EXPECT_FALSE(says(result.notes, "clipped"));
-  EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.005, 5 * result.modes[0].damping_ratio.std);
-}
-
 TEST(Decay, ABandChoosesTheModeWithoutFilteringTheRecord) {
-  Records records(11);
-  const auto y = records.decay({{20, 0.01, 1}, {90, 0.02, 0.2}}, 1000, 2000, 0.005);
-  DecayOptions options;
-  options.band_low_hz = 60, options.band_high_hz = 120;
-  const auto result = estimate_decay(y, 1000, options);
-  ASSERT_TRUE(result.refusal.empty()) << result.refusal;
-  ASSERT_EQ(result.modes.size(), 1u);
-  EXPECT_NEAR(result.modes[0].frequency_hz.value, 90, 5 * result.modes[0].frequency_hz.std);
-  EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.02, 5 * result.modes[0].damping_ratio.std);
-  options.band_low_hz = 600, options.band_high_hz = 700;
-  const auto beyond = estimate_decay(y, 1000, options);
-  EXPECT_EQ(beyond.refusal_code, "band_not_sampled");
-  EXPECT_NE(beyond.refusal.find("begins at 600 Hz, above half the sample rate, 500 Hz"),
-            std::string::npos);
-  options.band_low_hz = 120, options.band_high_hz = 60;
-  EXPECT_THROW((void)estimate_decay(y, 1000, options), std::invalid_argument);
+  const auto y = decays(11, {{20, 0.01}, {90, 0.02, 0.2}}, 1000, 2000, 0.005);
+  const auto in_band = [&](double low, double high) {
+    DecayOptions options;
+    options.band_low_hz = low, options.band_high_hz = high;
+    return estimate_decay(y, 1000, options);
+  };
+  const auto result = in_band(60, 120);
+  ASSERT_EQ(result.modes.size(), 1u) << result.refusal;
+  expect_mode(result.modes[0], 90, 0.02);
+  EXPECT_EQ(in_band(600, 700).refusal_code, "band_not_sampled");
+  EXPECT_THROW((void)in_band(120, 60), std::invalid_argument);
 }
 
 TEST(Decay, RefusesWithAReason) {
-  Records records(12);
-  EXPECT_EQ(estimate_decay(Eigen::VectorXd::Constant(100, 2.0), 100).refusal_code, "constant");
-  EXPECT_EQ(estimate_decay(Eigen::VectorXd::Random(5), 100).refusal_code, "too_few_samples");
-  EXPECT_EQ(estimate_decay(Eigen::VectorXd(), 100).refusal_code, "too_few_samples");
-  EXPECT_EQ(
-      estimate_decay(Eigen::VectorXd::Constant(50, std::numeric_limits<double>::quiet_NaN()), 100)
-          .refusal_code,
-      "too_few_samples");
-  Eigen::VectorXd noise = Eigen::VectorXd::Zero(500);
-  records.add_noise(noise, 1);
-  EXPECT_EQ(estimate_decay(noise, 500).refusal_code, "too_noisy");
-  const auto arc = records.decay({{1, 0.01, 1}}, 1000, 200, 0.001);
-  EXPECT_FALSE(estimate_decay(arc, 1000).refusal.empty());
-  Eigen::VectorXd grows(500);
-  for (Index j = 0; j < 500; ++j)
-    grows(j) = std::exp(0.004 * static_cast<double>(j)) * std::sin(0.6 * static_cast<double>(j));
-  records.add_noise(grows, 0.01);
-  EXPECT_EQ(estimate_decay(grows, 500).refusal_code, "no_decay");
-  EXPECT_THROW((void)estimate_decay(noise, 0), std::invalid_argument);
+  const auto code = [](const Eigen::VectorXd& y) { return estimate_decay(y, 500).refusal_code; };
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(code(Eigen::VectorXd::Constant(100, 2.0)), "constant");
+  EXPECT_EQ(code(Eigen::VectorXd::Random(5)), "too_few_samples");
+  EXPECT_EQ(code(Eigen::VectorXd()), "too_few_samples");
+  EXPECT_EQ(code(Eigen::VectorXd::Constant(50, kNan)), "too_few_samples");
+  EXPECT_NE(code(decays(12, {{0.5, 0.01}}, 500, 200, 0.001)), "");  // an arc
+  EXPECT_THROW((void)estimate_decay(Eigen::VectorXd::Random(500), 0), std::invalid_argument);
 }
 
 TEST(Decay, SaysWhenTheRecordIsShorterThanTheDecay) {
-  Records records(13);
-  const auto result = estimate_decay(records.decay({{50, 1e-4, 1}}, 500, 500, 0.01), 500);
-  ASSERT_TRUE(result.refusal.empty());
-  EXPECT_TRUE(says(result.notes, "record_short"));
+  EXPECT_TRUE(
+      says(estimate_decay(decays(13, {{50, 1e-4}}, 500, 500, 0.01), 500).notes, "record_short"));
+}
+
+// Hum of a twentieth of the amplitude, 0.2 to 0.3 Hz beside a mode that it stands alone before for
+// half a second and beats with for a second, 0.3 times: 200 records at 40 dB. Mean squares of
+// errors over standard uncertainties to 4 sqrt(2 / 200) = 0.4; where the tone is fitted beside a
+// mode that was spent on it, or until it only creeps, that of the frequency is 1.6. The line's side
+// lobes are no tones.
+TEST(DecayBackground, HumBesideAModeAsLongAsItStandsAloneBefore) {
+  double frequency = 0, damping = 0;
+  int others = 0;
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> uniform;
+    const double zeta = 0.002, apart = 0.2 + 0.1 * uniform(random);
+    const double f = uniform(random) < 0.5 ? 50 - apart : 50 + apart;
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(1500);
+    add_decay(y, {50, 0, 0.05}, 1000, 2 * std::numbers::pi * uniform(random));
+    add_decay(y, {f, zeta}, 1000, -std::numbers::pi / 2, 500);
+    add_noise(y, 0.007, random);
+    const auto result = estimate_decay(y, 1000);
+    ASSERT_EQ(result.modes.size(), 1U) << seed;
+    const DecayMode& mode = result.modes.front();
+    others += result.steady_tones.size() != 1;
+    frequency += std::pow((mode.frequency_hz.value - f) / mode.frequency_hz.std, 2);
+    damping += std::pow((mode.damping_ratio.value - zeta) / mode.damping_ratio.std, 2);
+  }
+  EXPECT_NEAR(frequency / 200, 1, 0.4);
+  EXPECT_NEAR(damping / 200, 1, 0.4);
+  EXPECT_LE(others, 2);
+}
+
+// Three modes, and what is left of a blow for the first `tail` samples: no exponential. It bends
+// the answers by many standard uncertainties; the start moves behind it, by no more than three
+// cycles, and stays where there is none.
+TEST(DecayStart, MovesBehindWhatIsLeftOfTheBlow) {
+  DecayOptions given;
+  given.choose_window = false;
+  constexpr double kCycle = 50;  // samples of the strongest mode
+  int moved = 0;
+  for (const double tail : {0.0, 20.0, 40.0, 70.0}) {
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      std::mt19937_64 random(seed);
+      Eigen::VectorXd y(3000);
+      for (Index j = 0; j < y.size(); ++j) {
+        const double t = static_cast<double>(j), turn = 2 * std::numbers::pi * t / kCycle;
+        y(j) = std::exp(-t / 900) * std::cos(turn) +
+               0.3 * std::exp(-t / 700) * std::cos(2.7 * turn) +
+               0.2 * std::exp(-t / 500) * std::cos(4.4 * turn + 1);
+        if (tail > 0)
+          y(j) += 2 * std::exp(-t * t / (tail * tail)) * std::cos(3.6 * turn + 0.003 * t * t);
+      }
+      add_noise(y, 0.01, random);
+      const auto result = estimate_decay(y, 1000, given);
+      ASSERT_FALSE(result.modes.empty()) << result.refusal;
+      EXPECT_LE(result.start, tail > 0 ? 3 * kCycle : 0);
+      if (result.start == 0) continue;
+      ++moved;
+      const auto& mode = result.modes.front();
+      EXPECT_NEAR(mode.damped_frequency_hz.value, 1000 / kCycle, 5 * mode.damped_frequency_hz.std)
+          << tail << " " << seed;
+    }
+  }
+  EXPECT_GE(moved, 3);
+}
+
+// A swing that comes to rest on a coarse scale is no logger that stopped; a cut is one.
+TEST(RecordedUntil, RestOnAnIntegerScaleIsNoStop) {
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(400);
+  add_decay(y, {0.1115, 0.036, 20}, 1);
+  y = y.array().round();
+  EXPECT_EQ(recorded_until(y), 400);
+  y.tail(340).setZero();
+  EXPECT_EQ(recorded_until(y), 60);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "signal/decay/decay.h"
+#include "tests/signal/decays.h"
 
 namespace rigfit::signal::envelope_test {
 namespace {
@@ -66,9 +67,7 @@ TEST(Envelope, DryFrictionShowsAsSuch) {
   const auto result = estimate_decay(record(0.1, 0.25, 0, 20, 0, 0.003, 4), 1000);
   ASSERT_TRUE(result.refusal.empty()) << result.refusal;
   EXPECT_EQ(result.envelope.law, DecayLaw::friction);
-  const bool said = std::any_of(result.notes.begin(), result.notes.end(),
-                                [](const Note& n) { return n.code == "not_exponential"; });
-  EXPECT_TRUE(said);
+  EXPECT_TRUE(testing::says(result.notes, "not_exponential"));
 }
 
 TEST(Envelope, FrequencyThatDependsOnAmplitudeIsADriftNotASecondMode) {
@@ -82,31 +81,25 @@ TEST(Envelope, FrequencyThatDependsOnAmplitudeIsADriftNotASecondMode) {
   EXPECT_LT(result.envelope.frequency_drift_hz.value, 0.1);
 }
 
-Eigen::VectorXd decay(double f, double zeta, double rate, double duration, double offset = 0) {
-  const double w = kTwoPi * f, wd = w * std::sqrt(1 - zeta * zeta);
-  Eigen::VectorXd y(static_cast<Index>(std::lround(duration * rate)));
-  for (Index j = 0; j < y.size(); ++j) {
-    const double t = static_cast<double>(j) / rate;
-    y(j) = offset + std::exp(-zeta * w * t) * std::cos(wd * t + 0.7);
-  }
+Eigen::VectorXd decay(double zeta, double rate, double duration, double offset = 0) {
+  const auto n = static_cast<Index>(std::lround(duration * rate));
+  Eigen::VectorXd y = Eigen::VectorXd::Constant(n, offset);
+  testing::add_decay(y, {50, zeta}, rate, 0.7);
   return y;
 }
 
-LogDecrement decrement_of(const Eigen::VectorXd& y, double rate, double f, double zeta,
-                          double noise = 0) {
-  const double w = kTwoPi * f / rate;
-  return log_decrement(
-      cycle_amplitudes(y, rate, {-zeta * w, w * std::sqrt(1 - zeta * zeta)}, noise * noise));
+LogDecrement decrement_of(const Eigen::VectorXd& y, double rate, double zeta, double noise = 0) {
+  return log_decrement(cycle_amplitudes(y, rate, testing::pole({50, zeta}, rate), noise * noise));
 }
 
 TEST(LogDecrement, IsExactAtThePoleAndCloseBesideIt) {
   for (const double rate : {150.0, 500.0, 1234.0, 50000.0}) {
     for (const double zeta : {0.001, 0.017, 0.1}) {
-      const auto y = decay(50, zeta, rate, 0.6, 3.0);
-      EXPECT_NEAR(decrement_of(y, rate, 50, zeta).damping_ratio.value, zeta, 1e-9) << rate;
+      const auto y = decay(zeta, rate, 0.6, 3.0);
+      EXPECT_NEAR(decrement_of(y, rate, zeta).damping_ratio.value, zeta, 1e-9) << rate;
       // A pole that is wrong by a tenth in damping is wrong within every cycle in the same way, but
       // for where the cycle's samples lie: no more than a tenth of the pole's error is left.
-      const auto beside = decrement_of(y, rate, 50, 1.1 * zeta);
+      const auto beside = decrement_of(y, rate, 1.1 * zeta);
       ASSERT_TRUE(beside.refusal.empty()) << beside.refusal;
       EXPECT_NEAR(beside.damping_ratio.value, zeta, 1e-2 * zeta) << rate << " " << zeta;
     }
@@ -117,14 +110,13 @@ TEST(LogDecrement, UncertaintyCoversUnderNoise) {
   // 200 seeds at 40 dB: 95 % +- 1.5 % (one sigma); the estimate of the standard deviation itself
   // has some 40 degrees of freedom.
   int inside = 0;
-  const auto clean = decay(50, 0.017, 500, 1);
+  const auto clean = decay(0.017, 500, 1);
   const double sigma = std::sqrt(0.5e-4);
   for (unsigned seed = 0; seed < 200; ++seed) {
-    std::mt19937_64 generator(seed);
-    std::normal_distribution<double> noise(0, sigma);
+    std::mt19937_64 random(seed);
     Eigen::VectorXd y = clean;
-    for (double& v : y) v += noise(generator);
-    const auto result = decrement_of(y, 500, 50, 0.017, sigma);
+    testing::add_noise(y, sigma, random);
+    const auto result = decrement_of(y, 500, 0.017, sigma);
     ASSERT_TRUE(result.refusal.empty());
     inside += std::abs(result.damping_ratio.value - 0.017) < 2 * result.damping_ratio.std;
   }
@@ -132,9 +124,9 @@ TEST(LogDecrement, UncertaintyCoversUnderNoise) {
 }
 
 TEST(LogDecrement, RefusesWhatItCannotSee) {
-  EXPECT_FALSE(decrement_of(decay(50, 0.01, 500, 0.05), 500, 50, 0.01).refusal.empty());
-  EXPECT_FALSE(decrement_of(decay(50, 0.01, 500, 1), 500, 50, 0.01, 10).refusal.empty());
-  EXPECT_FALSE(decrement_of(decay(50, -0.01, 500, 1), 500, 50, 0.01).refusal.empty());
+  EXPECT_FALSE(decrement_of(decay(0.01, 500, 0.05), 500, 0.01).refusal.empty());
+  EXPECT_FALSE(decrement_of(decay(0.01, 500, 1), 500, 0.01, 10).refusal.empty());
+  EXPECT_FALSE(decrement_of(decay(-0.01, 500, 1), 500, 0.01).refusal.empty());
 }
 
 }  // namespace

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <random>
 
-#include "tests/expect_matrix.h"
-
 namespace rigfit::signal::frf_test {
 namespace {
 using Eigen::Index;
@@ -125,25 +123,6 @@ TEST(Frf, NothingGivesZeroAndNeverNan) {
     EXPECT_TRUE(estimate.coherence.allFinite());
     EXPECT_TRUE(estimate.incoherence_without.allFinite());
   }
-}
-
-TEST(Frf, ThreadsGiveTheSameBits) {
-  std::mt19937_64 random(9);
-  GainTest test(256, 4, 2, 0.01, 0.05, random);
-  for (FrfBlock& block : test.blocks) block.responses.resize(5, block.responses.front());
-  for (FrfBlock& block : test.blocks) block.response_noise_std.clear();
-  FrfOptions options = options_for(256);
-  options.leave_one_out = true;
-  const FrfEstimate one = average_frfs(test.blocks, options);
-  options.threads = 3;
-  const FrfEstimate three = average_frfs(test.blocks, options);
-  EXPECT_EQ(one.H, three.H);
-  EXPECT_EQ(one.H_std, three.H_std);
-  EXPECT_EQ(one.incoherence, three.incoherence);
-}
-
-TEST(Frf, RefusesNoHitsAndNoRate) {
-  EXPECT_THROW((void)average_frfs({}, options_for(8)), std::invalid_argument);
 }
 
 }  // namespace
