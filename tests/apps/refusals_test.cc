@@ -1,15 +1,19 @@
 // Command lines and campaigns that make no sense: each ends with its exit code and a message that
 // says what is wrong and what would be right, within a second, and writes nothing.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "apps/campaign_file/campaign.h"
+#include "model/scene/read_scene.h"
 #include "tests/apps/cable_scene.h"
 #include "tests/apps/run_program.h"
+#include "tests/scenes.h"
 
 namespace rigfit::apps::refusals_test {
 namespace {
@@ -47,6 +51,7 @@ struct Files {
   TemporaryFolder folder;
   Files() {
     folder.write("bare.toml", kRig);
+    folder.write("beam.toml", model::scene_text(model::testing::vertical_beam(1, 2, 0.3, 10)));
     folder.write("scene.toml", kRig + kHit);
     folder.write("modes.csv", "frequency_hz,plane\n7.36,in\n14.5,in\n21.8,in\n");
     folder.write("damped.csv", "frequency_hz,damping_ratio\n7.36,0.5\n14.5,1.7\n");
@@ -59,6 +64,15 @@ struct Files {
     folder.write("gaps.csv", "tension_N,EI_Nm2\n100,0.4\n-200,0.5\n");
     folder.write("stiffness.csv", "tension_N,EI_Nm2\n100,0.4\n200,0.5\n");
     folder.write("other.json", "{\"EA_N\": 3}");
+    folder.write("fit.json", R"({"parameters": [{"name": "cable.EI", "value": 1, "std": 0.1}],
+                    "correlation": [[1.0]]})");
+    folder.write("words.csv", "nothing here\nbut words\n");
+    folder.write("empty.csv", "");
+    folder.write("bad.csv", "t,F\n0,1\n0.1,2\n0.2,oops\n0.3,3\n0.4,1\n");
+    folder.write("halves.csv", "order,frequency_hz\n1.5,3\n");
+    std::string frf = "Frequency (Hz),Real ((m/s^2)/N),Imag ((m/s^2)/N)\n";
+    for (int k = 1; k < 200; ++k) frf += fmt::format("{},{},{}\n", k, 0.1 * k, 1.0 / k);
+    folder.write("frf.csv", frf);
     std::string one = "t (s),a (m/s2)\n", two = "t (s),F (N),a (m/s2)\n", none = "a (m/s2)\n";
     for (int k = 0; k < 500; ++k) {
       const double t = k / 500.0;
@@ -95,7 +109,8 @@ struct Files {
 };
 
 struct Wrong {
-  std::string command;  ///< words apart by blanks; "@x" is a file of the folder, "''" nothing
+  /// Words apart by blanks; "@x" is a file of the folder, "$/x" of testdata, "''" nothing.
+  std::string command;
   int code;
   std::string says;
 };
@@ -106,7 +121,8 @@ void expect_refused(const Files& files, const std::vector<Wrong>& all) {
     std::istringstream words(wrong.command);
     std::vector<std::string> arguments;
     for (std::string word; words >> word;) {
-      if (word[0] == '@') word = (files.folder.path() / word.substr(1)).string();
+      if (word[0] == '@') word = files.folder.at(word.substr(1));
+      if (word[0] == '$') word.replace(0, 1, RIGFIT_TESTDATA);
       arguments.push_back(word == "''" ? "" : word);
     }
     const auto run = run_program(arguments);
@@ -229,6 +245,23 @@ TEST(Refusals, OfUpdate) {
   EXPECT_THAT(run.err, ::testing::Not(HasSubstr("minimizer")));
 }
 
+TEST(Refusals, OfTensionsOfCables) {
+  const Files files;
+  const std::string cable = "tension --mass-per-length 1 ";
+  expect_refused(
+      files,
+      {{cable + "--length 2", 2, "--frequencies"},
+       {cable + "--length 2m --frequencies 3", 2, "--length"},
+       {cable + "--length -2 --frequencies 3", 2, "length"},
+       {cable + "--length 2 --frequencies 3 --EI -1", 2, "EI"},
+       {cable + "--length 2 --frequencies 3 --order 3 1", 2, "--order"},
+       {cable + "--length 2 --measured @none.csv", 3, "none.csv"},
+       {cable + "--length 2 --measured @halves.csv", 3, "halves.csv:2"},
+       // The first four modes of a cantilever: (1.8751^2, 4.6941^2, 7.8548^2, 10.9955^2) in ratio.
+       {cable + "--length 1 --frequencies 3.516 22.034 61.697 120.902 --order 1 2 3 4", 4,
+        "78 % at most"}});
+}
+
 TEST(Refusals, OfWhatTheModelIsAskedFor) {
   const Files files;
   expect_refused(
@@ -242,6 +275,29 @@ TEST(Refusals, OfWhatTheModelIsAskedFor) {
        {"respond @timeless_scene.toml --duration 1 --rate 9 --out @out", 3, "add a time column"},
        {"respond @bare.toml --duration 1 --rate 100 --out @out", 3, "add a [[sensor]]"},
        {"bench --task channels", 2, "not in {nonlinear-response}"},
+       {"bench @none.toml", 3, "none.toml"},
+       {"bench @bare.toml --quick", 4, "no load"},
+       {"modes @none.toml", 3, "none.toml"},
+       {"modes @scene.toml --count 0", 2, "--count"},
+       {"modes @scene.toml --band 1 5 --count 3", 2, "--count"},
+       {"synthesize @scene.toml --out @out --rate 1e300", 2, "lower --rate"},
+       {"synthesize @beam.toml --out @lab --bending-span 1", 3, "no cable"},
+       {"predict @bare.toml --from @other.json", 3, "parameters"},
+       {"predict @bare.toml --from @fit.json --input cable.EA", 2, "--input"},
+       {"predict @bare.toml --from @fit.json --input cable.EA=x", 2, "--input"},
+       {"predict @bare.toml --from @fit.json --input cable.EA=1,", 2, "--input"},
+       {"predict @bare.toml --from @fit.json --input cable.EA=0", 2, "--input"},
+       {"predict $/jalali2021/scenes/beam.toml --from @fit.json", 4, "beam.EI_z"},
+       {"plan @scene.toml --goal cable.EI", 2, "--goal"},
+       {"plan @scene.toml --goal cable.EI=-5%", 2, "--goal"},
+       {"plan @scene.toml --goal cable.EI=5%x", 2, "--goal"},
+       {"plan @scene.toml --goal =5%", 2, "--goal"},
+       {"plan @scene.toml --goal rope.EI=5%", 3, "rope.EI"},
+       {"plan $/jalali2021/scenes/rig.toml --goal beam.EI_z=5% --length 1", 2, "one member"},
+       {"report", 2, "campaign is required"},
+       {"report @none.toml --out @out", 3, "none.toml"},
+       {"report $/jalali2021/campaign.toml --out @decay.csv", 2, "decay.csv"},
+       {"export @bare.toml", 2, "--calculix"},
        {"synthesize @bare.toml --out @out", 2, "nothing to test: give the scene a load"},
        {"synthesize @scene.toml --out @scene.toml", 2, "cannot make the output folder"},
        {"synthesize @bare.toml --out @out --bending-span 1 --stiffness @stiffness.csv", 2,
@@ -275,7 +331,27 @@ TEST(Refusals, OfRecordings) {
        {"frf @two.csv --force F --response a", 4, "nothing in \"F\" rises above the noise"},
        {"modal @decay.csv --force a", 4, "has no channel besides the force"},
        {"modal @decay.csv", 3, "no table of FRFs"},
-       {"inspect @none.csv", 3, "cannot be opened: No such file"}});
+       {"inspect @none.csv", 3, "cannot be opened: No such file"},
+       {"inspect @bad.csv", 3, "bad.csv:4:5"},
+       {"inspect @empty.csv", 3, "empty.csv"},
+       {"inspect @words.csv", 3, "words.csv"},
+       {"inspect @", 3, "rigfit-test"},
+       {"inspect", 2, "FILE"},
+       {"inspect --sample-rate 0 @decay.csv", 2, "--sample-rate"},
+       {"decay", 2, "file is required"},
+       {"decay @none.csv", 3, "none.csv"},
+       {"decay @decay.csv --channel gyro", 3, "\"a\""},
+       {"frf", 2, "FILE"},
+       {"frf @two.csv", 2, "--force"},
+       {"frf @two.csv --force F --driving-point F", 2, "not among"},
+       {"frf @two.csv --force hammer", 3, "hammer"},
+       {"frf @words.csv --force F", 3, "words.csv"},
+       {"modal", 2, "FILE"},
+       {"modal @none.uff", 3, "none.uff"},
+       {"modal @table.csv", 3, "table.csv"},
+       {"modal @frf.csv --order 1", 2, "--order"},
+       {"modal @frf.csv --band 5000 6000", 4, "0 usable lines"},
+       {"modal @decay.csv --ambient --trigger 5", 2, "--trigger"}});
 }
 
 const char* const kCampaign = R"(title = "rig"
@@ -329,6 +405,13 @@ span = 1.0
 [[test.recording]]
 files = ["table.csv"]
 
+[[test]]
+name = "stay"
+kind = "tension"
+length = 20
+mass_per_length = 5
+frequencies = [2.5, 5.0]
+
 [[fit]]
 name = "fit"
 tests = "hits"
@@ -372,6 +455,10 @@ TEST(Refusals, OfCampaignsWithRecordingsAndFits) {
       {"length = 1.0\n", "", "test[2].recording: a recording of an axial test has no length"},
       {"span = 1.0", "span = 1.0\ntable = { file = \"gaps.csv\" }",
        "test[3].table: is given beside recordings; keep one"},
+      {"span = 1.0", "span = 1.0\nends = \"pinned\"", "add tension"},
+      {"span = 1.0", "span = 1.0\ntension = 20", "is not 0"},
+      {"span = 1.0", "span = 1.0\ntension = 0\ndiameter = 0.01\nrectangle = [1, 1]", "keep one"},
+      {"frequencies = [2.5, 5.0]\n", "", "frequencies"},
       {"tests = \"hits\"", "tests = []", "fit[0].tests: is empty; name at least one"},
       {"tests = \"hits\"", "tests = \"ring\"",
        "fit[0].tests: there is no modal test with a scene \"ring\""},

@@ -79,6 +79,21 @@ nlohmann::json document_of(const std::string& line, const std::vector<std::strin
   return parsed(run.out);
 }
 
+std::vector<std::vector<double>> columns(const std::string& csv, std::string* header) {
+  std::istringstream lines(csv);
+  std::string line, field;
+  std::getline(lines, *header);
+  std::vector<std::vector<double>> result;
+  while (std::getline(lines, line)) {
+    std::istringstream fields(line);
+    for (std::size_t k = 0; std::getline(fields, field, ','); ++k) {
+      if (k == result.size()) result.emplace_back();
+      result[k].push_back(std::stod(field));
+    }
+  }
+  return result;
+}
+
 TemporaryFolder::TemporaryFolder() {
   std::string name = (fs::temp_directory_path() / "rigfit-test-XXXXXX").string();
   if (!::mkdtemp(name.data())) throw std::runtime_error("cannot make a folder " + name);

@@ -28,6 +28,9 @@ struct ProgramRun {
 [[nodiscard]] nlohmann::json document_of(const std::string& line,
                                          const std::vector<std::string>& values = {});
 
+/// The columns of a table of numbers behind a line of titles.
+[[nodiscard]] std::vector<std::vector<double>> columns(const std::string& csv, std::string* header);
+
 /// A folder of this test's own, empty, removed with the object.
 class TemporaryFolder {
  public:

@@ -1,9 +1,7 @@
 // Mode shapes of other programs (UFF 55) as what a scene is fitted to.
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,6 +11,7 @@
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
 #include "tests/apps/run_program.h"
+#include "tests/scenes.h"
 
 namespace rigfit::apps::measured_modes_test {
 namespace {
@@ -22,38 +21,15 @@ using ::testing::HasSubstr;
 
 /// A standing cantilever of 12 segments with sensors at some of their joints.
 std::string beam(double EI, double tip_mass) {
-  std::string text = R"(
-[[node]]
-name = "foot"
-position = [0.0, 0.0, 0.0]
-support = "clamped"
-[[node]]
-name = "tip"
-position = [0.0, 0.75, 0.0]
-mass = )" + std::to_string(tip_mass) +
-                     R"(
-[[member]]
-name = "beam"
-kind = "beam"
-nodes = ["foot", "tip"]
-segments = 12
-mass_per_length = 0.3
-EA = 7.0e6
-EI = [)" + std::to_string(EI) +
-                     R"(, 200.0]
-GJ = 3.0
-damping_ratio = 0.01
-)";
-  const struct {
-    const char *name, *at, *direction;
-  } sensors[] = {{"low", "member = \"beam\"\nposition = 0.25", "[1.0, 0.0, 0.0]"},
-                 {"middle", "member = \"beam\"\nposition = 0.5", "[-1.0, 0.0, 0.0]"},
-                 {"tip", "node = \"tip\"", "[1.0, 0.0, 0.0]"}};
-  for (const auto& sensor : sensors) {
-    text += std::string("[[sensor]]\nname = \"") + sensor.name + "\"\n" + sensor.at +
-            "\ndirection = " + sensor.direction + "\n";
-  }
-  return text;
+  auto scene = model::testing::vertical_beam(0.75, EI, 0.3, 12);
+  scene.nodes[1].mass = tip_mass;
+  scene.members[0].EI[1] = 200;
+  scene.members[0].damping_ratio = 0.01;
+  constexpr auto kMoves = model::Sensor::Quantity::acceleration;
+  scene.sensors = {{"low", {"", "beam", 0.25}, {1, 0, 0}, kMoves},
+                   {"middle", {"", "beam", 0.5}, {-1, 0, 0}, kMoves},
+                   {"tip", {"tip", "", 0}, {1, 0, 0}, kMoves}};
+  return model::scene_text(scene);
 }
 
 std::string mode_shapes(const std::string& scene_file) {
@@ -114,26 +90,12 @@ TEST(MeasuredModes, PredictionsAreHeldAgainstAUniversalFile) {
 
 /// A cable whose EI goes by a table of tensions.
 std::string cable(double tension, double EI, double mass_per_length) {
-  return fmt::format(R"(
-[[node]]
-name = "left"
-position = [0.0, 0.0, 0.0]
-support = "clamped"
-[[node]]
-name = "right"
-position = [1.2, 0.0, 0.0]
-support = "clamped"
-[[member]]
-name = "cable"
-kind = "cable"
-nodes = ["left", "right"]
-segments = 12
-mass_per_length = {}
-EA = 2.0e5
-EI = {}
-tension = {}
-)",
-                     mass_per_length, EI, tension);
+  auto scene = model::testing::paper_cable(tension, EI, 12);
+  for (auto& node : scene.nodes) node.support.kind = model::Support::Kind::clamped;
+  scene.nodes[1].position.x() = 1.2;
+  scene.members[0].mass_per_length = mass_per_length;
+  scene.members[0].GJ = 0;
+  return model::scene_text(scene);
 }
 
 TEST(MeasuredModes, UniversalFilesHaveATensionOfTheirOwn) {

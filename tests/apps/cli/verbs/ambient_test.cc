@@ -51,13 +51,6 @@ TEST_F(AmbientVerb, ModesOfTwoSetups) {
   }
 }
 
-TEST_F(AmbientVerb, MissingReferenceNamesThoseThatServe) {
-  const auto run = run_line("modal {} {} --ambient --reference c2 --band 0.3 8",
-                            {setup("a.csv", 1, {0, 4, 1}), setup("b.csv", 2, {0, 4, 2})});
-  EXPECT_EQ(run.exit_code, 3);
-  EXPECT_NE(run.err.find("\"c1\", \"c5\""), std::string::npos) << run.err;
-}
-
 TEST_F(AmbientVerb, FigureMarksTheModes) {
   const std::string figure = folder.at("modes.svg");
   const auto run =
@@ -66,11 +59,6 @@ TEST_F(AmbientVerb, FigureMarksTheModes) {
   const std::string drawn = folder.read("modes.svg");
   EXPECT_NE(drawn.find("singular value 1"), std::string::npos);
   EXPECT_NE(drawn.find("Stabilisation diagram"), std::string::npos);
-}
-
-TEST_F(AmbientVerb, OptionsOfHitsAreRefused) {
-  const auto run = run_line("modal {} --ambient --trigger 5", {setup("a.csv", 1, {0, 4})});
-  EXPECT_EQ(run.exit_code, 2);
 }
 
 // The rig of the virtual laboratory in the state that was struck, moved by unknown forces: its own

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -82,20 +81,6 @@ TEST(BendingVerb, WrongSpanIsRefusedByName) {
   const Json json = document(run);
   EXPECT_TRUE(json["tests"][0]["EI_Nm2"]["value"].is_null());
   EXPECT_NE(run.err.find("not below 1"), std::string::npos) << run.err;
-}
-
-TEST(BendingVerb, BadInputsEndWithTheirExitCode) {
-  const TemporaryFolder folder;
-  const auto no_load = folder.write("a.csv", "tension_N,foo_m\n1,2\n3,4\n");
-  const auto run = run_line("bending {} --span 0.5", {no_load});
-  EXPECT_EQ(run.exit_code, 3);
-  EXPECT_NE(run.err.find("load"), std::string::npos) << run.err;
-  EXPECT_NE(run.err.find("tension_N"), std::string::npos) << run.err;
-
-  const auto negative = folder.write("c.csv", "tension_N,EI_Nm2\n25,-0.2\n50,0.3\n");
-  const auto refused = run_line("bending {}", {negative});
-  EXPECT_EQ(refused.exit_code, 3);
-  EXPECT_NE(refused.err.find("row 1"), std::string::npos) << refused.err;
 }
 
 }  // namespace

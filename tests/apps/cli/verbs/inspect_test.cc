@@ -92,22 +92,6 @@ TEST_F(Inspect, WrongDescriptionsAreRefused) {
   }
 }
 
-TEST_F(Inspect, BadInputsEndWithThree) {
-  folder.write("bad.csv", "t,F\n0,1\n0.1,2\n0.2,oops\n0.3,3\n0.4,1\n");
-  folder.write("empty.csv", "");
-  folder.write("words.csv", "nothing here\nbut words\n");
-  const auto run = run_line("inspect {}", {path("bad.csv")});
-  EXPECT_EQ(run.exit_code, 3);
-  EXPECT_THAT(run.err, ::testing::HasSubstr("bad.csv:4:5"));
-  EXPECT_THAT(run.err, ::testing::HasSubstr("oops"));
-  EXPECT_EQ(run_line("inspect {}", {path("empty.csv")}).exit_code, 3);
-  EXPECT_EQ(run_line("inspect {}", {path("words.csv")}).exit_code, 3);
-  EXPECT_EQ(run_line("inspect {}", {path("none.csv")}).exit_code, 3);
-  EXPECT_EQ(run_line("inspect {}", {folder.path().string()}).exit_code, 3);
-  EXPECT_EQ(run_line("inspect").exit_code, 2);
-  EXPECT_EQ(run_line("inspect --sample-rate 0 {}", {path("bad.csv")}).exit_code, 2);
-}
-
 TEST_F(Inspect, EmptyChannelGivesNullNotNan) {
   folder.write("d.csv", "t,a,b\n0,1,\n0.5,2,\n1,4,\n1.5,1,\n");
   const auto run = run_line("inspect --json - {}", {path("d.csv")});

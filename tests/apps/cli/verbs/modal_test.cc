@@ -8,7 +8,6 @@
 #include <random>
 
 #include "signal/readers/uff/read_uff.h"
-#include "signal/writers/write_csv.h"
 #include "signal/writers/write_uff.h"
 #include "tests/apps/run_program.h"
 #include "tests/reference/defective_frfs.h"
@@ -84,26 +83,6 @@ TEST_F(ModalVerb, FrfsGiveModesThatRebuildThem) {
   EXPECT_EQ(shapes, 10u);
 }
 
-TEST_F(ModalVerb, RecordingsGiveTheSameModesDirectly) {
-  testing::ImpactRecordOptions options;
-  options.hits = 3;
-  options.block_samples = 16384;
-  const std::string file =
-      folder.write("hits.csv", signal::csv_text(testing::impact_recording(truth, options), {}, 9));
-  const auto run =
-      run_line("modal {} --force force --exponential-window 2 --band 40 1000 --json -", {file});
-  // 68 Hz has -Re p = 3.4 1/s: the window is 37 % of what is measured, and accepted.
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
-  ASSERT_EQ(json["modes"].size(), 8u);
-  for (std::size_t r = 0; r < 8; ++r) {
-    const double f = json["modes"][r]["frequency_hz"]["value"];
-    EXPECT_NEAR(f, truth.frequency_hz[static_cast<Eigen::Index>(r) + 1], 100e-6 * f);
-  }
-  EXPECT_EQ(json["hits"].size(), 3u);
-  EXPECT_EQ(json["amplitudes"], true);
-}
-
 TEST_F(ModalVerb, ADominatingWindowsDampingIsRefused) {
   const auto run = run_line("modal {} --json -", {frf_file(3)});
   EXPECT_EQ(run.exit_code, 4);
@@ -153,44 +132,6 @@ TEST_F(ModalVerb, RebuiltFrfsHaveWhatRecordsThatEndEarlyAdd) {
             0.02);
   const signal::FrfSet again = signal::read_uff_frfs(path("again.uff"));
   EXPECT_LT((again.H - set.H).norm(), 2e-3 * set.H.norm());
-}
-
-// White misfit of 40 %, error bars of 1 %.
-TEST_F(ModalVerb, AModeThatLeavesMuchUnexplainedIsDoubtful) {
-  testing::DefectiveFrfOptions options;
-  options.damping_ratio = 0.005, options.spacing_hz = 0.25;
-  options.low_hz = 20, options.high_hz = 400;
-  options.points = 6, options.points_are_inputs = false;
-  signal::FrfSet set = testing::defective_frfs(options);
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> normal;
-  for (Complex& h : set.H.reshaped()) h *= 1.0 + 0.3 * Complex(normal(random), normal(random));
-  set.H_std = 0.01 * set.H.cwiseAbs();
-  set.averages = 10;
-  const std::string file =
-      folder.write("misfit.uff", signal::uff_text(set, signal::UffEncoding::binary));
-  const auto run = run_line("modal {} --json -", {file});
-  const auto json = parsed(run.out);
-  ASSERT_EQ(json["modes"].size(), 3u) << run.err;
-  for (const auto& mode : json["modes"]) {
-    EXPECT_EQ(mode["doubtful"], true);
-    EXPECT_THAT(mode["doubt"].get<std::string>(), HasSubstr("not explained by it, nor by noise"));
-  }
-}
-
-TEST_F(ModalVerb, WrongUseAndBadFilesAreSaid) {
-  EXPECT_EQ(run_line("modal").exit_code, 2);
-  EXPECT_EQ(run_line("modal {}", {path("none.uff")}).exit_code, 3);
-  const std::string file = frf_file(0);
-  EXPECT_EQ(run_line("modal {} {}", {file, file}).exit_code, 2);
-  EXPECT_EQ(run_line("modal {} --band 500 400", {file}).exit_code, 2);
-  EXPECT_EQ(run_line("modal {} --order 1", {file}).exit_code, 2);
-  const auto empty = run_line("modal {} --band 5000 6000", {file});
-  EXPECT_EQ(empty.exit_code, 4);
-  EXPECT_THAT(empty.err, HasSubstr("0 usable lines"));
-  const auto table = run_line("modal {}", {folder.write("table.csv", "a,b\n1,2\n3,4\n")});
-  EXPECT_EQ(table.exit_code, 3);
-  EXPECT_EQ(run_line("modal --help").exit_code, 0);
 }
 
 }  // namespace

@@ -53,38 +53,6 @@ TEST(OwnFiles, FrfsAsTextGiveModes) {
       3);
 }
 
-TEST(OwnFiles, ACampaignOfThemRuns) {
-  const TemporaryFolder folder;
-  std::mt19937_64 random(5);
-  std::normal_distribution<double> noise(0, 1e-3);
-  for (int file = 0; file < 2; ++file) {
-    std::string text = "t;CH1\n";
-    for (int k = 0; k < 2000; ++k) {
-      const double t = 1e-3 * k;
-      text +=
-          fmt::format("{:.3f};{:.6f}\n", t,
-                      std::exp(-3 * t) * std::sin(2 * std::numbers::pi * 25 * t) + noise(random));
-    }
-    folder.write(fmt::format("data/pull{}.csv", file), text);
-  }
-  const std::string data = (folder.path() / "data").string();
-  const std::string rig = (folder.path() / "rig").string();
-  const auto made = run_program({"new", rig, "--from", data + "/pull0.csv", data + "/pull1.csv",
-                                 "--sensitivity", "CH1=100 mV/g", "--unit", "CH1=V"});
-  ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_THAT(folder.read("rig/campaign.toml"), HasSubstr("sensitivity_unit = \"mV/g\""));
-  EXPECT_EQ(folder.read("data/channels.toml"), "");
-  // The file gives no unit: volts or millivolts?
-  const auto asked = run_program(
-      {"new", rig + "3", "--from", data + "/pull0.csv", "--sensitivity", "CH1=100 mV/g"});
-  EXPECT_EQ(asked.exit_code, 3);
-  EXPECT_THAT(asked.err, HasSubstr("--unit \"CH1=V\""));
-  const auto report = run_program({"report", rig + "/campaign.toml", "--out", rig + "/report"});
-  EXPECT_EQ(report.exit_code, 0) << report.err;
-  EXPECT_THAT(run_program({"new", rig + "2", "--from", data + "/pull0.csv", "--unit", "CH9=g"}).err,
-              HasSubstr("CH9"));
-}
-
 // One channels.toml for recordings of different channels: silent where each has its own, said where
 // a name is misspelt or nothing fits.
 TEST(OwnFiles, AFolderDescribesDifferentRecordings) {
@@ -178,9 +146,6 @@ TEST(OwnFiles, BendingMachineWithoutTension) {
   const auto without = run_program({"bending", file, "--span", "0.1"});
   EXPECT_EQ(without.exit_code, 3);
   EXPECT_THAT(without.err, HasSubstr("--tension 0"));
-  const auto grams = folder.write(
-      "grams.csv", "load (g),deflection (mm)\n0,0\n50,.98\n100,1.96\n150,2.94\n200,3.92\n");
-  EXPECT_EQ(run_program({"bending", grams, "--tension", "0", "--span", "0.3"}).exit_code, 0);
   const auto campaign = run_program({"new", (folder.path() / "c").string(), "--from", file});
   EXPECT_EQ(campaign.exit_code, 2);
   EXPECT_THAT(campaign.err, HasSubstr("--span"));

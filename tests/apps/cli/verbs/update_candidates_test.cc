@@ -2,47 +2,41 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
 
+#include "model/scene/read_scene.h"
 #include "tests/apps/run_program.h"
+#include "tests/scenes.h"
 
 namespace rigfit::apps::update_candidates_test {
 namespace {
 
 using Json = nlohmann::json;
 
-// 10 m, 30 kg/m, EI 2e5 N m2.
-std::string hanger(const std::string& support, const std::string& tension) {
-  const std::string node = "support = " + support + "\n";
-  return R"(gravity = 0.0
-[[node]]
-name = "a"
-position = [0.0, 0.0, 0.0]
-)" + node +
-         R"([[node]]
-name = "b"
-position = [10.0, 0.0, 0.0]
-)" + node +
-         R"([[member]]
-name = "h"
-kind = "cable"
-nodes = ["a", "b"]
-segments = 30
-mass_per_length = 30.0
-EA = 1.0e9
-EI = 2.0e5
-GJ = 2.0e5
-tension = )" +
-         tension + "\n";
+// 10 m, 30 kg/m, EI 2e5 N m2; pinned, or held by end springs.
+std::string hanger(double tension, double spring_Nm_rad = 0) {
+  using namespace model::testing;
+  constexpr double kFixed = std::numeric_limits<double>::infinity();
+  const auto kind =
+      spring_Nm_rad > 0 ? model::Support::Kind::elastic : model::Support::Kind::pinned;
+  auto scene = span(member(model::Member::Kind::cable, "h", "", "", 30, 30, 1e9, 2e5),
+                    node("a", {0, 0, 0}, kind), node("b", {10, 0, 0}, kind));
+  scene.gravity.setZero();
+  scene.members[0].GJ = 2e5;
+  scene.members[0].tension = tension;
+  for (auto& end : scene.nodes) {
+    end.support.translational.setConstant(kFixed);
+    end.support.rotational = {kFixed, spring_Nm_rad, spring_Nm_rad};
+  }
+  return model::scene_text(scene);
 }
 
 // Six frequencies to 0.05 %, 500 kN and end springs of 30 EI / L.
 std::string six_frequencies(const TemporaryFolder& folder, double relative_std) {
-  const auto truth = folder.write(
-      "truth.toml",
-      hanger("{ translational = [inf, inf, inf], rotational = [inf, 6.0e5, 6.0e5] }", "5.0e5"));
+  const auto truth = folder.write("truth.toml", hanger(5e5, 6e5));
   std::mt19937_64 random(4);
   std::normal_distribution<double> normal;
   std::string text = "frequency_hz,std,plane\n";
@@ -68,7 +62,7 @@ const Json& named(const Json& list, const std::string& name) {
 TEST(UpdateCandidates, EndSpringsOfAHangerAreChosenAndGiveItsTension) {
   const TemporaryFolder folder;
   const auto modes = folder.write("modes.csv", six_frequencies(folder, 5e-4));
-  const auto scene = folder.write("hanger.toml", hanger("\"pinned\"", "4.0e5"));
+  const auto scene = folder.write("hanger.toml", hanger(4e5));
   const auto file = folder.write("ends.toml", R"([[candidate]]
 name = "pinned"
 [[candidate]]
@@ -103,7 +97,7 @@ TEST(UpdateCandidates, WhatTheDataCannotTellIsRefusedWithItsAverage) {
   const TemporaryFolder folder;
   const auto modes =
       folder.write("modes.csv", "frequency_hz,std,plane\n7.17,0.36,in\n15.0,0.75,in\n");
-  const auto scene = folder.write("hanger.toml", hanger("\"pinned\"", "4.0e5"));
+  const auto scene = folder.write("hanger.toml", hanger(4e5));
   const auto run =
       run_line("update {} --measured {} --free h.tension --ends pinned clamped --out {} --json -",
                {scene, modes, folder.at("updated.toml")});
@@ -122,7 +116,7 @@ TEST(UpdateCandidates, WhatTheDataCannotTellIsRefusedWithItsAverage) {
 TEST(UpdateCandidates, MistakesAreNamed) {
   const TemporaryFolder folder;
   const auto modes = folder.write("modes.csv", "frequency_hz,std,plane\n7.17,0.36,in\n");
-  const auto scene = folder.write("hanger.toml", hanger("\"pinned\"", "4.0e5"));
+  const auto scene = folder.write("hanger.toml", hanger(4e5));
   const auto fails = [&](const std::string& text, int code, const std::string& said) {
     const auto file = folder.write("c.toml", text);
     const auto run = run_line("update {} --measured {} --free h.tension --candidates {} --out {}",

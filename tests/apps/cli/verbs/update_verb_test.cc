@@ -1,8 +1,9 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <filesystem>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -124,7 +125,6 @@ TEST(UpdateVerb, TableFivesModelIsFoundByThreeUnknowns) {
 // the budget and of the draws.
 TEST(UpdateVerb, WhatIsTakenAsKnownIsPartOfTheUncertainty) {
   const TemporaryFolder folder;
-  const std::string data = RIGFIT_TESTDATA "/jalali2021/";
   const auto stiffness =
       folder.write("bending.json",
                    R"({"tests": [{"tension_N": 25, "EI_Nm2": {"value": 0.2549, "std": 0.01}},
@@ -136,23 +136,11 @@ TEST(UpdateVerb, WhatIsTakenAsKnownIsPartOfTheUncertainty) {
   const auto modes = folder.write("modes.csv",
                                   "frequency_hz,std,plane,tension_N\n5.17,0.02,out,100\n"
                                   "10.4,0.02,out,100\n8.9,0.02,out,300\n17.95,0.02,out,300\n");
-  const std::vector<std::string> command{"update",      data + "scenes/cable.toml",
-                                         "--measured",  modes,
-                                         "--stiffness", stiffness,
-                                         "--segments",  "12",
-                                         "--starts",    "1",
-                                         "--free",      "cable.mass_per_length",
-                                         "--out",       folder.at("o.toml"),
-                                         "--json",      "-"};
-  auto with = command;
-  for (const std::string& word :
-       {std::string("--axial"), axial, std::string("--input"), std::string("tension=0.5%@each"),
-        std::string("right.x=0.002"), std::string("--stiffness-std"), std::string("0.01")}) {
-    with.push_back(word);
-  }
-  const auto run = run_program(with);
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = parsed(run.out);
+  const Json json = document_of(
+      "update $/jalali2021/scenes/cable.toml --measured {} --stiffness {} --segments 12 --starts 1 "
+      "--free cable.mass_per_length --axial {} --input tension=0.5%@each right.x=0.002 "
+      "--stiffness-std 0.01 --out {}",
+      {modes, stiffness, axial, folder.at("o.toml")});
   const auto& mass = json["parameters"][0];
   std::vector<std::string> sources;
   double squares = 0;
@@ -204,17 +192,13 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
   const TemporaryFolder folder;
   const std::string data = RIGFIT_TESTDATA "/virtual_laboratory/";
   const auto frf = folder.at("beam.uff");
-  std::vector<std::string> command{"frf"};
-  for (int hit = 1; hit <= 5; ++hit) {
-    command.push_back(data + "beam/rig/hammer-hit" + std::to_string(hit) + ".uff");
+  std::string averaging = "frf";
+  for (const char* hit : {"1", "2", "3", "4", "5"}) {
+    averaging += fmt::format(" $/virtual_laboratory/beam/rig/hammer-hit{}.uff", hit);
   }
-  for (const char* word : {"--force", "force", "--response", "beam 0.65 m", "--force-window",
-                           "0.012", "--band", "5", "100", "--out"}) {
-    command.emplace_back(word);
-  }
-  command.push_back(frf);
-  const auto averaged = run_program(command);
-  ASSERT_EQ(averaged.exit_code, 0) << averaged.err;
+  averaging +=
+      " --force force --response 'beam 0.65 m' --force-window 0.012 --band 5 100 --out " + frf;
+  ASSERT_EQ(run_line(averaging).exit_code, 0);
   const nlohmann::json json = document_of(
       "update {}scenes/beam.toml --frf {} --band 8 60 --plane in --free beam.EI_z tip.mass "
       "--starts 1 --frf-model-std 0.02 --out {}",
@@ -224,9 +208,7 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
   EXPECT_LT(json["rms_log_frf_error"].get<double>(),
             0.3 * json["rms_log_frf_error_before"].get<double>());
 
-  for (const char* word : {"--exponential-window", "2"}) command.emplace_back(word);
-  const auto windowed = run_program(command);
-  ASSERT_EQ(windowed.exit_code, 0) << windowed.err;
+  ASSERT_EQ(run_line(averaging + " --exponential-window 2").exit_code, 0);
   const auto damping = document_of(
       "update {}scenes/beam.toml --frf {} --band 8 25 --plane in --free beam.EI_z tip.mass "
       "beam.damping_ratio --starts 1 --frf-model-std 0.02 --aim hammer=0.0015,1 --out {}",
