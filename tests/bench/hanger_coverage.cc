@@ -15,6 +15,7 @@
 #include "ident/campaign/fit_campaign.h"
 #include "ident/update/model_update.h"
 #include "model/linear/modal_analysis.h"
+#include "tests/findings.h"
 #include "tests/scenes.h"
 
 namespace {
@@ -135,10 +136,7 @@ void add(Row& row, const Case& one, const Hanger& model, Ends ends, std::uint64_
   row.held += held;
   row.flagged += result.fit.ruled_out();
   row.several += several;
-  bool inputs_named = false;
-  for (const auto& finding : ident::fit_findings(result)) {
-    inputs_named = inputs_named || finding.code == "taken_as_exact";
-  }
+  const bool inputs_named = testing::says(ident::fit_findings(result), "taken_as_exact");
   row.inputs += inputs_named;
   row.silent += !held && !result.fit.ruled_out() && !several && !inputs_named;
   const double width = (tension.high - tension.low) / tension.value;

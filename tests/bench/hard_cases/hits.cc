@@ -15,6 +15,7 @@
 #include "signal/impact/impact_frfs.h"
 #include "signal/modal/modal_identification.h"
 #include "tests/bench/hard_cases/hard_case.h"
+#include "tests/findings.h"
 #include "tests/reference/ten_mode_truth.h"
 
 namespace rigfit::hard_cases {
@@ -112,8 +113,7 @@ class Tally {
       ++other_number_;
       // One mode for two is honest only where it explains the FRFs within their error bars.
       const bool said = sure.size() < result.model.modes.size() ||
-                        std::any_of(result.model.notes.begin(), result.model.notes.end(),
-                                    [](const auto& n) { return n.code == "systematic_misfit"; });
+                        testing::says(result.model.notes, "systematic_misfit");
       require(said || (static_cast<Index>(sure.size()) < modes &&
                        result.misfit_over_error_bars.value_or(2) < 1.1),
               fmt::format("{} modes instead of {} and no doubt", sure.size(), modes));

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "ident/virtual_rig/virtual_axial.h"
+#include "tests/findings.h"
 #include "tests/reference/axial_study.h"
 
 namespace rigfit::ident::axial_identification_test {
@@ -119,9 +120,7 @@ TEST(AxialTest, LengthsThatDisagreeWidenTheAnswerAndAreNamed) {
   EXPECT_LT(r.EA_low_N, rig.EA);
   EXPECT_GT(r.EA_high_N, rig.EA);
   EXPECT_EQ(r.budget.front().source, "between lengths");
-  bool said = false;
-  for (const auto& n : r.notes) said = said || n.code == "lengths_disagree";
-  EXPECT_TRUE(said);
+  EXPECT_TRUE(testing::says(r.notes, "lengths_disagree"));
 }
 
 // Frame and adapter share a fifth of the chain's compliance; 10 N of noise. A place of the

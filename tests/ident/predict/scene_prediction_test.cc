@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ident/update/model_update.h"
@@ -25,12 +26,22 @@ model::Scene cantilever() {
   return scene;
 }
 
-FittedParameters two(double EI_std, double m_std, double correlation) {
+/// Parameters with values and standard uncertainties that are independent.
+FittedParameters fitted_to(std::vector<KnownParameter> parameters, const Eigen::VectorXd& std) {
   FittedParameters fitted;
-  fitted.parameters = {{"beam.EI", 121}, {"beam.mass_per_length", 2.2}};
-  fitted.covariance.resize(2, 2);
-  fitted.covariance << EI_std * EI_std, correlation * EI_std * m_std, correlation * EI_std * m_std,
-      m_std * m_std;
+  fitted.parameters = std::move(parameters);
+  fitted.covariance = std.cwiseAbs2().asDiagonal();
+  return fitted;
+}
+
+FittedParameters stiffness(double std, double value = 100) {
+  return fitted_to({{"beam.EI", value}}, Eigen::VectorXd::Constant(1, std));
+}
+
+FittedParameters two(double EI_std, double m_std, double correlation) {
+  auto fitted =
+      fitted_to({{"beam.EI", 121}, {"beam.mass_per_length", 2.2}}, Eigen::Vector2d(EI_std, m_std));
+  fitted.covariance(0, 1) = fitted.covariance(1, 0) = correlation * EI_std * m_std;
   return fitted;
 }
 
@@ -57,9 +68,8 @@ TEST(ScenePrediction, LinearPropagationIsTheClosedForm) {
 TEST(ScenePrediction, AutoGivesTheFrequenciesOfModes) {
   model::Scene scene = model::testing::paper_cable(200, 0.5972, 0);
   scene.accuracy = 1e-6;
-  FittedParameters fitted;
-  fitted.parameters = {{"cable.tension", 200}, {"cable.EI", 0.5972}};
-  fitted.covariance = Eigen::Vector2d(0.04, 1e-6).asDiagonal();
+  const auto fitted =
+      fitted_to({{"cable.tension", 200}, {"cable.EI", 0.5972}}, Eigen::Vector2d(0.2, 1e-3));
   const auto prediction = predict_modes(scene, fitted, {});
   model::ModesOptions options;
   options.error_estimate = false;
@@ -89,9 +99,7 @@ TEST(ScenePrediction, SamplesAgreeWhereTheModelIsLinearAndTakeOverWhereItIsNot) 
   EXPECT_NEAR(sampled.modes[0].frequency_hz.std / sampled.modes[0].frequency_hz.value / 0.005, 1,
               0.2);
   // A tip mass of about nothing to much: the frequency is no linear function of it.
-  FittedParameters mass;
-  mass.parameters = {{"tip.mass", 0.5}};
-  mass.covariance = Eigen::MatrixXd::Constant(1, 1, 0.25);
+  const auto mass = fitted_to({{"tip.mass", 0.5}}, Eigen::VectorXd::Constant(1, 0.5));
   options.always_sample = false;
   const auto curved = predict_modes(cantilever(), mass, options);
   EXPECT_GT(curved.nonlinearity, 0.05);
@@ -121,10 +129,7 @@ TEST(ScenePrediction, NamesAreMapped) {
 TEST(ScenePrediction, FrfIntervalsFollowTheStiffness) {
   // Below all modes |H| of acceleration is omega^2 over the static stiffness 3 EI / L^3: its
   // relative std is that of EI.
-  FittedParameters fitted;
-  fitted.parameters = {{"beam.EI", 100}};
-  fitted.covariance = Eigen::MatrixXd::Constant(1, 1, 4);
-  const auto frfs = predict_frfs(cantilever(), fitted, Eigen::VectorXd::Constant(1, 0.05));
+  const auto frfs = predict_frfs(cantilever(), stiffness(2), Eigen::VectorXd::Constant(1, 0.05));
   ASSERT_EQ(frfs.H.size(), 1u);
   EXPECT_NEAR(frfs.std[0](0, 0), 0.02, 1e-3);
 }
@@ -142,9 +147,8 @@ TEST(ScenePrediction, HoldsMeasurementsAgainstIt) {
 }
 
 TEST(ScenePrediction, AutoSegmentsGiveTheIntervalThatGivenSegmentsGive) {
-  FittedParameters fitted;
-  fitted.parameters = {{"cable.tension", 60}, {"cable.EI", 0.5}};
-  fitted.covariance = Eigen::Vector2d(36, 0.01).asDiagonal();
+  const auto fitted =
+      fitted_to({{"cable.tension", 60}, {"cable.EI", 0.5}}, Eigen::Vector2d(6, 0.1));
   PredictionOptions options;
   options.always_sample = true;
   const auto left = predict_modes(model::testing::paper_cable(60, 0.5, 0), fitted, options);
@@ -161,13 +165,6 @@ TEST(ScenePrediction, AutoSegmentsGiveTheIntervalThatGivenSegmentsGive) {
 }
 
 const std::string kMass = "beam.mass_per_length";
-
-FittedParameters stiffness(double std) {
-  FittedParameters fitted;
-  fitted.parameters = {{"beam.EI", 100}};
-  fitted.covariance = Eigen::MatrixXd::Constant(1, 1, std * std);
-  return fitted;
-}
 
 double relative_std(const FittedParameters& fitted) {
   const auto prediction = predict_modes(cantilever(), fitted, {});
@@ -236,15 +233,12 @@ TEST(ResponsePrediction, TheIntervalHoldsAndOpensWithTime) {
   // EI known to 2 %, the truth one standard uncertainty off: at most some instants are outside, and
   // the interval widens as the phase runs away.
   const auto scene = struck_cantilever();
-  FittedParameters fitted;
-  fitted.parameters = {{"beam.EI", 10}};
-  fitted.covariance = Eigen::MatrixXd::Constant(1, 1, 0.04);
   ResponsePredictionOptions options;
   options.response.sampling.duration_s = 2;
   options.response.sampling.rate_hz = 200;
   options.response.segments = 10;
   options.samples = 60;
-  const auto predicted = predict_response(scene, fitted, options);
+  const auto predicted = predict_response(scene, stiffness(0.2, 10), options);
   ASSERT_TRUE(predicted.response.completed) << predicted.response.reason;
   ASSERT_EQ(predicted.samples, 60);
   auto truth = scene;
@@ -266,9 +260,7 @@ TEST(ResponsePrediction, TheIntervalHoldsAndOpensWithTime) {
 }
 
 TEST(ResponsePrediction, RefusesAFitOfOtherParameters) {
-  FittedParameters fitted;
-  fitted.parameters = {{"cable.EI", 1}};
-  fitted.covariance = Eigen::MatrixXd::Constant(1, 1, 0.01);
+  const auto fitted = fitted_to({{"cable.EI", 1}}, Eigen::VectorXd::Constant(1, 0.1));
   EXPECT_THROW((void)predict_response(struck_cantilever(), fitted, {}), std::invalid_argument);
 }
 

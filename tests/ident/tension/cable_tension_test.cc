@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <stdexcept>
 
@@ -14,6 +15,19 @@
 
 namespace rigfit::ident::cable_tension_test {
 namespace {
+
+using Known = std::optional<signal::Estimate>;
+
+CableDescription cable_of(signal::Estimate length, signal::Estimate mass, MassReference reference,
+                          const Known& EA = {}, const Known& EI = {}) {
+  CableDescription cable;
+  cable.length_m = length;
+  cable.mass_per_length = mass;
+  cable.mass_reference = reference;
+  cable.EA_N = EA;
+  cable.EI_Nm2 = EI;
+  return cable;
+}
 
 /// In-plane frequencies of a cable of 200 segments: finer than what is fitted.
 std::vector<MeasuredMode> frequencies(const CableDescription& cable, CableEnds ends,
@@ -41,12 +55,8 @@ class MehrabiTabatabai : public ::testing::TestWithParam<Published> {};
 TEST_P(MehrabiTabatabai, TensionFromFrequenciesAlone) {
   // The four cables of Mehrabi and Tabatabai, J. Struct. Eng. 124 (1998) 1313: 100 m, 400 kg/m,
   // clamped, from taut to sagging, from flexible to stiff. Asked: 0.2 %.
-  CableDescription cable;
-  cable.length_m = {100, 0};
-  cable.mass_per_length = {400, 0};
-  cable.mass_reference = MassReference::unstretched;
-  cable.EA_N = {GetParam().EA, 0};
-  cable.EI_Nm2 = {GetParam().EI, 0};
+  auto cable = cable_of({100, 0}, {400, 0}, MassReference::unstretched,
+                        signal::Estimate{GetParam().EA, 0}, signal::Estimate{GetParam().EI, 0});
   cable.gravity = 9.81;
   const auto modes = frequencies(cable, CableEnds::clamped, GetParam().H, GetParam().EI, 5, 5e-4);
   ASSERT_EQ(modes.size(), 5u);
@@ -69,12 +79,8 @@ INSTANTIATE_TEST_SUITE_P(Cables, MehrabiTabatabai,
                          [](const auto& cable) { return cable.param.name; });
 
 TEST(CableTension, HangerWithoutItsThirdMode) {
-  CableDescription cable;
-  cable.length_m = {10, 0.005};
-  cable.mass_per_length = {30, 0.1};
-  cable.mass_reference = MassReference::unstretched;
-  cable.EA_N = {1e9, 0};
-  cable.EI_Nm2 = {2e5, 0};
+  auto cable = cable_of({10, 0.005}, {30, 0.1}, MassReference::unstretched,
+                        signal::Estimate{1e9, 0}, signal::Estimate{2e5, 0});
   cable.inclination_deg = 90;
   auto modes = frequencies(cable, CableEnds::clamped, 5e5, 2e5, 6, 1e-3);
   modes.erase(modes.begin() + 2);
@@ -91,11 +97,8 @@ TEST(CableTension, HangerWithoutItsThirdMode) {
 
 TEST(CableTension, HangerPinnedBelowAndClampedAbove) {
   // 50 kN where bending matters: L sqrt(T / EI) = 10. The truth is the segment model.
-  CableDescription cable;
-  cable.length_m = {20, 0.005};
-  cable.mass_per_length = {30, 0.03};
-  cable.mass_reference = MassReference::installed;
-  cable.EA_N = {1e9, 0};
+  auto cable =
+      cable_of({20, 0.005}, {30, 0.03}, MassReference::installed, signal::Estimate{1e9, 0});
   cable.inclination_deg = 90;
   const double EI = 2e5;
   const auto modes = frequencies(cable, CableEnds::pinned_clamped, 5e4, EI, 5, 1e-3);
@@ -126,11 +129,7 @@ TEST(CableTension, IntervalsHoldOverSpansAndTensions) {
       modes.push_back(
           testing::mode_of(f.in_hz[k] * (1 + 5e-4 * normal(random)), 5e-4 * f.in_hz[k]));
     }
-    CableDescription cable;
-    cable.length_m = {L, 0};
-    cable.mass_per_length = {m, 0};
-    cable.mass_reference = MassReference::installed;
-    cable.EA_N = {1e3 * T, 0};
+    auto cable = cable_of({L, 0}, {m, 0}, MassReference::installed, signal::Estimate{1e3 * T, 0});
     const auto result = identify_tension(cable, modes);
     ASSERT_TRUE(result.solved) << result.message;
     EXPECT_LT(result.tension_N.std, 0.06 * T);
@@ -153,12 +152,8 @@ TEST(CableTension, SaggingCablesWithInputsThatAreOff) {
                  sag = std::pow(15, i / 7.0) / 300;
     const double EI = T * L * L / (60.0 * 60), EA = 800 * T;
     const double m = 8 * sag * T / (model::kStandardGravity * L);
-    CableDescription cable;
-    cable.length_m = {L, 5e-4 * L};
-    cable.mass_per_length = {m, 2e-3 * m};
-    cable.mass_reference = MassReference::unstretched;
-    cable.EA_N = {EA, 0.05 * EA};
-    cable.EI_Nm2 = {EI, 0.05 * EI};
+    auto cable = cable_of({L, 5e-4 * L}, {m, 2e-3 * m}, MassReference::unstretched,
+                          signal::Estimate{EA, 0.05 * EA}, signal::Estimate{EI, 0.05 * EI});
     const auto ends = i % 2 == 0 ? CableEnds::pinned : CableEnds::clamped;
     auto modes = frequencies(cable, ends, T, EI, 6, 5e-4);
     ASSERT_EQ(modes.size(), 6u);
@@ -249,12 +244,8 @@ TEST(CableTension, PreciseFrequenciesOfAClampedCableWithoutEI) {
 TEST(CableTension, SpringsThatAreClamped) {
   // A stiff hanger, its ends open: the springs' posterior reaches their upper bound and must not
   // pull the tension. L sqrt(T / EI) = 16.
-  CableDescription cable;
-  cable.length_m = {10, 0};
-  cable.mass_per_length = {30, 0};
-  cable.mass_reference = MassReference::installed;
-  cable.EA_N = {1e9, 0};
-  cable.EI_Nm2 = {2e5, 2e3};
+  auto cable = cable_of({10, 0}, {30, 0}, MassReference::installed, signal::Estimate{1e9, 0},
+                        signal::Estimate{2e5, 2e3});
   cable.inclination_deg = 90;
   const auto result =
       identify_tension(cable, frequencies(cable, CableEnds::clamped, 5e5, 2e5, 5, 5e-4));
@@ -277,14 +268,11 @@ TEST(CableTension, MergesWhatAgreesAndKeepsTheRestApart) {
 
 TEST(CableTension, AnAttachedMassIsPartOfTheCable) {
   // A clamp of a tenth of the cable's mass at 0.3, known to 10 %; it is 1.1 times what is stated.
-  CableDescription truth;
-  truth.length_m = {20, 0};
-  truth.mass_per_length = {10, 0};
-  truth.mass_reference = MassReference::installed;
-  truth.EI_Nm2 = {500, 0};
+  auto truth =
+      cable_of({20, 0}, {10, 0}, MassReference::installed, Known{}, signal::Estimate{500, 0});
   truth.masses = {{0.3, 22}};
   const auto modes = frequencies(truth, CableEnds::pinned, 50e3, 500, 5, 1e-4);
-  CableDescription cable = truth;
+  auto cable = truth;
   TensionOptions options;
   options.ends = {CableEnds::pinned};
   const auto known = identify_tension(cable, modes, options);

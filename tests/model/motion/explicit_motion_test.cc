@@ -30,6 +30,12 @@ MotionProblem let_go(const Chain& chain, const Scene& scene, Motion motion) {
   return problem;
 }
 
+Chain settled(const Scene& scene, const ChainOptions& options = {}) {
+  Chain chain = Chain::from_scene(scene, options);
+  chain.settled = true;
+  return chain;
+}
+
 // A soft cable, stretched straight by 5 %, that falls into its sag: large motion, all stiffnesses.
 Scene falling_cable(int segments) {
   Scene scene = testing::released_cable(segments);
@@ -58,8 +64,7 @@ Eigen::MatrixXd response(const MotionProblem& problem, double duration, double s
 
 TEST(ExplicitMotion, ConvergesWithFourthOrder) {
   const Scene scene = falling_cable(8);
-  Chain chain = Chain::from_scene(scene);
-  chain.settled = true;
+  const Chain chain = settled(scene);
   const MotionProblem problem = let_go(chain, scene, Motion::in_plane);
   // Halving the steps from 0.25 ms on divides the errors by 16.0; at 0.5 ms the highest
   // modes are not yet resolved. The reference's own error is (1/8)^4 of the finer one's.
@@ -78,8 +83,7 @@ TEST(ExplicitMotion, SpaceContainsThePlane) {
       sensor("cable", 0.3, Sensor::Quantity::velocity, Eigen::Vector3d(0.6, 0.8, 0)));
   scene.sensors.push_back(sensor("cable", 0.4, Sensor::Quantity::force));
   scene.sensors.push_back(sensor("cable", 0.4, Sensor::Quantity::displacement, {0, 0, 1}));
-  Chain chain = Chain::from_scene(scene);
-  chain.settled = true;
+  const Chain chain = settled(scene);
   const Eigen::MatrixXd plane = response(let_go(chain, scene, Motion::in_plane), 0.2, 0.0005);
   const Eigen::MatrixXd space = response(let_go(chain, scene, Motion::space), 0.2, 0.0005);
   for (int s = 0; s < plane.cols(); ++s) {
@@ -105,8 +109,7 @@ TEST(ExplicitMotion, RodSwingsThroughTheVertical) {
   scene.sensors = {end};
   ChainOptions options;
   options.rotary_inertia = RotaryInertia::rigid_rod;
-  Chain chain = Chain::from_scene(scene, options);
-  chain.settled = true;
+  const Chain chain = settled(scene, options);
   const double period =
       4 * std::comp_ellint_1(std::numbers::sqrt2 / 2) / std::sqrt(1.5 * kStandardGravity);
   for (Motion motion : {Motion::in_plane, Motion::space}) {
@@ -140,8 +143,7 @@ TEST(ExplicitMotion, EnergyAccountClosesUnderALoad) {
         member.damping = {.axial = 3, .bending = 0.002, .torsion = 0};
       }
     }
-    Chain chain = Chain::from_scene(scene);
-    chain.settled = true;
+    const Chain chain = settled(scene);
     const MotionProblem problem = let_go(chain, scene, Motion::in_plane);
     EXPECT_EQ(problem.joint_damping, damped);
     ExplicitOptions run;
@@ -168,8 +170,7 @@ TEST(ExplicitMotion, PulseGivesItsImpulseWhateverTheStep) {
   for (double start : {0.0, 0.0137}) {
     load.start = start;
     scene.loads = {load};
-    Chain chain = Chain::from_scene(scene);
-    chain.settled = true;
+    const Chain chain = settled(scene);
     const MotionProblem problem = let_go(chain, scene, Motion::in_plane);
     ExplicitOptions run;
     run.sampling = {.duration_s = 0.1, .rate_hz = 500, .energy_samples = 10};
@@ -190,11 +191,7 @@ TEST(ExplicitMotion, HighestFrequencyOfAnAxialChain) {
   scene.gravity.setZero();
   scene.members[0].stretch.reset();
   scene.members[0].unstretched_length = 2.4;
-  const Chain chain = [&] {
-    Chain made = Chain::from_scene(scene);
-    made.settled = true;
-    return made;
-  }();
+  const Chain chain = settled(scene);
   const double p = std::numbers::pi * 19 / 20, l = 2.4 / 20;
   const double expected =
       std::sqrt(2 * (1 - std::cos(p)) * 300 / l / (0.16667 * l * (10 + 2 * std::cos(p)) / 12));

@@ -15,11 +15,12 @@ namespace rigfit::model::response_test {
 namespace {
 
 ResponseResult respond(const Scene& scene, ResponseSolver solver, double duration, double rate,
-                       double tolerance = 1e-6) {
+                       double tolerance = 1e-6, bool space = false) {
   ResponseOptions options;
   options.sampling = {.duration_s = duration, .rate_hz = rate, .energy_samples = 50};
   options.solver = solver;
   options.relative_tolerance = tolerance;
+  options.space = space;
   if (solver == ResponseSolver::explicit_motion) options.axial = true;  // the whole equations
   ResponseResult result = simulate_response(scene, options);
   EXPECT_TRUE(result.completed) << name_of(solver) << ": " << result.reason;
@@ -200,18 +201,11 @@ TEST(Response, BeamThrownBeyondNinetyDegreesInSpace) {
   // Lower than its foot: every direction between up and down was passed.
   EXPECT_LT(plane.samples.minCoeff(), -0.78);
   EXPECT_LT(plane.energy_drift, 1e-4);
-  ResponseOptions options;
-  options.sampling = {.duration_s = 0.4, .rate_hz = 1000, .energy_samples = 50};
-  options.space = true;
-  options.solver = ResponseSolver::explicit_motion;
-  const ResponseResult space = simulate_response(scene, options);
-  ASSERT_TRUE(space.completed) << space.reason;
+  const ResponseResult space =
+      respond(scene, ResponseSolver::explicit_motion, 0.4, 1000, 1e-6, true);
   EXPECT_EQ(space.motion, "space");
   EXPECT_LT(relative_difference(space.samples, plane.samples, 0), 1e-6);
-  options.solver = ResponseSolver::stiff_motion;
-  options.relative_tolerance = 1e-8;
-  const ResponseResult stiff = simulate_response(scene, options);
-  ASSERT_TRUE(stiff.completed) << stiff.reason;
+  const ResponseResult stiff = respond(scene, ResponseSolver::stiff_motion, 0.4, 1000, 1e-8, true);
   EXPECT_LT(relative_difference(stiff.samples, plane.samples, 0), 1e-3);
   EXPECT_LT(stiff.energy_drift, 1e-4);
 }

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "signal/readers/read_recording.h"
+#include "tests/findings.h"
 #include "tests/reference/ambient_motion.h"
 
 namespace rigfit::ident {
@@ -76,9 +77,7 @@ TEST(ModalTest, ARoundedRateIsInTheFrequenciesAndNotInTheDamping) {
   const double together =
       kRate * kRate * a.modes[0].frequency_hz.value * a.modes[1].frequency_hz.value;
   EXPECT_NEAR(b.pole_covariance(0, 2) - a.pole_covariance(0, 2), together, 1e-9 * together);
-  const auto& findings = rounded.states[0].findings;
-  EXPECT_TRUE(std::any_of(findings.begin(), findings.end(),
-                          [](const auto& one) { return one.code == "rate_uncertainty"; }));
+  EXPECT_TRUE(testing::says(rounded.states[0].findings, "rate_uncertainty"));
 }
 
 TEST(ModalTest, WhatCannotTakePartIsRefusedWithItsReason) {
