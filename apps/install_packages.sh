@@ -11,7 +11,7 @@ build="ca-certificates cmake g++ ninja-build pkg-config
   libmatio-dev libminizip-dev libpugixml-dev libsndfile1-dev libssl-dev zlib1g-dev libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev
   python3-dev python3-pybind11 python3-numpy"
 test="libgtest-dev libgmock-dev libbenchmark-dev python3 chromium chromium-driver poppler-utils
-  calculix-ccx dpkg-dev python3-matplotlib python3-pandas python3-pip python3-uncertainties"
+  calculix-ccx dpkg-dev python3-pandas python3-pip python3-uncertainties"
 study="snakemake"
 check="clang clang-format clang-tidy clang-tools doxygen"
 

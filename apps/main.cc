@@ -2,15 +2,12 @@
 // document.
 #include <fmt/format.h>
 #include <glog/logging.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <optional>
@@ -27,72 +24,29 @@
 #include "apps/cli/terminal.h"
 #include "apps/cli/usage.h"
 #include "apps/cli/verb.h"
-#include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
 namespace {
 
 /// Refuses two outputs that are one file. Devices and pipes may take several.
-void check_outputs(const std::vector<std::string>& arguments) {
+void check_outputs(const Verb& verb) {
   std::map<std::filesystem::path, std::string> taken;
-  for (std::size_t k = 0; k < arguments.size(); ++k) {
-    for (const std::string name : {"--json", "--out", "--csv", "--plot"}) {
-      const std::string& text = arguments[k];
-      std::string file;
-      if (text.starts_with(name + "=")) file = text.substr(name.size() + 1);
-      if (text == name && k + 1 < arguments.size()) file = arguments[k + 1];
-      std::error_code none;
-      const auto kind = std::filesystem::status(file, none).type();
-      const bool fresh = kind == std::filesystem::file_type::not_found;
-      if (file.empty() || file == "-" || !(fresh || kind == std::filesystem::file_type::regular)) {
-        continue;
-      }
-      const auto path = std::filesystem::weakly_canonical(std::filesystem::absolute(file), none);
-      if (const auto [at, is_new] = taken.emplace(path, name); !is_new) {
-        throw UsageError(at->second + " and " + name + " name one file, " + file +
-                         "; give each its own");
-      }
+  for (const auto& option : verb.options) {
+    const auto* const* file = std::get_if<std::string*>(&option.target);
+    if (!option.is_written || file == nullptr || (*file)->empty() || **file == "-") continue;
+    std::error_code none;
+    const auto kind = std::filesystem::status(**file, none).type();
+    if (kind != std::filesystem::file_type::not_found &&
+        kind != std::filesystem::file_type::regular) {
+      continue;
+    }
+    const auto path = std::filesystem::weakly_canonical(std::filesystem::absolute(**file), none);
+    if (const auto [at, is_new] = taken.emplace(path, option.name); !is_new) {
+      throw UsageError(at->second + " and " + option.name + " name one file, " + **file +
+                       "; give each its own");
     }
   }
 }
-
-/// Standard input, which "-" names among the files, as a file; removed with the object.
-class StandardInput {
- public:
-  StandardInput() = default;
-  ~StandardInput() {
-    std::error_code ignored;
-    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
-  }
-  StandardInput(const StandardInput&) = delete;
-  StandardInput& operator=(const StandardInput&) = delete;
-
-  /// Puts the file in place of "-", where this is no option's value.
-  void replace(std::vector<std::string>& arguments) {
-    for (std::size_t k = 0; k < arguments.size(); ++k) {
-      if (arguments[k] != "-" || (k > 0 && arguments[k - 1].starts_with("--"))) continue;
-      if (!folder_.empty()) throw UsageError("standard input (-) can be read once only");
-      std::string name = (std::filesystem::temp_directory_path() / "rigfit-XXXXXX").string();
-      if (::mkdtemp(name.data()) == nullptr)
-        throw std::runtime_error("cannot make a folder in " + name);
-      folder_ = name;
-      struct stat input {};
-      if (::fstat(STDIN_FILENO, &input) == 0 && S_ISCHR(input.st_mode) && !::isatty(STDIN_FILENO) &&
-          std::cin.peek() != std::char_traits<char>::eof()) {
-        throw signal::RecordingError({.file = "standard input"}, "is a device without an end",
-                                     "give a file or a pipe");
-      }
-      const auto file = folder_ / "standard-input";
-      std::ofstream out(file, std::ios::binary);
-      if (std::cin.peek() != std::char_traits<char>::eof()) out << std::cin.rdbuf();
-      if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
-      arguments[k] = file.string();
-    }
-  }
-
- private:
-  std::filesystem::path folder_;
-};
 
 int run(int argc, char** argv) {
   Verbs verbs = all_verbs();
@@ -129,11 +83,9 @@ int run(int argc, char** argv) {
     std::cout << verb_help(verb, text_width());
     return 0;
   }
-  StandardInput standard_input;
-  standard_input.replace(arguments);
   parse_options(verb, arguments);
 
-  check_outputs(arguments);
+  check_outputs(verb);
   std::ostream sink(nullptr);  // discards
   ResultBuffer result_buffer(std::cout.rdbuf());
   std::ostream results(&result_buffer);

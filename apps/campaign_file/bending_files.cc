@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "apps/cli/exit_code.h"
+#include "apps/cli/json_document.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 #include "signal/readers/csv/csv_fields.h"
@@ -247,41 +246,25 @@ class Columns {
 
 /// The tests of a bending result that gave an EI, fitted again by the same laws.
 ident::StiffnessCurve curve_of_result(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const auto document = nlohmann::json::parse(file, nullptr, false);
-  const auto number = [](const nlohmann::json& from, const char* key) {
-    return from.is_object() && from.contains(key) && from[key].is_number() ? from[key].get<double>()
-                                                                           : kNaN;
-  };
+  const Json document = read_document(path, "tests", "rigfit bending ... --json FILE (or a table)");
+  const auto or_zero = [](double x) { return std::isfinite(x) ? x : 0; };
   std::vector<ident::StiffnessPoint> points;
-  bool tests = false;
-  if (document.is_object() && document.contains("tests") && document["tests"].is_array()) {
-    for (const auto& test : document["tests"]) {
-      if (!test.is_object() || !test.contains("EI_Nm2")) continue;
-      tests = true;
-      const auto& EI = test["EI_Nm2"];
-      const double shared = number(test, "shared_relative_std");
-      ident::StiffnessPoint point{number(test, "tension_N"), number(EI, "value"),
-                                  number(EI, "std"),         number(EI, "low"),
-                                  number(EI, "high"),        std::isfinite(shared) ? shared : 0};
-      const double spread = number(test, "tension_spread_N");
-      point.tension_std_N = std::isfinite(spread) ? spread : 0;
-      if (point.tension_N > 0 && point.EI_Nm2 > 0) points.push_back(point);
-    }
-  }
-  if (!tests) {
-    throw model::SceneError({path.string(), 0, 0, "tests"}, "is no result of a bending test",
-                            "give what rigfit bending ... --json FILE wrote, or a table");
+  for (const auto& test : document["tests"]) {
+    const Json EI = test.is_object() ? test.value("EI_Nm2", Json()) : Json();
+    ident::StiffnessPoint point{
+        number_in(test, "tension_N"), number_in(EI, "value"),
+        number_in(EI, "std"),         number_in(EI, "low"),
+        number_in(EI, "high"),        or_zero(number_in(test, "shared_relative_std"))};
+    point.tension_std_N = or_zero(number_in(test, "tension_spread_N"));
+    if (point.tension_N > 0 && point.EI_Nm2 > 0) points.push_back(point);
   }
   ident::StiffnessLawOptions options;
   if (document.contains("assumed_relative_std")) {
-    options.assumed_relative_std = number(document, "assumed_relative_std");
+    options.assumed_relative_std = number_in(document, "assumed_relative_std");
   }
-  if (document.contains("bounds") && document["bounds"].is_object()) {
-    const double least = number(document["bounds"], "EI_min_Nm2");
-    const double most = number(document["bounds"], "EI_max_Nm2");
-    if (least > 0 && most > least) options.bounds = ident::StiffnessBounds{least, most};
-  }
+  const Json bounds = document.value("bounds", Json());
+  const double least = number_in(bounds, "EI_min_Nm2"), most = number_in(bounds, "EI_max_Nm2");
+  if (least > 0 && most > least) options.bounds = ident::StiffnessBounds{least, most};
   return ident::StiffnessCurve(std::move(points), options);
 }
 

@@ -12,11 +12,10 @@ namespace rigfit::apps {
 namespace fs = std::filesystem;
 
 signal::Recording load_untold(const fs::path& path, VerbContext& context,
-                              const signal::ReadOptions& options,
                               const RecordingDescription& given) {
   if (const auto known = recording_at_hand(path.string(), context)) {
     signal::Recording copy = *known;
-    if (!(copy.sample_rate_hz > 0)) copy.sample_rate_hz = options.sample_rate_hz;
+    if (!(copy.sample_rate_hz > 0)) copy.sample_rate_hz = context.reading.sample_rate_hz;
     return copy;
   }
   std::vector<RecordingDescription> descriptions;  // what wins stands last
@@ -28,7 +27,7 @@ signal::Recording load_untold(const fs::path& path, VerbContext& context,
   }
   descriptions.push_back(given);
   std::error_code no_size;
-  signal::ReadOptions used = merged(options, context.reading);
+  signal::ReadOptions used = context.reading;
   for (auto one = descriptions.rbegin(); one != descriptions.rend(); ++one) {
     used = merged(used, one->reading);
   }
@@ -48,18 +47,10 @@ signal::Recording load_untold(const fs::path& path, VerbContext& context,
 }
 
 signal::Recording load_recording(const fs::path& path, VerbContext& context,
-                                 const signal::ReadOptions& options,
                                  const RecordingDescription& given) {
-  signal::Recording recording = load_untold(path, context, options, given);
+  signal::Recording recording = load_untold(path, context, given);
   tell_notes(recording, context);
   return recording;
-}
-
-signal::Recording load_recording(const fs::path& path, VerbContext& context,
-                                 double sample_rate_hz) {
-  signal::ReadOptions options;
-  options.sample_rate_hz = sample_rate_hz;
-  return load_recording(path, context, options);
 }
 
 const signal::Channel& chosen_channel(const signal::Recording& recording, const std::string& name) {

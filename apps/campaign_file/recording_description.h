@@ -6,7 +6,6 @@
 #include <string>
 
 #include "apps/cli/verb_context.h"
-#include "signal/readers/files/read_options.h"
 #include "signal/readers/recording_description.h"
 #include "signal/recording/recording.h"
 
@@ -19,17 +18,11 @@ using signal::RecordingDescription;
 /// it: what a campaign entry or the command line says.
 [[nodiscard]] signal::Recording load_recording(const std::filesystem::path& path,
                                                VerbContext& context,
-                                               const signal::ReadOptions& options = {},
                                                const RecordingDescription& given = {});
 
 /// The same; its notes are not told yet.
 [[nodiscard]] signal::Recording load_untold(const std::filesystem::path& path, VerbContext& context,
-                                            const signal::ReadOptions& options = {},
                                             const RecordingDescription& given = {});
-
-/// The same, at `sample_rate_hz` where the file gives none.
-[[nodiscard]] signal::Recording load_recording(const std::filesystem::path& path,
-                                               VerbContext& context, double sample_rate_hz);
 
 /// The channel `name`; without a name that of a recording with one channel only. Throws UsageError
 /// when the choice is open.

@@ -69,7 +69,7 @@ std::vector<LoadedRecording> load_recordings(const std::vector<RecordingGroup>& 
       context.quiet = true;
       context.hashes_inputs = false;
       try {
-        entry.recording = load_recording(file, context, {}, groups[k].description);
+        entry.recording = load_recording(file, context, groups[k].description);
         for (const auto& input : context.inputs()) entry.inputs.push_back(input.path);
       } catch (const signal::RecordingError& error) {
         entry.error = error.what();

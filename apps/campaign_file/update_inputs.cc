@@ -4,10 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "apps/cli/exit_code.h"
+#include "apps/cli/json_document.h"
 #include "apps/cli/named_numbers.h"
 #include "apps/results/modal_files.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
@@ -187,20 +186,14 @@ std::vector<ident::UncertainInput> aim_inputs(const std::vector<std::string>& te
 
 std::vector<ident::UncertainInput> axial_inputs(const std::string& path, bool with_damping,
                                                 UpdateStates& states) {
-  std::ifstream file(path, std::ios::binary);
-  const auto document = nlohmann::json::parse(file, nullptr, false);
+  constexpr const char* kBy = "rigfit axial ... --json FILE";
+  const Json document = read_document(path, "EA_N", kBy);
   const auto read = [&](const char* quantity) {
-    const auto number = [&](const char* key) {
-      if (!document.is_object() || !document.contains(quantity)) return std::nan("");
-      const auto& value = document[quantity];
-      return value.is_object() && value.contains(key) && value[key].is_number()
-                 ? value[key].get<double>()
-                 : std::nan("");
-    };
-    const signal::Estimate estimate{number("value"), number("std")};
+    const Json value = document.value(quantity, Json());
+    const signal::Estimate estimate{number_in(value, "value"), number_in(value, "std")};
     if (!(estimate.value > 0) || !(estimate.std > 0)) {
-      throw model::SceneError({path, 0, 0, quantity}, "is no result of the axial test with its std",
-                              "give what rigfit axial ... --json FILE wrote");
+      throw model::SceneError({path, 0, 0, quantity}, "has no std: it cannot be weighed",
+                              "give --length-std and --mass-std to rigfit axial");
     }
     return estimate;
   };

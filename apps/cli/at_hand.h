@@ -20,12 +20,9 @@ struct AtHand {
   std::map<std::string, std::shared_ptr<const signal::Recording>> recordings;
   std::map<std::string, std::shared_ptr<const model::Scene>> scenes;
   std::shared_ptr<signal::FrfSet> frfs;  ///< to be identified; then those averaged or used
-  /// All of a recording but its samples, which stay their owner's until `give_back`.
-  signal::Recording (*lent)(const signal::Recording&) = nullptr;
-  void (*give_back)(signal::Recording&) = nullptr;
 
   // Results.
-  std::shared_ptr<const signal::Recording> resampled;
+  std::shared_ptr<signal::Recording> resampled;
   Eigen::MatrixXd samples;     ///< a response: rows x sensors
   Eigen::MatrixXd covariance;  ///< between a fit's parameters
   std::vector<model::Scene> fitted_scenes;

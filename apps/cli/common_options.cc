@@ -8,6 +8,7 @@ namespace rigfit::apps {
 describe::Options options_of(CommonOptions& c) {
   using describe::option;
   return {option("--json", c.json, "Write the result as JSON to F; '-' is standard output")
+              .writes()
               .type("F")
               .group("Common"),
           option("--quiet", c.quiet, "Print errors only").group("Common"),
@@ -21,7 +22,10 @@ describe::Options options_of(CommonOptions& c) {
 
 describe::Options options_of(ReadingOptions& c) {
   using describe::option;
-  return {option("--format", c.format, "Format of the files, where their content misleads")
+  return {option("--sample-rate", c.sample_rate_hz, "Of files that give none", "Hz")
+              .positive()
+              .group("Reading"),
+          option("--format", c.format, "Format of the files, where their content misleads")
               .one_of(signal::format_names())
               .group("Reading"),
           option("--decimal", c.decimal, "Decimal sign of tables")
@@ -45,6 +49,7 @@ describe::Options options_of(ReadingOptions& c) {
 
 signal::ReadOptions read_options(const ReadingOptions& given) {
   signal::ReadOptions options;
+  options.sample_rate_hz = given.sample_rate_hz;
   options.format = given.format;
   options.variables = given.variables;
   options.sheet = given.sheet;

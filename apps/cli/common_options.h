@@ -23,6 +23,7 @@ struct CommonOptions {
 
 /// What a person says of every recording of a run, as in the TOML file beside it.
 struct ReadingOptions {
+  double sample_rate_hz = 0;
   std::string format, decimal, separator, time_unit, sheet;
   std::vector<std::string> variables;
 };

@@ -1,6 +1,10 @@
 #include "apps/cli/json_document.h"
 
 #include <cmath>
+#include <fstream>
+#include <string>
+
+#include "model/scene/scene_error.h"
 
 namespace rigfit::apps {
 namespace {
@@ -57,10 +61,17 @@ Json json_document(const VerbContext& context, const std::string& verb, Json res
   return document;
 }
 
-Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json read_document(const std::filesystem::path& path, const char* key, const char* by) {
+  std::ifstream file(path, std::ios::binary);
+  Json json = Json::parse(file, nullptr, false);
+  if (json.is_object() && json.contains(key)) return json;
+  throw model::SceneError({path.string(), 0, 0, key}, "is no such result",
+                          std::string("give what ") + by + " wrote");
+}
 
-Json json_estimate(double value, double std) {
-  return {{"value", json_number(value)}, {"std", json_number(std)}};
+double number_in(const Json& object, const char* key) {
+  const bool there = object.is_object() && object.contains(key) && object[key].is_number();
+  return there ? object[key].get<double>() : std::nan("");
 }
 
 }  // namespace rigfit::apps

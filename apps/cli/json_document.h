@@ -1,6 +1,8 @@
 // The envelope around every verb's JSON result: version, command, inputs with hashes, warnings.
 #pragma once
 
+#include <filesystem>
+
 #include "apps/cli/verb.h"
 
 namespace rigfit::apps {
@@ -11,10 +13,11 @@ namespace rigfit::apps {
 /// null.
 [[nodiscard]] Json json_document(const VerbContext& context, const std::string& verb, Json result);
 
-/// null when not finite.
-[[nodiscard]] Json json_number(double value);
-
-/// `{value, std}`, each null when not finite.
-[[nodiscard]] Json json_estimate(double value, double std);
+/// A document that the program wrote, with that key. `by`: the command that writes one.
+/// Throws model::SceneError for another file.
+[[nodiscard]] Json read_document(const std::filesystem::path& path, const char* key,
+                                 const char* by);
+/// A number of an object; NaN where there is none.
+[[nodiscard]] double number_in(const Json& object, const char* key);
 
 }  // namespace rigfit::apps

@@ -4,13 +4,11 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <string>
 #include <system_error>
 #include <thread>
-#include <vector>
 
 #include "apps/cli/exit_code.h"
 
@@ -94,26 +92,6 @@ void write_whole_file(const fs::path& named, std::string_view content) {
   if (reason == 0) return;
   ::unlink(temporary.c_str());
   cannot_write(path, reason);
-}
-
-void sweep_parts(const fs::path& folder) {
-  constexpr std::string_view kEnd = ".part";
-  std::error_code error;
-  std::vector<fs::path> left;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (!name.ends_with(kEnd)) continue;
-    const std::string stem = name.substr(0, name.size() - kEnd.size());
-    const auto dot = stem.rfind('.');
-    if (dot == std::string::npos) continue;
-    int writer = 0;
-    const char* last = stem.data() + stem.size();
-    const auto parsed = std::from_chars(stem.data() + dot + 1, last, writer);
-    if (parsed.ec != std::errc() || parsed.ptr != last || writer <= 0) continue;
-    if (::kill(writer, 0) != 0 && errno == ESRCH) left.push_back(entry->path());
-  }
-  for (const auto& path : left) fs::remove(path, error);
 }
 
 void make_output_folder(const fs::path& folder) {

@@ -15,7 +15,4 @@ void write_whole_file(const std::filesystem::path& path, std::string_view conten
 /// cannot be made.
 void make_output_folder(const std::filesystem::path& folder);
 
-/// Removes what a run that was killed left half written in a folder (not below it).
-void sweep_parts(const std::filesystem::path& folder);
-
 }  // namespace rigfit::apps

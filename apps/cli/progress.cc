@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <condition_variable>
 #include <cstdio>
+#include <mutex>
 #include <utility>
 #include <vector>
 
 namespace rigfit::apps {
 namespace {
 using Clock = std::chrono::steady_clock;
-double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
 thread_local const std::atomic<bool>* stop_of_thread = nullptr;
 
 /// The one line of the terminal that progress is shown in.
@@ -22,15 +22,25 @@ struct ProgressLine {
   bool written = false;          ///< something stands in the line
   bool clock = false;            ///< a clock runs
 
-  void erase() {
-    if (!std::exchange(written, false)) return;
-    fmt::print(stderr, "\r\033[K");
+  void write(const std::string& text) {
+    if (text.empty() && !written) return;
+    fmt::print(stderr, "\r\033[K{}", text);
     std::fflush(stderr);
+    written = !text.empty();
   }
 };
 ProgressLine& progress_line() {
   static ProgressLine line;
   return line;
+}
+
+/// "label [####      ]  40 %  3 s left", or "label  2 s" before the first step.
+std::string drawn(const std::string& label, double share, double elapsed_s) {
+  constexpr int kWidth = 30;
+  if (!(share > 0)) return fmt::format("{}  {:.0f} s", label, elapsed_s);
+  return fmt::format("{} [{:<{}}] {:3.0f} %  {:.0f} s left", label,
+                     std::string(static_cast<std::size_t>(share * kWidth), '#'), kWidth,
+                     100 * share, elapsed_s * (1 - share) / share);
 }
 
 }  // namespace
@@ -40,16 +50,15 @@ void Progress::stops_by(const std::atomic<bool>* stop) { stop_of_thread = stop; 
 void Progress::erase() {
   auto& line = progress_line();
   const std::lock_guard lock(line.mutex);
-  line.erase();
+  line.write("");
 }
 
 Progress::Progress(std::string label, long total, bool quiet)
     : label_(std::move(label)),
       total_(std::max(1L, total)),
-      enabled_(!quiet && ::isatty(STDERR_FILENO) == 1),
       stop_(stop_of_thread),
       start_(Clock::now()),
-      last_(start_) {
+      enabled_(!quiet && ::isatty(STDERR_FILENO) == 1) {
   if (!enabled_) return;
   auto& line = progress_line();
   const std::lock_guard lock(line.mutex);
@@ -61,36 +70,30 @@ Progress::~Progress() {
   auto& line = progress_line();
   const std::lock_guard lock(line.mutex);
   std::erase(line.shown, this);
-  line.erase();
+  line.write("");
 }
 
 void Progress::advance(long steps) {
   if (stop_ != nullptr && *stop_) throw Stopped();
-  const long done = done_ += steps;
-  if (!enabled_) return;
-  const std::lock_guard lock(progress_line().mutex);
-  const auto now = Clock::now();
-  if (seconds(now - start_) < 1 || seconds(now - last_) < 0.1) return;
-  last_ = now;
-  draw(done);
-}
-
-void Progress::draw(long done) {
-  constexpr int kWidth = 30;
-  const double fraction = std::min(1.0, static_cast<double>(done) / static_cast<double>(total_));
-  const int full = static_cast<int>(fraction * kWidth);
-  const double elapsed = seconds(last_ - start_);
-  fmt::print(stderr, "\r\033[K{} [{}{}] {:3.0f} %  {:.0f} s left", label_, std::string(full, '#'),
-             std::string(kWidth - full, ' '), 100 * fraction,
-             fraction > 0 ? elapsed * (1 - fraction) / fraction : 0.0);
-  std::fflush(stderr);
-  drawn_ = progress_line().written = true;
+  done_ += steps;
 }
 
 ProgressClock::ProgressClock(std::string label, bool quiet) : whole_(std::move(label), 1, quiet) {
   if (!whole_.enabled_) return;
   progress_line().clock = true;
-  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  thread_ = std::jthread([](const std::stop_token& stop) {
+    auto& line = progress_line();
+    std::condition_variable_any stopped;
+    std::unique_lock lock(line.mutex);
+    while (line.clock && !stop.stop_requested()) {
+      stopped.wait_for(lock, stop, std::chrono::milliseconds(200), [] { return false; });
+      if (!line.clock || line.shown.empty()) continue;
+      const Progress& newest = *line.shown.back();
+      const double elapsed = std::chrono::duration<double>(Clock::now() - newest.start_).count();
+      const double share = static_cast<double>(newest.done_) / static_cast<double>(newest.total_);
+      if (elapsed >= 1) line.write(drawn(newest.label_, std::min(1.0, share), elapsed));
+    }
+  });
 }
 
 ProgressClock::~ProgressClock() { end(); }
@@ -99,23 +102,7 @@ void ProgressClock::end() {
   auto& line = progress_line();
   const std::lock_guard lock(line.mutex);
   line.clock = false;
-  line.erase();
-}
-
-void ProgressClock::run(const std::stop_token& stop) {
-  auto& line = progress_line();
-  std::condition_variable_any stopped;
-  std::unique_lock lock(line.mutex);
-  while (line.clock && !stop.stop_requested()) {
-    stopped.wait_for(lock, stop, std::chrono::milliseconds(200), [] { return false; });
-    if (!line.clock || line.shown.empty()) continue;
-    const Progress& newest = *line.shown.back();
-    const double elapsed = seconds(Clock::now() - newest.start_);
-    if (newest.drawn_ || elapsed < 1) continue;
-    fmt::print(stderr, "\r\033[K{}  {:.0f} s", newest.label_, elapsed);
-    std::fflush(stderr);
-    line.written = true;
-  }
+  line.write("");
 }
 
 int ResultBuffer::overflow(int c) {

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
-#include <mutex>
 #include <streambuf>
 #include <string>
 #include <thread>
@@ -38,19 +37,17 @@ class Progress {
 
  private:
   friend class ProgressClock;
-  void draw(long done);
 
   std::string label_;
   long total_;
-  bool enabled_;
   const std::atomic<bool>* stop_;
-  bool drawn_ = false;
   std::atomic<long> done_{0};
-  std::chrono::steady_clock::time_point start_, last_;
+  std::chrono::steady_clock::time_point start_;
+  bool enabled_;
 };
 
-/// While it lives, on a terminal: the seconds passed, beside the label of the newest Progress that
-/// has no bar yet, or beside `label` where there is none.
+/// While it lives, on a terminal: the newest Progress that lives is drawn, a bar once it has
+/// advanced, or else the seconds passed beside its label or, where there is none, beside `label`.
 class ProgressClock {
  public:
   ProgressClock(std::string label, bool quiet);
@@ -62,8 +59,6 @@ class ProgressClock {
   static void end();
 
  private:
-  void run(const std::stop_token& stop);
-
   Progress whole_;
   std::jthread thread_;
 };

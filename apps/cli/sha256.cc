@@ -43,8 +43,7 @@ std::string sha256(std::string_view bytes) {
   return hash.finish();
 }
 
-std::string sha256_of_file(const std::filesystem::path& path,
-                           const std::function<void(std::size_t)>& progress) {
+std::string sha256_of_file(const std::filesystem::path& path) {
   const auto fail = [&](int reason) {
     throw std::system_error(reason, std::generic_category(), "cannot read " + path.string());
   };
@@ -57,7 +56,6 @@ std::string sha256_of_file(const std::filesystem::path& path,
   while (file.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) ||
          file.gcount() > 0) {
     hash.add(buffer.data(), static_cast<std::size_t>(file.gcount()));
-    if (progress) progress(static_cast<std::size_t>(file.gcount()));
   }
   return hash.finish();
 }

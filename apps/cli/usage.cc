@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <string_view>
 
+#include "apps/campaign/campaign.h"
+#include "apps/cli/assets.h"
 #include "apps/cli/exit_code.h"
-#include "apps/cli/key_reference.h"
 #include "apps/cli/terminal.h"
 #include "apps/describe/json_of.h"
 #include "document/toml_table.h"
@@ -114,22 +117,120 @@ describe::Json result_schema() {
           {"$defs", {{"axial", std::move(axial)}, {"tension", std::move(tension)}}}};
 }
 
-/// Paragraphs that were broken for a source file in one line each; commands begin with a blank.
-std::string unfolded(std::string text) {
-  std::size_t begin = 0;
-  for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', begin)) {
-    const bool broken = at - begin > 60 && text[begin] != ' ' && at + 1 < text.size() &&
-                        text[at + 1] != ' ' && text[at + 1] != '\n' && text[at - 1] != '.';
-    if (broken) {
-      text[at] = ' ';
-    } else {
-      begin = at + 1;
+using Row = std::vector<std::string>;
+
+/// Cells of "| a | b |", without backticks.
+Row cells_of(std::string_view line) {
+  Row cells;
+  std::size_t at = 1;
+  while (at < line.size()) {
+    const std::size_t end = std::min(line.find('|', at), line.size());
+    std::string cell(line.substr(at, end - at));
+    std::erase(cell, '`');
+    const std::size_t first = cell.find_first_not_of(' ');
+    const std::size_t last = cell.find_last_not_of(' ');
+    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
+    at = end + 1;
+  }
+  return cells;
+}
+
+/// The columns under each other; the last one wraps.
+std::string aligned(const std::vector<Row>& rows) {
+  const std::size_t width = text_width();
+  constexpr std::size_t kWidest = 44;
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()), 0);
+    for (std::size_t c = 0; c + 1 < row.size(); ++c) {
+      widths[c] = std::min(kWidest, std::max(widths[c], row[c].size()));
     }
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    std::size_t indent = 0;
+    for (std::size_t c = 0; c + 1 < row.size(); ++c) {
+      line += row[c];
+      indent += widths[c] + 2;
+      if (line.size() + 2 > indent) {
+        text += line + '\n';
+        line.clear();
+      }
+      line.resize(indent, ' ');
+    }
+    text += wrapped(line + row.back(), indent, std::max(width, indent + 30)) + '\n';
   }
   return text;
 }
 
+// The shells ask the program itself (`rigfit help words`); files are completed where it says
+// nothing.
+constexpr const char* kBashCompletion = "complete -o default -C 'rigfit help words' rigfit\n";
+constexpr const char* kZshCompletion =
+    "#compdef rigfit\n"
+    "local -a found=(${(f)\"$(COMP_LINE=$BUFFER rigfit help words)\"})\n"
+    "(( $#found )) && compadd -a found || _files\n";
+
+/// The words that the last one of a command line may become: verbs, or options of its verb.
+void print_completions(const Verbs& verbs, const std::string& line, std::ostream& out) {
+  std::vector<std::string> words{""};
+  for (const char c : line) c == ' ' ? void(words.emplace_back()) : words.back().push_back(c);
+  std::vector<std::string> known;
+  if (words.size() < 3 || words[1] == "help") {
+    known = names_of(verbs);
+    for (const char* more : {"help", "scene", "campaign", "sidecar"}) known.emplace_back(more);
+  } else if (words.back().starts_with("-")) {
+    known = apps::names_of(verb_named(verbs, words[1]).options);
+  }
+  for (const auto& word : known) {
+    if (word.starts_with(words.back())) out << word << '\n';
+  }
+}
+
 }  // namespace
+
+std::string key_reference(const std::string& document) {
+  if (document == "campaign") {
+    std::string text = "Paths are relative to the campaign; `rigfit new` writes one.\n";
+    for (const auto& section : campaign_keys()) {
+      text += '\n' + section.title + '\n' + aligned(section.rows);
+    }
+    return text;
+  }
+  const std::string title = document == "scene"     ? "## Scene\n"
+                            : document == "sidecar" ? "## Sidecar\n"
+                                                    : "";
+  std::string_view page = assets::apps_readme;
+  const std::size_t begin = page.find(title);
+  if (title.empty() || begin == std::string_view::npos) return "";
+  page = page.substr(begin + title.size());
+  page = page.substr(0, page.find("\n## "));
+  std::string text;
+  std::vector<Row> table;
+  const auto flush = [&] {
+    if (!table.empty()) text += aligned(table);
+    table.clear();
+  };
+  while (!page.empty()) {
+    const std::size_t end = std::min(page.find('\n'), page.size());
+    const std::string_view line = page.substr(0, end);
+    page = page.substr(std::min(page.size(), end + 1));
+    if (line.starts_with("|---")) continue;
+    if (line.starts_with("|")) {
+      table.push_back(cells_of(line));
+      continue;
+    }
+    flush();
+    if (line.starts_with("```")) continue;
+    std::string plain(line);
+    std::erase(plain, '`');
+    text += plain + '\n';
+  }
+  flush();
+  text.erase(0, text.find_first_not_of('\n'));
+  return text;
+}
 
 std::vector<std::string> names_of(const describe::Options& options) {
   std::vector<std::string> names;
@@ -179,8 +280,7 @@ std::string verb_help(const Verb& verb, std::size_t width) {
     }
   }
   for (const auto& heading : headings) add_options(text, verb.options, heading, width);
-  return verb.example.empty() ? text
-                              : text + '\n' + wrapped(unfolded(verb.example), 0, width) + '\n';
+  return verb.example.empty() ? text : text + '\n' + wrapped(verb.example, 0, width) + '\n';
 }
 
 void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::ostream& out) {
@@ -196,7 +296,10 @@ void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::os
     if (more != "bash" && more != "zsh") {
       throw UsageError("help completion bash, or help completion zsh");
     }
-    out << (more == "bash" ? bash_completion(verbs) : zsh_completion(verbs));
+    out << (more == "bash" ? kBashCompletion : kZshCompletion);
+  } else if (word == "words") {
+    const char* line = std::getenv("COMP_LINE");
+    print_completions(verbs, line != nullptr ? line : "", out);
   } else if (word == "man") {
     out << man_page(verbs, more.empty() ? nullptr : &verb_named(verbs, more), RIGFIT_VERSION);
   } else {
@@ -212,73 +315,15 @@ void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::os
   }
 }
 
-std::string bash_completion(const Verbs& verbs) {
-  std::string text =
-      "# Completion of rigfit in bash.\n"
-      "_rigfit() {\n"
-      "  local word=\"${COMP_WORDS[COMP_CWORD]}\" options=\"\"\n"
-      "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n";
-  text += "    COMPREPLY=($(compgen -W \"" + joined(names_of(verbs)) +
-          " help --version\" -- \"$word\"))\n";
-  text += "    return\n  fi\n  case \"${COMP_WORDS[1]}\" in\n";
-  for (const auto& verb : verbs) {
-    text += "    " + verb.name + ") options=\"" + joined(names_of(verb.options)) + "\" ;;\n";
-  }
-  text += "    help) options=\"" + joined(names_of(verbs)) + " scene campaign sidecar\" ;;\n";
-  text +=
-      "  esac\n"
-      "  case \"$word\" in\n"
-      "    -*) COMPREPLY=($(compgen -W \"$options\" -- \"$word\")) ;;\n"
-      "    *) [ \"${COMP_WORDS[1]}\" = help ] && COMPREPLY=($(compgen -W \"$options\" -- "
-      "\"$word\")) ||\n"
-      "         COMPREPLY=($(compgen -f -- \"$word\")) ;;\n"
-      "  esac\n"
-      "}\n"
-      "complete -o filenames -F _rigfit rigfit\n";
-  return text;
-}
-
-std::string zsh_completion(const Verbs& verbs) {
-  std::string text =
-      "#compdef rigfit\n"
-      "# Completion of rigfit in zsh.\n"
-      "_rigfit() {\n"
-      "  if (( CURRENT == 2 )); then\n";
-  text +=
-      "    compadd " + joined(names_of(verbs)) + " help\n    return\n  fi\n  case $words[2] in\n";
-  for (const auto& verb : verbs) {
-    text += "    " + verb.name + ") [[ $PREFIX == -* ]] && compadd -- " +
-            joined(names_of(verb.options)) + " || _files ;;\n";
-  }
-  text += "    help) compadd " + joined(names_of(verbs)) + " scene campaign sidecar ;;\n";
-  text += "  esac\n}\n_rigfit \"$@\"\n";
-  return text;
-}
-
 std::string man_page(const Verbs& verbs, const Verb* verb, const std::string& version) {
   const std::string title = verb == nullptr ? "rigfit" : "rigfit-" + verb->name;
-  std::string text =
-      fmt::format(".TH \"{}\" 1 \"\" \"rigfit {}\" \"rigfit\"\n.SH NAME\n{} \\- {}\n", roff(title),
-                  version, roff(title), roff(verb == nullptr ? kDoes : verb->does));
-  const auto entry = [&](const std::string& word, const std::string& says) {
-    text += fmt::format(".TP\n.B {}\n{}\n", roff(word), roff(says));
-  };
-  if (verb == nullptr) {
-    text += ".SH SYNOPSIS\n.B rigfit\nVERB [ARGUMENTS]\n.SH VERBS\n";
-    for (const auto& one : verbs) entry(one.name, one.does);
-    text += ".PP\nEach verb has a page of its own: rigfit\\-VERB(1).\n";
-  } else {
-    text += fmt::format(".SH SYNOPSIS\n.B rigfit {}\n", verb->name);
-    for (const auto& option : verb->options) {
-      if (by_place(option)) text += roff(synopsis(option)) + "\n";
-    }
-    text += "[OPTIONS]\n.SH OPTIONS\n";
-    for (const auto& option : verb->options) entry(synopsis(option), meaning(option));
-    if (!verb->example.empty()) text += ".SH NOTES\n.nf\n" + roff(verb->example) + "\n.fi\n";
-  }
-  return text +
-         ".SH EXIT STATUS\n0 done; 2 usage error; 3 unreadable input; 4 refused: the data cannot "
-         "support what was asked; 5 did not converge; 1 an internal error.\n";
+  return fmt::format(
+      ".TH \"{0}\" 1 \"\" \"rigfit {1}\" \"rigfit\"\n.SH NAME\n{0} \\- {2}\n.SH "
+      "DESCRIPTION\n.nf\n{3}"
+      ".fi\n.SH EXIT STATUS\n0 done; 2 usage error; 3 unreadable input; 4 refused: the data cannot "
+      "support what was asked; 5 did not converge; 1 an internal error.\n",
+      roff(title), version, roff(verb == nullptr ? kDoes : verb->does),
+      roff(verb == nullptr ? program_help(verbs, 78) : verb_help(*verb, 78)));
 }
 
 }  // namespace rigfit::apps

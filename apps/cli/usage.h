@@ -17,6 +17,11 @@ namespace rigfit::apps {
 /// Answers `rigfit help ...` (`arguments`: what stands behind "help"). Throws UsageError.
 void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::ostream& out);
 
+/// Every key of a "scene", a "campaign" or a "sidecar", for a terminal: of campaigns from their
+/// description, else the tables of apps/README.md, which a test compares with the keys that the
+/// readers know. Empty for another word.
+[[nodiscard]] std::string key_reference(const std::string& document);
+
 /// The verb of that name; throws UsageError with the nearest.
 [[nodiscard]] const Verb& verb_named(const Verbs& verbs, const std::string& name);
 
@@ -25,10 +30,6 @@ void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::os
                                        const std::vector<std::string>& words);
 
 [[nodiscard]] std::vector<std::string> names_of(const describe::Options& options);
-
-/// Completion scripts: verbs, their options, files.
-[[nodiscard]] std::string bash_completion(const Verbs& verbs);
-[[nodiscard]] std::string zsh_completion(const Verbs& verbs);
 
 /// Manual page in roff: of the program, or of a verb.
 [[nodiscard]] std::string man_page(const Verbs& verbs, const Verb* verb,

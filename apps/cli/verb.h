@@ -28,11 +28,18 @@ struct Verb {
 using Verbs = std::vector<Verb>;
 
 /// A verb of a struct of options, for which there is `options_of`.
-template <class Command, class Run>
-[[nodiscard]] Verb verb_of(std::string name, std::string does, std::string example, Run run) {
+template <class Command>
+[[nodiscard]] Verb verb_of(std::string name, std::string does, std::string example,
+                           Json (*run)(Command&, VerbContext&), bool draws = false,
+                           bool reads = false) {
   auto command = std::make_shared<Command>();
-  return {std::move(name), std::move(does), std::move(example), options_of(*command),
-          [command, run](VerbContext& context) { return run(*command, context); }};
+  return {std::move(name),
+          std::move(does),
+          std::move(example),
+          options_of(*command),
+          [command, run](VerbContext& context) { return run(*command, context); },
+          draws,
+          reads};
 }
 
 /// Every verb, in the order in which a person goes from recordings to a report.

@@ -34,24 +34,22 @@ void VerbContext::warn(std::string code, std::string message, std::string where)
   (note ? notes_ : warnings_).push_back({std::move(code), std::move(message), std::move(where)});
 }
 
-void VerbContext::refuse(std::string code, std::string message, std::string where) {
+void VerbContext::end(ExitCode code, const char* word, Warning why) {
   if (!silent) {
     Progress::erase();
-    std::cerr << on_terminal(TerminalColour::red, "refused:") << ' '
-              << (where.empty() ? "" : where + ": ") << message << '\n';
+    std::cerr << on_terminal(TerminalColour::red, word) << ' '
+              << (why.where.empty() ? "" : why.where + ": ") << why.message << '\n';
   }
-  warnings_.push_back({std::move(code), std::move(message), std::move(where), true});
-  exit_code = ExitCode::refused;
+  warnings_.push_back(std::move(why));
+  exit_code = code;
+}
+
+void VerbContext::refuse(std::string code, std::string message, std::string where) {
+  end(ExitCode::refused, "refused:", {std::move(code), std::move(message), std::move(where), true});
 }
 
 void VerbContext::fail(std::string message, std::string where) {
-  if (!silent) {
-    Progress::erase();
-    std::cerr << on_terminal(TerminalColour::red, "error:") << ' '
-              << (where.empty() ? "" : where + ": ") << message << '\n';
-  }
-  warnings_.push_back({"not_converged", std::move(message), std::move(where)});
-  exit_code = ExitCode::not_converged;
+  end(ExitCode::not_converged, "error:", {"not_converged", std::move(message), std::move(where)});
 }
 
 void VerbContext::say_warnings() const {
@@ -85,10 +83,7 @@ void VerbContext::input(const std::string& path) {
   if (hashes_inputs) {
     input = stamp_of(path);
     try {
-      Progress progress("hashing " + std::filesystem::path(path).filename().string(),
-                        static_cast<long>(input.size), quiet || silent);
-      input.sha256 = sha256_of_file(
-          path, [&](std::size_t bytes) { progress.advance(static_cast<long>(bytes)); });
+      input.sha256 = sha256_of_file(path);
     } catch (const std::system_error&) {
       // Whoever reads it says why it cannot be read.
     }

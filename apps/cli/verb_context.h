@@ -74,6 +74,7 @@ class VerbContext {
   const std::vector<Input>& inputs() const { return inputs_; }
 
  private:
+  void end(ExitCode code, const char* word, Warning why);
   void say_warnings() const;
 
   std::vector<Warning> warnings_, notes_;

@@ -1,6 +1,7 @@
 // Described results (signal/document/describe.h) as JSON, and the JSON schema of their types.
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 #include <complex>
 #include <nlohmann/json.hpp>
@@ -33,6 +34,12 @@ concept list = requires(const M& m) {
 }
 &&!std::is_convertible_v<M, std::string_view>;
 
+template <class M>
+concept matrix = requires {
+  M::ColsAtCompileTime;
+}
+&&!M::IsVectorAtCompileTime;
+
 [[nodiscard]] inline Json number_json(double x) {
   return std::isfinite(x) ? Json(x) : Json(nullptr);
 }
@@ -63,6 +70,14 @@ template <class M>
     return number_json(x);
   } else if constexpr (std::is_same_v<M, std::complex<double>>) {
     return {{"re", number_json(x.real())}, {"im", number_json(x.imag())}};
+  } else if constexpr (std::is_same_v<M, ByName>) {
+    Json all = Json::object();
+    for (const auto& [name, value] : x.all) all[name] = number_json(value);
+    return all;
+  } else if constexpr (matrix<M>) {
+    Json rows = Json::array();
+    for (Eigen::Index i = 0; i < x.rows(); ++i) rows.push_back(json_of(x.row(i).eval()));
+    return rows;
   } else if constexpr (list<M>) {
     Json all = Json::array();
     for (const auto& one : x) all.push_back(json_of(one));
@@ -111,6 +126,10 @@ template <class M>
     return {{"type", {"number", "null"}}};
   } else if constexpr (std::is_same_v<M, std::complex<double>>) {
     return {{"type", "object"}, {"required", {"re", "im"}}};
+  } else if constexpr (std::is_same_v<M, ByName>) {
+    return {{"type", "object"}};
+  } else if constexpr (matrix<M>) {
+    return {{"type", "array"}, {"items", Json{{"type", "array"}}}};
   } else if constexpr (list<M>) {
     return {{"type", "array"}, {"items", schema_of<typename M::value_type>()}};
   } else {

@@ -75,6 +75,15 @@ std::string ends_text(const Ends& x, std::string_view unit) {
 
 std::string flag_text(bool flag) { return flag ? "yes" : "no"; }
 
+std::string shares_text(const ByName& shares) {
+  std::string text;
+  for (const auto& [name, share] : shares.all) {
+    if (!(share >= 0.005)) continue;
+    text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", name, 100 * share);
+  }
+  return text;
+}
+
 std::string head_text(std::string_view label, std::string_view unit) {
   return unit.empty() ? std::string(label) : fmt::format("{}, {}", label, shown_unit(unit).name);
 }
@@ -111,7 +120,7 @@ void print(std::ostream& out, const Sheet& sheet) {
     out << padded(line.label, width, false) << "  " << line.text << '\n';
   }
   for (const auto& table : sheet.tables) {
-    out << '\n';
+    if (!sheet.lines.empty() || &table != &sheet.tables.front()) out << '\n';
     print(out, table);
   }
 }

@@ -43,6 +43,8 @@ struct ShownUnit {
 /// "204330 to 206040".
 [[nodiscard]] std::string ends_text(const Ends& x, std::string_view unit);
 [[nodiscard]] std::string flag_text(bool flag);
+/// "cable 99 %, beam 1 %".
+[[nodiscard]] std::string shares_text(const ByName& shares);
 /// "EA, N".
 [[nodiscard]] std::string head_text(std::string_view label, std::string_view unit);
 
@@ -51,7 +53,7 @@ void print(std::ostream& out, const Sheet& sheet);
 
 /// Whether a value stands in one cell.
 template <class M>
-inline constexpr bool single = !described<M> && !list<M>;
+inline constexpr bool single = !described<M> && !list<M> && !matrix<M>;
 
 /// What an optional value holds, or the value's own type.
 template <class M>
@@ -84,6 +86,8 @@ template <class M>
     return with_unit(estimate_text(x.value, x.std, unit));
   } else if constexpr (std::is_same_v<M, bool>) {
     return flag_text(x);
+  } else if constexpr (std::is_same_v<M, ByName>) {
+    return shares_text(x);
   } else if constexpr (std::is_floating_point_v<M>) {
     return !in_table && !(std::isfinite(x)) ? "not applicable"
                                             : with_unit(number_text(x, unit, digits));
@@ -91,8 +95,10 @@ template <class M>
     return with_unit(std::to_string(x));
   } else if constexpr (named<M>) {
     return std::string(name_of(x));
-  } else {
+  } else if constexpr (std::is_constructible_v<std::string, const M&>) {
     return std::string(x);
+  } else {
+    return "";  // for programs only
   }
 }
 

@@ -39,7 +39,6 @@ Json summary_json(const std::vector<ReportPart>& parts, VerbContext& context) {
 void begin_folder(const fs::path& folder, const std::string& title, const ReportOptions& options) {
   if (!options.force) require_own_report(folder, title);
   make_output_folder(folder);
-  for (const char* place : {"", "data", "figures", "uff"}) sweep_parts(folder / place);
 }
 
 /// Adds what every document has and writes all files. `parts`: the overview first.

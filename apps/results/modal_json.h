@@ -1,15 +1,10 @@
-// Hits and modes as JSON, the same in every document.
+// Hits as JSON, the same in every document.
 #pragma once
-
-#include <complex>
 
 #include "apps/cli/json_document.h"
 #include "ident/campaign/modal/hammer_campaign.h"
-#include "signal/modes/modal_model.h"
 
 namespace rigfit::apps {
-
-[[nodiscard]] Json complex_json(std::complex<double> value);
 
 /// The hits of one place struck, accepted and rejected.
 [[nodiscard]] Json hits_json(const ident::StruckPlace& place, const signal::ImpactTest& test);
@@ -17,7 +12,5 @@ namespace rigfit::apps {
 /// `force_window`: length kept, who chose it, the noise on the force before and after; of several
 /// places struck the largest of each.
 [[nodiscard]] Json force_window_json(const ident::HammerTest& hammer);
-
-[[nodiscard]] Json mode_json(const signal::IdentifiedMode& mode);
 
 }  // namespace rigfit::apps

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "apps/cli/json_document.h"
@@ -39,7 +38,7 @@ Json exact_inputs_json(const ident::UpdateResult& result) {
   for (const auto& input : result.exact_inputs) {
     Json shifts = Json::object();
     for (std::size_t p = 0; p < result.parameters.size(); ++p) {
-      shifts[result.parameters[p].name] = json_number(input.shift[static_cast<Eigen::Index>(p)]);
+      shifts[result.parameters[p].name] = input.shift[static_cast<Eigen::Index>(p)];
     }
     list.push_back({{"name", input.name},
                     {"relative_change", input.relative_change},
@@ -59,19 +58,9 @@ Json alternatives_json(const ident::UpdateResult& result, const States& states) 
                     {"model_std", one.model_std},
                     {"parameters", describe::json_of(one.parameters)},
                     {"pairs", pairs_json(one.pairs, one.unpaired, states)},
-                    {"rms_relative_error", json_number(one.rms_relative_error)}});
+                    {"rms_relative_error", one.rms_relative_error}});
   }
   return list;
-}
-
-Json correlation_json(const Eigen::MatrixXd& matrix) {
-  Json correlation = Json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(json_number(matrix(i, j)));
-    correlation.push_back(std::move(row));
-  }
-  return correlation;
 }
 
 }  // namespace
@@ -81,16 +70,16 @@ Json update_json(const ident::UpdateResult& result, const States& states) {
             {"parameters", describe::json_of(result.parameters)},
             {"fit", describe::json_of(result.fit)},
             {"alternatives", alternatives_json(result, states)},
-            {"log_evidence", json_number(result.log_evidence)}};
+            {"log_evidence", result.log_evidence}};
   json["exact_inputs"] = exact_inputs_json(result);
   json["exact_ends"] = result.exact_ends;
-  json["correlation"] = correlation_json(result.correlation);
+  json["correlation"] = describe::json_of(result.correlation);
   json["rank"] = result.identifiability.rank;
-  json["condition"] = json_number(result.identifiability.condition);
+  json["condition"] = result.identifiability.condition;
   json["not_identifiable"] = result.open;
   json["pairs"] = pairs_json(result.pairs, result.unpaired, states);
-  json["rms_relative_error"] = json_number(result.rms_relative_error);
-  json["rms_relative_error_before"] = json_number(result.rms_relative_error_before);
+  json["rms_relative_error"] = result.rms_relative_error;
+  json["rms_relative_error_before"] = result.rms_relative_error_before;
   json["chi_squared"] = result.chi_squared;
   json["degrees_of_freedom"] = result.degrees_of_freedom;
   json["coverage_factor"] = result.coverage_factor;
@@ -98,8 +87,8 @@ Json update_json(const ident::UpdateResult& result, const States& states) {
   json["model_evaluations"] = result.model_evaluations;
   if (result.frf_lines > 0) {
     json["frf_lines"] = result.frf_lines;
-    json["rms_log_frf_error"] = json_number(result.rms_log_frf_error);
-    json["rms_log_frf_error_before"] = json_number(result.rms_log_frf_error_before);
+    json["rms_log_frf_error"] = result.rms_log_frf_error;
+    json["rms_log_frf_error_before"] = result.rms_log_frf_error_before;
   }
   return json;
 }
@@ -109,12 +98,12 @@ Json held_out_json(const std::vector<ident::HeldOut>& held, const States& states
   for (const auto& one : held) {
     json.push_back({{"state", states[static_cast<std::size_t>(one.state)].name},
                     {"status", ident::name_of(one.status)},
-                    {"rms_relative_error_before", json_number(one.rms_before)},
-                    {"rms_relative_error_fitted", json_number(one.rms_fitted)},
-                    {"rms_relative_error_predicted", json_number(one.rms_predicted)},
-                    {"rms_log_frf_error_before", json_number(one.frf_before)},
-                    {"rms_log_frf_error_fitted", json_number(one.frf_fitted)},
-                    {"rms_log_frf_error_predicted", json_number(one.frf_predicted)},
+                    {"rms_relative_error_before", one.rms_before},
+                    {"rms_relative_error_fitted", one.rms_fitted},
+                    {"rms_relative_error_predicted", one.rms_predicted},
+                    {"rms_log_frf_error_before", one.frf_before},
+                    {"rms_log_frf_error_fitted", one.frf_fitted},
+                    {"rms_log_frf_error_predicted", one.frf_predicted},
                     {"pairs", pairs_json(one.pairs, {}, states)}});
   }
   return json;

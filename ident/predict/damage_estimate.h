@@ -33,6 +33,13 @@ struct DamageEstimate {
   bool called = false;            ///< d > 1.645 std
   std::vector<std::string> like;  ///< parameters that the data do not separate from it
   std::string statement;          ///< for a person
+
+  static constexpr auto fields() {
+    using T = DamageEstimate;
+    return std::tuple{field("damage", describe::bounded(&T::damage, &T::low, &T::high)),
+                      field("smallest_found", &T::smallest_found), field("called", &T::called),
+                      field("not_told_apart_from", &T::like), field("statement", &T::statement)};
+  }
 };
 
 /// Correlation above which another parameter counts as not separated.

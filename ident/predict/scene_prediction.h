@@ -22,9 +22,11 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "document/describe.h"
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"
 #include "model/linear/modal_analysis.h"
@@ -76,6 +78,18 @@ struct PredictedMode {
   model::NaturalMode mode;  ///< at the fitted values
   signal::Estimate frequency_hz, damping_ratio;
   double low_hz = 0, high_hz = 0;  ///< 95 %
+
+  [[nodiscard]] describe::Ends interval() const { return {low_hz, high_hz, frequency_hz.std}; }
+  static constexpr auto fields() {
+    using T = PredictedMode;
+    return std::tuple{
+        field("frequency_hz", describe::bounded(&T::frequency_hz, &T::low_hz, &T::high_hz), "Hz",
+              "frequency", "with its 95 % interval"),
+        field("", &T::interval, "Hz", "95 % interval", ""),
+        field("damping_ratio", &T::damping_ratio),
+        field("plane", describe::within(&T::mode, &model::NaturalMode::plane), "", "plane", ""),
+        field("family", describe::within(&T::mode, &model::NaturalMode::family), "", "family", "")};
+  }
 };
 
 struct ModePrediction {
@@ -102,6 +116,12 @@ struct AddedInput {
   double value = 0, std = 0;
   bool of_fit = false;  ///< an input of the fit as well
   bool fitted = false;  ///< a parameter of the fit: not added
+
+  static constexpr auto fields() {
+    using T = AddedInput;
+    return std::tuple{field("name", &T::name), field("value", &T::value), field("std", &T::std),
+                      field("shared_with_fit", &T::of_fit)};
+  }
 };
 
 /// Adds the inputs to `fitted` as parameters. With p the fit's parameters and x the inputs the

@@ -4,9 +4,11 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "document/describe.h"
 #include "model/chain/segment_lumping.h"
 
 namespace rigfit::model {
@@ -25,6 +27,14 @@ struct ModeShape {
   std::string member;
   Eigen::Matrix3Xd displacement;  ///< 3 x (segments + 1), mass-normalised, kg^-1/2
   Eigen::VectorXd twist;          ///< segments; empty when torsion is not modelled
+
+  static constexpr auto fields() {
+    using T = ModeShape;
+    return std::tuple{field("member", &T::member),
+                      field("displacement",
+                            [](const T& s) { return Eigen::MatrixXd(s.displacement.transpose()); }),
+                      field("twist", &T::twist)};
+  }
 };
 
 /// One natural mode.
@@ -44,6 +54,14 @@ struct NaturalMode {
       sensor_shape;  ///< modal displacement at each of the scene's sensors along its direction; at
                      ///< a force sensor the change of axial force, N kg^-1/2
   Eigen::VectorXd load_shape;  ///< modal displacement at each of the scene's loads, likewise
+
+  static constexpr auto fields() {
+    using T = NaturalMode;
+    return std::tuple{field("frequency_hz", &T::frequency_hz, "Hz", "frequency", "undamped", 7),
+                      field("damping_ratio", &T::damping_ratio, "%", "damping", "", 4),
+                      field("plane", &T::plane, "", "plane", "in, out, mixed, axial or torsion"),
+                      field("family", &T::family, "", "family", "cable, beam or hybrid")};
+  }
 };
 
 /// Which modes are computed, and with which model.

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <string>
+#include <tuple>
+
+#include "document/describe.h"
 
 namespace rigfit::model {
 
@@ -12,6 +15,15 @@ struct LeftOut {
   /// Quantity in error: "frequency" (of the modes that take part) or "response" (rms of the
   /// sensors' samples).
   std::string of = "frequency";
+
+  static constexpr std::string_view title = "left out";
+  static constexpr auto fields() {
+    using T = LeftOut;
+    return std::tuple{
+        field("what", &T::what, "", "effect", "such as torsion"),
+        field("relative_error", &T::relative_error, "", "error, about", "estimated", 2),
+        field("of", &T::of, "", "in", "frequency or response")};
+  }
 };
 
 }  // namespace rigfit::model

@@ -3,7 +3,10 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <tuple>
 #include <vector>
+
+#include "document/describe.h"
 
 namespace rigfit::model {
 
@@ -21,6 +24,17 @@ struct MemberEquilibrium {
   double unstretched_length_m = 0;
   int segments = 0;
   Eigen::Matrix3Xd positions;  ///< m, 3 x (segments + 1), from the first node to the second
+
+  static constexpr auto fields() {
+    using T = MemberEquilibrium;
+    return std::tuple{
+        field("member", &T::member, "", "member", "name"),
+        field("tension_N", &T::tension_N, "N", "tension", "horizontal; mean axial force of a beam"),
+        field("sag_m", &T::sag_m, "m", "sag", "largest distance from the chord"),
+        field("tension_max_N", &T::tension_max_N),
+        field("unstretched_length_m", &T::unstretched_length_m),
+        field("segments", &T::segments, "", "segments", "")};
+  }
 };
 
 /// The static equilibrium of a scene; check `status` first.
@@ -30,6 +44,13 @@ struct Equilibrium {
   double residual = 0;  ///< largest unbalanced force over the largest member force
   int iterations = 0;
   std::vector<MemberEquilibrium> members;
+
+  static constexpr auto fields() {
+    using T = Equilibrium;
+    return std::tuple{field("status", &T::status), field("reason", &T::reason),
+                      field("residual", &T::residual), field("iterations", &T::iterations),
+                      field("members", &T::members, "", "members", "at rest")};
+  }
 };
 
 }  // namespace rigfit::model

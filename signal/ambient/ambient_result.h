@@ -3,8 +3,11 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/modes/modal_model.h"
 #include "signal/numerics/estimate.h"
 #include "signal/poles/lscf.h"
@@ -29,6 +32,14 @@ struct AmbientTone {
   double frequency_hz = 0;
   double amplitude = 0;      ///< the largest of the channels, in its unit
   Eigen::Index channel = 0;  ///< the one with that amplitude, of those analysed
+
+  static constexpr std::string_view title = "steady tones, taken out";
+  static constexpr auto fields() {
+    using T = AmbientTone;
+    return std::tuple{
+        field("frequency_hz", &T::frequency_hz, "Hz", "frequency", ""),
+        field("amplitude", &T::amplitude, "", "amplitude", "the largest of the channels", 3)};
+  }
 };
 
 struct AmbientMode {
@@ -41,6 +52,26 @@ struct AmbientMode {
   std::string code;  ///< why it is doubtful: "too_short", "close_modes", "peak_not_its_own", ...
   Eigen::MatrixXcd without_group;  ///< shapes without each group: channels x groups
   int joined = 1;                  ///< neighbouring groups that count as one
+
+  [[nodiscard]] describe::Bounded frequency() const {
+    const auto& f = mode.frequency_hz;
+    return {f.value, f.std, frequency_95.low, frequency_95.high};
+  }
+  [[nodiscard]] describe::Bounded damping() const {
+    const auto& zeta = mode.damping_ratio;
+    return {zeta.value, zeta.std, damping_95.low, damping_95.high};
+  }
+
+  static constexpr auto fields() {
+    using T = AmbientMode;
+    return std::tuple{
+        describe::part(&T::mode),
+        field("frequency_hz", &T::frequency),
+        field("damping_ratio", &T::damping),
+        field("degrees_of_freedom", &T::degrees),
+        field("decay_times", &T::decay_times, "", "T/tau", "length over the decay time", 3),
+        field("doubt_code", &T::code)};
+  }
 };
 
 struct AmbientResult {
@@ -56,6 +87,19 @@ struct AmbientResult {
   /// channels, for figures. Empty after merging.
   Eigen::VectorXd spectrum_hz;
   Eigen::MatrixXd singular_values;
+
+  [[nodiscard]] std::vector<MeasuredPoint> responses() const {
+    std::vector<MeasuredPoint> points;
+    for (const auto& name : channels) points.push_back({name, 0, 0});
+    return points;
+  }
+
+  static constexpr auto fields() {
+    using T = AmbientResult;
+    return std::tuple{
+        field("modes", &T::modes), field("responses", &T::responses), field("tones", &T::tones),
+        field("band_hz", describe::ends_of(&T::low_hz, &T::high_hz)), field("lag_s", &T::lag_s)};
+  }
 };
 
 }  // namespace rigfit::signal

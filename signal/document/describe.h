@@ -20,9 +20,12 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace rigfit::describe {
 
@@ -40,9 +43,39 @@ constexpr Field<Get> field(std::string_view key, Get get, std::string_view unit,
   return {key, get, unit, label, meaning, digits};
 }
 
-/// Specialised beside each struct: `title` of a list of them, `fields`.
+/// For programs only, with a name that says what it is.
+template <class Get>
+constexpr Field<Get> field(std::string_view key, Get get) {
+  return {key, get, "", "", "", 6};
+}
+
+/// The fields of a described struct that `get` gives, as fields of this one.
+template <class Get>
+struct Part {
+  Get get;
+};
+template <class Get>
+constexpr Part<Get> part(Get get) {
+  return {get};
+}
+
+/// Specialised beside each struct: `title` of a list of them, `fields`. Or the struct has them
+/// itself, with a static function `fields()`.
 template <class T>
 struct Described;
+
+template <class T>
+requires requires { T::fields(); }
+struct Described<T> {
+  static constexpr std::string_view title = [] {
+    if constexpr (requires { T::title; }) {
+      return T::title;
+    } else {
+      return std::string_view();
+    }
+  }();
+  static constexpr auto fields = T::fields();
+};
 
 template <class T>
 concept described = requires {
@@ -52,7 +85,19 @@ concept described = requires {
 /// Calls `f` with every field.
 template <described T, class F>
 constexpr void each_field(F&& f) {
-  std::apply([&](const auto&... one) { (f(one), ...); }, Described<T>::fields);
+  const auto take = [&](const auto& one) {
+    if constexpr (requires { one.key; }) {
+      f(one);
+    } else {
+      using Inner = std::remove_cvref_t<std::invoke_result_t<decltype(one.get), const T&>>;
+      each_field<Inner>([&](const auto& inner) {
+        f(field(
+            inner.key, [&](const T& x) { return std::invoke(inner.get, std::invoke(one.get, x)); },
+            inner.unit, inner.label, inner.meaning, inner.digits));
+      });
+    }
+  };
+  std::apply([&](const auto&... one) { (take(one), ...); }, Described<T>::fields);
 }
 
 /// An estimate with the ends of its interval, of members that hold them apart. `one_sided`: only
@@ -76,12 +121,27 @@ struct Ends {
 };
 /// The same, where an end may be open (not finite).
 struct OpenEnds : Ends {};
+template <class L, class H>
+constexpr auto ends_of(L low, H high) {
+  return [=](const auto& x) { return Ends{std::invoke(low, x), std::invoke(high, x)}; };
+}
 template <class I>
 constexpr auto ends_of(I interval) {
   return [=](const auto& x) {
     const auto& i = std::invoke(interval, x);
     return Ends{i.low, i.high};
   };
+}
+
+/// Numbers by name, in JSON an object; people read shares of a whole, from half a percent on.
+struct ByName {
+  std::vector<std::pair<std::string, double>> all;
+};
+
+/// A member of a member.
+template <class Outer, class Inner>
+constexpr auto within(Outer outer, Inner inner) {
+  return [=](const auto& x) { return std::invoke(inner, std::invoke(outer, x)); };
 }
 
 /// A field that is there only where `there` says so.
@@ -93,4 +153,14 @@ constexpr auto where(There there, Get get) {
   };
 }
 
+/// A number that is there where it is above zero.
+template <class Get>
+constexpr auto positive(Get get) {
+  return where([=](const auto& x) { return std::invoke(get, x) > 0; }, get);
+}
+
 }  // namespace rigfit::describe
+
+namespace rigfit {
+using describe::field;
+}  // namespace rigfit

@@ -12,9 +12,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
@@ -77,6 +79,33 @@ struct Hit {
   std::string reason;  ///< for a person; empty when accepted
   [[nodiscard]] bool has(HitFault fault) const;
   void reject(HitFault fault, const std::string& why);
+
+  [[nodiscard]] Eigen::Index pulse_samples() const { return pulse_last - pulse_first + 1; }
+  [[nodiscard]] std::optional<describe::ByName> second() const {
+    if (!(second_hit > 0)) return {};
+    return describe::ByName{{{"ratio", second_hit}, {"delay_s", second_hit_delay_s}}};
+  }
+  /// "accepted", "kept: ..." or "rejected: ...".
+  [[nodiscard]] std::string verdict() const {
+    if (!accepted) return "rejected: " + reason;
+    return reason.empty() ? "accepted" : "kept: " + reason;
+  }
+
+  static constexpr auto fields() {
+    using T = Hit;
+    return std::tuple{
+        field("time_s", &T::time_s, "s", "time", "of the peak"),
+        field("peak", &T::peak, "", "peak", "in the unit of the force", 4),
+        field("accepted", &T::accepted),
+        field("reason", &T::reason),
+        field("faults", &T::faults),
+        field("pulse_samples", &T::pulse_samples),
+        field("pulse_duration_s", &T::pulse_duration_s, "s", "pulse", "", 3),
+        field("usable_hz", &T::usable_hz, "Hz", "usable to", "of the force spectrum", 3),
+        field("end_level", &T::end_level),
+        field("second_hit", &T::second),
+        field("", &T::verdict, "", "verdict", "")};
+  }
 };
 
 struct HitSearch {

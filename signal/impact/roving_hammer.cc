@@ -181,7 +181,7 @@ RovingHammer analyse_roving_hammer(std::span<const StruckPoint> points, const st
            fmt::format("Check places, directions and sensitivities, and whether the structure is "
                        "linear: FRFs both ways differ by {:.2g} % (noise: {:.2g} %)",
                        100 * check.difference, 100 * check.from_noise),
-           check.a + ", " + check.b});
+           check.points[0] + ", " + check.points[1]});
     }
   }
   return result;

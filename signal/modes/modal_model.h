@@ -10,9 +10,12 @@
 #include <Eigen/Core>
 #include <complex>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/numerics/estimate.h"
+#include "signal/numerics/numbers.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
@@ -24,6 +27,13 @@ struct ModeAtPoint {
   Estimate frequency_hz;   ///< window damping removed
   Estimate damping_ratio;
   double misfit = 0;  ///< rms misfit over rms FRF within the half bandwidth, own pole
+
+  static constexpr auto fields() {
+    using T = ModeAtPoint;
+    return std::tuple{describe::part(&T::point), field("order", &T::order),
+                      field("frequency_hz", &T::frequency_hz),
+                      field("damping_ratio", &T::damping_ratio), field("misfit", &T::misfit)};
+  }
 };
 
 /// Changes from hit to hit beyond noise (hit_scatter.h).
@@ -32,6 +42,24 @@ struct BetweenHits {
   double frequency_std_hz = 0;  ///< standard deviation of one hit's frequency
   double damping_std = 0;
   bool beyond_noise = false;  ///< then values and uncertainties allow for the changes
+
+  static constexpr auto fields() {
+    using T = BetweenHits;
+    return std::tuple{field("hits", &T::hits), field("frequency_std_hz", &T::frequency_std_hz),
+                      field("damping_std", &T::damping_std),
+                      field("beyond_noise", &T::beyond_noise)};
+  }
+};
+
+/// A component of a shape with the standard deviations of its parts.
+struct ShapeComponent {
+  double re, im, std_re, std_im;
+
+  static constexpr auto fields() {
+    using T = ShapeComponent;
+    return std::tuple{field("re", &T::re), field("im", &T::im), field("std_re", &T::std_re),
+                      field("std_im", &T::std_im)};
+  }
 };
 
 struct IdentifiedMode {
@@ -64,6 +92,52 @@ struct IdentifiedMode {
   BetweenHits between_hits;
   bool doubtful = false;
   std::string doubt;  ///< reason in words; empty when not doubtful
+
+  [[nodiscard]] std::vector<ShapeComponent> components() const {
+    std::vector<ShapeComponent> all;
+    for (Eigen::Index o = 0; o < shape.size(); ++o) {
+      all.push_back({shape[o].real(), shape[o].imag(), shape_std(o, 0), shape_std(o, 1)});
+    }
+    return all;
+  }
+  /// None where it is refused.
+  [[nodiscard]] Estimate damping() const {
+    return damping_dominated_by_window ? Estimate{kNaN, kNaN} : damping_ratio;
+  }
+  [[nodiscard]] bool from_hits() const { return between_hits.hits > 1; }
+  /// What a person should know of it in a list.
+  [[nodiscard]] std::string remark() const {
+    return doubtful                      ? "uncertain: " + doubt
+           : damping_dominated_by_window ? "damping refused: mostly the window's"
+                                         : "";
+  }
+
+  static constexpr auto fields() {
+    using T = IdentifiedMode;
+    return std::tuple{
+        field("frequency_hz", &T::frequency_hz, "Hz", "frequency", "undamped"),
+        field("damping_ratio", &T::damping, "%", "damping", "null: refused"),
+        field("damping_ratio_with_window", &T::damping_ratio_with_window),
+        field("damping_refused", &T::damping_dominated_by_window),
+        field("pole_rad_s", &T::pole_rad_s),
+        field("shape", &T::components),
+        field("participation", &T::participation),
+        field("modal_phase_collinearity", &T::modal_phase_collinearity, "", "MPC", "0 to 1", 3),
+        field("reconstruction_error", &T::reconstruction_error, "%", "misfit",
+              "rms over that of the FRFs", 2),
+        field("presence", &T::presence),
+        field("significance", &T::significance),
+        field("refinement", &T::refinement),
+        field("between_points_std_hz", &T::between_points_std_hz),
+        field("between_points_std_damping", &T::between_points_std_damping),
+        field("trend_hz_per_point", &T::trend_hz),
+        field("trend_certain", &T::has_trend),
+        field("points", &T::points),
+        field("between_hits", describe::where(&T::from_hits, &T::between_hits)),
+        field("doubtful", &T::doubtful),
+        field("doubt", &T::doubt),
+        field("", &T::remark, "", "remark", "")};
+  }
 };
 
 struct ModalModel {
@@ -76,6 +150,19 @@ struct ModalModel {
   /// Covariance of (f_1, zeta_1, f_2, zeta_2, ...), 2N x 2N, Hz and 1.
   Eigen::MatrixXd pole_covariance;
   std::vector<Note> notes;
+
+  static constexpr auto fields() {
+    using T = ModalModel;
+    return std::tuple{field("modes", &T::modes),
+                      field("responses", &T::responses),
+                      field("input_points", &T::inputs),
+                      field("frf_form", &T::fitted_form),
+                      field("exponential_decay_rate_1_s", &T::exponential_decay_rate_1_s),
+                      field("frf_error", &T::frf_error),
+                      field("pole_covariance", &T::pole_covariance),
+                      field("lower_residual", &T::lower_residual),
+                      field("upper_residual", &T::upper_residual)};
+  }
 };
 
 }  // namespace rigfit::signal

@@ -3,8 +3,10 @@
 
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/modes/modal_model.h"
 #include "signal/poles/lscf.h"
 #include "signal/poles/pole_clusters.h"
@@ -62,6 +64,16 @@ struct ModalResult {
   /// window. Noise alone gives 0 within a few hundredths; a model that leaves something out, up
   /// to 1.
   double misfit_line_correlation = 0;
+
+  static constexpr auto fields() {
+    using T = ModalResult;
+    return std::tuple{describe::part(&T::model),
+                      field("band_hz", describe::ends_of(&T::low_hz, &T::high_hz)),
+                      field("lines", &T::lines_used),
+                      field("misfit_over_error_bars", &T::misfit_over_error_bars),
+                      field("auto_mac", &T::auto_mac),
+                      field("stabilisation", &T::stabilisation)};
+  }
 };
 
 }  // namespace rigfit::signal

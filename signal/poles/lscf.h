@@ -14,7 +14,10 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <tuple>
 #include <vector>
+
+#include "document/describe.h"
 
 namespace rigfit::signal {
 
@@ -40,11 +43,24 @@ struct StabilisationPole {
   bool stable_damping = false;  ///< both frequency and damping are stable
   /// Participation of the inputs, length 1; empty unless asked for.
   Eigen::VectorXcd participation = {};
+
+  static constexpr auto fields() {
+    using T = StabilisationPole;
+    return std::tuple{field("order", &T::order), field("frequency_hz", &T::frequency_hz),
+                      field("damping_ratio", &T::damping_ratio),
+                      field("stable_frequency", &T::stable_frequency),
+                      field("stable_damping", &T::stable_damping)};
+  }
 };
 
 struct LscfResult {
   std::vector<StabilisationPole> poles;  ///< by order, then frequency; within the band only
   int orders_solved = 0;  ///< below max_order when the lines do not determine more unknowns
+
+  static constexpr auto fields() {
+    using T = LscfResult;
+    return std::tuple{field("highest_order", &T::orders_solved), field("poles", &T::poles)};
+  }
 };
 
 /// `frequency_hz`: rising lines, uniform or not, of the band to be analysed. `H`: lines x (No Ni),

@@ -10,8 +10,10 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
@@ -22,6 +24,12 @@ struct QualityFinding {
   std::string message;      ///< with numbers and units
   long samples = 0;         ///< number concerned; 0: not countable
   Eigen::Index first = -1;  ///< sample where it begins; -1: everywhere
+
+  static constexpr auto fields() {
+    using T = QualityFinding;
+    return std::tuple{field("code", &T::code), field("message", &T::message),
+                      field("samples", &T::samples)};
+  }
 };
 
 /// Figures and findings of one channel.
@@ -39,6 +47,24 @@ struct ChannelQuality {
   double mains_rms = 0;  ///< rms of the hum's lines, SI
   double drift = 0;      ///< change of the mean over the record, SI
   std::vector<QualityFinding> findings;
+
+  static constexpr auto fields() {
+    using T = ChannelQuality;
+    return std::tuple{
+        field("min", &T::min, "", "min", "without missing samples", 4),
+        field("max", &T::max, "", "max", "", 4),
+        field("mean", &T::mean, "", "mean", "", 4),
+        field("rms", &T::rms, "", "rms", "", 4),
+        field("clipped_samples", &T::clipped_samples, "", "clipped", "flat tops at the extremes"),
+        field("missing_samples", &T::missing_samples, "", "missing", ""),
+        field("stuck_samples", &T::stuck_samples),
+        field("quantum", &T::quantum),
+        field("noise_floor", &T::noise_floor),
+        field("drift", &T::drift),
+        field("mains_hz", describe::positive(&T::mains_hz)),
+        field("mains_rms", &T::mains_rms),
+        field("findings", &T::findings)};
+  }
 };
 
 /// One entry per channel, in the recording's order.

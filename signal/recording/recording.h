@@ -10,8 +10,10 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/recording/quantity.h"
 
 namespace rigfit::signal {
@@ -29,6 +31,14 @@ struct Channel {
   double nominal_range = 0;  ///< SI, full scale stated by the file; 0: not stated
   Eigen::VectorXd samples;   ///< SI; NaN where missing
   long missing_samples = 0;
+
+  static constexpr auto fields() {
+    using T = Channel;
+    return std::tuple{field("name", &T::name, "", "channel", ""),
+                      field("unit", &T::unit, "", "unit", "SI"),
+                      field("source_unit", &T::source_unit), field("quantity", &T::quantity),
+                      field("nominal_range", describe::positive(&T::nominal_range))};
+  }
 };
 
 /// Something about a recording that a person should know; `code` is stable, `message` is for
@@ -68,6 +78,19 @@ struct Recording {
   /// The channel of this name or number ("#5"). Throws RecordingError, which lists the channels.
   [[nodiscard]] const Channel& channel(const std::string& name) const {
     return channels[static_cast<std::size_t>(channel_index(name))];
+  }
+
+  static constexpr auto fields() {
+    using T = Recording;
+    return std::tuple{field("path", [](const T& r) { return r.path.string(); }),
+                      field("format", &T::format),
+                      field("sample_rate_hz", describe::positive(&T::sample_rate_hz)),
+                      field("sample_rate_relative_std", &T::sample_rate_relative_std),
+                      field("samples", &T::samples),
+                      field("duration_s", describe::positive(&T::duration_s)),
+                      field("start_time_s", &T::start_time_s),
+                      field("time_jitter_s", &T::time_jitter_s),
+                      field("uniform", [](const T& r) { return r.time_s.size() == 0; })};
   }
 };
 

@@ -132,7 +132,8 @@ std::vector<ReciprocityCheck> check_reciprocity(const FrfSet& frfs,
         }
       }
       if (!(mean > 0)) continue;
-      checks.push_back({frfs.inputs[a].name, frfs.inputs[b].name, std::sqrt(difference / mean),
+      checks.push_back({{frfs.inputs[a].name, frfs.inputs[b].name},
+                        std::sqrt(difference / mean),
                         std::sqrt(noise / mean)});
     }
   }

@@ -10,9 +10,12 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
@@ -32,6 +35,14 @@ struct DrivingPointCheck {
   double wrong_sign_share = 0;
   int resonances = 0;              ///< peaks with 25 times the power of the dips beside them
   int missing_antiresonances = 0;  ///< pairs of resonances without one between
+
+  static constexpr auto fields() {
+    using T = DrivingPointCheck;
+    return std::tuple{field("verdict", &T::verdict),
+                      field("wrong_sign_share", &T::wrong_sign_share),
+                      field("resonances", &T::resonances),
+                      field("missing_antiresonances", &T::missing_antiresonances)};
+  }
 };
 
 /// Checks one column of known form within the band. Up to 5 % of wrong sign is consistent, 95 % or
@@ -45,9 +56,15 @@ struct DrivingPointCheck {
 [[nodiscard]] std::optional<Note> note_of(const DrivingPointCheck& check);
 
 struct ReciprocityCheck {
-  std::string a, b;       ///< the two points
+  std::vector<std::string> points;  ///< the two
   double difference = 0;  ///< |H_ab - H_ba| over their mean, root mean squares over the lines
   double from_noise = 0;  ///< difference expected from the error bars; 0: unknown
+
+  static constexpr auto fields() {
+    using T = ReciprocityCheck;
+    return std::tuple{field("points", &T::points), field("difference", &T::difference),
+                      field("from_noise", &T::from_noise)};
+  }
 };
 
 /// Checks every pair of points (by name) measured in both directions.

@@ -6,8 +6,10 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
@@ -22,6 +24,12 @@ struct MeasuredPoint {
   std::string name;
   int node = 0;
   int direction = 0;  ///< UFF: +-1 x, +-2 y, +-3 z, 0 scalar
+
+  static constexpr auto fields() {
+    using T = MeasuredPoint;
+    return std::tuple{field("name", &T::name), field("node", &T::node),
+                      field("direction", &T::direction)};
+  }
 };
 
 struct FrfSet {

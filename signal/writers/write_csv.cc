@@ -9,7 +9,7 @@ namespace rigfit::signal {
 namespace {
 
 // Quoted when it would break the table.
-std::string field(const std::string& text) {
+std::string cell(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
   for (char c : text) {
@@ -22,15 +22,16 @@ std::string field(const std::string& text) {
 }  // namespace
 
 std::string csv_text(const Recording& recording,
-                     const std::vector<std::pair<std::string, std::string>>& header, int digits) {
+                     const std::vector<std::pair<std::string, std::string>>& header, int digits,
+                     const std::string& axis) {
   std::string text;
-  for (const auto& [key, value] : header) text += field(key) + "," + field(value) + "\n";
-  text += "Time (s)";
+  for (const auto& [key, value] : header) text += cell(key) + "," + cell(value) + "\n";
+  text += axis;
   for (const auto& channel : recording.channels) {
     text += ",";
-    text += field(channel.source_unit.empty()
-                      ? channel.name
-                      : fmt::format("{} ({})", channel.name, channel.source_unit));
+    text += cell(channel.source_unit.empty()
+                     ? channel.name
+                     : fmt::format("{} ({})", channel.name, channel.source_unit));
   }
   text += "\n";
   const auto out = std::back_inserter(text);

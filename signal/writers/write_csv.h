@@ -11,9 +11,10 @@
 namespace rigfit::signal {
 
 /// `header` lines stand above the table; a missing sample is an empty field. Numbers are written
-/// with `digits` significant digits (17 gives back the same doubles).
+/// with `digits` significant digits (17 gives back the same doubles). `axis` is the title of
+/// `time_s`, which may be frequencies.
 [[nodiscard]] std::string csv_text(const Recording& recording,
                                    const std::vector<std::pair<std::string, std::string>>& header,
-                                   int digits = 7);
+                                   int digits = 7, const std::string& axis = "Time (s)");
 
 }  // namespace rigfit::signal

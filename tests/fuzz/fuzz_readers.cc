@@ -45,7 +45,6 @@ void wav(Bytes bytes) { require_sound(read_wav(bytes, "fuzz")); }
 void uff_modes(Bytes bytes) { require_sound(read_uff_modes(bytes, "fuzz")); }
 void uff(Bytes bytes) {
   read_or_refuse([&] { require_sound(read_uff(bytes, "fuzz")); });
-  read_or_refuse([&] { require_sound(read_uff_functions(bytes, "fuzz")); });
   require_numbers(read_uff_frfs(bytes, "fuzz"));
 }
 void frf(Bytes bytes) {

@@ -49,11 +49,12 @@ class Arrays(unittest.TestCase):
     def setUp(self):
         warnings.simplefilter("ignore", rigfit.DataWarning)
 
-    def test_samples_are_the_arrays_given(self):
+    def test_samples_are_copies(self):
         data = hits(1 << 14, 3)
         one = recording(data)
         for c, row in enumerate(data):
-            self.assertTrue(np.shares_memory(one.channels[c].data, row))
+            self.assertFalse(np.shares_memory(one.channels[c].data, row))
+            np.testing.assert_array_equal(one.channels[c].data, row)
             self.assertFalse(one.channels[c].data.flags.writeable)
         # Not float64, not SI, not contiguous: converted, and equal.
         other = rigfit.Recording([{"name": "a", "data": np.arange(8, dtype=np.int16), "unit_str": "mm"},
@@ -64,15 +65,6 @@ class Arrays(unittest.TestCase):
         np.testing.assert_array_equal(other["b"].data, np.arange(16.0)[::2])
         np.testing.assert_array_equal(other["c"].data, np.arange(8.0))
         self.assertEqual(other["a"].unit, "m")
-
-    def test_unaligned_samples(self):
-        raw = np.zeros(8 * 1025 + 4, dtype=np.uint8)
-        for offset in (0, 1, 4, 8):
-            values = raw[offset:offset + 8 * 1024].view(np.float64)
-            values[:] = np.arange(1024)
-            one = rigfit.Recording({"a": values}, fs=10)
-            np.testing.assert_array_equal(one["a"].data, np.arange(1024.0))
-            self.assertEqual(rigfit.inspect(one).recordings[0].channels[0].max, 1023)
 
     def test_views_keep_their_recording(self):
         owner = hits(1 << 12, 2)
@@ -90,13 +82,6 @@ class Arrays(unittest.TestCase):
         del result
         gc.collect()
         np.testing.assert_array_equal(H, copy)
-
-    def test_frf_takes_no_copy(self):
-        # 16 channels of 2^20 samples, 134 MB, in a process of its own: a peak is of the whole process.
-        run = subprocess.run([sys.executable, pathlib.Path(__file__).with_name("large_array.py"), str(1 << 20)],
-                             capture_output=True, text=True)
-        print(run.stdout.strip())
-        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
 
     def test_calls_side_by_side(self):
         data = [recording(hits(1 << 15, 4, seed=s)) for s in range(4)]
@@ -194,9 +179,6 @@ class Results(unittest.TestCase):
         with self.assertRaises(AttributeError):
             self.result.tension_N = 3
         self.assertTrue(repr(self.result).startswith("tension at mid-span"))  # as the program prints it
-        page = self.result._repr_html_()
-        self.assertIn("<pre>tension at mid-span", page)
-        self.assertLess(len(page), 20000)
         np.testing.assert_array_equal(self.result.modes.measured_hz, [7.36, 14.59, 22.15, 29.9])
         self.assertEqual(self.result.candidates.tension_N.std[0], self.result.candidates[0].tension_N.std)
         self.assertIn("tension_N", dir(self.result))
@@ -227,7 +209,7 @@ class Results(unittest.TestCase):
 
     def test_packages_that_are_missing(self):
         frf = rigfit.frf(recording(hits(1 << 14, 2)), "force")
-        calls = {"uncertainties": self.result.tension_N.to_ufloat, "pandas": frf.to_frame, "matplotlib": frf.plot}
+        calls = {"uncertainties": self.result.tension_N.to_ufloat, "pandas": frf.to_frame}
         for package, call in calls.items():
             # An entry of None says that the package cannot be imported.
             with unittest.mock.patch.dict(sys.modules, {package: None}), self.assertRaises(rigfit.Error) as caught:
@@ -236,25 +218,13 @@ class Results(unittest.TestCase):
             self.assertIn(package, str(caught.exception))
 
     def test_plots(self):
-        try:
-            import matplotlib
-        except ImportError:
-            self.skipTest("matplotlib is not installed")
-        matplotlib.use("Agg")
-        from matplotlib import pyplot
-        one = recording(hits(1 << 15, 3))
-        frf = rigfit.frf(one, "force")
-        modes = rigfit.modal(sorted(map(str, DATA.glob("virtual_laboratory/beam/rig/hammer-*.uff"))), force="force",
-                             band=(1, 160))
-        shown = [one, frf, modes, self.result, rigfit.modes(CABLE), rigfit.frf_of(CABLE, [1.0, 2.0]),
-                 rigfit.decay(DATA / "virtual_laboratory/bench/axial/L1m-1.csv", band=(20, 100)),
-                 rigfit.bending({"tension_N": [25, 100, 200], "EI_Nm2": [0.25, 0.5, 0.6]}),
-                 rigfit.respond(DATA / "scenes/cable-release.toml", duration=0.1, rate=1000)]
-        for result in shown:
-            axes = result.plot()
-            self.assertTrue(axes.has_data(), type(result).__name__)
-            self.assertTrue(result._repr_html_())
-            pyplot.close("all")
+        with tempfile.TemporaryDirectory() as folder:
+            one = recording(hits(1 << 14, 2))
+            for k, call in enumerate((lambda f: rigfit.inspect(one, plot=f), lambda f: rigfit.frf(one, "force", plot=f),
+                                      lambda f: rigfit.modes(CABLE, plot=f))):
+                file = pathlib.Path(folder) / f"{k}.svg"
+                call(file)
+                self.assertIn("<svg", file.read_text())
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import glob
 import json
 import os
 import pathlib
+import re
 import subprocess
 import tempfile
 import unittest
@@ -74,8 +75,6 @@ class SameNumbers(unittest.TestCase):
                              band=(1, 160))
         self.same(document, at_hand, ["out", "inputs"])
         np.testing.assert_array_equal(result.H, at_hand.H)
-        from_file = rigfit.read_frfs(self.folder / "frf.uff")
-        np.testing.assert_array_equal(from_file.H, result.H)
         self.assertEqual(result.H.shape, (len(result.frequency_hz), len(result.response_names), 1))
 
         modes = self.program("modal", "frf.uff", "--band", 1, 160, "--out", "modes.uff", "--synthesis", "again.uff")
@@ -151,7 +150,7 @@ class SameNumbers(unittest.TestCase):
         self.same(document, rigfit.modes(CABLE, count=6, shapes=True))
         scene = rigfit.Scene(CABLE)
         self.same(document, rigfit.modes(scene, count=6, shapes=True), ["inputs"])
-        again = rigfit.Scene(scene.to_dict())
+        again = rigfit.Scene(scene.to_toml())
         self.assertEqual(document["modes"], rigfit.modes(again, count=6, shapes=True).to_dict()["modes"])
 
     def test_respond(self):
@@ -243,8 +242,8 @@ class SameNumbers(unittest.TestCase):
         self.assertEqual(result.response.samples, len((self.folder / "r.csv").read_text().splitlines()) - 1)
         self.assertEqual(result.response.sample_rate_hz, 400)
         with self.assertRaises(rigfit.UsageError) as caught:
-            unloaded = {key: value for key, value in rigfit.Scene(scene).to_dict().items() if key != "load"}
-            rigfit.predict(unloaded, self.folder / "fit.json", response=self.folder / "none.csv")
+            unloaded = re.sub(r"(?s)\[\[load\]\].*?(?=\n\[\[|\Z)", "", rigfit.Scene(scene).to_toml())
+            rigfit.predict(rigfit.Scene(unloaded), self.folder / "fit.json", response=self.folder / "none.csv")
         self.assertIn("`response`: the scene has no load", str(caught.exception))
 
     def test_update_candidates(self):

@@ -360,9 +360,7 @@ GuessedCampaign guess_campaign(const fs::path& folder, const std::vector<std::st
     try {
       context.input(file);
       if (over_frequency(file, context)) {
-        result.remarks.push_back(file +
-                                 ": over frequency, left out; look at it by rigfit inspect "
-                                 "or rigfit modal");
+        result.remarks.push_back(file + ": over frequency, left out; FRFs are for rigfit modal");
         continue;
       }
       signal::Recording recording = load_untold(file, context);

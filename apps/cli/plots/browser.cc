@@ -69,11 +69,6 @@ bool run_chromium(const fs::path& chromium, const std::vector<std::string>& opti
   return run_silently(chromium, arguments) == 0;
 }
 
-bool open_for_user(const fs::path& file) {
-  const auto opener = find_program({"xdg-open"});
-  return !opener.empty() && run_silently(opener, {fs::absolute(file).string()}) == 0;
-}
-
 ScratchFolder::ScratchFolder() {
   std::string name = (fs::temp_directory_path() / "rigfit-XXXXXX").string();
   if (!::mkdtemp(name.data())) {

@@ -23,9 +23,6 @@ int run_silently(const std::filesystem::path& program, const std::vector<std::st
 bool run_chromium(const std::filesystem::path& chromium, const std::vector<std::string>& options,
                   const std::filesystem::path& page);
 
-/// Opens a file with what the desktop has for it (xdg-open). False when there is no such thing.
-bool open_for_user(const std::filesystem::path& file);
-
 /// A folder of its own for what a run needs for a moment, removed with everything in it.
 class ScratchFolder {
  public:

@@ -101,36 +101,32 @@ describe::Options options_of(PlotCommand& c) {
   using describe::option;
   return {option("--plot", c.file,
                  "Draw the result: an interactive page (.html) or a picture (.svg, .png)")
+              .writes()
               .type("F.html|svg|png")
-              .group("Common"),
-          option("--show", c.show, "Open the drawing, a page unless --plot says otherwise")
               .group("Common")};
 }
 
 void prepare_plots(VerbContext& context, const PlotCommand& command) {
-  if (command.file.empty() && !command.show) return;
-  if (!command.file.empty()) {
-    const std::string kind = kind_of(command.file);
-    if (kind != ".html" && kind != ".svg" && kind != ".png") {
-      throw UsageError(fmt::format("--plot: \"{}\" ends neither with .html nor with .svg or .png",
-                                   command.file));
-    }
-    const fs::path file(command.file);
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-    std::error_code none;
-    if (!fs::is_directory(folder, none)) {
-      throw UsageError(command.file + ": there is no folder " + folder.string() +
-                       " to write the figures to");
-    }
-    if (fs::is_directory(file, none) || ::access(folder.c_str(), W_OK) != 0) {
-      throw UsageError(command.file + ": the figures cannot be written there");
-    }
-    if (kind_of(command.file) == ".png" && find_program({"rsvg-convert"}).empty() &&
-        find_chromium().empty()) {
-      throw UsageError(command.file +
-                       ": a PNG needs rsvg-convert (Debian: librsvg2-bin) or Chromium, and neither "
-                       "is here; write .svg or .html");
-    }
+  if (command.file.empty()) return;
+  const std::string kind = kind_of(command.file);
+  if (kind != ".html" && kind != ".svg" && kind != ".png") {
+    throw UsageError(
+        fmt::format("--plot: \"{}\" ends neither with .html nor with .svg or .png", command.file));
+  }
+  const fs::path file(command.file);
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  std::error_code none;
+  if (!fs::is_directory(folder, none)) {
+    throw UsageError(command.file + ": there is no folder " + folder.string() +
+                     " to write the figures to");
+  }
+  if (fs::is_directory(file, none) || ::access(folder.c_str(), W_OK) != 0) {
+    throw UsageError(command.file + ": the figures cannot be written there");
+  }
+  if (kind == ".png" && find_program({"rsvg-convert"}).empty() && find_chromium().empty()) {
+    throw UsageError(command.file +
+                     ": a PNG needs rsvg-convert (Debian: librsvg2-bin) or Chromium, and neither "
+                     "is here; write .svg or .html");
   }
   context.plots = std::make_shared<PlotSheet>();
 }
@@ -143,10 +139,7 @@ void write_plots(VerbContext& context, const PlotCommand& command, const std::st
     return;
   }
   if (sheet.title.empty()) sheet.title = "rigfit " + verb;
-  fs::path file = command.file;
-  if (command.file.empty()) {
-    file = fs::temp_directory_path() / fmt::format("rigfit-{}-{}.html", verb, ::getpid());
-  }
+  const fs::path file = command.file;
   if (const std::string kind = kind_of(file.string()); kind == ".html") {
     context.write(file, figures_page(sheet.title, repeat_command(context), sheet.blocks));
   } else {
@@ -159,10 +152,6 @@ void write_plots(VerbContext& context, const PlotCommand& command, const std::st
     context.write(file, kind == ".png" ? png_of(figures) : figures.svg);
   }
   context.out << "figures: " << file.string() << '\n';
-  if (command.show && !open_for_user(file)) {
-    context.warn("not_drawn", "there is no xdg-open, or it failed: open the file in a browser",
-                 file.string());
-  }
 }
 
 }  // namespace rigfit::apps

@@ -1,4 +1,4 @@
-// --plot FILE and --show, common to the verbs that draw: the figures of a run, built by the
+// --plot FILE, common to the verbs that draw: the figures of a run, built by the
 // functions that a report's page uses, as one HTML page, one SVG or one PNG.
 #pragma once
 
@@ -15,8 +15,7 @@ namespace rigfit::apps {
 
 /// As typed.
 struct PlotCommand {
-  std::string file;  ///< ends with .html, .svg or .png; empty: no figures, or a temporary page
-  bool show = false;
+  std::string file;  ///< ends with .html, .svg or .png; empty: no figures
 };
 
 /// The figures of a run. A verb adds to it when VerbContext::plots is set.
@@ -45,7 +44,7 @@ struct PlotSheet {
 /// here; sets `context.plots` when figures are asked for.
 void prepare_plots(VerbContext& context, const PlotCommand& command);
 
-/// After the run: writes the file and shows it. Without any figure it writes nothing and warns.
+/// After the run: writes the file. Without any figure it writes nothing and warns.
 void write_plots(VerbContext& context, const PlotCommand& command, const std::string& verb);
 
 }  // namespace rigfit::apps

@@ -28,4 +28,12 @@ void warn_of_mass(const model::Scene& scene, const std::string& file, VerbContex
       file);
 }
 
+describe::ByName energy_by_member(const model::NaturalMode& mode, const model::Scene& scene) {
+  describe::ByName parts;
+  for (std::size_t m = 0; m < mode.kinetic_energy.size(); ++m) {
+    parts.all.emplace_back(scene.members[m].name, mode.kinetic_energy[m]);
+  }
+  return parts;
+}
+
 }  // namespace rigfit::apps

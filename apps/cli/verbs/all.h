@@ -2,6 +2,8 @@
 #pragma once
 
 #include "apps/cli/verb.h"
+#include "document/describe.h"
+#include "model/linear/natural_mode.h"
 #include "model/scene/scene.h"
 
 namespace rigfit::apps {
@@ -27,5 +29,9 @@ Verb update_verb();
 
 /// Warns where the cables' mass per length may be that of two states that differ.
 void warn_of_mass(const model::Scene& scene, const std::string& file, VerbContext& context);
+
+/// The parts of a mode's kinetic energy.
+[[nodiscard]] describe::ByName energy_by_member(const model::NaturalMode& mode,
+                                                const model::Scene& scene);
 
 }  // namespace rigfit::apps

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/recording_description.h"
@@ -21,7 +20,6 @@ namespace {
 struct AxialCommand {
   std::vector<std::string> files;
   std::vector<double> lengths;  ///< m: one, one a file, or one a group of files
-  double sample_rate_hz = 0;
   AxialTest test;
 };
 
@@ -48,14 +46,14 @@ std::vector<double> length_of_each_file(const AxialCommand& c) {
   return each;
 }
 
-Json run(AxialCommand command, VerbContext& context) {
+Json run(AxialCommand& command, VerbContext& context) {
   const auto lengths = length_of_each_file(command);
   command.test.complete();
   auto& inputs = command.test.inputs;
   inputs.threads = context.threads;
   double slowest = HUGE_VAL;
   for (std::size_t i = 0; i < command.files.size(); ++i) {
-    signal::Recording recording = load_recording(command.files[i], context, command.sample_rate_hz);
+    signal::Recording recording = load_recording(command.files[i], context);
     (void)chosen_channel(recording, inputs.channel);
     const std::string name = recording.path.string();
     const double rate = recording.sample_rate_hz;
@@ -89,8 +87,7 @@ describe::Options options_of(AxialCommand& c) {
       option("--length", c.lengths, "Cable length, m: for all, each file, or each group of files")
           .required()
           .positive()
-          .type("L"),
-      option("--sample-rate", c.sample_rate_hz, "Where a file gives none", "Hz").positive()};
+          .type("L")};
   for (auto& key : as_command_line(keys_of(c.test))) options.push_back(std::move(key));
   return options;
 }
@@ -98,12 +95,8 @@ describe::Options options_of(AxialCommand& c) {
 }  // namespace
 
 Verb axial_verb() {
-  Verb verb = verb_of<AxialCommand>(
-      "axial", "EA and axial damping from hanging-mass records", kAxialExample,
-      [](const AxialCommand& c, VerbContext& context) { return run(c, context); });
-  verb.draws = true;
-  verb.reads = true;
-  return verb;
+  return verb_of<AxialCommand>("axial", "EA and axial damping from hanging-mass records",
+                               kAxialExample, run, true, true);
 }
 
 }  // namespace rigfit::apps

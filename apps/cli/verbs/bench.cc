@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <memory>
 
 #include "apps/bench/bench_plot.h"
 #include "apps/bench/bench_study.h"
@@ -54,7 +53,7 @@ Json row_json(const BenchStudy& study, const BenchRow& row) {
   return out;
 }
 
-Json run_bench(VerbContext& context, const BenchCommand& options) {
+Json run(BenchCommand& options, VerbContext& context) {
   std::optional<model::Scene> scene;
   if (!options.scene.empty()) {
     context.input(options.scene);
@@ -110,7 +109,7 @@ describe::Options options_of(BenchCommand& c) {
 }  // namespace
 
 Verb bench_verb() {
-  Verb verb = verb_of<BenchCommand>(
+  return verb_of<BenchCommand>(
       "bench",
       "Run time against error of the solvers of a motion, against a reference whose own error is "
       "shown; one thread",
@@ -118,9 +117,7 @@ Verb bench_verb() {
       "Examples:\n"
       "  rigfit bench --quick\n"
       "  rigfit bench testdata/scenes/cable-release.toml --plot time-error.svg",
-      [](const BenchCommand& c, VerbContext& context) { return run_bench(context, c); });
-  verb.draws = true;
-  return verb;
+      run, true);
 }
 
 }  // namespace rigfit::apps

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <optional>
 
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/bending_files.h"
@@ -71,7 +69,7 @@ void read_source(const std::string& file, BendingCommand& command, VerbContext& 
   command.test.campaign.sources.push_back(std::move(source));
 }
 
-Json run(BendingCommand command, VerbContext& context) {
+Json run(BendingCommand& command, VerbContext& context) {
   auto& campaign = command.test.campaign;
   take_beam(command);  // before files are read
   for (const auto& file : command.files) read_source(file, command, context);
@@ -152,15 +150,12 @@ describe::Options options_of(BendingCommand& c) {
 }  // namespace
 
 Verb bending_verb() {
-  Verb verb = verb_of<BendingCommand>(
+  return verb_of<BendingCommand>(
       "bending", "EI at each tension from load-deflection records or tables; laws for EI(tension)",
       "Example:\n  printf 'tension_N,EI_Nm2\\n25,0.2549\\n100,0.4948\\n200,0.5972\\n300,0.8283\\n' "
       "> "
       "ei.csv\n  rigfit bending ei.csv --strand 195e9 133 0.397e-3 6.35e-3 --json ei.json",
-      [](const BendingCommand& c, VerbContext& context) { return run(c, context); });
-  verb.draws = true;
-  verb.reads = true;
-  return verb;
+      run, true, true);
 }
 
 }  // namespace rigfit::apps

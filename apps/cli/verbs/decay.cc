@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <memory>
 #include <optional>
 
 #include "apps/campaign_file/recording_description.h"
@@ -20,7 +19,6 @@ struct DecayCommand {
   std::string file, channel;  ///< name or "#number"; may be empty where there is one
   std::optional<double> start_s, end_s;
   std::vector<double> band;  ///< Hz, two or none
-  double sample_rate_hz = 0;
   bool each = false;
   int max_modes = signal::DecayOptions{}.max_modes;
 };
@@ -56,8 +54,8 @@ ident::DecayTest run_decay_test(const signal::Recording& recording, const signal
   }
 }
 
-Json run(DecayCommand command, VerbContext& context) {
-  const signal::Recording recording = load_recording(command.file, context, command.sample_rate_hz);
+Json run(DecayCommand& command, VerbContext& context) {
+  const signal::Recording recording = load_recording(command.file, context);
   command.file = recording.path.string();
   const auto& channel = chosen_channel(recording, command.channel);
   if (!(recording.sample_rate_hz > 0)) {
@@ -102,21 +100,14 @@ describe::Options options_of(DecayCommand& c) {
       option(
           "--each", c.each,
           "Fit every decay of the record and pool their modes: mean, and scatter between decays"),
-      option("--max-modes", c.max_modes, "At most so many modes").within(1, 12),
-      option("--sample-rate", c.sample_rate_hz, "Where the file gives none", "Hz")
-          .positive()
-          .type("HZ")};
+      option("--max-modes", c.max_modes, "Maximum number of modes").within(1, 12)};
 }
 
 }  // namespace
 
 Verb decay_verb() {
-  Verb verb = verb_of<DecayCommand>(
-      "decay", "Frequency and damping of a free decay", kDecayExample,
-      [](const DecayCommand& c, VerbContext& context) { return run(c, context); });
-  verb.draws = true;
-  verb.reads = true;
-  return verb;
+  return verb_of<DecayCommand>("decay", "Frequency and damping of a free decay", kDecayExample, run,
+                               true, true);
 }
 
 }  // namespace rigfit::apps

@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <memory>
 
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
@@ -29,16 +27,8 @@ std::vector<std::string> fitted_into(model::Scene& scene, const std::string& pat
   std::vector<std::string> lines;
   if (path.empty()) return lines;
   context.input(path);
-  for (const auto& known : read_fit(path, accepted, context).parameters) {
+  for (const auto& known : read_fit(path, accepted, context, &lines).parameters) {
     model::set_parameter(scene, known.name, known.value);
-  }
-  std::ifstream file(path, std::ios::binary);
-  const Json fit = Json::parse(file);
-  for (const auto& row : fit["parameters"]) {
-    if (!row.contains("low") || !row["low"].is_number() || !row["high"].is_number()) continue;
-    lines.push_back(fmt::format("{} = {:.6g}, 95 %: {:.6g} to {:.6g}",
-                                row["name"].get<std::string>(), row["value"].get<double>(),
-                                row["low"].get<double>(), row["high"].get<double>()));
   }
   return lines;
 }
@@ -55,7 +45,7 @@ std::filesystem::path write_deck(const std::string& folder, const std::string& n
   return path;
 }
 
-Json run(const ExportOptions& options, VerbContext& context) {
+Json run(ExportOptions& options, VerbContext& context) {
   if (options.calculix.empty() && options.moordyn.empty()) {
     throw UsageError("give --calculix DIR or --moordyn DIR");
   }
@@ -128,7 +118,7 @@ Verb export_verb() {
       "The CalculiX deck's tensions at rest are the scene's; both are printed, with the ratio of "
       "the axial stiffnesses about rest (1 + 1.5 T/EA) in the JSON.\nExample:\n  rigfit export "
       "testdata/jalali2021/scenes/cable.toml --calculix build/ccx",
-      [](const ExportOptions& c, VerbContext& context) { return run(c, context); });
+      run);
 }
 
 }  // namespace rigfit::apps

@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
+#include <cmath>
 #include <utility>
 
 #include "apps/cli/exit_code.h"
@@ -15,28 +14,16 @@
 namespace rigfit::apps {
 namespace {
 
-[[noreturn]] void refuse_file(const std::string& path, const std::string& what) {
-  throw model::SceneError({path, 0, 0, ""}, what,
-                          "give the JSON result of `rigfit update SCENE ... --json FIT.json`");
-}
+constexpr const char* kWrittenBy = "rigfit update SCENE ... --json FIT.json";
 
 /// What the fit ended with.
-void read_outcome(const Json& json, const std::string& path, bool accepted, VerbContext& context) {
-  const auto object = [](const Json& in, const char* key) {
-    return in.contains(key) && in[key].is_object() ? in[key] : Json::object();
-  };
-  const auto number = [](const Json& in, const char* key) {
-    return in.contains(key) && in[key].is_number() ? in[key].get<double>() : 0.0;
-  };
-  if (json.contains("warnings") && json["warnings"].is_array()) {
-    for (const auto& warning : json["warnings"]) {
-      if (!warning.is_object()) continue;
-      const std::string code = warning.value("code", "");
-      if (code != "model_ruled_out" && code != "not_converged" && code != "mode_unpaired") continue;
-      context.warn("fit_" + code, "in the fit: " + warning.value("message", ""), path);
-    }
+void tell_outcome(const Json& json, const std::string& path, bool accepted, VerbContext& context) {
+  for (const auto& warning : json.value("warnings", Json::array())) {
+    const std::string code = warning.value("code", "");
+    if (code != "model_ruled_out" && code != "not_converged" && code != "mode_unpaired") continue;
+    context.warn("fit_" + code, "in the fit: " + warning.value("message", ""), path);
   }
-  const double exit_code = number(object(json, "error"), "exit_code");
+  const double exit_code = number_in(json.value("error", Json::object()), "exit_code");
   if (exit_code >= 4 && !accepted) {
     context.refuse("fit_refused",
                    fmt::format("mend the fit, or take it with --accept-fit: it ended with exit "
@@ -44,79 +31,66 @@ void read_outcome(const Json& json, const std::string& path, bool accepted, Verb
                                exit_code),
                    path);
   }
-}
-
-/// What the fit's own inputs do to its parameters, from their budgets.
-void read_input_effects(const Json& rows, const std::vector<std::size_t>& kept,
-                        ident::FittedParameters& fitted) {
-  for (std::size_t k = 0; k < kept.size(); ++k) {
-    const auto& row = rows[kept[k]];
-    if (!row.contains("budget") || !row["budget"].is_array()) continue;
-    for (const auto& term : row["budget"]) {
-      if (!term.is_object() || !term.contains("source") || !term["source"].is_string() ||
-          !term.contains("change") || !term["change"].is_number()) {
-        continue;
-      }
-      ident::add_effect(term["source"].get<std::string>(), static_cast<Eigen::Index>(k),
-                        term["change"].get<double>(), fitted);
-    }
+  const Json answers = json.value("alternatives", Json::array());
+  if (!answers.empty() && number_in(answers.at(0), "weight") < 0.9) {
+    context.warn("not_decided",
+                 "the fit has several answers; the prediction is of the heaviest one", path);
   }
 }
 
 }  // namespace
 
-ident::FittedParameters read_fit(const std::string& path, bool accepted, VerbContext& context) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path)) refuse_file(path, "cannot be read");
-  const Json json = Json::parse(file, nullptr, false);
-  if (json.is_discarded() || !json.is_object()) refuse_file(path, "is no JSON document");
-  if (!json.contains("parameters") || !json["parameters"].is_array()) {
-    refuse_file(path, "has no \"parameters\"");
-  }
-  const auto& rows = json["parameters"];
-  const auto correlation = [&](std::size_t i, std::size_t j) {
-    if (i == j) return 1.0;
-    if (!json.contains("correlation") || !json["correlation"].is_array()) return 0.0;
-    const auto& matrix = json["correlation"];
-    if (i >= matrix.size() || !matrix[i].is_array() || j >= matrix[i].size()) return 0.0;
-    return matrix[i][j].is_number() ? matrix[i][j].get<double>() : 0.0;
-  };
-  ident::FittedParameters fitted;
-  std::vector<std::size_t> kept;
-  std::vector<double> std;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const auto& row = rows[i];
-    if (!row.is_object() || !row.contains("name") || !row["name"].is_string() ||
-        !row.contains("value") || !row["value"].is_number()) {
-      refuse_file(path, fmt::format("parameter {} has no name or no value", i + 1));
+ident::FittedParameters read_fit(const std::string& path, bool accepted, VerbContext& context,
+                                 std::vector<std::string>* lines) {
+  const Json json = read_document(path, "parameters", kWrittenBy);
+  try {
+    ident::FittedParameters fitted;
+    std::vector<std::size_t> kept;  // rows whose parameters are identified
+    std::vector<double> std;
+    const auto& rows = json["parameters"];
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto name = rows[i].at("name").get<std::string>();
+      const auto value = rows[i].at("value").get<double>();
+      if (const double known = number_in(rows[i], "std"); std::isfinite(known)) {
+        fitted.parameters.push_back({name, value});
+        std.push_back(known);
+        kept.push_back(i);
+      } else {
+        context.warn("parameter_without_std",
+                     name + " is not identified by the fit: the scene's own value stays", path);
+      }
+      const double low = number_in(rows[i], "low"), high = number_in(rows[i], "high");
+      if (lines != nullptr && std::isfinite(low) && std::isfinite(high)) {
+        lines->push_back(
+            fmt::format("{} = {:.6g}, 95 %: {:.6g} to {:.6g}", name, value, low, high));
+      }
     }
-    const auto name = row["name"].get<std::string>();
-    const bool known = row.contains("std") && row["std"].is_number();
-    if (!known) {
-      context.warn("parameter_without_std",
-                   name + " is not identified by the fit: the scene's own value stays", path);
-      continue;
+    const Json correlation = json.value("correlation", Json());
+    const auto n = static_cast<Eigen::Index>(kept.size());
+    fitted.covariance.resize(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto row = static_cast<std::size_t>(i);
+      for (Eigen::Index j = 0; j < n; ++j) {
+        const auto column = static_cast<std::size_t>(j);
+        const double with = i == j ? 1
+                            : correlation.is_null()
+                                ? 0
+                                : correlation.at(kept[row]).at(kept[column]).get<double>();
+        fitted.covariance(i, j) = with * std[row] * std[column];
+      }
+      // What the fit's own inputs do to its parameters, from their budgets.
+      for (const auto& term : rows[kept[row]].value("budget", Json::array())) {
+        const double change = number_in(term, "change");
+        if (std::isfinite(change)) ident::add_effect(term.value("source", ""), i, change, fitted);
+      }
     }
-    fitted.parameters.push_back({name, row["value"].get<double>()});
-    std.push_back(row["std"].get<double>());
-    kept.push_back(i);
+    tell_outcome(json, path, accepted, context);
+    return fitted;
+  } catch (const Json::exception& error) {
+    throw model::SceneError({path, 0, 0, "parameters"},
+                            std::string("is no whole result of a fit: ") + error.what(),
+                            std::string("give what ") + kWrittenBy + " wrote");
   }
-  read_input_effects(rows, kept, fitted);
-  read_outcome(json, path, accepted, context);
-  const auto n = static_cast<Eigen::Index>(kept.size());
-  fitted.covariance.resize(n, n);
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    for (std::size_t j = 0; j < kept.size(); ++j) {
-      fitted.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          correlation(kept[i], kept[j]) * std[i] * std[j];
-    }
-  }
-  if (json.contains("alternatives") && json["alternatives"].is_array() &&
-      !json["alternatives"].empty() && json["alternatives"][0].value("weight", 1.0) < 0.9) {
-    context.warn("not_decided",
-                 "the fit has several answers; the prediction is of the heaviest one", path);
-  }
-  return fitted;
 }
 
 void apply_maps(const std::vector<std::string>& maps, ident::FittedParameters& fitted) {

@@ -11,9 +11,11 @@ namespace rigfit::apps {
 
 /// Values and covariance of the parameters that the fit identifies; warns of the others and of a
 /// fit with several answers, carries its findings on, and refuses where it ended with 4 or 5 and is
-/// not `accepted`. Throws model::SceneError where the file is no such result.
+/// not `accepted`. `lines`, where given, gets a line of each with its 95 % interval. Throws
+/// model::SceneError where the file is no such result.
 [[nodiscard]] ident::FittedParameters read_fit(const std::string& path, bool accepted,
-                                               VerbContext& context);
+                                               VerbContext& context,
+                                               std::vector<std::string>* lines = nullptr);
 
 /// "NAME=TARGET[,-TARGET...]": what a parameter of the fit is called in the scene. Throws
 /// UsageError.

@@ -36,41 +36,19 @@ ident::HammerTestOptions hammer_options(const ImpactCommand& command) {
 }
 
 /// The recordings by the place struck, in the order of the files.
-void read_places(VerbContext& context, const ImpactCommand& command, ImpactRun& run) {
-  auto& places = run.places;
-  const bool lend = context.at_hand && context.at_hand->lent;
-  if (lend) run.give_back = context.at_hand->give_back;
+std::vector<ident::StruckPlace> read_places(VerbContext& context, const ImpactCommand& command) {
+  std::vector<ident::StruckPlace> places;
   for (std::size_t f = 0; f < command.files.size(); ++f) {
     const std::string name = command.struck.empty() ? "" : command.struck[f];
     auto place = std::find_if(places.begin(), places.end(),
                               [&](const auto& known) { return known.name == name; });
     if (place == places.end()) place = places.insert(places.end(), {name, {}});
-    place->recordings.emplace_back();  // grown before anything is lent
-    auto& recording = place->recordings.back();
-    if (!lend) {
-      recording = load_recording(command.files[f], context, command.sample_rate_hz);
-      continue;
-    }
-    auto owner = recording_at_hand(command.files[f], context);
-    if (owner) {
-      tell_notes(*owner, context);
-    } else {
-      owner = std::make_shared<const signal::Recording>(
-          load_recording(command.files[f], context, command.sample_rate_hz));
-    }
-    run.lenders.push_back(owner);
-    recording = context.at_hand->lent(*owner);
+    place->recordings.push_back(load_recording(command.files[f], context));
   }
+  return places;
 }
 
 }  // namespace
-
-ImpactRun::~ImpactRun() {
-  if (give_back == nullptr) return;
-  for (auto& place : places) {
-    for (auto& recording : place.recordings) give_back(recording);
-  }
-}
 
 describe::Options options_of(ImpactCommand& c) {
   using describe::option;
@@ -101,7 +79,6 @@ describe::Options options_of(ImpactCommand& c) {
       option("--band", c.band, "Band in which the force spectrum is asked for", "Hz")
           .count(2)
           .type("LO HI"),
-      option("--sample-rate", c.sample_rate_hz, "Hz, for files that do not say").positive(),
       option("--block", hits.block_s, "Seconds analysed a hit [what uses most of the recordings]")
           .positive(),
       option("--trigger", c.trigger_percent, "A hit exceeds this much of the largest force", "%")
@@ -113,8 +90,7 @@ describe::Options options_of(ImpactCommand& c) {
              "Keep hits whose pulse is not resolved; the FRFs then have no scale")};
 }
 
-std::shared_ptr<const ImpactRun> run_impact_test(VerbContext& context,
-                                                 const ImpactCommand& command) {
+ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
   if (!command.struck.empty() && command.struck.size() != command.files.size()) {
     throw UsageError(fmt::format("--struck names {} points for {} files: one a file",
                                  command.struck.size(), command.files.size()));
@@ -122,9 +98,7 @@ std::shared_ptr<const ImpactRun> run_impact_test(VerbContext& context,
   if (!command.struck.empty() && !command.hammer.driving_point.empty()) {
     throw UsageError("--driving-point is for one point; --struck names every file's point");
   }
-  const auto made = std::make_shared<ImpactRun>();
-  ImpactRun& run = *made;
-  read_places(context, command, run);
+  ImpactRun run{read_places(context, command), {}};
   ident::HammerTestOptions options = hammer_options(command);
   options.impact.threads = context.threads;
   try {
@@ -148,7 +122,7 @@ std::shared_ptr<const ImpactRun> run_impact_test(VerbContext& context,
     context.warn("hits_rejected",
                  fmt::format("{} of {} hits rejected; see hits[].reason", hits - accepted, hits));
   }
-  return made;
+  return run;
 }
 
 void draw_hammer_test(PlotSheet& sheet, const HammerFigures& figures) {

@@ -1,17 +1,22 @@
-// rigfit modal: poles, shapes and damping with error bars from FRFs, or from recordings of hits.
+// rigfit modal: poles, shapes and damping with error bars from FRFs, from recordings of hits, or
+// from ambient motion.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
-#include <memory>
 #include <optional>
 #include <utility>
 
+#include "apps/campaign_file/recording_description.h"
+#include "apps/cli/at_hand.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/impact_command.h"
-#include "apps/describe/digits.h"
+#include "apps/describe/sheet.h"
+#include "apps/report/figures/figures.h"
 #include "apps/results/modal_json.h"
+#include "signal/ambient/ambient_modes.h"
+#include "signal/modal/modal_identification.h"
 #include "signal/modes/modal_synthesis.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/readers/read_frfs.h"
@@ -24,12 +29,149 @@ namespace rigfit::apps {
 namespace {
 using Eigen::Index;
 
+/// The options of `modal`, which begins with a hammer test where it is given recordings of hits.
+struct ModalCommand {
+  std::vector<std::string> files;
+  ImpactCommand impact;
+  int order = signal::LscfOptions().max_order;
+  double max_damping = signal::LscfOptions().max_damping_ratio;
+  int averages = 0;  ///< behind the coherence of FRFs from a file; 0: as the file says
+  std::string out, synthesis;
+  bool all = false;                     ///< print uncertain modes as well
+  bool ambient = false;                 ///< motion under unknown forces: no FRFs, no hits
+  std::vector<std::string> references;  ///< stay in place in all set-ups of ambient motion
+  std::vector<std::string> of_hits;     ///< options given that mean nothing for FRFs from a file
+};
+
+/// The modes as a table: the sure ones, and how many others there are; `all`: those too.
+template <class Mode>
+void print_modes(std::ostream& out, std::vector<Mode> modes, bool all) {
+  const auto others = std::erase_if(modes, [&](const Mode& one) {
+    if constexpr (requires { one.mode; }) {
+      return !all && one.mode.doubtful;
+    } else {
+      return !all && one.doubtful;
+    }
+  });
+  describe::print(out, describe::table_of(modes));
+  if (others > 0) out << fmt::format("and {} uncertain: --all lists them\n", others);
+}
+
+// Modes from motion under unknown forces, one or several set-ups.
+
+void check_ambient_options(const ModalCommand& command) {
+  const auto& impact = command.impact;
+  if (!impact.hammer.force.empty())
+    throw UsageError("--ambient is for motion without a measured force");
+  for (const auto& name : command.of_hits) {
+    if (name != "--response") throw UsageError(name + " is for hits; --ambient has none");
+  }
+  if (!command.synthesis.empty()) throw UsageError("--synthesis needs FRFs; --ambient has none");
+}
+
+/// Set-ups that have a reference, or an error that names the channels that would serve.
+signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context) {
+  signal::AmbientOptions options;
+  options.channels = command.impact.hammer.responses;
+  if (!command.impact.band.empty()) {
+    options.low_hz = command.impact.band[0], options.high_hz = command.impact.band[1];
+  }
+  options.max_damping_ratio = command.max_damping;
+  // The usual order of FRFs is not that of half spectra.
+  if (command.order != ModalCommand().order) options.max_order = command.order;
+  options.threads = context.threads;
+  std::vector<signal::AmbientResult> setups;
+  for (const auto& file : command.files) {
+    // One recording is held at a time: a day of many channels fills the memory. A reference that
+    // it lacks is refused below, with the channels that would serve.
+    const signal::Recording recording = load_recording(file, context);
+    options.references.clear();
+    for (const auto& name : command.references) {
+      const bool there = std::any_of(recording.channels.begin(), recording.channels.end(),
+                                     [&](const auto& channel) { return channel.name == name; });
+      if (there || command.files.size() == 1) options.references.push_back(name);
+    }
+    setups.push_back(signal::ambient_modes(recording, options));
+    for (auto& note : setups.back().notes) {
+      if (command.files.size() > 1)
+        note.where = file + (note.where.empty() ? "" : ", ") + note.where;
+    }
+  }
+  return signal::merge_setups(setups, command.references);
+}
+
+/// Singular values of the spectral matrix with the modes, stabilisation diagram.
+void draw(PlotSheet& sheet, const signal::AmbientResult& found) {
+  signal::ModalResult poles;
+  poles.stabilisation = found.stabilisation;
+  Plot plot{"ambient-spectrum",
+            "Singular values of the spectral matrix",
+            "Motion of all channels together, each over its standard deviation. A mode is a peak "
+            "of the first singular value; where the second rises with it, two modes are close. "
+            "Lines: modes, broken where they are uncertain.",
+            "frequency, Hz",
+            "singular value",
+            false,
+            true};
+  plot.link = plot.id;
+  for (const auto& one : found.modes) {
+    const double f = one.mode.frequency_hz.value;
+    plot.marks.push_back({f, fmt::format("{:.4g}", f), Origin::modelled, one.mode.doubtful});
+    if (!one.mode.doubtful) poles.model.modes.push_back(one.mode);
+  }
+  for (Eigen::Index k = 0; k < std::min<Eigen::Index>(3, found.singular_values.cols()); ++k) {
+    PlotSeries series{fmt::format("singular value {}", k + 1), Origin::measured,
+                      static_cast<int>(k)};
+    for (Eigen::Index i = 0; i < found.spectrum_hz.size(); ++i) {
+      series.add(found.spectrum_hz[i], found.singular_values(i, k));
+    }
+    plot.series.push_back(std::move(series));
+  }
+  sheet.add(std::move(plot));
+  if (poles.stabilisation.poles.empty()) return;
+  Plot diagram = stabilisation_plot("ambient-stabilisation", poles, Origin::measured);
+  diagram.link = "ambient-spectrum";
+  sheet.add(std::move(diagram));
+}
+
+Json ambient_result(const ModalCommand& command, VerbContext& context) {
+  check_ambient_options(command);
+  const signal::AmbientResult found = analysed(command, context);
+  for (const auto& note : found.notes) {
+    if (note.code == "no_modes") {
+      context.refuse(note.code, note.message, note.where);
+    } else {
+      context.warn(note.code, note.message, note.where);
+    }
+  }
+  Json result = describe::json_of(found);
+  result["input_points"] = Json::array();
+  result["ambient"] = true;
+  result["amplitudes"] = false;  // shapes have no scale
+  print_modes(context.out, found.modes, command.all);
+  if (!found.tones.empty()) describe::print(context.out, describe::table_of(found.tones));
+  context.out << fmt::format("{:.4g} to {:.4g} Hz, {:.0f} s, correlations to {:.3g} s\n",
+                             found.low_hz, found.high_hz, found.duration_s, found.lag_s);
+  if (context.plots) draw(*context.plots, found);
+  if (!command.out.empty()) {
+    signal::ModalModel sure;  // UFF has no place for doubts
+    for (const auto& one : found.modes) {
+      if (!one.mode.doubtful) sure.modes.push_back(one.mode);
+    }
+    sure.responses = found.responses();
+    context.write(command.out, signal::uff_text(sure));
+    result["out"] = command.out;
+    context.out << "modes (UFF 55): " << command.out << '\n';
+  }
+  return result;
+}
+
 /// FRFs to identify, and where they are from.
 struct MeasuredFrfs {
   signal::FrfSet frfs;
-  double usable_hz = 0;                  ///< 0: to the last line
-  bool amplitudes = true;                ///< false: only frequencies and damping mean something
-  std::shared_ptr<const ImpactRun> run;  ///< null: FRFs from a file
+  double usable_hz = 0;          ///< 0: to the last line
+  bool amplitudes = true;        ///< false: only frequencies and damping mean something
+  std::optional<ImpactRun> run;  ///< none: FRFs from a file
 };
 
 void refuse_options_of_hits(const ModalCommand& options) {
@@ -60,40 +202,6 @@ void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
   frfs.exponential_decay_rate_1_s = rate;
 }
 
-Json number_json(double value) { return value; }
-Json number_json(std::complex<double> value) { return complex_json(value); }
-
-template <typename Matrix>
-Json matrix_json(const Matrix& matrix) {
-  Json rows = Json::array();
-  for (Index i = 0; i < matrix.rows(); ++i) {
-    Json row = Json::array();
-    for (Index j = 0; j < matrix.cols(); ++j) row.push_back(number_json(matrix(i, j)));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
-Json points_json(const std::vector<signal::MeasuredPoint>& points) {
-  Json list = Json::array();
-  for (const auto& point : points) {
-    list.push_back({{"name", point.name}, {"node", point.node}, {"direction", point.direction}});
-  }
-  return list;
-}
-
-Json stabilisation_json(const signal::LscfResult& diagram) {
-  Json poles = Json::array();
-  for (const auto& pole : diagram.poles) {
-    poles.push_back({{"order", pole.order},
-                     {"frequency_hz", pole.frequency_hz},
-                     {"damping_ratio", pole.damping_ratio},
-                     {"stable_frequency", pole.stable_frequency},
-                     {"stable_damping", pole.stable_damping}});
-  }
-  return {{"highest_order", diagram.orders_solved}, {"poles", std::move(poles)}};
-}
-
 /// What the fit has besides modes and residuals, over the FRFs, rms over the lines of the fit;
 /// null: nothing.
 Json background_json(const signal::ModalResult& found, const signal::FrfSet& frfs) {
@@ -105,47 +213,6 @@ Json background_json(const signal::ModalResult& found, const signal::FrfSet& frf
     power += frfs.H.row(k).squaredNorm();
   }
   return {{"part_of_frfs", power > 0 ? found.background.norm() / std::sqrt(power) : 0.0}};
-}
-
-/// Sure modes, and how many others there are; `all`: those too.
-void print(std::ostream& out, const signal::ModalResult& result, bool all) {
-  std::size_t others = 0;
-  out << fmt::format("{:>4} {:>12} {:>10} {:>11} {:>10} {:>6} {:>8}\n", "mode", "f, Hz", "+-",
-                     "damping, %", "+-", "MPC", "misfit");
-  for (std::size_t r = 0; r < result.model.modes.size(); ++r) {
-    const auto& mode = result.model.modes[r];
-    if (mode.doubtful && !all) {
-      ++others;
-      continue;
-    }
-    const std::string damping =
-        mode.damping_dominated_by_window
-            ? "refused"
-            : value_digits(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std);
-    const std::string std =
-        mode.damping_dominated_by_window ? "" : std_digits(100 * mode.damping_ratio.std);
-    out << fmt::format("{:>4} {:>12} {:>10} {:>11} {:>10} {:>6.3f} {:>7.2f}%  {}\n", r + 1,
-                       value_digits(mode.frequency_hz.value, mode.frequency_hz.std),
-                       std_digits(mode.frequency_hz.std), damping, std,
-                       mode.modal_phase_collinearity, 100 * mode.reconstruction_error,
-                       mode.doubtful ? "uncertain: " + mode.doubt : "");
-  }
-  if (others > 0) out << fmt::format("and {} uncertain: --all lists them\n", others);
-  for (const auto& mode : result.model.modes) {
-    if (mode.doubtful && !all) continue;
-    if (mode.refinement == "global" || mode.points.size() < 2) continue;
-    out << fmt::format(
-        "{} Hz is the mean of {} points; scatter between them {} Hz{}\n",
-        value_digits(mode.frequency_hz.value, mode.frequency_hz.std), mode.points.size(),
-        std_digits(mode.between_points_std_hz),
-        mode.has_trend ? fmt::format(", {:+.2g} Hz from point to point", mode.trend_hz.value) : "");
-  }
-  out << fmt::format("{:.4g} to {:.4g} Hz, {} lines, model orders to {}", result.low_hz,
-                     result.high_hz, result.lines_used, result.stabilisation.orders_solved);
-  if (result.misfit_over_error_bars) {
-    out << fmt::format("; misfit {:.2f} of the FRFs' error bars", *result.misfit_over_error_bars);
-  }
-  out << '\n';
 }
 
 ident::IdentifiedModes identify(const MeasuredFrfs& measured, const ModalCommand& options) {
@@ -179,8 +246,8 @@ MeasuredFrfs frfs_of(ModalCommand& options, VerbContext& context) {
   if (!options.impact.hammer.force.empty()) {
     if (options.averages > 0) throw UsageError("--averages is for FRFs from a file");
     options.impact.files = options.files;
-    const auto run = run_impact_test(context, options.impact);
-    return {run->test.frfs, run->test.usable_hz, run->test.amplitudes, run};
+    auto run = run_impact_test(context, options.impact);
+    return {run.test.frfs, run.test.usable_hz, run.test.amplitudes, std::move(run)};
   }
   refuse_options_of_hits(options);
   if (context.at_hand && context.at_hand->frfs) {
@@ -199,7 +266,7 @@ MeasuredFrfs frfs_of(ModalCommand& options, VerbContext& context) {
                    options, context);
 }
 
-Json run(ModalCommand options, VerbContext& context) {
+Json run(ModalCommand& options, VerbContext& context) {
   if (options.ambient) return ambient_result(options, context);
   const MeasuredFrfs measured = frfs_of(options, context);
   if (context.at_hand) context.at_hand->frfs = std::make_shared<signal::FrfSet>(measured.frfs);
@@ -215,31 +282,24 @@ Json run(ModalCommand options, VerbContext& context) {
   const signal::ModalModel& model = found.model;
   context.tell(identified.findings);
   if (!identified.converged()) context.exit_code = ExitCode::not_converged;
-  for (const auto& mode : model.modes) result["modes"].push_back(mode_json(mode));
-  print(context.out, found, options.all);
+  result.update(describe::json_of(found));
+  print_modes(context.out, model.modes, options.all);
+  context.out << fmt::format("{:.4g} to {:.4g} Hz, {} lines, model orders to {}", found.low_hz,
+                             found.high_hz, found.lines_used, found.stabilisation.orders_solved);
+  if (found.misfit_over_error_bars) {
+    context.out << fmt::format("; misfit {:.2f} of the FRFs' error bars",
+                               *found.misfit_over_error_bars);
+  }
+  context.out << '\n';
   if (context.plots) {
     const auto& run = measured.run;
     draw_hammer_test(*context.plots, {run ? &run->places : nullptr, run ? &run->test : nullptr,
                                       measured.frfs, found.low_hz, found.high_hz, &found});
   }
 
-  result["responses"] = points_json(model.responses);
-  result["input_points"] = points_json(model.inputs);
   result["amplitudes"] = measured.amplitudes;
-  result["frf_form"] = name_of(model.fitted_form);
-  result["band_hz"] = {found.low_hz, found.high_hz};
-  result["lines"] = found.lines_used;
-  result["exponential_decay_rate_1_s"] = model.exponential_decay_rate_1_s;
-  result["misfit_over_error_bars"] =
-      found.misfit_over_error_bars ? Json(*found.misfit_over_error_bars) : Json(nullptr);
   result["fit"] = {{"end", name_of(found.end)}, {"iterations", found.iterations}};
-  result["frf_error"] = matrix_json(model.frf_error);
-  result["auto_mac"] = matrix_json(found.auto_mac);
-  result["pole_covariance"] = matrix_json(model.pole_covariance);
-  result["lower_residual"] = matrix_json(model.lower_residual);
-  result["upper_residual"] = matrix_json(model.upper_residual);
   result["background"] = background_json(found, measured.frfs);
-  result["stabilisation"] = stabilisation_json(found.stabilisation);
 
   if (!options.out.empty()) {
     context.write(options.out, signal::uff_text(model));
@@ -254,8 +314,6 @@ Json run(ModalCommand options, VerbContext& context) {
   }
   return result;
 }
-
-}  // namespace
 
 describe::Options options_of(ModalCommand& c) {
   using describe::option;
@@ -300,8 +358,10 @@ describe::Options options_of(ModalCommand& c) {
   return options;
 }
 
+}  // namespace
+
 Verb modal_verb() {
-  Verb verb = verb_of<ModalCommand>(
+  return verb_of<ModalCommand>(
       "modal", "Natural frequencies, damping and shapes with error bars from FRFs or hits",
       "Examples:\n"
       "  rigfit modal frf.uff --band 5 1400 --out modes.uff --json -\n"
@@ -311,10 +371,7 @@ Verb modal_verb() {
       "  rigfit modal setup1.csv setup2.csv --ambient --reference top --band 0.3 8\n"
       "Exit code 4: no mode stands out, or a window's damping dominates that of a mode (the\n"
       "frequency is given all the same).",
-      [](const ModalCommand& c, VerbContext& context) { return run(c, context); });
-  verb.draws = true;
-  verb.reads = true;
-  return verb;
+      run, true, true);
 }
 
 }  // namespace rigfit::apps

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "apps/campaign_file/update_inputs.h"
-#include "apps/cli/json_document.h"
 #include "apps/cli/named_numbers.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/digits.h"
+#include "apps/describe/sheet.h"
 #include "apps/results/update_parameters.h"
 #include "model/scene/read_scene.h"
 
@@ -40,38 +40,37 @@ std::string relative_text(double std, double value) {
 
 void print_plan(const ident::PlanResult& plan, VerbContext& context) {
   auto& out = context.out;
-  std::size_t width = 24;
-  for (const auto& proposal : plan.proposals) width = std::max(width, proposal.what.size());
-  out << fmt::format("{:>4}  {:<{}} {:>8}", "step", "predicted std after it", width, "cost, s");
-  for (const auto& parameter : plan.parameters) out << fmt::format("  {:>14}", parameter.name);
-  const auto row = [&](std::size_t step, const std::string& what, double cost, auto std_of) {
-    out << fmt::format("\n{:>4}  {:<{}} {:>8.0f}", step, what, width, cost);
+  describe::Table table{"", {"step", "predicted std after it", "cost, s"}, {true, false, true}, {}};
+  for (const auto& parameter : plan.parameters) {
+    table.heads.push_back(parameter.name);
+    table.numeric.push_back(true);
+  }
+  const auto add = [&](const std::string& what, double cost, auto std_of) {
+    auto& row = table.rows.emplace_back(
+        std::vector{std::to_string(table.rows.size()), what, fmt::format("{:.0f}", cost)});
     for (std::size_t p = 0; p < plan.parameters.size(); ++p) {
-      const auto& parameter = plan.parameters[p];
-      out << fmt::format("  {:>{}}", relative_text(std_of(p), parameter.value),
-                         std::max<std::size_t>(14, parameter.name.size()));
+      row.push_back(relative_text(std_of(p), plan.parameters[p].value));
     }
   };
-  row(0, "known before", 0, [&](auto p) { return plan.parameters[p].std_before; });
-  for (std::size_t k = 0; k < plan.proposals.size(); ++k) {
-    const auto& proposal = plan.proposals[k];
-    row(k + 1, proposal.what, proposal.cost_s, [&](auto p) { return proposal.std[p]; });
+  add("known before", 0, [&](auto p) { return plan.parameters[p].std_before; });
+  for (const auto& proposal : plan.proposals) {
+    add(proposal.what, proposal.cost_s, [&](auto p) { return proposal.std[p]; });
   }
+  describe::print(out, table);
   for (const auto& goal : plan.goals) {
     const auto& one = plan.parameters[goal.parameter];
-    out << fmt::format("\n{}: std {} ({}), goal {}: {}; with everything measured {}", one.name,
+    out << fmt::format("{}: std {} ({}), goal {}: {}; with everything measured {}\n", one.name,
                        std_digits(one.std), relative_text(one.std, one.value),
                        std_digits(goal.wanted_std), goal.reached ? "reached" : "out of reach",
                        std_digits(one.best_std));
   }
-  for (const auto& text : plan.exact_inputs) out << "\n  " << text;
-  out << '\n';
+  for (const auto& text : plan.exact_inputs) out << "  " << text << '\n';
 }
 
 Json std_json(const std::string& name, double std, double value) {
   return {{"name", name},
-          {"std", json_number(std)},
-          {"relative_std", json_number(value != 0 ? std / std::abs(value) : std::nan(""))}};
+          {"std", std},
+          {"relative_std", value != 0 ? std / std::abs(value) : std::nan("")}};
 }
 
 Json plan_json(const ident::PlanResult& plan, const std::vector<ident::UpdateState>& states) {
@@ -82,15 +81,15 @@ Json plan_json(const ident::PlanResult& plan, const std::vector<ident::UpdateSta
             {"not_identifiable", Json::array()}};
   for (const auto& goal : plan.goals) {
     json["goals"].push_back({{"name", goal.goal.parameter},
-                             {"std", json_number(goal.wanted_std)},
+                             {"std", goal.wanted_std},
                              {"reached", goal.reached},
                              {"takes", goal.takes}});
   }
   for (const auto& one : plan.parameters) {
     Json row = std_json(one.name, one.std, one.value);
-    row["value"] = json_number(one.value);
-    row["std_before"] = json_number(one.std_before);
-    row["best_std"] = json_number(one.best_std);
+    row["value"] = one.value;
+    row["std_before"] = one.std_before;
+    row["best_std"] = one.best_std;
     json["parameters"].push_back(std::move(row));
   }
   for (const auto& proposal : plan.proposals) {
@@ -106,9 +105,10 @@ Json plan_json(const ident::PlanResult& plan, const std::vector<ident::UpdateSta
         {{"state", states[mode.state].name},
          {"plane", model::name_of(mode.plane)},
          {"order", mode.order + 1},
-         {"frequency_hz", json_estimate(mode.frequency_hz, mode.frequency_std * mode.frequency_hz)},
-         {"damping_ratio",
-          json_estimate(mode.damping_ratio, mode.damping_std * mode.damping_ratio)}});
+         {"frequency_hz", describe::json_of(signal::Estimate{
+                              mode.frequency_hz, mode.frequency_std * mode.frequency_hz})},
+         {"damping_ratio", describe::json_of(signal::Estimate{
+                               mode.damping_ratio, mode.damping_std * mode.damping_ratio})}});
   }
   for (const auto& open : plan.not_identifiable) {
     Json row{{"parameters", Json::array()}, {"message", open.message}};
@@ -136,7 +136,7 @@ void tell_plan(const ident::PlanResult& plan, VerbContext& context) {
   for (const auto& text : plan.left_out) context.warn("state_left_out", text);
 }
 
-Json run_plan(const PlanCommand& command, VerbContext& context) {
+Json run(PlanCommand& command, VerbContext& context) {
   context.input(command.scene);
   const model::Scene scene = model::read_scene(command.scene);
   std::vector<ident::PlanGoal> goals;
@@ -222,7 +222,7 @@ Verb plan_verb() {
       "when a goal is out of reach.\nExample:\n"
       "  rigfit plan testdata/jalali2021/scenes/cable.toml --goal cable.EI=5% \\\n"
       "    --free cable.tension --input right.x=0.002",
-      [](const PlanCommand& c, VerbContext& context) { return run_plan(c, context); });
+      run);
 }
 
 }  // namespace rigfit::apps

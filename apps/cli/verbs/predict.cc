@@ -1,22 +1,24 @@
 // rigfit predict: parameters of a fit, with their covariance, in another scene.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
-#include <memory>
+#include <complex>
+#include <numbers>
 #include <optional>
-#include <ostream>
+#include <tuple>
 
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/cli/at_hand.h"
-#include "apps/cli/json_document.h"
 #include "apps/cli/named_numbers.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/fit_file.h"
-#include "apps/describe/digits.h"
+#include "apps/describe/sheet.h"
 #include "ident/predict/damage_estimate.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/scene/sensor_quantity.h"
+#include "signal/numerics/numbers.h"
 #include "signal/writers/write_csv.h"
 
 namespace rigfit::apps {
@@ -55,47 +57,47 @@ std::vector<ident::SceneInput> scene_inputs(const std::vector<std::string>& text
 }
 
 /// Adds the inputs of `--input` and says what became of each.
-Json add_inputs(const model::Scene& scene, const PredictCommand& command, VerbContext& context,
-                ident::FittedParameters& fitted) {
-  Json list = Json::array();
-  for (const auto& one : ident::add_scene_inputs(scene, scene_inputs(command.inputs), fitted)) {
+std::vector<ident::AddedInput> add_inputs(const model::Scene& scene, const PredictCommand& command,
+                                          VerbContext& context, ident::FittedParameters& fitted) {
+  auto added = ident::add_scene_inputs(scene, scene_inputs(command.inputs), fitted);
+  std::erase_if(added, [&](const ident::AddedInput& one) {
     if (one.fitted) {
       context.warn("input_is_fitted",
                    one.name + " is a parameter of the fit, whose value and uncertainty are used",
                    command.scene);
-      continue;
     }
-    list.push_back({{"name", one.name},
-                    {"value", one.value},
-                    {"std", one.std},
-                    {"shared_with_fit", one.of_fit}});
-  }
-  return list;
+    return one.fitted;
+  });
+  return added;
 }
 
-Json interval_json(const signal::Estimate& estimate, double low, double high) {
-  Json json = json_estimate(estimate.value, estimate.std);
-  json["low"] = json_number(low);
-  json["high"] = json_number(high);
-  return json;
-}
+/// A measured frequency beside the prediction.
+struct ComparedMode {
+  signal::Estimate measured, predicted{signal::kNaN, signal::kNaN};
+  std::optional<int> mode;  ///< from 1; none: the model has none near it
+  std::optional<double> relative_error, standard_units;
+  std::optional<bool> inside;
 
-Json modes_json(const ident::ModePrediction& prediction) {
-  Json list = Json::array();
-  for (const auto& one : prediction.modes) {
-    Json energy = Json::object();
-    for (std::size_t m = 0; m < one.mode.kinetic_energy.size(); ++m) {
-      energy[prediction.scene.members[m].name] = one.mode.kinetic_energy[m];
-    }
-    list.push_back(
-        {{"frequency_hz", interval_json(one.frequency_hz, one.low_hz, one.high_hz)},
-         {"damping_ratio", json_estimate(one.damping_ratio.value, one.damping_ratio.std)},
-         {"plane", model::name_of(one.mode.plane)},
-         {"family", model::name_of(one.mode.family)},
-         {"kinetic_energy", std::move(energy)}});
+  [[nodiscard]] std::optional<signal::Estimate> error() const {
+    if (!relative_error) return {};
+    const double std = std::hypot(std::isfinite(measured.std) ? measured.std : 0, predicted.std);
+    return signal::Estimate{*relative_error, std / measured.value};
   }
-  return list;
-}
+  static constexpr auto fields() {
+    using T = ComparedMode;
+    return std::tuple{
+        field("", &T::measured, "Hz", "measured", ""),
+        field("", &T::predicted, "Hz", "predicted", ""),
+        field("measured_hz", describe::within(&T::measured, &signal::Estimate::value)),
+        field("measured_std_hz", describe::within(&T::measured, &signal::Estimate::std)),
+        field("mode", &T::mode),
+        field("predicted_hz", describe::within(&T::predicted, &signal::Estimate::value)),
+        field("", &T::error, "%", "error", ""),
+        field("relative_error", &T::relative_error),
+        field("standard_units", &T::standard_units, "", "over std", "", 3),
+        field("inside", &T::inside, "", "in 95 %", "")};
+  }
+};
 
 Json compared_json(const PredictCommand& command, const ident::ModePrediction& prediction,
                    VerbContext& context) {
@@ -115,34 +117,20 @@ Json compared_json(const PredictCommand& command, const ident::ModePrediction& p
   }
   measured.reserve(rows.size());
   for (auto& row : rows) measured.push_back(std::move(row.mode));
-  Json list = Json::array();
-  context.out << fmt::format("\n{:>13} {:>13} {:>10} {:>10}  in 95 %\n", "measured, Hz",
-                             "predicted, Hz", "error", "over std");
+  std::vector<ComparedMode> compared;
   for (const auto& one : ident::held_against(prediction, measured)) {
-    const auto& f = measured[one.measured].frequency_hz;
-    Json json{{"measured_hz", f.value}, {"measured_std_hz", json_number(f.std)}};
-    if (one.mode < 0) {
-      json["mode"] = nullptr;
-      context.out << fmt::format("{:>13} {:>13}\n", value_digits(f.value, f.std), "none");
-    } else {
-      const auto& mode = prediction.modes[static_cast<std::size_t>(one.mode)];
-      json["mode"] = one.mode + 1;
-      json["predicted_hz"] = mode.frequency_hz.value;
-      json["relative_error"] = one.relative_error;
-      json["standard_units"] = json_number(one.standard_units);
-      json["inside"] = one.inside;
-      const auto& model = mode.frequency_hz;
-      const double std = std::hypot(std::isfinite(f.std) ? f.std : 0, model.std);
-      context.out << fmt::format("{:>13} {:>13} {:>8} % {:>10.2f}  {}\n",
-                                 value_digits(f.value, f.std), value_digits(model.value, model.std),
-                                 std > 0
-                                     ? value_digits(100 * one.relative_error, 100 * std / f.value)
-                                     : fmt::format("{:.2f}", 100 * one.relative_error),
-                                 one.standard_units, one.inside ? "yes" : "no");
-    }
-    list.push_back(std::move(json));
+    auto& row = compared.emplace_back();
+    row.measured = measured[one.measured].frequency_hz;
+    if (one.mode < 0) continue;
+    row.mode = one.mode + 1;
+    row.predicted = prediction.modes[static_cast<std::size_t>(one.mode)].frequency_hz;
+    row.relative_error = one.relative_error;
+    row.standard_units = one.standard_units;
+    row.inside = one.inside;
   }
-  return list;
+  context.out << '\n';
+  describe::print(context.out, describe::table_of(compared));
+  return describe::json_of(compared);
 }
 
 /// FRFs from every load to every sensor: magnitude, phase, 95 % interval of the magnitude.
@@ -158,43 +146,31 @@ void write_frfs(const PredictCommand& command, const model::Scene& scene,
       command.band.empty() ? 1.2 * prediction.modes.back().frequency_hz.value : command.band[1];
   const auto frfs =
       ident::predict_frfs(scene, fitted, Eigen::VectorXd::LinSpaced(command.lines, low, high));
-  std::string text = "frequency (Hz)";
-  for (const auto& sensor : scene.sensors) {
-    for (const auto& load : scene.loads) {
-      const auto name = fmt::format("{} / {}", sensor.name, load.name);
-      text += fmt::format(",|H| {0},low {0},high {0},phase {0} (deg)", name);
+  signal::Recording table;
+  table.time_s = frfs.frequency_hz;
+  for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
+    for (std::size_t l = 0; l < scene.loads.size(); ++l) {
+      const auto name = fmt::format("{} / {}", scene.sensors[s].name, scene.loads[l].name);
+      const auto add = [&](const std::string& title, auto value) {
+        signal::Channel column;
+        column.name = title;
+        column.samples.resize(frfs.frequency_hz.size());
+        for (std::size_t line = 0; line < frfs.H.size(); ++line) {
+          const auto row = static_cast<Eigen::Index>(s), of = static_cast<Eigen::Index>(l);
+          column.samples[static_cast<Eigen::Index>(line)] =
+              value(frfs.H[line](row, of), frfs.std[line](row, of));
+        }
+        table.channels.push_back(std::move(column));
+      };
+      using H = std::complex<double>;
+      add("|H| " + name, [](H h, double) { return std::abs(h); });
+      add("low " + name, [](H h, double std) { return std::abs(h) * std::exp(-1.96 * std); });
+      add("high " + name, [](H h, double std) { return std::abs(h) * std::exp(1.96 * std); });
+      add("phase " + name + " (deg)",
+          [](H h, double) { return std::arg(h) * 180 / std::numbers::pi; });
     }
   }
-  text += '\n';
-  for (std::size_t line = 0; line < frfs.H.size(); ++line) {
-    text += fmt::format("{:.10g}", frfs.frequency_hz[static_cast<Eigen::Index>(line)]);
-    for (Eigen::Index s = 0; s < frfs.H[line].rows(); ++s) {
-      for (Eigen::Index l = 0; l < frfs.H[line].cols(); ++l) {
-        const double size = std::abs(frfs.H[line](s, l)), std = frfs.std[line](s, l);
-        text += fmt::format(",{:.8g},{:.8g},{:.8g},{:.6g}", size, size * std::exp(-1.96 * std),
-                            size * std::exp(1.96 * std),
-                            std::arg(frfs.H[line](s, l)) * 180 / 3.14159265358979323846);
-      }
-    }
-    text += '\n';
-  }
-  context.write(command.frf, text);
-}
-
-void print(std::ostream& out, const ident::ModePrediction& prediction) {
-  out << "parameters of the fit in this scene:";
-  for (const auto& name : prediction.used) out << ' ' << name;
-  out << fmt::format("\n\n{:>4} {:>14} {:>10} {:>24}  {:<6} {}\n", "mode", "frequency, Hz", "std",
-                     "95 % interval", "plane", "family");
-  for (std::size_t i = 0; i < prediction.modes.size(); ++i) {
-    const auto& one = prediction.modes[i];
-    out << fmt::format("{:>4} {:>14} {:>10} {:>24}  {:<6} {}\n", i + 1,
-                       value_digits(one.frequency_hz.value, one.frequency_hz.std),
-                       std_digits(one.frequency_hz.std),
-                       value_digits(one.low_hz, one.frequency_hz.std) + " to " +
-                           value_digits(one.high_hz, one.frequency_hz.std),
-                       model::name_of(one.mode.plane), model::name_of(one.mode.family));
-  }
+  context.write(command.frf, signal::csv_text(table, {}, 8, "frequency (Hz)"));
 }
 
 /// Time, then the value and its 95 % interval of every sensor.
@@ -271,25 +247,22 @@ Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
     if (comma != std::string::npos) question.sound_ratio = std::stod(text.substr(comma + 1));
     const auto one = ident::damage_estimate(fitted, question);
     context.out << fmt::format("\n{}: {}\n", question.zone, one.statement);
-    return {{"zone", question.zone},
-            {"damage", interval_json(one.damage, one.low, one.high)},
-            {"smallest_found", json_number(one.smallest_found)},
-            {"called", one.called},
-            {"not_told_apart_from", one.like},
-            {"statement", one.statement}};
+    Json json{{"zone", question.zone}};
+    json.update(describe::json_of(one));
+    return json;
   } catch (const std::invalid_argument& error) {
     throw Refused(std::string("--damage: ") + error.what(), "damage");
   }
 }
 
-Json run(const PredictCommand& command, VerbContext& context) {
+Json run(PredictCommand& command, VerbContext& context) {
   const model::Scene scene = scene_of(command.scene, context);
   context.input(command.from);
   auto fitted = read_fit(command.from, command.accept_fit, context);
   apply_maps(command.maps, fitted);
   if (fitted.parameters.empty()) throw Refused("the fit identifies no parameter", "no_parameter");
   const ident::FittedParameters of_fit = fitted;
-  const Json inputs = add_inputs(scene, command, context, fitted);
+  const auto inputs = add_inputs(scene, command, context, fitted);
   ident::PredictionOptions options;
   options.count = command.count;
   if (command.segments > 0) options.segments = command.segments;
@@ -302,7 +275,7 @@ Json run(const PredictCommand& command, VerbContext& context) {
     throw Refused(std::string(error.what()) + "; --map NAME=TARGET says what one is called here",
                   "parameter_not_in_scene");
   }
-  for (const auto& one : inputs) std::erase(prediction.used, one["name"].get<std::string>());
+  for (const auto& one : inputs) std::erase(prediction.used, one.name);
   if (prediction.used.empty()) {
     throw Refused(
         "no parameter of the fit is one of this scene's; --map NAME=TARGET says what one "
@@ -312,8 +285,12 @@ Json run(const PredictCommand& command, VerbContext& context) {
   Json json{{"title", scene.title},
             {"parameters_used", prediction.used},
             {"parameters_not_used", prediction.not_used}};
-  if (!inputs.empty()) json["uncertain_inputs"] = inputs;
-  json["modes"] = modes_json(prediction);
+  if (!inputs.empty()) json["uncertain_inputs"] = describe::json_of(inputs);
+  json["modes"] = describe::json_of(prediction.modes);
+  for (std::size_t i = 0; i < prediction.modes.size(); ++i) {
+    json["modes"][i]["kinetic_energy"] =
+        describe::json_of(energy_by_member(prediction.modes[i].mode, prediction.scene));
+  }
   if (prediction.modes.empty()) {
     context.fail(prediction.equilibrium.reason, command.scene);
     return json;
@@ -323,8 +300,10 @@ Json run(const PredictCommand& command, VerbContext& context) {
                  name + " of the fit is none of this scene's parameters: left out", command.scene);
   }
   json["interval"] = prediction.sampled ? "sampled" : "linear";
-  json["nonlinearity"] = json_number(prediction.nonlinearity);
-  print(context.out, prediction);
+  json["nonlinearity"] = prediction.nonlinearity;
+  context.out << fmt::format("parameters of the fit in this scene: {}\n\n",
+                             fmt::join(prediction.used, " "));
+  describe::print(context.out, describe::table_of(prediction.modes));
   if (!command.measured.empty()) json["measured"] = compared_json(command, prediction, context);
   for (const auto& text : command.damage)
     json["damage"].push_back(damage_json(text, of_fit, context));
@@ -380,8 +359,7 @@ Verb predict_verb() {
   return verb_of<PredictCommand>(
       "predict",
       "Modes, FRFs and responses of another scene with the parameters of a fit, with intervals",
-      kPredictExample,
-      [](const PredictCommand& c, VerbContext& context) { return run(c, context); });
+      kPredictExample, run);
 }
 
 }  // namespace rigfit::apps

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <memory>
 
 #include "apps/campaign_file/campaign.h"
 #include "apps/cli/verbs/all.h"
@@ -44,7 +43,7 @@ describe::Options options_of(ReportCommand& c) {
               .type("PT")};
 }
 
-Json run(const ReportCommand& c, VerbContext& context) {
+Json run(ReportCommand& c, VerbContext& context) {
   if (c.campaigns.size() > 2) throw UsageError("campaign: one, or two to be compared");
   ReportOptions report;
   if (c.style == "client") report.style = ReportStyle::client;
@@ -78,7 +77,7 @@ Verb report_verb() {
       "report", "Everything a campaign names, from recordings to model against test",
       "Example:\n  rigfit report testdata/jalali2021/campaign.toml --out report\n"
       "  rigfit report spring.toml autumn.toml --out change --pdf",
-      [](const ReportCommand& c, VerbContext& context) { return run(c, context); });
+      run);
 }
 
 }  // namespace rigfit::apps

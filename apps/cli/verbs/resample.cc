@@ -15,11 +15,10 @@ namespace {
 struct ResampleCommand {
   std::string file, out;
   double rate_hz = 0;  ///< 0: of uneven times that of their usual step
-  double sample_rate_hz = 0;
 };
 
-Json run(const ResampleCommand& command, VerbContext& context) {
-  const signal::Recording recording = load_recording(command.file, context, command.sample_rate_hz);
+Json run(ResampleCommand& command, VerbContext& context) {
+  const signal::Recording recording = load_recording(command.file, context);
   const std::size_t known = recording.notes.size();
   signal::ResampleResult result = signal::resampled(recording, command.rate_hz);
   for (std::size_t k = known; k < result.recording.notes.size(); ++k) {
@@ -38,7 +37,7 @@ Json run(const ResampleCommand& command, VerbContext& context) {
             {"samples", result.recording.samples()},
             {"channels", std::move(channels)}};
   if (context.at_hand) {
-    context.at_hand->resampled = std::make_shared<const signal::Recording>(result.recording);
+    context.at_hand->resampled = std::make_shared<signal::Recording>(result.recording);
   }
   if (command.out.empty()) return json;
   // Nine digits: rounding stays below the filter's error.
@@ -55,22 +54,17 @@ describe::Options options_of(ResampleCommand& c) {
           option("--rate", c.rate_hz, "New rate, Hz [of uneven times that of their usual step]")
               .positive()
               .type("HZ"),
-          option("--sample-rate", c.sample_rate_hz, "Where the file gives none", "Hz")
-              .positive()
-              .type("HZ"),
           option("--out", c.out, "Recording to write").writes().required().type("F.csv")};
 }
 
 }  // namespace
 
 Verb resample_verb() {
-  Verb verb = verb_of<ResampleCommand>(
+  return verb_of<ResampleCommand>(
       "resample", "A recording at another rate (with a filter), or uneven times made even",
       "Example:\n  rigfit resample uneven.csv --out even.csv\n"
       "  rigfit resample fast.wav --rate 4000 --out slow.csv",
-      [](const ResampleCommand& c, VerbContext& context) { return run(c, context); });
-  verb.reads = true;
-  return verb;
+      run, false, true);
 }
 
 }  // namespace rigfit::apps

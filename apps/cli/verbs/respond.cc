@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <memory>
 
 #include "apps/cli/at_hand.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/digits.h"
+#include "apps/describe/sheet.h"
 #include "apps/report/figures/figures.h"
 #include "model/response/response.h"
 #include "model/scene/scene_error.h"
@@ -26,8 +26,6 @@ struct RespondCommand {
   std::string solver = "auto";
   std::string plane = "auto", axial = "auto";
   int segments = 0;
-  double step_s = 0;
-  double tolerance = 0;
 };
 
 const std::vector<std::pair<std::string, ResponseSolver>> kSolvers{
@@ -59,19 +57,18 @@ model::ForceHistory read_force(const model::Scene& scene, std::size_t index) {
   if (force->missing_samples > 0 || !force->samples.allFinite()) {
     throw error("has missing samples", "fill or cut them");
   }
-  model::ForceHistory history;
+  const auto& times = recording.time_s;
   const Eigen::Index count = force->samples.size();
-  if (recording.time_s.size() == 0 && !(recording.sample_rate_hz > 0)) {
+  if (times.size() == 0 && !(recording.sample_rate_hz > 0)) {
     throw error("has neither a time column nor a rate", "add a time column");
   }
+  if (count == 0) throw error("has no samples", "record a force");
+  model::ForceHistory history;
   for (Eigen::Index i = 0; i < count; ++i) {
-    history.time_s.push_back(recording.time_s.size() > 0
-                                 ? recording.time_s(i)
-                                 : recording.start_time_s +
-                                       static_cast<double>(i) / recording.sample_rate_hz);
+    const double even = static_cast<double>(i) / recording.sample_rate_hz;
+    history.time_s.push_back(times.size() > 0 ? times(i) : recording.start_time_s + even);
     history.force_N.push_back(force->samples(i));
   }
-  if (count == 0) throw error("has no samples", "record a force");
   return history;
 }
 
@@ -89,14 +86,11 @@ signal::Recording recording_of(const model::Scene& scene, const model::ResponseR
   return recording;
 }
 
-Json run(const RespondCommand& options, VerbContext& context) {
+Json run(RespondCommand& options, VerbContext& context) {
   const model::Scene scene = scene_of(options.scene, context);
   const double rows = options.duration_s * options.rate_hz;
   if (!(rows >= 1)) throw UsageError("--duration times --rate must give at least one sample");
   if (rows > 5e7) throw UsageError("more than 50 million samples: lower --rate or --duration");
-  if (options.step_s > 0 && options.duration_s / options.step_s > 1e10) {
-    throw UsageError("more than 1e10 steps: raise --step or lower --duration");
-  }
   if (scene.sensors.empty()) {
     throw model::SceneError({scene.file, 0, 0, "sensor"}, "the scene has no sensor",
                             "add a [[sensor]] with the member and position to look at");
@@ -112,8 +106,6 @@ Json run(const RespondCommand& options, VerbContext& context) {
   wanted.resolution_estimate = true;
   wanted.sampling.energy_samples = 20;  // for the drift
   if (options.segments > 0) wanted.segments = options.segments;
-  if (options.step_s > 0) wanted.step_s = options.step_s;
-  if (options.tolerance > 0) wanted.relative_tolerance = options.tolerance;
   wanted.records.resize(scene.loads.size());
   for (std::size_t l = 0; l < scene.loads.size(); ++l) {
     if (scene.loads[l].kind != model::Load::Kind::record) continue;
@@ -147,11 +139,6 @@ Json run(const RespondCommand& options, VerbContext& context) {
         options.scene);
   }
 
-  Json left_out = Json::array();
-  for (const model::LeftOut& what : response.left_out) {
-    left_out.push_back(
-        {{"what", what.what}, {"relative_error", what.relative_error}, {"of", what.of}});
-  }
   Json segments = Json::array();
   for (std::size_t m = 0; m < response.segments.size(); ++m) {
     segments.push_back({{"member", response.members[m]}, {"segments", response.segments[m]}});
@@ -185,7 +172,7 @@ Json run(const RespondCommand& options, VerbContext& context) {
                 {"segments", std::move(segments)},
                 {"resolution_error", response.resolution_error},
                 {"kept", response.kept},
-                {"left_out", std::move(left_out)}}}};
+                {"left_out", describe::json_of(response.left_out)}}}};
   context.out << fmt::format("{}: {} s at {} Hz by {}, {} unknowns in {}, {} steps, {:.3g} s\n",
                              scene.title, options.duration_s, options.rate_hz,
                              name_of(response.solver), response.unknowns, response.motion,
@@ -204,9 +191,8 @@ Json run(const RespondCommand& options, VerbContext& context) {
       hz(response.frequency_moving_hz), response.frequency_shift, scene.accuracy);
   context.out << fmt::format("energy drift {:.2g}\n", response.energy_drift);
   if (!response.told.empty()) context.out << "stiff solver: " << response.told << '\n';
-  for (const model::LeftOut& what : response.left_out) {
-    context.out << fmt::format("left out: {}: about {:.2g} in {}\n", what.what, what.relative_error,
-                               what.of);
+  if (!response.left_out.empty()) {
+    describe::print(context.out, describe::table_of(response.left_out));
   }
   if (context.plots) context.plots->add(response_plots("response", scene, response));
   if (context.at_hand) context.at_hand->samples = response.samples;
@@ -239,25 +225,18 @@ describe::Options options_of(RespondCommand& c) {
       option("--axial", c.axial, "Axial waves at their own speed; off: slowed (explicit solver)")
           .one_of({"auto", "on", "off"}),
       option("--segments", c.segments, "Segments of every member, instead of the scene's")
-          .within(2, 10000),
-      option("--step", c.step_s, "Largest step of the explicit solver", "s").positive(),
-      option("--tolerance", c.tolerance,
-             "Relative tolerance of the stiff solver, instead of a thousandth of the scene's "
-             "accuracy")
-          .within(1e-13, 1e-1)};
+          .within(2, 10000)};
 }
 
 }  // namespace
 
 Verb respond_verb() {
-  Verb verb = verb_of<RespondCommand>(
+  return verb_of<RespondCommand>(
       "respond", "Time response of a scene at its sensors: linear or geometrically exact by need",
       "Example:\n"
       "  rigfit respond testdata/scenes/cable-release.toml --duration 10 --rate 2000 "
       "--out response.csv",
-      [](const RespondCommand& c, VerbContext& context) { return run(c, context); });
-  verb.draws = true;
-  return verb;
+      run, true);
 }
 
 }  // namespace rigfit::apps

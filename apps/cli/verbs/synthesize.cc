@@ -1,9 +1,7 @@
 // rigfit synthesize: a virtual laboratory. What it writes is synthetic and says so in every file.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <random>
 
@@ -13,6 +11,7 @@
 #include "apps/cli/output_file.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 #include "ident/virtual_rig/virtual_axial.h"
 #include "ident/virtual_rig/virtual_bending.h"
 #include "ident/virtual_rig/virtual_rig.h"
@@ -116,13 +115,6 @@ Json truth_of_rig(const model::Scene& scene, const ident::VirtualRigOptions& opt
   if (analysis.equilibrium.status != model::EquilibriumStatus::converged) {
     throw NotConverged("no equilibrium to test: " + analysis.equilibrium.reason);
   }
-  Json list = Json::array();
-  for (const auto& mode : analysis.modes) {
-    list.push_back({{"frequency_hz", mode.frequency_hz},
-                    {"damping_ratio", mode.damping_ratio},
-                    {"plane", model::name_of(mode.plane)},
-                    {"family", model::name_of(mode.family)}});
-  }
   Json parameters;
   for (const auto& name : model::parameter_names(scene)) {
     parameters[name] = model::parameter(scene, name);
@@ -130,7 +122,7 @@ Json truth_of_rig(const model::Scene& scene, const ident::VirtualRigOptions& opt
   return {{"parameters", std::move(parameters)},
           {"segments_times", options.finer},
           {"accelerometer_mass_kg", options.accelerometer_mass_kg},
-          {"modes", std::move(list)}};
+          {"modes", describe::json_of(analysis.modes)}};
 }
 
 // Tests of one state; appends to `records`.
@@ -250,7 +242,7 @@ std::vector<State> states_of(const SynthesizeOptions& options, const model::Scen
   return states;
 }
 
-Json run(const SynthesizeOptions& options, VerbContext& context) {
+Json run(SynthesizeOptions& options, VerbContext& context) {
   const model::Scene scene = scene_of(options.scene, context);
   const bool rig = !scene.loads.empty() && !scene.sensors.empty();
   if (!rig && options.bending_span <= 0 && options.axial_lengths.empty()) {
@@ -360,7 +352,7 @@ Verb synthesize_verb() {
       "synthesize", "Virtual laboratory: recordings a rig like this would give, with their truth",
       "Example:\n  rigfit synthesize testdata/jalali2021/scenes/cable.toml --out build/virtual "
       "--seed 7\n      --bending-span 1 --axial-length 0.7 1.0 1.3",
-      [](const SynthesizeOptions& c, VerbContext& context) { return run(c, context); });
+      run);
 }
 
 }  // namespace rigfit::apps

@@ -2,19 +2,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <memory>
-#include <optional>
 
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/cable_table.h"
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_description.h"
-#include "apps/cli/json_document.h"
 #include "apps/cli/named_numbers.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/digits.h"
 #include "apps/describe/sheet.h"
 #include "apps/report/figures/figures.h"
 #include "apps/results/test_json.h"
@@ -26,7 +21,6 @@ namespace {
 
 struct TensionCommand {
   std::vector<std::string> files;
-  double sample_rate_hz = 0;
   TensionTest test;
   std::vector<std::string> masses;  ///< "PLACE=KG[,STD]"
   std::string table, out;           ///< many cables, a row each (campaign_file/cable_table.h)
@@ -70,8 +64,8 @@ Json table_of_cables(const TensionCommand& command, VerbContext& context) {
     options.false_mode = command.test.inputs.test.options.false_mode;
   }
   const auto results = ident::analyse_cable_tests(tests, context.threads);
-  context.out << fmt::format("{:<20} {:>14} {:>10} {:>28}  {}\n", "cable", "tension, N", "std",
-                             "95 % interval", "ends");
+  describe::Table table{
+      "", {"cable", "tension, N", "95 % interval", "ends"}, {false, true, true, false}, {}};
   std::string out = "name,tension_N,std_N,low_N,high_N,start_N,end_N,EI_Nm2,ends,decided\n";
   Json cables = Json::array();
   std::size_t next = 0;
@@ -94,17 +88,16 @@ Json table_of_cables(const TensionCommand& command, VerbContext& context) {
     json.update(describe::json_of(one.tension));
     const auto& T = one.tension.tension_N;
     const char* ends = ident::name_of(one.tension.candidates.front().ends);
-    context.out << fmt::format(
-        "{:<20} {:>14} {:>10} {:>28}  {}\n", one.name, value_digits(T.value, T.std),
-        std_digits(T.std),
-        value_digits(one.tension.low, T.std) + " to " + value_digits(one.tension.high, T.std),
-        ends);
+    table.rows.push_back({one.name, describe::estimate_text(T.value, T.std, "N"),
+                          describe::ends_text({one.tension.low, one.tension.high, T.std}, "N"),
+                          ends});
     out += fmt::format("\"{}\",{:.8g},{:.4g},{:.8g},{:.8g},{:.8g},{:.8g},{:.6g},{},{}\n", one.name,
                        T.value, T.std, one.tension.low, one.tension.high, one.tension.start_N,
                        one.tension.end_N, one.tension.EI_Nm2.value, ends,
                        one.tension.decided ? "yes" : "no");
     cables.push_back(std::move(json));
   }
+  describe::print(context.out, table);
   if (!command.out.empty()) context.write(command.out, out);
   return Json{{"cables", std::move(cables)}};
 }
@@ -132,7 +125,7 @@ Json one_cable(TensionCommand command, VerbContext& context) {
     throw UsageError("give recordings, --measured or --frequencies");
   }
   for (const auto& file : command.files) {
-    auto recording = load_recording(file, context, command.sample_rate_hz);
+    auto recording = load_recording(file, context);
     const std::string name = recording.path.string();
     inputs.recordings.push_back({name, std::move(recording)});
   }
@@ -156,7 +149,7 @@ Json one_cable(TensionCommand command, VerbContext& context) {
   return tension_json(campaign);
 }
 
-Json run(const TensionCommand& command, VerbContext& context) {
+Json run(TensionCommand& command, VerbContext& context) {
   if (command.table.empty()) return one_cable(command, context);
   const auto& test = command.test;
   if (!command.files.empty() || !test.measured.empty() || !test.frequencies_hz.empty() ||
@@ -185,20 +178,15 @@ describe::Options options_of(TensionCommand& c) {
                            "Masses or clamps on the cable: place from 0 to 1 of its length, kg "
                            "(the largest relative std counts for all)")
                         .type("PLACE=KG[,STD]"));
-  options.push_back(
-      option("--sample-rate", c.sample_rate_hz, "Where a file gives none", "Hz").positive());
   return options;
 }
 
 }  // namespace
 
 Verb tension_verb() {
-  Verb verb = verb_of<TensionCommand>(
-      "tension", "Tension of a cable, hanger or stay from its frequencies", kExample,
-      [](const TensionCommand& c, VerbContext& context) { return run(c, context); });
-  verb.draws = true;
-  verb.reads = true;
-  return verb;
+  return verb_of<TensionCommand>("tension",
+                                 "Tension of a cable, hanger or stay from its frequencies",
+                                 kExample, run, true, true);
 }
 
 }  // namespace rigfit::apps

@@ -1,22 +1,17 @@
 // rigfit update: a scene's uncertain parameters fitted to measured modes.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <memory>
-#include <optional>
 #include <tuple>
 
 #include "apps/campaign_file/update_data.h"
 #include "apps/campaign_file/update_inputs.h"
 #include "apps/cli/at_hand.h"
-#include "apps/cli/json_document.h"
 #include "apps/cli/plots/plot_option.h"
-#include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/update_candidates.h"
+#include "apps/describe/sheet.h"
 #include "apps/report/figures/figures.h"
 #include "apps/results/update_parameters.h"
 #include "apps/results/update_result.h"
@@ -51,18 +46,15 @@ Json comparison_json(const UpdateCommand& options, const UpdateStates& states,
     }
     double rms() const { return count > 0 ? std::sqrt(squares / count) : std::nan(""); }
   };
-  const auto print = [&](const std::string& name, const std::string& measured, const auto& cells) {
-    context.out << fmt::format("{:<24} {:>12}", name, measured);
-    for (const auto& cell : cells) context.out << fmt::format(" {:>14}", cell);
-    context.out << '\n';
+  describe::Table table{"", {"relative errors", "measured, Hz"}, {false, true}, {}};
+  for (const auto& name : names) {
+    table.heads.push_back(name);
+    table.numeric.push_back(true);
+  }
+  const auto add_rms = [&](const std::string& name, const std::vector<Sum>& sums) {
+    auto& row = table.rows.emplace_back(std::vector<std::string>{name, "rms"});
+    for (const auto& sum : sums) row.push_back(percent(sum.rms()));
   };
-  const auto rms_of = [](const std::vector<Sum>& sums) {
-    std::vector<std::string> cells;
-    for (const auto& sum : sums) cells.push_back(percent(sum.rms()));
-    return cells;
-  };
-  context.out << '\n';
-  print("relative errors", "measured, Hz", names);
   std::vector<Sum> all(names.size());
   Json rows = Json::array();
   for (std::size_t s = 0; s < states.states.size(); ++s) {
@@ -76,34 +68,37 @@ Json comparison_json(const UpdateCommand& options, const UpdateStates& states,
       if (!held.empty()) errors.push_back(error_of(held[s].pairs, at, index));
       for (const double other : compared[m]) errors.push_back(other / measured - 1);
       Json row{{"state", state.name}, {"measured_hz", measured}};
-      std::vector<std::string> cells;
+      std::vector<std::string> cells{state.name, fmt::format("{:.4f}", measured)};
       for (std::size_t i = 0; i < names.size(); ++i) {
         cells.push_back(std::isfinite(errors[i]) ? fmt::format("{:+.2f} %", 100 * errors[i]) : "-");
-        row[names[i]] = json_number(errors[i]);
+        row[names[i]] = errors[i];
         sums[i].add(errors[i]), all[i].add(errors[i]);
       }
-      print(state.name, fmt::format("{:.4f}", measured), cells);
+      table.rows.push_back(std::move(cells));
       rows.push_back(std::move(row));
     }
-    if (states.states.size() > 1) print(state.name, "rms", rms_of(sums));
+    if (states.states.size() > 1) add_rms(state.name, sums);
   }
-  print("all", "rms", rms_of(all));
+  add_rms("all", all);
+  context.out << '\n';
+  describe::print(context.out, table);
   Json rms;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    rms[names[i]] = {{"rms_relative_error", json_number(all[i].rms())}, {"modes", all[i].count}};
+    rms[names[i]] = {{"rms_relative_error", all[i].rms()}, {"modes", all[i].count}};
   }
   return {{"rms", std::move(rms)}, {"rows", std::move(rows)}};
 }
 
 void print_held_out(const UpdateStates& states, const std::vector<ident::HeldOut>& held,
                     VerbContext& context) {
-  context.out << fmt::format("{:<24} {:>10} {:>12} {:>12}\n", "held out", "before", "others fitted",
-                             "predicted");
+  describe::Table table{
+      "", {"held out", "before", "others fitted", "predicted"}, {false, true, true, true}, {}};
   for (const auto& one : held) {
-    const auto& name = states.states[static_cast<std::size_t>(one.state)].name;
-    context.out << fmt::format("{:<24} {:>10} {:>12} {:>12}\n", name, percent(one.rms_before),
-                               percent(one.rms_fitted), percent(one.rms_predicted));
+    table.rows.push_back({states.states[static_cast<std::size_t>(one.state)].name,
+                          percent(one.rms_before), percent(one.rms_fitted),
+                          percent(one.rms_predicted)});
   }
+  describe::print(context.out, table);
 }
 
 /// The fitted scene of each state, with the segments that its file asks for.
@@ -246,7 +241,7 @@ Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext
   if (options.hold_out) {
     print_held_out(states, outcome.held, context);
     json["hold_out"] = held_out_json(outcome.held, states.states);
-    json["rms_relative_error_held_out"] = json_number(outcome.rms_held_out);
+    json["rms_relative_error_held_out"] = outcome.rms_held_out;
   }
   if (!options.data.compare.empty()) {
     json["comparison"] = comparison_json(options, states, result, outcome.held, context);
@@ -254,7 +249,7 @@ Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext
   return json;
 }
 
-Json run_update(VerbContext& context, UpdateCommand options) {
+Json run(UpdateCommand& options, VerbContext& context) {
   if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty()) {
     throw UsageError("nothing to fit to: give --measured, --frf or --decay");
   }
@@ -360,19 +355,17 @@ describe::Options options_of(UpdateCommand& c) {
           .within(1, 1000),
       option("--hold-out", c.hold_out,
              "Also leave out each state in turn and predict it from the others"),
-      option("--out", c.out, "Updated scene")};
+      option("--out", c.out, "Updated scene").writes()};
 }
 
 Verb update_verb() {
-  Verb verb = verb_of<UpdateCommand>(
+  return verb_of<UpdateCommand>(
       "update", "A scene's uncertain parameters fitted to measured modes",
       "Example:\n"
       "  rigfit update testdata/jalali2021/scenes/beam.toml \\\n"
       "    --measured testdata/jalali2021/table2_beam_frequencies.csv --column bond_graph_Hz \\\n"
       "    --plane in --free beam.EI_z tip.mass --out beam.updated.toml --json fit.json",
-      [](const UpdateCommand& c, VerbContext& context) { return run_update(context, c); });
-  verb.draws = true;
-  return verb;
+      run, true);
 }
 
 }  // namespace rigfit::apps

@@ -184,12 +184,12 @@ Json candidates_json(const ident::CandidateComparison& comparison, VerbContext& 
     const auto& fit = one.result.fit;
     Json entry{{"name", one.name},
                {"weight", one.weight},
-               {"log_evidence", json_number(fitted ? one.result.log_evidence : std::nan(""))},
+               {"log_evidence", fitted ? one.result.log_evidence : std::nan("")},
                {"status", ident::name_of(one.result.status)},
                {"message", one.result.message},
                {"chi2", fitted ? Json(fit.chi2) : Json(nullptr)},
                {"degrees_of_freedom", fitted ? Json(fit.degrees_of_freedom) : Json(nullptr)},
-               {"p_value", json_number(fit.p_value)},
+               {"p_value", fit.p_value},
                {"parameters", Json::array()}};
     out << fmt::format("{:<24} {:>8.3f} {:>12}  {}\n", one.name, one.weight,
                        fitted ? fmt::format("{:.2f}", one.result.log_evidence) : "-",

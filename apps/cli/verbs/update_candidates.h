@@ -1,20 +1,11 @@
 // `update --candidates FILE` and `--ends WORD...`: several models of the same measured modes, each
 // fitted, weighed by its evidence, their parameters averaged (ident/update/model_candidates.h).
 //
-// FILE is TOML, one table a candidate:
-//   [[candidate]]
-//   name = "springs"
-//   supports = { left = "springs", right = "springs" }
-//   set = { "sensor.mass" = 0.01 }
-//   free = ["sensor.mass"]
-//   prior = ["sensor.mass=0.01,0.002"]
-//   scene = "other.toml"
-// All but the name may be left out. `supports` by node: "free", "pinned", "clamped", "springs" (no
-// displacement, no twist about the member's axis, the same rotational stiffness about both axes
-// across it and at all nodes of the candidate with this word; free, it is the parameter "springs")
-// or "own springs" (a stiffness of its own, the parameter NODE.springs). `set` gives parameters of
-// the scene another value. `free` and `prior` stand beside --free and --prior. `scene`, relative to
-// the file, takes the place of SCENE.
+// FILE is TOML, one table [[candidate]] each (apps/README.md, "Choose between models"). Nodes that
+// `supports` puts on "springs" keep their place and their twist about the member's axis, and share
+// one rotational stiffness about both axes across it, the parameter "springs"; on "own springs"
+// each has one of its own, NODE.springs. `free` and `prior` stand beside --free and --prior;
+// `scene`, relative to the file, takes the place of SCENE.
 #pragma once
 
 #include <string>

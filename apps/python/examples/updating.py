@@ -8,13 +8,21 @@ import rigfit
 
 warnings.simplefilter("ignore", rigfit.DataWarning)
 
-scene = rigfit.Scene({
-    "title": "cable", "accuracy": 1e-4,
-    "node": [{"name": "left", "position": [0.0, 0.0, 0.0], "support": "pinned"},
-             {"name": "right", "position": [2.4, 0.0, 0.0], "support": "pinned"}],
-    "member": [{"name": "cable", "kind": "cable", "nodes": ["left", "right"], "segments": 30,
-                "mass_per_length": 0.16667, "EA": 221780.0, "EI": 0.5, "GJ": 0.1, "tension": 190.0}],
-})
+scene = rigfit.Scene("""
+title = "cable"
+node = [{name = "left", position = [0.0, 0.0, 0.0], support = "pinned"},
+        {name = "right", position = [2.4, 0.0, 0.0], support = "pinned"}]
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["left", "right"]
+segments = 30
+mass_per_length = 0.16667
+EA = 221780.0
+EI = 0.5
+GJ = 0.1
+tension = 190.0
+""")
 truth = scene.with_parameters({"cable.EI": 0.6, "cable.tension": 200.0})
 modes = [m for m in rigfit.modes(truth, band=(1, 80)).modes if m.plane == "in"]
 noise = np.random.default_rng(3).standard_normal(len(modes))

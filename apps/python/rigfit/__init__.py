@@ -23,7 +23,7 @@ from .recordings import Channel, Recording
 from .results import (AxialResult, BendingResult, DecayResult, Estimate, FrfResult, InspectResult, ModalResult,
                       ModesResult, PredictResult, Record, Records, ReportResult, ResampleResult, RespondResult, Result, SceneFrfs,
                       SynthesizeResult, TensionResult, TensionTableResult, UpdateResult)
-from .spectra import frfs_of_arrays, read_frfs
+from .spectra import frfs_of_arrays
 
 __version__ = _core.version
 
@@ -32,7 +32,7 @@ __all__ = [
     "FrfResult", "FrfSet", "InputError", "InspectResult", "InternalError", "ModalResult", "ModesResult", "NotConverged",
     "PredictResult", "Record", "Recording", "Records", "Refused", "ReportResult", "ResampleResult", "RespondResult", "Result", "Scene", "SceneFrfs",
     "SynthesizeResult", "TensionResult", "TensionTableResult", "UpdateResult", "UsageError", "axial", "bending", "decay", "frf", "frf_of",
-    "frfs_of_arrays", "inspect", "modal", "modes", "predict", "read", "read_frfs", "report", "resample", "respond", "synthesize", "tension",
+    "frfs_of_arrays", "inspect", "modal", "modes", "predict", "read", "report", "resample", "respond", "synthesize", "tension",
     "tension_table", "update",
 ]
 

@@ -1,63 +1,11 @@
 """Scenes and their FRFs: `Scene`, `frf_of`."""
 
 from collections.abc import Mapping
-import html
-import math
 import pathlib
-
-import numpy as np
 
 from . import _core, checks
 from .described import call, finish, is_path
 from .results import SceneFrfs
-
-
-def _toml(argument, value):
-    if isinstance(value, (bool, np.bool_)):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        escapes = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t", "\r": "\\r"}
-        for c in value:
-            if ord(c) < 32 and c not in escapes or ord(c) == 127:
-                checks.fail(argument, "holds a control character")
-        return '"' + "".join(escapes.get(c, c) for c in value) + '"'
-    if isinstance(value, (int, np.integer)):
-        if not -2**63 <= value < 2**63:
-            checks.fail(argument, "is too large for a whole number")
-        return str(int(value))
-    if isinstance(value, (float, np.floating)):
-        if math.isnan(value):
-            checks.fail(argument, "is not a number")
-        return repr(float(value))
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_toml(f"{argument}[{i}]", one) for i, one in enumerate(value)) + "]"
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_toml(argument, _key(argument, key))} = {_toml(f'{argument}.{key}', one)}"
-                               for key, one in value.items()) + "}"
-    checks.fail(argument, f"cannot be written in a scene: {checks.kind(value)}")
-
-
-def _key(argument, key):
-    if not isinstance(key, str):
-        checks.fail(argument, f"has a key that is no string: {checks.kind(key)}")
-    return key
-
-
-def _document(scene):
-    """A dict of the keys of a scene file as TOML."""
-    lines, tables = [], []
-    for key, value in scene.items():
-        _key("scene", key)
-        if isinstance(value, (list, tuple)) and value and all(isinstance(one, Mapping) for one in value):
-            for i, one in enumerate(value):
-                tables.append(f"[[{_toml(key, key)}]]")
-                tables += [f"{_toml(key, _key(key, name))} = {_toml(f'{key}[{i}].{name}', entry)}"
-                           for name, entry in one.items()]
-        else:
-            lines.append(f"{_toml(key, key)} = {_toml(key, value)}")
-    return "\n".join(lines + tables) + "\n"
 
 
 class Scene:
@@ -65,9 +13,8 @@ class Scene:
 
     Parameters
     ----------
-    scene : str, path or dict
-        TOML text (with a line end), a scene file, or a dict of the same keys
-        (``{"node": [{"name": "left", ...}, ...], "member": [...]}``).
+    scene : str or path
+        TOML text (with a line end), or a scene file.
 
     Raises
     ------
@@ -76,14 +23,12 @@ class Scene:
     """
 
     def __init__(self, scene):
-        if isinstance(scene, Mapping):
-            self._core = call(_core.parse_scene, _document(scene), "scene")
-        elif isinstance(scene, str) and "\n" in scene:
+        if isinstance(scene, str) and "\n" in scene:
             self._core = call(_core.parse_scene, checks.text("scene", scene), "scene")
         elif is_path(scene):
             self._core = call(_core.read_scene, checks.path("scene", scene))
         else:
-            checks.fail("scene", f"must be TOML text, a path or a dict, not {checks.kind(scene)}")
+            checks.fail("scene", f"must be TOML text or a path, not {checks.kind(scene)}")
 
     @classmethod
     def _of(cls, core):
@@ -112,20 +57,12 @@ class Scene:
         """A scene file that reads back to the same scene."""
         return self._core.text()
 
-    def to_dict(self):
-        """The keys of the scene file."""
-        import tomllib
-        return tomllib.loads(self.to_toml())
-
     def write(self, file):
         """Writes the scene file."""
         pathlib.Path(checks.new_file("file", file)).write_text(self.to_toml())
 
     def __repr__(self):
         return f"Scene({self.title!r}, members {self.members}, loads {self.loads}, sensors {self.sensors})"
-
-    def _repr_html_(self):
-        return f"<p><b>{html.escape(self.title)}</b></p><pre>{html.escape(self.to_toml())}</pre>"
 
 
 def scene_or_path(scene):
@@ -142,7 +79,7 @@ def frf_of(scene, frequency_hz, *, segments=None, exponential_window=None):
 
     Parameters
     ----------
-    scene : Scene, path, TOML text or dict
+    scene : Scene, path or TOML text
     frequency_hz : array, shape (lines,)
         Not negative, Hz.
     segments : int, optional
@@ -163,5 +100,5 @@ def frf_of(scene, frequency_hz, *, segments=None, exponential_window=None):
         options["segments"] = checks.integer("segments", segments, 2, 100000)
     if exponential_window is not None:
         options["exponential_window"] = checks.number("exponential_window", exponential_window, 0, 1e6)
-    *answer, H = call(_core.frf_of, scene_or_path(scene), lines, options)
+    *answer, H = call(_core.frf_of, (scene if isinstance(scene, Scene) else Scene(scene))._core, lines, options)
     return finish(SceneFrfs, *answer, frequency_hz=lines, H=H)

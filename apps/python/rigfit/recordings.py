@@ -1,7 +1,6 @@
 """Recordings: channels sampled together, read from files or made of arrays."""
 
 from collections.abc import Mapping, Sequence
-import html
 import os
 import warnings as _warnings
 
@@ -9,7 +8,7 @@ import numpy as np
 
 from . import _core, checks
 from .errors import DataWarning, Error
-from .results import Record, Records, frame
+from .results import Record, Records, pandas
 
 
 class Channel:
@@ -52,8 +51,7 @@ class Recording(Sequence):
     ----------
     channels : list of dict, or dict of name to array
         In SEP005 style: ``name`` and ``data`` (one dimension), and where known ``fs`` (Hz), ``unit_str``,
-        ``direction``. NaN is a missing sample. Float64 arrays in SI units are used as they are, without a copy, and
-        must not be changed while the recording is in use; others are converted.
+        ``direction``. NaN is a missing sample. The arrays are copied.
     fs : float, optional
         Sample rate in Hz, where the channels do not say it.
     units : dict of name to str, optional
@@ -95,10 +93,9 @@ class Recording(Sequence):
             if not isinstance(unit, str):
                 checks.fail(f"channels[{i}].unit_str", f"must be a string, not {checks.kind(unit)}")
             data = checks.array(f"channels[{i}].data", channel["data"], 1, missing=True)
-            missing, infinite = _core.count_not_finite(data)
-            if infinite:
-                checks.fail(f"channels[{i}].data", f"holds {infinite} infinite values (missing samples are NaN)")
-            one = {"name": title, "unit": unit.replace("\0", ""), "data": data, "missing": missing}
+            if np.isinf(data).any():
+                checks.fail(f"channels[{i}].data", f"holds {np.isinf(data).sum()} infinite values (missing samples are NaN)")
+            one = {"name": title, "unit": unit.replace("\0", ""), "data": data, "missing": int(np.isnan(data).sum())}
             if channel.get("direction") is not None:
                 direction = checks.numbers(f"channels[{i}].direction", channel["direction"])
                 if len(direction) != 3:
@@ -170,22 +167,11 @@ class Recording(Sequence):
     def to_frame(self):
         """A pandas.DataFrame, a column a channel over time in s (or over the sample number)."""
         index = self.time_s if self.fs > 0 or not self._core.uniform else None
-        return frame({c.name: c.data for c in self._channels}, index)
-
-    def plot(self, axes=None):
-        """The channels over time; returns the matplotlib axes."""
-        from .plots import plot_recording
-        return plot_recording(self, axes)
+        return pandas().DataFrame({c.name: c.data for c in self._channels}, index)
 
     def __repr__(self):
         samples = len(self._channels[0]) if self._channels else 0
         return f"Recording({self.name!r}, {len(self)} channels, {samples} samples, fs {self.fs:g} Hz)"
-
-    def _repr_html_(self):
-        rows = "".join(f"<tr><td>{html.escape(c.name)}</td><td>{html.escape(c.unit)}</td><td>{c.quantity}</td>"
-                       f"<td>{c.missing_samples}</td></tr>" for c in self._channels)
-        return (f"<p>{html.escape(repr(self))}</p><table><tr><th>channel</th><th>unit</th><th>quantity</th>"
-                f"<th>missing</th></tr>{rows}</table>")
 
 
 def warn(found):

@@ -2,20 +2,19 @@
 
 from collections.abc import Mapping
 import copy
-import html
 
 import numpy as np
 
 from .errors import Error
 
 
-def frame(columns, index=None):
-    """A pandas.DataFrame, where pandas is installed."""
+def pandas():
+    """The package, where it is installed."""
     try:
-        import pandas
+        import pandas as package
     except ImportError as error:
         raise Error("to_frame() needs pandas (Debian: python3-pandas)", code="not_installed") from error
-    return pandas.DataFrame(columns, index=index)
+    return package
 
 
 class Estimate:
@@ -105,38 +104,11 @@ class Records(list):
         """As in the JSON document."""
         return [one.to_dict() if isinstance(one, (Record, Estimate)) else one for one in self]
 
-    def table(self):
-        """Columns of the entries that are numbers, words or estimates: name to list."""
-        columns = {}
-        for row, record in enumerate(self):
-            for key, value in (record._fields.items() if isinstance(record, Record) else ()):
-                for name, cell in _cells(key, value):
-                    column = columns.setdefault(name, [None] * row)
-                    column.append(cell)
-            for column in columns.values():
-                column.extend([None] * (row + 1 - len(column)))
-        return columns
-
     def to_frame(self):
         """A pandas.DataFrame, a row a record; an estimate is two columns or more, ``x``, ``x_std``, ``x_low`` ..."""
-        return frame(self.table())
-
-    def _repr_html_(self):
-        columns = self.table()
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
-        rows = "".join("<tr>" + "".join(f"<td>{html.escape(_shown(column[i]))}</td>" for column in columns.values()) +
-                       "</tr>" for i in range(len(self)))
-        return f"<table><tr>{head}</tr>{rows}</table>"
-
-
-def _cells(key, value):
-    if isinstance(value, Mapping) and {"value", "std"} <= set(value):
-        yield key, value["value"]
-        for part in ("std", "low", "high"):
-            if part in value:
-                yield f"{key}_{part}", value[part]
-    elif value is None or isinstance(value, (bool, int, float, str)):
-        yield key, value
+        rows = pandas().json_normalize(self.to_dict(), sep="_")
+        rows.columns = [name.removesuffix("_value") for name in rows.columns]
+        return rows[[name for name in rows if not rows[name].map(lambda cell: isinstance(cell, list)).any()]]
 
 
 def _shown(value):
@@ -194,19 +166,6 @@ class Record(Mapping):
                           for key, value in self._fields.items())
         return f"{type(self).__name__}({shown})"
 
-    def _repr_html_(self):
-        rows = "".join(f"<tr><th>{html.escape(key)}</th><td>{_entry(wrapped(value))}</td></tr>"
-                       for key, value in self._fields.items())
-        return f"<table>{rows}</table>"
-
-
-def _entry(value):
-    if isinstance(value, (Record, Records)):
-        return value._repr_html_()
-    if isinstance(value, list):
-        return html.escape(f"{len(value)} entries" if len(value) > 6 else ", ".join(map(_shown, value)))
-    return html.escape(_shown(value) if not isinstance(value, Estimate) else str(value))
-
 
 class Result(Record):
     """What a function found: the JSON document of the verb of that name.
@@ -232,18 +191,7 @@ class Result(Record):
     def to_frame(self):
         """A pandas.DataFrame of the main list of the result."""
         rows = wrapped(self._fields.get(self.main, []))
-        return rows.to_frame() if isinstance(rows, Records) else frame({})
-
-    def plot(self, axes=None):
-        """The result as a plot of matplotlib; returns the axes."""
-        from . import plots
-        return plots.plot(self, axes)
-
-    def _repr_html_(self):
-        keys = ", ".join(key for key in self._fields if key not in ("rigfit", "command", "inputs"))
-        text = self._printed if len(self._printed) < 15000 else self._printed[:15000] + "\n..."
-        return (f"<p><b>{type(self).__name__}</b> (rigfit {html.escape(str(self._fields.get('rigfit', '')))})</p>"
-                f"<pre>{html.escape(text)}</pre><details><summary>keys</summary>{html.escape(keys)}</details>")
+        return rows.to_frame() if isinstance(rows, Records) else pandas().DataFrame()
 
 
 def _result(name, main, doc, base=object, **kinds):
@@ -271,7 +219,7 @@ class _WithSamples:
     def to_frame(self):
         """A pandas.DataFrame, a column a sensor over time in s."""
         names = [sensor["name"] for sensor in self._fields["sensors"]]
-        return frame({name: self.__dict__["response"][:, i] for i, name in enumerate(names)}, self.time_s)
+        return pandas().DataFrame({name: self.__dict__["response"][:, i] for i, name in enumerate(names)}, self.time_s)
 
 
 InspectResult = _result("InspectResult", "recordings", "Quality of recordings: ``recordings``.", recordings="Records")

@@ -1,9 +1,8 @@
-"""FRFs of other programs, for `modal`: `frfs_of_arrays`, `read_frfs`."""
+"""FRFs of other programs, for `modal`: `frfs_of_arrays`."""
 
 import numpy as np
 
 from . import _core, checks
-from .described import call
 
 
 def frfs_of_arrays(frequency_hz, H, *, form, responses=None, inputs=None, coherence=None, averages=None,
@@ -59,18 +58,3 @@ def frfs_of_arrays(frequency_hz, H, *, form, responses=None, inputs=None, cohere
     options["averages"] = 0 if averages is None else checks.integer("averages", averages, 1, 1000000)
     options["exponential_window"] = checks.number("exponential_window", 0 if exponential_window is None else exponential_window, 0, 1e6)
     return _core.frfs_of_arrays(lines, H, coherence, options)
-
-
-def read_frfs(file):
-    """FRFs of a UFF 58 file or of a text table of frequency, real and imaginary part.
-
-    Parameters
-    ----------
-    file : path
-
-    Returns
-    -------
-    FrfSet
-        As `frfs_of_arrays` gives them.
-    """
-    return call(_core.read_frfs, checks.path("file", file))

@@ -18,7 +18,7 @@ _Path = str | os.PathLike[str]
 _Value = float | tuple[float, float] | Estimate
 _Source = _Path | Recording | Mapping[str, ArrayLike] | Sequence[Mapping[str, Any] | Channel]
 _Sources = _Source | Sequence[_Source]
-_SceneLike = Scene | _Path | Mapping[str, Any]
+_SceneLike = Scene | _Path
 
 """
 

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <exception>
 #include <future>
+#include <memory>
 #include <new>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -17,6 +19,7 @@
 #include "apps/cli/common_options.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "document/document_error.h"
 #include "signal/recording/recording_error.h"
@@ -76,11 +79,6 @@ struct Job {
   std::atomic<bool> stop{false};
 };
 
-bool on_main_thread() {
-  const py::object main = py::module_::import("threading").attr("main_thread")().attr("ident");
-  return py::cast<unsigned long>(main) == PyThread_get_thread_ident();
-}
-
 }  // namespace
 
 py::object to_python(const Json& value) {
@@ -139,35 +137,9 @@ void take(const describe::Options& options, const py::dict& given) {
   }
 }
 
-CallContext::CallContext(const py::dict& given) : context_(out_) {
-  context_.quiet = true;  // no progress: what is printed is kept all the same
-  context_.silent = true;
-  context_.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const auto set = [&](const char* name, auto& member) {
-    if (given.contains(name))
-      member = given[name].cast<std::remove_reference_t<decltype(member)>>();
-  };
-  set("threads", context_.threads);
-  set("seed", context_.seed);
-  set("command_line", context_.command);
-}
-
 void run_unlocked(std::function<void()> work) {
   auto job = std::make_shared<Job>();
   job->work = std::move(work);
-  if (!on_main_thread()) {
-    std::exception_ptr thrown;
-    {
-      const py::gil_scoped_release unlocked;
-      try {
-        job->work();
-      } catch (...) {
-        thrown = std::current_exception();
-      }
-    }
-    if (thrown) raise_as_python(thrown);
-    return;
-  }
   std::future<void> done = job->done.get_future();
   // Whoever comes second, the end of the work or an interruption, knows of the other.
   auto parted = std::make_shared<std::atomic<bool>>(false);
@@ -213,37 +185,51 @@ void run_unlocked(std::function<void()> work) {
 py::tuple run_work(const char* name, const py::dict& given,
                    std::function<Json(apps::VerbContext&)> work) {
   struct State {
-    explicit State(const py::dict& from) : context(from) {}
-    CallContext context;
+    std::ostringstream out;
+    apps::VerbContext context{out};
     Json document;
+    apps::PlotCommand plots;
   };
-  auto state = std::make_shared<State>(given);
+  auto state = std::make_shared<State>();
+  auto& context = state->context;
+  apps::CommonOptions common;
+  apps::ReadingOptions reading;
+  take(options_of(common), given);
+  take(options_of(reading), given);
+  take(options_of(state->plots), given);
+  context.quiet = true;  // no progress: what is printed is kept all the same
+  context.silent = true;
+  context.threads = common.threads;
+  context.seed = common.seed;
+  context.reading = read_options(reading);
+  context.command = {"rigfit", name, "(from Python)"};
   run_unlocked([state, name, work = std::move(work)] {
-    Json result = work(state->context.verb());
-    state->document = apps::json_document(state->context.verb(), name, std::move(result));
+    prepare_plots(state->context, state->plots);
+    Json result = work(state->context);
+    write_plots(state->context, state->plots, name);
+    state->document = apps::json_document(state->context, name, std::move(result));
   });
-  return py::make_tuple(to_python(state->document),
-                        static_cast<int>(state->context.verb().exit_code),
-                        state->context.printed());
+  return py::make_tuple(to_python(state->document), static_cast<int>(context.exit_code),
+                        state->out.str());
 }
 
 py::list described_options(const std::string& verb) {
   using namespace py::literals;
-  describe::Options options;
   apps::ReadingOptions reading;
   apps::CommonOptions common;
   const apps::Verbs verbs = apps::all_verbs();
+  describe::Options options;
+  const auto add = [&](const describe::Options& more) {
+    options.insert(options.end(), more.begin(), more.end());
+  };
+  apps::PlotCommand plots;
+  bool reads = verb == "read", draws = false;
   for (const auto& one : verbs) {
-    if (one.name == verb) options = one.options;
+    if (one.name == verb) add(one.options), reads = one.reads, draws = one.draws;
   }
-  double rate = 0;
-  if (verb == "read") {
-    options = options_of(reading);
-    options.push_back(
-        describe::option("--sample-rate", rate, "Where the file gives none", "Hz").positive());
-  } else {
-    for (auto& one : options_of(common)) options.push_back(std::move(one));
-  }
+  if (reads) add(options_of(reading));
+  if (verb != "read") add(options_of(common));
+  if (draws) add(options_of(plots));
   py::list list;
   for (const auto& o : options) {
     list.append(

@@ -1,7 +1,7 @@
 // One call from Python into the libraries: arguments taken with the interpreter's lock, the work
 // done without it, the answer and what went wrong given back with it.
 //
-// From the main thread the work runs on a thread of its own, so that Ctrl-C ends the call at once.
+// The work runs on a thread of its own, so that Ctrl-C in the main thread ends the call at once.
 // Work that shows its progress (apps/cli/progress.h) stops then; other work goes on with what it
 // owns until it is done or the interpreter ends.
 #pragma once
@@ -9,8 +9,6 @@
 #include <pybind11/pybind11.h>
 
 #include <functional>
-#include <memory>
-#include <sstream>
 #include <string>
 
 #include "apps/cli/verb.h"
@@ -24,24 +22,12 @@ using apps::Json;
 
 [[nodiscard]] py::object to_python(const Json& value);
 
-/// What a call works in: a verb's context that is silent.
-class CallContext {
- public:
-  explicit CallContext(const py::dict& given);  ///< with its threads and seed
-  apps::VerbContext& verb() { return context_; }
-  [[nodiscard]] std::string printed() const { return out_.str(); }
-
- private:
-  std::ostringstream out_;
-  apps::VerbContext context_;
-};
-
 /// Runs `work` without the interpreter's lock and raises what it throws as a rigfit.Error. `work`
 /// owns all that it uses; what it owns of Python is released with the lock held.
 void run_unlocked(std::function<void()> work);
 
 /// A document {rigfit, command, inputs, warnings, ...} of that name with what `work` gives, the
-/// exit code, and what is printed.
+/// exit code, and what is printed. `given` has the options of every verb and those of reading.
 [[nodiscard]] py::tuple run_work(const char* name, const py::dict& given,
                                  std::function<Json(apps::VerbContext&)> work);
 
@@ -54,8 +40,9 @@ void run_unlocked(std::function<void()> work);
 /// Values by such names into these options.
 void take(const describe::Options& options, const py::dict& given);
 
-void bind_frfs(py::module_& module);    ///< FrfSet, made of arrays or read
-void bind_scenes(py::module_& module);  ///< Scene, frf_of
+void bind_recordings(py::module_& module);  ///< Recording, made of arrays or read
+void bind_frfs(py::module_& module);        ///< FrfSet, made of arrays or read
+void bind_scenes(py::module_& module);      ///< Scene, frf_of
 
 /// Calls that were interrupted and still work.
 [[nodiscard]] int abandoned_calls();

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "apps/python/src/call.h"
-#include "signal/readers/read_frfs.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::python {
@@ -84,17 +83,11 @@ SharedFrfs frfs_of_arrays(const py::array_t<double, py::array::c_style>& frequen
   return frfs;
 }
 
-SharedFrfs read_frfs(const std::string& path) {
-  auto state = std::make_shared<signal::FrfSet>();
-  run_unlocked([state, path] { *state = signal::read_frfs({path}, {}); });
-  return state;
-}
-
 }  // namespace
 
 void bind_frfs(py::module_& module) {
   py::class_<signal::FrfSet, SharedFrfs>(module, "FrfSet",
-                                         "FRFs at hand, of `frfs_of_arrays` or `read_frfs`; their "
+                                         "FRFs at hand, of `frfs_of_arrays` or a result; their "
                                          "arrays cannot be written to.")
       .def_property_readonly(
           "frequency_hz",
@@ -124,7 +117,6 @@ void bind_frfs(py::module_& module) {
       .def_property_readonly(
           "unit", [](const signal::FrfSet& f) { return f.unit; }, "Of H.");
   module.def("frfs_of_arrays", &frfs_of_arrays);
-  module.def("read_frfs", &read_frfs);
 }
 
 }  // namespace rigfit::python

@@ -10,9 +10,7 @@
 #include <utility>
 
 #include "apps/cli/at_hand.h"
-#include "apps/python/src/borrowed_samples.h"
 #include "apps/python/src/call.h"
-#include "apps/python/src/recording_object.h"
 
 namespace rigfit::python {
 namespace {
@@ -31,17 +29,12 @@ py::tuple run(const std::string& verb, const py::dict& given, const py::object& 
   for (auto& one : apps::all_verbs()) {
     if (one.name == verb) state->verb = std::move(one);
   }
-  state->objects.lent = &borrowed;
-  state->objects.give_back = &give_back;
   // A file's name, or the key of an object that stands in its place.
   const auto name_of = [&](const py::handle& one) -> py::object {
     const std::string key =
         "<" + std::to_string(state->objects.recordings.size() + state->objects.scenes.size()) + ">";
-    if (py::isinstance<RecordingObject>(one)) {
-      auto object = one.cast<std::shared_ptr<RecordingObject>>();
-      const signal::Recording* recording = &object->recording;
-      state->objects.recordings[key] =
-          std::shared_ptr<const signal::Recording>(std::move(object), recording);
+    if (py::isinstance<signal::Recording>(one)) {
+      state->objects.recordings[key] = one.cast<std::shared_ptr<signal::Recording>>();
       return py::str(key);
     }
     if (py::isinstance<model::Scene>(one)) {
@@ -75,11 +68,7 @@ py::tuple run(const std::string& verb, const py::dict& given, const py::object& 
     const bool any = objects.frfs && objects.frfs->frequency_hz.size() > 0;
     more["frfs"] = any ? py::cast(objects.frfs) : py::object(py::none());
   }
-  if (objects.resampled) {
-    auto even = std::make_shared<RecordingObject>();
-    even->recording = *objects.resampled;
-    more["recording"] = py::cast(even);
-  }
+  if (objects.resampled) more["recording"] = py::cast(objects.resampled);
   if (objects.samples.size() > 0) more["samples"] = py::cast(std::move(objects.samples));
   if (verb == "update") {
     more["covariance"] = py::cast(std::move(objects.covariance));

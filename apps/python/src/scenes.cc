@@ -22,26 +22,6 @@ namespace {
 
 using SharedScene = std::shared_ptr<model::Scene>;
 
-/// A scene at hand, or the file it is read from in the call.
-struct SceneSource {
-  std::string path;
-  SharedScene scene;
-
-  explicit SceneSource(const py::object& given) {
-    if (py::isinstance<py::str>(given)) {
-      path = given.cast<std::string>();
-    } else {
-      scene = given.cast<SharedScene>();
-      path = scene->file;
-    }
-  }
-  [[nodiscard]] model::Scene load(apps::VerbContext& context) const {
-    if (scene) return *scene;
-    context.input(path);
-    return model::read_scene(path);
-  }
-};
-
 SharedScene parse_scene(const std::string& text, const std::string& name) {
   auto scene = std::make_shared<model::Scene>();
   run_unlocked([scene, text, name] { *scene = model::parse_scene(text, name); });
@@ -76,15 +56,13 @@ py::list names_of(const Items& items) {
 }
 
 /// H: lines x sensors x loads.
-py::tuple frf_of(const py::object& given, const py::array_t<double, py::array::c_style>& lines,
+py::tuple frf_of(const SharedScene& scene, const py::array_t<double, py::array::c_style>& lines,
                  const py::dict& options) {
-  const SceneSource source(given);
   struct State {
     Eigen::VectorXd frequency_hz;
     model::ModesOptions modes;
     double decay_rate_1_s = 0;
     model::SynthesizedFrfs frfs;
-    model::Scene scene;
   };
   auto state = std::make_shared<State>();
   state->frequency_hz = Eigen::Map<const Eigen::VectorXd>(lines.data(), lines.size());
@@ -92,23 +70,22 @@ py::tuple frf_of(const py::object& given, const py::array_t<double, py::array::c
   if (options.contains("exponential_window")) {
     state->decay_rate_1_s = options["exponential_window"].cast<double>();
   }
-  const py::tuple answer = run_work("frf_of", options, [source, state](apps::VerbContext& context) {
-    state->scene = source.load(context);
-    state->frfs = model::synthesize_frfs(state->scene, state->frequency_hz, state->modes,
-                                         state->decay_rate_1_s);
+  const py::tuple answer = run_work("frf_of", options, [scene, state](apps::VerbContext&) {
+    state->frfs =
+        model::synthesize_frfs(*scene, state->frequency_hz, state->modes, state->decay_rate_1_s);
     if (state->frfs.equilibrium.status != model::EquilibriumStatus::converged) {
-      throw apps::NotConverged(source.path + ": " + state->frfs.equilibrium.reason);
+      throw apps::NotConverged(scene->file + ": " + state->frfs.equilibrium.reason);
     }
     Json units = Json::array(), sensors = Json::array(), loads = Json::array();
-    for (const auto& sensor : state->scene.sensors) {
+    for (const auto& sensor : scene->sensors) {
       sensors.push_back(sensor.name);
       units.push_back("(" + std::string(model::described(sensor.quantity).unit) + ")/N");
     }
-    for (const auto& load : state->scene.loads) loads.push_back(load.name);
+    for (const auto& load : scene->loads) loads.push_back(load.name);
     return Json{{"sensors", std::move(sensors)}, {"loads", std::move(loads)}, {"units", units}};
   });
-  const auto sensors = static_cast<py::ssize_t>(state->scene.sensors.size());
-  const auto loads = static_cast<py::ssize_t>(state->scene.loads.size());
+  const auto sensors = static_cast<py::ssize_t>(scene->sensors.size());
+  const auto loads = static_cast<py::ssize_t>(scene->loads.size());
   py::array_t<std::complex<double>> H({lines.size(), sensors, loads});
   auto values = H.mutable_unchecked<3>();
   for (py::ssize_t k = 0; k < lines.size(); ++k) {

@@ -165,11 +165,7 @@ std::vector<Plot> recording_plots(const std::string& id, const signal::Recording
                                   const signal::QualityResult& quality) {
   constexpr std::size_t kMostClipped = 1000;  // points drawn of clipped samples
   std::vector<Plot> plots;
-  const bool over_time =
-      (recording.sample_rate_hz > 0 || recording.time_s.size() > 0) &&
-      std::none_of(recording.notes.begin(), recording.notes.end(),
-                   [](const auto& note) { return note.code == "not_a_time_history"; });
-  if (!over_time) return plots;
+  if (!(recording.sample_rate_hz > 0) && recording.time_s.size() == 0) return plots;
   const auto time = [&](Index i) {
     return recording.time_s.size() > 0
                ? recording.time_s[i]

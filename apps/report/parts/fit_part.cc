@@ -168,7 +168,7 @@ class Fit {
     const bool held = std::isfinite(held_rms);
     const std::string before = percent_words(result_.rms_relative_error_before),
                       fitted = percent_words(result_.rms_relative_error);
-    part_.json["rms_relative_error_held_out"] = json_number(held_rms);
+    part_.json["rms_relative_error_held_out"] = held_rms;
     part_.summary.push_back(
         {SummaryItem::Kind::error, fit_.title + ", rms error",
          fmt::format("{} before, {} fitted", before, fitted) +

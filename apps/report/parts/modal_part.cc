@@ -163,8 +163,7 @@ class ModalPart : public TestPart {
     uff.push_back(file("modes"));
     part_.files.push_back({file("modes"), mode_file(scene_, state.modal->model)});
     const auto& modal = *state.modal;
-    Json modes = Json::array(), rejected = Json::array();
-    for (const auto& mode : modal.model.modes) modes.push_back(mode_json(mode));
+    Json rejected = Json::array();
     for (const auto& column : modal.rejected) {
       rejected.push_back({{"frequency_hz", column.frequency_hz},
                           {"code", column.code},
@@ -182,7 +181,7 @@ class ModalPart : public TestPart {
           modal.misfit_over_error_bars ? Json(*modal.misfit_over_error_bars) : Json(nullptr)},
          {"force_window", force_window_json(state.hammer)},
          {"struck", std::move(struck)},
-         {"modes", std::move(modes)},
+         {"modes", describe::json_of(modal.model.modes)},
          {"rejected_columns", std::move(rejected)},
          {"uff", std::move(uff)}});
   }

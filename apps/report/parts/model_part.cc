@@ -179,20 +179,7 @@ ReportTable error_table(const CampaignTest& test, const ModalStates& states) {
 
 Json state_json(const ModalState& state, const std::vector<std::string>& published) {
   const auto& analysis = state.analysis;
-  Json members = Json::array(), modes = Json::array(), pairs = Json::array();
-  for (const auto& member : analysis.equilibrium.members) {
-    members.push_back({{"member", member.member},
-                       {"sag_m", member.sag_m},
-                       {"tension_N", member.tension_N},
-                       {"segments", member.segments}});
-  }
-  const auto mode_json = [](const model::NaturalMode& mode) {
-    return Json{{"plane", name_of(mode.plane)}, {"family", name_of(mode.family)}};
-  };
-  for (const auto& mode : analysis.modes) {
-    modes.push_back({{"frequency_hz", mode.frequency_hz}, {"damping_ratio", mode.damping_ratio}});
-    modes.back().update(mode_json(mode));
-  }
+  Json pairs = Json::array();
   for (const auto& row : state.rows) {
     Json pair{{"origin", word_of(row.origin)},
               {"measured_hz", row.measured_hz},
@@ -205,7 +192,8 @@ Json state_json(const ModalState& state, const std::vector<std::string>& publish
       pair["relative_error"] = mode.frequency_hz / row.measured_hz - 1;
       pair["other_plane"] = row.other_plane;
       pair["mac"] = row.mac;
-      pair.update(mode_json(mode));
+      pair["plane"] = name_of(mode.plane);
+      pair["family"] = name_of(mode.family);
     }
     for (std::size_t k = 0; k < std::min(row.models_hz.size(), published.size()); ++k) {
       pair["published_hz"][published[k]] = row.models_hz[k];
@@ -214,12 +202,8 @@ Json state_json(const ModalState& state, const std::vector<std::string>& publish
   }
   return {{"tension_N", state.tension_N ? Json(*state.tension_N) : Json(nullptr)},
           {"EI_Nm2", state.EI_Nm2 ? Json(*state.EI_Nm2) : Json(nullptr)},
-          {"equilibrium",
-           {{"status", name_of(analysis.equilibrium.status)},
-            {"reason", analysis.equilibrium.reason},
-            {"residual", analysis.equilibrium.residual},
-            {"members", std::move(members)}}},
-          {"modes", std::move(modes)},
+          {"equilibrium", describe::json_of(analysis.equilibrium)},
+          {"modes", describe::json_of(analysis.modes)},
           {"relative_error_estimate", state.segments_error},
           {"pairs", std::move(pairs)}};
 }

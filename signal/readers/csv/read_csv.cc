@@ -249,8 +249,8 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
     throw refusal(
         table.channels[*column].name,
         "is a spectrum or FRF over frequency, not a recording over time",
-        "rigfit inspect lists a spectrum's peaks, rigfit modal takes FRFs; for a decay or hits "
-        "export the time signal. Where the first column is time after all, title it so");
+        "rigfit modal takes FRFs; for a decay or hits export the time signal. Where the first "
+        "column is time after all, title it so");
   }
   const std::string spectrum = spectrum_without_frequencies(table);
   if (!spectrum.empty() && options.format.empty()) {
@@ -258,9 +258,7 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
         spectrum,
         "is a spectrum by its title, without a column of frequencies; not taken as a recording "
         "over time",
-        "export it with its frequencies (rigfit inspect then lists the peaks), or export the time "
-        "signal; where it is a time signal after all: --format " +
-            format);
+        "export the time signal; where it is a time signal after all: --format " + format);
   }
 
   Recording recording;

@@ -74,8 +74,8 @@ TEST_F(Roving, GivesTheExactFrfsOfEveryPointInOneSet) {
     EXPECT_EQ(driving.check.verdict, DrivingPointVerdict::consistent);
   }
   ASSERT_EQ(roving.reciprocity.size(), 1u);
-  EXPECT_EQ(roving.reciprocity[0].a, "a1");
-  EXPECT_EQ(roving.reciprocity[0].b, "a3");
+  EXPECT_EQ(roving.reciprocity[0].points[0], "a1");
+  EXPECT_EQ(roving.reciprocity[0].points[1], "a3");
   EXPECT_LT(roving.reciprocity[0].difference, 4e-3);  // each within 2e-3
 }
 

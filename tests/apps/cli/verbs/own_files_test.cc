@@ -37,7 +37,8 @@ TEST(OwnFiles, FrfsAsTextGiveModes) {
     command.push_back(folder.write(fmt::format("point{}.txt", point), text));
   }
   const auto inspected = run_program({"inspect", command.back(), "--json", "-"});
-  EXPECT_EQ(inspected.exit_code, 0) << inspected.err;
+  EXPECT_EQ(inspected.exit_code, 3);
+  EXPECT_THAT(inspected.err, HasSubstr("rigfit modal"));
   command.insert(command.end(), {"--json", "-"});
   const auto run = run_program(command);
   ASSERT_EQ(run.exit_code, 0) << run.err;
