@@ -294,12 +294,9 @@ Options keys_of(TensionTest& t) {
       option("measured", t.measured, "Table of frequencies, or modes as UFF 55"),
       option("column", t.column, "Of the frequencies in that table").needs("measured"),
       option("channels", t.inputs.channels, "Of the recordings; default: all").needs("recording"),
-      option("band", t.band_hz, "Where peaks are looked for", "Hz")
+      option("band", t.band_hz, "Where modes are looked for", "Hz")
           .count(2)
           .from_zero()
-          .needs("recording"),
-      option("max_peaks", t.inputs.max_peaks, "Most peaks of a channel")
-          .within(1, 200)
           .needs("recording")};
 }
 

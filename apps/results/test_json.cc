@@ -48,7 +48,6 @@ Json bending_json(const ident::BendingCampaign& campaign,
 Json tension_json(const ident::TensionCampaignResult& campaign) {
   Json json = describe::json_of(campaign.result.tension);
   if (!campaign.peaks.empty()) json["peaks"] = describe::json_of(campaign.peaks);
-  if (!campaign.tones.empty()) json["steady_tones"] = describe::json_of(campaign.tones);
   return json;
 }
 

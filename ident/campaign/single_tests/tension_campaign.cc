@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -12,98 +13,72 @@
 #include "ident/campaign/single_tests/rate_uncertainty.h"
 #include "ident/statistics/in_parallel.h"
 #include "ident/statistics/probability_text.h"
+#include "signal/ambient/ambient_modes.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::ident {
 namespace {
 
-/// What is said of the tones of a channel.
-void add_tones(const signal::SpectralPeaks& found, std::size_t index, const std::string& file,
-               const std::string& channel, TensionCampaignResult& campaign) {
-  const std::string where = file + ": " + channel;
-  std::string left_out, possible;
-  for (const auto& tone : found.tones) {
-    campaign.tones.push_back({index, file, channel, tone});
-    left_out += fmt::format("{}{:.5g}", left_out.empty() ? "" : ", ", tone.frequency_hz);
-    if (tone.reach_hz > 0) left_out += fmt::format(" (it wanders: +-{:.2g})", tone.reach_hz);
-  }
-  for (const auto& peak : found.peaks) {
-    if (!peak.undecided) continue;
-    possible += fmt::format("{}{:.5g}", possible.empty() ? "" : ", ", peak.frequency_hz.value);
-  }
+/// The modes of a recording's channels together, of which the tension takes the frequencies: found
+/// in bands of 16 times their lower end at most, since the orders of a diagram are spread over its
+/// band. A recording of few decay times holds few of the groups whose scatter the std is of; it is
+/// taken together with the std that a mode driven by white noise has at best, half / (2 pi sqrt(T
+/// half)).
+void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
+                        TensionCampaignResult& campaign) {
+  constexpr double kFewestCycles = 20;  // of the lowest mode, where no band is given
+  constexpr double kWidest = 16, kBeyond = 1.15;
+  const auto& [name, recording] = inputs.recordings[index];
   auto& findings = campaign.result.findings;
-  if (!left_out.empty()) {
+  const bool given = inputs.band_high_hz > 0;
+  const double low = given && inputs.band_low_hz > 0
+                         ? inputs.band_low_hz
+                         : kFewestCycles / std::max(recording.duration_s(), 1e-9);
+  const double high = given ? inputs.band_high_hz : 0.4 * recording.sample_rate_hz;
+  const double bands = std::max(1.0, std::ceil(std::log(high / low) / std::log(kWidest)));
+  std::string tones;
+  const std::size_t before = campaign.peaks.size();
+  for (double k = 0; k < bands; ++k) {
+    const double from = low * std::pow(high / low, k / bands),
+                 to = low * std::pow(high / low, (k + 1) / bands);
+    signal::AmbientOptions options;
+    options.channels = inputs.channels;
+    options.low_hz = std::max(low, from / kBeyond);
+    options.high_hz = std::min(high, to * kBeyond);
+    signal::AmbientResult found;
+    try {
+      found = signal::ambient_modes(recording, options);
+    } catch (const signal::RecordingError& error) {
+      findings.push_back({"no_peaks", error.what(), name, true});
+      return;
+    }
+    const auto inside = [&](double hz) { return hz >= from && (hz < to || k + 1 == bands); };
+    for (const auto& tone : found.tones) {
+      if (!inside(tone.frequency_hz)) continue;
+      tones += fmt::format("{}{:.5g}", tones.empty() ? "" : ", ", tone.frequency_hz);
+    }
+    for (const auto& mode : found.modes) {
+      const auto& frequency = mode.mode.frequency_hz;
+      if ((mode.mode.doubtful && mode.code != "too_short") || !inside(frequency.value)) continue;
+      const double half = -mode.mode.pole_rad_s.real();
+      const double least = half / (2 * std::numbers::pi * std::sqrt(mode.decay_times));
+      MeasuredMode measured;
+      measured.frequency_hz = {frequency.value, std::hypot(frequency.std, least)};
+      measured.plane = inputs.plane;
+      campaign.peaks.push_back({index, name, measured.frequency_hz, mode.mode.damping_ratio.value});
+      campaign.modes.push_back(std::move(measured));
+    }
+  }
+  if (!tones.empty()) {
     findings.push_back(
         {"steady_tone",
          fmt::format("Check for mains hum or a machine at {} Hz: the amplitude is constant, "
                      "unlike that of a resonance driven by noise; left out",
-                     left_out),
-         where, false});
+                     tones),
+         name, false});
   }
-  if (!possible.empty()) {
-    findings.push_back(
-        {"possible_tone",
-         fmt::format("Record longer, or give --band: this record cannot tell whether {} Hz is a "
-                     "steady tone or a mode of little damping; taken as a mode",
-                     possible),
-         where, false});
-  }
-}
-
-void add_peaks(const TensionInputs& inputs, std::size_t index, TensionCampaignResult& campaign) {
-  const auto& [name, recording] = inputs.recordings[index];
-  signal::SpectralPeakOptions options;
-  if (inputs.band_high_hz > 0) {
-    options.low_hz = inputs.band_low_hz;
-    options.high_hz = inputs.band_high_hz;
-  }
-  options.max_peaks = inputs.max_peaks;
-  std::vector<const signal::Channel*> channels;
-  for (const auto& asked : inputs.channels) {
-    try {
-      channels.push_back(&recording.channel(asked));
-    } catch (const signal::RecordingError& error) {
-      campaign.result.findings.push_back({"channel", error.what(), name, true});
-    }
-  }
-  if (inputs.channels.empty()) {
-    for (const auto& one : recording.channels) channels.push_back(&one);
-  }
-  for (const auto* one : channels) {
-    const auto& channel = *one;
-    signal::SpectralPeaks found;
-    try {
-      found = signal::spectral_peaks(channel.samples, recording.sample_rate_hz, options);
-    } catch (const std::invalid_argument& error) {
-      found.reason = error.what();
-    }
-    for (const auto& peak : found.peaks) {
-      MeasuredMode mode;
-      mode.frequency_hz = peak.frequency_hz;
-      mode.plane = inputs.plane;
-      campaign.modes.push_back(std::move(mode));
-      campaign.peaks.push_back({index, name, channel.name, peak});
-    }
-    std::string differ;
-    for (const auto& peak : found.peaks) {
-      if (peak.between_parts_hz == 0) continue;
-      differ += fmt::format("{}{:.5g} Hz (std {:.2g} Hz)", differ.empty() ? "" : ", ",
-                            peak.frequency_hz.value, peak.between_parts_hz);
-    }
-    if (!differ.empty()) {
-      campaign.result.findings.push_back(
-          {"groups_differ",
-           "Look for wind, traffic or temperature, or take a calmer stretch: from part to part of "
-           "the record the frequency changes by more than its uncertainty, which the intervals "
-           "allow for: " +
-               differ,
-           name + ": " + channel.name, false});
-    }
-    add_tones(found, index, name, channel.name, campaign);
-    if (found.peaks.empty()) {
-      campaign.result.findings.push_back(
-          {"no_peaks", found.reason, name + ": " + channel.name, false});
-    }
+  if (campaign.peaks.size() == before) {
+    findings.push_back({"no_peaks", "no mode stands out of the noise", name, false});
   }
 }
 
@@ -217,7 +192,8 @@ std::vector<Finding> tension_findings(const TensionResult& result, const CableDe
 
 TensionCampaignResult tension_campaign(const TensionInputs& inputs) {
   TensionCampaignResult campaign;
-  for (std::size_t i = 0; i < inputs.recordings.size(); ++i) add_peaks(inputs, i, campaign);
+  for (std::size_t i = 0; i < inputs.recordings.size(); ++i)
+    add_recorded_modes(inputs, i, campaign);
   campaign.modes.insert(campaign.modes.end(), inputs.test.modes.begin(), inputs.test.modes.end());
   // Damping says nothing about the tension.
   for (auto& mode : campaign.modes) mode.damping_ratio = {std::nan(""), std::nan("")};

@@ -1,8 +1,8 @@
 // Identifies the tension of a cable from recordings of its motion, from given frequencies, or from
-// both: peaks of the recordings' spectra are merged where they agree, and the tension is fitted to
-// them. The verb `tension` and the report call this, so that their numbers are the same. Several
-// cables, as in a bridge survey, are analysed one by one: one that cannot be solved does not affect
-// the others.
+// both: modes of the recordings (ambient_modes.h, all channels together) are merged where they
+// agree, and the tension is fitted to them. The verb `tension` and the report call this, so that
+// their numbers are the same. Several cables, as in a bridge survey, are analysed one by one: one
+// that cannot be solved does not affect the others.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,6 @@
 #include "ident/campaign/single_tests/finding.h"
 #include "ident/tension/cable_tension.h"
 #include "signal/recording/recording.h"
-#include "signal/spectra/spectral_peaks.h"
 
 namespace rigfit::ident {
 
@@ -52,29 +51,21 @@ struct TensionInputs {
   std::vector<std::string> channels = {};  ///< empty: all
   double band_low_hz = 0;
   double band_high_hz = 0;                               ///< 0: to the end
-  int max_peaks = 12;                                    ///< per channel
   std::optional<model::ModePlane> plane = std::nullopt;  ///< plane of the recorded motion
 };
 
 struct TensionPeak {
   std::size_t recording = 0;  ///< index of the inputs' recordings
-  std::string file, channel;
-  signal::SpectralPeak peak;
-};
-
-/// A tone of constant amplitude, left out of the peaks.
-struct TensionTone {
-  std::size_t recording = 0;  ///< index of the inputs' recordings
-  std::string file, channel;
-  signal::SteadyTone tone;
+  std::string file;
+  signal::Estimate frequency_hz;
+  double damping_ratio = 0;
 };
 
 struct TensionCampaignResult {
-  std::vector<TensionPeak> peaks;   ///< in the order of recordings and channels
-  std::vector<TensionTone> tones;   ///< in the order of recordings and channels
+  std::vector<TensionPeak> peaks;   ///< modes of the recordings, in their order
   std::vector<MeasuredMode> modes;  ///< merged modes to which the tension is fitted
   /// `tension.solved` false: see its message. Warnings: "no_peaks",
-  /// "steady_tone", "possible_tone" and those of tension_findings.
+  /// "steady_tone" and those of tension_findings.
   CableTestResult result;
 };
 
@@ -88,37 +79,11 @@ namespace rigfit::describe {
 template <>
 struct Described<ident::TensionPeak> {
   using T = ident::TensionPeak;
-  static constexpr std::string_view title = "peaks";
-  static constexpr auto fields = std::tuple{
-      field("file", &T::file, "", "file", "recording"),
-      field("channel", &T::channel, "", "channel", ""),
-      field(
-          "frequency_hz", [](const T& p) { return p.peak.frequency_hz; }, "Hz", "frequency", ""),
-      field(
-          "half_power_bandwidth_hz", [](const T& p) { return p.peak.bandwidth_hz; }, "Hz", "", ""),
-      field(
-          "signal_to_noise", [](const T& p) { return p.peak.signal_to_noise; }, "", "",
-          "power over the noise beside it"),
-      field(
-          "possible_tone", [](const T& p) { return p.peak.undecided; }, "", "",
-          "may be a tone of constant amplitude")};
-};
-
-template <>
-struct Described<ident::TensionTone> {
-  using T = ident::TensionTone;
-  static constexpr std::string_view title = "steady tones, left out";
-  static constexpr auto fields = std::tuple{
-      field("file", &T::file, "", "file", "recording"),
-      field("channel", &T::channel, "", "channel", ""),
-      field(
-          "frequency_hz", [](const T& t) { return t.tone.frequency_hz; }, "Hz", "frequency", ""),
-      field(
-          "amplitude", [](const T& t) { return t.tone.amplitude; }, "", "amplitude",
-          "in the unit of the channel"),
-      field(
-          "reach_hz", [](const T& t) { return t.tone.reach_hz; }, "Hz", "",
-          "modes nearer than this are not seen")};
+  static constexpr std::string_view title = "modes of the recordings";
+  static constexpr auto fields =
+      std::tuple{field("file", &T::file, "", "file", "recording"),
+                 field("frequency_hz", &T::frequency_hz, "Hz", "frequency", ""),
+                 field("damping_ratio", &T::damping_ratio, "", "", "")};
 };
 
 }  // namespace rigfit::describe
