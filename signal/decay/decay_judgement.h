@@ -16,7 +16,7 @@
 // random walk, which is neither, over the whole of the record.
 #pragma once
 
-#include "signal/decay/decay.h"
+#include "signal/decay/decay_result.h"
 #include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::signal {

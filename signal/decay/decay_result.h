@@ -1,0 +1,124 @@
+// Options and result of the estimate of a decay (decay.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "document/describe.h"
+#include "signal/decay/decay_window.h"
+#include "signal/envelope/envelope.h"
+#include "signal/numerics/estimate.h"
+#include "signal/recording/recording.h"
+
+namespace rigfit::signal {
+
+struct DecayOptions {
+  /// Look for the decay in the record (decay_window.h). False: the samples given are the decay.
+  bool choose_window = true;
+  /// Move the start on while the first half cycle fits worse than the rest (the tail of an impact).
+  bool trim_start = true;
+  double band_low_hz = 0;     ///< modes below are not reported; 0: no limit
+  double band_high_hz = 0;    ///< modes above are not reported; 0: no limit
+  int max_modes = 6;          ///< in the band; as many outside it are fitted as well
+  double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
+  double start_time_s = 0;    ///< time of the first sample, for messages
+};
+
+struct DecayMode {
+  Estimate frequency_hz;  ///< undamped natural frequency
+  Estimate damped_frequency_hz;
+  Estimate damping_ratio;
+  Interval frequency_interval_95_hz, damping_ratio_interval_95;
+  double correlation = 0;  ///< between frequency_hz and damping_ratio
+  double amplitude = 0;    ///< at the start of the window, the signal's unit
+  double phase_rad = 0;    ///< phase of the cosine at the start of the window
+  double energy = 0;       ///< sum of squares over the window: sets the order
+  double cycles = 0;       ///< damped cycles in the window
+  /// Energy over the largest that coloured noise reaches with probability `false_alarm`.
+  double detection = 0;
+  /// Share of the signal left by other modes and background that this mode explains.
+  double r_squared = 0;
+  Estimate log_decrement;                ///< 2 pi zeta / sqrt(1 - zeta^2), per cycle, from the fit
+  Estimate damping_ratio_log_decrement;  ///< cycle by cycle (envelope.h); NaN when refused
+  std::string log_decrement_refusal;     ///< why; empty when there is one
+  /// The residual has a line beside the mode's that noise does not explain: a second mode that
+  /// beats too slowly for the record, or a mode that changes as it decays.
+  bool company = false;
+  /// Noise could look like this mode; `doubt` says why.
+  bool doubtful = false;
+  std::string doubt;
+};
+
+struct DecayResult {
+  std::string refusal_code;  ///< code for programs; empty: there is a result
+  std::string refusal;       ///< for a person: what is wrong and what would help
+
+  Eigen::Index start = 0, end = 0;  ///< window that was fitted, samples of the input
+  /// All decays of the record, in time (decay_window.h), and which of them was fitted.
+  std::vector<DecayWindow> decays;
+  std::size_t fitted_decay = 0;
+  std::vector<DecayMode> modes;  ///< strongest first
+  /// Covariance of (f_1, zeta_1, f_2, zeta_2, ...), Hz and 1, order of `modes`.
+  Eigen::MatrixXd covariance;
+  std::vector<DecayMode> steady_tones;  ///< hum: do not decay while the modes do
+  double offset = 0, drift_per_s = 0;   ///< background at the start of the window
+  double noise_std = 0;                 ///< standard deviation of the residual
+  double signal_to_noise_db = 0;        ///< strongest mode's power at the start over the noise's
+  Eigen::Index residual_order = 0;      ///< order of the autoregression; 0: white
+  Eigen::Index degrees_of_freedom = 0;
+  /// Factor on a standard uncertainty for a 95 % interval (Student).
+  double coverage_factor_95 = 1.96;
+  EnvelopeResult envelope;   ///< for the strongest mode
+  Eigen::VectorXd residual;  ///< in the window; 0 where samples are missing
+  std::vector<Note> notes;
+
+  /// Ends the result without an answer.
+  void refuse(std::string code, std::string message) {
+    refusal_code = std::move(code), refusal = std::move(message);
+  }
+  void note(std::string code, std::string message) {
+    notes.push_back({std::move(code), std::move(message), ""});
+  }
+};
+
+}  // namespace rigfit::signal
+
+namespace rigfit::describe {
+
+template <>
+struct Described<signal::DecayMode> {
+  using T = signal::DecayMode;
+  static constexpr auto counted = [](const T& m) { return m.log_decrement_refusal.empty(); };
+  static constexpr std::string_view title = "modes, strongest first";
+  static constexpr auto fields = std::tuple{
+      field("frequency_hz", &T::frequency_hz, "Hz", "frequency", "undamped natural frequency"),
+      field("damping_ratio", &T::damping_ratio, "%", "damping", "ratio to critical damping"),
+      field("frequency_interval_95_hz", ends_of(&T::frequency_interval_95_hz), "Hz", "", "95 %"),
+      field("damping_ratio_interval_95", ends_of(&T::damping_ratio_interval_95), "", "", "95 %"),
+      field("damped_frequency_hz", &T::damped_frequency_hz, "Hz", "", "f sqrt(1 - zeta^2)"),
+      field("log_decrement", &T::log_decrement, "", "", "per cycle, from the fit"),
+      field(
+          "damping_ratio_log_decrement",
+          [](const T& m) { return m.damping_ratio_log_decrement.value; }, "%", "by log decrement",
+          "from the swings, as a check", 4),
+      field("damping_ratio_log_decrement_std",
+            where(counted, [](const T& m) { return m.damping_ratio_log_decrement.std; }), "", "",
+            "standard uncertainty"),
+      field("log_decrement_refusal",
+            where([](const T& m) { return !m.log_decrement_refusal.empty(); },
+                  &T::log_decrement_refusal),
+            "", "", "why there is no log decrement"),
+      field("cycles", &T::cycles, "", "cycles", "in the window", 4),
+      field("r_squared", &T::r_squared, "", "R2", "share of the signal that the mode explains", 4),
+      field("detection", &T::detection, "", "", "energy over the most that noise reaches"),
+      field("doubtful", &T::doubtful, "", "", "noise could look like this mode"),
+      field("doubt", where(&T::doubtful, &T::doubt), "", "remark", "why"),
+      field("amplitude", &T::amplitude, "", "amplitude", "at the window's start, channel's unit",
+            4),
+      field("phase_rad", &T::phase_rad, "rad", "", "of the cosine at the window's start")};
+};
+
+}  // namespace rigfit::describe
