@@ -1,6 +1,8 @@
 // rigfit inspect: what recordings hold and whether they are fit for use.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -14,6 +16,11 @@
 #include "apps/describe/sheet.h"
 #include "apps/report/figures/figures.h"
 #include "signal/quality/quality.h"
+#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/files/foreign_formats.h"
+#include "signal/readers/files/mapped_file.h"
+#include "signal/readers/read_recording.h"
+#include "signal/readers/uff/read_uff.h"
 
 namespace rigfit::apps {
 namespace {
@@ -42,7 +49,35 @@ A file without times needs its rate:
   rigfit inspect --sample-rate 500 force.csv
 A TOML file beside a recording (hits.csv -> hits.toml) names, scales and orients its channels.)";
 
+/// Spectra and FRFs of a UFF file or a table, which are not over time; empty: the file has none.
+std::optional<signal::Recording> over_frequency(const std::string& path, VerbContext& context) {
+  if (recording_at_hand(path, context) || !context.reading.format.empty()) return std::nullopt;
+  const signal::MappedFile file(path);
+  signal::Recording functions;
+  if (signal::format_of(file.bytes()) == signal::RecordingFormat::uff) {
+    functions = signal::read_uff_functions(file.bytes(), path);
+    if (functions.sample_rate_hz > 0 || functions.time_s.size() > 0) return std::nullopt;
+  } else if (!signal::foreign_format(file.bytes())) {
+    auto table = signal::read_frequency_table(file.bytes(), path, context.reading);
+    if (!table) return std::nullopt;
+    functions.path = path;
+    functions.format = "csv";
+    functions.channels = std::move(table->functions);
+    functions.notes = std::move(table->notes);
+    const auto& f = table->frequency_hz;
+    functions.notes.push_back({"not_a_time_history",
+                               fmt::format("spectra or FRFs, {:.6g} to {:.6g} Hz in {} lines", f[0],
+                                           f[f.size() - 1], f.size()),
+                               ""});
+  }
+  if (functions.channels.empty()) return std::nullopt;
+  context.input(path);
+  tell_notes(functions, context);
+  return functions;
+}
+
 signal::Recording load(const std::string& path, VerbContext& context) {
+  if (auto functions = over_frequency(path, context)) return std::move(*functions);
   signal::Recording recording = load_untold(path, context);
   if (const auto table = load_deflection(recording); table && recording.sample_rate_hz == 0) {
     drop_time_notes(recording);
@@ -64,8 +99,13 @@ signal::Recording load(const std::string& path, VerbContext& context) {
 Json inspected(const signal::Recording& recording, VerbContext& context) {
   const std::string path = recording.path.string();
   const signal::QualityResult quality = signal::check_quality(recording);
+  const bool over_time =
+      std::none_of(recording.notes.begin(), recording.notes.end(),
+                   [](const auto& note) { return note.code == "not_a_time_history"; });
   for (const auto& channel : quality.channels) {
     for (const auto& finding : channel.findings) {
+      // Spectra neither drift nor clip; what is missing there is missing all the same.
+      if (!over_time && finding.code != "missing") continue;
       context.warn(finding.code, finding.message, path + ": " + channel.channel);
     }
   }
@@ -105,7 +145,7 @@ describe::Options options_of(InspectCommand& c) {
   using describe::option;
   return {option("FILE", c.files,
                  "Recordings: CSV and other tables of text, UFF 58, LabVIEW .lvm, WAV, MATLAB "
-                 ".mat, NumPy .npy, Excel .xlsx")
+                 ".mat, NumPy .npy, Excel .xlsx; spectra and FRFs as tables or UFF")
               .required()};
 }
 

@@ -28,6 +28,8 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
                         TensionCampaignResult& campaign) {
   constexpr double kFewestCycles = 20;  // of the lowest mode, where no band is given
   constexpr double kWidest = 16, kBeyond = 1.15;
+  constexpr double kSteady =
+      0.1;  // decay times: 10 % in the whole recording is no decay to be seen
   const auto& [name, recording] = inputs.recordings[index];
   auto& findings = campaign.result.findings;
   const bool given = inputs.band_high_hz > 0;
@@ -60,6 +62,7 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
     for (const auto& mode : found.modes) {
       const auto& frequency = mode.mode.frequency_hz;
       if ((mode.mode.doubtful && mode.code != "too_short") || !inside(frequency.value)) continue;
+      if (mode.decay_times < kSteady) continue;
       const double half = -mode.mode.pole_rad_s.real();
       const double least = half / (2 * std::numbers::pi * std::sqrt(mode.decay_times));
       MeasuredMode measured;

@@ -461,6 +461,30 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
   return recording;
 }
 
+Recording read_uff_functions(std::string_view bytes, const std::filesystem::path& path) {
+  const Uff58File file = read_uff58(bytes, path.string());
+  if (file.functions.empty()) {
+    throw RecordingError({path.string(), 1, 0, "", ""}, "holds no dataset 58",
+                         "give measured functions");
+  }
+  Functions all;
+  bool is_complex = false;
+  for (const auto& f : file.functions) {
+    if (is_time_history(f)) return read_uff(bytes, path);
+    all.push_back(&f);
+    is_complex |= f.complex;
+  }
+  Recording recording;
+  recording.path = path;
+  take_channels(file, all, bytes.size(), recording);
+  recording.notes.push_back({"not_a_time_history", "holds: " + kinds_in(file), ""});
+  if (is_complex) {
+    recording.notes.push_back({"magnitudes", "complex functions are given by magnitude", ""});
+  }
+  note_unitless(recording);
+  return recording;
+}
+
 FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) {
   const Uff58File file = read_uff58(bytes, path.string());
   return FrfCollector(file, path.string()).collect();

@@ -29,4 +29,9 @@ namespace rigfit::signal {
 /// Reads a file. Throws RecordingError.
 [[nodiscard]] FrfSet read_uff_frfs(const std::filesystem::path& path);
 
+/// Like read_uff for a file with time histories. Otherwise functions of any type become channels,
+/// to be looked at: `sample_rate_hz` stays 0 and complex values become magnitudes (both are noted).
+[[nodiscard]] Recording read_uff_functions(std::string_view bytes,
+                                           const std::filesystem::path& path);
+
 }  // namespace rigfit::signal

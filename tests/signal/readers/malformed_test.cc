@@ -22,6 +22,7 @@ void read_with_all(const std::string& bytes) {
   read_or_refuse([&] { require_sound(read_csv(bytes, "x")); });
   read_or_refuse([&] { require_sound(read_lvm(bytes, "x")); });
   read_or_refuse([&] { require_sound(read_uff(bytes, "x")); });
+  read_or_refuse([&] { require_sound(read_uff_functions(bytes, "x")); });
   read_or_refuse([&] { (void)read_uff_frfs(bytes, "x"); });
   read_or_refuse([&] { require_sound(read_uff_modes(bytes, "x")); });
 }
@@ -77,7 +78,7 @@ TEST(FuzzSeeds, AreReadable) {
   read_all("csv", [](Text bytes, Text name) { return read_csv(bytes, name); });
   read_all("lvm", [](Text bytes, Text name) { return read_lvm(bytes, name); });
   read_all("uff_modes", [](Text bytes, Text name) { return read_uff_modes(bytes, name); });
-  read_all("uff", [](Text bytes, Text name) { return read_uff(bytes, name); });
+  read_all("uff", [](Text bytes, Text name) { return read_uff_functions(bytes, name); });
 }
 
 }  // namespace
