@@ -163,8 +163,7 @@ Json run(TensionCommand& command, VerbContext& context) {
 describe::Options options_of(TensionCommand& c) {
   using describe::option;
   describe::Options options{
-      option("files", c.files, "Recordings of the cable's motion: its modes")
-          .type("FILE"),
+      option("files", c.files, "Recordings of the cable's motion: its modes").type("FILE"),
       option("--table", c.table, "Many cables, a row each (columns: ident/tension/README.md)")
           .type("CABLES.csv"),
       option("--out", c.out, "Table of the tensions of --table").writes().type("F.csv")};
