@@ -10,10 +10,24 @@
 
 #include <Eigen/Core>
 #include <span>
-
-#include "signal/spectra/frf.h"
+#include <vector>
 
 namespace rigfit::signal {
+
+/// One hit: views into recordings, all beginning at the same instant. A view shorter than the block
+/// is continued by zeros (after its offset is subtracted).
+struct FrfBlock {
+  std::span<const double> force;
+  std::vector<std::span<const double>> responses;
+  double force_offset = 0;              ///< subtracted
+  std::vector<double> response_offset;  ///< subtracted; empty: zeros
+  Eigen::Index force_first = 0;         ///< samples of force kept as they are: from this ...
+  Eigen::Index force_last = -1;         ///< ... to the one before this; -1: all of it
+  Eigen::Index force_taper = 0;         ///< samples of fading on either side, zero beyond
+  /// Samples of the block that are not noise of the force: the pulse with what may ring around it.
+  Eigen::Index pulse_first = 0, pulse_last = -1;  ///< -1: not known, nor is the noise
+  std::vector<double> response_noise_std;         ///< std of each response's noise; empty: unknown
+};
 
 struct ForceNoise {
   Eigen::VectorXd power;  ///< lines, those of tones (mains hum) as they are

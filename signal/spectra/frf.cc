@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "signal/spectra/fft.h"
-#include "signal/spectra/force_noise.h"
 #include "signal/spectra/line_means.h"
 #include "signal/spectra/window.h"
 
