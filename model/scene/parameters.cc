@@ -82,9 +82,10 @@ std::vector<ParameterAccess> scene_parameters(const Scene& scene) {
           std::tuple{".rotational_", "N m/rad", &Support::rotational}}) {
       for (int axis = 0; axis < 3; ++axis) {
         if (!std::isfinite((node.support.*stiffness)[axis])) continue;
-        add(node.name + words + axis_name[axis], unit, [k, axis, stiffness](Scene& s) -> double& {
-          return (s.nodes[k].support.*stiffness)[axis];
-        });
+        add(node.name + words + axis_name[axis], unit,
+            [k, axis, part = stiffness](Scene& s) -> double& {
+              return (s.nodes[k].support.*part)[axis];
+            });
       }
     }
   }

@@ -185,7 +185,8 @@ ResonanceFit fit_resonances(const LagSpectrum& spectrum, std::vector<FilteredSpe
                             VectorXcd poles) {
   ResonanceFit fit;
   for (int round = 0; round < kWeightRounds; ++round) {
-    for (auto& signal : signals) {
+    for (std::size_t q = 0; q < signals.size(); ++q) {
+      FilteredSpectrum& signal = signals[q];
       const double low = spectrum.omega[signal.from],
                    high = spectrum.omega[signal.from + signal.count - 1];
       signal.modes.clear();
@@ -197,6 +198,14 @@ ResonanceFit fit_resonances(const LagSpectrum& spectrum, std::vector<FilteredSpe
         }
         signal.modes.push_back(i);
       }
+      // Fewer unknowns than lines: the nearest modes.
+      const auto most = static_cast<std::size_t>((signal.count - 3) / 2);
+      const Complex own = poles[static_cast<Index>(q)];
+      std::stable_sort(signal.modes.begin(), signal.modes.end(), [&](Index a, Index b) {
+        return std::abs(poles[a] - own) < std::abs(poles[b] - own);
+      });
+      if (signal.modes.size() > most) signal.modes.resize(most);
+      std::sort(signal.modes.begin(), signal.modes.end());
       // What reaches in from the nearest modes outside: their poles are told elsewhere.
       signal.skirts = 0;
       for (const bool above : {false, true}) {
@@ -210,7 +219,8 @@ ResonanceFit fit_resonances(const LagSpectrum& spectrum, std::vector<FilteredSpe
           }
           if (nearest < 0 || above == (poles[i].imag() < poles[nearest].imag())) nearest = i;
         }
-        if (nearest >= 0) signal.modes.push_back(nearest), ++signal.skirts;
+        if (nearest < 0 || signal.modes.size() >= most) continue;
+        signal.modes.push_back(nearest), ++signal.skirts;
       }
     }
     fit = minimise(spectrum, signals, poles).fit;
