@@ -1,5 +1,5 @@
-// The numbers of members, nodes, dampers and loads that have a key in a scene file: key, unit,
-// bound and meaning, each once. The reader, the writer (read_scene.h) and the parameters
+// The numbers of members and their dampers that have a key in a scene file: key, unit, bound and
+// meaning, each once. The reader, the writer (read_scene.h) and the parameters
 // (parameters.h) walk these tables.
 #pragma once
 
