@@ -407,18 +407,16 @@ class Analysis {
                                          100 * hidden),
                              ""});
     }
-    if (test_.frfs.averages == 1) {
+    if (test_.frfs.averages <= 2) {
       test_.notes.push_back(
           {"few_hits",
-           estimate.std_from_noise_before_hit
+           test_.frfs.averages == 2
+               ? "Average more hits: error bars from two are themselves uncertain by half or more"
+           : estimate.std_from_noise_before_hit
                ? "Average several hits: one has no coherence, and its error bars come from the "
                  "noise before it"
                : "Average several hits: one has neither coherence nor error bars",
            ""});
-    } else if (test_.frfs.averages == 2) {
-      test_.notes.push_back(
-          {"two_hits",
-           "Average more hits: error bars from two are themselves uncertain by half or more", ""});
     }
   }
 

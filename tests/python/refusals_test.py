@@ -147,7 +147,7 @@ class Refusals(unittest.TestCase):
         self.both(4, "no_decay", "axial still.csv --mass 2 --length 1", rigfit.axial, "still.csv", mass=2, length=1)
         self.both(4, "no_tension", "tension --frequencies 7.36 --length 2.4 --mass-per-length 0.17 --EI 500 --ends pinned",
                   rigfit.tension, frequencies=[7.36], length=2.4, mass_per_length=0.17, EI=500, ends="pinned")
-        self.both(4, "no_peaks", "tension noise.csv --length 2.4 --mass-per-length 0.17", rigfit.tension, "noise.csv",
+        self.both(4, "no_modes", "tension noise.csv --length 2.4 --mass-per-length 0.17", rigfit.tension, "noise.csv",
                   length=2.4, mass_per_length=0.17)
         error = self.both(4, "bad_row", "tension --table cables.csv", rigfit.tension_table, "cables.csv")
         self.assertEqual([cable.name for cable in error.result.cables if "tension_N" in cable], ["a", "c"])

@@ -88,7 +88,7 @@ Json run(ModesCommand& options, VerbContext& context) {
                  options.scene);
   }
   if (!options.band.empty() && analysis.modes.empty()) {
-    context.warn("empty_band", "no natural frequency lies in the band", options.scene);
+    context.warn("no_modes", "no natural frequency lies in the band", options.scene);
   }
   for (const auto& one : analysis.left_out) {
     if (one.what.find("section inertia") == std::string::npos ||

@@ -142,7 +142,7 @@ Json one_cable(TensionCommand command, VerbContext& context) {
   if (!result.solved) std::erase_if(findings, [](const auto& f) { return f.code == "no_tension"; });
   context.tell(findings);
   if (!result.solved) {
-    throw Refused(result.message, campaign.modes.empty() ? "no_peaks" : "no_tension");
+    throw Refused(result.message, campaign.modes.empty() ? "no_modes" : "no_tension");
   }
   describe::print(context.out, describe::sheet_of(result));
   if (context.plots) context.plots->add(tension_blocks("tension", result));

@@ -53,7 +53,7 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
     try {
       found = signal::ambient_modes(recording, options);
     } catch (const signal::RecordingError& error) {
-      findings.push_back({"no_peaks", error.what(), "", true});  // it names the file
+      findings.push_back({"no_modes", error.what(), "", true});  // it names the file
       return;
     }
     const auto inside = [&](double hz) { return hz >= from && (hz < to || k + 1 == bands); };
@@ -83,7 +83,7 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
          name, false});
   }
   if (campaign.peaks.size() == before) {
-    findings.push_back({"no_peaks", "no mode stands out of the noise", name, false});
+    findings.push_back({"no_modes", "no mode stands out of the noise", name, false});
   }
 }
 

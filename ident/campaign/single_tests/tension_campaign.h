@@ -64,7 +64,7 @@ struct TensionPeak {
 struct TensionCampaignResult {
   std::vector<TensionPeak> peaks;   ///< modes of the recordings, in their order
   std::vector<MeasuredMode> modes;  ///< merged modes to which the tension is fitted
-  /// `tension.solved` false: see its message. Warnings: "no_peaks",
+  /// `tension.solved` false: see its message. Warnings: "no_modes",
   /// "steady_tone" and those of tension_findings.
   CableTestResult result;
 };

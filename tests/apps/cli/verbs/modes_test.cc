@@ -72,7 +72,7 @@ TEST(ModesVerb, OptionsOfTheModel) {
   const auto json = parsed(empty.out);
   EXPECT_TRUE(json["modes"].empty());
   ASSERT_GE(json["warnings"].size(), 1u);
-  EXPECT_EQ(json["warnings"][0]["code"], "empty_band");
+  EXPECT_EQ(json["warnings"][0]["code"], "no_modes");
 
   EXPECT_EQ(document_of("modes {} --torsion on --shapes",
                         {folder.write("twist.toml", kCable)})["modes"][0]["shape"][0]["twist"]
