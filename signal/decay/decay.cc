@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "signal/decay/decay_background.h"
 #include "signal/decay/decay_clipping.h"
@@ -51,7 +54,7 @@ class Estimation {
   DecayResult run() {
     if (!usable() || !choose_window() || !take_samples() || !find_modes()) return result_;
     if (!leave_out_clipped()) return result_;
-    if (!leave_out_background()) return result_;
+    add_background();
     leave_out_the_tail();
     trim_start();
     if (moved_start_) {
@@ -59,21 +62,12 @@ class Estimation {
                    fmt::format("the fit starts at {:.6g} s, after the impact or release",
                                time_of(result_.start)));
     }
-    stretches_.start = result_.start, stretches_.end = result_.end;
-    fit_->unit_covariance = covariance_beside(y_, stretches_, *fit_, background_);
-    fit_->degrees -= background_.parameters();
-    if (fit_->unit_covariance.size() == 0 || fit_->degrees < 1) {
-      result_.refuse("too_noisy",
-                     "modes and steady tones cannot be told apart in so short a record");
-      return result_;
-    }
-    for (const auto& term : background_.terms) {
-      if (!term.tone()) continue;
-      DecayMode steady;
-      steady.frequency_hz.value = steady.damped_frequency_hz.value =
-          term.rate.imag() / kTwoPi * rate_;
-      steady.amplitude = std::abs(term.amplitude);
-      result_.steady_tones.push_back(steady);
+    // An offset is the last: more modes may have been found beside it.
+    auto poles = fit_->poles;
+    const auto offset = std::ranges::find_if(poles, is_offset);
+    if (offset != poles.end()) {
+      std::rotate(offset, offset + 1, poles.end());
+      if (auto fit = fit_poles(samples_, poles)) fit_ = std::move(fit);
     }
     judge_decay(*fit_, band_, rate_, options_.false_alarm, result_);
     return result_;
@@ -154,8 +148,15 @@ class Estimation {
     return false;
   }
 
+  /// To the window's end, with what other samples say.
+  [[nodiscard]] DecaySamples samples_from(Index start) const {
+    DecaySamples samples = decay_samples(y_, start, result_.end);
+    for (const KnownTone& tone : tones_) samples.known.push_back(tone.at(start - tones_from_));
+    return samples;
+  }
+
   bool take_samples() {
-    samples_ = decay_samples(y_, result_.start, result_.end);
+    samples_ = samples_from(result_.start);
     if (!enough()) return false;
     const auto lost = static_cast<Index>(samples_.missing.size());
     if (5 * lost > samples_.values.size()) {
@@ -173,7 +174,7 @@ class Estimation {
   }
 
   bool find_modes() {
-    fit_ = find_decay_modes(samples_, band_, search_, peaks_);
+    fit_ = find_decay_modes(samples_, band_, search_, std::exchange(peaks_, {}));
     if (fit_) return true;
     result_.refuse(
         "too_noisy",
@@ -193,61 +194,77 @@ class Estimation {
             "missing",
             clipped.size(),
             time_of(result_.start + *std::max_element(clipped.begin(), clipped.end()))));
-    samples_ = decay_samples(y_, result_.start, result_.end);
-    peaks_.clear();
+    samples_ = samples_from(result_.start);
     return enough() && find_modes();
   }
 
-  // Steady tones, from where they stand alone, and an offset that dies away; the modes are looked
-  // for anew without them.
-  bool leave_out_background() {
+  // Steady tones and an offset that dies away; more modes are looked for beside them.
+  void add_background() {
+    Index quiet = 0;
     if (result_.fitted_decay == 0 && moved_start_) {
       // A cycle and a half before the impact belongs to it.
       const double cycle = kTwoPi / fit_->poles[strongest_mode(*fit_, band_)].imag();
-      stretches_.quiet = std::max<Index>(
+      quiet = std::max<Index>(
           0,
           result_.start - static_cast<Index>(std::ceil(0.5 * cycle + 1.5 * std::max(cycle, 8.0))));
     }
-    const Eigen::VectorXd with = y_;
-    const auto without = [&](DecayBackground background) {
-      background_ = std::move(background);
-      y_ = with - background_.at_samples(0, with.size());
-      samples_ = decay_samples(y_, result_.start, result_.end);
-      peaks_.clear();
-      return find_modes();
-    };
     // Twice: the first modes may hold one that is spent on a tone.
     for (int turn = 0; turn < 2; ++turn) {
-      stretches_.start = result_.start, stretches_.end = result_.end;
-      auto tones = find_tones(with, stretches_, *fit_, options_.false_alarm);
-      if (tones.terms.empty()) break;
-      if (!without(std::move(tones))) return false;
+      tones_ = steady_tones(y_, quiet, result_.start, result_.end, *fit_, options_.false_alarm);
+      tones_from_ = result_.start;
+      samples_ = samples_from(result_.start);
+      if (tones_.empty()) break;
+      std::vector<Complex> poles;
+      for (const KnownTone& tone : tones_) poles.emplace_back(0, tone.value(2));
+      if (!look_beside(poles)) break;
     }
-    stretches_.start = result_.start, stretches_.end = result_.end;
-    DecayBackground more = background_;
-    if (!add_offset(with, stretches_, *fit_, options_.false_alarm, more)) return true;
+    const auto joint = with_offset(samples_, *fit_, options_.false_alarm);
+    if (!joint) return;
+    std::vector<Complex> poles;
+    std::ranges::copy_if(joint->poles, std::back_inserter(poles),
+                         [](Complex p) { return is_tone(p) || is_offset(p); });
+    if (!look_beside(poles)) return;
     result_.note(
         "decaying_offset",
-        fmt::format("an offset of {:.4g} that dies away with a time constant of {:.3g} s was "
-                    "fitted with the modes (an amplifier's high-pass?)",
-                    more.terms.back().amplitude.real(),
-                    -1 / (more.terms.back().rate.real() * rate_)));
-    return without(std::move(more));
+        fmt::format("an offset of {:.4g} that dies away with a time constant of {:.3g} s "
+                    "was fitted with the modes (an amplifier's high-pass?)",
+                    joint->amplitudes.back().real(), -1 / (joint->poles.back().real() * rate_)));
+  }
+
+  /// The strongest mode that was not spent on one of `poles`, tones and an offset, and what more
+  /// stands out beside these; false where they cannot be told apart.
+  bool look_beside(std::vector<Complex> poles) {
+    const auto n = static_cast<double>(fit_->samples);
+    double most = 0;
+    std::optional<Complex> strongest;
+    for (std::size_t m = 0; m < fit_->poles.size(); ++m) {
+      const Complex pole = fit_->poles[m];
+      const bool spent = std::ranges::any_of(poles, [&](Complex other) {
+        return std::abs(pole.imag() - other.imag()) < kTwoPi / n && std::abs(pole.real()) * n < 0.3;
+      });
+      const double energy = spent || is_offset(pole) ? 0 : mode_energy(*fit_, m);
+      if (energy > most) most = energy, strongest = pole;
+    }
+    if (strongest) poles.push_back(*strongest);
+    auto fit = find_decay_modes(samples_, band_, search_, {}, poles);
+    if (fit) fit_ = std::move(fit);
+    return fit.has_value();
   }
 
   // Behind what the slowest mode has left the record only costs time and invites drift.
   void leave_out_the_tail() {
     double slowest = std::numeric_limits<double>::infinity();
-    for (const Complex p : fit_->poles) slowest = std::min(slowest, -p.real());
+    for (const Complex p : fit_->poles) {
+      if (!is_tone(p) && !is_offset(p)) slowest = std::min(slowest, -p.real());
+    }
     const double tail = kTailTimeConstants / std::max(slowest, 1e-300);
     if (!(tail < 0.8 * static_cast<double>(fit_->samples) &&
           tail > 4.0 * static_cast<double>(6 * fit_->poles.size()))) {
       return;
     }
     result_.end = result_.start + static_cast<Index>(std::ceil(tail));
-    samples_ = decay_samples(y_, result_.start, result_.end);
-    auto again = fit_damped_sinusoids(samples_.values, fit_->poles, {}, samples_.missing);
-    if (again.unit_covariance.size() > 0) fit_ = std::move(again);
+    samples_ = samples_from(result_.start);
+    if (auto again = fit_poles(samples_, fit_->poles)) fit_ = std::move(again);
   }
 
   // Moves the start on by half a cycle of the strongest mode at a time, while the first half cycle
@@ -260,8 +277,11 @@ class Estimation {
     while (const Index shift = start_shift()) {
       const Index next = result_.start + shift;
       if (static_cast<double>(next - first) > most) return;
-      DecaySamples samples = decay_samples(y_, next, result_.end);
-      auto fit = find_decay_modes(samples, band_, search_);
+      DecaySamples samples = samples_from(next);
+      const bool beside =
+          std::ranges::any_of(fit_->poles, [](Complex p) { return is_tone(p) || is_offset(p); });
+      auto fit = find_decay_modes(samples, band_, search_, {},
+                                  beside ? fit_->poles : std::vector<Complex>());
       if (!fit) return;
       result_.start = next, samples_ = std::move(samples), fit_ = std::move(fit);
       moved_start_ = true;
@@ -283,7 +303,7 @@ class Estimation {
     return options_.start_time_s + static_cast<double>(sample) / rate_;
   }
 
-  Eigen::VectorXd y_;  // without the background, once it is known
+  Eigen::VectorXd y_;
   double rate_;
   const DecayOptions& options_;
   DecayBand band_;
@@ -292,8 +312,8 @@ class Estimation {
   DecaySamples samples_;
   std::vector<DecayCandidate> peaks_;  // in the window, where they are known
   std::optional<DampedSinusoidsFit> fit_;
-  DecayBackground background_;
-  BackgroundStretches stretches_;
+  std::vector<KnownTone> tones_;  // amplitudes at `tones_from_`, a sample of the record
+  Index tones_from_ = 0;
   bool moved_start_ = false;
 };
 

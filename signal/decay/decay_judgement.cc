@@ -62,9 +62,14 @@ struct DescribedFit {
   }
 };
 
+/// Number of poles without a decaying offset, which is the last.
+std::size_t oscillations(const DampedSinusoidsFit& fit) {
+  return fit.poles.size() - (is_offset(fit.poles.back()) ? 1 : 0);
+}
+
 // d (f, zeta) of every mode / d parameters of the fit.
 Eigen::MatrixXd mode_jacobian(const DampedSinusoidsFit& fit, double rate) {
-  const auto modes = static_cast<Index>(fit.poles.size());
+  const auto modes = static_cast<Index>(oscillations(fit));
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 * modes, fit.unit_covariance.rows());
   for (Index m = 0; m < modes; ++m) {
     const Complex p = fit.poles[static_cast<std::size_t>(m)];
@@ -143,7 +148,7 @@ DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate, double fal
   const double factor = gsl_cdf_tdist_Pinv(0.975, static_cast<double>(fit.degrees));
   const auto n = static_cast<double>(fit.samples);
   Eigen::VectorXd scale(out.covariance.rows());
-  for (std::size_t m = 0; m < fit.poles.size(); ++m) {
+  for (std::size_t m = 0; m < oscillations(fit); ++m) {
     const Complex p = fit.poles[m];
     const auto k = static_cast<Index>(2 * m), s = 2 * k + 2, w = s + 1;
     const double variance = out.noise.white_equivalent(p.imag() / kTwoPi);
@@ -232,8 +237,8 @@ class Judgement {
     const bool decays =
         std::any_of(d_.fall.begin(), d_.fall.end(), [](double f) { return f > 0.5; });
     for (const std::size_t m : order) {
-      // Known to change by less than a tenth over the record while others decay: hum.
-      if (decays && std::abs(d_.fall[m]) + 2 * d_.fall_std[m] < 0.1) {
+      // Hum, or known to change by less than a tenth over the record while others decay.
+      if (is_tone(d_.fit.poles[m]) || (decays && std::abs(d_.fall[m]) + 2 * d_.fall_std[m] < 0.1)) {
         result_.steady_tones.push_back(d_.modes[m]);
       } else if (band_.contains(d_.fit.poles[m])) {
         const bool grows = d_.fall[m] < -0.05 && d_.fall[m] + 3 * d_.fall_std[m] < 0;

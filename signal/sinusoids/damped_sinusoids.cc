@@ -38,9 +38,26 @@ struct Column {
 class Problem {
  public:
   Problem(const Eigen::Ref<const Eigen::VectorXd>& y, std::span<const Index> missing,
-          std::size_t modes, int background_terms)
-      : y_(y), missing_(missing), n_(y.size()), m_(modes), background_(background_terms) {
+          std::span<const Complex> start, const DampedSinusoidsOptions& options)
+      : poles(start.begin(), start.end()),
+        y_(y),
+        missing_(missing),
+        n_(y.size()),
+        m_(start.size()),
+        background_(options.background_terms) {
     const auto m = static_cast<Index>(m_);
+    for (Index k = 0; k < m; ++k) {
+      const Complex pole = start[static_cast<std::size_t>(k)];
+      linear_.push_back(2 * k);
+      if (!is_offset(pole)) linear_.push_back(2 * k + 1);
+      if (!is_tone(pole)) moving_.push_back(2 * k);
+      if (!is_offset(pole)) moving_.push_back(2 * k + 1);
+    }
+    for (Index b = 0; b < background_; ++b) linear_.push_back(2 * m + b);
+    const std::size_t known = std::min(m_, options.known.size());
+    if (known > 0 && is_tone(start[0])) known_ = options.known.first(known);
+    free_ = linear_;
+    for (const Index k : moving_) free_.push_back(linear() + k);
     block_ = std::clamp<Index>(n_, 1, kBlock);
     const Index blocks = (n_ + block_ - 1) / block_;
     times_ = Eigen::ArrayXd::LinSpaced(blocks, 0, static_cast<double>((blocks - 1) * block_)) /
@@ -58,6 +75,7 @@ class Problem {
   }
 
   Index parameters() const { return 4 * static_cast<Index>(m_) + background_; }
+  Index unknowns() const { return static_cast<Index>(free_.size()); }
   Index linear() const { return 2 * static_cast<Index>(m_) + background_; }
 
   std::vector<Complex> poles, amplitudes;
@@ -105,43 +123,31 @@ class Problem {
 
   // Pole steps (per sample) for the Levenberg-Marquardt parameter; false when singular. `newton`:
   // with the second derivatives, where they leave the functional convex.
-  bool step(double lambda, std::optional<Index> held, bool newton, Eigen::VectorXd& pole_step,
-            double& step_norm_squared) {
-    const Index nl = linear(), nn = 2 * static_cast<Index>(m_);
-    if (!(normal.gram.diagonal().minCoeff() > 0)) return false;
-    const ScaledGram amplitudes_only(normal.gram.topLeftCorner(nl, nl));
+  bool step(double lambda, bool newton, Eigen::VectorXd& pole_step, double& step_norm_squared) {
+    const auto& [gram, curvature, gradient] = normal;
+    const std::vector<Index> moving(free_.begin() + std::ssize(linear_), free_.end());
+    const Eigen::MatrixXd of_poles = gram(moving, moving), both = gram(linear_, moving);
+    const ScaledGram amplitudes_only(gram(linear_, linear_));
     if (!amplitudes_only.usable()) return false;
-    const Eigen::MatrixXd coupling = amplitudes_only.solve(normal.gram.topRightCorner(nl, nn));
-    Eigen::MatrixXd plain =
-        normal.gram.bottomRightCorner(nn, nn) - normal.gram.bottomLeftCorner(nn, nl) * coupling;
+    const Eigen::MatrixXd coupling = amplitudes_only.solve(both);
+    const Eigen::MatrixXd plain = of_poles - both.transpose() * coupling;
     // What is left of the poles' columns must be more than rounding.
-    if (!(plain.diagonal().array() > 1e-14 * normal.gram.diagonal().tail(nn).array()).all())
-      return false;
-    Eigen::VectorXd g = normal.gradient.tail(nn) - coupling.transpose() * normal.gradient.head(nl);
-    const auto hold = [&](Eigen::MatrixXd& matrix) {
-      if (!held) return;
-      const double own = matrix(*held, *held);
-      matrix.row(*held).setZero();
-      matrix.col(*held).setZero();
-      matrix(*held, *held) = own;
-    };
-    hold(plain);
-    if (held) g(*held) = 0;
+    if (!(plain.diagonal().array() > 1e-14 * of_poles.diagonal().array()).all()) return false;
+    const Eigen::VectorXd g = gradient(moving) - coupling.transpose() * gradient(linear_);
     const auto solve = [&](Eigen::MatrixXd matrix) {
       matrix.diagonal() *= 1 + lambda;
       const ScaledGram factor(matrix);
       if (!factor.usable()) return false;
       const Eigen::VectorXd delta = factor.solve_vector(g);
       step_norm_squared = delta.dot(plain * delta);
-      pole_step = delta / static_cast<double>(n_);
+      pole_step.setZero(2 * static_cast<Index>(m_));
+      pole_step(moving_) = delta / static_cast<double>(n_);
       return pole_step.allFinite();
     };
     if (newton) {
-      Eigen::MatrixXd mixed = normal.gram.topRightCorner(nl, nn) - normal.curvature.topRows(nl);
-      Eigen::MatrixXd curved = normal.gram.bottomRightCorner(nn, nn) -
-                               normal.curvature.bottomRows(nn) -
-                               mixed.transpose() * amplitudes_only.solve(mixed);
-      hold(curved);
+      const Eigen::MatrixXd mixed = both - curvature(linear_, moving_);
+      Eigen::MatrixXd curved =
+          of_poles - curvature(moving, moving_) - mixed.transpose() * amplitudes_only.solve(mixed);
       if ((curved.diagonal().array() > 0).all() && solve(std::move(curved))) return true;
     }
     return solve(plain);
@@ -154,10 +160,11 @@ class Problem {
     fit.drift = background[1];
     fit.residual_sum_squares = sum_squares;
     fit.samples = n_;
-    fit.degrees = n_ - static_cast<Index>(missing_.size()) - parameters();
+    fit.degrees = n_ - static_cast<Index>(missing_.size()) - unknowns() +
+                  3 * static_cast<Index>(known_.size());
     fit.residual = residual_;
     // From this class's order and scale (linear ones first, poles times N) to the public one.
-    std::vector<Index> from;
+    std::vector<Index> from, free;
     Eigen::VectorXd factor = Eigen::VectorXd::Ones(parameters());
     for (Index m = 0; m < heads_.cols(); ++m) {
       const Index pole = linear() + 2 * m;
@@ -166,9 +173,14 @@ class Problem {
     }
     for (Index b = 2 * heads_.cols(); b < linear(); ++b) from.push_back(b);
     fit.jacobian_gram = factor.asDiagonal() * normal.gram(from, from).eval() * factor.asDiagonal();
-    if (fit.jacobian_gram.diagonal().minCoeff() > 0) {
-      const ScaledGram factored(fit.jacobian_gram);
-      if (factored.usable()) fit.unit_covariance = factored.inverse();
+    for (Index k = 0; k < parameters(); ++k) {
+      const Index own = from[static_cast<std::size_t>(k)];
+      if (std::ranges::find(free_, own) != free_.end()) free.push_back(k);
+    }
+    const ScaledGram factored(fit.jacobian_gram(free, free));
+    if (factored.usable()) {
+      fit.unit_covariance.setZero(parameters(), parameters());
+      fit.unit_covariance(free, free) = factored.inverse();
     }
     if (fit.unit_covariance.size() == 0) fit.end = DampedSinusoidsFit::End::rank_deficient;
   }
@@ -234,15 +246,22 @@ class Problem {
       normal.gradient(static_cast<Index>(k)) =
           re_product(list[k].factor, list[k].power ? p.one : p.zero);
     }
+    for (std::size_t k = 0; k < known_.size(); ++k) {
+      const auto& [value, information] = known_[k];
+      const Eigen::Vector3d apart =
+          value - Eigen::Vector3d(amplitudes[k].real(), amplitudes[k].imag(), poles[k].imag());
+      const Eigen::Vector3d pull = information * apart;
+      sum_squares += apart.dot(pull);
+      normal.gradient(of_tone(k)) += per_parameter().cwiseProduct(pull);
+    }
   }
 
   /// Moves the linear parameters by `x` to where the gradient says that they belong.
   bool solve_linear(Eigen::VectorXd& x) {
-    const Index nl = linear();
-    if (!(normal.gram.diagonal().head(nl).minCoeff() > 0)) return false;
-    const ScaledGram factor(normal.gram.topLeftCorner(nl, nl));
+    const ScaledGram factor(normal.gram(linear_, linear_));
     if (!factor.usable()) return false;
-    x = factor.solve_vector(normal.gradient.head(nl));
+    x.setZero(linear());
+    x(linear_) = factor.solve_vector(normal.gradient(linear_));
     for (std::size_t m = 0; m < m_; ++m) {
       amplitudes[m] += Complex(x(2 * static_cast<Index>(m)), x(2 * static_cast<Index>(m) + 1));
     }
@@ -266,6 +285,13 @@ class Problem {
     }
     return list;
   }
+
+  /// Re C, Im C and Im p of a tone, and their change with this class's parameters.
+  std::array<Index, 3> of_tone(std::size_t k) const {
+    const auto c = static_cast<Index>(2 * k);
+    return {c, c + 1, linear() + c + 1};
+  }
+  Eigen::Vector3d per_parameter() const { return {1, 1, 1 / static_cast<double>(n_)}; }
 
   Complex pole_of(std::size_t mode) const { return mode == m_ ? Complex(0) : poles[mode]; }
 
@@ -305,6 +331,10 @@ class Problem {
       }
       normal.gram -= row * row.transpose();
     }
+    for (std::size_t k = 0; k < known_.size(); ++k) {
+      const Eigen::DiagonalMatrix<double, 3> scale(per_parameter());
+      normal.gram(of_tone(k), of_tone(k)) += scale * known_[k].information * scale;
+    }
   }
 
   // The residual's products with second derivatives: each mode's with its own parameters only.
@@ -325,6 +355,9 @@ class Problem {
   Index n_, block_;
   std::size_t m_;
   int background_;
+  std::span<const KnownTone> known_;  // of the first poles
+  // What is free: linear parameters, parts of poles (2 m real, 2 m + 1 imaginary), all parameters.
+  std::vector<Index> linear_, moving_, free_;
   Eigen::ArrayXd times_;    // j/N of the first sample of each block
   Eigen::ArrayXXcd heads_;  // z^j there, by block and mode
   // Re z^l and Im z^l of each mode, 1 and l/N; the modes' times l/N, and times its square.
@@ -340,16 +373,15 @@ DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>&
                                         std::span<const Complex> poles,
                                         const DampedSinusoidsOptions& options,
                                         std::span<const Index> missing) {
-  Problem problem(y, missing, poles.size(), options.background_terms);
+  Problem problem(y, missing, poles, options);
   const auto present = y.size() - static_cast<Index>(missing.size());
-  if (present <= problem.parameters()) {
+  if (present <= problem.unknowns()) {
     throw std::invalid_argument("damped sinusoids: fewer samples than parameters");
   }
   const double n = static_cast<double>(y.size());
-  const auto degrees = static_cast<double>(present - problem.parameters());
+  const auto degrees = static_cast<double>(present - problem.unknowns());
   const double total = y.squaredNorm();
   DampedSinusoidsFit fit;
-  problem.poles.assign(poles.begin(), poles.end());
   if (!problem.evaluate()) {
     fit.poles = problem.poles;
     fit.amplitudes.assign(poles.size(), 0.0);
@@ -367,8 +399,7 @@ DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>&
   auto normal = problem.normal;
   for (fit.iterations = 0; fit.iterations < options.max_iterations; ++fit.iterations) {
     double norm_squared = 0;
-    if (!problem.step(lambda, options.held, fit.iterations >= kGaussNewtonSteps, step,
-                      norm_squared)) {
+    if (!problem.step(lambda, fit.iterations >= kGaussNewtonSteps, step, norm_squared)) {
       fit.end = DampedSinusoidsFit::End::rank_deficient;
       break;
     }
@@ -387,7 +418,9 @@ DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>&
       // A pole may grow by no more than e^3 over the record, so that nothing overflows; below a
       // quarter of a cycle a sinusoid is a polynomial that the background has already.
       next.real(std::clamp(next.real(), -30.0, 3.0 / n));
-      next.imag(std::clamp(next.imag(), 0.5 * std::numbers::pi / n, std::numbers::pi));
+      if (!is_offset(next)) {
+        next.imag(std::clamp(next.imag(), 0.5 * std::numbers::pi / n, std::numbers::pi));
+      }
       problem.poles[m] = next;
     }
     const bool better = problem.evaluate() && problem.sum_squares <= best;
@@ -415,6 +448,15 @@ DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>&
   problem.fill(fit);
   if (fit.end != DampedSinusoidsFit::End::rank_deficient) fit.end = end;
   return fit;
+}
+
+KnownTone KnownTone::at(Index later) const {
+  const Complex turn = std::polar(1.0, value(2) * static_cast<double>(later));
+  const Complex c = Complex(value(0), value(1)) * turn;
+  Eigen::Matrix3d back;  // derivatives of these by those
+  back << turn.real(), turn.imag(), 0, -turn.imag(), turn.real(), 0, 0, 0, 1;
+  back.topRightCorner<2, 1>() = static_cast<double>(later) * Eigen::Vector2d(value(1), -value(0));
+  return {{c.real(), c.imag(), value(2)}, back.transpose() * information * back};
 }
 
 Eigen::VectorXd DampedSinusoidsFit::mode_signal(std::size_t m) const {

@@ -7,25 +7,34 @@
 // form), after four of them by Newton's, damped after Levenberg and Marquardt. Every Gram matrix is
 // a sum of j^k q^j, evaluated by doubling in O(log N); only the products with the data cost O(N).
 // With white Gaussian noise this is the maximum-likelihood estimate and reaches the Cramer-Rao
-// bound. Sources: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49;
-// Ruhe and Wedin, SIAM Review 22 (1980) 318.
+// bound. A pole on an axis stays on it: one whose real part is 0 is a steady tone, one whose
+// imaginary part is 0 (its amplitude real) an offset that dies away. Sources: Golub and Pereyra,
+// SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49; Ruhe and Wedin, SIAM Review 22
+// (1980) 318.
 #pragma once
 
 #include <Eigen/Core>
 #include <complex>
-#include <optional>
 #include <span>
 #include <vector>
 
 namespace rigfit::signal {
 
+/// What other samples say of a steady tone.
+struct KnownTone {
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();        ///< Re C, Im C and Im p
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< inverse of their unit covariance
+
+  /// The same, C that of the sample `later`.
+  [[nodiscard]] KnownTone at(Eigen::Index later) const;
+};
+
 struct DampedSinusoidsOptions {
   int background_terms = 2;   ///< 0: none, 1: offset, 2: offset and drift
   int max_iterations = 60;    ///< steps, taken or refused
   double step_in_std = 1e-3;  ///< stop when a step is this small against the standard uncertainties
-  /// Index of a part of a pole that keeps its starting value: 2 m for the real, 2 m + 1 for the
-  /// imaginary part of pole m. Degrees of freedom and covariance are those of the free fit.
-  std::optional<Eigen::Index> held;
+  /// Of the first poles, where they are tones: counts as three more samples each.
+  std::span<const KnownTone> known;
 };
 
 struct DampedSinusoidsFit {
@@ -40,11 +49,12 @@ struct DampedSinusoidsFit {
   double drift = 0;                              ///< over the whole of N samples
   double residual_sum_squares = 0;
   Eigen::Index samples = 0;  ///< N, with the missing ones
-  Eigen::Index degrees = 0;  ///< samples present less parameters
+  Eigen::Index degrees = 0;  ///< samples present less free parameters
   Eigen::VectorXd residual;  ///< N; 0 where missing
   Eigen::MatrixXd
       jacobian_gram;  ///< J'J, parameters (Re C, Im C, Re p, Im p) per mode, then c0, c1
-  Eigen::MatrixXd unit_covariance;  ///< (J'J)^-1; empty when rank-deficient
+  /// (J'J)^-1 of the free parameters, 0 for the others; empty when rank-deficient.
+  Eigen::MatrixXd unit_covariance;
   int iterations = 0;
   End end = End::iterations;
 
@@ -53,6 +63,12 @@ struct DampedSinusoidsFit {
   /// `count` rows of J from `first` on; columns in the order of `jacobian_gram`.
   [[nodiscard]] Eigen::MatrixXd jacobian_rows(Eigen::Index first, Eigen::Index count) const;
 };
+
+[[nodiscard]] constexpr bool is_tone(std::complex<double> pole) { return pole.real() == 0; }
+[[nodiscard]] constexpr bool is_offset(std::complex<double> pole) { return pole.imag() == 0; }
+
+/// Time constants over the record of a start that is no steady tone.
+inline constexpr double kFreeDecay = 1e-6;
 
 /// Fits `y` from the starting poles (per sample). `missing` lists samples to leave out (y there
 /// must be 0). Needs more samples than parameters, else std::invalid_argument.

@@ -54,12 +54,10 @@ class DecayModeSearch {
     }
     std::optional<DampedSinusoidsFit> best;
     for (const auto& start : starts) {
-      auto fit =
-          fit_damped_sinusoids(samples_.values, std::span(&start.pole, 1), {}, samples_.missing);
-      if (!plausible_decay(fit.poles[0], n_) || fit.unit_covariance.size() == 0) continue;
-      if (!oscillates(fit)) continue;
-      if (!passes_fisher(x.squaredNorm() - fit.residual_sum_squares, fit)) continue;
-      if (!best || fit.residual_sum_squares < best->residual_sum_squares) best = std::move(fit);
+      auto fit = fit_poles(samples_, {start.pole});
+      if (!fit || !plausible_decay(fit->poles[0], n_) || !oscillates(*fit)) continue;
+      if (!passes_fisher(x.squaredNorm() - fit->residual_sum_squares, *fit)) continue;
+      if (!best || fit->residual_sum_squares < best->residual_sum_squares) best = std::move(fit);
     }
     return best;
   }
@@ -75,9 +73,8 @@ class DecayModeSearch {
       poles.push_back(candidate.pole);
       const auto needed = static_cast<Index>(4 * poles.size() + 2);
       if (n_ - static_cast<Index>(samples_.missing.size()) <= needed + 2) return {};
-      auto more = fit_damped_sinusoids(samples_.values, poles, {}, samples_.missing);
-      if (more.unit_covariance.size() == 0) continue;
-      if (worthwhile(fit, more, candidate.noise_variance)) return more;
+      auto more = fit_poles(samples_, poles);
+      if (more && worthwhile(fit, *more, candidate.noise_variance)) return more;
     }
     return {};
   }
@@ -100,8 +97,8 @@ class DecayModeSearch {
     // The new one last, where `worthwhile` looks for it.
     const bool swap = std::abs(pair[0] - fit.poles[m]) > std::abs(pair[1] - fit.poles[m]);
     poles.push_back(pair[swap ? 1 : 0]), poles.push_back(pair[swap ? 0 : 1]);
-    auto more = fit_damped_sinusoids(samples_.values, poles, {}, samples_.missing);
-    if (more.unit_covariance.size() == 0 || !worthwhile(fit, more, noise)) return {};
+    auto more = fit_poles(samples_, poles);
+    if (!more || !worthwhile(fit, *more, noise)) return {};
     return more;
   }
 
@@ -122,6 +119,7 @@ class DecayModeSearch {
     if (more.degrees < kFewDegrees && !passes_fisher(gain, more)) return false;
     const double white = more.residual_sum_squares / static_cast<double>(more.degrees);
     for (std::size_t m = 0; m < more.poles.size(); ++m) {
+      if (is_offset(more.poles[m])) continue;
       if (!plausible_decay(more.poles[m], n_)) return false;
       const auto k = static_cast<Index>(4 * m);
       const double a_std = std::sqrt(white * more.unit_covariance(k + 2, k + 2));
@@ -226,6 +224,7 @@ std::optional<std::size_t> passing_for_noise(const DampedSinusoidsFit& fit, doub
   std::optional<std::size_t> weakest;
   double least = 1;
   for (std::size_t m = 0; m < fit.poles.size(); ++m) {
+    if (is_tone(fit.poles[m]) || is_offset(fit.poles[m])) continue;
     double widening = 1;
     for (Index k = 0; k < 4; ++k) {
       widening = std::max(widening, uneven.widening(4 * static_cast<Index>(m) + k));
@@ -239,6 +238,17 @@ std::optional<std::size_t> passing_for_noise(const DampedSinusoidsFit& fit, doub
 
 }  // namespace
 
+std::optional<DampedSinusoidsFit> fit_poles(const DecaySamples& samples,
+                                            const std::vector<Complex>& poles) {
+  const auto present = samples.values.size() - static_cast<Index>(samples.missing.size());
+  if (present <= 4 * static_cast<Index>(poles.size()) + 2) return {};
+  DampedSinusoidsOptions options;
+  options.known = samples.known;
+  auto fit = fit_damped_sinusoids(samples.values, poles, options, samples.missing);
+  if (fit.unit_covariance.size() == 0) return {};
+  return fit;
+}
+
 DecaySamples decay_samples(const Eigen::Ref<const Eigen::VectorXd>& y, Index start, Index end) {
   DecaySamples s;
   s.values = y.segment(start, end - start);
@@ -250,7 +260,7 @@ DecaySamples decay_samples(const Eigen::Ref<const Eigen::VectorXd>& y, Index sta
 
 bool DecayBand::contains(Complex pole) const {
   const double f = std::abs(pole) / kTwoPi;
-  return all || (f >= low && f <= high);
+  return !is_tone(pole) && !is_offset(pole) && (all || (f >= low && f <= high));
 }
 
 bool plausible_decay(Complex pole, Index samples) {
@@ -272,9 +282,10 @@ double mode_energy(const DampedSinusoidsFit& fit, std::size_t m) {
 std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
                                                    const DecayBand& band,
                                                    const DecayModesOptions& options,
-                                                   const std::vector<DecayCandidate>& peaks) {
+                                                   const std::vector<DecayCandidate>& peaks,
+                                                   const std::vector<Complex>& known) {
   DecayModeSearch search(samples, options);
-  auto fit = search.first(peaks);
+  auto fit = known.empty() ? search.first(peaks) : fit_poles(samples, known);
   if (!fit) return fit;
   const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
   while (fit->poles.size() < limit * (band.all ? 1 : 2)) {
@@ -283,23 +294,23 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
     if (!more) break;
     fit = std::move(more);
   }
-  const auto inside = [&] {
-    return static_cast<std::size_t>(std::count_if(fit->poles.begin(), fit->poles.end(),
-                                                  [&](Complex p) { return band.contains(p); }));
+  const auto count = [&](const DecayBand& in) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(fit->poles, [&](Complex p) { return in.contains(p); }));
   };
-  while (!band.all && inside() < limit && fit->poles.size() < 3 * limit) {
+  while (!band.all && count(band) < limit && fit->poles.size() < 3 * limit) {
     auto more = search.next(*fit, band.low, band.high);
     if (!more) break;
     fit = std::move(more);
   }
   // Not before all modes are found: what is left of a mode looks like noise of its own envelope.
-  while (fit->poles.size() > 1) {
+  while (count({0, 0.5, true}) > 1) {
     const auto m = passing_for_noise(*fit, options.false_alarm);
     if (!m) break;
     auto poles = fit->poles;
     poles.erase(poles.begin() + static_cast<std::ptrdiff_t>(*m));
-    auto fewer = fit_damped_sinusoids(samples.values, poles, {}, samples.missing);
-    if (fewer.unit_covariance.size() == 0) break;
+    auto fewer = fit_poles(samples, poles);
+    if (!fewer) break;
     fit = std::move(fewer);
   }
   return fit;

@@ -22,6 +22,7 @@ namespace rigfit::signal {
 struct DecaySamples {
   Eigen::VectorXd values;  ///< 0 where missing
   std::vector<Eigen::Index> missing;
+  std::vector<KnownTone> known;  ///< of samples beside these; their poles stand first in fits
 };
 
 /// Samples [start, end) of `y`, NaN where missing.
@@ -31,6 +32,7 @@ struct DecaySamples {
 struct DecayBand {
   double low, high;  ///< undamped natural frequency, cycles per sample
   bool all;          ///< no limits
+  /// Whether a mode in the band, neither a steady tone nor an offset.
   [[nodiscard]] bool contains(std::complex<double> pole) const;
 };
 
@@ -40,10 +42,16 @@ struct DecayModesOptions {
 };
 
 /// All modes that the samples support; nothing when there is none. `peaks` are the peaks of the
-/// samples without their trend (decay_search.h), if already known.
+/// samples without their trend (decay_search.h), if already known. `known` poles, modes or not,
+/// are where the search starts; steady tones and offsets among them stay.
 [[nodiscard]] std::optional<DampedSinusoidsFit> find_decay_modes(
     const DecaySamples& samples, const DecayBand& band, const DecayModesOptions& options,
-    const std::vector<DecayCandidate>& peaks = {});
+    const std::vector<DecayCandidate>& peaks = {},
+    const std::vector<std::complex<double>>& known = {});
+
+/// The fit of these poles; nothing where they cannot be told apart.
+[[nodiscard]] std::optional<DampedSinusoidsFit> fit_poles(
+    const DecaySamples& samples, const std::vector<std::complex<double>>& poles);
 
 /// Energy of mode `m` over the samples, sum of squares.
 [[nodiscard]] double mode_energy(const DampedSinusoidsFit& fit, std::size_t m);

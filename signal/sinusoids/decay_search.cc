@@ -91,7 +91,7 @@ class PeakCollector {
       }
       const double frequency =
           std::clamp((static_cast<double>(k) + shift) / lines_per_cycle, lowest, 0.5);
-      found.push_back({Complex(-a, kTwoPi * frequency), peak, 0});
+      found.push_back({Complex(-std::max(a, kFreeDecay / n_), kTwoPi * frequency), peak, 0});
       if (found.size() >= 4 * kKeep) keep_strongest();
     }
     keep_strongest();
@@ -259,7 +259,7 @@ std::vector<DecayCandidate> few_cycle_starts(const Eigen::Ref<const Eigen::Vecto
   evaluate_only.max_iterations = 0;
   const double n = static_cast<double>(count);
   const double lowest = std::max(0.4, options.lowest * static_cast<double>(length));
-  for (double decays : {0.0, 1.5, 4.0, 8.0, 16.0}) {
+  for (double decays : {kFreeDecay, 1.5, 4.0, 8.0, 16.0}) {
     for (double cycles = lowest; cycles <= std::min(top, 0.5 * n); cycles *= 1.12) {
       if (decays > 12 * cycles) continue;
       const Complex pole(-decays / n, kTwoPi * cycles / n);
