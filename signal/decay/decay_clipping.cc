@@ -31,22 +31,6 @@ double level_near(const DampedSinusoidsFit& fit, Index j, Index cycle) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-/// Whether the fit to the others goes beyond sample j, an extreme on the side of `sign`: left out
-/// it is missed by residual / (1 - leverage).
-bool cut_off(const DampedSinusoidsFit& fit, Index j, double sign, Index cycle) {
-  const Index parameters = fit.unit_covariance.rows();
-  if (parameters == 0 || fit.degrees < 2) return false;
-  const Eigen::VectorXd row = fit.jacobian_rows(j, 1).transpose();
-  const double rest = 1 - row.dot(fit.unit_covariance * row);
-  const double r = fit.residual(j);
-  if (!(rest > 1e-6) || sign * r >= 0) return false;
-  const double others =
-      (fit.residual_sum_squares - r * r / rest) / static_cast<double>(fit.degrees - 1);
-  const double missed = r * r / rest;
-  return missed > others * gsl_cdf_chisq_Qinv(1e-4, 1) &&
-         missed > kOverLocal * level_near(fit, j, cycle);
-}
-
 }  // namespace
 
 std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DampedSinusoidsFit& whole,
@@ -69,10 +53,7 @@ std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DampedSinus
     for (Index j = 0; j < y.size(); ++j) {
       if (sign * (y(j) - level) >= -1e-12 * (high - low)) at.push_back(j);
     }
-    if (at.size() == 1) {
-      if (cut_off(whole, at[0], sign, cycle)) clipped.push_back(at[0]);
-      at.clear();
-    }
+    if (at.size() == 1) at.clear();
     for (const Index j : at) others.missing.push_back(j), others.values(j) = 0;
   }
   const auto left = y.size() - static_cast<Index>(others.missing.size());

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <vector>
 
@@ -82,29 +81,6 @@ Eigen::MatrixXd mode_jacobian(const DampedSinusoidsFit& fit, double rate) {
   return jacobian;
 }
 
-/// How far the residual's density within the mode's line exceeds `variance`, 1 where noise would
-/// show as much. Its two middle lines are left out: there the fit takes the residual away.
-double local_excess(const LineSpectrum& residual, Complex pole, double variance) {
-  const auto n = static_cast<double>(residual.samples);
-  const double reach = std::max(4.0, -2 * pole.real() / kTwoPi * n);  // lines of 1 / N
-  const double centre = pole.imag() / kTwoPi * residual.lines_per_cycle;
-  const double per_line = residual.lines_per_cycle / n;
-  double sum = 0;
-  Index count = 0;
-  const auto first = std::max<Index>(1, static_cast<Index>(std::ceil(centre - reach * per_line)));
-  const auto last = std::min<Index>(residual.power.size() - 1,
-                                    static_cast<Index>(std::floor(centre + reach * per_line)));
-  for (Index k = first; k <= last; ++k) {
-    if (std::abs(static_cast<double>(k) - centre) < per_line) continue;
-    sum += residual.power(k), ++count;
-  }
-  if (count == 0) return 1;
-  const double ratio = 0.5 * sum / static_cast<double>(count) / std::max(variance, 1e-300);
-  const double degrees = 2 * static_cast<double>(count) / per_line;
-  // The density beside the mode is itself known to some ten per cent only.
-  return ratio * degrees > 1.3 * gsl_cdf_chisq_Qinv(1e-4, degrees) ? std::max(1.0, ratio) : 1;
-}
-
 /// Whether what one damped sinusoid leaves has a line beside it that noise would not show.
 bool leaves_company(const LineSpectrum& residual, Complex pole, double false_alarm) {
   const double f = pole.imag() / kTwoPi, n = static_cast<double>(residual.samples);
@@ -136,8 +112,7 @@ std::string doubt_of(const DecayMode& mode, const Eigen::VectorXd& alone,
       mode.damped_frequency_hz.value, std::max(0.0, gain) / needed);
 }
 
-/// Intervals are those of the fit's covariance and Student's law, wider where the residual holds
-/// more at the mode than its colour says.
+/// Intervals are those of the fit's covariance and Student's law.
 DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate, double false_alarm) {
   DescribedFit out{fit, {}, {}, {}, {}, {}, {}, {}};
   out.noise = residual_noise(fit.residual, fit.degrees);
@@ -147,20 +122,17 @@ DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate, double fal
   out.covariance = jacobian * covariance * jacobian.transpose();
   const double factor = gsl_cdf_tdist_Pinv(0.975, static_cast<double>(fit.degrees));
   const auto n = static_cast<double>(fit.samples);
-  Eigen::VectorXd scale(out.covariance.rows());
   for (std::size_t m = 0; m < oscillations(fit); ++m) {
     const Complex p = fit.poles[m];
     const auto k = static_cast<Index>(2 * m), s = 2 * k + 2, w = s + 1;
     const double variance = out.noise.white_equivalent(p.imag() / kTwoPi);
-    const double wider = std::sqrt(local_excess(out.residual, p, variance));
-    scale.segment<2>(k).setConstant(wider);
     out.fall.push_back(-p.real() * n), out.fall_std.push_back(std::sqrt(covariance(s, s)) * n);
 
     DecayMode mode;
     const double to_hz = rate / kTwoPi;
-    mode.frequency_hz = {std::abs(p) * to_hz, wider * std::sqrt(out.covariance(k, k))};
-    mode.damping_ratio = {damping_ratio_of(p), wider * std::sqrt(out.covariance(k + 1, k + 1))};
-    mode.damped_frequency_hz = {p.imag() * to_hz, wider * std::sqrt(covariance(w, w)) * to_hz};
+    mode.frequency_hz = {std::abs(p) * to_hz, std::sqrt(out.covariance(k, k))};
+    mode.damping_ratio = {damping_ratio_of(p), std::sqrt(out.covariance(k + 1, k + 1))};
+    mode.damped_frequency_hz = {p.imag() * to_hz, std::sqrt(covariance(w, w)) * to_hz};
     mode.correlation =
         out.covariance(k, k + 1) / std::sqrt(out.covariance(k, k) * out.covariance(k + 1, k + 1));
     const auto interval = [&](const Estimate& e) {
@@ -202,7 +174,6 @@ DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate, double fal
     mode.company = leaves_company(out.residual, p, false_alarm);
     out.modes.push_back(std::move(mode));
   }
-  out.covariance = scale.asDiagonal() * out.covariance * scale.asDiagonal();
   return out;
 }
 
@@ -366,36 +337,13 @@ class Judgement {
     const Eigen::MatrixXd basis = thin_qr(powers).Q;
     const Eigen::VectorXcd left = z - basis * (basis.transpose() * z);
     const double sum = left.squaredNorm(), degrees = static_cast<double>(2 * (count - terms));
-    const double expected =
-        std::max(4 * noise_around(w, block) / static_cast<double>(block), 1e-300);
+    const double expected = std::max(4 * d_.noise_beside(w) / static_cast<double>(block), 1e-300);
     // Sum of |z|^2 over half its mean is chi-squared. The density beside the mode is itself known
     // to some ten per cent only.
     const bool goes_on = 2 * sum / (1.3 * expected) > gsl_cdf_chisq_Qinv(1e-6, degrees) &&
                          sum > 4 * 0.5 * degrees * expected &&
                          left.tail(count / 2).squaredNorm() > 0.15 * sum;
     return goes_on ? std::sqrt(std::max(0.0, sum / (0.5 * degrees) - expected)) : 0;
-  }
-
-  /// Median density off the mode, where blocks of that length see no more of it.
-  [[nodiscard]] double noise_around(double w, Index block) const {
-    // Noise may slope: the side with more of it counts.
-    std::vector<double> sides[2];
-    for (Index k = 1; k < d_.residual.power.size(); ++k) {
-      const double apart = (static_cast<double>(k) / d_.residual.lines_per_cycle - w / kTwoPi) *
-                           static_cast<double>(block);
-      if (std::abs(apart) > 1 && std::abs(apart) < 4) {
-        sides[apart > 0].push_back(d_.residual.power(k));
-      }
-    }
-    double most = 0;
-    for (auto& powers : sides) {
-      if (powers.size() < 8) continue;
-      const auto middle = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2);
-      std::nth_element(powers.begin(), middle, powers.end());
-      // Median of an exponential distribution of mean 2 s^2 is 2 s^2 ln 2.
-      most = std::max(most, *middle / (2 * std::numbers::ln2));
-    }
-    return most > 0 ? most : d_.noise_beside(w);
   }
 
   void say() {

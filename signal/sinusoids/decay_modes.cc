@@ -14,7 +14,6 @@
 #include "signal/numerics/scaled_gram.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
-#include "signal/sinusoids/subspace_poles.h"
 
 namespace rigfit::signal {
 namespace {
@@ -42,16 +41,6 @@ class DecayModeSearch {
     for (const auto& c : found) {
       if (c.energy > 0.3 * found.front().energy) starts.push_back(c);
     }
-    // In a few cycles the spectrum tells little, noise included: there the fit decides.
-    auto anywhere = found;
-    if (found.empty()) {
-      search.energy_over_noise = 0;
-      anywhere = distinct_decays(peaks, n_, search);
-    }
-    if (!anywhere.empty() && samples_.missing.empty()) {
-      const auto few = few_cycle_starts(samples_.values, anywhere.front(), search);
-      starts.insert(starts.end(), few.begin(), few.end());
-    }
     std::optional<DampedSinusoidsFit> best;
     for (const auto& start : starts) {
       auto fit = fit_poles(samples_, {start.pole});
@@ -77,29 +66,6 @@ class DecayModeSearch {
       if (more && worthwhile(fit, *more, candidate.noise_variance)) return more;
     }
     return {};
-  }
-
-  // Two modes in place of the strongest where it leaves something that is smooth over a beat or
-  // less, which no line of the residual shows: started by HTLS (subspace_poles.h).
-  std::optional<DampedSinusoidsFit> split(const DampedSinusoidsFit& fit) {
-    const std::size_t m = strongest_mode(fit, {0, 0.5, true});
-    const auto needed = static_cast<Index>(4 * fit.poles.size() + 8);
-    if (n_ - static_cast<Index>(samples_.missing.size()) <= needed) return {};
-    const double noise = pair_evidence(fit.residual, fit.poles[m]);
-    if (!(noise > 0)) return {};
-    Eigen::VectorXd alone = fit.mode_signal(m) + fit.residual;
-    const auto pair = pair_of_poles(alone, fit.poles[m]);
-    if (pair.size() != 2) return {};
-    std::vector<Complex> poles;
-    for (std::size_t k = 0; k < fit.poles.size(); ++k) {
-      if (k != m) poles.push_back(fit.poles[k]);
-    }
-    // The new one last, where `worthwhile` looks for it.
-    const bool swap = std::abs(pair[0] - fit.poles[m]) > std::abs(pair[1] - fit.poles[m]);
-    poles.push_back(pair[swap ? 1 : 0]), poles.push_back(pair[swap ? 0 : 1]);
-    auto more = fit_poles(samples_, poles);
-    if (!more || !worthwhile(fit, *more, noise)) return {};
-    return more;
   }
 
  private:
@@ -290,7 +256,6 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
   const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
   while (fit->poles.size() < limit * (band.all ? 1 : 2)) {
     auto more = search.next(*fit, 0, 0.5);
-    if (!more) more = search.split(*fit);
     if (!more) break;
     fit = std::move(more);
   }

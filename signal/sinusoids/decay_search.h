@@ -50,14 +50,6 @@ struct LineSpectrum {
                                                           Eigen::Index samples,
                                                           const DecaySearchOptions& options = {});
 
-/// Starts for a pole near `candidate` that lasts only a few cycles. There the two halves of the
-/// spectrum and the background overlap and the bank is misleading, so the fit's own functional
-/// (offset and drift included) is evaluated on a grid of frequencies and decay rates. Best first;
-/// empty when `candidate` lasts many cycles.
-[[nodiscard]] std::vector<DecayCandidate> few_cycle_starts(
-    const Eigen::Ref<const Eigen::VectorXd>& y, const DecayCandidate& candidate,
-    const DecaySearchOptions& options = {});
-
 /// Energy over noise that the best of all cells of the bank exceeds in noise alone with probability
 /// `false_alarm`.
 [[nodiscard]] double detection_threshold(Eigen::Index samples, double false_alarm);
