@@ -236,7 +236,7 @@ class Slices {
     // The bounds close in on the eigenvalues until the shift lies among them: in a crowd that is
     // narrow for its place, Lanczos' method would else have to tell the whole crowd apart.
     double a = low, b = high, shift = 0.5 * (low + high);
-    for (int i = 0; i < kBisections; ++i, shift = 0.5 * (a + b)) {
+    for (int i = 0; n_high - n_low > kFew && i < kBisections; ++i, shift = 0.5 * (a + b)) {
       const int here = below(shift);
       const int part = here - n_low;
       if (part >= (n_high - n_low + 3) / 4 && part <= 3 * (n_high - n_low) / 4) break;
@@ -264,6 +264,7 @@ class Slices {
 
  private:
   static constexpr int kMostInSlice = 32, kBisections = 60;
+  static constexpr int kFew = 8;  ///< so many are no crowd
 
   void solve(double low, double high, double shift, int wanted) {
     Lanczos lanczos(k_, m_, shift);
@@ -396,44 +397,12 @@ Eigenpairs eigenpairs_between(const EnvelopeMatrix& k, const EnvelopeMatrix& m, 
   none.vectors.resize(k.size(), 0);
   none.complete = none.exhausted = true;
   if (k.size() == 0) return none;
-  const int wanted =
-      count_below(k, m, high * (1 + 1e-12)) - (low > 0 ? count_below(k, m, low * (1 - 1e-12)) : 0);
-  if (wanted <= 0) return none;
-  // A shift on an eigenvalue would be no shift: the middle of the band is moved off it by the
-  // factor's own replacement of a vanished pivot.
-  const double shift = low > 0 ? 0.5 * (low + high) : 0;
-  Lanczos lanczos(k, m, shift);
-  const int n = k.size();
-  int next_check = std::min(n, 2 * wanted + 6);
-  int settled_checks = 0;
-  for (int guard = 0; guard < 20 * n + 100; ++guard) {
-    const bool grew = lanczos.extend();
-    if (grew && lanczos.done() < next_check && lanczos.done() < n) continue;
-    lanczos.ritz();
-    const bool all = !grew || lanczos.exhausted() || lanczos.done() >= n;
-    std::vector<int> inside;
-    bool pending = false;
-    for (int i = 0; i < lanczos.done(); ++i) {
-      const double lambda = lanczos.lambda(i);
-      if (!(lambda >= low * (1 - 1e-12) && lambda <= high * (1 + 1e-12))) continue;
-      if (lanczos.converged(i)) {
-        inside.push_back(i);
-      } else {
-        pending = true;
-      }
-    }
-    if (static_cast<int>(inside.size()) >= wanted || all) {
-      Eigenpairs out = collect(lanczos, inside);
-      out.complete = static_cast<int>(inside.size()) == wanted;
-      return out;
-    }
-    if (!pending && ++settled_checks > 2) {
-      lanczos.renew();
-      settled_checks = 0;
-    }
-    next_check = lanczos.done() + std::max(4, wanted / 3);
-  }
-  return none;
+  Slices slices(k, m);
+  low = low > 0 ? low * (1 - 1e-12) : 0, high *= 1 + 1e-12;
+  const int first = low > 0 ? slices.below(low) : 0, last = slices.below(high);
+  if (last <= first) return none;
+  slices.find(low, first, high, last);
+  return slices.take(last - first);
 }
 
 }  // namespace rigfit::model
