@@ -86,21 +86,14 @@ class BendingPart : public TestPart {
  private:
   [[nodiscard]] std::string intro() const override {
     if (!kind_.beam()) {
-      return std::string(
-                 "A length of cable is clamped at both ends, pulled to a tension and pressed "
-                 "sideways at mid-span. The slope of deflection over load gives its bending "
-                 "stiffness EI.") +
-             (kind_.published() ? " Here the EI values themselves are published." : "");
+      return "A length of cable is clamped at both ends, pulled to a tension and pressed sideways "
+             "at mid-span. The slope of deflection over load gives its bending stiffness EI.";
     }
-    const char* held = bending_.test.ends == ident::BeamEnds::cantilever
-                           ? "clamped at one end and loaded at the other"
-                       : bending_.test.ends == ident::BeamEnds::pinned
-                           ? "laid on two supports and loaded between"
-                           : "clamped at both ends and loaded between";
     return fmt::format(
-        "A beam is {}, {:g} m, without tension. The slope of load over deflection in its elastic "
+        "A beam of {:g} m ({}), without tension. The slope of load over deflection in its elastic "
         "part gives EI = slope span³ / {:g}; shear is left out.",
-        held, bending_.test.span_m.value, ident::beam_stiffness_factor(bending_.test.ends));
+        bending_.test.span_m.value, name_of(bending_.test.ends),
+        ident::beam_stiffness_factor(bending_.test.ends));
   }
 
   void take(LoadedRecording entry, const RecordingGroup& group) override {

@@ -30,57 +30,47 @@ std::string mode_name(const model::ModalAnalysis& analysis, std::size_t index) {
   return fmt::format("{} {}", name_of(plane), number);
 }
 
-/// Frequencies of test, published models and model: against tension where there are several, else
-/// by row of the table.
+/// Frequencies of test, published models and model against tension.
 Plot frequency_plot(const CampaignTest& test, const ident::SceneUse& use,
                     const ident::KnownValues& known, const ModalStates& states) {
-  const bool tensions = states.front().tension_N && states.size() > 1;
-  Plot plot{test.name + "-frequency",
-            tensions ? "Natural frequencies against tension" : "Natural frequencies",
-            tensions ? "Lines: the model, in plane (full) and out of plane (broken), each mode "
-                       "followed by its shape. The order of the modes changes where lines cross "
-                       "(×), so that frequencies must not be compared by number."
-                     : "Measured, published and modelled frequencies, in the order of the table.",
-            tensions ? "tension, N" : "row of the table",
-            "frequency, Hz",
-            false,
-            !tensions};
-  if (tensions) {
-    constexpr int kSteps = 48;  // from the lowest to the highest tension: lines look smooth
-    double highest = 0;
-    for (const auto& state : states) {
-      for (const auto& row : state.rows) {
-        if (row.measured_hz > highest) highest = row.measured_hz;
-      }
+  Plot plot{
+      test.name + "-frequency", "Natural frequencies against tension",
+      "Lines: the model, in plane (full) and out of plane (broken), each mode followed by its "
+      "shape. The order of the modes changes where lines cross (×), so that frequencies must "
+      "not be compared by number.",
+      "tension, N", "frequency, Hz"};
+  constexpr int kSteps = 48;  // from the lowest to the highest tension: lines look smooth
+  double highest = 0;
+  for (const auto& state : states) {
+    for (const auto& row : state.rows) {
+      if (row.measured_hz > highest) highest = row.measured_hz;
     }
-    const auto followed = ident::follow_modes(
-        [&](double tension_N) { return ident::scene_at(use, known, tension_N).scene; },
-        *states.front().tension_N, *states.back().tension_N, kSteps, 1.1 * highest);
-    for (const auto& line : followed.lines) {
-      const bool in = line.plane == model::ModePlane::in;
-      PlotSeries series{fmt::format("rigfit {} {}", in ? "in" : "out", line.number),
-                        Origin::modelled, 0, in ? Style::line : Style::dashed,
-                        in ? "rigfit, in plane" : "rigfit, out of plane"};
-      const auto begin = followed.tension_N.begin() + line.first;
-      series.x.assign(begin, begin + static_cast<std::ptrdiff_t>(line.frequency_hz.size()));
-      series.y = line.frequency_hz;
-      plot.add(std::move(series));
-    }
-    PlotSeries crossings{"crossing of two modes", Origin::modelled, 4, Style::points};
-    for (const auto& one : followed.crossings) crossings.add(one.tension_N, one.frequency_hz);
-    plot.add(std::move(crossings));
   }
+  const auto followed = ident::follow_modes(
+      [&](double tension_N) { return ident::scene_at(use, known, tension_N).scene; },
+      *states.front().tension_N, *states.back().tension_N, kSteps, 1.1 * highest);
+  for (const auto& line : followed.lines) {
+    const bool in = line.plane == model::ModePlane::in;
+    PlotSeries series{fmt::format("rigfit {} {}", in ? "in" : "out", line.number), Origin::modelled,
+                      0, in ? Style::line : Style::dashed,
+                      in ? "rigfit, in plane" : "rigfit, out of plane"};
+    const auto begin = followed.tension_N.begin() + line.first;
+    series.x.assign(begin, begin + static_cast<std::ptrdiff_t>(line.frequency_hz.size()));
+    series.y = line.frequency_hz;
+    plot.add(std::move(series));
+  }
+  PlotSeries crossings{"crossing of two modes", Origin::modelled, 4, Style::points};
+  for (const auto& one : followed.crossings) crossings.add(one.tension_N, one.frequency_hz);
+  plot.add(std::move(crossings));
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  /// Points of every state: `value(state, row)`, NaN where there is none.
+  /// Points of every state: `value(row)`, NaN where there is none.
   const auto points = [&](PlotSeries series, auto value) {
     series.style = Style::points;
     const bool recorded = series.origin == Origin::measured || series.origin == Origin::synthetic;
     for (const auto& state : states) {
-      for (std::size_t i = 0; i < state.rows.size(); ++i) {
-        const auto& row = state.rows[i];
-        const double at = tensions ? *state.tension_N : static_cast<double>(i + 1);
-        const double hz = value(state, row), half = recorded ? 1.96 * row.std_hz : kNone;
-        if (std::isfinite(hz)) series.add(at, hz, hz - half, hz + half);
+      for (const auto& row : state.rows) {
+        const double hz = value(row), half = recorded ? 1.96 * row.std_hz : kNone;
+        if (std::isfinite(hz)) series.add(*state.tension_N, hz, hz - half, hz + half);
       }
     }
     plot.add(std::move(series));
@@ -88,21 +78,14 @@ Plot frequency_plot(const CampaignTest& test, const ident::SceneUse& use,
   const auto published = published_models(test);
   for (std::size_t k = 0; k < published.size(); ++k) {
     points({published[k] + " (published model)", Origin::published_model, 2 + static_cast<int>(k)},
-           [&](const auto&, const MeasuredRow& row) {
+           [&](const MeasuredRow& row) {
              return k < row.models_hz.size() ? row.models_hz[k] : kNone;
            });
   }
   for (const Origin origin : {Origin::published, Origin::measured, Origin::synthetic}) {
     points({fmt::format("test ({})", origin == Origin::published ? "published" : name_of(origin)),
             origin, 1},
-           [&](const auto&, const MeasuredRow& row) {
-             return row.origin == origin ? row.measured_hz : kNone;
-           });
-  }
-  if (!tensions) {
-    points({"rigfit"}, [](const ModalState& state, const MeasuredRow& row) {
-      return row.mode ? state.analysis.modes[*row.mode].frequency_hz : kNone;
-    });
+           [&](const MeasuredRow& row) { return row.origin == origin ? row.measured_hz : kNone; });
   }
   return plot;
 }
@@ -270,7 +253,8 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                                        : "out of the plane of gravity",
       scene)});
   part.blocks.push_back(error_table(test, states));
-  if (std::any_of(states.begin(), states.end(),
+  if (states.front().tension_N && states.size() > 1 &&
+      std::any_of(states.begin(), states.end(),
                   [](const auto& state) { return !state.analysis.modes.empty(); })) {
     part.blocks.push_back(frequency_plot(test, *test.as<ModalTest>().inputs.scene, known, states));
   }
