@@ -335,14 +335,6 @@ Options keys_of(FitParameter& p) {
           option("reference", p.reference, "An earlier value, shown beside the one found")};
 }
 
-std::string range_problem(const Option& key, double value) {
-  const bool low_enough = value <= key.highest;
-  const bool high_enough = key.above_lowest ? value > key.lowest : value >= key.lowest;
-  return low_enough && high_enough
-             ? ""
-             : fmt::format("must be {}, got {}", describe::range_text(key), value);
-}
-
 namespace {
 
 Bound bound_of(const Option& key) {
@@ -350,11 +342,12 @@ Bound bound_of(const Option& key) {
 }
 
 void require_range(const TomlTable& table, const Option& key, double value) {
-  const std::string problem = range_problem(key, value);
-  if (problem.empty()) return;
-  throw table.error(
-      key.name, problem,
-      "give a number " + describe::range_text(key) + (key.unit.empty() ? "" : " in " + key.unit));
+  const bool low_enough = value <= key.highest;
+  const bool high_enough = key.above_lowest ? value > key.lowest : value >= key.lowest;
+  if (low_enough && high_enough) return;
+  const std::string range = describe::range_text(key);
+  throw table.error(key.name, fmt::format("must be {}, got {}", range, value),
+                    "give a number " + range + (key.unit.empty() ? "" : " in " + key.unit));
 }
 
 void require_word(const TomlTable& table, const Option& key, const std::string& word) {

@@ -196,8 +196,6 @@ struct Campaign {
 /// a missing key that is required, and for a key beside one that excludes it or without one that it
 /// needs.
 void read_keys(document::TomlTable& table, const describe::Options& keys);
-/// What is wrong with a number that a key does not allow; empty: nothing.
-[[nodiscard]] std::string range_problem(const describe::Option& key, double value);
 
 /// Keys of a table for `rigfit help campaign`: name, meaning with unit, range and default.
 struct KeySection {

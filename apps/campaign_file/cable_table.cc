@@ -1,17 +1,19 @@
 #include "apps/campaign_file/cable_table.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "apps/campaign/campaign.h"
 #include "apps/results/text_table.h"
+#include "document/document_error.h"
+#include "document/toml_table.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::apps {
@@ -55,6 +57,8 @@ class CableRows {
       try {
         if (!taken.insert(name).second) throw std::invalid_argument("the name is taken");
         one.test = test_of(row);
+      } catch (const document::DocumentError& error) {
+        one.error = error.where().key + " " + error.problem();
       } catch (const std::exception& error) {
         one.error = error.what();
       }
@@ -74,55 +78,36 @@ class CableRows {
     return table_.columns.front().name.empty() ? row.cells.front() : std::string();
   }
 
-  static void require(const describe::Option& key, double value) {
-    if (const auto problem = range_problem(key, value); !problem.empty()) {
-      throw std::invalid_argument(key.name + " " + problem);
-    }
-  }
-
-  /// A cell into the key of the same name in a campaign; a blank one leaves its default.
-  void read(const TextTable::Row& row, const describe::Option& key) const {
-    const std::string cell = table_.text(row, key.name == "orders" ? "order" : key.name);
-    if (cell.empty()) return;
-    if (auto* const* word = std::get_if<std::string*>(&key.target)) {
-      if (!key.words.empty() &&
-          std::find(key.words.begin(), key.words.end(), cell) == key.words.end()) {
-        throw std::invalid_argument(
-            fmt::format("{} \"{}\" is none of {}", key.name, cell, fmt::join(key.words, ", ")));
-      }
-      **word = cell;
-    } else if (auto* const* list = std::get_if<std::vector<double>*>(&key.target)) {
-      std::istringstream words(cell);
-      for (std::string number; words >> number;) {
-        std::size_t used = 0;
-        (*list)->push_back(std::stod(number, &used));
-        if (used != number.size()) {
-          throw std::invalid_argument(key.name + ": \"" + number + "\" is no number");
-        }
-        require(key, (*list)->back());
-      }
-    } else {
-      const double value = table_.number(row, key.name);
-      if (!std::isfinite(value)) return;
-      require(key, value);
-      if (auto* const* number = std::get_if<double*>(&key.target)) **number = value;
-      if (auto* const* number = std::get_if<std::optional<double>*>(&key.target)) **number = value;
-    }
-  }
-
+  /// The row as the keys of a campaign's tension test; what is blank keeps its default.
   [[nodiscard]] ident::CableTest test_of(const TextTable::Row& row) const {
     TensionTest test;
-    for (const std::size_t column : frequencies_) {
-      const double hz = table_.number(row, column);
-      if (std::isfinite(hz)) test.frequencies_hz.push_back(hz);
+    const auto keys = keys_of(test);
+    std::string text;
+    for (const auto& key : keys) {
+      std::string cell = table_.text(row, key.name == "orders" ? "order" : key.name);
+      if (std::holds_alternative<std::vector<double>*>(key.target)) {
+        if (key.name == "frequencies") {
+          for (const std::size_t column : frequencies_) {
+            const double hz = table_.number(row, column);
+            if (std::isfinite(hz)) cell += fmt::format(" {}", hz);
+          }
+        }
+        std::istringstream words(cell);
+        std::string list;
+        for (std::string word; words >> word;) list += (list.empty() ? "" : ", ") + word;
+        cell = list.empty() ? "" : "[" + list + "]";
+      } else if (std::holds_alternative<std::string*>(key.target)) {
+        if (!cell.empty()) cell = "'" + cell + "'";
+      } else {
+        const double value = table_.number(row, key.name);
+        cell = std::isfinite(value) ? fmt::format("{}", value) : "";
+      }
+      if (!cell.empty()) text += key.name + " = " + cell + "\n";
     }
-    for (const auto& key : keys_of(test)) read(row, key);
-    const auto& cable = test.inputs.test.cable;
-    if (!(cable.length_m.value > 0 && cable.mass_per_length.value > 0)) {
-      throw std::invalid_argument("length or mass_per_length is blank");
-    }
-    if (test.frequencies_hz.empty()) throw std::invalid_argument("no frequency");
+    auto toml = document::TomlTable::parse(text, "");
+    read_keys(toml, keys);
     test.complete();
+    if (test.inputs.test.modes.empty()) throw std::invalid_argument("no frequency");
     return std::move(test.inputs.test);
   }
 
