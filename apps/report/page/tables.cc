@@ -10,7 +10,6 @@
 #include "apps/report/drawing/html_text.h"
 
 namespace rigfit::apps {
-namespace {
 
 std::string with_signs(std::string text) {
   if (text == "-") return "–";
@@ -23,8 +22,6 @@ std::string with_signs(std::string text) {
   }
   return text;
 }
-
-}  // namespace
 
 void add_rows(ReportTable& table, std::vector<Cell> front, const describe::Table& rows,
               std::optional<Origin> origin) {

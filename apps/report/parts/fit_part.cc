@@ -90,7 +90,8 @@ class Fit {
     for (const auto& update : updates_) {
       const auto names = model::parameter_names(update.scene);
       if (std::find(names.begin(), names.end(), target) != names.end()) {
-        return parameter_unit(update.scene, target);
+        const auto unit = model::parameters_named(update.scene, {target}).front().unit;
+        return unit == "1" ? "" : with_signs(unit);
       }
     }
     return {};

@@ -10,7 +10,6 @@
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/figures.h"
 #include "apps/report/page/parameter_words.h"
-#include "model/scene/parameters.h"
 #include "signal/quality/quality.h"
 
 namespace rigfit::apps {
@@ -195,18 +194,6 @@ std::string percent_words(double ratio) {
 
 std::string label_of(std::optional<double> tension_N) {
   return state_words(ident::state_label(tension_N));
-}
-
-std::string parameter_unit(const model::Scene& scene, const std::string& name) {
-  std::string unit = model::parameters_named(scene, {name}).front().unit;
-  if (unit == "1") return {};
-  for (const auto& [plain, written] :
-       {std::pair<std::string, std::string>{"m2", "m²"}, {"s2", "s²"}, {"m3", "m³"}}) {
-    if (const auto at = unit.find(plain); at != std::string::npos) {
-      unit.replace(at, plain.size(), written);
-    }
-  }
-  return unit;
 }
 
 }  // namespace rigfit::apps

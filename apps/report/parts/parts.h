@@ -98,7 +98,5 @@ void add_answer(ReportPart& part, Answer answer, bool told = true);
 [[nodiscard]] std::string percent_words(double ratio);
 /// "200 N"; empty for the only state of a test.
 [[nodiscard]] std::string label_of(std::optional<double> tension_N);
-/// The unit of a scene's parameter as people write it, "N m²"; empty for a ratio.
-[[nodiscard]] std::string parameter_unit(const model::Scene& scene, const std::string& name);
 
 }  // namespace rigfit::apps
