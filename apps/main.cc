@@ -11,6 +11,7 @@
 #include <iostream>
 #include <map>
 #include <optional>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 #include <thread>
@@ -19,9 +20,7 @@
 #include "apps/cli/common_options.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
-#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
-#include "apps/cli/terminal.h"
 #include "apps/cli/usage.h"
 #include "apps/cli/verb.h"
 
@@ -50,16 +49,11 @@ void check_outputs(const Verb& verb) {
 
 int run(int argc, char** argv) {
   Verbs verbs = all_verbs();
-  CommonOptions common;
-  PlotCommand plots;
-  ReadingOptions reading;
+  SharedOptions shared;
+  const auto& common = shared.common;
   for (auto& verb : verbs) {
-    const auto add = [&](const describe::Options& more) {
-      verb.options.insert(verb.options.end(), more.begin(), more.end());
-    };
-    if (verb.reads) add(options_of(reading));
-    add(options_of(common));
-    if (verb.draws) add(options_of(plots));
+    const auto more = shared.options(verb.reads, verb.draws);
+    verb.options.insert(verb.options.end(), more.begin(), more.end());
   }
 
   std::vector<std::string> arguments(argv + 1, argv + argc);
@@ -86,29 +80,32 @@ int run(int argc, char** argv) {
   parse_options(verb, arguments);
 
   check_outputs(verb);
-  std::ostream sink(nullptr);  // discards
-  ResultBuffer result_buffer(std::cout.rdbuf());
-  std::ostream results(&result_buffer);
-  VerbContext context(common.quiet || common.json == "-" ? sink : results);
-  context.quiet = common.quiet;
-  context.verbose = common.verbose;
-  context.threads = common.threads;
-  context.seed = common.seed;
-  context.reading = read_options(reading);
+  std::ostringstream printed;
+  VerbContext context(printed);
+  shared.apply(context);
   context.command.assign(argv, argv + argc);
 
-  prepare_plots(context, plots);
-  std::optional<ProgressClock> clock(std::in_place, verb.name, context.quiet);
+  prepare_plots(context, shared.plots);
+  std::optional<Progress> progress(std::in_place, verb.name, 1, context.quiet);
   Json result = Json::object();
+  const auto print = [&] {
+    progress.reset();
+    if (!common.quiet && common.json != "-") std::cout << printed.str();
+    printed.str("");
+  };
   try {
     result = verb.run(context);
   } catch (const Refused& error) {
     context.refuse(error.code(), error.what());
   } catch (const NotConverged& error) {
     context.fail(error.what());
+  } catch (...) {
+    print();
+    throw;
   }
-  write_plots(context, plots, verb.name);
-  clock.reset();
+  print();
+  write_plots(context, shared.plots, verb.name);
+  print();
   const Json document = json_document(context, verb.name, std::move(result));
   if (common.json == "-") {
     std::cout << document.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
@@ -145,8 +142,7 @@ int main(int argc, char** argv) {
     std::cerr << "error: not enough memory\n";
     return static_cast<int>(ExitCode::fault);
   } catch (const std::exception& error) {
-    std::cerr << rigfit::apps::on_terminal(rigfit::apps::TerminalColour::red, "error:") << ' '
-              << error.what() << '\n';
+    std::cerr << "error: " << error.what() << '\n';
     return static_cast<int>(rigfit::apps::exit_code_of(error));
   }
 }

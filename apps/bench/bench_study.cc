@@ -1,79 +1,73 @@
 #include "apps/bench/bench_study.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+
+#include <fmt/format.h>
+#include "signal/estimation/robust.h"
 
 namespace rigfit::apps {
-namespace {
-
-constexpr double kAsAccurate = 1.01;  // the same discretisation in other unknowns differs by less
-
-double seconds_of(const std::function<void()>& work, long runs) {
-  const auto begin = std::chrono::steady_clock::now();
-  for (long i = 0; i < runs; ++i) work();
-  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
-  return spent.count() / static_cast<double>(runs);
-}
-
-std::string setting_words(const BenchRow& row) {
-  std::string text = row.method;
-  if (row.segments > 0) text += fmt::format(", {} segments", row.segments);
-  if (row.step_s) text += fmt::format(", step {:.2g} ms", 1e3 * *row.step_s);
-  if (row.tolerance) text += fmt::format(", tolerance {:.0e}", *row.tolerance);
-  return text;
-}
-
-}  // namespace
 
 double median_time(const BenchBudget& budget, const std::function<void()>& work) {
-  constexpr double kClock = 2e-4;  // s: a thousand times what the clock resolves
-  double first = seconds_of(work, 1);
-  if (first >= budget.row_s) return first;
-  const long batch =
-      first < kClock ? std::clamp(static_cast<long>(kClock / std::max(first, 1e-9)), 1L, 100'000L)
-                     : 1;
   std::vector<double> times;
-  if (batch == 1) times.push_back(first);
-  double spent = first;
-  while (static_cast<int>(times.size()) < budget.repeats && spent < budget.row_s) {
-    times.push_back(seconds_of(work, batch));
-    spent += times.back() * static_cast<double>(batch);
+  double spent = 0;
+  while (times.empty() ||
+         (static_cast<int>(times.size()) < budget.repeats && spent < budget.row_s)) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    times.push_back(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    spent += times.back();
   }
-  std::sort(times.begin(), times.end());
-  return times[times.size() / 2];
+  return signal::median(std::move(times));
 }
 
 void mark_front(BenchStudy& study) {
-  const auto error_of = [&](const BenchRow& row) {
-    return std::max(row.relative_error, study.reference_error);
-  };
+  constexpr double kClearly = 0.9;      // a ratio of times or errors beyond scatter
+  constexpr double kAsAccurate = 1.01;  // the same discretisation in other unknowns differs by less
   const auto beats = [&](const BenchRow& a, const BenchRow& b) {
-    const double ea = error_of(a), eb = error_of(b);
+    const double ea = std::max(a.relative_error, study.reference_error),
+                 eb = std::max(b.relative_error, study.reference_error);
     return a.wall_s <= b.wall_s && ea <= kAsAccurate * eb &&
            (a.wall_s < kClearly * b.wall_s || ea < kClearly * eb);
   };
   for (BenchRow& row : study.rows) {
-    const BenchRow* better = nullptr;
-    for (const BenchRow& other : study.rows) {
-      if (&other == &row || !beats(other, row)) continue;
-      if (!better || other.wall_s < better->wall_s) better = &other;
-    }
-    row.on_front = !better && row.relative_error < 1;
-    if (row.is_default && better) {
-      row.note =
-          fmt::format("{} takes {} for an error of {:.1e}; {}", setting_words(*better),
-                      time_words(better->wall_s), better->relative_error, study.default_does);
-    }
+    row.on_front = row.relative_error < 1 &&
+                   std::none_of(study.rows.begin(), study.rows.end(),
+                                [&](const BenchRow& other) { return beats(other, row); });
   }
 }
 
-std::string time_words(double seconds) {
-  return seconds < 9.995e-4 ? fmt::format("{:.3g} µs", 1e6 * seconds)
-         : seconds < 0.9995 ? fmt::format("{:.3g} ms", 1e3 * seconds)
-                            : fmt::format("{:.3g} s", seconds);
+Plot bench_plot(const BenchStudy& study) {
+  using Style = PlotSeries::Style;
+  Plot plot;
+  plot.id = study.task + "-" + study.study;
+  plot.title = study.task + ", by " + study.study;
+  plot.caption = fmt::format(
+      "{}: time of one core, and error of {}, against {}, itself good to {:.1e}. Further left is "
+      "faster, further down is better; the broken line joins what is Pareto-optimal.",
+      study.scene, study.error_of, study.reference, study.reference_error);
+  plot.x_label = "time, s";
+  plot.y_label = "relative error";
+  plot.log_x = plot.log_y = true;
+  auto rows = study.rows;
+  // What failed has no error of its own.
+  std::erase_if(rows, [](const BenchRow& row) {
+    return !(row.wall_s > 0) || !(row.relative_error > 0) || row.relative_error >= 1;
+  });
+  for (const auto& row : rows) plot.named(row.method).style = Style::line_and_points;
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const BenchRow& a, const BenchRow& b) { return a.wall_s < b.wall_s; });
+  PlotSeries front{"Pareto-optimal", Origin::synthetic, 0, Style::dashed};
+  PlotSeries standard{"default", Origin::measured, 0, Style::points};
+  for (const auto& row : rows) {
+    plot.named(row.method).add(row.wall_s, row.relative_error);
+    if (row.on_front) front.add(row.wall_s, row.relative_error);
+    if (row.is_default) standard.add(row.wall_s, row.relative_error);
+  }
+  if (front.x.size() > 1) plot.add(std::move(front));
+  plot.add(std::move(standard));
+  return plot;
 }
 
 }  // namespace rigfit::apps

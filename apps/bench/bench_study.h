@@ -3,7 +3,7 @@
 //
 // A study solves one task by several methods and settings and compares each answer with a reference
 // that is better than all of them and whose own error is estimated. A row lies on the front when no
-// other row is both as fast and as accurate and clearly better in one of the two (kClearly): times
+// other row is both as fast and as accurate and clearly better in one of the two: times
 // repeat to about a tenth on a machine that does other things too. Errors below the reference's own
 // count as equal.
 #pragma once
@@ -11,9 +11,12 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "apps/report/drawing/plot.h"
 #include "document/describe.h"
+#include "model/scene/scene.h"
 
 namespace rigfit::apps {
 
@@ -27,20 +30,51 @@ struct BenchRow {
   double relative_error = 1;        ///< 1 where the method failed
   bool is_default = false;          ///< what the program does when nothing is said
   bool on_front = false;
-  std::string note;  ///< why it failed, or why a default is not on the front
+  std::string note;  ///< why it failed
+
+  static constexpr auto fields() {
+    using T = BenchRow;
+    return std::tuple{
+        field(
+            "",
+            [](const T& r) {
+              return std::string(r.is_default && r.on_front ? "front, default"
+                                 : r.is_default             ? "default"
+                                 : r.on_front               ? "front"
+                                                            : "");
+            },
+            "", "place", ""),
+        field("method", &T::method, "", "method", "with its setting"),
+        field("segments", describe::positive(&T::segments), "", "segments",
+              "of a member, on average"),
+        field("step_s", &T::step_s, "s", "step", "the largest", 3),
+        field("tolerance", &T::tolerance, "", "tolerance", "asked of the method", 2),
+        field("wall_s", &T::wall_s, "s", "time", "median, one thread", 3),
+        field("relative_error", &T::relative_error, "", "error", "1 where the method failed", 2),
+        field("default", &T::is_default, "", "", "what the program does when nothing is said"),
+        field("on_front", &T::on_front, "", "", "no other row is as fast and as accurate"),
+        field("note", &T::note, "", "remark", "why it failed")};
+  }
 };
 
 struct BenchStudy {
-  std::string task;
-  std::string study;      ///< what varies where a task has several studies: "steps", "segments"
-  std::string scene;      ///< title of the scene, or what the data are
+  std::string task = "nonlinear-response";
+  std::string study;      ///< what varies: "steps", "segments"
+  std::string scene;      ///< title of the scene
   std::string error_of;   ///< whose relative error
   std::string reference;  ///< what it is compared with
   double reference_error = 0;
-  /// Why a default that is not on the front is the default all the same: what it does besides.
-  std::string default_does;
   std::vector<BenchRow> rows;
   std::string skipped;  ///< why there are no rows
+
+  static constexpr auto fields() {
+    using T = BenchStudy;
+    return std::tuple{
+        field("task", &T::task),           field("study", &T::study),
+        field("scene", &T::scene),         field("error_of", &T::error_of),
+        field("reference", &T::reference), field("reference_error", &T::reference_error),
+        field("skipped", &T::skipped)};
+  }
 };
 
 /// How much a run may take.
@@ -50,46 +84,26 @@ struct BenchBudget {
   double row_s = 0.2;  ///< no further repeat of a row that took this long
 };
 
-/// Median time of runs of `work`, seconds. What takes microseconds is run often enough for the
-/// clock.
+/// Median time of runs of `work`, seconds.
 [[nodiscard]] double median_time(const BenchBudget& budget, const std::function<void()>& work);
 
-inline constexpr double kClearly = 0.9;  ///< a ratio of times or errors beyond scatter
-
-/// Sets `on_front` of every row and the note of every default that is not on it.
+/// Sets `on_front` of every row.
 void mark_front(BenchStudy& study);
 
-/// "12.3 µs", "4.56 ms", "7.8 s".
-[[nodiscard]] std::string time_words(double seconds);
+/// Time against error, a series a method, with what is Pareto-optimal and the default marked;
+/// without series where nothing of the study has a time and an error.
+[[nodiscard]] Plot bench_plot(const BenchStudy& study);
+
+/// The paper's cable at 200 N, 1 kg hung at its quarter span and cut at t = 0; 30 segments.
+[[nodiscard]] model::Scene bench_released_cable();
+
+/// Large motions: "steps" compares integrators on the same segments with the explicit scheme at a
+/// fraction of its step (its own error: against a step one and a half times as long, by its order);
+/// "segments" compares numbers of segments with many (own error: against two thirds as many).
+/// Sensors of acceleration and velocity are read as displacements: the accelerations of a cut
+/// string hold frequencies up to where the segments end. A scene whose loads are records is skipped
+/// with a reason.
+[[nodiscard]] std::vector<BenchStudy> response_studies(const model::Scene& scene, double duration_s,
+                                                       const BenchBudget& budget);
 
 }  // namespace rigfit::apps
-
-namespace rigfit::describe {
-
-template <>
-struct Described<apps::BenchRow> {
-  using T = apps::BenchRow;
-  static constexpr std::string_view title{};
-  static constexpr auto in_space = [](const T& r) { return r.segments > 0; };
-  static constexpr auto fields = std::tuple{
-      field(
-          "",
-          [](const T& r) {
-            return std::string(r.is_default && r.on_front ? "front, default"
-                               : r.is_default             ? "default"
-                               : r.on_front               ? "front"
-                                                          : "");
-          },
-          "", "place", ""),
-      field("method", &T::method, "", "method", "with its setting"),
-      field("segments", where(in_space, &T::segments), "", "segments", "of a member, on average"),
-      field("step_s", &T::step_s, "s", "step", "the largest", 3),
-      field("tolerance", &T::tolerance, "", "tolerance", "asked of the method", 2),
-      field("wall_s", &T::wall_s, "s", "time", "median, one thread", 3),
-      field("relative_error", &T::relative_error, "", "error", "1 where the method failed", 2),
-      field("default", &T::is_default, "", "", "what the program does when nothing is said"),
-      field("on_front", &T::on_front, "", "", "no other row is as fast and as accurate"),
-      field("note", &T::note, "", "", "why it failed, or why a default is not on the front")};
-};
-
-}  // namespace rigfit::describe

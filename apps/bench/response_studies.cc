@@ -1,4 +1,4 @@
-#include "apps/bench/response_studies.h"
+#include "apps/bench/bench_study.h"
 
 #include <fmt/format.h>
 
@@ -61,7 +61,6 @@ class Studies {
  private:
   BenchStudy skipped(std::string why) const {
     BenchStudy study;
-    study.task = "nonlinear-response";
     study.scene = scene_.title;
     study.skipped = std::move(why);
     return study;
@@ -69,7 +68,6 @@ class Studies {
 
   BenchStudy started(const char* varied) const {
     BenchStudy study;
-    study.task = "nonlinear-response";
     study.study = varied;
     study.scene = scene_.title;
     study.error_of = fmt::format("{:g} s of the sensors' motion at {:g} Hz, rms",
@@ -142,8 +140,6 @@ class Studies {
           fmt::format("{} scheme, steps of {:.2g} ms", name_of(fine.solver), 1e3 * finest.step_s);
       study.reference_error = difference(coarser, truth) / (std::pow(ratio, order) - 1);
     }
-    study.default_does =
-        "the default chose solver and step by the scene's accuracy, and estimates what that costs";
     const auto with_step = [&](ResponseSolver solver, double step_s) {
       ResponseOptions options = base_;
       options.solver = solver;
@@ -211,9 +207,6 @@ class Studies {
     }
     study.reference = fmt::format("{} segments a member, {}", fine, name_of(own_.solver));
     study.reference_error = difference(coarser, finest.samples);
-    study.default_does =
-        "the default is not told the number of segments: it finds one that brings the frequencies' "
-        "error, weighted by energy, below the scene's accuracy";
     options = base_;
     options.solver = own_.solver;
     for (const int n : {8, 15, 30, 60, 120}) {

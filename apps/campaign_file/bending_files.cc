@@ -122,7 +122,7 @@ const std::vector<std::string> kDeflectionNames = {"deflection", "displacement",
 class Columns {
  public:
   Columns(const signal::Recording& recording, const BendingColumns& names,
-          std::vector<Warning>& warnings)
+          std::vector<Finding>& warnings)
       : recording_(recording), names_(names), warnings_(warnings), file_(recording.path.string()) {}
 
   ident::BendingSource source() const {
@@ -240,7 +240,7 @@ class Columns {
   const signal::Recording& recording_;
   const std::optional<LoadDeflection> table_ = load_deflection(recording_);
   const BendingColumns& names_;
-  std::vector<Warning>& warnings_;
+  std::vector<Finding>& warnings_;
   std::string file_;
 };
 
@@ -288,7 +288,7 @@ signal::Recording load_bending_file(const std::filesystem::path& path, VerbConte
 }
 
 ident::BendingSource bending_source(const signal::Recording& recording,
-                                    const BendingColumns& columns, std::vector<Warning>& warnings) {
+                                    const BendingColumns& columns, std::vector<Finding>& warnings) {
   return Columns(recording, columns, warnings).source();
 }
 
@@ -298,7 +298,7 @@ ident::StiffnessCurve read_stiffness_curve(const std::filesystem::path& path) {
   VerbContext own(nothing);
   own.quiet = true;
   own.hashes_inputs = false;
-  std::vector<Warning> warnings;
+  std::vector<Finding> warnings;
   const auto source = bending_source(load_bending_file(path, own), {}, warnings);
   if (source.values.empty()) {
     throw signal::RecordingError({.file = path.string(), .channel = "EI_Nm2", .value = ""},

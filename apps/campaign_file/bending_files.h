@@ -53,7 +53,7 @@ void drop_time_notes(signal::Recording& recording);
 /// row and remedy for columns that are missing, of another quantity, or EI that is not positive.
 [[nodiscard]] ident::BendingSource bending_source(const signal::Recording& recording,
                                                   const BendingColumns& columns,
-                                                  std::vector<Warning>& warnings);
+                                                  std::vector<Finding>& warnings);
 
 /// EI(T) from a table of it, or from what `rigfit bending --json FILE` wrote (.json): its tests
 /// that gave an EI, by the same laws. Throws model::SceneError, signal::RecordingError.

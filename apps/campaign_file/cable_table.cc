@@ -21,8 +21,7 @@ namespace {
 
 class CableRows {
  public:
-  explicit CableRows(const std::filesystem::path& path)
-      : table_(read_text_table(path, ShortRows::filled)) {
+  explicit CableRows(const std::filesystem::path& path) : table_(read_text_table(path)) {
     const auto fail = [&](const std::string& problem, const char* remedy) {
       throw model::SceneError({table_.file, table_.header_line, 0, ""}, problem, remedy);
     };
@@ -52,7 +51,7 @@ class CableRows {
     for (const auto& row : table_.rows) {
       CableTableRow one;
       one.line = row.line;
-      std::string name = name_of_row(row);
+      std::string name = table_.text(row, table_.find("name") >= 0 ? "name" : "cable");
       if (name.empty()) name = fmt::format("line {}", row.line);
       try {
         if (!taken.insert(name).second) throw std::invalid_argument("the name is taken");
@@ -69,15 +68,6 @@ class CableRows {
   }
 
  private:
-  /// Under "name" or "cable". "name" above the first column labels a line of names in logger files
-  /// (csv_layout.cc) and is then no title.
-  [[nodiscard]] std::string name_of_row(const TextTable::Row& row) const {
-    for (const char* title : {"name", "cable"}) {
-      if (table_.find(title) >= 0) return table_.text(row, title);
-    }
-    return table_.columns.front().name.empty() ? row.cells.front() : std::string();
-  }
-
   /// The row as the keys of a campaign's tension test; what is blank keeps its default.
   [[nodiscard]] ident::CableTest test_of(const TextTable::Row& row) const {
     TensionTest test;

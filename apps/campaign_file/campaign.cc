@@ -451,27 +451,21 @@ class Reader {
     }
     if (!use) return;
     const bool by_tension = by_table.value_or(false) || with > 0;
-    const std::string which =
-        by_table ? "the table has no tension column" : "the recordings have no tension";
-    if (by_tension && use->tension_of.empty()) {
+    const std::string of = with > 0 || !by_table ? "recordings" : "table";
+    if (by_tension == use->tension_of.empty()) {
       throw table.error(
           "tension_of",
-          fmt::format("is missing although the {}",
-                      with > 0 ? "recordings go by tension" : "table goes by tension"),
-          "name the scene's parameters that take it, such as \"cable.tension\"");
-    }
-    if (!by_tension && !use->tension_of.empty()) {
-      throw table.error("tension_of", "is given although " + which,
-                        by_table ? "add tension = \"...\" to the table, or leave tension_of out"
-                                 : "add tension = ... to every [[test.recording]], or leave "
-                                   "tension_of out");
+          by_tension ? "is missing although the " + of + " go by tension"
+                     : "is given although the " + of + " have no tension",
+          "name the scene's parameters that take it, such as \"cable.tension\", and "
+          "give the tension of the table and of every [[test.recording]]; or neither");
     }
     if (by_table && !test.recordings.empty() && *by_table != (with > 0)) {
       throw table.error("table", "only one of table and recordings goes by tension",
                         "give both their tensions, or neither");
     }
     if (!use->EI_of.empty() && !by_tension) {
-      throw table.error("EI_of", "is given although " + which,
+      throw table.error("EI_of", "is given although the " + of + " have no tension",
                         "EI follows the tension; leave EI_of out");
     }
   }

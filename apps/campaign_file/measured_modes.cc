@@ -6,9 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fstream>
+#include <map>
+#include "apps/results/modal_files.h"
 #include "apps/results/text_table.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
+#include "signal/readers/read_recording.h"
+#include "signal/readers/uff/read_uff_modes.h"
 
 namespace rigfit::apps {
 namespace {
@@ -48,7 +53,7 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
                                                   std::optional<model::ModePlane> plane,
                                                   const std::vector<std::string>& sensors,
                                                   const std::vector<std::string>& compare) {
-  const TextTable table = read_text_table(path, ShortRows::filled);
+  const TextTable table = read_text_table(path);
   const std::string frequency = column.empty() ? "frequency_hz" : column;
   check(table, frequency, sensors);
   std::vector<MeasuredTableRow> rows;
@@ -107,6 +112,99 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
   }
   if (rows.empty())
     fail(table, 0, frequency, "no mode is listed", "one line a mode below the names");
+  return rows;
+}
+
+namespace {
+
+/// Share of the scene's extent within which a node is where a sensor is: what people measure a rig
+/// to, and far more than what six printed digits lose.
+constexpr double kSamePlace = 1e-3;
+
+/// The file's node of each sensor, in the file's own axes; empty where a sensor has none, and `why`
+/// says so.
+std::vector<int> nodes_of_sensors(const model::Scene& scene, const signal::UffModes& file,
+                                  std::string& why) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
+  for (const auto& node : scene.nodes) {
+    low = low.cwiseMin(node.position), high = high.cwiseMax(node.position);
+  }
+  const double reach = scene.nodes.empty() ? 0 : kSamePlace * (high - low).norm();
+  std::vector<int> nodes;
+  for (const auto& sensor : scene.sensors) {
+    const Eigen::Vector3d at = position_of(scene, sensor.place);
+    const signal::UffNode* nearest = nullptr;
+    double distance = reach;
+    for (const auto& one : file.nodes) {
+      const double apart = (Eigen::Vector3d(one.position_m.data()) - at).norm();
+      if (apart <= distance) distance = apart, nearest = &one;
+    }
+    if (nearest == nullptr || nearest->displacement_system > 1) {
+      why = fmt::format("sensor {} at ({:.4g}, {:.4g}, {:.4g}) m {}", sensor.name, at[0], at[1],
+                        at[2],
+                        nearest ? "is at a node with axes of its own: write the file in those of "
+                                  "the scene"
+                                : "has no node within a thousandth of the rig: write the nodes' "
+                                  "coordinates (dataset 15 or 2411) in the scene's axes");
+      return {};
+    }
+    nodes.push_back(nearest->node);
+  }
+  return nodes;
+}
+
+}  // namespace
+
+bool is_universal_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string head(1024, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
+  return signal::format_of(head) == signal::RecordingFormat::uff;
+}
+
+std::vector<MeasuredTableRow> read_uff_measured_modes(const std::filesystem::path& path,
+                                                      std::optional<model::ModePlane> plane,
+                                                      const model::Scene& scene,
+                                                      std::vector<std::string>& remarks) {
+  const signal::UffModes file = signal::read_uff_modes(path);
+  remarks.insert(remarks.end(), file.remarks.begin(), file.remarks.end());
+  std::string why;
+  const auto nodes = nodes_of_sensors(scene, file, why);
+  if (!why.empty()) remarks.push_back("shapes are not used: " + why);
+  std::vector<MeasuredTableRow> rows;
+  int absent = 0;
+  for (const auto& found : file.modes) {
+    MeasuredTableRow row;
+    row.mode.frequency_hz = {found.frequency_hz, signal::kNaN};
+    // A ratio that is not positive is none of a mode; it is not fitted.
+    row.mode.damping_ratio = {found.damping_ratio > 0 ? found.damping_ratio : signal::kNaN,
+                              signal::kNaN};
+    row.mode.plane = plane;
+    std::map<int, const signal::UffNodeShape*> at;
+    for (const auto& one : found.shape) at.emplace(one.node, &one);
+    Eigen::VectorXcd shape(static_cast<Eigen::Index>(nodes.size()));
+    bool whole = !nodes.empty() && !found.shape.empty();
+    for (std::size_t s = 0; s < nodes.size() && whole; ++s) {
+      const auto one = at.find(nodes[s]);
+      whole = one != at.end();
+      if (!whole) break;
+      std::complex<double> moves = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        moves +=
+            scene.sensors[s].direction[static_cast<Eigen::Index>(k)] * one->second->translation[k];
+      }
+      shape[static_cast<Eigen::Index>(s)] = moves;
+    }
+    whole = whole && shape.squaredNorm() > 0;
+    absent += !whole && !nodes.empty();
+    if (whole) row.mode.shape = shape;
+    rows.push_back(std::move(row));
+  }
+  if (absent > 0) {
+    remarks.push_back(
+        fmt::format("{} of {} modes come without a shape at every sensor", absent, rows.size()));
+  }
   return rows;
 }
 

@@ -7,6 +7,8 @@
 
 #include "apps/campaign_file/update_data.h"
 #include "ident/update/model_update.h"
+#include "ident/update/problem/update_data.h"
+#include "model/scene/scene.h"
 
 namespace rigfit::apps {
 
@@ -30,5 +32,15 @@ namespace rigfit::apps {
 [[nodiscard]] std::vector<ident::UncertainInput> axial_inputs(const std::string& path,
                                                               bool with_damping,
                                                               UpdateStates& states);
+
+/// "NAME", "NAME@each", "NAME=TARGET,TARGET,-TARGET", any with "@each" at its end. Throws
+/// UsageError.
+[[nodiscard]] ident::FreeParameter free_parameter(std::string text);
+
+/// Of `--free` (empty: every member's EI, as what is least known of a rig), each with its
+/// `--prior`, "NAME=VALUE,STD". Throws UsageError.
+[[nodiscard]] std::vector<ident::FreeParameter> free_parameters(
+    const std::vector<std::string>& free, const std::vector<std::string>& priors,
+    const model::Scene& scene);
 
 }  // namespace rigfit::apps

@@ -13,7 +13,6 @@ extern const std::string_view figures_js;
 extern const std::string_view apps_readme;        ///< reference of keys, for `help`
 extern const std::string_view new_campaign_toml;  ///< what `new` writes
 extern const std::string_view new_cable_toml;
-extern const std::string_view rig_toml;  ///< the paper's rig, for `bench`
 extern const std::string_view new_bending_csv;
 extern const std::string_view new_frequencies_csv;
 

@@ -61,4 +61,23 @@ signal::ReadOptions read_options(const ReadingOptions& given) {
   return options;
 }
 
+describe::Options SharedOptions::options(bool reads, bool draws) {
+  describe::Options all;
+  const auto add = [&](const describe::Options& more) {
+    all.insert(all.end(), more.begin(), more.end());
+  };
+  if (reads) add(options_of(reading));
+  add(options_of(common));
+  if (draws) add(options_of(plots));
+  return all;
+}
+
+void SharedOptions::apply(VerbContext& context) const {
+  context.quiet = common.quiet;
+  context.verbose = common.verbose;
+  context.threads = common.threads;
+  context.seed = common.seed;
+  context.reading = read_options(reading);
+}
+
 }  // namespace rigfit::apps

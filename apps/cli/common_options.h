@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "apps/cli/plots/plot_option.h"
+#include "apps/cli/verb_context.h"
 #include "apps/describe/option.h"
 #include "signal/readers/files/read_options.h"
 
@@ -30,5 +32,17 @@ struct ReadingOptions {
 [[nodiscard]] describe::Options options_of(ReadingOptions& given);
 
 [[nodiscard]] signal::ReadOptions read_options(const ReadingOptions& given);
+
+/// What stands beside a verb's own options.
+struct SharedOptions {
+  CommonOptions common;
+  ReadingOptions reading;
+  PlotCommand plots;
+
+  /// For a verb that reads recordings, that draws.
+  [[nodiscard]] describe::Options options(bool reads, bool draws);
+  /// But for the figures.
+  void apply(VerbContext& context) const;
+};
 
 }  // namespace rigfit::apps

@@ -9,14 +9,6 @@
 namespace rigfit::apps {
 namespace {
 
-void replace_non_finite(Json& value) {
-  if (value.is_number_float() && !std::isfinite(value.get<double>())) {
-    value = nullptr;
-  } else if (value.is_structured()) {
-    for (auto& child : value) replace_non_finite(child);
-  }
-}
-
 /// Why the run ends with another exit code than 0: the finding that ended it.
 Json error_json(const VerbContext& context) {
   const bool refused = context.exit_code == ExitCode::refused;
@@ -46,7 +38,7 @@ Json json_document(const VerbContext& context, const std::string& verb, Json res
     inputs.push_back({{"path", input.path}, {"sha256", input.sha256}});
   }
   document["inputs"] = std::move(inputs);
-  const auto list = [](const std::vector<Warning>& findings) {
+  const auto list = [](const std::vector<Finding>& findings) {
     Json all = Json::array();
     for (const auto& one : findings) {
       all.push_back({{"code", one.code}, {"message", one.message}, {"where", one.where}});
@@ -56,7 +48,6 @@ Json json_document(const VerbContext& context, const std::string& verb, Json res
   document["warnings"] = list(context.warnings());
   document["notes"] = list(context.notes());
   if (context.exit_code != ExitCode::done) document["error"] = error_json(context);
-  replace_non_finite(result);
   for (auto& [key, value] : result.items()) document[key] = std::move(value);
   return document;
 }

@@ -9,8 +9,8 @@ namespace rigfit::apps {
 
 /// `{rigfit, command, inputs[], warnings[], notes[], error, ...result}`. `error`, `{exit_code,
 /// code, message, where}`, is there when the run ends with another exit code than 0: the first
-/// warning that refused or that says what did not converge. Non-finite numbers in `result` become
-/// null.
+/// warning that refused or that says what did not converge. Non-finite numbers are null where it is
+/// written.
 [[nodiscard]] Json json_document(const VerbContext& context, const std::string& verb, Json result);
 
 /// A document that the program wrote, with that key. `by`: the command that writes one.

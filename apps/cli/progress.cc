@@ -8,30 +8,22 @@
 #include <cstdio>
 #include <mutex>
 #include <utility>
-#include <vector>
 
 namespace rigfit::apps {
 namespace {
 using Clock = std::chrono::steady_clock;
 thread_local const std::atomic<bool>* stop_of_thread = nullptr;
 
-/// The one line of the terminal that progress is shown in.
-struct ProgressLine {
-  std::mutex mutex;
-  std::vector<Progress*> shown;  ///< that live and may draw, newest last
-  bool written = false;          ///< something stands in the line
-  bool clock = false;            ///< a clock runs
+// The one line of the terminal that progress is shown in.
+std::mutex mutex_of_line;
+Progress* newest = nullptr;
+bool written = false;  // something stands in the line
 
-  void write(const std::string& text) {
-    if (text.empty() && !written) return;
-    fmt::print(stderr, "\r\033[K{}", text);
-    std::fflush(stderr);
-    written = !text.empty();
-  }
-};
-ProgressLine& progress_line() {
-  static ProgressLine line;
-  return line;
+void write(const std::string& text) {
+  if (text.empty() && !written) return;
+  fmt::print(stderr, "\r\033[K{}", text);
+  std::fflush(stderr);
+  written = !text.empty();
 }
 
 /// "label [####      ]  40 %  3 s left", or "label  2 s" before the first step.
@@ -48,73 +40,42 @@ std::string drawn(const std::string& label, double share, double elapsed_s) {
 void Progress::stops_by(const std::atomic<bool>* stop) { stop_of_thread = stop; }
 
 void Progress::erase() {
-  auto& line = progress_line();
-  const std::lock_guard lock(line.mutex);
-  line.write("");
+  const std::lock_guard lock(mutex_of_line);
+  write("");
 }
 
 Progress::Progress(std::string label, long total, bool quiet)
     : label_(std::move(label)),
       total_(std::max(1L, total)),
       stop_(stop_of_thread),
-      start_(Clock::now()),
-      enabled_(!quiet && ::isatty(STDERR_FILENO) == 1) {
-  if (!enabled_) return;
-  auto& line = progress_line();
-  const std::lock_guard lock(line.mutex);
-  line.shown.push_back(this);
+      start_(Clock::now()) {
+  if (quiet || ::isatty(STDERR_FILENO) == 0) return;
+  const std::lock_guard lock(mutex_of_line);
+  below_ = std::exchange(newest, this);
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    std::condition_variable_any stopped;
+    std::unique_lock line(mutex_of_line);
+    while (!stop.stop_requested()) {
+      stopped.wait_for(line, stop, std::chrono::milliseconds(200), [] { return false; });
+      const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
+      const double share = static_cast<double>(done_) / static_cast<double>(total_);
+      if (newest == this && elapsed >= 1) write(drawn(label_, std::min(1.0, share), elapsed));
+    }
+  });
 }
 
 Progress::~Progress() {
-  if (!enabled_) return;
-  auto& line = progress_line();
-  const std::lock_guard lock(line.mutex);
-  std::erase(line.shown, this);
-  line.write("");
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+  const std::lock_guard lock(mutex_of_line);
+  newest = below_;
+  write("");
 }
 
 void Progress::advance(long steps) {
   if (stop_ != nullptr && *stop_) throw Stopped();
   done_ += steps;
 }
-
-ProgressClock::ProgressClock(std::string label, bool quiet) : whole_(std::move(label), 1, quiet) {
-  if (!whole_.enabled_) return;
-  progress_line().clock = true;
-  thread_ = std::jthread([](const std::stop_token& stop) {
-    auto& line = progress_line();
-    std::condition_variable_any stopped;
-    std::unique_lock lock(line.mutex);
-    while (line.clock && !stop.stop_requested()) {
-      stopped.wait_for(lock, stop, std::chrono::milliseconds(200), [] { return false; });
-      if (!line.clock || line.shown.empty()) continue;
-      const Progress& newest = *line.shown.back();
-      const double elapsed = std::chrono::duration<double>(Clock::now() - newest.start_).count();
-      const double share = static_cast<double>(newest.done_) / static_cast<double>(newest.total_);
-      if (elapsed >= 1) line.write(drawn(newest.label_, std::min(1.0, share), elapsed));
-    }
-  });
-}
-
-ProgressClock::~ProgressClock() { end(); }
-
-void ProgressClock::end() {
-  auto& line = progress_line();
-  const std::lock_guard lock(line.mutex);
-  line.clock = false;
-  line.write("");
-}
-
-int ResultBuffer::overflow(int c) {
-  ProgressClock::end();
-  return to_->sputc(static_cast<char>(c));
-}
-
-std::streamsize ResultBuffer::xsputn(const char* text, std::streamsize count) {
-  ProgressClock::end();
-  return to_->sputn(text, count);
-}
-
-int ResultBuffer::sync() { return to_->pubsync(); }
 
 }  // namespace rigfit::apps

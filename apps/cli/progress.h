@@ -6,7 +6,6 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
-#include <streambuf>
 #include <string>
 #include <thread>
 
@@ -17,6 +16,7 @@ struct Stopped : std::exception {
   [[nodiscard]] const char* what() const noexcept override { return "stopped"; }
 };
 
+/// Of those that live the newest is drawn.
 class Progress {
  public:
   /// From now on every Progress made on this thread stops its work once `*stop` is true; null: none
@@ -36,44 +36,13 @@ class Progress {
   static void erase();
 
  private:
-  friend class ProgressClock;
-
   std::string label_;
   long total_;
   const std::atomic<bool>* stop_;
   std::atomic<long> done_{0};
   std::chrono::steady_clock::time_point start_;
-  bool enabled_;
-};
-
-/// While it lives, on a terminal: the newest Progress that lives is drawn, a bar once it has
-/// advanced, or else the seconds passed beside its label or, where there is none, beside `label`.
-class ProgressClock {
- public:
-  ProgressClock(std::string label, bool quiet);
-  ~ProgressClock();
-  ProgressClock(const ProgressClock&) = delete;
-  ProgressClock& operator=(const ProgressClock&) = delete;
-
-  /// No more from now on: results are being written.
-  static void end();
-
- private:
-  Progress whole_;
-  std::jthread thread_;
-};
-
-/// Results on their way to a terminal: what progress shows is taken off before them.
-class ResultBuffer : public std::streambuf {
- public:
-  explicit ResultBuffer(std::streambuf* to) : to_(to) {}
-
- private:
-  int overflow(int c) override;
-  std::streamsize xsputn(const char* text, std::streamsize count) override;
-  int sync() override;
-
-  std::streambuf* to_;
+  Progress* below_ = nullptr;  ///< drawn again after this one
+  std::jthread thread_;        ///< draws; none without a terminal
 };
 
 }  // namespace rigfit::apps

@@ -1,15 +1,17 @@
 #include "apps/cli/usage.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <sstream>
 #include <string_view>
 
 #include "apps/campaign/campaign.h"
 #include "apps/cli/assets.h"
 #include "apps/cli/exit_code.h"
-#include "apps/cli/terminal.h"
 #include "apps/describe/json_of.h"
 #include "document/toml_table.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
@@ -323,6 +325,35 @@ std::string man_page(const Verbs& verbs, const Verb* verb, const std::string& ve
       "support what was asked; 5 did not converge; 1 an internal error.\n",
       roff(title), version, roff(verb == nullptr ? kDoes : verb->does),
       roff(verb == nullptr ? program_help(verbs, 78) : verb_help(*verb, 78)));
+}
+
+std::size_t text_width() {
+  winsize size{};
+  const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col >= 40;
+  return known ? size.ws_col : 80;
+}
+
+std::string wrapped(const std::string& text, std::size_t indent, std::size_t width) {
+  std::string result;
+  std::size_t column = 0;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line); column = 0) {
+    if (!result.empty()) result += '\n';
+    const bool kept = indent == 0 && line.starts_with(' ');
+    std::size_t at = 0;
+    while (!kept && line.size() - at > width - column) {
+      // What stands before the indentation is never parted from its text.
+      const std::size_t least = at + (at == 0 && indent > 0 ? indent : 1);
+      std::size_t cut = line.rfind(' ', at + width - column);
+      if (cut == std::string::npos || cut < least) cut = line.find(' ', least);
+      if (cut == std::string::npos) break;
+      result += line.substr(at, cut - at) + '\n' + std::string(indent, ' ');
+      column = indent;
+      at = cut + 1;
+    }
+    result += line.substr(at);
+  }
+  return result;
 }
 
 }  // namespace rigfit::apps

@@ -11,6 +11,12 @@
 
 namespace rigfit::apps {
 
+/// Columns of the terminal that standard output is; 80 elsewhere.
+[[nodiscard]] std::size_t text_width();
+/// `text` broken at blanks to `width` columns, every line but the first begun with `indent` blanks;
+/// lines that begin with a blank (commands) stay as they are.
+[[nodiscard]] std::string wrapped(const std::string& text, std::size_t indent, std::size_t width);
+
 [[nodiscard]] std::string program_help(const Verbs& verbs, std::size_t width);
 [[nodiscard]] std::string verb_help(const Verb& verb, std::size_t width);
 

@@ -1,32 +1,58 @@
 #include "apps/cli/verb_context.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
+#include <openssl/evp.h>
 
+#include <array>
 #include <iostream>
 #include <system_error>
 
 #include "apps/cli/output_file.h"
 #include "apps/cli/progress.h"
-#include "apps/cli/sha256.h"
-#include "apps/cli/terminal.h"
+#include "document/document_error.h"
+#include "signal/readers/files/mapped_file.h"
+#include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
+namespace fs = std::filesystem;
 namespace {
 
-/// Size, time and identity of a file; zeros when there is none.
-Input stamp_of(const std::string& path) {
-  Input input;
-  input.path = path;
-  struct stat file {};
-  if (::stat(path.c_str(), &file) != 0 || !S_ISREG(file.st_mode)) return input;
-  input.size = file.st_size;
-  input.changed_ns = file.st_mtim.tv_sec * 1'000'000'000LL + file.st_mtim.tv_nsec;
-  input.file_id = file.st_ino;
-  return input;
+/// As the file is now.
+Input input_of(const std::string& path) {
+  std::error_code none;
+  return {path, sha256_of_file(path), fs::last_write_time(path, none)};
 }
 
 }  // namespace
+
+std::string sha256(std::string_view bytes) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned size = 0;
+  EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr);
+  return fmt::format("{:02x}", fmt::join(digest.begin(), digest.begin() + size, ""));
+}
+
+std::string sha256_of_file(const fs::path& path) {
+  std::error_code none;
+  if (!fs::is_regular_file(path, none)) return "";
+  if (fs::file_size(path, none) == 0) return sha256("");
+  try {
+    return sha256(signal::MappedFile(path).bytes());
+  } catch (const signal::RecordingError&) {
+    return "";
+  }
+}
+
+ExitCode exit_code_of(const std::exception& error) {
+  if (dynamic_cast<const UsageError*>(&error)) return ExitCode::wrong_usage;
+  if (dynamic_cast<const signal::RecordingError*>(&error)) return ExitCode::bad_input;
+  if (dynamic_cast<const document::DocumentError*>(&error)) return ExitCode::bad_input;
+  if (dynamic_cast<const InputChanged*>(&error)) return ExitCode::bad_input;
+  if (dynamic_cast<const OutputError*>(&error)) return ExitCode::bad_input;
+  if (dynamic_cast<const Refused*>(&error)) return ExitCode::refused;
+  if (dynamic_cast<const NotConverged*>(&error)) return ExitCode::not_converged;
+  return ExitCode::fault;
+}
 
 void VerbContext::warn(std::string code, std::string message, std::string where) {
   const bool note = is_note(code);
@@ -34,11 +60,10 @@ void VerbContext::warn(std::string code, std::string message, std::string where)
   (note ? notes_ : warnings_).push_back({std::move(code), std::move(message), std::move(where)});
 }
 
-void VerbContext::end(ExitCode code, const char* word, Warning why) {
+void VerbContext::end(ExitCode code, const char* word, Finding why) {
   if (!silent) {
     Progress::erase();
-    std::cerr << on_terminal(TerminalColour::red, word) << ' '
-              << (why.where.empty() ? "" : why.where + ": ") << why.message << '\n';
+    std::cerr << word << ' ' << (why.where.empty() ? "" : why.where + ": ") << why.message << '\n';
   }
   warnings_.push_back(std::move(why));
   exit_code = code;
@@ -54,12 +79,12 @@ void VerbContext::fail(std::string message, std::string where) {
 
 void VerbContext::say_warnings() const {
   if (quiet || silent) return;
-  std::vector<Warning> unsaid;
+  std::vector<Finding> unsaid;
   unsaid.reserve(unsaid_.size());
   for (const std::size_t k : unsaid_) unsaid.push_back(warnings_[k]);
   if (!unsaid.empty()) Progress::erase();
   for (const auto& line : warning_lines(unsaid, verbose ? unsaid.size() : 5)) {
-    std::cerr << on_terminal(TerminalColour::yellow, "warning:") << ' ' << line << '\n';
+    std::cerr << "warning: " << line << '\n';
   }
   if (!verbose) return;
   for (const auto& line : warning_lines(notes_, notes_.size()))
@@ -78,43 +103,26 @@ void VerbContext::tell(const std::vector<ident::Finding>& findings) {
 
 void VerbContext::input(const std::string& path) {
   if (!known_.insert(path).second) return;
-  Input input;
-  input.path = path;
-  if (hashes_inputs) {
-    input = stamp_of(path);
-    try {
-      input.sha256 = sha256_of_file(path);
-    } catch (const std::system_error&) {
-      // Whoever reads it says why it cannot be read.
-    }
-  }
-  inputs_.push_back(std::move(input));
+  inputs_.push_back(hashes_inputs ? input_of(path) : Input{path, "", {}});
 }
 
 void VerbContext::check_inputs() const {
   if (!hashes_inputs) return;
   for (const auto& input : inputs_) {
-    const Input now = stamp_of(input.path);
-    if (now.size == input.size && now.changed_ns == input.changed_ns &&
-        now.file_id == input.file_id) {
-      continue;
-    }
-    std::string sha256;
-    try {
-      sha256 = sha256_of_file(input.path);
-    } catch (const std::system_error&) {
-    }
-    if (sha256 == input.sha256) continue;
-    throw InputChanged(input.path + ": " + (sha256.empty() ? "was removed" : "changed") +
+    std::error_code none;
+    if (fs::last_write_time(input.path, none) == input.time) continue;
+    const Input now = input_of(input.path);
+    if (now.sha256 == input.sha256) continue;
+    throw InputChanged(input.path + ": " + (now.sha256.empty() ? "was removed" : "changed") +
                        " while it was being used; run again when nothing writes to it");
   }
 }
 
-void VerbContext::write(const std::filesystem::path& path, std::string_view content) const {
+void VerbContext::write(const fs::path& path, std::string_view content) const {
   check_inputs();
   for (const auto& input : inputs_) {
     std::error_code none;
-    if (std::filesystem::equivalent(path, input.path, none)) {
+    if (fs::equivalent(path, input.path, none)) {
       throw UsageError(path.string() + " is an input of this run, which stays as it is; name " +
                        "another file to write to");
     }

@@ -13,7 +13,6 @@
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/warning_lines.h"
-#include "ident/campaign/single_tests/finding.h"
 #include "signal/readers/files/read_options.h"
 
 namespace rigfit::apps {
@@ -24,11 +23,14 @@ struct AtHand;     // apps/cli/at_hand.h
 /// A file read by a run, as it was when the run met it.
 struct Input {
   std::string path;
-  std::string sha256;           ///< empty: could not be read then
-  std::int64_t size = 0;        ///< bytes
-  std::int64_t changed_ns = 0;  ///< time of the last change, file system's clock
-  std::uint64_t file_id = 0;    ///< inode
+  std::string sha256;                      ///< empty: could not be read then
+  std::filesystem::file_time_type time{};  ///< of the last change
 };
+
+/// SHA-256 (FIPS 180-4) by OpenSSL, 64 lower-case hexadecimal digits.
+[[nodiscard]] std::string sha256(std::string_view bytes);
+/// Empty for what is no regular file or cannot be read: whoever reads it says why.
+[[nodiscard]] std::string sha256_of_file(const std::filesystem::path& path);
 
 class VerbContext {
  public:
@@ -60,7 +62,7 @@ class VerbContext {
   /// A warning that ends the run with exit code 5: it did not converge.
   void fail(std::string message, std::string where = "");
   /// What an analysis found: refusals refused, the others warned of.
-  void tell(const std::vector<ident::Finding>& findings);
+  void tell(const std::vector<Finding>& findings);
   /// Names a file as an input of this run, before it is read: hashed now, and again at the end if
   /// it was touched meanwhile.
   void input(const std::string& path);
@@ -69,15 +71,15 @@ class VerbContext {
   /// A file of results, whole or not at all; none from inputs that changed.
   void write(const std::filesystem::path& path, std::string_view content) const;
 
-  const std::vector<Warning>& warnings() const { return warnings_; }
-  const std::vector<Warning>& notes() const { return notes_; }
+  const std::vector<Finding>& warnings() const { return warnings_; }
+  const std::vector<Finding>& notes() const { return notes_; }
   const std::vector<Input>& inputs() const { return inputs_; }
 
  private:
-  void end(ExitCode code, const char* word, Warning why);
+  void end(ExitCode code, const char* word, Finding why);
   void say_warnings() const;
 
-  std::vector<Warning> warnings_, notes_;
+  std::vector<Finding> warnings_, notes_;
   std::vector<std::size_t> unsaid_;  ///< places of warnings to be said at the end
   std::vector<Input> inputs_;
   std::unordered_set<std::string> known_;

@@ -43,10 +43,10 @@ constexpr auto kNotes = std::to_array<std::string_view>({
 
 struct Kind {
   std::string_view code;
-  std::vector<const Warning*> all;
+  std::vector<const Finding*> all;
 };
 
-std::vector<Kind> kinds_of(std::span<const Warning> warnings) {
+std::vector<Kind> kinds_of(std::span<const Finding> warnings) {
   std::vector<Kind> kinds;
   for (const auto& warning : warnings) {
     auto same = std::find_if(kinds.begin(), kinds.end(),
@@ -61,11 +61,11 @@ std::vector<Kind> kinds_of(std::span<const Warning> warnings) {
 }
 
 std::string line_of(const Kind& kind) {
-  const Warning& first = *kind.all.front();
+  const Finding& first = *kind.all.front();
   const std::size_t more = kind.all.size() - 1;
   bool alike = true;
   std::vector<std::string_view> places;
-  for (const Warning* one : kind.all) {
+  for (const Finding* one : kind.all) {
     alike &= one->message == first.message;
     const std::string& where = one->where;
     if (!where.empty() && std::find(places.begin(), places.end(), where) == places.end()) {
@@ -104,7 +104,7 @@ Level level_of(std::string_view code) {
                                : Level::look_at;
 }
 
-std::vector<std::string> warning_lines(std::span<const Warning> warnings, std::size_t most) {
+std::vector<std::string> warning_lines(std::span<const Finding> warnings, std::size_t most) {
   const std::vector<Kind> kinds = kinds_of(warnings);
   const std::size_t shown = std::min(most, kinds.size());
   std::vector<std::string> lines;

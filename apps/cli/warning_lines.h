@@ -10,14 +10,11 @@
 #include <string_view>
 #include <vector>
 
+#include "ident/campaign/single_tests/finding.h"
+
 namespace rigfit::apps {
 
-struct Warning {
-  std::string code;  ///< stable, for programs
-  std::string message;
-  std::string where;     ///< file, channel, member ...
-  bool refused = false;  ///< the run ends with exit code 4 for it
-};
+using ident::Finding;
 
 enum class Level { answer_may_be_wrong, look_at, taken_as_said, note };
 
@@ -26,7 +23,7 @@ enum class Level { answer_may_be_wrong, look_at, taken_as_said, note };
 
 /// Lines without their end, the gravest level first and then in the order they were said; with more
 /// than `most` kinds a last line counts the others.
-[[nodiscard]] std::vector<std::string> warning_lines(std::span<const Warning> warnings,
+[[nodiscard]] std::vector<std::string> warning_lines(std::span<const Finding> warnings,
                                                      std::size_t most = 5);
 
 }  // namespace rigfit::apps

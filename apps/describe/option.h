@@ -54,7 +54,6 @@ struct Option {
   Option needs(std::string other) {
     return only_with.push_back(std::move(other)), std::move(*this);
   }
-  Option tells(std::vector<std::string>& list) { return told = &list, std::move(*this); }
 
   /// "Hung mass, adapter and clamp included, kg".
   [[nodiscard]] std::string text() const {

@@ -11,7 +11,6 @@
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/describe/json_of.h"
-#include "apps/report/compare_reports.h"
 #include "apps/report/parts/parts.h"
 #include "ident/campaign/campaign.h"
 #include "ident/statistics/in_parallel.h"

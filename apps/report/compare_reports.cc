@@ -1,4 +1,4 @@
-#include "apps/report/compare_reports.h"
+#include "apps/report/campaign_report.h"
 
 #include <fmt/format.h>
 
@@ -27,36 +27,24 @@ struct Pair {
   [[nodiscard]] const Answer& one() const { return after ? *after : *before; }
 };
 
-/// Pairs of equal keys, nearest first where a key has several values, such as the modes of a state;
-/// then the lonely ones.
+/// Each value before with the nearest one after of its key (a key may have several, such as the
+/// modes of a state); then the lonely ones.
 std::vector<Pair> pairs_of(const std::vector<Answer>& before, const std::vector<Answer>& after) {
-  struct Candidate {
-    double distance;
-    std::size_t a, b;
-  };
-  std::vector<Candidate> candidates;
-  for (std::size_t a = 0; a < before.size(); ++a) {
-    const auto count = std::count_if(before.begin(), before.end(),
-                                     [&](const Answer& one) { return one.key == before[a].key; });
-    for (std::size_t b = 0; b < after.size(); ++b) {
-      if (before[a].key != after[b].key) continue;
-      const double distance = std::abs(std::log(mark_of(after[b]) / mark_of(before[a])));
-      if (count > 1 && !(distance < kFarthest)) continue;
-      candidates.push_back({std::isfinite(distance) ? distance : 0, a, b});
-    }
-  }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& x, const auto& y) { return x.distance < y.distance; });
-  std::vector<std::size_t> partner(before.size(), after.size());
-  std::vector<bool> taken(after.size(), false);
-  for (const auto& one : candidates) {
-    if (partner[one.a] < after.size() || taken[one.b]) continue;
-    partner[one.a] = one.b;
-    taken[one.b] = true;
-  }
   std::vector<Pair> pairs;
-  for (std::size_t a = 0; a < before.size(); ++a) {
-    pairs.push_back({&before[a], partner[a] < after.size() ? &after[partner[a]] : nullptr});
+  std::vector<bool> taken(after.size(), false);
+  for (const auto& one : before) {
+    const auto count = std::count_if(before.begin(), before.end(),
+                                     [&](const Answer& other) { return other.key == one.key; });
+    double nearest = count > 1 ? kFarthest : HUGE_VAL;
+    std::size_t partner = after.size();
+    for (std::size_t b = 0; b < after.size(); ++b) {
+      if (after[b].key != one.key || taken[b]) continue;
+      double distance = std::abs(std::log(mark_of(after[b]) / mark_of(one)));
+      if (!std::isfinite(distance)) distance = 0;
+      if (distance < nearest) nearest = distance, partner = b;
+    }
+    if (partner < after.size()) taken[partner] = true;
+    pairs.push_back({&one, partner < after.size() ? &after[partner] : nullptr});
   }
   for (std::size_t b = 0; b < after.size(); ++b) {
     if (!taken[b]) pairs.push_back({nullptr, &after[b]});

@@ -82,49 +82,8 @@ signal::MeasuredPoint uff_point(const model::Scene& scene, const std::string& na
   return {shown_name, 0, 0};
 }
 
-std::string frf_file(const signal::FrfSet& frfs) {
-  return signal::uff_text(frfs, signal::UffEncoding::binary);
-}
-
 std::string mode_file(const model::Scene* scene, const signal::ModalModel& modes) {
-  if (!scene) return signal::uff_text(modes);
-  return signal::uff_text(modes, positions_of(*scene));
-}
-
-std::string model_mode_file(const model::ModalAnalysis& analysis) {
-  signal::ModalModel modes;
-  std::vector<signal::NodePosition> positions;
-  const auto& members = analysis.equilibrium.members;
-  for (const auto& member : members) {
-    for (Index i = 0; i < member.positions.cols(); ++i) {
-      const int node = static_cast<int>(positions.size()) + 1;
-      positions.push_back(
-          {node, {member.positions(0, i), member.positions(1, i), member.positions(2, i)}});
-      for (int direction = 1; direction <= 3; ++direction) {
-        modes.responses.push_back({member.member, node, direction});
-      }
-    }
-  }
-  for (const auto& natural : analysis.modes) {
-    signal::IdentifiedMode mode;
-    mode.frequency_hz = {natural.frequency_hz, 0};
-    mode.damping_ratio = {natural.damping_ratio, 0};
-    const double omega = 2 * std::numbers::pi * natural.frequency_hz;
-    const double zeta = natural.damping_ratio;
-    mode.pole_rad_s = {-zeta * omega, omega * std::sqrt(std::max(0.0, 1 - zeta * zeta))};
-    mode.shape.resize(static_cast<Index>(modes.responses.size()));
-    Index row = 0;
-    for (const auto& shape : natural.shape) {
-      for (Index i = 0; i < shape.displacement.cols(); ++i) {
-        for (int k = 0; k < 3 && row < mode.shape.size(); ++k) {
-          mode.shape[row++] = shape.displacement(k, i);
-        }
-      }
-    }
-    if (row < mode.shape.size()) continue;
-    modes.modes.push_back(std::move(mode));
-  }
-  return signal::uff_text(modes, positions);
+  return scene ? signal::uff_text(modes, positions_of(*scene)) : signal::uff_text(modes);
 }
 
 }  // namespace rigfit::apps

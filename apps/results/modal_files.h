@@ -4,10 +4,8 @@
 
 #include <string>
 
-#include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
 #include "signal/modes/modal_model.h"
-#include "signal/spectra/frf_set.h"
 
 namespace rigfit::apps {
 
@@ -16,11 +14,8 @@ namespace rigfit::apps {
 [[nodiscard]] signal::MeasuredPoint uff_point(const model::Scene& scene, const std::string& name,
                                               const std::string& shown_name);
 
-[[nodiscard]] std::string frf_file(const signal::FrfSet& frfs);
 /// Identified modes, at the scene's sensors where there is a scene (else null).
 [[nodiscard]] std::string mode_file(const model::Scene* scene, const signal::ModalModel& modes);
-/// Modelled modes at every node of the chain, three directions each.
-[[nodiscard]] std::string model_mode_file(const model::ModalAnalysis& analysis);
 
 /// Where a sensor or load of the scene is, m, along straight members.
 [[nodiscard]] Eigen::Vector3d position_of(const model::Scene& scene, const model::Place& place);

@@ -9,8 +9,6 @@
 
 #include "model/scene/toml_table.h"
 #include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/csv/csv_layout.h"
-#include "signal/readers/csv/csv_table.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
@@ -21,154 +19,57 @@ namespace {
 using signal::CsvField;
 using signal::FieldKind;
 
-struct Line {
-  long number = 0;
-  std::string_view text;
-};
-
-/// Lines that hold something and are no remark.
-std::vector<Line> lines_of(std::string_view bytes) {
-  std::vector<Line> lines;
-  long number = 1;
-  for (std::size_t at = 0; at < bytes.size(); ++number) {
-    const std::size_t end = signal::line_end(bytes, at);
-    const auto text = signal::trim_blanks(bytes.substr(at, end - at));
-    if (!text.empty() && text.front() != '#') lines.push_back({number, bytes.substr(at, end - at)});
-    at = signal::next_line(bytes, end);
-  }
-  return lines;
-}
-
-/// The lines alone, each with its end: what the layout is found from.
-std::string joined(const std::vector<Line>& lines) {
-  std::string text;
-  for (const auto& line : lines) text.append(line.text).push_back('\n');
-  return text;
-}
-
-/// The first line as names: where words are more than numbers, the layout of a recording is not
-/// found.
-signal::CsvLayout plain_layout(const std::vector<Line>& lines) {
-  signal::CsvLayout layout;
-  const auto header = lines.front().text;
-  layout.dialect.separator = header.find(';') != std::string_view::npos    ? ';'
-                             : header.find('\t') != std::string_view::npos ? '\t'
-                                                                           : ',';
-  std::vector<CsvField> fields;
-  signal::split_fields(header, layout.dialect, fields);
-  for (const auto& field : fields) {
-    const auto title = signal::split_title(signal::to_utf8(field.text));
-    layout.columns.push_back({title.name, title.unit});
-  }
-  layout.body_line = 2;
-  layout.has_names = true;
-  return layout;
-}
-
-TextTable::Column column_of(const signal::CsvColumn& from) {
-  TextTable::Column column{from.name, from.unit};
-  if (from.unit.empty()) return column;
-  const auto unit = signal::parse_unit(from.unit);
-  if (from.name.ends_with(from.unit)) {
+TextTable::Column column_of(const signal::TitledUnit& title) {
+  TextTable::Column column{title.name, title.unit};
+  if (title.unit.empty()) return column;
+  const auto unit = signal::parse_unit(title.unit);
+  if (title.name.ends_with(title.unit)) {
     // Behind an underscore many a word looks like a unit ("f_in"): forces and frequencies only.
     if (unit && (unit->si == "N" || unit->si == "Hz")) column.si_per_number = unit->factor;
     return column;
   }
   column.known_unit = unit.has_value();
-  if (!unit) return column;
-  column.si_per_number = unit->factor;
-  column.si_offset = unit->offset;
+  if (unit) column.si_per_number = unit->factor, column.si_offset = unit->offset;
   return column;
 }
 
-class Reader {
- public:
-  Reader(std::string_view bytes, const std::string& file, ShortRows short_rows)
-      : lines_(lines_of(bytes)), short_rows_(short_rows) {
-    table_.file = file;
-  }
+bool is_number(const std::string& cell, char decimal) {
+  const auto kind = signal::kind_of(cell, decimal);
+  return kind == FieldKind::number || kind == FieldKind::missing;
+}
 
-  TextTable run() {
-    std::size_t first = find_layout(lines_);
-    table_.decimal = layout_.dialect.decimal;
-    // A line with a word among its numbers may have been taken for a part of the header.
-    const std::size_t body = first;
-    const std::size_t width = cells_in(lines_[body]);
-    while (first > 1 && is_row(lines_[first - 1], width)) --first;
-    if (first < body) {
-      std::vector<Line> without(lines_.begin(),
-                                lines_.begin() + static_cast<std::ptrdiff_t>(first));
-      without.insert(without.end(), lines_.begin() + static_cast<std::ptrdiff_t>(body),
-                     lines_.end());
-      first = find_layout(without);
+/// Lines that hold something and are no remark, in cells; blank ones at the end are left out.
+std::vector<TextTable::Row> lines_of(std::string_view bytes) {
+  std::vector<std::pair<long, std::string_view>> lines;
+  long number = 1;
+  signal::CsvDialect dialect{' ', '.'};
+  for (std::size_t at = 0; at < bytes.size(); ++number) {
+    const std::size_t end = signal::line_end(bytes, at);
+    const auto text = bytes.substr(at, end - at), words = signal::trim_blanks(text);
+    at = signal::next_line(bytes, end);
+    if (words.empty() || words.front() == '#') continue;
+    lines.emplace_back(number, text);
+    for (const char separator : {',', '\t', ';'}) {  // the last one found wins
+      const bool stronger = dialect.separator == ' ' || dialect.separator == ',' ||
+                            (dialect.separator == '\t' && separator == ';');
+      if (stronger && text.find(separator) != text.npos) dialect.separator = separator;
     }
-    for (const auto& column : layout_.columns) table_.columns.push_back(column_of(column));
-    while (!table_.columns.empty() && table_.columns.back().name.empty()) table_.columns.pop_back();
-    if (!layout_.has_names || table_.columns.empty() || first == 0) {
-      throw error(lines_.front().number, "names no columns above its numbers",
-                  "give a header line and rows of numbers");
-    }
-    table_.header_line = lines_[first - 1].number;
-    for (std::size_t k = first; k < lines_.size(); ++k) add(lines_[k]);
-    return std::move(table_);
   }
-
- private:
-  [[nodiscard]] model::SceneError error(long line, const std::string& problem,
-                                        const char* remedy) const {
-    return {{table_.file, line, 0, ""}, problem, remedy};
+  // One column may have a title with blanks.
+  const bool one_column =
+      dialect.separator == ' ' && !lines.empty() &&
+      signal::trim_blanks(lines.back().second).find(' ') == std::string_view::npos;
+  if (one_column) dialect.separator = '\t';
+  std::vector<TextTable::Row> rows;
+  std::vector<CsvField> fields;
+  for (const auto& [line, text] : lines) {
+    signal::split_fields(text, dialect, fields);
+    auto& row = rows.emplace_back(TextTable::Row{line, {}});
+    for (const auto& field : fields) row.cells.push_back(signal::to_utf8(field.text));
+    while (!row.cells.empty() && row.cells.back().empty()) row.cells.pop_back();
   }
-  [[nodiscard]] model::SceneError no_rows() const {
-    return error(0, "holds no rows", "give a header line and rows of numbers");
-  }
-
-  /// Index of the first line of numbers.
-  std::size_t find_layout(const std::vector<Line>& lines) {
-    if (lines.size() < 2) throw no_rows();
-    try {
-      layout_ = signal::find_csv_layout(joined(lines), table_.file);
-    } catch (const signal::RecordingError&) {
-      layout_ = plain_layout(lines);
-    }
-    return static_cast<std::size_t>(layout_.body_line - 1);
-  }
-
-  std::size_t cells_in(const Line& line) {
-    signal::split_fields(line.text, layout_.dialect, fields_);
-    return fields_.size();
-  }
-
-  bool is_row(const Line& line, std::size_t width) {
-    return cells_in(line) == width &&
-           std::any_of(fields_.begin(), fields_.end(), [&](const CsvField& field) {
-             return signal::kind_of(field.text, table_.decimal) == FieldKind::number;
-           });
-  }
-
-  void add(const Line& line) {
-    signal::split_fields(line.text, layout_.dialect, fields_);
-    while (fields_.size() > table_.columns.size() && fields_.back().text.empty()) {
-      fields_.pop_back();
-    }
-    const bool fill = short_rows_ == ShortRows::filled && fields_.size() < table_.columns.size();
-    if (!fill && fields_.size() != table_.columns.size()) {
-      throw error(
-          line.number,
-          fmt::format("has {} values, the header {}", fields_.size(), table_.columns.size()),
-          "give every row a value or a blank for each column");
-    }
-    TextTable::Row row{line.number, {}};
-    for (const auto& field : fields_) row.cells.push_back(signal::to_utf8(field.text));
-    row.cells.resize(table_.columns.size());
-    table_.rows.push_back(std::move(row));
-  }
-
-  std::vector<Line> lines_;
-  ShortRows short_rows_;
-  signal::CsvLayout layout_;
-  TextTable table_;
-  std::vector<CsvField> fields_;
-};
+  return rows;
+}
 
 }  // namespace
 
@@ -237,17 +138,71 @@ double TextTable::number(const Row& row, std::size_t column) const {
   return value * of.si_per_number + of.si_offset;
 }
 
-TextTable parse_text_table(std::string_view bytes, const std::string& file, ShortRows short_rows) {
+TextTable parse_text_table(std::string_view bytes, const std::string& file) {
+  TextTable table;
+  table.file = file;
+  const auto error = [&](long line, const std::string& problem, const char* remedy) {
+    return model::SceneError({file, line, 0, ""}, problem, remedy);
+  };
+  constexpr const char* kRemedy = "give a header line and rows of numbers";
   std::string converted;
+  std::vector<TextTable::Row> lines;
   try {
-    const auto text = signal::text_without_mark(bytes, converted, file);
-    return Reader(text, file, short_rows).run();
-  } catch (const signal::RecordingError& error) {
-    throw model::SceneError({file, 0, 0, ""}, "is no table of text", "give a CSV table");
+    lines = lines_of(signal::text_without_mark(bytes, converted, file));
+  } catch (const signal::RecordingError&) {
+    throw error(0, "is no table of text", "give a CSV table");
   }
+  for (const auto& line : lines) {
+    for (const auto& cell : line.cells) {
+      if (!is_number(cell, '.') && is_number(cell, ',')) table.decimal = ',';
+    }
+  }
+  // Names are in the first of the longest lines, if it holds no number; else in that above the
+  // first number.
+  const auto has_number = [&](const TextTable::Row& line) {
+    return std::any_of(line.cells.begin(), line.cells.end(),
+                       [&](const auto& cell) { return is_number(cell, table.decimal); });
+  };
+  auto header = std::max_element(lines.begin(), lines.end(), [](const auto& x, const auto& y) {
+    return x.cells.size() < y.cells.size();
+  });
+  const auto first = std::find_if(lines.begin(), lines.end(), has_number);
+  if (lines.size() < 2 || first == lines.end()) throw error(0, "holds no rows", kRemedy);
+  if (has_number(*header)) {
+    if (first == lines.begin())
+      throw error(first->line, "names no columns above its numbers", kRemedy);
+    header = first - 1;
+  }
+  table.header_line = header->line;
+  for (const auto& cell : header->cells) {
+    table.columns.push_back(column_of(signal::split_title(cell)));
+  }
+  auto body = header + 1;
+  // Units may stand in a line of their own.
+  const bool units = body != lines.end() &&
+                     std::all_of(body->cells.begin(), body->cells.end(), [](const auto& cell) {
+                       return cell.empty() || signal::parse_unit(cell).has_value();
+                     });
+  if (units && !has_number(*body)) {
+    for (std::size_t c = 0; c < std::min(body->cells.size(), table.columns.size()); ++c) {
+      table.columns[c] = column_of({table.columns[c].name, body->cells[c]});
+    }
+    ++body;
+  }
+  for (; body != lines.end(); ++body) {
+    const std::size_t count = body->cells.size();
+    if (count > table.columns.size()) {
+      throw error(body->line,
+                  fmt::format("has {} values, the header {}", count, table.columns.size()),
+                  "give every row a value or a blank for each column");
+    }
+    body->cells.resize(table.columns.size());
+    table.rows.push_back(std::move(*body));
+  }
+  return table;
 }
 
-TextTable read_text_table(const std::filesystem::path& path, ShortRows short_rows) {
+TextTable read_text_table(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     throw model::SceneError({path.string(), 0, 0, ""}, "there is no such file",
@@ -256,7 +211,7 @@ TextTable read_text_table(const std::filesystem::path& path, ShortRows short_row
   if (std::filesystem::file_size(path, error) == 0) return parse_text_table("", path.string());
   try {
     const signal::MappedFile file(path);
-    return parse_text_table(file.bytes(), path.string(), short_rows);
+    return parse_text_table(file.bytes(), path.string());
   } catch (const signal::RecordingError&) {
     throw model::SceneError({path.string(), 0, 0, ""}, "cannot be read", "check its permissions");
   }

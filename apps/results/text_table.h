@@ -1,10 +1,10 @@
 // A small table of text as people keep results: names above, a row of cells a line below.
 //
-// Separator, decimal sign, byte-order mark, quotes, units and lines above the names are found as
-// for a recording (signal/readers/csv/csv_layout.h), but nothing is left out: every line below the
-// names is a row, and a cell that is no number is an error where a number is asked for. Lines that
-// start with # are remarks. Numbers come in SI: of a unit in brackets, "tension (kN)", and of a
-// force or frequency behind an underscore, "tension_kN".
+// Separator, decimal sign, byte-order mark, quotes and units are those of recordings, but nothing
+// is left out: every line below the names is a row, and a cell that is no number is an error where
+// a number is asked for. Names are in the first of the longest lines; units may stand in the line
+// below. Lines that start with # are remarks. Numbers come in SI: of a unit in brackets, "tension
+// (kN)", and of a force or frequency behind an underscore, "tension_kN".
 #pragma once
 
 #include <cstddef>
@@ -45,12 +45,9 @@ struct TextTable {
   [[nodiscard]] std::string text(const Row& row, const std::string& title) const;
 };
 
-enum class ShortRows { refused, filled };  ///< what is absent at the end is blank
-
-/// Every row has a cell for each column. Throws model::SceneError for what is no such table.
-[[nodiscard]] TextTable read_text_table(const std::filesystem::path& path,
-                                        ShortRows short_rows = ShortRows::refused);
-[[nodiscard]] TextTable parse_text_table(std::string_view bytes, const std::string& file,
-                                         ShortRows short_rows = ShortRows::refused);
+/// Every row has a cell for each column; what is absent at its end is blank. Throws
+/// model::SceneError for what is no such table.
+[[nodiscard]] TextTable read_text_table(const std::filesystem::path& path);
+[[nodiscard]] TextTable parse_text_table(std::string_view bytes, const std::string& file);
 
 }  // namespace rigfit::apps

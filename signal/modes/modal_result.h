@@ -40,6 +40,12 @@ struct RejectedColumn {
   /// "points" (too few show it) and "scatter" (they do not agree).
   std::string code;
   std::string reason;  ///< for a person, with the figure and the limit
+
+  static constexpr auto fields() {
+    using T = RejectedColumn;
+    return std::tuple{field("frequency_hz", &T::frequency_hz), field("code", &T::code),
+                      field("reason", &T::reason)};
+  }
 };
 
 struct ModalResult {

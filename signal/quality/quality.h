@@ -75,4 +75,24 @@ struct QualityResult {
 /// Checks every channel of a recording.
 [[nodiscard]] QualityResult check_quality(const Recording& recording);
 
+/// A channel, which it points to, beside its quality: a row of a list.
+struct CheckedChannel {
+  const Channel* channel;
+  ChannelQuality quality;
+
+  static constexpr auto fields() {
+    using T = CheckedChannel;
+    return std::tuple{describe::part([](const T& c) -> const Channel& { return *c.channel; }),
+                      describe::part(&T::quality)};
+  }
+};
+[[nodiscard]] inline std::vector<CheckedChannel> checked_channels(const Recording& recording,
+                                                                  const QualityResult& quality) {
+  std::vector<CheckedChannel> rows;
+  for (std::size_t k = 0; k < recording.channels.size(); ++k) {
+    rows.push_back({&recording.channels[k], quality.channels[k]});
+  }
+  return rows;
+}
+
 }  // namespace rigfit::signal

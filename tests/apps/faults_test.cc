@@ -18,7 +18,6 @@
 #include <thread>
 
 #include "apps/cli/exit_code.h"
-#include "apps/cli/sha256.h"
 #include "apps/cli/verb_context.h"
 #include "tests/apps/run_program.h"
 

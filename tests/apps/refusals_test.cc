@@ -271,7 +271,6 @@ TEST(Refusals, OfWhatTheModelIsAskedFor) {
        {"respond @missing_scene.toml --duration 1 --rate 9 --out @out", 3, "has missing samples"},
        {"respond @timeless_scene.toml --duration 1 --rate 9 --out @out", 3, "add a time column"},
        {"respond @bare.toml --duration 1 --rate 100 --out @out", 3, "add a [[sensor]]"},
-       {"bench --task channels", 2, "not in {nonlinear-response}"},
        {"bench @none.toml", 3, "none.toml"},
        {"bench @bare.toml --quick", 4, "no load"},
        {"modes @none.toml", 3, "none.toml"},

@@ -1,4 +1,4 @@
-"""The page around the figures: navigation, search, links into folds, widths, contrast, paper."""
+"""The page around the figures: navigation, links into folds, widths, contrast, paper."""
 
 import os
 import re
@@ -113,22 +113,6 @@ class PageChecks:
         self.assertEqual(self.browser.run("return document.querySelector('.menu').getAttribute('aria-expanded');"), "true")
         self.browser.run("document.querySelector('.side ol a').click();")
         self.assertFalse(self.browser.run(shown))
-
-    def test_search_finds_what_is_folded_and_goes_there(self):
-        found = self.browser.run(
-            "const input = document.getElementById('search'); input.value = 'sha-256';"
-            "input.dispatchEvent(new Event('input')); return document.querySelectorAll('#found a').length;")
-        self.assertGreater(found, 0)
-        self.browser.run("const input = document.getElementById('search'); input.value = 'campaign.toml';"
-                         "input.dispatchEvent(new Event('input'));"
-                         "[...document.querySelectorAll('#found a')].pop().click();"
-                         "await new Promise(r => setTimeout(r, 50));")
-        self.assertEqual(self.browser.run(
-            "const e = document.querySelector('.found-here'), box = e.getBoundingClientRect();"
-            "return [e.closest('details:not([open])') === null, box.top >= 0 && box.top < innerHeight];"), [True, True])
-        none = self.browser.run("const input = document.getElementById('search'); input.value = 'qqqqq';"
-                                "input.dispatchEvent(new Event('input')); return document.getElementById('found').innerText;")
-        self.assertIn("nothing found", none)
 
     def test_links_lead_into_folds_and_tabs(self):
         for css in ("details.fold table[id]", ".panel.other figure[id]"):

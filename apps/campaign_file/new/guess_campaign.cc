@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include "apps/campaign_file/bending_files.h"
@@ -314,26 +315,21 @@ std::vector<std::string> files_in(const std::vector<std::string>& given, const f
   return files;
 }
 
-/// Options that none of the tests takes, and channels that no recording has.
-void check_options(const std::vector<Test>& tests, const std::vector<std::string>& channels,
+/// Options that no test of the campaign takes, and channels that no recording has.
+void check_options(const std::string& text, const std::vector<std::string>& channels,
                    const GuessOptions& options) {
-  const auto has = [&](std::initializer_list<const char*> kinds) {
-    return std::any_of(tests.begin(), tests.end(), [&](const Test& test) {
-      return std::find(kinds.begin(), kinds.end(), test.guess.kind) != kinds.end();
-    });
-  };
-  const auto refuse = [](bool given, const char* option, const char* kinds) {
-    if (given)
-      throw UsageError(
-          fmt::format("{} belongs to {} tests; no file is one: give the files of such a test "
-                      "alone, with --kind",
-                      option, kinds));
-  };
-  refuse(options.span_m > 0 && !has({"bending"}), "--span", "bending");
-  refuse(options.mass_kg > 0 && !has({"axial"}), "--mass", "axial");
-  refuse(options.mass_per_length > 0 && !has({"tension"}), "--mass-per-length", "tension");
-  refuse(!options.lengths.empty() && !has({"axial", "tension"}), "--length", "axial and tension");
-  refuse(!options.force.empty() && !has({"modal"}), "--force-channel", "modal");
+  for (const auto& [option, given, key] :
+       {std::tuple{"--span", options.span_m > 0, "\nspan = "},
+        std::tuple{"--mass", options.mass_kg > 0, "\nmass = "},
+        std::tuple{"--mass-per-length", options.mass_per_length > 0, "\nmass_per_length = "},
+        std::tuple{"--length", !options.lengths.empty(), "\nlength = "},
+        std::tuple{"--force-channel", !options.force.empty(), "\nforce = "}}) {
+    if (!given || text.find(key) != std::string::npos) continue;
+    throw UsageError(
+        fmt::format("{} belongs to none of these tests: give the files of such a test "
+                    "alone, with --kind",
+                    option));
+  }
   for (const auto* map : {&options.units, &options.sensitivities}) {
     for (const auto& entry : *map) {
       if (std::find(channels.begin(), channels.end(), entry.first) == channels.end()) {
@@ -408,7 +404,6 @@ GuessedCampaign guess_campaign(const fs::path& folder, const std::vector<std::st
   }
   if (tests.empty() && first_error) throw *first_error;
   if (tests.empty()) throw UsageError("none of the files is a recording over time or a table");
-  check_options(tests, channels, options);
   result.text =
       "# A campaign of your own recordings. Run it: rigfit report campaign.toml\n"
       "# Every key: rigfit help campaign. A commented example: rigfit new DIR --example\n\n"
@@ -421,6 +416,7 @@ GuessedCampaign guess_campaign(const fs::path& folder, const std::vector<std::st
         test_text(number == 1 ? test.guess.kind : fmt::format("{}-{}", test.guess.kind, number),
                   test, options);
   }
+  check_options(result.text, channels, options);
   return result;
 }
 

@@ -8,11 +8,10 @@
 #include <iterator>
 #include <memory>
 #include <stdexcept>
-#include <type_traits>
 
 #include "apps/cli/output_file.h"
 #include "apps/cli/plots/browser.h"
-#include "apps/report/page/figures_page.h"
+#include "apps/report/page/block_html.h"
 #include "signal/readers/csv/csv_fields.h"
 
 namespace rigfit::apps {
@@ -53,19 +52,6 @@ std::string png_of(const FiguresSvg& figures) {
   return content;
 }
 
-void set_id(Block& block, std::set<std::string>& known) {
-  std::visit(
-      [&](auto& one) {
-        using Kind = std::decay_t<decltype(one)>;
-        if constexpr (!std::is_same_v<Kind, Paragraph>) {
-          const std::string wanted = one.id;
-          for (int k = 2; !known.insert(one.id).second; ++k)
-            one.id = fmt::format("{}-{}", wanted, k);
-        }
-      },
-      block);
-}
-
 }  // namespace
 
 std::string repeat_command(const VerbContext& context) {
@@ -84,16 +70,6 @@ std::string repeat_command(const VerbContext& context) {
 
 void PlotSheet::add(Block block) {
   if (const auto* plot = std::get_if<Plot>(&block); plot && plot->series.empty()) return;
-  set_id(block, ids_);
-  if (auto* group = std::get_if<PlotGroup>(&block)) {
-    for (auto& tab : group->tabs) {
-      for (auto& plot : tab.plots) {
-        Block one = std::move(plot);
-        set_id(one, ids_);
-        plot = std::get<Plot>(std::move(one));
-      }
-    }
-  }
   blocks.push_back(std::move(block));
 }
 

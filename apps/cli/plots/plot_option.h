@@ -2,7 +2,6 @@
 // functions that a report's page uses, as one HTML page, one SVG or one PNG.
 #pragma once
 
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,15 +23,12 @@ struct PlotSheet {
   std::vector<Block> blocks;
   std::size_t sources = 0;  ///< recordings met so far, where a verb draws only the first
 
-  /// Ids are made unique over the sheet; a plot without series is left out.
+  /// A plot without series is left out.
   void add(Block block);
   template <class Any>
   void add(std::vector<Any> more) {
     for (auto& one : more) add(Block(std::move(one)));
   }
-
- private:
-  std::set<std::string> ids_;
 };
 
 [[nodiscard]] describe::Options options_of(PlotCommand& command);

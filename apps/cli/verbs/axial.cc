@@ -11,7 +11,7 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/sheet.h"
 #include "apps/report/figures/figures.h"
-#include "apps/results/test_json.h"
+#include "apps/results/results_json.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 
 namespace rigfit::apps {

@@ -10,7 +10,7 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/sheet.h"
 #include "apps/report/figures/figures.h"
-#include "apps/results/test_json.h"
+#include "apps/results/results_json.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::apps {
@@ -22,25 +22,6 @@ struct BendingCommand {
   BendingTest test;
   std::vector<double> strand;  ///< E, elements, element diameter, strand diameter
 };
-
-// What the records cannot show of themselves: said where the intervals leave it out.
-void print_tension_cell(std::ostream& out, const ident::BendingTestOptions& options,
-                        const ident::BendingCampaignResult& result) {
-  if (options.tension_zero_std_N > 0 || options.tension_calibration_std > 0) return;
-  const ident::BendingPoint* worst = nullptr;
-  double most = 0;
-  for (const auto& test : result.points) {
-    if (!test.analysis || test.refused()) continue;
-    const double by_newton =
-        std::abs(test.analysis->stiffness.log_sensitivity_tension) / test.analysis->tension_N.value;
-    if (by_newton > most) most = by_newton, worst = &test;
-  }
-  if (worst == nullptr) return;
-  out << fmt::format(
-      "Not in the intervals: the tension cell itself. 0.1 N of its zero move EI by up to {:.2f} % "
-      "(at {:.4g} N): --tension-zero-std.\n",
-      10 * most, worst->analysis->tension_N.value);
-}
 
 /// Ends and section of a beam without tension.
 void take_beam(BendingCommand& command) {
@@ -56,16 +37,14 @@ void take_beam(BendingCommand& command) {
 }
 
 void read_source(const std::string& file, BendingCommand& command, VerbContext& context) {
-  std::vector<Warning> warnings;
+  std::vector<Finding> warnings;
   auto source = bending_source(load_bending_file(file, context), command.columns, warnings);
   if (source.values.empty() && !(command.test.campaign.test.span_m.value > 0)) {
     throw UsageError(
         "--span is needed for load-deflection records: the clear length between the clamps in "
         "metres");
   }
-  for (auto& warning : warnings) {
-    context.warn(std::move(warning.code), std::move(warning.message), std::move(warning.where));
-  }
+  context.tell(warnings);
   command.test.campaign.sources.push_back(std::move(source));
 }
 
@@ -78,21 +57,7 @@ Json run(BendingCommand& command, VerbContext& context) {
                        command.strand[3]};
   }
   const auto found = ident::analyse_bending_campaign(campaign);
-  for (const auto& one : found.points) {
-    if (!one.analysis) continue;
-    const auto& file = campaign.sources[one.source].name;
-    const std::string where = std::isfinite(one.point.tension_N) && one.point.tension_N > 0
-                                  ? fmt::format("{} at {:.4g} N", file, one.point.tension_N)
-                                  : file;
-    for (const auto& finding : one.analysis->findings) {
-      if (finding.refuses) {
-        context.refuse(finding.code, finding.message, where);
-      } else {
-        context.warn(finding.code, finding.message, where);
-      }
-    }
-  }
-  for (const auto& finding : found.findings) context.warn(finding.code, finding.message);
+  context.tell(found.findings);
   if (context.plots) {
     const std::vector<Origin> origins(campaign.sources.size(), Origin::measured);
     context.plots->add(load_deflection_plot("load-deflection", campaign, origins, found));
@@ -102,7 +67,6 @@ Json run(BendingCommand& command, VerbContext& context) {
   auto& out = context.out;
   describe::print(out, describe::table_of(bending_rows(campaign, found)));
   if (found.specimens) describe::print(out, describe::sheet_of(*found.specimens));
-  if (!beams) print_tension_cell(out, campaign.test, found);
   if (found.bounds) describe::print(out, describe::sheet_of(*found.bounds));
   if (const auto& laws = found.curve.laws().laws; !laws.empty()) {
     describe::print(out, describe::table_of(laws));

@@ -9,7 +9,7 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/impact_command.h"
 #include "apps/describe/sheet.h"
-#include "apps/results/modal_json.h"
+#include "apps/results/results_json.h"
 #include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
 #include "signal/writers/write_csv.h"
@@ -121,12 +121,6 @@ Json run(FrfCommand& options, VerbContext& context) {
               {"force", hammer.force}};
   if (frfs.averages == 0) return result;
   result["usable_hz"] = hammer.usable_hz;
-  result["force_window"] = force_window_json(hammer);
-  double incoherence = 0;
-  for (const signal::ImpactTest& test : hammer.tests) {
-    incoherence = std::max(incoherence, test.incoherence);
-  }
-  result["incoherent_part"] = frfs.averages > 2 ? Json(incoherence) : Json(nullptr);
   const double low = options.impact.band.empty() ? 0 : options.impact.band[0];
   const double high = options.impact.band.empty() ? hammer.usable_hz : options.impact.band[1];
   Json responses = Json::array();

@@ -8,7 +8,7 @@
 
 #include "apps/campaign_file/recording_description.h"
 #include "apps/report/page/tables.h"
-#include "apps/results/modal_json.h"
+#include "apps/results/results_json.h"
 #include "signal/readers/csv/csv_fields.h"
 
 namespace rigfit::apps {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -24,17 +23,6 @@
 
 namespace rigfit::apps {
 namespace {
-
-/// A channel with its quality.
-struct InspectedChannel {
-  signal::Channel channel;
-  signal::ChannelQuality quality;
-
-  static constexpr auto fields() {
-    return std::tuple{describe::part(&InspectedChannel::channel),
-                      describe::part(&InspectedChannel::quality)};
-  }
-};
 
 struct InspectCommand {
   std::vector<std::string> files;
@@ -113,10 +101,7 @@ Json inspected(const signal::Recording& recording, VerbContext& context) {
     const auto id = fmt::format("recording-{}", context.plots->blocks.size() + 1);
     context.plots->add(recording_plots(id, recording, quality));
   }
-  std::vector<InspectedChannel> channels;
-  for (std::size_t k = 0; k < recording.channels.size(); ++k) {
-    channels.push_back({recording.channels[k], quality.channels[k]});
-  }
+  const auto channels = signal::checked_channels(recording, quality);
   auto& out = context.out;
   out << fmt::format("{} ({}): {} samples", path, recording.format, recording.samples());
   if (recording.sample_rate_hz > 0) {

@@ -14,7 +14,7 @@
 #include "apps/cli/verbs/impact_command.h"
 #include "apps/describe/sheet.h"
 #include "apps/report/figures/figures.h"
-#include "apps/results/modal_json.h"
+#include "apps/results/results_json.h"
 #include "signal/ambient/ambient_modes.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/modes/modal_synthesis.h"
@@ -202,19 +202,6 @@ void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
   frfs.exponential_decay_rate_1_s = rate;
 }
 
-/// What the fit has besides modes and residuals, over the FRFs, rms over the lines of the fit;
-/// null: nothing.
-Json background_json(const signal::ModalResult& found, const signal::FrfSet& frfs) {
-  if (found.background.size() == 0) return nullptr;
-  double power = 0;
-  for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
-    const double f = frfs.frequency_hz[k];
-    if (f < found.low_hz || f > found.high_hz || f == 0 || !frfs.H.row(k).allFinite()) continue;
-    power += frfs.H.row(k).squaredNorm();
-  }
-  return {{"part_of_frfs", power > 0 ? found.background.norm() / std::sqrt(power) : 0.0}};
-}
-
 ident::IdentifiedModes identify(const MeasuredFrfs& measured, const ModalCommand& options) {
   signal::ModalOptions modal;
   std::optional<std::pair<double, double>> band;
@@ -271,10 +258,7 @@ Json run(ModalCommand& options, VerbContext& context) {
   const MeasuredFrfs measured = frfs_of(options, context);
   if (context.at_hand) context.at_hand->frfs = std::make_shared<signal::FrfSet>(measured.frfs);
   Json result{{"modes", Json::array()}};
-  if (measured.run) {
-    result["hits"] = hits_json(*measured.run);
-    result["force_window"] = force_window_json(measured.run->test);
-  }
+  if (measured.run) result["hits"] = hits_json(*measured.run);
   if (measured.frfs.frequency_hz.size() == 0) return result;  // refused, and said why
 
   const ident::IdentifiedModes identified = identify(measured, options);
@@ -299,7 +283,6 @@ Json run(ModalCommand& options, VerbContext& context) {
 
   result["amplitudes"] = measured.amplitudes;
   result["fit"] = {{"end", name_of(found.end)}, {"iterations", found.iterations}};
-  result["background"] = background_json(found, measured.frfs);
 
   if (!options.out.empty()) {
     context.write(options.out, signal::uff_text(model));

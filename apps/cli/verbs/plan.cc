@@ -12,9 +12,7 @@
 #include "apps/campaign_file/update_inputs.h"
 #include "apps/cli/named_numbers.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/digits.h"
 #include "apps/describe/sheet.h"
-#include "apps/results/update_parameters.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {

@@ -71,31 +71,33 @@ std::vector<ident::AddedInput> add_inputs(const model::Scene& scene, const Predi
   return added;
 }
 
-/// A measured frequency beside the prediction.
+/// A measured frequency beside the prediction; none where the model has none near it.
 struct ComparedMode {
-  signal::Estimate measured, predicted{signal::kNaN, signal::kNaN};
-  std::optional<int> mode;  ///< from 1; none: the model has none near it
-  std::optional<double> relative_error, standard_units;
-  std::optional<bool> inside;
+  signal::Estimate measured, predicted;
+  ident::HeldAgainst found;
 
-  [[nodiscard]] std::optional<signal::Estimate> error() const {
-    if (!relative_error) return {};
+  [[nodiscard]] bool paired() const { return found.mode >= 0; }
+  [[nodiscard]] int number() const { return found.mode + 1; }
+  [[nodiscard]] signal::Estimate error() const {
     const double std = std::hypot(std::isfinite(measured.std) ? measured.std : 0, predicted.std);
-    return signal::Estimate{*relative_error, std / measured.value};
+    return {found.relative_error, std / measured.value};
   }
   static constexpr auto fields() {
     using T = ComparedMode;
+    using Found = ident::HeldAgainst;
+    constexpr auto of_pair = [](auto get) { return describe::where(&T::paired, get); };
     return std::tuple{
         field("", &T::measured, "Hz", "measured", ""),
         field("", &T::predicted, "Hz", "predicted", ""),
         field("measured_hz", describe::within(&T::measured, &signal::Estimate::value)),
         field("measured_std_hz", describe::within(&T::measured, &signal::Estimate::std)),
-        field("mode", &T::mode),
+        field("mode", of_pair(&T::number)),
         field("predicted_hz", describe::within(&T::predicted, &signal::Estimate::value)),
-        field("", &T::error, "%", "error", ""),
-        field("relative_error", &T::relative_error),
-        field("standard_units", &T::standard_units, "", "over std", "", 3),
-        field("inside", &T::inside, "", "in 95 %", "")};
+        field("", of_pair(&T::error), "%", "error", ""),
+        field("relative_error", describe::within(&T::found, &Found::relative_error)),
+        field("standard_units", describe::within(&T::found, &Found::standard_units), "", "over std",
+              "", 3),
+        field("inside", of_pair(describe::within(&T::found, &Found::inside)), "", "in 95 %", "")};
   }
 };
 
@@ -119,14 +121,9 @@ Json compared_json(const PredictCommand& command, const ident::ModePrediction& p
   for (auto& row : rows) measured.push_back(std::move(row.mode));
   std::vector<ComparedMode> compared;
   for (const auto& one : ident::held_against(prediction, measured)) {
-    auto& row = compared.emplace_back();
-    row.measured = measured[one.measured].frequency_hz;
+    compared.push_back({measured[one.measured].frequency_hz, {signal::kNaN, signal::kNaN}, one});
     if (one.mode < 0) continue;
-    row.mode = one.mode + 1;
-    row.predicted = prediction.modes[static_cast<std::size_t>(one.mode)].frequency_hz;
-    row.relative_error = one.relative_error;
-    row.standard_units = one.standard_units;
-    row.inside = one.inside;
+    compared.back().predicted = prediction.modes[static_cast<std::size_t>(one.mode)].frequency_hz;
   }
   context.out << '\n';
   describe::print(context.out, describe::table_of(compared));

@@ -6,7 +6,6 @@
 #include "apps/cli/at_hand.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/digits.h"
 #include "apps/describe/sheet.h"
 #include "apps/report/figures/figures.h"
 #include "model/response/response.h"

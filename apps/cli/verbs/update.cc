@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include "apps/campaign_file/update_data.h"
 #include "apps/campaign_file/update_inputs.h"
@@ -13,23 +12,72 @@
 #include "apps/cli/verbs/update_candidates.h"
 #include "apps/describe/sheet.h"
 #include "apps/report/figures/figures.h"
-#include "apps/results/update_parameters.h"
-#include "apps/results/update_result.h"
+#include "apps/results/results_json.h"
 #include "ident/campaign/fit_campaign.h"
 #include "ident/update/model_update.h"
 #include "ident/update/update_checks.h"
+#include "ident/update/update_rows.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
 namespace {
 
+/// "1.23 %"; "-" when there is no such number.
+std::string percent(double ratio) {
+  return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100 * ratio) : "-";
+}
+
+// Where each parameter's uncertainty comes from, as shares of its variance; what is below half a
+// percent is not shown.
+void print_budget(std::ostream& out, const ident::UpdateResult& result) {
+  for (const auto& p : result.parameters) {
+    std::string shares;
+    for (const auto& term : p.budget) {
+      const double share = std::pow(term.std / p.std, 2);
+      if (!(share > 0.005)) continue;
+      shares += fmt::format("{}{} {:.0f} %", shares.empty() ? "" : ", ", term.source, 100 * share);
+    }
+    if (!shares.empty() && p.budget.size() > 1) {
+      out << fmt::format("  variance of {}: {}\n", p.name, shares);
+    }
+  }
+}
+
+// Misfit, parameters with their budgets, pairs, rms errors, alternatives with what decides.
+void print_update(std::ostream& out, const ident::UpdateResult& result, const States& states) {
+  if (result.fit.ruled_out())
+    out << "the data rule this model out: " << ident::fit_text(result.fit) << '\n';
+  describe::print(out, describe::table_of(result.parameters));
+  print_budget(out, result);
+  describe::print(out, describe::table_of(ident::pair_rows(result.pairs, result.unpaired, states)));
+  if (!result.pairs.empty()) {
+    out << fmt::format("rms of the paired errors: {} before, {} fitted\n",
+                       percent(result.rms_relative_error_before),
+                       percent(result.rms_relative_error));
+  }
+  out << "fit: " << ident::fit_text(result.fit) << '\n';
+  if (result.alternatives.size() > 1) {
+    out << fmt::format("this answer has a weight of {:.3f}; others that the data support:\n",
+                       result.alternatives.front().weight);
+    for (const auto& text : ident::alternative_texts(result)) out << "  " << text << '\n';
+  }
+  if (result.frf_lines > 0) {
+    out << fmt::format(
+        "rms of |ln(model / measured)| over {} FRF lines: {:.3f} before, {:.3f} fitted\n",
+        result.frf_lines, result.rms_log_frf_error_before, result.rms_log_frf_error);
+  }
+  for (const auto& text : ident::exact_input_texts(result)) out << "  " << text << '\n';
+}
+
 // Paired errors of the model before, fitted and held out, and of other models in the same rows.
 Json comparison_json(const UpdateCommand& options, const UpdateStates& states,
                      const ident::UpdateResult& result, const std::vector<ident::HeldOut>& held,
                      VerbContext& context) {
-  const auto error_of = [](const std::vector<ident::UpdatedPair>& pairs, int state, int measured) {
+  const auto error_of = [](const std::vector<ident::UpdatedPair>& pairs, std::size_t state,
+                           std::size_t measured) {
     for (const auto& pair : pairs) {
-      if (pair.state == state && pair.measured == measured && !pair.cross_plane) {
+      if (pair.state == static_cast<int>(state) && pair.measured == static_cast<int>(measured) &&
+          !pair.cross_plane) {
         return pair.relative_error;
       }
     }
@@ -37,55 +85,40 @@ Json comparison_json(const UpdateCommand& options, const UpdateStates& states,
   };
   std::vector<std::string> names{"before", "fitted"};
   if (!held.empty()) names.emplace_back("held out");
-  for (const auto& column : options.data.compare) names.push_back(column);
-  struct Sum {
-    double squares = 0;
-    int count = 0;
-    void add(double error) {
-      if (std::isfinite(error)) squares += error * error, ++count;
-    }
-    double rms() const { return count > 0 ? std::sqrt(squares / count) : std::nan(""); }
-  };
+  names.insert(names.end(), options.data.compare.begin(), options.data.compare.end());
   describe::Table table{"", {"relative errors", "measured, Hz"}, {false, true}, {}};
-  for (const auto& name : names) {
-    table.heads.push_back(name);
-    table.numeric.push_back(true);
-  }
-  const auto add_rms = [&](const std::string& name, const std::vector<Sum>& sums) {
-    auto& row = table.rows.emplace_back(std::vector<std::string>{name, "rms"});
-    for (const auto& sum : sums) row.push_back(percent(sum.rms()));
-  };
-  std::vector<Sum> all(names.size());
-  Json rows = Json::array();
+  table.heads.insert(table.heads.end(), names.begin(), names.end());
+  table.numeric.resize(table.heads.size(), true);
+  std::vector<double> squares(names.size());
+  std::vector<int> counts(names.size());
+  Json rows = Json::array(), rms;
   for (std::size_t s = 0; s < states.states.size(); ++s) {
-    const auto& [state, compared] = std::tie(states.states[s], states.compared[s]);
-    std::vector<Sum> sums(names.size());
+    const auto& state = states.states[s];
     for (std::size_t m = 0; m < state.measured.size(); ++m) {
       const double measured = state.measured[m].frequency_hz.value;
-      const int at = static_cast<int>(s), index = static_cast<int>(m);
-      std::vector<double> errors{error_of(result.pairs_before, at, index),
-                                 error_of(result.pairs, at, index)};
-      if (!held.empty()) errors.push_back(error_of(held[s].pairs, at, index));
-      for (const double other : compared[m]) errors.push_back(other / measured - 1);
+      std::vector<double> errors{error_of(result.pairs_before, s, m), error_of(result.pairs, s, m)};
+      if (!held.empty()) errors.push_back(error_of(held[s].pairs, s, m));
+      for (const double other : states.compared[s][m]) errors.push_back(other / measured - 1);
       Json row{{"state", state.name}, {"measured_hz", measured}};
-      std::vector<std::string> cells{state.name, fmt::format("{:.4f}", measured)};
+      auto& cells =
+          table.rows.emplace_back(std::vector{state.name, fmt::format("{:.4f}", measured)});
       for (std::size_t i = 0; i < names.size(); ++i) {
-        cells.push_back(std::isfinite(errors[i]) ? fmt::format("{:+.2f} %", 100 * errors[i]) : "-");
+        const bool there = std::isfinite(errors[i]);
+        cells.push_back(there ? fmt::format("{:+.2f} %", 100 * errors[i]) : "-");
         row[names[i]] = errors[i];
-        sums[i].add(errors[i]), all[i].add(errors[i]);
+        if (there) squares[i] += errors[i] * errors[i], ++counts[i];
       }
-      table.rows.push_back(std::move(cells));
       rows.push_back(std::move(row));
     }
-    if (states.states.size() > 1) add_rms(state.name, sums);
   }
-  add_rms("all", all);
+  auto& last = table.rows.emplace_back(std::vector<std::string>{"all", "rms"});
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const double all = std::sqrt(squares[i] / counts[i]);  // NaN: none
+    last.push_back(percent(all));
+    rms[names[i]] = {{"rms_relative_error", all}, {"modes", counts[i]}};
+  }
   context.out << '\n';
   describe::print(context.out, table);
-  Json rms;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    rms[names[i]] = {{"rms_relative_error", all[i].rms()}, {"modes", all[i].count}};
-  }
   return {{"rms", std::move(rms)}, {"rows", std::move(rows)}};
 }
 

@@ -12,7 +12,7 @@
 
 #include "apps/cli/json_document.h"
 #include "apps/describe/sheet.h"
-#include "apps/results/update_result.h"
+#include "apps/results/results_json.h"
 #include "document/toml_table.h"
 #include "ident/campaign/fit_campaign.h"
 #include "ident/update/update_rows.h"

@@ -19,7 +19,6 @@
 #include "apps/cli/common_options.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
-#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "document/document_error.h"
 #include "signal/recording/recording_error.h"
@@ -82,33 +81,8 @@ struct Job {
 }  // namespace
 
 py::object to_python(const Json& value) {
-  switch (value.type()) {
-    case Json::value_t::boolean:
-      return py::bool_(value.get<bool>());
-    case Json::value_t::number_integer:
-      return py::int_(value.get<std::int64_t>());
-    case Json::value_t::number_unsigned:
-      return py::int_(value.get<std::uint64_t>());
-    case Json::value_t::number_float:
-      return py::float_(value.get<double>());
-    case Json::value_t::string: {
-      const auto& text = value.get_ref<const std::string&>();
-      return py::reinterpret_steal<py::object>(
-          PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
-    }
-    case Json::value_t::array: {
-      py::list list;
-      for (const auto& element : value) list.append(to_python(element));
-      return list;
-    }
-    case Json::value_t::object: {
-      py::dict dict;
-      for (const auto& [key, element] : value.items()) dict[py::str(key)] = to_python(element);
-      return dict;
-    }
-    default:
-      return py::none();
-  }
+  const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return py::module_::import("json").attr("loads")(text);
 }
 
 std::string key_of(const describe::Option& option) {
@@ -188,25 +162,19 @@ py::tuple run_work(const char* name, const py::dict& given,
     std::ostringstream out;
     apps::VerbContext context{out};
     Json document;
-    apps::PlotCommand plots;
+    apps::SharedOptions shared;
   };
   auto state = std::make_shared<State>();
   auto& context = state->context;
-  apps::CommonOptions common;
-  apps::ReadingOptions reading;
-  take(options_of(common), given);
-  take(options_of(reading), given);
-  take(options_of(state->plots), given);
+  take(state->shared.options(true, true), given);
+  state->shared.apply(context);
   context.quiet = true;  // no progress: what is printed is kept all the same
   context.silent = true;
-  context.threads = common.threads;
-  context.seed = common.seed;
-  context.reading = read_options(reading);
   context.command = {"rigfit", name, "(from Python)"};
   run_unlocked([state, name, work = std::move(work)] {
-    prepare_plots(state->context, state->plots);
+    prepare_plots(state->context, state->shared.plots);
     Json result = work(state->context);
-    write_plots(state->context, state->plots, name);
+    write_plots(state->context, state->shared.plots, name);
     state->document = apps::json_document(state->context, name, std::move(result));
   });
   return py::make_tuple(to_python(state->document), static_cast<int>(context.exit_code),
@@ -215,21 +183,17 @@ py::tuple run_work(const char* name, const py::dict& given,
 
 py::list described_options(const std::string& verb) {
   using namespace py::literals;
-  apps::ReadingOptions reading;
-  apps::CommonOptions common;
+  apps::SharedOptions shared;
   const apps::Verbs verbs = apps::all_verbs();
   describe::Options options;
   const auto add = [&](const describe::Options& more) {
     options.insert(options.end(), more.begin(), more.end());
   };
-  apps::PlotCommand plots;
-  bool reads = verb == "read", draws = false;
+  if (verb == "read") add(options_of(shared.reading));
   for (const auto& one : verbs) {
-    if (one.name == verb) add(one.options), reads = one.reads, draws = one.draws;
+    if (one.name == verb) add(one.options), add(shared.options(one.reads, one.draws));
   }
-  if (reads) add(options_of(reading));
-  if (verb != "read") add(options_of(common));
-  if (draws) add(options_of(plots));
+  if (options.empty()) add(options_of(shared.common));
   py::list list;
   for (const auto& o : options) {
     list.append(

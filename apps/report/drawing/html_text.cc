@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "apps/describe/digits.h"
+#include "apps/describe/sheet.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::apps {

@@ -15,7 +15,7 @@ namespace rigfit::apps {
 /// A ratio as percent with sign: "+1.24 %".
 [[nodiscard]] std::string shown_percent(double ratio);
 /// A value with its standard uncertainty, rounded to two digits of the latter: "0.4948 ± 0.0012",
-/// "205190 ± 340", as everywhere (apps/describe/digits.h).
+/// "205190 ± 340", as everywhere (apps/describe/sheet.h).
 [[nodiscard]] std::string shown_estimate(double value, double std, int digits = 4);
 /// A cell of text for CSV.
 [[nodiscard]] std::string csv_quoted(std::string_view text);

@@ -38,8 +38,7 @@ inline constexpr double kNormal95 = 1.959963984540054;
 [[nodiscard]] std::string unit_words(const std::string& unit);
 
 /// The channels of a recording over time, linked. Clipped samples are points, other findings marks
-/// where they begin and words in the caption. Long channels keep the extremes of short stretches.
-/// Empty for what is not over time.
+/// where they begin and words in the caption. Empty for what is not over time.
 [[nodiscard]] std::vector<Plot> recording_plots(const std::string& id,
                                                 const signal::Recording& recording,
                                                 const signal::QualityResult& quality);

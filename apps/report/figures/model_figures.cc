@@ -16,29 +16,9 @@ namespace {
 
 using Eigen::Index;
 
-/// The extremes of stretches of samples, in the order in which they come, at most about 6000; gaps
-/// stay gaps.
 template <class Time>
-void add_extremes(PlotSeries& series, const Eigen::Ref<const Eigen::VectorXd>& samples, Time time) {
-  constexpr Index kMost = 6000;
-  const Index count = samples.size(),
-              stretch = count <= kMost ? 1 : (2 * count + kMost - 1) / kMost;
-  for (Index first = 0; first < count; first += stretch) {
-    Index low = -1, high = -1;
-    bool gap = false;
-    for (Index i = first; i < std::min(count, first + stretch); ++i) {
-      if (!std::isfinite(samples[i])) {
-        gap = true;
-        continue;
-      }
-      if (low < 0 || samples[i] < samples[low]) low = i;
-      if (high < 0 || samples[i] > samples[high]) high = i;
-    }
-    if (low > high) std::swap(low, high);
-    if (low >= 0) series.add(time(low), samples[low]);
-    if (low != high) series.add(time(high), samples[high]);
-    if (gap) series.add(time(first), std::numeric_limits<double>::quiet_NaN());
-  }
+void add_samples(PlotSeries& series, const Eigen::Ref<const Eigen::VectorXd>& samples, Time time) {
+  for (Index i = 0; i < samples.size(); ++i) series.add(time(i), samples[i]);
 }
 
 PlotSeries amplitude_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double rate_hz,
@@ -89,8 +69,8 @@ std::vector<Plot> response_plots(const std::string& id, const model::Scene& scen
         "time, s", fmt::format("{}, {}", quantity.name, unit)};
     plot.link = id;
     PlotSeries series{response.sensors[k]};
-    add_extremes(series, response.samples.col(s),
-                 [&](Index i) { return static_cast<double>(i) / response.rate_hz; });
+    add_samples(series, response.samples.col(s),
+                [&](Index i) { return static_cast<double>(i) / response.rate_hz; });
     plot.add(std::move(series));
     plots.push_back(std::move(plot));
     auto same = std::find_if(spectra.begin(), spectra.end(),
@@ -180,7 +160,7 @@ std::vector<Plot> recording_plots(const std::string& id, const signal::Recording
               "time, s", fmt::format("{}, {}", channel.name, unit_words(channel.unit))};
     plot.link = id;
     PlotSeries record{"record", Origin::measured};
-    add_extremes(record, channel.samples, time);
+    add_samples(record, channel.samples, time);
     plot.add(std::move(record));
     PlotSeries clipped{fmt::format("clipped ({} samples)", found.clipped_samples), Origin::modelled,
                        1, PlotSeries::Style::points};

@@ -6,6 +6,11 @@
 #include <cmath>
 #include <complex>
 #include <iterator>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"

@@ -7,7 +7,7 @@
 
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/figures.h"
-#include "apps/report/page/parameter_words.h"
+#include "apps/report/page/answer.h"
 #include "apps/report/page/tables.h"
 #include "ident/bending/bending_equation.h"
 #include "ident/statistics/uncertainty.h"

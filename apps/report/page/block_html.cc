@@ -19,6 +19,12 @@ namespace {
 // of 12 px are 9 to 15 px high; on paper 6.8 pt.
 constexpr double kPageWidth = 440, kPageHeight = 290;
 
+SvgPanel panel_of(const Plot& plot, const std::string& state) {
+  SvgOptions options;
+  return {state.empty() ? plot.title : state + ": " + plot.title, svg_plot(plot, options),
+          options.width, options.height};
+}
+
 }  // namespace
 
 void BlockHtml::add(const Block& block) {
@@ -180,6 +186,38 @@ void BlockHtml::add(const Plot& plot) {
       "<figcaption>{5} {3}{6}</figcaption>\n</figure>\n",
       escaped(plot.id), escaped(plot.title), svg_plot(plot, options), escaped(plot.caption),
       heading_, number("Figure", ++figures_), links_to(plot.id));
+}
+
+std::string figures_page(const std::string& title, const std::string& repeat,
+                         const std::vector<Block>& blocks) {
+  BlockHtml html(false);
+  for (const auto& block : blocks) html.add(block);
+  std::string page = BlockHtml::head(title);
+  page += fmt::format("<body class=\"figures\">\n<main>\n<h1>{}</h1>\n", escaped(title));
+  page += html.taken();
+  page += fmt::format(
+      "</main>\n<footer><p>To repeat: <code>{}</code></p><p>This page needs no "
+      "network.</p></footer>\n",
+      escaped(repeat));
+  return page + html.script() + "</body>\n</html>\n";
+}
+
+FiguresSvg figures_svg(const std::string& title, const std::vector<Block>& blocks) {
+  std::vector<SvgPanel> panels;
+  for (const auto& block : blocks) {
+    if (const auto* plot = std::get_if<Plot>(&block)) panels.push_back(panel_of(*plot, ""));
+    if (const auto* picture = std::get_if<Picture>(&block)) {
+      panels.push_back({picture->title, picture->svg, picture->width, picture->height});
+    }
+    if (const auto* group = std::get_if<PlotGroup>(&block)) {
+      for (const auto& tab : group->tabs) {
+        for (const auto& plot : tab.plots) panels.push_back(panel_of(plot, tab.label));
+      }
+    }
+  }
+  FiguresSvg sheet;
+  sheet.svg = svg_sheet(title, panels, sheet.width, sheet.height);
+  return sheet;
 }
 
 }  // namespace rigfit::apps

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "apps/report/page/report_part.h"
 
@@ -45,5 +46,18 @@ class BlockHtml {
   int heading_ = 3;               ///< level of a figure's title
   int figures_ = 0, tables_ = 0;  ///< numbered through the page
 };
+
+// Figures alone: what --plot writes.
+
+/// A page that needs nothing else. `repeat`: the command line that makes it again.
+[[nodiscard]] std::string figures_page(const std::string& title, const std::string& repeat,
+                                       const std::vector<Block>& blocks);
+
+struct FiguresSvg {
+  std::string svg;
+  double width = 0, height = 0;  ///< px
+};
+/// All figures below each other; paragraphs, tables and moving shapes are left to the page.
+[[nodiscard]] FiguresSvg figures_svg(const std::string& title, const std::vector<Block>& blocks);
 
 }  // namespace rigfit::apps

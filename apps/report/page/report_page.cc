@@ -10,16 +10,15 @@
 #include "apps/cli/assets.h"
 #include "apps/cli/warning_lines.h"
 #include "apps/report/drawing/html_text.h"
+#include "apps/report/page/answer.h"
 #include "apps/report/page/block_html.h"
-#include "apps/report/page/parameter_words.h"
 #include "apps/report/page/tables.h"
 
 namespace rigfit::apps {
 namespace {
 
-/// Pages of the short report behind the first one, and what things take of one on paper.
-constexpr double kShortPages = 5.2, kFigurePages = 0.27, kTextPages = 0.075, kRowPages = 0.021;
 constexpr std::size_t kLongestShortTable = 16;  // rows
+constexpr std::size_t kMostShort = 16;          // figures and tables, some five pages
 
 /// The parts of one test or fit.
 struct Section {
@@ -57,13 +56,6 @@ std::string id_of(const Block& block) {
         return {};
       },
       block);
-}
-
-double pages_of(const Block& block) {
-  if (const auto* table = std::get_if<ReportTable>(&block)) {
-    return kRowPages * static_cast<double>(table->rows.size() + 4);
-  }
-  return kFigurePages;
 }
 
 int rank_of(const ReportFinding& one) {
@@ -238,18 +230,14 @@ class PageWriter {
 
   /// What the short report has room for: its own ids of figures and tables.
   void choose_short() {
-    double room = kShortPages;
     for (const auto& section : sections_) {
-      room -= kTextPages;
       for (const auto* part : section.parts) {
         for (const auto& block : part->blocks) {
           const std::string id = id_of(block);
           if (std::find(part->brief.begin(), part->brief.end(), id) == part->brief.end()) continue;
           const auto* table = std::get_if<ReportTable>(&block);
           if (table && table->rows.size() > kLongestShortTable) continue;
-          if (pages_of(block) > room) continue;
-          room -= pages_of(block);
-          short_.insert(id);
+          if (short_.size() < kMostShort) short_.insert(id);
         }
       }
     }
@@ -332,11 +320,10 @@ class PageWriter {
 
   void navigation(bool report, bool appendix) {
     html_ += fmt::format(
-        "<nav class=\"side\" aria-label=\"Contents and search\">\n<div class=\"bar\"><a "
+        "<nav class=\"side\" aria-label=\"Contents\">\n<div class=\"bar\"><a "
         "href=\"#main\">{}</a><button type=\"button\" class=\"menu\" aria-expanded=\"false\" "
-        "aria-controls=\"side-list\">Menu</button></div>\n<div id=\"side-list\"><label "
-        "class=\"search\">Search <input type=\"search\" id=\"search\" autocomplete=\"off\"></label>"
-        "<ul id=\"found\" aria-label=\"Found\" aria-live=\"polite\"></ul>\n{}</div>\n</nav>\n<div "
+        "aria-controls=\"side-list\">Menu</button></div>\n<div "
+        "id=\"side-list\">{}</div>\n</nav>\n<div "
         "id=\"main\"></div>\n",
         escaped(frame_.title), contents(report, appendix));
   }

@@ -34,7 +34,8 @@ void add_rows(ReportTable& table, std::vector<Cell> front, const describe::Table
     for (std::size_t c = 0; c < row.size(); ++c) {
       Cell& cell = cells.emplace_back(with_signs(row[c]));
       if (rows.numeric[c]) cell.origin = origin;
-      cell.doubtful = rows.heads[c] == "remark" && !row[c].empty() && row[c] != "-";
+      cell.doubtful = (rows.heads[c] == "remark" && !row[c].empty() && row[c] != "-") ||
+                      row[c].starts_with("rejected: ");
     }
     front.assign(front.size(), Cell());
   }

@@ -5,7 +5,7 @@
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/figures.h"
 #include "apps/report/parts/parts.h"
-#include "apps/results/test_json.h"
+#include "apps/results/results_json.h"
 
 namespace rigfit::apps {
 namespace {

@@ -7,7 +7,7 @@
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/figures.h"
 #include "apps/report/parts/parts.h"
-#include "apps/results/test_json.h"
+#include "apps/results/results_json.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
@@ -32,19 +32,9 @@ class BendingPart : public TestPart {
     const auto& laws = result.curve.laws();
     part_.json.update(bending_json(bending_, result));
     part_.json["laws_decided"] = !kind_.beam() && laws.decided;
-    for (const auto& finding : result.findings) {
-      part_.warnings.push_back({finding.code, finding.message, test_.name});
-    }
+    tell(result.findings);
     for (std::size_t i = 0; i < result.points.size(); ++i) {
-      const auto& one = result.points[i];
-      part_.json["tests"][i]["origin"] = word_of(from_[one.source]);
-      if (!one.analysis) continue;
-      const auto& file = bending_.sources[one.source].name;
-      const std::string where =
-          one.point.tension_N > 0 ? fmt::format("{} at {:.4g} N", file, one.point.tension_N) : file;
-      for (const auto& finding : one.analysis->findings) {
-        part_.warnings.push_back({finding.code, finding.message, where, finding.refuses});
-      }
+      part_.json["tests"][i]["origin"] = word_of(from_[result.points[i].source]);
     }
     const std::string& name = test_.name;
     if (!kind_.beam() && !laws.laws.empty()) {
@@ -100,17 +90,13 @@ class BendingPart : public TestPart {
     const BendingColumns columns{
         kind_.tension_channel, kind_.load_channel, kind_.deflection_channel,
         "name it in the campaign, channels = {{ {} = \"...\" }}", kind_.beam()};
-    std::vector<Warning> warnings;
     try {
-      bending_.sources.push_back(bending_source(*entry.recording, columns, warnings));
+      bending_.sources.push_back(bending_source(*entry.recording, columns, part_.warnings));
     } catch (const signal::RecordingError& error) {
       refuse(part_, "channel", error.what(), entry.file);
       return;
     }
     from_.push_back(group.origin());
-    for (auto& one : warnings) {
-      part_.warnings.push_back({std::move(one.code), std::move(one.message), std::move(one.where)});
-    }
   }
 
   /// EI of every point on the first page; of specimens the first one.

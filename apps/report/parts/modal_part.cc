@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/figures.h"
 #include "apps/report/parts/parts.h"
 #include "apps/results/modal_files.h"
-#include "apps/results/modal_json.h"
+#include "apps/results/results_json.h"
+#include "signal/writers/write_uff.h"
 
 namespace rigfit::apps {
 namespace {
@@ -39,7 +41,7 @@ class ModalPart : public TestPart {
       parts.push_back(std::move(part_));
     }
     if (test_.scene) {
-      parts.push_back(model_part(campaign_, test_, campaign.known, outcome.model));
+      parts.push_back(model_part(campaign_, test_, outcome.model));
     }
     return parts;
   }
@@ -74,22 +76,11 @@ class ModalPart : public TestPart {
     part_.json["states"] = Json::array();
     hits_ = {test_.name + "-hits",
              "Every hit, kept or rejected.",
-             {{"state", {}, false},
-              {"recording", {}, false},
-              {"time, s"},
-              {"peak, N"},
-              {"pulse, ms"},
-              {"usable to, Hz"},
-              {"verdict", {}, false}}};
+             {{"state", {}, false}, {"recording", {}, false}}};
     modes_ = {test_.name + "-identified",
               "Modes identified from the frequency responses, with standard uncertainties. MPC: 1 "
               "for a shape whose points move in phase; misfit: residual near the mode.",
-              {{"state", {}, false},
-               {"frequency, Hz"},
-               {"damping, %"},
-               {"MPC"},
-               {"misfit, %"},
-               {"remarks", {}, false}}};
+              {{"state", {}, false}}};
     std::optional<Origin> origin;
     std::size_t states = 0, hits = 0, rejected = 0;
     for (auto& state : analysed.states) {
@@ -151,24 +142,20 @@ class ModalPart : public TestPart {
     for (auto& place : state.places) place.recordings.clear();  // not needed any more
     if (!state.modal) return;
     add_answers(state, label);
-    list_modes(state);
+    add_rows(modes_, {label_of(state.tension_N)}, describe::table_of(state.modal->model.modes),
+             state.origin);
     const auto file = [&](const char* what) {
       return fmt::format("uff/{}-{}-{}.uff", test_.name, what, file_word(label));
     };
     Json uff = Json::array();
     if (state.hammer.accepted_hits() > 0) {
       uff.push_back(file("frf"));
-      part_.files.push_back({file("frf"), frf_file(state.hammer.frfs)});
+      part_.files.push_back(
+          {file("frf"), signal::uff_text(state.hammer.frfs, signal::UffEncoding::binary)});
     }
     uff.push_back(file("modes"));
     part_.files.push_back({file("modes"), mode_file(scene_, state.modal->model)});
     const auto& modal = *state.modal;
-    Json rejected = Json::array();
-    for (const auto& column : modal.rejected) {
-      rejected.push_back({{"frequency_hz", column.frequency_hz},
-                          {"code", column.code},
-                          {"reason", column.reason}});
-    }
     part_.json["states"].push_back(
         {{"tension_N", state.tension_N ? Json(*state.tension_N) : Json(nullptr)},
          {"origin", word_of(state.origin)},
@@ -179,10 +166,9 @@ class ModalPart : public TestPart {
          {"band_hz", {modal.low_hz, modal.high_hz}},
          {"misfit_over_error_bars",
           modal.misfit_over_error_bars ? Json(*modal.misfit_over_error_bars) : Json(nullptr)},
-         {"force_window", force_window_json(state.hammer)},
          {"struck", std::move(struck)},
          {"modes", describe::json_of(modal.model.modes)},
-         {"rejected_columns", std::move(rejected)},
+         {"rejected_columns", describe::json_of(modal.rejected)},
          {"uff", std::move(uff)}});
   }
 
@@ -200,16 +186,13 @@ class ModalPart : public TestPart {
 
   void list_hits(const ident::StruckPlace& struck, const signal::ImpactTest& test,
                  std::optional<double> tension_N) {
-    for (const auto& hit : test.search.hits) {
-      Cell verdict(hit.accepted ? (hit.reason.empty() ? "kept" : "kept: " + hit.reason)
-                                : "rejected: " + hit.reason);
-      verdict.doubtful = !hit.accepted;
-      const bool first = &hit == &test.search.hits.front();
-      hits_.rows.push_back({first ? label_of(tension_N) : "",
-                            short_name(struck.recordings[hit.recording].path.string()),
-                            fmt::format("{:.4f}", hit.time_s), shown(hit.peak, 4),
-                            shown(1e3 * hit.pulse_duration_s, 3), shown(hit.usable_hz, 3),
-                            verdict});
+    std::string label = label_of(tension_N);
+    for (std::size_t r = 0; r < struck.recordings.size(); ++r) {
+      auto hits = test.search.hits;
+      std::erase_if(hits, [&](const auto& hit) { return hit.recording != r; });
+      if (hits.empty()) continue;
+      add_rows(hits_, {std::exchange(label, ""), short_name(struck.recordings[r].path.string())},
+               describe::table_of(std::move(hits)), std::nullopt);
     }
   }
 
@@ -223,24 +206,6 @@ class ModalPart : public TestPart {
       response = uff_point(*scene_, name, response.name);
     }
     for (auto& input : inputs) input = uff_point(*scene_, input.name, input.name);
-  }
-
-  void list_modes(const ident::ModalTestState& found) {
-    bool first = true;
-    for (const auto& mode : found.modal->model.modes) {
-      Cell remark(mode.doubtful ? mode.doubt : "");
-      remark.doubtful = mode.doubtful;
-      modes_.rows.push_back(
-          {first ? label_of(found.tension_N) : "",
-           Cell(shown_estimate(mode.frequency_hz.value, mode.frequency_hz.std), found.origin),
-           mode.damping_dominated_by_window
-               ? Cell("refused")
-               : Cell(shown_estimate(100 * mode.damping_ratio.value, 100 * mode.damping_ratio.std),
-                      found.origin),
-           fmt::format("{:.3f}", mode.modal_phase_collinearity),
-           shown(100 * mode.reconstruction_error, 2), remark});
-      first = false;
-    }
   }
 
   /// Frequencies and damping; on the first page only where no model says more.

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/figures.h"
 #include "apps/report/parts/parts.h"
 #include "apps/results/modal_files.h"
-#include "ident/campaign/modal/mode_lines.h"
 
 namespace rigfit::apps {
 namespace {
@@ -31,45 +31,35 @@ std::string mode_name(const model::ModalAnalysis& analysis, std::size_t index) {
 }
 
 /// Frequencies of test, published models and model against tension.
-Plot frequency_plot(const CampaignTest& test, const ident::SceneUse& use,
-                    const ident::KnownValues& known, const ModalStates& states) {
-  Plot plot{
-      test.name + "-frequency", "Natural frequencies against tension",
-      "Lines: the model, in plane (full) and out of plane (broken), each mode followed by its "
-      "shape. The order of the modes changes where lines cross (×), so that frequencies must "
-      "not be compared by number.",
-      "tension, N", "frequency, Hz"};
-  constexpr int kSteps = 48;  // from the lowest to the highest tension: lines look smooth
+Plot frequency_plot(const CampaignTest& test, const ModalStates& states) {
+  Plot plot{test.name + "-frequency", "Natural frequencies against tension",
+            "Lines: the model, in plane (full) and out of plane (broken), by number in the plane.",
+            "tension, N", "frequency, Hz"};
   double highest = 0;
   for (const auto& state : states) {
     for (const auto& row : state.rows) {
       if (row.measured_hz > highest) highest = row.measured_hz;
     }
   }
-  const auto followed = ident::follow_modes(
-      [&](double tension_N) { return ident::scene_at(use, known, tension_N).scene; },
-      *states.front().tension_N, *states.back().tension_N, kSteps, 1.1 * highest);
-  for (const auto& line : followed.lines) {
-    const bool in = line.plane == model::ModePlane::in;
-    PlotSeries series{fmt::format("rigfit {} {}", in ? "in" : "out", line.number), Origin::modelled,
-                      0, in ? Style::line : Style::dashed,
-                      in ? "rigfit, in plane" : "rigfit, out of plane"};
-    const auto begin = followed.tension_N.begin() + line.first;
-    series.x.assign(begin, begin + static_cast<std::ptrdiff_t>(line.frequency_hz.size()));
-    series.y = line.frequency_hz;
-    plot.add(std::move(series));
+  for (const auto& state : states) {
+    for (std::size_t i = 0; i < state.analysis.modes.size(); ++i) {
+      const auto& mode = state.analysis.modes[i];
+      if (mode.frequency_hz > 1.1 * highest) break;
+      const bool in = mode.plane == model::ModePlane::in;
+      auto& line = plot.named("rigfit " + mode_name(state.analysis, i), Origin::modelled,
+                              in ? Style::line : Style::dashed);
+      line.variant = 0;
+      line.group = in ? "rigfit, in plane" : "rigfit, out of plane";
+      line.add(*state.tension_N, mode.frequency_hz);
+    }
   }
-  PlotSeries crossings{"crossing of two modes", Origin::modelled, 4, Style::points};
-  for (const auto& one : followed.crossings) crossings.add(one.tension_N, one.frequency_hz);
-  plot.add(std::move(crossings));
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   /// Points of every state: `value(row)`, NaN where there is none.
   const auto points = [&](PlotSeries series, auto value) {
     series.style = Style::points;
     const bool recorded = series.origin == Origin::measured || series.origin == Origin::synthetic;
     for (const auto& state : states) {
       for (const auto& row : state.rows) {
-        const double hz = value(row), half = recorded ? 1.96 * row.std_hz : kNone;
+        const double hz = value(row), half = recorded ? 1.96 * row.std_hz : Answer::kNone;
         if (std::isfinite(hz)) series.add(*state.tension_N, hz, hz - half, hz + half);
       }
     }
@@ -79,13 +69,15 @@ Plot frequency_plot(const CampaignTest& test, const ident::SceneUse& use,
   for (std::size_t k = 0; k < published.size(); ++k) {
     points({published[k] + " (published model)", Origin::published_model, 2 + static_cast<int>(k)},
            [&](const MeasuredRow& row) {
-             return k < row.models_hz.size() ? row.models_hz[k] : kNone;
+             return k < row.models_hz.size() ? row.models_hz[k] : Answer::kNone;
            });
   }
   for (const Origin origin : {Origin::published, Origin::measured, Origin::synthetic}) {
     points({fmt::format("test ({})", origin == Origin::published ? "published" : name_of(origin)),
             origin, 1},
-           [&](const MeasuredRow& row) { return row.origin == origin ? row.measured_hz : kNone; });
+           [&](const MeasuredRow& row) {
+             return row.origin == origin ? row.measured_hz : Answer::kNone;
+           });
   }
   return plot;
 }
@@ -236,7 +228,7 @@ void tell(ReportPart& part, const CampaignTest& test, const ModalStates& states)
 }  // namespace
 
 ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
-                      const ident::KnownValues& known, const ModalStates& states) {
+                      const ModalStates& states) {
   const auto published = published_models(test);
   const auto& scene = campaign.scenes[*test.scene].name;
   const auto& plane = test.as<ModalTest>().inputs.setup.plane;
@@ -256,7 +248,7 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
   if (states.front().tension_N && states.size() > 1 &&
       std::any_of(states.begin(), states.end(),
                   [](const auto& state) { return !state.analysis.modes.empty(); })) {
-    part.blocks.push_back(frequency_plot(test, *test.as<ModalTest>().inputs.scene, known, states));
+    part.blocks.push_back(frequency_plot(test, states));
   }
   ReportTable pairs = pairs_table(test, states);
   part.brief = {test.name + "-frequency",

@@ -9,7 +9,7 @@
 #include "apps/campaign_file/bending_files.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/figures.h"
-#include "apps/report/page/parameter_words.h"
+#include "apps/report/page/answer.h"
 #include "signal/quality/quality.h"
 
 namespace rigfit::apps {
@@ -22,41 +22,29 @@ bool serious(const std::string& code) {
   return std::find(kCodes.begin(), kCodes.end(), code) != kCodes.end();
 }
 
-Cell doubtful_cell(std::string text, bool doubtful) {
-  Cell cell(std::move(text));
-  cell.doubtful = doubtful;
-  return cell;
-}
-
 /// The table of recordings, channel by channel, their notes as warnings, unusable ones as refusals,
 /// and the list `recordings` of the document.
 void add_recordings(ReportPart& part, const CampaignTest& test,
                     const std::vector<LoadedRecording>& loaded) {
   ReportTable table{test.name + "-quality",
-                    "Recordings of this test, channel by channel. Noise floor: the even noise "
-                    "under the signal, root mean square.",
+                    "Recordings of this test, channel by channel.",
                     {{"file", {}, false},
                      {"origin", {}, false},
                      {"taken at", {}, false},
                      {"rate, Hz"},
-                     {"length, s"},
-                     {"channel (unit)", {}, false},
-                     {"lowest"},
-                     {"highest"},
-                     {"rms"},
-                     {"noise floor"},
-                     {"remarks", {}, false}}};
+                     {"length, s"}}};
   Json list = Json::array();
-  std::size_t remarks = 0, refused = 0;
+  std::vector<Cell> remarks;  // by row
+  std::size_t refused = 0, found = 0;
   for (const auto& entry : loaded) {
     const auto& group = test.recordings[entry.group];
     std::string at = group.tension_N ? fmt::format("{:g} N", *group.tension_N) : "";
     if (group.length_m) at += fmt::format("{}{:g} m", at.empty() ? "" : ", ", *group.length_m);
-    const Cell origin(name_of(group.origin()), group.origin());
+    std::vector<Cell> front{short_name(entry.file), {name_of(group.origin()), group.origin()}, at};
     Json json{{"file", entry.file}, {"origin", word_of(group.origin())}};
     if (!entry.recording) {
-      table.rows.push_back({short_name(entry.file), origin, at, "", "", "", "", "", "", "",
-                            doubtful_cell(entry.error, true)});
+      table.rows.push_back(std::move(front));
+      remarks.emplace_back(entry.error).doubtful = true;
       json["error"] = entry.error;
       list.push_back(std::move(json));
       refuse(part, "recording", entry.error, entry.file);
@@ -64,52 +52,41 @@ void add_recordings(ReportPart& part, const CampaignTest& test,
       continue;
     }
     const auto& recording = *entry.recording;
-    std::string notes;
+    std::string said;
     for (const auto& note : recording.notes) {
       const std::string where = note.where.empty() ? "" : ": " + note.where;
-      notes += (notes.empty() ? "" : "; ") + note.message;
+      said += (said.empty() ? "" : "; ") + note.message;
       part.warnings.push_back({note.code, note.message, entry.file + where});
     }
-    json["sample_rate_hz"] = recording.sample_rate_hz;
-    json["samples"] = recording.samples();
-    json["remarks"] = notes;
-    json["channels"] = Json::array();
-    const auto quality = signal::check_quality(recording);
-    for (std::size_t k = 0; k < recording.channels.size(); ++k) {
-      const auto& channel = recording.channels[k];
-      const auto& found = quality.channels[k];
-      const bool first = k == 0;
-      std::string said = first ? notes : "";
+    front.emplace_back(shown(recording.sample_rate_hz, 5));
+    front.emplace_back(shown(recording.duration_s(), 3));
+    const auto channels = signal::checked_channels(recording, signal::check_quality(recording));
+    add_rows(table, std::move(front), describe::table_of(channels), std::nullopt);
+    json.update(describe::json_of(recording));
+    json["remarks"] = said;
+    json["channels"] = describe::json_of(channels);
+    list.push_back(std::move(json));
+    for (const auto& [channel, quality] : channels) {
       bool bad = !said.empty();
-      Json findings = Json::array();
-      for (const auto& finding : found.findings) {
+      for (const auto& finding : quality.findings) {
         said += (said.empty() ? "" : "; ") + finding.message;
-        findings.push_back({{"code", finding.code}, {"message", finding.message}});
-        ++remarks;
+        ++found;
         if (!serious(finding.code)) continue;
         bad = true;
-        part.warnings.push_back({finding.code, finding.message, entry.file + ": " + channel.name});
+        part.warnings.push_back({finding.code, finding.message, entry.file + ": " + channel->name});
       }
-      table.rows.push_back({first ? short_name(entry.file) : "", first ? origin : Cell(),
-                            first ? at : "", first ? shown(recording.sample_rate_hz, 5) : "",
-                            first ? shown(recording.duration_s(), 3) : "",
-                            fmt::format("{} ({})", channel.name, unit_words(channel.unit)),
-                            shown(found.min, 3), shown(found.max, 3), shown(found.rms, 3),
-                            shown(found.noise_floor, 2), doubtful_cell(said, bad)});
-      json["channels"].push_back({{"name", channel.name},
-                                  {"unit", channel.unit},
-                                  {"min", found.min},
-                                  {"max", found.max},
-                                  {"rms", found.rms},
-                                  {"noise_floor", found.noise_floor},
-                                  {"findings", std::move(findings)}});
+      remarks.emplace_back(std::exchange(said, "")).doubtful = bad;
     }
-    list.push_back(std::move(json));
+  }
+  table.columns.push_back({"remarks", {}, false});
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    table.rows[r].resize(table.columns.size() - 1);
+    table.rows[r].push_back(std::move(remarks[r]));
   }
   if (table.rows.size() > 8) {
     table.fold =
         fmt::format("{}: {}, {} refused", counted(list.size(), "recording"),
-                    remarks == 0 ? std::string("no remarks") : counted(remarks, "remark"), refused);
+                    found == 0 ? std::string("no remarks") : counted(found, "remark"), refused);
   }
   part.blocks.push_back(std::move(table));
   part.json["recordings"] = std::move(list);

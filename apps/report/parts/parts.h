@@ -64,10 +64,8 @@ using TestPartPtr = std::unique_ptr<TestPart>;
 [[nodiscard]] TestPartPtr tension_part(const CampaignTest& test);
 
 /// Modes of a scene against a test, tension by tension: natural modes, measured frequencies paired
-/// with modelled ones, published models beside them. `states`: of the model, by rising tension;
-/// `known`: what its scene took from other tests.
+/// with modelled ones, published models beside them. `states`: of the model, by rising tension.
 [[nodiscard]] ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
-                                    const ident::KnownValues& known,
                                     const std::vector<ident::ModalState>& states);
 
 /// `modal_tests`: the campaign's modal tests, in the order of CampaignInputs::modal.

@@ -79,8 +79,7 @@ void name_exact_inputs(const BendingTestOptions& options, BendingCampaignResult&
   result.findings.push_back({"taken_as_exact",
                              "Give standard uncertainties of what is taken as exact (in brackets "
                              "what it changes EI by): " +
-                                 exact + (tensioned ? "" : "; shear is left out"),
-                             false});
+                                 exact + (tensioned ? "" : "; shear is left out")});
 }
 
 /// Where the tension changes within a test by more than EI(T) is known to.
@@ -101,8 +100,7 @@ void name_spread_of_tension(const std::vector<StiffnessPoint>& points,
                    "tension known to {:.2g} N; this adds {:.2g} % to EI(T), the test itself {:.2g} "
                    "%",
                    point.tension_N, point.tension_std_N,
-                   100 * std::abs(change[most]) / point.EI_Nm2, 100 * point.std / point.EI_Nm2),
-       false});
+                   100 * std::abs(change[most]) / point.EI_Nm2, 100 * point.std / point.EI_Nm2)});
 }
 
 /// Lengths that hardly any bending test has: most often millimetres given as metres, or the
@@ -126,22 +124,19 @@ void suspect_lengths(const BendingCampaign& campaign, BendingCampaignResult& res
         {"length_suspected",
          fmt::format("Give the span in m: {:.4g} m with deflections up to {:.3g} mm is no bending "
                      "test (as mm: {:.4g} m); EI goes with about the cube of the span",
-                     span, 1e3 * deflection, 1e-3 * span),
-         false});
+                     span, 1e3 * deflection, 1e-3 * span)});
   } else if (deflection > 0.5 * span) {
     result.findings.push_back(
         {"length_suspected",
          fmt::format("Give the unit of the deflection in the title or in a TOML file beside the "
                      "recording: {:.3g} m on a span of {:.3g} m may be millimetres",
-                     deflection, span),
-         false});
+                     deflection, span)});
   } else if (deflection > 0.1 * span) {
     result.findings.push_back(
         {"large_deflection",
          fmt::format("Deflect less: {:.0f} % of the span is much for the equation of small "
                      "deflections, whose error is about its square, {:.1g} %",
-                     100 * deflection / span, 100 * deflection * deflection / span / span),
-         false});
+                     100 * deflection / span, 100 * deflection * deflection / span / span)});
   }
 }
 
@@ -203,6 +198,14 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
     if (known != std::isfinite(b.point.tension_N)) return known;
     return a.point.tension_N < b.point.tension_N;
   });
+  for (const auto& one : result.points) {
+    if (!one.analysis) continue;
+    std::string where = campaign.sources[one.source].name;
+    if (one.point.tension_N > 0) where += fmt::format(" at {:.4g} N", one.point.tension_N);
+    for (const auto& found : one.analysis->findings) {
+      result.findings.push_back({found.code, found.message, where, found.refuses});
+    }
+  }
   name_exact_inputs(campaign.test, result);
   suspect_lengths(campaign, result);
   if (campaign.test.ends != BeamEnds::tensioned) {
@@ -226,8 +229,7 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
           {"outside_bounds",
            fmt::format("Check span, units and the strand's wires: EI = {:.4g} N m2 at {:.4g} N "
                        "lies outside what the strand's geometry allows",
-                       point.EI_Nm2, point.tension_N),
-           false});
+                       point.EI_Nm2, point.tension_N)});
     }
   }
   result.curve = StiffnessCurve(std::move(points), options);

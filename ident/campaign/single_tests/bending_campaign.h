@@ -16,6 +16,7 @@
 
 #include "document/describe.h"
 #include "ident/bending/bending_analysis.h"
+#include "ident/campaign/single_tests/finding.h"
 #include "ident/stiffness/stiffness_curve.h"
 #include "ident/stiffness/strand.h"
 
@@ -65,7 +66,7 @@ struct BendingCampaignResult {
   std::optional<BeamSpecimens> specimens;  ///< if two or more gave an EI without tension
   /// Findings on all points together: "taken_as_exact", "tension_within_test", "outside_bounds",
   /// "length_suspected", "large_deflection".
-  std::vector<BendingFinding> findings;
+  std::vector<Finding> findings;  ///< of each record with its place, then of all
 };
 
 /// A table of at most this many rows is split by tension; a longer one is a record of one test.

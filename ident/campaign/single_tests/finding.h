@@ -6,10 +6,10 @@
 namespace rigfit::ident {
 
 struct Finding {
-  std::string code;      ///< stable, for programs
-  std::string message;   ///< for a person, with figures
-  std::string where;     ///< file, channel, point, mode ...; empty: the whole test
-  bool refused = false;  ///< true: a result is missing because of it
+  std::string code;        ///< stable, for programs
+  std::string message;     ///< for a person, with figures
+  std::string where = {};  ///< file, channel, point, mode ...; empty: the whole test
+  bool refused = false;    ///< true: a result is missing because of it
 };
 
 }  // namespace rigfit::ident

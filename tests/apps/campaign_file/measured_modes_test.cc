@@ -4,12 +4,13 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 
 #include "apps/campaign_file/measured_modes.h"
-#include "apps/results/modal_files.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
+#include "signal/writers/write_uff.h"
 #include "tests/apps/run_program.h"
 #include "tests/scenes.h"
 
@@ -30,6 +31,43 @@ std::string beam(double EI, double tip_mass) {
                    {"middle", {"", "beam", 0.5}, {-1, 0, 0}, kMoves},
                    {"tip", {"tip", "", 0}, {1, 0, 0}, kMoves}};
   return model::scene_text(scene);
+}
+
+/// Modes at every node of the chain, three directions each.
+std::string model_mode_file(const model::ModalAnalysis& analysis) {
+  signal::ModalModel modes;
+  std::vector<signal::NodePosition> positions;
+  const auto& members = analysis.equilibrium.members;
+  for (const auto& member : members) {
+    for (Eigen::Index i = 0; i < member.positions.cols(); ++i) {
+      const int node = static_cast<int>(positions.size()) + 1;
+      positions.push_back(
+          {node, {member.positions(0, i), member.positions(1, i), member.positions(2, i)}});
+      for (int direction = 1; direction <= 3; ++direction) {
+        modes.responses.push_back({member.member, node, direction});
+      }
+    }
+  }
+  for (const auto& natural : analysis.modes) {
+    signal::IdentifiedMode mode;
+    mode.frequency_hz = {natural.frequency_hz, 0};
+    mode.damping_ratio = {natural.damping_ratio, 0};
+    const double omega = 2 * std::numbers::pi * natural.frequency_hz;
+    const double zeta = natural.damping_ratio;
+    mode.pole_rad_s = {-zeta * omega, omega * std::sqrt(std::max(0.0, 1 - zeta * zeta))};
+    mode.shape.resize(static_cast<Eigen::Index>(modes.responses.size()));
+    Eigen::Index row = 0;
+    for (const auto& shape : natural.shape) {
+      for (Eigen::Index i = 0; i < shape.displacement.cols(); ++i) {
+        for (int k = 0; k < 3 && row < mode.shape.size(); ++k) {
+          mode.shape[row++] = shape.displacement(k, i);
+        }
+      }
+    }
+    if (row < mode.shape.size()) continue;
+    modes.modes.push_back(std::move(mode));
+  }
+  return signal::uff_text(modes, positions);
 }
 
 std::string mode_shapes(const std::string& scene_file) {

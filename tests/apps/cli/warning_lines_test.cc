@@ -16,12 +16,12 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-Warning warning(std::string code, std::string message, std::string where = "") {
+Finding warning(std::string code, std::string message, std::string where = "") {
   return {std::move(code), std::move(message), std::move(where), false};
 }
 
 TEST(WarningLines, CountWhatIsAlike) {
-  EXPECT_THAT(warning_lines(std::vector<Warning>{
+  EXPECT_THAT(warning_lines(std::vector<Finding>{
                   warning("spike", "a spike", "a.csv"), warning("set", "3 mm are left", "b.csv"),
                   warning("spike", "a spike", "c.csv"), warning("set", "5 mm are left", "d.csv")}),
               ElementsAre("2 times: a spike (a.csv, c.csv)",
@@ -29,7 +29,7 @@ TEST(WarningLines, CountWhatIsAlike) {
 }
 
 TEST(WarningLines, GraveOnesFirstAndTheRestCounted) {
-  std::vector<Warning> warnings{warning("taken_as_exact", "span taken as exact")};
+  std::vector<Finding> warnings{warning("taken_as_exact", "span taken as exact")};
   for (int kind = 0; kind < 9; ++kind) {
     warnings.push_back(warning(fmt::format("kind_{}", kind), fmt::format("message {}", kind)));
     warnings.push_back(warnings.back());

@@ -1,4 +1,4 @@
-#include "apps/describe/digits.h"
+#include "apps/describe/sheet.h"
 
 #include <gtest/gtest.h>
 

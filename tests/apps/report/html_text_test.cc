@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "apps/report/page/parameter_words.h"
+#include "apps/report/page/answer.h"
 #include "apps/report/page/tables.h"
 
 namespace rigfit::apps::html_text_test {

@@ -73,7 +73,8 @@ TEST(New, AFolderOfMixedFiles) {
 
   for (const auto& [options, message] :
        std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"--from", data + "/swing.csv", "--span", "1"}, "--span belongs to bending tests"},
+           {{"--from", data + "/swing.csv", "--span", "1"},
+            "--span belongs to none of these tests"},
            {{"--example", "--mass", "2"}, "--mass requires --from"},
            {{"--from", data + "/swing.csv", "--kind", "tension"}, "give the length"},
            {{"--from", data + "/swing.csv", "--kind", "axial", "--length", "1", "2"},

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "apps/describe/json_of.h"
-#include "apps/report/compare_reports.h"
+#include "apps/report/campaign_report.h"
 #include "apps/report/page/report_page.h"
 
 namespace rigfit::apps::answer_test {

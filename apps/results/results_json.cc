@@ -1,32 +1,74 @@
-#include "apps/results/update_result.h"
+#include "apps/results/results_json.h"
 
 #include <fmt/format.h>
-
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "apps/cli/json_document.h"
-#include "apps/describe/sheet.h"
+#include "apps/describe/json_of.h"
 #include "ident/campaign/fit_campaign.h"
 #include "ident/update/update_rows.h"
 
 namespace rigfit::apps {
 namespace {
 
-// Where each parameter's uncertainty comes from, as shares of its variance; what is below half a
-// percent is not shown.
-void print_budget(std::ostream& out, const ident::UpdateResult& result) {
-  for (const auto& p : result.parameters) {
-    std::string shares;
-    for (const auto& term : p.budget) {
-      const double share = std::pow(term.std / p.std, 2);
-      if (!(share > 0.005)) continue;
-      shares += fmt::format("{}{} {:.0f} %", shares.empty() ? "" : ", ", term.source, 100 * share);
-    }
-    if (!shares.empty() && p.budget.size() > 1) {
-      out << fmt::format("  variance of {}: {}\n", p.name, shares);
-    }
+// EI(T) as a model takes it, at the tensions of the tests.
+Json curve_json(const ident::StiffnessCurve& curve) {
+  const bool one_law = curve.source() == ident::StiffnessSource::law;
+  Json json{{"source", ident::name_of(curve.source())},
+            {"sentence", curve.sentence()},
+            {"law", one_law ? Json(ident::name_of(curve.laws().laws.front().kind)) : Json(nullptr)},
+            {"points", Json::array()}};
+  for (const auto& point : curve.points()) {
+    const auto at = curve.at(point.tension_N);
+    const describe::Bounded EI{at.EI_Nm2, at.std, at.low, at.high};
+    json["points"].push_back({{"tension_N", point.tension_N}, {"EI_Nm2", describe::json_of(EI)}});
   }
+  return json;
 }
+
+}  // namespace
+
+Json axial_json(const ident::AxialInputs& inputs, const ident::AxialCampaignResult& result) {
+  Json out = result.test ? describe::json_of(*result.test) : Json::object();
+  out["samples"] = describe::json_of(ident::axial_records(inputs, result));
+  return out;
+}
+
+Json bending_json(const ident::BendingCampaign& campaign,
+                  const ident::BendingCampaignResult& result) {
+  const auto& laws = result.curve.laws();
+  Json json{{"tests", describe::json_of(bending_rows(campaign, result))},
+            {"laws", describe::json_of(laws.laws)},
+            {"bounds", describe::json_of(result.bounds)}};
+  if (!laws.laws.empty() || !laws.sentence.empty()) {
+    json["law_choice"] = {{"decided", laws.decided}, {"sentence", laws.sentence}};
+  }
+  if (!result.curve.empty()) json["curve"] = curve_json(result.curve);
+  if (result.specimens) json["specimens"] = describe::json_of(*result.specimens);
+  if (campaign.assumed_relative_std > 0) {
+    json["assumed_relative_std"] = campaign.assumed_relative_std;
+  }
+  return json;
+}
+
+Json tension_json(const ident::TensionCampaignResult& campaign) {
+  Json json = describe::json_of(campaign.result.tension);
+  if (!campaign.peaks.empty()) json["peaks"] = describe::json_of(campaign.peaks);
+  return json;
+}
+
+Json hits_json(const ident::StruckPlace& place, const signal::ImpactTest& test) {
+  Json hits = Json::array();
+  for (const signal::Hit& hit : test.search.hits) {
+    hits.push_back({{"file", place.recordings[hit.recording].path.string()}});
+    hits.back().update(describe::json_of(hit));
+  }
+  return hits;
+}
+
+namespace {
 
 Json pairs_json(const std::vector<ident::UpdatedPair>& paired,
                 const std::vector<ident::UpdatedUnpaired>& unpaired, const States& states) {
@@ -107,35 +149,6 @@ Json held_out_json(const std::vector<ident::HeldOut>& held, const States& states
                     {"pairs", pairs_json(one.pairs, {}, states)}});
   }
   return json;
-}
-
-std::string percent(double ratio) {
-  return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100 * ratio) : "-";
-}
-
-void print_update(std::ostream& out, const ident::UpdateResult& result, const States& states) {
-  if (result.fit.ruled_out())
-    out << "the data rule this model out: " << ident::fit_text(result.fit) << '\n';
-  describe::print(out, describe::table_of(result.parameters));
-  print_budget(out, result);
-  describe::print(out, describe::table_of(ident::pair_rows(result.pairs, result.unpaired, states)));
-  if (!result.pairs.empty()) {
-    out << fmt::format("rms of the paired errors: {} before, {} fitted\n",
-                       percent(result.rms_relative_error_before),
-                       percent(result.rms_relative_error));
-  }
-  out << "fit: " << ident::fit_text(result.fit) << '\n';
-  if (result.alternatives.size() > 1) {
-    out << fmt::format("this answer has a weight of {:.3f}; others that the data support:\n",
-                       result.alternatives.front().weight);
-    for (const auto& text : ident::alternative_texts(result)) out << "  " << text << '\n';
-  }
-  if (result.frf_lines > 0) {
-    out << fmt::format(
-        "rms of |ln(model / measured)| over {} FRF lines: {:.3f} before, {:.3f} fitted\n",
-        result.frf_lines, result.rms_log_frf_error_before, result.rms_log_frf_error);
-  }
-  for (const auto& text : ident::exact_input_texts(result)) out << "  " << text << '\n';
 }
 
 }  // namespace rigfit::apps

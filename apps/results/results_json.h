@@ -1,0 +1,42 @@
+// What tests and fits found, as JSON: walks over the descriptions of the results. The verbs and the
+// report's document hold the same.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/cli/json_document.h"
+#include "apps/cli/verb.h"
+#include "ident/campaign/modal/hammer_campaign.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
+#include "ident/campaign/single_tests/bending_campaign.h"
+#include "ident/campaign/single_tests/tension_campaign.h"
+#include "ident/update/model_update.h"
+#include "ident/update/update_checks.h"
+
+namespace rigfit::apps {
+
+/// The test's fields and `samples`; of a test without a result the samples only.
+[[nodiscard]] Json axial_json(const ident::AxialInputs& inputs,
+                              const ident::AxialCampaignResult& result);
+
+/// `tests[], laws[], law_choice, curve, bounds`.
+[[nodiscard]] Json bending_json(const ident::BendingCampaign& campaign,
+                                const ident::BendingCampaignResult& result);
+
+/// A solved tension with the peaks of the recordings it is found from.
+[[nodiscard]] Json tension_json(const ident::TensionCampaignResult& campaign);
+
+/// The hits of one place struck, accepted and rejected.
+[[nodiscard]] Json hits_json(const ident::StruckPlace& place, const signal::ImpactTest& test);
+
+using States = std::vector<ident::UpdateState>;
+
+/// Parameters (name, start, value, std, low, high, budget ...), fit, alternatives, pairs, errors,
+/// identifiability: all that a fit found.
+[[nodiscard]] Json update_json(const ident::UpdateResult& result, const States& states);
+/// States held out: errors before, of those fitted, and as predicted.
+[[nodiscard]] Json held_out_json(const std::vector<ident::HeldOut>& held, const States& states);
+
+}  // namespace rigfit::apps
