@@ -1,29 +1,31 @@
-// What is wrong with a TOML document: file, line, key and remedy.
+// What is wrong with an input, said so that the person who made it can fix it.
 #pragma once
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace rigfit::document {
 
-/// A TOML document that cannot be used. `what()` is the whole message for a person.
-class DocumentError : public std::runtime_error {
+/// An input that cannot be used. `what()` is the whole message for a person: `Place` says where
+/// (`before()` the problem, and `behind()` it the value).
+template <typename Place>
+class InputError : public std::runtime_error {
  public:
-  /// Where in the document.
-  struct Where {
-    std::string file;
-    long line = 0;    ///< 1-based; 0: not tied to a line
-    long column = 0;  ///< 1-based; 0: none
-    std::string key;  ///< such as "member[0].EI", empty: none
-  };
-  /// `remedy` says what to write instead.
-  DocumentError(Where where, std::string problem, std::string remedy);
+  using Where = Place;
+  /// `remedy` says what to do about it.
+  InputError(Where where, std::string problem, std::string remedy)
+      : std::runtime_error(where.before() + problem + where.behind() +
+                           (remedy.empty() ? "" : "; " + remedy)),
+        where_(std::move(where)),
+        problem_(std::move(problem)),
+        remedy_(std::move(remedy)) {}
 
   /// The place.
   const Where& where() const { return where_; }
   /// What is wrong, without place and remedy.
   const std::string& problem() const { return problem_; }
-  /// What to write instead; may be empty.
+  /// What to do about it; may be empty.
   const std::string& remedy() const { return remedy_; }
 
  private:
@@ -31,5 +33,20 @@ class DocumentError : public std::runtime_error {
   std::string problem_;
   std::string remedy_;
 };
+
+/// Where in a TOML document.
+struct DocumentPlace {
+  std::string file;
+  long line = 0;    ///< 1-based; 0: not tied to a line
+  long column = 0;  ///< 1-based; 0: none
+  std::string key;  ///< such as "member[0].EI", empty: none
+
+  [[nodiscard]] std::string before() const;
+  [[nodiscard]] std::string behind() const { return ""; }
+};
+using DocumentError = InputError<DocumentPlace>;
+
+/// "file:line:column: ", of what is known.
+[[nodiscard]] std::string place_text(const std::string& file, long line, long column);
 
 }  // namespace rigfit::document

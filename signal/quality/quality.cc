@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <iterator>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "signal/estimation/robust.h"
@@ -71,11 +73,8 @@ double quantum_of(const Eigen::VectorXd& samples, double range, long& distinct) 
   constexpr Eigen::Index kLooked = 1 << 16;
   const Eigen::Index n = std::min(samples.size(), kLooked);
   std::vector<double> values;
-  values.reserve(static_cast<std::size_t>(n));
-  const Eigen::Index from = (samples.size() - n) / 2;
-  for (Eigen::Index k = from; k < from + n; ++k) {
-    if (std::isfinite(samples[k])) values.push_back(samples[k]);
-  }
+  std::ranges::copy_if(samples.segment((samples.size() - n) / 2, n), std::back_inserter(values),
+                       [](double x) { return std::isfinite(x); });
   std::sort(values.begin(), values.end());
   distinct = values.empty() ? 0 : 1;
   double quantum = 0;
@@ -253,11 +252,9 @@ int measure_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double sa
 }
 
 bool rests_at_zero(Quantity quantity) {
-  // Loads, positions and temperatures have a mean of their own.
-  const auto one_of = {Quantity::acceleration,     Quantity::velocity,
-                       Quantity::angular_velocity, Quantity::angular_acceleration,
-                       Quantity::voltage,          Quantity::unknown};
-  return std::find(one_of.begin(), one_of.end(), quantity) != one_of.end();
+  using enum Quantity;  // loads, positions and temperatures have a mean of their own
+  return quantity == acceleration || quantity == velocity || quantity == angular_velocity ||
+         quantity == angular_acceleration || quantity == voltage || quantity == unknown;
 }
 
 ChannelQuality check_channel(const Recording& recording, const Channel& channel) {
@@ -265,26 +262,21 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
   q.channel = channel.name;
   const Eigen::VectorXd& x = channel.samples;
   const Eigen::Index n = x.size();
+  const auto is_finite = [](double value) { return std::isfinite(value); };
   std::vector<double> there;
-  Eigen::Index first_missing = -1;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    if (std::isfinite(x[k])) {
-      there.push_back(x[k]);
-    } else if (first_missing < 0) {
-      first_missing = k;
-    }
-  }
+  std::ranges::copy_if(x, std::back_inserter(there), is_finite);
+  const auto first_missing = std::ranges::find_if_not(x, is_finite) - x.begin();
   const auto count = static_cast<Eigen::Index>(there.size());
   q.missing_samples = n - count;
-  const auto add = [&](const char* code, std::string message, long samples = 0,
-                       Eigen::Index first = -1) {
-    q.findings.push_back({code, std::move(message), samples, first});
+  const auto add = [&]<typename... Values>(const char* code, long samples, Eigen::Index first,
+                                           fmt::format_string<Values...> message,
+                                           Values&&... values) {
+    q.findings.push_back(
+        {code, fmt::format(message, std::forward<Values>(values)...), samples, first});
   };
   if (q.missing_samples > 0) {
-    add("missing",
-        fmt::format("{} of {} samples missing, first at {}", q.missing_samples, n,
-                    at_time(first_missing, recording)),
-        q.missing_samples, first_missing);
+    add("missing", q.missing_samples, first_missing, "{} of {} samples missing, first at {}",
+        q.missing_samples, n, at_time(first_missing, recording));
   }
   if (count == 0) {
     q.min = q.max = q.mean = q.rms = kNaN;
@@ -300,7 +292,7 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
   if (!(range > 0)) {
     if (count > 1) {
       q.stuck_samples = count;
-      add("stuck", "all samples have the same value, " + with_unit(low, channel), count, 0);
+      add("stuck", count, 0, "all samples have the same value, {}", with_unit(low, channel));
     }
     return q;
   }
@@ -309,10 +301,10 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
   q.quantum = quantum_of(x, range, distinct);
   const Eigen::VectorXd filled = without_gaps(x);
   if (count >= 16 && distinct <= 2) {
-    add("one_bit", fmt::format("only {} different values", distinct));
+    add("one_bit", 0, -1, "only {} different values", distinct);
   } else if (count >= 16 && q.quantum > 0 && std < kStepsPerRms * q.quantum) {
-    add("coarse_quantisation", fmt::format("steps of {} are coarse for a standard deviation of {}",
-                                           with_unit(q.quantum, channel), with_unit(std, channel)));
+    add("coarse_quantisation", 0, -1, "steps of {} are coarse for a standard deviation of {}",
+        with_unit(q.quantum, channel), with_unit(std, channel));
   }
 
   if (distinct > 2) {
@@ -328,10 +320,8 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
       level += fmt::format(" (below the range of {})", with_unit(channel.nominal_range, channel));
     }
     if (clipped.count > 0) {
-      add("clipped",
-          fmt::format("{} samples clipped at {}, first at {}", clipped.count, level,
-                      at_time(clipped.first, recording)),
-          clipped.count, clipped.first);
+      add("clipped", clipped.count, clipped.first, "{} samples clipped at {}, first at {}",
+          clipped.count, level, at_time(clipped.first, recording));
     }
   }
 
@@ -344,12 +334,10 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
       if (at_extreme && q.clipped_samples > 0) continue;
       q.stuck_samples += run.length;
       if (run.first + run.length == n || run.first == 0) {
-        add("stuck",
-            fmt::format("the same value, {}, for {} samples {}", with_unit(value, channel),
-                        run.length,
-                        run.first == 0 ? "from the beginning"
-                                       : "to the end from " + at_time(run.first, recording)),
-            run.length, run.first);
+        add("stuck", run.length, run.first, "the same value, {}, for {} samples {}",
+            with_unit(value, channel), run.length,
+            run.first == 0 ? "from the beginning"
+                           : "to the end from " + at_time(run.first, recording));
         continue;
       }
       if (dropouts++ == 0) first = run.first;
@@ -357,10 +345,8 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
       longest = std::max(longest, run.length);
     }
     if (dropouts > 0) {
-      add("dropouts",
-          fmt::format("{} dropouts ({} samples; the longest {}), first at {}", dropouts, dropped,
-                      longest, at_time(first, recording)),
-          dropped, first);
+      add("dropouts", dropped, first, "{} dropouts ({} samples; the longest {}), first at {}",
+          dropouts, dropped, longest, at_time(first, recording));
     }
   }
 
@@ -374,30 +360,28 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
                              Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
     const double left = std::sqrt((rest - rest.mean()).square().mean());
     if (std::abs(q.drift) > left && std::abs(q.drift) > 2 * q.quantum) {
-      add("drift",
-          fmt::format("drifts by {} over the record, {}", with_unit(q.drift, channel),
-                      std::abs(q.drift) < 1000 * left
-                          ? fmt::format("{:.2g} times what is left of its standard deviation",
-                                        std::abs(q.drift) / left)
-                          : std::string("and does hardly anything else: a ramp")));
+      add("drift", 0, -1, "drifts by {} over the record, {}", with_unit(q.drift, channel),
+          std::abs(q.drift) < 1000 * left
+              ? fmt::format("{:.2g} times what is left of its standard deviation",
+                            std::abs(q.drift) / left)
+              : std::string("and does hardly anything else: a ramp"));
     }
   }
   if (count >= 16 && rests_at_zero(channel.quantity) && std > 0 && std::abs(q.mean) > std) {
-    add("offset", fmt::format("mean {} is {:.2g} times the standard deviation",
-                              with_unit(q.mean, channel), std::abs(q.mean) / std));
+    add("offset", 0, -1, "mean {} is {:.2g} times the standard deviation",
+        with_unit(q.mean, channel), std::abs(q.mean) / std);
   }
 
   if (recording.sample_rate_hz > 0 && recording.time_s.size() == 0) {
     const int lines = measure_spectrum(filled, recording.sample_rate_hz, q);
     if (q.mains_hz > 0) {
-      add("mains_hum",
-          fmt::format("may be mains hum: steady lines at {:.0f} Hz and {} harmonics, {} rms",
-                      q.mains_hz, lines - 1, with_unit(q.mains_rms, channel)));
+      add("mains_hum", 0, -1,
+          "may be mains hum: steady lines at {:.0f} Hz and {} harmonics, {} rms", q.mains_hz,
+          lines - 1, with_unit(q.mains_rms, channel));
     }
     if (std > 0 && q.noise_floor > 0.5 * std && count >= 256) {
-      add("noise_floor",
-          fmt::format("the broadband floor ({} rms) is {:.0f} % of the signal",
-                      with_unit(q.noise_floor, channel), 100 * std::min(1.0, q.noise_floor / std)));
+      add("noise_floor", 0, -1, "the broadband floor ({} rms) is {:.0f} % of the signal",
+          with_unit(q.noise_floor, channel), 100 * std::min(1.0, q.noise_floor / std));
     }
   }
   return q;

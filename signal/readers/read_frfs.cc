@@ -3,12 +3,10 @@
 #include <utility>
 
 #include "signal/readers/csv/frequency_table.h"
-#include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff.h"
-#include "signal/readers/xlsx/read_xlsx.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::signal {
@@ -18,7 +16,7 @@ FrfSet read_frfs(const std::vector<std::filesystem::path>& files, const ReadOpti
   for (const auto& path : files) {
     const MappedFile file(path);
     if (const auto foreign = foreign_format(file.bytes())) {
-      throw RecordingError({path.string(), 0, 0, "", ""}, "is " + foreign->name, foreign->remedy);
+      throw file_error(path, "is " + foreign->name, foreign->remedy);
     }
     const RecordingFormat format = format_of(file.bytes());
     if (format == RecordingFormat::uff && files.size() == 1)
@@ -26,11 +24,11 @@ FrfSet read_frfs(const std::vector<std::filesystem::path>& files, const ReadOpti
     if (format == RecordingFormat::mat && files.size() == 1) return read_mat_frfs(path, options);
     std::optional<FrequencyTable> table = frequency_table_in(file.bytes(), path, options);
     if (!table) {
-      throw RecordingError({path.string(), 0, 0, "", ""},
-                           format == RecordingFormat::uff ? "is one of several universal files"
-                                                          : "is no table of FRFs over frequency",
-                           "give one UFF file, text tables with frequency, real and imaginary "
-                           "part; or recordings of hits, with --force CHANNEL");
+      throw file_error(path,
+                       format == RecordingFormat::uff ? "is one of several universal files"
+                                                      : "is no table of FRFs over frequency",
+                       "give one UFF file, text tables with frequency, real and imaginary "
+                       "part; or recordings of hits, with --force CHANNEL");
     }
     tables.push_back(std::move(*table));
   }

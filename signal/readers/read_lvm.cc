@@ -26,7 +26,6 @@ constexpr std::string_view kEndOfHeader = "***End_of_Header***";
 
 struct Header {
   std::map<std::string, std::vector<std::string>> rows;  ///< by key; field k at [k - 1]
-  std::map<std::string, long> lines;
 
   [[nodiscard]] std::string at(const std::string& key, std::size_t column) const {
     const auto row = rows.find(key);
@@ -65,6 +64,14 @@ struct Segment {
                         return a.name == b.name && a.unit == b.unit;
                       });
   }
+  /// The column of X values in front of a channel, or the only one; 0 rows: there is none.
+  [[nodiscard]] Eigen::VectorXd x_of(std::size_t channel, int& decimals) const {
+    const auto at = std::find_if(x_columns.rbegin(), x_columns.rend(),
+                                 [&](std::size_t c) { return c <= channel && has_numbers(c); });
+    if (at == x_columns.rend()) return {};
+    decimals = layout.columns[*at].decimals;
+    return body.columns[*at];
+  }
 };
 
 class LvmReader {
@@ -81,8 +88,8 @@ class LvmReader {
     if (separator == "Comma") {
       dialect_.separator = ',';
     } else if (!separator.empty() && separator != "Tab") {
-      throw error(header.lines.at("Separator"), separator, "unknown separator",
-                  "LVM knows Tab and Comma");
+      throw error(line_number(bytes_, bytes_.find("\nSeparator") + 1), separator,
+                  "unknown separator", "LVM knows Tab and Comma");
     }
     const std::string decimal = header.at("Decimal_Separator", 1);
     if (decimal == "," || decimal == ".") dialect_.decimal = decimal[0];
@@ -118,7 +125,7 @@ class LvmReader {
     Header header;
     std::vector<CsvField> fields;
     const long first = line();
-    for (long number = first; !rest_.empty(); ++number) {
+    while (!rest_.empty()) {
       const auto text = take_line(rest_);
       if (text.starts_with(kEndOfHeader)) return header;
       if (trim_blanks(text).empty()) continue;
@@ -135,7 +142,6 @@ class LvmReader {
         row.assign(1, text.substr(key.size()).starts_with(",,") ? "," : ".");
       }
       header.rows.emplace(key, std::move(row));
-      header.lines.emplace(key, number);
     }
     throw error(first, "", "a header without its end",
                 "a header ends with a line \"" + std::string(kEndOfHeader) + "\"");
@@ -209,148 +215,86 @@ class LvmReader {
   bool decimal_known_ = false;
 };
 
-struct SegmentTimes {
-  double start_s = 0;
-  RateOfStep stated;  ///< by Delta_X
-  Eigen::VectorXd x;  ///< empty: no X column
-  double printed_resolution_s = 0;
-};
-
-SegmentTimes times_of(const Segment& segment, std::size_t reference) {
-  SegmentTimes times;
-  const std::string text = segment.header.at("Delta_X", reference);
+/// Delta_X as a rate, uncertain by its last printed digit.
+RateOfStep stated_rate(const Header& header, std::size_t reference) {
+  const std::string text = header.at("Delta_X", reference);
   const int decimals = std::max(printed_decimals(text, '.'), printed_decimals(text, ','));
-  times.stated =
-      rate_of_step(segment.header.number("Delta_X", reference), 0.5 * std::pow(10.0, -decimals));
-  const double x0 = segment.header.number("X0", reference);
-  times.start_s = std::isfinite(x0) ? x0 : 0;
-  for (const std::size_t c : segment.x_columns) {
-    // The X column in front of the reference channel, or the only one.
-    if (c > reference || !segment.has_numbers(c)) continue;
-    times.x = segment.body.columns[c];
-    times.printed_resolution_s = std::pow(10.0, -segment.layout.columns[c].decimals);
-  }
-  return times;
+  return rate_of_step(header.number("Delta_X", reference), 0.5 * std::pow(10.0, -decimals));
 }
 
-/// Times of every segment on one axis. `have_x`: of X columns, each as printed.
+double start_of(const Header& header, std::size_t reference) {
+  const double x0 = header.number("X0", reference);
+  return std::isfinite(x0) ? x0 : 0;
+}
+
+/// Times of every segment on one axis, and the digits that they are printed with.
 Eigen::VectorXd joined_times(const std::vector<const Segment*>& segments, std::size_t reference,
-                             bool& have_x) {
-  Eigen::Index total = 0;
-  for (const auto* segment : segments) total += segment->body.rows;
-  Eigen::VectorXd time(total);
-  const SegmentTimes first = times_of(*segments.front(), reference);
-  const double first_clock = segments.front()->header.clock(reference);
-  have_x = first.x.size() > 0;
-  Eigen::Index row = 0;
+                             int& decimals) {
+  constexpr int kExact = 400;
+  Eigen::VectorXd time;
+  const Header& first = segments.front()->header;
+  int ignored = 0;
+  bool all_have_x = true;
   double next_start = 0;
   for (const auto* segment : segments) {
-    const SegmentTimes times = times_of(*segment, reference);
-    const Eigen::Index n = segment->body.rows;
-    const double step = times.stated.rate_hz > 0 ? 1 / times.stated.rate_hz : 0;
-    const double begins = times.x.size() > 0 ? times.x[0] : times.start_s;
+    const Eigen::Index n = segment->body.rows, row = time.size();
+    const double rate = stated_rate(segment->header, reference).rate_hz;
+    const double step = rate > 0 ? 1 / rate : 0;
+    Eigen::VectorXd x = segment->x_of(reference, row == 0 ? decimals : ignored);
+    if (x.size() == 0) {
+      all_have_x = false;
+      x = start_of(segment->header, reference) +
+          step * Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
+    }
     double offset = 0;
     if (row > 0) {
       // X may run on or begin anew; the clocks tell where a segment that begins anew belongs, but
       // not one set back, or one that does not resolve the segments.
-      const double clock = segment->header.clock(reference);
-      const double by_clock = clock - first_clock - begins + first.start_s;
-      if (!(begins > time[row - 1])) {
-        offset = clock > first_clock && begins + by_clock > time[row - 1] ? by_clock
-                                                                          : next_start - begins;
+      const double clock = segment->header.clock(reference), first_clock = first.clock(reference);
+      const double by_clock = clock - first_clock - x[0] + start_of(first, reference);
+      if (!(x[0] > time[row - 1])) {
+        offset =
+            clock > first_clock && x[0] + by_clock > time[row - 1] ? by_clock : next_start - x[0];
       }
-      if (std::abs(begins + offset - next_start) < 0.5 * step) offset = next_start - begins;
+      if (std::abs(x[0] + offset - next_start) < 0.5 * step) offset = next_start - x[0];
     }
-    have_x = have_x && times.x.size() > 0;
-    for (Eigen::Index j = 0; j < n; ++j) {
-      time[row + j] = offset + (times.x.size() > 0 ? times.x[j]
-                                                   : times.start_s + static_cast<double>(j) * step);
-    }
-    row += n;
-    next_start = time[row - 1] + step;
+    time.conservativeResize(row + n);
+    time.tail(n) = x.array() + offset;
+    next_start = time[row + n - 1] + step;
   }
+  if (!all_have_x) decimals = kExact;
   return time;
 }
 
-/// Rate, start and times of the segments.
-void take_times(const std::vector<const Segment*>& segments, std::size_t reference,
-                const ReadOptions& options, Recording& recording) {
-  const Segment& first = *segments.front();
-  const SegmentTimes times = times_of(first, reference);
-  recording.start_time_s = times.start_s;
-  bool have_x = false;
-  const Eigen::VectorXd time = joined_times(segments, reference, have_x);
-  if (have_x || segments.size() > 1) {
-    const double printed = have_x ? times.printed_resolution_s : 0;
-    signal::take_times(time_axis(time, {printed, times.stated.rate_hz}),
-                       {time, printed, fmt::format("Delta_X says {:.9g} Hz", times.stated.rate_hz),
-                        "", "X_Value", segments.size() > 1 ? 0 : first.layout.body_line},
-                       recording);
-  }
-  if (recording.sample_rate_hz == 0) {
-    recording.sample_rate_hz = times.stated.rate_hz;
-    recording.sample_rate_relative_std = times.stated.relative_std;
-  }
-  take_stated_rate(options.sample_rate_hz, recording);
-  // 20 ppm: what ordinary loggers' clocks are off by anyhow.
-  if (recording.sample_rate_relative_std > 2e-5) {
-    recording.notes.push_back(
-        {"read_as",
-         fmt::format(
-             "Give sample_rate_hz if it is known better: Delta_X is printed as {}, so {:.9g} Hz "
-             "is uncertain by {:.2g} Hz, and every frequency in proportion",
-             first.header.at("Delta_X", reference), recording.sample_rate_hz,
-             recording.sample_rate_relative_std * recording.sample_rate_hz),
-         ""});
-  }
-  if (recording.sample_rate_hz == 0) {
-    recording.notes.push_back(
-        {"no_sample_rate", "Give the sample rate: neither X values nor Delta_X state it", ""});
-  }
-}
-
+/// A channel's numbers in all segments; the header's number of them is compared with the table's.
 void take_channel(const std::vector<const Segment*>& segments, std::size_t c, std::size_t reference,
-                  std::set<std::string>& used, Recording& recording) {
+                  CsvTable& table) {
   const Segment& first = *segments.front();
-  const CsvColumn& column = first.layout.columns[c];
-  Channel channel;
-  channel.name =
-      unused_name(column.name.empty() ? "column " + std::to_string(c + 1) : column.name, used);
   const double delta = first.header.number("Delta_X", c);
   const double reference_delta = first.header.number("Delta_X", reference);
   if (first.has_numbers(c) && delta > 0 && reference_delta > 0 &&
       std::abs(delta / reference_delta - 1) > 1e-6) {
-    recording.notes.push_back(
-        {"data_left_out",
-         fmt::format("is sampled at another rate than \"{}\" (Delta_X {} s): left out",
-                     first.layout.columns[reference].name, first.header.at("Delta_X", c)),
-         channel.name});
+    add_note(table.notes, "data_left_out", first.layout.columns[c].name,
+             "is sampled at another rate than \"{}\" (Delta_X {} s): left out",
+             first.layout.columns[reference].name, first.header.at("Delta_X", c));
     return;
   }
-  take_unit(column.unit, channel, recording.notes);
-  Eigen::Index total = 0;
-  for (const auto* segment : segments) total += segment->body.rows;
-  Eigen::VectorXd numbers(total);
-  Eigen::Index at = 0;
+  Eigen::VectorXd numbers;
   double stated = 0;
   for (const auto* segment : segments) {
-    numbers.segment(at, segment->body.rows) = segment->body.columns[c];
-    at += segment->body.rows;
+    numbers.conservativeResize(numbers.size() + segment->body.rows);
+    numbers.tail(segment->body.rows) = segment->body.columns[c];
     const double samples = segment->header.number("Samples", c);
     if (std::isfinite(samples)) stated += samples;
   }
-  take_samples(std::move(numbers), channel);
-  const auto held = static_cast<double>(total - channel.missing_samples);
-  if (channel.missing_samples == total) {
-    recording.notes.push_back({"no_samples", "holds no number at all", channel.name});
-  } else if (stated > 0 && stated != held) {
-    recording.notes.push_back(
-        {"read_as",
-         fmt::format("the header states {:.0f} samples, the table holds {:.0f}",
-                     std::min(stated, 1e15), held),
-         channel.name});
+  table.add(first.layout.columns[c], c, std::move(numbers));
+  const Channel& channel = table.channels.back();
+  const auto held = static_cast<double>(channel.samples.size() - channel.missing_samples);
+  if (held > 0 && stated > 0 && stated != held) {
+    add_note(table.notes, "read_as", channel.name,
+             "the header states {:.0f} samples, the table holds {:.0f}", std::min(stated, 1e15),
+             held);
   }
-  recording.channels.push_back(std::move(channel));
 }
 
 }  // namespace
@@ -359,13 +303,10 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options, const std::function<void(std::size_t)>& done_with) {
   const std::string file = path.string();
   const std::vector<Segment> segments = LvmReader(bytes, file, done_with).read();
-  Recording recording;
-  recording.path = path;
-  recording.format = "lvm";
   const Segment& first = segments.front();
   const std::string dimension = first.header.at("X_Dimension", 1);
   if (!dimension.empty() && dimension != "Time") {
-    throw RecordingError({file, first.header.lines.at("X_Dimension"), 0, "", dimension},
+    throw RecordingError({file, line_number(bytes, bytes.find("X_Dimension")), 0, "", dimension},
                          "is no recording over time", "give a file whose X_Dimension is Time");
   }
   const auto filled = std::find_if(first.value_columns.begin(), first.value_columns.end(),
@@ -373,32 +314,52 @@ Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
   const std::size_t reference =
       filled == first.value_columns.end() ? first.value_columns.front() : *filled;
 
+  CsvTable table;
+  table.file = file;
+  table.layout = first.layout;
   // Segments of other channels cannot be joined.
   std::vector<const Segment*> joined;
   for (std::size_t k = 0; k < segments.size(); ++k) {
     if (segments[k].has_channels_of(first)) {
       joined.push_back(&segments[k]);
+      if (segments[k].body.incomplete_last) {
+        add_note(table.notes, "incomplete", "",
+                 "the last line broke off before its end and is left out");
+      }
       continue;
     }
-    recording.notes.push_back(
-        {"data_left_out",
-         fmt::format("segment {} has other channels than the first: left out", k + 1),
-         fmt::format("line {}", segments[k].layout.body_line)});
+    add_note(table.notes, "data_left_out", fmt::format("line {}", segments[k].layout.body_line),
+             "segment {} has other channels than the first: left out", k + 1);
   }
   if (joined.size() > 1) {
-    recording.notes.push_back(
-        {"read_as", fmt::format("{} segments are joined into one recording", joined.size()), ""});
+    table.layout.body_line = 0;
+    add_note(table.notes, "read_as", "", "{} segments are joined into one recording",
+             joined.size());
   }
-  take_times(joined, reference, options, recording);
-  std::set<std::string> used;
-  for (const std::size_t c : first.value_columns) {
-    take_channel(joined, c, reference, used, recording);
+  const RateOfStep stated = stated_rate(first.header, reference);
+  table.layout.stated_rate_hz = stated.rate_hz;
+  table.layout.rate_text = "Delta_X = " + first.header.at("Delta_X", reference);
+  CsvColumn x;
+  x.name = "X_Value";
+  x.unit = "s";
+  const bool has_times = joined.size() > 1 || first.x_of(reference, x.decimals).size() > 0;
+  if (has_times) {
+    Eigen::VectorXd times = joined_times(joined, reference, x.decimals);
+    table.add(x, 0, std::move(times));
   }
-  note_unitless(recording);
-  for (const auto* segment : joined) {
-    if (!segment->body.incomplete_last) continue;
-    recording.notes.push_back(
-        {"incomplete", "the last line broke off before its end and is left out", ""});
+  for (const std::size_t c : first.value_columns) take_channel(joined, c, reference, table);
+  Recording recording = recording_of_table(std::move(table), path, "lvm", options);
+  if (has_times) return recording;
+  recording.start_time_s = start_of(first.header, reference);
+  if (options.sample_rate_hz > 0) return recording;
+  recording.sample_rate_relative_std = stated.relative_std;
+  // 20 ppm: what ordinary loggers' clocks are off by anyhow.
+  if (stated.relative_std > 2e-5) {
+    add_note(recording.notes, "read_as", "",
+             "Give sample_rate_hz if it is known better: Delta_X is printed as {}, so "
+             "{:.9g} Hz is uncertain by {:.2g} Hz, and every frequency in proportion",
+             first.header.at("Delta_X", reference), stated.rate_hz,
+             stated.relative_std * stated.rate_hz);
   }
   return recording;
 }

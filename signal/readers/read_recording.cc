@@ -5,12 +5,10 @@
 
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
-#include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/recording_description.h"
 #include "signal/readers/uff/read_uff.h"
-#include "signal/readers/xlsx/read_xlsx.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 
@@ -48,37 +46,37 @@ using DoneWith = std::function<void(std::size_t)>;
 using Read = Recording (*)(std::string_view, const std::filesystem::path&, const ReadOptions&,
                            const DoneWith&);
 
+/// For readers that tell nothing on the way, and those whose libraries read files.
+template <auto read>
+Recording untold(std::string_view bytes, const std::filesystem::path& path,
+                 const ReadOptions& options, const DoneWith&) {
+  if constexpr (requires { read(bytes, path, options); }) {
+    return read(bytes, path, options);
+  } else {
+    return read(path, options);
+  }
+}
+
 /// In the order of RecordingFormat, as format_names() gives them.
-constexpr Read kReaders[] = {
-    read_csv,
-    read_lvm,
-    read_uff,
-    read_wav,
-    read_npy,
-    [](std::string_view, const std::filesystem::path& path, const ReadOptions& options,
-       const DoneWith&) { return read_mat(path, options); },
-    [](std::string_view, const std::filesystem::path& path, const ReadOptions& options,
-       const DoneWith&) { return read_xlsx(path, options); }};
+constexpr Read kReaders[] = {read_csv,         read_lvm,         read_uff,         untold<read_wav>,
+                             untold<read_npy>, untold<read_mat>, untold<read_xlsx>};
 
 }  // namespace
 
 Recording read_recording(const std::filesystem::path& path, const ReadOptions& options,
                          const std::function<void(std::size_t)>& done_with) {
   const MappedFile file(path);
-  const auto refusal = [&](const std::string& value, std::string problem, std::string remedy) {
-    return RecordingError({path.string(), 0, 0, "", value}, std::move(problem), std::move(remedy));
-  };
   auto format = static_cast<std::size_t>(format_of(file.bytes()));
   if (!options.format.empty()) {
     const auto names = format_names();
     const auto at = std::find(names.begin(), names.end(), options.format);
     if (at == names.end()) {
-      throw refusal(options.format, "no format of that name is read",
-                    "csv (any table of text), lvm, uff, wav, npy, mat or xlsx");
+      throw file_error(path, "no format of that name is read",
+                       "csv (any table of text), lvm, uff, wav, npy, mat or xlsx", options.format);
     }
     format = static_cast<std::size_t>(at - names.begin());
   } else if (const auto foreign = foreign_format(file.bytes())) {
-    throw refusal("", "is " + foreign->name, foreign->remedy);
+    throw file_error(path, "is " + foreign->name, foreign->remedy);
   }
   Recording recording = kReaders[format](file.bytes(), path, options, [&](std::size_t offset) {
     file.release_before(offset);

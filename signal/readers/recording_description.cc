@@ -20,20 +20,6 @@ namespace rigfit::signal {
 namespace fs = std::filesystem;
 namespace {
 
-struct Quotient {
-  std::string over_text;
-  Unit over, under;
-};
-
-/// "mV/N" as mV and N: the slash that parts two units, the first one from the left that does.
-std::optional<Quotient> parse_quotient(const std::string& text) {
-  for (std::size_t at = text.find('/'); at != std::string::npos; at = text.find('/', at + 1)) {
-    const auto over = parse_unit(text.substr(0, at)), under = parse_unit(text.substr(at + 1));
-    if (over && under) return Quotient{text.substr(0, at), *over, *under};
-  }
-  return std::nullopt;
-}
-
 ChannelDescription read_channel(document::TomlTable& table) {
   ChannelDescription channel;
   channel.source = table.string("source");
@@ -88,7 +74,7 @@ void apply_channel(const ChannelDescription& given, Recording& recording) {
   // Back to the file's numbers: x = a * file + b is replaced as a whole.
   double a = channel.si_per_source, b = channel.si_offset;
   if (given.sensitivity) {
-    const Quotient by = *parse_quotient(given.sensitivity_unit);
+    const UnitQuotient by = *parse_quotient(given.sensitivity_unit);
     const auto file_unit = parse_unit(given.unit.empty() ? channel.source_unit : given.unit);
     const auto refuse = [&](std::string problem, std::string remedy) {
       throw RecordingError({recording.path.string(), 0, 0, channel.name, channel.source_unit},
@@ -134,64 +120,41 @@ void apply_channel(const ChannelDescription& given, Recording& recording) {
   if (!given.name.empty()) channel.name = given.name;
 }
 
-/// The likely mistake behind values that hardly any laboratory measures, most often a sensitivity
-/// or unit off by a thousand; empty: nothing to say. `by_voltage`: the channel is scaled by a
-/// sensitivity from volts. Zeros and channels without a number are not judged.
-std::optional<std::string> implausible_values(const Channel& channel, bool by_voltage) {
+/// Notes values that hardly any laboratory measures: most often a sensitivity or unit off by a
+/// thousand. Zeros and channels without a number are not judged. `given`: by which the channel
+/// was scaled just now; null: it is as it was, and what is noted of it stays.
+void judge_values(const Channel& channel, const ChannelDescription* given, Recording& recording) {
+  const auto is_known = [&](const Note& note) {
+    return note.code == "unit_suspected" && note.where == channel.name;
+  };
+  if (given == nullptr && std::ranges::any_of(recording.notes, is_known)) return;
+  std::erase_if(recording.notes, is_known);
+  const bool by_voltage =
+      given != nullptr && given->sensitivity_unit.find("V/") != std::string::npos;
   struct Limits {
     Quantity quantity;
-    bool by_voltage, otherwise;
     double least, most;  // bounds of the largest magnitude
   };
   // A tenth of a millionth of g is below every sensor's noise, 10000 g is a shock, beyond what
   // vibration is measured with. Hammers and dynamic load cells end before 100 kN.
-  constexpr Limits kLimits[] = {{Quantity::acceleration, true, true, 1e-6, 1e5},
-                                {Quantity::force, true, false, 1e-3, 1e5},
-                                {Quantity::force, false, true, 0, 1e8},
-                                {Quantity::displacement, true, true, 0, 1000},
-                                {Quantity::velocity, true, true, 0, 1e4}};
-  const auto* const limits = std::find_if(std::begin(kLimits), std::end(kLimits), [&](auto& one) {
-    return one.quantity == channel.quantity && (by_voltage ? one.by_voltage : one.otherwise);
-  });
-  if (limits == std::end(kLimits)) return std::nullopt;
-  double largest = 0;
-  for (const double x : channel.samples) {
-    if (std::isfinite(x)) largest = std::max(largest, std::abs(x));
-  }
-  const bool high = largest > limits->most;
-  if (!(largest > 0) || (!high && largest >= limits->least)) return std::nullopt;
-  std::string text = by_voltage ? "Check the sensitivity"
-                                : fmt::format("Check its unit (\"{}\" in the file) and scale",
-                                              channel.source_unit);
-  text += fmt::format(": it reaches {:.3g} {}, {} than such a channel measures", largest,
-                      channel.unit, high ? "more" : "less");
-  if (channel.quantity == Quantity::acceleration) {
-    text += high ? fmt::format(" ({:.0f} g)", largest / 9.80665)
-                 : fmt::format(" ({:.2g} g)", largest / 9.80665);
-  }
-  if (by_voltage) {
-    text += high ? "; is the sensitivity in V and not in mV, or are the file's numbers mV and not "
-                   "V? Each makes a factor of a thousand"
-                 : "; is the sensitivity in mV and not in V? That makes a factor of a thousand";
-  }
-  return text;
-}
-
-/// `described`: with a sensitivity, by which it was scaled just now; null: as it was.
-void judge_values(const Channel& channel, const ChannelDescription* described,
-                  Recording& recording) {
-  const auto known =
-      std::find_if(recording.notes.begin(), recording.notes.end(), [&](const Note& note) {
-        return note.code == "unit_suspected" && note.where == channel.name;
-      });
-  if (known != recording.notes.end()) {
-    if (described == nullptr) return;
-    recording.notes.erase(known);
-  }
-  const bool by_voltage = described != nullptr && described->sensitivity.has_value() &&
-                          described->sensitivity_unit.find("V/") != std::string::npos;
-  if (auto message = implausible_values(channel, by_voltage)) {
-    recording.notes.push_back({"unit_suspected", std::move(*message), channel.name});
+  for (const auto& [quantity, least, most] :
+       {Limits{Quantity::acceleration, 1e-6, 1e5},
+        {Quantity::force, by_voltage ? 1e-3 : 0, by_voltage ? 1e5 : 1e8},
+        {Quantity::displacement, 0, 1000},
+        {Quantity::velocity, 0, 1e4}}) {
+    if (quantity != channel.quantity) continue;
+    double largest = 0;
+    for (const double x : channel.samples) {
+      if (std::isfinite(x)) largest = std::max(largest, std::abs(x));
+    }
+    if (!(largest > 0) || (largest >= least && largest <= most)) continue;
+    add_note(
+        recording.notes, "unit_suspected", channel.name,
+        "Check unit, sensitivity and scale (unit in the file: \"{}\"): it reaches {:.3g} {}{}, "
+        "{} than such a channel measures; V for mV makes a factor of a thousand",
+        channel.source_unit, largest, channel.unit,
+        quantity == Quantity::acceleration ? fmt::format(" ({:.2g} g)", largest / 9.80665) : "",
+        largest > most ? "more" : "less");
   }
 }
 
@@ -207,10 +170,8 @@ void note_absent(const std::vector<std::string>& absent, const std::vector<std::
              (nearest ? " (did you mean \"" + *nearest + "\"?)" : "");
   }
   if (names.empty()) return;
-  recording.notes.push_back(
-      {"described_channel_absent",
-       "channels.toml of the folder describes " + names + ", which this recording does not have",
-       ""});
+  add_note(recording.notes, "described_channel_absent", "",
+           "channels.toml of the folder describes {}, which this recording does not have", names);
 }
 
 }  // namespace
@@ -230,20 +191,18 @@ RecordingDescription read_description(document::TomlTable& table) {
     reading.time_unit_s = unit->factor;
   }
   const auto sign = [&](const char* key, const std::string& allowed, const char* remedy) {
-    if (!table.has(key)) return char{0};
-    const std::string text = table.string(key);
-    const char found = sign_named(text);
-    if (found == 0 || allowed.find(found) == std::string::npos) {
-      throw table.error(key, "does not know \"" + text + "\"", remedy);
+    const char found = sign_named(table.string_or(key, ""));
+    if (table.has(key) && (found == 0 || allowed.find(found) == std::string::npos)) {
+      throw table.error(key, "does not know \"" + table.string(key) + "\"", remedy);
     }
     return found;
   };
   reading.decimal = sign("decimal", ".,", "write \".\" or \",\"");
   reading.separator = sign("separator", ",;\t ",
                            "write \"comma\", \"semicolon\", \"tab\" or \"blank\", or the sign");
-  if (table.has("format")) reading.format = table.choice_or("format", format_names(), "");
+  reading.format = table.choice_or("format", format_names(), "");
   if (table.has("variables")) reading.variables = table.string_or_strings("variables");
-  if (table.has("sheet")) reading.sheet = table.string("sheet");
+  reading.sheet = table.string_or("sheet", "");
   for (auto& entry : table.tables_or_empty("channel")) {
     description.channels.push_back(read_channel(entry));
     entry.finish();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -81,10 +82,8 @@ ClippedSamples clipped_samples(const Eigen::Ref<const Eigen::VectorXd>& channel,
     if (result.count++ == 0 || k < result.first) result.first = k;
   };
   std::vector<double> finite;
-  finite.reserve(static_cast<std::size_t>(n));
-  for (const double x : channel) {
-    if (std::isfinite(x)) finite.push_back(x);
-  }
+  std::ranges::copy_if(channel, std::back_inserter(finite),
+                       [](double x) { return std::isfinite(x); });
   if (finite.empty()) return result;
   const double rest = median(std::move(finite));
   const ClipLevels levels = clip_levels(channel);

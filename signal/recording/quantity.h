@@ -22,5 +22,7 @@ enum class Quantity {
 
 /// The word used in JSON and messages, such as "acceleration".
 [[nodiscard]] const char* name_of(Quantity quantity);
+/// Its SI symbol, such as "m/s^2"; empty for `unknown`.
+[[nodiscard]] const char* si_of(Quantity quantity);
 
 }  // namespace rigfit::signal

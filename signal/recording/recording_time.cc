@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 
+#include "signal/numerics/numbers.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 
@@ -17,10 +17,8 @@ void take_stated_rate(double rate_hz, Recording& recording) {
   if (!(rate_hz > 0)) return;
   const double of_file = recording.sample_rate_hz;
   if (of_file > 0 && std::abs(of_file / rate_hz - 1) > 1e-4) {
-    recording.notes.push_back(
-        {"read_as",
-         fmt::format("the file gives {:.9g} Hz; {:.9g} Hz is taken as asked", of_file, rate_hz),
-         ""});
+    add_note(recording.notes, "read_as", "",
+             "the file gives {:.9g} Hz; {:.9g} Hz is taken as asked", of_file, rate_hz);
     recording.time_s.resize(0);
   }
   recording.sample_rate_hz = rate_hz;
@@ -35,22 +33,16 @@ void take_unit(const std::string& text, Channel& channel, std::vector<Note>& not
     channel.si_offset = unit->offset;
     if (unit->quantity != Quantity::unknown) channel.quantity = unit->quantity;
   } else if (!text.empty()) {
-    notes.push_back({"unknown_unit",
-                     "unit \"" + text + "\" is not known: the numbers are kept as they are",
-                     channel.name});
+    add_note(notes, "unknown_unit", channel.name,
+             "unit \"{}\" is not known: the numbers are kept as they are", text);
   }
 }
 
 void take_samples(Eigen::VectorXd numbers, Channel& channel) {
   channel.samples = std::move(numbers);
-  channel.missing_samples = 0;
-  const double factor = channel.si_per_source, offset = channel.si_offset;
-  for (double& x : channel.samples) {
-    x = x * factor + offset;
-    if (std::isfinite(x)) continue;
-    x = std::numeric_limits<double>::quiet_NaN();
-    ++channel.missing_samples;
-  }
+  channel.samples.array() = channel.samples.array() * channel.si_per_source + channel.si_offset;
+  for (double& x : channel.samples) x = std::isfinite(x) ? x : kNaN;
+  channel.missing_samples = channel.samples.array().isNaN().count();
 }
 
 std::string unused_name(const std::string& name, std::set<std::string>& used) {
@@ -60,9 +52,7 @@ std::string unused_name(const std::string& name, std::set<std::string>& used) {
 }
 
 void take_times(const TimeAxis& axis, const ReadTimes& times, Recording& recording) {
-  const auto note = [&](const char* code, std::string message, std::string where = "") {
-    recording.notes.push_back({code, std::move(message), std::move(where)});
-  };
+  auto& notes = recording.notes;
   const auto line = [&](Eigen::Index sample) {
     return times.first_line == 0 ? fmt::format("near sample {}", sample + 1)
                                  : fmt::format("near line {}", times.first_line + sample);
@@ -72,29 +62,26 @@ void take_times(const TimeAxis& axis, const ReadTimes& times, Recording& recordi
   recording.time_jitter_s = axis.jitter_s;
   const bool is_known = axis.rate_hz > 0, is_uneven = is_known && !axis.uniform;
   if (axis.backward > 0 || axis.repeated > 0) {
-    note("time_axis",
-         fmt::format("times go back {} times and repeat {} times", axis.backward, axis.repeated),
-         line(axis.first_fault));
+    add_note(notes, "time_axis", line(axis.first_fault),
+             "times go back {} times and repeat {} times", axis.backward, axis.repeated);
   }
   if (axis.gaps > 0) {
-    note("time_axis",
-         fmt::format("{} gaps in the times, the longest {:.9g} s", axis.gaps, axis.longest_gap_s),
-         line(axis.longest_gap_at));
+    add_note(notes, "time_axis", line(axis.longest_gap_at),
+             "{} gaps in the times, the longest {:.9g} s", axis.gaps, axis.longest_gap_s);
   }
-  if (axis.missing > 0) note("time_missing", fmt::format("{} times are missing", axis.missing));
+  if (axis.missing > 0) add_note(notes, "time_missing", "", "{} times are missing", axis.missing);
   if (is_uneven) {
-    note("time_axis",
-         fmt::format("sampling is not uniform (rms departure {:.9g} s)", axis.jitter_s));
+    add_note(notes, "time_axis", "", "sampling is not uniform (rms departure {:.9g} s)",
+             axis.jitter_s);
   } else if (is_known && times.printed_resolution_s * axis.rate_hz > 1) {
-    note("read_as", fmt::format("times are rounded to {:.9g} s, coarser than the sampling step; "
-                                "the rate is that of the whole record",
-                                times.printed_resolution_s));
+    add_note(notes, "read_as", "",
+             "times are rounded to {:.9g} s, coarser than the sampling step; "
+             "the rate is that of the whole record",
+             times.printed_resolution_s);
   }
   if (is_known && !axis.agrees_with_stated) {
-    note("rates_disagree",
-         fmt::format("the times give {:.9g} Hz, {}: the times are taken", axis.rate_hz,
-                     times.stated),
-         times.stated_where);
+    add_note(notes, "rates_disagree", times.stated_where,
+             "the times give {:.9g} Hz, {}: the times are taken", axis.rate_hz, times.stated);
   }
   if (is_uneven && axis.missing > 0) {
     Eigen::Index at = 0;
@@ -107,7 +94,7 @@ void take_times(const TimeAxis& axis, const ReadTimes& times, Recording& recordi
   }
   if (is_uneven) recording.time_s = times.time_s;
   if (!is_known && times.time_s.size() > 1) {
-    note("time_axis", "Give the sample rate: the times do not rise", times.name);
+    add_note(notes, "time_axis", times.name, "Give the sample rate: the times do not rise");
   }
 }
 
@@ -118,8 +105,8 @@ void note_unitless(Recording& recording) {
     if (channel.source_unit.empty() && channel.unit.empty()) names.push_back(channel.name);
   }
   if (names.empty()) return;
-  recording.notes.push_back(
-      {"no_unit", "no unit in the file: the numbers are kept as they are", listed(names)});
+  add_note(recording.notes, "no_unit", listed(names),
+           "no unit in the file: the numbers are kept as they are");
 }
 
 void shorten(std::vector<Note>& notes) {

@@ -1,14 +1,25 @@
 // What readers do alike: sampling, units, names, notes.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "signal/recording/recording.h"
 #include "signal/recording/time_axis.h"
 
 namespace rigfit::signal {
+
+/// Adds a note whose message is made of its values.
+template <typename... Values>
+void add_note(std::vector<Note>& notes, std::string code, std::string where,
+              fmt::format_string<Values...> message, Values&&... values) {
+  notes.push_back(
+      {std::move(code), fmt::format(message, std::forward<Values>(values)...), std::move(where)});
+}
 
 /// Takes the sample rate that somebody states, as exact, in place of what the file gives; 0: none
 /// is stated. Notes "read_as" where the file's differs by more than 1e-4, relative: then

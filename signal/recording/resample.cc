@@ -6,14 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numbers>
 #include <utility>
 
 #include "signal/estimation/robust.h"
+#include "signal/numerics/numbers.h"
 #include "signal/recording/clipping.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 #include "signal/recording/time_axis.h"
 
 namespace rigfit::signal {
@@ -61,11 +62,8 @@ double left_out_error(const Eigen::VectorXd& t, const Eigen::VectorXd& y) {
   for (const Index parity : {0, 1}) {
     const Index kept = (t.size() - parity + 1) / 2;
     if (kept < 4) continue;
-    Eigen::VectorXd t_kept(kept), y_kept(kept);
-    for (Index k = 0; k < kept; ++k) {
-      t_kept[k] = t[2 * k + parity];
-      y_kept[k] = y[2 * k + parity];
-    }
+    const Eigen::VectorXd t_kept = t(Eigen::seqN(parity, kept, 2));
+    const Eigen::VectorXd y_kept = y(Eigen::seqN(parity, kept, 2));
     const Spline spline(t_kept, y_kept);
     for (Index k = 1 - parity; k < t.size(); k += 2) {
       if (t[k] <= t_kept[0] || t[k] >= t_kept[kept - 1]) continue;
@@ -77,20 +75,15 @@ double left_out_error(const Eigen::VectorXd& t, const Eigen::VectorXd& y) {
   return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
 }
 
-/// Which samples of each channel are clipped, or lean on one that is.
-using Masks = std::vector<std::vector<bool>>;
-
 /// Uneven samples at even times of `rate_hz`.
-Recording made_even(const Recording& recording, double rate_hz, std::vector<double>& errors,
-                    Masks& clipped) {
+Recording made_even(const Recording& recording, double rate_hz, double usual,
+                    std::vector<double>& errors) {
   const Eigen::VectorXd& t = recording.time_s;
   const Index n = t.size();
   if (!t.allFinite() || !(t.tail(n - 1).array() > t.head(n - 1).array()).all()) {
     throw refusal(recording, "", "the times do not rise throughout",
                   "take out samples whose time goes back or repeats");
   }
-  const Eigen::VectorXd steps = t.tail(n - 1) - t.head(n - 1);
-  const double usual = median({steps.begin(), steps.end()});
   const double span = t[n - 1] - t[0];
   if (span * rate_hz > kMostSamples) {
     throw refusal(recording, "", fmt::format("{:.3g} samples at that rate", span * rate_hz),
@@ -102,34 +95,24 @@ Recording made_even(const Recording& recording, double rate_hz, std::vector<doub
   even.start_time_s = t[0];
   even.time_jitter_s = 0;
   const auto samples = static_cast<Index>(std::floor(span * rate_hz + 1e-9)) + 1;
-  Index in_gaps = 0;
-  for (std::size_t c = 0; c < even.channels.size(); ++c) {
-    auto& channel = even.channels[c];
-    std::vector<bool> mask(static_cast<std::size_t>(samples), false);
+  for (auto& channel : even.channels) {
     const Eigen::VectorXd y = channel.samples;
     const Spline spline(t, y);
     channel.samples.resize(samples);
-    channel.missing_samples = 0;
-    in_gaps = 0;
     Index before = 0;
     for (Index k = 0; k < samples; ++k) {
       const double at = t[0] + static_cast<double>(k) / rate_hz;
       while (before + 2 < n && t[before + 1] <= at) ++before;
       const bool gap =
           t[before + 1] - t[before] > kGap * usual && at > t[before] && at < t[before + 1];
-      channel.samples[k] = gap ? std::numeric_limits<double>::quiet_NaN() : spline.at(at);
-      in_gaps += gap ? 1 : 0;
-      const auto j = static_cast<std::size_t>(before);
-      mask[static_cast<std::size_t>(k)] = clipped[c][j] || clipped[c][j + 1];
+      channel.samples[k] = gap ? kNaN : spline.at(at);
     }
-    clipped[c] = std::move(mask);
-    channel.missing_samples = static_cast<long>(in_gaps);
+    channel.missing_samples = channel.samples.array().isNaN().count();
     errors.push_back(left_out_error(t, y));
   }
-  if (in_gaps > 0) {
-    even.notes.push_back({"gaps_left_open",
-                          fmt::format("{} samples inside gaps of the times have no value", in_gaps),
-                          ""});
+  if (const long in_gaps = even.channels.front().missing_samples; in_gaps > 0) {
+    add_note(even.notes, "gaps_left_open", "", "{} samples inside gaps of the times have no value",
+             in_gaps);
   }
   return even;
 }
@@ -139,8 +122,8 @@ double kaiser(double x, double beta) {
                           : gsl_sf_bessel_I0(beta * std::sqrt(1 - x * x)) / gsl_sf_bessel_I0(beta);
 }
 
-/// Even samples at another rate.
-void filter_to(double rate_hz, Recording& recording, Masks& clipped) {
+/// Even samples at another rate; returns the half width of the kernel's main lobe, s.
+double filter_to(double rate_hz, Recording& recording) {
   const double from = recording.sample_rate_hz;
   const double lower = std::min(from, rate_hz);
   const double cut = 0.5 * (kFlat + kClosed) * lower, width = (kClosed - kFlat) * lower;
@@ -152,58 +135,56 @@ void filter_to(double rate_hz, Recording& recording, Masks& clipped) {
   const auto samples =
       static_cast<Index>(std::floor(static_cast<double>(n - 1) * rate_hz / from + 1e-9)) + 1;
   std::vector<Eigen::VectorXd> out(recording.channels.size(), Eigen::VectorXd(samples));
-  std::vector<double> weights;
-  Masks masks(out.size(), std::vector<bool>(static_cast<std::size_t>(samples), false));
   for (Index k = 0; k < samples; ++k) {
     const double t = static_cast<double>(k) / rate_hz;
     const auto first = std::max<Index>(0, static_cast<Index>(std::ceil((t - half_s) * from)));
     const auto last = std::min<Index>(n - 1, static_cast<Index>(std::floor((t + half_s) * from)));
-    weights.assign(static_cast<std::size_t>(last - first + 1), 0);
-    double sum = 0;
-    for (Index j = first; j <= last; ++j) {
-      const double d = t - static_cast<double>(j) / from;
-      const double x = 2 * std::numbers::pi * cut * d;
-      const double w = (std::abs(x) < 1e-12 ? 1 : std::sin(x) / x) * kaiser(d / half_s, beta);
-      weights[static_cast<std::size_t>(j - first)] = w;
-      sum += w;
-      if (std::abs(x) >= std::numbers::pi) continue;  // beside the kernel's main lobe
-      for (std::size_t c = 0; c < out.size(); ++c) {
-        if (clipped[c][static_cast<std::size_t>(j)]) masks[c][static_cast<std::size_t>(k)] = true;
-      }
-    }
-    const Eigen::Map<const Eigen::VectorXd> kernel(weights.data(),
-                                                   static_cast<Index>(weights.size()));
+    const auto kernel =
+        Eigen::VectorXd::NullaryExpr(last - first + 1, [&](Index j) {
+          const double d = t - static_cast<double>(first + j) / from;
+          const double x = 2 * std::numbers::pi * cut * d;
+          return (std::abs(x) < 1e-12 ? 1 : std::sin(x) / x) * kaiser(d / half_s, beta);
+        }).eval();
     for (std::size_t c = 0; c < out.size(); ++c) {
-      out[c][k] = kernel.dot(recording.channels[c].samples.segment(first, last - first + 1)) / sum;
+      out[c][k] =
+          kernel.dot(recording.channels[c].samples.segment(first, kernel.size())) / kernel.sum();
     }
   }
   for (std::size_t c = 0; c < out.size(); ++c) recording.channels[c].samples = std::move(out[c]);
-  clipped = std::move(masks);
   recording.sample_rate_hz = rate_hz;
-  recording.notes.push_back(
-      {"resampled",
-       fmt::format("from {:.9g} Hz to {:.9g} Hz: kept to {:.6g} Hz, nothing above {:.6g} Hz; the "
-                   "first and last {:.3g} s lean on fewer samples",
-                   from, rate_hz, kFlat * lower, kClosed * lower, half_s),
-       ""});
+  add_note(recording.notes, "resampled", "",
+           "from {:.9g} Hz to {:.9g} Hz: kept to {:.6g} Hz, nothing above {:.6g} Hz; the "
+           "first and last {:.3g} s lean on fewer samples",
+           from, rate_hz, kFlat * lower, kClosed * lower, half_s);
+  return 0.5 / cut;
 }
 
-/// Takes the values at and beside clipped samples out.
-void hide(const Masks& clipped, Recording& recording) {
-  for (std::size_t c = 0; c < clipped.size(); ++c) {
-    Channel& channel = recording.channels[c];
-    long count = 0;
-    for (std::size_t k = 0; k < clipped[c].size(); ++k) {
-      double& x = channel.samples[static_cast<Index>(k)];
-      if (!clipped[c][k] || std::isnan(x)) continue;
-      x = std::numeric_limits<double>::quiet_NaN();
-      ++count;
+/// Takes the values within `reach_s` of clipped samples out, where times are uneven those from the
+/// sample before to the one behind.
+void hide_clipped(const Recording& from, double reach_s, Recording& to) {
+  for (std::size_t c = 0; c < to.channels.size(); ++c) {
+    Channel& channel = to.channels[c];
+    const long missing = channel.missing_samples;
+    const auto clipped = clipped_samples(from.channels[c].samples, channel.nominal_range).at;
+    for (std::size_t j = 0; j < clipped.size(); ++j) {
+      if (!clipped[j]) continue;
+      const auto k = static_cast<Index>(j), end = from.samples() - 1;
+      double first_s = static_cast<double>(k) / from.sample_rate_hz, last_s = first_s;
+      if (from.time_s.size() > 0) {
+        first_s = from.time_s[std::max<Index>(k - 1, 0)] - to.start_time_s;
+        last_s = from.time_s[std::min(k + 1, end)] - to.start_time_s;
+      }
+      const auto last = static_cast<Index>(std::floor((last_s + reach_s) * to.sample_rate_hz));
+      for (auto at = static_cast<Index>(std::ceil((first_s - reach_s) * to.sample_rate_hz));
+           at <= last; ++at) {
+        if (at >= 0 && at < channel.samples.size()) channel.samples[at] = kNaN;
+      }
     }
-    if (count == 0) continue;
-    channel.missing_samples += count;
-    recording.notes.push_back(
-        {"data_left_out", fmt::format("{} samples at or beside clipped ones have no value", count),
-         channel.name});
+    channel.missing_samples = channel.samples.array().isNaN().count();
+    if (channel.missing_samples == missing) continue;
+    add_note(to.notes, "data_left_out", channel.name,
+             "{} samples at or beside clipped ones have no value",
+             channel.missing_samples - missing);
   }
 }
 
@@ -223,59 +204,46 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
                     "take the channel or those lines out");
     }
   }
-  ResampleResult result;
-  result.from_hz = recording.sample_rate_hz;
-  Masks clipped;
-  for (const auto& channel : recording.channels) {
-    clipped.push_back(clipped_samples(channel.samples, channel.nominal_range).at);
-  }
-  if (recording.time_s.size() > 0) {
-    const Index n = recording.time_s.size();
+  ResampleResult result{recording, recording.sample_rate_hz, {}};
+  double reach_s = 0;
+  if (const Index n = recording.time_s.size(); n > 0) {
     const Eigen::VectorXd steps = recording.time_s.tail(n - 1) - recording.time_s.head(n - 1);
     const double usual = median({steps.begin(), steps.end()});
-    result.from_hz = usual > 0 ? 1 / usual : recording.sample_rate_hz;
+    if (usual > 0) result.from_hz = 1 / usual;
     // At the times' own rate at least: what is lower is filtered from there.
-    const double own = round_rate(result.from_hz, 1e-3);
-    const double even = rate_hz > own || rate_hz == 0 ? (rate_hz > 0 ? rate_hz : own) : own;
-    result.recording = made_even(recording, even, result.error_rms, clipped);
-    result.recording.notes.push_back(
-        {"assumed",
-         fmt::format("uneven times, usual step {:.6g} s, to even ones at {:.9g} Hz by a "
-                     "cubic spline",
-                     usual, even),
-         ""});
-    if (rate_hz == 0 || rate_hz == even) {
-      hide(clipped, result.recording);
-      return result;
-    }
-    if (result.recording.channels.front().missing_samples > 0) {
+    const double even = std::max(round_rate(result.from_hz, 1e-3), rate_hz);
+    result.recording = made_even(recording, even, usual, result.error_rms);
+    add_note(result.recording.notes, "assumed", "",
+             "uneven times, usual step {:.6g} s, to even ones at {:.9g} Hz by a "
+             "cubic spline",
+             usual, even);
+    if (rate_hz == 0) rate_hz = even;
+    if (rate_hz != even && result.recording.channels.front().missing_samples > 0) {
       throw refusal(recording, "", "has gaps, across which nothing can be filtered",
                     "resample the parts between the gaps, or ask for the rate of the times");
     }
   } else {
-    result.recording = recording;
-    if (rate_hz == 0 || rate_hz == recording.sample_rate_hz) {
-      result.error_rms.assign(recording.channels.size(), 0);
-      return result;
-    }
+    result.error_rms.assign(recording.channels.size(), 0);
+    if (rate_hz == 0 || rate_hz == recording.sample_rate_hz) return result;
     if (recording.duration_s() * rate_hz > kMostSamples) {
       throw refusal(recording, "", "would have too many samples at that rate",
                     "ask for a lower rate");
     }
-    result.error_rms.assign(recording.channels.size(), 0);
   }
-  if (static_cast<double>(result.recording.samples() - 1) * rate_hz <
-      7 * result.recording.sample_rate_hz) {
-    throw refusal(recording, "", "would have fewer than 8 samples at that rate",
-                  "ask for a higher rate");
+  if (rate_hz != result.recording.sample_rate_hz) {
+    if (static_cast<double>(result.recording.samples() - 1) * rate_hz <
+        7 * result.recording.sample_rate_hz) {
+      throw refusal(recording, "", "would have fewer than 8 samples at that rate",
+                    "ask for a higher rate");
+    }
+    for (std::size_t c = 0; c < recording.channels.size(); ++c) {
+      const auto& x = result.recording.channels[c].samples;
+      const double rms = std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
+      result.error_rms[c] = std::hypot(result.error_rms[c], kStopBand * rms);
+    }
+    reach_s += filter_to(rate_hz, result.recording);
   }
-  for (std::size_t c = 0; c < recording.channels.size(); ++c) {
-    const auto& x = result.recording.channels[c].samples;
-    const double rms = std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
-    result.error_rms[c] = std::hypot(result.error_rms[c], kStopBand * rms);
-  }
-  filter_to(rate_hz, result.recording, clipped);
-  hide(clipped, result.recording);
+  hide_clipped(recording, reach_s, result.recording);
   return result;
 }
 

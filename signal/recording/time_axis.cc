@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -26,69 +27,41 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
                    const TimeAxisOptions& options) {
   TimeAxis axis;
   const Eigen::Index n = time_s.size();
-  // Two passes with centred sums: times of 1e9 s (clocks) keep their digits.
-  double k_mean = 0, t_mean = 0, first = 0;
+  Eigen::ArrayXd place(n), t(n);  // of the times that are there
   Eigen::Index count = 0;
   for (Eigen::Index k = 0; k < n; ++k) {
-    if (!std::isfinite(time_s[k])) continue;
-    if (count == 0) first = time_s[k];
-    k_mean += static_cast<double>(k);
-    t_mean += time_s[k] - first;
-    ++count;
+    if (std::isfinite(time_s[k])) place[count] = static_cast<double>(k), t[count++] = time_s[k];
   }
   axis.missing = n - count;
   if (count < 2) return axis;
-  k_mean /= static_cast<double>(count);
-  t_mean = first + t_mean / static_cast<double>(count);
-  double kk = 0, kt = 0;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    if (!std::isfinite(time_s[k])) continue;
-    const double dk = static_cast<double>(k) - k_mean;
-    kk += dk * dk;
-    kt += dk * (time_s[k] - t_mean);
-  }
-  double step = kt / kk;
+  place.conservativeResize(count);
+  t.conservativeResize(count);
+  // Centred sums: times of 1e9 s (clocks) keep their digits.
+  const double k_mean = place.mean(), t_mean = t[0] + (t - t[0]).mean();
+  place -= k_mean;
+  double step = (place * (t - t_mean)).sum() / place.square().sum();
 
   const double resolution = options.printed_resolution_s;
-  const auto departure = [&](double h, double origin, Eigen::Index k) {
-    return time_s[k] - origin - h * (static_cast<double>(k) - k_mean);
-  };
-  const auto worst_departure = [&](double h) {
-    double worst = 0;
-    for (Eigen::Index k = 0; k < n; ++k) {
-      if (std::isfinite(time_s[k])) worst = std::max(worst, std::abs(departure(h, t_mean, k)));
-    }
-    return worst;
-  };
-  const auto allowed = [&](double h) { return 0.75 * resolution + 0.01 * std::abs(h); };
-  axis.uniform = step > 0 && worst_departure(step) <= allowed(step);
+  axis.uniform =
+      step > 0 && (t - t_mean - step * place).abs().maxCoeff() <= 0.75 * resolution + 0.01 * step;
   if (!axis.uniform) {
+    const Eigen::ArrayXd all = time_s.tail(n - 1) - time_s.head(n - 1);  // NaN beside missing times
     std::vector<double> steps;
-    steps.reserve(static_cast<std::size_t>(n));
-    for (Eigen::Index k = 1; k < n; ++k) {
-      const double h = time_s[k] - time_s[k - 1];
-      if (std::isfinite(h)) steps.push_back(h);
-    }
+    std::ranges::copy_if(all, std::back_inserter(steps), [](double h) { return std::isfinite(h); });
     if (steps.empty()) return axis;
     const double usual = median(steps);
     // Gaps bias the line. The mean of the steps that are no gaps does not see them, and printing,
     // which may make most steps zero, averages out of it.
     const double near = std::max(1.5 * resolution, 0.5 * std::abs(usual));
-    double sum_of_steps = 0;
-    long regular = 0;
-    for (const double h : steps) {
-      if (std::abs(h - usual) > near) continue;
-      sum_of_steps += h;
-      ++regular;
-    }
-    step = sum_of_steps / static_cast<double>(std::max(1L, regular));
+    const Eigen::Array<bool, Eigen::Dynamic, 1> regular = (all - usual).abs() <= near;
+    step = regular.select(all, 0.0).sum() / std::max(1.0, static_cast<double>(regular.count()));
     // Printed steps differ by a digit, unless the step is a whole number of them.
     const double digits = resolution > 0 ? step / resolution : 1;
     const bool whole = digits > 0.5 && std::abs(digits - std::round(digits)) < 1e-3;
     const double slack = whole ? 0 : resolution;
     double worst_step = 0;
     for (Eigen::Index k = 1; k < n; ++k) {
-      const double h = time_s[k] - time_s[k - 1];
+      const double h = all[k - 1];
       if (!std::isfinite(h)) continue;
       const bool back = h < 0, again = h == 0 && !(resolution > 1.01 * step);
       const bool gap = step > 0 && h > 1.5 * step + slack;
@@ -118,17 +91,8 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
     if (!std::isfinite(axis.start_s)) axis.start_s = line_start;
   }
   const double h = axis.uniform ? 1 / axis.rate_hz : step;
-  double sum = 0, mean = 0;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    if (std::isfinite(time_s[k])) mean += departure(h, t_mean, k);
-  }
-  mean /= static_cast<double>(count);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    if (!std::isfinite(time_s[k])) continue;
-    const double d = departure(h, t_mean + mean, k);
-    sum += d * d;
-  }
-  axis.jitter_s = std::sqrt(sum / static_cast<double>(count));
+  const Eigen::ArrayXd departure = t - t_mean - h * place;
+  axis.jitter_s = std::sqrt((departure - departure.mean()).square().mean());
   // Times near the largest double: sums over them are no numbers, nor is a rate from them.
   if (!std::isfinite(axis.jitter_s) || !std::isfinite(axis.start_s) ||
       !std::isfinite(axis.rate_hz)) {
@@ -144,29 +108,21 @@ double clock_tick(const Eigen::Ref<const Eigen::VectorXd>& time_s, double printe
   if (n < 16 || !time_s.allFinite()) return 0;
   // Differences of printed times are off by one digit, and by rounding of the doubles themselves.
   const double slack = 1.01 * printed_resolution_s + 4e-16 * time_s.cwiseAbs().maxCoeff();
-  double tick = std::numeric_limits<double>::infinity();
-  for (Eigen::Index k = 1; k < n; ++k) {
-    const double h = time_s[k] - time_s[k - 1];
-    if (h < -slack) return 0;
-    if (h > slack) tick = std::min(tick, h);
-  }
+  const Eigen::ArrayXd steps = time_s.tail(n - 1) - time_s.head(n - 1);
+  if (steps.minCoeff() < -slack) return 0;
+  const double tick =
+      (steps > slack).select(steps, std::numeric_limits<double>::infinity()).minCoeff();
   if (!std::isfinite(tick) || tick < 4 * slack) return 0;
   // The smallest step may be two ticks of 1, 2 or 2, 3 ...: its usual divisors are tried.
   for (const int divisor : {1, 2, 3, 4, 5}) {
     const double unit = tick / divisor;
     if (unit < 4 * slack) return 0;
-    long low = std::numeric_limits<long>::max(), high = 0, at_low = 0;
-    bool whole = true;
-    for (Eigen::Index k = 1; k < n && whole; ++k) {
-      const double h = time_s[k] - time_s[k - 1];
-      const double multiple = std::round(h / unit);
-      whole = multiple < 1e6 && std::abs(h - multiple * unit) <= slack * (1 + multiple);
-      const auto m = static_cast<long>(whole ? multiple : 0);
-      at_low = m < low ? 1 : at_low + (m == low ? 1 : 0);
-      low = std::min(low, m);
-      high = std::max(high, m);
-    }
-    if (!whole || high != low + 1 || std::min(at_low, n - 1 - at_low) < 4) continue;
+    const Eigen::ArrayXd multiples = (steps / unit).round();
+    const double low = multiples.minCoeff();
+    const Eigen::Index at_low = (multiples == low).count();
+    const bool whole = (multiples < 1e6).all() &&
+                       ((steps - multiples * unit).abs() <= slack * (1 + multiples)).all();
+    if (!whole || multiples.maxCoeff() != low + 1 || std::min(at_low, n - 1 - at_low) < 4) continue;
     // Even samples seen through the clock stay within one tick of a line; lost samples do not.
     TimeAxisOptions options;
     options.printed_resolution_s = 0.74 * unit;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
@@ -10,9 +11,7 @@
 namespace rigfit::signal {
 namespace {
 
-constexpr double kGravity = 9.80665;             // m/s^2, ISO 80000-3
-constexpr double kPoundForce = 4.4482216152605;  // N, exact
-constexpr double kInch = 0.0254;
+constexpr double kGravity = 9.80665;  // m/s^2, ISO 80000-3
 constexpr double kDegree = std::numbers::pi / 180;
 
 // Exponents of metre, kilogram, second, kelvin, volt, radian.
@@ -37,85 +36,44 @@ constexpr Symbol kSymbols[] = {{"m", 1, kMetre, true},
                                {"g", kGravity, kAcceleration, false},
                                {"mg", 1e-3 * kGravity, kAcceleration, false},
                                {"ug", 1e-6 * kGravity, kAcceleration, false},
-                               {"gn", kGravity, kAcceleration, true},
                                {"gs", kGravity, kAcceleration, false},
-                               {"g's", kGravity, kAcceleration, false},
-                               {"g0", kGravity, kAcceleration, false},
-                               {"grav", kGravity, kAcceleration, false},
+                               {"gn", kGravity, kAcceleration, true},
                                {"kg", 1, kMass, false},
                                {"gram", 1e-3, kMass, true},
                                {"s", 1, kSecond, true},
                                {"sec", 1, kSecond, true},
-                               {"min", 60, kSecond, false},
-                               {"h", 3600, kSecond, false},
-                               {"hr", 3600, kSecond, false},
                                {"N", 1, kNewton, true},
                                {"V", 1, kVolt, true},
                                {"K", 1, kKelvin, false},
                                {"degC", 1, kKelvin, false, 273.15},
-                               {"C", 1, kKelvin, false, 273.15},
                                {"degF", 5.0 / 9.0, kKelvin, false, 273.15 - 32 * 5.0 / 9.0},
                                {"rad", 1, kRadian, true},
                                {"deg", kDegree, kRadian, true},
-                               {"rev", 2 * std::numbers::pi, kRadian, false},
-                               {"rpm", 2 * std::numbers::pi / 60, kTurning, false},
                                {"dps", kDegree, kTurning, true},
                                {"Hz", 1, kHertz, true},
                                {"Pa", 1, kPascal, true},
                                {"bar", 1e5, kPascal, true},
-                               {"atm", 101325, kPascal, false},
-                               {"psi", kPoundForce / (kInch * kInch), kPascal, false},
-                               {"ksi", 1e3 * kPoundForce / (kInch * kInch), kPascal, false},
                                {"J", 1, kJoule, true},
-                               {"kgf", kGravity, kNewton, false},
-                               {"kp", kGravity, kNewton, false},
-                               {"gf", 1e-3 * kGravity, kNewton, false},
-                               {"tf", 1e3 * kGravity, kNewton, false},
-                               {"dyn", 1e-5, kNewton, false},
-                               {"lbf", kPoundForce, kNewton, false},
-                               {"lb", kPoundForce, kNewton, false},
-                               {"lbs", kPoundForce, kNewton, false},
-                               {"klbf", 1e3 * kPoundForce, kNewton, false},
-                               {"kip", 1e3 * kPoundForce, kNewton, false},
-                               {"kips", 1e3 * kPoundForce, kNewton, false},
-                               {"lbm", 0.45359237, kMass, false},
-                               {"slug", 14.593902937206, kMass, false},
-                               {"in", kInch, kMetre, false},
-                               {"mil", 1e-3 * kInch, kMetre, false},
-                               {"ft", 12 * kInch, kMetre, false},
-                               {"ips", kInch, kVelocity, false},
-                               {"gal", 1e-2, kAcceleration, false},
-                               {"mps", 1, kVelocity, false},
-                               {"mps2", 1, kAcceleration, false},
                                {"strain", 1, kNone, true},
                                {"eps", 1, kNone, true},
                                {"%", 1e-2, kNone, false},
                                {"1", 1, kNone, false}};
 
-/// Names of units and the symbols they stand for; a plural's s is taken off.
-using Word = std::pair<const char*, const char*>;
-constexpr Word kWords[] = {{"metre", "m"},         {"meter", "m"},
-                           {"millimetre", "mm"},   {"millimeter", "mm"},
-                           {"centimetre", "cm"},   {"centimeter", "cm"},
-                           {"gram", "gram"},       {"micron", "um"},
-                           {"micrometer", "um"},   {"inch", "in"},
-                           {"inches", "in"},       {"inche", "in"},
-                           {"foot", "ft"},         {"feet", "ft"},
-                           {"newton", "N"},        {"kilonewton", "kN"},
-                           {"newtonmeter", "Nm"},  {"volt", "V"},
-                           {"millivolt", "mV"},    {"microvolt", "uV"},
-                           {"second", "s"},        {"msec", "ms"},
-                           {"millisecond", "ms"},  {"usec", "us"},
-                           {"microsecond", "us"},  {"minute", "min"},
-                           {"hour", "h"},          {"hertz", "Hz"},
-                           {"pascal", "Pa"},       {"kilopascal", "kPa"},
-                           {"megapascal", "MPa"},  {"radian", "rad"},
-                           {"degree", "deg"},      {"celsius", "degC"},
-                           {"centigrade", "degC"}, {"fahrenheit", "degF"},
-                           {"kelvin", "K"},        {"pound", "lbf"},
-                           {"poundforce", "lbf"},  {"microstrain", "ustrain"},
-                           {"ue", "ustrain"},      {"kilogram", "kg"},
-                           {"joule", "J"},         {"kgforce", "kgf"}};
+/// Other names and units, "|name=expression" or "|name=factor expression"; a plural's s is taken
+/// off.
+constexpr std::string_view kNames =
+    "|metre=m|meter=m|millimetre=mm|millimeter=mm|centimetre=cm|centimeter=cm|gram=gram|micron=um|"
+    "micrometer=um|newton=N|kilonewton=kN|newtonmeter=Nm|volt=V|millivolt=mV|microvolt=uV|second=s|"
+    "msec=ms|millisecond=ms|usec=us|microsecond=us|min=60 s|minute=60 s|h=3600 s|hr=3600 s|"
+    "hour=3600 s|hertz=Hz|pascal=Pa|kilopascal=kPa|megapascal=MPa|radian=rad|degree=deg|c=degC|"
+    "celsius=degC|centigrade=degC|fahrenheit=degF|kelvin=K|kilogram=kg|joule=J|microstrain=ustrain|"
+    "ue=ustrain|g's=g|g0=g|grav=g|gal=0.01 m/s2|mps=m/s|mps2=m/s2|ips=0.0254 m/s|in=0.0254 m|"
+    "inch=0.0254 m|inches=0.0254 m|mil=2.54e-05 m|ft=0.3048 m|foot=0.3048 m|feet=0.3048 m|"
+    "rev=6.283185307179586 rad|rpm=0.10471975511965977 rad/s|kgf=9.80665 N|kgforce=9.80665 N|"
+    "kp=9.80665 N|gf=0.00980665 N|tf=9806.65 N|dyn=1e-05 N|lbf=4.4482216152605 N|"
+    "lb=4.4482216152605 N|pound=4.4482216152605 N|poundforce=4.4482216152605 N|"
+    "klbf=4448.2216152605 N|kip=4448.2216152605 N|lbm=0.45359237 kg|slug=14.593902937206 kg|"
+    "psi=6894.757293168361 Pa|ksi=6894757.293168361 Pa|atm=101325 Pa|";
 
 struct Kind {
   Quantity quantity;
@@ -123,6 +81,7 @@ struct Kind {
   const char* si;
   Dimension dimension;
 };
+/// In the order of Quantity.
 constexpr Kind kKinds[] = {
     {Quantity::unknown, "unknown", "", kNone},
     {Quantity::time, "time", "s", kSecond},
@@ -146,18 +105,7 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
   }
 }
 
-std::string trimmed(std::string_view s) {
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!s.empty() && blank(s.front())) s.remove_prefix(1);
-  while (!s.empty() && blank(s.back())) s.remove_suffix(1);
-  return std::string(s);
-}
-
-std::string lower(std::string s) {
-  std::transform(s.begin(), s.end(), s.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return s;
-}
+std::string trimmed(std::string_view s) { return std::string(trim_blanks(s)); }
 
 /// Plain ASCII: superscripts as digits, micro as u, degree as deg, dots as '.', one pair of
 /// brackets gone.
@@ -201,7 +149,7 @@ struct Product {
 const Symbol* find_symbol(std::string_view text, bool ignore_case) {
   for (const auto& symbol : kSymbols) {
     if (text == symbol.text) return &symbol;
-    if (ignore_case && lower(std::string(text)) == lower(symbol.text)) return &symbol;
+    if (ignore_case && lower_case(text) == lower_case(symbol.text)) return &symbol;
   }
   return nullptr;
 }
@@ -212,6 +160,8 @@ double prefix_factor(char c) {
   constexpr std::array<double, 9> kFactors = {1e-9, 1e-6, 1e-3, 1e-2, 1e-1, 1e3, 1e6, 1e9, 0};
   return kFactors[std::min(kLetters.find(c), kLetters.size())];
 }
+
+bool parse_product(std::string s, Product& product);
 
 bool symbol_factor(std::string_view text, Symbol& out) {
   for (const bool ignore_case : {false, true}) {
@@ -236,12 +186,21 @@ bool symbol_factor(std::string_view text, Symbol& out) {
       }
     }
   }
-  std::string word = lower(std::string(text));
+  std::string word = lower_case(text);
   for (int attempt = 0; attempt < 2; ++attempt) {
-    for (const auto& entry : kWords) {
-      if (word == entry.first) return symbol_factor(entry.second, out);
+    if (const auto at = kNames.find("|" + word + "="); at != std::string_view::npos) {
+      auto meant = kNames.substr(at + word.size() + 2);
+      meant = meant.substr(0, meant.find('|'));
+      Product product;
+      double factor = 1;
+      const auto number = std::from_chars(meant.data(), meant.data() + meant.size(), factor);
+      meant.remove_prefix(static_cast<std::size_t>(number.ptr - meant.data()));
+      if (!parse_product(std::string(trim_blanks(meant)), product)) return false;
+      out = {product.strain ? "strain" : "", factor * product.factor, product.dimension, false,
+             product.offset};
+      return true;
     }
-    if (word.size() < 2 || word.back() != 's') break;
+    if (word.size() < 3 || word.back() != 's') break;
     word.pop_back();
   }
   // Products written without a sign: Nm, kNm, Nmm, ms (taken above as millisecond), lbfft.
@@ -351,17 +310,14 @@ std::string composed_symbol(const Dimension& dimension) {
 
 }  // namespace
 
-const char* name_of(Quantity quantity) {
-  for (const auto& kind : kKinds) {
-    if (kind.quantity == quantity) return kind.name;
-  }
-  return "unknown";
-}
+const char* name_of(Quantity quantity) { return kKinds[static_cast<std::size_t>(quantity)].name; }
+
+const char* si_of(Quantity quantity) { return kKinds[static_cast<std::size_t>(quantity)].si; }
 
 std::optional<Unit> parse_unit(std::string_view text) {
   if (text.size() > 64) return std::nullopt;
   const std::string s = plain(text);
-  if (s.empty() || s == "-" || lower(s) == "none") return std::nullopt;
+  if (s.empty() || s == "-" || lower_case(s) == "none") return std::nullopt;
   Product product;
   if (!parse_product(s, product)) return std::nullopt;
   Unit unit;
@@ -378,6 +334,16 @@ std::optional<Unit> parse_unit(std::string_view text) {
   }
   unit.si = product.dimension == kHertz ? "Hz" : composed_symbol(product.dimension);
   return unit;
+}
+
+std::optional<UnitQuotient> parse_quotient(const std::string& text, Quantity below) {
+  for (std::size_t at = text.find('/'); at != std::string::npos; at = text.find('/', at + 1)) {
+    const auto over = parse_unit(text.substr(0, at)), under = parse_unit(text.substr(at + 1));
+    if (over && under && (below == Quantity::unknown || under->quantity == below)) {
+      return UnitQuotient{text.substr(0, at), *over, *under};
+    }
+  }
+  return std::nullopt;
 }
 
 TitledUnit split_title(std::string_view title) {
@@ -397,7 +363,7 @@ TitledUnit split_title(std::string_view title) {
     const std::string inside = trimmed(std::string_view(s).substr(at + 1, s.size() - at - 2));
     if (name.empty()) break;
     // "Excitation (Trigger)" is a name; a bracket is a unit when it is one or when square.
-    if (parse_unit(inside) || open == '[' || lower(inside) == "counts") return {name, inside};
+    if (parse_unit(inside) || open == '[' || lower_case(inside) == "counts") return {name, inside};
     break;
   }
   for (const char* sign : {" / ", ", ", ": ", " in "}) {
@@ -422,12 +388,10 @@ TitledUnit split_title(std::string_view title) {
     }
     // "C", "K", "h", "1" and the like at the end of a name are letters more often than units.
     const auto parsed = parse_unit(unit);
-    const bool letter = unit == "C" || unit == "K" || unit == "h" || unit == "J" || unit == "c" ||
-                        unit == "k" || unit == "H" || unit == "j" || unit == "n" || unit == "M" ||
-                        unit == "S" || unit == "G" || unit == "in" || unit == "v";
-    if (!parsed || letter || std::isdigit(static_cast<unsigned char>(unit[0]))) continue;
-    if (sign == ' ' && unit.size() < 2 && unit != "N" && unit != "V" && unit != "g" && unit != "s")
+    if (!parsed || is_listed("|C|K|h|J|c|k|H|j|n|M|S|G|in|v|", unit) ||
+        std::isdigit(static_cast<unsigned char>(unit[0])))
       continue;
+    if (sign == ' ' && unit.size() < 2 && !is_listed("|N|V|g|s|", unit)) continue;
     return {sign == '_' ? s : trimmed(std::string_view(s).substr(0, at)), unit};
   }
   return {s, ""};

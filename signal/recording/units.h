@@ -26,6 +26,16 @@ struct Unit {
 /// Empty when the text is no unit we know (also for "", "-", "NONE", "EU").
 [[nodiscard]] std::optional<Unit> parse_unit(std::string_view text);
 
+/// "mV/N" as mV and N.
+struct UnitQuotient {
+  std::string over_text;
+  Unit over, under;
+};
+/// At the first slash that parts two units, of which the second is of this quantity (`unknown`: of
+/// any). Empty: none does.
+[[nodiscard]] std::optional<UnitQuotient> parse_quotient(const std::string& text,
+                                                         Quantity below = Quantity::unknown);
+
 /// A column title split into the name and the unit written with it.
 struct TitledUnit {
   std::string name;
@@ -40,6 +50,10 @@ struct TitledUnit {
 /// Valid UTF-8 of text in UTF-8 or, where it is not that, in Windows-1252. Control characters
 /// become blanks.
 [[nodiscard]] std::string to_utf8(std::string_view bytes);
+[[nodiscard]] std::string_view trim_blanks(std::string_view s);
+[[nodiscard]] std::string lower_case(std::string_view s);
+/// Whether "|a|b|" lists the word.
+[[nodiscard]] bool is_listed(std::string_view list, const std::string& word);
 /// UTF-16 as UTF-8; characters beyond the basic plane become '?'.
 [[nodiscard]] std::string utf16_to_utf8(std::string_view bytes, bool little);
 

@@ -9,13 +9,17 @@ namespace rigfit::signal {
 namespace {
 using Eigen::Index;
 
-/// Time derivatives of displacement that the response is: the order of the forms.
-int derivatives(FrfForm form) {
-  if (form != FrfForm::unknown) return static_cast<int>(form);
-  throw std::invalid_argument(
-      "an FRF of unknown form cannot be converted: it is not known whether the response is a "
-      "displacement, a velocity or an acceleration");
-}
+struct FormEntry {
+  const char *name, *unit;
+  Quantity response;
+};
+/// In the order of FrfForm: the place is the number of time derivatives of displacement.
+constexpr FormEntry kForms[] = {{"receptance", "m/N", Quantity::displacement},
+                                {"mobility", "(m/s)/N", Quantity::velocity},
+                                {"accelerance", "(m/s^2)/N", Quantity::acceleration},
+                                {"unknown", "", Quantity::unknown}};
+
+const FormEntry& entry_of(FrfForm form) { return kForms[static_cast<std::size_t>(form)]; }
 
 template <typename Matrix>
 void drop_first_row(Matrix& matrix) {
@@ -24,18 +28,25 @@ void drop_first_row(Matrix& matrix) {
 
 }  // namespace
 
-const char* name_of(FrfForm form) {
-  constexpr const char* kNames[] = {"receptance", "mobility", "accelerance", "unknown"};
-  return kNames[static_cast<std::size_t>(form)];
+const char* name_of(FrfForm form) { return entry_of(form).name; }
+
+const char* unit_of(FrfForm form) { return entry_of(form).unit; }
+
+FrfForm form_of(Quantity response) {
+  int form = 0;
+  while (form < static_cast<int>(FrfForm::unknown) && kForms[form].response != response) ++form;
+  return static_cast<FrfForm>(form);
 }
 
-const char* unit_of(FrfForm form) {
-  constexpr const char* kNames[] = {"m/N", "(m/s)/N", "(m/s^2)/N", ""};
-  return kNames[static_cast<std::size_t>(form)];
-}
+Quantity response_of(FrfForm form) { return entry_of(form).response; }
 
 FrfSet converted(const FrfSet& frfs, FrfForm form) {
-  const int power = derivatives(form) - derivatives(frfs.form);
+  if (form == FrfForm::unknown || frfs.form == FrfForm::unknown) {
+    throw std::invalid_argument(
+        "an FRF of unknown form cannot be converted: it is not known whether the response is a "
+        "displacement, a velocity or an acceleration");
+  }
+  const int power = static_cast<int>(form) - static_cast<int>(frfs.form);
   FrfSet result = frfs;
   result.form = form;
   result.unit = unit_of(form);

@@ -18,6 +18,9 @@ enum class FrfForm { receptance, mobility, accelerance, unknown };
 [[nodiscard]] const char* name_of(FrfForm form);
 /// "m/N", "(m/s)/N", "(m/s^2)/N", "" for unknown.
 [[nodiscard]] const char* unit_of(FrfForm form);
+/// Receptance of a displacement, mobility of a velocity, accelerance of an acceleration; and back.
+[[nodiscard]] FrfForm form_of(Quantity response);
+[[nodiscard]] Quantity response_of(FrfForm form);
 
 /// Where and in which direction a signal was taken: UFF 58's node and direction, plus a name.
 struct MeasuredPoint {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cmath>
 #include <complex>
 #include <map>
@@ -56,8 +57,7 @@ std::string axis_line(const Uff58Axis& axis) {
 
 /// 13 columns: six digits, or five behind a minus sign, where the seventh has no room.
 std::string e13(double value) {
-  std::string text = fmt::format("{:13.6e}", value);
-  return text.size() > 13 ? fmt::format("{:13.5e}", value) : text;
+  return fmt::format("{:13.{}e}", value, std::signbit(value) ? 5 : 6);
 }
 
 /// Little-endian bytes of the value as a Number.
@@ -66,15 +66,6 @@ void append_binary(std::string& out, double value) {
   auto bytes = std::bit_cast<std::array<char, sizeof(Number)>>(static_cast<Number>(value));
   if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
   out.append(bytes.data(), bytes.size());
-}
-
-/// Text behind `{:20.12e}`; what is no number as NaN.
-void append_e20(std::string& out, double value) {
-  if (std::isfinite(value)) {
-    fmt::format_to(std::back_inserter(out), "{:20.12e}", value);
-  } else {
-    out += "                 NaN";
-  }
 }
 
 void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
@@ -114,8 +105,8 @@ void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
     const int per_line = f.even ? (f.complex ? 2 : 4) : (f.complex ? 1 : 2);
     for (Eigen::Index k = 0; k < n; ++k) {
       if (!f.even) out += fmt::format("{:13.5e}", f.x[k]);
-      append_e20(out, f.real[k]);
-      if (f.complex) append_e20(out, f.imag[k]);
+      fmt::format_to(std::back_inserter(out), "{:20.12e}", f.real[k]);
+      if (f.complex) fmt::format_to(std::back_inserter(out), "{:20.12e}", f.imag[k]);
       if ((k + 1) % per_line == 0 || k + 1 == n) out += '\n';
     }
   }
@@ -134,29 +125,25 @@ int direction_code(const std::array<double, 3>& direction) {
 
 /// The numerator of the FRF's unit and its specific data type.
 Uff58Axis ordinate_of(const FrfSet& frfs) {
-  if (frfs.form == FrfForm::receptance) return {8, "Receptance", "m"};
-  if (frfs.form == FrfForm::mobility) return {11, "Mobility", "m/s"};
-  if (frfs.form == FrfForm::accelerance) return {12, "Accelerance", "m/s^2"};
-  return {0, "FRF", frfs.unit};
+  if (frfs.form == FrfForm::unknown) return {0, "FRF", frfs.unit};
+  std::string label = name_of(frfs.form);
+  label.front() = static_cast<char>(std::toupper(label.front()));
+  const Quantity response = response_of(frfs.form);
+  return {uff58_data_type(response), label, si_of(response)};
 }
 
 /// "Modal A": psi / L at the first response that is also an input; 0: none is.
 std::complex<double> modal_a_of(const ModalModel& modes, const IdentifiedMode& mode) {
-  const auto rows = std::min(modes.responses.size(), static_cast<std::size_t>(mode.shape.size()));
-  const auto columns =
-      std::min(modes.inputs.size(), static_cast<std::size_t>(mode.participation.size()));
-  for (std::size_t r = 0; r < rows; ++r) {
-    for (std::size_t i = 0; i < columns; ++i) {
-      const MeasuredPoint &response = modes.responses[r], &input = modes.inputs[i];
-      const auto participation = mode.participation[static_cast<Eigen::Index>(i)];
-      if (response.node == 0 || response.node != input.node || participation == 0.0 ||
+  for (Eigen::Index r = 0; r < mode.shape.size(); ++r) {
+    for (Eigen::Index i = 0; i < mode.participation.size(); ++i) {
+      const auto& response = modes.responses[static_cast<std::size_t>(r)];
+      const auto& input = modes.inputs[static_cast<std::size_t>(i)];
+      if (response.node == 0 || response.node != input.node || mode.participation[i] == 0.0 ||
           std::abs(response.direction) != std::abs(input.direction)) {
         continue;
       }
       const double sign = response.direction == input.direction ? 1 : -1;
-      const auto a = sign * mode.shape[static_cast<Eigen::Index>(r)] / participation;
-      if (a != 0.0) return a;
-      break;
+      return sign * mode.shape[r] / mode.participation[i];
     }
   }
   return 0;
@@ -202,16 +189,13 @@ std::string uff_text(const FrfSet& frfs, UffEncoding encoding) {
   std::string out;
   const Eigen::Index lines = frfs.frequency_hz.size();
   // Evenly spaced where start + k step gives the frequencies back but for rounding.
-  double start = 0, step = 0;
-  bool even = lines > 0;
-  if (lines > 0) {
-    start = frfs.frequency_hz[0];
-    step = lines > 1 ? (frfs.frequency_hz[lines - 1] - start) / static_cast<double>(lines - 1) : 1;
-    for (Eigen::Index k = 0; k < lines && even; ++k) {
-      even = step > 0 && std::abs(start + static_cast<double>(k) * step - frfs.frequency_hz[k]) <=
-                             1e-12 * frfs.frequency_hz[lines - 1];
-    }
-  }
+  if (lines == 0) return out;
+  const auto last = static_cast<double>(lines - 1);
+  const double start = frfs.frequency_hz[0], end = frfs.frequency_hz[lines - 1];
+  const double step = lines > 1 ? (end - start) / last : 1;
+  const Eigen::ArrayXd departure =
+      start + step * Eigen::ArrayXd::LinSpaced(lines, 0, last) - frfs.frequency_hz.array();
+  const bool even = step > 0 && departure.abs().maxCoeff() <= 1e-12 * end;
   for (std::size_t r = 0; r < frfs.responses.size(); ++r) {
     for (std::size_t i = 0; i < frfs.inputs.size(); ++i) {
       const MeasuredPoint &response = frfs.responses[r], &input = frfs.inputs[i];

@@ -12,7 +12,6 @@
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/readers/uff/read_uff_modes.h"
-#include "signal/readers/xlsx/read_xlsx.h"
 #include "tests/fuzz/require_sound.h"
 
 namespace rigfit::signal::fuzzed {
@@ -41,7 +40,9 @@ void require_numbers(const FrfSet& set) {
 void csv(Bytes bytes) { require_sound(read_csv(bytes, "fuzz")); }
 void lvm(Bytes bytes) { require_sound(read_lvm(bytes, "fuzz")); }
 void npy(Bytes bytes) { require_sound(read_npy(bytes, "fuzz")); }
-void wav(Bytes bytes) { require_sound(read_wav(bytes, "fuzz")); }
+void wav(Bytes bytes) {
+  read_file(bytes, [&](const std::string& path) { return read_wav(bytes, path); });
+}
 void uff_modes(Bytes bytes) { require_sound(read_uff_modes(bytes, "fuzz")); }
 void uff(Bytes bytes) {
   read_or_refuse([&] { require_sound(read_uff(bytes, "fuzz")); });
@@ -49,7 +50,7 @@ void uff(Bytes bytes) {
 }
 void frf(Bytes bytes) {
   const auto table = read_frequency_table(bytes, "fuzz");
-  if (table && holds_frfs(*table)) require_numbers(frfs_of({*table}));
+  if (table) require_numbers(frfs_of({*table}));
 }
 void mat(Bytes bytes) {
   read_file(bytes, [](const std::string& path) { return read_mat(path); });

@@ -18,8 +18,8 @@
 #include "signal/impact/pulse_shape.h"
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/frequency_table.h"
-#include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_frfs.h"
 #include "signal/recording/recording_error.h"
 

@@ -16,8 +16,8 @@
 #include "apps/report/figures/figures.h"
 #include "signal/quality/quality.h"
 #include "signal/readers/csv/frequency_table.h"
-#include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/mapped_file.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff.h"
 
@@ -42,10 +42,11 @@ std::optional<signal::Recording> over_frequency(const std::string& path, VerbCon
   if (recording_at_hand(path, context) || !context.reading.format.empty()) return std::nullopt;
   const signal::MappedFile file(path);
   signal::Recording functions;
-  if (signal::format_of(file.bytes()) == signal::RecordingFormat::uff) {
+  const auto format = signal::format_of(file.bytes());
+  if (format == signal::RecordingFormat::uff) {
     functions = signal::read_uff_functions(file.bytes(), path);
     if (functions.sample_rate_hz > 0 || functions.time_s.size() > 0) return std::nullopt;
-  } else if (!signal::foreign_format(file.bytes())) {
+  } else if (format == signal::RecordingFormat::csv && !signal::foreign_format(file.bytes())) {
     auto table = signal::read_frequency_table(file.bytes(), path, context.reading);
     if (!table) return std::nullopt;
     functions.path = path;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <set>
 #include <utility>
 
 #include "signal/readers/csv/csv_table.h"
@@ -32,10 +30,8 @@ std::vector<ArrayColumn> columns_of(const Eigen::Ref<const Eigen::MatrixXd>& val
   const bool wide = values.cols() > values.rows();
   const Eigen::Index count = wide ? values.rows() : values.cols();
   if (wide && count > 1) {
-    notes.push_back({"read_as",
-                     "an array of " + std::to_string(values.rows()) + " x " +
-                         std::to_string(values.cols()) + ": its rows are taken as channels",
-                     name});
+    add_note(notes, "read_as", name, "an array of {} x {}: its rows are taken as channels",
+             values.rows(), values.cols());
   }
   std::vector<ArrayColumn> columns;
   for (Eigen::Index k = 0; k < count; ++k) {
@@ -60,31 +56,24 @@ Recording recording_of_columns(std::vector<ArrayColumn> columns, const std::file
   table.layout.rate_text = "in the file";
   table.layout.body_line = 0;
   table.layout.has_names = true;
-  std::set<std::string> used;
   for (std::size_t k = 0; k < columns.size(); ++k) {
     ArrayColumn& column = columns[k];
     const TitledUnit titled = split_title(to_utf8(column.name));
     CsvColumn entry;
     entry.name = titled.name.empty() ? "column " + std::to_string(k + 1) : titled.name;
     entry.unit = titled.unit;
-    Channel channel;
-    channel.name = unused_name(entry.name, used);
-    take_unit(entry.unit, channel, table.notes);
-    const int decimals = decimals_of(column);
-    if (k == 0 && columns.size() > 1 && !is_time_name(entry.name) && stated_rate_hz == 0 &&
-        looks_like_time(column.values, decimals) &&
+    entry.filled = 1;
+    entry.decimals = decimals_of(column);
+    if (k == 0 && columns.size() > 1 && stated_rate_hz == 0 &&
+        looks_like_time(column.values, entry.decimals) &&
         std::none_of(columns.begin(), columns.end(),
                      [](const auto& other) { return is_time_name(other.name); })) {
-      table.notes.push_back(
-          {"read_as", "rises in equal steps: taken as time in seconds", channel.name});
-      entry.name = channel.name = "time";
+      add_note(table.notes, "read_as", entry.name,
+               "rises in equal steps: taken as time in seconds");
+      entry.name = "time";
     }
-    take_samples(std::move(column.values), channel);
-    entry.filled = 1;
-    entry.decimals = decimals;
-    table.layout.columns.push_back(std::move(entry));
-    table.channels.push_back(std::move(channel));
-    table.column.push_back(k);
+    table.layout.columns.push_back(entry);
+    table.add(std::move(entry), k, std::move(column.values));
   }
   return recording_of_table(std::move(table), path, format, options);
 }

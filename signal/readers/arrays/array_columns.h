@@ -18,6 +18,14 @@ struct ArrayColumn {
   bool single = false;  ///< held in single precision: times are known to 6e-8 of their size
 };
 
+/// The numbers at `data` as doubles.
+template <typename Number>
+Eigen::MatrixXd matrix_of(const void* data, Eigen::Index rows, Eigen::Index cols) {
+  using Matrix = Eigen::Matrix<Number, Eigen::Dynamic, Eigen::Dynamic>;
+  return Eigen::Map<const Matrix>(static_cast<const Number*>(data), rows, cols)
+      .template cast<double>();
+}
+
 /// The longer side of `values` is time: each column of it, or each row where `values` is wide,
 /// which is noted. `name` stands in front of the columns' numbers.
 [[nodiscard]] std::vector<ArrayColumn> columns_of(const Eigen::Ref<const Eigen::MatrixXd>& values,
@@ -30,5 +38,14 @@ struct ArrayColumn {
                                              const std::filesystem::path& path,
                                              const std::string& format, const ReadOptions& options,
                                              double stated_rate_hz, std::vector<Note> notes);
+
+/// Walks the headers of a MATLAB file of version 5 before libmatio, which reserves memory by the
+/// sizes that they state and loops over them. Throws RecordingError when the file is of another
+/// version than 5 to 7.3, when a struct, cell or function handle cannot hold as many elements as
+/// its header states, or when a name or a list of dimensions is longer than its variable. Of
+/// version 7.3 (HDF5) only the version is looked at.
+///
+/// Each element of a struct or cell takes 8 bytes at least (its own tag).
+void check_mat_headers(const std::filesystem::path& path);
 
 }  // namespace rigfit::signal

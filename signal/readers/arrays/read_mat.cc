@@ -17,10 +17,11 @@
 #include <vector>
 
 #include "signal/readers/arrays/array_columns.h"
-#include "signal/readers/arrays/mat_headers.h"
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
+#include "signal/readers/files/frf_parts.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
@@ -35,6 +36,10 @@ struct MatArray {
   bool single = false;
 
   [[nodiscard]] Eigen::Index longer() const { return std::max(real.rows(), real.cols()); }
+  [[nodiscard]] bool is_vector() const {
+    return imaginary.size() == 0 && std::min(real.rows(), real.cols()) == 1;
+  }
+  [[nodiscard]] bool is_scalar() const { return imaginary.size() == 0 && real.size() == 1; }
   [[nodiscard]] std::string last_name() const {
     const std::size_t dot = name.find_last_of('.');
     return dot == std::string::npos ? name : name.substr(dot + 1);
@@ -54,19 +59,6 @@ struct MatArray {
                        imaginary.size() > 0 ? ", complex" : "");
   }
 };
-
-RecordingError refusal(const std::filesystem::path& path, std::string problem, std::string remedy,
-                       std::string value = "") {
-  return {{path.string(), 0, 0, "", std::move(value)}, std::move(problem), std::move(remedy)};
-}
-
-/// Numbers of `type` at `data` as doubles.
-template <typename Number>
-Eigen::MatrixXd matrix_of(const void* data, Eigen::Index rows, Eigen::Index cols) {
-  using Matrix = Eigen::Matrix<Number, Eigen::Dynamic, Eigen::Dynamic>;
-  return Eigen::Map<const Matrix>(static_cast<const Number*>(data), rows, cols)
-      .template cast<double>();
-}
 
 std::optional<Eigen::MatrixXd> numbers_of(matio_classes type, const void* data, Eigen::Index rows,
                                           Eigen::Index cols) {
@@ -136,8 +128,8 @@ class MatReader {
     const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path_.c_str(), MAT_ACC_RDONLY),
                                                        &Mat_Close);
     if (!file) {
-      throw refusal(path_, "is no MATLAB file that can be read",
-                    "save it again, by save(F, '-v7')");
+      throw file_error(path_, "is no MATLAB file that can be read",
+                       "save it again, by save(F, '-v7')");
     }
     const bool hdf5 = Mat_GetVersion(file.get()) == MAT_FT_MAT73;
     while (matvar_t* const next = Mat_VarReadNextInfo(file.get())) {
@@ -145,14 +137,14 @@ class MatReader {
       const std::string name = next->name == nullptr ? "" : to_utf8(next->name);
       if (name.empty() || name.starts_with("__") || name.starts_with("#")) continue;
       if (!is_held(*next, hdf5 || next->compression == MAT_COMPRESSION_ZLIB, 0)) {
-        throw refusal(path_, "states more numbers than the file can hold", "copy the file again",
-                      name);
+        throw file_error(path_, "states more numbers than the file can hold", "copy the file again",
+                         name);
       }
       const bool numeric = next->class_type == MAT_C_STRUCT || next->class_type == MAT_C_CELL ||
                            (next->class_type >= MAT_C_DOUBLE && next->class_type <= MAT_C_UINT64);
       if (!numeric) continue;
       if (Mat_VarReadDataAll(file.get(), next) != 0) {
-        throw refusal(path_, "breaks off inside a variable", "copy the file again", name);
+        throw file_error(path_, "breaks off inside a variable", "copy the file again", name);
       }
       collect(*next, name, 0);
     }
@@ -205,12 +197,9 @@ class MatReader {
 };
 
 std::string list_of(const std::vector<const MatArray*>& arrays) {
-  std::string text;
-  for (std::size_t k = 0; k < arrays.size(); ++k) {
-    if (k == 20) return text + fmt::format(" ... ({} in all)", arrays.size());
-    text += (k == 0 ? "" : ", ") + arrays[k]->text();
-  }
-  return text;
+  std::vector<std::string> texts;
+  for (const auto* array : arrays) texts.push_back(array->text());
+  return listed(texts);
 }
 
 /// The rate by a scalar of a usual name; 0: none. A second one that disagrees is noted.
@@ -224,7 +213,7 @@ double stated_rate(const std::vector<MatArray>& arrays, const MatArray& of,
   double rate = 0;
   std::string by;
   for (const auto& array : arrays) {
-    if (array.real.size() != 1 || array.imaginary.size() > 0 || !array.concerns(of)) continue;
+    if (!array.is_scalar() || !array.concerns(of)) continue;
     std::string name = lower_case(array.last_name());
     std::erase_if(name, [](char c) { return c == '_'; });
     const double value = array.real(0, 0);
@@ -234,13 +223,11 @@ double stated_rate(const std::vector<MatArray>& arrays, const MatArray& of,
     if (!is_rate && !is_step) continue;
     const double found = is_rate ? value : 1 / value;
     if (rate == 0) {
-      rate = found;
-      by = array.name;
+      rate = found, by = array.name;
     } else if (std::abs(found / rate - 1) > 1e-6) {
-      notes.push_back({"rates_disagree",
-                       fmt::format("{} gives {:.9g} Hz, {} gives {:.9g} Hz: the first is taken", by,
-                                   rate, array.name, found),
-                       array.name});
+      add_note(notes, "rates_disagree", array.name,
+               "{} gives {:.9g} Hz, {} gives {:.9g} Hz: the first is taken", by, rate, array.name,
+               found);
     }
   }
   return rate;
@@ -252,7 +239,7 @@ Eigen::VectorXd frequencies_by_rate(const std::vector<MatArray>& arrays, const M
   std::vector<Note> ignored;
   double rate = stated_rate(arrays, frfs, ignored), block = 0;
   for (const auto& array : arrays) {
-    if (array.real.size() != 1 || array.imaginary.size() > 0) continue;
+    if (!array.is_scalar()) continue;
     const double value = array.real(0, 0);
     if (value == std::floor(value) &&
         std::floor(value / 2) + 1 == static_cast<double>(frfs.longer())) {
@@ -283,7 +270,7 @@ std::vector<const MatArray*> chosen(const std::vector<MatArray>& arrays,
       return array->name == name || array->last_name() == name;
     });
     if (found == real.end()) {
-      throw refusal(path, "has no array of that name", "there are: " + list_of(real), name);
+      throw file_error(path, "has no array of that name", "there are: " + list_of(real), name);
     }
     taken.push_back(*found);
   }
@@ -302,12 +289,12 @@ std::vector<const MatArray*> chosen(const std::vector<MatArray>& arrays,
   Eigen::Index longest_frf = 0;
   for (const auto* array : complex) longest_frf = std::max(longest_frf, array->longer());
   const bool only_axes = std::all_of(real.begin(), real.end(), [&](const MatArray* array) {
-    return array->longer() < kShortest || (array->longer() == longest_frf &&
-                                           std::min(array->real.rows(), array->real.cols()) == 1);
+    return array->longer() < kShortest || (array->longer() == longest_frf && array->is_vector());
   });
   if (longest_frf >= kShortest && only_axes) {
-    throw refusal(path, "holds complex numbers, no recording over time: " + list_of(complex),
-                  "rigfit modal takes FRFs, with a vector of their frequencies in the file (freq)");
+    throw file_error(
+        path, "holds complex numbers, no recording over time: " + list_of(complex),
+        "rigfit modal takes FRFs, with a vector of their frequencies in the file (freq)");
   }
   std::map<Eigen::Index, std::vector<const MatArray*>> by_length;
   for (const auto* array : real) by_length[array->longer()].push_back(array);
@@ -315,14 +302,15 @@ std::vector<const MatArray*> chosen(const std::vector<MatArray>& arrays,
     std::erase_if(by_length, [](const auto& entry) { return entry.first < kShortest; });
   }
   if (by_length.empty()) {
-    throw refusal(path, "holds no array of samples" + (real.empty() ? "" : ": " + list_of(real)),
-                  "save the samples as numeric arrays (a timetable or object only MATLAB reads: "
-                  "use its .Variables)");
+    throw file_error(path, "holds no array of samples" + (real.empty() ? "" : ": " + list_of(real)),
+                     "save the samples as numeric arrays (a timetable or object only MATLAB reads: "
+                     "use its .Variables)");
   }
   if (by_length.size() > 1) {
-    throw refusal(path, "holds arrays of several lengths: " + list_of(real),
-                  "say which to take: --variable NAME, or variables = [\"NAME\"] in the TOML file "
-                  "beside it");
+    throw file_error(
+        path, "holds arrays of several lengths: " + list_of(real),
+        "say which to take: --variable NAME, or variables = [\"NAME\"] in the TOML file "
+        "beside it");
   }
   return by_length.begin()->second;
 }
@@ -340,8 +328,8 @@ void check_times(const std::vector<const MatArray*>& taken, const std::filesyste
               (time->real.reshaped() - times.front()->real.reshaped()).isZero(0));
     });
     if (own || times.empty()) continue;
-    throw refusal(path, "holds structures with times of their own: " + list_of(taken),
-                  "say which samples to take: --variable " + array->name, array->name);
+    throw file_error(path, "holds structures with times of their own: " + list_of(taken),
+                     "say which samples to take: --variable " + array->name, array->name);
   }
 }
 
@@ -356,8 +344,8 @@ Recording read_mat(const std::filesystem::path& path, const ReadOptions& options
   std::vector<ArrayColumn> columns;
   for (const auto* array : taken) {
     if (array->longer() != samples) {
-      throw refusal(path, "the arrays named differ in length: " + list_of(taken),
-                    "name arrays of one length");
+      throw file_error(path, "the arrays named differ in length: " + list_of(taken),
+                       "name arrays of one length");
     }
     const std::string last = array->last_name();
     const std::string& name = is_time_name(last) ? last : array->name;
@@ -373,7 +361,7 @@ Recording read_mat(const std::filesystem::path& path, const ReadOptions& options
     }
   }
   if (!left.empty()) {
-    notes.push_back({"left_out", list_of(taken) + " is taken, left out is " + list_of(left), ""});
+    add_note(notes, "left_out", "", "{} is taken, left out is {}", list_of(taken), list_of(left));
   }
   const double rate = stated_rate(arrays, *taken.front(), notes);
   return recording_of_columns(std::move(columns), path, "mat", options, rate, std::move(notes));
@@ -381,77 +369,65 @@ Recording read_mat(const std::filesystem::path& path, const ReadOptions& options
 
 FrfSet read_mat_frfs(const std::filesystem::path& path, const ReadOptions& options) {
   const std::vector<MatArray> arrays = MatReader(path).read();
-  std::vector<const MatArray*> complex, vectors;
+  std::vector<const MatArray*> complex;
+  const auto& asked = options.variables;
   for (const auto& array : arrays) {
-    if (array.imaginary.size() > 0 && array.longer() >= kShortest) complex.push_back(&array);
-    if (array.imaginary.size() == 0 && array.longer() >= kShortest &&
-        std::min(array.real.rows(), array.real.cols()) == 1) {
-      vectors.push_back(&array);
+    if (array.imaginary.size() > 0 && array.longer() >= kShortest &&
+        (asked.empty() || std::ranges::find(asked, array.name) != asked.end())) {
+      complex.push_back(&array);
     }
   }
-  if (!options.variables.empty()) {
-    std::erase_if(complex, [&](const MatArray* array) {
-      return std::find(options.variables.begin(), options.variables.end(), array->name) ==
-             options.variables.end();
-    });
-  }
   if (complex.size() != 1) {
-    throw refusal(path,
-                  complex.empty() ? "holds no complex array, so no FRFs"
-                                  : "holds several complex arrays: " + list_of(complex),
-                  complex.empty() ? "save FRFs as a complex array of lines x points, or give "
-                                    "recordings of hits with --force CHANNEL"
-                                  : "say which to take: --variable NAME");
+    throw file_error(path,
+                     complex.empty() ? "holds no complex array, so no FRFs"
+                                     : "holds several complex arrays: " + list_of(complex),
+                     complex.empty() ? "save FRFs as a complex array of lines x points, or give "
+                                       "recordings of hits with --force CHANNEL"
+                                     : "say which to take: --variable NAME");
   }
   const MatArray& frfs = *complex.front();
-  const MatArray* axis = nullptr;
-  for (const auto* vector : vectors) {
-    const std::string name = lower_case(vector->last_name());
+  Eigen::VectorXd frequency_hz;
+  for (const auto& array : arrays) {
+    const std::string name = lower_case(array.last_name());
     const bool named = name.starts_with("f") || name.find("freq") != std::string::npos ||
                        name == "x" || name == "axis";
-    if (named && vector->longer() == frfs.longer()) axis = vector;
+    if (named && array.is_vector() && array.longer() == frfs.longer()) {
+      frequency_hz = array.real.reshaped();
+    }
   }
-  Eigen::VectorXd frequency_hz;
-  if (axis != nullptr) {
-    frequency_hz = Eigen::Map<const Eigen::VectorXd>(axis->real.data(), axis->real.size());
-  } else {
-    frequency_hz = frequencies_by_rate(arrays, frfs);
-  }
+  const bool by_rate = frequency_hz.size() == 0;
+  if (by_rate) frequency_hz = frequencies_by_rate(arrays, frfs);
   if (frequency_hz.size() == 0) {
-    throw refusal(path, "holds " + frfs.text() + " but no vector of as many frequencies",
-                  "save the frequencies in Hz beside it, as a vector named freq");
+    throw file_error(path, "holds " + frfs.text() + " but no vector of as many frequencies",
+                     "save the frequencies in Hz beside it, as a vector named freq");
   }
-  FrfSet set;
-  if (axis == nullptr) {
-    set.notes.push_back({"read_as",
-                         fmt::format("no vector of frequencies: by the sampling rate and block "
-                                     "length in the file they go to {:.9g} Hz",
-                                     frequency_hz[frequency_hz.size() - 1]),
-                         frfs.name});
+  const bool wide = frfs.real.cols() == frequency_hz.size() && frfs.real.rows() != frfs.real.cols();
+  Eigen::MatrixXcd H(frfs.real.rows(), frfs.real.cols());
+  H.real() = frfs.real;
+  H.imag() = frfs.imaginary;
+  if (wide) H.transposeInPlace();
+  std::vector<FrfPart> parts;
+  for (Eigen::Index k = 0; k < H.cols(); ++k) {
+    const int place = static_cast<int>(k) + 1;
+    parts.push_back({{fmt::format("{} {}", frfs.last_name(), place), place, 0},
+                     {"force", 0, 0},
+                     FrfForm::unknown,
+                     frequency_hz,
+                     H.col(k),
+                     {},
+                     {},
+                     path.string()});
   }
-  set.frequency_hz = std::move(frequency_hz);
-  const bool wide =
-      frfs.real.cols() == set.frequency_hz.size() && frfs.real.rows() != frfs.real.cols();
-  Eigen::MatrixXcd H = frfs.real.cast<std::complex<double>>() +
-                       std::complex<double>(0, 1) * frfs.imaginary.cast<std::complex<double>>();
-  set.H = wide ? Eigen::MatrixXcd(H.transpose()) : H;
-  const Eigen::Index lines = set.frequency_hz.size();
-  if (!set.frequency_hz.allFinite() || set.frequency_hz[0] < 0 ||
-      !(set.frequency_hz.tail(lines - 1).array() > set.frequency_hz.head(lines - 1).array())
-           .all() ||
-      !set.H.allFinite()) {
-    throw refusal(path, "the frequencies do not rise, or FRFs hold values that are no numbers",
-                  "save finite values over rising frequencies in Hz");
+  FrfSet set = set_of_parts(parts);
+  if (by_rate) {
+    add_note(set.notes, "read_as", frfs.name,
+             "no vector of frequencies: by the sampling rate and block "
+             "length in the file they go to {:.9g} Hz",
+             frequency_hz[frequency_hz.size() - 1]);
   }
-  set.inputs.push_back({"force", 0, 0});
-  for (Eigen::Index k = 0; k < set.H.cols(); ++k) {
-    set.responses.push_back(
-        {frfs.last_name() + " " + std::to_string(k + 1), static_cast<int>(k) + 1, 0});
-  }
-  set.notes.push_back({"no_unit",
-                       "the FRFs have no unit: the numbers are kept as they are; frequencies and "
-                       "damping do not depend on it",
-                       frfs.name});
+  add_note(set.notes, "no_unit", frfs.name,
+           "the FRFs have no unit: the numbers are kept as they are; frequencies and "
+           "damping do not depend on it");
   return set;
 }
 

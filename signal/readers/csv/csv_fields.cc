@@ -1,7 +1,6 @@
 #include "signal/readers/csv/csv_fields.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <charconv>
 #include <chrono>
@@ -17,35 +16,6 @@ bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 bool is_digit(char c) { return static_cast<unsigned char>(c - '0') < 10; }
 
-const char* skip_digits(const char* p) {
-  while (is_digit(*p)) ++p;
-  return p;
-}
-
-bool is_exponent(const char* p) {
-  const char letter = static_cast<char>(*p | 0x20);
-  return (letter == 'e' || letter == 'd') && is_digit(p[p[1] == '-' || p[1] == '+' ? 2 : 1]);
-}
-
-/// The number from `first` on as std::from_chars wants it: a decimal point, e before the exponent.
-const char* parse_copy(const char* first, char decimal, double& value) {
-  const char* last = skip_digits(*first == '-' ? first + 1 : first);
-  if (*last == decimal) last = skip_digits(last + 1);
-  if (is_exponent(last)) last = skip_digits(last + (is_digit(last[1]) ? 1 : 2));
-  std::array<char, 64> small{};
-  std::string large;
-  const auto size = static_cast<std::size_t>(last - first);
-  if (size >= small.size()) large.resize(size + 1);
-  char* const copy = large.empty() ? small.data() : large.data();
-  std::transform(first, last, copy, [decimal](char c) {
-    return c == decimal ? '.' : c == 'd' || c == 'D' ? 'e' : c;
-  });
-  const auto error = std::from_chars(copy, copy + size, value).ec;
-  // from_chars does not say whether the number is too large or too small; strtod does.
-  if (error == std::errc::result_out_of_range) value = std::strtod(copy, nullptr);
-  return last;
-}
-
 /// Unsigned decimal digits at `at`, at most `most` of them; -1 when there are none.
 int digits_at(std::string_view s, std::size_t& at, std::size_t most) {
   int value = -1;
@@ -57,23 +27,52 @@ int digits_at(std::string_view s, std::size_t& at, std::size_t most) {
 
 }  // namespace
 
-const char* parse_number(const char* p, const char* end, char decimal, double& value) {
-  const bool plus = *p == '+';
-  if (plus) ++p;
-  const char* const digits = !plus && *p == '-' ? p + 1 : p;
-  if (!is_digit(*digits) && !(*digits == decimal && is_digit(digits[1]))) return nullptr;
-  if (decimal == '.') {
-    const auto [behind, error] = std::from_chars(p, end, value);
-    if (error == std::errc() && !is_exponent(behind)) return behind;
+std::size_t parse_number(std::string_view text, char decimal, double& value) {
+  const auto skip_digits = [&](std::size_t at) {
+    while (at < text.size() && is_digit(text[at])) ++at;
+    return at;
+  };
+  const auto is_sign = [&](std::size_t at) {
+    return at < text.size() && (text[at] == '-' || text[at] == '+');
+  };
+  const std::size_t begin = is_sign(0) ? 1 : 0;
+  std::size_t end = skip_digits(begin);
+  bool as_written = true;  // as std::from_chars wants it
+  if (end < text.size() && text[end] == decimal) {
+    const std::size_t last = skip_digits(end + 1);
+    if (last == begin + 1) return 0;
+    as_written = decimal == '.';
+    end = last;
+  } else if (end == begin) {
+    return 0;
   }
-  return parse_copy(p, decimal, value);
+  if (end < text.size() && std::string_view("eEdD").find(text[end]) != std::string_view::npos) {
+    const std::size_t digits = is_sign(end + 1) ? end + 2 : end + 1;
+    if (const std::size_t last = skip_digits(digits); last > digits) {
+      as_written = as_written && (text[end] | 0x20) == 'e';
+      end = last;
+    }
+  }
+  std::string_view number = text.substr(0, end);
+  if (number.front() == '+') number.remove_prefix(1);
+  std::string copy;
+  if (!as_written) {
+    copy = number;
+    std::replace(copy.begin(), copy.end(), decimal, '.');
+    for (char& c : copy) c = c == 'd' || c == 'D' ? 'e' : c;
+    number = copy;
+  }
+  const auto error = std::from_chars(number.data(), number.data() + number.size(), value).ec;
+  // from_chars does not say whether the number is too large or too small; strtod does.
+  if (error == std::errc::result_out_of_range) {
+    value = std::strtod(std::string(number).c_str(), nullptr);
+  }
+  return end;
 }
 
 bool parse_whole_number(std::string_view text, char decimal, double& value) {
-  if (text.empty()) return false;
-  const std::string copy = std::string(text) + '\n';
-  const char* const end = copy.data() + copy.size();
-  return parse_number(copy.data(), end, decimal, value) == end - 1;
+  const std::size_t length = parse_number(text, decimal, value);
+  return length > 0 && length == text.size();
 }
 
 int printed_decimals(std::string_view text, char decimal) {
@@ -95,24 +94,6 @@ int printed_decimals(std::string_view text, char decimal) {
   return decimals;
 }
 
-std::string_view trim_blanks(std::string_view s) {
-  while (!s.empty() && is_blank(s.front())) s.remove_prefix(1);
-  while (!s.empty() && is_blank(s.back())) s.remove_suffix(1);
-  return s;
-}
-
-bool is_listed(std::string_view list, const std::string& word) {
-  return word.find('|') == std::string::npos &&
-         list.find("|" + word + "|") != std::string_view::npos;
-}
-
-std::string lower_case(std::string_view s) {
-  std::string out(s);
-  std::transform(out.begin(), out.end(), out.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return out;
-}
-
 void split_fields(std::string_view line, const CsvDialect& dialect, std::vector<CsvField>& fields) {
   fields.clear();
   const bool by_blanks = dialect.separator == ' ';
@@ -120,15 +101,14 @@ void split_fields(std::string_view line, const CsvDialect& dialect, std::vector<
   for (std::size_t at = 0;; ++at) {
     while (at < line.size() && is_blank(line[at]) && (by_blanks || !ends_field(line[at]))) ++at;
     if (by_blanks && at >= line.size()) return;
-    std::size_t first = at, end = at;
-    const bool quoted = at < line.size() && line[at] == '"';
+    std::size_t first = at, end = at + 1;
+    bool quoted = at < line.size() && line[at] == '"';
     if (quoted) {
-      first = end = at + 1;
       while (end < line.size() && (line[end] != '"' || line.substr(end, 2) == "\"\"")) {
         end += line[end] == '"' ? 2 : 1;
       }
-      end = std::min(end, line.size());
-      at = std::min(end + 1, line.size());
+      quoted = end < line.size();  // else the quote belongs to the text
+      if (quoted) first = at + 1, at = end + 1;
     }
     while (at < line.size() && !ends_field(line[at])) ++at;
     fields.push_back({trim_blanks(line.substr(first, (quoted ? end : at) - first)), quoted});
@@ -253,17 +233,7 @@ std::string_view text_without_mark(std::string_view bytes, std::string& converte
     return converted;
   }
   if (bytes.substr(0, 3) == "\xEF\xBB\xBF") bytes.remove_prefix(3);
-  const auto head = bytes.substr(0, 4096);
-  // Without a mark: every second byte of (nearly) plain text is zero.
-  long zeros[2] = {0, 0};
-  for (std::size_t k = 0; k < head.size(); ++k) zeros[k % 2] += head[k] == '\0' ? 1 : 0;
-  const auto half = static_cast<long>(head.size() / 2);
-  if (half > 0 && std::min(zeros[0], zeros[1]) == 0 &&
-      std::max(zeros[0], zeros[1]) > half - half / 8) {
-    converted = utf16_to_utf8(bytes, zeros[1] > 0);
-    return converted;
-  }
-  if (const auto nul = head.find('\0'); nul != std::string_view::npos) {
+  if (const auto nul = bytes.substr(0, 4096).find('\0'); nul != std::string_view::npos) {
     throw RecordingError({file, line_number(bytes, nul), 0, "", ""},
                          "holds binary data where text was expected",
                          "export the recording as CSV, UFF 58 or LVM");

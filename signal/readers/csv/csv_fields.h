@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "signal/recording/units.h"
+
 namespace rigfit::signal {
 
 /// How a table's columns and numbers are written.
@@ -41,11 +43,10 @@ void split_fields(std::string_view line, const CsvDialect& dialect, std::vector<
 /// '/' and '.', or day first); `decimals`: digits behind the seconds. False when it is no time.
 [[nodiscard]] bool parse_clock(std::string_view field, double& seconds, int& decimals);
 
-/// Parses the number at `p`; `decimal` is '.' or ','. The text must hold a character that cannot
-/// belong to a number (such as a line's end) at or before `end - 1`. Returns the first character
-/// after the number, or nullptr when there is none at `p`. Accepts a leading '+' and exponents by
-/// e, E, d, D; not "inf", "nan", hexadecimal. Beyond the range of double gives +-inf (or 0).
-[[nodiscard]] const char* parse_number(const char* p, const char* end, char decimal, double& value);
+/// Characters of the number that `text` begins with; 0: it begins with none. `decimal` is '.' or
+/// ','. Accepts a leading '+' and exponents by e, E, d, D; not "inf", "nan", hexadecimal. Beyond
+/// the range of double gives +-inf (or 0).
+[[nodiscard]] std::size_t parse_number(std::string_view text, char decimal, double& value);
 
 /// The whole of `text` (no blanks around) as a number.
 [[nodiscard]] bool parse_whole_number(std::string_view text, char decimal, double& value);
@@ -53,11 +54,6 @@ void split_fields(std::string_view line, const CsvDialect& dialect, std::vector<
 /// Digits behind the decimal sign less the exponent: 3 for "0.250", 7 for "1.50E-5"; the printed
 /// resolution is 10^-decimals.
 [[nodiscard]] int printed_decimals(std::string_view text, char decimal);
-
-[[nodiscard]] std::string_view trim_blanks(std::string_view s);
-[[nodiscard]] std::string lower_case(std::string_view s);
-/// Whether "|a|b|" lists the word.
-[[nodiscard]] bool is_listed(std::string_view list, const std::string& word);
 
 /// End of the line that begins at `from` (offset of its '\n' or '\r', or the size).
 [[nodiscard]] std::size_t line_end(std::string_view bytes, std::size_t from);
@@ -69,7 +65,7 @@ void split_fields(std::string_view line, const CsvDialect& dialect, std::vector<
 /// Takes the first line off `rest` and returns it without its end; of empty text, empty.
 [[nodiscard]] std::string_view take_line(std::string_view& rest);
 
-/// Text without its byte-order mark; UTF-16, with a mark or without, is put into `converted`.
+/// Text without its byte-order mark; UTF-16 with a mark is put into `converted`.
 /// Throws RecordingError for binary data.
 [[nodiscard]] std::string_view text_without_mark(std::string_view bytes, std::string& converted,
                                                  const std::string& file);

@@ -119,12 +119,8 @@ void find_kinds(const std::vector<std::string_view>& sample, CsvLayout& layout) 
     if (!row.is_good()) continue;
     ++good;
     row.kinds.resize(layout.columns.size(), FieldKind::empty);
-    row.fields.resize(layout.columns.size());
     for (std::size_t c = 0; c < counts.size(); ++c) {
-      const auto text = row.fields[c].text;
       ++counts[c][static_cast<std::size_t>(row.kinds[c])];
-      layout.has_points |=
-          text.find('.') != std::string_view::npos && kind_of(text, '.') == FieldKind::number;
     }
   }
   for (std::size_t c = 0; c < counts.size(); ++c) {
@@ -164,13 +160,6 @@ void find_decimals(const std::vector<std::string_view>& sample, const char* body
 
 // ---- The comma in a table of whole numbers
 
-enum class CommaMeaning {
-  separator,  ///< between columns
-  decimal,    ///< inside the numbers of one column
-  both,       ///< between columns and inside numbers: columns were split wrongly
-  undecided,  ///< either reading is possible
-};
-
 /// "12", "-3", "+05"; no decimal point, no exponent.
 bool is_whole(std::string_view text) {
   if (!text.empty() && (text.front() == '-' || text.front() == '+')) text.remove_prefix(1);
@@ -178,85 +167,49 @@ bool is_whole(std::string_view text) {
          text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// The first column counts or rises in equal steps.
-bool counts(const std::vector<Fields>& rows) {
-  double before = 0, step = 0;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    double value = 0;
-    if (!parse_whole_number(rows[k][0].text, '.', value)) return false;
-    if (k == 1) step = value - before;
-    if (k > 0 && (value - before != step || !(step > 0))) return false;
-    before = value;
-  }
-  return rows.size() >= 3;
-}
-
-/// `lines`: rows of the table; `titles`: the header's line above them, empty: none. A table with a
-/// decimal point, or with an odd number of columns, uses its commas as separators.
-CommaMeaning comma_meaning(const std::vector<std::string_view>& lines, std::string_view titles) {
-  Fields fields;
-  std::vector<Fields> rows;
-  bool leading_zero = false;  // "05", or "-0" in front: no column of whole numbers is so written
-  bool stripped = true;       // no field of several digits ends with 0
-  std::size_t shortest = 99, longest = 0;
-  for (const auto line : lines) {
-    split_fields(line, {',', '.'}, fields);
-    drop_empty_end(fields);
-    if (fields.size() < 2 || fields.size() % 2 != 0) return CommaMeaning::separator;
-    if (!rows.empty() && fields.size() != rows.front().size()) return CommaMeaning::separator;
-    for (const auto& field : fields) {
-      if (field.quoted || !is_whole(field.text)) return CommaMeaning::separator;
-    }
-    for (std::size_t c = 0; c + 1 < fields.size(); c += 2) {
-      const auto part = fields[c + 1].text;
-      // No decimals have a sign or a blank in front.
-      if (part.front() == '-' || part.front() == '+' || part.data()[-1] != ',') {
-        return CommaMeaning::separator;
-      }
-      leading_zero |= (part.size() > 1 && part.front() == '0') || fields[c].text == "-0";
-      stripped &= part.size() == 1 || part.back() != '0';
-      shortest = std::min(shortest, part.size());
-      longest = std::max(longest, part.size());
-    }
-    rows.push_back(fields);
-  }
-  if (rows.empty()) return CommaMeaning::separator;
-  const std::size_t columns = rows.front().size();
-  split_fields(titles, {',', '.'}, fields);
-  drop_empty_end(fields);
-  if (fields.size() == columns) return CommaMeaning::separator;
-  const bool one = columns == 2;
-  if (leading_zero) return one ? CommaMeaning::decimal : CommaMeaning::both;
-  if (one && fields.size() == 1 && kind_of(fields[0].text, '.') != FieldKind::number) {
-    return CommaMeaning::decimal;
-  }
-  if (!one || counts(rows)) return CommaMeaning::separator;
-  // Decimals of different numbers of digits, one of them ending with 0, are none.
-  return shortest != longest && !stripped ? CommaMeaning::separator : CommaMeaning::undecided;
-}
-
-/// The table of commas again, where these are decimal signs or may be. Returns whether the dialect
-/// has changed.
+/// A table by commas again, where these are decimal signs or may be: one of whole numbers in an
+/// even number of columns, or one without a decimal point and with a title for every second column.
+/// Returns whether the dialect has changed.
 bool decide_commas(const std::vector<std::string_view>& sample,
                    const std::vector<std::string_view>& header, const std::string& file,
                    CsvLayout& layout) {
-  std::vector<std::string_view> rows;
+  std::string_view first;
+  std::size_t columns = 0;
+  bool whole = true, points = false;
+  bool leading_zero = false;  // "05", or "-0" in front: no column of whole numbers is so written
   Row row;
-  for (const auto& line : sample) {
+  Fields& fields = row.fields;
+  for (const auto line : sample) {
     row.take(line, layout.dialect);
-    if (row.is_good()) rows.push_back(line);
+    if (!row.is_good()) continue;
+    drop_empty_end(fields);
+    if (first.empty()) first = line, columns = fields.size();
+    whole = whole && fields.size() == columns && columns % 2 == 0;
+    for (std::size_t c = 0; c < fields.size(); ++c) {
+      const auto text = fields[c].text;
+      points = points || text.find('.') != std::string_view::npos;
+      whole = whole && !fields[c].quoted && is_whole(text);
+      if (!whole || c % 2 == 0) continue;
+      // No decimals have a sign or a blank in front.
+      whole = text.front() != '-' && text.front() != '+' && text.data()[-1] == ',';
+      leading_zero |= (text.size() > 1 && text.front() == '0') || fields[c - 1].text == "-0";
+    }
   }
   std::string_view titles;
-  for (const auto& line : header) {
+  for (const auto line : header) {
     if (!trim_blanks(line).empty()) titles = line;
   }
-  const CommaMeaning meaning = comma_meaning(rows, titles);
-  if (meaning == CommaMeaning::separator) return false;
+  row.take(titles, layout.dialect);
+  drop_empty_end(fields);
+  if (columns == 0 || points || fields.size() == columns) return false;
+  const bool one = whole && columns == 2;
+  const bool half = 2 * fields.size() == layout.columns.size() && row.numbers == 0;
+  const bool both = !one && (half || (whole && leading_zero));
+  if (!one && !both) return false;
   layout.dialect = {';', ','};
-  if (meaning == CommaMeaning::decimal) return true;
-  const bool both = meaning == CommaMeaning::both;
+  if (one && (leading_zero || (fields.size() == 1 && row.numbers == 0))) return true;
   throw RecordingError(
-      {file, static_cast<long>(header.size()) + 1, 1, "", to_utf8(rows.front().substr(0, 60))},
+      {file, static_cast<long>(header.size()) + 1, 1, "", to_utf8(first.substr(0, 60))},
       both ? "the comma seems to be both the separator and the decimal sign"
            : "may be one column with decimal commas or two columns of whole numbers",
       both ? "write it with semicolons between the columns, or with decimal points"
@@ -378,15 +331,7 @@ std::string bare_unit(std::string_view text) {
 /// The rate of "Sampling Rate(Hz)" 50, "Sample interval [ms]" 2; 0: the label is no such thing. The
 /// unit may stand in the label or behind the number.
 double rate_from_label(std::string_view label, std::string_view value, char decimal) {
-  constexpr std::string_view kBlanks = " \t\r=\"#%";
-  const auto bare = [&](std::string_view s) {
-    s.remove_prefix(std::min(s.find_first_not_of(kBlanks), s.size()));
-    return s.substr(0, s.find_last_not_of(" \t\r\"") + 1);
-  };
-  label = bare(label);
-  value = bare(value);
-  if (label.size() > 64 || value.empty()) return 0;
-  const std::string plain = normal_label(label);
+  const std::string plain = label.size() > 64 ? "" : normal_label(label);
   const bool is_interval = is_listed(kIntervalLabels, plain);
   if (!is_interval && !is_listed(kRateLabels, plain)) return 0;
   // "1000 Hz", "1000Hz".
@@ -395,65 +340,60 @@ double rate_from_label(std::string_view label, std::string_view value, char deci
   // No unit begins with "5" behind a semicolon: "3;5" is a decimal sign that is not known.
   if (unit_text.size() > 1 && std::isdigit(static_cast<unsigned char>(unit_text[1])) != 0) return 0;
   double number = 0;
-  if (!parse_whole_number(value.substr(0, end), decimal, number) &&
-      !parse_whole_number(value.substr(0, end), decimal == '.' ? ',' : '.', number)) {
+  if ((!parse_whole_number(value.substr(0, end), decimal, number) &&
+       !parse_whole_number(value.substr(0, end), decimal == '.' ? ',' : '.', number)) ||
+      !(number > 0)) {
     return 0;
   }
-  if (!(number > 0) || !std::isfinite(number)) return 0;
   const std::size_t open = label.find_first_of("([");
   if (unit_text.empty() && open != std::string_view::npos) {
     unit_text = label.substr(open + 1);
     unit_text = unit_text.substr(0, unit_text.find_first_of(")]"));
   }
   unit_text = trim_blanks(unit_text.substr(0, unit_text.find_first_of(",;\"")));
-  double factor = 1;
-  if (!unit_text.empty()) {
-    const auto unit = parse_unit(unit_text);
-    const std::string word = lower_case(unit_text);
-    if (is_listed("|ks/s|ksps|", word)) {
-      factor = 1e3;
-    } else if (unit && unit->si == "Hz") {
-      factor = unit->factor;
-    } else if (unit && unit->quantity == Quantity::time) {
-      // A unit of time tells what a label such as "sampling" left open.
-      return 1 / (number * unit->factor);
-    } else if (!is_listed("|s/s|sps|samples/s|samples/sec|", word)) {
-      return 0;
-    }
+  const auto unit = parse_unit(unit_text);
+  const std::string word = lower_case(unit_text);
+  // A unit of time tells what a label such as "sampling" left open.
+  double rate = is_interval ? 1 / number : number;
+  if (is_listed("|ks/s|ksps|", word)) {
+    rate = 1e3 * number;
+  } else if (unit && unit->quantity == Quantity::time) {
+    rate = 1 / (number * unit->factor);
+  } else if (unit && unit->si == "Hz") {
+    rate = is_interval ? rate : number * unit->factor;
+  } else if (!is_listed("||s/s|sps|samples/s|samples/sec|", word)) {
+    return 0;
   }
-  const double rate = is_interval ? 1 / number : number * factor;
   return std::isfinite(rate) ? rate : 0;
 }
 
-/// The first line of the header that states a rate.
+/// The first line of the header that states a rate: a label, then its number behind a separator, a
+/// sign or a blank.
 void find_rate(const std::vector<std::string_view>& lines, CsvLayout& layout) {
+  constexpr std::string_view kBetween = " \t\r:=;,\"#%";
+  const char separator = layout.dialect.separator;
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const auto line = trim_blanks(lines[k]);
-    if (line.size() > 4096) continue;
-    double rate = 0;
-    const auto accept = [&](std::string_view label, std::string_view value) {
-      if (rate == 0) rate = rate_from_label(label, value, layout.dialect.decimal);
-    };
-    Fields fields;
-    split_fields(line, layout.dialect, fields);
-    for (std::size_t c = 0; c + 1 < fields.size(); ++c) accept(fields[c].text, fields[c + 1].text);
-    // "Sample rate: 1000 Hz", "fs = 1000" in one piece, whatever separates the columns.
-    if (const auto sign = line.find_first_of(":=\t;,"); sign != std::string_view::npos) {
-      accept(line.substr(0, sign), line.substr(sign + 1));
-    }
-    // "Sample rate 1000 Hz": a label, then its number, parted by a blank.
-    for (std::size_t at = line.find(' '); at < line.size(); at = line.find(' ', at + 1)) {
-      if (at + 1 == line.size() || std::isdigit(static_cast<unsigned char>(line[at + 1])) == 0) {
+    for (std::size_t at = 1; at < std::min<std::size_t>(line.size(), 4096); ++at) {
+      if (std::string_view(".0123456789").find(line[at]) == std::string_view::npos ||
+          kBetween.find(line[at - 1]) == std::string_view::npos) {
         continue;
       }
-      accept(line.substr(0, at), line.substr(at + 1));
-      break;
+      auto label = line.substr(0, line.find_last_not_of(kBetween, at - 1) + 1);
+      auto value = line.substr(at);
+      if (separator != ' ' &&
+          line.substr(label.size(), at - label.size()).find(separator) != std::string_view::npos) {
+        value = value.substr(0, value.find(separator));
+      }
+      label.remove_prefix(label.find_last_of("\t;,:=\"#%") + 1);
+      value = value.substr(0, value.find_last_not_of(" \t\"") + 1);
+      const double rate = rate_from_label(trim_blanks(label), value, layout.dialect.decimal);
+      if (rate == 0) continue;
+      layout.stated_rate_hz = rate;
+      layout.rate_line = static_cast<long>(k) + 1;
+      layout.rate_text = to_utf8(line.substr(0, 80));
+      return;
     }
-    if (rate == 0) continue;
-    layout.stated_rate_hz = rate;
-    layout.rate_line = static_cast<long>(k) + 1;
-    layout.rate_text = to_utf8(line.substr(0, 80));
-    return;
   }
 }
 
@@ -464,22 +404,10 @@ class HeaderReader {
     for (auto& texts : given_) texts.resize(columns_);
   }
 
-  /// Throws RecordingError when the titles show that the columns were split wrongly.
-  void read(const std::vector<std::string_view>& lines, const std::string& file) {
+  void read(const std::vector<std::string_view>& lines) {
     // From the table upwards: what stands nearest counts.
     for (std::size_t k = lines.size(); k-- > 0;) {
-      if (lines[k].size() > kLongestLine) continue;
-      line_ = static_cast<long>(k) + 1;
-      read_line(lines[k]);
-    }
-    if (half_titles_ > 0 && !layout_.has_points && layout_.dialect.separator == ',' &&
-        layout_.dialect.decimal == '.') {
-      throw RecordingError({file, half_titles_line_, 1, "", ""},
-                           "the table has " + std::to_string(columns_) + " columns but " +
-                               std::to_string(half_titles_) +
-                               " titles: the comma seems to be both the separator and the decimal "
-                               "sign",
-                           "write it with semicolons between the columns, or with decimal points");
+      if (lines[k].size() <= kLongestLine) read_line(lines[k]);
     }
     fill_columns();
   }
@@ -488,7 +416,6 @@ class HeaderReader {
   void copy(const Fields& row, std::size_t first, RowUse use) {
     if (have_[use]) return;
     have_[use] = true;
-    half_titles_line_ = line_;
     for (std::size_t c = first; c < std::min(columns_, row.size()); ++c) {
       given_[use][c] = use == kUnits ? bare_unit(row[c].text) : unquoted(row[c].text);
     }
@@ -543,25 +470,9 @@ class HeaderReader {
       copy(row, 1, use);
       return;
     }
-    read_titles(line, row, {words, figures, unit_words, filled, data_columns}, unmatched);
-  }
-
-  struct Above {
-    long words, figures, unit_words, filled, data_columns;
-  };
-
-  /// A line without a label: titles, or units where every field is one.
-  void read_titles(std::string_view line, const Fields& row, const Above& above, bool unmatched) {
-    const bool half = 2 * row.size() == columns_ && columns_ >= 2;
-    if (2 * above.words < above.data_columns || above.words < above.figures || above.words == 0) {
-      // Fewer titles than columns: kept in mind as a sign of columns that were split wrongly.
-      if (half && above.words == static_cast<long>(row.size()) && !have_[kNames]) {
-        half_titles_ = row.size();
-        half_titles_line_ = line_;
-      }
-      return;
-    }
-    const bool only_units = above.unit_words == above.filled;
+    // A line without a label: titles, or units where every field is one.
+    if (2 * words < data_columns || words < figures || words == 0) return;
+    const bool only_units = unit_words == filled;
     const bool untitled = !have_[kNames] && layout_.unmatched_titles.empty();
     if (unmatched) {
       if (!only_units && untitled && row.size() > 1) {
@@ -571,7 +482,6 @@ class HeaderReader {
     } else if (only_units && !have_[kUnits]) {
       copy(row, 0, kUnits);
     } else if (untitled && !have_[kNumbers]) {
-      if (half) half_titles_ = row.size();
       layout_.more_titles = row.size() > columns_;
       copy(row, 0, kNames);
     }
@@ -608,12 +518,9 @@ class HeaderReader {
 
   CsvLayout& layout_;
   const std::size_t columns_;
-  long line_ = 0;
   std::array<bool, kUses> have_{};
   std::array<std::vector<std::string>, kUses> given_;
   std::string common_unit_;
-  std::size_t half_titles_ = 0;  ///< titles for every second column; 0: none
-  long half_titles_line_ = 0;
 };
 
 /// Whether the line is one of numbers, as the columns hold them.
@@ -690,7 +597,7 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
     if (layout.heading.size() < 4096) layout.heading += lower_case(to_utf8(line)) + '\n';
   }
   find_rate(header, layout);
-  HeaderReader(layout).read(header, file);
+  HeaderReader(layout).read(header);
   return layout;
 }
 

@@ -4,8 +4,7 @@
 // Names, units, ranges and a sample rate stand above the numbers, in rows with or without a label
 // in front ("Sampling Rate(Hz)" 50, "Sample interval [ms]" 2, "Einheit;V"). The comma in a table of
 // whole numbers ("1,5") may part columns or be the decimal sign: titles, leading zeros behind it
-// ("1,05"), signs ("1,-5"), numbers of decimals and a first column that counts decide, or the table
-// is refused with the question.
+// ("1,05") and signs ("1,-5") decide, or the table is refused with the question.
 #pragma once
 
 #include <string>
@@ -48,7 +47,6 @@ struct CsvLayout {
   std::string rate_text;      ///< as written
   bool has_names = false;
   bool more_titles = false;      ///< than columns
-  bool has_points = false;       ///< a decimal point stands in some number
   std::string unmatched_titles;  ///< a line of titles that does not fit the columns; empty: none
   std::string heading;           ///< the header's lines of text, UTF-8, lower case, its first 4 kB
 };

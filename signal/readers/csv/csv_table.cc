@@ -1,11 +1,13 @@
 #include "signal/readers/csv/csv_table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <set>
+#include <cmath>
 #include <utility>
 
+#include "signal/numerics/numbers.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
@@ -13,93 +15,276 @@
 namespace rigfit::signal {
 namespace {
 
-using Places = std::vector<std::size_t>;
+constexpr std::size_t kStride = std::size_t{1} << 24;  // bytes between calls of `progress`
+constexpr std::size_t kLongestFooter = 1 << 16;
 
-/// "3", "3 to 5", "3 and 5".
-std::string columns_text(const Places& columns) {
-  std::string out;
-  for (std::size_t i = 0; i < columns.size();) {
-    std::size_t j = i;
-    while (j + 1 < columns.size() && columns[j + 1] == columns[j] + 1) ++j;
-    if (!out.empty()) out += ", ";
-    out += std::to_string(columns[i] + 1);
-    if (j > i) out += (j == i + 1 ? " and " : " to ") + std::to_string(columns[j] + 1);
-    i = j + 1;
-  }
-  return (columns.size() == 1 ? "column " : "columns ") + out;
+/// A field that makes a line no row of the table.
+struct BadField {
+  std::string_view text;
+  std::size_t column = 0;
+  const char* problem = "";
+  const char* remedy = "";
+  bool is_word = false;  ///< text, as in a line behind the table
+};
+
+/// Rows to make room for: of a long table by its beginning, so that its pages are looked at once.
+long likely_rows(std::string_view body) {
+  constexpr std::size_t kHead = std::size_t{1} << 20;
+  const auto head = body.substr(0, kHead);
+  const auto lf = std::count(head.begin(), head.end(), '\n');
+  const long rows = (lf > 0 ? lf : std::count(head.begin(), head.end(), '\r')) + 1;
+  if (body.size() <= kHead) return rows;
+  return static_cast<long>(1.02 * static_cast<double>(rows) * static_cast<double>(body.size()) /
+                           static_cast<double>(kHead));
 }
 
-/// The first few things that the left-out columns hold, for the note.
-std::string what_is_in(std::string_view body, const CsvDialect& dialect, const Places& columns) {
-  std::string found;
-  int words = 0;
-  std::vector<CsvField> fields;
-  for (int line = 0; line < 100 && !body.empty(); ++line) {
-    split_fields(take_line(body), dialect, fields);
-    for (const std::size_t c : columns) {
-      if (c >= fields.size() || fields[c].text.empty() || words == 4) continue;
-      found += (words++ > 0 ? ", \"" : "\"") + to_utf8(fields[c].text.substr(0, 40)) + "\"";
+class BodyParser {
+ public:
+  BodyParser(std::string_view bytes, const CsvLayout& layout, const std::vector<bool>& wanted,
+             const std::string& file)
+      : bytes_(bytes), layout_(layout), wanted_(wanted), file_(file) {
+    // Every field but the last of a line costs at least its separator.
+    const std::size_t size = bytes.size() - layout.body;
+    const auto stored = std::count(wanted.begin(), wanted.end(), true);
+    most_rows_ = static_cast<long>(2 * size + 4096) / std::max<long>(stored, 1);
+    body_.columns.resize(layout.columns.size());
+    target_.resize(layout.columns.size(), nullptr);
+    const long rows = likely_rows(bytes.substr(layout.body));
+    if (rows > most_rows_) throw ragged();
+    reserve(rows);
+  }
+
+  CsvBody parse(const std::function<void(std::size_t)>& progress) {
+    std::size_t told = layout_.body;
+    for (std::string_view rest = bytes_.substr(layout_.body); !rest.empty();) {
+      const std::size_t at = bytes_.size() - rest.size();
+      const std::string_view line = take_line(rest);
+      const bool has_end = at + line.size() < bytes_.size();
+      const Eigen::Index rows = body_.rows;
+      const long short_rows = body_.short_rows;
+      try {
+        parse_line(line);
+        body_.incomplete_last = !has_end && body_.short_rows > short_rows && rows > 0;
+      } catch (const BadField& bad) {
+        body_.incomplete_last = !has_end && rows > 0;
+        if (has_end && ends_table(at, bad)) break;
+        if (!body_.incomplete_last) throw refusal(bad);
+      }
+      // A logger that lost its power: the line is not whole.
+      if (body_.incomplete_last) body_.rows = rows, body_.short_rows = short_rows;
+      if (progress && at - told > kStride) {
+        progress(at);
+        told = at;
+      }
+    }
+    trim();
+    return std::move(body_);
+  }
+
+ private:
+  void reserve(Eigen::Index rows) {
+    if (capacity_ == most_rows_) throw ragged();
+    capacity_ = std::min<Eigen::Index>(rows, most_rows_);
+    for (std::size_t c = 0; c < target_.size(); ++c) {
+      if (!wanted_[c]) continue;
+      body_.columns[c].conservativeResize(capacity_);
+      target_[c] = body_.columns[c].data();
     }
   }
-  return found;
+
+  /// Throws BadField.
+  void parse_line(std::string_view line) {
+    const bool by_tabs = layout_.dialect.separator == '\t';
+    const std::size_t first = line.find_first_not_of(by_tabs ? " " : " \t");
+    if (first == std::string_view::npos) return;
+    if (line[first] == '#' || line[first] == '%') {
+      ++body_.comment_lines;
+      return;
+    }
+    if (body_.rows == capacity_) reserve(capacity_ + capacity_ / 2 + 16);
+    split_fields(line, layout_.dialect, fields_);
+    for (std::size_t c = 0; c < fields_.size(); ++c) {
+      const std::string_view text = fields_[c].text;
+      if (c >= target_.size() && !text.empty()) {
+        throw BadField{text, c, "more fields than the table has columns",
+                       "check for decimal commas, or for a separator inside a field"};
+      }
+      if (c < target_.size() && target_[c] != nullptr) target_[c][body_.rows] = value_of(text, c);
+    }
+    // What is not there is missing.
+    bool lacking = false;
+    for (std::size_t c = fields_.size(); c < target_.size(); ++c) {
+      if (target_[c] == nullptr) continue;
+      target_[c][body_.rows] = kNaN;
+      lacking = true;
+    }
+    body_.short_rows += lacking ? 1 : 0;
+    ++body_.rows;
+  }
+
+  [[nodiscard]] double value_of(std::string_view text, std::size_t c) const {
+    double value = 0;
+    int decimals = 0;
+    const ColumnKind kind = layout_.columns[c].kind;
+    if (parse_whole_number(text, layout_.dialect.decimal, value)) {
+      if (std::isfinite(value)) return value;
+      throw BadField{text, c, "a number too large for a double", "check the value"};
+    }
+    if (kind == ColumnKind::clock && parse_clock(text, value, decimals)) return value;
+    if (text.empty() || is_missing_word(text) || kind == ColumnKind::empty) return kNaN;
+    throw BadField{text, c, "not a number",
+                   "fix or delete the line, or leave the field empty where there is no value",
+                   true};
+  }
+
+  /// Whether the line at `at`, with its bad field, stands behind the table. Throws RecordingError
+  /// where it begins a second one.
+  bool ends_table(std::size_t at, const BadField& bad) {
+    if (!bad.is_word) return false;
+    const std::size_t behind = next_line(bytes_, line_end(bytes_, at));
+    if (bytes_.size() - behind < kLongestFooter && body_.rows > 0 && !holds_rows(behind)) {
+      body_.footer_line = line_number(bytes_, at);
+      return true;
+    }
+    // A program that writes one table a cycle, each with its header: the last line above the table
+    // (of titles or units) stands once more within some lines.
+    constexpr std::size_t kHeader = 4096;
+    std::string_view titles = bytes_.substr(0, layout_.body);
+    titles = titles.substr(0, titles.find_last_not_of("\r\n") + 1);
+    titles.remove_prefix(titles.find_last_of("\r\n") + 1);
+    if (trim_blanks(titles).empty() ||
+        bytes_.substr(at, kHeader).find(titles) == std::string_view::npos) {
+      return false;
+    }
+    throw RecordingError({file_, line_number(bytes_, at), 0, "", to_utf8(bytes_.substr(at, 40))},
+                         "a second table begins here, with titles of its own",
+                         "split the file into one for each table");
+  }
+
+  /// Whether some line from `at` on looks like a row: numbers in at least half of the columns.
+  [[nodiscard]] bool holds_rows(std::size_t at) const {
+    const auto columns = std::count(wanted_.begin(), wanted_.end(), true);
+    std::vector<CsvField> fields;
+    for (std::string_view rest = bytes_.substr(at); !rest.empty();) {
+      split_fields(take_line(rest), layout_.dialect, fields);
+      long numbers = 0;
+      for (std::size_t c = 0; c < std::min(fields.size(), wanted_.size()); ++c) {
+        const FieldKind kind = kind_of(fields[c].text, layout_.dialect.decimal);
+        numbers += wanted_[c] && (kind == FieldKind::number || kind == FieldKind::clock) ? 1 : 0;
+      }
+      if (numbers > 0 && 2 * numbers >= columns) return true;
+    }
+    return false;
+  }
+
+  /// Leaves out rows of nothing at the end (spreadsheets have them), and room that is not used.
+  void trim() {
+    const auto is_empty = [&](Eigen::Index row) {
+      return std::none_of(target_.begin(), target_.end(), [&](const double* column) {
+        return column != nullptr && !std::isnan(column[row]);
+      });
+    };
+    for (; body_.rows > 0 && is_empty(body_.rows - 1); --body_.rows) ++body_.empty_rows_at_end;
+    for (std::size_t c = 0; c < target_.size(); ++c) {
+      if (wanted_[c]) body_.columns[c].conservativeResize(body_.rows);
+    }
+  }
+
+  [[nodiscard]] RecordingError ragged() const {
+    return {{file_, layout_.body_line, 0, "", ""},
+            "the lines hold far fewer fields than the widest has columns (" +
+                std::to_string(layout_.columns.size()) + ")",
+            "give a table whose lines all have the same columns"};
+  }
+  [[nodiscard]] RecordingError refusal(const BadField& bad) const {
+    const auto at = static_cast<std::size_t>(bad.text.data() - bytes_.data());
+    const std::size_t line = bytes_.substr(0, at).find_last_of("\r\n") + 1;
+    return {{file_, line_number(bytes_, at), static_cast<long>(at - line) + 1,
+             bad.column < wanted_.size() ? layout_.columns[bad.column].name : "",
+             to_utf8(bad.text.substr(0, 60))},
+            bad.problem,
+            bad.remedy};
+  }
+
+  const std::string_view bytes_;
+  const CsvLayout& layout_;
+  const std::vector<bool>& wanted_;
+  const std::string& file_;
+  CsvBody body_;
+  std::vector<double*> target_;  ///< of the columns that are wanted; null: of another
+  std::vector<CsvField> fields_;
+  Eigen::Index capacity_ = 0, most_rows_ = 0;
+};
+
+/// The first few things that a column holds, for the note that it is left out.
+std::string what_is_in(std::string_view body, const CsvDialect& dialect, std::size_t column) {
+  std::vector<std::string> found;
+  std::vector<CsvField> fields;
+  for (int line = 0; line < 100 && found.size() < 4 && !body.empty(); ++line) {
+    split_fields(take_line(body), dialect, fields);
+    if (column >= fields.size() || fields[column].text.empty()) continue;
+    std::string text = to_utf8(fields[column].text.substr(0, 40));
+    if (std::ranges::find(found, text) == found.end()) found.push_back(std::move(text));
+  }
+  return listed(found);
 }
 
 void note_body(const CsvBody& body, std::vector<Note>& notes) {
-  const auto note = [&](long count, const char* code, const std::string& message,
+  const auto note = [&](long count, const char* code, fmt::format_string<const long&> message,
                         const std::string& where = "") {
-    if (count > 0) notes.push_back({code, message, where});
+    if (count > 0) add_note(notes, code, where, message, std::as_const(count));
   };
   note(body.short_rows, "incomplete",
-       fmt::format("{} lines have fewer fields than the table has columns; what is absent counts "
-                   "as missing",
-                   body.short_rows));
-  note(body.comment_lines, "left_out",
-       fmt::format("{} comment lines inside the table skipped", body.comment_lines));
+       "{} lines have fewer fields than the table has columns; what is absent counts as missing");
+  note(body.comment_lines, "left_out", "{} comment lines inside the table skipped");
   note(body.footer_line, "left_out", "text behind the table skipped",
        fmt::format("line {}", body.footer_line));
   note(body.incomplete_last ? 1 : 0, "incomplete",
        "the last line broke off before its end and is left out");
-  note(body.empty_rows_at_end, "left_out",
-       fmt::format("{} rows without any number at the end left out", body.empty_rows_at_end));
-}
-
-Channel channel_of(const CsvColumn& column, std::size_t place, Eigen::VectorXd numbers,
-                   std::set<std::string>& used, std::vector<Note>& notes) {
-  Channel channel;
-  const std::string first =
-      column.name.empty() ? "column " + std::to_string(place + 1) : column.name;
-  channel.name = unused_name(first, used);
-  if (channel.name != first) {
-    notes.push_back(
-        {"duplicate_name",
-         "a second column named \"" + first + "\" is called \"" + channel.name + "\" here",
-         channel.name});
-  }
-  if (column.kind == ColumnKind::clock) {
-    channel.source_unit = column.unit;
-    channel.unit = "s";
-    channel.quantity = Quantity::time;
-  } else {
-    take_unit(column.unit, channel, notes);
-  }
-  channel.nominal_range = column.range * channel.si_per_source;
-  take_samples(std::move(numbers), channel);
-  if (channel.nominal_range > 0 &&
-      (channel.samples.array().abs() > 1.1 * channel.nominal_range).any()) {
-    notes.push_back({"left_out",
-                     fmt::format("Check the unit: the numbers exceed the header's range of "
-                                 "{:.9g}, which is not used",
-                                 column.range),
-                     channel.name});
-    channel.nominal_range = 0;
-  }
-  if (channel.missing_samples == channel.samples.size()) {
-    notes.push_back({"no_samples", "holds no number at all", channel.name});
-  }
-  return channel;
+  note(body.empty_rows_at_end, "left_out", "{} rows without any number at the end left out");
 }
 
 }  // namespace
+
+CsvBody parse_csv_body(std::string_view bytes, const CsvLayout& layout,
+                       const std::vector<bool>& wanted, const std::string& file,
+                       const std::function<void(std::size_t)>& progress) {
+  return BodyParser(bytes, layout, wanted, file).parse(progress);
+}
+
+void CsvTable::add(CsvColumn description, std::size_t place, Eigen::VectorXd numbers) {
+  Channel channel;
+  const std::string first =
+      description.name.empty() ? "column " + std::to_string(place + 1) : description.name;
+  channel.name = unused_name(first, used_);
+  if (channel.name != first) {
+    add_note(notes, "duplicate_name", channel.name,
+             "a second column named \"{}\" is called \"{}\" here", first, channel.name);
+  }
+  if (description.kind == ColumnKind::clock) {
+    channel.source_unit = description.unit;
+    channel.unit = "s";
+    channel.quantity = Quantity::time;
+  } else {
+    take_unit(description.unit, channel, notes);
+  }
+  channel.nominal_range = description.range * channel.si_per_source;
+  take_samples(std::move(numbers), channel);
+  if (channel.nominal_range > 0 &&
+      (channel.samples.array().abs() > 1.1 * channel.nominal_range).any()) {
+    add_note(notes, "left_out", channel.name,
+             "Check the unit: the numbers exceed the header's range of "
+             "{:.9g}, which is not used",
+             description.range);
+    channel.nominal_range = 0;
+  }
+  if (channel.missing_samples == channel.samples.size()) {
+    add_note(notes, "no_samples", channel.name, "holds no number at all");
+  }
+  channels.push_back(std::move(channel));
+  columns.push_back(std::move(description));
+  places.push_back(place);
+}
 
 CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
                           const std::function<void(std::size_t)>& done_with,
@@ -110,14 +295,12 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
   const CsvLayout& layout = table.layout;
   const std::size_t n = layout.columns.size();
   std::vector<bool> wanted(n, false);
-  Places unnamed, words;
   for (std::size_t c = 0; c < n; ++c) {
     const CsvColumn& column = layout.columns[c];
     const bool named = !column.name.empty();
     // Without a name among named ones, and mostly empty: somebody's side calculation.
     wanted[c] = column.has_data() ? named || !layout.has_names || column.filled >= 0.5
                                   : named && column.kind == ColumnKind::empty;
-    if (!wanted[c]) (named ? words : unnamed).push_back(c);
   }
   CsvBody body = parse_csv_body(bytes, layout, wanted, file, done_with);
   if (body.rows == 0) {
@@ -125,38 +308,31 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
                          "check the recording");
   }
 
-  const auto holds = [&](const Places& columns) {
-    return what_is_in(bytes.substr(layout.body), layout.dialect, columns);
-  };
   if (!layout.unmatched_titles.empty()) {
-    table.notes.push_back(
-        {"titles_not_matched",
-         fmt::format("the titles \"{}\" do not part into {} columns: columns are named by their "
-                     "number; part the titles by tabs, or name channels in a TOML file",
-                     layout.unmatched_titles, n),
-         ""});
+    add_note(table.notes, "titles_not_matched", "",
+             "the titles \"{}\" do not part into {} columns: columns are named by their "
+             "number; part the titles by tabs, or name channels in a TOML file",
+             layout.unmatched_titles, n);
+  }
+  std::vector<std::string> unnamed;
+  for (std::size_t c = 0; c < n; ++c) {
+    if (wanted[c]) continue;
+    const std::string found = what_is_in(bytes.substr(layout.body), layout.dialect, c);
+    const std::string text = std::to_string(c + 1) + (found.empty() ? "" : " (" + found + ")");
+    if (layout.columns[c].name.empty()) {
+      unnamed.push_back(text);
+    } else {
+      add_note(table.notes, "left_out", layout.columns[c].name, "left out: words in column {}",
+               text);
+    }
   }
   if (!unnamed.empty()) {
-    const std::string found = holds(unnamed);
-    table.notes.push_back(
-        {"left_out",
-         columns_text(unnamed) +
-             (found.empty() ? " without name or numbers: left out"
-                            : " without a name, filled in few lines (" + found + "): left out"),
-         ""});
-  }
-  for (const std::size_t c : words) {
-    table.notes.push_back({"left_out",
-                           fmt::format("column {} holds words ({}): left out", c + 1, holds({c})),
-                           layout.columns[c].name});
+    add_note(table.notes, "left_out", "",
+             "left out, without a title and with few numbers: column {}", fmt::join(unnamed, ", "));
   }
   note_body(body, table.notes);
-  std::set<std::string> used;
   for (std::size_t c = 0; c < n; ++c) {
-    if (!wanted[c]) continue;
-    table.channels.push_back(
-        channel_of(layout.columns[c], c, std::move(body.columns[c]), used, table.notes));
-    table.column.push_back(c);
+    if (wanted[c]) table.add(layout.columns[c], c, std::move(body.columns[c]));
   }
   return table;
 }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,18 +43,21 @@ struct CsvTable {
   std::string file;  ///< for messages
   CsvLayout layout;
   std::vector<Channel> channels;
-  std::vector<std::size_t> column;  ///< column of each channel in the file
+  std::vector<CsvColumn> columns;   ///< of each channel
+  std::vector<std::size_t> places;  ///< of each channel's column in the file
   std::vector<Note> notes;
 
-  /// The file's column of a channel.
-  [[nodiscard]] const CsvColumn& column_of(std::size_t channel) const {
-    return layout.columns[column[channel]];
-  }
+  /// Adds a column's numbers as a channel, with a name of its own and in SI, and notes what is
+  /// wrong with it.
+  void add(CsvColumn description, std::size_t place, Eigen::VectorXd numbers);
   /// By its clock times, unit or name.
   [[nodiscard]] bool is_time(std::size_t channel) const {
-    return column_of(channel).kind == ColumnKind::clock ||
-           channels[channel].quantity == Quantity::time || is_time_name(column_of(channel).name);
+    return columns[channel].kind == ColumnKind::clock ||
+           channels[channel].quantity == Quantity::time || is_time_name(columns[channel].name);
   }
+
+ private:
+  std::set<std::string> used_;  ///< names
 };
 
 /// `bytes`: text as text_without_mark gives it. `done_with` is told how far the body has been read.

@@ -11,8 +11,9 @@
 #include <numbers>
 #include <utility>
 
-#include "signal/readers/files/frf_unit.h"
+#include "signal/readers/files/frf_parts.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 
 namespace rigfit::signal {
 
@@ -170,10 +171,8 @@ double phase_factor(const Channel& phase, FrfSet& set, const std::string& where)
   if (phase.quantity == Quantity::angle) return 1;
   const double largest = phase.samples.cwiseAbs().maxCoeff();
   const bool degrees = largest > 2 * std::numbers::pi;
-  set.notes.push_back({"assumed",
-                       fmt::format("the phase has no unit and reaches {:.4g}: taken as {}", largest,
-                                   degrees ? "degrees" : "radians"),
-                       where});
+  add_note(set.notes, "assumed", where, "the phase has no unit and reaches {:.4g}: taken as {}",
+           largest, degrees ? "degrees" : "radians");
   return degrees ? std::numbers::pi / 180 : 1;
 }
 
@@ -185,15 +184,15 @@ Eigen::VectorXcd values_of(const Columns& columns, FrfSet& set, const std::strin
     values.imag() = columns.second->samples;
     return values;
   }
-  const bool decibels = in_decibels(first);
+  const bool decibels = has_word(lower_case(first.source_unit + " " + first.name), "db");
   const double radians = phase_factor(*columns.second, set, where);
   for (Eigen::Index k = 0; k < values.size(); ++k) {
     const double magnitude = decibels ? std::pow(10.0, first.samples[k] / 20) : first.samples[k];
     values[k] = std::polar(1.0, radians * columns.second->samples[k]) * magnitude;
   }
   if (decibels) {
-    set.notes.push_back(
-        {"assumed", "magnitudes in dB are taken over 1 of the FRF's unit: 10^(dB/20)", where});
+    add_note(set.notes, "assumed", where,
+             "magnitudes in dB are taken over 1 of the FRF's unit: 10^(dB/20)");
   }
   return values;
 }
@@ -216,38 +215,27 @@ void set_form(const FrequencyTable& table, const Columns& columns, FrfSet& set) 
   set.form = form_by_heading(table.heading);
   if (const std::string unit = unit_of(set.form); !unit.empty()) {
     set.unit = unit;
-    set.notes.push_back(
-        {"assumed",
-         "the title says " + std::string(name_of(set.form)) + ": the numbers are taken in " + unit,
-         table.path.string()});
+    add_note(set.notes, "assumed", table.path.string(),
+             "the title says {}: the numbers are taken in {}", name_of(set.form), unit);
     return;
   }
-  set.notes.push_back({"no_unit",
-                       "the FRFs have no unit that is known: the numbers are kept as they are; "
-                       "frequencies and damping do not depend on it",
-                       table.path.string()});
-}
-
-RecordingError refusal(const FrequencyTable& table, std::string problem, std::string remedy) {
-  return {{table.path.string(), 0, 0, "", ""}, std::move(problem), std::move(remedy)};
+  add_note(set.notes, "no_unit", table.path.string(),
+           "the FRFs have no unit that is known: the numbers are kept as they are; "
+           "frequencies and damping do not depend on it");
 }
 
 }  // namespace
-
-bool in_decibels(const Channel& function) {
-  return has_word(lower_case(function.source_unit + " " + function.name), "db");
-}
 
 std::optional<std::size_t> frequency_column(const CsvTable& table) {
   std::string titles = table.layout.heading;
   for (std::size_t k = 0; k < table.channels.size(); ++k) {
     if (table.is_time(k)) return std::nullopt;
-    titles += lower_case(table.column_of(k).name + " " + table.column_of(k).unit) + '\n';
+    titles += lower_case(table.columns[k].name + " " + table.columns[k].unit) + '\n';
   }
   if (table.channels.size() < 2) return std::nullopt;
   // The frequencies stand first, or behind a column of line numbers.
   for (std::size_t k = 0; k < std::min<std::size_t>(2, table.channels.size() - 1); ++k) {
-    const CsvColumn& column = table.column_of(k);
+    const CsvColumn& column = table.columns[k];
     if (!is_hertz(column.unit) && !(column.unit.empty() && is_frequency_name(column.name)))
       continue;
     if (rises(table.channels[k].samples)) return k;
@@ -264,7 +252,7 @@ std::string spectrum_without_frequencies(const CsvTable& table) {
   bool has_time = false;
   for (std::size_t k = 0; k < table.channels.size(); ++k) has_time |= table.is_time(k);
   for (std::size_t k = 0; k < table.channels.size(); ++k) {
-    const CsvColumn& column = table.column_of(k);
+    const CsvColumn& column = table.columns[k];
     const std::string title = lower_case(column.name + " " + column.unit);
     std::string_view word = has_time ? word_in(title, kNoTime) : spectrum_word_in(title);
     if (word.empty() && !has_rate && !has_time) {
@@ -295,7 +283,7 @@ std::optional<FrequencyTable> frequency_table_of(CsvTable csv, const std::filesy
   table.notes = std::move(csv.notes);
   table.frequency_hz = csv.channels[*at].samples;
   for (std::size_t k = *at + 1; k < csv.channels.size(); ++k) {
-    const auto kind = csv.layout.columns[csv.column[k]].kind;
+    const auto kind = csv.columns[k].kind;
     if (kind == ColumnKind::numbers) table.functions.push_back(std::move(csv.channels[k]));
   }
   if (table.functions.empty()) {
@@ -305,71 +293,37 @@ std::optional<FrequencyTable> frequency_table_of(CsvTable csv, const std::filesy
   return table;
 }
 
-bool holds_frfs(const FrequencyTable& table) { return !pairs_of(table).empty(); }
-
 FrfSet frfs_of(const std::vector<FrequencyTable>& tables) {
-  FrfSet set;
-  set.inputs.push_back({"force", 0, 0});
-  std::vector<Eigen::VectorXcd> H;
-  std::vector<Eigen::VectorXd> coherences;
+  FrfSet about;  // form, unit and notes
+  std::vector<FrfPart> parts;
   for (const auto& table : tables) {
+    const std::string path = table.path.string(), stem = table.path.stem().string();
     const auto pairs = pairs_of(table);
     if (pairs.empty()) {
-      throw refusal(table, "is a spectrum without phase, not an FRF",
-                    "export frequency, real and imaginary part (or magnitude and phase)");
+      throw file_error(path, "is a spectrum without phase, not an FRF",
+                       "export frequency, real and imaginary part (or magnitude and phase)");
     }
-    if (set.frequency_hz.size() == 0) {
-      set.frequency_hz = table.frequency_hz;
-      set_form(table, pairs.front(), set);
-    } else if (set.frequency_hz.size() != table.frequency_hz.size() ||
-               (set.frequency_hz - table.frequency_hz).cwiseAbs().maxCoeff() >
-                   1e-6 * set.frequency_hz.maxCoeff()) {
-      throw refusal(table, "has other frequencies than " + tables.front().path.string(),
-                    "give FRFs over the same lines");
-    }
-    for (const auto& note : table.notes) set.notes.push_back(note);
+    if (parts.empty()) set_form(table, pairs.front(), about);
+    about.notes.insert(about.notes.end(), table.notes.begin(), table.notes.end());
     for (const auto& columns : pairs) {
-      const std::string stem = table.path.stem().string();
-      const std::string name =
-          columns.base.empty() ? stem
-                               : (tables.size() == 1 ? columns.base : stem + " " + columns.base);
-      set.responses.push_back({name, static_cast<int>(set.responses.size()) + 1, 0});
-      H.push_back(values_of(columns, set, table.path.string()));
-      if (columns.coherence != nullptr) coherences.push_back(columns.coherence->samples);
+      const std::string name = columns.base.empty() ? stem
+                               : tables.size() == 1 ? columns.base
+                                                    : stem + " " + columns.base;
+      FrfPart part{{name, static_cast<int>(parts.size()) + 1, 0},
+                   {"force", 0, 0},
+                   about.form,
+                   table.frequency_hz,
+                   values_of(columns, about, path),
+                   {},
+                   {},
+                   path};
+      if (columns.coherence != nullptr) part.coherence = columns.coherence->samples;
+      parts.push_back(std::move(part));
     }
   }
-  // The line at 0 Hz is often no number; the last one is none where the file was cut short.
-  Eigen::Index first = 0, lines = set.frequency_hz.size();
-  const auto whole = [&](Eigen::Index line) {
-    return std::all_of(H.begin(), H.end(),
-                       [line](const auto& h) { return std::isfinite(std::abs(h[line])); });
-  };
-  if (!whole(0)) first = 1;
-  if (lines > 2 && !whole(lines - 1)) --lines;
-  if (const Eigen::Index left = set.frequency_hz.size() - (lines - first); left > 0) {
-    set.notes.push_back({"data_left_out",
-                         left == 2 ? "the first and the last line are no numbers and are left out"
-                                   : std::string("the ") + (first == 1 ? "first" : "last") +
-                                         " line is no number and is left out",
-                         ""});
-  }
-  const Eigen::Index kept = lines - first;
-  set.H.resize(kept, static_cast<Eigen::Index>(H.size()));
-  for (std::size_t k = 0; k < H.size(); ++k) {
-    set.H.col(static_cast<Eigen::Index>(k)) = H[k].segment(first, kept);
-  }
-  set.frequency_hz = Eigen::VectorXd(set.frequency_hz.segment(first, kept));
-  if (!set.H.allFinite()) {
-    throw refusal(tables.front(), "an FRF holds values that are no numbers",
-                  "export the FRFs again");
-  }
-  if (coherences.size() == H.size()) {
-    set.coherence.resize(kept, static_cast<Eigen::Index>(H.size()));
-    for (std::size_t k = 0; k < H.size(); ++k) {
-      set.coherence.col(static_cast<Eigen::Index>(k)) = coherences[k].segment(first, kept);
-    }
-    if (!set.coherence.allFinite()) set.coherence.resize(0, 0);
-  }
+  FrfSet set = set_of_parts(parts);
+  set.unit = about.unit;
+  set.notes.insert(set.notes.begin(), about.notes.begin(), about.notes.end());
   return set;
 }
 

@@ -50,12 +50,6 @@ struct FrequencyTable {
 [[nodiscard]] std::optional<FrequencyTable> frequency_table_of(CsvTable csv,
                                                                const std::filesystem::path& path);
 
-/// Whether a function is given in dB, by its unit or title.
-[[nodiscard]] bool in_decibels(const Channel& function);
-
-/// Whether the table has FRFs: real and imaginary parts, or magnitudes and phases.
-[[nodiscard]] bool holds_frfs(const FrequencyTable& table);
-
 /// FRFs of one input: each pair of columns of each table is a response. Magnitudes may be in dB.
 /// Throws RecordingError for tables without phase, of different lines, or with values that are no
 /// numbers.

@@ -49,28 +49,6 @@ TimeAxis axis_of(const Eigen::VectorXd& times, double& printed, double stated_ra
   return axis;
 }
 
-/// A unit of times, in seconds, that a person can have meant; 0: none.
-struct UnitGuess {
-  double seconds = 0;
-  const char* name = "";
-};
-
-/// The unit in which the times give the stated rate.
-UnitGuess unit_by_rate(double rate_hz, double stated_hz) {
-  for (const UnitGuess& unit : {UnitGuess{1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}, {60.0, "min"}}) {
-    if (rate_hz > 0 && stated_hz > 0 && std::abs(rate_hz / unit.seconds / stated_hz - 1) < 1e-2) {
-      return unit;
-    }
-  }
-  return {};
-}
-
-/// Whole numbers in steps of one or more are seldom seconds.
-UnitGuess suspected_unit(const Channel& column, int decimals, double rate_hz) {
-  if (decimals > 0 || column.samples.size() < 20 || !(rate_hz > 0) || rate_hz > 1) return {};
-  return rate_hz >= 0.01 ? UnitGuess{1e-3, "ms"} : UnitGuess{1e-6, "us"};
-}
-
 /// Which channels of a table are its times, and what these say.
 class TimeTaker {
  public:
@@ -87,12 +65,9 @@ class TimeTaker {
   }
 
  private:
-  void note(const char* code, std::string message, std::string where = "") {
-    recording_.notes.push_back({code, std::move(message), std::move(where)});
-  }
-  [[nodiscard]] ColumnKind kind(std::size_t k) const { return table_.column_of(k).kind; }
+  [[nodiscard]] ColumnKind kind(std::size_t k) const { return table_.columns[k].kind; }
   [[nodiscard]] bool rises_evenly(std::size_t k) const {
-    return looks_like_time(table_.channels[k].samples, table_.column_of(k).decimals);
+    return looks_like_time(table_.channels[k].samples, table_.columns[k].decimals);
   }
 
   void find() {
@@ -105,24 +80,25 @@ class TimeTaker {
     refuse_shifted_titles();
     if (time_ || table_.channels.size() < 2) return;
     const Channel& first = table_.channels[0];
-    const bool unnamed = table_.column_of(0).name.empty() && table_.column[0] == 0;
+    const bool unnamed = table_.columns[0].name.empty() && table_.places[0] == 0;
     if ((unnamed || is_index_name(first.name)) && counts_samples(first.samples)) {
       left_out_.push_back(0);
-      note("left_out", "ignored: it is a row counter", first.name);
+      add_note(recording_.notes, "left_out", first.name, "ignored: it is a row counter");
     } else if ((unnamed || first.quantity == Quantity::time) &&
                (rises_evenly(0) || options_.time_unit_s > 0)) {
       time_ = 0;
       if (first.source_unit.empty() && !layout_.has_names) {
-        note("read_as", options_.time_unit_s > 0
-                            ? "column 1 is taken as time in the unit given"
-                            : "column 1 rises in equal steps: taken as time in seconds");
+        add_note(recording_.notes, "read_as", "", "{}",
+                 options_.time_unit_s > 0
+                     ? "column 1 is taken as time in the unit given"
+                     : "column 1 rises in equal steps: taken as time in seconds");
       }
     } else if (unnamed && first.samples.size() > 2 && first.samples.allFinite() &&
                steps_of(first.samples).minCoeff() > 0) {
-      note("assumed",
-           "Give titles or --time-unit s if column 1 is time: it rises but has no title, and is "
-           "kept as a channel (loads, masses?)",
-           first.name);
+      add_note(
+          recording_.notes, "assumed", first.name,
+          "Give titles or --time-unit s if column 1 is time: it rises but has no title, and is "
+          "kept as a channel (loads, masses?)");
     }
   }
 
@@ -138,7 +114,7 @@ class TimeTaker {
     };
     const std::size_t at = time_.value_or(0);
     const bool beside = time_ ? !is_time(at) && (is_time(at + 1) || (at > 0 && is_time(at - 1)))
-                              : is_time(0) && !table_.column_of(0).name.empty();
+                              : is_time(0) && !table_.columns[0].name.empty();
     if (!beside) return;
     throw RecordingError(
         {table_.file, layout_.body_line, 0, table_.channels[at].name, ""},
@@ -151,7 +127,7 @@ class TimeTaker {
   void take_times() {
     Channel& column = table_.channels[*time_];
     const bool is_clock = kind(*time_) == ColumnKind::clock;
-    const int decimals = table_.column_of(*time_).decimals;
+    const int decimals = table_.columns[*time_].decimals;
     double printed = std::pow(10.0, -decimals) * std::abs(column.si_per_source);
     const auto scale = [&](double factor) {
       column.samples *= factor;
@@ -169,35 +145,37 @@ class TimeTaker {
     } else if (const double factor = options_.time_unit_s / column.si_per_source;
                options_.time_unit_s > 0 && factor != 1) {
       if (!column.source_unit.empty()) {
-        note("read_as",
-             "the file says \"" + column.source_unit +
-                 "\" of the times; the unit asked for is taken",
-             column.name);
+        add_note(recording_.notes, "read_as", column.name, "{}",
+                 "the file says \"" + column.source_unit +
+                     "\" of the times; the unit asked for is taken");
       }
       scale(factor);
     }
     double resolution = printed;
     TimeAxis axis = axis_of(column.samples, resolution, layout_.stated_rate_hz);
-    if (options_.time_unit_s == 0 && column.source_unit.empty() && !is_clock) {
-      const UnitGuess stated = unit_by_rate(axis.rate_hz, layout_.stated_rate_hz);
-      const UnitGuess suspected = suspected_unit(column, decimals, axis.rate_hz);
-      if (stated.seconds > 0) {
-        scale(stated.seconds);
+    if (options_.time_unit_s == 0 && column.source_unit.empty() && !is_clock && axis.rate_hz > 0) {
+      // The unit in which the times give the stated rate.
+      constexpr std::pair<double, const char*> kUnits[] = {
+          {1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}, {60, "min"}};
+      const auto* const unit = std::ranges::find_if(kUnits, [&](const auto& one) {
+        return std::abs(axis.rate_hz / one.first / layout_.stated_rate_hz - 1) < 1e-2;
+      });
+      if (unit != std::end(kUnits)) {
+        scale(unit->first);
         resolution = printed;
         axis = axis_of(column.samples, resolution, layout_.stated_rate_hz);
-        note("assumed",
-             fmt::format("the times have no unit; in {} they give the rate that the header "
-                         "states: so taken",
-                         stated.name),
-             column.name);
-      } else if (suspected.seconds > 0) {
-        note("time_axis",
-             fmt::format("Give --time-unit {} (key time_unit) if the times are not in seconds: "
-                         "they are whole numbers without a unit; in seconds the rate is {:.9g} "
-                         "Hz, in {} {:.9g} Hz",
-                         suspected.name, axis.rate_hz, suspected.name,
-                         axis.rate_hz / suspected.seconds),
-             column.name);
+        add_note(recording_.notes, "assumed", column.name,
+                 "the times have no unit; in {} they give the rate that the header "
+                 "states: so taken",
+                 unit->second);
+      } else if (decimals <= 0 && column.samples.size() >= 20 && axis.rate_hz <= 1) {
+        // Whole numbers in steps of one or more are seldom seconds.
+        const auto& [seconds, name] = kUnits[axis.rate_hz >= 0.01 ? 0 : 1];
+        add_note(recording_.notes, "time_axis", column.name,
+                 "Give --time-unit {} (key time_unit) if the times are not in seconds: "
+                 "they are whole numbers without a unit; in seconds the rate is {:.9g} "
+                 "Hz, in {} {:.9g} Hz",
+                 name, axis.rate_hz, name, axis.rate_hz / seconds);
       }
     }
     ReadTimes times{column.samples,
@@ -215,7 +193,7 @@ class TimeTaker {
       if (k == *time_ || kind(k) == ColumnKind::empty || !table_.is_time(k)) continue;
       if ((other.samples - column.samples).cwiseAbs().maxCoeff() <= printed) {
         left_out_.push_back(k);
-        note("read_as", "the same times once more: left out", other.name);
+        add_note(recording_.notes, "read_as", other.name, "the same times once more: left out");
       }
     }
   }
@@ -269,15 +247,14 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
   if (recording.sample_rate_hz == 0) recording.sample_rate_hz = layout.stated_rate_hz;
   take_stated_rate(options.sample_rate_hz, recording);
   if (recording.sample_rate_hz == 0) {
-    recording.notes.push_back({"no_sample_rate",
-                               "neither times nor a sample rate in the file: give the rate (option "
-                               "or sample_rate_hz in the TOML file beside the recording)",
-                               ""});
+    add_note(recording.notes, "no_sample_rate", "",
+             "neither times nor a sample rate in the file: give the rate (option "
+             "or sample_rate_hz in the TOML file beside the recording)");
   }
   for (std::size_t k = 0; k < table.channels.size(); ++k) {
     if (std::find(left_out.begin(), left_out.end(), k) != left_out.end()) continue;
-    if (layout.has_names && table.column_of(k).name.empty()) {
-      recording.notes.push_back({"read_as", "has no title in the header", table.channels[k].name});
+    if (layout.has_names && table.columns[k].name.empty()) {
+      add_note(recording.notes, "read_as", table.channels[k].name, "has no title in the header");
     }
     recording.channels.push_back(std::move(table.channels[k]));
   }

@@ -1,4 +1,4 @@
-#include "signal/readers/files/foreign_formats.h"
+#include "signal/readers/files/read_formats.h"
 
 #include <algorithm>
 
@@ -21,19 +21,10 @@ constexpr Signature kSignatures[] = {
      "(TdmsFile.read(F).as_dataframe().to_csv)"},
     {"MDF     "sv, "an ASAM MDF (MF4) file",
      "export it as MAT or CSV, in Python by asammdf: MDF(F).export('mat') or export('csv')"},
-    {"UnFinMF "sv, "an ASAM MDF (MF4) file that was not closed",
-     "finalise it and export it as MAT or CSV, in Python by asammdf"},
     {"\x89HDF\r\n\x1a\n"sv, "an HDF5 file",
      "export the arrays as .npy, .mat or CSV, in Python by h5py and numpy.save"},
-    {"|CF,"sv, "an imc FAMOS file", "export it as CSV or UFF 58 from FAMOS"},
-    {"|CK,"sv, "an imc FAMOS file", "export it as CSV or UFF 58 from FAMOS"},
-    {"DEWE"sv, "a Dewesoft file", "export it as UFF 58, MAT or CSV from DewesoftX"},
     {"\x1F\x8B"sv, "a gzip file", kUnpack},
-    {"7z\xBC\xAF\x27\x1C"sv, "a 7z archive", kUnpack},
     {"%PDF"sv, "a PDF document", "give the recording, not its plot or report"},
-    {"fLaC"sv, "a FLAC sound file", "convert it to WAV: flac -d F"},
-    {"OggS"sv, "an Ogg sound file", "its compression changes the signal; record as WAV"},
-    {"ID3"sv, "an MP3 sound file", "its compression changes the signal; record as WAV"},
 };
 
 constexpr auto kCompoundFile = "\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"sv;
@@ -62,14 +53,9 @@ std::optional<ForeignFormat> foreign_format(std::string_view bytes) {
     }
   }
   if (bytes.substr(0, kCompoundFile.size()) == kCompoundFile) {
-    // Its streams have names in UTF-16.
-    if (bytes.find("E\0n\0c\0r\0y\0p\0t\0e\0d\0P\0a\0c\0k\0a\0g\0e\0"sv) !=
-        std::string_view::npos) {
-      return ForeignFormat{"an Excel workbook or Office document with a password",
-                           "open it, take the password off and save it as .xlsx"};
-    }
-    return ForeignFormat{"an old Excel workbook (.xls)",
-                         "open it in a spreadsheet program and save it as .xlsx, or as CSV"};
+    return ForeignFormat{"an old Excel workbook (.xls), or one with a password",
+                         "open it in a spreadsheet program and save it as .xlsx without a "
+                         "password, or as CSV"};
   }
   if (bytes.substr(0, 4) == kZipPart && !is_excel_workbook(bytes)) {
     const auto head = bytes.substr(0, 1 << 16);
@@ -84,15 +70,11 @@ std::optional<ForeignFormat> foreign_format(std::string_view bytes) {
   }
   auto text = bytes.substr(0, 512);
   text.remove_prefix(std::min(text.find_first_not_of("\xEF\xBB\xBF \t\r\n"), text.size()));
-  for (const char* begin : {"<?xml", "<!doctype", "<!DOCTYPE", "<html", "<HTML"}) {
+  for (const char* begin :
+       {"<?xml", "<!doctype", "<!DOCTYPE", "<html", "<HTML", "{\"", "{\n", "[{"}) {
     if (text.starts_with(begin)) {
-      return ForeignFormat{"a web page or XML file",
+      return ForeignFormat{"a web page, XML or JSON document",
                            "export the recording itself as CSV, LVM or UFF 58"};
-    }
-  }
-  for (const char* begin : {"{\"", "{\n", "[{"}) {
-    if (text.starts_with(begin)) {
-      return ForeignFormat{"a JSON document", "write the samples as CSV, one line a sample"};
     }
   }
   return std::nullopt;

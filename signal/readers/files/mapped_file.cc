@@ -14,7 +14,7 @@ namespace rigfit::signal {
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
   const auto fail = [&](const std::string& problem, const std::string& remedy) {
-    throw RecordingError({path.string(), 0, 0, "", ""}, problem, remedy);
+    throw file_error(path, problem, remedy);
   };
   // A pipe without a writer must not hang the run.
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);

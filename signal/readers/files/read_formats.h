@@ -4,14 +4,17 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
 #include "signal/spectra/frf_set.h"
 
-// `bytes` is the whole file, `path` is used in messages; `done_with`, if given, is called now and
-// then with the bytes read so far. All throw RecordingError.
+// `bytes` is the whole file, `path` is used in messages and by libraries that read files;
+// `done_with`, if given, is called now and then with the bytes read so far. All throw
+// RecordingError.
 namespace rigfit::signal {
 
 /// Text tables as loggers write them. Separator (comma, semicolon, tab, blanks), decimal sign,
@@ -37,16 +40,14 @@ namespace rigfit::signal {
 /// `scale` and `unit` (recording_description.h). The range is full scale where the file holds whole
 /// numbers. A truncated file is read as far as it goes, with a note.
 [[nodiscard]] Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
-                                 const ReadOptions& options = {},
-                                 const std::function<void(std::size_t)>& done_with = {});
+                                 const ReadOptions& options = {});
 
-/// NumPy arrays (.npy, versions 1 to 3): numeric arrays of one or two dimensions, or records with
-/// named fields, which become channels' names. The longer dimension is time. Refused are complex
-/// numbers, Python objects, more than two dimensions and a file shorter than its header says.
-/// Source: numpy.lib.format, "A simple format for saving numpy arrays".
+/// NumPy arrays (.npy, versions 1 to 3) of numbers, of one or two dimensions; the longer one is
+/// time. Refused are complex numbers, records, Python objects, more than two dimensions and a file
+/// shorter than its header says. Source: numpy.lib.format, "A simple format for saving numpy
+/// arrays".
 [[nodiscard]] Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
-                                 const ReadOptions& options = {},
-                                 const std::function<void(std::size_t)>& done_with = {});
+                                 const ReadOptions& options = {});
 
 /// MATLAB files (.mat), versions 5 to 7 and 7.3, by libmatio: numeric arrays, also inside structs
 /// and cells. Arrays whose longer side has the same length are the channels of the recording; a
@@ -60,5 +61,27 @@ namespace rigfit::signal {
 /// lines ("freq", "f").
 [[nodiscard]] FrfSet read_mat_frfs(const std::filesystem::path& path,
                                    const ReadOptions& options = {});
+
+/// A sheet of an Excel workbook (.xlsx, ECMA-376) as a table: by the rules of tables of text
+/// (csv/csv_table.h), on its numbers as they are saved. `options.sheet`: name or number ("#2");
+/// empty: the first, and a note names the others. Refused, with the cell ("Sheet1!B7"), besides
+/// cells without a sound value: numbers stored as text in the table, and merged cells in it or
+/// among its titles (a heading alone in its row above them may be merged).
+[[nodiscard]] Recording read_xlsx(const std::filesystem::path& path,
+                                  const ReadOptions& options = {});
+/// The columns of the sheet, whatever they are over.
+struct CsvTable;
+[[nodiscard]] CsvTable read_xlsx_columns(const std::filesystem::path& path,
+                                         const ReadOptions& options = {});
+/// Whether the bytes begin a zip archive with the parts of an Excel workbook.
+[[nodiscard]] bool is_excel_workbook(std::string_view bytes);
+
+/// A file of another program that is recognised and not read.
+struct ForeignFormat {
+  std::string name;    ///< such as "National Instruments TDMS"
+  std::string remedy;  ///< what to do about it
+};
+/// By the first bytes; empty: none of those known.
+[[nodiscard]] std::optional<ForeignFormat> foreign_format(std::string_view bytes);
 
 }  // namespace rigfit::signal

@@ -5,16 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <map>
 #include <numbers>
-#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "signal/numerics/numbers.h"
-#include "signal/readers/files/frf_unit.h"
+#include "signal/readers/files/frf_parts.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/readers/uff/uff58.h"
 #include "signal/recording/recording_error.h"
@@ -100,11 +98,11 @@ void take_channels(const Uff58File& file, const Functions& functions, std::size_
   }
   if (static_cast<double>(longest) * static_cast<double>(functions.size()) >
       4.0 * static_cast<double>(file_size) + 4096) {
-    throw RecordingError({recording.path.string(), 0, 0, "", ""},
-                         fmt::format("its channels differ too much in length (the longest has {} "
-                                     "samples) to be one recording",
-                                     longest),
-                         "split the file");
+    throw file_error(recording.path.string(),
+                     fmt::format("its channels differ too much in length (the longest has {} "
+                                 "samples) to be one recording",
+                                 longest),
+                     "split the file");
   }
   std::set<std::string> used;
   for (std::size_t k = 0; k < functions.size(); ++k) {
@@ -118,17 +116,14 @@ void take_channels(const Uff58File& file, const Functions& functions, std::size_
     channel.samples.conservativeResize(longest);
     channel.samples.tail(longest - had).setConstant(kNaN);
     channel.missing_samples += longest - had;
-    recording.notes.push_back(
-        {"incomplete",
-         fmt::format("has {} samples of {}; the rest counts as missing", had, longest),
-         channel.name});
+    add_note(recording.notes, "incomplete", channel.name,
+             "has {} samples of {}; the rest counts as missing", had, longest);
   }
-  for (const auto& remark : file.remarks) recording.notes.push_back({"uff_remark", remark, ""});
+  for (const auto& remark : file.remarks) add_note(recording.notes, "uff_remark", "", "{}", remark);
   if (file.other_datasets.empty()) return;
   const std::set<int> others(file.other_datasets.begin(), file.other_datasets.end());
-  recording.notes.push_back(
-      {"left_out", fmt::format("datasets other than 58 are not read: {}", fmt::join(others, ", ")),
-       ""});
+  add_note(recording.notes, "left_out", "", "datasets other than 58 are not read: {}",
+           fmt::join(others, ", "));
 }
 
 bool same_times(const Uff58& a, const Uff58& b) {
@@ -140,31 +135,25 @@ bool same_times(const Uff58& a, const Uff58& b) {
 
 /// All channels share their times: the largest group of the same form. The others are noted.
 Functions of_one_form(const Functions& all, std::vector<Note>& notes) {
-  constexpr std::size_t kMostForms = 64;  // more forms than that: the largest among the first
-  std::size_t best = 0;
-  std::ptrdiff_t most = 0;
-  const auto like = [&](std::size_t k) {
-    return [first = all[k]](const Uff58* f) { return same_times(*first, *f); };
-  };
-  for (std::size_t k = 0; k < std::min(all.size(), kMostForms); ++k) {
-    if (k > 0 && same_times(*all[k], *all[k - 1])) continue;
-    const auto count = std::count_if(all.begin(), all.end(), like(k));
-    if (count > most) best = k, most = count;
-  }
-  Functions taken;
-  std::string left;
+  std::vector<Functions> groups;
   for (const auto* f : all) {
-    if (same_times(*all[best], *f)) {
-      taken.push_back(f);
-    } else if (left.size() < 200) {
-      left += fmt::format("{}\"{}\" (line {})", left.empty() ? "" : ", ", name_of_response(*f),
-                          f->line);
-    }
+    auto like = std::find_if(groups.begin(), groups.end(),
+                             [&](const Functions& g) { return same_times(*g.front(), *f); });
+    if (like == groups.end()) like = groups.insert(like, Functions{});
+    like->push_back(f);
+  }
+  const auto taken =
+      std::max_element(groups.begin(), groups.end(),
+                       [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  std::vector<std::string> left;
+  for (const auto* f : all) {
+    if (same_times(*taken->front(), *f)) continue;
+    left.push_back(fmt::format("{} (line {})", name_of_response(*f), f->line));
   }
   if (!left.empty()) {
-    notes.push_back({"left_out", "other start, rate or times than the rest: left out", left});
+    add_note(notes, "left_out", listed(left), "other start, rate or times than the rest: left out");
   }
-  return taken;
+  return *taken;
 }
 
 void take_abscissa(const Uff58& first, Recording& recording) {
@@ -172,10 +161,9 @@ void take_abscissa(const Uff58& first, Recording& recording) {
   const bool known = unit && unit->quantity == Quantity::time;
   const double to_seconds = known ? unit->factor : 1;
   if (!first.abscissa.unit.empty() && !known) {
-    recording.notes.push_back(
-        {"time_unit",
-         "the abscissa's unit \"" + first.abscissa.unit + "\" is no unit of time: taken as seconds",
-         ""});
+    add_note(recording.notes, "time_unit", "",
+             "the abscissa's unit \"{}\" is no unit of time: taken as seconds",
+             first.abscissa.unit);
   }
   if (first.even) {
     recording.sample_rate_hz = rate_of(first) / to_seconds;
@@ -200,22 +188,17 @@ void take_abscissa(const Uff58& first, Recording& recording) {
 }
 
 FrfUnit scale_of(const Uff58& f) {
-  FrfUnit scale;
-  const auto numerator = parse_unit(f.ordinate.unit);
-  const auto denominator = parse_unit(f.denominator.unit);
   // "(m/s^2)/N" fits the label of 20 characters; brackets around the whole do not matter.
-  if (const auto whole = parse_frf_unit(f.ordinate.unit)) {
-    scale = *whole;
-  } else if (numerator) {
+  FrfUnit scale = parse_frf_unit(f.ordinate.unit).value_or(FrfUnit{});
+  const auto numerator = parse_unit(f.ordinate.unit), denominator = parse_unit(f.denominator.unit);
+  if (scale.unit.empty() && numerator) {
     scale.factor = numerator->factor / (denominator ? denominator->factor : 1);
-    scale.form = frf_form_of(numerator->quantity);
+    scale.form = form_of(numerator->quantity);
     scale.unit = denominator                     ? "(" + numerator->si + ")/" + denominator->si
                  : f.denominator.data_type == 13 ? "(" + numerator->si + ")/N"
                                                  : numerator->si;
   }
-  if (scale.form == FrfForm::unknown) {
-    scale.form = frf_form_of(uff58_quantity(f.ordinate.data_type));
-  }
+  if (scale.form == FrfForm::unknown) scale.form = form_of(uff58_quantity(f.ordinate.data_type));
   return scale;
 }
 
@@ -230,190 +213,49 @@ Eigen::VectorXd frequencies_of(const Uff58& f) {
   return start + step * Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
 }
 
-/// FRFs of a universal file, and the functions beside them.
-class FrfCollector {
- public:
-  FrfCollector(const Uff58File& file, std::string name) : file_(file), name_(std::move(name)) {}
-
-  FrfSet collect() {
-    for (const auto& f : file_.functions) sort_in(f);
-    if (frfs_.empty()) {
-      throw refusal(file_.functions.empty() ? nullptr : &file_.functions.front(),
-                    "holds no frequency response function (dataset 58, function type 4, complex)",
-                    "estimate them with `frf`, or give the recordings themselves");
-    }
-    first_ = frfs_.front().function;
-    take_frequencies();
-    take_frfs();
-    drop_zero_line();
-    fill(coherences_, set_.coherence, false, "coherence");
-    fill(deviations_, set_.H_std, true, "standard deviation");
-    if (set_.unit.empty()) {
-      note("no_unit", "the FRFs have no unit: the numbers are kept as they are");
-    }
-    const auto positive = [&](const char* key) { return std::max(0.0, first_->noted(key)); };
-    set_.averages = static_cast<int>(std::min(positive("averages"), 1e9));
-    set_.sample_rate_hz = positive("rate");
-    set_.exponential_decay_rate_1_s = positive("decay");
-    set_.pre_trigger_s = positive("pre");
-    set_.force_noise_span_s = positive("span");
-    set_.sample_rate_relative_std = positive("rate_u");
-    for (const auto& text : file_.remarks) note("uff_remark", text);
-    return std::move(set_);
+/// `full_name`: of our own files.
+MeasuredPoint measured_point(const Uff58Point& point, const std::string& full_name) {
+  std::string name = full_name.empty() ? point.entity : full_name;
+  if (full_name.empty() && (point.node != 0 || name.empty())) {
+    name += (name.empty() ? "" : " ") + point_text(point);
   }
+  return {name, point.node, point.direction};
+}
 
- private:
-  struct Placed {
-    const Uff58* function = nullptr;
-    std::size_t response = 0, input = 0;
+/// A function of an FRF set, in SI; its values are those of H, of the coherence or of the std.
+FrfPart part_of(const Uff58& f, const std::string& file) {
+  const bool ours = !f.remark.empty();
+  FrfPart part{measured_point(f.response, ours ? f.id[0] : ""),
+               measured_point(f.reference, ours ? f.id[1] : ""),
+               scale_of(f).form,
+               frequencies_of(f),
+               {},
+               {},
+               {},
+               file,
+               f.line};
+  const auto unit = parse_unit(f.abscissa.unit);
+  if (unit && unit->si == "rad/s") part.frequency_hz /= 2 * std::numbers::pi;
+  if (unit && unit->si == "Hz") part.frequency_hz *= unit->factor;
+  return part;
+}
+
+/// Adds the coherences or the standard deviations to the FRFs between the same points.
+void add_to_parts(const Uff58& f, const std::string& file, Eigen::VectorXd FrfPart::*values,
+                  std::vector<FrfPart>& parts) {
+  const FrfPart own = part_of(f, file);
+  const auto is_same = [](const MeasuredPoint& a, const MeasuredPoint& b) {
+    return a.name == b.name && a.node == b.node && a.direction == b.direction;
   };
-
-  RecordingError refusal(const Uff58* f, std::string problem, std::string remedy) const {
-    return {{name_, f == nullptr ? 1 : f->line, 0, "", ""}, std::move(problem), std::move(remedy)};
-  }
-  void note(const char* code, const std::string& message) {
-    set_.notes.push_back({code, message, ""});
-  }
-  [[nodiscard]] Eigen::Index column_of(const Placed& placed) const {
-    return set_.column(static_cast<Eigen::Index>(placed.response),
-                       static_cast<Eigen::Index>(placed.input));
-  }
-
-  /// Place of the point in the list, added when it is new. `full_name`: of our own files.
-  static std::size_t place(std::vector<MeasuredPoint>& points, const Uff58Point& point,
-                           const std::string& full_name) {
-    std::string name = full_name.empty() ? point.entity : full_name;
-    if (full_name.empty() && (point.node != 0 || name.empty())) {
-      name += (name.empty() ? "" : " ") + point_text(point);
+  for (auto& part : parts) {
+    if (!is_same(part.response, own.response) || !is_same(part.input, own.input)) continue;
+    if (!same_lines(own.frequency_hz, part.frequency_hz)) {
+      throw RecordingError({file, f.line, 0, "", ""}, "has other frequencies than its FRF",
+                           "give functions over the same lines");
     }
-    const auto same = std::find_if(points.begin(), points.end(), [&](const MeasuredPoint& p) {
-      return p.name == name && p.node == point.node && p.direction == point.direction;
-    });
-    const auto at = static_cast<std::size_t>(same - points.begin());
-    if (same == points.end()) points.push_back({name, point.node, point.direction});
-    return at;
+    part.*values = f.real * (values == &FrfPart::H_std ? scale_of(f).factor : 1.0);
   }
-
-  void sort_in(const Uff58& f) {
-    const auto what = f.remark.find("what");
-    std::vector<Placed>* list = nullptr;
-    if (f.function_type == uff58_function::kFrf && f.complex) list = &frfs_;
-    if (f.function_type == uff58_function::kCoherence && !f.complex) list = &coherences_;
-    if (f.function_type == uff58_function::kGeneral && what != f.remark.end() &&
-        what->second == "std") {
-      list = &deviations_;
-    }
-    if (list == nullptr) return;
-    const bool ours = !f.remark.empty();
-    list->push_back({&f, place(set_.responses, f.response, ours ? f.id[0] : ""),
-                     place(set_.inputs, f.reference, ours ? f.id[1] : "")});
-  }
-
-  void take_frequencies() {
-    set_.frequency_hz = frequencies_of(*first_);
-    const auto unit = parse_unit(first_->abscissa.unit);
-    if (unit && unit->si == "rad/s") set_.frequency_hz /= 2 * std::numbers::pi;
-    if (unit && unit->si == "Hz") set_.frequency_hz *= unit->factor;
-    const Eigen::Index n = set_.frequency_hz.size();
-    if (!set_.frequency_hz.allFinite() ||
-        !(set_.frequency_hz.tail(n - 1).array() > set_.frequency_hz.head(n - 1).array()).all()) {
-      throw refusal(first_, "the frequencies do not rise", "export the FRFs again");
-    }
-  }
-
-  void check_lines(const Uff58& f) const {
-    const Eigen::VectorXd x = frequencies_of(f), of_first = frequencies_of(*first_);
-    if (x.size() == of_first.size() && x.allFinite() &&
-        (x - of_first).cwiseAbs().maxCoeff() <=
-            1e-6 * std::max(1e-300, of_first.cwiseAbs().maxCoeff())) {
-      return;
-    }
-    throw refusal(&f,
-                  fmt::format("has other frequencies than the first FRF (line {})", first_->line),
-                  "give functions over the same lines");
-  }
-
-  void take_frfs() {
-    const auto columns = static_cast<Eigen::Index>(set_.responses.size() * set_.inputs.size());
-    if (columns > static_cast<Eigen::Index>(4 * frfs_.size())) {
-      throw refusal(first_, "most of the FRFs between the points named are absent",
-                    "give FRFs of all responses to all inputs");
-    }
-    const FrfUnit unit = scale_of(*first_);
-    set_.form = unit.form;
-    set_.unit = unit.unit;
-    set_.H.resize(set_.frequency_hz.size(), columns);
-    factors_.assign(static_cast<std::size_t>(columns), kNaN);
-    for (const auto& placed : frfs_) {
-      const Uff58& f = *placed.function;
-      check_lines(f);
-      const FrfUnit own = scale_of(f);
-      if (unit.form != own.form) {
-        throw refusal(&f, "is of another form (receptance, mobility, accelerance) than the first",
-                      "convert all FRFs to one form first");
-      }
-      const Eigen::Index column = column_of(placed);
-      double& factor = factors_[static_cast<std::size_t>(column)];
-      if (!std::isnan(factor)) {
-        throw refusal(
-            &f,
-            fmt::format("is a second FRF from \"{}\" to \"{}\"", set_.inputs[placed.input].name,
-                        set_.responses[placed.response].name),
-            "keep one of the two");
-      }
-      factor = own.factor;
-      set_.H.col(column).real() = factor * f.real;
-      set_.H.col(column).imag() = factor * f.imag;
-    }
-    for (std::size_t r = 0; r < set_.responses.size(); ++r) {
-      for (std::size_t i = 0; i < set_.inputs.size(); ++i) {
-        if (!std::isnan(factors_[static_cast<std::size_t>(column_of({nullptr, r, i}))])) continue;
-        throw refusal(first_,
-                      fmt::format("no FRF from \"{}\" to \"{}\"", set_.inputs[i].name,
-                                  set_.responses[r].name),
-                      "give FRFs of all responses to all inputs");
-      }
-    }
-  }
-
-  /// A line of zero frequency is often not a number in mobility; elsewhere it is a fault.
-  void drop_zero_line() {
-    if (set_.H.allFinite()) return;
-    const Eigen::Index lines = set_.H.rows();
-    if (set_.frequency_hz[0] != 0 || lines < 2 || !set_.H.bottomRows(lines - 1).allFinite()) {
-      throw refusal(first_, "an FRF holds values that are no numbers", "export the FRFs again");
-    }
-    set_.H = Eigen::MatrixXcd(set_.H.bottomRows(lines - 1));
-    set_.frequency_hz = Eigen::VectorXd(set_.frequency_hz.tail(lines - 1));
-    note("data_left_out", "the line at 0 Hz is no number and is left out");
-  }
-
-  void fill(const std::vector<Placed>& from, Eigen::MatrixXd& into, bool scaled,
-            const std::string& what) {
-    if (from.empty()) return;
-    if (static_cast<Eigen::Index>(from.size()) != set_.H.cols()) {
-      note("incomplete", what + " of some FRFs only: left out");
-      return;
-    }
-    into = Eigen::MatrixXd::Zero(set_.H.rows(), set_.H.cols());
-    for (const auto& placed : from) {
-      check_lines(*placed.function);
-      const Eigen::Index column = column_of(placed);
-      into.col(column) = placed.function->real.tail(set_.H.rows()) *
-                         (scaled ? factors_[static_cast<std::size_t>(column)] : 1.0);
-    }
-    if (into.allFinite()) return;
-    note("not_a_number", what + " holds values that are no numbers: left out");
-    into.resize(0, 0);
-  }
-
-  const Uff58File& file_;
-  const std::string name_;
-  const Uff58* first_ = nullptr;
-  std::vector<Placed> frfs_, coherences_, deviations_;
-  std::vector<double> factors_;  ///< to SI, by column; NaN: no FRF
-  FrfSet set_;
-};
+}
 
 }  // namespace
 
@@ -442,11 +284,9 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
                          "copy the file again");
   }
   if (const std::size_t others = file.functions.size() - histories.size(); others > 0) {
-    recording.notes.push_back(
-        {"left_out",
-         fmt::format("{} functions that are no time histories are left out (the file holds: {})",
-                     others, kinds_in(file)),
-         ""});
+    add_note(recording.notes, "left_out", "",
+             "{} functions that are no time histories are left out (the file holds: {})", others,
+             kinds_in(file));
   }
   const Functions taken = of_one_form(histories, recording.notes);
   take_channels(file, taken, bytes.size(), recording);
@@ -454,8 +294,8 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
   take_stated_rate(options.sample_rate_hz, recording);
   if (!(recording.sample_rate_hz > 0) || !std::isfinite(recording.sample_rate_hz)) {
     recording.sample_rate_hz = 0;
-    recording.notes.push_back(
-        {"no_sample_rate", "the file gives no sample rate (step of zero): give it", ""});
+    add_note(recording.notes, "no_sample_rate", "",
+             "the file gives no sample rate (step of zero): give it");
   }
   note_unitless(recording);
   return recording;
@@ -477,17 +317,57 @@ Recording read_uff_functions(std::string_view bytes, const std::filesystem::path
   Recording recording;
   recording.path = path;
   take_channels(file, all, bytes.size(), recording);
-  recording.notes.push_back({"not_a_time_history", "holds: " + kinds_in(file), ""});
+  add_note(recording.notes, "not_a_time_history", "", "holds: {}", kinds_in(file));
   if (is_complex) {
-    recording.notes.push_back({"magnitudes", "complex functions are given by magnitude", ""});
+    add_note(recording.notes, "magnitudes", "", "complex functions are given by magnitude");
   }
   note_unitless(recording);
   return recording;
 }
 
 FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) {
-  const Uff58File file = read_uff58(bytes, path.string());
-  return FrfCollector(file, path.string()).collect();
+  const std::string name = path.string();
+  const Uff58File file = read_uff58(bytes, name);
+  const Uff58* first = nullptr;
+  std::vector<FrfPart> parts;
+  for (const auto& f : file.functions) {
+    if (f.function_type != uff58_function::kFrf || !f.complex) continue;
+    if (first == nullptr) first = &f;
+    FrfPart part = part_of(f, name);
+    part.H.resize(f.real.size());
+    part.H.real() = scale_of(f).factor * f.real;
+    part.H.imag() = scale_of(f).factor * f.imag;
+    parts.push_back(std::move(part));
+  }
+  if (first == nullptr) {
+    throw RecordingError(
+        {name, file.functions.empty() ? 1 : file.functions.front().line, 0, "", ""},
+        "holds no frequency response function (dataset 58, function type 4, complex)",
+        "estimate them with `frf`, or give the recordings themselves");
+  }
+  for (const auto& f : file.functions) {
+    const auto what = f.remark.find("what");
+    if (f.function_type == uff58_function::kCoherence && !f.complex) {
+      add_to_parts(f, name, &FrfPart::coherence, parts);
+    } else if (f.function_type == uff58_function::kGeneral && what != f.remark.end() &&
+               what->second == "std") {
+      add_to_parts(f, name, &FrfPart::H_std, parts);
+    }
+  }
+  FrfSet set = set_of_parts(parts);
+  set.unit = scale_of(*first).unit;
+  if (set.unit.empty()) {
+    add_note(set.notes, "no_unit", "", "the FRFs have no unit: the numbers are kept as they are");
+  }
+  const auto positive = [&](const char* key) { return std::max(0.0, first->noted(key)); };
+  set.averages = static_cast<int>(std::min(positive("averages"), 1e9));
+  set.sample_rate_hz = positive("rate");
+  set.exponential_decay_rate_1_s = positive("decay");
+  set.pre_trigger_s = positive("pre");
+  set.force_noise_span_s = positive("span");
+  set.sample_rate_relative_std = positive("rate_u");
+  for (const auto& text : file.remarks) add_note(set.notes, "uff_remark", "", "{}", text);
+  return set;
 }
 
 FrfSet read_uff_frfs(const std::filesystem::path& path) {

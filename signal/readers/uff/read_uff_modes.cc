@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -52,46 +51,32 @@ class UffModesReader {
     return text_.error(line.at, 0, trim_blanks(line.text), std::move(problem), std::move(remedy));
   }
 
-  /// Words of a line, as views of it.
-  static std::vector<CsvField> words(const UffLine& line) {
-    std::vector<CsvField> list;
-    split_fields(line.text, {' ', '.'}, list);
-    return list;
-  }
-
-  int integer(const UffLine& line, const CsvField& word) const {
-    return text_.integer(line, static_cast<std::size_t>(word.text.data() - line.text.data()),
-                         word.text.size());
-  }
-
-  std::vector<int> integers(const UffLine& line, std::size_t least, const char* what) const {
-    std::vector<int> values;
-    for (const auto& word : words(line)) values.push_back(integer(line, word));
-    if (values.size() >= least) return values;
-    throw error(line, fmt::format("{} needs {} whole numbers", what, least),
-                "export the file again");
+  /// The whole numbers among the first of a line.
+  template <std::size_t count>
+  std::array<int, count> integers(const UffLine& line, const char* what) const {
+    std::vector<double> values;
+    append_numbers(line, values);
+    std::array<int, count> result{};
+    for (std::size_t k = 0; k < count; ++k) {
+      if (k >= values.size() || values[k] != std::round(values[k]) || std::abs(values[k]) > 2e9) {
+        throw error(
+            line,
+            fmt::format("{} begins with {} whole number{}", what, count, count > 1 ? "s" : ""),
+            "export the file again");
+      }
+      result[k] = static_cast<int>(values[k]);
+    }
+    return result;
   }
 
   /// Appends the numbers of a line, which may stand without blanks between them (E13.5).
-  void append_numbers(const UffLine& line, std::vector<double>& values, std::size_t from = 0) {
-    // The parser needs a character behind the last number.
-    copy_.assign(line.text);
-    copy_ += '\n';
-    const char* const end = copy_.data() + copy_.size();
-    for (const char* p = copy_.data() + from;;) {
-      while (p < end && std::isspace(static_cast<unsigned char>(*p))) ++p;
-      if (p >= end) return;
-      double value = 0;
-      const char* q = parse_number(p, end, '.', value);
-      if (q == nullptr || !std::isfinite(value)) {
-        const auto word = std::string_view(p, static_cast<std::size_t>(end - p));
-        throw text_.error(line.at, p - copy_.data() + 1,
-                          word.substr(0, word.find_first_of(" \t\n")),
-                          q == nullptr ? "not a number" : "a number too large for a double",
-                          "fix the value, or export the file again");
+  void append_numbers(const UffLine& line, std::vector<double>& values) const {
+    std::size_t at = line.at;
+    while (const auto value = text_.next_number(at, line.at + line.text.size())) {
+      if (std::isnan(*value)) {
+        throw error(line, "not a number", "fix the value, or export the file again");
       }
-      values.push_back(value);
-      p = q;
+      values.push_back(*value);
     }
   }
 
@@ -115,29 +100,17 @@ class UffModesReader {
   /// Dataset 15, or with the coordinates in lines of their own, 2411.
   void read_points(bool apart) {
     while (const auto line = text_.line()) {
-      const auto list = words(*line);
-      if (list.empty()) continue;
-      if (list.size() < 4) {
-        throw error(*line, "a point has four whole numbers and three coordinates",
+      if (trim_blanks(line->text).empty()) continue;
+      const auto whole = integers<4>(*line, "a point");
+      std::vector<double> values;
+      append_numbers(*line, values);
+      if (apart) append_numbers(text_.needed_line(), values);
+      if (values.size() != 7) {
+        throw error(*line, fmt::format("a point has three coordinates, not {}", values.size() - 4),
                     "export the points again");
       }
-      UffNode node;
-      node.node = integer(*line, list[0]);
-      node.displacement_system = integer(*line, list[2]);
-      std::vector<double> xyz;
-      if (apart) {
-        append_numbers(text_.needed_line(), xyz);
-      } else {
-        integer(*line, list[3]);
-        append_numbers(*line, xyz,
-                       static_cast<std::size_t>(list[3].text.end() - line->text.begin()));
-      }
-      if (xyz.size() != 3) {
-        throw error(*line, fmt::format("a point has three coordinates, not {}", xyz.size()),
-                    "export the points again");
-      }
-      std::copy(xyz.begin(), xyz.end(), node.position_m.begin());
-      points_[node.node] = node;  // the last one written counts
+      // The last one written counts.
+      points_[whole[0]] = {whole[0], {values[4], values[5], values[6]}, whole[2]};
     }
   }
 
@@ -155,7 +128,7 @@ class UffModesReader {
   void read_shape(long dataset_line) {
     for (int k = 0; k < 5; ++k) text_.needed_line();  // identification
     const UffLine form_line = text_.needed_line();
-    const auto form = integers(form_line, 6, "the sixth record of dataset 55");
+    const auto form = integers<6>(form_line, "the sixth record of dataset 55");
     const int analysis = form[1], characteristic = form[2], data_type = form[4], values = form[5];
     const bool complex_mode = analysis == kComplexFirstOrder || analysis == kComplexSecondOrder;
     if (analysis != kNormalMode && !complex_mode) {
@@ -172,13 +145,12 @@ class UffModesReader {
                   "shapes have 3 (translations) or 6 (with rotations)");
     }
     UffLine line = text_.needed_line();
-    const auto about = integers(line, 2, "the seventh record of dataset 55");
-    if (about[0] < 0 || about[1] < 1 || about[1] > 12) {
+    const auto about = integers<2>(line, "the seventh record of dataset 55");
+    if (about[0] < 0 || about[0] > 6 || about[1] < 1 || about[1] > 12) {
       throw error(line, "unlikely numbers of parameters",
                   "the seventh record begins with the numbers of whole and of real parameters "
                   "(2 and 4 or 6 for modes)");
     }
-    if (about[0] > 6 && about.size() <= 8) text_.needed_line();  // the record's second line
     std::vector<double> eigen;
     for (int k = 0; k < (about[1] + 5) / 6; ++k) {
       line = text_.needed_line();
@@ -225,11 +197,10 @@ class UffModesReader {
   void read_values(std::size_t values, bool complex_values, bool conjugate, UffMode* mode) {
     const std::size_t each = values * (complex_values ? 2 : 1);
     while (auto line = text_.line()) {
-      const auto list = words(*line);
-      if (list.empty()) continue;
+      if (trim_blanks(line->text).empty()) continue;
       UffNodeShape node;
-      node.node = integer(*line, list[0]);
-      if (list.size() > 1) {
+      node.node = integers<1>(*line, "the line of a node")[0];
+      if (trim_blanks(line->text).find_first_of(" \t") != std::string_view::npos) {
         throw error(*line, "a node's number stands alone in its line",
                     "the values follow in the next lines; export the file again");
       }
@@ -299,7 +270,6 @@ class UffModesReader {
   std::string_view bytes_;
   const std::string file_;
   UffText text_;
-  std::string copy_;
   double per_metre_ = 1;
   int not_modes_ = 0, still_ = 0, undirected_ = 0;
   std::set<int> others_;  // datasets that are not read

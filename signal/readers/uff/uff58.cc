@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -76,12 +77,11 @@ class Uff58Reader {
     return {bytes_.substr(at, end - at), at};
   }
 
-  /// A whole number of a record that knows only some; `allowed` says whether it is one.
-  template <typename Allowed>
-  int known(const UffLine& line, std::size_t from, std::size_t width, Allowed&& allowed,
+  /// A whole number of a record that knows only those from `low` to `high`.
+  int known(const UffLine& line, std::size_t from, std::size_t width, int low, int high,
             const char* problem, const char* remedy) const {
     const int value = text_.integer(line, from, width);
-    if (allowed(value)) return value;
+    if (value >= low && value <= high) return value;
     throw text_.error(line.at, static_cast<long>(from) + 1,
                       UffText::columns(line.text, from, width), problem, remedy);
   }
@@ -106,15 +106,11 @@ class Uff58Reader {
     int byte_order = 1, text_lines = kHeaderLines;
     std::int64_t stated_bytes = 0;
     if (f.binary) {
-      byte_order = known(
-          head, 7, 6, [](int order) { return order == 1 || order == 2; }, "unknown byte order",
-          "use 1 (little) or 2 (big)");
-      known(
-          head, 13, 6, [](int format) { return format == 2; },
-          "floats other than IEEE 754 are not read", "export with IEEE floats (2), or as text");
-      text_lines = known(
-          head, 19, 12, [](int lines) { return lines >= kHeaderLines && lines <= 1000; },
-          "dataset 58 has 11 lines of text", "export the file again");
+      byte_order = known(head, 7, 6, 1, 2, "unknown byte order", "use 1 (little) or 2 (big)");
+      known(head, 13, 6, 2, 2, "floats other than IEEE 754 are not read",
+            "export with IEEE floats (2), or as text");
+      text_lines = known(head, 19, 12, kHeaderLines, 1000, "dataset 58 has 11 lines of text",
+                         "export the file again");
       const auto stated = UffText::columns(head.text, 31, 12);
       std::from_chars(stated.data(), stated.data() + stated.size(), stated_bytes);
     }
@@ -128,15 +124,13 @@ class Uff58Reader {
     f.function_type = text_.integer(dof, 0, 5);
     f.response = point(dof, 30);
     f.reference = point(dof, 55);
-    const int data_type = known(
-        form, 0, 10, [](int type) { return type == 2 || (type >= 4 && type <= 6); },
-        "unknown kind of numbers", "dataset 58 knows 2 and 4 (real), 5 and 6 (complex)");
-    const int count = known(
-        form, 10, 10, [](int n) { return n >= 1; }, "the function holds no values",
-        "record or export it again");
-    f.even = known(
-                 form, 20, 10, [](int spacing) { return spacing == 0 || spacing == 1; },
-                 "unknown spacing of the abscissa", "use 0 (uneven) or 1 (even)") == 1;
+    const bool is_two = text_.integer(form, 0, 10) == 2;
+    const int data_type = known(form, 0, 10, is_two ? 2 : 4, 6, "unknown kind of numbers",
+                                "dataset 58 knows 2 and 4 (real), 5 and 6 (complex)");
+    const int count = known(form, 10, 10, 1, std::numeric_limits<int>::max(),
+                            "the function holds no values", "record or export it again");
+    f.even = known(form, 20, 10, 0, 1, "unknown spacing of the abscissa",
+                   "use 0 (uneven) or 1 (even)") == 1;
     f.complex = data_type >= 5;
     f.single_precision = data_type == 2 || data_type == 5;
     f.abscissa_start = text_.number(form, 30, 13);
@@ -233,59 +227,22 @@ class Uff58Reader {
     text_.go_to(skip_blanks(from + total));
   }
 
-  /// The end of a word for no value, which becomes NaN; of others the refusal. `end`: behind what
-  /// reads as a number, null where nothing does.
-  const char* number_or_missing(std::string_view word, std::size_t at, const char* end,
-                                double& value) const {
-    if (end == nullptr && is_missing_word(word)) {
-      value = std::numeric_limits<double>::quiet_NaN();
-      return word.data() + word.size();
-    }
-    const std::size_t line = bytes_.substr(0, at).find_last_of("\r\n") + 1;
-    throw text_.error(at, static_cast<long>(at - line) + 1, word,
-                      end == nullptr ? "not a number" : "a number too large for a double",
-                      "fix the value, or export the file again");
-  }
-
   void read_text(Uff58& f) {
-    const std::size_t from = text_.next();
-    const auto mark = text_.mark(from);
-    // The parser needs a character behind the last number: the mark's line, or a copy's end.
-    const std::string copy = mark ? "" : std::string(bytes_.substr(from)) + '\n';
-    const std::string_view values =
-        mark ? bytes_.substr(from, *mark - from) : std::string_view(copy);
-    const char* const begin = values.data();
-    const char* const end = begin + values.size();
-    const char* p = begin;
-    const auto offset = [&] { return from + static_cast<std::size_t>(p - begin); };
-    const auto skip_blanks = [&] {
-      while (p < end && std::isspace(static_cast<unsigned char>(*p))) ++p;
-    };
+    std::size_t at = text_.next();
+    const std::size_t end = text_.mark(at).value_or(bytes_.size());
     const auto take = [&](Eigen::Index k) {
-      skip_blanks();
-      if (p >= end) {
-        throw text_.error(std::min(offset(), bytes_.size() - 1), 0, "",
-                          fmt::format("the dataset ends after {} of {} values", k, f.real.size()),
-                          "copy or export the file again");
-      }
-      double value = 0;
-      const char* q = parse_number(p, end, '.', value);
-      if (q == nullptr || std::isinf(value)) {
-        const auto word = values.substr(static_cast<std::size_t>(p - begin));
-        q = number_or_missing(word.substr(0, word.find_first_of(" \t\n\r\v\f")), offset(), q,
-                              value);
-      }
-      p = q;
-      return value;
+      if (const auto value = text_.next_number(at, end)) return *value;
+      throw text_.error(std::min(at, bytes_.size() - 1), 0, "",
+                        fmt::format("the dataset ends after {} of {} values", k, f.real.size()),
+                        "copy or export the file again");
     };
     for (Eigen::Index k = 0; k < f.real.size(); ++k) {
-      if (done_with_ && k % kValuesPerCall == kValuesPerCall - 1) done_with_(offset());
+      if (done_with_ && k % kValuesPerCall == kValuesPerCall - 1) done_with_(at);
       if (!f.even) f.x[k] = take(k);
       f.real[k] = take(k);
       if (f.complex) f.imag[k] = take(k);
     }
-    skip_blanks();
-    if (p < end) {
+    if (skip_blanks(at) < end) {
       remark(f, fmt::format(" holds more values than the {} it states; the rest is left out",
                             f.real.size()));
     }
@@ -305,22 +262,20 @@ constexpr std::pair<int, Quantity> kDataTypes[] = {
 }  // namespace
 
 const char* uff58_function_name(int type) {
-  static constexpr std::array<const char*, 13> kNames = {"general function",
-                                                         "time response",
-                                                         "auto spectrum",
-                                                         "cross spectrum",
-                                                         "frequency response function",
-                                                         "transmissibility",
-                                                         "coherence",
-                                                         "auto correlation",
-                                                         "cross correlation",
-                                                         "power spectral density",
-                                                         "energy spectral density",
-                                                         "probability density",
-                                                         "spectrum"};
-  return type >= 0 && type < static_cast<int>(kNames.size())
-             ? kNames[static_cast<std::size_t>(type)]
-             : "function of another type";
+  constexpr const char* kNames[] = {"general function",
+                                    "time response",
+                                    "auto spectrum",
+                                    "cross spectrum",
+                                    "frequency response function",
+                                    "transmissibility",
+                                    "coherence",
+                                    "auto correlation",
+                                    "cross correlation",
+                                    "power spectral density",
+                                    "energy spectral density",
+                                    "probability density",
+                                    "spectrum"};
+  return type >= 0 && type < std::ssize(kNames) ? kNames[type] : "function of another type";
 }
 
 std::string uff58_direction(int direction) {

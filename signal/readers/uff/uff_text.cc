@@ -1,10 +1,12 @@
 #include "signal/readers/uff/uff_text.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <utility>
 
+#include "signal/numerics/numbers.h"
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/recording/units.h"
 
@@ -116,6 +118,27 @@ double UffText::number(const UffLine& line, std::size_t from, std::size_t width)
   if (text.empty() || (parse_whole_number(text, '.', value) && std::isfinite(value))) return value;
   throw error(line.at, static_cast<long>(from) + 1, text, "not a number",
               "this record has fixed columns; export the file again");
+}
+
+std::optional<double> UffText::next_number(std::size_t& at, std::size_t end) const {
+  while (at < end && std::isspace(static_cast<unsigned char>(bytes_[at])) != 0) ++at;
+  if (at >= end) return std::nullopt;
+  const auto text = bytes_.substr(at, end - at);
+  double value = 0;
+  std::size_t length = parse_number(text, '.', value);
+  const auto word = text.substr(0, std::min(text.find_first_of(" \t\n\r\v\f"), text.size()));
+  if (length == 0 && is_missing_word(word)) {
+    length = word.size();
+    value = kNaN;
+  }
+  if (length == 0 || std::isinf(value)) {
+    const std::size_t line = bytes_.substr(0, at).find_last_of("\r\n") + 1;
+    throw error(at, static_cast<long>(at - line) + 1, word,
+                length == 0 ? "not a number" : "a number too large for a double",
+                "fix the value, or export the file again");
+  }
+  at += length;
+  return value;
 }
 
 }  // namespace rigfit::signal

@@ -53,6 +53,10 @@ class UffText {
   [[nodiscard]] int integer(const UffLine& line, std::size_t from, std::size_t width) const;
   [[nodiscard]] double number(const UffLine& line, std::size_t from, std::size_t width) const;
 
+  /// The number behind blanks at `at`, which moves behind it; nothing at `end`. A word for no value
+  /// is NaN. Throws RecordingError for other text.
+  [[nodiscard]] std::optional<double> next_number(std::size_t& at, std::size_t end) const;
+
  private:
   std::string_view bytes_;
   const std::string& file_;

@@ -1,4 +1,4 @@
-#include "signal/readers/xlsx/read_xlsx.h"
+#include "signal/readers/files/read_formats.h"
 
 #include <fmt/format.h>
 
@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <pugixml.hpp>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "signal/readers/csv/csv_table.h"
 #include "signal/readers/xlsx/workbook.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/recording_time.h"
 
 namespace rigfit::signal {
 namespace {
@@ -30,10 +32,6 @@ namespace {
 /// 1-based; 0: none.
 struct CellPlace {
   long row = 0, column = 0;
-};
-
-struct CellRange {
-  CellPlace first, last;
 };
 
 /// "B7".
@@ -50,11 +48,9 @@ struct SheetText {
   std::string sheet;
   std::string text;
   long first_column = 1;  ///< in the sheet: the first field of each line
-  std::vector<CellRange> merged;
   /// Cells of text that read as numbers, row by row, with their text.
   std::vector<std::pair<CellPlace, std::string>> number_texts;
-  CellPlace percent;     ///< the first number shown in percent
-  long hidden_rows = 0;  ///< with values, which are read all the same
+  std::vector<std::pair<CellPlace, CellPlace>> merged;  ///< first and last cells
 
   /// The place of a cell, or of a row where the column is 0.
   [[nodiscard]] RecordingError refusal(const CellPlace& place, std::string value,
@@ -107,34 +103,17 @@ class SheetParser {
 
   /// Throws RecordingError, also for a sheet without numbers.
   SheetText parse() {
-    parse_tail(
-        parts_.in_pieces(sheet_.part, "row", [&](std::string_view xml) { parse_rows(xml); }));
+    const std::string rest =
+        parts_.in_pieces(sheet_.part, "sheetData", "row", [&](const auto& row) { parse_row(row); });
+    static const std::regex kMerged(R"re(mergeCell ref="(\w+):(\w+)")re");
+    for (std::sregex_iterator one(rest.begin(), rest.end(), kMerged), end; one != end; ++one) {
+      result_.merged.emplace_back(place_named((*one)[1].str()), place_named((*one)[2].str()));
+    }
     put_together();
     return std::move(result_);
   }
 
  private:
-  void parse_rows(std::string_view xml) {
-    if (!document_.load_buffer(xml.data(), xml.size(), pugi::parse_default | pugi::parse_fragment,
-                               pugi::encoding_utf8)) {
-      throw parts_.damaged(sheet_.part);
-    }
-    for (const auto& row : document_.children()) parse_row(row);
-  }
-
-  void parse_tail(std::string_view xml) {
-    for (std::size_t at = xml.find("mergeCell "); at != std::string_view::npos;
-         at = xml.find("mergeCell ", at + 1)) {
-      const std::size_t ref = xml.find("ref=\"", at);
-      if (ref == std::string_view::npos) break;
-      const auto text = xml.substr(ref + 5, xml.find('"', ref + 5) - ref - 5);
-      const CellRange range{place_named(text.substr(0, text.find(':'))),
-                            place_named(text.substr(text.find(':') + 1))};
-      if (range.first.row == 0 || range.last.row == 0) throw parts_.damaged(sheet_.part);
-      result_.merged.push_back(range);
-    }
-  }
-
   /// Puts the rows together, each with as many fields as the widest row of numbers has.
   void put_together() {
     long first_row = 0, width = 0;
@@ -208,7 +187,6 @@ class SheetParser {
     }
     if (row.columns == 0) return;
     rows_.push_back(row);
-    if (node.attribute("hidden").as_bool()) ++result_.hidden_rows;
   }
 
   std::string text_of(const pugi::xml_node& cell, const CellPlace& place, bool& is_number) {
@@ -246,10 +224,7 @@ class SheetParser {
   std::string number_text(double number, unsigned style, const CellPlace& place) {
     const CellFormat format =
         style < workbook_.formats.size() ? workbook_.formats[style] : CellFormat::number;
-    if (format == CellFormat::percent && result_.percent.row == 0) result_.percent = place;
-    if (format == CellFormat::number || format == CellFormat::percent) {
-      return fmt::format("{}", number);
-    }
+    if (format == CellFormat::number) return fmt::format("{}", number);
     const auto text = clock_text(number, format, workbook_.from_1904);
     if (!text) {
       throw result_.refusal(
@@ -283,7 +258,6 @@ class SheetParser {
   const Workbook& workbook_;
   const WorkbookSheet& sheet_;
   SheetText result_;
-  pugi::xml_document document_;
   std::string cells_;
   std::vector<Row> rows_;
   long row_ = 0;
@@ -337,21 +311,14 @@ void name_rows(std::vector<Note>& notes) {
 }
 
 /// A title over several columns, or a value over several rows, belongs to one of them in the file
-/// and to all of them on the screen.
+/// and to all of them on the screen. A heading alone in its row above the titles may be merged.
 void refuse_merged(const SheetText& sheet, long first_row, long last_row) {
   for (const auto& [first, last] : sheet.merged) {
-    if (first.row > last_row) continue;
-    // Above the line of titles, and nothing beside it: a heading.
-    bool alone = last.row < first_row - 1;
-    for (long row = first.row; alone && row <= last.row; ++row) {
-      std::vector<CsvField> fields;
-      split_fields(row_text(sheet.text, row), kSheetDialect, fields);
-      for (std::size_t k = 0; k < fields.size(); ++k) {
-        const long column = sheet.first_column + static_cast<long>(k);
-        alone &= fields[k].text.empty() || (column >= first.column && column <= last.column);
-      }
-    }
-    if (alone) continue;
+    std::vector<CsvField> fields;
+    split_fields(row_text(sheet.text, first.row), kSheetDialect, fields);
+    const bool alone =
+        std::ranges::count_if(fields, [](const auto& one) { return !one.text.empty(); }) < 2;
+    if (first.row > last_row || (alone && last.row < first_row - 1)) continue;
     throw sheet.refusal(first, cell_name(first) + ":" + cell_name(last),
                         "merged cells in the table or its titles",
                         "unmerge them and give each column its own title and each row its values");
@@ -368,18 +335,6 @@ CsvTable table_of(const SheetText& sheet, ReadOptions options, std::vector<Note>
   refuse_merged(sheet, first_row, last_row);
   for (const auto& [place, text] : sheet.number_texts) {
     if (place.row >= first_row && place.row <= last_row) throw stored_as_text(sheet, place, text);
-  }
-  if (sheet.percent.row >= first_row && sheet.percent.row <= last_row) {
-    notes.push_back({"assumed",
-                     "Check the unit: numbers shown in percent are read as they are saved (50 % is "
-                     "0.5)",
-                     cell_name(sheet.percent)});
-  }
-  if (sheet.hidden_rows > 0) {
-    notes.push_back({"read_as",
-                     std::to_string(sheet.hidden_rows) +
-                         " rows that the sheet hides (by a filter?) are read like the others",
-                     ""});
   }
   notes.insert(notes.end(), table.notes.begin(), table.notes.end());
   table.notes = std::move(notes);

@@ -10,6 +10,8 @@
 #include <limits>
 #include <map>
 
+#include "signal/recording/recording_time.h"
+
 namespace rigfit::signal {
 namespace {
 
@@ -20,35 +22,12 @@ constexpr std::size_t kMostOfArchive = std::size_t{1} << 30;
 constexpr std::size_t kLargestPiece = std::size_t{1} << 24;
 constexpr std::size_t kUnpackedBlock = std::size_t{1} << 18;
 
-/// The namespace of the document's first element with its colon; "?" where the text ends before.
-std::string namespace_prefix(std::string_view xml) {
-  for (std::size_t at = xml.find('<'); at + 1 < xml.size(); at = xml.find('<', at + 1)) {
-    if (xml[at + 1] == '?' || xml[at + 1] == '!') continue;
-    const std::size_t end = xml.find_first_of(" \t\r\n/>:", at + 1);
-    if (end == std::string_view::npos) break;
-    return xml[end] == ':' ? std::string(xml.substr(at + 1, end - at)) : "";
-  }
-  return "?";
-}
-
-/// Where the first element of this tag ("<row") begins.
-std::size_t first_element(std::string_view xml, const std::string& tag) {
-  std::size_t at = xml.find(tag);
-  while (at != std::string_view::npos && at + tag.size() < xml.size() &&
-         std::string_view(" \t\r\n/>").find(xml[at + tag.size()]) == std::string_view::npos) {
-    at = xml.find(tag, at + 1);
-  }
-  return at;
-}
-
 constexpr double kSecondsOfDay = 86400;
 constexpr int kLongestHours = 1000;   // the reader of times takes three digits of hours
 constexpr long k1900To1970 = 25569;   // days from 1899-12-30 to 1970-01-01
 constexpr long k1904To1970 = 24107;   // days from 1904-01-01
 constexpr long kFirstCommonDay = 61;  // 1900-03-01
 constexpr double kDayAfter9999 = 2958466;
-
-constexpr unsigned kFragment = pugi::parse_default | pugi::parse_fragment;
 
 pugi::xml_document document_of(ZipParts& parts, const std::string& part) {
   const std::string text = parts.whole(part);
@@ -57,21 +36,16 @@ pugi::xml_document document_of(ZipParts& parts, const std::string& part) {
   return document;
 }
 
-/// Formats that have a number and no code (ECMA-376, 18.8.30; from 27 on those of East Asia).
+/// Formats that have a number and no code (ECMA-376, 18.8.30).
 CellFormat built_in_format(unsigned id) {
   struct Range {
     unsigned first, last;
     CellFormat format;
   };
-  for (const auto& [first, last, format] : {Range{9, 10, CellFormat::percent},
-                                            {14, 17, CellFormat::date},
+  for (const auto& [first, last, format] : {Range{14, 17, CellFormat::date},
                                             {18, 21, CellFormat::time},
                                             {22, 22, CellFormat::date_time},
-                                            {27, 31, CellFormat::date},
-                                            {32, 35, CellFormat::time},
-                                            {36, 36, CellFormat::date},
-                                            {45, 47, CellFormat::time},
-                                            {50, 58, CellFormat::date}}) {
+                                            {45, 47, CellFormat::time}}) {
     if (first <= id && id <= last) return format;
   }
   return CellFormat::number;
@@ -112,16 +86,10 @@ std::map<std::string, Relation> relations_of(ZipParts& parts) {
 }
 
 void read_strings(ZipParts& parts, const std::string& part, Workbook& workbook) {
-  pugi::xml_document document;
-  static_cast<void>(parts.in_pieces(part, "si", [&](std::string_view xml) {
-    if (!document.load_buffer(xml.data(), xml.size(), kFragment, pugi::encoding_utf8)) {
-      throw parts.damaged(part);
-    }
-    for (const auto& item : document.children()) {
-      workbook.string_text += string_of(item);
-      workbook.string_ends.push_back(workbook.string_text.size());
-    }
-  }));
+  parts.in_pieces(part, "sst", "si", [&](const pugi::xml_node& item) {
+    workbook.string_text += string_of(item);
+    workbook.string_ends.push_back(workbook.string_text.size());
+  });
 }
 
 std::string sheet_names(const Workbook& workbook, const WorkbookSheet* besides) {
@@ -137,9 +105,8 @@ std::string sheet_names(const Workbook& workbook, const WorkbookSheet* besides) 
 ZipParts::ZipParts(const std::filesystem::path& path)
     : file_(path.string()), zip_(::unzOpen64(path.c_str()), ::unzClose) {
   if (zip_ == nullptr) {
-    throw RecordingError({file_, 0, 0, "", ""},
-                         "is a workbook (.xlsx) that was cut off: its list of parts is missing",
-                         "copy the file again, or open it in a spreadsheet program and save it");
+    throw file_error(file_, "is a workbook (.xlsx) that was cut off: its list of parts is missing",
+                     "copy the file again, or open it in a spreadsheet program and save it");
   }
 }
 
@@ -197,21 +164,31 @@ std::string ZipParts::whole(const std::string& part) {
   return text;
 }
 
-std::string ZipParts::in_pieces(const std::string& part, const std::string& element,
-                                const std::function<void(std::string_view)>& take) {
-  std::string text, prefix = "?";
+std::string ZipParts::in_pieces(const std::string& part, const std::string& parent,
+                                const std::string& element,
+                                const std::function<void(const pugi::xml_node&)>& take) {
+  std::string text;
+  pugi::xml_document document;
   bool begun = false;
   unpack(part, [&](std::string_view block) {
     text += block;
-    if (prefix == "?") prefix = namespace_prefix(text);
-    const std::string close = "</" + prefix + element + ">";
-    if (const std::size_t last = text.rfind(close); last != std::string::npos) {
-      const std::size_t end = last + close.size();
-      const std::size_t begin = begun ? 0 : first_element(text, "<" + prefix + element);
-      if (begin > last) throw damaged(part);
-      take(std::string_view(text).substr(begin, end - begin));
+    if (!begun) {
+      // Behind the parent's tag.
+      const std::size_t tag = text.find(parent);
+      const std::size_t end = tag == std::string::npos ? tag : text.find('>', tag);
+      begun = end != std::string::npos;
+      if (begun) text.erase(0, end + 1);
+    }
+    // Up to the last element's end: "</row>", "</x:row>".
+    const std::size_t last = begun ? text.rfind(element + ">") : std::string::npos;
+    if (last != std::string::npos && last > 0 && (text[last - 1] == '/' || text[last - 1] == ':')) {
+      const std::size_t end = last + element.size() + 1;
+      if (!document.load_buffer(text.data(), end, pugi::parse_default | pugi::parse_fragment,
+                                pugi::encoding_utf8)) {
+        throw damaged(part);
+      }
+      for (const auto& one : document.children()) take(one);
       text.erase(0, end);
-      begun = true;
     }
     if (text.size() > kLargestPiece) throw too_large(part);
   });
@@ -237,7 +214,7 @@ std::string string_of(const pugi::xml_node& item) {
 }
 
 CellFormat cell_format(std::string_view code) {
-  bool day = false, time = false, month = false, percent = false;
+  bool day = false, time = false, month = false;
   for (std::size_t k = 0; k < code.size() && code[k] != ';'; ++k) {
     char c = static_cast<char>(std::tolower(static_cast<unsigned char>(code[k])));
     if (c == '"') {
@@ -253,13 +230,12 @@ CellFormat cell_format(std::string_view code) {
       day |= c == 'y' || c == 'd';
       time |= c == 'h' || c == 's';
       month |= c == 'm';
-      percent |= c == '%';
     }
     if (k >= code.size()) break;
   }
   if (day) return time ? CellFormat::date_time : CellFormat::date;
   if (time) return CellFormat::time;
-  return month ? CellFormat::date : percent ? CellFormat::percent : CellFormat::number;
+  return month ? CellFormat::date : CellFormat::number;
 }
 
 std::string_view Workbook::string(std::size_t index) const {
@@ -270,10 +246,10 @@ std::string_view Workbook::string(std::size_t index) const {
 Workbook read_workbook(ZipParts& parts, const std::string& file) {
   if (!parts.holds("xl/workbook.xml")) {
     const bool binary = parts.holds("xl/workbook.bin");
-    throw RecordingError({file, 0, 0, "", ""},
-                         binary ? "is a binary Excel workbook (.xlsb)"
-                                : "is a zip archive without a workbook (xl/workbook.xml) in it",
-                         "open it in a spreadsheet program and save it as .xlsx, or as CSV");
+    throw file_error(file,
+                     binary ? "is a binary Excel workbook (.xlsb)"
+                            : "is a zip archive without a workbook (xl/workbook.xml) in it",
+                     "open it in a spreadsheet program and save it as .xlsx, or as CSV");
   }
   Workbook workbook;
   const auto relations = relations_of(parts);
@@ -315,11 +291,10 @@ const WorkbookSheet& chosen_sheet(const Workbook& workbook, const std::string& w
                            "name another: it has " + sheet_names(workbook, &sheet));
     }
     if (wanted.empty() && workbook.sheets.size() > 1) {
-      notes.push_back({"assumed",
-                       "Give --sheet NAME (key sheet) if \"" + sheet.name +
-                           "\" is not the sheet to read: the workbook also has " +
-                           sheet_names(workbook, &sheet),
-                       ""});
+      add_note(notes, "assumed", "",
+               "Give --sheet NAME (key sheet) if \"{}\" is not the sheet to read: the workbook "
+               "also has {}",
+               sheet.name, sheet_names(workbook, &sheet));
     }
     return sheet;
   }

@@ -31,10 +31,11 @@ class ZipParts {
   /// absent, damaged, encrypted or too large.
   [[nodiscard]] std::string whole(const std::string& part);
 
-  /// Calls `take` with pieces of XML that each hold whole elements of this name (without its
-  /// namespace), one behind the other. Returns what stands behind the last of them.
-  [[nodiscard]] std::string in_pieces(const std::string& part, const std::string& element,
-                                      const std::function<void(std::string_view)>& take);
+  /// Calls `take` with each element of this name inside `parent` (both without namespaces), a block
+  /// of them in memory at a time. Returns what stands behind the last of them.
+  std::string in_pieces(const std::string& part, const std::string& parent,
+                        const std::string& element,
+                        const std::function<void(const pugi::xml_node&)>& take);
 
   /// The refusal of a part that is not as the format says.
   [[nodiscard]] RecordingError damaged(const std::string& part) const;
@@ -57,7 +58,6 @@ class ZipParts {
 /// What a cell's number means by its format.
 enum class CellFormat {
   number,
-  percent,
   date,       ///< a day
   date_time,  ///< a day and the time
   time,       ///< time of day, or hours passed

@@ -34,9 +34,9 @@ TEST(ReadLvm, ChannelsOfOneNameAreToldApartAndThoseOfAnotherRateLeftOut) {
   EXPECT_EQ(r.channels[0].name, "F");
   EXPECT_EQ(r.channels[1].name, "F_2");
   EXPECT_EQ(r.channels[1].samples[2], 8);
-  ASSERT_THAT(codes(r.notes), ::testing::ElementsAre("data_left_out"));
-  EXPECT_EQ(r.notes[0].where, "slow");
-  EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr("Delta_X 0.002 s"));
+  ASSERT_THAT(codes(r.notes), ::testing::ElementsAre("duplicate_name", "data_left_out"));
+  EXPECT_EQ(r.notes[1].where, "slow");
+  EXPECT_THAT(r.notes[1].message, ::testing::HasSubstr("Delta_X 0.002 s"));
 }
 
 TEST(ReadLvm, XThatIsUnevenIsKeptAndXThatIsMissingThereRefused) {

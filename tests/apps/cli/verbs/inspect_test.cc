@@ -33,6 +33,14 @@ std::string sine(double top) {
   return text;
 }
 
+TEST_F(Inspect, ReadsFilesThatAreNoText) {
+  for (const std::string name : {"npy/f8.npy", "mat/plain.mat"}) {
+    const auto run = run_line("inspect --json - {}", {RIGFIT_FUZZ "/seeds/" + name});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(json_of(run)["recordings"][0]["format"], name.substr(0, 3));
+  }
+}
+
 TEST_F(Inspect, GivesRateChannelsAndClipping) {
   folder.write("a.csv", sine(1.5));
   const auto run = run_line("inspect --json - {}", {path("a.csv")});

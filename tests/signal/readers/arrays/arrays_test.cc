@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <matio.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdint>
@@ -14,7 +15,6 @@
 #include <string>
 #include <vector>
 
-#include "signal/readers/files/foreign_formats.h"
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
 #include "tests/fuzz/mutations.h"
@@ -42,6 +42,13 @@ std::string wav(int format, int bits, int channels, const std::string& data) {
          little(data.size(), 4) + data;
 }
 
+/// Puts the bytes into a file, which libsndfile reads.
+Recording read_sound(const std::string& bytes) {
+  const fs::path path = fs::temp_directory_path() / fmt::format("rigfit-{}.wav", ::getpid());
+  std::ofstream(path, std::ios::binary) << bytes;
+  return read_wav(bytes, path);
+}
+
 double wanted(int k) { return 0.5 * std::sin(0.1 * k); }
 
 TEST(Wav, OfEveryWidthGivesTheSameSamples) {
@@ -52,7 +59,7 @@ TEST(Wav, OfEveryWidthGivesTheSameSamples) {
       const auto whole = static_cast<std::int64_t>(std::lround(wanted(k) * full));
       data += little(static_cast<std::uint64_t>(bits == 8 ? whole + 128 : whole), bits / 8);
     }
-    const auto recording = read_wav(wav(1, bits, 1, data), "a.wav");
+    const auto recording = read_sound(wav(1, bits, 1, data));
     EXPECT_EQ(recording.sample_rate_hz, 2048);
     ASSERT_EQ(recording.samples(), 300) << bits;
     EXPECT_EQ(recording.channels[0].nominal_range, 1);
@@ -70,7 +77,7 @@ TEST(Wav, OfEveryWidthGivesTheSameSamples) {
           bits == 64 ? reinterpret_cast<const char*>(&x) : reinterpret_cast<const char*>(&single),
           static_cast<std::size_t>(bits / 8));
     }
-    const auto recording = read_wav(wav(3, bits, 2, data), "a.wav");
+    const auto recording = read_sound(wav(3, bits, 2, data));
     ASSERT_EQ(recording.channels.size(), 2u);
     ASSERT_EQ(recording.samples(), 150);
     EXPECT_NEAR(recording.channels[1].samples[7], wanted(15), 1e-7);
@@ -79,10 +86,10 @@ TEST(Wav, OfEveryWidthGivesTheSameSamples) {
 
 TEST(Wav, CutShortIsReadAsFarAsItGoesAndSaid) {
   const std::string whole = wav(1, 16, 1, std::string(2000, '\1'));
-  const auto recording = read_wav(std::string_view(whole).substr(0, 1044), "a.wav");
+  const auto recording = read_sound(whole.substr(0, 1044));
   EXPECT_EQ(recording.samples(), 500);
   EXPECT_TRUE(noted(recording, "incomplete"));
-  EXPECT_THAT(refusal_of([&] { return read_wav(whole.substr(0, 20), "a.wav"); }),
+  EXPECT_THAT(refusal_of([&] { return read_sound(whole.substr(0, 20)); }),
               ::testing::HasSubstr("WAV"));
 }
 
@@ -118,13 +125,6 @@ TEST(Npy, ArraysOfSamplesAndChannelsAreRead) {
                                   std::string("\x00\x01\xFF\xFE\x01\x00", 6)),
                               "a.npy");
   EXPECT_EQ(whole.channels[0].samples, Eigen::Vector3d(1, -2, 256));
-  const auto fields = read_npy(npy("{'descr': [('t', '<f8'), ('Force [kN]', '<f8')], "
-                                   "'fortran_order': False, 'shape': (40,), }",
-                                   bytes_of(values)),
-                               "a.npy");
-  ASSERT_EQ(fields.channels.size(), 1u);
-  EXPECT_EQ(fields.channels[0].name, "Force");
-  EXPECT_EQ(fields.channels[0].samples[2], 4000);
 }
 
 TEST(Npy, WhatCannotBeReadIsSaid) {
@@ -133,6 +133,8 @@ TEST(Npy, WhatCannotBeReadIsSaid) {
   };
   EXPECT_THAT(refused("{'descr': '|O', 'fortran_order': False, 'shape': (1,), }"),
               ::testing::HasSubstr("Python objects"));
+  EXPECT_THAT(refused("{'descr': [('t', '<f8')], 'fortran_order': False, 'shape': (1,), }"),
+              ::testing::HasSubstr("records"));
   EXPECT_THAT(refused("{'descr': '<c16', 'fortran_order': False, 'shape': (1,), }"),
               ::testing::HasSubstr("complex"));
   EXPECT_THAT(
@@ -246,9 +248,10 @@ TEST_F(Mat, CutShortIsRefusedWithWhatIsMissing) {
 
 TEST_F(Mat, SeveralLengthsAreAskedAbout) {
   write({array("long_one", ramp(100, 1), 100, 1), array("short_one", ramp(50, 1), 50, 1)});
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }),
-              ::testing::AllOf(::testing::HasSubstr("long_one (100 x 1), short_one (50 x 1)"),
-                               ::testing::HasSubstr("--variable")));
+  EXPECT_THAT(
+      refusal_of([&] { return read_mat(path_); }),
+      ::testing::AllOf(::testing::HasSubstr("\"long_one (100 x 1)\", \"short_one (50 x 1)\""),
+                       ::testing::HasSubstr("--variable")));
   ReadOptions options;
   options.variables = {"short_one"};
   const auto recording = read_mat(path_, options);
@@ -320,7 +323,7 @@ TEST(Damaged, WavAndNumpyFilesAreRefusedOrRead) {
     for (int k = 0; k < 1500; ++k) {
       const std::string bytes =
           mutated(seed, {"data", "fmt ", "(", "<i4", std::string(4, '\xFF')}, random);
-      EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read_wav(bytes, "x")); }));
+      EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read_sound(bytes)); }));
       EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read_npy(bytes, "x")); }));
     }
   }

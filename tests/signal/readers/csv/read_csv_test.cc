@@ -123,7 +123,8 @@ TEST(ReadCsv, StrayColumnsAreLeftOutAndSaid) {
   EXPECT_EQ(r.sample_rate_hz, 100);
   ASSERT_EQ(r.notes.size(), 1u);
   EXPECT_EQ(r.notes[0].code, "left_out");
-  EXPECT_THAT(r.notes[0].message, ::testing::HasSubstr("\"Mass\", \"2.5\", \"kg\""));
+  EXPECT_THAT(r.notes[0].message,
+              ::testing::HasSubstr("column 4, 5 (\"Mass\"), 6 (\"2.5\"), 7 (\"kg\")"));
 }
 
 TEST(ReadCsv, MissingAndWrongFields) {
@@ -141,8 +142,8 @@ TEST(ReadCsv, MissingAndWrongFields) {
 }
 
 /// Text of the basic plane as UTF-16.
-std::string utf16(const std::u16string& text, bool little, bool marked = true) {
-  std::string bytes = !marked ? "" : little ? "\xFF\xFE" : "\xFE\xFF";
+std::string utf16(const std::u16string& text, bool little) {
+  std::string bytes = little ? "\xFF\xFE" : "\xFE\xFF";
   for (const char16_t code : text) {
     const char low = static_cast<char>(code & 0xFF), high = static_cast<char>(code >> 8);
     bytes += little ? low : high;
@@ -161,8 +162,6 @@ TEST(ReadCsv, Utf16OfEitherByteOrderIsRead) {
     EXPECT_NEAR(recording.sample_rate_hz, 10, 1e-9);
     EXPECT_NEAR(recording.channels[0].samples[2], -3e-6, 1e-18);
   }
-  EXPECT_EQ(read(utf16(u"Zeit (s);Kraft (N)\n0;1\n0,5;2\n1;3\n", true, false)).sample_rate_hz, 2);
-  EXPECT_EQ(read(utf16(u"Zeit (s);Kraft (N)\n0;1\n0,5;2\n1;3\n", false, false)).sample_rate_hz, 2);
   // Half a character pair beyond the basic plane, and a last byte that is missing.
   const auto odd = read(utf16(u"t (s),a\xD83D\n0,1\n1,2\n", true) + "x");
   EXPECT_EQ(odd.samples(), 2);

@@ -215,19 +215,13 @@ TEST(UffForeign, FrfsThatDoNotFitEachOtherSayWhich) {
   d.response = 2;
   d.step = 1.5;
   EXPECT_EQ(frf_error(first.text() + d.text()).problem(),
-            "has other frequencies than the first FRF (line 2)");
+            "has other frequencies than the first FRF");
   d.step = 1;
   d.ordinate = {8, "d", "m"};
   EXPECT_THAT(frf_error(first.text() + d.text()).problem(), ::testing::HasSubstr("another form"));
   d = {};
   d.response = 2, d.reference = 6;
   EXPECT_EQ(frf_error(first.text() + d.text()).problem(), "no FRF from \"6+Y\" to \"1+Y\"");
-  std::string scattered;
-  for (int k = 1; k <= 9; ++k) {
-    d.response = k, d.reference = k;
-    scattered += d.text();
-  }
-  EXPECT_THAT(frf_error(scattered).problem(), ::testing::HasSubstr("are absent"));
   d = {};
   d.values[2] = "NaN";
   EXPECT_EQ(frf_error(d.text()).problem(), "an FRF holds values that are no numbers");

@@ -30,7 +30,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 // Numbers of cell styles in `kStyles`.
-constexpr int kDateTime = 1, kPassed = 2, kPercent = 3;
+constexpr int kDateTime = 1, kPassed = 2;
 constexpr const char* kStyles =
     R"(<styleSheet><numFmts count="2"><numFmt numFmtId="164" formatCode="yyyy\-mm\-dd\ hh:mm:ss.000"/>)"
     R"(<numFmt numFmtId="165" formatCode="[h]:mm:ss.000;@"/></numFmts><cellXfs><xf numFmtId="0"/>)"
@@ -351,19 +351,6 @@ TEST_F(Workbooks, MergedCellsAreRefusedButForAHeading) {
   }
   with("A90:B91");  // below the table
   expect_force(read());
-  with("A1:?");
-  EXPECT_THAT(refusal(), HasSubstr("damaged"));
-}
-
-TEST_F(Workbooks, HiddenRowsAndPercentAreNoted) {
-  std::string rows = titles() + samples();
-  rows.replace(rows.find(R"(<row r="9">)"), 11, R"(<row r="9" hidden="1">)");
-  rows += row(62, number("A62", 0.6) + number("B62", force(60), kPercent));
-  write_one(rows);
-  const Recording recording = read();
-  expect_force(recording, 61);
-  EXPECT_THAT(note_of(recording, "read_as"), HasSubstr("1 rows"));
-  EXPECT_THAT(note_of(recording, "assumed"), HasSubstr("B62"));
 }
 
 TEST_F(Workbooks, FrfsAreReadFromASheet) {
@@ -406,9 +393,6 @@ TEST_F(Workbooks, DamagedOnesAreRefused) {
 
   write();
   parts_["xl/worksheets/sheet1.xml"] = "<worksheet><sheetData><row><c></row></sheetData>";
-  write();
-  EXPECT_THAT(refusal(), HasSubstr("damaged"));
-  parts_["xl/worksheets/sheet1.xml"] = "</row><row r=\"1\">";
   write();
   EXPECT_THAT(refusal(), HasSubstr("damaged"));
   for (const char* cells : {R"(<row r="2"/><row r="2"><c r="A2"><v>1</v></c></row>)",
