@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
+#include <utility>
 
+#include "signal/estimation/groups.h"
 #include "signal/numerics/numbers.h"
 #include "signal/refinement/modal_noise.h"
 #include "signal/refinement/residues.h"
@@ -40,25 +43,35 @@ PointPoleOptions point_options(const ModalOptions& options, std::size_t points) 
   return result;
 }
 
+/// Mean over points; +-1.96 standard deviations hold 95 %.
+MeanOverPoints mean_of(const std::vector<double>& value, const std::vector<double>& std) {
+  std::vector<double> variance;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    variance.push_back(std::pow(std::max(std[i], 1e-12 * std::abs(value[i])), 2));
+  }
+  const GroupMean mean = mean_over_groups(value, variance);
+  const double wider = coverage_factor(0.95, mean.degrees) / coverage_factor(0.95, 0);
+  return {
+      {mean.mean, wider * std::sqrt(mean.variance)}, std::sqrt(mean.between_variance), mean.chance};
+}
+
 /// Values over the points of a track.
-void average(LocalMode& mode, Index points) {
-  const auto n = static_cast<Index>(mode.points.size());
-  VectorXd decay(n), decay_std(n), frequency(n), frequency_std(n), order(n);
+void average(LocalMode& mode) {
+  std::vector<double> decay, decay_std, frequency, frequency_std;
   double misfit = 0, correlation = 0;
-  for (Index i = 0; i < n; ++i) {
-    const PointPole& point = mode.points[static_cast<std::size_t>(i)];
-    decay[i] = -point.pole.real();
-    decay_std[i] = point.std_re;
-    frequency[i] = point.pole.imag();
-    frequency_std[i] = point.std_im;
-    order[i] = static_cast<double>(point.point);
+  for (const PointPole& point : mode.points) {
+    decay.push_back(-point.pole.real());
+    decay_std.push_back(point.std_re);
+    frequency.push_back(point.pole.imag());
+    frequency_std.push_back(point.std_im);
     misfit += point.misfit * point.misfit;
     correlation += point.line_correlation;
   }
-  mode.decay = mean_over_points(decay, decay_std, order, points);
-  mode.frequency = mean_over_points(frequency, frequency_std, order, points);
-  mode.misfit = std::sqrt(misfit / static_cast<double>(std::max<Index>(n, 1)));
-  mode.line_correlation = correlation / static_cast<double>(std::max<Index>(n, 1));
+  mode.decay = mean_of(decay, decay_std);
+  mode.frequency = mean_of(frequency, frequency_std);
+  const auto n = static_cast<double>(mode.points.size());
+  mode.misfit = std::sqrt(misfit / n);
+  mode.line_correlation = correlation / n;
 }
 
 double total_significance(const LocalMode& mode) {
@@ -75,6 +88,67 @@ bool covers(const LocalMode& mode, const ModalBand& band, Complex pole) {
   return pole.imag() > low->pole.imag() - half && pole.imag() < high->pole.imag() + half;
 }
 
+/// Widest drift between points: of both, half-power bandwidths, and relative.
+constexpr double kDriftBandwidths = 20, kDriftRelative = 0.02;
+
+/// Distance when two poles may be one mode, negative when not.
+double link_distance(const ModalBand& band, const PointPole& a, const PointPole& b) {
+  const double ha = band.window - a.pole.real(), hb = band.window - b.pole.real();
+  const double apart = std::abs(a.pole - b.pole) / (ha + hb + 0.5 * kTwoPi * band.spacing_hz);
+  if (apart < 1) return apart;
+  const bool clear = a.explained > 0.8 && b.explained > 0.8;
+  const bool alike = std::max(ha, hb) < 2.5 * std::min(ha, hb);
+  const double away = std::abs(a.pole.imag() - b.pole.imag());
+  const bool within = away < kDriftBandwidths * (ha + hb) &&
+                      away < kDriftRelative * std::min(a.pole.imag(), b.pole.imag());
+  return clear && alike && within ? apart : -1;
+}
+
+/// Poles of different points that are one mode, by point: nearest pairs first, at most one of a
+/// point, so that a close pair counts as two modes only where the same points show both.
+std::vector<std::vector<PointPole>> link_points(const ModalBand& band,
+                                                std::vector<PointPole> poles) {
+  std::sort(poles.begin(), poles.end(),
+            [](const auto& a, const auto& b) { return a.pole.imag() < b.pole.imag(); });
+  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
+  for (std::size_t i = 0; i < poles.size(); ++i) {
+    for (std::size_t j = i + 1; j < poles.size(); ++j) {
+      // Broad poles reach furthest; beyond a fifth of the frequency nothing is one mode.
+      if (poles[j].pole.imag() > 1.5 * poles[i].pole.imag()) break;
+      if (poles[i].point == poles[j].point) continue;
+      const double distance = link_distance(band, poles[i], poles[j]);
+      if (distance >= 0) pairs.emplace_back(distance, i, j);
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  std::vector<std::size_t> owner(poles.size());
+  std::iota(owner.begin(), owner.end(), std::size_t{0});
+  std::vector<std::vector<std::size_t>> members(poles.size());
+  for (std::size_t i = 0; i < poles.size(); ++i) members[i] = {i};
+  for (const auto& [distance, i, j] : pairs) {
+    const std::size_t a = owner[i], b = owner[j];
+    if (a == b) continue;
+    const bool shared = std::any_of(members[a].begin(), members[a].end(), [&](std::size_t m) {
+      return std::any_of(members[b].begin(), members[b].end(),
+                         [&](std::size_t n) { return poles[m].point == poles[n].point; });
+    });
+    if (shared) continue;
+    for (const std::size_t n : members[b]) owner[n] = a;
+    members[a].insert(members[a].end(), members[b].begin(), members[b].end());
+    members[b].clear();
+  }
+  std::vector<std::vector<PointPole>> tracks;
+  for (const auto& group : members) {
+    if (group.empty()) continue;
+    std::vector<PointPole> track;
+    for (const std::size_t m : group) track.push_back(poles[m]);
+    std::sort(track.begin(), track.end(),
+              [](const auto& a, const auto& b) { return a.point < b.point; });
+    tracks.push_back(std::move(track));
+  }
+  return tracks;
+}
+
 }  // namespace
 
 LocalModes find_local_modes(const ModalBand& band, const std::vector<Complex>& common,
@@ -86,7 +160,8 @@ LocalModes find_local_modes(const ModalBand& band, const std::vector<Complex>& c
   std::vector<PointPole> all;
   for (Index i = 0; i < count; ++i) {
     for (PointPole& pole :
-         point_poles(band, points[static_cast<std::size_t>(i)], i, common, with)) {
+         point_poles(band, band.lines.H(Eigen::all, points[static_cast<std::size_t>(i)]), i, common,
+                     with)) {
       all.push_back(std::move(pole));
     }
   }
@@ -95,23 +170,23 @@ LocalModes find_local_modes(const ModalBand& band, const std::vector<Complex>& c
   for (std::vector<PointPole>& track : link_points(band, std::move(all))) {
     LocalMode mode;
     mode.points = std::move(track);
-    average(mode, count);
+    average(mode);
     const Complex pole(-mode.decay.value.value, mode.frequency.value.value);
     const double half = band.window + mode.decay.value.value;
     const double scatter = mode.frequency.between_std / half;
     const double share = static_cast<double>(mode.points.size()) / static_cast<double>(count);
     if (static_cast<double>(mode.points.size()) < needed) {
-      result.weak.push_back({pole, "points",
-                             fmt::format("{} of {} points show it, of which {:.0f} are asked",
-                                         mode.points.size(), count, needed)});
+      result.weak.emplace_back(pole, 0, "points",
+                               fmt::format("{} of {} points show it, of which {:.0f} are asked",
+                                           mode.points.size(), count, needed));
       continue;
     }
     if (count > 1 && share < 0.8 && scatter > 0.4) {
-      result.weak.push_back(
-          {pole, "scatter",
-           fmt::format("its frequency scatters by {:.1f} half bandwidths over the {} of {} points "
-                       "that show it: neither one mode of all nor one of few",
-                       scatter, mode.points.size(), count)});
+      result.weak.emplace_back(
+          pole, 0, "scatter",
+          fmt::format("its frequency scatters by {:.1f} half bandwidths over the {} of {} points "
+                      "that show it: neither one mode of all nor one of few",
+                      scatter, mode.points.size(), count));
       continue;
     }
     result.modes.push_back(std::move(mode));
@@ -121,7 +196,7 @@ LocalModes find_local_modes(const ModalBand& band, const std::vector<Complex>& c
     for (const auto& columns : points) every.insert(every.end(), columns.begin(), columns.end());
     PointPoleOptions joint = with;
     joint.max_order = 0;
-    for (PointPole& pole : point_poles(band, every, 0, common, joint)) {
+    for (PointPole& pole : point_poles(band, band.lines.H(Eigen::all, every), 0, common, joint)) {
       if (pole.explained < 0.5 || pole.misfit > 0.5 ||
           std::any_of(result.modes.begin(), result.modes.end(),
                       [&](const LocalMode& mode) { return covers(mode, band, pole.pole); })) {
@@ -130,7 +205,7 @@ LocalModes find_local_modes(const ModalBand& band, const std::vector<Complex>& c
       LocalMode mode;
       mode.together = true;
       mode.points.push_back(std::move(pole));
-      average(mode, 1);
+      average(mode);
       result.modes.push_back(std::move(mode));
     }
   }
@@ -140,16 +215,23 @@ LocalModes find_local_modes(const ModalBand& band, const std::vector<Complex>& c
   return result;
 }
 
-std::vector<LocalMode> check_points(const ModalBand& band, const VectorXcd& poles,
-                                    const ModalOptions& options) {
+std::vector<MatrixXcd> frfs_of_points(const ModalBand& band) {
+  std::vector<MatrixXcd> all;
+  for (const auto& columns : columns_of_points(band)) {
+    all.push_back(band.lines.H(Eigen::all, columns));
+  }
+  return all;
+}
+
+std::vector<LocalMode> check_groups(const ModalBand& band, const std::vector<MatrixXcd>& groups,
+                                    const VectorXcd& poles, const ModalOptions& options) {
   std::vector<LocalMode> modes(static_cast<std::size_t>(poles.size()));
-  const auto points = columns_of_points(band);
-  PointPoleOptions with = point_options(options, points.size());
+  PointPoleOptions with = point_options(options, groups.size());
   with.max_order = 0;
   with.twin_misfit = 0;  // the global fit has chosen them
   const std::vector<Complex> common(poles.begin(), poles.end());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (const PointPole& found : point_poles(band, points[i], Index(i), common, with)) {
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    for (const PointPole& found : point_poles(band, groups[i], Index(i), common, with)) {
       Index nearest = 0;
       (poles.array() - found.pole).abs().minCoeff(&nearest);
       LocalMode& mode = modes[static_cast<std::size_t>(nearest)];
@@ -161,31 +243,12 @@ std::vector<LocalMode> check_points(const ModalBand& band, const VectorXcd& pole
     }
   }
   for (LocalMode& mode : modes) {
-    if (!mode.points.empty()) average(mode, static_cast<Index>(points.size()));
+    if (!mode.points.empty()) average(mode);
   }
   return modes;
 }
 
 namespace {
-
-/// Share of the FRFs within the half bandwidth of each mode that a global fit leaves.
-VectorXd misfit_around_modes(const ModalBand& band, const FoundModes& found) {
-  const MatrixXcd& H = band.lines.H;
-  VectorXd share(found.fit.poles.size());
-  for (Index r = 0; r < share.size(); ++r) {
-    const double centre = found.fit.poles[r].imag() / kTwoPi;
-    const double half =
-        std::max((band.window - found.fit.poles[r].real()) / kTwoPi, band.spacing_hz);
-    double above = 0, below = 0;
-    for (Index k = 0; k < H.rows(); ++k) {
-      if (std::abs(band.frequency_hz[k] - centre) > half) continue;
-      above += (H.row(k) - found.model.row(k)).squaredNorm();
-      below += H.row(k).squaredNorm();
-    }
-    share[r] = below > 0 ? std::sqrt(above / below) : 0;
-  }
-  return share;
-}
 
 bool points_differ(const LocalMode& mode) {
   return mode.points.size() > 1 &&
@@ -221,9 +284,10 @@ bool has_twins(const ModalBand& band, const VectorXcd& poles) {
 bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& checked,
                       const FoundModes& found, double excess) {
   if (!found.covariance.full_rank) return false;
-  const VectorXd left = misfit_around_modes(band, found);
-  if (left.size() == 0) return true;
-  if (left.maxCoeff() < kSmallMisfit) return true;
+  const MatrixXcd misfit = band.lines.H - found.model;
+  const VectorXd left =
+      found.fit.poles.unaryExpr([&](Complex pole) { return part_left(band, misfit, pole); });
+  if ((left.array() < kSmallMisfit).all()) return true;
   if (excess > kLikeNoise && has_twins(band, found.fit.poles)) return false;
   for (std::size_t r = 0; r < checked.size(); ++r) {
     if (left[static_cast<Index>(r)] < kSmallMisfit) continue;

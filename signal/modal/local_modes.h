@@ -2,9 +2,12 @@
 // FRFs fits no better than its misfit lets it.
 //
 // Candidates come from stabilisation diagrams of the whole band, of overlapping parts of it and of
-// every point by itself (point_poles.h), and are linked over the points (point_tracks.h). A mode is
-// a track that enough points show, or a pole that all FRFs together hold where single points are
-// too weak. Its pole is the random-effects mean over points, its uncertainty that of this mean.
+// every point by itself (point_poles.h), and are linked over the points: where their bandwidths
+// touch (|p - q| below the sum of the half bandwidths) or, where both stand clear of their
+// surroundings, within 20 half-power bandwidths and 2 % of each other and with like damping (a mode
+// that drifts). A mode is such a track that enough points show, or a pole that all FRFs together
+// hold where single points are too weak. Its pole is the random-effects mean over points
+// (estimation/groups.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -12,13 +15,19 @@
 #include <string>
 #include <vector>
 
+#include "signal/modal/point_poles.h"
 #include "signal/modes/modal_band.h"
 #include "signal/modes/modal_result.h"
 #include "signal/modes/mode_search.h"
-#include "signal/variation/point_poles.h"
-#include "signal/variation/point_tracks.h"
+#include "signal/numerics/estimate.h"
 
 namespace rigfit::signal {
+
+struct MeanOverPoints {
+  Estimate value;            ///< +-1.96 std hold 95 %
+  double between_std = 0;    ///< tau: scatter between points beyond their own errors
+  double excess_chance = 1;  ///< that points which are equal differ as much
+};
 
 struct LocalMode {
   std::vector<PointPole> points;  ///< one a point that shows it; a single one: all FRFs together
@@ -29,15 +38,9 @@ struct LocalMode {
   double line_correlation = 0;    ///< mean correlation of those misfits
 };
 
-/// A track that is no mode.
-struct WeakTrack {
-  std::complex<double> pole;
-  std::string code, reason;
-};
-
 struct LocalModes {
-  std::vector<LocalMode> modes;  ///< by rising frequency
-  std::vector<WeakTrack> weak;
+  std::vector<LocalMode> modes;      ///< by rising frequency
+  std::vector<RejectedColumn> weak;  ///< tracks that are no modes
 };
 
 /// `common`: candidates of all FRFs together, window removed.
@@ -45,11 +48,16 @@ struct LocalModes {
                                           const std::vector<std::complex<double>>& common,
                                           const ModalOptions& options);
 
-/// Each pole of a global fit as every point shows it, the other poles held beside it; a point that
-/// does not show it is left out. Empty tracks where no point does.
-[[nodiscard]] std::vector<LocalMode> check_points(const ModalBand& band,
+/// Each pole of a global fit as every group (point, hit) shows it, the other poles held beside it;
+/// a group that does not show it is left out. Empty tracks where none does. `groups`: FRFs on the
+/// lines of the band.
+[[nodiscard]] std::vector<LocalMode> check_groups(const ModalBand& band,
+                                                  const std::vector<Eigen::MatrixXcd>& groups,
                                                   const Eigen::VectorXcd& poles,
                                                   const ModalOptions& options);
+
+/// FRFs of every point.
+[[nodiscard]] std::vector<Eigen::MatrixXcd> frfs_of_points(const ModalBand& band);
 
 /// Two poles whose frequencies lie within half their bandwidths: FRFs of one reference may not tell
 /// such a pair from one mode that varies between points.

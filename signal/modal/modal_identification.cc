@@ -7,14 +7,13 @@
 #include <complex>
 #include <utility>
 
-#include "signal/modal/cut_off_records.h"
+#include "signal/modal/band_background.h"
 #include "signal/modal/local_modes.h"
 #include "signal/modal/mode_warnings.h"
 #include "signal/modes/mac.h"
 #include "signal/modes/modal_band.h"
-#include "signal/modes/modal_synthesis.h"
 #include "signal/modes/mode_search.h"
-#include "signal/modes/modes_beside.h"
+#include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
 #include "signal/variation/hit_scatter.h"
 
@@ -38,7 +37,6 @@ struct Search {
   bool exhausted = false;         ///< all FRFs together took too much work
   bool local = false;             ///< modes of local fits; else maximum likelihood of all FRFs
   std::vector<LocalMode> points;  ///< each mode as the points show it
-  std::vector<WeakTrack> weak;    ///< weak tracks among the local fits
 };
 
 /// Candidates for local fits: columns of the diagrams of the band and of parts of it, and what a
@@ -78,7 +76,7 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
   const bool solved = !found.exhausted && found.fit.residues.cols() > 0;
   bool holds = false;
   if (solved && found.covariance.full_rank) {
-    search.points = check_points(band, found.fit.poles, options);
+    search.points = check_groups(band, frfs_of_points(band), found.fit.poles, options);
     const MatrixXcd misfit = band.lines.H - found.model;
     const double excess = misfit_correlation(found.noise, misfit).excess;
     holds = global_fit_holds(band, search.points, found, excess);
@@ -95,49 +93,20 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
       find_local_modes(band, local_candidates(band, clusters, found, noise, options), options);
   if (holds && static_cast<Index>(local.modes.size()) >= found.fit.poles.size()) return keep();
   search.local = true;
-  std::vector<DroppedCluster> dropped = std::move(search.found.dropped);
+  local.weak.insert(local.weak.begin(), found.dropped.begin(), found.dropped.end());
   search.found = as_found_modes(band, local, noise, clusters);
-  search.found.dropped = std::move(dropped);
+  search.found.dropped = std::move(local.weak);
   search.points = std::move(local.modes);
-  search.weak = std::move(local.weak);
   return search;
 }
 
 /// Raises variances by what correlates in the misfit: their formula is that of noise.
 void allow_for_misfit(const MatrixXcd& H, FoundModes& found) {
   if (found.model.size() == 0 || !found.covariance.full_rank) return;
-  const double inflation = misfit_inflation(found.noise, H - found.model);
+  const double inflation = misfit_correlation(found.noise, H - found.model).inflation;
   found.covariance.poles *= inflation;
   found.covariance.residue_std_re *= std::sqrt(inflation);
   found.covariance.residue_std_im *= std::sqrt(inflation);
-}
-
-/// Frequency and damping ratio of a pole, and their derivatives with respect to its two parts.
-void fill_frequency_and_damping(Complex pole, IdentifiedMode& mode, Eigen::Matrix2d& jacobian) {
-  const double x = pole.real(), y = pole.imag(), w = std::abs(pole);
-  mode.frequency_hz.value = w / kTwoPi;
-  mode.damping_ratio.value = -x / w;
-  jacobian << x / (w * kTwoPi), y / (w * kTwoPi), -y * y / (w * w * w), x * y / (w * w * w);
-}
-
-/// u and v of the nearest u v^T, |v| = 1, by powers of residue' residue: where the second singular
-/// value is so near the first that they converge slowly, any mixture is as near.
-std::pair<VectorXcd, VectorXcd> nearest_rank_one(const MatrixXcd& residue) {
-  Index strongest = 0;
-  residue.colwise().squaredNorm().maxCoeff(&strongest);
-  VectorXcd v = residue.adjoint() * residue.col(strongest);
-  if (!(v.norm() > 0)) v = VectorXcd::Unit(residue.cols(), strongest);
-  v.normalize();
-  for (int power = 0; power < 1000; ++power) {
-    VectorXcd next = residue.adjoint() * (residue * v);
-    const double length = next.norm();
-    if (!(length > 0)) break;
-    next /= length;
-    const double change = (next - v).norm();
-    v = next;
-    if (change < 1e-15) break;
-  }
-  return {residue * v, v.conjugate()};
 }
 
 void fill_shape(const ModalRefineResult& fit, const ModalCovariance& covariance, Index r,
@@ -153,10 +122,11 @@ void fill_shape(const ModalRefineResult& fit, const ModalCovariance& covariance,
     mode.participation = VectorXcd::Ones(1);
   } else {
     // The nearest matrix of rank one, with the strongest input's participation made 1.
-    const auto [u, v] = nearest_rank_one(residue);
+    const HermitianEigen squares = hermitian_eigen(residue.adjoint() * residue);
+    const VectorXcd v = squares.vectors.col(inputs - 1);
     v.cwiseAbs().maxCoeff(&strongest);
-    mode.participation = v / v[strongest];
-    mode.shape = u * v[strongest];
+    mode.participation = (v / v[strongest]).conjugate();
+    mode.shape = residue * v * std::conj(v[strongest]);
   }
   mode.shape_std.resize(responses, 2);
   for (Index o = 0; o < responses; ++o) {
@@ -172,8 +142,6 @@ void fill_points(const FrfSet& frfs, const ModalBand& band, const LocalMode& loc
   const double w = std::abs(mode.pole_rad_s);
   mode.between_points_std_hz = local.frequency.between_std / kTwoPi;
   mode.between_points_std_damping = local.decay.between_std / w;
-  mode.trend_hz = {local.frequency.trend.value / kTwoPi, local.frequency.trend.std / kTwoPi};
-  mode.has_trend = local.frequency.has_trend;
   if (local.together || columns_of_points(band).size() < 2) return;
   const bool by_input = points_are_inputs(band);
   for (const PointPole& found : local.points) {
@@ -212,17 +180,12 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& searc
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Index r = order[i], row = static_cast<Index>(2 * i);
     IdentifiedMode mode;
-    mode.pole_rad_s = fit.poles[r];
-    const Complex raw = fit.poles[r] - band.window;
-    mode.damping_ratio_with_window = -raw.real() / std::abs(raw);
-    mode.damping_dominated_by_window = band.window > -0.5 * raw.real();
-    Eigen::Matrix2d local;
-    fill_frequency_and_damping(mode.pole_rad_s, mode, local);
-    jacobian.block<2, 2>(row, 2 * r) = local;
+    set_pole(mode, fit.poles[r], band.window);
+    jacobian.block<2, 2>(row, 2 * r) = pole_jacobian(fit.poles[r]);
     fill_shape(fit, covariance, r, inputs, mode);
     // A record that ends before the mode has decayed scales its residue by 1 - exp(raw * length),
     // whose phase goes with that of the hit; as likely one way as another.
-    const double cut_off = std::exp(raw.real() / band.spacing_hz) / std::sqrt(2.0);
+    const double cut_off = left_at_the_end(band, fit.poles[r] - band.window) / std::sqrt(2.0);
     mode.shape_std = (mode.shape_std.array().square() +
                       (cut_off * mode.shape.array().abs()).square().replicate(1, 2))
                          .sqrt();
@@ -243,39 +206,44 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& searc
   result.auto_mac = auto_mac(shapes);
 }
 
+/// Rms misfit over rms FRF: of each FRF, and within half a bandwidth of each mode (three lines at
+/// least); where points have their own poles, that of their fits.
+void measure_errors(const ModalBand& band, const MatrixXcd& fitted, ModalModel& model) {
+  const MatrixXcd misfit = band.lines.H - fitted;
+  const Index inputs = band.lines.inputs;
+  model.frf_error.resize(misfit.cols() / inputs, inputs);
+  for (Index c = 0; c < misfit.cols(); ++c) {
+    const double size = band.lines.H.col(c).norm();
+    model.frf_error(c / inputs, c % inputs) = size > 0 ? misfit.col(c).norm() / size : 0;
+  }
+  for (IdentifiedMode& mode : model.modes) {
+    mode.reconstruction_error = part_left(band, misfit, mode.pole_rad_s, 1.5);
+    if (mode.refinement == "global" || mode.points.empty()) continue;
+    double sum = 0;
+    for (const ModeAtPoint& point : mode.points) sum += point.misfit * point.misfit;
+    mode.reconstruction_error = std::sqrt(sum / static_cast<double>(mode.points.size()));
+  }
+}
+
 /// Columns without a mode: clusters that were given up, and tracks too short to be clusters.
-void list_rejected(const ModalBand& band, const ModalOptions& options, const Search& search,
-                   ModalResult& result) {
-  const FoundModes& found = search.found;
-  const auto apart = [](Complex p, Complex q) {
-    return std::abs(p - q) / (std::abs(p.real()) + std::abs(q.real()));
-  };
+void list_rejected(const ModalBand& band, const ModalOptions& options,
+                   const std::vector<RejectedColumn>& dropped, ModalResult& result) {
   const auto is_mode = [&](Complex pole) {
     return std::any_of(result.model.modes.begin(), result.model.modes.end(), [&](const auto& mode) {
-      return apart(pole, mode.pole_rad_s - band.window) < 2 * options.clusters.radius;
+      const double halves = 2 * band.window - pole.real() - mode.pole_rad_s.real();
+      return std::abs(pole - mode.pole_rad_s) < 2 * options.clusters.radius * halves;
     });
   };
-  const auto add = [&](const PoleCluster& cluster, const std::string& code,
-                       const std::string& reason) {
-    const Complex pole = cluster.pole_rad_s + band.window;
-    result.rejected.push_back(
-        {std::abs(pole) / kTwoPi, -pole.real() / std::abs(pole), cluster.presence, code, reason});
-  };
-  for (const DroppedCluster& dropped : found.dropped) {
-    const PoleCluster& cluster = result.clusters[dropped.cluster];
-    if (!is_mode(cluster.pole_rad_s)) add(cluster, dropped.code, dropped.reason);
-  }
-  for (const WeakTrack& track : search.weak) {
-    const double magnitude = std::abs(track.pole);
-    if (is_mode(track.pole - band.window)) continue;
-    result.rejected.push_back(
-        {magnitude / kTwoPi, -track.pole.real() / magnitude, 0, track.code, track.reason});
+  for (const RejectedColumn& column : dropped) {
+    if (!is_mode(column.pole_rad_s)) result.rejected.push_back(column);
   }
   PoleClusterOptions shorter = options.clusters;
   shorter.min_presence /= 2;
   for (const PoleCluster& cluster : cluster_poles(result.stabilisation, band.spacing_hz, shorter)) {
-    if (cluster.presence >= options.clusters.min_presence || is_mode(cluster.pole_rad_s)) continue;
-    add(cluster, "presence",
+    const Complex pole = cluster.pole_rad_s + band.window;
+    if (cluster.presence >= options.clusters.min_presence || is_mode(pole)) continue;
+    result.rejected.emplace_back(
+        pole, cluster.presence, "presence",
         fmt::format("in {:.0f} % of the upper half of the orders, of which {:.0f} % are asked",
                     100 * cluster.presence, 100 * options.clusters.min_presence));
   }
@@ -319,7 +287,8 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     return result;
   }
 
-  const MatrixXcd background = band.lines.background;
+  const MatrixXcd background =
+      smooth_background(band.lines.s, band.lines.power, frfs.force_noise_span_s);
   band.beside = poles_beside(frfs, band, options);
   set_background(background, band);
   result.stabilisation = stabilise(band, H, first, options.lscf, 0, result.lines_used);
@@ -362,20 +331,12 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     result.background = band.lines.background * found.fit.background;
     result.background_hz = band.frequency_hz;
   }
-  list_rejected(band, options, search, result);
+  list_rejected(band, options, found.dropped, result);
   if (model.modes.empty()) {
     model.notes.push_back(
         {"no_modes", "nothing in the band stands out of the noise as a resonance", ""});
   }
-  measure_errors(model, frfs, result.low_hz, result.high_hz,
-                 band.lines.background.size() > 0 ? found.model : MatrixXcd());
-  for (IdentifiedMode& mode : model.modes) {
-    if (mode.refinement == "global" || mode.points.empty()) continue;
-    // Each point with its own pole: what a mode that varies leaves unexplained.
-    double sum = 0;
-    for (const ModeAtPoint& point : mode.points) sum += point.misfit * point.misfit;
-    mode.reconstruction_error = std::sqrt(sum / static_cast<double>(mode.points.size()));
-  }
+  measure_errors(band, found.model, model);
   if (has_error_bars) {
     const MatrixXcd& m = found.model;
     double sum = 0;

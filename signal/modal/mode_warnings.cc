@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/modal/cut_off_records.h"
+#include "signal/modal/band_background.h"
 #include "signal/numerics/numbers.h"
 #include "signal/variation/mode_changes.h"
 
@@ -53,30 +53,28 @@ LagCorrelation correlation_at(const FrfNoise& noise,
 
 MisfitCorrelation misfit_correlation(const FrfNoise& noise,
                                      const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
-  if (misfit.rows() < 2) return {};
-  const LagCorrelation next = correlation_at(noise, misfit, 1);
-  const auto pairs = static_cast<double>(misfit.rows() - 1);
-  if (!(next.frfs > 0)) return {};
-  return {next.value - line_correlation(noise, 1).real(), 5 / std::sqrt(2 * next.frfs * pairs)};
-}
-
-double misfit_inflation(const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
-  const MisfitCorrelation next = misfit_correlation(noise, misfit);
-  if (!(next.excess > std::max(next.chance, kSystematic))) return 1;
-  const Index lags = std::min<Index>(8, misfit.rows() / 5);
+  MisfitCorrelation result;
+  if (misfit.rows() < 2) return result;
+  const Index lags = std::clamp<Index>(misfit.rows() / 5, 1, 8);
   double more = 0;
   for (Index d = 1; d <= lags; ++d) {
-    const double excess =
-        correlation_at(noise, misfit, d).value - line_correlation(noise, d).real();
+    const LagCorrelation found = correlation_at(noise, misfit, d);
+    if (!(found.frfs > 0)) return result;
+    const double excess = found.value - line_correlation(noise, d).real();
     more += 2 * (1 - static_cast<double>(d) / (static_cast<double>(lags) + 1)) * excess;
+    if (d > 1) continue;
+    result.excess = excess;
+    const double chance = 5 / std::sqrt(2 * found.frfs * static_cast<double>(misfit.rows() - 1));
+    result.systematic = std::abs(excess) > std::max(chance, kSystematic);
   }
-  return 1 + std::max(0.0, more);
+  if (result.systematic && result.excess > 0) result.inflation = 1 + std::max(0.0, more);
+  return result;
 }
 
 void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
   const MisfitCorrelation found = misfit_correlation(result.noise, misfit);
   result.misfit_line_correlation = found.excess;
-  if (std::abs(found.excess) <= std::max(found.chance, kSystematic)) return;
+  if (!found.systematic) return;
   result.model.notes.push_back(
       {"systematic_misfit",
        fmt::format(
@@ -137,30 +135,19 @@ SharedNoise shared_noise(const IdentifiedMode& mode, const ModalBand& band, cons
 /// Peak of a mode over the rms of the FRFs within its half bandwidth, all FRFs together.
 /// `measured`: its decay rate, window included.
 double part_of_frfs(const IdentifiedMode& mode, const ModalBand& band, double measured) {
-  const double centre = mode.pole_rad_s.imag() / kTwoPi;
-  const double half = std::max(measured / kTwoPi, band.spacing_hz);
-  double power = 0, lines = 0;
-  for (Index k = 0; k < band.frequency_hz.size(); ++k) {
-    if (std::abs(band.frequency_hz[k] - centre) > half) continue;
-    power += band.lines.H.row(k).squaredNorm();
-    ++lines;
-  }
+  const auto [first, count] = lines_around(band, mode.pole_rad_s);
+  const double power = band.lines.H.middleRows(first, count).squaredNorm();
   if (!(power > 0)) return 1;
   const double peak = mode.shape.norm() * mode.participation.norm() / measured *
                       std::pow(std::abs(mode.pole_rad_s), band.lines.power);
-  return peak / std::sqrt(power / lines);
+  return peak / std::sqrt(power / static_cast<double>(count));
 }
 
 }  // namespace
 
 double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise, const IdentifiedMode& mode,
                            const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
-  const double centre = mode.pole_rad_s.imag() / kTwoPi;
-  const double half =
-      std::max((band.window - mode.pole_rad_s.real()) / kTwoPi, 2.5 * band.spacing_hz);
-  const Eigen::VectorXd& f = band.frequency_hz;
-  const Index first = std::lower_bound(f.begin(), f.end(), centre - half) - f.begin();
-  const Index count = (std::upper_bound(f.begin(), f.end(), centre + half) - f.begin()) - first;
+  const auto [first, count] = lines_around(band, mode.pole_rad_s, 2.5);
   if (count < 2) return 0;
   const auto left = misfit.middleRows(first, count);
   const double around = band.lines.H.middleRows(first, count).squaredNorm();

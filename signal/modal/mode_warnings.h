@@ -11,18 +11,16 @@ namespace rigfit::signal {
 
 struct MisfitCorrelation {
   double excess = 0;  ///< correlation of the weighted misfit at neighbouring lines beyond noise's
-  double chance = 0;  ///< five standard deviations of that under noise
+  bool systematic = false;  ///< more than five standard deviations of that under noise, and 0.2
+  /// Variance of what a fit takes from lines of the misfit over that of noise: where the excess is
+  /// systematic 1 and twice the sum of the correlations beyond noise's, by Bartlett's weights to 8
+  /// lines (Newey and West, Econometrica 55 (1987) 703).
+  double inflation = 1;
 };
 
 /// `misfit`: lines x FRFs.
 [[nodiscard]] MisfitCorrelation misfit_correlation(
     const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
-
-/// Variance of what a fit takes from lines of the misfit over that of noise: 1 where neighbouring
-/// lines correlate no more than noise does, else 1 and twice the sum of the correlations beyond it,
-/// by Bartlett's weights to 8 lines (Newey and West, Econometrica 55 (1987) 703).
-[[nodiscard]] double misfit_inflation(const FrfNoise& noise,
-                                      const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
 /// The excess into the result;
 /// noted when it is beyond chance and large enough to matter for the error bars. `misfit`: lines x
@@ -39,8 +37,8 @@ void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>&
                                          const IdentifiedMode& mode,
                                          const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
-/// Fills `doubtful` and `doubt` of every mode; what the record's length costs the residues is
-/// noted. `misfit`: lines x FRFs.
+/// Fills `doubtful` and `doubt` of every mode; what the record's length costs the residues
+/// is noted. `misfit`: lines x FRFs.
 void judge_modes(ModalResult& result, const ModalBand& band,
                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 

@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
+#include "signal/numerics/numbers.h"
 #include "signal/refinement/modal_basis.h"
-#include "signal/refinement/smooth_background.h"
 
 namespace rigfit::signal {
 
@@ -72,8 +73,6 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
   band.lines.s = laplace_lines(band.frequency_hz, band.window);
   band.lines.power = power_of_s(frfs.form);
   band.lines.inputs = inputs;
-  band.lines.background =
-      smooth_background(band.lines.s, band.lines.power, frfs.force_noise_span_s);
   return band;
 }
 
@@ -84,6 +83,23 @@ FrfNoise first_noise(const ModalBand& band) {
                        : noise_unknown(H, band.lines.inputs, band.correlation_lines);
   noise.lead = band.lead;
   return noise;
+}
+
+std::pair<Index, Index> lines_around(const ModalBand& band, std::complex<double> pole,
+                                     double least) {
+  const VectorXd& f = band.frequency_hz;
+  const double centre = pole.imag() / kTwoPi;
+  const double half = std::max((band.window - pole.real()) / kTwoPi, least * band.spacing_hz);
+  const auto low = std::lower_bound(f.begin(), f.end(), centre - half);
+  const auto high = std::upper_bound(low, f.end(), centre + half);
+  return {low - f.begin(), high - low};
+}
+
+double part_left(const ModalBand& band, const Eigen::Ref<const Eigen::MatrixXcd>& left,
+                 std::complex<double> pole, double least) {
+  const auto [first, count] = lines_around(band, pole, least);
+  const double around = band.lines.H.middleRows(first, count).squaredNorm();
+  return around > 0 ? std::sqrt(left.middleRows(first, count).squaredNorm() / around) : 0;
 }
 
 }  // namespace rigfit::signal

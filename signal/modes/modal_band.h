@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
+#include <utility>
 #include <vector>
 
 #include "signal/recording/recording.h"
@@ -18,7 +20,7 @@ struct ModalBand {
   double spacing_hz = 0;                   ///< median step between lines
   double window = 0;                       ///< decay rate of the exponential window, 1/s
   double correlation_lines = 0, lead = 0;  ///< FrfNoise's
-  Eigen::VectorXcd beside;                 ///< poles beyond its ends (modes_beside.h)
+  Eigen::VectorXcd beside;  ///< poles beyond its ends (signal/modal/band_background.h)
 };
 
 /// Lines from `low_hz` (never 0 Hz) to `high_hz` (0: the last) with finite values. What is left out
@@ -29,5 +31,16 @@ struct ModalBand {
 
 /// What the noise of its FRFs is taken for before any fit: error bars where there are some.
 [[nodiscard]] FrfNoise first_noise(const ModalBand& band);
+
+/// Lines within the half bandwidth of a pole (window removed), `least` spacings at least to either
+/// side: the first and how many.
+[[nodiscard]] std::pair<Eigen::Index, Eigen::Index> lines_around(const ModalBand& band,
+                                                                 std::complex<double> pole,
+                                                                 double least = 1);
+
+/// Rms of `left` (lines x FRFs) over that of the FRFs on these lines.
+[[nodiscard]] double part_left(const ModalBand& band,
+                               const Eigen::Ref<const Eigen::MatrixXcd>& left,
+                               std::complex<double> pole, double least = 1);
 
 }  // namespace rigfit::signal

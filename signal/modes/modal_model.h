@@ -83,11 +83,9 @@ struct IdentifiedMode {
   /// Source of the pole: "global" (maximum likelihood of all FRFs, with a misfit like noise) or
   /// "local" (mean over points of fits to the lines around it).
   std::string refinement = "global";
-  /// Scatter of the frequency between points beyond the points' own errors (tau), drift included.
+  /// Scatter of the frequency between points beyond the points' own errors (tau).
   double between_points_std_hz = 0;
   double between_points_std_damping = 0;
-  Estimate trend_hz;  ///< change of frequency from one point to the next; NaN: fewer than 4 points
-  bool has_trend = false;           ///< the trend would arise by chance in less than 1 %
   std::vector<ModeAtPoint> points;  ///< by measured point; empty for a single one
   BetweenHits between_hits;
   bool doubtful = false;
@@ -130,8 +128,6 @@ struct IdentifiedMode {
         field("refinement", &T::refinement),
         field("between_points_std_hz", &T::between_points_std_hz),
         field("between_points_std_damping", &T::between_points_std_damping),
-        field("trend_hz_per_point", &T::trend_hz),
-        field("trend_certain", &T::has_trend),
         field("points", &T::points),
         field("between_hits", describe::where(&T::from_hits, &T::between_hits)),
         field("doubtful", &T::doubtful),
@@ -139,6 +135,25 @@ struct IdentifiedMode {
         field("", &T::remark, "", "remark", "")};
   }
 };
+
+/// d (frequency, damping ratio) / d (Re p, Im p).
+[[nodiscard]] inline Eigen::Matrix2d pole_jacobian(std::complex<double> pole) {
+  const double x = pole.real(), y = pole.imag(), w = std::abs(pole);
+  Eigen::Matrix2d J;
+  J << x / (w * kTwoPi), y / (w * kTwoPi), -y * y / (w * w * w), x * y / (w * w * w);
+  return J;
+}
+
+/// Gives a mode a pole, with frequency and damping ratios. `window`: decay rate of an exponential
+/// window, 1/s.
+inline void set_pole(IdentifiedMode& mode, std::complex<double> pole, double window) {
+  const std::complex<double> measured = pole - window;
+  mode.pole_rad_s = pole;
+  mode.frequency_hz.value = std::abs(pole) / kTwoPi;
+  mode.damping_ratio.value = -pole.real() / std::abs(pole);
+  mode.damping_ratio_with_window = -measured.real() / std::abs(measured);
+  mode.damping_dominated_by_window = window > -0.5 * measured.real();
+}
 
 struct ModalModel {
   std::vector<IdentifiedMode> modes;  ///< by rising frequency

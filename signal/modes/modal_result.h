@@ -1,13 +1,16 @@
 // Options and result of the identification of modes (modal_identification.h).
 #pragma once
 
+#include <complex>
 #include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "document/describe.h"
 #include "signal/modes/modal_model.h"
+#include "signal/numerics/numbers.h"
 #include "signal/poles/lscf.h"
 #include "signal/poles/pole_clusters.h"
 #include "signal/refinement/modal_noise.h"
@@ -34,7 +37,16 @@ struct ModalOptions {
 
 /// A column of the stabilisation diagram that was rejected as a mode, and the test it failed.
 struct RejectedColumn {
-  double frequency_hz = 0, damping_ratio = 0;  ///< as the diagram shows it, window removed
+  RejectedColumn(std::complex<double> pole, double present, std::string test, std::string why)
+      : pole_rad_s(pole),
+        frequency_hz(std::abs(pole) / kTwoPi),
+        damping_ratio(-pole.real() / std::abs(pole)),
+        presence(present),
+        code(std::move(test)),
+        reason(std::move(why)) {}
+
+  std::complex<double> pole_rad_s;             ///< as the diagram shows it, window removed
+  double frequency_hz = 0, damping_ratio = 0;  ///< of this pole
   double presence = 0;                         ///< share of the upper half of the orders, 0..1
   /// "presence", "band", "damping", "prominence", "significance", "twin"; for local fits also
   /// "points" (too few show it) and "scatter" (they do not agree).
@@ -59,8 +71,9 @@ struct ModalResult {
   int iterations = 0;
   Eigen::Index lines_used = 0;
   double low_hz = 0, high_hz = 0;  ///< first and last line used
-  /// Part of the fit besides modes and residuals (smooth_background.h), which truncated records and
-  /// noise on the force cause. Lines used x FRFs, in the fitted form and window; empty: none.
+  /// Part of the fit besides modes and residuals (signal/modal/band_background.h), which truncated
+  /// records and noise on the force cause. Lines used x FRFs, in the fitted form and window; empty:
+  /// none.
   Eigen::MatrixXcd background;
   Eigen::VectorXd background_hz;  ///< its lines
   /// Rms misfit over the rms of the smoothed error bars H_std (1: the modes explain the FRFs within

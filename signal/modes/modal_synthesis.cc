@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <stdexcept>
 #include <vector>
 
@@ -11,19 +10,8 @@
 #include "signal/refinement/residues.h"
 
 namespace rigfit::signal {
-namespace {
 
 using Eigen::Index;
-
-Eigen::MatrixXd rows(const Eigen::MatrixXd& m, const std::vector<Index>& which) {
-  Eigen::MatrixXd result(static_cast<Index>(which.size()), m.cols());
-  for (std::size_t i = 0; i < which.size(); ++i) {
-    result.row(static_cast<Index>(i)) = m.row(which[i]);
-  }
-  return result;
-}
-
-}  // namespace
 
 FrfSet synthesised(const ModalModel& model, const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
                    FrfForm form, double decay_rate_1_s) {
@@ -86,54 +74,6 @@ FrfSet synthesised(const ModalResult& fit, const Eigen::Ref<const Eigen::VectorX
                     ((1 - part) * fit.background.row(above - 1) + part * fit.background.row(above));
   }
   return set;
-}
-
-void measure_errors(ModalModel& model, const FrfSet& measured, double low_hz, double high_hz,
-                    const Eigen::Ref<const Eigen::MatrixXcd>& fitted) {
-  const auto responses = static_cast<Index>(model.responses.size());
-  const auto inputs = static_cast<Index>(model.inputs.size());
-  std::vector<Index> lines;
-  for (Index k = 0; k < measured.frequency_hz.size(); ++k) {
-    const double f = measured.frequency_hz[k];
-    if (f > 0 && f >= low_hz && f <= high_hz && measured.H.row(k).allFinite()) lines.push_back(k);
-  }
-  const Eigen::VectorXd f = rows(measured.frequency_hz, lines);
-  const Eigen::MatrixXcd again =
-      fitted.rows() == f.size()
-          ? Eigen::MatrixXcd(fitted)
-          : synthesised(model, f, model.fitted_form, measured.exponential_decay_rate_1_s).H;
-  Eigen::MatrixXd misfit(f.size(), responses * inputs), power(f.size(), responses * inputs);
-  for (std::size_t k = 0; k < lines.size(); ++k) {
-    const auto i = static_cast<Index>(k);
-    misfit.row(i) = (again.row(i) - measured.H.row(lines[k])).cwiseAbs2();
-    power.row(i) = measured.H.row(lines[k]).cwiseAbs2();
-  }
-  const auto ratio = [](double above, double below) {
-    return below > 0 ? std::sqrt(above / below) : 0.0;
-  };
-  model.frf_error.resize(responses, inputs);
-  for (Index o = 0; o < responses; ++o) {
-    for (Index i = 0; i < inputs; ++i) {
-      const Index c = measured.column(o, i);
-      model.frf_error(o, i) = ratio(misfit.col(c).sum(), power.col(c).sum());
-    }
-  }
-  for (IdentifiedMode& mode : model.modes) {
-    const double centre = std::abs(mode.pole_rad_s.imag()) / (2 * std::numbers::pi);
-    const double half =
-        (measured.exponential_decay_rate_1_s - mode.pole_rad_s.real()) / (2 * std::numbers::pi);
-    const Index nearest =
-        std::distance(f.begin(), std::min_element(f.begin(), f.end(), [&](double a, double b) {
-                        return std::abs(a - centre) < std::abs(b - centre);
-                      }));
-    double above = 0, below = 0;
-    for (Index k = 0; k < f.size(); ++k) {
-      if (std::abs(f[k] - centre) > half && std::abs(k - nearest) > 1) continue;
-      above += misfit.row(k).sum();
-      below += power.row(k).sum();
-    }
-    mode.reconstruction_error = ratio(above, below);
-  }
 }
 
 }  // namespace rigfit::signal

@@ -1,4 +1,4 @@
-// Synthesises FRFs from exported modes and compares them with the measured ones.
+// Synthesises FRFs from exported modes.
 #pragma once
 
 #include "signal/modes/modal_model.h"
@@ -19,12 +19,5 @@ namespace rigfit::signal {
 [[nodiscard]] FrfSet synthesised(const ModalResult& fit,
                                  const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
                                  FrfForm form);
-
-/// Fills `frf_error` of the model and `reconstruction_error` of its modes (within half a bandwidth
-/// of 2 zeta f to either side, window included, and at least three lines) from measured FRFs of the
-/// lines low_hz <= f <= high_hz. `fitted` are the FRFs of the fit at these lines where it has a
-/// smooth background besides (smooth_background.h); empty: those rebuilt from the model.
-void measure_errors(ModalModel& model, const FrfSet& measured, double low_hz, double high_hz,
-                    const Eigen::Ref<const Eigen::MatrixXcd>& fitted);
 
 }  // namespace rigfit::signal

@@ -7,6 +7,7 @@
 #include <complex>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "signal/numerics/numbers.h"
@@ -23,24 +24,26 @@ using Eigen::VectorXd;
 struct Candidate {
   Complex pole;  ///< window removed
   double presence = 0;
-  std::ptrdiff_t cluster = -1;  ///< cluster in the whole band's diagram; -1: found later
+  std::optional<Complex> column;  ///< pole in the whole band's diagram; none: found later
 };
 
 class ModeSearch {
  public:
-  ModeSearch(const ModalBand& of, const ModalOptions& with, FrfNoise noise)
-      : band_of_(of), options_of_(with), noise_(std::move(noise)) {
+  ModeSearch(const ModalBand& of, const ModalOptions& with, const FrfNoise& noise)
+      : band_of_(of), options_of_(with) {
+    found.noise = noise;
     const double frfs = static_cast<double>(of.lines.H.cols());
-    penalty_ = (2 * frfs + 2) * std::log(2 * static_cast<double>(of.frequency_hz.size()) * frfs);
+    found.penalty =
+        (2 * frfs + 2) * std::log(2 * static_cast<double>(of.frequency_hz.size()) * frfs);
   }
 
   /// `first`: the clusters are the diagram's, whose fate is told.
   void add(const std::vector<PoleCluster>& clusters, bool first = false) {
     for (const PoleCluster& cluster : clusters) {
-      const auto index = first ? static_cast<std::ptrdiff_t>(&cluster - clusters.data()) : -1;
-      candidates_.push_back({cluster.pole_rad_s + band().window, cluster.presence, index});
+      const Complex pole = cluster.pole_rad_s + band().window;
+      candidates.push_back({pole, cluster.presence, first ? std::optional(pole) : std::nullopt});
     }
-    std::sort(candidates_.begin(), candidates_.end(),
+    std::sort(candidates.begin(), candidates.end(),
               [](const auto& a, const auto& b) { return a.pole.imag() < b.pole.imag(); });
   }
 
@@ -55,17 +58,17 @@ class ModeSearch {
       const ModalRefineOptions& refine_options = settled ? options().refine : rough;
       refine(refine_options);
       if (exhausted()) return;
-      if (fit_.end == RefineEnd::rank_deficient && drop_one_of_the_nearest()) continue;
-      model_ = fitted_frfs(band().lines, fit_);
+      if (found.fit.end == RefineEnd::rank_deficient && drop_one_of_the_nearest()) continue;
+      found.model = fitted_frfs(band().lines, found.fit);
       update_noise();
       if (settled) {
         refine(refine_options);
         if (exhausted()) return;
-        if (fit_.end == RefineEnd::rank_deficient && drop_one_of_the_nearest()) continue;
-        model_ = fitted_frfs(band().lines, fit_);
+        if (found.fit.end == RefineEnd::rank_deficient && drop_one_of_the_nearest()) continue;
+        found.model = fitted_frfs(band().lines, found.fit);
       }
-      covariance_ = modal_significance(band().lines, noise_, fit_, model_);
-      if (!covariance_.full_rank) {
+      found.covariance = modal_significance(band().lines, found.noise, found.fit, found.model);
+      if (!found.covariance.full_rank) {
         if (drop_one_of_the_nearest()) continue;
         return;
       }
@@ -75,28 +78,24 @@ class ModeSearch {
     }
   }
 
-  const MatrixXcd& model() const { return model_; }
   void update_noise() {
-    noise_ = noise_from_residuals(model_, band().lines.H - model_, fit_.leverage,
-                                  band().lines.inputs, band().correlation_lines);
-    noise_.lead = band().lead;
+    found.noise =
+        noise_from_residuals(found.model, band().lines.H - found.model, found.fit.leverage,
+                             band().lines.inputs, band().correlation_lines);
+    found.noise.lead = band().lead;
   }
   /// The model without modes that leave more of the FRFs around them than they explain: such a pole
   /// stands between two modes.
   MatrixXcd without_wrong_modes() const {
     std::vector<Index> right;
-    for (Index r = 0; r < fit_.poles.size(); ++r) {
-      const auto [low, count] = lines_around(r);
-      const auto left = band().lines.H.middleRows(low, count) - model_.middleRows(low, count);
-      if (count > 0 &&
-          left.squaredNorm() < 0.25 * band().lines.H.middleRows(low, count).squaredNorm()) {
-        right.push_back(r);
-      }
+    const MatrixXcd misfit = band().lines.H - found.model;
+    for (Index r = 0; r < found.fit.poles.size(); ++r) {
+      if (part_left(band(), misfit, found.fit.poles[r]) < 0.5) right.push_back(r);
     }
-    if (static_cast<Index>(right.size()) == fit_.poles.size()) return model();
-    ModalRefineResult part = fit_;
-    part.poles = fit_.poles(right);
-    part.residues = fit_.residues(right, Eigen::all);
+    if (static_cast<Index>(right.size()) == found.fit.poles.size()) return found.model;
+    ModalRefineResult part = found.fit;
+    part.poles = found.fit.poles(right);
+    part.residues = found.fit.residues(right, Eigen::all);
     return fitted_frfs(band().lines, part);
   }
   /// Misfit under a given noise, with the price of the modes: comparable between searches.
@@ -105,95 +104,76 @@ class ModeSearch {
     double sum = 0, count = 0;
     for (Index c = 0; c < H.cols(); ++c) {
       if (!std::isfinite(noise.column[c])) continue;
-      const auto left = H.col(c) - model_.col(c);
+      const auto left = H.col(c) - found.model.col(c);
       sum += (left.array().abs2() / noise.line.array()).sum() / noise.column[c];
       count += 2 * static_cast<double>(H.rows());
     }
-    return count * std::log(std::max(sum, 1e-300)) + penalty_ * static_cast<double>(size());
+    return count * std::log(std::max(sum, 1e-300)) +
+           found.penalty * static_cast<double>(candidates.size());
   }
-  std::size_t size() const { return candidates_.size(); }
-  const std::vector<Candidate>& candidates() const { return candidates_; }
-  const std::vector<DroppedCluster>& dropped() const { return dropped_; }
-  const ModalRefineResult& fit() const { return fit_; }
-  const ModalCovariance& covariance() const { return covariance_; }
-  const FrfNoise& noise() const { return noise_; }
-  double penalty() const { return penalty_; }
-  int iterations() const { return iterations_; }
-  /// The work of a search that is compared with this one.
-  void charge(const ModeSearch& other) { work_ = other.work_; }
-  bool exhausted() const { return work_ > options().max_work; }
+  bool exhausted() const { return work > options().max_work; }
+
+  std::vector<Candidate> candidates;
+  FoundModes found;
+  double work = 0;
 
  private:
   const ModalBand& band() const { return band_of_; }
   const ModalOptions& options() const { return options_of_; }
 
   void refine(ModalRefineOptions refine_options) {
-    VectorXcd start(static_cast<Index>(candidates_.size()));
-    for (std::size_t r = 0; r < candidates_.size(); ++r) {
-      start[static_cast<Index>(r)] = candidates_[r].pole;
+    VectorXcd start(static_cast<Index>(candidates.size()));
+    for (std::size_t r = 0; r < candidates.size(); ++r) {
+      start[static_cast<Index>(r)] = candidates[r].pole;
     }
     // Gram matrices and products with the FRFs of each step, and as much for noise and covariance.
-    const double columns = 2 * static_cast<double>(candidates_.size()) + 4 +
+    const double columns = 2 * static_cast<double>(candidates.size()) + 4 +
                            2 * static_cast<double>(band().lines.background.cols());
     const double step = 4 * static_cast<double>(band().frequency_hz.size()) * columns *
                         (columns + static_cast<double>(band().lines.H.cols()));
     // What goes beyond the work allowed is given up: no step after the one that does.
-    const double affordable = std::max(0.0, (options().max_work - work_) / step - 3);
+    const double affordable = std::max(0.0, (options().max_work - work) / step - 3);
     if (affordable < refine_options.max_iterations) {
       refine_options.max_iterations = static_cast<int>(affordable) + 1;
     }
-    fit_ = refine_modes(band().lines, noise_, start, refine_options);
-    iterations_ += fit_.iterations;
-    work_ += (fit_.iterations + 3.0) * step;
-    for (std::size_t r = 0; r < candidates_.size(); ++r) {
-      candidates_[r].pole = fit_.poles[static_cast<Index>(r)];
+    found.fit = refine_modes(band().lines, found.noise, start, refine_options);
+    found.iterations += found.fit.iterations;
+    work += (found.fit.iterations + 3.0) * step;
+    for (std::size_t r = 0; r < candidates.size(); ++r) {
+      candidates[r].pole = found.fit.poles[static_cast<Index>(r)];
     }
   }
 
   bool drop_one_of_the_nearest() {
-    if (candidates_.size() < 2) return false;
+    if (candidates.size() < 2) return false;
     std::size_t worst = 0;
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t a = 0; a < candidates_.size(); ++a) {
-      for (std::size_t b = a + 1; b < candidates_.size(); ++b) {
+    for (std::size_t a = 0; a < candidates.size(); ++a) {
+      for (std::size_t b = a + 1; b < candidates.size(); ++b) {
         const double apart = distance(a, b);
         if (apart < least) {
           least = apart;
-          worst = candidates_[a].presence < candidates_[b].presence ? a : b;
+          worst = candidates[a].presence < candidates[b].presence ? a : b;
         }
       }
     }
-    note(candidates_[worst], "twin", [] {
-      return std::string("the lines of the band cannot tell it from the mode beside it");
-    });
-    candidates_.erase(candidates_.begin() + static_cast<std::ptrdiff_t>(worst));
+    note(candidates[worst], "twin", "the lines of the band cannot tell it from the mode beside it");
+    candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(worst));
     return true;
   }
 
-  template <class Reason>
-  void note(const Candidate& candidate, const char* code, Reason reason) {
-    if (candidate.cluster < 0) return;
-    dropped_.push_back({static_cast<std::size_t>(candidate.cluster), code, reason()});
-  }
-
-  /// Lines within half a bandwidth of a mode, at least one line spacing: first and how many.
-  std::pair<Index, Index> lines_around(Index r) const {
-    const VectorXd& f = band().frequency_hz;
-    const Complex raw = fit_.poles[r] - band().window;
-    const double centre = raw.imag() / kTwoPi;
-    const double half = std::max(-raw.real() / kTwoPi, band().spacing_hz);
-    const auto low = std::lower_bound(f.begin(), f.end(), centre - half);
-    const auto high = std::upper_bound(low, f.end(), centre + half);
-    return {low - f.begin(), high - low};
+  void note(const Candidate& candidate, const char* code, const std::string& reason) {
+    if (candidate.column)
+      found.dropped.emplace_back(*candidate.column, candidate.presence, code, reason);
   }
 
   /// Peak of a mode over the rms FRF around it.
   double prominence(Index r) const {
-    const Complex raw = fit_.poles[r] - band().window;
-    const auto [low, count] = lines_around(r);
+    const Complex raw = found.fit.poles[r] - band().window;
+    const auto [low, count] = lines_around(band(), found.fit.poles[r]);
     const double around = band().lines.H.middleRows(low, count).squaredNorm();
     if (count == 0 || around == 0) return 0;
-    const double peak = fit_.residues.row(r).norm() / std::abs(raw.real()) *
+    const double peak = found.fit.residues.row(r).norm() / std::abs(raw.real()) *
                         std::pow(std::abs(raw), band().lines.power);
     return peak / std::sqrt(around / static_cast<double>(count));
   }
@@ -202,57 +182,52 @@ class ModeSearch {
   bool drop_implausible() {
     const VectorXd& f = band().frequency_hz;
     std::vector<Candidate> kept;
-    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
       const auto r = static_cast<Index>(i);
-      const Complex raw = fit_.poles[r] - band().window;
+      const Complex raw = found.fit.poles[r] - band().window;
       const double damped = raw.imag() / kTwoPi, ratio = -raw.real() / std::abs(raw);
       const double most = options().lscf.max_damping_ratio, least = options().min_prominence;
       if (!(damped > f[0] && damped < f[f.size() - 1])) {
-        note(candidates_[i], "band", [&] {
-          return fmt::format(
-              "the FRFs do not hold it there: fitted, it wanders to {:.4g} Hz, out of the band",
-              damped);
-        });
+        note(candidates[i], "band",
+             fmt::format("the FRFs do not hold it there: fitted, it wanders to {:.4g} Hz, out of "
+                         "the band",
+                         damped));
       } else if (!(ratio <= most)) {
-        note(candidates_[i], "damping", [&] {
-          return fmt::format(
-              "fitted, it is damped by {:.0f} %, more than {:.0f} %: a background, "
-              "not a resonance",
-              100 * ratio, 100 * most);
-        });
+        note(candidates[i], "damping",
+             fmt::format("fitted, it is damped by {:.0f} %, more than {:.0f} %: a background, not "
+                         "a resonance",
+                         100 * ratio, 100 * most));
       } else if (const double peak = prominence(r); !(peak >= least)) {
-        note(candidates_[i], "prominence", [&] {
-          return fmt::format(
-              "its peak is {:.1g} of the response around it, less than {:.1g}: too "
-              "small for any sensor or model",
-              peak, least);
-        });
+        note(candidates[i], "prominence",
+             fmt::format("its peak is {:.1g} of the response around it, less than {:.1g}: too "
+                         "small for any sensor or model",
+                         peak, least));
       } else {
-        kept.push_back(candidates_[i]);
+        kept.push_back(candidates[i]);
       }
     }
-    if (kept.size() == candidates_.size()) return false;
-    candidates_ = std::move(kept);
+    if (kept.size() == candidates.size()) return false;
+    candidates = std::move(kept);
     return true;
   }
 
   /// Distance of two candidates in their bandwidths.
   double distance(std::size_t a, std::size_t b) const {
-    return std::abs(candidates_[a].pole - candidates_[b].pole) /
-           (std::abs(candidates_[a].pole.real() - band().window) +
-            std::abs(candidates_[b].pole.real() - band().window));
+    return std::abs(candidates[a].pole - candidates[b].pole) /
+           (std::abs(candidates[a].pole.real() - band().window) +
+            std::abs(candidates[b].pole.real() - band().window));
   }
 
   /// The weakest first; of candidates whose resonances overlap only one at a time, since two that
   /// share one mode both look dispensable.
   bool drop_weak() {
     std::vector<std::size_t> weak;
-    for (std::size_t r = 0; r < candidates_.size(); ++r) {
-      if (covariance_.significance[static_cast<Index>(r)] < penalty_) weak.push_back(r);
+    for (std::size_t r = 0; r < candidates.size(); ++r) {
+      if (found.covariance.significance[static_cast<Index>(r)] < found.penalty) weak.push_back(r);
     }
     std::sort(weak.begin(), weak.end(), [&](std::size_t a, std::size_t b) {
-      return covariance_.significance[static_cast<Index>(a)] <
-             covariance_.significance[static_cast<Index>(b)];
+      return found.covariance.significance[static_cast<Index>(a)] <
+             found.covariance.significance[static_cast<Index>(b)];
     });
     std::vector<std::size_t> drop;
     for (const std::size_t r : weak) {
@@ -263,26 +238,17 @@ class ModeSearch {
     }
     std::sort(drop.rbegin(), drop.rend());
     for (const std::size_t r : drop) {
-      note(candidates_[r], "significance", [&] {
-        return fmt::format("its residues stand out of the noise by {:.2g} of what a mode must",
-                           std::sqrt(covariance_.significance[static_cast<Index>(r)] / penalty_));
-      });
-      candidates_.erase(candidates_.begin() + static_cast<std::ptrdiff_t>(r));
+      note(candidates[r], "significance",
+           fmt::format(
+               "its residues stand out of the noise by {:.2g} of what a mode must",
+               std::sqrt(found.covariance.significance[static_cast<Index>(r)] / found.penalty)));
+      candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(r));
     }
     return !drop.empty();
   }
 
   std::reference_wrapper<const ModalBand> band_of_;
   std::reference_wrapper<const ModalOptions> options_of_;
-  FrfNoise noise_;
-  double penalty_ = 0;
-  std::vector<Candidate> candidates_;
-  std::vector<DroppedCluster> dropped_;
-  ModalRefineResult fit_;
-  MatrixXcd model_;  ///< of `fit_`, once settled
-  ModalCovariance covariance_;
-  int iterations_ = 0;
-  double work_ = 0;
 };
 
 }  // namespace
@@ -352,7 +318,8 @@ FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& c
   search.settle();
   Index parts = 1;
   for (int pass = 0;
-       pass < options.searches && !search.exhausted() && search.fit().residues.cols() > 0; ++pass) {
+       pass < options.searches && !search.exhausted() && search.found.fit.residues.cols() > 0;
+       ++pass) {
     parts *= 4;
     // Weighted by the noise as it was before the fit: lines of a missing mode look noisy
     // afterwards.
@@ -362,23 +329,16 @@ FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& c
     ModeSearch wider = search;
     wider.add(more);
     wider.settle();
-    search.charge(wider);
+    search.work = wider.work;
     if (search.exhausted()) break;
     if (wider.cost_with(first) < search.cost_with(first)) search = std::move(wider);
   }
-  FoundModes found;
-  found.exhausted = search.exhausted();
-  found.fit = search.fit();
-  if (found.exhausted) return found;
-  found.covariance = search.covariance();
-  for (const Candidate& candidate : search.candidates())
-    found.presence.push_back(candidate.presence);
-  found.dropped = search.dropped();
-  found.noise = search.noise();
-  if (found.fit.residues.cols() > 0) found.model = search.model();
-  found.penalty = search.penalty();
-  found.iterations = search.iterations();
-  return found;
+  search.found.exhausted = search.exhausted();
+  if (search.found.fit.residues.cols() == 0) search.found.model.resize(0, 0);
+  for (const Candidate& candidate : search.candidates) {
+    search.found.presence.push_back(candidate.presence);
+  }
+  return std::move(search.found);
 }
 
 }  // namespace rigfit::signal

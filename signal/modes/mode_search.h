@@ -22,17 +22,11 @@ namespace rigfit::signal {
                                    const FrfNoise& noise, const LscfOptions& options,
                                    Eigen::Index first, Eigen::Index count);
 
-/// A cluster that was given up, and the test that it failed.
-struct DroppedCluster {
-  std::size_t cluster = 0;  ///< index
-  std::string code, reason;
-};
-
 struct FoundModes {
   ModalRefineResult fit;         ///< no residues when the lines determine no mode
   ModalCovariance covariance;    ///< from search_modes(): rank and significance alone
   std::vector<double> presence;  ///< share of the model orders that hold a mode's pole, by mode
-  std::vector<DroppedCluster> dropped;  ///< clusters given that became no mode
+  std::vector<RejectedColumn> dropped;  ///< clusters given that became no mode
   FrfNoise noise;                       ///< from what the fit leaves
   Eigen::MatrixXcd model;               ///< lines x FRFs; empty without residues
   double penalty = 0;                   ///< the least significance of a mode

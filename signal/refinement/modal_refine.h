@@ -23,7 +23,7 @@ struct FrfLines {
   Eigen::MatrixXcd H;
   Eigen::Index inputs = 1;
   /// Lines x terms: smooth functions that every FRF may hold besides modes and residuals
-  /// (smooth_background.h); empty: none.
+  /// (signal/modal/band_background.h); empty: none.
   Eigen::MatrixXcd background;
 };
 

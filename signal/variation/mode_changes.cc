@@ -8,9 +8,10 @@
 
 namespace rigfit::signal {
 
+using Complex = std::complex<double>;
+
 void set_frequency_and_damping(IdentifiedMode& mode, double frequency_hz, double damping_ratio,
                                double window) {
-  using Complex = std::complex<double>;
   mode.frequency_hz.value = frequency_hz;
   mode.damping_ratio.value = damping_ratio;
   const double omega = kTwoPi * frequency_hz;

@@ -1,4 +1,4 @@
-#include "signal/modal/cut_off_records.h"
+#include "signal/modal/band_background.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,6 @@
 #include "signal/modal/modal_identification.h"
 #include "signal/modes/modal_synthesis.h"
 #include "signal/numerics/numbers.h"
-#include "signal/refinement/smooth_background.h"
 #include "tests/reference/defective_frfs.h"
 
 namespace rigfit::signal::cut_off_records_test {

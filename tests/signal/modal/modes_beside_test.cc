@@ -1,4 +1,4 @@
-#include "signal/modes/modes_beside.h"
+#include "signal/modal/band_background.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,6 @@
 
 #include "signal/modal/modal_identification.h"
 #include "signal/numerics/numbers.h"
-#include "signal/refinement/smooth_background.h"
 
 namespace rigfit::signal::modes_beside_test {
 namespace {

@@ -50,9 +50,9 @@ struct PointPoleOptions {
   double max_damping_ratio = 0.2;
 };
 
-/// `common`: starting poles for all points, window removed. By rising frequency.
-[[nodiscard]] std::vector<PointPole> point_poles(const ModalBand& band,
-                                                 const std::vector<Eigen::Index>& columns,
+/// `H`: FRFs of the point (or of a hit) on the lines of the band; `common`: starting poles, window
+/// removed. By rising frequency.
+[[nodiscard]] std::vector<PointPole> point_poles(const ModalBand& band, const Eigen::MatrixXcd& H,
                                                  Eigen::Index point,
                                                  const std::vector<std::complex<double>>& common,
                                                  const PointPoleOptions& options);

@@ -1,4 +1,4 @@
-#include "signal/refinement/smooth_background.h"
+#include "signal/modal/band_background.h"
 
 #include <gtest/gtest.h>
 

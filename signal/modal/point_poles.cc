@@ -1,4 +1,4 @@
-#include "signal/variation/point_poles.h"
+#include "signal/modal/point_poles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,14 +25,6 @@ double half_bandwidth(const ModalBand& band, Complex pole) { return band.window 
 double apart(const ModalBand& band, Complex p, Complex q) {
   return std::abs(p - q) /
          (half_bandwidth(band, p) + half_bandwidth(band, q) + 0.5 * kTwoPi * band.spacing_hz);
-}
-
-MatrixXcd columns_of(const ModalBand& band, const std::vector<Index>& columns) {
-  MatrixXcd H(band.lines.H.rows(), static_cast<Index>(columns.size()));
-  for (Index i = 0; i < H.cols(); ++i) {
-    H.col(i) = band.lines.H.col(columns[static_cast<std::size_t>(i)]);
-  }
-  return H;
 }
 
 /// First line and number of lines of a window around a group of poles.
@@ -83,15 +75,15 @@ double line_inflation(const MatrixXcd& residual, const ModalBand& band, double& 
 /// Fits of the candidates of one point.
 class PointFit {
  public:
-  PointFit(const ModalBand& of, const std::vector<Index>& columns, const PointPoleOptions& with)
-      : band(of), options(with), H(columns_of(of, columns)) {
+  PointFit(const ModalBand& of, const MatrixXcd& frfs, const PointPoleOptions& with)
+      : band(of), options(with), H(frfs) {
     const double values = 2 * static_cast<double>(H.size());
     penalty = (2 * static_cast<double>(H.cols()) + 2) * std::log(values);
   }
 
   const ModalBand& band;
   const PointPoleOptions& options;
-  MatrixXcd H;
+  const MatrixXcd& H;
   double penalty = 0;
 
   LocalFit fit(const std::vector<Complex>& group, const std::vector<Complex>& others,
@@ -117,14 +109,12 @@ class PointFit {
     // Columns weigh by what a first fit leaves of them; a tenth of the mean keeps one that is
     // fitted by chance from deciding alone.
     VectorXd weight = VectorXd::Ones(H.cols());
-    LocalFitOptions local;
-    local.background_order = order;
-    LocalFit result = fit_locally(s, part, weight, start, fixed, local);
+    LocalFit result = fit_locally(s, part, weight, start, fixed, LocalFitOptions{order});
     if (result.usable && H.cols() > 1) {
       const double mean = result.misfit.mean();
       if (mean > 0) {
         weight = mean / (result.misfit.array() + 0.1 * mean);
-        result = fit_locally(s, part, weight, result.poles, fixed, local);
+        result = fit_locally(s, part, weight, result.poles, fixed, LocalFitOptions{order});
       }
     }
     return result;
@@ -306,12 +296,12 @@ std::vector<std::vector<Index>> columns_of_points(const ModalBand& band) {
   return points;
 }
 
-std::vector<PointPole> point_poles(const ModalBand& band, const std::vector<Index>& columns,
-                                   Index index, const std::vector<Complex>& common,
+std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, Index index,
+                                   const std::vector<Complex>& common,
                                    const PointPoleOptions& options) {
   std::vector<PointPole> result;
-  if (columns.empty()) return result;
-  const PointFit point(band, columns, options);
+  if (H.cols() == 0) return result;
+  const PointFit point(band, H, options);
   std::vector<std::vector<Complex>> groups = groups_of(band, candidates_of(point, common));
   Window window;
   // Rounds: each group against what the others were in the round before; what does not stand out

@@ -1,0 +1,221 @@
+#include "signal/modal/band_background.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "signal/modes/mode_search.h"
+#include "signal/numerics/factorisations.h"
+#include "signal/numerics/numbers.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+/// Orthonormal columns s^power, s^(power - 2) and, with `middle`, s^(power - 1).
+MatrixXcd powers_of_s(const VectorXcd& s, int power, bool middle) {
+  MatrixXcd columns(s.size(), middle ? 3 : 2);
+  columns.col(0) = s.array().pow(power - 2);
+  columns.col(1) = s.array().pow(power);
+  if (middle) columns.col(2) = s.array().pow(power - 1);
+  columns.colwise().normalize();
+  return thin_qr(columns).Q;
+}
+
+/// What exp(-i w t), `first` <= t <= `last`, span outside of `known`.
+MatrixXcd terms_between(const VectorXcd& s, const MatrixXcd& known, double first, double last) {
+  const Index lines = s.size();
+  if (!(last > first) || lines < 2) return MatrixXcd(lines, 0);
+  constexpr double kPart = 1e-3;
+  const double low = s[0].imag(), high = s[lines - 1].imag();
+  const double product = (last - first) * (high - low) / (kTwoPi);
+  if (4 * (product + 4) > static_cast<double>(lines)) return MatrixXcd(lines, 0);
+  // Delays closer than half of what the band resolves, so that any in between is spanned as well.
+  const Index delays = 2 * static_cast<Index>(std::ceil(product)) + 9;
+  MatrixXcd columns(lines, delays);
+  for (Index j = 0; j < delays; ++j) {
+    const double part = static_cast<double>(j) / static_cast<double>(delays - 1);
+    const double t = first + (last - first) * part;
+    columns.col(j) = (Complex(0, -t) * s.imag().array()).exp();
+  }
+  const double size = std::sqrt(static_cast<double>(lines * delays));
+  columns -= (known * (known.adjoint() * columns)).eval();
+  // Singular vectors above kPart by the Gram matrix: orthonormal to 1e-16 / kPart^2.
+  const HermitianEigen gram = hermitian_eigen(columns.adjoint() * columns);
+  const Eigen::ArrayXd squares = gram.values;
+  const Index terms = (squares > kPart * kPart * size * size).count();
+  return columns * gram.vectors.rightCols(terms) *
+         gram.values.tail(terms).cwiseSqrt().cwiseInverse().asDiagonal();
+}
+
+/// Poles beside the band are looked for this far beyond its end and back into it, in band widths.
+constexpr double kBeyond = 0.25, kWithin = 0.125;
+constexpr Index kLinesBeside = 16;
+
+/// Modes of the lines from `low_hz` to `high_hz`.
+VectorXcd poles_between(const FrfSet& frfs, double low_hz, double high_hz,
+                        const ModalOptions& options) {
+  std::vector<Note> none;
+  ModalBand part = select_band(frfs, low_hz, high_hz, none);
+  part.lines.background =
+      smooth_background(part.lines.s, part.lines.power, frfs.force_noise_span_s);
+  const FrfNoise noise = first_noise(part);
+  if (!noise.column.cwiseInverse().any()) return {};
+  ModalOptions once = options;
+  once.searches = 1;
+  const LscfResult diagram =
+      stabilise(part, part.lines.H, noise, options.lscf, 0, part.frequency_hz.size());
+  const FoundModes found =
+      search_modes(part, cluster_poles(diagram, part.spacing_hz, options.clusters), noise, once);
+  if (found.exhausted || !found.covariance.full_rank) return {};
+  return found.fit.poles;
+}
+
+/// The part of `column` outside of the orthonormal `columns`, over its size; added where it counts.
+void add_column(VectorXcd column, MatrixXcd& columns) {
+  constexpr double kPart = 1e-3;
+  column.normalize();
+  for (int twice = 0; twice < 2; ++twice) column -= columns * (columns.adjoint() * column).eval();
+  const double part = column.norm();
+  if (part < kPart) return;
+  columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
+  columns.rightCols(1) = column / part;
+}
+
+/// As in signal/impact: less does not show beside noise.
+constexpr double kLeft = 1e-3, kTone = 0.9;
+/// What depends on the place of the hit is smaller by its part of the record.
+constexpr double kLeftWhereHitMatters = 1e-2;
+/// Longest share of a record before the hit: analysers are set to some percent.
+constexpr double kLongestLead = 0.125;
+/// Iterations of a search, as counted by its work.
+constexpr double kIterations = 40;
+/// Standard deviations of noise that a misfit exceeds: for the functions of an unknown place, and
+/// for the one in s, which costs little where it is not needed.
+constexpr double kSure = 4, kLikely = 2;
+
+/// Background terms, at most 60, with which so many iterations stay within `max_work`.
+double affordable_terms(const ModalBand& band, Index poles, double max_work) {
+  const auto frfs = static_cast<double>(band.lines.H.cols());
+  const double product =
+      max_work / (4 * kIterations * static_cast<double>(band.frequency_hz.size()));
+  // x (x + FRFs) = product, x columns.
+  const double columns = std::sqrt(product + 0.25 * frfs * frfs) - 0.5 * frfs;
+  return std::clamp(0.5 * columns - static_cast<double>(poles) - 2, 0.0, 60.0);
+}
+
+}  // namespace
+
+MatrixXcd smooth_background(const Eigen::Ref<const VectorXcd>& s, int power, double span_s) {
+  if (!(span_s > 0) || s.size() < 2) return MatrixXcd(s.size(), 0);
+  return terms_between(s, powers_of_s(s, power, false), -span_s, span_s);
+}
+
+MatrixXcd cut_off_background(const Eigen::Ref<const VectorXcd>& s, int power, double before_s,
+                             double after_s) {
+  if (s.size() < 3) return MatrixXcd(s.size(), 0);
+  const MatrixXcd known = powers_of_s(s, power, true);
+  const MatrixXcd smooth = terms_between(s, known, -before_s, after_s);
+  MatrixXcd terms(s.size(), 1 + smooth.cols());
+  terms.col(0) = known.col(2);
+  terms.rightCols(smooth.cols()) = smooth;
+  return terms;
+}
+
+VectorXcd poles_beside(const FrfSet& frfs, const ModalBand& band, const ModalOptions& options) {
+  const auto& f = frfs.frequency_hz;
+  const double low = band.frequency_hz[0], high = band.frequency_hz[band.frequency_hz.size() - 1];
+  const double width = high - low;
+  std::vector<Complex> poles;
+  const auto lines_within = [&](double from, double to) {
+    return (f.array() > 0 && f.array() > from && f.array() < to).count();
+  };
+  const auto add = [&](const VectorXcd& found, double from, double to) {
+    for (const Complex pole : found) {
+      const double at = pole.imag() / kTwoPi;
+      if (at > from && at < to) poles.push_back(pole);
+    }
+  };
+  const double above = high + kBeyond * width, below = std::max(0.0, low - kBeyond * width);
+  if (lines_within(high, above) >= kLinesBeside) {
+    add(poles_between(frfs, high - kWithin * width, above, options), high, above);
+  }
+  if (lines_within(below, low) >= kLinesBeside) {
+    add(poles_between(frfs, below, low + kWithin * width, options), below, low);
+  }
+  return Eigen::Map<const VectorXcd>(poles.data(), static_cast<Index>(poles.size()));
+}
+
+void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& band) {
+  FrfLines& lines = band.lines;
+  lines.background = background;
+  if (band.beside.size() == 0) return;
+  const VectorXcd scale = lines.s.array().pow(lines.power);
+  MatrixXcd columns(lines.s.size(), 0);
+  add_column(lines.s.array().pow(lines.power - 2), columns);
+  add_column(scale, columns);
+  const Index residuals = columns.cols();
+  columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
+  columns.rightCols(background.cols()) = background;
+  const Index known = columns.cols();
+  for (const Complex pole : band.beside) {
+    add_column(scale.array() / (lines.s.array() - pole), columns);
+    add_column(scale.array() / (lines.s.array() - std::conj(pole)), columns);
+  }
+  const Index added = columns.cols() - known;
+  lines.background.conservativeResize(Eigen::NoChange, background.cols() + added);
+  lines.background.rightCols(added) = columns.rightCols(added);
+}
+
+double left_at_the_end(const ModalBand& band, Complex raw) {
+  return std::exp(raw.real() / band.spacing_hz);
+}
+
+bool misfit_shows(const Eigen::Ref<const MatrixXcd>& background,
+                  const Eigen::Ref<const MatrixXcd>& misfit, const Eigen::Ref<const VectorXd>& line,
+                  double deviations) {
+  const double mean = background.rowwise().squaredNorm().dot(line);  // for noise of variance `line`
+  double found = 0, frfs = 0;
+  for (const auto& column : misfit.colwise()) {
+    const double variance = (column.cwiseAbs2().array() / line.array()).mean();
+    if (!(variance > 0)) continue;
+    found += (background.adjoint() * column).squaredNorm() / variance;
+    ++frfs;
+  }
+  return found >
+         mean * (frfs + deviations * std::sqrt(frfs / static_cast<double>(background.cols())));
+}
+
+bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const VectorXcd>& poles,
+                       const Eigen::Ref<const MatrixXcd>& misfit, const FrfNoise& noise,
+                       double max_work, ModalBand& band) {
+  double most = 0;
+  for (const Complex pole : poles) {
+    const double left = left_at_the_end(band, pole - band.window);
+    if (left < kTone) most = std::max(most, left);
+  }
+  if (!(most > kLeft)) return false;
+  const double width = band.frequency_hz[band.frequency_hz.size() - 1] - band.frequency_hz[0];
+  const double terms = affordable_terms(band, poles.size(), max_work);
+  const double unknown = std::min(kLongestLead / band.spacing_hz, terms / width);
+  const double before = frfs.pre_trigger_s > 0        ? frfs.pre_trigger_s
+                        : most > kLeftWhereHitMatters ? unknown
+                                                      : 0;
+  const double span = frfs.force_noise_span_s;
+  MatrixXcd background =
+      cut_off_background(band.lines.s, band.lines.power, std::max(before, span), span);
+  if (!(span > 0) && misfit.size() > 0 && !misfit_shows(background, misfit, noise.line, kSure)) {
+    background = cut_off_background(band.lines.s, band.lines.power, 0, 0);
+    if (!misfit_shows(background, misfit, noise.line, kLikely)) return false;
+  }
+  set_background(background, band);
+  return true;
+}
+
+}  // namespace rigfit::signal
