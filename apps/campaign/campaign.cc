@@ -34,9 +34,7 @@ const std::vector<std::string>& kinds_of_tests() {
   return kinds;
 }
 
-TensionTest::TensionTest() {
-  inputs.test.cable.length_m = inputs.test.cable.mass_per_length = {0, 0};
-}
+TensionTest::TensionTest() { inputs.cable.length_m = inputs.cable.mass_per_length = {0, 0}; }
 
 std::optional<model::ModePlane> plane_named(const std::string& word) {
   if (word == "in") return model::ModePlane::in;
@@ -75,19 +73,19 @@ void TensionTest::complete() {
         fmt::format("{} is no list of one whole number for each of {} frequencies",
                     fmt::join(orders, " "), frequencies_hz.size()));
   }
-  auto& cable = inputs.test.cable;
+  auto& cable = inputs.cable;
   if (mass_of == "installed") cable.mass_reference = ident::MassReference::installed;
   if (mass_of == "unstretched") cable.mass_reference = ident::MassReference::unstretched;
   if (EI_Nm2) cable.EI_Nm2 = {*EI_Nm2, EI_std_Nm2};
   if (EA_N) cable.EA_N = {*EA_N, EA_std_N};
-  inputs.test.options.ends = ident::cable_ends(ends);
+  inputs.options.ends = ident::cable_ends(ends);
   inputs.plane = plane_named(plane);
   for (std::size_t i = 0; i < frequencies_hz.size(); ++i) {
     ident::MeasuredMode mode;
     mode.frequency_hz = {frequencies_hz[i], frequency_std_hz > 0 ? frequency_std_hz : std::nan("")};
     if (i < orders.size()) mode.order = static_cast<int>(std::lround(orders[i]));
     mode.plane = inputs.plane;
-    inputs.test.modes.push_back(std::move(mode));
+    inputs.modes.push_back(std::move(mode));
   }
 }
 
@@ -260,8 +258,8 @@ Options keys_of(ModalTest& t) {
 }
 
 Options keys_of(TensionTest& t) {
-  auto& cable = t.inputs.test.cable;
-  auto& options = t.inputs.test.options;
+  auto& cable = t.inputs.cable;
+  auto& options = t.inputs.options;
   return {
       option("length", cable.length_m.value, "Between the ends, along the chord", "m")
           .required()

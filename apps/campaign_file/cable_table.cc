@@ -69,7 +69,7 @@ class CableRows {
 
  private:
   /// The row as the keys of a campaign's tension test; what is blank keeps its default.
-  [[nodiscard]] ident::CableTest test_of(const TextTable::Row& row) const {
+  [[nodiscard]] ident::TensionInputs test_of(const TextTable::Row& row) const {
     TensionTest test;
     const auto keys = keys_of(test);
     std::string text;
@@ -97,8 +97,8 @@ class CableRows {
     auto toml = document::TomlTable::parse(text, "");
     read_keys(toml, keys);
     test.complete();
-    if (test.inputs.test.modes.empty()) throw std::invalid_argument("no frequency");
-    return std::move(test.inputs.test);
+    if (test.inputs.modes.empty()) throw std::invalid_argument("no frequency");
+    return std::move(test.inputs);
   }
 
   TextTable table_;

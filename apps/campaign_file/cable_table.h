@@ -20,7 +20,7 @@ namespace rigfit::apps {
 
 struct CableTableRow {
   long line = 0;
-  ident::CableTest test;
+  ident::TensionInputs test;
   std::string error;  ///< why the row cannot be used; empty: it can
 };
 

@@ -307,12 +307,12 @@ class Reader {
   void read_kind(TomlTable& table, CampaignTest& test, TensionTest& tension) {
     read_keys(table, keys_of(tension));
     auto& inputs = tension.inputs;
-    inputs.test.name = test.name;
+    inputs.name = test.name;
     if (!tension.measured.empty()) {
       const fs::path file = folder_ / tension.measured;
       campaign_.inputs.push_back(file.string());
       for (auto& row : read_measured_modes(file, tension.column, plane_named(tension.plane), {})) {
-        inputs.test.modes.push_back(std::move(row.mode));
+        inputs.modes.push_back(std::move(row.mode));
       }
     }
     try {
@@ -322,7 +322,7 @@ class Reader {
     }
     if (table.has("recording")) {
       read_recordings(table, test);
-    } else if (inputs.test.modes.empty()) {
+    } else if (inputs.modes.empty()) {
       throw table.error("frequencies", "is missing, and there is no recording",
                         "give frequencies = [...], measured = \"table.csv\" or [[test.recording]]");
     }

@@ -120,16 +120,20 @@ std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::strin
     if (!all.effects.empty()) inputs.push_back(std::move(all));
   }
   if (states.stiffness.empty()) return inputs;
-  std::vector<ident::StiffnessUse> uses;
+  std::vector<ident::SceneUse> uses(states.states.size());
   ident::UncertainInput common{"EI, common to all tests", {}};
   for_each_cable(states, [&](std::size_t s, const model::Member& member) {
     if (!states.tension[s]) return;
     const std::string name = member.name + ".EI";
-    uses.push_back({static_cast<int>(s), name, *states.tension[s]});
+    uses[s].EI_of.push_back(name);
     const double change = stiffness_common_std * member.EI[0];
     if (change > 0) common.effects.push_back({static_cast<int>(s), name, change});
   });
-  for (auto& input : ident::stiffness_inputs(states.stiffness, uses)) {
+  std::vector<ident::StateUse> of_states;
+  for (std::size_t s = 0; s < uses.size(); ++s) {
+    of_states.push_back({static_cast<int>(s), &uses[s], states.tension[s]});
+  }
+  for (auto& input : ident::known_inputs({states.stiffness, {}}, of_states)) {
     inputs.push_back(std::move(input));
   }
   if (!common.effects.empty()) inputs.push_back(std::move(common));
@@ -200,25 +204,25 @@ std::vector<ident::UncertainInput> axial_inputs(const std::string& path, bool wi
     }
     return estimate;
   };
-  ident::AxialKnowledge known{read("EA_N"), {}};
-  if (with_damping) known.damping_ratio = read("damping_ratio");
-  ident::AxialUncertainty uncertainty;
-  for (std::size_t s = 0; s < states.states.size(); ++s) {
+  ident::KnownValues known{{}, ident::AxialKnowledge{read("EA_N"), {}}};
+  if (with_damping) known.axial->damping_ratio = read("damping_ratio");
+  std::vector<ident::SceneUse> uses(states.states.size());
+  std::vector<ident::StateUse> of_states;
+  for (std::size_t s = 0; s < uses.size(); ++s) {
     auto& scene = states.states[s].scene;
-    std::vector<std::string> EA_of, damping_of;
     for (auto& member : scene.members) {
       if (member.kind != model::Member::Kind::cable) continue;
-      EA_of.push_back(member.name + ".EA");
+      uses[s].EA_of.push_back(member.name + ".EA");
       if (!with_damping) continue;
       member.damping = {};  // the ratio takes the place of joint dampers
-      member.damping_ratio = known.damping_ratio.value;
-      damping_of.push_back(member.name + ".damping_ratio");
+      member.damping_ratio = known.axial->damping_ratio.value;
+      uses[s].damping_of.push_back(member.name + ".damping_ratio");
     }
-    ident::apply_axial(known, EA_of, damping_of, scene, static_cast<int>(s), &uncertainty);
+    uses[s].scene = scene;
+    scene = ident::scene_at(uses[s], known, {}).scene;
+    of_states.push_back({static_cast<int>(s), &uses[s], {}});
   }
-  std::vector<ident::UncertainInput> inputs{std::move(uncertainty.EA)};
-  if (with_damping) inputs.push_back(std::move(uncertainty.damping));
-  return inputs;
+  return ident::known_inputs(known, of_states);
 }
 
 ident::FreeParameter free_parameter(std::string text) {

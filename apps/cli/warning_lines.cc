@@ -33,7 +33,6 @@ constexpr auto kNotes = std::to_array<std::string_view>({
     "remark",
     "segments",
     "start_chosen",
-    "tension_within_test",
     "thermal_expansion",
     "toe",
     "uff_remark",

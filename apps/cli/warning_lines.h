@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "ident/campaign/single_tests/finding.h"
+#include "ident/statistics/finding.h"
 
 namespace rigfit::apps {
 

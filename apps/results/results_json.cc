@@ -54,7 +54,7 @@ Json bending_json(const ident::BendingCampaign& campaign,
 }
 
 Json tension_json(const ident::TensionCampaignResult& campaign) {
-  Json json = describe::json_of(campaign.result.tension);
+  Json json = describe::json_of(campaign.tension);
   if (!campaign.peaks.empty()) json["peaks"] = describe::json_of(campaign.peaks);
   return json;
 }
@@ -73,20 +73,6 @@ namespace {
 Json pairs_json(const std::vector<ident::UpdatedPair>& paired,
                 const std::vector<ident::UpdatedUnpaired>& unpaired, const States& states) {
   return describe::json_of(ident::pair_rows(paired, unpaired, states));
-}
-
-Json exact_inputs_json(const ident::UpdateResult& result) {
-  Json list = Json::array();
-  for (const auto& input : result.exact_inputs) {
-    Json shifts = Json::object();
-    for (std::size_t p = 0; p < result.parameters.size(); ++p) {
-      shifts[result.parameters[p].name] = input.shift[static_cast<Eigen::Index>(p)];
-    }
-    list.push_back({{"name", input.name},
-                    {"relative_change", input.relative_change},
-                    {"changes", std::move(shifts)}});
-  }
-  return list;
 }
 
 Json alternatives_json(const ident::UpdateResult& result, const States& states) {
@@ -113,8 +99,6 @@ Json update_json(const ident::UpdateResult& result, const States& states) {
             {"fit", describe::json_of(result.fit)},
             {"alternatives", alternatives_json(result, states)},
             {"log_evidence", result.log_evidence}};
-  json["exact_inputs"] = exact_inputs_json(result);
-  json["exact_ends"] = result.exact_ends;
   json["correlation"] = describe::json_of(result.correlation);
   json["rank"] = result.identifiability.rank;
   json["condition"] = result.identifiability.condition;

@@ -11,7 +11,7 @@
 
 #include "ident/axial/axial_fit.h"
 #include "ident/axial/rod_stiffness.h"
-#include "ident/statistics/probability_text.h"
+#include "ident/statistics/uncertainty.h"
 #include "signal/estimation/groups.h"
 #include "signal/numerics/numbers.h"
 

@@ -20,11 +20,114 @@
 // is symmetric. Damping ratios are averaged over records and lengths (estimation/groups.h).
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
-#include "ident/axial/axial_result.h"
+#include "document/describe.h"
+#include "signal/numerics/estimate.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::ident {
+
+struct AxialDecay {
+  std::string name;  ///< name of the record, for messages
+  double length_m = 0;
+  signal::Estimate damped_frequency_hz, damping_ratio;
+};
+
+struct AxialSetup {
+  signal::Estimate mass_kg{0, 0};               ///< hung, adapter and clamp included; one for all
+  signal::Estimate mass_per_length_kg_m{0, 0};  ///< cable; 0: massless
+  /// Standard uncertainty of a length, m; independent between lengths (each is cut and
+  /// measured anew). Not given: the uncertainty of EA is unknown.
+  std::optional<double> length_std_m;
+  /// Std of the sample rate, common to all frequencies.
+  double rate_relative_std = 0;
+  signal::Estimate adapter_stiffness_N_m{0, 0};  ///< in series, below; 0: rigid
+  signal::Estimate frame_stiffness_N_m{0, 0};    ///< in series, above; 0: rigid
+  /// The user states that the frame is as above (0: rigid), so that one length gives EA. Several
+  /// lengths test this statement.
+  bool frame_stated = false;
+  /// Standard uncertainty of other compliance in series, m/N, about zero. 0: known to be rigid; not
+  /// given: unknown, so that several lengths are needed.
+  std::optional<double> series_compliance_std_m_N;
+  /// Expected EA, N; 0: metallic area (from the mass per length) times `rope_modulus_Pa`.
+  double catalogue_EA_N = 0;
+};
+
+struct AxialOptions {
+  double steel_density_kg_m3 = 7850;
+  /// Modulus of a stranded rope relative to its metallic area; makers give 60 to 100 GPa for 7x19.
+  double rope_modulus_Pa = 80e9;
+  /// Modulus of solid steel: no steel cable is stiffer for its mass, and no aluminium one.
+  double solid_modulus_Pa = 210e9;
+  double coverage = 0.95;
+};
+
+struct AxialSample {
+  std::string name;
+  double length_m = 0;
+  double stiffness_N_m = 0;        ///< k, static, adapter included
+  double cable_stiffness_N_m = 0;  ///< kc
+  signal::Estimate EA_N;           ///< std from the record alone
+  signal::Estimate damping_ratio;
+  double damping_Ns_m = 0;
+};
+
+struct AxialLength {
+  double length_m = 0;
+  int records = 0;
+  signal::Estimate EA_N;  ///< std from repeats and this length, not from shared inputs
+  signal::Estimate damping_ratio;
+  double damping_Ns_m = 0;
+};
+
+struct BudgetRow {
+  std::string source;
+  std::string unit;
+  double value = 0, std = 0;      ///< value and std of the input; NaN where it is no single number
+  double sensitivity = 0;         ///< d EA / d input, N per unit
+  double contribution_N = 0;      ///< |sensitivity| std
+  double share = 0;               ///< share of the variance of EA
+  double degrees_of_freedom = 0;  ///< 0: taken as known (type B)
+  char type = 'B';
+};
+
+struct AxialTestResult {
+  /// std and interval NaN where the lengths' uncertainty is not given.
+  signal::Estimate EA_N;
+  /// `coverage` interval. Of a bound (`conditional`) without a mass per length, the high end and
+  /// the std of EA are infinite.
+  double EA_low_N = 0, EA_high_N = 0;
+  double coverage_factor = 0;  ///< half the interval over the standard uncertainty
+  /// The lengths cannot separate other compliance: `EA_N` is the value without any, which is a
+  /// lower bound; std and interval are those of a bound.
+  bool conditional = false;
+  signal::Estimate EA_if_rigid_N;  ///< if `conditional`: EA without other compliance
+  double EA_if_rigid_low_N = 0, EA_if_rigid_high_N = 0;
+  /// Static stiffness of the whole chain (cable, adapter, frame) at the one length; 0 for several.
+  signal::Estimate assembly_stiffness_N_m;
+  /// Compliance in series from the lengths, beside the stated one; NaN: not fitted.
+  signal::Estimate series_compliance_m_N;
+  signal::Estimate damping_ratio;
+  double damping_low = 0, damping_high = 0;
+  signal::Estimate damping_Ns_m;  ///< at `reference_length_m`
+  double reference_length_m = 0;  ///< mean of the lengths
+  std::vector<AxialSample> samples;
+  std::vector<AxialLength> lengths;
+  std::vector<BudgetRow> budget;  ///< of EA, largest first
+
+  /// Probability of such a disagreement between lengths of the same EA; 1 for too few lengths.
+  double homogeneity_p = 1;
+  double between_lengths_std_N = 0;  ///< scatter of EA between lengths; 0: they agree (5 %)
+
+  double catalogue_EA_N = 0;      ///< given or from the mass per length; 0: neither
+  double share_of_catalogue = 0;  ///< EA over catalogue_EA_N
+  std::string plausibility;       ///< a sentence, empty without a catalogue value
+  std::vector<signal::Note> notes;
+};
 
 /// Throws std::invalid_argument, naming the record, for values that are not positive and finite,
 /// when an adapter is softer than the whole measured chain, and when the lengths cannot be fitted.
@@ -35,3 +138,83 @@ namespace rigfit::ident {
                                              const AxialOptions& options = {});
 
 }  // namespace rigfit::ident
+
+namespace rigfit::describe {
+
+template <>
+struct Described<ident::AxialLength> {
+  using T = ident::AxialLength;
+  static constexpr std::string_view title = "by length, the cable alone giving way";
+  static constexpr auto fields = std::tuple{
+      field("length_m", &T::length_m, "m", "length", "between the ends"),
+      field("records", &T::records, "", "records", "decays at this length"),
+      field("EA_N", &T::EA_N, "N", "EA", "repeats and this length's own uncertainty"),
+      field("damping_ratio", &T::damping_ratio, "%", "damping ratio", "mean of the records"),
+      field("damping_Ns_m", &T::damping_Ns_m, "N s/m", "damper", "equivalent viscous damper")};
+};
+
+template <>
+struct Described<ident::BudgetRow> {
+  using T = ident::BudgetRow;
+  static constexpr std::string_view title = "where the uncertainty of EA comes from";
+  static bool shown(const T& b) { return b.share > 5e-4; }
+  static constexpr auto fields = std::tuple{
+      field("source", &T::source, "", "source", "input"),
+      field(
+          "type", [](const T& b) { return std::string(1, b.type); }, "", "",
+          "A: from scatter, B: from what is known of instruments"),
+      field("value", &T::value, "", "", "of the input, in `unit`"),
+      field("std", &T::std, "", "std", "standard uncertainty of the input, in `unit`", 2),
+      field("unit", &T::unit, "", "unit", "of value and std"),
+      field("sensitivity_N_per_unit", &T::sensitivity, "", "", "change of EA by the input"),
+      field("contribution_N", &T::contribution_N, "N", "contribution", "to the std of EA", 2),
+      field("share", &T::share, "%", "share", "of the variance of EA", 2),
+      field("degrees_of_freedom",
+            where([](const T& b) { return b.degrees_of_freedom > 0; }, &T::degrees_of_freedom), "",
+            "", "behind std; left out of what is taken as known")};
+};
+
+template <>
+struct Described<ident::AxialTestResult> {
+  using T = ident::AxialTestResult;
+  static constexpr std::string_view title = "axial test";
+  static constexpr auto fields = std::tuple{
+      field(
+          "EA_N",
+          [](const T& r) {
+            return Bounded{r.EA_N.value, r.EA_N.std, r.EA_low_N, r.EA_high_N, r.conditional};
+          },
+          "N", "EA", "axial rigidity"),
+      field("EA_if_rigid_N",
+            where(&T::conditional,
+                  bounded(&T::EA_if_rigid_N, &T::EA_if_rigid_low_N, &T::EA_if_rigid_high_N)),
+            "N", "EA if nothing else gives way", "axial rigidity if only the cable gives way"),
+      field("damping_ratio", bounded(&T::damping_ratio, &T::damping_low, &T::damping_high), "%",
+            "damping ratio", "of the axial mode"),
+      field("damping_Ns_m", &T::damping_Ns_m, "N s/m", "damper", "at the reference length"),
+      field("reference_length_m", &T::reference_length_m, "m", "damper's length",
+            "mean of the lengths"),
+      field("assembly_stiffness_N_m",
+            where([](const T& r) { return r.assembly_stiffness_N_m.value > 0; },
+                  &T::assembly_stiffness_N_m),
+            "N/m", "stiffness of the whole chain", "cable, adapter and frame at the one length"),
+      field("plausibility",
+            where([](const T& r) { return !r.plausibility.empty(); }, &T::plausibility), "", "",
+            "EA against what its mass per length allows, in a sentence"),
+      field("lengths", &T::lengths, "", "lengths", "what each length says"),
+      field("p_same_EA", &T::homogeneity_p, "", "p that lengths have one EA",
+            "chance of such a disagreement; 1: too few lengths to tell", 2),
+      field("budget", &T::budget, "", "budget", "contributions to the std of EA, largest first"),
+      field("coverage_factor_95", &T::coverage_factor, "", "", "half the interval over the std"),
+      field("between_lengths_std_N", &T::between_lengths_std_N, "N", "",
+            "scatter of EA between lengths beyond their own uncertainty"),
+      field("series_compliance_m_N",
+            where([](const T& r) { return r.series_compliance_m_N.std > 0; },
+                  &T::series_compliance_m_N),
+            "m/N", "compliance in series", "as the lengths show it: 1/kc = L/EA + s"),
+      field("catalogue_EA_N", &T::catalogue_EA_N, "N", "",
+            "given or from the mass per length; 0: neither"),
+      field("share_of_catalogue", &T::share_of_catalogue, "%", "", "EA over it")};
+};
+
+}  // namespace rigfit::describe

@@ -8,19 +8,25 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "ident/bending/beam_segments.h"
 #include "ident/bending/bending_strokes.h"
-#include "ident/bending/table_line.h"
 #include "ident/stiffness/stiffness_law.h"
-#include "signal/estimation/groups.h"
 #include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
 namespace {
 
-/// Strokes of fewer rows are analysed as a table: the noise is not seen from row to row.
-constexpr Eigen::Index kShortStroke = 40;
-constexpr double kLeastStraight = 0.4;  // share of a stroke's deflection
+constexpr double kLeastStraight = 0.4;  // share of a stroke's travel or load
+constexpr double kScatterSaid = 0.01;   // std of the slope by strokes that differ, relative
+// Strokes up and down: this share of the travel after a turn, where friction first changes sign, is
+// not used.
+constexpr double kTurnShare = 0.15;
+constexpr double kEndSaid = 0.15;  // share of the travel before or beyond, from which it is named
+// An average that leaves the straight line by more than this share of the load range (and four
+// times its noise) belongs to a toe, yield or a stop.
+constexpr double kStraight = 0.005;
+// Relative change of slope over the straight part: above the first it is warned of, above the
+// second there is no one EI.
+constexpr double kCurvatureWarning = 0.05, kCurvatureRefusal = 0.25;
 constexpr const char* kNoStiffness =
     "Load less, cut off the rows of a toe or a stop, or look for slip and loose clamps: a curved "
     "load-deflection diagram has no single EI; ";
@@ -29,7 +35,9 @@ constexpr const char* kNoStiffness =
 /// (of the middle 80 %): they would tear the strokes apart.
 std::vector<Eigen::Index> table_spikes(const Eigen::VectorXd& d, const Eigen::VectorXd& Q) {
   std::vector<Eigen::Index> spikes;
-  const TableLine line = d.size() < 5 ? TableLine{} : fit_table_line({{true, d, Q}}, 0, 0);
+  const TableLine line =
+      d.size() < 5 ? TableLine{}
+                   : fit_table_line({rows_of({0, d.size() - 1, 1}, d, Q, false)}, 0, 0, false);
   if (!line.usable) return spikes;
   const double limit = 0.5 * central_range({Q.begin(), Q.end()});
   for (Eigen::Index i = 0; i < d.size(); ++i) {
@@ -37,35 +45,6 @@ std::vector<Eigen::Index> table_spikes(const Eigen::VectorXd& d, const Eigen::Ve
     if (!line.used[0][static_cast<std::size_t>(i)] && std::abs(off) > limit) spikes.push_back(i);
   }
   return spikes;
-}
-
-struct PooledSlope {
-  double K = 0, variance = 0;  // N/m
-  double welch = 0;            // variance^2 over its degrees of freedom
-};
-
-// The mean over strokes with the scatter between them, degrees of freedom after Welch and
-// Satterthwaite (GUM G.4). Exact tables have lines without residuals; rounding keeps their variance
-// from being zero.
-PooledSlope pool_slopes(const std::vector<signal::Estimate>& slopes,
-                        const std::vector<double>& freedoms) {
-  std::vector<double> values, variances;
-  for (const auto& K : slopes) {
-    values.push_back(K.value);
-    variances.push_back(std::pow(std::max(K.std, 1e-10 * K.value), 2));
-  }
-  const auto mean = signal::mean_over_groups(values, variances);
-  PooledSlope pooled{mean.mean, mean.variance, 0};
-  double scatter = mean.variance;  // what the strokes' own variances do not explain
-  for (std::size_t i = 0; i < slopes.size(); ++i) {
-    const double own = mean.weights[i] * mean.weights[i] * variances[i];
-    pooled.welch += own * own / std::max(1.0, freedoms[i]);
-    scatter -= own;
-  }
-  if (slopes.size() > 1 && scatter > 0) {
-    pooled.welch += scatter * scatter / static_cast<double>(slopes.size() - 1);
-  }
-  return pooled;
 }
 
 class Analysis {
@@ -90,8 +69,8 @@ class Analysis {
       refuse("no_loading", "Check the load and deflection channels: one of them never changes");
       return finish();
     }
-    result_.load_noise_N = options_.load_noise_N > 0 ? options_.load_noise_N : sample_noise(Q_);
-    result_.deflection_noise_m =
+    load_noise_ = options_.load_noise_N > 0 ? options_.load_noise_N : sample_noise(Q_);
+    deflection_noise_ =
         options_.deflection_noise_m > 0 ? options_.deflection_noise_m : sample_noise(d_);
     mean_tension_ = P_.mean();
     if (!beam() && !(mean_tension_ > 0)) {
@@ -108,15 +87,14 @@ class Analysis {
     const double lowest = d_.minCoeff();
     std::vector<double> unloaded;
     for (Eigen::Index i = 0; i < n; ++i) {
-      if (d_[i] <= lowest + 6 * result_.deflection_noise_m) unloaded.push_back(d_[i]);
+      if (d_[i] <= lowest + 6 * deflection_noise_) unloaded.push_back(d_[i]);
     }
     zero_ = signal::median(unloaded);
 
     find_clamp_slip();
-    fit_strokes();
-    if (!result_.strokes.empty()) {
-      survey();
-      table_.usable ? judge_table() : judge_strokes();
+    if (fit_strokes()) {
+      solve_for_EI();
+      judge_line();
       judge_slope();
     }
     return finish();
@@ -177,17 +155,17 @@ class Analysis {
   }
 
   void note(std::string code, std::string message) {
-    result_.findings.push_back({std::move(code), std::move(message), false});
+    result_.findings.push_back({std::move(code), std::move(message), "", false});
   }
   void refuse(std::string code, std::string message) {
-    result_.findings.push_back({std::move(code), std::move(message), true});
+    result_.findings.push_back({std::move(code), std::move(message), "", true});
     result_.refused = true;
   }
   BendingTestResult finish() { return std::move(result_); }
 
   // While the cable is deflected its tension can only rise; what it loses for good slipped.
   void find_clamp_slip() {
-    const auto least = std::max(0.2 * range_d_, 6 * result_.deflection_noise_m);
+    const auto least = std::max(0.2 * range_d_, 6 * deflection_noise_);
     const double noise = std::max(sample_noise(P_), 0.0);
     double worst = 0;
     for (const StrokeRange& run : find_strokes(d_, least)) {
@@ -210,17 +188,6 @@ class Analysis {
         note("clamp_slip", "Check the clamps: " + message + "; the tension is used as measured");
       }
     }
-    // Return to zero: load gone, deflection not.
-    const double low = Q_.minCoeff() + 0.05 * range_Q_;
-    const Eigen::Index n = d_.size();
-    if (Q_[0] <= low && Q_[n - 1] <= low) {
-      const double set = d_[n - 1] - d_[0];
-      if (std::abs(set) > std::max(0.03 * range_d_, 8 * result_.deflection_noise_m)) {
-        note("set", fmt::format("Check the clamps for slip: {:.3g} mm of deflection is left after "
-                                "unloading ({:.0f} % of the largest), unless the strand settled",
-                                1e3 * set, 100 * std::abs(set) / range_d_));
-      }
-    }
   }
 
   // g(P): compliance at the mean tension over that at the tension of the moment.
@@ -237,71 +204,71 @@ class Analysis {
     return x;
   }
 
-  void fit_strokes() {
-    const double least = std::max(0.2 * range_d_, 6 * result_.deflection_noise_m);
-    std::vector<StrokeRange> runs;
+  /// False where there is no line.
+  bool fit_strokes() {
+    const double least = std::max(0.2 * range_d_, 6 * deflection_noise_);
     for (const StrokeRange& run : find_strokes(d_, least)) {
       const bool whole = std::abs(d_[run.last] - d_[run.first]) >= 0.5 * range_d_;
-      if (whole) runs.push_back(run);
+      if (whole) runs_.push_back(run);
     }
     Eigen::Index longest = 0;
-    for (const auto& run : runs) longest = std::max(longest, run.last - run.first + 1);
-    if (longest < kShortStroke) {
-      if (d_.size() < 2 * kShortStroke || longest >= 4) return fit_table(std::move(runs));
+    for (const auto& run : runs_) longest = std::max(longest, run.last - run.first + 1);
+    averaged_ = longest >= kShortStroke || (longest < 4 && d_.size() >= 2 * kShortStroke);
+    if (averaged_) {
+      std::erase_if(runs_, [](const auto& run) { return run.last - run.first + 1 < 4; });
+    } else {
+      arrange_table();
     }
-    std::erase_if(runs, [](const StrokeRange& run) { return run.last - run.first + 1 < 4; });
-    if (runs.empty()) {
+    if (runs_.empty()) {
       refuse("no_loading", "Load and unload in strokes of four samples or more: none was found");
-      return;
+      return false;
     }
-    if (beam()) return fit_elastic_parts(runs);
-    if (!fit_straight_parts(runs, kTurnShare)) {
-      refuse("no_slope",
-             "Check the signs of load and deflection: no stroke has a straight part with a "
-             "positive slope");
-      return;
-    }
-    if (loops_open()) {
-      const double near_turns = pooled_.K;
-      hysteresis_seen_ = true;
-      if (!fit_straight_parts(runs, kFrictionShare)) {
-        refuse("friction",
-               fmt::format("Deflect further: wire friction turns round, and without the first "
-                           "{:.0f} % after the turns no stroke has a straight part",
-                           100 * kFrictionShare));
-        return;
-      }
-      // What is still left of the transient: nothing by one law of friction, twice the change by
-      // another, either as likely.
-      const double change = pooled_.K - near_turns;
-      pooled_.K += change;
-      friction_change_ = std::abs(change) / pooled_.K;
-      pooled_.variance += change * change;
-      take(pooled_);
-      far_end_ = far_end();
-    }
-    solve_for_EI();
-  }
-
-  /// The lines of all strokes without `turn_share` of their travel after each turn, with the EI
-  /// that follows; false where no stroke has one.
-  bool fit_straight_parts(const std::vector<StrokeRange>& runs, double turn_share) {
+    const bool both_ways = std::any_of(runs_.begin(), runs_.end(), [&](const auto& run) {
+      return run.direction != runs_.front().direction;
+    });
+    const double slope = range_Q_ / range_d_;
+    const double digits = std::hypot(resolution_of(Q_, 1), resolution_of(d_, 1) * slope);
+    const double stated = std::hypot(options_.load_noise_N, options_.deflection_noise_m * slope);
+    const double noise = std::hypot(load_noise_, deflection_noise_ * slope);
     double EI = 0, before = -1;
     for (int pass = 0; pass < 8; ++pass) {
       const Eigen::VectorXd x = tension_corrected(EI);
-      result_.strokes.clear();
-      std::vector<double> freedoms;
-      for (const StrokeRange& run : runs) {
-        double freedom = 0;
-        BendingStroke stroke = fit_straight_part(
-            run, {d_, x, Q_, range_Q_, result_.load_noise_N, result_.deflection_noise_m},
-            turn_share, freedom);
-        if (!(stroke.stiffness_N_m.value > 0) || !std::isfinite(stroke.stiffness_N_m.std)) continue;
-        result_.strokes.push_back(stroke);
-        freedoms.push_back(freedom);
+      std::vector<TableStroke> strokes;
+      double fewest = 1;  // samples in a row
+      off_ = 0;
+      toe_ = stop_ = far_end_ = 0, straight_ = 1;
+      for (std::size_t k = 0; k < runs_.size(); ++k) {
+        auto run = runs_[k];
+        // The row of a turn belongs to the stroke before.
+        run.first += k > 0 && run.first == runs_[k - 1].last;
+        auto stroke = rows_of(run, x, Q_, averaged_);
+        const double samples =
+            static_cast<double>(run.last - run.first + 1) / static_cast<double>(stroke.x_m.size());
+        StraightPart part;
+        if (averaged_ &&
+            !leave_ends_out(stroke, both_ways ? kTurnShare : 0,
+                            std::max(kStraight * range_Q_, 4 * noise / std::sqrt(samples)), part)) {
+          continue;
+        }
+        off_ += stroke.left_out;
+        fewest = strokes.empty() ? samples : std::min(fewest, samples);
+        toe_ = std::max(toe_, stroke.loading ? part.at_turn : part.at_end);
+        if (stroke.loading) stop_ = std::max(stop_, part.at_end);
+        far_end_ = std::max(far_end_, part.at_end);
+        straight_ = std::min(straight_, part.share);
+        strokes.push_back(std::move(stroke));
       }
-      if (result_.strokes.empty()) return false;
-      take(pool_strokes(freedoms));
+      line_ =
+          fit_table_line(strokes, digits / std::sqrt(12.0), stated / std::sqrt(fewest), averaged_);
+      if (!line_.usable) {
+        refuse("no_slope",
+               fmt::format("Add rows, or check the signs of load and deflection: {} rows give no "
+                           "rising straight line of load over deflection with a scatter that can "
+                           "be seen",
+                           d_.size()));
+        return false;
+      }
+      take_line();
       EI = EI_of_slope();
       if (std::abs(EI - before) <= 1e-7 * EI) break;
       before = EI;
@@ -309,251 +276,36 @@ class Analysis {
     return true;
   }
 
-  /// Whether loading and unloading lie apart in the middle of the travel by three standard
-  /// deviations (of a line's middle: that of its slope times the range over sqrt(12)).
-  [[nodiscard]] bool loops_open() const {
-    std::vector<double> level[2], variance[2];
-    const double middle = 0.5 * range_d_;
-    for (const auto& s : result_.strokes) {
-      level[s.loading].push_back(s.offset_N + s.stiffness_N_m.value * middle);
-      const double range = std::abs(d_[s.used_last] - d_[s.used_first]);
-      variance[s.loading].push_back(std::pow(s.stiffness_N_m.std * range, 2) / 12);
-    }
-    if (level[0].empty() || level[1].empty()) return false;
-    const auto mean = [](const std::vector<double>& x) {
-      return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
-    };
-    const double std = std::sqrt(mean(variance[0]) / static_cast<double>(level[0].size()) +
-                                 mean(variance[1]) / static_cast<double>(level[1].size()));
-    return mean(level[1]) - mean(level[0]) > 3 * std + 1e-6 * range_Q_;
-  }
-
-  /// Share of the travel that the straight parts lack at the end away from the turn, on average.
-  [[nodiscard]] double far_end() const {
-    double sum = 0;
-    for (const auto& s : result_.strokes) {
-      sum += std::abs(d_[s.last] - d_[s.used_last]) / std::abs(d_[s.last] - d_[s.first]);
-    }
-    return sum / static_cast<double>(result_.strokes.size());
-  }
-
-  /// Strokes of a beam without tension. Where it yielded, or broke, only loading is used.
-  void fit_elastic_parts(const std::vector<StrokeRange>& runs) {
-    const Eigen::VectorXd x = tension_corrected(0);
-    std::vector<double> freedoms;
-    bool yielded = false;
-    for (const bool loading : {true, false}) {
-      for (const StrokeRange& run : runs) {
-        if ((run.direction > 0) != loading || (yielded && !loading)) continue;
-        ElasticPart part = find_elastic_part(
-            run, {d_, x, Q_, range_Q_, result_.load_noise_N, result_.deflection_noise_m});
-        for (auto& finding : part.findings) {
-          yielded |= finding.code == "yield" || finding.code == "break";
-          result_.refused |= finding.refuses;
-          result_.findings.push_back(std::move(finding));
-        }
-        if (!std::isfinite(part.stroke.stiffness_N_m.std)) continue;
-        result_.strokes.push_back(part.stroke);
-        freedoms.push_back(part.degrees_of_freedom);
-      }
-    }
-    if (result_.strokes.empty()) {
-      if (!result_.refused) {
-        refuse("no_slope",
-               "Check the signs of load and deflection: no stroke has an elastic part with a "
-               "positive slope");
-      }
-      return;
-    }
-    take(pool_strokes(freedoms));
-    solve_for_EI();
-  }
-
-  void solve_for_EI() {
-    if (beam()) {
-      result_.tension_N = {0, 0};
-    } else {
-      result_.tension_N = {mean_tension_,
-                           std::hypot(options_.tension_calibration_std * mean_tension_,
-                                      options_.tension_zero_std_N)};
-      Eigen::Index first = P_.size(), last = 0;
-      for (const auto& stroke : result_.strokes) {
-        first = std::min(first, stroke.first), last = std::max(last, stroke.last);
-      }
-      if (last >= first) {
-        result_.tension_spread_N =
-            tension_spread(P_.segment(first, last - first + 1), sample_noise(P_));
-      }
-    }
-    result_.stiffness = stiffness_from_compliance({result_.compliance_m_N, result_.tension_N,
-                                                   options_.span_m, result_.degrees_of_freedom,
-                                                   options_.ends, options_.clamp_stiffness_Nm_rad});
-  }
-
-  /// Strokes of few rows (table_line.h).
-  void fit_table(std::vector<StrokeRange> runs) {
+  /// Strokes of a short table.
+  void arrange_table() {
     Eigen::Index in_runs = 0;
-    for (const auto& run : runs) in_runs += run.last - run.first + 1;
-    if (10 * in_runs < 7 * d_.size()) {  // weights in any order
-      runs = {{0, d_.size() - 1, 1}};
-    }
+    for (const auto& run : runs_) in_runs += run.last - run.first + 1;
+    if (10 * in_runs < 7 * d_.size()) runs_ = {{0, d_.size() - 1, 1}};  // weights in any order
     // Weights that are added at a stop move nothing any more; they belong to the loading.
-    for (std::size_t k = 0; k < runs.size(); ++k) {
-      Eigen::Index& last = runs[k].last;
-      while (runs[k].direction > 0 && last + 1 < d_.size() && d_[last + 1] == d_[last] &&
+    for (std::size_t k = 0; k < runs_.size(); ++k) {
+      Eigen::Index& last = runs_[k].last;
+      while (runs_[k].direction > 0 && last + 1 < d_.size() && d_[last + 1] == d_[last] &&
              Q_[last + 1] > Q_[last]) {
         ++last;
       }
-      if (k + 1 < runs.size()) runs[k + 1].first = std::max(runs[k + 1].first, last);
+      if (k + 1 < runs_.size()) runs_[k + 1].first = std::max(runs_[k + 1].first, last);
     }
-    const double digits =
-        std::hypot(resolution_of(Q_, 1), resolution_of(d_, 1) * range_Q_ / range_d_);
-    double EI = 0, before = -1;
-    for (int pass = 0; pass < 8; ++pass) {
-      const Eigen::VectorXd x = tension_corrected(EI);
-      std::vector<TableStroke> strokes;
-      for (std::size_t k = 0; k < runs.size(); ++k) {
-        // The row of a turn belongs to the stroke before.
-        const Eigen::Index first = runs[k].first + (k > 0 && runs[k].first == runs[k - 1].last);
-        const Eigen::Index n = runs[k].last - first + 1;
-        TableStroke stroke;
-        stroke.loading = runs[k].direction > 0;
-        stroke.x_m = x.segment(first, n), stroke.load_N = Q_.segment(first, n);
-        strokes.push_back(std::move(stroke));
-      }
-      const double stated =
-          std::hypot(options_.load_noise_N, options_.deflection_noise_m * range_Q_ / range_d_);
-      table_ = fit_table_line(strokes, digits / std::sqrt(12.0), stated);
-      if (!table_.usable) {
-        refuse("no_slope", fmt::format("Add rows: {} give no rising line of load over deflection "
-                                       "with a scatter that can be seen",
-                                       d_.size()));
-        return;
-      }
-      take_table(runs);
-      EI = EI_of_slope();
-      if (std::abs(EI - before) <= 1e-7 * EI) break;
-      before = EI;
-    }
-    solve_for_EI();
   }
 
-  void take_table(const std::vector<StrokeRange>& runs) {
-    result_.strokes.clear();
-    result_.load_noise_N = table_.noise_N;
-    std::vector<signal::Estimate> slopes;
-    for (std::size_t k = 0; k < runs.size(); ++k) {
-      BendingStroke stroke;
-      stroke.loading = runs[k].direction > 0;
-      stroke.first = runs[k].first, stroke.last = runs[k].last;
-      const auto& used = table_.used[k];
-      const auto rows = static_cast<Eigen::Index>(used.size());
-      const Eigen::Index first = stroke.last - rows + 1;
-      const auto begin = std::find(used.begin(), used.end(), 1);
-      const auto end = std::find(used.rbegin(), used.rend(), 1);
-      if (begin == used.end() || !std::isfinite(table_.stroke_slopes[k].value)) continue;
-      stroke.used_first = first + (begin - used.begin());
-      stroke.used_last = stroke.last - (end - used.rbegin());
-      stroke.stiffness_N_m = table_.stroke_slopes[k];
-      stroke.offset_N = table_.offsets_N[k];
-      stroke.residual_rms_N = table_.residual_N;
-      stroke.curvature = table_.curvature;
-      result_.strokes.push_back(stroke);
-      slopes.push_back(stroke.stiffness_N_m);
+  void solve_for_EI() {
+    result_.tension_N = {0, 0};
+    if (!beam()) {
+      result_.tension_N = {mean_tension_,
+                           std::hypot(options_.tension_calibration_std * mean_tension_,
+                                      options_.tension_zero_std_N)};
+      const Eigen::Index first = runs_.front().first, last = runs_.back().last;
+      result_.tension_spread_N =
+          tension_spread(P_.segment(first, last - first + 1), sample_noise(P_));
     }
-    PooledSlope pooled;
-    pooled.K = table_.slope_N_m;
-    pooled.variance = std::pow(std::max(table_.slope_std_N_m, 1e-10 * pooled.K), 2);
-    pooled.welch = pooled.variance * pooled.variance / table_.degrees_of_freedom;
-    if (table_.strokes_differ) {
-      const PooledSlope apart =
-          pool_slopes(slopes, std::vector<double>(slopes.size(), table_.degrees_of_freedom));
-      if (apart.variance > pooled.variance) pooled = apart;
-    }
-    pooled.variance += std::pow(table_.friction_std_N_m, 2);
-    take(pooled);
-  }
-
-  /// What lies before and after the straight parts, and between loading and unloading.
-  void survey() {
-    double loadings = 0, unloadings = 0, loading_offset = 0, unloading_offset = 0;
-    result_.tension_low_N = std::numeric_limits<double>::infinity();
-    for (const auto& s : result_.strokes) {
-      (s.loading ? loadings : unloadings) += 1;
-      (s.loading ? loading_offset : unloading_offset) += s.offset_N;
-      const double travel = d_[s.last] - d_[s.first];
-      const double before = (d_[s.used_first] - d_[s.first]) / travel;
-      const double after = (d_[s.last] - d_[s.used_last]) / travel;
-      least_straight_ = std::min(least_straight_, 1 - before - after);
-      toe_ = std::max(toe_, s.loading ? before : after);
-      if (s.loading) top_ = std::max(top_, after);
-      // A stop: the load goes on rising where the deflection hardly does.
-      const Eigen::Index end = s.loading ? s.last : s.first;
-      const Eigen::Index knee = s.loading ? s.used_last : s.used_first;
-      const double rise = std::abs(Q_[end] - Q_[knee]), way = std::abs(d_[end] - d_[knee]);
-      if (rise > 0.02 * range_Q_) {
-        steepest_ =
-            std::max(steepest_, rise / std::max(way, 1e-12 * range_d_) / s.stiffness_N_m.value);
-      }
-      if (std::abs(s.curvature) > std::abs(curvature_.value)) {
-        curvature_ = {s.curvature, s.curvature_std};
-      }
-      const auto used = P_.segment(s.used_first, s.used_last - s.used_first + 1);
-      result_.tension_low_N = std::min(result_.tension_low_N, used.minCoeff());
-      result_.tension_high_N = std::max(result_.tension_high_N, used.maxCoeff());
-    }
-    result_.hysteresis_N = table_.usable ? table_.hysteresis_N
-                           : loadings > 0 && unloadings > 0
-                               ? 0.5 * (loading_offset / loadings - unloading_offset / unloadings)
-                               : 0;
-  }
-
-  static std::string friction_message(double hysteresis) {
-    return fmt::format(
-        "loading and unloading lie {:.2g} N apart by wire friction, which stiffens "
-        "the strand after every turn; the rows after the turns are left out, and "
-        "the change by this adds to the uncertainty",
-        2 * hysteresis);
-  }
-  /// Share of the travel left out after each turn.
-  [[nodiscard]] double turn_share() const { return hysteresis_seen_ ? kFrictionShare : kTurnShare; }
-
-  void judge_strokes() {
-    const bool tensioned = !beam();
-    if (friction_change_ > kFrictionRefusal) {
-      refuse(
-          "friction",
-          fmt::format("Deflect further: wire friction turns round over much of a stroke; without "
-                      "the first {:.0f} % after the turns the slope changes by {:.1f} %",
-                      100 * kFrictionShare, 100 * friction_change_));
-    } else if (far_end_ > kFrictionFarEnd) {
-      refuse("friction",
-             fmt::format("Deflect further, or less where there is a stop: loading and unloading "
-                         "lie apart, and the slope is another one over the last {:.0f} % of the "
-                         "strokes, so that friction may still be turning round before",
-                         100 * far_end_));
-    } else if (friction_change_ > 1e-3) {
-      note("friction", friction_message(result_.hysteresis_N));
-    } else if (tensioned && toe_ > turn_share() + 0.05) {
-      note("toe",
-           fmt::format("the first {:.0f} % of the deflection are left out as a toe (slack or "
-                       "friction being taken up)",
-                       100 * toe_));
-    }
-    if (tensioned && (steepest_ > 2 || top_ > turn_share() + 0.05)) {
-      note("stop",
-           fmt::format("Deflect less, or check for a stop or a sensor's end: the last {:.0f} % "
-                       "of the loading leave the straight line (slope {:.1f} times as "
-                       "steep) and are left out",
-                       100 * top_, steepest_));
-    }
-    if (tensioned && least_straight_ < kLeastStraight) {
-      return refuse("curved", fmt::format("{}only {:.0f} % of a stroke is straight within {:.1f} % "
-                                          "of the load",
-                                          kNoStiffness, 100 * std::max(0.0, least_straight_),
-                                          100 * kStraight));
-    }
-    if (std::abs(curvature_.value) > 3 * curvature_.std) judge_curvature(curvature_.value);
+    result_.hysteresis_N = line_.hysteresis_N;
+    result_.stiffness = stiffness_from_compliance({result_.compliance_m_N, result_.tension_N,
+                                                   options_.span_m, result_.degrees_of_freedom,
+                                                   options_.ends, options_.clamp_stiffness_Nm_rad});
   }
 
   void judge_curvature(double curvature) {
@@ -568,11 +320,33 @@ class Analysis {
     }
   }
 
-  void judge_table() {
-    const TableLine& t = table_;
+  void judge_line() {
+    const TableLine& t = line_;
+    if (toe_ > kEndSaid && !(t.hysteresis_N > 0)) {
+      note("toe", fmt::format("the first {:.0f} % of the deflection are left out as a toe (slack, "
+                              "supports or friction settle)",
+                              100 * toe_));
+    }
+    if (stop_ > kEndSaid) {
+      note("stop", fmt::format("Deflect less, or check for yield, slip, a stop or a sensor's end: "
+                               "the last {:.0f} % of the deflection leave the straight line and "
+                               "are left out",
+                               100 * stop_));
+    }
+    if (straight_ < kLeastStraight) {
+      refuse("curved", fmt::format("{}only {:.0f} % of a stroke is straight within {:.1f} % of the "
+                                   "load",
+                                   kNoStiffness, 100 * straight_, 100 * kStraight));
+    }
     if (t.too_many_off) {
       refuse("curved", std::string(kNoStiffness) +
                            "more than one row in four lie off the line of the others");
+    }
+    if (off_ > 0) {
+      note("spike",
+           fmt::format("Check for spikes: {} samples lie far off those beside them and are "
+                       "left out",
+                       off_));
     }
     if (t.left_out > 0) {
       note("spike",
@@ -581,10 +355,22 @@ class Analysis {
                "left out",
                t.left_out, t.left_out == 1 ? "row lies" : "rows lie"));
     }
-    if (t.hysteresis_N > 0) {
-      note("friction", friction_message(t.hysteresis_N));
+    const double friction = std::abs(t.friction_N_m) / t.slope_N_m;
+    if (t.hysteresis_N > 0 &&
+        (far_end_ > kEndSaid || (t.curved && std::abs(t.curvature) > kCurvatureWarning))) {
+      refuse("friction",
+             fmt::format("Deflect further, or less where there is a stop: loading and unloading "
+                         "lie {:.2g} N apart by wire friction, and the slope still changes after "
+                         "the turns, so that friction may turn round over most of a stroke",
+                         2 * t.hysteresis_N));
+    } else if (friction > 1e-3) {
+      note("friction",
+           fmt::format("loading and unloading lie {:.2g} N apart by wire friction, which stiffens "
+                       "the strand after every turn; the rows after the turns are left out, and "
+                       "the change by this adds to the uncertainty",
+                       2 * t.hysteresis_N));
     }
-    if (t.strokes_differ) {
+    if (t.strokes_differ && t.slope_std_N_m > kScatterSaid * t.slope_N_m) {
       note("strokes_differ",
            "Repeat the strokes, or check the clamps: their slopes differ by more than their noise "
            "(5 %), and this scatter widens the interval of EI");
@@ -624,35 +410,30 @@ class Analysis {
     return mean_tension_ * std::pow(options_.span_m.value / lambda, 2) / 4;
   }
 
-  PooledSlope pool_strokes(const std::vector<double>& freedoms) {
-    std::vector<signal::Estimate> slopes;
-    for (const auto& stroke : result_.strokes) slopes.push_back(stroke.stiffness_N_m);
-    return pooled_ = pool_slopes(slopes, freedoms);
-  }
-
-  void take(const PooledSlope& pooled) {
-    const double relative2 = pooled.variance / (pooled.K * pooled.K) +
-                             std::pow(options_.load_calibration_std, 2) +
-                             std::pow(options_.deflection_calibration_std, 2);
-    result_.compliance_m_N = {1 / pooled.K, std::sqrt(relative2) / pooled.K};
-    const double total = relative2 * pooled.K * pooled.K;
-    result_.degrees_of_freedom = pooled.welch > 0 ? total * total / pooled.welch : 0;
+  /// The slope with what it shares with all rows; Welch and Satterthwaite's degrees of freedom.
+  void take_line() {
+    const double K = line_.slope_N_m;
+    const double scatter = std::pow(std::max(line_.slope_std_N_m, 1e-10 * K), 2);
+    const double variance = scatter + std::pow(line_.friction_N_m, 2) +
+                            K * K *
+                                (std::pow(options_.load_calibration_std, 2) +
+                                 std::pow(options_.deflection_calibration_std, 2));
+    result_.compliance_m_N = {1 / K, std::sqrt(variance) / (K * K)};
+    result_.degrees_of_freedom = line_.degrees_of_freedom * std::pow(variance / scatter, 2);
     if (!(result_.degrees_of_freedom < 1000)) result_.degrees_of_freedom = 0;
   }
 
   BendingTestOptions options_;
   BendingTestResult result_;
   Eigen::VectorXd P_, Q_, d_;
-  PooledSlope pooled_;
-  bool hysteresis_seen_ = false;
-  double far_end_ = 0;          // share of the strokes' travel beyond their straight parts
-  double friction_change_ = 0;  // of K, relative: what leaving more of the turns out changes
-  TableLine table_;             // line through strokes of few rows
+  std::vector<StrokeRange> runs_;
+  TableLine line_;
+  bool averaged_ = false;  // rows are averages of long strokes
+  int off_ = 0;            // samples left out of them
+  double load_noise_ = 0, deflection_noise_ = 0;
   double range_d_ = 0, range_Q_ = 0, mean_tension_ = 0, zero_ = 0;
-  // Extremes over all strokes: shares of the travel left out, the slope beyond the straight part
-  // relative to it, the largest curvature.
-  double toe_ = 0, top_ = 0, least_straight_ = 1, steepest_ = 0;
-  signal::Estimate curvature_{0, 0};
+  double toe_ = 0, stop_ = 0, far_end_ = 0,
+         straight_ = 1;  // StraightPart, extremes over the strokes
 };
 
 }  // namespace
@@ -683,18 +464,9 @@ std::vector<BendingRecord> split_by_tension(const BendingRecord& table) {
     clusters.back().push_back(index);
   }
   std::vector<BendingRecord> records;
-  for (auto& cluster : clusters) {
-    std::sort(cluster.begin(), cluster.end());
-    BendingRecord record;
-    const auto size = static_cast<Eigen::Index>(cluster.size());
-    record.tension_N.resize(size), record.load_N.resize(size), record.deflection_m.resize(size);
-    for (Eigen::Index i = 0; i < size; ++i) {
-      const Eigen::Index row = cluster[static_cast<std::size_t>(i)];
-      record.tension_N[i] = table.tension_N[row];
-      record.load_N[i] = table.load_N[row];
-      record.deflection_m[i] = table.deflection_m[row];
-    }
-    records.push_back(std::move(record));
+  for (auto& rows : clusters) {
+    std::sort(rows.begin(), rows.end());
+    records.push_back({table.tension_N(rows), table.load_N(rows), table.deflection_m(rows)});
   }
   return records;
 }

@@ -4,18 +4,14 @@
 #include <cmath>
 #include <limits>
 
-#include "ident/bending/deming_line.h"
 #include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
 namespace {
 
-DemingLine line_through(const StrokeData& data, Eigen::Index first, Eigen::Index last,
-                        bool uncertainty) {
-  const Eigen::Index n = last - first + 1;
-  return fit_deming_line(data.x.segment(first, n), data.load.segment(first, n),
-                         data.deflection_noise, data.load_noise, uncertainty);
-}
+// Robust standard deviations from which a sample is no part of its average: of normal noise none in
+// a million, and a tenth of that in rows of five, whose medians follow them.
+constexpr double kOffRow = 8;
 
 }  // namespace
 
@@ -84,77 +80,72 @@ std::vector<StrokeRange> find_strokes(const Eigen::VectorXd& d, double least) {
   return runs;
 }
 
-BendingStroke fit_straight_part(const StrokeRange& run, const StrokeData& data, double turn_share,
-                                double& degrees_of_freedom) {
-  const Eigen::VectorXd &x = data.x, &d = data.deflection;
-  BendingStroke stroke;
-  stroke.loading = run.direction > 0;
-  stroke.first = run.first;
-  stroke.last = run.last;
+TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x, const Eigen::VectorXd& load,
+                    bool averaged) {
   const Eigen::Index samples = run.last - run.first + 1;
-  const double start = d[run.first], travel = d[run.last] - start;
-  const auto share = [&](Eigen::Index i) { return (d[i] - start) / travel; };
-  Eigen::Index earliest = run.first;
-  if (samples >= 20) {
-    while (share(earliest) < turn_share) ++earliest;
+  const Eigen::Index n = averaged ? std::min(samples, kShortStroke) : samples;
+  TableStroke stroke{run.direction > 0, Eigen::VectorXd(n), Eigen::VectorXd(n), {}};
+  const auto u = x.segment(run.first, samples), v = load.segment(run.first, samples);
+  // Distance of each sample from the median of its row, along the stroke's mean slope.
+  std::vector<double> off;
+  const double slope = (v[samples - 1] - v[0]) / (u[samples - 1] - u[0]);
+  for (Eigen::Index k = 0; averaged && k < n; ++k) {
+    const Eigen::Index from = k * samples / n, count = (k + 1) * samples / n - from;
+    const Eigen::VectorXd rest = v.segment(from, count) - slope * u.segment(from, count);
+    const double middle = signal::median({rest.begin(), rest.end()});
+    for (const double r : rest) off.push_back(std::abs(r - middle));
   }
-  // Toe lies at the bottom, stop and friction's turn at the top of the loading stroke.
-  const double from = stroke.loading ? 0.35 : 0.15, to = stroke.loading ? 0.85 : 0.65;
-  Eigen::Index first = earliest, last = run.last;
-  const Eigen::Index least = std::min<Eigen::Index>(4, last - first + 1);
-  while (first + least <= last && share(first) < from) ++first;
-  while (last - least >= first && share(last) > to) --last;
-  DemingLine line = line_through(data, first, last, false);
-
-  // Where a local median over a twentieth of the stroke leaves the line: wild samples, as long as
-  // they are not most of them, move it by no more than the noise does. On a grid fine enough to see
-  // where that begins, so that long records cost no more than short ones a sample.
-  const Eigen::Index half = samples / 40, grid = std::max<Eigen::Index>(1, half / 8);
-  // A median of noise scatters sqrt(pi / 2) times as much as its mean.
-  const double averaged = std::sqrt(static_cast<double>(2 * half + 1) / 1.5708);
-  std::vector<double> residuals(static_cast<std::size_t>(samples)), window;
-  std::vector<char> known(static_cast<std::size_t>(samples / grid + 1));
-  for (int pass = 0; pass < 4 && line.usable; ++pass) {
-    const double noise = std::hypot(data.load_noise, line.slope * data.deflection_noise);
-    const double limit = std::max(kStraight * data.load_range, 4 * noise / averaged);
-    for (Eigen::Index k = 0; k < samples; ++k) {
-      residuals[static_cast<std::size_t>(k)] =
-          data.load[run.first + k] - line.offset - line.slope * x[run.first + k];
+  const double most = averaged ? kOffRow * 1.4826 * signal::median(off) : 0;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    double count = 0;
+    stroke.x_m[k] = stroke.load_N[k] = 0;
+    for (Eigen::Index i = k * samples / n; i < (k + 1) * samples / n; ++i) {
+      if (most > 0 && off[static_cast<std::size_t>(i)] > most) continue;
+      stroke.x_m[k] += u[i], stroke.load_N[k] += v[i], ++count;
     }
-    std::fill(known.begin(), known.end(), 'n');
-    const auto off = [&](Eigen::Index i) {
-      const Eigen::Index cell = (i - run.first) / grid;
-      char& answer = known[static_cast<std::size_t>(cell)];
-      if (answer == 'n') {
-        const Eigen::Index centre = std::min(cell * grid + grid / 2, samples - 1);
-        const Eigen::Index low = std::max<Eigen::Index>(0, centre - half);
-        const Eigen::Index high = std::min(samples, centre + half + 1);
-        window.assign(residuals.begin() + low, residuals.begin() + high);
-        answer = std::abs(signal::median(window)) > limit ? 'y' : 'o';
-      }
-      return answer == 'y';
-    };
-    Eigen::Index new_first = first, new_last = last;
-    while (new_first > earliest && !off(new_first - 1)) --new_first;
-    while (new_first + least < new_last && off(new_first)) ++new_first;
-    while (new_last < run.last && !off(new_last + 1)) ++new_last;
-    while (new_last - least > new_first && off(new_last)) --new_last;
-    if (new_first == first && new_last == last) break;
-    first = new_first;
-    last = new_last;
-    line = line_through(data, first, last, false);
+    stroke.x_m[k] /= count, stroke.load_N[k] /= count;
+    stroke.left_out += static_cast<int>((k + 1) * samples / n - k * samples / n - count);
   }
-  line = line_through(data, first, last, true);
-  stroke.used_first = first;
-  stroke.used_last = last;
-  stroke.stiffness_N_m = {line.usable ? line.slope : std::numeric_limits<double>::quiet_NaN(),
-                          line.usable ? line.slope_std : std::numeric_limits<double>::quiet_NaN()};
-  stroke.offset_N = line.offset;
-  stroke.residual_rms_N = line.residual_rms;
-  stroke.curvature = line.curvature;
-  stroke.curvature_std = line.curvature_std;
-  degrees_of_freedom = line.degrees_of_freedom;
+  stroke.used.assign(static_cast<std::size_t>(n), 1);
   return stroke;
+}
+
+bool leave_ends_out(TableStroke& stroke, double turn, double limit, StraightPart& part) {
+  constexpr double kLeastLoad = 0.25;  // share of the stroke's load
+  const Eigen::Index n = stroke.x_m.size();
+  Eigen::ArrayXd x = stroke.x_m, y = stroke.load_N;
+  const double travel = std::abs(x[n - 1] - x[0]), load = y.maxCoeff() - y.minCoeff();
+  Eigen::Index from = 0, to = n - 1;
+  for (Eigen::Index i = 0; i < n && std::abs(x[i] - x[0]) < turn * travel; ++i) {
+    stroke.loading ? ++from : --to;
+  }
+  if (!stroke.loading) x = x.reverse().eval(), y = y.reverse().eval();
+  const auto straight = [&](Eigen::Index i, Eigen::Index j) {
+    Eigen::ArrayXd u = x.segment(i, j - i + 1), v = y.segment(i, j - i + 1);
+    u -= u.mean(), v -= v.mean();
+    return (v - (u * v).sum() / u.square().sum() * u).abs().maxCoeff() <= limit;
+  };
+  Eigen::Index first = 0, last = -1;
+  double most = kLeastLoad * load;
+  for (Eigen::Index i = from; i + 3 <= to && (last < 0 || i <= (first + last) / 2); ++i) {
+    for (Eigen::Index j = to; j >= i + 3; --j) {
+      if (!(y[j] - y[i] > most) || !straight(i, j)) continue;
+      first = i, last = j, most = y[j] - y[i];
+      break;
+    }
+  }
+  if (last < 0) return false;
+  // An average over a break holds some of both sides.
+  if (first > from && last - first > 4) ++first;
+  if (last < to && last - first > 4) --last;
+  part = {(x[first] - x[from]) / travel, (x[to] - x[last]) / travel,
+          std::max((x[last] - x[first]) / travel, (y[last] - y[first]) / load)};
+  if (!stroke.loading) std::swap(part.at_turn, part.at_end);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (i >= first && i <= last) continue;
+    stroke.used[static_cast<std::size_t>(stroke.loading ? i : n - 1 - i)] = 0;
+  }
+  return true;
 }
 
 }  // namespace rigfit::ident

@@ -1,11 +1,11 @@
 // Strokes of a load-deflection record: spikes, where it turns, how noisy it is, and the straight
-// part of a stroke with its line. Inside of bending_analysis.
+// part of a stroke. Inside of bending_analysis.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
-#include "ident/bending/bending_result.h"
+#include "ident/bending/table_line.h"
 
 namespace rigfit::ident {
 
@@ -13,6 +13,9 @@ struct StrokeRange {
   Eigen::Index first, last;  ///< inclusive
   int direction;             ///< sign of the deflection's change
 };
+
+/// Strokes of fewer samples are analysed row by row: the noise is not seen from row to row.
+inline constexpr Eigen::Index kShortStroke = 40;
 
 /// Runs of one direction: a turn counts when the signal has come back by `least`.
 [[nodiscard]] std::vector<StrokeRange> find_strokes(const Eigen::VectorXd& deflection,
@@ -22,16 +25,22 @@ struct StrokeRange {
 /// hardly has; 0 under 20 samples.
 [[nodiscard]] double sample_noise(const Eigen::VectorXd& x);
 
-/// Record as it is fitted: `x` the deflection corrected for the changing tension.
-struct StrokeData {
-  const Eigen::VectorXd &deflection, &x, &load;
-  double load_range = 0, load_noise = 0, deflection_noise = 0;
+/// The samples of a stroke, or `averaged` over as many that 40 remain, without those that lie eight
+/// robust standard deviations off the others of their average.
+[[nodiscard]] TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x,
+                                  const Eigen::VectorXd& load, bool averaged);
+
+struct StraightPart {
+  double at_turn = 0, at_end = 0;  ///< share of the travel left out where the stroke begins, ends
+  double share = 1;                ///< of the travel or of the load, the larger
 };
 
-/// Straight part of a stroke: a Deming line through its middle, followed outwards to where the
-/// local mean leaves it, without `turn_share` of the travel after the turn.
-[[nodiscard]] BendingStroke fit_straight_part(const StrokeRange& run, const StrokeData& data,
-                                              double turn_share, double& degrees_of_freedom);
+/// Masks what lies before and after the straight part of a stroke: from the unloaded end the first
+/// rows over a quarter of the load or more that lie within `limit` (N) of their own line, and of
+/// the runs of rows that begin in their first half the one over most load. `turn`: share of the
+/// travel that is left out after the turn whatever it is. False: none.
+[[nodiscard]] bool leave_ends_out(TableStroke& stroke, double turn, double limit,
+                                  StraightPart& part);
 
 /// Samples of one channel (20 at least, else none) that lie off the mean of their neighbours and
 /// off the straight lines through the two samples before and after, all three, by more than 12
@@ -41,23 +50,5 @@ struct StrokeData {
 
 /// Range of the middle 80 % of the values.
 [[nodiscard]] double central_range(const std::vector<double>& values);
-
-/// After every turn friction first changes sign: this share of a stroke's travel is not used
-/// (strokes of 20 samples and more).
-inline constexpr double kTurnShare = 0.15;
-/// The share where loading and unloading lie apart. A transient of any of Dahl's laws then leaves
-/// at most twice the change of the slope by this, as long as that is under kFrictionRefusal
-/// (tests/bench/bending_coverage); more is a stroke too short for its friction.
-inline constexpr double kFrictionShare = 0.35, kFrictionRefusal = 0.007;
-/// A transient over most of a stroke is itself taken for its straight part, and the end of the
-/// stroke, where it is over, is left out. Bilinear friction that takes 0.8 of a stroke to turn
-/// round leaves 0.2 there, straight strokes next to nothing: the limit lies between.
-inline constexpr double kFrictionFarEnd = 0.1;
-/// Where the local median over a twentieth of a stroke leaves the line by more than this share of
-/// the load range (and four times its noise), toe, stop or slip begin.
-inline constexpr double kStraight = 0.005;
-/// Relative change of slope over the straight part: above the first it is warned of, above the
-/// second there is no one EI.
-inline constexpr double kCurvatureWarning = 0.05, kCurvatureRefusal = 0.25;
 
 }  // namespace rigfit::ident

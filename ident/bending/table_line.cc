@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "signal/estimation/groups.h"
 #include "signal/estimation/robust.h"
+#include "signal/numerics/estimate.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -29,11 +31,12 @@ struct Fit {
 
 class Table {
  public:
-  Table(const std::vector<TableStroke>& strokes, double resolution, double noise)
-      : strokes_(strokes), resolution_(resolution), noise_(noise) {
+  Table(const std::vector<TableStroke>& strokes, double resolution, double noise, bool averaged)
+      : strokes_(strokes), resolution_(resolution), noise_(noise), averaged_(averaged) {
     double low = std::numeric_limits<double>::infinity(), high = -low, least = low, most = -low;
     for (const auto& stroke : strokes) {
-      line_.used.emplace_back(static_cast<std::size_t>(stroke.x_m.size()), 1);
+      line_.used.push_back(stroke.used);
+      both_ways_ = both_ways_ || stroke.loading != strokes.front().loading;
       low = std::min(low, stroke.x_m.minCoeff()), high = std::max(high, stroke.x_m.maxCoeff());
       least = std::min(least, stroke.load_N.minCoeff());
       most = std::max(most, stroke.load_N.maxCoeff());
@@ -44,23 +47,26 @@ class Table {
   TableLine run() {
     if (!(range_ > 0 && load_range_ > 0)) return line_;
     // What the digits resolve counts unless the residuals about the line contradict it.
-    const Fit all = fit(line_.used, false);
+    const Fit all = fit(line_.used);
     if (resolution_ > 0 && all.usable && all.freedom > 0 &&
         gsl_cdf_chisq_P(all.squares / (resolution_ * resolution_), all.freedom) < 0.01) {
       resolution_ = 0;
     }
-    leave_block_out();
+    averaged_ ? leave_turns_out() : leave_block_out();
     while (!line_.too_many_off && improve()) {
       line_.too_many_off = 4 * ++line_.left_out > static_cast<int>(all.rows.size()) + 3;
     }
-    leave_turns_out();
+    if (!averaged_) leave_turns_out();
     finish();
     return line_;
   }
 
  private:
-  /// `over_load`: the deflection over the load instead, in the load's unit.
-  [[nodiscard]] Fit fit(const Mask& mask, bool parabola, bool over_load = false) const {
+  /// A line alone; with a parabola; that of the deflection over the load, in the load's unit; with
+  /// one that turns with the direction, as friction after a turn does.
+  enum class Bend { none, over_deflection, over_load, after_turn };
+  [[nodiscard]] Fit fit(const Mask& mask, Bend bend = Bend::none, bool over_load = false) const {
+    const bool parabola = bend != Bend::none;
     Fit fit;
     std::vector<Eigen::Index> column(strokes_.size(), -1);
     Eigen::Index offsets = 0;
@@ -86,7 +92,8 @@ class Table {
       least = std::min(least, u), most = std::max(most, u);
       A(r, column[s]) = 1;
       A(r, offsets) = u - 0.5;
-      if (parabola) A(r, offsets + 1) = (u - 0.5) * (u - 0.5);
+      const double sign = bend == Bend::after_turn && !strokes_[s].loading ? -1 : 1;
+      if (parabola) A(r, offsets + 1) = sign * (u - 0.5) * (u - 0.5);
       y[r] = over_load ? x * load_range_ : Q;
     }
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
@@ -122,28 +129,32 @@ class Table {
   }
 
   struct Curve {
-    double chance = 1;                   // that the line is right
-    signal::Estimate bend{0, INFINITY};  // relative change of slope, half its 95 % interval
+    double chance = 1;  // that the line is right
+    Bend bend = Bend::none;
+    signal::Estimate change{0, INFINITY};  // relative change of slope, half its 95 % interval
   };
 
-  /// A parabola against the line, of the load over the deflection (a toe, a curve) and of the
-  /// deflection over the load (a stop).
+  /// A parabola against the line, of the load over the deflection (a toe, a curve), of the
+  /// deflection over the load (a stop) and, with strokes both ways, after the turns (friction).
   [[nodiscard]] Curve curve(const Mask& mask) const {
     Curve best;
-    for (const bool over_load : {false, true}) {
-      const Fit line = fit(mask, false, over_load), parabola = fit(mask, true, over_load);
+    for (const Bend bend : {Bend::over_deflection, Bend::over_load, Bend::after_turn}) {
+      const bool over_load = bend == Bend::over_load;
+      if (bend == Bend::after_turn && !both_ways_) continue;
+      const Fit line = fit(mask, Bend::none, over_load), parabola = fit(mask, bend, over_load);
       if (!line.usable || !parabola.usable || !(parabola.freedom >= 1) || !(parabola.slope > 0)) {
         continue;
       }
       const double F = std::max(0.0, line.squares - parabola.squares) /
                        tested(parabola.squares, parabola.freedom);
-      const double chance = std::min(1.0, 2 * gsl_cdf_fdist_Q(F, 1, parabola.freedom));
-      if (std::isfinite(best.bend.std) && !(chance < best.chance)) continue;
-      best.chance = chance;
-      best.bend = {over_load ? -parabola.bend : parabola.bend,
-                   gsl_cdf_tdist_Qinv(0.025, parabola.freedom) *
-                       std::sqrt(variance(parabola.squares, parabola.freedom) *
-                                 parabola.bend_variance_factor)};
+      const double chance =
+          std::min(1.0, (both_ways_ ? 3 : 2) * gsl_cdf_fdist_Q(F, 1, parabola.freedom));
+      if (std::isfinite(best.change.std) && !(chance < best.chance)) continue;
+      best.chance = chance, best.bend = bend;
+      best.change = {over_load ? -parabola.bend : parabola.bend,
+                     gsl_cdf_tdist_Qinv(0.025, parabola.freedom) *
+                         std::sqrt(variance(parabola.squares, parabola.freedom) *
+                                   parabola.bend_variance_factor)};
     }
     return best;
   }
@@ -176,14 +187,14 @@ class Table {
       }
     }
     if (out < 2 || 4 * out > static_cast<int>(off.size()) || off.size() < 6) return;
-    const Fit rest = fit(mask, false);
+    const Fit rest = fit(mask);
     if (!rest.usable || rest.freedom < 3 || curve(mask).chance < 0.01) return;
     line_.used = mask, line_.left_out = out;
   }
 
   /// Leaves the row out that is furthest off the others' line; false: the line, or a curve, stands.
   bool improve() {
-    const Fit line = fit(line_.used, false);
+    const Fit line = fit(line_.used);
     if (!line.usable || line.freedom < 2) return false;
     double worst = 1;
     std::size_t row = 0;
@@ -202,8 +213,10 @@ class Table {
   }
 
   void leave_turns_out() {
-    const Fit all = fit(line_.used, false);
-    if (!all.usable || all.freedom < 3 || curve(line_.used).chance < 0.01) return;
+    const Fit all = fit(line_.used);
+    if (!all.usable || all.freedom < 3) return;
+    const Curve bent = curve(line_.used);
+    if (!averaged_ && bent.chance < 0.01 && bent.bend != Bend::after_turn) return;
     double up = 0, down = 0, ups = 0, downs = 0, rows_up = 0, rows_down = 0;
     for (std::size_t s = 0; s < strokes_.size(); ++s) {
       if (!std::isfinite(all.offsets[s])) continue;
@@ -216,35 +229,34 @@ class Table {
     const double apart = up / ups - down / downs;
     const double std =
         std::sqrt(variance(all.squares, all.freedom) * (1 / rows_up + 1 / rows_down));
-    if (!(apart > gsl_cdf_tdist_Qinv(0.005, all.freedom) * std)) return;
+    if (!(apart > gsl_cdf_tdist_Qinv(0.005, all.freedom) * std + 1e-6 * load_range_)) return;
     line_.hysteresis_N = 0.5 * apart;
     Mask mask = line_.used;
     for (std::size_t s = 0; s < mask.size(); ++s) {
       const auto& x = strokes_[s].x_m;
       for (std::size_t i = 0; i < mask[s].size(); ++i) {
         const double way = std::abs(x[static_cast<Eigen::Index>(i)] - x[0]);
-        if (way < 0.27 * std::abs(x[x.size() - 1] - x[0])) mask[s][i] = 0;
+        if (way < kFrictionShare * std::abs(x[x.size() - 1] - x[0])) mask[s][i] = 0;
       }
     }
-    const Fit rest = fit(mask, false);
+    const Fit rest = fit(mask);
     if (!rest.usable || rest.freedom < 2 || !(rest.slope > 0)) {
-      line_.friction_std_N_m = 0.5 * apart / range_;
+      line_.friction_N_m = 0.5 * apart / range_;
       return;
     }
     line_.used = mask;
-    line_.friction_std_N_m = std::abs(rest.slope - all.slope);
+    line_.friction_N_m = rest.slope - all.slope;
   }
 
   void finish() {
-    const Fit best = fit(line_.used, false);
+    const Fit best = fit(line_.used);
     if (!best.usable || best.freedom < 1 || !(best.slope > 0)) return;
     const double noise2 = variance(best.squares, best.freedom);
-    line_.noise_N = std::sqrt(noise2);
-    line_.residual_N = std::sqrt(best.squares / best.freedom);
     line_.degrees_of_freedom = best.freedom;
     line_.offsets_N = best.offsets;
     // Errors in both coordinates, equal in relation to their ranges: OLS over its correlation.
-    double Sxx = 0, Syy = 0, chi = 0, weights = 0;
+    double Sxx = 0, Syy = 0, chi = 0;
+    std::vector<double> slopes, variances;
     for (std::size_t s = 0; s < strokes_.size(); ++s) {
       std::vector<Eigen::Index> used;
       for (std::size_t i = 0; i < line_.used[s].size(); ++i) {
@@ -252,24 +264,33 @@ class Table {
       }
       Eigen::ArrayXd x = strokes_[s].x_m(used), y = strokes_[s].load_N(used);
       if (!used.empty()) x -= x.mean(), y -= y.mean();
-      const double xx = x.square().sum(), xy = (x * y).sum();
-      Sxx += xx, Syy += y.square().sum();
-      line_.stroke_slopes.push_back(xx > 0 ? signal::Estimate{xy / xx, std::sqrt(noise2 / xx)}
-                                           : signal::Estimate{});
+      const double xx = x.square().sum(), slope = (x * y).sum() / xx;
       if (!(xx > 0)) continue;
-      chi += xx * std::pow(xy / xx - best.slope, 2) / std::max(noise2, 1e-300);
-      weights += 1;
-    }
-    if (weights > 1 && best.freedom > weights - 1) {
-      line_.strokes_differ =
-          gsl_cdf_fdist_Q(chi / (weights - 1), weights - 1, best.freedom - weights + 1) < 0.05;
+      Sxx += xx, Syy += y.square().sum();
+      chi += xx * std::pow(slope - best.slope, 2) / std::max(noise2, 1e-300);
+      slopes.push_back(slope);
+      variances.push_back(std::max(noise2 / xx, std::pow(1e-10 * slope, 2)));
     }
     line_.slope_N_m = std::sqrt(Syy / Sxx);
     line_.slope_std_N_m = std::sqrt(noise2 * best.slope_variance_factor);
+    const double more = static_cast<double>(slopes.size()) - 1;
+    if (more > 0 && best.freedom > more) {
+      line_.strokes_differ = gsl_cdf_fdist_Q(chi / more, more, best.freedom - more) < 0.05;
+    }
+    if (line_.strokes_differ) {
+      const auto mean = signal::mean_over_groups(slopes, variances);
+      if (mean.variance > std::pow(line_.slope_std_N_m, 2)) {
+        line_.slope_N_m = mean.mean, line_.slope_std_N_m = std::sqrt(mean.variance);
+        if (mean.degrees > 0) line_.degrees_of_freedom = mean.degrees;
+      }
+    }
+    // What is still left of the transient: nothing by one law of friction, twice the change by
+    // another, either as likely.
+    if (averaged_) line_.slope_N_m += line_.friction_N_m;
     line_.usable = true;
 
     const Curve bent = curve(line_.used);
-    line_.curvature = bent.bend.value, line_.curvature_half = bent.bend.std;
+    line_.curvature = bent.change.value, line_.curvature_half = bent.change.std;
     line_.curved = bent.chance < 0.01;
     // Where on a curve the slope is that of small deflections is not known: rectangular.
     if (line_.curved) {
@@ -280,6 +301,7 @@ class Table {
 
   const std::vector<TableStroke>& strokes_;
   double resolution_ = 0, noise_ = 0;
+  bool averaged_ = false, both_ways_ = false;
   double low_ = 0, range_ = 0, least_ = 0, load_range_ = 0;
   TableLine line_;
 };
@@ -287,9 +309,9 @@ class Table {
 }  // namespace
 
 TableLine fit_table_line(const std::vector<TableStroke>& strokes, double resolution_std_N,
-                         double noise_std_N) {
+                         double noise_std_N, bool averaged) {
   if (strokes.empty()) return {};
-  return Table(strokes, resolution_std_N, noise_std_N).run();
+  return Table(strokes, resolution_std_N, noise_std_N, averaged).run();
 }
 
 double resolution_of(const Eigen::VectorXd& values, double unit) {

@@ -1,5 +1,4 @@
-// Slope of a load-deflection table of few rows (strokes under 40 rows), where noise cannot be seen
-// from row to row. Inside of bending_analysis.
+// Slope of a load-deflection table of some 40 rows a stroke at most. Inside of bending_analysis.
 //
 //   load = offset of the stroke + K x
 //
@@ -14,35 +13,38 @@
 // under 1 %: the row is left out, or the table is curved; more than one row in four left out are no
 // line. Source: Draper and Smith, Applied Regression Analysis, 6.1 and 8. Loading and unloading
 // that lie apart show wire friction, which stiffens the strand after every turn: each stroke then
-// loses its first quarter, and the change that this makes counts as uncertainty.
+// loses its first part, and the change that this makes counts as uncertainty. Strokes that
+// differ are groups (estimation/groups.h).
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
-#include "signal/numerics/estimate.h"
-
 namespace rigfit::ident {
+
+/// Where loading and unloading lie apart, this share of a stroke's travel after its turn is not
+/// used. A transient of any of Dahl's laws then leaves at most twice the change of the slope by
+/// this (tests/bench/bending_coverage).
+inline constexpr double kFrictionShare = 0.35;
 
 /// Rows in the order they were taken.
 struct TableStroke {
   bool loading = true;
   Eigen::VectorXd x_m, load_N;
+  std::vector<char> used;  ///< 0: left out before
+  int left_out = 0;        ///< samples far off the others of their average
 };
 
 struct TableLine {
   bool usable = false;  ///< three rows and one degree of freedom at least, K positive
   double slope_N_m = 0, slope_std_N_m = 0;  ///< K
   double degrees_of_freedom = 0;
-  std::vector<signal::Estimate> stroke_slopes;  ///< with the common noise; NaN under two rows
   std::vector<double> offsets_N;
   std::vector<std::vector<char>> used;  ///< by stroke and row
-  double noise_N = 0;                   ///< standard deviation about the line, as used
-  double residual_N = 0;                ///< as the residuals show it
   bool strokes_differ = false;          ///< slopes of strokes, at 5 %
   int left_out = 0;                     ///< rows off the line
   bool too_many_off = false;            ///< more of them than one in four: there is no line
-  double friction_std_N_m = 0;          ///< of K, included: what leaving the turns out changes
+  double friction_N_m = 0;              ///< change of K by leaving the turns out: its std
   double hysteresis_N = 0;    ///< half the distance of loading and unloading; 0: none seen
   bool curved = false;        ///< a parabola explains it significantly better
   double curvature = 0;       ///< relative change of slope over the range, of the rows used
@@ -50,9 +52,10 @@ struct TableLine {
 };
 
 /// `resolution_std_N`: of the numbers, as a standard deviation of the load about the line;
-/// `noise_std_N`: stated noise, kept whatever the residuals show.
+/// `noise_std_N`: stated noise, kept whatever the residuals show; `averaged`: rows are averages of
+/// a record, whose ends are left out already.
 [[nodiscard]] TableLine fit_table_line(const std::vector<TableStroke>& strokes,
-                                       double resolution_std_N, double noise_std_N);
+                                       double resolution_std_N, double noise_std_N, bool averaged);
 
 /// Last digit of numbers that are multiples of a power of ten times `unit` (1000 steps of it over
 /// their range at most), such as 0.01 for 0.21, 0.42, 0.65. 0 where they have more digits, and

@@ -5,16 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ident/statistics/probability_text.h"
+#include "ident/statistics/uncertainty.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
-
-/// A multiple of a standard uncertainty: two digits, without an exponent.
-std::string in_std(double times) {
-  return times < 99.5 ? fmt::format("{:.2g} std", times) : fmt::format("{:.0f} std", times);
-}
 
 int missed_of(const UpdateAlternative& one) {
   return static_cast<int>(std::count_if(one.unpaired.begin(), one.unpaired.end(),
@@ -69,54 +64,9 @@ std::vector<std::string> alternative_texts(const UpdateResult& result) {
 
 namespace {
 
-// Standard uncertainties from which a change counts: an input of which nothing is said may well be
-// known to 1 % only; where that moves a parameter by more, it would be its largest uncertainty.
-constexpr double kInputMatters = 1;
 // A model that is off by more in its FRFs is another structure's.
 constexpr double kFrfErrorRuledOut = 0.03;
-// An exact input and how far 1 % of it moves one parameter, in its standard uncertainties.
-struct ExactShift {
-  const ExactInput* input = nullptr;
-  double shift = 0, stds = 0;
-};
-
-// The largest first.
-std::vector<ExactShift> exact_shifts(const UpdateResult& result, std::size_t parameter) {
-  std::vector<ExactShift> shifts;
-  const double std = result.parameters[parameter].std;
-  for (const auto& input : result.exact_inputs) {
-    const double shift = input.shift[static_cast<Eigen::Index>(parameter)];
-    if (std::isfinite(shift) && std > 0) shifts.push_back({&input, shift, std::abs(shift) / std});
-  }
-  std::stable_sort(shifts.begin(), shifts.end(),
-                   [](const auto& a, const auto& b) { return a.stds > b.stds; });
-  return shifts;
-}
-
 }  // namespace
-
-std::vector<std::string> exact_input_texts(const UpdateResult& result) {
-  std::vector<std::string> texts;
-  if (result.exact_inputs.empty()) return texts;
-  std::string names;
-  for (const auto& input : result.exact_inputs) names += (names.empty() ? "" : ", ") + input.name;
-  for (const auto& ends : result.exact_ends) names += ", " + ends;
-  texts.push_back("taken as exact: " + names);
-  for (std::size_t p = 0; p < result.parameters.size(); ++p) {
-    std::string list;
-    const auto shifts = exact_shifts(result, p);
-    for (const auto& one : shifts) {
-      if (one.stds < kInputMatters) break;
-      list += list.empty() ? fmt::format("{:.3g} % of {} changes it by {:+.2g} ({})",
-                                         100 * one.input->relative_change, one.input->name,
-                                         one.shift, in_std(one.stds))
-                           : fmt::format(", of {} by {:+.2g} ({})", one.input->name, one.shift,
-                                         in_std(one.stds));
-    }
-    if (!list.empty()) texts.push_back(result.parameters[p].name + ": " + list);
-  }
-  return texts;
-}
 
 std::vector<Finding> fit_findings(const UpdateResult& result) {
   std::vector<Finding> findings;
@@ -165,22 +115,6 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
                           "Add data that depend on it, or hold it: it is known from its prior only",
                           p.name, false});
     }
-  }
-  std::string exact;
-  for (std::size_t p = 0; p < result.parameters.size(); ++p) {
-    const auto shifts = exact_shifts(result, p);
-    if (shifts.empty() || shifts.front().stds < kInputMatters) continue;
-    const auto& first = shifts.front();
-    exact += fmt::format("{}{:.2g} % of {} changes {} by its standard uncertainty",
-                         exact.empty() ? "" : "; ", 100 * first.input->relative_change / first.stds,
-                         first.input->name, result.parameters[p].name);
-  }
-  if (!exact.empty()) {
-    findings.push_back({"taken_as_exact",
-                        "State what these inputs are known to, or fit them; the intervals take "
-                        "them as exact: " +
-                            exact,
-                        "", false});
   }
   return findings;
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/single_tests/finding.h"
+#include "ident/statistics/finding.h"
 #include "ident/update/model_update.h"
 #include "ident/update/update_checks.h"
 
@@ -36,10 +36,6 @@ struct FitOutcome {
 
 /// "chi-square 12.3 on 8 degrees of freedom, probability 0.14 ...".
 [[nodiscard]] std::string fit_text(const UpdateFit& fit);
-
-/// Inputs that the fit takes as exact; then for each parameter its change per 1 % of these inputs,
-/// largest first, where that exceeds its standard uncertainty. Empty if no input is taken as exact.
-[[nodiscard]] std::vector<std::string> exact_input_texts(const UpdateResult& result);
 
 /// Describes each alternative but the first, and why it has less weight.
 [[nodiscard]] std::vector<std::string> alternative_texts(const UpdateResult& result);

@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
-#include "ident/campaign/fit_campaign.h"
 #include "ident/plan/plan_candidates.h"
-#include "ident/update/model_update.h"
 #include "ident/update/uncertainty/update_uncertainty.h"
 #include "signal/numerics/numbers.h"
 
@@ -282,25 +281,48 @@ std::string what_it_takes(const PlanCandidates& candidates, const PlannedGoal& g
              : "add tensions or lengths, or priors of other parameters";
 }
 
-// What the update that the plan ends in takes as exact, and what 1 % of that changes.
-std::vector<std::string> exact_inputs_of(std::vector<UpdateState> states,
-                                         const std::vector<FreeParameter>& free,
-                                         const std::vector<UncertainInput>& inputs,
-                                         const std::vector<PlannedMode>& modes) {
-  for (const auto& mode : modes) {
-    states[mode.state].measured.push_back(
-        {{mode.frequency_hz, mode.frequency_std * mode.frequency_hz},
-         {mode.damping_ratio, mode.damping_std * mode.damping_ratio},
-         mode.plane});
-  }
-  UpdateOptions update;
-  update.inputs = inputs;
-  update.starts = 1;
-  update.segment_uncertainty = false;
-  return exact_input_texts(update_model(states, free, update));
-}
-
 }  // namespace
+
+std::vector<UpdateState> plan_states(const model::Scene& scene,
+                                     const std::vector<double>& tensions_N,
+                                     const std::vector<double>& lengths_m) {
+  const auto tensioned =
+      std::find_if(scene.members.begin(), scene.members.end(),
+                   [](const auto& member) { return member.tension.has_value(); });
+  if (!tensions_N.empty() && tensioned == scene.members.end()) {
+    throw std::invalid_argument("other tensions need a cable whose tension the scene gives");
+  }
+  const auto& first = scene.members.front();
+  if (!lengths_m.empty() &&
+      (scene.members.size() != 1 || first.unstretched_length || first.stretch)) {
+    throw std::invalid_argument(
+        "other lengths need a scene of one member with no length of its own");
+  }
+  std::vector<std::optional<double>> tensions{std::nullopt}, lengths{std::nullopt};
+  tensions.insert(tensions.end(), tensions_N.begin(), tensions_N.end());
+  lengths.insert(lengths.end(), lengths_m.begin(), lengths_m.end());
+  std::vector<UpdateState> states;
+  for (const auto& length : lengths) {
+    for (const auto& tension : tensions) {
+      if (tension && tension == tensioned->tension) continue;  // as drawn
+      UpdateState state{tension ? fmt::format("{:g} N", *tension) : "as drawn", scene, {}};
+      for (auto& member : state.scene.members) {
+        if (member.tension && tension) member.tension = tension;
+      }
+      if (length) {
+        const auto node = [&](std::size_t end) {
+          return std::find_if(state.scene.nodes.begin(), state.scene.nodes.end(),
+                              [&](const auto& one) { return one.name == first.nodes[end]; });
+        };
+        const Eigen::Vector3d from = node(0)->position, along = node(1)->position - from;
+        node(1)->position = from + *length * along.normalized();
+        state.name += fmt::format(", {:g} m", *length);
+      }
+      states.push_back(std::move(state));
+    }
+  }
+  return states;
+}
 
 PlanResult plan_measurements(const std::vector<UpdateState>& states,
                              std::vector<FreeParameter> free, const std::vector<PlanGoal>& goals,
@@ -351,9 +373,6 @@ PlanResult plan_measurements(const std::vector<UpdateState>& states,
     if (!goal.reached) goal.takes = what_it_takes(candidates, goal, least);
   }
   result.modes = planned_modes(candidates, options, now);
-  if (!result.modes.empty()) {
-    result.exact_inputs = exact_inputs_of(states, free, options.inputs, result.modes);
-  }
   return result;
 }
 

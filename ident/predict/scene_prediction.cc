@@ -10,7 +10,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "ident/update/pairing/mode_pairing.h"
+#include "ident/update/pairing/mode_assignment.h"
 #include "model/frfs/frf_sensitivities.h"
 #include "model/scene/parameters.h"
 #include "signal/estimation/robust.h"
@@ -496,7 +496,7 @@ std::vector<HeldAgainst> held_against(const ModePrediction& prediction,
   }
   std::vector<HeldAgainst> all(measured.size());
   for (std::size_t i = 0; i < measured.size(); ++i) all[i].measured = i;
-  for (const auto& pair : pair_modes(tested, modelled).pairs) {
+  for (const auto& pair : pair_modes(tested, modelled)) {
     auto& one = all[static_cast<std::size_t>(pair.measured)];
     const auto& mode = prediction.modes[static_cast<std::size_t>(pair.model)];
     const auto& f = measured[static_cast<std::size_t>(pair.measured)].frequency_hz;

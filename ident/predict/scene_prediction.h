@@ -183,7 +183,7 @@ struct HeldAgainst {
   bool inside = false;  ///< the measured frequency in the predicted 95 % interval
 };
 
-/// Pairs by frequency, and plane where the test names one (mode_pairing.h).
+/// Pairs by frequency, and plane where the test names one (mode_assignment.h).
 [[nodiscard]] std::vector<HeldAgainst> held_against(const ModePrediction& prediction,
                                                     const std::vector<MeasuredMode>& measured);
 

@@ -47,7 +47,7 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
   Identifiability result;
   result.identifiable.assign(static_cast<std::size_t>(n), false);
   result.std = Eigen::VectorXd::Constant(n, kNaN);
-  result.covariance = result.correlation = Eigen::MatrixXd::Constant(n, n, kNaN);
+  result.covariance = Eigen::MatrixXd::Constant(n, n, kNaN);
   if (n == 0) return result;
 
   Eigen::MatrixXd scaled = jacobian * scales.asDiagonal();
@@ -105,7 +105,6 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
     for (Eigen::Index j = 0; j < n; ++j) {
       if (!result.identifiable[static_cast<std::size_t>(j)]) continue;
       result.covariance(i, j) = scales[i] * scales[j] * relative(i, j);
-      result.correlation(i, j) = relative(i, j) / std::sqrt(relative(i, i) * relative(j, j));
     }
   }
   return result;
@@ -137,5 +136,12 @@ Eigen::VectorXd Identifiability::shift_by(const Eigen::Ref<const Eigen::MatrixXd
   }
   return scales.cwiseProduct(directions * along);
 }
+
+std::string probability_text(double p) {
+  if (std::isnan(p)) return "-";
+  return p < 1e-6 ? "below 1e-6" : fmt::format("{:.2g}", p);
+}
+
+std::string p_text(double p) { return (p < 1e-6 ? "p " : "p = ") + probability_text(p); }
 
 }  // namespace rigfit::ident

@@ -40,9 +40,8 @@ struct Identifiability {
   int rank = 0;          ///< directions that are determined
   double condition = 0;  ///< largest over smallest singular value of J S
   std::vector<bool> identifiable;
-  Eigen::VectorXd std;          ///< NaN where not identifiable
-  Eigen::MatrixXd covariance;   ///< rows and columns of unidentifiable parameters are NaN
-  Eigen::MatrixXd correlation;  ///< the same
+  Eigen::VectorXd std;         ///< NaN where not identifiable
+  Eigen::MatrixXd covariance;  ///< rows and columns of unidentifiable parameters are NaN
   std::vector<OpenDirection> open;
   Eigen::MatrixXd directions;       ///< V: columns, of relative change
   Eigen::VectorXd singular_values;  ///< of J S over the root of the variance factor, falling
@@ -67,6 +66,12 @@ struct Identifiability {
                                               const Eigen::Ref<const Eigen::VectorXd>& scales,
                                               const std::vector<std::string>& names,
                                               const IdentifiabilityOptions& options = {});
+
+/// A probability with two digits: "0.012", "below 1e-6", where it depends on the assumed
+/// distribution more than on the data; "-" for NaN, where nothing is left over to judge by.
+[[nodiscard]] std::string probability_text(double p);
+/// "p = 0.012", "p below 1e-6".
+[[nodiscard]] std::string p_text(double p);
 
 using signal::coverage_factor;
 

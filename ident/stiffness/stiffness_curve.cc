@@ -9,7 +9,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "ident/statistics/probability_text.h"
+#include "ident/statistics/uncertainty.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -81,6 +81,7 @@ void StiffnessCurve::choose() {
     }
   }
   if (laws_.decided) {
+    weights_.assign(weights_.size(), 0), weights_.front() = 1;
     source_ = StiffnessSource::law;
     sentence_ = fmt::format("EI follows the {} law, {}. {}", name_of(best.kind), best.formula,
                             laws_.sentence);
@@ -157,8 +158,7 @@ double StiffnessCurve::knot_share(std::size_t k, double tension) const {
 
 double StiffnessCurve::value(double tension) const {
   double EI = 0;
-  if (source_ == StiffnessSource::law) return law_value(laws_.laws.front(), tension);
-  if (source_ == StiffnessSource::weighted_laws) {
+  if (source_ != StiffnessSource::interpolation) {
     for (std::size_t k = 0; k < weights_.size(); ++k) {
       if (weights_[k] > 0) EI += weights_[k] * law_value(laws_.laws[k], tension);
     }
@@ -230,13 +230,10 @@ std::vector<StiffnessTerm> StiffnessCurve::uncertainty(std::span<const double> t
   } else {
     for (std::size_t k = 0; k < laws_.laws.size(); ++k) {
       const auto& law = laws_.laws[k];
-      const double weight = source_ == StiffnessSource::law && k == 0 ? 1.0 : weights_[k];
+      const double weight = weights_[k];
       if (!(weight > 0.001)) continue;
-      if (k > 0 || source_ == StiffnessSource::weighted_laws) {
-        add(fmt::format("EI(T), choice of the {} law", name_of(law.kind)),
-            each([&](double T) { return std::sqrt(weight) * (law_value(law, T) - value(T)); }));
-      }
-      if (source_ == StiffnessSource::law && k > 0) continue;
+      add(fmt::format("EI(T), choice of the {} law", name_of(law.kind)),
+          each([&](double T) { return std::sqrt(weight) * (law_value(law, T) - value(T)); }));
       const double scale = std::sqrt(weight) * law.coverage_factor / kNormal95;
       const Eigen::MatrixXd factor = law.covariance.llt().matrixL();
       for (Eigen::Index j = 0; j < factor.cols(); ++j) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "ident/statistics/uncertainty.h"
@@ -286,12 +287,11 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   Eigen::MatrixXd jacobian(n + 1, p + 1);
   jacobian << by_law(Eigen::all, free), by_place;
 
-  double squares = 0, mean_relative = 0;
+  double squares = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
     const double EI = data.points[static_cast<std::size_t>(i)].EI_Nm2;
     const double misfit = residuals[i] * data.sigma[i] - data.change[i] * best_place;
     squares += misfit * misfit / (EI * EI);
-    mean_relative += (std::pow(data.sigma[i], 2) + std::pow(data.change[i], 2)) / (EI * EI);
   }
   const auto count = static_cast<double>(n);
   law.chi_squared = 2 * best_cost;
@@ -305,7 +305,6 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   const double variance = data.weighted && !(reduced > 1) ? 1 : reduced;
   const bool from_scatter = !data.weighted || variance > 1;
   law.coverage_factor = coverage_factor(0.95, from_scatter ? law.degrees_of_freedom : 0);
-  law.scatter_relative_std = std::sqrt(mean_relative / count * variance);
 
   law.covariance = Eigen::MatrixXd::Constant(p, p, kNaN);
   if (std::isfinite(variance)) {
@@ -446,13 +445,9 @@ StiffnessPrediction predict(const FittedLaw& law, double tension_N) {
   prediction.EI_Nm2 = evaluate(law, tension_N, by);
   const double own = law.covariance.rows() == by.size() ? by.dot(law.covariance * by) : kNaN;
   const double common = law.common_relative_std * prediction.EI_Nm2;
-  const double scatter = law.scatter_relative_std * prediction.EI_Nm2;
   prediction.std = std::sqrt(own + common * common);
   const double half = law.coverage_factor * prediction.std;
-  const double test_half = law.coverage_factor * std::hypot(prediction.std, scatter);
   prediction.low = prediction.EI_Nm2 - half, prediction.high = prediction.EI_Nm2 + half;
-  prediction.test_low = prediction.EI_Nm2 - test_half;
-  prediction.test_high = prediction.EI_Nm2 + test_half;
   return prediction;
 }
 
@@ -474,6 +469,18 @@ StiffnessLaws fit_stiffness_laws(const std::vector<StiffnessPoint>& points,
   }
   rank_laws(result, points.size(), left_out);
   return result;
+}
+
+StiffnessBounds stiffness_bounds(const StrandGeometry& geometry) {
+  for (const double value : {geometry.youngs_modulus_Pa, static_cast<double>(geometry.elements),
+                             geometry.element_diameter_m, geometry.strand_diameter_m}) {
+    if (!(std::isfinite(value) && value > 0)) {
+      throw std::invalid_argument("strand geometry: every value must be positive and finite");
+    }
+  }
+  const double factor = geometry.youngs_modulus_Pa * std::numbers::pi / 64;
+  return {.EI_min_Nm2 = factor * geometry.elements * std::pow(geometry.element_diameter_m, 4),
+          .EI_max_Nm2 = factor * std::pow(geometry.strand_diameter_m, 4)};
 }
 
 double tension_spread(const Eigen::Ref<const Eigen::VectorXd>& tension, double noise) {

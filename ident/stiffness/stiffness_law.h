@@ -31,9 +31,25 @@
 #include <vector>
 
 #include "document/describe.h"
-#include "ident/stiffness/strand.h"
 
 namespace rigfit::ident {
+
+/// Bounds of a strand: EImin = sum_i E pi d_i^4 / 64 (all elements slip), EImax = E pi d_c^4 / 64
+/// (none does). Source: Jalali and Rideout 2021, eqs. (20), (21).
+struct StrandGeometry {
+  double youngs_modulus_Pa = 0;
+  int elements = 0;  ///< round wires
+  double element_diameter_m = 0;
+  double strand_diameter_m = 0;
+};
+
+struct StiffnessBounds {
+  double EI_min_Nm2 = 0;
+  double EI_max_Nm2 = 0;
+};
+
+/// Throws std::invalid_argument for values that are not positive and finite.
+[[nodiscard]] StiffnessBounds stiffness_bounds(const StrandGeometry& geometry);
 
 enum class LawKind { linear, square_root, power, saturating };
 [[nodiscard]] const char* name_of(LawKind kind);
@@ -90,16 +106,14 @@ struct FittedLaw {
   /// Weight among the laws that AICc ranks; NaN when it ranks fewer than two of several.
   double akaike_weight = std::numeric_limits<double>::quiet_NaN();
 
-  double scatter_relative_std = 0;  ///< relative scatter of a new test about the law
   double common_relative_std = 0;
   double coverage_factor = 1.96;  ///< for 95 %
 };
 
 struct StiffnessPrediction {
   double EI_Nm2 = 0;
-  double std = 0;                      ///< std of the law
-  double low = 0, high = 0;            ///< 95 % band of the law
-  double test_low = 0, test_high = 0;  ///< 95 % band of a new test
+  double std = 0;            ///< std of the law
+  double low = 0, high = 0;  ///< 95 % band of the law
 };
 
 struct StiffnessLaws {

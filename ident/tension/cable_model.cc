@@ -112,6 +112,7 @@ std::vector<CableInput> uncertain_inputs(const CableDescription& cable) {
     add(3, kAssumedStrainStd, &CableState::EA);
   }
   if (!cable.masses.empty()) add(4, cable.masses_std, &CableState::attached);
+  add(5, cable.rate_relative_std, &CableState::rate);
   if (cable.EI_Nm2 && cable.EI_Nm2->value > 0 &&
       cable.EI_Nm2->std <= kNormalEI * cable.EI_Nm2->value) {
     add(kCableInputs.size() - 1, cable.EI_Nm2->std / cable.EI_Nm2->value, &CableState::EI);
@@ -170,6 +171,11 @@ CableFrequencies CableModel::frequencies(const CableState& state, int count, dou
   if (state.attached != 1) {
     change_masses(cable_, state.attached, found.in_hz);
     change_masses(cable_, state.attached, found.out_hz);
+  }
+  if (state.rate != 1) {  // a clock that is slow makes what it records fast
+    for (auto* list : {&found.in_hz, &found.out_hz}) {
+      for (double& hz : *list) hz /= state.rate;
+    }
   }
   return found;
 }

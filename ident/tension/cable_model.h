@@ -35,6 +35,7 @@ struct CableState {
   double tension_N = 0, EI_Nm2 = 0, spring_Nm_rad = 0;
   double length = 1, mass = 1, EA = 1, EI = 1;
   double attached = 1;        ///< factor on the attached masses
+  double rate = 1;            ///< factor on the sample rate of the recordings
   bool first_pinned = false;  ///< whatever the spring
 };
 
@@ -44,8 +45,8 @@ struct CableInput {
   double std = 0;         ///< std of the input's logarithm
   double CableState::*factor = nullptr;
 };
-inline constexpr std::array<const char*, 6> kCableInputs = {
-    "length", "mass per length", "EA", "EA (assumed)", "attached masses", "EI"};
+inline constexpr std::array<const char*, 7> kCableInputs = {
+    "length", "mass per length", "EA", "EA (assumed)", "attached masses", "sample rate", "EI"};
 /// Of EI as given: up to this its logarithm counts as normal, beyond it is summed over a grid.
 inline constexpr double kNormalEI = 0.3;
 [[nodiscard]] std::vector<CableInput> uncertain_inputs(const CableDescription& cable);

@@ -3,9 +3,11 @@
 #include <gsl/gsl_cdf.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "ident/tension/cable_model.h"
@@ -52,7 +54,7 @@ bool leads_to(const EndsPosterior& one, const TensionData& data, const Assignmen
   auto start = there;
   start.tension_N = std::exp(assignment.ln_tension);
   start.EA = assignment.EA;
-  start.length = start.mass = start.EI = 1;
+  start.length = start.mass = start.rate = start.EI = 1;
   start.EI_Nm2 = there.EI_Nm2 / there.EI;
   if (!one.model.cable().EI_Nm2) {  // at the same x and q
     const double scale = start.tension_N / there.tension_N;
@@ -210,13 +212,7 @@ TensionCandidate candidate_of(const EndsPosterior& one, const TensionData& data)
   const auto& answer = one.answers.front();
   const auto& cell = answer.cells[answer.best];
   int pairs = 0;
-  double same = 0;
   for (const auto& mode : answer.modes) pairs += mode.order >= 0;
-  const auto of_best = orders(one, answer, data);
-  for (const auto& other : one.answers) {
-    if (orders(one, other, data) == of_best) same += std::exp(other.ln_evidence - one.ln_evidence);
-  }
-  candidate.weight_of_orders = same;
   // What the frequencies have to explain: T, EI unless given, springs.
   const int unknowns = 1 + !cable.EI_Nm2 + (one.ends == CableEnds::springs);
   candidate.fit.stated = data.stated;
@@ -357,6 +353,20 @@ std::vector<EndsPosterior> posteriors(const CableDescription& cable, const Tensi
 }
 
 }  // namespace
+
+const char* name_of(CableEnds ends) {
+  constexpr std::array names{"pinned", "clamped", "springs", "pinned-clamped"};
+  return names[static_cast<std::size_t>(ends)];
+}
+
+std::vector<CableEnds> cable_ends(const std::string& word) {
+  std::vector<CableEnds> ends;
+  for (const CableEnds one :
+       {CableEnds::pinned, CableEnds::clamped, CableEnds::springs, CableEnds::pinned_clamped}) {
+    if (word == "compare" || word == name_of(one)) ends.push_back(one);
+  }
+  return ends;
+}
 
 std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes) {
   std::stable_sort(modes.begin(), modes.end(), [](const auto& a, const auto& b) {

@@ -201,7 +201,7 @@ struct EndsPosterior {
 struct TensionSummary {
   signal::Estimate tension, EI, spring;
   double low = 0, high = 0;
-  std::vector<UpdateBudgetTerm> budget;
+  std::vector<TensionBudgetRow> budget;
 };
 
 /// Value, std and budget are of what lies in the 95 % interval or within half its width beside it:

@@ -39,7 +39,8 @@ struct CableDescription {
   double inclination_deg = 0;
   double gravity = model::kStandardGravity;      ///< m/s^2
   std::vector<model::AttachedMass> masses = {};  ///< along the cable
-  double masses_std = 0;  ///< std of the logarithm of a factor that all of them share
+  double masses_std = 0;         ///< std of the logarithm of a factor that all of them share
+  double rate_relative_std = 0;  ///< std of the sample rate of the recordings, in all frequencies
 };
 
 struct TensionOptions {
@@ -79,8 +80,7 @@ struct TensionCandidate {
   double worst_error = 0;          ///< the largest, unsigned
   /// Probability of the misfit with a model error of up to 0.5 % beside the stated uncertainties.
   double p_with_model_error = 1;
-  double weight_of_orders = 1;  ///< probability of these orders, given these ends
-  std::vector<UpdateBudgetTerm> budget;
+  std::vector<TensionBudgetRow> budget;
 };
 
 struct TensionFormulas {
@@ -112,7 +112,7 @@ struct TensionResult {
   TensionFormulas formulas;                  ///< from the lowest mode of the heaviest candidate
   /// Budget of tension_N; the squares add up: "frequencies", "model", "EI", "end springs",
   /// "assignment", "ends", and those of kCableInputs.
-  std::vector<UpdateBudgetTerm> budget;
+  std::vector<TensionBudgetRow> budget;
 };
 
 }  // namespace rigfit::ident
@@ -205,14 +205,7 @@ struct Described<ident::TensionResult> {
           "modes", [](const T& r) { return r.candidates.front().modes; }, "", "modes",
           "of the heaviest candidate, by measured mode"),
       field("formulas", &T::formulas, "", "formulas", "closed forms, for comparison"),
-      field(
-          "budget",
-          [](const T& r) {
-            std::vector<ident::TensionBudgetRow> rows;
-            for (const auto& term : r.budget) rows.push_back({term.source, term.std});
-            return rows;
-          },
-          "", "budget", "contributions to the std of the tension")};
+      field("budget", &T::budget, "", "budget", "contributions to the std of the tension")};
 };
 
 }  // namespace rigfit::describe

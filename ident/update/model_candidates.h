@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "ident/update/problem/update_data.h"
-#include "ident/update/problem/update_options.h"
 #include "ident/update/problem/update_result.h"
 
 namespace rigfit::ident {

@@ -118,9 +118,7 @@ UpdateAlternative alternative_of(const UpdateAnswer& answer, const UpdateResult&
   UpdateAlternative alternative;
   alternative.weight = answer.weight;
   alternative.log_evidence = answer.log_evidence;
-  alternative.log_detected = answer.solution.matches.log_detected;
-  alternative.log_false = answer.solution.matches.log_false;
-  alternative.log_missed = answer.solution.matches.log_missed;
+  alternative.add(answer.solution.matches);
   alternative.parameters = result.parameters;
   alternative.pairs = result.pairs;
   alternative.unpaired = result.unpaired;
@@ -250,7 +248,6 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
     result.segment_factor = given ? 1 : fine->problem.variant().segment_factor;
     state_answer(fine->problem, options, fine->answer, result,
                  given ? fine->by_segments : Eigen::VectorXd());
-    state_exact_inputs(fine->problem, options, fine->answer.matches.matches, result);
     if (given) {  // what is reported is the model with the segments that its scene gives
       state_values(settled, answer, result);
       state_prediction_uncertainty(settled, options, result, answer.q, -1, result.pairs);
@@ -258,8 +255,6 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
       settled = std::move(fine->problem);
       answer = std::move(fine->answer);
     }
-  } else {
-    state_exact_inputs(settled, options, answer.matches.matches, result);
   }
   state_intervals(settled, options, answer.matches.matches, result);
   if (problem.modes_only() && options.intervals) {

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "model/scene/actual_state.h"
+
 namespace rigfit::ident {
 namespace {
 
@@ -36,19 +38,6 @@ Eigen::Vector3d normal_to(const Eigen::Vector3d& v) {
   return v.cross(Eigen::Vector3d::Unit(smallest)).normalized();
 }
 
-double member_length(const model::Scene& scene, const std::string& name) {
-  std::array<Eigen::Vector3d, 2> end{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  for (const auto& member : scene.members) {
-    if (member.name != name) continue;
-    for (const auto& node : scene.nodes) {
-      for (int i = 0; i < 2; ++i) {
-        if (node.name == member.nodes[i]) end[i] = node.position;
-      }
-    }
-  }
-  return (end[1] - end[0]).norm();
-}
-
 // A blow as a person strikes it: a little off in place, direction, strength and hardness.
 model::Load struck(const model::Scene& scene, const model::Load& meant,
                    const VirtualRigOptions& options, Random& random) {
@@ -62,7 +51,10 @@ model::Load struck(const model::Scene& scene, const model::Load& meant,
   const Eigen::Vector3d off =
       Eigen::AngleAxisd(around, meant.direction) * normal_to(meant.direction);
   load.direction = (std::cos(angle) * meant.direction + std::sin(angle) * off).normalized();
-  const double length = member_length(scene, load.place.member);
+  double length = 0;
+  for (const auto& member : scene.members) {
+    if (member.name == load.place.member) length = model::chord_of(scene, member).norm();
+  }
   const double shift = options.position_scatter_m * normal(random);
   if (load.place.node.empty() && length > 0) {
     load.place.position = std::clamp(load.place.position + shift / length, 0.001, 0.999);

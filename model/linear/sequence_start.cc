@@ -6,6 +6,7 @@
 
 #include "model/linear/segment_choice.h"
 #include "model/linear/segment_extrapolation.h"
+#include "model/scene/actual_state.h"
 
 namespace rigfit::model {
 namespace {
@@ -83,12 +84,7 @@ std::vector<Stretch> stretches_of(const Member& member, const Demand& demand) {
 /// magnitude: lambda^4 (d / L)^3.
 double sag_layer(const Scene& scene, const Member& member, double tension, double length) {
   if (!(tension > 0) || !(length > 0)) return 0;
-  Eigen::Vector3d along = Eigen::Vector3d::Zero();
-  for (const SceneNode& node : scene.nodes) {
-    if (node.name == member.nodes[0]) along -= node.position;
-    if (node.name == member.nodes[1]) along += node.position;
-  }
-  const double across = scene.gravity.cross(along.normalized()).norm();
+  const double across = scene.gravity.cross(chord_of(scene, member).normalized()).norm();
   const double slope = member.mass_per_length * across * length / tension;
   const double lambda2 = slope * slope * member.EA / tension;
   const double depth = std::sqrt(std::max(member.EI[0], member.EI[1]) / tension) / length;

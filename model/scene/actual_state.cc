@@ -8,23 +8,20 @@
 #include "model/scene/scene_error.h"
 
 namespace rigfit::model {
-namespace {
 
-double distance(const Scene& scene, const Member& member) {
-  const auto at = [&](const std::string& name) {
-    const auto node = std::find_if(scene.nodes.begin(), scene.nodes.end(),
-                                   [&](const SceneNode& one) { return one.name == name; });
-    return node == scene.nodes.end() ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : node->position;
-  };
-  return (at(member.nodes[1]) - at(member.nodes[0])).norm();
+Eigen::Vector3d chord_of(const Scene& scene, const Member& member) {
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();
+  for (const SceneNode& node : scene.nodes) {
+    if (node.name == member.nodes[0]) along -= node.position;
+    if (node.name == member.nodes[1]) along += node.position;
+  }
+  return along;
 }
-
-}  // namespace
 
 double installed_strain(const Scene& scene, const Member& member) {
   if (member.kind == Member::Kind::beam) return 0;
   if (member.tension) return *member.tension / member.EA;
-  const double chord = distance(scene, member);
+  const double chord = chord_of(scene, member).norm();
   if (member.stretch) return *member.stretch / (chord - *member.stretch);
   return member.unstretched_length ? std::max(0.0, chord / *member.unstretched_length - 1) : 0;
 }
@@ -64,7 +61,7 @@ Scene actual_state(const Scene& scene) {
     const double stretch = 1 + member.thermal_expansion * scene.temperature_change;
     if (member.unstretched_length) *member.unstretched_length *= stretch;
     if (member.stretch && stretch != 1) {
-      const double chord = distance(scene, member);
+      const double chord = chord_of(scene, member).norm();
       member.stretch = chord - (chord - *member.stretch) * stretch;
     }
     if (member.mass_of == Member::MassOf::installed) {

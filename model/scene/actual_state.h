@@ -21,6 +21,9 @@ namespace rigfit::model {
 /// Throws SceneError where a corrected tension is not positive.
 [[nodiscard]] Scene actual_state(const Scene& scene);
 
+/// From a member's first node to its second, m.
+[[nodiscard]] Eigen::Vector3d chord_of(const Scene& scene, const Member& member);
+
 /// Strain of a cable as it hangs between its nodes, from its tension or length; zero for a beam.
 [[nodiscard]] double installed_strain(const Scene& scene, const Member& member);
 

@@ -12,10 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/fit_campaign.h"
 #include "ident/update/model_update.h"
 #include "model/linear/modal_analysis.h"
-#include "tests/findings.h"
 #include "tests/scenes.h"
 
 namespace {
@@ -111,7 +109,7 @@ Case draw(std::uint64_t seed, bool imperfect, double sensor_share, Ends ends) {
 }
 
 struct Row {
-  int fits = 0, held = 0, flagged = 0, several = 0, inputs = 0, silent = 0, none = 0;
+  int fits = 0, held = 0, flagged = 0, several = 0, silent = 0, none = 0;
   std::vector<double> seconds, width;
 };
 
@@ -136,9 +134,7 @@ void add(Row& row, const Case& one, const Hanger& model, Ends ends, std::uint64_
   row.held += held;
   row.flagged += result.fit.ruled_out();
   row.several += several;
-  const bool inputs_named = testing::says(ident::fit_findings(result), "taken_as_exact");
-  row.inputs += inputs_named;
-  row.silent += !held && !result.fit.ruled_out() && !several && !inputs_named;
+  row.silent += !held && !result.fit.ruled_out() && !several;
   const double width = (tension.high - tension.low) / tension.value;
   if (std::isfinite(width)) row.width.push_back(width);
 }
@@ -156,9 +152,9 @@ int main(int argc, char** argv) {
   const int first = argc > 2 ? std::atoi(argv[2]) : 1;
   const std::string part = argc > 3 ? argv[3] : "";
   fmt::print(
-      "| {:<34} | fits | interval holds | ruled out | several | exact inputs named | "
+      "| {:<34} | fits | interval holds | ruled out | several | "
       "wrong and silent | no answer | median width | median s | slowest s |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|\n",
+      "|---|---|---|---|---|---|---|---|---|---|\n",
       "case");
   struct Kind {
     const char* name;
@@ -187,11 +183,11 @@ int main(int argc, char** argv) {
     }
     const double n = row.fits / 100.0;
     fmt::print(
-        "| {:<34} | {} | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {} | "
+        "| {:<34} | {} | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {} | "
         "{:.2f} % | {:.3f} | "
         "{:.2f} |\n",
-        kind.name, row.fits, row.held / n, row.flagged / n, row.several / n, row.inputs / n,
-        row.silent / n, row.none, 100 * median(row.width), median(row.seconds),
+        kind.name, row.fits, row.held / n, row.flagged / n, row.several / n, row.silent / n,
+        row.none, 100 * median(row.width), median(row.seconds),
         *std::max_element(row.seconds.begin(), row.seconds.end()));
     std::fflush(stdout);
   }

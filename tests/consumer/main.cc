@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "ident/stiffness/strand.h"
+#include "ident/stiffness/stiffness_law.h"
 #include "model/scene/scene.h"
 #include "signal/recording/recording.h"
 

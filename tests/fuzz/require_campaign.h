@@ -36,7 +36,7 @@ inline void require_sound(const Campaign& campaign) {
       const auto& direction = modal.setup.direction;
       require(!direction || std::abs(direction->norm() - 1) < 1e-9, "direction");
     } else if (test.is<TensionTest>()) {
-      published = !test.as<TensionTest>().inputs.test.modes.empty();
+      published = !test.as<TensionTest>().inputs.modes.empty();
     }
     require(published || !test.recordings.empty(), "a test without data");
     for (const auto& group : test.recordings) {

@@ -62,7 +62,6 @@ void print_plan(const ident::PlanResult& plan, VerbContext& context) {
                        std_digits(goal.wanted_std), goal.reached ? "reached" : "out of reach",
                        std_digits(one.best_std));
   }
-  for (const auto& text : plan.exact_inputs) out << "  " << text << '\n';
 }
 
 Json std_json(const std::string& name, double std, double value) {
@@ -130,7 +129,6 @@ void tell_plan(const ident::PlanResult& plan, VerbContext& context) {
   for (const auto& open : plan.not_identifiable) {
     context.warn("not_identifiable", "Whatever is measured, " + open.message);
   }
-  for (const auto& text : plan.exact_inputs) context.warn("taken_as_exact", text);
   for (const auto& text : plan.left_out) context.warn("state_left_out", text);
 }
 

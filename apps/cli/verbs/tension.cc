@@ -14,6 +14,7 @@
 #include "apps/report/figures/figures.h"
 #include "apps/results/results_json.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
+#include "ident/statistics/in_parallel.h"
 #include "signal/readers/csv/csv_fields.h"
 
 namespace rigfit::apps {
@@ -55,15 +56,17 @@ void add_masses(const std::vector<std::string>& texts, ident::CableDescription& 
 Json table_of_cables(const TensionCommand& command, VerbContext& context) {
   context.input(command.table);
   const auto rows = read_cable_table(command.table);
-  std::vector<ident::CableTest> tests;
+  std::vector<ident::TensionInputs> tests;
   for (const auto& row : rows) {
     if (!row.error.empty()) continue;
     tests.push_back(row.test);
     auto& options = tests.back().options;
-    options.missed = command.test.inputs.test.options.missed;
-    options.false_mode = command.test.inputs.test.options.false_mode;
+    options.missed = command.test.inputs.options.missed;
+    options.false_mode = command.test.inputs.options.false_mode;
   }
-  const auto results = ident::analyse_cable_tests(tests, context.threads);
+  std::vector<ident::TensionCampaignResult> results(tests.size());
+  ident::in_parallel(tests.size(), context.threads,
+                     [&](std::size_t i) { results[i] = ident::tension_campaign(tests[i]); });
   describe::Table table{
       "", {"cable", "tension, N", "95 % interval", "ends"}, {false, true, true, false}, {}};
   std::string out = "name,tension_N,std_N,low_N,high_N,start_N,end_N,EI_Nm2,ends,decided\n";
@@ -88,12 +91,12 @@ Json table_of_cables(const TensionCommand& command, VerbContext& context) {
     json.update(describe::json_of(one.tension));
     const auto& T = one.tension.tension_N;
     const char* ends = ident::name_of(one.tension.candidates.front().ends);
-    table.rows.push_back({one.name, describe::estimate_text(T.value, T.std, "N"),
+    table.rows.push_back({row.test.name, describe::estimate_text(T.value, T.std, "N"),
                           describe::ends_text({one.tension.low, one.tension.high, T.std}, "N"),
                           ends});
-    out += fmt::format("\"{}\",{:.8g},{:.4g},{:.8g},{:.8g},{:.8g},{:.8g},{:.6g},{},{}\n", one.name,
-                       T.value, T.std, one.tension.low, one.tension.high, one.tension.start_N,
-                       one.tension.end_N, one.tension.EI_Nm2.value, ends,
+    out += fmt::format("\"{}\",{:.8g},{:.4g},{:.8g},{:.8g},{:.8g},{:.8g},{:.6g},{},{}\n",
+                       row.test.name, T.value, T.std, one.tension.low, one.tension.high,
+                       one.tension.start_N, one.tension.end_N, one.tension.EI_Nm2.value, ends,
                        one.tension.decided ? "yes" : "no");
     cables.push_back(std::move(json));
   }
@@ -104,7 +107,7 @@ Json table_of_cables(const TensionCommand& command, VerbContext& context) {
 
 Json one_cable(TensionCommand command, VerbContext& context) {
   auto& inputs = command.test.inputs;
-  auto& cable = inputs.test.cable;
+  auto& cable = inputs.cable;
   if (!(cable.length_m.value > 0 && cable.mass_per_length.value > 0)) {
     throw UsageError("give --length and --mass-per-length, or --table");
   }
@@ -113,7 +116,7 @@ Json one_cable(TensionCommand command, VerbContext& context) {
     context.input(file);
     const auto plane = plane_named(command.test.plane);
     for (auto& row : read_measured_modes(file, command.test.column, plane, {})) {
-      inputs.test.modes.push_back(std::move(row.mode));
+      inputs.modes.push_back(std::move(row.mode));
     }
   }
   try {
@@ -121,7 +124,7 @@ Json one_cable(TensionCommand command, VerbContext& context) {
   } catch (const std::invalid_argument& error) {
     throw UsageError(std::string("--order ") + error.what());
   }
-  if (inputs.test.modes.empty() && command.files.empty()) {
+  if (inputs.modes.empty() && command.files.empty()) {
     throw UsageError("give recordings, --measured or --frequencies");
   }
   for (const auto& file : command.files) {
@@ -132,13 +135,13 @@ Json one_cable(TensionCommand command, VerbContext& context) {
   const auto campaign = ident::tension_campaign(inputs);
   if (!campaign.modes.empty()) {
     try {
-      ident::check_cable(inputs.test.cable, campaign.modes);
+      ident::check_cable(inputs.cable, campaign.modes);
     } catch (const std::invalid_argument& error) {
       throw UsageError(error.what());
     }
   }
-  const auto& result = campaign.result.tension;
-  auto findings = campaign.result.findings;
+  const auto& result = campaign.tension;
+  auto findings = campaign.findings;
   if (!result.solved) std::erase_if(findings, [](const auto& f) { return f.code == "no_tension"; });
   context.tell(findings);
   if (!result.solved) {
@@ -153,8 +156,7 @@ Json run(TensionCommand& command, VerbContext& context) {
   if (command.table.empty()) return one_cable(command, context);
   const auto& test = command.test;
   if (!command.files.empty() || !test.measured.empty() || !test.frequencies_hz.empty() ||
-      test.inputs.test.cable.length_m.value > 0 ||
-      test.inputs.test.cable.mass_per_length.value > 0) {
+      test.inputs.cable.length_m.value > 0 || test.inputs.cable.mass_per_length.value > 0) {
     throw UsageError("--table brings lengths, masses and frequencies of its own");
   }
   return table_of_cables(command, context);

@@ -66,7 +66,6 @@ void print_update(std::ostream& out, const ident::UpdateResult& result, const St
         "rms of |ln(model / measured)| over {} FRF lines: {:.3f} before, {:.3f} fitted\n",
         result.frf_lines, result.rms_log_frf_error_before, result.rms_log_frf_error);
   }
-  for (const auto& text : ident::exact_input_texts(result)) out << "  " << text << '\n';
 }
 
 // Paired errors of the model before, fitted and held out, and of other models in the same rows.

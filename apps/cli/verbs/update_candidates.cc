@@ -16,6 +16,7 @@
 #include "document/toml_table.h"
 #include "ident/campaign/fit_campaign.h"
 #include "ident/update/update_rows.h"
+#include "model/scene/actual_state.h"
 #include "model/scene/parameters.h"
 
 namespace rigfit::apps {
@@ -23,33 +24,19 @@ namespace {
 
 const std::vector<std::string> kSupportWords{"free", "pinned", "clamped", "springs", "own springs"};
 
-// A member that ends at the node, and the direction of its line.
-struct EndMember {
-  const model::Member* member = nullptr;
-  Eigen::Vector3d along = Eigen::Vector3d::Zero();
-};
-
-EndMember member_at(const model::Scene& scene, const std::string& node) {
-  for (const auto& member : scene.members) {
-    if (member.nodes[0] != node && member.nodes[1] != node) continue;
-    Eigen::Vector3d along = Eigen::Vector3d::Zero();
-    for (const auto& end : scene.nodes) {
-      if (end.name == member.nodes[0]) along -= end.position;
-      if (end.name == member.nodes[1]) along += end.position;
-    }
-    return {&member, along};
-  }
-  return {};
-}
-
 // Rotational springs across the member, started at 10 EI / L: between what a member takes for
 // pinned and for clamped. Returns their parameters.
 std::vector<std::string> put_springs(const model::Scene& scene, model::SceneNode& node) {
   constexpr double kStart = 10;
-  const EndMember end = member_at(scene, node.name);
+  const auto end = std::find_if(scene.members.begin(), scene.members.end(), [&](const auto& one) {
+    return one.nodes[0] == node.name || one.nodes[1] == node.name;
+  });
+  const bool any = end != scene.members.end();
+  const Eigen::Vector3d along =
+      any ? model::chord_of(scene, *end) : Eigen::Vector3d(Eigen::Vector3d::Zero());
   Eigen::Index axis = 0;
-  const double length = end.along.norm();
-  if (end.member == nullptr || end.along.cwiseAbs().maxCoeff(&axis) < 0.95 * length) {
+  const double length = along.norm();
+  if (!any || along.cwiseAbs().maxCoeff(&axis) < 0.95 * length) {
     throw UsageError("springs at node " + node.name +
                      ": its member must lie along an axis; give the candidate a scene of its own");
   }
@@ -57,7 +44,7 @@ std::vector<std::string> put_springs(const model::Scene& scene, model::SceneNode
   auto& support = node.support;
   if (support.kind != model::Support::Kind::elastic) support.translational.setConstant(kFixed);
   support.kind = model::Support::Kind::elastic;
-  support.rotational.setConstant(kStart * std::max(end.member->EI[0], end.member->EI[1]) / length);
+  support.rotational.setConstant(kStart * std::max(end->EI[0], end->EI[1]) / length);
   support.rotational[axis] = kFixed;
   std::vector<std::string> targets;
   for (Eigen::Index i = 0; i < 3; ++i) {

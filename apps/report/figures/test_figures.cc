@@ -254,11 +254,9 @@ std::vector<Block> tension_blocks(const std::string& id, const ident::TensionRes
     add(errors, std::move(series), one, [](const auto& m) { return 100 * m.relative_error; });
   }
   std::vector<Block> blocks{std::move(frequencies), std::move(errors)};
-  std::vector<ident::TensionBudgetRow> budget;
-  for (const auto& term : result.budget) budget.push_back({term.source, term.std});
   blocks.emplace_back(described_table(id + "-budget",
                                       "Where the uncertainty of the tension comes from.",
-                                      describe::table_of(std::move(budget))));
+                                      describe::table_of(result.budget)));
   return blocks;
 }
 

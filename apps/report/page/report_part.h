@@ -10,7 +10,7 @@
 
 #include "apps/report/drawing/plot.h"
 #include "apps/report/page/answer.h"
-#include "ident/campaign/single_tests/finding.h"
+#include "ident/statistics/finding.h"
 
 namespace rigfit::apps {
 

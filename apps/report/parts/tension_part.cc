@@ -19,8 +19,8 @@ class TensionPart : public TestPart {
 
   std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
     const auto& found = campaign.tension[index_];
-    tell(found.result.findings);
-    const auto& r = found.result.tension;
+    tell(found.findings);
+    const auto& r = found.tension;
     if (!r.solved) return {std::move(part_)};
     part_.json.update(tension_json(found));
     const std::string ends = ident::name_of(r.candidates.front().ends);

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "ident/campaign/single_tests/finding.h"
+#include "ident/statistics/finding.h"
 #include "signal/impact/impact_frfs.h"
 #include "signal/impact/roving_hammer.h"
 #include "signal/modal/modal_identification.h"

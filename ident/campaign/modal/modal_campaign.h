@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "ident/campaign/modal/hammer_campaign.h"
-#include "ident/campaign/single_tests/finding.h"
 #include "ident/campaign/single_tests/origin.h"
+#include "ident/statistics/finding.h"
 
 namespace rigfit::ident {
 

@@ -7,7 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "ident/update/pairing/mode_pairing.h"
+#include "ident/update/pairing/mode_assignment.h"
+#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -61,10 +62,7 @@ double typical_segments_error(const model::ModalAnalysis& analysis) {
     const double error = std::abs(mode.extrapolated_hz / mode.frequency_hz - 1);
     if (std::isfinite(error)) errors.push_back(error);
   }
-  if (errors.empty()) return 0;
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return *middle;
+  return signal::median(errors);
 }
 
 bool own(const ModalState& state, const MeasuredRow& row) {
@@ -101,8 +99,7 @@ void pair_rows(const TestSetup& test, const model::ModalAnalysis& analysis,
       row_of.push_back(i);
     }
     if (measured.empty() || modelled.empty()) continue;
-    const auto pairing = pair_modes(measured, modelled);
-    for (const auto& pair : pairing.pairs) {
+    for (const auto& pair : pair_modes(measured, modelled)) {
       auto& row = rows[row_of[static_cast<std::size_t>(pair.measured)]];
       row.mode = first + static_cast<std::size_t>(pair.model);
       row.mac = pair.mac;

@@ -322,21 +322,6 @@ AxialKnowledge knowledge_of(const AxialTestResult& result) {
   return {EA, result.damping_ratio};
 }
 
-void apply_axial(const AxialKnowledge& known, const std::vector<std::string>& EA_of,
-                 const std::vector<std::string>& damping_of, model::Scene& scene, int state,
-                 AxialUncertainty* uncertainty) {
-  const auto apply = [&](const signal::Estimate& value, const std::vector<std::string>& names,
-                         UncertainInput* input) {
-    if (!std::isfinite(value.value)) return;
-    for (const auto& name : names) {
-      model::set_parameter(scene, name, value.value);
-      if (input && value.std > 0) input->effects.push_back({state, name, value.std});
-    }
-  };
-  apply(known.EA_N, EA_of, uncertainty ? &uncertainty->EA : nullptr);
-  apply(known.damping_ratio, damping_of, uncertainty ? &uncertainty->damping : nullptr);
-}
-
 std::vector<AxialRecord> axial_records(const AxialInputs& inputs,
                                        const AxialCampaignResult& result) {
   std::vector<AxialRecord> records;

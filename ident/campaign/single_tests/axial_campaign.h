@@ -14,9 +14,7 @@
 #include <vector>
 
 #include "ident/axial/axial_identification.h"
-#include "ident/campaign/single_tests/finding.h"
-#include "ident/update/model_update.h"
-#include "model/scene/scene.h"
+#include "ident/statistics/finding.h"
 #include "signal/decay/decay.h"
 #include "signal/recording/recording.h"
 
@@ -82,21 +80,6 @@ struct AxialKnowledge {
   signal::Estimate EA_N, damping_ratio;
 };
 [[nodiscard]] AxialKnowledge knowledge_of(const AxialTestResult& result);
-
-/// Uncertainties of the scenes' values from an axial test, as inputs of a fit: EA moves all its
-/// values together, and so does the damping ratio.
-struct AxialUncertainty {
-  UncertainInput EA{"EA (axial test)"}, damping{"damping ratio (axial test)"};
-};
-
-/// Sets the scene's parameters `EA_of` and `damping_of` (such as "cable.EA",
-/// "cable.damping_ratio") to the values of an axial test; a NaN leaves the
-/// parameter unchanged. `uncertainty`, if given, receives the effects on these parameters in state
-/// `state`.
-/// Throws model::SceneError for a parameter that the scene does not have.
-void apply_axial(const AxialKnowledge& known, const std::vector<std::string>& EA_of,
-                 const std::vector<std::string>& damping_of, model::Scene& scene, int state = 0,
-                 AxialUncertainty* uncertainty = nullptr);
 
 }  // namespace rigfit::ident
 

@@ -79,28 +79,8 @@ void name_exact_inputs(const BendingTestOptions& options, BendingCampaignResult&
   result.findings.push_back({"taken_as_exact",
                              "Give standard uncertainties of what is taken as exact (in brackets "
                              "what it changes EI by): " +
-                                 exact + (tensioned ? "" : "; shear is left out")});
-}
-
-/// Where the tension changes within a test by more than EI(T) is known to.
-void name_spread_of_tension(const std::vector<StiffnessPoint>& points,
-                            BendingCampaignResult& result) {
-  const auto change = change_by_tension(points);
-  std::size_t most = 0;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    if (std::abs(change[i]) / points[i].EI_Nm2 > std::abs(change[most]) / points[most].EI_Nm2) {
-      most = i;
-    }
-  }
-  if (points.empty() || !(std::abs(change[most]) > points[most].std)) return;
-  const auto& point = points[most];
-  result.findings.push_back(
-      {"tension_within_test",
-       fmt::format("Load less at {:.4g} N: the load changes the tension, so that EI belongs to a "
-                   "tension known to {:.2g} N; this adds {:.2g} % to EI(T), the test itself {:.2g} "
-                   "%",
-                   point.tension_N, point.tension_std_N,
-                   100 * std::abs(change[most]) / point.EI_Nm2, 100 * point.std / point.EI_Nm2)});
+                                 exact + (tensioned ? "" : "; shear is left out"),
+                             "", false});
 }
 
 /// Lengths that hardly any bending test has: most often millimetres given as metres, or the
@@ -124,19 +104,22 @@ void suspect_lengths(const BendingCampaign& campaign, BendingCampaignResult& res
         {"length_suspected",
          fmt::format("Give the span in m: {:.4g} m with deflections up to {:.3g} mm is no bending "
                      "test (as mm: {:.4g} m); EI goes with about the cube of the span",
-                     span, 1e3 * deflection, 1e-3 * span)});
+                     span, 1e3 * deflection, 1e-3 * span),
+         "", false});
   } else if (deflection > 0.5 * span) {
     result.findings.push_back(
         {"length_suspected",
          fmt::format("Give the unit of the deflection in the title or in a TOML file beside the "
                      "recording: {:.3g} m on a span of {:.3g} m may be millimetres",
-                     deflection, span)});
+                     deflection, span),
+         "", false});
   } else if (deflection > 0.1 * span) {
     result.findings.push_back(
         {"large_deflection",
          fmt::format("Deflect less: {:.0f} % of the span is much for the equation of small "
                      "deflections, whose error is about its square, {:.1g} %",
-                     100 * deflection / span, 100 * deflection * deflection / span / span)});
+                     100 * deflection / span, 100 * deflection * deflection / span / span),
+         "", false});
   }
 }
 
@@ -200,10 +183,11 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
   });
   for (const auto& one : result.points) {
     if (!one.analysis) continue;
-    std::string where = campaign.sources[one.source].name;
-    if (one.point.tension_N > 0) where += fmt::format(" at {:.4g} N", one.point.tension_N);
-    for (const auto& found : one.analysis->findings) {
-      result.findings.push_back({found.code, found.message, where, found.refuses});
+    const auto& file = campaign.sources[one.source].name;
+    for (Finding finding : one.analysis->findings) {
+      finding.where =
+          one.point.tension_N > 0 ? fmt::format("{} at {:.4g} N", file, one.point.tension_N) : file;
+      result.findings.push_back(std::move(finding));
     }
   }
   name_exact_inputs(campaign.test, result);
@@ -216,7 +200,6 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
   for (const auto& one : result.points) {
     if (one.usable()) points.push_back(one.point);
   }
-  name_spread_of_tension(points, result);
   StiffnessLawOptions options;
   options.assumed_relative_std = campaign.assumed_relative_std;
   if (campaign.strand) {
@@ -229,7 +212,8 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
           {"outside_bounds",
            fmt::format("Check span, units and the strand's wires: EI = {:.4g} N m2 at {:.4g} N "
                        "lies outside what the strand's geometry allows",
-                       point.EI_Nm2, point.tension_N)});
+                       point.EI_Nm2, point.tension_N),
+           "", false});
     }
   }
   result.curve = StiffnessCurve(std::move(points), options);

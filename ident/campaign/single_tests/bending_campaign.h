@@ -10,17 +10,43 @@
 // curve is empty, and EI and modulus come with the scatter between specimens.
 #pragma once
 
+#include <array>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "document/describe.h"
 #include "ident/bending/bending_analysis.h"
-#include "ident/campaign/single_tests/finding.h"
+#include "ident/statistics/finding.h"
 #include "ident/stiffness/stiffness_curve.h"
-#include "ident/stiffness/strand.h"
 
 namespace rigfit::ident {
+
+/// Cross-section of a beam bent without tension, given in one of three ways or not at all.
+struct BeamSection {
+  std::optional<std::array<double, 2>> rectangle_m;  ///< width, height
+  double diameter_m = 0;                             ///< round and solid; 0: not given
+  double second_moment_m4 = 0;                       ///< 0: not given
+  /// Relative standard uncertainty of the second moment: three times that of a height, four times
+  /// that of a diameter.
+  double relative_std = 0;
+};
+
+/// Second moment of area about the axis of bending, m^4: w h^3 / 12 (h along the load) or
+/// pi d^4 / 64; NaN where no section is given.
+[[nodiscard]] inline signal::Estimate second_moment(const BeamSection& section) {
+  double moment = section.second_moment_m4;
+  if (section.rectangle_m) {
+    const auto [width, height] = *section.rectangle_m;
+    moment = width * height * height * height / 12;
+  } else if (section.diameter_m > 0) {
+    const double square = section.diameter_m * section.diameter_m;
+    moment = std::numbers::pi * square * square / 64;
+  }
+  if (!(moment > 0)) return {};
+  return {moment, section.relative_std * moment};
+}
 
 /// One file: a load-deflection record or table, or (`record` empty) EI values.
 struct BendingSource {
@@ -64,9 +90,9 @@ struct BendingCampaignResult {
   StiffnessCurve curve;              ///< law through the usable points; empty: none
   std::optional<StiffnessBounds> bounds;
   std::optional<BeamSpecimens> specimens;  ///< if two or more gave an EI without tension
-  /// Findings on all points together: "taken_as_exact", "tension_within_test", "outside_bounds",
+  /// Those of the points, then on all together: "taken_as_exact", "outside_bounds",
   /// "length_suspected", "large_deflection".
-  std::vector<Finding> findings;  ///< of each record with its place, then of all
+  std::vector<Finding> findings;
 };
 
 /// A table of at most this many rows is split by tension; a longer one is a record of one test.

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "document/describe.h"
-#include "ident/campaign/single_tests/finding.h"
+#include "ident/statistics/finding.h"
 #include "signal/decay/decay.h"
 #include "signal/recording/recording.h"
 

@@ -46,17 +46,4 @@ std::optional<Finding> rate_finding(double relative_std, double frequency_hz, do
       std::move(where), false};
 }
 
-signal::Estimate mass_with_rate(signal::Estimate mass, double relative_std) {
-  const double own = std::isfinite(mass.std) ? mass.std : 0;
-  return {mass.value, std::hypot(own, 2 * relative_std * mass.value)};
-}
-
-std::pair<double, double> parts_of_mass(double contribution, signal::Estimate mass,
-                                        double relative_std) {
-  const double own = std::isfinite(mass.std) ? mass.std : 0, rate = 2 * relative_std * mass.value;
-  const double whole = std::hypot(own, rate);
-  if (!(whole > 0)) return {contribution, 0};
-  return {contribution * own / whole, contribution * rate / whole};
-}
-
 }  // namespace rigfit::ident

@@ -3,15 +3,12 @@
 // The rate scales every frequency of its recordings alike:
 //
 //   u(f)^2 = u0(f)^2 + (e f)^2      common to all frequencies
-//   omega^2 M: e of the rate is 2 e of the mass
 #pragma once
 
 #include <optional>
 #include <string>
-#include <string_view>
-#include <utility>
 
-#include "ident/campaign/single_tests/finding.h"
+#include "ident/statistics/finding.h"
 #include "signal/modes/modal_model.h"
 #include "signal/numerics/estimate.h"
 
@@ -29,16 +26,5 @@ void add_rate_uncertainty(double relative_std, signal::ModalModel& model);
 /// uncertainty; `where`: as of a Finding.
 [[nodiscard]] std::optional<Finding> rate_finding(double relative_std, double frequency_hz,
                                                   double own_std_hz, std::string where);
-
-/// A mass per length, or a mass, that carries the rate's uncertainty in place of the frequencies.
-[[nodiscard]] signal::Estimate mass_with_rate(signal::Estimate mass, double relative_std);
-
-/// What `mass_with_rate` stands for in a contribution of that mass: the mass's own part and the
-/// rate's; their squares add up to that of the whole.
-[[nodiscard]] std::pair<double, double> parts_of_mass(double contribution, signal::Estimate mass,
-                                                      double relative_std);
-
-/// Name of the rate in a budget.
-inline constexpr std::string_view kRateSource = "sample rate";
 
 }  // namespace rigfit::ident

@@ -33,18 +33,6 @@ struct SceneOfState {
 [[nodiscard]] SceneOfState scene_at(const SceneUse& use, const KnownValues& known,
                                     std::optional<double> tension_N);
 
-/// EI of one state of a fit that was taken from the curve.
-struct StiffnessUse {
-  int state = 0;
-  std::string parameter;  ///< parameter of the state's scene, such as "cable.EI"
-  double tension_N = 0;
-};
-
-/// One input a term of the curve's uncertainty that moves any of them, so that their covariance is
-/// kept; empty where none is known.
-[[nodiscard]] std::vector<UncertainInput> stiffness_inputs(const StiffnessCurve& curve,
-                                                           const std::vector<StiffnessUse>& uses);
-
 /// State `state` of a fit, at that tension.
 struct StateUse {
   int state = 0;
@@ -52,8 +40,8 @@ struct StateUse {
   std::optional<double> tension_N;
 };
 
-/// Uncertainties of EI, EA and damping in these states, as inputs of a fit: each source moves all
-/// states together.
+/// Uncertainties of EI, EA and damping in these states, as inputs of a fit: each source (of EI,
+/// each term of the curve's uncertainty) moves all states together.
 [[nodiscard]] std::vector<UncertainInput> known_inputs(const KnownValues& known,
                                                        const std::vector<StateUse>& states);
 

@@ -11,8 +11,7 @@
 #include <vector>
 
 #include "ident/campaign/single_tests/rate_uncertainty.h"
-#include "ident/statistics/in_parallel.h"
-#include "ident/statistics/probability_text.h"
+#include "ident/statistics/uncertainty.h"
 #include "signal/ambient/ambient_modes.h"
 #include "signal/recording/recording_error.h"
 
@@ -33,7 +32,7 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
   constexpr double kSteady =
       0.1;  // decay times: 10 % in the whole recording is no decay to be seen
   const auto& [name, recording] = inputs.recordings[index];
-  auto& findings = campaign.result.findings;
+  auto& findings = campaign.findings;
   const bool given = inputs.band_high_hz > 0;
   const double low = given && inputs.band_low_hz > 0
                          ? inputs.band_low_hz
@@ -87,63 +86,25 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
   }
 }
 
-/// The cable's mass carries the uncertainty of the rate; the budget parts them again.
-void part_tension_budget(const signal::Estimate& mass, double rate_relative_std,
-                         TensionResult& result) {
-  const auto part = [&](std::vector<UpdateBudgetTerm>& budget) {
-    for (auto& term : budget) {
-      if (term.source != "mass per length") continue;
-      const auto [own, rate] = parts_of_mass(term.std, mass, rate_relative_std);
-      term.std = own;
-      budget.push_back({std::string(kRateSource), rate});
-      break;
-    }
-    std::erase_if(budget, [](const auto& term) { return term.std == 0; });
+/// Warnings and refusals of a result, in words.
+void add_findings(const TensionInputs& inputs, TensionCampaignResult& campaign) {
+  const auto& cable = inputs.cable;
+  const auto& result = campaign.tension;
+  const auto refuse = [&](const char* code, std::string message) {
+    campaign.findings.push_back({code, std::move(message), inputs.name, true});
   };
-  part(result.budget);
-  for (auto& candidate : result.candidates) part(candidate.budget);
-}
-
-}  // namespace
-
-CableTestResult analyse_cable_test(const CableTest& test) {
-  CableTestResult result;
-  result.name = test.name;
-  try {
-    result.tension = identify_tension(test.cable, test.modes, test.options);
-  } catch (const std::invalid_argument& error) {
-    result.tension.message = error.what();
-  }
-  if (!result.tension.solved) {
-    result.findings.push_back({"no_tension", result.tension.message, test.name, true});
-    return result;
-  }
-  result.findings = tension_findings(result.tension, test.cable);
-  for (auto& finding : result.findings) finding.where = test.name;
-  return result;
-}
-
-std::vector<CableTestResult> analyse_cable_tests(const std::vector<CableTest>& tests, int threads) {
-  std::vector<CableTestResult> results(tests.size());
-  in_parallel(tests.size(), threads,
-              [&](std::size_t i) { results[i] = analyse_cable_test(tests[i]); });
-  return results;
-}
-
-std::vector<Finding> tension_findings(const TensionResult& result, const CableDescription& cable) {
-  std::vector<Finding> findings;
   const auto warn = [&](const char* code, std::string message) {
-    findings.push_back({code, std::move(message), "", false});
+    campaign.findings.push_back({code, std::move(message), inputs.name, false});
   };
+  if (!result.solved) return refuse("no_tension", result.message);
   const auto& best = result.candidates.front();
   if (result.ruled_out) {
-    findings.push_back(
-        {"model_ruled_out",
-         fmt::format("Check that this is one cable between two ends: its frequencies are {:.2g} % "
-                     "off (rms), {:.2g} % at most, with the best of {} kinds of ends. State other "
-                     "ends (--ends), orders (--order), masses or EI, or fit a scene (update)",
-                     100 * best.rms_error, 100 * best.worst_error, result.candidates.size()),
-         "", true});
+    refuse(
+        "model_ruled_out",
+        fmt::format("Check that this is one cable between two ends: its frequencies are {:.2g} % "
+                    "off (rms), {:.2g} % at most, with the best of {} kinds of ends. State other "
+                    "ends (--ends), orders (--order), masses or EI, or fit a scene (update)",
+                    100 * best.rms_error, 100 * best.worst_error, result.candidates.size()));
   } else if (best.fit.ruled_out()) {
     warn("systematic_misfit",
          fmt::format("Enlarge the uncertainties of the frequencies, or name what the cable lacks "
@@ -186,52 +147,43 @@ std::vector<Finding> tension_findings(const TensionResult& result, const CableDe
          "exact (1 % of length is 2 % of tension)");
   }
   if (!result.decided) {
-    findings.push_back({"not_decided",
-                        "Say which modes these are (--order), or give a further frequency, --EI or "
-                        "--ends (--missed where modes were not excited): no order of the modes has "
-                        "90 % of the weight",
-                        "", true});
+    refuse("not_decided",
+           "Say which modes these are (--order), or give a further frequency, --EI or "
+           "--ends (--missed where modes were not excited): no order of the modes has "
+           "90 % of the weight");
   }
-  return findings;
 }
+
+}  // namespace
 
 TensionCampaignResult tension_campaign(const TensionInputs& inputs) {
   TensionCampaignResult campaign;
   for (std::size_t i = 0; i < inputs.recordings.size(); ++i)
     add_recorded_modes(inputs, i, campaign);
-  campaign.modes.insert(campaign.modes.end(), inputs.test.modes.begin(), inputs.test.modes.end());
+  campaign.modes.insert(campaign.modes.end(), inputs.modes.begin(), inputs.modes.end());
   // Damping says nothing about the tension.
   for (auto& mode : campaign.modes) mode.damping_ratio = {std::nan(""), std::nan("")};
   campaign.modes = merged_modes(std::move(campaign.modes));
-  auto before = std::move(campaign.result.findings);
+  auto cable = inputs.cable;
+  for (const auto& one : inputs.recordings) {
+    cable.rate_relative_std =
+        std::max(cable.rate_relative_std, one.recording.sample_rate_relative_std);
+  }
   if (campaign.modes.empty()) {
-    campaign.result.name = inputs.test.name;
-    campaign.result.tension.message =
-        "no peak stands out of the noise: nothing to find a tension from";
-    campaign.result.findings = {
-        {"no_tension", campaign.result.tension.message, inputs.test.name, true}};
+    campaign.tension.message = "no peak stands out of the noise: nothing to find a tension from";
   } else {
-    auto test = inputs.test;
-    test.modes = campaign.modes;
-    double rate_relative_std = 0;
-    for (const auto& one : inputs.recordings) {
-      rate_relative_std = std::max(rate_relative_std, one.recording.sample_rate_relative_std);
-    }
-    const auto mass = test.cable.mass_per_length;
-    if (rate_relative_std > 0) {
-      test.cable.mass_per_length = mass_with_rate(mass, rate_relative_std);
-    }
-    campaign.result = analyse_cable_test(test);
-    if (rate_relative_std > 0) {
-      part_tension_budget(mass, rate_relative_std, campaign.result.tension);
-      const auto& first = campaign.modes.front().frequency_hz;
-      if (auto said = rate_finding(rate_relative_std, first.value, first.std, inputs.test.name)) {
-        campaign.result.findings.push_back(std::move(*said));
-      }
+    try {
+      campaign.tension = identify_tension(cable, campaign.modes, inputs.options);
+    } catch (const std::invalid_argument& error) {
+      campaign.tension.message = error.what();
     }
   }
-  auto& findings = campaign.result.findings;
-  findings.insert(findings.begin(), before.begin(), before.end());
+  add_findings(inputs, campaign);
+  if (campaign.modes.empty()) return campaign;
+  const auto& first = campaign.modes.front().frequency_hz;
+  if (auto said = rate_finding(cable.rate_relative_std, first.value, first.std, inputs.name)) {
+    campaign.findings.push_back(std::move(*said));
+  }
   return campaign;
 }
 

@@ -1,8 +1,7 @@
 // Identifies the tension of a cable from recordings of its motion, from given frequencies, or from
 // both: modes of the recordings (ambient_modes.h, all channels together) are merged where they
 // agree, and the tension is fitted to them. The verb `tension` and the report call this, so that
-// their numbers are the same. Several cables, as in a bridge survey, are analysed one by one: one
-// that cannot be solved does not affect the others.
+// their numbers are the same.
 #pragma once
 
 #include <cstddef>
@@ -11,34 +10,11 @@
 #include <vector>
 
 #include "document/describe.h"
-#include "ident/campaign/single_tests/finding.h"
+#include "ident/statistics/finding.h"
 #include "ident/tension/cable_tension.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::ident {
-
-struct CableTest {
-  std::string name;
-  CableDescription cable;
-  std::vector<MeasuredMode> modes;
-  TensionOptions options = {};
-};
-
-struct CableTestResult {
-  std::string name;
-  TensionResult tension;          ///< `solved` false: see its message
-  std::vector<Finding> findings;  ///< refusals and warnings, for a person
-};
-
-/// Analyses one cable. Invalid numbers lead to a refusal, not to an exception.
-[[nodiscard]] CableTestResult analyse_cable_test(const CableTest& test);
-/// Analyses several cables on `threads` threads; the numbers do not depend on their count.
-[[nodiscard]] std::vector<CableTestResult> analyse_cable_tests(const std::vector<CableTest>& tests,
-                                                               int threads = 1);
-
-/// Warnings and refusals of a result, in words.
-[[nodiscard]] std::vector<Finding> tension_findings(const TensionResult& result,
-                                                    const CableDescription& cable);
 
 struct TensionRecording {
   std::string name;  ///< for messages
@@ -46,7 +22,10 @@ struct TensionRecording {
 };
 
 struct TensionInputs {
-  CableTest test;  ///< its modes are given frequencies; may be empty
+  std::string name;  ///< of the cable
+  CableDescription cable;
+  std::vector<MeasuredMode> modes;  ///< given frequencies; may be empty
+  TensionOptions options = {};
   std::vector<TensionRecording> recordings = {};
   std::vector<std::string> channels = {};  ///< empty: all
   double band_low_hz = 0;
@@ -64,9 +43,8 @@ struct TensionPeak {
 struct TensionCampaignResult {
   std::vector<TensionPeak> peaks;   ///< modes of the recordings, in their order
   std::vector<MeasuredMode> modes;  ///< merged modes to which the tension is fitted
-  /// `tension.solved` false: see its message. Warnings: "no_modes",
-  /// "steady_tone" and those of tension_findings.
-  CableTestResult result;
+  TensionResult tension;            ///< `solved` false: see its message
+  std::vector<Finding> findings;    ///< "no_tension" and "no_modes" refuse
 };
 
 /// Does not throw for unsuitable recordings or inputs: they are refused in the findings.

@@ -67,14 +67,13 @@ bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const
   if (!plain.residuals(q, found.matches, r, &J)) return false;
   const Eigen::Index n = problem.size();
   const auto rows = plain.frequency_rows(found.matches);
-  const double fixed = found.log_detected + found.log_false + found.log_missed;
   evidence.log_evidence = -std::numeric_limits<double>::infinity();
   double best = evidence.log_evidence;
   const bool damping =
       std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.damping >= 0; });
   for (const auto& [errors, probability] : model_errors(damping)) {
     Eigen::VectorXd w = Eigen::VectorXd::Ones(r.size());
-    double log_likelihood = fixed + std::log(probability);
+    double log_likelihood = found.without_densities() + std::log(probability);
     const auto weigh = [&](Eigen::Index row, double std, double error, double range) {
       const double all = std::hypot(std, error);
       w[row] = std / all;
@@ -243,10 +242,7 @@ class Search {
                         close(evidence.errors.damping, errors.damping);
       const bool keep = same || (again && best.solution.q.size() == 0);
       if (same) {
-        const auto assigned = [](const UpdateMatches& one) {
-          return one.log_detected + one.log_false + one.log_missed;
-        };
-        evidence.log_evidence += assigned(next) - assigned(matches);
+        evidence.log_evidence += next.without_densities() - matches.without_densities();
       }
       const bool usable = same || (keep && evidence_of(problem, next, at, evidence));
       if (usable && (done || evidence.log_evidence > best.log_evidence)) {
@@ -339,17 +335,9 @@ class Search {
           best = std::move(one);
         }
       }
-      const auto append = [](Seed& seed, const UpdateMatches& one, double score) {
-        auto& all = seed.matches;
-        all.matches.insert(all.matches.end(), one.matches.begin(), one.matches.end());
-        all.log_detected += one.log_detected;
-        all.log_false += one.log_false;
-        all.log_missed += one.log_missed;
-        seed.score += score;
-      };
       const UpdateMatches plain = wide.assign_state(s, modelled);
-      append(seeds[0], plain, plain.log_likelihood);
-      append(seeds[1], best, best_score);
+      seeds[0].matches.append(plain), seeds[0].score += plain.log_likelihood;
+      seeds[1].matches.append(best), seeds[1].score += best_score;
     }
     if (seeds[0].matches.matches == seeds[1].matches.matches) seeds.pop_back();
     return seeds;

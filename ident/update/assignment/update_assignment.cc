@@ -53,10 +53,7 @@ UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelle
   const ModeAssignment found =
       assign_modes(measured, stds, model, state.band_hz, options_.assignment, factor);
   UpdateMatches result;
-  result.log_likelihood = found.log_likelihood;
-  result.log_detected = found.log_detected;
-  result.log_false = found.log_false;
-  result.log_missed = found.log_missed;
+  result.add(found);
   for (const auto& pair : found.pairs) {
     const auto& mode = modelled.modes[static_cast<std::size_t>(pair.model)];
     result.matches.push_back(
@@ -75,10 +72,11 @@ UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelle
   return result;
 }
 
-UpdateMatches UpdateProblem::assign(const Eigen::VectorXd& q, std::string& failure) const {
+UpdateMatches UpdateProblem::assign(const Eigen::VectorXd& q, std::string& failure,
+                                    int only) const {
   UpdateMatches all;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    if (!takes_part(s)) continue;
+    if (only >= 0 ? s != only : !takes_part(s)) continue;
     const auto& state = states_[static_cast<std::size_t>(s)];
     if (state.measured.empty()) continue;
     const UpdateStateModes modelled = modes(s, q, false);
@@ -86,13 +84,7 @@ UpdateMatches UpdateProblem::assign(const Eigen::VectorXd& q, std::string& failu
       failure = (state.name.empty() ? "" : state.name + ": ") + modelled.failure;
       return {};
     }
-    UpdateMatches one = assign_state(s, modelled);
-    all.matches.insert(all.matches.end(), one.matches.begin(), one.matches.end());
-    all.unpaired.insert(all.unpaired.end(), one.unpaired.begin(), one.unpaired.end());
-    all.log_likelihood += one.log_likelihood;
-    all.log_detected += one.log_detected;
-    all.log_false += one.log_false;
-    all.log_missed += one.log_missed;
+    all.append(assign_state(s, modelled));
   }
   return all;
 }

@@ -2,12 +2,39 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
 constexpr double kFarthest = 6;  // standard deviations: beyond, a pair is none
 constexpr double kTwin = 0.999;  // probability; rounding is far below, data say more
+
+// Both are known to be one of in and out, and not the same; a mode that is mixed, axial or
+// torsional may show in either test.
+bool planes_differ(const std::optional<model::ModePlane>& measured,
+                   const std::optional<model::ModePlane>& modelled) {
+  const auto transverse = [](model::ModePlane plane) {
+    return plane == model::ModePlane::in || plane == model::ModePlane::out;
+  };
+  return measured && modelled && transverse(*measured) && transverse(*modelled) &&
+         *measured != *modelled;
+}
+
+// Indices of the measured modes of each plane that is named among them: a test each.
+std::vector<std::vector<int>> tests_of(const std::vector<PairingMode>& measured) {
+  std::vector<std::vector<int>> tests;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    auto test = std::find_if(tests.begin(), tests.end(), [&](const auto& one) {
+      return measured[static_cast<std::size_t>(one.front())].plane == measured[i].plane;
+    });
+    if (test == tests.end()) test = tests.insert(tests.end(), std::vector<int>{});
+    test->push_back(static_cast<int>(i));
+  }
+  return tests;
+}
 
 // A mode that this test was not made to see.
 bool other_plane(const std::optional<model::ModePlane>& test, const PairingMode& mode) {
@@ -70,6 +97,53 @@ double log_mac_density(double mac, double scale) {
 
 }  // namespace
 
+double shape_correlation(const Eigen::Ref<const Eigen::VectorXcd>& a,
+                         const Eigen::Ref<const Eigen::VectorXcd>& b) {
+  if (a.size() < 2 || a.size() != b.size()) return signal::kNaN;
+  const double scale = a.squaredNorm() * b.squaredNorm();
+  if (!(std::isfinite(scale) && scale > 0)) return signal::kNaN;
+  return std::min(1.0, std::norm(a.dot(b)) / scale);
+}
+
+// Shortest augmenting paths with potentials; O(rows^2 columns). Rows and columns are counted from
+// 1, 0 stands for none.
+std::vector<int> least_cost_assignment(const Eigen::Ref<const Eigen::MatrixXd>& cost) {
+  const auto n = static_cast<int>(cost.rows()), m = static_cast<int>(cost.cols());
+  if (n > m) throw std::invalid_argument("assignment: more rows than columns");
+  Eigen::VectorXd of_row = Eigen::VectorXd::Zero(n + 1), of_column = Eigen::VectorXd::Zero(m + 1);
+  Eigen::VectorXi row_of = Eigen::VectorXi::Zero(m + 1), previous = row_of;
+  for (int row = 1; row <= n; ++row) {
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    Eigen::VectorXd slack = Eigen::VectorXd::Constant(m + 1, kFar);
+    Eigen::VectorXi visited = Eigen::VectorXi::Zero(m + 1);
+    row_of[0] = row;
+    int column = 0;
+    do {
+      visited[column] = 1;
+      const int current = row_of[column];
+      int next = 0;
+      double smallest = kFar;
+      for (int j = 1; j <= m; ++j) {
+        if (visited[j]) continue;
+        const double reduced = cost(current - 1, j - 1) - of_row[current] - of_column[j];
+        if (reduced < slack[j]) slack[j] = reduced, previous[j] = column;
+        if (slack[j] < smallest) smallest = slack[j], next = j;
+      }
+      for (int j = 0; j <= m; ++j) {
+        if (!visited[j]) slack[j] -= smallest;
+        if (visited[j]) of_row[row_of[j]] += smallest, of_column[j] -= smallest;
+      }
+      column = next;
+    } while (row_of[column] != 0);
+    for (; column != 0; column = previous[column]) row_of[column] = row_of[previous[column]];
+  }
+  std::vector<int> column_of(cost.rows(), 0);
+  for (int j = 1; j <= m; ++j) {
+    if (row_of[j] != 0) column_of[static_cast<std::size_t>(row_of[j]) - 1] = j - 1;
+  }
+  return column_of;
+}
+
 ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
                             const std::vector<double>& relative_std,
                             const std::vector<PairingMode>& modelled,
@@ -131,8 +205,14 @@ ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
   std::sort(result.pairs.begin(), result.pairs.end(),
             [](const ModePair& a, const ModePair& b) { return a.measured < b.measured; });
   std::sort(result.unpaired_measured.begin(), result.unpaired_measured.end());
-  result.log_likelihood += result.log_detected + result.log_false + result.log_missed;
+  result.log_likelihood += result.without_densities();
   return result;
+}
+
+std::vector<ModePair> pair_modes(const std::vector<PairingMode>& measured,
+                                 const std::vector<PairingMode>& modelled) {
+  return assign_modes(measured, std::vector<double>(measured.size(), kListStd), modelled, {}, {})
+      .pairs;
 }
 
 }  // namespace rigfit::ident

@@ -12,7 +12,8 @@
 //   modelled, unpaired: ln (1 - P_j) inside the band; 0 outside, where the test did not look
 //
 // with p(MAC) = exp(-(1 - MAC) / m) / (m (1 - exp(-1 / m))) for the right shape and 1 for a wrong
-// one. The assignment of the largest likelihood comes from the Hungarian method. The band goes from
+// one, MAC after Allemang (2003). The assignment of the largest likelihood comes from the Hungarian
+// method (Kuhn 1955). The band goes from
 // 0 (or from where the test began) to the highest measured mode: a modal test begins at the lowest
 // modes, so that a model with visible modes below all measured ones is charged for them. A model
 // that is too soft has many such modes.
@@ -21,13 +22,35 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "ident/update/pairing/mode_pairing.h"
+#include "model/linear/modal_analysis.h"
 
 namespace rigfit::ident {
+
+struct PairingMode {
+  double frequency_hz = 0;
+  std::optional<model::ModePlane> plane = std::nullopt;  ///< measured: the plane of the test
+  Eigen::VectorXcd shape = {};  ///< at the same points on both sides; empty: not known
+  double visibility = 1;        ///< how well a modelled mode is seen
+};
+
+struct ModePair {
+  int measured = 0, model = 0;  ///< indices of the input
+  double mac = std::numeric_limits<double>::quiet_NaN();
+  bool cross_plane = false;  ///< leakage: the modelled mode lies in another plane than the test
+};
+
+/// |a^H b|^2 / (a^H a b^H b), 0..1; NaN when either is empty, zero, of another length, or too short
+/// (one point) to say anything.
+[[nodiscard]] double shape_correlation(const Eigen::Ref<const Eigen::VectorXcd>& a,
+                                       const Eigen::Ref<const Eigen::VectorXcd>& b);
+
+/// Column of each row in an assignment of least total cost; rows x columns with rows <= columns.
+[[nodiscard]] std::vector<int> least_cost_assignment(const Eigen::Ref<const Eigen::MatrixXd>& cost);
 
 struct AssignmentOptions {
   double missed = 0.1;       ///< probability that a test misses a mode that it can see
@@ -47,13 +70,24 @@ struct MissedMode {
   double probability = 0;  ///< that the test sees it
 };
 
-struct ModeAssignment {
+struct AssignmentLikelihood {
+  double log_likelihood = 0;  ///< ln(likelihood) of pairs, false and missed modes
+  /// Its parts: pairs without their normal densities, false modes, missed modes.
+  double log_detected = 0, log_false = 0, log_missed = 0;
+
+  [[nodiscard]] double without_densities() const { return log_detected + log_false + log_missed; }
+  void add(const AssignmentLikelihood& other) {
+    log_likelihood += other.log_likelihood;
+    log_detected += other.log_detected;
+    log_false += other.log_false;
+    log_missed += other.log_missed;
+  }
+};
+
+struct ModeAssignment : AssignmentLikelihood {
   std::vector<ModePair> pairs;  ///< by measured index
   std::vector<int> unpaired_measured;
   std::vector<MissedMode> missed;  ///< inside the band, probability 1/2 or more
-  double log_likelihood = 0;       ///< ln(likelihood) of pairs, false and missed modes
-  /// Its parts: pairs without their normal densities, false modes, missed modes.
-  double log_detected = 0, log_false = 0, log_missed = 0;
 };
 
 /// `relative_std` is that of each measured frequency, the model's error included. `band_hz` is the
@@ -65,5 +99,12 @@ struct ModeAssignment {
                                           const std::vector<PairingMode>& modelled,
                                           const std::optional<std::pair<double, double>>& band_hz,
                                           const AssignmentOptions& options, double factor = 1);
+
+/// Pairs for lists, by measured index: those of the assignment where every frequency may be 5 % off
+/// and every mode of the test's plane is visible. A mode of the other plane that shows up in a test
+/// is leakage (`cross_plane`).
+[[nodiscard]] std::vector<ModePair> pair_modes(const std::vector<PairingMode>& measured,
+                                               const std::vector<PairingMode>& modelled);
+inline constexpr double kListStd = 0.05;
 
 }  // namespace rigfit::ident

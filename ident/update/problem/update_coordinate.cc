@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+
+#include "model/scene/actual_state.h"
 
 namespace rigfit::ident {
 
@@ -52,15 +53,7 @@ double scale_at_zero(const model::Scene& scene, const std::string& name) {
   }
   double mass = 0;
   for (const auto& member : scene.members) {
-    double length = 0;
-    std::vector<Eigen::Vector3d> ends;
-    for (const auto& node : scene.nodes) {
-      if (node.name == member.nodes[0] || node.name == member.nodes[1]) {
-        ends.push_back(node.position);
-      }
-    }
-    if (ends.size() == 2) length = (ends[1] - ends[0]).norm();
-    mass += member.mass_per_length * length;
+    mass += member.mass_per_length * model::chord_of(scene, member).norm();
   }
   return name.ends_with(".mass") && mass > 0 ? 0.01 * mass : 1;
 }
@@ -74,11 +67,7 @@ double half_held(const model::Scene& scene, const std::string& name) {
   Eigen::Index axis = -1;
   for (const auto& member : scene.members) {
     if (member.nodes[0] != node && member.nodes[1] != node) continue;
-    Eigen::Vector3d along = Eigen::Vector3d::Zero();
-    for (const auto& end : scene.nodes) {
-      if (end.name == member.nodes[0]) along -= end.position;
-      if (end.name == member.nodes[1]) along += end.position;
-    }
+    const Eigen::Vector3d along = model::chord_of(scene, member);
     Eigen::Index own = 0;
     const double length = along.norm();
     if (along.cwiseAbs().maxCoeff(&own) < 0.95 * length || own == i) return 0;

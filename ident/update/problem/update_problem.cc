@@ -179,25 +179,13 @@ int UpdateProblem::fewest_segments() const {
 
 model::Scene UpdateProblem::scene_at(int state, const Eigen::VectorXd& q) const {
   model::Scene scene = states_[static_cast<std::size_t>(state)].scene;
-  for (Eigen::Index j = parameters_; j < size(); ++j) {
-    const int input = coordinates_[static_cast<std::size_t>(j)].input;
-    if (input < 0 || q[j] == 0) continue;
-    for (const auto& effect : options_.inputs[static_cast<std::size_t>(input)].effects) {
-      if (effect.state != state || effect.target == kSampleRateTarget) continue;
-      model::set_parameter(scene, effect.target,
-                           model::parameter(scene, effect.target) + q[j] * effect.change);
-    }
-  }
-  for (Eigen::Index j = 0; j < size(); ++j) {
+  const auto [names, owner] = targets_of(state);
+  for (std::size_t t = names.size(); t-- > 0;) {  // inputs first
+    const auto [j, factor] = owner[t];
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
-    if (coordinate.input >= 0 || coordinate.force >= 0) continue;
-    if (coordinate.state >= 0 && coordinate.state != state) continue;
-    const auto& parameter = free_[static_cast<std::size_t>(coordinate.parameter)];
-    for (std::size_t t = 0; t < parameter.targets.size(); ++t) {
-      if (!present_[static_cast<std::size_t>(state)].contains(parameter.targets[t])) continue;
-      model::set_parameter(scene, parameter.targets[t],
-                           parameter.factor(t) * coordinate.value(q[j]));
-    }
+    const double value = coordinate.input >= 0 ? model::parameter(scene, names[t]) + q[j] * factor
+                                               : factor * coordinate.value(q[j]);
+    model::set_parameter(scene, names[t], value);
   }
   return scene;
 }
@@ -356,40 +344,7 @@ UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q,
 }
 
 UpdateMatches UpdateProblem::match(const Eigen::VectorXd& q, std::string& failure, int only) const {
-  UpdateMatches result;
-  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    if (only >= 0 ? s != only : !takes_part(s)) continue;
-    const auto& state = states_[static_cast<std::size_t>(s)];
-    const UpdateStateModes modelled = modes(s, q, false);
-    if (!modelled.failure.empty()) {
-      failure = (state.name.empty() ? "" : state.name + ": ") + modelled.failure;
-      return {};
-    }
-    std::vector<PairingMode> measured_modes, model_modes;
-    for (const auto& mode : state.measured) {
-      measured_modes.push_back(
-          {.frequency_hz = mode.frequency_hz.value, .plane = mode.plane, .shape = mode.shape});
-    }
-    for (const auto& mode : modelled.modes) {
-      model_modes.push_back(
-          {.frequency_hz = mode.frequency_hz, .plane = mode.plane, .shape = mode.shape});
-    }
-    const ModePairing paired = pair_modes(measured_modes, model_modes);
-    for (const auto& pair : paired.pairs) {
-      const auto& mode = modelled.modes[static_cast<std::size_t>(pair.model)];
-      result.matches.push_back(
-          {s, pair.measured, mode.plane, mode.order, pair.mac, pair.cross_plane});
-    }
-    for (const auto& mode : paired.unpaired) {
-      const double hz = measured_modes[static_cast<std::size_t>(mode.index)].frequency_hz;
-      result.unpaired.push_back({s, hz, true, false, mode.reason});
-    }
-    for (const auto& mode : paired.missed) {
-      const double hz = model_modes[static_cast<std::size_t>(mode.index)].frequency_hz;
-      result.unpaired.push_back({s, hz, false, true, mode.reason});
-    }
-  }
-  return result;
+  return with_model_std(kListStd).assign(q, failure, only);
 }
 
 double UpdateProblem::relative_std(int state, int measured) const {

@@ -15,7 +15,6 @@
 
 #include "ident/update/problem/update_coordinate.h"
 #include "ident/update/problem/update_data.h"
-#include "ident/update/problem/update_options.h"
 #include "ident/update/problem/update_result.h"
 
 namespace rigfit::ident {
@@ -52,11 +51,16 @@ struct UpdateMatch {
   }
 };
 
-struct UpdateMatches {
+struct UpdateMatches : AssignmentLikelihood {
   std::vector<UpdateMatch> matches;
   std::vector<UpdatedUnpaired> unpaired;
-  /// ln(likelihood) of an assignment and its parts (mode_assignment.h).
-  double log_likelihood = 0, log_detected = 0, log_false = 0, log_missed = 0;
+
+  /// Those of another state.
+  void append(const UpdateMatches& other) {
+    matches.insert(matches.end(), other.matches.begin(), other.matches.end());
+    unpaired.insert(unpaired.end(), other.unpaired.begin(), other.unpaired.end());
+    add(other);
+  }
 };
 
 /// Error of ln f of a mode with the segments that there are.
@@ -112,9 +116,6 @@ class UpdateProblem {
   [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return options_.inputs; }
   /// Whether a scene parameter is fitted or moved by an input in that state.
   [[nodiscard]] bool is_stated(int state, const std::string& target) const;
-  /// The same with further coordinates, ln(value) of parameters of one state each.
-  [[nodiscard]] UpdateProblem with_scaled(
-      const std::vector<std::pair<int, FreeParameter>>& further) const;
   /// Residuals of FRFs in the order of their rows: first row, lines, relative uncertainties.
   struct FrfRows {
     Eigen::Index first = 0;
@@ -131,8 +132,8 @@ class UpdateProblem {
   [[nodiscard]] UpdateStateModes modes(int state, const Eigen::VectorXd& q, bool derivatives,
                                        const std::vector<UpdateMatch>* matches = nullptr) const;
 
-  /// Pairs every state that takes part (or `only` that one) by frequency, plane and shape
-  /// (mode_pairing.h), for lists; `failure` says why there are none.
+  /// Pairs for lists of every state that takes part (or `only` that one); `failure` says why there
+  /// are none.
   [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, std::string& failure,
                                     int only = -1) const;
 
@@ -153,8 +154,10 @@ class UpdateProblem {
   [[nodiscard]] std::vector<UpdatedPair> pairs(const Eigen::VectorXd& q,
                                                const std::vector<UpdateMatch>& matches) const;
 
-  /// The assignment of the largest likelihood (mode_assignment.h) in every state that takes part.
-  [[nodiscard]] UpdateMatches assign(const Eigen::VectorXd& q, std::string& failure) const;
+  /// The assignment of the largest likelihood (mode_assignment.h) in every state that takes part
+  /// (or `only` that one).
+  [[nodiscard]] UpdateMatches assign(const Eigen::VectorXd& q, std::string& failure,
+                                     int only = -1) const;
   /// The same for one state with these modes, all frequencies times `factor`.
   [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled,
                                            double factor = 1) const;

@@ -138,17 +138,4 @@ bool UpdateProblem::is_stated(int state, const std::string& target) const {
   return false;
 }
 
-UpdateProblem UpdateProblem::with_scaled(
-    const std::vector<std::pair<int, FreeParameter>>& further) const {
-  UpdateProblem other = *this;
-  for (const auto& [state, parameter] : further) {
-    UpdateCoordinate coordinate;
-    coordinate.parameter = static_cast<int>(other.free_.size());
-    coordinate.state = state;
-    other.free_.push_back(parameter);
-    other.coordinates_.push_back(coordinate);
-  }
-  return other;
-}
-
 }  // namespace rigfit::ident

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ident/statistics/uncertainty.h"
+#include "ident/update/pairing/mode_assignment.h"
 #include "model/linear/modal_analysis.h"
 
 namespace rigfit::ident {
@@ -39,13 +40,6 @@ struct UpdatedParameter {
   std::vector<UpdateBudgetTerm> budget = {};  ///< empty when not identifiable
   /// Largest remaining error of the value due to the number of segments; NaN: unknown.
   double segment_shift = std::numeric_limits<double>::quiet_NaN();
-};
-
-/// A number of the scenes that is taken as exact: neither fitted nor given with an uncertainty.
-struct ExactInput {
-  std::string name;            ///< a scene parameter, or "lengths": coordinates of all nodes
-  double relative_change = 0;  ///< relative change of the input that gives `shift`
-  Eigen::VectorXd shift;       ///< change of each parameter, to first order; NaN: unknown
 };
 
 struct UpdatedPair {
@@ -86,13 +80,10 @@ struct UpdateFit {
   [[nodiscard]] bool ruled_out() const { return stated && p_value < 0.01; }
 };
 
-/// One of the answers that the data support.
-struct UpdateAlternative {
+/// One of the answers that the data support, with the likelihood of its assignment.
+struct UpdateAlternative : AssignmentLikelihood {
   double weight = 1;  ///< probability, all alternatives together 1
   double log_evidence = 0;
-  /// Parts of ln(evidence) of the assignment alone: pairs, measured modes that the model
-  /// lacks, modelled modes that the tests should have seen.
-  double log_detected = 0, log_false = 0, log_missed = 0;
   std::vector<UpdatedParameter> parameters;
   std::vector<UpdatedPair> pairs;
   std::vector<UpdatedUnpaired> unpaired;
@@ -121,8 +112,6 @@ struct UpdateResult {
   double rms_log_frf_error_before = std::numeric_limits<double>::quiet_NaN();
   Eigen::Index frf_lines = 0;
   UpdateFit fit;
-  std::vector<ExactInput> exact_inputs;  ///< not covered by any interval
-  std::vector<std::string> exact_ends;   ///< "left (pinned)": end conditions likewise
   /// Answers of weight 0.001 or more, heaviest first; the first is this result. For fits to modes.
   std::vector<UpdateAlternative> alternatives;
   double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< ln, over all answers

@@ -48,13 +48,4 @@ void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateOpti
                                   const UpdateResult& result, const Eigen::VectorXd& q,
                                   int held_out, std::vector<UpdatedPair>& pairs);
 
-/// Fills `result.exact_inputs` and `exact_ends`: numbers of the scenes that are neither fitted nor
-/// stated with an uncertainty, and by how much each parameter changes for 1 % of each, to first
-/// order; `result` is stated with `problem`. With J of the answer and dr/d ln(x) the model's own
-/// sensitivity, d p = -(J'J)^-1 J' (dr/d ln(x)) 0.01, all states together. Lengths are the
-/// coordinates of all nodes, scaled together, as one ruler would. NaN where the model has no
-/// derivatives.
-void state_exact_inputs(const UpdateProblem& problem, const UpdateOptions& options,
-                        const std::vector<UpdateMatch>& matches, UpdateResult& result);
-
 }  // namespace rigfit::ident

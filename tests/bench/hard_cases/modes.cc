@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/pairing/mode_pairing.h"
+#include "ident/update/pairing/mode_assignment.h"
 #include "model/linear/modal_analysis.h"
 #include "tests/bench/hard_cases/bar_chain.h"
 #include "tests/bench/hard_cases/hard_case.h"

@@ -42,7 +42,7 @@ BendingRecord record_of(Eigen::Index n, double load_noise, double deflection_noi
 std::string reasons(const BendingTestResult& result) {
   std::string text;
   for (const auto& finding : result.findings) {
-    if (finding.refuses) text += finding.code + ": " + finding.message + "; ";
+    if (finding.refused) text += finding.code + ": " + finding.message + "; ";
   }
   return text;
 }

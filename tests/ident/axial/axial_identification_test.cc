@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "ident/virtual_rig/virtual_axial.h"
+#include "ident/virtual_rig/virtual_bench.h"
 #include "tests/findings.h"
 #include "tests/reference/axial_study.h"
 
@@ -18,7 +18,7 @@ struct Rig {
   double EA = 221780, zeta = 0.017, mass = 2.2, per_length = 0.16667, adapter = 0;
 };
 
-// The rod, the adapter and the mass, forwards (virtual_axial.h: by bisection to 1e-15).
+// The rod, the adapter and the mass, forwards (virtual_bench.h: by bisection to 1e-15).
 AxialDecay decay_of(const Rig& rig, double length) {
   VirtualAxialTest test;
   test.EA_N = rig.EA, test.mass_per_length_kg_m = rig.per_length, test.length_m = length;

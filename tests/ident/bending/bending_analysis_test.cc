@@ -7,7 +7,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "ident/virtual_rig/virtual_bending.h"
+#include "ident/virtual_rig/virtual_bench.h"
 #include "tests/findings.h"
 #include "tests/ident/bending/simulated_bending.h"
 
@@ -54,7 +54,6 @@ TEST(BendingTest, ExactTableGivesTheExactStiffness) {
     const auto result = analyse_bending_test(exact_record(0.6, P, 0.5), span_of(0.5));
     ASSERT_FALSE(result.refused) << codes(result);
     EXPECT_TRUE(result.findings.empty()) << codes(result);
-    EXPECT_EQ(result.strokes.size(), 2U);
     // Rounding, amplified by the conditioning of the equation (below 10 here).
     EXPECT_NEAR(result.stiffness.EI_Nm2.value, 0.6, 1e-10);
   }
@@ -66,7 +65,6 @@ TEST(BendingTest, ChangingTensionIsUsedAsMeasured) {
   const auto result = analyse_bending_test(exact_record(0.6, 100, 0.5, 25 / 1e-6), span_of(0.5));
   ASSERT_FALSE(result.refused) << codes(result);
   EXPECT_NEAR(result.stiffness.EI_Nm2.value, 0.6, 1e-8);
-  EXPECT_NEAR(result.tension_high_N, 125, 1.5);
 }
 
 TEST(BendingTest, SignAndOffsetOfTheDeflectionDoNotMatter) {
@@ -100,7 +98,6 @@ TEST(BendingTest, BothChannelsNegativeGiveTheSameStiffness) {
     ASSERT_FALSE(plain.refused || negative.refused) << codes(negative);
     EXPECT_DOUBLE_EQ(negative.stiffness.EI_Nm2.value, plain.stiffness.EI_Nm2.value);
     EXPECT_NEAR(negative.stiffness.EI_Nm2.value, 0.6, 1e-6);
-    EXPECT_EQ(negative.strokes[0].loading, plain.strokes[0].loading);
   }
 }
 

@@ -9,7 +9,7 @@
 
 #include "ident/campaign/single_tests/bending_campaign.h"
 #include "ident/virtual_rig/sensor_model.h"
-#include "ident/virtual_rig/virtual_bending.h"
+#include "ident/virtual_rig/virtual_bench.h"
 
 namespace rigfit::ident::simulated {
 

@@ -1,4 +1,4 @@
-#include "ident/plan/decay_bound.h"
+#include "ident/plan/plan_candidates.h"
 
 #include <gtest/gtest.h>
 

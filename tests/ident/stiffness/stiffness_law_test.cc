@@ -81,7 +81,6 @@ TEST(StiffnessLaws, CovarianceOfALineIsThatOfTheNormalEquations) {
   const auto prediction = predict(line, 120);
   EXPECT_NEAR(prediction.std, std, 1e-9);
   EXPECT_NEAR(prediction.high - prediction.low, 2 * 1.959964 * std, 1e-8);
-  EXPECT_GT(prediction.test_high, prediction.high);
 }
 
 // Table 1 of the paper: four points without uncertainty. Four laws fit within a few per cent and
@@ -120,7 +119,7 @@ TEST(StiffnessLaws, BandsCover) {
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal;
   const auto truth = [](double T) { return 0.05 + 0.04 * std::sqrt(T); };
-  int covered = 0, new_test = 0;
+  int covered = 0;
   constexpr int kTrials = 400;
   for (int trial = 0; trial < kTrials; ++trial) {
     auto points = points_of(truth, 0.03, kTensions);
@@ -128,15 +127,11 @@ TEST(StiffnessLaws, BandsCover) {
     const auto laws = fit_stiffness_laws(points, {.laws = {LawKind::square_root}});
     const auto band = predict(laws.laws[0], 120);
     covered += band.low <= truth(120) && truth(120) <= band.high;
-    const double next = truth(120) * (1 + 0.03 * normal(random));
-    new_test += band.test_low <= next && next <= band.test_high;
   }
   // The variance is raised when the scatter exceeds the weights and never lowered, so coverage is
   // at least nominal: 95 % less three binomial deviations (3.3 %), and not everything.
   EXPECT_GE(covered, 0.917 * kTrials);
-  EXPECT_GE(new_test, 0.917 * kTrials);
   EXPECT_LE(covered, kTrials - 2);
-  EXPECT_LE(new_test, kTrials - 2);
 }
 
 TEST(StiffnessLaws, CommonUncertaintyWidensTheBandOnly) {

@@ -1,4 +1,4 @@
-#include "ident/stiffness/strand.h"
+#include "ident/stiffness/stiffness_law.h"
 
 #include <gtest/gtest.h>
 

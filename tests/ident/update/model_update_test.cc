@@ -62,7 +62,7 @@ TEST(UpdateModel, APriorSeparatesThem) {
   // EI = 7 m: its 1 % comes from the prior, 2 * 1e-3 / sqrt(5) from the data.
   EXPECT_NEAR(result.parameters[0].std / result.parameters[0].value, 0.01, 0.002);
   EXPECT_NEAR(result.parameters[0].value, 2.1, 3 * 0.02);
-  EXPECT_NEAR(result.identifiability.correlation(0, 1), 1, 0.05);
+  EXPECT_NEAR(result.correlation(0, 1), 1, 0.05);
 }
 
 // Frequencies without an uncertainty of their own that fit far better than was assumed say nothing

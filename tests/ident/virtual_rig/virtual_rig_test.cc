@@ -1,7 +1,6 @@
 #include "ident/virtual_rig/virtual_rig.h"
 
-#include "ident/virtual_rig/virtual_axial.h"
-#include "ident/virtual_rig/virtual_bending.h"
+#include "ident/virtual_rig/virtual_bench.h"
 #include "tests/scenes.h"
 
 #include <gtest/gtest.h>

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "ident/campaign/single_tests/scene_use.h"
 #include "model/linear/modal_analysis.h"
 #include "tests/findings.h"
 #include "tests/reference/axial_study.h"
@@ -165,21 +166,23 @@ TEST(AxialCampaign, RefusesWithReasons) {
 }
 
 TEST(AxialCampaign, GoesIntoScenesWithItsUncertainty) {
-  model::Scene scene;
-  scene.nodes.resize(2), scene.members.resize(1);
-  scene.members[0].name = "cable";
-  scene.members[0].EA = 1, scene.members[0].damping_ratio = 0.1, scene.members[0].tension = 100;
-  AxialUncertainty uncertainty;
-  apply_axial({{2e5, 500}, {0.017, 0.001}}, {"cable.EA"}, {"cable.damping_ratio"}, scene, 2,
-              &uncertainty);
+  SceneUse use;
+  use.scene.nodes.resize(2), use.scene.members.resize(1);
+  auto& cable = use.scene.members[0];
+  cable.name = "cable", cable.EA = 1, cable.damping_ratio = 0.1, cable.tension = 100;
+  use.EA_of = {"cable.EA"}, use.damping_of = {"cable.damping_ratio"};
+  const KnownValues known{{}, AxialKnowledge{{2e5, 500}, {0.017, 0.001}}};
+  const auto scene = scene_at(use, known, {}).scene;
   EXPECT_EQ(scene.members[0].EA, 2e5);
   EXPECT_EQ(*scene.members[0].damping_ratio, 0.017);
-  ASSERT_EQ(uncertainty.EA.effects.size(), 1u);
-  EXPECT_EQ(uncertainty.EA.effects[0].state, 2);
-  EXPECT_EQ(uncertainty.EA.effects[0].target, "cable.EA");
-  EXPECT_EQ(uncertainty.EA.effects[0].change, 500);
-  ASSERT_EQ(uncertainty.damping.effects.size(), 1u);
-  EXPECT_EQ(uncertainty.damping.effects[0].change, 0.001);
+  const auto inputs = known_inputs(known, {{2, &use, {}}});
+  ASSERT_EQ(inputs.size(), 2u);
+  ASSERT_EQ(inputs[0].effects.size(), 1u);
+  EXPECT_EQ(inputs[0].effects[0].state, 2);
+  EXPECT_EQ(inputs[0].effects[0].target, "cable.EA");
+  EXPECT_EQ(inputs[0].effects[0].change, 500);
+  ASSERT_EQ(inputs[1].effects.size(), 1u);
+  EXPECT_EQ(inputs[1].effects[0].change, 0.001);
 }
 
 }  // namespace

@@ -37,20 +37,20 @@ TensionInputs plucked_string() {
   }
   one.recording.channels.push_back(std::move(channel));
   TensionInputs inputs;
-  inputs.test.name = "cable";
-  auto& cable = inputs.test.cable;
+  inputs.name = "cable";
+  auto& cable = inputs.cable;
   cable.length_m = {kLength, 0.005};
   cable.mass_per_length = {kMass, 0.001};
   cable.EI_Nm2 = signal::Estimate{1, 0};
   cable.EA_N = signal::Estimate{1e6, 0};
-  inputs.test.options.ends = {CableEnds::pinned};
+  inputs.options.ends = {CableEnds::pinned};
   inputs.recordings.push_back(std::move(one));
   return inputs;
 }
 
 double budget(const TensionResult& result, const std::string& source) {
   for (const auto& term : result.budget) {
-    if (term.source == source) return term.std;
+    if (term.source == source) return term.std_N;
   }
   return 0;
 }
@@ -63,7 +63,7 @@ TEST(TensionCampaign, ARoundedRateIsInTheTensionOfAllModesAlike) {
   constexpr double kRate = 1e-3;
   inputs.recordings[0].recording.sample_rate_relative_std = kRate;
   const auto rounded = tension_campaign(inputs);
-  const auto &a = exact.result.tension, &b = rounded.result.tension;
+  const auto &a = exact.tension, &b = rounded.tension;
   ASSERT_TRUE(a.solved && b.solved);
   EXPECT_NEAR(b.tension_N.value, kTension, 4 * b.tension_N.std);
   const double expected = std::hypot(a.tension_N.std, 2 * kRate * kTension);
@@ -73,10 +73,10 @@ TEST(TensionCampaign, ARoundedRateIsInTheTensionOfAllModesAlike) {
   EXPECT_NEAR(budget(b, "mass per length"), budget(a, "mass per length"),
               1e-3 * budget(a, "mass per length"));
   double squares = 0;
-  for (const auto& term : b.budget) squares += term.std * term.std;
+  for (const auto& term : b.budget) squares += term.std_N * term.std_N;
   EXPECT_NEAR(std::sqrt(squares), b.tension_N.std, 1e-9 * b.tension_N.std);
   const auto says = [](const TensionCampaignResult& result) {
-    const auto& all = result.result.findings;
+    const auto& all = result.findings;
     return std::any_of(all.begin(), all.end(),
                        [](const auto& one) { return one.code == "rate_uncertainty"; });
   };

@@ -94,34 +94,6 @@ TEST(UpdateUncertainty, AHeldOutStatesPredictionHasItsUncertainty) {
   }
 }
 
-// f goes with sqrt(EI / m) / L^2: by closed form EI follows the mass and the fourth power of
-// lengths. In two states at once; what is stated or fitted is not exact.
-TEST(ExactInputs, AreNamedWithWhatTheyChange) {
-  std::vector<UpdateState> states(
-      2, {"", cantilever(1.9), modes_of(cantilever(2.1), ModePlane::in, 3, 1e-4)});
-  UpdateOptions options;
-  options.segment_uncertainty = false;
-  const auto found = [](const UpdateResult& result, const std::string& name) {
-    for (const auto& input : result.exact_inputs) {
-      if (input.name == name) return input.shift[0] / input.relative_change;
-    }
-    return std::nan("");
-  };
-  const auto result = update_model(states, {{"beam.EI_z"}}, options);
-  // To first order; the cross-section's rotary inertia is no part of the closed form: 1 %.
-  EXPECT_NEAR(found(result, "beam.mass_per_length"), 2.1, 0.01 * 2.1);
-  EXPECT_NEAR(found(result, "lengths"), 4 * 2.1, 0.01 * 4 * 2.1);
-  EXPECT_NEAR(found(result, "beam.EA"), 0, 1e-3 * 2.1);
-  EXPECT_TRUE(std::isnan(found(result, "beam.EI_z")));
-  EXPECT_TRUE(std::isnan(found(result, "tip.mass")));  // none is there
-
-  options.inputs = {
-      {"mass", {{0, "beam.mass_per_length", 3e-4}, {1, "beam.mass_per_length", 3e-4}}}};
-  const auto stated = update_model(states, {{"beam.EI_z"}}, options);
-  EXPECT_TRUE(std::isnan(found(stated, "beam.mass_per_length")));
-  EXPECT_NEAR(found(stated, "lengths"), 4 * 2.1, 0.01 * 4 * 2.1);
-}
-
 // A load cell's reading of each state with its uncertainty: readings to 1e-4 beside frequencies
 // that are known to 10 % keep the tensions where they were read, to that.
 TEST(Priors, AtEachStatesOwnValue) {
