@@ -451,12 +451,14 @@ class Reader {
     }
     if (!use) return;
     const bool by_tension = by_table.value_or(false) || with > 0;
-    const std::string of = with > 0 || !by_table ? "recordings" : "table";
+    const bool records = with > 0 || !by_table;
+    const std::string go = records ? "recordings go" : "table goes";
+    const std::string none = records ? "recordings have no tension" : "table has no tension column";
     if (by_tension == use->tension_of.empty()) {
       throw table.error(
           "tension_of",
-          by_tension ? "is missing although the " + of + " go by tension"
-                     : "is given although the " + of + " have no tension",
+          by_tension ? "is missing although the " + go + " by tension"
+                     : "is given although the " + none,
           "name the scene's parameters that take it, such as \"cable.tension\", and "
           "give the tension of the table and of every [[test.recording]]; or neither");
     }
@@ -465,7 +467,7 @@ class Reader {
                         "give both their tensions, or neither");
     }
     if (!use->EI_of.empty() && !by_tension) {
-      throw table.error("EI_of", "is given although the " + of + " have no tension",
+      throw table.error("EI_of", "is given although the " + none,
                         "EI follows the tension; leave EI_of out");
     }
   }

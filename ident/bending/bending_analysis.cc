@@ -357,7 +357,7 @@ class Analysis {
     }
     const double friction = std::abs(t.friction_N_m) / t.slope_N_m;
     if (t.hysteresis_N > 0 &&
-        (far_end_ > kEndSaid || (t.curved && std::abs(t.curvature) > kCurvatureWarning))) {
+        (far_end_ > kEndSaid || (t.curved && std::abs(t.curvature) > kCurvatureRefusal))) {
       refuse("friction",
              fmt::format("Deflect further, or less where there is a stop: loading and unloading "
                          "lie {:.2g} N apart by wire friction, and the slope still changes after "

@@ -245,7 +245,7 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                                        : "out of the plane of gravity",
       scene)});
   part.blocks.push_back(error_table(test, states));
-  if (states.front().tension_N && states.size() > 1 &&
+  if (states.size() > 1 && states.front().tension_N &&
       std::any_of(states.begin(), states.end(),
                   [](const auto& state) { return !state.analysis.modes.empty(); })) {
     part.blocks.push_back(frequency_plot(test, states));
