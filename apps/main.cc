@@ -17,12 +17,12 @@
 #include <thread>
 
 #include "apps/cli/command_line.h"
-#include "apps/cli/common_options.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/usage.h"
 #include "apps/cli/verb.h"
+#include "apps/cli/verbs/common_options.h"
 
 namespace rigfit::apps {
 namespace {

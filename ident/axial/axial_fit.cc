@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 
-#include "ident/axial/axial_identification.h"
 #include "ident/axial/rod_stiffness.h"
 
 namespace rigfit::ident {

@@ -13,6 +13,7 @@
 // prior is the sensitivity. An input without a standard uncertainty enters with 1e-7 of its value.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,7 +22,25 @@
 
 namespace rigfit::ident {
 
-struct AxialSetup;
+struct AxialSetup {
+  signal::Estimate mass_kg{0, 0};               ///< hung, adapter and clamp included; one for all
+  signal::Estimate mass_per_length_kg_m{0, 0};  ///< cable; 0: massless
+  /// Standard uncertainty of a length, m; independent between lengths (each is cut and
+  /// measured anew). Not given: the uncertainty of EA is unknown.
+  std::optional<double> length_std_m;
+  /// Std of the sample rate, common to all frequencies.
+  double rate_relative_std = 0;
+  signal::Estimate adapter_stiffness_N_m{0, 0};  ///< in series, below; 0: rigid
+  signal::Estimate frame_stiffness_N_m{0, 0};    ///< in series, above; 0: rigid
+  /// The user states that the frame is as above (0: rigid), so that one length gives EA. Several
+  /// lengths test this statement.
+  bool frame_stated = false;
+  /// Standard uncertainty of other compliance in series, m/N, about zero. 0: known to be rigid; not
+  /// given: unknown, so that several lengths are needed.
+  std::optional<double> series_compliance_std_m_N;
+  /// Expected EA, N; 0: metallic area (from the mass per length) times `rope_modulus_Pa`.
+  double catalogue_EA_N = 0;
+};
 
 /// What the records of one length say.
 struct AxialLengthData {

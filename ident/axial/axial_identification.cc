@@ -9,7 +9,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "ident/axial/axial_fit.h"
 #include "ident/axial/rod_stiffness.h"
 #include "ident/statistics/uncertainty.h"
 #include "signal/estimation/groups.h"

@@ -16,10 +16,10 @@
 #include <thread>
 #include <utility>
 
-#include "apps/cli/common_options.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/progress.h"
+#include "apps/cli/verbs/common_options.h"
 #include "document/document_error.h"
 #include "signal/recording/recording_error.h"
 

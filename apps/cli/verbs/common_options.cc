@@ -1,4 +1,4 @@
-#include "apps/cli/common_options.h"
+#include "apps/cli/verbs/common_options.h"
 
 #include "signal/readers/recording_description.h"
 #include "signal/recording/units.h"
