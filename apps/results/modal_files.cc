@@ -53,22 +53,6 @@ std::string file_word(const std::string& label) {
   return word.empty() ? "state" : word;
 }
 
-Eigen::Vector3d position_of(const model::Scene& scene, const model::Place& place) {
-  const auto node = [&](const std::string& name) -> Eigen::Vector3d {
-    for (const auto& one : scene.nodes) {
-      if (one.name == name) return one.position;
-    }
-    return Eigen::Vector3d::Zero();
-  };
-  if (!place.node.empty()) return node(place.node);
-  for (const auto& member : scene.members) {
-    if (member.name != place.member) continue;
-    const Eigen::Vector3d from = node(member.nodes[0]), to = node(member.nodes[1]);
-    return from + place.position * (to - from);
-  }
-  return Eigen::Vector3d::Zero();
-}
-
 signal::MeasuredPoint uff_point(const model::Scene& scene, const std::string& name,
                                 const std::string& shown_name) {
   for (const auto& sensor : scene.sensors) {

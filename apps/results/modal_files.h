@@ -2,6 +2,7 @@
 // dataset 15, shapes as 55, FRFs as 58.
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 
 #include "model/scene/scene.h"
@@ -17,10 +18,25 @@ namespace rigfit::apps {
 /// Identified modes, at the scene's sensors where there is a scene (else null).
 [[nodiscard]] std::string mode_file(const model::Scene* scene, const signal::ModalModel& modes);
 
-/// Where a sensor or load of the scene is, m, along straight members.
-[[nodiscard]] Eigen::Vector3d position_of(const model::Scene& scene, const model::Place& place);
-
 /// A label as a part of a file's name: "200 N" -> "200N".
 [[nodiscard]] std::string file_word(const std::string& label);
+
+/// Where a sensor or load of the scene is, m, along straight members.
+[[nodiscard]] inline Eigen::Vector3d position_of(const model::Scene& scene,
+                                                 const model::Place& place) {
+  const auto node = [&](const std::string& name) -> Eigen::Vector3d {
+    for (const auto& one : scene.nodes) {
+      if (one.name == name) return one.position;
+    }
+    return Eigen::Vector3d::Zero();
+  };
+  if (!place.node.empty()) return node(place.node);
+  for (const auto& member : scene.members) {
+    if (member.name != place.member) continue;
+    const Eigen::Vector3d from = node(member.nodes[0]), to = node(member.nodes[1]);
+    return from + place.position * (to - from);
+  }
+  return Eigen::Vector3d::Zero();
+}
 
 }  // namespace rigfit::apps

@@ -3,7 +3,6 @@
 #include <gsl/gsl_cdf.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -353,20 +352,6 @@ std::vector<EndsPosterior> posteriors(const CableDescription& cable, const Tensi
 }
 
 }  // namespace
-
-const char* name_of(CableEnds ends) {
-  constexpr std::array names{"pinned", "clamped", "springs", "pinned-clamped"};
-  return names[static_cast<std::size_t>(ends)];
-}
-
-std::vector<CableEnds> cable_ends(const std::string& word) {
-  std::vector<CableEnds> ends;
-  for (const CableEnds one :
-       {CableEnds::pinned, CableEnds::clamped, CableEnds::springs, CableEnds::pinned_clamped}) {
-    if (word == "compare" || word == name_of(one)) ends.push_back(one);
-  }
-  return ends;
-}
 
 std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes) {
   std::stable_sort(modes.begin(), modes.end(), [](const auto& a, const auto& b) {

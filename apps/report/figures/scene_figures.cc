@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
+#include "apps/results/modal_files.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
 #include "apps/report/figures/figures.h"
-#include "apps/results/modal_files.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::apps {
