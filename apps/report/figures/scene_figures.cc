@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "apps/results/modal_files.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
 #include "apps/report/figures/figures.h"
+#include "apps/results/modal_files.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::apps {
@@ -294,8 +294,8 @@ class RigDrawing {
       }
     }
     taken_.push_back(box_at(tip));
-    const Vector2d tail = tip - length * ahead, a = tip - 8 * ahead + 4 * side,
-                   b = tip - 8 * ahead - 4 * side;
+    Vector2d tail = tip - length * ahead;
+    const Vector2d a = tip - 8 * ahead + 4 * side, b = tip - 8 * ahead - 4 * side;
     svg_ +=
         out ? fmt::format(
                   "<circle class=\"{0} hollow\" fill=\"#fff\" stroke=\"{1}\" cx=\"{2:.1f}\" "
@@ -519,18 +519,18 @@ std::vector<Picture> shapes_pictures(const std::string& id, const std::string& s
     picture.csv = "mode,frequency_hz,member,x_m,y_m,z_m,dx,dy,dz\n";
     std::string body;
     for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t mode = drawn[from + k];
+      const std::size_t mode = drawn[from + k], row = k / kColumns;
       const auto at = std::find_if(measured.begin(), measured.end(),
                                    [&](const MeasuredShape& one) { return one.mode == mode; });
       body += fmt::format(
           "<g transform=\"translate({:g} {:g})\">\n{}</g>\n",
-          kPanelWidth * static_cast<double>(k % kColumns),
-          kPanelHeight * static_cast<double>(k / kColumns),
+          kPanelWidth * static_cast<double>(k % kColumns), kPanelHeight * static_cast<double>(row),
           mode_panel(view, scene, analysis, mode, at == measured.end() ? nullptr : &*at));
       add_csv(picture.csv, analysis, mode);
     }
     picture.width = kPanelWidth * static_cast<double>(std::min(kColumns, count));
-    picture.height = kPanelHeight * static_cast<double>((count + kColumns - 1) / kColumns);
+    const std::size_t rows = (count + kColumns - 1) / kColumns;
+    picture.height = kPanelHeight * static_cast<double>(rows);
     picture.svg = svg_of(picture, "shapes", 14, body);
     pictures.push_back(std::move(picture));
   }
