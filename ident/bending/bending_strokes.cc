@@ -96,17 +96,21 @@ TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x, const Eige
     for (const double r : rest) off.push_back(std::abs(r - middle));
   }
   const double most = averaged ? kOffRow * 1.4826 * signal::median(off) : 0;
+  Eigen::Index rows = 0;
   for (Eigen::Index k = 0; k < n; ++k) {
-    double count = 0;
-    stroke.x_m[k] = stroke.load_N[k] = 0;
-    for (Eigen::Index i = k * samples / n; i < (k + 1) * samples / n; ++i) {
+    const Eigen::Index from = k * samples / n, to = (k + 1) * samples / n;
+    double count = 0, x_sum = 0, load_sum = 0;
+    for (Eigen::Index i = from; i < to; ++i) {
       if (most > 0 && off[static_cast<std::size_t>(i)] > most) continue;
-      stroke.x_m[k] += u[i], stroke.load_N[k] += v[i], ++count;
+      x_sum += u[i], load_sum += v[i], ++count;
     }
-    stroke.x_m[k] /= count, stroke.load_N[k] /= count;
-    stroke.left_out += static_cast<int>((k + 1) * samples / n - k * samples / n - count);
+    stroke.left_out += static_cast<int>(static_cast<double>(to - from) - count);
+    if (count == 0) continue;  // of two samples far apart neither is known to be right
+    stroke.x_m[rows] = x_sum / count, stroke.load_N[rows] = load_sum / count;
+    ++rows;
   }
-  stroke.used.assign(static_cast<std::size_t>(n), 1);
+  stroke.x_m.conservativeResize(rows), stroke.load_N.conservativeResize(rows);
+  stroke.used.assign(static_cast<std::size_t>(rows), 1);
   return stroke;
 }
 

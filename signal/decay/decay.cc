@@ -232,7 +232,7 @@ class Estimation {
   }
 
   /// The strongest mode that was not spent on one of `poles`, tones and an offset, and what more
-  /// stands out beside these; false where they cannot be told apart.
+  /// stands out beside these; false where they cannot be told apart, or none is left.
   bool look_beside(std::vector<Complex> poles) {
     const auto n = static_cast<double>(fit_->samples);
     double most = 0;
@@ -245,7 +245,8 @@ class Estimation {
       const double energy = spent || is_offset(pole) ? 0 : mode_energy(*fit_, m);
       if (energy > most) most = energy, strongest = pole;
     }
-    if (strongest) poles.push_back(*strongest);
+    if (!strongest) return false;
+    poles.push_back(*strongest);
     auto fit = find_decay_modes(samples_, band_, search_, {}, poles);
     if (fit) fit_ = std::move(fit);
     return fit.has_value();
