@@ -7,10 +7,10 @@
 
 #include <algorithm>
 #include <utility>
-#include "apps/results/modal_files.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/named_numbers.h"
+#include "apps/results/modal_files.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/scene_use.h"
 #include "model/scene/scene.h"
