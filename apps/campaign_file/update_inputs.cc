@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
-
 #include <algorithm>
+#include <cmath>
 #include <utility>
+
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/named_numbers.h"

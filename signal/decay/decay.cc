@@ -248,8 +248,9 @@ class Estimation {
     if (!strongest) return false;
     poles.push_back(*strongest);
     auto fit = find_decay_modes(samples_, band_, search_, {}, poles);
-    if (fit) fit_ = std::move(fit);
-    return fit.has_value();
+    if (!fit) return false;
+    fit_ = std::move(fit);
+    return true;
   }
 
   // Behind what the slowest mode has left the record only costs time and invites drift.
