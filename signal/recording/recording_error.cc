@@ -5,8 +5,7 @@
 namespace rigfit::signal {
 
 std::string RecordingPlace::before() const {
-  const std::string place = cell.empty() ? document::place_text(file, line, column)
-                                         : document::place_text(file + ":" + cell, 0, 0);
+  const std::string place = document::place_text(file, line, column);
   return (place.empty() ? ": " : place) + (channel.empty() ? "" : "channel \"" + channel + "\": ");
 }
 

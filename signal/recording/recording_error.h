@@ -15,7 +15,6 @@ struct RecordingPlace {
   long column = 0;        ///< 1-based column of the table or character position; 0: none
   std::string channel{};  ///< empty: none
   std::string value{};    ///< the offending text, empty: none
-  std::string cell{};     ///< in a sheet ("Sheet1!B7"), said instead of line and column
 
   [[nodiscard]] std::string before() const;
   [[nodiscard]] std::string behind() const;

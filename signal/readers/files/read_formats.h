@@ -63,10 +63,10 @@ namespace rigfit::signal {
                                    const ReadOptions& options = {});
 
 /// A sheet of an Excel workbook (.xlsx, ECMA-376) as a table: by the rules of tables of text
-/// (csv/csv_table.h), on its numbers as they are saved. `options.sheet`: name or number ("#2");
-/// empty: the first, and a note names the others. Refused, with the cell ("Sheet1!B7"), besides
-/// cells without a sound value: numbers stored as text in the table, and merged cells in it or
-/// among its titles (a heading alone in its row above them may be merged).
+/// (csv/csv_table.h), on its numbers as they are saved; cells with dates are times, empty ones
+/// missing. `options.sheet`: name or number ("#2"); empty: the first that is visible, and a note
+/// names the others. Refused, with the cell: an error (#DIV/0! ...; #N/A is a missing value), and a
+/// formula saved without its value.
 [[nodiscard]] Recording read_xlsx(const std::filesystem::path& path,
                                   const ReadOptions& options = {});
 /// The columns of the sheet, whatever they are over.
