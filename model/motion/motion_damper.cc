@@ -26,16 +26,6 @@ MotionDamper<D>::MotionDamper(const MotionProblem& problem, const MotionKernel<D
   const int n = assembly_.size();
   u_.setZero(n);
   w_.setZero(n);
-  // Which unknown each entry holds, found by numbers carried there.
-  const Eigen::VectorXd marks =
-      kernel.entry_values(Eigen::VectorXd::LinSpaced(n, 1, n), assembly_.numbering());
-  unknown_of_entry_.assign(static_cast<std::size_t>(kernel.size()), -1);
-  entry_of_unknown_.assign(static_cast<std::size_t>(n), -1);
-  for (int s = 0; s < kernel.size(); ++s) {
-    const int unknown = static_cast<int>(std::lround(marks(s))) - 1;
-    unknown_of_entry_[static_cast<std::size_t>(s)] = unknown;
-    if (unknown >= 0) entry_of_unknown_[static_cast<std::size_t>(unknown)] = s;
-  }
   assembly_.mass(mass_);
   if (modal_) {
     const ModalDamping& damping = problem.modal_damping;
@@ -46,23 +36,6 @@ MotionDamper<D>::MotionDamper(const MotionProblem& problem, const MotionKernel<D
     }
   }
   if (joints_) damping_ = system_ = assembly_.matrix();
-}
-
-template <int D>
-void MotionDamper<D>::gather(const Entries& entries) {
-  for (Eigen::Index k = 0; k < u_.size(); ++k) {
-    const int entry = entry_of_unknown_[static_cast<std::size_t>(k)];
-    u_(k) = entry >= 0 ? entries(entry) : 0;
-  }
-}
-
-template <int D>
-void MotionDamper<D>::scatter(const Eigen::VectorXd& unknowns,
-                              Eigen::Ref<Eigen::VectorXd> entries) const {
-  for (Eigen::Index s = 0; s < entries.size(); ++s) {
-    const int unknown = unknown_of_entry_[static_cast<std::size_t>(s)];
-    if (unknown >= 0) entries(s) = unknowns(unknown);
-  }
 }
 
 template <int D>
@@ -81,12 +54,12 @@ template <int D>
 void MotionDamper<D>::apply(double time, const Entries& positions,
                             Eigen::Ref<Eigen::VectorXd> velocities) {
   if (modal_) {
-    gather(velocities);
+    u_ = kernel_.unknowns(velocities, assembly_.numbering());
     const Eigen::MatrixXd& matrix = decay(time);
     w_ = u_;
     add_product(static_cast<int>(matrix.rows()), static_cast<int>(matrix.cols()), matrix.data(),
                 u_.data(), w_.data());
-    scatter(w_, velocities);
+    velocities = kernel_.entry_values(w_, assembly_.numbering());
   }
   if (joints_) damp_joints(time, positions, velocities);
 }
@@ -138,14 +111,14 @@ void MotionDamper<D>::damp_joints(double time, const Entries& positions,
     factors_.back().factor.factor(system_);
     factor = &factors_.back().factor;
   }
-  gather(velocities);
+  u_ = kernel_.unknowns(velocities, assembly_.numbering());
   mass_.multiply(u_, w_);
   factor->solve_in_place(w_);
   // (w - v)/(gamma time) is the first stage's slope.
   u_ += (1 - kGamma) / kGamma * (w_ - u_);
   mass_.multiply(u_, w_);
   factor->solve_in_place(w_);
-  scatter(w_, velocities);
+  velocities = kernel_.entry_values(w_, assembly_.numbering());
 }
 
 template class MotionDamper<2>;

@@ -20,13 +20,10 @@ class MotionDamper {
   MotionDamper(const MotionProblem& problem, const MotionKernel<D>& kernel);
 
   [[nodiscard]] bool active() const { return joints_ || modal_; }
-  /// Velocities after `time` (s) of the dampers alone, at these positions. Allocates nothing after
-  /// the first call with each time, and as long as joint dampers need not be renewed.
+  /// Velocities after `time` (s) of the dampers alone, at these positions.
   void apply(double time, const Entries& positions, Eigen::Ref<Eigen::VectorXd> velocities);
 
  private:
-  void gather(const Entries& entries);
-  void scatter(const Eigen::VectorXd& unknowns, Eigen::Ref<Eigen::VectorXd> entries) const;
   const Eigen::MatrixXd& decay(double time);
   void damp_joints(double time, const Entries& positions, Eigen::Ref<Eigen::VectorXd> velocities);
   [[nodiscard]] double turn(const Entries& from, const Entries& to) const;
@@ -36,7 +33,6 @@ class MotionDamper {
   Assembly assembly_;
   EnvelopeMatrix mass_;
   bool joints_, modal_;
-  std::vector<int> unknown_of_entry_, entry_of_unknown_;
   Eigen::VectorXd u_, w_;
   // Modal ratios: e^{-rate t} - 1 as a matrix over the unknowns, for each time asked so far.
   Eigen::MatrixXd momentum_;

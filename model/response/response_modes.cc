@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kAllModes = 400;  // unknowns of a motion up to which all modes are taken
 constexpr int kSomeModes = 200;
-constexpr int kUsualSegments = 30, kFewestAutoSegments = 8, kMostAutoSegments = 400;
+constexpr double kUsualSegments = 30, kMostAutoSegments = 400;
 
 bool driven(const MotionModes& motion) {
   const auto loads = static_cast<int>(motion.assembly->chain().loads.size());
@@ -135,43 +135,28 @@ double resolution_error(const Scene& scene, const ResponseModesOptions& options,
 ResponseResolution choose_response_segments(const Scene& scene, const ResponseModesOptions& options,
                                             const std::vector<const ForceHistory*>& records,
                                             double duration_s) {
-  ResponseResolution best;
-  const auto chosen = [&](int n) {
-    std::vector<int> segments;
-    for (const Member& member : scene.members) {
-      segments.push_back(member.segments > 0 ? member.segments : n);
-    }
-    return segments;
-  };
-  int low = kFewestAutoSegments - 1, high = kMostAutoSegments + 1, n = kUsualSegments;
-  for (int round = 0; round < 8; ++round) {
+  ResponseResolution now;
+  double n = kUsualSegments;
+  for (int round = 0; round < 4; ++round) {
     ResponseModesOptions trial = options;
-    trial.segments = chosen(n);
-    ResponseResolution now;
-    now.segments = trial.segments;
-    now.modes = response_modes(scene, trial);
-    if (now.modes.equilibrium.status != EquilibriumStatus::converged) {
-      // Nothing to choose from; another number of segments may still find it.
-      if (round > 0) break;
-      best = std::move(now);
+    trial.segments.clear();
+    for (const Member& member : scene.members) {
+      trial.segments.push_back(member.segments > 0 ? member.segments : static_cast<int>(n));
+    }
+    ChainModes modes = response_modes(scene, trial);
+    if (modes.equilibrium.status != EquilibriumStatus::converged) {
+      if (round == 0) now.modes = std::move(modes), now.segments = trial.segments;
       break;
     }
+    now = {trial.segments, std::move(modes), {}, 0};
     now.answer = linear_answer(now.modes, scene);
     const ModeWeights weights = mode_weights(now.answer, scene, records, duration_s);
     now.relative_error = resolution_error(scene, trial, now.modes, now.answer, weights);
     const double ratio = now.relative_error / scene.accuracy;
-    (ratio <= 1 ? high : low) = n;
-    // The first, the smallest that is good enough, or the best there is.
-    if (best.segments.empty() || ratio <= 1 ||
-        (best.relative_error > scene.accuracy && now.relative_error < best.relative_error)) {
-      best = std::move(now);
-    }
-    if (high - low <= std::max(1, high / 12) || low >= kMostAutoSegments) break;
-    const double guess = 1.03 * n * std::clamp(std::sqrt(ratio), 0.3, 4.0);
-    n = std::clamp(static_cast<int>(std::ceil(guess)), low + 1,
-                   std::min(high - 1, kMostAutoSegments));
+    if (ratio <= 1 || n >= kMostAutoSegments) break;
+    n = std::min(std::ceil(1.05 * n * std::clamp(std::sqrt(ratio), 1.05, 4.0)), kMostAutoSegments);
   }
-  return best;
+  return now;
 }
 
 }  // namespace rigfit::model

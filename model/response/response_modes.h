@@ -44,8 +44,8 @@ struct ResponseResolution {
                                       const ChainModes& modes, const LinearAnswer& answer,
                                       const ModeWeights& weights);
 
-/// Members that say "auto" get as many segments (all the same number of them by length of wave) as
-/// bring that error below the scene's accuracy, up to 400 a member.
+/// Members that say "auto" get as many segments, all the same number, as bring that error below the
+/// scene's accuracy: 30 to 400.
 [[nodiscard]] ResponseResolution choose_response_segments(
     const Scene& scene, const ResponseModesOptions& options,
     const std::vector<const ForceHistory*>& records, double duration_s);

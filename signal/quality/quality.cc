@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <complex>
 #include <iterator>
-#include <numbers>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -153,62 +151,40 @@ Eigen::VectorXd power_density(const Eigen::Ref<const Eigen::VectorXd>& samples, 
   return density * (2 / (rate * window.squaredNorm() * averages));
 }
 
-/// Rms of the sinusoid of that frequency in `samples` under a Hann window.
-double line_rms(const Eigen::Ref<const Eigen::VectorXd>& samples, double frequency, double rate) {
-  const Eigen::Index n = samples.size();
-  std::complex<double> sum = 0;
-  double weight = 0;
-  const double mean = samples.mean();
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const double w = 0.5 - 0.5 * std::cos(kTwoPi * static_cast<double>(k) / static_cast<double>(n));
-    sum += w * (samples[k] - mean) *
-           std::polar(1.0, -kTwoPi * frequency * static_cast<double>(k) / rate);
-    weight += w;
+/// Rms of a line near `frequency` that stands out of the spectrum of every quarter, as narrow as
+/// the window, and is steady; 0: there is none.
+double steady_line(const std::vector<Eigen::VectorXd>& quarters, double frequency, double spacing) {
+  double power = 0, least = std::numeric_limits<double>::infinity(), most = 0;
+  for (const auto& density : quarters) {
+    // European and American grids keep within 0.2 Hz.
+    const double reach = 0.004 * frequency / spacing + 1;
+    const auto low = static_cast<Eigen::Index>(std::floor(frequency / spacing - reach));
+    const auto high = static_cast<Eigen::Index>(std::ceil(frequency / spacing + reach));
+    if (low < 8 || high + 8 >= density.size()) return 0;
+    Eigen::Index peak = 0;
+    density.segment(low, high - low + 1).maxCoeff(&peak);
+    peak += low;
+    // Some 40 lines on either side, without the window's main lobe; from the fourth line on a
+    // steady sinusoid has below 1e-3 of its power.
+    std::vector<double> around;
+    for (Eigen::Index k = std::max<Eigen::Index>(1, peak - 44);
+         k <= std::min(density.size() - 1, peak + 44); ++k) {
+      const Eigen::Index beside = std::abs(k - peak);
+      if (beside > 3) around.push_back(density[k]);
+      if (beside > 3 && beside < 7 && density[k] > 0.02 * density[peak]) return 0;
+    }
+    if (!(density[peak] > kHumRatio * kHumRatio * median(std::move(around)))) return 0;
+    const double own = density.segment(peak - 3, 7).sum() * spacing;
+    power += own / static_cast<double>(quarters.size());
+    least = std::min(least, own);
+    most = std::max(most, own);
   }
-  return std::numbers::sqrt2 * std::abs(sum) / weight;
-}
-
-/// Rms of a narrow, steady line near `frequency`; 0: there is none.
-double line_near(const Eigen::Ref<const Eigen::VectorXd>& samples, const Eigen::VectorXd& density,
-                 double frequency, double rate) {
-  const double spacing = rate / static_cast<double>(samples.size());
-  // European and American grids keep within 0.2 Hz.
-  const double search = 0.004 * frequency + spacing;
-  const auto low = static_cast<Eigen::Index>(std::floor((frequency - search) / spacing));
-  const auto high = static_cast<Eigen::Index>(std::ceil((frequency + search) / spacing));
-  if (low < 8 || high + 8 >= density.size()) return 0;
-  Eigen::Index peak = 0;
-  density.segment(low, high - low + 1).maxCoeff(&peak);
-  peak += low;
-  // The neighbourhood: some 40 lines on either side, without the window's main lobe.
-  std::vector<double> around;
-  for (Eigen::Index k = std::max<Eigen::Index>(1, peak - 44);
-       k <= std::min(density.size() - 1, peak + 44); ++k) {
-    if (std::abs(k - peak) > 3) around.push_back(density[k]);
-  }
-  const double floor = median(around);
-  const double ratio = kHumRatio * kHumRatio;
-  if (!(density[peak] > ratio * floor)) return 0;
-  // As narrow as the window: from the fourth line on a steady sinusoid has below 1e-3 of its power.
-  for (const Eigen::Index offset : {-6, -5, -4, 4, 5, 6}) {
-    if (density[peak + offset] > 0.02 * density[peak]) return 0;
-  }
-  const double at = static_cast<double>(peak) * spacing;
-  double least = 0, most = 0;
-  const Eigen::Index quarter = samples.size() / 4;
-  for (int q = 0; q < 4; ++q) {
-    const double rms = line_rms(samples.segment(q * quarter, quarter), at, rate);
-    least = q == 0 ? rms : std::min(least, rms);
-    most = std::max(most, rms);
-  }
-  if (most > kHumSteadiness * least) return 0;
-  // The lobe's power is that of the line.
-  return std::sqrt(density.segment(peak - 3, 7).sum() * spacing);
+  return most > kHumSteadiness * kHumSteadiness * least ? 0 : std::sqrt(power);
 }
 
 /// Noise floor and hum of `samples` without NaN; returns the number of hum's lines, the fundamental
 /// included. Hann windows; the median density of averaged periodograms, corrected for the bias of a
-/// median (Wilson and Hilferty); hum from one long transform.
+/// median (Wilson and Hilferty).
 int measure_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double sample_rate_hz,
                      ChannelQuality& q) {
   const Eigen::Index n = samples.size();
@@ -223,30 +199,30 @@ int measure_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double sa
   q.noise_floor =
       std::sqrt(median_of(density.tail(density.size() - 1)) / bias * sample_rate_hz / 2);
 
-  // Hum: one transform of up to a million samples from the middle; two seconds separate 50 from 51
-  // Hz.
+  // Hum: quarters of up to a million samples from the middle; one second separates 50 from 51 Hz.
   constexpr Eigen::Index kLong = Eigen::Index{1} << 20;
-  const Eigen::Index length = good_fft_length_below(std::min(n, kLong));
-  if (static_cast<double>(length) < 2 * sample_rate_hz) return lines;
-  const auto middle = samples.segment((n - length) / 2, length);
-  const Eigen::VectorXd fine = power_density(middle, length, sample_rate_hz, 1, averages);
+  const Eigen::Index length =
+      good_fft_length_below(std::max<Eigen::Index>(8, std::min(n, kLong)) / 4);
+  if (static_cast<double>(length) < sample_rate_hz) return lines;
+  std::vector<Eigen::VectorXd> quarters;
+  for (int k = 0; k < 4; ++k) {
+    quarters.push_back(power_density(samples.segment((n - 4 * length) / 2 + k * length, length),
+                                     length, sample_rate_hz, 1, averages));
+  }
+  const double spacing = sample_rate_hz / static_cast<double>(length);
   for (const double mains : {50.0, 60.0}) {
     double power = 0;
     int found = 0;
-    bool fundamental = false;
     for (int harmonic = 1; harmonic <= 6; ++harmonic) {
-      const double rms = line_near(middle, fine, mains * harmonic, sample_rate_hz);
+      const double rms = steady_line(quarters, mains * harmonic, spacing);
+      if (harmonic == 1 && rms == 0) break;
       found += rms > 0 ? 1 : 0;
-      fundamental |= harmonic == 1 && rms > 0;
       power += rms * rms;
     }
-    // Rectified hum may lack its fundamental, but then has several multiples; one or two alone are
-    // as likely a machine or a shaker.
-    if ((fundamental || found >= 3) && power > q.mains_rms * q.mains_rms) {
-      q.mains_hz = mains;
-      q.mains_rms = std::sqrt(power);
-      lines = found;
-    }
+    if (power <= q.mains_rms * q.mains_rms) continue;
+    q.mains_hz = mains;
+    q.mains_rms = std::sqrt(power);
+    lines = found;
   }
   return lines;
 }

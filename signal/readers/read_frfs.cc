@@ -38,14 +38,15 @@ FrfSet read_frfs(const std::vector<std::filesystem::path>& files, const ReadOpti
 std::optional<FrequencyTable> frequency_table_in(std::string_view bytes,
                                                  const std::filesystem::path& path,
                                                  const ReadOptions& options) {
-  switch (format_of(bytes)) {
-    case RecordingFormat::csv:
-      return read_frequency_table(bytes, path, options);
-    case RecordingFormat::xlsx:
-      return frequency_table_of(read_xlsx_columns(path, options), path);
-    default:
-      return std::nullopt;
+  const RecordingFormat format = format_of(bytes);
+  if (format == RecordingFormat::xlsx) {
+    return frequency_table_of(read_xlsx_columns(path, options), path);
   }
+  if (format != RecordingFormat::csv) return std::nullopt;
+  std::string converted;
+  const std::string file = path.string();
+  return frequency_table_of(
+      read_csv_columns(text_without_mark(bytes, converted, file), file, {}, options), path);
 }
 
 }  // namespace rigfit::signal

@@ -23,6 +23,6 @@ struct FrequencyTable;  // csv/frequency_table.h
 /// it is no table, or none over frequency. Throws RecordingError.
 [[nodiscard]] std::optional<FrequencyTable> frequency_table_in(std::string_view bytes,
                                                                const std::filesystem::path& path,
-                                                               const ReadOptions& options);
+                                                               const ReadOptions& options = {});
 
 }  // namespace rigfit::signal

@@ -10,6 +10,7 @@
 
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/read_formats.h"
+#include "signal/readers/read_frfs.h"
 #include "signal/readers/uff/read_uff.h"
 #include "signal/readers/uff/read_uff_modes.h"
 #include "tests/fuzz/require_sound.h"
@@ -49,7 +50,7 @@ void uff(Bytes bytes) {
   require_numbers(read_uff_frfs(bytes, "fuzz"));
 }
 void frf(Bytes bytes) {
-  const auto table = read_frequency_table(bytes, "fuzz");
+  const auto table = frequency_table_in(bytes, "fuzz");
   if (table) require_numbers(frfs_of({*table}));
 }
 void mat(Bytes bytes) {

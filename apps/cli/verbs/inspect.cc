@@ -18,6 +18,7 @@
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/readers/files/read_formats.h"
+#include "signal/readers/read_frfs.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff.h"
 
@@ -47,7 +48,7 @@ std::optional<signal::Recording> over_frequency(const std::string& path, VerbCon
     functions = signal::read_uff_functions(file.bytes(), path);
     if (functions.sample_rate_hz > 0 || functions.time_s.size() > 0) return std::nullopt;
   } else if (format == signal::RecordingFormat::csv && !signal::foreign_format(file.bytes())) {
-    auto table = signal::read_frequency_table(file.bytes(), path, context.reading);
+    auto table = signal::frequency_table_in(file.bytes(), path, context.reading);
     if (!table) return std::nullopt;
     functions.path = path;
     functions.format = "csv";

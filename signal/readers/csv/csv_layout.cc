@@ -285,22 +285,6 @@ Fields titles_with_blanks(std::string_view line, std::size_t columns) {
   return {};
 }
 
-/// Titles that cannot be told apart: the time, first or last of them, is known all the same.
-void name_time_only(std::string_view line, std::vector<std::string>& names) {
-  const auto is_time = [](std::string_view text) {
-    return is_listed("|time|t|zeit|temps|", lower_case(text));
-  };
-  Fields words;
-  split_fields(line, {' ', '.'}, words);
-  while (words.size() > 1 &&
-         (words.back().text.starts_with('(') || words.back().text.starts_with('['))) {
-    words.pop_back();
-  }
-  if (words.empty()) return;
-  if (is_time(words.front().text)) names.front() = "Time";
-  if (is_time(words.back().text)) names.back() = "Time";
-}
-
 std::string unquoted(std::string_view text) {
   std::string out = to_utf8(text);
   for (std::size_t at = 0; (at = out.find("\"\"", at)) != std::string::npos; ++at) out.erase(at, 1);
@@ -477,7 +461,6 @@ class HeaderReader {
     if (unmatched) {
       if (!only_units && untitled && row.size() > 1) {
         layout_.unmatched_titles = unquoted(trim_blanks(line).substr(0, 200));
-        name_time_only(line, given_[kNames]);
       }
     } else if (only_units && !have_[kUnits]) {
       copy(row, 0, kUnits);

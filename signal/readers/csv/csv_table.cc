@@ -133,32 +133,20 @@ class BodyParser {
     if (kind == ColumnKind::clock && parse_clock(text, value, decimals)) return value;
     if (text.empty() || is_missing_word(text) || kind == ColumnKind::empty) return kNaN;
     throw BadField{text, c, "not a number",
-                   "fix or delete the line, or leave the field empty where there is no value",
+                   "fix or delete the line, or leave the field empty where there is no value; "
+                   "where a second table begins, split the file",
                    true};
   }
 
-  /// Whether the line at `at`, with its bad field, stands behind the table. Throws RecordingError
-  /// where it begins a second one.
+  /// Whether the line at `at`, with its bad field, stands behind the table.
   bool ends_table(std::size_t at, const BadField& bad) {
-    if (!bad.is_word) return false;
     const std::size_t behind = next_line(bytes_, line_end(bytes_, at));
-    if (bytes_.size() - behind < kLongestFooter && body_.rows > 0 && !holds_rows(behind)) {
-      body_.footer_line = line_number(bytes_, at);
-      return true;
-    }
-    // A program that writes one table a cycle, each with its header: the last line above the table
-    // (of titles or units) stands once more within some lines.
-    constexpr std::size_t kHeader = 4096;
-    std::string_view titles = bytes_.substr(0, layout_.body);
-    titles = titles.substr(0, titles.find_last_not_of("\r\n") + 1);
-    titles.remove_prefix(titles.find_last_of("\r\n") + 1);
-    if (trim_blanks(titles).empty() ||
-        bytes_.substr(at, kHeader).find(titles) == std::string_view::npos) {
+    if (!bad.is_word || bytes_.size() - behind >= kLongestFooter || body_.rows == 0 ||
+        holds_rows(behind)) {
       return false;
     }
-    throw RecordingError({file_, line_number(bytes_, at), 0, "", to_utf8(bytes_.substr(at, 40))},
-                         "a second table begins here, with titles of its own",
-                         "split the file into one for each table");
+    body_.footer_line = line_number(bytes_, at);
+    return true;
   }
 
   /// Whether some line from `at` on looks like a row: numbers in at least half of the columns.

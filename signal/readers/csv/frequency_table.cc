@@ -76,20 +76,16 @@ bool rises(const Eigen::VectorXd& values) {
          (values.tail(n - 1).array() > values.head(n - 1).array()).all();
 }
 
-/// Frequencies that repeat and otherwise rise, or stand beside parts of FRFs.
+/// Frequencies that do not rise, of a table of spectra or of one whose first frequency comes again.
 void refuse_repeated(const CsvTable& table, std::size_t column) {
   const auto& f = table.channels[column].samples;
-  const Eigen::Index n = f.size();
-  if (n < 3 || !f.allFinite()) return;
-  for (Eigen::Index k = 1; k < n; ++k) {
-    if (f[k] > f[k - 1]) continue;
-    const bool anew = f[k] == f[0];
-    if (f[k] < f[k - 1] && !anew && !speaks_of_spectra(table.layout.heading)) return;
+  for (Eigen::Index k = 1; k < f.size(); ++k) {
+    const bool again = f[k] == f[k - 1] || f[k] == f[0];
+    if (!again && !(f[k] < f[k - 1] && speaks_of_spectra(table.layout.heading))) continue;
     throw RecordingError(
         {table.file, table.layout.body_line + static_cast<long>(k), 0, table.channels[column].name,
          fmt::format("{:.9g}", f[k])},
-        f[k] == f[k - 1] || anew ? "the frequency repeats, so that this table has two values for it"
-                                 : "the frequency is lower than the one before it",
+        "the frequency repeats or falls, so that this table has several values for it",
         "export one table with rising frequencies; several FRFs: a column each, or a file each");
   }
 }
@@ -197,26 +193,12 @@ Eigen::VectorXcd values_of(const Columns& columns, FrfSet& set, const std::strin
   return values;
 }
 
-FrfForm form_by_heading(const std::string& heading) {
-  const auto holds = [&](const char* word) { return heading.find(word) != std::string::npos; };
-  if (holds("accelerance") || holds("inertance")) return FrfForm::accelerance;
-  if (holds("mobility")) return FrfForm::mobility;
-  return holds("receptance") || holds("compliance") ? FrfForm::receptance : FrfForm::unknown;
-}
-
 /// Form and unit by the first FRF's columns; their numbers are in SI already where the unit is
 /// known.
 void set_form(const FrequencyTable& table, const Columns& columns, FrfSet& set) {
   if (const auto unit = parse_frf_unit(columns.first->source_unit)) {
     set.form = unit->form;
     set.unit = unit->unit;
-    return;
-  }
-  set.form = form_by_heading(table.heading);
-  if (const std::string unit = unit_of(set.form); !unit.empty()) {
-    set.unit = unit;
-    add_note(set.notes, "assumed", table.path.string(),
-             "the title says {}: the numbers are taken in {}", name_of(set.form), unit);
     return;
   }
   add_note(set.notes, "no_unit", table.path.string(),
@@ -263,15 +245,6 @@ std::string spectrum_without_frequencies(const CsvTable& table) {
     if (!word.empty()) return column.name.empty() ? std::string(word) : column.name;
   }
   return has_rate || has_time ? std::string() : std::string(spectrum_word_in(table.layout.heading));
-}
-
-std::optional<FrequencyTable> read_frequency_table(std::string_view bytes,
-                                                   const std::filesystem::path& path,
-                                                   const ReadOptions& options) {
-  std::string converted;
-  return frequency_table_of(read_csv_columns(text_without_mark(bytes, converted, path.string()),
-                                             path.string(), {}, options),
-                            path);
 }
 
 std::optional<FrequencyTable> frequency_table_of(CsvTable csv, const std::filesystem::path& path) {

@@ -13,11 +13,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "signal/readers/csv/csv_table.h"
-#include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
 #include "signal/spectra/frf_set.h"
 
@@ -41,12 +39,7 @@ struct FrequencyTable {
 /// numbers that are not negative (dB: of either sign). Empty: none.
 [[nodiscard]] std::string spectrum_without_frequencies(const CsvTable& table);
 
-/// `bytes`: a table as text. Empty when it is none over frequency. Throws RecordingError.
-[[nodiscard]] std::optional<FrequencyTable> read_frequency_table(std::string_view bytes,
-                                                                 const std::filesystem::path& path,
-                                                                 const ReadOptions& options = {});
-
-/// The functions of a table that is over frequency. Empty, and throws, as above.
+/// The functions of a table that is over frequency. Empty when it is none. Throws RecordingError.
 [[nodiscard]] std::optional<FrequencyTable> frequency_table_of(CsvTable csv,
                                                                const std::filesystem::path& path);
 

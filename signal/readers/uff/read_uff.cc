@@ -133,27 +133,22 @@ bool same_times(const Uff58& a, const Uff58& b) {
   return a.x.size() == b.x.size() && (a.x.array() == b.x.array()).all();
 }
 
-/// All channels share their times: the largest group of the same form. The others are noted.
+/// Those of the same times as the first; the others are noted.
 Functions of_one_form(const Functions& all, std::vector<Note>& notes) {
-  std::vector<Functions> groups;
-  for (const auto* f : all) {
-    auto like = std::find_if(groups.begin(), groups.end(),
-                             [&](const Functions& g) { return same_times(*g.front(), *f); });
-    if (like == groups.end()) like = groups.insert(like, Functions{});
-    like->push_back(f);
-  }
-  const auto taken =
-      std::max_element(groups.begin(), groups.end(),
-                       [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  Functions taken;
   std::vector<std::string> left;
   for (const auto* f : all) {
-    if (same_times(*taken->front(), *f)) continue;
-    left.push_back(fmt::format("{} (line {})", name_of_response(*f), f->line));
+    if (same_times(*all.front(), *f)) {
+      taken.push_back(f);
+    } else {
+      left.push_back(fmt::format("{} (line {})", name_of_response(*f), f->line));
+    }
   }
   if (!left.empty()) {
-    add_note(notes, "left_out", listed(left), "other start, rate or times than the rest: left out");
+    add_note(notes, "left_out", listed(left),
+             "other start, rate or times than the first channel: left out");
   }
-  return *taken;
+  return taken;
 }
 
 void take_abscissa(const Uff58& first, Recording& recording) {

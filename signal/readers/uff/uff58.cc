@@ -185,15 +185,7 @@ class Uff58Reader {
     const auto n = static_cast<std::size_t>(f.real.size());
     const std::size_t from = text_.next(), width = f.single_precision ? 4 : 8;
     const std::size_t values = f.complex ? 2 : 1;
-    std::size_t x_width = f.even ? 0 : width;
-    // An uneven abscissa of double-precision values is written in double precision by some, in
-    // single by others (as 2(E13.5,E20.12) has it); some state a wrong number of bytes. What the
-    // end mark follows is right.
-    if (x_width == 8 && !ends_at(from + n * (values * width + 8)) &&
-        ends_at(from + n * (values * width + 4))) {
-      x_width = 4;
-    }
-    const std::size_t total = n * (values * width + x_width);
+    const std::size_t total = n * width * (values + (f.even ? 0 : 1));
     if (from + total > bytes_.size()) {
       throw text_.error(from, 0, "", "the file breaks off inside the binary values of this dataset",
                         "copy or export the file again");
@@ -202,22 +194,22 @@ class Uff58Reader {
       remark(f, fmt::format(" states {} bytes of values and holds {}", stated, total));
     }
     const char* p = bytes_.data() + from;
-    const auto take = [&](std::size_t size) {
+    const auto take = [&] {
       std::array<char, 8> bytes{};
-      std::memcpy(bytes.data(), p, size);
-      p += size;
+      std::memcpy(bytes.data(), p, width);
+      p += width;
       if (big != (std::endian::native == std::endian::big)) {
-        std::reverse(bytes.data(), bytes.data() + size);
+        std::reverse(bytes.data(), bytes.data() + width);
       }
-      if (size == 8) return std::bit_cast<double>(bytes);
+      if (width == 8) return std::bit_cast<double>(bytes);
       float value = 0;
       std::memcpy(&value, bytes.data(), 4);
       return static_cast<double>(value);
     };
     for (Eigen::Index row = 0; row < f.real.size(); ++row) {
-      if (!f.even) f.x[row] = take(x_width);
-      f.real[row] = take(width);
-      if (f.complex) f.imag[row] = take(width);
+      if (!f.even) f.x[row] = take();
+      f.real[row] = take();
+      if (f.complex) f.imag[row] = take();
     }
     if (!ends_at(from + total)) {
       throw text_.error(

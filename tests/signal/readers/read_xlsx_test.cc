@@ -225,15 +225,6 @@ TEST_F(Workbooks, EmptyCellsAndRowsAreMissingSamples) {
   EXPECT_EQ(note_of(recording, "incomplete"), "");
 }
 
-TEST_F(Workbooks, OneColumnKeepsItsEmptyRows) {
-  write_one(row(1, words("B1", "Force [N]")) + row(2, number("B2", 1)) + row(3, number("B3", 2)) +
-            row(5, number("B5", 4)) + row(6, number("B6", 5)));
-  const Recording recording = read();
-  ASSERT_EQ(recording.samples(), 5);
-  EXPECT_TRUE(std::isnan(recording.channels[0].samples[2]));
-  EXPECT_EQ(recording.channels[0].samples[4], 5);
-}
-
 TEST_F(Workbooks, DatesAreATimeAxisInBothSystems) {
   // 2026-11-24 09:30 counted from 1900 and from 1904, which are 1462 days apart.
   for (const double day : {46350.0, 46350.0 - 1462}) {
@@ -354,17 +345,6 @@ TEST_F(Workbooks, DamagedOnesAreRefused) {
         std::string("<worksheet><sheetData>") + cells + "</sheetData></worksheet>";
     write();
     EXPECT_THAT(refusal(), HasSubstr("damaged")) << cells;
-  }
-}
-
-TEST_F(Workbooks, CutOffAnywhereIsRefused) {
-  parts_["xl/sharedStrings.xml"] = "<sst><si><t>Time (s)</t></si></sst>";
-  write_one(titles() + samples());
-  const std::string whole = bytes();
-  ASSERT_GT(whole.size(), 1000u);
-  for (std::size_t size = 1; size < whole.size(); size += 37) {
-    put(whole.substr(0, size));
-    EXPECT_THROW(static_cast<void>(read()), RecordingError) << size;
   }
 }
 

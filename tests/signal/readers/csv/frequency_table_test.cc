@@ -11,6 +11,7 @@
 
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/read_formats.h"
+#include "signal/readers/read_frfs.h"
 #include "tests/signal/readers/reading.h"
 
 namespace rigfit::signal::frequency_table_test {
@@ -29,7 +30,7 @@ std::string table(const std::string& titles, const std::function<std::string(dou
 }
 
 FrfSet frfs(const std::string& text) {
-  const auto found = read_frequency_table(text, "frf.txt");
+  const auto found = frequency_table_in(text, "frf.txt");
   if (!found) throw std::logic_error("no table over frequency");
   return frfs_of({*found});
 }
@@ -47,7 +48,7 @@ TEST(FrfTables, AsAnalysersWriteThem) {
   const double to_degrees = 180 / std::numbers::pi;
   const std::string texts[] = {
       table("Units: Ratio\nFrequency\tReal\tImaginary\nHz\t(m/s^2)/N\t(m/s^2)/N\n", cartesian),
-      table("Accelerance\nfreq [Hz]\tRe\tIm\n", cartesian),
+      table("freq [Hz]\tRe ((m/s^2)/N)\tIm ((m/s^2)/N)\n", cartesian),
       table("Frequency (Hz);Magnitude ((m/s^2)/N);Phase (deg);Coherence\n",
             polar(";{:.8e};{:.8f};{:.2f}", to_degrees)),
       table("Frequency (Hz);Magnitude ((m/s^2)/N);Phase (rad);Coherence\n",
@@ -86,7 +87,7 @@ TEST(Spectra, AreNoRecordings) {
     EXPECT_THAT(refusal_of([&] { return read_csv(text, "fft.csv"); }),
                 ::testing::HasSubstr("spectrum"))
         << titles;
-    const auto found = read_frequency_table(text, "fft.csv");
+    const auto found = frequency_table_in(text, "fft.csv");
     ASSERT_TRUE(found) << titles;
     EXPECT_THROW(static_cast<void>(frfs_of({*found})), RecordingError);
   }

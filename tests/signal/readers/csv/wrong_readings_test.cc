@@ -77,15 +77,15 @@ TEST(Titles, ThatHoldBlanksStayWithTheirColumns) {
 }
 
 TEST(Titles, ThatCannotBePartedNameNoColumn) {
-  std::string text = "Displacement 1 Force 1 Time\n";
+  std::string text = "Time Displacement 1 Force 1\n";
   for (int k = 0; k < 30; ++k)
-    text += fmt::format("{}.5 {}.25 {:.3f}\n", k * k, 2 * k * k, 1e-3 * k);
+    text += fmt::format("{:.3f} {}.5 {}.25\n", 1e-3 * k, k * k, 2 * k * k);
   const auto recording = read(text);
   EXPECT_TRUE(noted(recording, "titles_not_matched"));
   ASSERT_EQ(recording.channels.size(), 2u);
-  EXPECT_EQ(recording.channels[0].name, "column 1");
-  EXPECT_EQ(recording.channels[1].name, "column 2");
-  EXPECT_EQ(recording.sample_rate_hz, 1000);  // the time is told by its place, the last
+  EXPECT_EQ(recording.channels[0].name, "column 2");
+  EXPECT_EQ(recording.channels[1].name, "column 3");
+  EXPECT_EQ(recording.sample_rate_hz, 1000);
 }
 
 TEST(Times, MassesOfAFewRowsAreNone) {

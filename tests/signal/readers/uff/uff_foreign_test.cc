@@ -83,38 +83,6 @@ TEST(UffForeign, QuantitiesComeFromDataTypesWhereUnitsAreUnknown) {
   }
 }
 
-TEST(UffForeign, EveryQuantityComesBackFromOwnFiles) {
-  Recording out;
-  out.sample_rate_hz = 100;
-  for (const auto quantity :
-       {Quantity::strain, Quantity::temperature, Quantity::displacement, Quantity::force,
-        Quantity::velocity, Quantity::acceleration, Quantity::pressure, Quantity::voltage}) {
-    Channel c;
-    c.name = name_of(quantity);
-    c.quantity = quantity;  // without a unit: only the data type tells
-    c.samples = Eigen::Vector3d(1, 2, 3);
-    out.channels.push_back(c);
-  }
-  const Recording in = read_uff(uff_text(out, UffEncoding::binary), "x.uff");
-  ASSERT_EQ(in.channels.size(), out.channels.size());
-  for (std::size_t k = 0; k < in.channels.size(); ++k) {
-    // Data type 1 is "general": a voltage has none of its own.
-    const Quantity wanted = out.channels[k].quantity == Quantity::voltage
-                                ? Quantity::unknown
-                                : out.channels[k].quantity;
-    EXPECT_EQ(in.channels[k].quantity, wanted) << out.channels[k].name;
-  }
-}
-
-TEST(UffForeign, ChannelsWithoutANameAreCalledByTheirPoint) {
-  Dataset d = time_history({"1", "2", "3"});
-  d.ordinate = {12, "NONE", "g"};
-  d.response = 12, d.response_direction = -3;
-  EXPECT_EQ(read_uff(d.text(), "x.uff").channels[0].name, "12-Z");
-  d.response = 0;
-  EXPECT_EQ(read_uff(d.text(), "x.uff").channels[0].name, "channel");
-}
-
 TEST(UffForeign, ShorterChannelsArePaddedAndVeryUnequalOnesRefused) {
   const Dataset one = time_history({"1", "2", "3", "4", "5"});
   Dataset two = time_history({"6", "7", "8"});

@@ -137,19 +137,6 @@ TEST(Uff, FrfsComeBackWithErrorBarsAndWindow) {
   EXPECT_EQ(in.inputs[0].name, "hammer");
 }
 
-TEST(Uff, UnevenFrfsComeBack) {
-  FrfSet out = made_frfs();
-  out.frequency_hz = out.frequency_hz.array().square() + 1;
-  for (const auto encoding : {UffEncoding::ascii, UffEncoding::binary}) {
-    out.form = encoding == UffEncoding::ascii ? FrfForm::receptance : FrfForm::mobility;
-    const FrfSet in = read_uff_frfs(uff_text(out, encoding), "x.uff");
-    EXPECT_EQ(in.form, out.form);
-    const double digit = encoding == UffEncoding::binary ? 0 : 0.5e-2;  // E13.5 at 1601
-    EXPECT_TRUE(MatricesNear(in.frequency_hz, out.frequency_hz, digit));
-    EXPECT_TRUE(MatricesNear(in.H.real(), out.H.real(), 0.5e-12 * 10));
-  }
-}
-
 TEST(Uff, LinesHaveTheFormatsColumns) {
   const std::string text = uff_text(made_frfs(), UffEncoding::ascii);
   std::vector<std::string> lines;
