@@ -10,8 +10,8 @@
 
 #include "signal/estimation/groups.h"
 #include "signal/numerics/numbers.h"
+#include "signal/refinement/modal_basis.h"
 #include "signal/refinement/modal_noise.h"
-#include "signal/refinement/residues.h"
 
 namespace rigfit::signal {
 namespace {
@@ -329,8 +329,11 @@ FoundModes as_found_modes(const ModalBand& band, const LocalModes& local, const 
     const LocalMode& mode = local.modes[static_cast<std::size_t>(r)];
     fit.poles[r] = {-mode.decay.value.value, mode.frequency.value.value};
   }
-  const ResidueResult linear = fit_residues(band.lines.s, band.lines.power, H, fit.poles);
-  fit.residues = linear.residues;
+  ModalRefineOptions held;
+  held.max_iterations = 0;
+  const FrfNoise unknown = noise_unknown(H, band.lines.inputs, band.correlation_lines);
+  fit.residues = refine_modes(band.lines, unknown, fit.poles, held).residues;
+  if (fit.residues.size() == 0) fit.residues.setZero(count, H.cols());
   found.covariance.full_rank = true;
   found.covariance.poles = MatrixXd::Zero(2 * count, 2 * count);
   found.covariance.residue_std_re = fit.residues.cwiseAbs();
@@ -365,8 +368,7 @@ FoundModes as_found_modes(const ModalBand& band, const LocalModes& local, const 
                                        VectorXcd::Zero(H.cols()), VectorXcd::Zero(H.cols()));
   FrfLines beside = band.lines;
   beside.H -= without;
-  const ModalRefineResult rest = refine_modes(
-      beside, noise_unknown(beside.H, beside.inputs, band.correlation_lines), VectorXcd(0));
+  const ModalRefineResult rest = refine_modes(beside, unknown, VectorXcd(0));
   fit.lower = rest.lower;
   fit.upper = rest.upper;
   fit.background = rest.background;

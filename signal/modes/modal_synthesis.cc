@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "signal/refinement/modal_basis.h"
-#include "signal/refinement/residues.h"
 
 namespace rigfit::signal {
 

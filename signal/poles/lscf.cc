@@ -1,13 +1,13 @@
 #include "signal/poles/lscf.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 
 #include "signal/numerics/numbers.h"
-#include "signal/poles/polynomial_zeros.h"
 #include "signal/spectra/fft.h"
 
 namespace rigfit::signal {
@@ -138,6 +138,24 @@ MatrixXd reduced_normal_matrix(MomentSums& sums_of, const Eigen::Ref<const Matri
   }
   M.triangularView<Eigen::StrictlyUpper>() = M.transpose();
   return M;
+}
+
+/// Reciprocals of the zeros z of det(I + A_1 z + ... + A_n z^n), as eigenvalues of the block
+/// companion matrix. `A`: the blocks A_1 .. A_n one above the other, n size x size. Empty when they
+/// do not converge. `left`, if given, gets w of length 1 with w^T (I + A_1 z + ...) = 0 for every
+/// zero: size x zeros.
+VectorXcd reciprocal_zeros(const MatrixXd& A, Index size, MatrixXcd* left) {
+  MatrixXd companion = MatrixXd::Zero(A.rows(), A.rows());
+  for (Index first = 0; first < A.rows(); first += size) {
+    // The transposed blocks have the same zeros, and the left vectors for eigenvectors.
+    companion.block(0, first, size, size) = -A.middleRows(first, size);
+    if (left) companion.block(0, first, size, size).transposeInPlace();
+  }
+  companion.bottomLeftCorner(A.rows() - size, A.rows() - size).setIdentity();
+  const Eigen::EigenSolver<MatrixXd> solver(companion, left != nullptr);
+  if (solver.info() != Eigen::Success) return {};
+  if (left) *left = solver.eigenvectors().bottomRows(size).colwise().normalized();
+  return solver.eigenvalues();
 }
 
 void mark_stable(std::vector<StabilisationPole>& poles, std::size_t below, std::size_t present,

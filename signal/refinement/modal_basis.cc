@@ -16,29 +16,18 @@ Complex integer_power(Complex s, int power) {
   return result;
 }
 
-/// Columns 2r and 2r + 1: f + g and i (f - g), f = scale / (s - p)^k, g = scale / (s - conj p)^k.
+/// Columns 2r and 2r + 1: f + g and i (f - g), f = s^power / (s - p)^k, g = s^power / (s - conj
+/// p)^k.
 void fill_pole_columns(const Eigen::Ref<const Eigen::VectorXcd>& s, int power, int k,
-                       const Eigen::Ref<const Eigen::VectorXcd>& poles,
-                       const Eigen::Ref<const Eigen::VectorXd>& line_weight,
-                       Eigen::Ref<Eigen::MatrixXd> basis) {
-  const Index lines = s.size();
-  const Eigen::VectorXcd scale = s.unaryExpr([&](Complex value) {
-                                    return integer_power(value, power);
-                                  }).cwiseProduct(line_weight.cast<Complex>());
+                       const Eigen::Ref<const Eigen::VectorXcd>& poles, Eigen::MatrixXcd& columns) {
+  const Eigen::ArrayXcd scale =
+      s.unaryExpr([&](Complex value) { return integer_power(value, power); });
   for (Index r = 0; r < poles.size(); ++r) {
-    const Complex p = poles[r], q = std::conj(p);
-    double* const re = &basis(0, 2 * r);
-    double* const im = &basis(0, 2 * r + 1);
-    for (Index i = 0; i < lines; ++i) {
-      Complex f = 1.0 / (s[i] - p), g = 1.0 / (s[i] - q);
-      if (k == 2) f *= f, g *= g;
-      f *= scale[i], g *= scale[i];
-      const Complex sum = f + g, difference = f - g;
-      re[i] = sum.real();
-      re[lines + i] = sum.imag();
-      im[i] = -difference.imag();
-      im[lines + i] = difference.real();
-    }
+    Eigen::ArrayXcd f = (s.array() - poles[r]).inverse();
+    Eigen::ArrayXcd g = (s.array() - std::conj(poles[r])).inverse();
+    if (k == 2) f *= f, g *= g;
+    columns.col(2 * r) = scale * (f + g);
+    columns.col(2 * r + 1) = Complex(0, 1) * scale * (f - g);
   }
 }
 
@@ -66,37 +55,64 @@ Eigen::VectorXcd laplace_lines(const Eigen::Ref<const Eigen::VectorXd>& frequenc
 Eigen::MatrixXd stacked_basis(const Eigen::Ref<const Eigen::VectorXcd>& s, int power,
                               const Eigen::Ref<const Eigen::VectorXcd>& poles,
                               const Eigen::Ref<const Eigen::VectorXd>& line_weight) {
-  const Index lines = s.size(), modes = poles.size();
-  Eigen::MatrixXd basis(2 * lines, 2 * modes + 4);
-  fill_pole_columns(s, power, 1, poles, line_weight, basis.leftCols(2 * modes));
-  for (int residual = 0; residual < 2; ++residual) {
-    const Index column = 2 * modes + 2 * residual;
-    for (Index i = 0; i < lines; ++i) {
-      const Complex value = line_weight[i] * integer_power(s[i], residual == 0 ? power - 2 : power);
-      basis(i, column) = value.real();
-      basis(lines + i, column) = value.imag();
-      basis(i, column + 1) = -value.imag();
-      basis(lines + i, column + 1) = value.real();
-    }
+  Eigen::MatrixXcd columns(s.size(), 2 * poles.size() + 4);
+  fill_pole_columns(s, power, 1, poles, columns);
+  for (Index residual = 0; residual < 2; ++residual) {
+    const Index at = 2 * (poles.size() + residual);
+    const int of_s = residual == 0 ? power - 2 : power;
+    columns.col(at) = s.unaryExpr([&](Complex value) { return integer_power(value, of_s); });
+    columns.col(at + 1) = Complex(0, 1) * columns.col(at);
   }
-  return basis;
+  return stacked(columns, line_weight);
 }
 
 Eigen::MatrixXd stacked_pole_derivatives(const Eigen::Ref<const Eigen::VectorXcd>& s, int power,
                                          const Eigen::Ref<const Eigen::VectorXcd>& poles,
                                          const Eigen::Ref<const Eigen::VectorXd>& line_weight) {
-  Eigen::MatrixXd basis(2 * s.size(), 2 * poles.size());
-  fill_pole_columns(s, power, 2, poles, line_weight, basis);
-  return basis;
+  Eigen::MatrixXcd columns(s.size(), 2 * poles.size());
+  fill_pole_columns(s, power, 2, poles, columns);
+  return stacked(columns, line_weight);
 }
 
 Eigen::MatrixXd stacked(const Eigen::Ref<const Eigen::MatrixXcd>& columns,
                         const Eigen::Ref<const Eigen::VectorXd>& line_weight) {
-  const Index lines = columns.rows();
-  Eigen::MatrixXd result(2 * lines, columns.cols());
-  result.topRows(lines) = line_weight.asDiagonal() * columns.real();
-  result.bottomRows(lines) = line_weight.asDiagonal() * columns.imag();
+  Eigen::MatrixXd result(2 * columns.rows(), columns.cols());
+  result << line_weight.asDiagonal() * columns.real(), line_weight.asDiagonal() * columns.imag();
   return result;
+}
+
+Eigen::MatrixXd summed_turns(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                             const Eigen::Ref<const Eigen::MatrixXcd>& residues,
+                             const Eigen::Ref<const Eigen::VectorXd>& weight) {
+  // A 2 x 2 block takes a complex z to alpha z + beta conj(z), a turn to residue z.
+  const Eigen::MatrixXcd weighted = residues.conjugate() * weight.asDiagonal();
+  const Eigen::MatrixXcd with = weighted * residues.transpose();
+  const Eigen::MatrixXcd against = weighted * residues.adjoint();
+  Eigen::MatrixXd sum(A.rows(), A.cols());
+  for (Index q = 0; q < residues.rows(); ++q) {
+    for (Index r = 0; r < residues.rows(); ++r) {
+      const Eigen::Matrix2d B = 0.5 * A.block<2, 2>(2 * r, 2 * q);
+      const Complex alpha = Complex(B(0, 0) + B(1, 1), B(1, 0) - B(0, 1)) * with(r, q);
+      const Complex beta = Complex(B(0, 0) - B(1, 1), B(1, 0) + B(0, 1)) * against(r, q);
+      const Complex one = alpha + beta, other = alpha - beta;
+      sum.block<2, 2>(2 * r, 2 * q) << one.real(), -other.imag(), one.imag(), other.real();
+    }
+  }
+  return sum;
+}
+
+Eigen::MatrixXcd synthesise(const Eigen::Ref<const Eigen::VectorXcd>& s, int power,
+                            const Eigen::Ref<const Eigen::VectorXcd>& poles,
+                            const Eigen::Ref<const Eigen::MatrixXcd>& residues,
+                            const Eigen::Ref<const Eigen::VectorXcd>& lower,
+                            const Eigen::Ref<const Eigen::VectorXcd>& upper) {
+  Eigen::MatrixXcd all(residues.rows() + 2, residues.cols());
+  all << residues, lower.transpose(), upper.transpose();
+  const Eigen::Map<const Eigen::MatrixXd> coefficients(reinterpret_cast<const double*>(all.data()),
+                                                       2 * all.rows(), all.cols());
+  const Eigen::MatrixXd values =
+      stacked_basis(s, power, poles, Eigen::VectorXd::Ones(s.size())) * coefficients;
+  return values.topRows(s.size()) + Complex(0, 1) * values.bottomRows(s.size());
 }
 
 }  // namespace rigfit::signal

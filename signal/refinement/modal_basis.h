@@ -11,6 +11,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 
 #include "signal/spectra/frf_set.h"
 
@@ -30,7 +31,7 @@ namespace rigfit::signal {
                                             const Eigen::Ref<const Eigen::VectorXd>& line_weight);
 
 /// The same with 1 / (s - p)^2 in place of 1 / (s - p), without residuals: the derivatives with
-/// respect to the poles are these times the residues. 2 lines x 2 poles.
+/// respect to the poles are these times the residues (summed_turns()). 2 lines x 2 poles.
 [[nodiscard]] Eigen::MatrixXd stacked_pole_derivatives(
     const Eigen::Ref<const Eigen::VectorXcd>& s, int power,
     const Eigen::Ref<const Eigen::VectorXcd>& poles,
@@ -39,5 +40,25 @@ namespace rigfit::signal {
 /// Complex columns, weighted by line, as real ones of twice the length.
 [[nodiscard]] Eigen::MatrixXd stacked(const Eigen::Ref<const Eigen::MatrixXcd>& columns,
                                       const Eigen::Ref<const Eigen::VectorXd>& line_weight);
+
+/// Rows in pairs (real part, imaginary part) as complex ones.
+[[nodiscard]] inline Eigen::MatrixXcd from_pairs(const Eigen::MatrixXd& rows) {
+  return Eigen::Map<const Eigen::MatrixXcd>(
+      reinterpret_cast<const std::complex<double>*>(rows.data()), rows.rows() / 2, rows.cols());
+}
+
+/// Sum over FRFs c of weight_c T_c' A T_c with T_c = [a -b; b a] for each mode's residue a + i b:
+/// what turns the columns of stacked_pole_derivatives() to derivatives of FRF c. `residues`: modes
+/// x FRFs.
+[[nodiscard]] Eigen::MatrixXd summed_turns(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                                           const Eigen::Ref<const Eigen::MatrixXcd>& residues,
+                                           const Eigen::Ref<const Eigen::VectorXd>& weight);
+
+/// FRFs of given poles, residues (modes x FRFs) and residuals: lines x FRFs.
+[[nodiscard]] Eigen::MatrixXcd synthesise(const Eigen::Ref<const Eigen::VectorXcd>& s, int power,
+                                          const Eigen::Ref<const Eigen::VectorXcd>& poles,
+                                          const Eigen::Ref<const Eigen::MatrixXcd>& residues,
+                                          const Eigen::Ref<const Eigen::VectorXcd>& lower,
+                                          const Eigen::Ref<const Eigen::VectorXcd>& upper);
 
 }  // namespace rigfit::signal

@@ -1,13 +1,12 @@
 #include "signal/refinement/modal_covariance.h"
 
+#include <Eigen/LU>
 #include <cmath>
 #include <complex>
 #include <vector>
 
 #include "signal/numerics/scaled_gram.h"
 #include "signal/refinement/modal_basis.h"
-#include "signal/refinement/pole_turn.h"
-#include "signal/refinement/residues.h"
 
 namespace rigfit::signal {
 namespace {
@@ -25,20 +24,19 @@ struct PoleFilter {
       : weight(line_weight(noise, data.H)),
         inverse_variance(inverse_variance_of(noise)),
         basis(weighted_basis(data, fit.poles, weight)),
-        factor(gram_of(basis)),
-        coefficients(pack_coefficients(fit.residues, fit.lower, fit.upper)) {
+        factor(gram_of(basis)) {
     if (!factor.usable()) return;
     const MatrixXd derivatives = stacked_pole_derivatives(data.s, data.power, fit.poles, weight);
     gain = factor.solve(basis.transpose() * derivatives);
     outside = derivatives - basis * gain;
-    information = ScaledGram(summed_turns(gram_of(outside), coefficients, inverse_variance));
+    information = ScaledGram(summed_turns(gram_of(outside), fit.residues, inverse_variance));
   }
   [[nodiscard]] bool usable() const { return factor.usable() && information.usable(); }
 
   VectorXd weight, inverse_variance;
   MatrixXd basis;
   ScaledGram factor;  ///< Gram factor of the basis
-  MatrixXd coefficients, gain;
+  MatrixXd gain;
   MatrixXd outside;  ///< derivatives with respect to poles, less their part in the basis
   ScaledGram information = ScaledGram(MatrixXd(0, 0));
 };
@@ -100,16 +98,13 @@ VectorXd significance_of(const Eigen::Ref<const MatrixXcd>& model, const FrfNois
   }
   VectorXd significance = VectorXd::Zero(fit.poles.size());
   for (Index r = 0; r < significance.size(); ++r) {
-    const Eigen::Matrix2d block = filter.covariance.block<2, 2>(2 * r, 2 * r);
-    Eigen::Matrix2d inverse;
-    inverse << block(1, 1), -block(0, 1), -block(1, 0), block(0, 0);
-    inverse /= block(0, 0) * block(1, 1) - block(0, 1) * block(1, 0);
+    const Eigen::Matrix2d inverse = filter.covariance.block<2, 2>(2 * r, 2 * r).inverse();
     const VectorXd both = filter.columns.middleCols<2>(2 * r).rowwise().squaredNorm();
     const VectorXd share = (both.head(lines) + both.tail(lines)) / both.sum();
     for (Index i = 0; i < inputs; ++i) {
       double own = 0, length = 0;
       for (Index c = i; c < frfs; c += inputs) {
-        const Eigen::Vector2d residue = of.coefficients.col(c).segment<2>(2 * r);
+        const Eigen::Vector2d residue(fit.residues(r, c).real(), fit.residues(r, c).imag());
         own += of.inverse_variance[c] * residue.dot(inverse * residue);
         length += of.inverse_variance[c] * residue.squaredNorm();
       }
@@ -120,50 +115,43 @@ VectorXd significance_of(const Eigen::Ref<const MatrixXcd>& model, const FrfNois
   return significance;
 }
 
-/// sum_c conj(d model_c / d p_j) model_c / a_c at each line, over the FRFs of input `i`: what a
-/// factor common to them adds to score j. Stacked, 2 lines x parts of the poles.
-MatrixXd common_scores(const MatrixXcd& model, const MatrixXd& score, const MatrixXd& coefficients,
-                       const VectorXd& inverse_variance, Index inputs, Index i) {
-  const Index lines = model.rows(), size = score.cols();
-  MatrixXcd sums = MatrixXcd::Zero(lines, size);  // sum_c model_c * residue coefficient / a_c
-  for (Index c = i; c < model.cols(); c += inputs) {
-    if (inverse_variance[c] == 0) continue;
-    for (Index j = 0; j < size; ++j) {
-      sums.col(j) += (inverse_variance[c] * coefficients(j, c)) * model.col(c);
-    }
-  }
-  MatrixXd common(2 * lines, size);
-  for (Index j = 0; j < size; ++j) {
-    const Index r = j - j % 2;
-    // Column j of T: (a, b) for the real part, (-b, a) for the imaginary part of the pole.
-    VectorXcd total = VectorXcd::Zero(lines);
-    for (Index e = 0; e < 2; ++e) {
-      const double sign = j % 2 == 1 && e == 0 ? -1 : 1;
-      const auto factor = sums.col(j % 2 == 0 ? r + e : r + 1 - e);
-      for (Index k = 0; k < lines; ++k) {
-        total[k] += sign * Complex(score(k, r + e), -score(lines + k, r + e)) * factor[k];
-      }
-    }
-    // Re(total * factor) = <conj(total), factor> in stacked parts.
-    common.col(j).head(lines) = total.real();
-    common.col(j).tail(lines) = -total.imag();
-  }
-  return common;
-}
-
-/// Column j of the filter on the error H e of one FRF: <filter_j, H e> = <result_j, e>.
-MatrixXd filter_on_common(const MatrixXd& filter, Index columns,
-                          const Eigen::Ref<const VectorXcd>& H) {
-  const Index lines = H.size();
-  MatrixXd result(2 * lines, columns);
-  for (Index j = 0; j < columns; ++j) {
-    for (Index k = 0; k < lines; ++k) {
-      const Complex value = Complex(filter(k, j), filter(lines + k, j)) * std::conj(H[k]);
-      result(k, j) = value.real();
-      result(lines + k, j) = value.imag();
-    }
+/// X T: columns of the derivatives with respect to poles, turned by the residues of an FRF.
+MatrixXd turned_columns(const MatrixXd& X, const Eigen::Ref<const VectorXcd>& residues) {
+  MatrixXd result(X.rows(), X.cols());
+  for (Index r = 0; r < residues.size(); ++r) {
+    const double a = residues[r].real(), b = residues[r].imag();
+    result.col(2 * r) = a * X.col(2 * r) + b * X.col(2 * r + 1);
+    result.col(2 * r + 1) = a * X.col(2 * r + 1) - b * X.col(2 * r);
   }
   return result;
+}
+
+/// Stacked columns as complex ones.
+MatrixXcd unstacked(const Eigen::Ref<const MatrixXd>& columns) {
+  MatrixXcd result(columns.rows() / 2, columns.cols());
+  result.real() = columns.topRows(result.rows());
+  result.imag() = columns.bottomRows(result.rows());
+  return result;
+}
+
+/// sum_c conj(d model_c / d p_j) model_c / a_c at each line, over the FRFs of input `i`: what a
+/// factor common to them adds to score j, as <column j, factor>. Stacked, 2 lines x parts of the
+/// poles.
+MatrixXd common_scores(const MatrixXcd& model, const MatrixXd& score, const MatrixXcd& residues,
+                       const VectorXd& inverse_variance, Index inputs, Index i) {
+  const MatrixXcd columns = unstacked(score);
+  MatrixXcd sum = MatrixXcd::Zero(columns.rows(), columns.cols());
+  for (Index r = 0; r < residues.rows(); ++r) {
+    VectorXcd plain = VectorXcd::Zero(model.rows()), turned = plain;
+    for (Index c = i; c < model.cols(); c += inputs) {
+      plain += (inverse_variance[c] * residues(r, c).real()) * model.col(c).conjugate();
+      turned += (inverse_variance[c] * residues(r, c).imag()) * model.col(c).conjugate();
+    }
+    const auto x = columns.col(2 * r), y = columns.col(2 * r + 1);
+    sum.col(2 * r) = x.cwiseProduct(plain) + y.cwiseProduct(turned);
+    sum.col(2 * r + 1) = y.cwiseProduct(plain) - x.cwiseProduct(turned);
+  }
+  return stacked(sum, VectorXd::Ones(sum.rows()));
 }
 
 }  // namespace
@@ -188,16 +176,15 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
   result.full_rank = of.usable();
   if (!result.full_rank || modes == 0) return result;
   const MatrixXcd model = fitted_frfs(data, fit);
-  const auto& [weight, inverse_variance, basis, factor, coefficients, gain, outside, information] =
-      of;
+  const auto& [weight, inverse_variance, basis, factor, gain, outside, information] = of;
   const MatrixXd score = spread_rows(of, noise, outside);
   const MatrixXd correlated_score = correlated(noise, score);
   MatrixXd middle =
-      summed_turns(score.transpose() * correlated_score, coefficients, inverse_variance);
+      summed_turns(score.transpose() * correlated_score, fit.residues, inverse_variance);
   std::vector<MatrixXd> correlated_common(static_cast<std::size_t>(inputs));
   for (Index i = 0; i < inputs; ++i) {
     if (!(noise.common[i] > 0)) continue;
-    const MatrixXd common = common_scores(model, score, coefficients, inverse_variance, inputs, i);
+    const MatrixXd common = common_scores(model, score, fit.residues, inverse_variance, inputs, i);
     MatrixXd& with = correlated_common[static_cast<std::size_t>(i)];
     with = correlated(noise, common);
     middle += noise.common[i] * (common.transpose() * with);
@@ -213,7 +200,7 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
   result.residue_std_re.resize(modes, frfs);
   result.residue_std_im.resize(modes, frfs);
   for (Index c = 0; c < frfs; ++c) {
-    const auto residues = coefficients.col(c).head(size);
+    const auto residues = fit.residues.col(c);
     const MatrixXd through_poles = turned_columns(gain, residues);
     const bool alive = inverse_variance[c] > 0;
     MatrixXd with_poles =
@@ -225,11 +212,14 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
     }
     const double common = noise.common[c % inputs];
     if (common > 0) {
-      const MatrixXd on_common = filter_on_common(filter, size, model.col(c));
+      // <filter_j, H e> = <on_common_j, e> for the error H e of this FRF.
+      const MatrixXcd conjugate = model.col(c).conjugate().asDiagonal() * unstacked(filter);
+      const MatrixXd on_common = stacked(conjugate.leftCols(size), VectorXd::Ones(model.rows()));
       with_poles.topRows(size) +=
           common *
           (on_common.transpose() * correlated_common[static_cast<std::size_t>(c % inputs)]);
-      variance.head(size) += common * correlated_squares(noise, on_common);
+      variance.head(size) +=
+          common * on_common.cwiseProduct(correlated(noise, on_common)).colwise().sum().transpose();
     }
     const MatrixXd cross = information.solve(with_poles.transpose()).transpose();
     variance +=
@@ -247,12 +237,11 @@ MatrixXd pole_errors(const FrfLines& data, const FrfNoise& noise, const ModalRef
   const Index size = 2 * fit.poles.size();
   const PoleFilter filter(data, noise, fit);
   if (!filter.usable()) return {};
-  MatrixXd scores = filter.outside.transpose() * stacked(error, filter.weight);
-  for (Index c = 0; c < scores.cols(); ++c) {
-    scores.col(c) = filter.inverse_variance[c] *
-                    turned_vector(scores.col(c), filter.coefficients.col(c).head(size));
-  }
-  return filter.information.solve(scores);
+  const MatrixXd scores = filter.outside.transpose() * stacked(error, filter.weight);
+  MatrixXcd turned = fit.residues.conjugate().cwiseProduct(from_pairs(scores)) *
+                     filter.inverse_variance.asDiagonal();
+  return filter.information.solve(Eigen::Map<const MatrixXd>(
+      reinterpret_cast<const double*>(turned.data()), size, turned.cols()));
 }
 
 }  // namespace rigfit::signal

@@ -258,51 +258,8 @@ MatrixXd correlated(const FrfNoise& noise, const Eigen::Ref<const MatrixXd>& sta
   return result;
 }
 
-VectorXd correlated_squares(const FrfNoise& noise,
-                            const Eigen::Ref<const MatrixXd>& stacked_columns) {
-  if (!(noise.correlation_lines > 0)) return stacked_columns.colwise().squaredNorm();
-  // rho is the transform of a window over time; columns' squares in time are weighted by it:
-  // sum_kl conj(x_k) rho_(k-l) x_l = sum_t w_t |x^_t|^2 on lines padded with as many zeros.
-  const Index lines = stacked_columns.rows() / 2;
-  RealFft fft(good_fft_length(2 * lines));
-  const Index length = fft.length();
-  // Weights: the real sequence whose Hermitian spectrum is rho.
-  VectorXd weight(length);
-  {
-    auto spectrum = fft.spectrum();
-    spectrum.setZero();
-    for (Index d = 0; d < lines; ++d) {
-      spectrum[d] = line_correlation(noise, d);
-    }
-    fft.inverse();  // 1 / length times the sum over all d
-    weight = fft.time();
-  }
-  VectorXd squares(stacked_columns.cols());
-  Eigen::VectorXcd re(fft.lines());
-  for (Index c = 0; c < stacked_columns.cols(); ++c) {
-    const auto transform = [&](const auto& values) {
-      auto time = fft.time();
-      time.setZero();
-      time.head(lines) = values;
-      fft.forward();
-    };
-    transform(stacked_columns.col(c).head(lines));
-    re = fft.spectrum();
-    transform(stacked_columns.col(c).tail(lines));
-    const auto im = fft.spectrum();
-    // X_t = sum_k x_k exp(-i 2 pi k t / length), x = re + i im; at -t the conjugates change places.
-    double sum = 0;
-    for (Index t = 0; t < fft.lines(); ++t) {
-      const Complex plus = re[t] + Complex(0, 1) * im[t];
-      const Complex minus = std::conj(re[t]) + Complex(0, 1) * std::conj(im[t]);
-      const bool single = t == 0 || 2 * t == length;
-      // rho_(k-l) = sum_t w_t exp(-i 2 pi (k - l) t / length).
-      sum += single ? weight[t] * std::norm(plus)
-                    : weight[t] * std::norm(minus) + weight[length - t] * std::norm(plus);
-    }
-    squares[c] = sum;
-  }
-  return squares;
+VectorXd inverse_variance_of(const FrfNoise& noise) {
+  return noise.column.unaryExpr([](double v) { return std::isfinite(v) && v > 0 ? 1 / v : 0.0; });
 }
 
 }  // namespace rigfit::signal

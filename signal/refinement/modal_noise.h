@@ -59,8 +59,7 @@ struct FrfNoise {
 [[nodiscard]] Eigen::MatrixXd correlated(const FrfNoise& noise,
                                          const Eigen::Ref<const Eigen::MatrixXd>& stacked_columns);
 
-/// diag(columns' rho columns), at a third of the cost.
-[[nodiscard]] Eigen::VectorXd correlated_squares(
-    const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXd>& stacked_columns);
+/// 1 / a_c of each FRF, 0 for one that takes no part.
+[[nodiscard]] Eigen::VectorXd inverse_variance_of(const FrfNoise& noise);
 
 }  // namespace rigfit::signal

@@ -8,8 +8,6 @@
 
 #include "signal/numerics/scaled_gram.h"
 #include "signal/refinement/modal_basis.h"
-#include "signal/refinement/pole_turn.h"
-#include "signal/refinement/residues.h"
 
 namespace rigfit::signal {
 namespace {
@@ -28,6 +26,7 @@ struct Stage {
   MatrixXd cross;               ///< basis' derivatives
   MatrixXd projected;           ///< Gram of the derivatives outside the basis
   MatrixXd coefficients;        ///< coefficients of the basis, a column an FRF
+  MatrixXcd residues;           ///< the modes' part of them
   double cost = 0;
   bool usable = false;
 };
@@ -42,6 +41,7 @@ Stage stage_at(const FrfLines& data, const VectorXd& weight, const MatrixXd& y,
   if (!factor.usable()) return stage;
   const MatrixXd moments = stage.basis.transpose() * y;
   stage.coefficients = factor.solve(moments);
+  stage.residues = from_pairs(stage.coefficients.topRows(2 * poles.size()));
   stage.cost = (y_squared - moments.cwiseProduct(stage.coefficients).colwise().sum().transpose())
                    .cwiseMax(0)
                    .dot(inverse_variance);
@@ -51,10 +51,6 @@ Stage stage_at(const FrfLines& data, const VectorXd& weight, const MatrixXd& y,
       gram_of(stage.derivatives) - stage.cross.transpose() * factor.solve(stage.cross);
   stage.usable = std::isfinite(stage.cost);
   return stage;
-}
-
-MatrixXd pole_information(const Stage& stage, const VectorXd& inverse_variance) {
-  return summed_turns(stage.projected, stage.coefficients, inverse_variance);
 }
 
 /// Share of the freedom of each line that the fit uses, mean over FRFs.
@@ -68,18 +64,13 @@ VectorXd leverage_of(const Stage& stage, const FrfNoise& noise, const VectorXd& 
                         (U * (U.transpose() * rho_U)).cwiseProduct(U).rowwise().sum();
   VectorXd leverage = 0.5 * (both.head(lines) + both.tail(lines));
 
-  const ScaledGram information(pole_information(stage, inverse_variance));
+  const ScaledGram information(summed_turns(stage.projected, stage.residues, inverse_variance));
   if (!information.usable()) return leverage;
   if (size == 0) return leverage;
   const MatrixXd outside = stage.derivatives - stage.basis * factor.solve(stage.cross);
-  const MatrixXd covariance = information.inverse();
-  MatrixXd turned_sum = MatrixXd::Zero(size, size);
-  for (Index c = 0; c < stage.coefficients.cols(); ++c) {
-    // T covariance T' is the transpose's turn: T' of the conjugate residue.
-    VectorXd conjugate = stage.coefficients.col(c).head(size);
-    for (Index r = 1; r < size; r += 2) conjugate[r] = -conjugate[r];
-    turned_sum += inverse_variance[c] * turned(covariance, conjugate);
-  }
+  // T covariance T' is the turn T' of the conjugate residues.
+  const MatrixXd turned_sum =
+      summed_turns(information.inverse(), stage.residues.conjugate(), inverse_variance);
   const VectorXd poles = (outside * turned_sum).cwiseProduct(outside).rowwise().sum();
   const double frfs =
       static_cast<double>(std::max<Index>(1, (inverse_variance.array() > 0).count()));
@@ -108,13 +99,12 @@ MatrixXd weighted_basis(const FrfLines& data, const Eigen::Ref<const VectorXcd>&
   const Index first = basis.cols(), terms = data.background.cols();
   if (terms == 0) return basis;
   basis.conservativeResize(Eigen::NoChange, first + 2 * terms);
-  const MatrixXcd turned_terms = Complex(0, 1) * data.background;
-  const MatrixXd even = stacked(data.background, line_weight);
-  const MatrixXd odd = stacked(turned_terms, line_weight);
+  MatrixXcd columns(data.s.size(), 2 * terms);
   for (Index t = 0; t < terms; ++t) {
-    basis.col(first + 2 * t) = even.col(t);
-    basis.col(first + 2 * t + 1) = odd.col(t);
+    columns.col(2 * t) = data.background.col(t);
+    columns.col(2 * t + 1) = Complex(0, 1) * data.background.col(t);
   }
+  basis.rightCols(2 * terms) = stacked(columns, line_weight);
   return basis;
 }
 
@@ -151,19 +141,16 @@ ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
     // basis' residual = 0, so the gradient is derivatives' residual.
     const MatrixXd gradient_all =
         stage.derivatives.transpose() * y - stage.cross.transpose() * stage.coefficients;
-    VectorXd gradient = VectorXd::Zero(size);
-    for (Index c = 0; c < data.H.cols(); ++c) {
-      if (inverse_variance[c] == 0) continue;
-      gradient += inverse_variance[c] *
-                  turned_vector(gradient_all.col(c), stage.coefficients.col(c).head(size));
-    }
-    const MatrixXd information = pole_information(stage, inverse_variance);
+    const VectorXcd scores = stage.residues.conjugate().cwiseProduct(from_pairs(gradient_all)) *
+                             inverse_variance.cast<Complex>();
+    const MatrixXd information = summed_turns(stage.projected, stage.residues, inverse_variance);
     const ScaledGram factor(information);
     if (!factor.usable()) {
       result.end = RefineEnd::rank_deficient;
       break;
     }
-    VectorXd step = factor.solve_vector(gradient);
+    VectorXd step = factor.solve_vector(
+        Eigen::Map<const VectorXd>(reinterpret_cast<const double*>(scores.data()), size));
     const double variance = std::max(stage.cost / freedom, 1e-300);
     // In standard deviations of the poles, whatever the scale of the noise given.
     const double length = std::sqrt(std::max(0.0, step.dot(information * step)) / variance);
@@ -211,13 +198,11 @@ ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
   result.poles = stage.poles;
   if (!stage.usable) return result;
   if (size == 0) result.end = RefineEnd::converged;
-  unpack_coefficients(stage.coefficients.topRows(size + 4), result.residues, result.lower,
-                      result.upper);
-  result.background.resize(data.background.cols(), data.H.cols());
-  for (Index t = 0; t < result.background.rows(); ++t) {
-    result.background.row(t).real() = stage.coefficients.row(size + 4 + 2 * t);
-    result.background.row(t).imag() = stage.coefficients.row(size + 5 + 2 * t);
-  }
+  const MatrixXcd coefficients = from_pairs(stage.coefficients);
+  result.residues = stage.residues;
+  result.lower = coefficients.row(start.size());
+  result.upper = coefficients.row(start.size() + 1);
+  result.background = coefficients.bottomRows(data.background.cols());
   result.cost = stage.cost;
   result.leverage = leverage_of(stage, noise, inverse_variance);
   return result;

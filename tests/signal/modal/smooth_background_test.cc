@@ -7,7 +7,6 @@
 #include "signal/numerics/numbers.h"
 #include "signal/refinement/modal_basis.h"
 #include "signal/refinement/modal_refine.h"
-#include "signal/refinement/residues.h"
 
 namespace rigfit::signal::smooth_background_test {
 namespace {

@@ -14,7 +14,6 @@
 #include "signal/refinement/modal_basis.h"
 #include "signal/refinement/modal_covariance.h"
 #include "signal/refinement/modal_refine.h"
-#include "signal/refinement/residues.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "tests/expect_matrix.h"
 

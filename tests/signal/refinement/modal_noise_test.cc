@@ -134,19 +134,5 @@ TEST(ModalNoise, CorrelationIsHermitian) {
   EXPECT_TRUE(testing::MatricesNear(correlated(noise, rho), rho, 0));
 }
 
-TEST(ModalNoise, SquaresAreThoseOfTheCorrelatedColumns) {
-  FrfNoise noise;
-  const Eigen::MatrixXd columns = Eigen::MatrixXd::Random(2 * 150, 3);
-  for (const double lines : {0.0, 0.3, 4.0, 60.0}) {
-    noise.correlation_lines = lines;
-    noise.lead = lines / 1000;
-    const Eigen::VectorXd squares = correlated_squares(noise, columns);
-    for (Eigen::Index c = 0; c < 3; ++c) {
-      const double expected = columns.col(c).dot(correlated(noise, columns).col(c));
-      EXPECT_NEAR(squares[c], expected, 1e-12 * columns.squaredNorm()) << lines;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace rigfit::signal::modal_noise_test

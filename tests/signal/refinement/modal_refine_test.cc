@@ -9,7 +9,6 @@
 
 #include "signal/refinement/modal_basis.h"
 #include "signal/refinement/modal_covariance.h"
-#include "signal/refinement/residues.h"
 #include "signal/spectra/fft.h"
 #include "tests/expect_matrix.h"
 #include "tests/reference/ten_mode_truth.h"
