@@ -54,8 +54,9 @@ MatrixXcd terms_between(const VectorXcd& s, const MatrixXcd& known, double first
          gram.values.tail(terms).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
-/// Poles beside the band are looked for this far beyond its end and back into it, in band widths.
-constexpr double kBeyond = 0.25, kWithin = 0.125;
+/// Poles beside the band are looked for this far beyond its end and as far back into it, in band
+/// widths.
+constexpr double kBeside = 0.25;
 constexpr Index kLinesBeside = 16;
 
 /// Modes of the lines from `low_hz` to `high_hz`.
@@ -142,12 +143,12 @@ VectorXcd poles_beside(const FrfSet& frfs, const ModalBand& band, const ModalOpt
       if (at > from && at < to) poles.push_back(pole);
     }
   };
-  const double above = high + kBeyond * width, below = std::max(0.0, low - kBeyond * width);
+  const double above = high + kBeside * width, below = std::max(0.0, low - kBeside * width);
   if (lines_within(high, above) >= kLinesBeside) {
-    add(poles_between(frfs, high - kWithin * width, above, options), high, above);
+    add(poles_between(frfs, high - kBeside * width, above, options), high, above);
   }
   if (lines_within(below, low) >= kLinesBeside) {
-    add(poles_between(frfs, below, low + kWithin * width, options), below, low);
+    add(poles_between(frfs, below, low + kBeside * width, options), below, low);
   }
   return Eigen::Map<const VectorXcd>(poles.data(), static_cast<Index>(poles.size()));
 }
