@@ -51,8 +51,10 @@ MeanOverPoints mean_of(const std::vector<double>& value, const std::vector<doubl
   }
   const GroupMean mean = mean_over_groups(value, variance);
   const double wider = coverage_factor(0.95, mean.degrees) / coverage_factor(0.95, 0);
-  return {
-      {mean.mean, wider * std::sqrt(mean.variance)}, std::sqrt(mean.between_variance), mean.chance};
+  return {{mean.mean, wider * std::sqrt(mean.variance)},
+          std::sqrt(mean.between_variance),
+          mean.cochran_Q,
+          mean.chance};
 }
 
 /// Values over the points of a track.

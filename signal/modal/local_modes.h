@@ -26,7 +26,8 @@ namespace rigfit::signal {
 struct MeanOverPoints {
   Estimate value;            ///< +-1.96 std hold 95 %
   double between_std = 0;    ///< tau: scatter between points beyond their own errors
-  double excess_chance = 1;  ///< that points which are equal differ as much
+  double Q = 0;              ///< Cochran's, of points that are equal
+  double excess_chance = 1;  ///< of a Q as large
 };
 
 struct LocalMode {

@@ -9,13 +9,13 @@
 
 #include "signal/modal/band_background.h"
 #include "signal/modal/local_modes.h"
+#include "signal/modal/mode_hits.h"
 #include "signal/modal/mode_warnings.h"
 #include "signal/modes/mac.h"
 #include "signal/modes/modal_band.h"
 #include "signal/modes/mode_search.h"
 #include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
-#include "signal/variation/hit_scatter.h"
 
 namespace rigfit::signal {
 namespace {
@@ -352,14 +352,8 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     result.misfit_over_error_bars = std::sqrt(sum / static_cast<double>(count));
   }
   check_misfit(result, H - found.model);
+  allow_for_hits(frfs, band, found, search.local, options, model);
   judge_modes(result, band, H - found.model);
-  std::vector<ModeOfHits> hits = modes_of_hits(frfs, model);
-  if (!search.local) {
-    const auto averages = jackknife_of_hits(frfs, band, found.noise, found.fit);
-    for (std::size_t r = 0; r < averages.size(); ++r) hits[r].average = averages[r];
-  }
-  allow_for_hits(frfs, hits, model);
-  judge_damping(model);
   return result;
 }
 

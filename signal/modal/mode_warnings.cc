@@ -11,7 +11,6 @@
 
 #include "signal/modal/band_background.h"
 #include "signal/numerics/numbers.h"
-#include "signal/variation/mode_changes.h"
 
 namespace rigfit::signal {
 
@@ -180,6 +179,7 @@ void judge_modes(ModalResult& result, const ModalBand& band,
   for (std::size_t r = 0; r < model.modes.size(); ++r) {
     IdentifiedMode& mode = model.modes[r];
     std::vector<std::string> doubts;
+    if (!mode.doubt.empty()) doubts.push_back(mode.doubt);
     const double decay = -mode.pole_rad_s.real(), measured = decay + band.window;
     if (mode.damping_dominated_by_window) {
       doubts.push_back(fmt::format(
@@ -277,14 +277,6 @@ void judge_modes(ModalResult& result, const ModalBand& band,
                                          100 * left),
                              fmt::format("{:.4g} Hz", f)});
     }
-  }
-}
-
-void judge_damping(ModalModel& model) {
-  for (IdentifiedMode& mode : model.modes) {
-    const bool said = mode.doubt.find("damping known to") != std::string::npos;
-    if (said || mode.damping_dominated_by_window || !damping_is_uncertain(mode)) continue;
-    add_doubt(mode, damping_known_to(mode) + " by its change from hit to hit");
   }
 }
 

@@ -37,13 +37,9 @@ void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>&
                                          const IdentifiedMode& mode,
                                          const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
-/// Fills `doubtful` and `doubt` of every mode; what the record's length costs the residues
+/// Fills `doubtful` and adds to `doubt` of every mode; what the record's length costs the residues
 /// is noted. `misfit`: lines x FRFs.
 void judge_modes(ModalResult& result, const ModalBand& band,
                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
-
-/// Doubts the modes whose damping is known to 25 % or worse after hits have widened it: a ratio as
-/// uncertain as that does not scatter symmetrically, and its interval holds less than it says.
-void judge_damping(ModalModel& model);
 
 }  // namespace rigfit::signal

@@ -109,12 +109,12 @@ class PointFit {
     // Columns weigh by what a first fit leaves of them; a tenth of the mean keeps one that is
     // fitted by chance from deciding alone.
     VectorXd weight = VectorXd::Ones(H.cols());
-    LocalFit result = fit_locally(s, part, weight, start, fixed, LocalFitOptions{order});
+    LocalFit result = fit_locally(s, part, weight, start, fixed, order);
     if (result.usable && H.cols() > 1) {
       const double mean = result.misfit.mean();
       if (mean > 0) {
         weight = mean / (result.misfit.array() + 0.1 * mean);
-        result = fit_locally(s, part, weight, result.poles, fixed, LocalFitOptions{order});
+        result = fit_locally(s, part, weight, result.poles, fixed, order);
       }
     }
     return result;

@@ -36,7 +36,7 @@ struct ModeAtPoint {
   }
 };
 
-/// Changes from hit to hit beyond noise (hit_scatter.h).
+/// Changes from hit to hit beyond noise (signal/modal/mode_hits.h).
 struct BetweenHits {
   int hits = 0;                 ///< number of hits that show the mode alone; 0: unknown
   double frequency_std_hz = 0;  ///< standard deviation of one hit's frequency

@@ -98,20 +98,20 @@ double room_of(const VectorXcd& s, const VectorXcd& poles, const VectorXcd& step
 LocalFit fit_locally(const Eigen::Ref<const VectorXcd>& s, const Eigen::Ref<const MatrixXcd>& H,
                      const Eigen::Ref<const VectorXd>& weight,
                      const Eigen::Ref<const VectorXcd>& start,
-                     const Eigen::Ref<const VectorXcd>& fixed, const LocalFitOptions& options) {
+                     const Eigen::Ref<const VectorXcd>& fixed, int order) {
   if (H.rows() != s.size() || weight.size() != H.cols()) {
     throw std::invalid_argument("fit_locally: sizes do not fit");
   }
   LocalFit fit;
-  const Index free = start.size(), order = options.background_order;
+  const Index free = start.size();
   fit.freedom = s.size() - free - fixed.size() - order - 1;
   if (fit.freedom < 2 || free == 0) return fit;
   const auto at = [&](VectorXcd poles) {
-    return state_at(s, H, weight, std::move(poles), fixed, options.background_order);
+    return state_at(s, H, weight, std::move(poles), fixed, order);
   };
   State state = at(start);
   if (!state.usable) return fit;
-  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+  for (int iteration = 0; iteration < 30; ++iteration) {
     const MatrixXcd D = outside_derivatives(s, state);
     const MatrixXcd amplitudes = state.coefficients.topRows(free);
     const MatrixXcd scores = D.adjoint() * state.residual;
@@ -139,14 +139,8 @@ LocalFit fit_locally(const Eigen::Ref<const VectorXcd>& s, const Eigen::Ref<cons
   const MatrixXcd D = outside_derivatives(s, state);
   const MatrixXcd curvature = information(D, fit.amplitudes, weight);
   fit.covariance = hermitian_eigen(curvature).pseudo_inverse();
-  // Score of each line: sum_c w_c conj(a_rc D_kr) times what is left.
-  const MatrixXcd across = state.residual * weight.asDiagonal() * fit.amplitudes.adjoint();
-  const MatrixXcd score = D.conjugate().cwiseProduct(across);
-  fit.robust_covariance = fit.covariance * (score.transpose() * score.conjugate()) *
-                          fit.covariance *
-                          (static_cast<double>(s.size()) / static_cast<double>(fit.freedom));
   // |a|^2 over its unit variance: what a column of the model adds to the fit.
-  const MatrixXcd basis = columns_of(s, state.poles, fixed, options.background_order);
+  const MatrixXcd basis = columns_of(s, state.poles, fixed, order);
   const MatrixXcd inverse = hermitian_eigen(basis.adjoint() * basis).pseudo_inverse();
   fit.gain.resize(free, H.cols());
   for (Index r = 0; r < free; ++r) {

@@ -17,11 +17,6 @@
 
 namespace rigfit::signal {
 
-struct LocalFitOptions {
-  int background_order = 2;  ///< d, of the polynomial
-  int max_iterations = 30;
-};
-
 struct LocalFit {
   Eigen::VectorXcd poles;       ///< free poles on the s of the lines, 1/s
   Eigen::MatrixXcd amplitudes;  ///< free poles x columns: a_rc
@@ -32,21 +27,18 @@ struct LocalFit {
   /// Covariance of the free poles for w_c = 1 / variance of a column's complex noise, white over
   /// lines.
   Eigen::MatrixXcd covariance;
-  /// The same from what the fit leaves at each line of all columns together (White, Econometrica 48
-  /// (1980) 817): for noise that goes with |H| and is common to columns. Scatters when lines are
-  /// few.
-  Eigen::MatrixXcd robust_covariance;
   Eigen::Index freedom = 0;  ///< complex values a column less unknowns: lines - poles - d - 1
   bool usable = false;       ///< false: too few lines, or columns of the model that depend
 };
 
 /// `s`: lines of the window; `H`: lines x columns; `weight`: w_c; `start`: free poles; `fixed`:
-/// neighbours. Poles stay stable (Re p below Re s) and, in Im, within the window.
+/// neighbours; `background_order`: d. Poles stay stable (Re p below Re s) and, in Im, within the
+/// window.
 [[nodiscard]] LocalFit fit_locally(const Eigen::Ref<const Eigen::VectorXcd>& s,
                                    const Eigen::Ref<const Eigen::MatrixXcd>& H,
                                    const Eigen::Ref<const Eigen::VectorXd>& weight,
                                    const Eigen::Ref<const Eigen::VectorXcd>& start,
                                    const Eigen::Ref<const Eigen::VectorXcd>& fixed,
-                                   const LocalFitOptions& options = {});
+                                   int background_order = 2);
 
 }  // namespace rigfit::signal

@@ -1,4 +1,4 @@
-#include "signal/variation/hit_scatter.h"
+#include "signal/modal/mode_hits.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ double worst_error(const testing::StrikeOptions& strike, int& sure,
 }
 
 // 32 values each: one of a hundred such sets has an error of 3.6 standard deviations.
-TEST(HitScatter, ErrorBarsCoverWhatAForceWindowLeavesOfTheForcesNoise) {
+TEST(ModeHits, ErrorBarsCoverWhatAForceWindowLeavesOfTheForcesNoise) {
   testing::StrikeOptions strike;
   strike.force_noise = 0.02;
   int sure = 0;
@@ -57,7 +57,7 @@ TEST(HitScatter, ErrorBarsCoverWhatAForceWindowLeavesOfTheForcesNoise) {
 }
 
 // The noise left correlates over 10 Hz; an invented mode is many standard deviations from any.
-TEST(HitScatter, ErrorBarsCoverWhatALongForceWindowLeaves) {
+TEST(ModeHits, ErrorBarsCoverWhatALongForceWindowLeaves) {
   testing::StrikeOptions strike;
   strike.force_noise = 0.02;
   int sure = 0;
@@ -67,7 +67,7 @@ TEST(HitScatter, ErrorBarsCoverWhatALongForceWindowLeaves) {
 
 // The resonance of the average is wider than that of a hit; two poles that it seems to hold are
 // one.
-TEST(HitScatter, ErrorBarsCoverAFrequencyThatChangesByAThirdOfABandwidth) {
+TEST(ModeHits, ErrorBarsCoverAFrequencyThatChangesByAThirdOfABandwidth) {
   testing::StrikeOptions strike;
   strike.frequency_scatter = 3e-3;
   int sure = 0;
@@ -75,7 +75,7 @@ TEST(HitScatter, ErrorBarsCoverAFrequencyThatChangesByAThirdOfABandwidth) {
   EXPECT_GE(sure, 12);
 }
 
-TEST(HitScatter, ErrorBarsCoverAFrequencyThatChangesFromHitToHit) {
+TEST(ModeHits, ErrorBarsCoverAFrequencyThatChangesFromHitToHit) {
   testing::StrikeOptions strike;
   strike.frequency_scatter = 1e-4;
   int sure = 0;

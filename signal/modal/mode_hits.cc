@@ -1,0 +1,221 @@
+#include "signal/modal/mode_hits.h"
+
+#include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <utility>
+#include <vector>
+
+#include "signal/estimation/groups.h"
+#include "signal/modal/local_modes.h"
+#include "signal/numerics/numbers.h"
+#include "signal/refinement/modal_covariance.h"
+
+namespace rigfit::signal {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+constexpr double kMode = 0.05, kAll = 0.01;  // chances where hits agree
+constexpr double kShareOfHits = 2.0 / 3;     // that must show a mode
+
+/// Hits on one point.
+struct HitsOnInput {
+  std::vector<MatrixXcd> H;     ///< on the lines of the band
+  std::vector<MatrixXd> moved;  ///< changes of (Re p, Im p) by each hit, by mode: 2 x modes
+  VectorXd weight;              ///< in the average; sum 1
+};
+
+/// What the hits say of one mode.
+struct ModeOfHits {
+  double fits = 0, shown = 0;         ///< hits, and those that show it within its half bandwidth
+  Eigen::Array2d variance{0, 0};      ///< of the average's frequency and damping ratio
+  double squares = 0;                 ///< for Satterthwaite's degrees of freedom
+  double own_Q = 0, own_degrees = 0;  ///< Cochran's, of the hits' own poles
+  double between_im = 0, between_re = 0;  ///< variances between the hits' own poles
+  LocalMode own;                          ///< their mean, of a single point
+
+  [[nodiscard]] double degrees() const {
+    return squares > 0 ? variance[0] * variance[0] / squares : 0;
+  }
+};
+
+std::vector<HitsOnInput> hits_of(const FrfSet& frfs, const ModalBand& band, const FoundModes& found,
+                                 const std::vector<Index>& order, bool local) {
+  const Index inputs = band.lines.inputs;
+  std::vector<HitsOnInput> all(frfs.inputs.size());
+  std::vector<std::vector<double>> weights(all.size());
+  for (std::size_t h = 0; h < frfs.by_hit.size(); ++h) {
+    const MatrixXcd H = frfs.by_hit[h](band.rows, Eigen::all);
+    MatrixXd moved;
+    if (!local) {
+      MatrixXcd error = H - band.lines.H;
+      for (Index c = 0; c < H.cols(); ++c) {
+        if (!error.col(c).allFinite()) error.col(c).setZero();
+      }
+      moved = pole_errors(band.lines, found.noise, found.fit, error);
+    }
+    for (Index i = 0; i < inputs; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const MatrixXcd own = H(Eigen::all, Eigen::seq(i, Eigen::last, inputs));
+      if (!own.allFinite()) continue;
+      all[at].H.push_back(own);
+      const bool known = at < frfs.hit_impulse.size() && h < frfs.hit_impulse[at].size();
+      weights[at].push_back(known ? std::pow(frfs.hit_impulse[at][h], 2) : kNaN);
+      if (moved.size() == 0) continue;
+      const MatrixXd parts = moved(Eigen::all, Eigen::seq(i, Eigen::last, inputs));
+      const VectorXd sum = parts.rowwise().sum();
+      const MatrixXd by_mode = sum.reshaped(2, sum.size() / 2);
+      all[at].moved.emplace_back(by_mode(Eigen::all, order));
+    }
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].weight = Eigen::Map<const VectorXd>(weights[i].data(), std::ssize(weights[i]));
+    if (!all[i].weight.allFinite() || !(all[i].weight.array() > 0).all()) all[i].weight.setOnes();
+    all[i].weight /= std::max(all[i].weight.sum(), 1e-300);
+  }
+  return all;
+}
+
+/// Adds the variance of mode `r` of the average by leaving out one hit at a time.
+void add_jackknife(const HitsOnInput& hits, Index r, Complex pole, ModeOfHits& mode) {
+  if (hits.moved.empty()) return;
+  const auto count = std::ssize(hits.moved);
+  MatrixXd change(2, count);
+  for (Index h = 0; h < count; ++h) {
+    change.col(h) = pole_jacobian(pole) * hits.moved[static_cast<std::size_t>(h)].col(r);
+  }
+  for (Index part = 0; part < 2; ++part) {
+    const Eigen::ArrayXd weighted = change.row(part).transpose().cwiseProduct(hits.weight);
+    const Eigen::ArrayXd without = (weighted.sum() - weighted) / (1 - hits.weight.array());
+    const double variance = jackknife_variance({without.data(), hits.moved.size()}).variance;
+    mode.variance[part] += variance;
+    if (part == 0) mode.squares += variance * variance / static_cast<double>(count - 1);
+  }
+}
+
+std::vector<ModeOfHits> modes_of_hits(const ModalBand& band, const std::vector<HitsOnInput>& all,
+                                      const VectorXcd& poles, const ModalOptions& options) {
+  std::vector<ModeOfHits> modes(static_cast<std::size_t>(poles.size()));
+  for (const HitsOnInput& hits : all) {
+    if (hits.H.size() < 2) continue;
+    std::vector<LocalMode> own = check_groups(band, hits.H, poles, options);
+    for (std::size_t r = 0; r < modes.size(); ++r) {
+      ModeOfHits& mode = modes[r];
+      const Complex pole = poles[static_cast<Index>(r)];
+      add_jackknife(hits, static_cast<Index>(r), pole, mode);
+      mode.fits += static_cast<double>(hits.H.size());
+      mode.shown += static_cast<double>(
+          std::count_if(own[r].points.begin(), own[r].points.end(), [&](const PointPole& hit) {
+            return std::abs(hit.pole - pole) < band.window - pole.real();
+          }));
+      if (own[r].points.empty()) continue;
+      const auto degrees = static_cast<double>(own[r].points.size() - 1);
+      mode.own_Q += own[r].decay.Q + own[r].frequency.Q;
+      mode.own_degrees += 2 * degrees;
+      mode.between_im += degrees * std::pow(own[r].frequency.between_std, 2);
+      mode.between_re += degrees * std::pow(own[r].decay.between_std, 2);
+      if (all.size() == 1) mode.own = std::move(own[r]);
+    }
+  }
+  return modes;
+}
+
+/// Raises the standard deviations of a mode.
+void widen(double f_std, double z_std, std::size_t r, ModalModel& model) {
+  IdentifiedMode& mode = model.modes[r];
+  const double factor[2] = {std::max(1.0, f_std / mode.frequency_hz.std),
+                            std::max(1.0, z_std / mode.damping_ratio.std)};
+  for (Index part = 0; part < 2; ++part) {
+    if (!std::isfinite(factor[part])) continue;
+    const auto row = static_cast<Index>(2 * r) + part;
+    model.pole_covariance.row(row) *= factor[part];
+    model.pole_covariance.col(row) *= factor[part];
+    (part == 0 ? mode.frequency_hz : mode.damping_ratio).std *= factor[part];
+  }
+  // Errors of residues go with those of the poles.
+  const double most = std::max(factor[0], factor[1]);
+  if (std::isfinite(most)) mode.shape_std *= most;
+}
+
+}  // namespace
+
+void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes& found, bool local,
+                    const ModalOptions& options, ModalModel& model) {
+  if (frfs.by_hit.size() < 2 || frfs.by_hit.front().rows() <= band.rows.back()) return;
+  VectorXcd poles(std::ssize(model.modes));
+  std::vector<Index> order(model.modes.size());  // of the fit's poles
+  for (std::size_t r = 0; r < order.size(); ++r) {
+    const Complex pole = poles[static_cast<Index>(r)] = model.modes[r].pole_rad_s;
+    (found.fit.poles.array() - pole).abs().minCoeff(&order[r]);
+  }
+  const std::vector<ModeOfHits> hits =
+      modes_of_hits(band, hits_of(frfs, band, found, order, local), poles, options);
+
+  // Chi-square of the scatter between hits over what noise gives, and its degrees of freedom.
+  std::vector<std::pair<double, double>> scatter;
+  double squares = 0, degrees = 0;
+  for (std::size_t r = 0; r < hits.size(); ++r) {
+    const ModeOfHits& one = hits[r];
+    const IdentifiedMode& mode = model.modes[r];
+    scatter.emplace_back(one.own_Q, one.own_degrees);
+    if (one.degrees() > 0 && mode.frequency_hz.std > 0 && mode.damping_ratio.std > 0) {
+      scatter.back() = {one.degrees() * (one.variance[0] / std::pow(mode.frequency_hz.std, 2) +
+                                         one.variance[1] / std::pow(mode.damping_ratio.std, 2)),
+                        2 * one.degrees()};
+    }
+    squares += scatter.back().first, degrees += scatter.back().second;
+  }
+  if (!(degrees > 0)) return;
+  const bool all_differ = gsl_cdf_chisq_Q(squares, degrees) < kAll;
+  double largest = 0;
+  bool means = false;
+  for (std::size_t r = 0; r < hits.size(); ++r) {
+    const ModeOfHits& one = hits[r];
+    IdentifiedMode& mode = model.modes[r];
+    if (!(scatter[r].second > 0)) continue;
+    const double omega = std::abs(mode.pole_rad_s), between = 2 / std::max(one.own_degrees, 1.0);
+    const bool differs = all_differ || gsl_cdf_chisq_Q(scatter[r].first, scatter[r].second) < kMode;
+    mode.between_hits = {static_cast<int>(one.shown), std::sqrt(one.between_im * between) / kTwoPi,
+                         std::sqrt(one.between_re * between) / omega, differs};
+    if (!differs) continue;
+    largest = std::max(largest, mode.between_hits.frequency_std_hz / mode.frequency_hz.value);
+    const bool few = one.shown < kShareOfHits * one.fits;
+    if (few) {
+      mode.doubt = fmt::format("only {:.0f} of {:.0f} single hits show it", one.shown, one.fits);
+    }
+    double f_std = 0, z_std = 0;
+    if (one.degrees() > 0) {
+      const double wider = coverage_factor(0.95, one.degrees()) / coverage_factor(0.95, 0);
+      f_std = wider * std::sqrt(one.variance[0]), z_std = wider * std::sqrt(one.variance[1]);
+    }
+    const bool own_differ =
+        one.own_degrees > 0 && gsl_cdf_chisq_Q(one.own_Q, one.own_degrees) < kMode;
+    if (own_differ && !few && !one.own.points.empty()) {
+      means = true;
+      set_pole(mode, {-one.own.decay.value.value, one.own.frequency.value.value}, band.window);
+      f_std = one.own.frequency.value.std / kTwoPi, z_std = one.own.decay.value.std / omega;
+    }
+    widen(f_std, z_std, r, model);
+  }
+  if (!all_differ) return;
+  model.notes.push_back(
+      {"hits_disagree",
+       fmt::format(
+           "frequencies differ from hit to hit by up to {:.2g} % (one standard deviation), modes "
+           "{:.1f} times as much as noise gives: the structure, the hammer or the place struck "
+           "changes; {}error bars are those of the scatter between hits",
+           100 * largest, std::sqrt(squares / degrees),
+           means ? "values are means over the hits where their own poles differ, " : ""),
+       ""});
+}
+
+}  // namespace rigfit::signal

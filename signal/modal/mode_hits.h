@@ -1,0 +1,27 @@
+// What single hits say of the modes of their average: hits are groups (estimation/groups.h).
+//
+// Uncertainty of the average: the difference of a hit's FRFs from it goes through the linear filter
+// of the average's own fit (pole_errors()), one Gauss-Newton step to the poles that the hit would
+// have given; leaving out one hit at a time (weighed by their squared impulses, as H1 weighs them)
+// gives the variance. Hits differ where that variance is more than the fit's noise gives. Then
+// every hit's own poles are fitted on the lines around each mode (point_poles.h): where those
+// differ by more than their own errors the mode becomes their random-effects mean, since the
+// average of FRFs that differ is no FRF of one structure (its peaks are wider). Points struck one
+// after the other are independent.
+#pragma once
+
+#include "signal/modes/modal_band.h"
+#include "signal/modes/modal_result.h"
+#include "signal/modes/mode_search.h"
+
+namespace rigfit::signal {
+
+/// Fills `between_hits` and, where hits differ (chance 5 % for a mode, 1 % for all), widens the
+/// standard deviations of poles and shapes, takes means over the hits of a single point, and doubts
+/// modes that fewer than two thirds of the hits show within their half bandwidth. Notes
+/// "hits_disagree" where they differ in all modes together. Without two hits over the whole band
+/// nothing is done. `found`: the fit of the average; `local`: its modes are of local fits.
+void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes& found, bool local,
+                    const ModalOptions& options, ModalModel& model);
+
+}  // namespace rigfit::signal
