@@ -293,10 +293,9 @@ void AmbientAnalysis::judge() {
     const double t = coverage_factor(0.95, found.degrees);
     const double f_std = jackknife_std(hz, found.joined);
     found.log_damping_std = jackknife_std(log_zeta, found.joined);
-    mode.frequency_hz = {f, f_std};
-    mode.damping_ratio = {zeta, zeta * found.log_damping_std};
-    mode.damping_ratio_with_window = zeta;
-    mode.pole_rad_s = pole;
+    set_pole(mode, pole, 0);
+    mode.frequency_hz.std = f_std;
+    mode.damping_ratio.std = zeta * found.log_damping_std;
     mode.presence = presence_[i];
     mode.refinement = "ambient";
     found.frequency_95 = {f - t * f_std, f + t * f_std};

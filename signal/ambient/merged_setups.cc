@@ -4,7 +4,6 @@
 #include <cmath>
 #include <complex>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "signal/estimation/groups.h"
 #include "signal/estimation/robust.h"
 #include "signal/modes/mac.h"
+#include "signal/numerics/numbers.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::signal {
@@ -166,11 +166,9 @@ AmbientMode merged_mode(const Setups& setups, const Matched& set, std::vector<No
   const Merged hz = mean_of(f, f_var, degrees), log = mean_of(log_zeta, zeta_var, degrees);
   IdentifiedMode& mode = merged.mode;
   const double zeta = std::exp(log.value);
-  mode.frequency_hz = {hz.value, hz.std};
-  mode.damping_ratio = {zeta, zeta * log.std};
-  mode.damping_ratio_with_window = zeta;
-  mode.pole_rad_s =
-      2 * std::numbers::pi * hz.value * std::complex(-zeta, std::sqrt(1 - zeta * zeta));
+  set_pole(mode, kTwoPi * hz.value * std::complex(-zeta, std::sqrt(1 - zeta * zeta)), 0);
+  mode.frequency_hz.std = hz.std;
+  mode.damping_ratio.std = zeta * log.std;
   merged.log_damping_std = log.std;
   merged.frequency_95 = {hz.value - hz.factor * hz.std, hz.value + hz.factor * hz.std};
   merged.damping_95 = {zeta * std::exp(-log.factor * log.std),

@@ -72,7 +72,6 @@ MisfitCorrelation misfit_correlation(const FrfNoise& noise,
 
 void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
   const MisfitCorrelation found = misfit_correlation(result.noise, misfit);
-  result.misfit_line_correlation = found.excess;
   if (!found.systematic) return;
   result.model.notes.push_back(
       {"systematic_misfit",
@@ -129,17 +128,6 @@ SharedNoise shared_noise(const IdentifiedMode& mode, const ModalBand& band, cons
   (band.frequency_hz.array() - mode.pole_rad_s.imag() / kTwoPi).abs().minCoeff(&nearest);
   shared.part = std::sqrt(2 * noise.line[nearest] * noise.common.maxCoeff());
   return shared;
-}
-
-/// Peak of a mode over the rms of the FRFs within its half bandwidth, all FRFs together.
-/// `measured`: its decay rate, window included.
-double part_of_frfs(const IdentifiedMode& mode, const ModalBand& band, double measured) {
-  const auto [first, count] = lines_around(band, mode.pole_rad_s);
-  const double power = band.lines.H.middleRows(first, count).squaredNorm();
-  if (!(power > 0)) return 1;
-  const double peak = mode.shape.norm() * mode.participation.norm() / measured *
-                      std::pow(std::abs(mode.pole_rad_s), band.lines.power);
-  return peak / std::sqrt(power / static_cast<double>(count));
 }
 
 }  // namespace
@@ -207,7 +195,9 @@ void judge_modes(ModalResult& result, const ModalBand& band,
     const double f = mode.frequency_hz.value, half = measured / kTwoPi;
     // Structures, hits and sensors are not linear to better than some percent of a strong
     // resonance.
-    if (const double part = part_of_frfs(mode, band, measured); part < 0.1) {
+    if (const double part =
+            prominence(band, mode.pole_rad_s, mode.shape.norm() * mode.participation.norm(), 1);
+        part < 0.1) {
       doubts.push_back(fmt::format(
           "its peak is {:.2g} % of the FRFs around it, less than 10 %: what a non-linear "
           "structure or differing hits add to a stronger mode looks like this",

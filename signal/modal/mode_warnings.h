@@ -22,9 +22,8 @@ struct MisfitCorrelation {
 [[nodiscard]] MisfitCorrelation misfit_correlation(
     const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
-/// The excess into the result;
-/// noted when it is beyond chance and large enough to matter for the error bars. `misfit`: lines x
-/// FRFs.
+/// Notes a misfit that correlates between lines beyond chance and enough to matter for the error
+/// bars. `misfit`: lines x FRFs.
 void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
 /// Rms of what a model leaves of the FRFs around a mode beyond noise, over the rms of the FRFs.

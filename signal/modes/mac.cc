@@ -12,11 +12,11 @@ double mac(const Eigen::Ref<const Eigen::VectorXcd>& a,
   return std::norm((a / norm_a).dot(b / norm_b));
 }
 
-Eigen::MatrixXd mac_matrix(const Eigen::Ref<const Eigen::MatrixXcd>& a,
-                           const Eigen::Ref<const Eigen::MatrixXcd>& b) {
-  Eigen::MatrixXd result(a.cols(), b.cols());
-  for (Eigen::Index j = 0; j < b.cols(); ++j) {
-    for (Eigen::Index i = 0; i < a.cols(); ++i) result(i, j) = mac(a.col(i), b.col(j));
+Eigen::MatrixXd auto_mac(const Eigen::Ref<const Eigen::MatrixXcd>& shapes) {
+  Eigen::MatrixXd result(shapes.cols(), shapes.cols());
+  for (Eigen::Index j = 0; j < shapes.cols(); ++j) {
+    for (Eigen::Index i = 0; i < shapes.cols(); ++i)
+      result(i, j) = mac(shapes.col(i), shapes.col(j));
   }
   return result;
 }

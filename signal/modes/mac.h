@@ -15,14 +15,8 @@ namespace rigfit::signal {
 [[nodiscard]] double mac(const Eigen::Ref<const Eigen::VectorXcd>& a,
                          const Eigen::Ref<const Eigen::VectorXcd>& b);
 
-/// MAC of shapes in columns: a.cols() x b.cols().
-[[nodiscard]] Eigen::MatrixXd mac_matrix(const Eigen::Ref<const Eigen::MatrixXcd>& a,
-                                         const Eigen::Ref<const Eigen::MatrixXcd>& b);
-
-/// MAC of a set with itself: symmetric, ones on the diagonal.
-[[nodiscard]] inline Eigen::MatrixXd auto_mac(const Eigen::Ref<const Eigen::MatrixXcd>& shapes) {
-  return mac_matrix(shapes, shapes);
-}
+/// MAC of shapes in columns with each other: symmetric, ones on the diagonal.
+[[nodiscard]] Eigen::MatrixXd auto_mac(const Eigen::Ref<const Eigen::MatrixXcd>& shapes);
 
 /// MPC of a shape, 0..1; 0 for a zero shape.
 [[nodiscard]] double modal_phase_collinearity(const Eigen::Ref<const Eigen::VectorXcd>& shape);

@@ -95,6 +95,15 @@ std::pair<Index, Index> lines_around(const ModalBand& band, std::complex<double>
   return {low - f.begin(), high - low};
 }
 
+double prominence(const ModalBand& band, std::complex<double> pole, double residues, double none) {
+  const auto [first, count] = lines_around(band, pole);
+  const double power = band.lines.H.middleRows(first, count).squaredNorm();
+  if (!(power > 0)) return none;
+  const std::complex<double> raw = pole - band.window;
+  const double peak = residues / std::abs(raw.real()) * std::pow(std::abs(raw), band.lines.power);
+  return peak / std::sqrt(power / static_cast<double>(count));
+}
+
 double part_left(const ModalBand& band, const Eigen::Ref<const Eigen::MatrixXcd>& left,
                  std::complex<double> pole, double least) {
   const auto [first, count] = lines_around(band, pole, least);

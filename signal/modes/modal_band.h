@@ -38,6 +38,11 @@ struct ModalBand {
                                                                  std::complex<double> pole,
                                                                  double least = 1);
 
+/// Peak of a mode with residues of this norm over all FRFs, over the rms of the FRFs on the lines
+/// within its half bandwidth; `none` where these are 0.
+[[nodiscard]] double prominence(const ModalBand& band, std::complex<double> pole, double residues,
+                                double none);
+
 /// Rms of `left` (lines x FRFs) over that of the FRFs on these lines.
 [[nodiscard]] double part_left(const ModalBand& band,
                                const Eigen::Ref<const Eigen::MatrixXcd>& left,

@@ -79,10 +79,6 @@ struct ModalResult {
   /// Rms misfit over the rms of the smoothed error bars H_std (1: the modes explain the FRFs within
   /// them); empty when the FRFs came without error bars.
   std::optional<double> misfit_over_error_bars;
-  /// Correlation (real part) of the misfit at neighbouring lines beyond that of noise under the
-  /// window. Noise alone gives 0 within a few hundredths; a model that leaves something out, up
-  /// to 1.
-  double misfit_line_correlation = 0;
 
   static constexpr auto fields() {
     using T = ModalResult;

@@ -167,17 +167,6 @@ class ModeSearch {
       found.dropped.emplace_back(*candidate.column, candidate.presence, code, reason);
   }
 
-  /// Peak of a mode over the rms FRF around it.
-  double prominence(Index r) const {
-    const Complex raw = found.fit.poles[r] - band().window;
-    const auto [low, count] = lines_around(band(), found.fit.poles[r]);
-    const double around = band().lines.H.middleRows(low, count).squaredNorm();
-    if (count == 0 || around == 0) return 0;
-    const double peak = found.fit.residues.row(r).norm() / std::abs(raw.real()) *
-                        std::pow(std::abs(raw), band().lines.power);
-    return peak / std::sqrt(around / static_cast<double>(count));
-  }
-
   /// All that left the band, became a background or are no larger than what no model explains.
   bool drop_implausible() {
     const VectorXd& f = band().frequency_hz;
@@ -197,7 +186,9 @@ class ModeSearch {
              fmt::format("fitted, it is damped by {:.0f} %, more than {:.0f} %: a background, not "
                          "a resonance",
                          100 * ratio, 100 * most));
-      } else if (const double peak = prominence(r); !(peak >= least)) {
+      } else if (const double peak =
+                     prominence(band(), found.fit.poles[r], found.fit.residues.row(r).norm(), 0);
+                 !(peak >= least)) {
         note(candidates[i], "prominence",
              fmt::format("its peak is {:.1g} of the response around it, less than {:.1g}: too "
                          "small for any sensor or model",

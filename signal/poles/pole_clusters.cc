@@ -89,7 +89,6 @@ std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation, double l
     cluster.presence = static_cast<double>(real.size()) / static_cast<double>(top - half);
     if (cluster.presence < options.min_presence) continue;
     cluster.pole_rad_s = {median(real), median(imag)};
-    cluster.lowest_order = track.orders.back();
     cluster.participation = track.first;
     double sum = 0;
     for (std::size_t i = 0; i < real.size(); ++i) {

@@ -31,7 +31,6 @@ struct PoleCluster {
   std::complex<double> pole_rad_s;  ///< medians over the upper half of the orders, window included
   double presence = 0;              ///< share of the upper half of the orders, 0..1
   double scatter = 0;               ///< rms distance from the median, in half bandwidths
-  int lowest_order = 0;
   Eigen::VectorXcd participation = {};  ///< that of the highest order's pole; may be empty
 };
 

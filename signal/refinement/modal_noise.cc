@@ -105,17 +105,21 @@ void update_columns(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& po
   }
 }
 
-/// b_i of inputs with one FRF each, where noise on the force shows only as errors that go with |H|
-/// from line to line: b power + a, by weighted least squares.
-void update_single_commons(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& power,
-                           const ArrayXd& freedom) {
-  for (Index c = 0; c < squares.cols(); ++c) {
-    if (!std::isfinite(noise.column[c])) continue;
-    double& b = noise.common[c % noise.inputs()];
-    const ArrayXd weight = freedom * power.col(c) / (noise.column[c] + b * power.col(c)).square();
-    const ArrayXd scaled = squares.col(c) / (noise.line.array() * freedom);
-    const double below = (weight * power.col(c)).sum();
-    b = below > 0 ? std::max(0.0, (weight * (scaled - noise.column[c])).sum() / below) : 0;
+/// b_i from errors that go with |H| from line to line, each FRF by itself: b power + a, by weighted
+/// least squares.
+void update_commons_by_line(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& power,
+                            const ArrayXd& freedom) {
+  const ArrayXXd variance = model_variance(noise, power);
+  for (Index i = 0; i < noise.inputs(); ++i) {
+    double above = 0, below = 0;
+    for (Index c = i; c < squares.cols(); c += noise.inputs()) {
+      if (!std::isfinite(noise.column[c])) continue;
+      const ArrayXd weight = freedom * power.col(c) / variance.col(c).square();
+      const ArrayXd scaled = squares.col(c) / (noise.line.array() * freedom);
+      above += (weight * (scaled - noise.column[c])).sum();
+      below += (weight * power.col(c)).sum();
+    }
+    noise.common[i] = below > 0 ? std::max(0.0, above / below) : 0;
   }
 }
 
@@ -144,17 +148,7 @@ FrfNoise noise_from_std(const Eigen::Ref<const MatrixXcd>& H,
   for (int round = 0; round < 12; ++round) {
     // The line factor comes last: given the choice, it would take a resonance's share for itself.
     update_columns(noise, squares, power, freedom.array(), least);
-    const ArrayXXd variance = model_variance(noise, power);
-    for (Index i = 0; i < inputs; ++i) {
-      double above = 0, below = 0;
-      for (Index c = i; c < H.cols(); c += inputs) {
-        if (!std::isfinite(noise.column[c])) continue;
-        const ArrayXd weight = power.col(c) / variance.col(c).square();
-        above += (weight * (squares.col(c) / noise.line.array() - noise.column[c])).sum();
-        below += (weight * power.col(c)).sum();
-      }
-      noise.common[i] = below > 0 ? std::max(0.0, above / below) : 0;
-    }
+    update_commons_by_line(noise, squares, power, freedom.array());
     if (round >= 4) update_lines(noise, squares, power, freedom);
   }
   return noise;
@@ -179,7 +173,8 @@ FrfNoise noise_from_residuals(const Eigen::Ref<const MatrixXcd>& model,
     if (!single || round >= 8) update_lines(noise, squares, power, freedom);
     update_columns(noise, squares, power, freedom.array(), least);
     if (single) {
-      update_single_commons(noise, squares, power, freedom.array());
+      // Noise on the force of one FRF alone shows only in that way.
+      update_commons_by_line(noise, squares, power, freedom.array());
       continue;
     }
     // The common factor seen by all FRFs of an input together: variance q (b + 1 / h).
