@@ -250,6 +250,28 @@ std::vector<LocalMode> check_groups(const ModalBand& band, const std::vector<Mat
   return modes;
 }
 
+void join_split_modes(const ModalBand& band, const VectorXcd& poles,
+                      std::vector<LocalMode>& modes) {
+  for (std::size_t r = 0; r < modes.size(); ++r) {
+    for (std::size_t q = 0; q < r; ++q) {
+      const Complex a = poles[static_cast<Index>(r)], b = poles[static_cast<Index>(q)];
+      auto &more = modes[r].points.size() > modes[q].points.size() ? modes[r] : modes[q],
+           &fewer = &more == &modes[r] ? modes[q] : modes[r];
+      const bool both =
+          std::any_of(more.points.begin(), more.points.end(), [&](const PointPole& one) {
+            return std::any_of(fewer.points.begin(), fewer.points.end(),
+                               [&](const PointPole& other) { return one.point == other.point; });
+          });
+      if (both || fewer.points.empty() || std::abs(a - b) > 2 * band.window - a.real() - b.real()) {
+        continue;
+      }
+      more.points.insert(more.points.end(), fewer.points.begin(), fewer.points.end());
+      fewer.points.clear();
+      average(more);
+    }
+  }
+}
+
 namespace {
 
 bool points_differ(const LocalMode& mode) {

@@ -57,6 +57,12 @@ struct LocalModes {
                                                   const Eigen::VectorXcd& poles,
                                                   const ModalOptions& options);
 
+/// Makes one mode of two whose bandwidths touch where no group shows both: poles that differ
+/// between groups look like two in a fit of all. The one that more groups show takes all, the other
+/// is left empty. `modes`: of check_groups().
+void join_split_modes(const ModalBand& band, const Eigen::VectorXcd& poles,
+                      std::vector<LocalMode>& modes);
+
 /// FRFs of every point.
 [[nodiscard]] std::vector<Eigen::MatrixXcd> frfs_of_points(const ModalBand& band);
 

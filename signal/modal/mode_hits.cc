@@ -108,6 +108,7 @@ std::vector<ModeOfHits> modes_of_hits(const ModalBand& band, const std::vector<H
   for (const HitsOnInput& hits : all) {
     if (hits.H.size() < 2) continue;
     std::vector<LocalMode> own = check_groups(band, hits.H, poles, options);
+    join_split_modes(band, poles, own);
     for (std::size_t r = 0; r < modes.size(); ++r) {
       ModeOfHits& mode = modes[r];
       const Complex pole = poles[static_cast<Index>(r)];
