@@ -1,9 +1,15 @@
 #include "apps/bench/bench_study.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <numeric>
 
-#include <fmt/format.h>
+#include "apps/cli/assets.h"
+#include "model/response/response.h"
+#include "model/scene/read_scene.h"
 #include "signal/estimation/robust.h"
 
 namespace rigfit::apps {
@@ -68,6 +74,246 @@ Plot bench_plot(const BenchStudy& study) {
   if (front.x.size() > 1) plot.add(std::move(front));
   plot.add(std::move(standard));
   return plot;
+}
+
+namespace {
+
+using model::ResponseOptions;
+using model::ResponseResult;
+using model::ResponseSolver;
+
+/// Largest over the sensors of rms difference over rms motion; 1 when there is no answer.
+double difference(const ResponseResult& found, const Eigen::MatrixXd& truth) {
+  if (!found.completed || found.samples.rows() != truth.rows()) return 1;
+  double worst = 0;
+  for (Eigen::Index s = 0; s < truth.cols(); ++s) {
+    const double motion = (truth.col(s).array() - truth.col(s).mean()).matrix().norm();
+    if (!(motion > 0)) continue;
+    worst = std::max(worst, (found.samples.col(s) - truth.col(s)).norm() / motion);
+  }
+  return std::min(worst, 1.0);
+}
+
+int mean_segments(const std::vector<int>& by_member) {
+  const double sum = std::accumulate(by_member.begin(), by_member.end(), 0.0);
+  return static_cast<int>(std::lround(sum / std::max(1.0, double(by_member.size()))));
+}
+
+class Studies {
+ public:
+  Studies(model::Scene scene, double duration_s, const BenchBudget& budget)
+      : scene_(std::move(scene)), budget_(budget) {
+    base_.sampling = {.duration_s = duration_s, .rate_hz = 2000, .energy_samples = 0};
+    for (auto& sensor : scene_.sensors) {
+      if (sensor.quantity != model::Sensor::Quantity::force) {
+        sensor.quantity = model::Sensor::Quantity::displacement;
+      }
+    }
+  }
+
+  std::vector<BenchStudy> run() {
+    if (scene_.loads.empty() || scene_.sensors.empty()) {
+      return {skipped("the scene has no load or no sensor")};
+    }
+    for (const auto& load : scene_.loads) {
+      if (load.kind == model::Load::Kind::record) return {skipped("a load is a recording")};
+    }
+    own_ = model::simulate_response(scene_, base_);
+    if (!own_.completed) return {skipped("the response fails: " + own_.reason)};
+    return {steps_study(), segments_study()};
+  }
+
+ private:
+  BenchStudy skipped(std::string why) const {
+    BenchStudy study;
+    study.scene = scene_.title;
+    study.skipped = std::move(why);
+    return study;
+  }
+
+  BenchStudy started(const char* varied) const {
+    BenchStudy study;
+    study.study = varied;
+    study.scene = scene_.title;
+    study.error_of = fmt::format("{:g} s of the sensors' motion at {:g} Hz, rms",
+                                 base_.sampling.duration_s, base_.sampling.rate_hz);
+    return study;
+  }
+
+  ResponseResult simulate(const ResponseOptions& options) const {
+    return model::simulate_response(scene_, options);
+  }
+
+  void add(BenchStudy& study, const Eigen::MatrixXd& truth, std::string method,
+           const ResponseOptions& options, BenchRow row = {}) {
+    row.method = std::move(method);
+    const ResponseResult found = simulate(options);
+    if (found.impossible) return;
+    row.segments = mean_segments(found.segments);
+    row.relative_error = difference(found, truth);
+    if (!found.completed) row.note = found.reason;
+    row.wall_s = median_time(budget_, [&] { (void)simulate(options); });
+    study.rows.push_back(std::move(row));
+  }
+
+  [[nodiscard]] bool damped() const {
+    return std::any_of(scene_.members.begin(), scene_.members.end(), [](const model::Member& m) {
+      return m.damping_ratio.value_or(0) > 0 ||
+             m.damping.axial + m.damping.bending + m.damping.torsion > 0;
+    });
+  }
+
+  BenchStudy steps_study() {
+    BenchStudy study = started("steps");
+    // The same segments for all, whatever the scene left open.
+    for (std::size_t m = 0; m < scene_.members.size(); ++m) {
+      scene_.members[m].segments = own_.segments[m];
+    }
+    ResponseOptions fine = base_;
+    fine.solver = ResponseSolver::explicit_motion;
+    fine.axial = true;
+    ResponseResult natural = simulate(fine);
+    // Fourth order, but dampers are split off with second.
+    int order = damped() ? 2 : 4;
+    if (natural.impossible) {
+      order = 2;
+      fine.axial.reset();
+      fine.solver = ResponseSolver::stiff_motion;
+      natural = simulate(fine);
+    }
+    if (!natural.completed) {
+      study.skipped = "the reference fails: " + natural.reason;
+      return study;
+    }
+    Eigen::MatrixXd truth;
+    {
+      // As fine as a part of the budget allows.
+      const double allowance = budget_.quick ? 0.3 : 5;
+      int parts = 12;
+      while (parts > 3 && (1 + 2.0 / 3) * parts * natural.wall_s > allowance) parts /= 2;
+      fine.step_s = 1.5 * natural.step_s / parts;
+      const ResponseResult coarser = simulate(fine);
+      fine.step_s = natural.step_s / parts;
+      const ResponseResult finest = simulate(fine);
+      const double ratio = coarser.step_s / finest.step_s;
+      if (!finest.completed || !coarser.completed || !(ratio > 1)) {
+        study.skipped = "the reference fails: " + finest.reason + coarser.reason;
+        return study;
+      }
+      truth = finest.samples;
+      study.reference =
+          fmt::format("{} scheme, steps of {:.2g} ms", name_of(fine.solver), 1e3 * finest.step_s);
+      study.reference_error = difference(coarser, truth) / (std::pow(ratio, order) - 1);
+    }
+    const auto with_step = [&](ResponseSolver solver, double step_s) {
+      ResponseOptions options = base_;
+      options.solver = solver;
+      if (solver == ResponseSolver::explicit_motion) options.axial = true;
+      options.step_s = step_s;
+      BenchRow row;
+      row.step_s = step_s;
+      return std::pair(options, row);
+    };
+    {
+      BenchRow row;
+      row.is_default = true;
+      row.step_s = own_.step_s;
+      add(study, truth, std::string("default: ") + name_of(own_.solver), base_, row);
+    }
+    ResponseOptions options = base_;
+    options.solver = ResponseSolver::modal;
+    add(study, truth, "modal recurrence (linear)", options);
+    const double limit = natural.step_s;
+    for (const double part : {1.0, 1.5, 2.0, 3.0}) {
+      auto [with, row] = with_step(fine.solver, limit / part);
+      add(study, truth, std::string(name_of(fine.solver)), with, row);
+    }
+    if (fine.solver == ResponseSolver::explicit_motion) {
+      ResponseOptions slowed = base_;
+      slowed.solver = ResponseSolver::explicit_motion;
+      slowed.axial = false;
+      BenchRow row;
+      row.step_s = 1 / base_.sampling.rate_hz;
+      add(study, truth, "explicit, axial waves slowed", slowed, row);
+      auto [space, space_row] = with_step(fine.solver, limit);
+      space.space = true;
+      add(study, truth, "explicit, in space", space, space_row);
+    }
+    for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+      ResponseOptions with = base_;
+      with.solver = ResponseSolver::stiff_motion;
+      with.relative_tolerance = tolerance;
+      BenchRow row;
+      row.tolerance = tolerance;
+      add(study, truth, "stiff (SUNDIALS IDA)", with, row);
+      if (budget_.quick) break;
+    }
+    mark_front(study);
+    return study;
+  }
+
+  BenchStudy segments_study() {
+    BenchStudy study = started("segments");
+    // Finer than what is compared, "auto" too.
+    model::Scene given = scene_;
+    for (auto& member : scene_.members) member.segments = 0;
+    const int automatic = mean_segments(simulate(base_).segments);
+    std::swap(scene_, given);
+    const int fine = budget_.quick ? 120 : std::clamp(2 * automatic, 240, 600);
+    ResponseOptions options = base_;
+    options.solver = own_.solver;
+    options.segments = 2 * fine / 3;
+    const ResponseResult coarser = simulate(options);
+    options.segments = fine;
+    const ResponseResult finest = simulate(options);
+    if (!finest.completed || !coarser.completed) {
+      study.skipped = "the reference fails: " + finest.reason + coarser.reason;
+      return study;
+    }
+    study.reference = fmt::format("{} segments a member, {}", fine, name_of(own_.solver));
+    study.reference_error = difference(coarser, finest.samples);
+    options = base_;
+    options.solver = own_.solver;
+    for (const int n : {8, 15, 30, 60, 120}) {
+      if (n >= fine) continue;
+      options.segments = n;
+      add(study, finest.samples, name_of(own_.solver), options);
+    }
+    std::swap(scene_, given);
+    BenchRow row;
+    row.is_default = true;
+    row.tolerance = scene_.accuracy;
+    add(study, finest.samples, "segments = \"auto\"", base_, row);
+    std::swap(scene_, given);
+    mark_front(study);
+    return study;
+  }
+
+  model::Scene scene_;
+  BenchBudget budget_;
+  ResponseOptions base_;
+  ResponseResult own_;
+};
+
+}  // namespace
+
+model::Scene bench_released_cable() {
+  model::Scene scene = model::parse_scene(assets::new_cable_toml, "cable.toml");
+  scene.title += ", 1 kg released at the quarter span";
+  scene.members[0].segments = 30;
+  model::Load release;
+  release.name = "string";
+  release.kind = model::Load::Kind::release;
+  release.place.member = scene.members[0].name;
+  release.place.position = 0.25;
+  release.mass = 1;
+  scene.loads = {release};
+  return scene;
+}
+
+std::vector<BenchStudy> response_studies(const model::Scene& scene, double duration_s,
+                                         const BenchBudget& budget) {
+  return Studies(scene, duration_s, budget).run();
 }
 
 }  // namespace rigfit::apps

@@ -51,8 +51,7 @@ void check(const TextTable& table, const std::string& frequency,
 std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& path,
                                                   const std::string& column,
                                                   std::optional<model::ModePlane> plane,
-                                                  const std::vector<std::string>& sensors,
-                                                  const std::vector<std::string>& compare) {
+                                                  const std::vector<std::string>& sensors) {
   const TextTable table = read_text_table(path);
   const std::string frequency = column.empty() ? "frequency_hz" : column;
   check(table, frequency, sensors);
@@ -97,7 +96,6 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
       }
       row.mode.order = static_cast<int>(order);
     }
-    for (const auto& name : compare) row.compared.push_back(positive(name));
     const double tension = positive("tension_N");
     if (std::isfinite(tension)) row.tension_N = tension;
     Eigen::VectorXcd shape(static_cast<Eigen::Index>(sensors.size()));
@@ -163,12 +161,18 @@ bool is_universal_file(const std::filesystem::path& path) {
   return signal::format_of(head) == signal::RecordingFormat::uff;
 }
 
-std::vector<MeasuredTableRow> read_uff_measured_modes(const std::filesystem::path& path,
-                                                      std::optional<model::ModePlane> plane,
-                                                      const model::Scene& scene,
-                                                      std::vector<std::string>& remarks) {
+std::vector<MeasuredTableRow> measured_modes(const std::string& path, const std::string& column,
+                                             std::optional<model::ModePlane> plane,
+                                             const model::Scene& scene, VerbContext& context) {
+  context.input(path);
+  if (!is_universal_file(path)) {
+    std::vector<std::string> sensors;
+    for (const auto& sensor : scene.sensors) sensors.push_back(sensor.name);
+    return read_measured_modes(path, column, plane, sensors);
+  }
+  if (!column.empty()) throw UsageError(path + " is a universal file: --column is of tables");
   const signal::UffModes file = signal::read_uff_modes(path);
-  remarks.insert(remarks.end(), file.remarks.begin(), file.remarks.end());
+  std::vector<std::string> remarks = file.remarks;
   std::string why;
   const auto nodes = nodes_of_sensors(scene, file, why);
   if (!why.empty()) remarks.push_back("shapes are not used: " + why);
@@ -205,6 +209,7 @@ std::vector<MeasuredTableRow> read_uff_measured_modes(const std::filesystem::pat
     remarks.push_back(
         fmt::format("{} of {} modes come without a shape at every sensor", absent, rows.size()));
   }
+  for (const auto& remark : remarks) context.warn("universal_file", remark, path);
   return rows;
 }
 

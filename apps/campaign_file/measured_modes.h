@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/cli/verb_context.h"
 #include "ident/update/model_update.h"
 
 namespace rigfit::apps {
@@ -22,26 +23,26 @@ namespace rigfit::apps {
 struct MeasuredTableRow {
   ident::MeasuredMode mode;
   std::optional<double> tension_N;
-  std::vector<double> compared;  ///< values in the columns asked for, NaN where blank
 };
 
 /// `column`: of the frequency; empty: "frequency_hz". `plane`: for rows that name none. `sensors`:
-/// the scene's, in the order that shapes are wanted. `compare`: further columns of frequencies;
-/// a table may lack them. Throws model::SceneError with file and line.
+/// the scene's, in the order that shapes are wanted. Throws model::SceneError with file and line.
 [[nodiscard]] std::vector<MeasuredTableRow> read_measured_modes(
     const std::filesystem::path& path, const std::string& column,
-    std::optional<model::ModePlane> plane, const std::vector<std::string>& sensors,
-    const std::vector<std::string>& compare = {});
+    std::optional<model::ModePlane> plane, const std::vector<std::string>& sensors);
 
 /// Whether the file begins as a universal file does.
 [[nodiscard]] bool is_universal_file(const std::filesystem::path& path);
 
-/// Modes of datasets 55. A sensor's node is the one of the file that is where the sensor is in the
-/// scene (within 1/1000 of its extent; the coordinates of both must agree).
-/// Shapes are taken where every sensor has a node; `remarks` says where not, and what the reader
-/// left out. Throws signal::RecordingError.
-[[nodiscard]] std::vector<MeasuredTableRow> read_uff_measured_modes(
-    const std::filesystem::path& path, std::optional<model::ModePlane> plane,
-    const model::Scene& scene, std::vector<std::string>& remarks);
+/// A table, or a universal file's datasets 55, as an input of the run. A sensor's node is the one
+/// of the file that is where the sensor is in the scene (within 1/1000 of its extent; the
+/// coordinates of both must agree); shapes are taken where every sensor has a node, and a warning
+/// says where not. Throws as above, signal::RecordingError, UsageError for a `column` of a
+/// universal file.
+[[nodiscard]] std::vector<MeasuredTableRow> measured_modes(const std::string& path,
+                                                           const std::string& column,
+                                                           std::optional<model::ModePlane> plane,
+                                                           const model::Scene& scene,
+                                                           VerbContext& context);
 
 }  // namespace rigfit::apps

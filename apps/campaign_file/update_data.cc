@@ -5,13 +5,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/exit_code.h"
+#include "apps/cli/json_document.h"
+#include "apps/cli/named_numbers.h"
+#include "ident/campaign/single_tests/axial_campaign.h"
+#include "ident/campaign/single_tests/scene_use.h"
 #include "model/scene/read_scene.h"
+#include "model/scene/scene.h"
+#include "model/scene/scene_error.h"
 #include "signal/decay/decay.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/readers/uff/read_uff.h"
@@ -51,11 +58,10 @@ class StateReader {
 
   UpdateStates read() {
     std::size_t file = 0;
-    for (const auto& path : data_.modes) read_table(path, file++);
+    for (const auto& path : data_.modes) read_modes(path, file++);
     std::size_t& test = next_tension_;
     for (const auto& path : data_.frfs) read_frf(path, file++, tension_of(test++));
     for (const auto& path : data_.decays) read_decay(path, file++, tension_of(test++));
-    check_compared();
     const auto known = [](const auto& tension) { return tension.has_value(); };
     if (!result_.stiffness.empty() &&
         std::none_of(result_.tension.begin(), result_.tension.end(), known)) {
@@ -65,19 +71,6 @@ class StateReader {
   }
 
  private:
-  void check_compared() const {
-    for (std::size_t c = 0; c < data_.compare.size(); ++c) {
-      bool somewhere = false;
-      for (const auto& rows : result_.compared) {
-        for (const auto& row : rows) somewhere = somewhere || std::isfinite(row[c]);
-      }
-      if (!somewhere) {
-        throw UsageError("--compare: no table has a number in a column \"" + data_.compare[c] +
-                         "\"");
-      }
-    }
-  }
-
   std::optional<double> tension_of(std::size_t test) const {
     if (data_.tensions.empty()) return std::nullopt;
     return data_.tensions[test];
@@ -119,14 +112,11 @@ class StateReader {
     result_.states.push_back(std::move(state));
     result_.scene_files.push_back(scene_file);
     result_.tension.push_back(tension);
-    result_.compared.emplace_back();
     return result_.states.size() - 1;
   }
 
-  void add(std::size_t state, ident::MeasuredMode mode, std::vector<double> compared) {
+  void add(std::size_t state, ident::MeasuredMode mode) {
     result_.states[state].measured.push_back(std::move(mode));
-    compared.resize(data_.compare.size(), std::numeric_limits<double>::quiet_NaN());
-    result_.compared[state].push_back(std::move(compared));
   }
 
   void add_clock(std::size_t state, double rate_hz, double relative_std) {
@@ -140,37 +130,21 @@ class StateReader {
     return model::read_scene(scene_of(file));
   }
 
-  void read_table(const std::string& path, std::size_t file) {
+  void read_modes(const std::string& path, std::size_t file) {
     const model::Scene scene = scene_for(file);
-    context_.input(path);
-    if (is_universal_file(path)) {
-      read_uff_modes(path, file, scene);
-      return;
-    }
-    std::vector<std::string> sensors;
-    for (const auto& sensor : scene.sensors) sensors.push_back(sensor.name);
-    for (const auto& row :
-         read_measured_modes(path, data_.column, plane_of(file), sensors, data_.compare)) {
-      add(state_at(scene_of(file), scene, row.tension_N), row.mode, row.compared);
-    }
-  }
-
-  void read_uff_modes(const std::string& path, std::size_t file, const model::Scene& scene) {
-    if (!data_.column.empty() || !data_.compare.empty()) {
-      throw UsageError(path + " is a universal file: --column and --compare are of tables");
-    }
-    std::vector<std::string> remarks;
-    const auto rows = read_uff_measured_modes(path, plane_of(file), scene, remarks);
-    for (const auto& remark : remarks) context_.warn("universal_file", remark, path);
-    const std::size_t before = taken_;
-    const auto tension = modes_have_tensions_ ? tension_of(next_tension_++) : std::nullopt;
-    for (const auto& row : rows) {
+    const bool universal = is_universal_file(path);
+    const auto stated =
+        universal && modes_have_tensions_ ? tension_of(next_tension_++) : std::nullopt;
+    std::size_t taken = 0;
+    for (const auto& row : measured_modes(path, data_.column, plane_of(file), scene, context_)) {
       const double f = row.mode.frequency_hz.value;
-      if (data_.band_hz && (f < data_.band_hz->first || f > data_.band_hz->second)) continue;
-      add(state_at(scene_of(file), scene, tension), row.mode, {});
-      ++taken_;
+      if (universal && data_.band_hz && (f < data_.band_hz->first || f > data_.band_hz->second)) {
+        continue;
+      }
+      add(state_at(scene_of(file), scene, universal ? stated : row.tension_N), row.mode);
+      ++taken;
     }
-    if (taken_ == before) throw UsageError(path + " has no mode within --band");
+    if (taken == 0) throw UsageError(path + " has no mode within --band");
   }
 
   static double sign_of(int direction, const Eigen::Vector3d& along) {
@@ -223,7 +197,7 @@ class StateReader {
               sensors[r].second * found.shape[static_cast<Eigen::Index>(r)];
         }
       }
-      add(at, std::move(mode), {});
+      add(at, std::move(mode));
     }
     state.modes_lead_only = true;
     for (std::size_t r = 0; r < sensors.size(); ++r) {
@@ -308,7 +282,7 @@ class StateReader {
       mode.frequency_hz = found.frequency_hz;
       mode.damping_ratio = found.damping_ratio;
       mode.plane = plane_of(file);
-      add(at, std::move(mode), {});
+      add(at, std::move(mode));
     }
   }
 
@@ -317,7 +291,6 @@ class StateReader {
   std::size_t files_ = 0;
   std::size_t next_tension_ = 0;      ///< next of data_.tensions
   bool modes_have_tensions_ = false;  ///< those of universal files, before the others
-  std::size_t taken_ = 0;             // modes of universal files
   bool several_ = false;              // scenes
   UpdateStates result_;
 };
@@ -326,6 +299,196 @@ class StateReader {
 
 UpdateStates read_update_states(const UpdateData& data, VerbContext& context) {
   return StateReader(data, context).read();
+}
+
+namespace {
+
+using Effect = ident::UncertainInput::Effect;
+
+struct InputText {
+  std::string name;
+  SignedNames targets;
+  double std = 0;
+  bool relative = false, each = false;
+};
+
+InputText parsed(std::string text) {
+  InputText input;
+  input.each = text.ends_with("@each");
+  if (input.each) text.resize(text.size() - 5);
+  const auto given =
+      named_numbers("--input", text,
+                    "TARGET=STD, TARGET=0.5% or TARGET,-TARGET=STD (@each at the end)", 1, 1, true);
+  input.name = given.name;
+  input.targets = signed_names("--input", given.name);
+  input.std = given.numbers[0], input.relative = given.relative;
+  return input;
+}
+
+bool has_parameter(const model::Scene& scene, const std::string& name) {
+  const auto names = model::parameter_names(scene);
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+template <typename Function>
+void for_each_cable(const UpdateStates& states, Function function) {
+  for (std::size_t s = 0; s < states.states.size(); ++s) {
+    for (const auto& member : states.states[s].scene.members) {
+      if (member.kind == model::Member::Kind::cable) function(s, member);
+    }
+  }
+}
+
+// The effects of a state's tension being off by `std`.
+void add_tension(const UpdateStates& states, std::size_t state, double std, bool relative,
+                 std::vector<Effect>& effects) {
+  for_each_cable(states, [&](std::size_t s, const model::Member& member) {
+    if (s != state || !member.tension) return;
+    const double change = relative ? std * *member.tension : std;
+    effects.push_back({static_cast<int>(s), member.name + ".tension", change});
+    if (states.stiffness.empty() || !states.tension[s]) return;
+    const double slope = states.stiffness.at(*states.tension[s]).slope_m2;
+    effects.push_back({static_cast<int>(s), member.name + ".EI", slope * change});
+  });
+}
+
+void add_targets(const InputText& input, const UpdateStates& states, std::size_t state,
+                 std::vector<Effect>& effects) {
+  const auto& scene = states.states[state].scene;
+  if (input.targets.names[0] == "tension") {
+    add_tension(states, state, input.std, input.relative, effects);
+    return;
+  }
+  for (std::size_t t = 0; t < input.targets.names.size(); ++t) {
+    if (!has_parameter(scene, input.targets.names[t])) continue;
+    const double size =
+        input.relative ? std::abs(model::parameter(scene, input.targets.names[t])) : 1;
+    effects.push_back({static_cast<int>(state), input.targets.names[t],
+                       input.targets.signs[t] * input.std * size});
+  }
+}
+
+}  // namespace
+
+std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::string>& texts,
+                                                    double stiffness_common_std,
+                                                    const UpdateStates& states) {
+  std::vector<ident::UncertainInput> inputs;
+  for (const auto& text : texts) {
+    const InputText input = parsed(text);
+    for (const auto& target : input.targets.names) {
+      if (target == "tension") continue;
+      bool somewhere = false;
+      for (const auto& state : states.states) {
+        somewhere = somewhere || has_parameter(state.scene, target);
+      }
+      // Says which parameters there are.
+      if (!somewhere) (void)model::parameter(states.states.front().scene, target);
+    }
+    ident::UncertainInput all{input.name, {}};
+    for (std::size_t s = 0; s < states.states.size(); ++s) {
+      if (!input.each) {
+        add_targets(input, states, s, all.effects);
+        continue;
+      }
+      ident::UncertainInput one{fmt::format("{} [{}]", input.name, states.states[s].name), {}};
+      add_targets(input, states, s, one.effects);
+      if (!one.effects.empty()) inputs.push_back(std::move(one));
+    }
+    if (!all.effects.empty()) inputs.push_back(std::move(all));
+  }
+  if (states.stiffness.empty()) return inputs;
+  std::vector<ident::SceneUse> uses(states.states.size());
+  ident::UncertainInput common{"EI, common to all tests", {}};
+  for_each_cable(states, [&](std::size_t s, const model::Member& member) {
+    if (!states.tension[s]) return;
+    const std::string name = member.name + ".EI";
+    uses[s].EI_of.push_back(name);
+    const double change = stiffness_common_std * member.EI[0];
+    if (change > 0) common.effects.push_back({static_cast<int>(s), name, change});
+  });
+  std::vector<ident::StateUse> of_states;
+  for (std::size_t s = 0; s < uses.size(); ++s) {
+    of_states.push_back({static_cast<int>(s), &uses[s], states.tension[s]});
+  }
+  for (auto& input : ident::known_inputs({states.stiffness, {}}, of_states)) {
+    inputs.push_back(std::move(input));
+  }
+  if (!common.effects.empty()) inputs.push_back(std::move(common));
+  return inputs;
+}
+
+std::vector<ident::UncertainInput> axial_inputs(const std::string& path, bool with_damping,
+                                                UpdateStates& states) {
+  constexpr const char* kBy = "rigfit axial ... --json FILE";
+  const Json document = read_document(path, "EA_N", kBy);
+  const auto read = [&](const char* quantity) {
+    const Json value = document.value(quantity, Json());
+    const signal::Estimate estimate{number_in(value, "value"), number_in(value, "std")};
+    if (!(estimate.value > 0) || !(estimate.std > 0)) {
+      throw model::SceneError({path, 0, 0, quantity}, "has no std: it cannot be weighed",
+                              "give --length-std and --mass-std to rigfit axial");
+    }
+    return estimate;
+  };
+  ident::KnownValues known{{}, ident::AxialKnowledge{read("EA_N"), {}}};
+  if (with_damping) known.axial->damping_ratio = read("damping_ratio");
+  std::vector<ident::SceneUse> uses(states.states.size());
+  std::vector<ident::StateUse> of_states;
+  for (std::size_t s = 0; s < uses.size(); ++s) {
+    auto& scene = states.states[s].scene;
+    for (auto& member : scene.members) {
+      if (member.kind != model::Member::Kind::cable) continue;
+      uses[s].EA_of.push_back(member.name + ".EA");
+      if (!with_damping) continue;
+      member.damping = {};  // the ratio takes the place of joint dampers
+      member.damping_ratio = known.axial->damping_ratio.value;
+      uses[s].damping_of.push_back(member.name + ".damping_ratio");
+    }
+    uses[s].scene = scene;
+    scene = ident::scene_at(uses[s], known, {}).scene;
+    of_states.push_back({static_cast<int>(s), &uses[s], {}});
+  }
+  return ident::known_inputs(known, of_states);
+}
+
+ident::FreeParameter free_parameter(std::string text) {
+  ident::FreeParameter parameter;
+  if (text.ends_with("@each")) {
+    parameter.per_state = true;
+    text.resize(text.size() - 5);
+  }
+  const auto equals = text.find('=');
+  parameter.name = text.substr(0, equals);
+  if (equals != std::string::npos) {
+    auto targets = signed_names("--free", text.substr(equals + 1));
+    parameter.targets = std::move(targets.names);
+    parameter.factors = std::move(targets.signs);
+  }
+  if (parameter.name.empty()) throw UsageError("--free: a parameter without a name");
+  return parameter;
+}
+
+std::vector<ident::FreeParameter> free_parameters(const std::vector<std::string>& free_texts,
+                                                  const std::vector<std::string>& priors,
+                                                  const model::Scene& scene) {
+  std::vector<ident::FreeParameter> free;
+  free.reserve(free_texts.size());
+  for (const auto& text : free_texts) free.push_back(free_parameter(text));
+  if (free.empty()) {
+    for (const auto& member : scene.members) {
+      const std::string name = member.name + (member.EI[0] == member.EI[1] ? ".EI" : ".EI_z");
+      free.push_back(free_parameter(name));
+    }
+  }
+  for (const auto& text : priors) {
+    const auto prior = named_numbers("--prior", text, "NAME=VALUE,STD", 2, 2);
+    auto known = std::find_if(free.begin(), free.end(),
+                              [&](const auto& parameter) { return parameter.name == prior.name; });
+    if (known == free.end()) throw UsageError("--prior: " + prior.name + " is not among --free");
+    known->prior = signal::Estimate{prior.numbers[0], prior.numbers[1]};
+  }
+  return free;
 }
 
 }  // namespace rigfit::apps

@@ -19,13 +19,23 @@ std::vector<std::string> parts_of(const std::string& text) {
 
 }  // namespace
 
+std::pair<std::string, std::string> named_text(const std::string& option, const std::string& text,
+                                               const std::string& form) {
+  const auto equals = text.rfind('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+    throw UsageError(fmt::format("{}: write {}, not \"{}\"", option, form, text));
+  }
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
 NamedNumbers named_numbers(const std::string& option, const std::string& text,
                            const std::string& form, std::size_t fewest, std::size_t most,
                            bool percent) {
-  const auto equals = text.rfind('=');
-  NamedNumbers found{text.substr(0, equals), {}};
-  bool good = equals != std::string::npos && equals > 0;
-  for (std::string part : parts_of(good ? text.substr(equals + 1) : "")) {
+  const std::string wanted = form + " with a positive number at its end";
+  const auto [name, list] = named_text(option, text, wanted);
+  NamedNumbers found{name, {}};
+  bool good = true;
+  for (std::string part : parts_of(list)) {
     if (percent && part.ends_with('%')) part.pop_back(), found.relative = true;
     const char* last = part.data() + part.size();
     double number = 0;
@@ -36,8 +46,7 @@ NamedNumbers named_numbers(const std::string& option, const std::string& text,
   const auto count = found.numbers.size();
   good = good && count >= fewest && count <= most && (!found.relative || count == 1);
   if (!good || !(found.numbers.back() > 0)) {
-    throw UsageError(fmt::format("{}: write {} with a positive number at its end, not \"{}\"",
-                                 option, form, text));
+    throw UsageError(fmt::format("{}: write {}, not \"{}\"", option, wanted, text));
   }
   return found;
 }

@@ -2,9 +2,16 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace rigfit::apps {
+
+/// Name and text of "NAME=TEXT"; throws UsageError with the option's name and `form`, how it is to
+/// be written, where one of them is empty.
+[[nodiscard]] std::pair<std::string, std::string> named_text(const std::string& option,
+                                                             const std::string& text,
+                                                             const std::string& form);
 
 struct NamedNumbers {
   std::string name;
@@ -13,8 +20,7 @@ struct NamedNumbers {
 };
 
 /// "NAME=NUMBER,NUMBER ..." with `fewest` to `most` numbers, or "NAME=NUMBER%" where `percent`
-/// allows it. Numbers are finite, the last one positive. Throws UsageError with the option's name
-/// and `form`, how it is to be written.
+/// allows it. Numbers are finite, the last one positive. Throws UsageError as above.
 [[nodiscard]] NamedNumbers named_numbers(const std::string& option, const std::string& text,
                                          const std::string& form, std::size_t fewest,
                                          std::size_t most, bool percent = false);

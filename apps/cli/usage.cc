@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <sstream>
 #include <string_view>
 
@@ -50,7 +49,10 @@ std::string synopsis(const Option& option) {
   } else if (kind == "numbers" && option.numbers > 0) {
     for (int k = 0; k < option.numbers; ++k) text += " X";
   } else if (kind != "flag") {
-    text += option.is_file ? " FILE" : kind == "integer" ? " N" : kind[0] == 'n' ? " X" : " WORD";
+    text += option.is_written || option.is_file ? " FILE"
+            : kind == "integer"                 ? " N"
+            : kind[0] == 'n'                    ? " X"
+                                                : " WORD";
   }
   return (kind == "numbers" || kind == "texts") && option.numbers == 0 ? text + " ..." : text;
 }
@@ -165,30 +167,6 @@ std::string aligned(const std::vector<Row>& rows) {
   return text;
 }
 
-// The shells ask the program itself (`rigfit help words`); files are completed where it says
-// nothing.
-constexpr const char* kBashCompletion = "complete -o default -C 'rigfit help words' rigfit\n";
-constexpr const char* kZshCompletion =
-    "#compdef rigfit\n"
-    "local -a found=(${(f)\"$(COMP_LINE=$BUFFER rigfit help words)\"})\n"
-    "(( $#found )) && compadd -a found || _files\n";
-
-/// The words that the last one of a command line may become: verbs, or options of its verb.
-void print_completions(const Verbs& verbs, const std::string& line, std::ostream& out) {
-  std::vector<std::string> words{""};
-  for (const char c : line) c == ' ' ? void(words.emplace_back()) : words.back().push_back(c);
-  std::vector<std::string> known;
-  if (words.size() < 3 || words[1] == "help") {
-    known = names_of(verbs);
-    for (const char* more : {"help", "scene", "campaign", "sidecar"}) known.emplace_back(more);
-  } else if (words.back().starts_with("-")) {
-    known = apps::names_of(verb_named(verbs, words[1]).options);
-  }
-  for (const auto& word : known) {
-    if (word.starts_with(words.back())) out << word << '\n';
-  }
-}
-
 }  // namespace
 
 std::string key_reference(const std::string& document) {
@@ -293,20 +271,12 @@ void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::os
     out << keys;
   } else if (word == "schema") {
     out << result_schema().dump(2) << '\n';
-  } else if (word == "completion") {
-    if (more != "bash" && more != "zsh") {
-      throw UsageError("help completion bash, or help completion zsh");
-    }
-    out << (more == "bash" ? kBashCompletion : kZshCompletion);
-  } else if (word == "words") {
-    const char* line = std::getenv("COMP_LINE");
-    print_completions(verbs, line != nullptr ? line : "", out);
   } else if (word == "man") {
     out << man_page(verbs, more.empty() ? nullptr : &verb_named(verbs, more), RIGFIT_VERSION);
   } else {
     auto known = names_of(verbs);
     if (std::find(known.begin(), known.end(), word) == known.end()) {
-      for (const char* other : {"scene", "campaign", "sidecar", "schema", "completion", "man"}) {
+      for (const char* other : {"scene", "campaign", "sidecar", "schema", "man"}) {
         known.emplace_back(other);
       }
       throw UsageError("no help on \"" + word + "\"" + did_you_mean(word, known) +

@@ -1,5 +1,5 @@
 // What the program says of itself: help by `rigfit help WORD`, the word most like a misspelt one,
-// completion of bash and zsh, manual pages. All of it from the described options of the verbs.
+// manual pages. All of it from the described options of the verbs.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Options of a verb, described once: the command line, its help, completion and manual, and the
+// Options of a verb, described once: the command line, its help and manual, and the
 // keywords, checks and docstrings of the Python function are walks over the same list.
 //
 //   std::vector<Option> options_of(AxialCommand& c) {

@@ -1,13 +1,9 @@
 # What is installed besides the program and its libraries, and the packages that cpack makes of it.
-add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/manuals/completion/_rigfit
+add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/manuals/man/rigfit.1
   COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/packaging/manuals.sh $<TARGET_FILE:rigfit> ${CMAKE_CURRENT_BINARY_DIR}/manuals
   DEPENDS rigfit packaging/manuals.sh VERBATIM)
-add_custom_target(manuals DEPENDS ${CMAKE_CURRENT_BINARY_DIR}/manuals/completion/_rigfit)
+add_custom_target(manuals DEPENDS ${CMAKE_CURRENT_BINARY_DIR}/manuals/man/rigfit.1)
 install(DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/manuals/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 OPTIONAL)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/manuals/completion/rigfit
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions OPTIONAL)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/manuals/completion/_rigfit
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions OPTIONAL)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/rigfit RENAME copyright)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/rigfit)
 install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/rigfit

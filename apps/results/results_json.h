@@ -12,8 +12,6 @@
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
-#include "ident/update/model_update.h"
-#include "ident/update/update_checks.h"
 
 namespace rigfit::apps {
 
@@ -30,13 +28,5 @@ namespace rigfit::apps {
 
 /// The hits of one place struck, accepted and rejected.
 [[nodiscard]] Json hits_json(const ident::StruckPlace& place, const signal::ImpactTest& test);
-
-using States = std::vector<ident::UpdateState>;
-
-/// Parameters (name, start, value, std, low, high, budget ...), fit, alternatives, pairs, errors,
-/// identifiability: all that a fit found.
-[[nodiscard]] Json update_json(const ident::UpdateResult& result, const States& states);
-/// States held out: errors before, of those fitted, and as predicted.
-[[nodiscard]] Json held_out_json(const std::vector<ident::HeldOut>& held, const States& states);
 
 }  // namespace rigfit::apps

@@ -19,6 +19,7 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
     const int s = static_cast<int>(index);
     HeldOut& held = result[index];
     held.state = s;
+    held.name = states[index].name;
     held.rms_fitted = held.rms_predicted = held.rms_before = kNaN;
     held.frf_fitted = held.frf_predicted = held.frf_before = kNaN;
     const UpdateProblem problem(states, free, options, s);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "ident/update/model_update.h"
@@ -10,6 +11,7 @@ namespace rigfit::ident {
 
 struct HeldOut {
   int state = 0;
+  std::string name;  ///< the state's
   UpdateStatus status = UpdateStatus::not_converged;
   double rms_fitted = 0;     ///< over the fitted states
   double rms_predicted = 0;  ///< held-out state

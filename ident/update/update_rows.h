@@ -1,47 +1,39 @@
-// Parameters, misfit and pairs of an update as they are printed and written: described.
+// What an update found, as it is printed and written: described.
 #pragma once
 
 #include <cmath>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "document/describe.h"
-#include "ident/update/problem/update_data.h"
-#include "ident/update/problem/update_result.h"
+#include "ident/update/model_candidates.h"
+#include "ident/update/update_checks.h"
 
 namespace rigfit::ident {
 
 /// A measured mode with its partner in the model, or one of either that has none.
 struct PairRow {
-  std::string state;
   std::optional<UpdatedPair> pair;
-  double measured_std_hz = std::numeric_limits<double>::quiet_NaN();
   UpdatedUnpaired alone;  ///< without a pair
 };
 
 [[nodiscard]] inline std::vector<PairRow> pair_rows(const std::vector<UpdatedPair>& pairs,
-                                                    const std::vector<UpdatedUnpaired>& unpaired,
-                                                    const std::vector<UpdateState>& states) {
+                                                    const std::vector<UpdatedUnpaired>& unpaired) {
   std::vector<PairRow> rows;
-  for (const auto& pair : pairs) {
-    const auto& state = states[static_cast<std::size_t>(pair.state)];
-    const auto measured = static_cast<std::size_t>(pair.measured);
-    PairRow row;
-    row.state = state.name;
-    row.pair = pair;
-    if (measured < state.measured.size()) {
-      row.measured_std_hz = state.measured[measured].frequency_hz.std;
-    }
-    rows.push_back(std::move(row));
-  }
-  for (const auto& alone : unpaired) {
-    PairRow row;
-    row.state = states[static_cast<std::size_t>(alone.state)].name;
-    row.alone = alone;
-    rows.push_back(std::move(row));
-  }
+  for (const auto& pair : pairs) rows.push_back({pair, {}});
+  for (const auto& alone : unpaired) rows.push_back({std::nullopt, alone});
   return rows;
+}
+
+/// Shares of a parameter's variance by source.
+[[nodiscard]] inline describe::ByName variance_shares(const UpdatedParameter& parameter) {
+  describe::ByName shares;
+  for (const auto& term : parameter.budget) {
+    shares.all.emplace_back(term.source, std::pow(term.std / parameter.std, 2));
+  }
+  return shares;
 }
 
 }  // namespace rigfit::ident
@@ -129,6 +121,9 @@ struct Described<ident::PairRow> {
   using T = ident::PairRow;
   static constexpr std::string_view title{};
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double measured_std(const T& r) {
+    return r.pair ? r.pair->measured_std_hz : kNone;
+  }
   static constexpr double measured(const T& r) {
     return r.pair ? r.pair->measured_hz : r.alone.measured ? r.alone.frequency_hz : kNone;
   }
@@ -136,13 +131,15 @@ struct Described<ident::PairRow> {
     return r.pair ? r.pair->model_hz : r.alone.measured ? kNone : r.alone.frequency_hz;
   }
   static constexpr auto fields = std::tuple{
-      field("state", &T::state, "", "state", "of the rig"),
+      field(
+          "state", [](const T& r) { return r.pair ? r.pair->state_name : r.alone.state_name; }, "",
+          "state", "of the rig"),
       field("measured_hz", &measured, "", "", "null: no partner"),
       field("model_hz", &modelled, "", "", "null: no partner"),
       field(
           "",
           [](const T& r) {
-            return signal::Estimate{measured(r), r.measured_std_hz};
+            return signal::Estimate{measured(r), measured_std(r)};
           },
           "Hz", "measured", ""),
       field(
@@ -160,7 +157,7 @@ struct Described<ident::PairRow> {
             const auto known = [](double std) { return std::isfinite(std) ? std : 0; };
             return signal::Estimate{
                 r.pair->relative_error,
-                std::hypot(known(r.measured_std_hz), known(r.pair->model_std_hz)) /
+                std::hypot(known(measured_std(r)), known(r.pair->model_std_hz)) /
                     r.pair->measured_hz};
           },
           "%", "error", ""),
@@ -182,6 +179,91 @@ struct Described<ident::PairRow> {
                                          : std::string();
           },
           "", "remark", "why it has no partner")};
+};
+
+template <>
+struct Described<ident::UpdateAlternative> {
+  using T = ident::UpdateAlternative;
+  static constexpr auto fields =
+      std::tuple{field("weight", &T::weight),
+                 field("log_evidence", &T::log_evidence),
+                 field("log_detected", &T::log_detected),
+                 field("log_false", &T::log_false),
+                 field("log_missed", &T::log_missed),
+                 field("model_std", &T::model_std),
+                 field("parameters", &T::parameters),
+                 field("pairs", [](const T& a) { return ident::pair_rows(a.pairs, a.unpaired); }),
+                 field("rms_relative_error", &T::rms_relative_error)};
+};
+
+template <>
+struct Described<ident::UpdateResult> {
+  using T = ident::UpdateResult;
+  using Known = ident::Identifiability;
+  static constexpr auto fields =
+      std::tuple{field("status", &T::status),
+                 field("parameters", &T::parameters),
+                 field("fit", &T::fit),
+                 field("alternatives", &T::alternatives),
+                 field("log_evidence", &T::log_evidence),
+                 field("correlation", &T::correlation),
+                 field("rank", within(&T::identifiability, &Known::rank)),
+                 field("condition", within(&T::identifiability, &Known::condition)),
+                 field("not_identifiable", &T::open),
+                 field("pairs", [](const T& r) { return ident::pair_rows(r.pairs, r.unpaired); }),
+                 field("rms_relative_error", &T::rms_relative_error),
+                 field("rms_relative_error_before", &T::rms_relative_error_before),
+                 field("starts", &T::starts),
+                 field("model_evaluations", &T::model_evaluations),
+                 field("frf_lines", &T::frf_lines),
+                 field("rms_log_frf_error", &T::rms_log_frf_error),
+                 field("rms_log_frf_error_before", &T::rms_log_frf_error_before)};
+};
+
+template <>
+struct Described<ident::HeldOut> {
+  using T = ident::HeldOut;
+  static constexpr std::string_view title{};
+  static constexpr auto fields =
+      std::tuple{field("state", &T::name, "", "held out", ""),
+                 field("status", &T::status),
+                 field("rms_relative_error_before", &T::rms_before, "%", "before", "", 3),
+                 field("rms_relative_error_fitted", &T::rms_fitted, "%", "others fitted", "", 3),
+                 field("rms_relative_error_predicted", &T::rms_predicted, "%", "predicted", "", 3),
+                 field("rms_log_frf_error_before", &T::frf_before),
+                 field("rms_log_frf_error_fitted", &T::frf_fitted),
+                 field("rms_log_frf_error_predicted", &T::frf_predicted),
+                 field("pairs", [](const T& h) { return ident::pair_rows(h.pairs, {}); })};
+};
+
+/// A member of the fit; nothing without one.
+template <class Get>
+constexpr auto of_fit(Get get) {
+  return where(
+      [](const ident::FittedCandidate& c) {
+        return c.result.status != ident::UpdateStatus::no_model;
+      },
+      within(&ident::FittedCandidate::result, get));
+}
+
+template <>
+struct Described<ident::FittedCandidate> {
+  using T = ident::FittedCandidate;
+  using Result = ident::UpdateResult;
+  static constexpr std::string_view title{};
+  static constexpr auto fields = std::tuple{
+      field("name", &T::name, "", "candidate", ""),
+      field("weight", &T::weight, "", "weight", "of all candidates", 3),
+      field("log_evidence", of_fit(&Result::log_evidence), "", "ln evidence", "", 5),
+      field("chi2", of_fit(within(&Result::fit, &ident::UpdateFit::chi2)), "", "chi-square", "", 4),
+      field("degrees_of_freedom",
+            of_fit(within(&Result::fit, &ident::UpdateFit::degrees_of_freedom)), "",
+            "degrees of freedom", "", 4),
+      field("p_value", of_fit(within(&Result::fit, &ident::UpdateFit::p_value)), "", "probability",
+            "of such a misfit", 3),
+      field("status", within(&T::result, &Result::status)),
+      field("message", within(&T::result, &Result::message), "", "remark", ""),
+      field("parameters", within(&T::result, &Result::parameters))};
 };
 
 }  // namespace rigfit::describe

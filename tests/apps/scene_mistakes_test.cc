@@ -30,21 +30,9 @@ TEST(SceneMistakes, EndWithThreeNamingFileLineKeyAndRemedy) {
   };
   const TemporaryFolder folder;
   for (const Mistake& mistake :
-       {Mistake{"name = \"left\"", "name = \"left", 2, "", "not TOML", "mend this line"},
-        {"EA = 221780.0", "EA = 221780,0", 15, "", "not TOML", "decimal point"},
-        {"GJ = 0.1", "G_J = 0.1", 17, "member[0].G_J", "not known", "did you mean \"GJ\""},
-        {"EA = 221780.0", "EA = \"221.78 kN\"", 15, "member[0].EA", "got the string \"221.78 kN\"",
-         "in N, without quotes or unit"},
+       {Mistake{"GJ = 0.1", "G_J = 0.1", 17, "member[0].G_J", "not known", "did you mean \"GJ\""},
         {"[\"left\", ", "[\"lfet\", ", 12, "member[0].nodes", "there is no node \"lfet\"",
-         "did you mean \"left\""},
-        {"tension = 200.0",
-         "tension = 200.0\n[[load]]\nmember = \"cable\"\nposition = 0.5\nkind = \"record\"\n"
-         "file = \"none.csv\"",
-         23, "load[0].file", "there is no file", "starts at the scene's folder"},
-        {"support = \"pinned\"\n[[node]]\nname = \"right\"\nposition = [2.4, 0.0, 0.0]\n"
-         "support = \"pinned\"\n",
-         "[[node]]\nname = \"right\"\nposition = [2.4, 0.0, 0.0]\n", 0, "", "nothing holds the rig",
-         ""}}) {
+         "did you mean \"left\""}}) {
     SCOPED_TRACE(mistake.to);
     const std::string scene =
         folder.write("rig.toml", replaced(kCableScene, mistake.from, mistake.to));

@@ -106,15 +106,6 @@ class SameNumbers(unittest.TestCase):
         at_hand = rigfit.modal(rigfit.Recording(channels, fs=rate), ambient=True, band=(0.5, 6))
         self.assertAlmostEqual(at_hand.modes[0].frequency_hz.value, result.modes[0].frequency_hz.value, delta=1e-6)
 
-    def test_frfs_of_arrays(self):
-        lines = np.arange(1, 101.0)
-        s = 2j * np.pi * lines
-        w = 2 * np.pi * 40
-        H = 1 / (s**2 + 2 * 0.01 * w * s + w**2)
-        modal = rigfit.modal(rigfit.frfs_of_arrays(lines, H, form="receptance"), band=(20, 60))
-        self.assertAlmostEqual(modal.modes[0].frequency_hz.value, 40, delta=1e-6)  # no noise: to rounding
-        self.assertAlmostEqual(modal.modes[0].damping_ratio.value, 0.01, delta=1e-8)
-
     def test_bending(self):
         document = self.program("bending", *BENDING, "--span", 0.5, "--tension-zero-std", 0.1)
         self.same(document, rigfit.bending(BENDING, span=0.5, tension_zero_std=0.1))
@@ -196,23 +187,6 @@ class SameNumbers(unittest.TestCase):
         self.same(document, rigfit.tension(frequencies=frequencies, frequency_std=0.01, **options))
         table = [{"frequency_hz": f, "std": 0.01} for f in frequencies]
         self.assertEqual(document["tension_N"], rigfit.tension(measured=table, **options).tension_N.to_dict())
-
-    def test_tension_table(self):
-        rows = [{"name": "short", "length": 2.4, "length_std": 0.001, "mass_per_length": 0.16667, "EA": 221780.0,
-                 "ends": "pinned", "frequency_std": 0.01, "f1": 7.36, "f2": 14.59, "f3": 22.15},
-                {"name": "long", "length": 98.3, "mass_per_length": 62.1, "EI": 2e5, "frequencies": [1.05, 2.1, 3.16]}]
-        (self.folder / "cables.csv").write_text(
-            "name,length,length_std,mass_per_length,EA,ends,frequency_std,f1,f2,f3,EI,frequencies\n"
-            "short,2.4,0.001,0.16667,221780,pinned,0.01,7.36,14.59,22.15,,\nlong,98.3,,62.1,,,,,,,200000,1.05 2.1 3.16\n")
-        document = self.program("tension", "--table", "cables.csv", "--out", "tensions.csv")
-        result = rigfit.tension_table(self.folder / "cables.csv", out=self.folder / "again.csv")
-        self.same(document, result, ["inputs"])  # named by its folder here
-        self.assertEqual((self.folder / "tensions.csv").read_bytes(), (self.folder / "again.csv").read_bytes())
-        self.same(document, rigfit.tension_table(rows), ["inputs"])
-        self.assertEqual(result.cables[1].tension_N.value, document["cables"][1]["tension_N"]["value"])
-        one = rigfit.tension(frequencies=[7.36, 14.59, 22.15], frequency_std=0.01, length=(2.4, 0.001), mass_per_length=0.16667,
-                             EA=221780, ends="pinned")
-        self.assertEqual(one.tension_N, result.cables[0].tension_N)
 
     def test_predict(self):
         scene, table = DATA / "jalali2021/scenes/beam.toml", DATA / "jalali2021/table2_beam_frequencies.csv"
@@ -331,9 +305,16 @@ class SameNumbers(unittest.TestCase):
         self.same(json.loads(run.stdout), caught.exception.result)
         if hasattr(caught.exception, "add_note"):
             self.assertIn("DecayResult", caught.exception.__notes__[0])
+        # Options of the command line are arguments in Python's messages.
+        with self.assertRaises(rigfit.UsageError) as caught:
+            rigfit.decay(quiet)
+        self.assertEqual((caught.exception.code, caught.exception.exit_code), ("wrong_usage", 2))
+        self.assertIn("`channel`", str(caught.exception))
         (self.folder / "bad.csv").write_text("time (s),a (N)\n0,1\n0.1,x\n0.2,3\n")
-        with self.assertRaises(rigfit.Error):
-            rigfit.decay(self.folder / "missing.csv")
+        with self.assertRaises(rigfit.InputError) as caught:
+            rigfit.inspect(self.folder / "bad.csv")
+        self.assertEqual((caught.exception.exit_code, caught.exception.line), (3, 3))
+        self.assertTrue(caught.exception.remedy)
         with self.assertRaises(rigfit.InputError) as caught:
             rigfit.Scene(rigfit.Scene(CABLE).to_toml() + "unknown = 1\n")
         self.assertEqual(caught.exception.code, "bad_input")

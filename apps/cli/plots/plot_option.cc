@@ -78,8 +78,7 @@ describe::Options options_of(PlotCommand& c) {
   return {option("--plot", c.file,
                  "Draw the result: an interactive page (.html) or a picture (.svg, .png)")
               .writes()
-              .type("F.html|svg|png")
-              .group("Common")};
+              .type("F.html|svg|png")};
 }
 
 void prepare_plots(VerbContext& context, const PlotCommand& command) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "model/scene/actual_state.h"
 
 namespace rigfit::apps {
@@ -34,6 +36,15 @@ describe::ByName energy_by_member(const model::NaturalMode& mode, const model::S
     parts.all.emplace_back(scene.members[m].name, mode.kinetic_energy[m]);
   }
   return parts;
+}
+
+void add_column(signal::Recording& table, std::string name, const std::string& unit,
+                Eigen::VectorXd samples) {
+  signal::Channel column;
+  column.name = std::move(name);
+  column.unit = column.source_unit = unit;
+  column.samples = std::move(samples);
+  table.channels.push_back(std::move(column));
 }
 
 }  // namespace rigfit::apps

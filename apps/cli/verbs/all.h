@@ -5,6 +5,7 @@
 #include "document/describe.h"
 #include "model/linear/natural_mode.h"
 #include "model/scene/scene.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::apps {
 
@@ -33,5 +34,9 @@ void warn_of_mass(const model::Scene& scene, const std::string& file, VerbContex
 /// The parts of a mode's kinetic energy.
 [[nodiscard]] describe::ByName energy_by_member(const model::NaturalMode& mode,
                                                 const model::Scene& scene);
+
+/// Adds a column to a table that is written as CSV.
+void add_column(signal::Recording& table, std::string name, const std::string& unit,
+                Eigen::VectorXd samples);
 
 }  // namespace rigfit::apps

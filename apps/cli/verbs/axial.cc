@@ -81,13 +81,10 @@ Json run(AxialCommand& command, VerbContext& context) {
 describe::Options options_of(AxialCommand& c) {
   using describe::option;
   describe::Options options{
-      option("files", c.files, "Recordings of the tension (or motion) after an impulse")
-          .required()
-          .type("FILE"),
+      option("FILE", c.files, "Recordings of the tension (or motion) after an impulse").required(),
       option("--length", c.lengths, "Cable length, m: for all, each file, or each group of files")
           .required()
-          .positive()
-          .type("L")};
+          .positive()};
   for (auto& key : as_command_line(keys_of(c.test))) options.push_back(std::move(key));
   return options;
 }

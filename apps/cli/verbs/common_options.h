@@ -25,9 +25,8 @@ struct CommonOptions {
 
 /// What a person says of every recording of a run, as in the TOML file beside it.
 struct ReadingOptions {
-  double sample_rate_hz = 0;
-  std::string format, decimal, separator, time_unit, sheet;
-  std::vector<std::string> variables;
+  signal::ReadOptions reading;
+  std::string decimal, separator, time_unit;  ///< into `reading`, by read_options
 };
 [[nodiscard]] describe::Options options_of(ReadingOptions& given);
 

@@ -91,12 +91,11 @@ Json run(DecayCommand& command, VerbContext& context) {
 describe::Options options_of(DecayCommand& c) {
   using describe::option;
   return {
-      option("file", c.file, "Recording").required().type("FILE"),
-      option("--channel", c.channel, "Name or #number; may be left out where there is one")
-          .type("C"),
-      option("--start", c.start_s, "Fit from this time on, s (default: found)").type("S"),
-      option("--end", c.end_s, "Use nothing after this time", "s").type("S"),
-      option("--band", c.band, "Report modes between these", "Hz").count(2).type("HZ"),
+      option("file", c.file, "Recording").required(),
+      option("--channel", c.channel, "Name or #number; may be left out where there is one"),
+      option("--start", c.start_s, "Fit from this time on, s (default: found)"),
+      option("--end", c.end_s, "Use nothing after this time", "s"),
+      option("--band", c.band, "Report modes between these", "Hz").count(2),
       option(
           "--each", c.each,
           "Fit every decay of the record and pool their modes: mean, and scatter between decays"),

@@ -21,18 +21,6 @@ struct ExportOptions {
   model::CalculixOptions deck;
 };
 
-/// Sets the parameters of a fit; a line of each with its 95 % interval.
-std::vector<std::string> fitted_into(model::Scene& scene, const std::string& path, bool accepted,
-                                     VerbContext& context) {
-  std::vector<std::string> lines;
-  if (path.empty()) return lines;
-  context.input(path);
-  for (const auto& known : read_fit(path, accepted, context, &lines).parameters) {
-    model::set_parameter(scene, known.name, known.value);
-  }
-  return lines;
-}
-
 /// Writes `text`, with `comments` before it that begin with `mark`.
 std::filesystem::path write_deck(const std::string& folder, const std::string& name,
                                  const std::string& text, const char* mark,
@@ -52,8 +40,14 @@ Json run(ExportOptions& options, VerbContext& context) {
   context.input(options.scene);
   const std::string stem = std::filesystem::path(options.scene).stem().string();
   model::Scene scene = model::read_scene(options.scene);
-  const std::vector<std::string> comments =
-      fitted_into(scene, options.from, options.accept_fit, context);
+  std::vector<std::string> comments;  // each parameter with its 95 % interval
+  if (!options.from.empty()) {
+    context.input(options.from);
+    for (const auto& known :
+         read_fit(options.from, options.accept_fit, context, &comments).parameters) {
+      model::set_parameter(scene, known.name, known.value);
+    }
+  }
   model::ModesOptions modes;
   modes.count = 1;
   modes.shapes = false;
@@ -95,16 +89,13 @@ Json run(ExportOptions& options, VerbContext& context) {
 describe::Options options_of(ExportOptions& c) {
   using describe::option;
   return {
-      option("scene", c.scene, "Scene file (TOML)").required().type("SCENE"),
+      option("scene", c.scene, "Scene file (TOML)").required(),
       option("--calculix", c.calculix,
-             "Write a CalculiX deck (prestress, sag, frequencies) to this folder")
-          .type("DIR"),
+             "Write a CalculiX deck (prestress, sag, frequencies) to this folder"),
       option("--moordyn", c.moordyn,
-             "Write the cables as a MoorDyn (version 2) input file to this folder")
-          .type("DIR"),
+             "Write the cables as a MoorDyn (version 2) input file to this folder"),
       option("--from", c.from,
-             "JSON result of an update: its values, with their intervals in comments")
-          .type("FIT.json"),
+             "JSON result of an update: its values, with their intervals in comments"),
       option("--accept-fit", c.accept_fit,
              "Export a fit that was refused or did not converge (exit code 4 or 5)"),
       option("--elements", c.deck.elements_per_member, "Beam elements a member").within(2, 2000),

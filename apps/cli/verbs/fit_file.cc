@@ -95,16 +95,13 @@ ident::FittedParameters read_fit(const std::string& path, bool accepted, VerbCon
 
 void apply_maps(const std::vector<std::string>& maps, ident::FittedParameters& fitted) {
   for (const auto& text : maps) {
-    const auto equals = text.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
-      throw UsageError("--map: write NAME=TARGET[,-TARGET...], not \"" + text + "\"");
-    }
-    const auto name = text.substr(0, equals);
-    const auto known = std::find_if(fitted.parameters.begin(), fitted.parameters.end(),
-                                    [&](const auto& parameter) { return parameter.name == name; });
+    const auto [name, list] = named_text("--map", text, "NAME=TARGET[,-TARGET...]");
+    const auto known =
+        std::find_if(fitted.parameters.begin(), fitted.parameters.end(),
+                     [&, name = name](const auto& parameter) { return parameter.name == name; });
     if (known == fitted.parameters.end())
       throw UsageError("--map: the fit has no parameter " + name);
-    auto targets = signed_names("--map", text.substr(equals + 1));
+    auto targets = signed_names("--map", list);
     known->targets = std::move(targets.names);
     known->factors = std::move(targets.signs);
   }

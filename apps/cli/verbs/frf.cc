@@ -3,15 +3,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "apps/cli/at_hand.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/impact_command.h"
 #include "apps/describe/sheet.h"
 #include "apps/results/results_json.h"
-#include "signal/estimation/robust.h"
-#include "signal/numerics/numbers.h"
 #include "signal/writers/write_csv.h"
 #include "signal/writers/write_uff.h"
 
@@ -24,20 +21,6 @@ struct FrfCommand {
   std::string out, csv;
 };
 
-/// Mean coherence and median of |H_std / H| of a response over the lines of a band.
-Json quality_json(const signal::FrfSet& frfs, Index column, double low, double high) {
-  std::vector<double> ratios;
-  double sum = 0, count = 0;
-  for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
-    if (frfs.frequency_hz[k] <= low || frfs.frequency_hz[k] > high) continue;
-    if (frfs.coherence.size() > 0) sum += frfs.coherence(k, column), ++count;
-    const double size = std::abs(frfs.H(k, column));
-    if (frfs.H_std.size() > 0 && size > 0) ratios.push_back(frfs.H_std(k, column) / size);
-  }
-  return {{"mean_coherence", count > 0 ? sum / count : signal::kNaN},
-          {"median_relative_error", ratios.empty() ? signal::kNaN : signal::median(ratios)}};
-}
-
 /// One line a frequency: then, per response and point struck, real, imaginary, std of each,
 /// coherence.
 std::string csv_of(const signal::FrfSet& frfs) {
@@ -49,9 +32,7 @@ std::string csv_of(const signal::FrfSet& frfs) {
       std::string name = frfs.responses[r].name;
       if (frfs.inputs.size() > 1) name += " by " + frfs.inputs[i].name;
       const auto add = [&](const char* what, const std::string& unit, const auto& column) {
-        signal::Channel one;
-        one.name = name + what, one.source_unit = unit, one.samples = column;
-        table.channels.push_back(std::move(one));
+        add_column(table, name + what, unit, column);
       };
       add(" real", frfs.unit, frfs.H.col(c).real());
       add(" imag", frfs.unit, frfs.H.col(c).imag());
@@ -121,19 +102,6 @@ Json run(FrfCommand& options, VerbContext& context) {
               {"force", hammer.force}};
   if (frfs.averages == 0) return result;
   result["usable_hz"] = hammer.usable_hz;
-  const double low = options.impact.band.empty() ? 0 : options.impact.band[0];
-  const double high = options.impact.band.empty() ? hammer.usable_hz : options.impact.band[1];
-  Json responses = Json::array();
-  for (std::size_t r = 0; r < frfs.responses.size(); ++r) {
-    for (std::size_t i = 0; i < frfs.inputs.size(); ++i) {
-      const Index c = frfs.column(static_cast<Index>(r), static_cast<Index>(i));
-      Json one{{"name", frfs.responses[r].name}};
-      one.update(quality_json(frfs, c, low, high));
-      if (roving) one["struck"] = frfs.inputs[i].name;
-      responses.push_back(std::move(one));
-    }
-  }
-  result["responses"] = std::move(responses);
   if (roving) {
     Json points = Json::array(), struck = Json::array();
     for (const auto& input : frfs.inputs) struck.push_back(input.name);
@@ -167,14 +135,9 @@ describe::Options options_of(FrfCommand& c) {
           .required()};
   for (auto& one : options_of(c.impact)) options.push_back(std::move(one));
   for (auto& one : options) one.is_required |= one.name == "--force";
-  for (auto& one : {option("--out", c.out, "FRFs with coherence and error bars as UFF 58")
-                        .writes()
-                        .type("F.uff"),
-                    option("--csv", c.csv, "FRFs with standard deviations and coherence as CSV")
-                        .writes()
-                        .type("F")}) {
-    options.push_back(one);
-  }
+  options.push_back(
+      option("--out", c.out, "FRFs with coherence and error bars as UFF 58").writes());
+  options.push_back(option("--csv", c.csv, "The same as a table").writes());
   return options;
 }
 

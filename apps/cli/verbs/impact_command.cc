@@ -54,14 +54,12 @@ describe::Options options_of(ImpactCommand& c) {
   using describe::option;
   auto& hits = c.hammer.impact.hits;
   return {
-      option("--force", c.hammer.force, "Force channel: name or #k").type("C"),
-      option("--response", c.hammer.responses, "Response channels [every other]").type("C"),
-      option("--driving-point", c.hammer.driving_point, "The response at the point struck")
-          .type("C"),
+      option("--force", c.hammer.force, "Force channel: name or #k"),
+      option("--response", c.hammer.responses, "Response channels [every other]"),
+      option("--driving-point", c.hammer.driving_point, "The response at the point struck"),
       option("--struck", c.struck,
              "Point struck in each file, one a file (roving hammer): a response's name where it "
-             "was struck, else any name")
-          .type("P"),
+             "was struck, else any name"),
       option("--estimator", c.estimator, "h1: noise on responses, h2: on force, hv: both")
           .one_of({"h1", "h2", "hv"}),
       option("--force-window", c.force_window,
@@ -76,9 +74,7 @@ describe::Options options_of(ImpactCommand& c) {
              "The same, given as its level at the end of the block")
           .within(1e-12, 1.0)
           .excludes("--exponential-window"),
-      option("--band", c.band, "Band in which the force spectrum is asked for", "Hz")
-          .count(2)
-          .type("LO HI"),
+      option("--band", c.band, "Band in which the force spectrum is asked for", "Hz").count(2),
       option("--block", hits.block_s, "Seconds analysed a hit [what uses most of the recordings]")
           .positive(),
       option("--trigger", c.trigger_percent, "A hit exceeds this much of the largest force", "%")

@@ -309,17 +309,15 @@ describe::Options options_of(ModalCommand& c) {
       option("--order", c.order, "Highest model order of the stabilisation diagram").within(2, 400),
       option("--max-damping", c.max_damping, "Largest damping ratio that is taken for a mode")
           .within(1e-6, 0.99),
-      option("--out", c.out, "Modes as UFF 55").writes().type("F.uff"),
+      option("--out", c.out, "Modes as UFF 55").writes(),
       option(
           "--synthesis", c.synthesis,
           "FRFs rebuilt from the modes and what else was fitted, at the measured lines, as UFF 58")
-          .writes()
-          .type("F.uff"),
+          .writes(),
       option("--ambient", c.ambient,
              "Recordings of motion under wind, traffic or other unknown forces"),
       option("--reference", c.references,
              "Channels that stay in place in all set-ups [those that all files have]")
-          .type("C")
           .needs("--ambient"),
       option("--all", c.all, "List uncertain modes as well"),
       option("--averages", c.averages,

@@ -127,14 +127,12 @@ Json run(ModesCommand& options, VerbContext& context) {
 
 describe::Options options_of(ModesCommand& c) {
   using describe::option;
-  return {option("scene", c.scene, "Scene file (TOML)").required().type("SCENE"),
-          option("--count", c.count, "The first N modes").type("N").within(1, 10000),
+  return {option("scene", c.scene, "Scene file (TOML)").required(),
+          option("--count", c.count, "The first N modes").within(1, 10000),
           option("--band", c.band, "All modes between two frequencies", "Hz")
-              .type("LO HI")
               .count(2)
               .excludes("--count"),
           option("--segments", c.segments, "Segments of every member, instead of the scene's")
-              .type("N")
               .within(2, 100000),
           option("--rotary-inertia", c.rotary_inertia,
                  "Of a segment, and its joints: accurate, or a rigid rod's as in the paper")

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/campaign_file/update_inputs.h"
+#include "apps/campaign_file/update_data.h"
 #include "apps/cli/named_numbers.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/sheet.h"
@@ -168,7 +168,7 @@ Json run(PlanCommand& command, VerbContext& context) {
 describe::Options options_of(PlanCommand& c) {
   using describe::option;
   return {
-      option("scene", c.scene, "Scene file (TOML), near the truth").required().type("SCENE"),
+      option("scene", c.scene, "Scene file (TOML), near the truth").required(),
       option("--goal", c.goals,
              "Standard uncertainty to be reached, NAME=PERCENT% or NAME=STD: the parameter is free")
           .required()

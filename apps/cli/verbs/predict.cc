@@ -103,21 +103,9 @@ struct ComparedMode {
 
 Json compared_json(const PredictCommand& command, const ident::ModePrediction& prediction,
                    VerbContext& context) {
-  context.input(command.measured);
-  const auto plane = plane_named(command.plane);
   std::vector<ident::MeasuredMode> measured;
-  std::vector<MeasuredTableRow> rows;
-  if (is_universal_file(command.measured)) {
-    if (!command.column.empty()) {
-      throw UsageError(command.measured + " is a universal file: --column is of tables");
-    }
-    std::vector<std::string> remarks;
-    rows = read_uff_measured_modes(command.measured, plane, prediction.scene, remarks);
-    for (const auto& remark : remarks) context.warn("universal_file", remark, command.measured);
-  } else {
-    rows = read_measured_modes(command.measured, command.column, plane, {});
-  }
-  measured.reserve(rows.size());
+  auto rows = measured_modes(command.measured, command.column, plane_named(command.plane),
+                             prediction.scene, context);
   for (auto& row : rows) measured.push_back(std::move(row.mode));
   std::vector<ComparedMode> compared;
   for (const auto& one : ident::held_against(prediction, measured)) {
@@ -149,15 +137,13 @@ void write_frfs(const PredictCommand& command, const model::Scene& scene,
     for (std::size_t l = 0; l < scene.loads.size(); ++l) {
       const auto name = fmt::format("{} / {}", scene.sensors[s].name, scene.loads[l].name);
       const auto add = [&](const std::string& title, auto value) {
-        signal::Channel column;
-        column.name = title;
-        column.samples.resize(frfs.frequency_hz.size());
+        Eigen::VectorXd column(frfs.frequency_hz.size());
         for (std::size_t line = 0; line < frfs.H.size(); ++line) {
           const auto row = static_cast<Eigen::Index>(s), of = static_cast<Eigen::Index>(l);
-          column.samples[static_cast<Eigen::Index>(line)] =
+          column[static_cast<Eigen::Index>(line)] =
               value(frfs.H[line](row, of), frfs.std[line](row, of));
         }
-        table.channels.push_back(std::move(column));
+        add_column(table, title, "", std::move(column));
       };
       using H = std::complex<double>;
       add("|H| " + name, [](H h, double) { return std::abs(h); });
@@ -204,11 +190,8 @@ Json write_response(const PredictCommand& command, const model::Scene& scene,
     for (const auto& [what, of] : {std::pair{"", &response.samples},
                                    {"low ", &prediction.low},
                                    {"high ", &prediction.high}}) {
-      signal::Channel channel;
-      channel.name = what + sensor.name;
-      channel.unit = channel.source_unit = model::described(sensor.quantity).unit;
-      channel.samples = of->col(column);
-      table.channels.push_back(std::move(channel));
+      add_column(table, what + sensor.name, model::described(sensor.quantity).unit,
+                 of->col(column));
     }
   }
   context.write(command.response, signal::csv_text(table, {}, 8));
@@ -224,15 +207,11 @@ Json write_response(const PredictCommand& command, const model::Scene& scene,
 /// "ZONE=SOUND[,RATIO]", SOUND a parameter of the fit or a number.
 Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
                  VerbContext& context) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
-    throw UsageError("--damage: write ZONE=SOUND[,RATIO], not \"" + text + "\"");
-  }
-  const auto comma = text.find(',', equals);
+  const auto [zone, list] = named_text("--damage", text, "ZONE=SOUND[,RATIO]");
+  const auto comma = list.find(',');
+  const std::string sound = list.substr(0, comma);
   ident::DamageQuestion question;
-  question.zone = text.substr(0, equals);
-  const auto sound =
-      text.substr(equals + 1, comma == std::string::npos ? comma : comma - equals - 1);
+  question.zone = zone;
   try {
     std::size_t used = 0;
     question.sound_EI = {std::stod(sound, &used), 0};
@@ -241,7 +220,7 @@ Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
     question.sound = sound;
   }
   try {
-    if (comma != std::string::npos) question.sound_ratio = std::stod(text.substr(comma + 1));
+    if (comma != std::string::npos) question.sound_ratio = std::stod(list.substr(comma + 1));
     const auto one = ident::damage_estimate(fitted, question);
     context.out << fmt::format("\n{}: {}\n", question.zone, one.statement);
     Json json{{"zone", question.zone}};
@@ -314,37 +293,33 @@ Json run(PredictCommand& command, VerbContext& context) {
 describe::Options options_of(PredictCommand& c) {
   using describe::option;
   return {
-      option("scene", c.scene, "Scene file (TOML)").required().type("SCENE"),
-      option("--from", c.from, "JSON result of `rigfit update`").required().type("FIT"),
+      option("scene", c.scene, "Scene file (TOML)").required(),
+      option("--from", c.from, "JSON result of `rigfit update`").required(),
       option("--map", c.maps,
-             "What a parameter of the fit is called here: NAME=TARGET[,-TARGET...]")
-          .type("MAP"),
+             "What a parameter of the fit is called here: NAME=TARGET[,-TARGET...]"),
       option(
           "--input", c.inputs,
           "A number of this scene that is known to a standard uncertainty: NAME=STD, NAME=0.5% or "
-          "NAME=VALUE,STD; one of the same name in the fit is the same quantity and counts once")
-          .type("INPUT"),
+          "NAME=VALUE,STD; one of the same name in the fit is the same quantity and counts once"),
       option("--accept-fit", c.accept_fit,
              "Predict from a fit that was refused or did not converge (exit code 4 or 5)"),
       option("--count", c.count, "The first N modes").within(1, 1000),
       option("--segments", c.segments, "Segments of every member, instead of the scene's")
           .within(2, 100000),
       option("--measured", c.measured,
-             "Table of measured frequencies, or universal file of modes (UFF 55), to compare with")
-          .type("F"),
-      option("--column", c.column, "Column of the frequencies in the table").type("NAME"),
+             "Table of measured frequencies, or universal file of modes (UFF 55), to compare with"),
+      option("--column", c.column, "Column of the frequencies in the table"),
       option("--plane", c.plane, "Plane of the measured modes").one_of({"in", "out", "any"}),
       option("--damage", c.damage,
              "Loss of EI of a zone against its sound part: ZONE=SOUND[,RATIO], SOUND a parameter "
              "of the fit or N m2")
           .type("ZONE=SOUND"),
-      option("--frf", c.frf, "FRFs with their 95 % intervals as a table").writes().type("F.csv"),
-      option("--band", c.band, "Band of the FRFs", "Hz").count(2).type("LO HI"),
+      option("--frf", c.frf, "FRFs with their 95 % intervals as a table").writes(),
+      option("--band", c.band, "Band of the FRFs", "Hz").count(2),
       option("--lines", c.lines, "Frequency lines of the FRFs").within(2, 100000),
       option("--response", c.response,
              "Response to the scene's loads with its 95 % interval as a table")
-          .writes()
-          .type("F.csv"),
+          .writes(),
       option("--duration", c.duration_s, "Length of the response", "s").within(1e-6, 3600),
       option("--rate", c.rate_hz, "Sample rate of the response", "Hz").within(1e-3, 1e6),
       option("--sample", c.sample, "Intervals from samples, also where the model is linear")};

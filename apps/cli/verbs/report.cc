@@ -26,8 +26,7 @@ describe::Options options_of(ReportCommand& c) {
               .required(),
           option("--out", c.out,
                  "Folder for report.html, report.json, data/ and figures/ [report beside the "
-                 "campaign]")
-              .type("DIR"),
+                 "campaign]"),
           option("--style", c.style,
                  "lab: one page of everything; client: a short report, the appendix beside it")
               .one_of({"lab", "client"}),
@@ -35,12 +34,9 @@ describe::Options options_of(ReportCommand& c) {
           option("--force", c.force, "Replace another campaign's report in the folder"),
           option("--figure-size", c.figure_size, "Width and height of the figures for a paper, mm")
               .count(2)
-              .within(20.0, 1000.0)
-              .type("MM MM"),
+              .within(20.0, 1000.0),
           option("--figure-font", c.figure_font, "Font of these figures"),
-          option("--figure-font-size", c.figure_font_size, "Its size", "pt")
-              .within(4.0, 24.0)
-              .type("PT")};
+          option("--figure-font-size", c.figure_font_size, "Its size", "pt").within(4.0, 24.0)};
 }
 
 Json run(ReportCommand& c, VerbContext& context) {

@@ -52,9 +52,8 @@ describe::Options options_of(ResampleCommand& c) {
   using describe::option;
   return {option("FILE", c.file, "Recording").required(),
           option("--rate", c.rate_hz, "New rate, Hz [of uneven times that of their usual step]")
-              .positive()
-              .type("HZ"),
-          option("--out", c.out, "Recording to write").writes().required().type("F.csv")};
+              .positive(),
+          option("--out", c.out, "Recording to write").writes().required()};
 }
 
 }  // namespace

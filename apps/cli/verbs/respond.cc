@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "apps/cli/at_hand.h"
 #include "apps/cli/plots/plot_option.h"
@@ -13,6 +14,32 @@
 #include "model/scene/sensor_quantity.h"
 #include "signal/readers/read_recording.h"
 #include "signal/writers/write_csv.h"
+
+namespace rigfit::describe {
+
+template <>
+struct Described<model::ResponseResult> {
+  using T = model::ResponseResult;
+  static constexpr auto fields = std::tuple{
+      field("solver", &T::solver, "", "solver", ""),
+      field("solver_reason", &T::told),
+      field("nonlinear", &T::nonlinear, "", "non-linear", "the shift exceeds the accuracy asked"),
+      field("frequency_shift", &T::frequency_shift, "%", "shift of frequencies",
+            "by the motion, estimated", 2),
+      field("frequency_at_rest_hz", &T::frequency_at_rest_hz, "Hz", "frequency at rest",
+            "of the mode with most of the energy", 5),
+      field("frequency_moving_hz", &T::frequency_moving_hz, "Hz", "frequency in motion", "", 5),
+      field("", &T::motion, "", "motion", ""),
+      field("", &T::unknowns, "", "unknowns", ""),
+      field("steps", &T::steps, "", "steps", ""),
+      field("step_s", &T::step_s),
+      field("wall_s", &T::wall_s, "s", "time", "to compute the samples", 3),
+      field("energy_drift", &T::energy_drift, "", "energy drift", "", 2),
+      field("sample_rate_hz", &T::rate_hz),
+      field("", &T::left_out, "", "left out", "")};
+};
+
+}  // namespace rigfit::describe
 
 namespace rigfit::apps {
 namespace {
@@ -45,23 +72,19 @@ model::ForceHistory read_force(const model::Scene& scene, std::size_t index) {
   const signal::Channel* force = nullptr;
   for (const signal::Channel& channel : recording.channels) {
     // A channel alone without a unit is in N; one in another unit is no force.
-    const bool fits =
-        channel.quantity == signal::Quantity::force ||
-        (recording.channels.size() == 1 && channel.quantity == signal::Quantity::unknown);
-    if (!fits) continue;
+    const bool alone =
+        recording.channels.size() == 1 && channel.quantity == signal::Quantity::unknown;
+    if (channel.quantity != signal::Quantity::force && !alone) continue;
     if (force) throw error("has more than one force", "leave one channel in the file");
     force = &channel;
   }
   if (!force) throw error("has no force channel", "give one channel a force unit such as (N)");
-  if (force->missing_samples > 0 || !force->samples.allFinite()) {
-    throw error("has missing samples", "fill or cut them");
-  }
+  if (!force->samples.allFinite()) throw error("has missing samples", "fill or cut them");
   const auto& times = recording.time_s;
   const Eigen::Index count = force->samples.size();
   if (times.size() == 0 && !(recording.sample_rate_hz > 0)) {
     throw error("has neither a time column nor a rate", "add a time column");
   }
-  if (count == 0) throw error("has no samples", "record a force");
   model::ForceHistory history;
   for (Eigen::Index i = 0; i < count; ++i) {
     const double even = static_cast<double>(i) / recording.sample_rate_hz;
@@ -76,11 +99,8 @@ signal::Recording recording_of(const model::Scene& scene, const model::ResponseR
   signal::Recording recording;
   recording.sample_rate_hz = response.rate_hz;
   for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
-    signal::Channel channel;
-    channel.name = response.sensors[s];
-    channel.unit = channel.source_unit = model::described(scene.sensors[s].quantity).unit;
-    channel.samples = response.samples.col(static_cast<Eigen::Index>(s));
-    recording.channels.push_back(std::move(channel));
+    add_column(recording, response.sensors[s], model::described(scene.sensors[s].quantity).unit,
+               response.samples.col(static_cast<Eigen::Index>(s)));
   }
   return recording;
 }
@@ -152,47 +172,15 @@ Json run(RespondCommand& options, VerbContext& context) {
          {"max", column.maxCoeff()},
          {"rms", std::sqrt(column.squaredNorm() / static_cast<double>(column.size()))}});
   }
-  Json result{{"solver", name_of(response.solver)},
-              {"solver_reason", response.told},
-              {"nonlinear", response.nonlinear},
-              {"frequency_shift", response.frequency_shift},
-              {"frequency_at_rest_hz", response.frequency_at_rest_hz},
-              {"frequency_moving_hz", response.frequency_moving_hz},
-              {"steps", response.steps},
-              {"step_s", response.step_s},
-              {"wall_s", response.wall_s},
-              {"energy_drift", response.energy_drift},
-              {"samples", response.samples.rows()},
-              {"sample_rate_hz", response.rate_hz},
-              {"sensors", std::move(sensors)},
-              {"modelled",
-               {{"motion", response.motion},
-                {"unknowns", response.unknowns},
-                {"segments", std::move(segments)},
-                {"resolution_error", response.resolution_error},
-                {"kept", response.kept},
-                {"left_out", describe::json_of(response.left_out)}}}};
-  context.out << fmt::format("{}: {} s at {} Hz by {}, {} unknowns in {}, {} steps, {:.3g} s\n",
-                             scene.title, options.duration_s, options.rate_hz,
-                             name_of(response.solver), response.unknowns, response.motion,
-                             response.steps, response.wall_s);
-  // As many digits as the model has: its resolution and what is left out of it.
-  double error = 0;
-  for (const model::LeftOut& what : response.left_out) {
-    if (what.of == "frequency") error = std::hypot(error, what.relative_error);
-  }
-  if (response.resolution_error > error) error = response.resolution_error;
-  if (!(error > 0)) error = scene.accuracy;
-  const auto hz = [error](double frequency) { return value_digits(frequency, error * frequency); };
-  context.out << fmt::format(
-      "{}: {} Hz at rest, about {} Hz in motion (shift {:.2g}, accuracy asked {:.2g})\n",
-      response.nonlinear ? "non-linear" : "linear", hz(response.frequency_at_rest_hz),
-      hz(response.frequency_moving_hz), response.frequency_shift, scene.accuracy);
-  context.out << fmt::format("energy drift {:.2g}\n", response.energy_drift);
-  if (!response.told.empty()) context.out << "stiff solver: " << response.told << '\n';
-  if (!response.left_out.empty()) {
-    describe::print(context.out, describe::table_of(response.left_out));
-  }
+  Json result = describe::json_of(response);
+  result["samples"] = response.samples.rows();
+  result["sensors"] = std::move(sensors);
+  result["modelled"] = {
+      {"motion", response.motion},       {"unknowns", response.unknowns},
+      {"segments", std::move(segments)}, {"resolution_error", response.resolution_error},
+      {"kept", response.kept},           {"left_out", describe::json_of(response.left_out)}};
+  context.out << scene.title << '\n';
+  describe::print(context.out, describe::sheet_of(response));
   if (context.plots) context.plots->add(response_plots("response", scene, response));
   if (context.at_hand) context.at_hand->samples = response.samples;
   if (!options.out.empty()) {
@@ -208,13 +196,10 @@ describe::Options options_of(RespondCommand& c) {
   std::vector<std::string> names;
   for (const auto& [name, solver] : kSolvers) names.push_back(name);
   return {
-      option("scene", c.scene, "Scene file (TOML)").required().type("SCENE"),
-      option("--duration", c.duration_s, "Seconds to simulate").required().positive().type("S"),
-      option("--rate", c.rate_hz, "Samples a second").required().positive().type("HZ"),
-      option("--out", c.out, "CSV: time, then one column a sensor")
-          .writes()
-          .required()
-          .type("F.csv"),
+      option("scene", c.scene, "Scene file (TOML)").required(),
+      option("--duration", c.duration_s, "Seconds to simulate").required().positive(),
+      option("--rate", c.rate_hz, "Samples a second").required().positive(),
+      option("--out", c.out, "CSV: time, then one column a sensor").writes().required(),
       option("--solver", c.solver,
              "auto: modal when the estimated frequency shift is within the scene's accuracy")
           .one_of(names),

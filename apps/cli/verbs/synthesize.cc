@@ -44,8 +44,6 @@ struct SynthesizeOptions {
 constexpr double kMostSamples = 5e6;  // per record: some minutes of simulation
 namespace fs = std::filesystem;
 
-using Header = std::vector<std::pair<std::string, std::string>>;
-
 // The rig as it was set up for one row of tests.
 struct State {
   model::Scene scene;
@@ -54,46 +52,34 @@ struct State {
   std::optional<double> meant_N;
 };
 
-class Writer {
- public:
-  Writer(const SynthesizeOptions& options, const model::Scene& scene, VerbContext& context)
-      : options_(options), scene_(scene), context_(context) {}
-
-  /// Returns the file's name: `name` with the extension of its format.
-  std::string write(std::string name, const std::string& test, const signal::Recording& recording,
-                    bool uff) {
-    name += uff ? ".uff" : ".csv";
-    const fs::path path = fs::path(options_.out) / name;
-    make_output_folder(path.parent_path());
-    files_.push_back(path.string());
-    if (uff) {
-      context_.write(path, uff_text(recording, signal::UffEncoding::binary_single,
-                                    fmt::format("synthetic (virtual laboratory), {}, seed {}",
-                                                scene_.title, context_.seed)));
-      return name;
-    }
-    const Header header{{"Data", "synthetic (virtual laboratory)"},
-                        {"Test", test},
-                        {"Scene", scene_.title},
-                        {"Seed", std::to_string(context_.seed)},
-                        {"Sampling Rate(Hz)", fmt::format("{:g}", recording.sample_rate_hz)}};
-    context_.write(path, csv_text(recording, header));
-    return name;
-  }
+/// What is asked for, and the files written so far.
+struct Laboratory {
+  const SynthesizeOptions& options;
+  const model::Scene& scene;
+  VerbContext& context;
+  std::vector<std::string> files = {};
 
   void write_text(const std::string& name, const std::string& text) {
-    const fs::path path = fs::path(options_.out) / name;
-    context_.write(path, text);
-    files_.push_back(path.string());
+    const fs::path path = fs::path(options.out) / name;
+    make_output_folder(path.parent_path());
+    context.write(path, text);
+    files.push_back(path.string());
   }
-
-  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
-
- private:
-  const SynthesizeOptions& options_;
-  const model::Scene& scene_;
-  VerbContext& context_;
-  std::vector<std::string> files_;
+  /// Returns the file's name: `name` with the extension of its format.
+  std::string write(std::string name, const std::string& test, const signal::Recording& recording,
+                    bool uff = false) {
+    name += uff ? ".uff" : ".csv";
+    const std::string data = "synthetic (virtual laboratory)";
+    write_text(name, uff ? uff_text(recording, signal::UffEncoding::binary_single,
+                                    fmt::format("{}, {}, seed {}", data, scene.title, context.seed))
+                         : csv_text(recording, {{"Data", data},
+                                                {"Test", test},
+                                                {"Scene", scene.title},
+                                                {"Seed", std::to_string(context.seed)},
+                                                {"Sampling Rate(Hz)",
+                                                 fmt::format("{:g}", recording.sample_rate_hz)}}));
+    return name;
+  }
 };
 
 const model::Member& cable_of(const model::Scene& scene, const std::string& file) {
@@ -125,8 +111,8 @@ Json truth_of_rig(const model::Scene& scene, const ident::VirtualRigOptions& opt
 }
 
 // Tests of one state; appends to `records`.
-Json synthesize_rig(const SynthesizeOptions& options, const State& state, VerbContext& context,
-                    Writer& writer, Progress& progress) {
+Json synthesize_rig(Laboratory& lab, const State& state, Progress& progress) {
+  const auto& options = lab.options;
   const ident::Simulate simulate = [&](const model::Scene& tested, double duration, double rate) {
     model::ResponseOptions response;
     response.sampling.duration_s = duration;
@@ -135,11 +121,12 @@ Json synthesize_rig(const SynthesizeOptions& options, const State& state, VerbCo
     if (!result.completed) throw NotConverged("virtual rig: " + result.reason);
     return std::move(result.samples);
   };
-  const auto records = ident::virtual_rig_records(
-      state.scene, options.rig, simulate, context.seed + state.stream, [&] { progress.advance(); });
+  const auto records =
+      ident::virtual_rig_records(state.scene, options.rig, simulate,
+                                 lab.context.seed + state.stream, [&] { progress.advance(); });
   Json list = Json::array();
   for (const auto& record : records) {
-    const std::string name = writer.write(
+    const std::string name = lab.write(
         record.hit > 0 ? fmt::format("rig/{}{}-hit{}", state.prefix, record.load, record.hit)
                        : fmt::format("rig/{}{}", state.prefix, record.load),
         record.hit > 0 ? "hammer" : "release", record.recording, options.format == "uff");
@@ -157,8 +144,8 @@ Json synthesize_rig(const SynthesizeOptions& options, const State& state, VerbCo
   return list;
 }
 
-Json synthesize_bending(const SynthesizeOptions& options, const State& state, VerbContext& context,
-                        Writer& writer) {
+Json synthesize_bending(Laboratory& lab, const State& state) {
+  const auto& options = lab.options;
   const model::Member& cable = cable_of(state.scene, options.scene);
   ident::VirtualBendingTest test;
   test.EI_Nm2 = cable.EI[0];
@@ -168,11 +155,11 @@ Json synthesize_bending(const SynthesizeOptions& options, const State& state, Ve
   test.tension_cell = options.rig.instruments.tension_cell;
   test.load_cell = options.rig.instruments.load_cell;
   test.lvdt = options.rig.instruments.lvdt;
-  ident::Random random = ident::random_stream(context.seed + state.stream, 2'000'000);
+  ident::Random random = ident::random_stream(lab.context.seed + state.stream, 2'000'000);
   const std::string name =
-      writer.write(fmt::format("bending/T{:g}N", state.meant_N.value_or(test.tension_N)),
-                   fmt::format("bending, span {:g} m", test.span_m),
-                   ident::virtual_bending_record(test, random), false);
+      lab.write(fmt::format("bending/T{:g}N", state.meant_N.value_or(test.tension_N)),
+                fmt::format("bending, span {:g} m", test.span_m),
+                ident::virtual_bending_record(test, random));
   return {{"file", name},
           {"EI_Nm2", test.EI_Nm2},
           {"span_m", test.span_m},
@@ -181,14 +168,15 @@ Json synthesize_bending(const SynthesizeOptions& options, const State& state, Ve
           {"friction_travel_m", test.friction_travel_m}};
 }
 
-Json synthesize_axial(const SynthesizeOptions& options, const model::Member& cable,
-                      VerbContext& context, Writer& writer) {
+Json synthesize_axial(Laboratory& lab) {
+  const auto& options = lab.options;
+  const model::Member& cable = cable_of(lab.scene, options.scene);
   Json list = Json::array();
   for (std::size_t i = 0; i < options.axial_lengths.size(); ++i) {
     ident::VirtualAxialTest test;
     test.EA_N = cable.EA;
     test.mass_per_length_kg_m = cable.mass_per_length;
-    ident::Random cut = ident::random_stream(context.seed, 2'900'000 + i);
+    ident::Random cut = ident::random_stream(lab.context.seed, 2'900'000 + i);
     test.length_m = options.axial_lengths[i] +
                     options.axial_length_std * std::normal_distribution<double>()(cut);
     test.hung_mass_kg = options.axial_mass;
@@ -197,12 +185,12 @@ Json synthesize_axial(const SynthesizeOptions& options, const model::Member& cab
     const auto truth = ident::axial_truth(test);
     for (int tap = 1; tap <= options.taps; ++tap) {
       ident::Random random =
-          ident::random_stream(context.seed, 3'000'000 + 1000 * i + static_cast<unsigned>(tap));
+          ident::random_stream(lab.context.seed, 3'000'000 + 1000 * i + static_cast<unsigned>(tap));
       const std::string name =
-          writer.write(fmt::format("axial/L{:g}m-{}", options.axial_lengths[i], tap),
-                       fmt::format("axial, length {:g} m, mass {:g} kg", options.axial_lengths[i],
-                                   test.hung_mass_kg),
-                       ident::virtual_axial_record(test, random), false);
+          lab.write(fmt::format("axial/L{:g}m-{}", options.axial_lengths[i], tap),
+                    fmt::format("axial, length {:g} m, mass {:g} kg", options.axial_lengths[i],
+                                test.hung_mass_kg),
+                    ident::virtual_axial_record(test, random));
       list.push_back({{"file", name},
                       {"length_m", test.length_m},
                       {"mass_kg", test.hung_mass_kg},
@@ -257,14 +245,11 @@ Json run(SynthesizeOptions& options, VerbContext& context) {
   }
   const auto states = states_of(options, scene, context);
   make_output_folder(options.out);
-  Writer writer(options, scene, context);
-  Json truth;
-  truth["data"] = "synthetic";
-  truth["scene"] = scene.title;
+  Laboratory lab{options, scene, context};
   std::string command = "rigfit";
   for (std::size_t i = 1; i < context.command.size(); ++i) command += " " + context.command[i];
-  truth["command"] = command;
-  truth["seed"] = context.seed;
+  Json truth{
+      {"data", "synthetic"}, {"scene", scene.title}, {"command", command}, {"seed", context.seed}};
   if (rig) {
     long total = 0;
     for (const auto& load : scene.loads) {
@@ -275,7 +260,7 @@ Json run(SynthesizeOptions& options, VerbContext& context) {
     for (const auto& state : states) {
       Json entry = truth_of_rig(state.scene, options.rig);
       if (state.meant_N) entry["tension_meant_N"] = *state.meant_N;
-      entry["records"] = synthesize_rig(options, state, context, writer, progress);
+      entry["records"] = synthesize_rig(lab, state, progress);
       tested.push_back(std::move(entry));
     }
     truth["rig"] = std::move(tested);
@@ -283,33 +268,28 @@ Json run(SynthesizeOptions& options, VerbContext& context) {
   if (options.bending_span > 0) {
     truth["bending"] = Json::array();
     for (const auto& state : states) {
-      truth["bending"].push_back(synthesize_bending(options, state, context, writer));
+      truth["bending"].push_back(synthesize_bending(lab, state));
     }
   }
   if (!options.axial_lengths.empty()) {
-    truth["axial"] = synthesize_axial(options, cable_of(scene, options.scene), context, writer);
+    truth["axial"] = synthesize_axial(lab);
   }
   // The scene as it was tested, and what is true of it, beside the recordings.
   if (options.tensions.empty()) {
-    writer.write_text("scene.toml", model::scene_text(ident::scene_with_accelerometers(
-                                        scene, options.rig.accelerometer_mass_kg)));
+    lab.write_text("scene.toml", model::scene_text(ident::scene_with_accelerometers(
+                                     scene, options.rig.accelerometer_mass_kg)));
   }
-  writer.write_text("truth.json", truth.dump(2) + "\n");
+  lab.write_text("truth.json", truth.dump(2) + "\n");
   context.out << fmt::format("wrote {} files to {} (synthetic, seed {}; truth in truth.json)\n",
-                             writer.files().size(), options.out, context.seed);
-  Json result;
-  result["data"] = "synthetic";
-  result["files"] = writer.files();
-  return result;
+                             lab.files.size(), options.out, context.seed);
+  return {{"data", "synthetic"}, {"files", lab.files}};
 }
 
 describe::Options options_of(SynthesizeOptions& c) {
   using describe::option;
   return {
-      option("scene", c.scene, "Scene file (TOML); its loads are the tests")
-          .required()
-          .type("SCENE"),
-      option("--out", c.out, "Folder to write to").required().type("DIR"),
+      option("scene", c.scene, "Scene file (TOML); its loads are the tests").required(),
+      option("--out", c.out, "Folder to write to").required(),
       option("--hits", c.rig.hits, "Hits of every impact").within(1, 1000),
       option("--double-hits", c.rig.double_hits, "Of these, how many are double").within(0, 1000),
       option("--record", c.rig.record_s, "Length of a record", "s").positive(),

@@ -1,59 +1,232 @@
 // rigfit update: a scene's uncertain parameters fitted to measured modes.
 #include <fmt/format.h>
 
-#include <cmath>
+#include <Eigen/Core>
+#include <algorithm>
+#include <filesystem>
 #include <limits>
+#include <ostream>
+#include <set>
+#include <utility>
 
 #include "apps/campaign_file/update_data.h"
-#include "apps/campaign_file/update_inputs.h"
 #include "apps/cli/at_hand.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/update_candidates.h"
 #include "apps/describe/sheet.h"
 #include "apps/report/figures/figures.h"
-#include "apps/results/results_json.h"
+#include "document/toml_table.h"
 #include "ident/campaign/fit_campaign.h"
-#include "ident/update/model_update.h"
-#include "ident/update/update_checks.h"
+#include "ident/update/model_candidates.h"
 #include "ident/update/update_rows.h"
+#include "model/scene/actual_state.h"
+#include "model/scene/parameters.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
 namespace {
 
-/// "1.23 %"; "-" when there is no such number.
-std::string percent(double ratio) {
-  return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100 * ratio) : "-";
+struct UpdateCommand {
+  UpdateData data;
+  std::vector<double> band;
+  std::vector<std::string> free, priors, inputs;
+  std::string candidates;         ///< file; empty: none
+  std::vector<std::string> ends;  ///< "pinned", "clamped", "springs", "own springs": the same
+  std::string out, axial;
+  bool axial_damping = false;
+  bool hold_out = false;
+  int starts = 4;
+  double assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
+  double stiffness_common_std = 0;
+};
+
+// `--candidates FILE` and `--ends WORD...`: several models of the same measured modes, each
+// fitted, weighed by its evidence, their parameters averaged (ident/update/model_candidates.h).
+//
+// FILE is TOML, one table [[candidate]] each (apps/README.md, "Choose between models"). Nodes that
+// `supports` puts on "springs" keep their place and their twist about the member's axis, and share
+// one rotational stiffness about both axes across it, the parameter "springs"; on "own springs"
+// each has one of its own, NODE.springs. `free` and `prior` stand beside --free and --prior;
+// `scene`, relative to the file, takes the place of SCENE.
+
+/// A candidate with what is fitted in it: names as for --free and --prior.
+struct NamedModel {
+  std::string name;
+  UpdateStates states;
+  std::vector<std::string> free, priors;
+};
+
+const std::vector<std::string> kSupportWords{"free", "pinned", "clamped", "springs", "own springs"};
+
+// Rotational springs across the member, started at 10 EI / L: between what a member takes for
+// pinned and for clamped. Returns their parameters.
+std::vector<std::string> put_springs(const model::Scene& scene, model::SceneNode& node) {
+  constexpr double kStart = 10;
+  const auto end = std::find_if(scene.members.begin(), scene.members.end(), [&](const auto& one) {
+    return one.nodes[0] == node.name || one.nodes[1] == node.name;
+  });
+  const bool any = end != scene.members.end();
+  const Eigen::Vector3d along =
+      any ? model::chord_of(scene, *end) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  Eigen::Index axis = 0;
+  const double length = along.norm();
+  if (!any || along.cwiseAbs().maxCoeff(&axis) < 0.95 * length) {
+    throw UsageError("springs at node " + node.name +
+                     ": its member must lie along an axis; give the candidate a scene of its own");
+  }
+  constexpr double kFixed = std::numeric_limits<double>::infinity();
+  auto& support = node.support;
+  if (support.kind != model::Support::Kind::elastic) support.translational.setConstant(kFixed);
+  support.kind = model::Support::Kind::elastic;
+  support.rotational.setConstant(kStart * std::max(end->EI[0], end->EI[1]) / length);
+  support.rotational[axis] = kFixed;
+  std::vector<std::string> targets;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    if (i == axis) continue;
+    targets.push_back(fmt::format("{}.rotational_{}", node.name, "xyz"[i]));
+  }
+  return targets;
 }
 
-// Where each parameter's uncertainty comes from, as shares of its variance; what is below half a
-// percent is not shown.
-void print_budget(std::ostream& out, const ident::UpdateResult& result) {
-  for (const auto& p : result.parameters) {
-    std::string shares;
-    for (const auto& term : p.budget) {
-      const double share = std::pow(term.std / p.std, 2);
-      if (!(share > 0.005)) continue;
-      shares += fmt::format("{}{} {:.0f} %", shares.empty() ? "" : ", ", term.source, 100 * share);
+// The supports of a candidate, by node; what springs are fitted goes to `free`.
+void put_supports(const std::vector<std::pair<std::string, std::string>>& words,
+                  model::Scene& scene, std::vector<std::string>* free) {
+  std::string shared;
+  for (const auto& [name, word] : words) {
+    const auto node = std::find_if(scene.nodes.begin(), scene.nodes.end(),
+                                   [&name = name](const auto& one) { return one.name == name; });
+    if (node == scene.nodes.end()) {
+      throw UsageError("candidates: the scene has no node \"" + name + "\"");
     }
-    if (!shares.empty() && p.budget.size() > 1) {
-      out << fmt::format("  variance of {}: {}\n", p.name, shares);
+    using Kind = model::Support::Kind;
+    if (word == "free" || word == "pinned" || word == "clamped") {
+      node->support = {};
+      node->support.kind = word == "free"     ? Kind::free
+                           : word == "pinned" ? Kind::pinned
+                                              : Kind::clamped;
+      continue;
+    }
+    std::string own;
+    for (const auto& target : put_springs(scene, *node)) {
+      std::string& list = word == "springs" ? shared : own;
+      if (!list.empty()) list += ',';
+      list += target;
+    }
+    if (!own.empty() && free != nullptr) free->push_back(fmt::format("{}.springs={}", name, own));
+  }
+  if (!shared.empty() && free != nullptr) free->push_back("springs=" + shared);
+}
+
+NamedModel read_candidate(document::TomlTable& table, const UpdateCommand& command,
+                          const UpdateStates& states, VerbContext& context) {
+  NamedModel one{table.string("name"), states, {}, {}};
+  if (table.has("scene")) {
+    UpdateData data = command.data;
+    const std::filesystem::path path =
+        std::filesystem::path(command.candidates).parent_path() / table.string("scene");
+    data.scenes = {path.string()};
+    one.states = read_update_states(data, context);
+  }
+  std::vector<std::pair<std::string, std::string>> supports;
+  if (table.has("supports")) {
+    auto words = table.table("supports");
+    for (const auto& node : words.keys()) {
+      supports.emplace_back(node, words.choice_or(node, kSupportWords, ""));
+    }
+    words.finish();
+  }
+  std::vector<std::pair<std::string, double>> values;
+  if (table.has("set")) {
+    auto set = table.table("set");
+    for (const auto& name : set.keys()) {
+      values.emplace_back(name, set.number(name, document::Bound::any, "SI"));
+    }
+    set.finish();
+  }
+  bool first = true;
+  for (auto& state : one.states.states) {
+    put_supports(supports, state.scene, first ? &one.free : nullptr);
+    for (const auto& [name, value] : values) model::set_parameter(state.scene, name, value);
+    first = false;
+  }
+  if (table.has("free")) {
+    for (auto& text : table.string_or_strings("free")) one.free.push_back(std::move(text));
+  }
+  if (table.has("prior")) one.priors = table.string_or_strings("prior");
+  table.finish();
+  return one;
+}
+
+// Every node that is held, with this word.
+NamedModel with_ends(const std::string& word, const UpdateStates& states) {
+  NamedModel one{word, states, {}, {}};
+  bool first = true;
+  for (auto& state : one.states.states) {
+    std::vector<std::pair<std::string, std::string>> supports;
+    for (const auto& node : state.scene.nodes) {
+      if (node.support.kind != model::Support::Kind::free) supports.emplace_back(node.name, word);
+    }
+    put_supports(supports, state.scene, first ? &one.free : nullptr);
+    first = false;
+  }
+  return one;
+}
+
+/// The candidates of `command.candidates` or `command.ends`. `states`: as the command gives them.
+std::vector<NamedModel> candidate_models(const UpdateCommand& command, const UpdateStates& states,
+                                         VerbContext& context) {
+  std::vector<NamedModel> models;
+  for (const auto& word : command.ends) models.push_back(with_ends(word, states));
+  if (!command.candidates.empty()) {
+    context.input(command.candidates);
+    auto root = document::TomlTable::read_file(command.candidates);
+    for (auto& table : root.tables_or_empty("candidate")) {
+      models.push_back(read_candidate(table, command, states, context));
+    }
+    root.finish();
+  }
+  std::set<std::string> names;
+  for (const auto& one : models) {
+    if (!names.insert(one.name).second) {
+      throw UsageError("candidates: \"" + one.name + "\" is there twice");
     }
   }
+  if (models.size() < 2) throw UsageError("candidates: two or more are needed to compare");
+  return models;
 }
 
-// Misfit, parameters with their budgets, pairs, rms errors, alternatives with what decides.
-void print_update(std::ostream& out, const ident::UpdateResult& result, const States& states) {
+Json candidates_json(const ident::CandidateComparison& comparison, VerbContext& context) {
+  auto& out = context.out;
+  out << '\n';
+  describe::print(out, describe::table_of(comparison.candidates));
+  if (!comparison.averaged.empty()) {
+    out << "averaged over the candidates by their weights:\n";
+    describe::print(out, describe::table_of(comparison.averaged));
+  }
+  const auto& best = comparison.candidates[static_cast<std::size_t>(comparison.heaviest)];
+  if (best.weight < 0.9) {
+    context.refuse("several_models",
+                   fmt::format("no candidate has 90 % of the weight, the heaviest ({}) has {:.2f}: "
+                               "see candidates; the averaged values allow for all of them. More "
+                               "modes, shapes or a prior decide",
+                               best.name, best.weight));
+  }
+  return {{"candidates", describe::json_of(comparison.candidates)},
+          {"averaged", describe::json_of(comparison.averaged)}};
+}
+
+void print_update(std::ostream& out, const ident::UpdateResult& result) {
   if (result.fit.ruled_out())
     out << "the data rule this model out: " << ident::fit_text(result.fit) << '\n';
   describe::print(out, describe::table_of(result.parameters));
-  print_budget(out, result);
-  describe::print(out, describe::table_of(ident::pair_rows(result.pairs, result.unpaired, states)));
+  for (const auto& p : result.parameters) {
+    const auto shares = describe::shares_text(ident::variance_shares(p));
+    if (p.budget.size() > 1) out << fmt::format("  variance of {}: {}\n", p.name, shares);
+  }
+  describe::print(out, describe::table_of(ident::pair_rows(result.pairs, result.unpaired)));
   if (!result.pairs.empty()) {
-    out << fmt::format("rms of the paired errors: {} before, {} fitted\n",
-                       percent(result.rms_relative_error_before),
-                       percent(result.rms_relative_error));
+    out << fmt::format("rms of the paired errors: {:.2f} % before, {:.2f} % fitted\n",
+                       100 * result.rms_relative_error_before, 100 * result.rms_relative_error);
   }
   out << "fit: " << ident::fit_text(result.fit) << '\n';
   if (result.alternatives.size() > 1) {
@@ -66,71 +239,6 @@ void print_update(std::ostream& out, const ident::UpdateResult& result, const St
         "rms of |ln(model / measured)| over {} FRF lines: {:.3f} before, {:.3f} fitted\n",
         result.frf_lines, result.rms_log_frf_error_before, result.rms_log_frf_error);
   }
-}
-
-// Paired errors of the model before, fitted and held out, and of other models in the same rows.
-Json comparison_json(const UpdateCommand& options, const UpdateStates& states,
-                     const ident::UpdateResult& result, const std::vector<ident::HeldOut>& held,
-                     VerbContext& context) {
-  const auto error_of = [](const std::vector<ident::UpdatedPair>& pairs, std::size_t state,
-                           std::size_t measured) {
-    for (const auto& pair : pairs) {
-      if (pair.state == static_cast<int>(state) && pair.measured == static_cast<int>(measured) &&
-          !pair.cross_plane) {
-        return pair.relative_error;
-      }
-    }
-    return std::numeric_limits<double>::quiet_NaN();
-  };
-  std::vector<std::string> names{"before", "fitted"};
-  if (!held.empty()) names.emplace_back("held out");
-  names.insert(names.end(), options.data.compare.begin(), options.data.compare.end());
-  describe::Table table{"", {"relative errors", "measured, Hz"}, {false, true}, {}};
-  table.heads.insert(table.heads.end(), names.begin(), names.end());
-  table.numeric.resize(table.heads.size(), true);
-  std::vector<double> squares(names.size());
-  std::vector<int> counts(names.size());
-  Json rows = Json::array(), rms;
-  for (std::size_t s = 0; s < states.states.size(); ++s) {
-    const auto& state = states.states[s];
-    for (std::size_t m = 0; m < state.measured.size(); ++m) {
-      const double measured = state.measured[m].frequency_hz.value;
-      std::vector<double> errors{error_of(result.pairs_before, s, m), error_of(result.pairs, s, m)};
-      if (!held.empty()) errors.push_back(error_of(held[s].pairs, s, m));
-      for (const double other : states.compared[s][m]) errors.push_back(other / measured - 1);
-      Json row{{"state", state.name}, {"measured_hz", measured}};
-      auto& cells =
-          table.rows.emplace_back(std::vector{state.name, fmt::format("{:.4f}", measured)});
-      for (std::size_t i = 0; i < names.size(); ++i) {
-        const bool there = std::isfinite(errors[i]);
-        cells.push_back(there ? fmt::format("{:+.2f} %", 100 * errors[i]) : "-");
-        row[names[i]] = errors[i];
-        if (there) squares[i] += errors[i] * errors[i], ++counts[i];
-      }
-      rows.push_back(std::move(row));
-    }
-  }
-  auto& last = table.rows.emplace_back(std::vector<std::string>{"all", "rms"});
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const double all = std::sqrt(squares[i] / counts[i]);  // NaN: none
-    last.push_back(percent(all));
-    rms[names[i]] = {{"rms_relative_error", all}, {"modes", counts[i]}};
-  }
-  context.out << '\n';
-  describe::print(context.out, table);
-  return {{"rms", std::move(rms)}, {"rows", std::move(rows)}};
-}
-
-void print_held_out(const UpdateStates& states, const std::vector<ident::HeldOut>& held,
-                    VerbContext& context) {
-  describe::Table table{
-      "", {"held out", "before", "others fitted", "predicted"}, {false, true, true, true}, {}};
-  for (const auto& one : held) {
-    table.rows.push_back({states.states[static_cast<std::size_t>(one.state)].name,
-                          percent(one.rms_before), percent(one.rms_fitted),
-                          percent(one.rms_predicted)});
-  }
-  describe::print(context.out, table);
 }
 
 /// The fitted scene of each state, with the segments that its file asks for.
@@ -191,20 +299,24 @@ ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& sta
   for (auto& input : uncertain_inputs(options.inputs, options.stiffness_common_std, states)) {
     update.inputs.push_back(std::move(input));
   }
-  for (auto& input : aim_inputs(options.aims, states)) update.inputs.push_back(std::move(input));
   for (auto& input : ident::sample_rate_inputs(states.clocks)) {
     update.inputs.push_back(std::move(input));
   }
   return update;
 }
 
-void tell_findings(const std::vector<ident::Finding>& findings, const ident::UpdateResult& result,
-                   VerbContext& context) {
+/// Text, figures, findings and JSON of a fit.
+Json told(const UpdateStates& states, const ident::UpdateResult& result,
+          const std::vector<ident::HeldOut>& held, const std::vector<ident::Finding>& findings,
+          VerbContext& context) {
+  print_update(context.out, result);
+  if (context.plots) context.plots->add(fit_blocks("fit", states.states, result, held));
   context.tell(findings);
   if (result.status == ident::UpdateStatus::not_converged) {
     context.warn("not_converged", result.message);
     context.exit_code = ExitCode::not_converged;
   }
+  return describe::json_of(result);
 }
 
 // Several models of the same modes: the heaviest as a fit by itself, and all beside each other.
@@ -242,10 +354,7 @@ Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbCont
   result = comparison.candidates[best].result;
   states = std::move(models[best].states);
   context.out << "the heaviest candidate: " << comparison.candidates[best].name << '\n';
-  print_update(context.out, result, states.states);
-  if (context.plots) context.plots->add(fit_blocks("fit", states.states, result, {}));
-  tell_findings(ident::fit_findings(result), result, context);
-  Json json = update_json(result, states.states);
+  Json json = told(states, result, {}, ident::fit_findings(result), context);
   json.update(candidates_json(comparison, context));
   return json;
 }
@@ -264,19 +373,11 @@ Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext
   result = std::move(outcome.result);
   if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
 
-  print_update(context.out, result, states.states);
-  if (context.plots) {
-    context.plots->add(fit_blocks("fit", states.states, result, outcome.held));
-  }
-  tell_findings(outcome.findings, result, context);
-  Json json = update_json(result, states.states);
+  Json json = told(states, result, outcome.held, outcome.findings, context);
   if (options.hold_out) {
-    print_held_out(states, outcome.held, context);
-    json["hold_out"] = held_out_json(outcome.held, states.states);
+    describe::print(context.out, describe::table_of(outcome.held));
+    json["hold_out"] = describe::json_of(outcome.held);
     json["rms_relative_error_held_out"] = outcome.rms_held_out;
-  }
-  if (!options.data.compare.empty()) {
-    json["comparison"] = comparison_json(options, states, result, outcome.held, context);
   }
   return json;
 }
@@ -297,8 +398,6 @@ Json run(UpdateCommand& options, VerbContext& context) {
   }
   return json;
 }
-
-}  // namespace
 
 describe::Options options_of(UpdateCommand& c) {
   using describe::option;
@@ -327,8 +426,6 @@ describe::Options options_of(UpdateCommand& c) {
       option("--band", c.band, "Lines and modes of FRFs, decays and UFF 55 that count", "Hz")
           .count(2)
           .from_zero(),
-      option("--compare", c.data.compare,
-             "Further columns of the tables: frequencies of other models, shown beside"),
       option("--free", c.free,
              "Scene parameters to fit: NAME, NAME=TARGET,-TARGET (several that share a value), "
              "NAME@each (one value a state). Default: every member's EI"),
@@ -363,10 +460,6 @@ describe::Options options_of(UpdateCommand& c) {
              "Uncertainty of what is not fitted: TARGET=STD or TARGET=0.5%, several targets with "
              "commas (-TARGET: opposite), `tension` for the cables' reading, @each at the end: "
              "independent in each state. Carried into the parameters and the predictions"),
-      option("--aim", c.aims,
-             "Where a load of the scene struck, LOAD=METRES,DEGREES (standard uncertainties of its "
-             "place along the member and of its direction, of the mean of the hits): carried on "
-             "like every --input. With --frf"),
       option("--assumed-std", c.assumed_std,
              "Relative standard uncertainty of frequencies that come without one")
           .within(1e-9, 1.0),
@@ -389,6 +482,8 @@ describe::Options options_of(UpdateCommand& c) {
              "Also leave out each state in turn and predict it from the others"),
       option("--out", c.out, "Updated scene").writes()};
 }
+
+}  // namespace
 
 Verb update_verb() {
   return verb_of<UpdateCommand>(

@@ -17,13 +17,12 @@ from . import _core
 from ._core import FrfSet
 from .errors import (ArgumentError, DataWarning, Error, InputError, InternalError, NotConverged, Refused, UsageError)
 from .functions import (axial, bending, decay, frf, inspect, modal, modes, predict, read, report, resample, respond, synthesize,
-                        tension, tension_table, update)
+                        tension, update)
 from .model import Scene, frf_of
 from .recordings import Channel, Recording
 from .results import (AxialResult, BendingResult, DecayResult, Estimate, FrfResult, InspectResult, ModalResult,
                       ModesResult, PredictResult, Record, Records, ReportResult, ResampleResult, RespondResult, Result, SceneFrfs,
-                      SynthesizeResult, TensionResult, TensionTableResult, UpdateResult)
-from .spectra import frfs_of_arrays
+                      SynthesizeResult, TensionResult, UpdateResult)
 
 __version__ = _core.version
 
@@ -31,9 +30,9 @@ __all__ = [
     "ArgumentError", "AxialResult", "BendingResult", "Channel", "DataWarning", "DecayResult", "Error", "Estimate",
     "FrfResult", "FrfSet", "InputError", "InspectResult", "InternalError", "ModalResult", "ModesResult", "NotConverged",
     "PredictResult", "Record", "Recording", "Records", "Refused", "ReportResult", "ResampleResult", "RespondResult", "Result", "Scene", "SceneFrfs",
-    "SynthesizeResult", "TensionResult", "TensionTableResult", "UpdateResult", "UsageError", "axial", "bending", "decay", "frf", "frf_of",
-    "frfs_of_arrays", "inspect", "modal", "modes", "predict", "read", "report", "resample", "respond", "synthesize", "tension",
-    "tension_table", "update",
+    "SynthesizeResult", "TensionResult", "UpdateResult", "UsageError", "axial", "bending", "decay", "frf", "frf_of",
+    "inspect", "modal", "modes", "predict", "read", "report", "resample", "respond", "synthesize", "tension",
+    "update",
 ]
 
 

@@ -125,11 +125,6 @@ def sequence(argument, value):
     fail(argument, f"must be one or a list of them, not {kind(value)}")
 
 
-def texts(argument, value):
-    """One string or several."""
-    return [text(argument, one) for one in sequence(argument, value)]
-
-
 def paths(argument, value):
     """One path or several."""
     return [path(argument, one) for one in sequence(argument, value)]
@@ -156,8 +151,8 @@ def band(argument, value):
     return values
 
 
-def array(argument, value, dimensions, dtype=np.float64, missing=False):
-    """A contiguous, aligned array of so many dimensions; the very same where it is one already. ``missing``: NaN may
+def array(argument, value, missing=False):
+    """A contiguous, aligned array of one dimension; the very same where it is one already. ``missing``: NaN may
     stand in it, and masked values become NaN."""
     if isinstance(value, (str, bytes)) or hasattr(value, "read"):
         fail(argument, f"must be an array, not {kind(value)}")
@@ -169,14 +164,13 @@ def array(argument, value, dimensions, dtype=np.float64, missing=False):
         given = np.asarray(value)
     except (ValueError, TypeError) as error:
         fail(argument, f"is no array: {error}")
-    wanted = "biuf" if dtype == np.float64 else "biufc"
-    if given.dtype.kind not in wanted:
-        fail(argument, f"must hold {'real ' if dtype == np.float64 else ''}numbers, not {given.dtype}")
-    if given.ndim != dimensions:
-        fail(argument, f"must have {dimensions} dimension{'s' * (dimensions > 1)}, not {given.ndim}")
+    if given.dtype.kind not in "biuf":
+        fail(argument, f"must hold real numbers, not {given.dtype}")
+    if given.ndim != 1:
+        fail(argument, f"must have 1 dimension, not {given.ndim}")
     if given.size == 0:
         fail(argument, "has no elements")
-    given = np.require(given, dtype, ("C", "A"))
+    given = np.require(given, np.float64, ("C", "A"))
     if not missing and not np.isfinite(given).all():
         fail(argument, f"holds {int((~np.isfinite(given)).sum())} values that are not finite")
     return given

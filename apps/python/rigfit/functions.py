@@ -5,18 +5,18 @@ from collections.abc import Mapping
 import functools
 import json
 import pathlib
+import re
 import tempfile
 
 import numpy as np
 
 from . import _core, checks
-from .described import call, is_path, options_of, parted, verb
+from .described import call, is_path, parted, verb
 from .model import Scene, scene_or_path
 from .recordings import Recording, sources, warn
-from .results import (AxialResult, BendingResult, DecayResult, FrfResult, InspectResult, ModalResult, ModesResult,
+from .results import (AxialResult, BendingResult, DecayResult, Estimate, FrfResult, InspectResult, ModalResult, ModesResult,
                       PredictResult, ReportResult, ResampleResult, RespondResult, SynthesizeResult, TensionResult,
-                      TensionTableResult, UpdateResult)
-from .tables import write_cables, write_modes
+                      UpdateResult)
 
 
 def _run(name, options, inputs=None):
@@ -122,6 +122,45 @@ def axial(recordings, options):
 _MODES = "_Path | ModalResult | ArrayLike | Sequence[Any]"
 
 
+def write_modes(argument, given, folder):
+    """Measured modes as a table that the program reads: its path. ``given``: path, ModalResult, frequencies, or dicts."""
+    if isinstance(given, ModalResult):
+        rows = [{"frequency_hz": mode["frequency_hz"]["value"], "std": mode["frequency_hz"]["std"],
+                 "damping_ratio": mode["damping_ratio"]["value"], "damping_std": mode["damping_ratio"]["std"]}
+                for mode in given._fields["modes"]]
+    elif isinstance(given, np.ndarray) or (isinstance(given, (list, tuple)) and
+                                           not any(isinstance(one, Mapping) for one in given)):
+        rows = [{"frequency_hz": f} for f in checks.numbers(argument, given, positive=True)]
+    elif isinstance(given, (list, tuple)):
+        rows = list(given)
+    else:
+        checks.fail(argument, f"must be a path, a ModalResult, frequencies or a list of dicts, not {checks.kind(given)}")
+    known = ("frequency_hz", "std", "damping_ratio", "damping_std", "plane", "tension_N")
+    columns = []
+    for i, row in enumerate(rows):
+        if not isinstance(row, Mapping):
+            checks.fail(f"{argument}[{i}]", f"must be a dict, not {checks.kind(row)}")
+        for key in row:
+            if not isinstance(key, str) or not (key in known or re.fullmatch('(?s)shape:[^,"\n\r]*', key)):
+                checks.fail(f"{argument}[{i}]", f"has an unknown entry {key!r}; known are {', '.join(known)}")
+        if "frequency_hz" not in row:
+            checks.fail(f"{argument}[{i}]", "has no frequency_hz")
+        columns += [key for key in row if key not in columns]
+    if not rows:
+        checks.fail(argument, "holds no mode")
+
+    def cell(entry, column, value):
+        value = value.value if isinstance(value, Estimate) else value
+        if value is None:
+            return ""
+        return checks.choice(entry, value, ("in", "out", "any")) if column == "plane" else repr(checks.number(entry, value))
+    lines = [",".join(columns)] + [",".join(cell(f"{argument}[{i}].{key}", key, row.get(key)) for key in columns)
+                                   for i, row in enumerate(rows)]
+    file = pathlib.Path(folder) / f"{argument.replace('[', '_').replace(']', '')}.csv"
+    file.write_text("\n".join(lines) + "\n")
+    return str(file)
+
+
 def _measured(options, folder):
     if "measured" in options:
         given = options["measured"]
@@ -134,18 +173,6 @@ def tension(recordings=None, options=None, folder=None):
     """Tension of a cable, hanger or stay from its natural frequencies: of recordings of its motion, ``frequencies`` or ``measured``."""
     _measured(options, folder)
     return _run("tension", options, [] if recordings is None else sources("recordings", recordings))
-
-
-@verb("tension", TensionTableResult, raw={"table": "_Path | Sequence[Mapping[str, Any]] | Any"},
-      without=set(options_of("tension")) - {"table", "out", "missed", "false_mode", "threads", "seed"})
-@_with_folder
-def tension_table(table, options, folder=None):
-    """Tensions of many cables, a row each: a file, a list of dicts or a DataFrame with the columns name, length (m),
-    mass_per_length (kg/m), and where known EI (N m2), EA (N), each also with ``_std``, inclination (degrees), ends, plane, mass_of,
-    frequency_std (Hz); and f1, f2 ... or frequencies (a list), Hz."""
-    table = options["table"]
-    options["table"] = checks.path("table", table) if is_path(table) else write_cables("table", table, folder)
-    return _run("tension", options)
 
 
 @verb("modes", ModesResult)

@@ -93,7 +93,7 @@ def frf_of(scene, frequency_hz, *, segments=None, exponential_window=None):
         ``frequency_hz`` and ``H``, complex, shape (lines, sensors, loads), in ``units``; ``sensors``, ``loads``.
     """
     options = {}
-    lines = checks.array("frequency_hz", frequency_hz, 1)
+    lines = checks.array("frequency_hz", frequency_hz)
     if lines.min() < 0:
         checks.fail("frequency_hz", f"must not be negative, not {lines.min():g}")
     if segments is not None:

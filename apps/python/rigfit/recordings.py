@@ -92,7 +92,7 @@ class Recording(Sequence):
                 unit = (units or {}).get(title, "")
             if not isinstance(unit, str):
                 checks.fail(f"channels[{i}].unit_str", f"must be a string, not {checks.kind(unit)}")
-            data = checks.array(f"channels[{i}].data", channel["data"], 1, missing=True)
+            data = checks.array(f"channels[{i}].data", channel["data"], missing=True)
             if np.isinf(data).any():
                 checks.fail(f"channels[{i}].data", f"holds {np.isinf(data).sum()} infinite values (missing samples are NaN)")
             one = {"name": title, "unit": unit.replace("\0", ""), "data": data, "missing": int(np.isnan(data).sum())}

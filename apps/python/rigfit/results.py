@@ -255,9 +255,6 @@ TensionResult = _result(
     "TensionResult", "modes", "Tension of a cable: ``tension_N``, ``EI_Nm2``, ``candidates``, ``modes``, ``formulas``, ``budget``.",
     tension_N="Estimate", EI_Nm2="Estimate", ends="str", candidates="Records", modes="Records", formulas="Record",
     budget="Records")
-TensionTableResult = _result(
-    "TensionTableResult", "cables", "Tensions of a table of cables: ``cables``, each as a `TensionResult` with ``name`` and "
-    "``line``, or ``error``.", cables="Records")
 PredictResult = _result(
     "PredictResult", "modes", "Modes of another scene with a fit's parameters: ``modes`` (``frequency_hz`` with low, high), "
     "``interval``; ``measured`` where it was compared, ``response`` where it was written.",

@@ -40,9 +40,7 @@ void run_unlocked(std::function<void()> work);
 /// Values by such names into these options.
 void take(const describe::Options& options, const py::dict& given);
 
-void bind_recordings(py::module_& module);  ///< Recording, made of arrays or read
-void bind_frfs(py::module_& module);        ///< FrfSet, made of arrays or read
-void bind_scenes(py::module_& module);      ///< Scene, frf_of
+void bind_objects(py::module_& module);  ///< Recording, FrfSet, Scene and what makes them
 
 /// Calls that were interrupted and still work.
 [[nodiscard]] int abandoned_calls();

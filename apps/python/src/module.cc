@@ -91,7 +91,5 @@ PYBIND11_MODULE(_core, module) {
   module.def("run", &rigfit::python::run);
   module.def("options", &rigfit::python::described_options);
   module.def("abandoned_calls", &rigfit::python::abandoned_calls);
-  rigfit::python::bind_recordings(module);
-  rigfit::python::bind_frfs(module);
-  rigfit::python::bind_scenes(module);
+  rigfit::python::bind_objects(module);
 }

@@ -260,31 +260,8 @@ class PageWriter {
            });
   }
 
-  /// What is on paper at the foot of each page.
-  [[nodiscard]] std::string footer_style() const {
-    std::string line = frame_.title;
-    for (const auto& more : {frame_.details.client, frame_.details.revision}) {
-      if (!more.empty()) line += " · " + more;
-    }
-    std::string quoted;
-    for (const char c : line) {
-      if (c == '"' || c == '\\') quoted += '\\';
-      if (c == '<' || c == '\n') {
-        quoted += ' ';
-      } else {
-        quoted += c;
-      }
-    }
-    return fmt::format(
-        "<style>@page {{ @bottom-left {{ content: \"{}\"; font: 8pt sans-serif; color: #555; }} "
-        "@bottom-right {{ content: counter(page) \" / \" counter(pages); font: 8pt sans-serif; "
-        "color: #555; }} }}</style>\n",
-        quoted);
-  }
-
   void head(const std::string& title) {
-    html_ = BlockHtml::head(title,
-                            fmt::format("<style>{}</style>\n", assets::page_css) + footer_style());
+    html_ = BlockHtml::head(title, fmt::format("<style>{}</style>\n", assets::page_css));
     html_ += "<body>\n<a class=\"skip\" href=\"#main\">To the content</a>\n";
   }
 

@@ -30,7 +30,7 @@ struct PageFrame {
   std::vector<std::pair<std::string, std::string>> links = {};   ///< other pages: file, title
 };
 
-/// report.html. `overview` (parts/overview_part.cc) stands on the first page.
+/// report.html. `overview` (parts/parts.h) stands on the first page.
 [[nodiscard]] std::string report_page(const PageFrame& frame, const ReportPart& overview,
                                       std::span<const ReportPart> parts);
 /// appendix.html of a client's report.

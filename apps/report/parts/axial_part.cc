@@ -32,13 +32,6 @@ class AxialPart : public TestPart {
   }
 
  private:
-  [[nodiscard]] std::string intro() const override {
-    return fmt::format(
-        "A mass of {:g} kg hangs from a length of cable and is struck, so that the tension "
-        "oscillates. The frequency gives the axial stiffness EA, the decay the damping.",
-        inputs_.setup.mass_kg.value);
-  }
-
   void take(LoadedRecording entry, const RecordingGroup& group) override {
     inputs_.recordings.push_back({entry.file, std::move(*entry.recording), *group.length_m});
   }

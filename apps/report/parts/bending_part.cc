@@ -74,18 +74,6 @@ class BendingPart : public TestPart {
   }
 
  private:
-  [[nodiscard]] std::string intro() const override {
-    if (!kind_.beam()) {
-      return "A length of cable is clamped at both ends, pulled to a tension and pressed sideways "
-             "at mid-span. The slope of deflection over load gives its bending stiffness EI.";
-    }
-    return fmt::format(
-        "A beam of {:g} m ({}), without tension. The slope of load over deflection in its elastic "
-        "part gives EI = slope span³ / {:g}; shear is left out.",
-        bending_.test.span_m.value, name_of(bending_.test.ends),
-        ident::beam_stiffness_factor(bending_.test.ends));
-  }
-
   void take(LoadedRecording entry, const RecordingGroup& group) override {
     const BendingColumns columns{
         kind_.tension_channel, kind_.load_channel, kind_.deflection_channel,

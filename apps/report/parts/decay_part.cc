@@ -61,12 +61,6 @@ class DecayPart : public TestPart {
   }
 
  private:
-  [[nodiscard]] std::string intro() const override {
-    return "The rig is released (a string is cut) or tapped and vibrates freely. Damped "
-           "oscillations are fitted to the records; frequencies and time window are found, not "
-           "given.";
-  }
-
   void take(LoadedRecording entry, const RecordingGroup& group) override {
     inputs_.recordings.push_back({entry.file, std::move(*entry.recording), group.tension_N});
   }

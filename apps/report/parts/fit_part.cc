@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cli/json_document.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/figures.h"
 #include "apps/report/page/answer.h"
 #include "apps/report/parts/parts.h"
 #include "apps/results/modal_files.h"
-#include "apps/results/results_json.h"
 #include "ident/campaign/fit_campaign.h"
 #include "ident/update/update_rows.h"
 #include "model/scene/parameters.h"
@@ -41,10 +39,10 @@ class Fit {
              result_.message.empty() ? ident::name_of(result_.status) : result_.message, fit_.name);
       if (result_.scenes.empty() || result_.pairs.empty()) return std::move(part_);
     }
-    part_.json.update(update_json(result_, updates_));
+    part_.json.update(describe::json_of(result_));
     part_.json["misfit"] = part_.json["fit"];  // "fit" is its name here
     part_.json["fit"] = fit_.name;
-    if (!held_.empty()) part_.json["hold_out"] = held_out_json(held_, updates_);
+    if (!held_.empty()) part_.json["hold_out"] = describe::json_of(held_);
     for (const auto& finding : answer_.outcome.findings) {
       part_.warnings.push_back(
           {finding.code, finding.message,
@@ -66,23 +64,16 @@ class Fit {
   }
 
   [[nodiscard]] std::string intro() const {
-    std::string tests, parameters;
+    std::string tests;
     for (const std::size_t test : fit_.tests) {
       tests += (tests.empty() ? "" : "; ") + campaign_.tests[test].title;
     }
-    for (const auto& parameter : fit_.parameters) {
-      parameters += (parameters.empty() ? "" : ", ") + parameter_words(parameter.free.name);
-      if (parameter.free.per_state) parameters += " (one value for each state)";
-    }
     const double allowed = answer_.task.options.model_relative_std;
-    return fmt::format(
-        "Fitted: {}, to {} in {} of: {}. Each measured mode is paired with one of the model, and "
-        "the parameters minimise the differences over their uncertainties{}.{}",
-        parameters, counted(measured_, "mode"), counted(answer_.states.size(), "state"), tests,
-        allowed < 1e-5
-            ? std::string()
-            : fmt::format("; the model itself is allowed {} in frequency", percent_words(allowed)),
-        held_.empty() ? "" : " Each state held out is predicted from the others.");
+    return fmt::format("Fitted to {} in {} of: {}{}.", counted(measured_, "mode"),
+                       counted(answer_.states.size(), "state"), tests,
+                       allowed < 1e-5 ? std::string()
+                                      : fmt::format("; the model itself is allowed {} in frequency",
+                                                    percent_words(allowed)));
   }
 
   /// Unit of a free parameter, by the first scene that has it.
@@ -176,20 +167,12 @@ class Fit {
              (held ? fmt::format(", {} held out", percent_words(held_rms)) : ""),
          Origin::modelled});
     if (held_.empty()) return;
-    ReportTable table{fit_.name + "-errors",
-                      "Root-mean-square relative error in frequency: before, of the states fitted, "
-                      "of the state held out.",
-                      {{"held out", {}, false},
-                       {"before", Origin::modelled},
-                       {"fitted", Origin::modelled},
-                       {"predicted", Origin::modelled}}};
-    for (const auto& one : held_) {
-      table.rows.push_back({state_words(state_of(one.state)), percent_words(one.rms_before),
-                            percent_words(one.rms_fitted),
-                            one.status == ident::UpdateStatus::converged
-                                ? percent_words(one.rms_predicted)
-                                : ident::name_of(one.status)});
-    }
+    ReportTable table = described_table(
+        fit_.name + "-errors",
+        "Root-mean-square relative error in frequency: before, of the states fitted, of the state "
+        "held out.",
+        describe::table_of(held_), Origin::modelled);
+    for (auto& row : table.rows) row.front() = state_words(row.front().text);
     table.rows.push_back({"all", before, fitted, percent_words(held_rms)});
     part_.blocks.push_back(std::move(table));
     // An error held out that is much larger than the fitted one: too much freedom.
@@ -219,7 +202,7 @@ class Fit {
     }
     ReportTable table = described_table(
         fit_.name + "-pairs", "Every measured mode and the model's.",
-        describe::table_of(ident::pair_rows(result_.pairs, alone, updates_)), Origin::modelled);
+        describe::table_of(ident::pair_rows(result_.pairs, alone)), Origin::modelled);
     if (table.rows.size() > 16) table.fold = fmt::format("All {} pairs", table.rows.size());
     part_.blocks.push_back(std::move(table));
     if (lonely.empty()) return;

@@ -47,23 +47,6 @@ class ModalPart : public TestPart {
   }
 
  private:
-  [[nodiscard]] std::string intro() const override {
-    if (inputs_.options.ambient) {
-      return "The rig moves under forces that nobody measures. Resonances of the correlations "
-             "between the sensors give natural frequencies, damping and unscaled shapes.";
-    }
-    const double end_level = inputs_.options.hammer.impact.exponential_end_level;
-    return fmt::format(
-        "The rig is struck with a hammer that measures its force, and the response of the sensors "
-        "is recorded. Each hit is judged; the accepted ones are averaged to frequency response "
-        "functions, which give natural frequencies, damping and shapes.{}",
-        end_level > 0
-            ? fmt::format(" An exponential window, down to {:g} % at the end, acts on force and "
-                          "responses alike; its damping is taken out of every mode.",
-                          100 * end_level)
-            : "");
-  }
-
   void take(LoadedRecording entry, const RecordingGroup& group) override {
     inputs_.recordings.push_back(
         {std::move(*entry.recording), group.tension_N, group.load, group.origin()});

@@ -35,8 +35,6 @@ class TestPart {
   virtual std::vector<ReportPart> show(ident::CampaignResult& result) = 0;
 
  protected:
-  /// What was done, for somebody who does not know such tests.
-  [[nodiscard]] virtual std::string intro() const = 0;
   virtual void take(LoadedRecording entry, const RecordingGroup& group) = 0;
   /// `where`: instead of each finding's own place.
   void tell(std::vector<ident::Finding> findings, const std::string& where = {});

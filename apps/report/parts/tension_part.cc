@@ -52,11 +52,6 @@ class TensionPart : public TestPart {
   }
 
  private:
-  [[nodiscard]] std::string intro() const override {
-    return "The natural frequencies of a cable give its tension. The order of each mode, bending "
-           "stiffness, ends and sag are found with it.";
-  }
-
   void take(LoadedRecording entry, const RecordingGroup&) override {
     inputs_.recordings.push_back({entry.file, std::move(*entry.recording)});
   }

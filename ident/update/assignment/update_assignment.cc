@@ -61,13 +61,14 @@ UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelle
   }
   for (const int index : found.unpaired_measured) {
     const double hz = measured[static_cast<std::size_t>(index)].frequency_hz;
-    result.unpaired.push_back({s, hz, true, false, "no mode of the model explains it"});
+    result.unpaired.push_back({s, hz, true, false, "no mode of the model explains it", state.name});
   }
   for (const auto& missed : found.missed) {
     const auto& mode = modelled.modes[static_cast<std::size_t>(missed.model)];
     result.unpaired.push_back({s, mode.frequency_hz, false, true,
                                fmt::format("{} {}: the test should have seen it",
-                                           model::name_of(mode.plane), mode.order + 1)});
+                                           model::name_of(mode.plane), mode.order + 1),
+                               state.name});
   }
   return result;
 }

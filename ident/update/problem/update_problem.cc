@@ -396,8 +396,8 @@ std::vector<UpdatedPair> UpdateProblem::pairs(const Eigen::VectorXd& q,
     }
     const UpdateModelMode* mode = modelled.find(match.plane, match.order);
     if (mode == nullptr) continue;
-    const auto& measured = states_[static_cast<std::size_t>(match.state)]
-                               .measured[static_cast<std::size_t>(match.measured)];
+    const auto& state = states_[static_cast<std::size_t>(match.state)];
+    const auto& measured = state.measured[static_cast<std::size_t>(match.measured)];
     result.push_back({.state = match.state,
                       .measured = match.measured,
                       .plane = match.plane,
@@ -409,7 +409,9 @@ std::vector<UpdatedPair> UpdateProblem::pairs(const Eigen::VectorXd& q,
                       .measured_damping =
                           known(measured.damping_ratio.value) ? measured.damping_ratio.value : kNaN,
                       .model_damping = damping_ ? mode->damping_ratio : kNaN,
-                      .cross_plane = match.cross_plane});
+                      .cross_plane = match.cross_plane,
+                      .state_name = state.name,
+                      .measured_std_hz = measured.frequency_hz.std});
   }
   return result;
 }

@@ -49,6 +49,8 @@ struct UpdatedPair {
   double measured_hz = 0, model_hz = 0, relative_error = 0, mac = 0;
   double measured_damping = 0, model_damping = 0;  ///< NaN when not measured
   bool cross_plane = false;
+  std::string state_name = {};
+  double measured_std_hz = std::numeric_limits<double>::quiet_NaN();
   /// Standard uncertainty of model_hz from parameters, inputs and segments; NaN: unknown.
   double model_std_hz = std::numeric_limits<double>::quiet_NaN();
 };
@@ -58,7 +60,7 @@ struct UpdatedUnpaired {
   double frequency_hz = 0;
   bool measured = true;  ///< else modelled
   bool missing = false;
-  std::string reason;
+  std::string reason, state_name;
 };
 
 /// Agreement of the fit with the stated uncertainties of its data. If the probability of the misfit

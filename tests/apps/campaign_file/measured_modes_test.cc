@@ -180,11 +180,14 @@ TEST(MeasuredModes, NodesElsewhereAreSaid) {
       "        13\n  0.00000E+00  1.00000E+00  0.00000E+00\n"
       "    -1\n";
   const auto file = folder.write("modes.uff", text);
-  std::vector<std::string> remarks;
-  const auto plain = read_uff_measured_modes(file, {}, scene, remarks);
+  std::ostream nothing(nullptr);
+  VerbContext context(nothing);
+  context.silent = true;
+  const auto plain = measured_modes(file, "", {}, scene, context);
   ASSERT_EQ(plain.size(), 1u);
   EXPECT_EQ(plain[0].mode.shape.size(), 0);
-  EXPECT_THAT(remarks, ::testing::ElementsAre(HasSubstr("sensor low at")));
+  ASSERT_EQ(context.notes().size(), 1u);
+  EXPECT_THAT(context.notes()[0].message, HasSubstr("sensor low at"));
 
   EXPECT_EQ(plain[0].mode.damping_ratio.value, 0.01);
   const auto run = [&](std::vector<std::string> more) {

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -42,10 +41,6 @@ TEST(Usage, HelpIsThereForEveryVerbAndFile) {
   }
   EXPECT_THAT(run_line("help scene").out, HasSubstr("mass_per_length"));
   EXPECT_THAT(run_line("help man decay").out, StartsWith(".TH \"rigfit\\-decay\" 1"));
-  EXPECT_THAT(run_line("help completion bash").out, StartsWith("complete "));
-  ::setenv("COMP_LINE", "rigfit decay --ch", 1);
-  EXPECT_EQ(run_line("help words").out, "--channel\n");
-  ::unsetenv("COMP_LINE");
   const auto wrong = run_line("help scen");
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("did you mean scene?"));

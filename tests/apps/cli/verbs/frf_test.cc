@@ -141,7 +141,6 @@ TEST_F(FrfVerb, ARovingHammerGivesEveryPointItsColumnAndChecksReciprocity) {
   EXPECT_EQ(json["reciprocity"][0]["points"], nlohmann::json({"a1", "a3"}));
   EXPECT_LT(json["reciprocity"][0]["difference"].get<double>(), 0.05);
   EXPECT_GT(json["reciprocity"][0]["from_noise"].get<double>(), 0);
-  EXPECT_EQ(json["responses"].size(), 4u);
   const signal::FrfSet frfs = signal::read_uff_frfs(path("roving.uff"));
   ASSERT_EQ(frfs.inputs.size(), 2u);
   EXPECT_EQ(frfs.inputs[1].name, "a3");

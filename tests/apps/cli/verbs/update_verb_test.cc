@@ -75,24 +75,6 @@ TEST(UpdateVerb, APublishedModelIsRecognised) {
   EXPECT_NEAR(json["parameters"][1]["value"].get<double>() / (0.295 * 0.75), 0.096, 0.003);
 }
 
-TEST(UpdateVerb, OtherModelsErrorsStandBesideItsOwn) {
-  const TemporaryFolder folder;
-  const std::string data = RIGFIT_TESTDATA "/jalali2021/";
-  const Json rms = document_of(
-      "update {}scenes/beam.toml --measured {}table2_beam_frequencies.csv --column test_Hz "
-      "--compare bond_graph_Hz --plane in --free beam.EI_z tip.mass --segments 40 --out {}",
-      {data, data, folder.at("o.toml")})["comparison"]["rms"];
-  double squares = 0;
-  const double table[][2] = {
-      {2.24, 2.34}, {14.70, 15.79}, {41.57, 45.40}, {84.22, 90.56}, {138.2, 151.65}};
-  for (const auto& row : table) squares += std::pow(row[1] / row[0] - 1, 2);
-  EXPECT_NEAR(rms["bond_graph_Hz"]["rms_relative_error"].get<double>(), std::sqrt(squares / 5),
-              1e-12);
-  EXPECT_LT(rms["fitted"]["rms_relative_error"].get<double>(),
-            rms["before"]["rms_relative_error"].get<double>());
-  EXPECT_EQ(rms["fitted"]["modes"], 5);
-}
-
 // Table 5's FE column at 100 to 300 N by three unknowns: the beam's EI and a span of its own for
 // each cable. Equal spans leave 1.3 %; that they differ is what splits the cables' modes. The spans
 // stand symmetric in the scene, so that the first start, by symmetry, cannot tell them apart.
@@ -166,7 +148,7 @@ TEST(UpdateVerb, HoldOutByTensionPrintsBothErrors) {
   const std::string data = RIGFIT_TESTDATA "/jalali2021/";
   const auto run = run_line(
       "update {}scenes/cable.toml --measured {}table4_cable_out_of_plane.csv --column test_Hz "
-      "--compare fe_Hz --plane out --stiffness {}table1_bending_stiffness.csv --free "
+      "--plane out --stiffness {}table1_bending_stiffness.csv --free "
       "cable.mass_per_length --segments 12 --starts 1 --hold-out --out {} --json {}",
       {data, data, data, folder.at("o.toml"), folder.at("o.json")});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -180,8 +162,6 @@ TEST(UpdateVerb, HoldOutByTensionPrintsBothErrors) {
   int leakage = 0;
   for (const auto& pair : json["pairs"]) leakage += pair.value("leakage", false) ? 1 : 0;
   EXPECT_EQ(leakage, 2);
-  EXPECT_EQ(json["comparison"]["rows"].size(), 12u);
-  EXPECT_EQ(json["comparison"]["rms"]["fe_Hz"]["modes"], 12);
 }
 
 // Hits of the virtual laboratory to FRFs to the beam's stiffness, from a guess 17 % off. The model
@@ -211,13 +191,12 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
   ASSERT_EQ(run_line(averaging + " --exponential-window 2").exit_code, 0);
   const auto damping = document_of(
       "update {}scenes/beam.toml --frf {} --band 8 25 --plane in --free beam.EI_z tip.mass "
-      "beam.damping_ratio --starts 1 --frf-model-std 0.02 --aim hammer=0.0015,1 --out {}",
+      "beam.damping_ratio --starts 1 --frf-model-std 0.02 --input hammer.position=0.002 hammer.direction_z=0.0175 --out {}",
       {data, frf, folder.at("o.toml")})["parameters"][2];
   std::string sources;
   for (const auto& term : damping["budget"]) sources += term["source"].get<std::string>() + "; ";
   EXPECT_EQ(sources,
-            "data; segments; place of hammer; direction of hammer to y; direction of hammer to z; "
-            "force of the hits of hammer; ");
+            "data; segments; hammer.position; hammer.direction_z; force of the hits of hammer; ");
   EXPECT_TRUE(damping["identifiable"].get<bool>());
   EXPECT_NEAR(damping["value"].get<double>(), 0.01, 4 * damping["std"].get<double>());
   EXPECT_LT(damping["std"].get<double>(), 0.005);
