@@ -7,14 +7,13 @@ namespace rigfit::apps {
 
 describe::Options options_of(CommonOptions& c) {
   using describe::option;
-  return {
-      option("--json", c.json, "Write the result as JSON; '-': to standard output").writes(),
-      option("--quiet", c.quiet, "Print errors only"),
-      option("--verbose", c.verbose, "Print every warning, and the notes"),
-      option("--threads", c.threads,
-             "Threads to use (all processors); the numbers do not depend on it")
-          .within(1, 1024),
-      option("--seed", c.seed, "Seed of every random number").from_zero()};
+  return {option("--json", c.json, "Write the result as JSON; '-': to standard output").writes(),
+          option("--quiet", c.quiet, "Print errors only"),
+          option("--verbose", c.verbose, "Print every warning, and the notes"),
+          option("--threads", c.threads,
+                 "Threads to use (all processors); the numbers do not depend on it")
+              .within(1, 1024),
+          option("--seed", c.seed, "Seed of every random number").from_zero()};
 }
 
 describe::Options options_of(ReadingOptions& c) {

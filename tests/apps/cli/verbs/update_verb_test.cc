@@ -191,7 +191,8 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
   ASSERT_EQ(run_line(averaging + " --exponential-window 2").exit_code, 0);
   const auto damping = document_of(
       "update {}scenes/beam.toml --frf {} --band 8 25 --plane in --free beam.EI_z tip.mass "
-      "beam.damping_ratio --starts 1 --frf-model-std 0.02 --input hammer.position=0.002 hammer.direction_z=0.0175 --out {}",
+      "beam.damping_ratio --starts 1 --frf-model-std 0.02 --input hammer.position=0.002 "
+      "hammer.direction_z=0.0175 --out {}",
       {data, frf, folder.at("o.toml")})["parameters"][2];
   std::string sources;
   for (const auto& term : damping["budget"]) sources += term["source"].get<std::string>() + "; ";
