@@ -90,17 +90,8 @@ std::string not_explicit(const MotionProblem& problem) {
 }  // namespace
 
 const char* name_of(ResponseSolver solver) {
-  switch (solver) {
-    case ResponseSolver::automatic:
-      return "auto";
-    case ResponseSolver::modal:
-      return "modal";
-    case ResponseSolver::explicit_motion:
-      return "explicit";
-    case ResponseSolver::stiff_motion:
-      return "stiff";
-  }
-  return "";
+  constexpr const char* kNames[] = {"auto", "modal", "explicit", "stiff"};
+  return kNames[static_cast<std::size_t>(solver)];
 }
 
 namespace {

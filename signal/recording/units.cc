@@ -54,6 +54,9 @@ constexpr Symbol kSymbols[] = {{"m", 1, kMetre, true},
                                {"Pa", 1, kPascal, true},
                                {"bar", 1e5, kPascal, true},
                                {"J", 1, kJoule, true},
+                               {"Nm", 1, kJoule, true},
+                               {"Nmm", 1e-3, kJoule, true},
+                               {"Ncm", 1e-2, kJoule, true},
                                {"strain", 1, kNone, true},
                                {"eps", 1, kNone, true},
                                {"%", 1e-2, kNone, false},
@@ -70,7 +73,8 @@ constexpr std::string_view kNames =
     "ue=ustrain|g's=g|g0=g|grav=g|gal=0.01 m/s2|mps=m/s|mps2=m/s2|ips=0.0254 m/s|in=0.0254 m|"
     "inch=0.0254 m|inches=0.0254 m|mil=2.54e-05 m|ft=0.3048 m|foot=0.3048 m|feet=0.3048 m|"
     "rev=6.283185307179586 rad|rpm=0.10471975511965977 rad/s|kgf=9.80665 N|kgforce=9.80665 N|"
-    "kp=9.80665 N|gf=0.00980665 N|tf=9806.65 N|dyn=1e-05 N|lbf=4.4482216152605 N|"
+    "kp=9.80665 N|lbfft=1.3558179483314 J|lbfin=0.1129848290276 J|gf=0.00980665 N|tf=9806.65 "
+    "N|dyn=1e-05 N|lbf=4.4482216152605 N|"
     "lb=4.4482216152605 N|pound=4.4482216152605 N|poundforce=4.4482216152605 N|"
     "klbf=4448.2216152605 N|kip=4448.2216152605 N|lbm=0.45359237 kg|slug=14.593902937206 kg|"
     "psi=6894.757293168361 Pa|ksi=6894757.293168361 Pa|atm=101325 Pa|";
@@ -202,19 +206,6 @@ bool symbol_factor(std::string_view text, Symbol& out) {
     }
     if (word.size() < 3 || word.back() != 's') break;
     word.pop_back();
-  }
-  // Products written without a sign: Nm, kNm, Nmm, ms (taken above as millisecond), lbfft.
-  for (const char* arm : {"mm", "cm", "m", "in", "ft"}) {
-    const std::string_view tail(arm);
-    if (text.size() > tail.size() && text.substr(text.size() - tail.size()) == tail) {
-      Symbol force{}, length{};
-      const auto head = text.substr(0, text.size() - tail.size());
-      if (head != "N" && head != "kN" && head != "mN" && head != "lbf" && head != "MN") continue;
-      if (symbol_factor(head, force) && symbol_factor(tail, length)) {
-        out = {"", force.factor * length.factor, kJoule, false};
-        return true;
-      }
-    }
   }
   return false;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "signal/readers/csv/csv_table.h"
@@ -23,6 +24,28 @@ int decimals_of(const ArrayColumn& column) {
 }
 
 }  // namespace
+
+Eigen::MatrixXd matrix_of(char kind, std::size_t size, const void* data, Eigen::Index rows,
+                          Eigen::Index cols) {
+  Eigen::MatrixXd numbers;
+  const auto take = [&](char own, auto number) {
+    using Matrix = Eigen::Matrix<decltype(number), Eigen::Dynamic, Eigen::Dynamic>;
+    if (kind != own || size != sizeof number) return;
+    numbers = Eigen::Map<const Matrix>(static_cast<const decltype(number)*>(data), rows, cols)
+                  .template cast<double>();
+  };
+  take('f', float{});
+  take('f', double{});
+  take('i', std::int8_t{});
+  take('i', std::int16_t{});
+  take('i', std::int32_t{});
+  take('i', std::int64_t{});
+  take('u', std::uint8_t{});
+  take('u', std::uint16_t{});
+  take('u', std::uint32_t{});
+  take('u', std::uint64_t{});
+  return numbers;
+}
 
 std::vector<ArrayColumn> columns_of(const Eigen::Ref<const Eigen::MatrixXd>& values,
                                     const std::string& name, bool single,

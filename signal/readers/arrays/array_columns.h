@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -18,13 +19,10 @@ struct ArrayColumn {
   bool single = false;  ///< held in single precision: times are known to 6e-8 of their size
 };
 
-/// The numbers at `data` as doubles.
-template <typename Number>
-Eigen::MatrixXd matrix_of(const void* data, Eigen::Index rows, Eigen::Index cols) {
-  using Matrix = Eigen::Matrix<Number, Eigen::Dynamic, Eigen::Dynamic>;
-  return Eigen::Map<const Matrix>(static_cast<const Number*>(data), rows, cols)
-      .template cast<double>();
-}
+/// The numbers at `data`, column after column, as doubles: `kind` 'f' floating point, 'i' whole,
+/// 'u' whole without sign, of `size` bytes each. Empty: there is no such type.
+[[nodiscard]] Eigen::MatrixXd matrix_of(char kind, std::size_t size, const void* data,
+                                        Eigen::Index rows, Eigen::Index cols);
 
 /// The longer side of `values` is time: each column of it, or each row where `values` is wide,
 /// which is noted. `name` stands in front of the columns' numbers.

@@ -10,7 +10,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -60,36 +59,23 @@ struct MatArray {
   }
 };
 
-std::optional<Eigen::MatrixXd> numbers_of(matio_classes type, const void* data, Eigen::Index rows,
-                                          Eigen::Index cols) {
-  std::optional<Eigen::MatrixXd> numbers;
-  const auto take = [&](matio_classes kind, auto number) {
-    if (type == kind) numbers = matrix_of<decltype(number)>(data, rows, cols);
-  };
-  take(MAT_C_DOUBLE, double{});
-  take(MAT_C_SINGLE, float{});
-  take(MAT_C_INT8, mat_int8_t{});
-  take(MAT_C_UINT8, mat_uint8_t{});
-  take(MAT_C_INT16, mat_int16_t{});
-  take(MAT_C_UINT16, mat_uint16_t{});
-  take(MAT_C_INT32, mat_int32_t{});
-  take(MAT_C_UINT32, mat_uint32_t{});
-  take(MAT_C_INT64, mat_int64_t{});
-  take(MAT_C_UINT64, mat_uint64_t{});
-  return numbers;
+/// The numbers of a class of arrays; empty: it is none of numbers.
+Eigen::MatrixXd numbers_of(matio_classes type, const void* data, Eigen::Index rows,
+                           Eigen::Index cols) {
+  if (type < MAT_C_DOUBLE || type > MAT_C_UINT64) return {};
+  const bool is_float = type == MAT_C_DOUBLE || type == MAT_C_SINGLE;
+  const bool is_signed =
+      type == MAT_C_INT8 || type == MAT_C_INT16 || type == MAT_C_INT32 || type == MAT_C_INT64;
+  return matrix_of(is_float ? 'f' : is_signed ? 'i' : 'u', Mat_SizeOfClass(type), data, rows, cols);
 }
 
 /// Elements of an array by its dimensions; more than `most`: most + 1.
 std::size_t elements_of(const matvar_t& variable, std::size_t most) {
-  if (variable.dims == nullptr || variable.rank < 1) return 0;
-  std::size_t count = 1;
-  for (int d = 0; d < variable.rank; ++d) {
-    const std::size_t n = variable.dims[d];
-    if (n == 0) return 0;
-    if (count > most / n) return most + 1;
-    count *= n;
+  double count = variable.dims == nullptr || variable.rank < 1 ? 0 : 1;
+  for (int d = 0; count > 0 && d < variable.rank; ++d) {
+    count *= static_cast<double>(variable.dims[d]);
   }
-  return count;
+  return count > static_cast<double>(most) ? most + 1 : static_cast<std::size_t>(count);
 }
 
 /// Calls `take` with each of the `count` elements of a struct or cell and what its name has behind
@@ -184,10 +170,12 @@ class MatReader {
       re = split->Re, im = split->Im;
       if (re == nullptr || im == nullptr) return;
     }
-    auto real = numbers_of(variable.class_type, re, rows, cols);
-    if (!real) return;
-    MatArray array{name, std::move(*real), {}, variable.class_type == MAT_C_SINGLE};
-    if (im != nullptr) array.imaginary = *numbers_of(variable.class_type, im, rows, cols);
+    MatArray array{name,
+                   numbers_of(variable.class_type, re, rows, cols),
+                   {},
+                   variable.class_type == MAT_C_SINGLE};
+    if (array.real.size() == 0) return;
+    if (im != nullptr) array.imaginary = numbers_of(variable.class_type, im, rows, cols);
     arrays_.push_back(std::move(array));
   }
 

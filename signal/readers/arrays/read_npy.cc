@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
-#include <cstdint>
 #include <regex>
 #include <string>
 #include <utility>
@@ -21,7 +20,7 @@ namespace {
 /// What the dictionary says that numpy.save writes: {'descr': '<f8', 'fortran_order': False,
 /// 'shape': (3, 2), }.
 struct Header {
-  char kind = 'f';  ///< f, i, u, b
+  char kind = 'f';  ///< f, i, u
   std::size_t size = 8;
   bool swapped = false;
   bool fortran = false;
@@ -29,39 +28,33 @@ struct Header {
 };
 
 Header parse_header(const std::string& text, const std::string& file) {
-  static const std::regex kType(R"('descr'\s*:\s*'([^']*)')"),
-      kNumber("([<>|=])(?:(f)([48])|([iu])([1248])|(b)(1))"),
-      kOrder(R"('fortran_order'\s*:\s*True)"), kShape(R"('shape'\s*:\s*\(([0-9, ]*)\))"),
+  static const std::regex kHeader(
+      R"(\{\s*'descr'\s*:\s*'([<>|=])([fiub])([1248])'\s*,)"
+      R"(\s*'fortran_order'\s*:\s*(True|False)\s*,\s*'shape'\s*:\s*\(([0-9, ]*)\))"),
       kSize("[0-9]+");
-  const auto refusal = [&](const std::string& value, std::string problem) {
-    return RecordingError({file, 0, 0, "", to_utf8(value.substr(0, 60))}, std::move(problem),
-                          "save an array of numbers with numpy.save");
+  const auto refusal = [&] {
+    return file_error(file,
+                      "holds no plain numbers (but records, complex numbers or Python objects), or "
+                      "its header is damaged",
+                      "save an array of numbers with numpy.save", to_utf8(text.substr(0, 60)));
   };
   std::smatch found;
-  if (!std::regex_search(text, found, kType)) {
-    throw refusal("descr", "holds records, or its header is damaged");
+  if (!std::regex_search(text, found, kHeader, std::regex_constants::match_continuous)) {
+    throw refusal();
   }
-  const std::string type = found[1];
-  if (!std::regex_match(type, kNumber)) {
-    const char letter = type.size() > 1 ? type[1] : ' ';
-    throw refusal(type, letter == 'c'   ? "complex numbers: FRFs or spectra, no recording over time"
-                        : letter == 'O' ? "Python objects, which only Python reads"
-                                        : "numbers of a kind that is not read");
-  }
-  constexpr bool kBig = std::endian::native == std::endian::big;
-  Header header{type[1],
-                static_cast<std::size_t>(type[2] - '0'),
-                type[0] == (kBig ? '<' : '>'),
-                std::regex_search(text, kOrder),
+  constexpr char kSwapped = std::endian::native == std::endian::big ? '<' : '>';
+  Header header{*found[2].first == 'b' ? 'u' : *found[2].first,
+                static_cast<std::size_t>(*found[3].first - '0'),
+                found[1] == kSwapped,
+                found[4] == "True",
                 {}};
-  if (!std::regex_search(text, found, kShape)) throw refusal("shape", "the header is damaged");
-  const std::string sizes = found[1];
+  const std::string sizes = found[5];
   for (std::sregex_iterator one(sizes.begin(), sizes.end(), kSize), end; one != end; ++one) {
     const std::string digits = one->str();
-    header.shape.push_back(0);
-    const auto error =
-        std::from_chars(digits.data(), digits.data() + digits.size(), header.shape.back()).ec;
-    if (error != std::errc()) throw refusal("shape", "the header is damaged");
+    const char* const last = digits.data() + digits.size();
+    if (std::from_chars(digits.data(), last, header.shape.emplace_back()).ec != std::errc()) {
+      throw refusal();
+    }
   }
   return header;
 }
@@ -95,14 +88,12 @@ Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
   const Header header = parse_header(dictionary, file);
   const std::string_view data = bytes.substr(begin + length);
   const std::size_t item = header.size;
-  std::size_t items = 1;
-  for (const std::size_t n : header.shape) {
-    if (n > 0 && items > data.size() / n) items = data.size() + 1;  // more than can be there
-    items = n == 0 ? 0 : (items > data.size() ? items : items * n);
-  }
-  if (items == 0 || header.shape.empty())
+  double items = 1;
+  for (const std::size_t n : header.shape) items *= static_cast<double>(n);
+  if (items == 0 || header.shape.empty()) {
     throw file_error(file, "holds no samples", "record again");
-  if (items > data.size() / item) {
+  }
+  if (items * static_cast<double>(item) > static_cast<double>(data.size())) {
     throw file_error(file,
                      fmt::format("states an array of {}, {} bytes each, but holds {} bytes",
                                  text_of(header.shape), item, data.size()),
@@ -115,27 +106,16 @@ Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
   std::vector<Note> notes;
   const auto rows = static_cast<Eigen::Index>(header.shape[0]);
   const auto cols = static_cast<Eigen::Index>(header.shape.size() > 1 ? header.shape[1] : 1);
-  std::string numbers(data.substr(0, items * item));  // aligned
+  std::string numbers(data.substr(0, static_cast<std::size_t>(items) * item));  // aligned
   for (std::size_t at = 0; header.swapped && at < numbers.size(); at += item) {
     std::reverse(numbers.data() + at, numbers.data() + at + item);
   }
-  Eigen::MatrixXd values;
-  const auto take = [&](char kind, auto number) {
-    if (header.kind != kind || item != sizeof number) return;
-    values = matrix_of<decltype(number)>(numbers.data(), header.fortran ? rows : cols,
-                                         header.fortran ? cols : rows);
-  };
-  take('f', float{});
-  take('f', double{});
-  take('i', std::int8_t{});
-  take('i', std::int16_t{});
-  take('i', std::int32_t{});
-  take('i', std::int64_t{});
-  take('u', std::uint8_t{});
-  take('u', std::uint16_t{});
-  take('u', std::uint32_t{});
-  take('u', std::uint64_t{});
-  take('b', std::uint8_t{});
+  Eigen::MatrixXd values = matrix_of(header.kind, item, numbers.data(),
+                                     header.fortran ? rows : cols, header.fortran ? cols : rows);
+  if (values.size() == 0) {
+    throw file_error(file, "holds numbers of half precision, which are not read",
+                     "save them as float32 or float64");
+  }
   if (!header.fortran) values.transposeInPlace();
   auto columns = columns_of(values, "", header.kind == 'f' && item == 4, notes);
   return recording_of_columns(std::move(columns), path, "npy", options, 0, std::move(notes));

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -48,10 +49,9 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
   const std::size_t chunk = bytes.substr(0, 1 << 16).find("data");
   if (chunk != std::string_view::npos && chunk + 8 <= bytes.size() &&
       bytes.substr(0, 4) == "RIFF") {
-    std::size_t stated = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      stated |= static_cast<std::size_t>(static_cast<unsigned char>(bytes[chunk + 4 + k]))
-                << (8 * k);
+    std::uint32_t stated = 0;
+    for (std::size_t k = 4; k > 0; --k) {
+      stated = stated << 8 | static_cast<unsigned char>(bytes[chunk + 3 + k]);
     }
     const std::size_t behind = bytes.size() - chunk - 8;
     if (stated > behind && stated < 0xFFFFFF00u) {

@@ -77,22 +77,6 @@ TEST(ExplicitMotion, ConvergesWithFourthOrder) {
   EXPECT_LT(coarse / middle, 22);
 }
 
-TEST(ExplicitMotion, SpaceContainsThePlane) {
-  Scene scene = falling_cable(8);
-  scene.sensors.push_back(
-      sensor("cable", 0.3, Sensor::Quantity::velocity, Eigen::Vector3d(0.6, 0.8, 0)));
-  scene.sensors.push_back(sensor("cable", 0.4, Sensor::Quantity::force));
-  scene.sensors.push_back(sensor("cable", 0.4, Sensor::Quantity::displacement, {0, 0, 1}));
-  const Chain chain = settled(scene);
-  const Eigen::MatrixXd plane = response(let_go(chain, scene, Motion::in_plane), 0.2, 0.0005);
-  const Eigen::MatrixXd space = response(let_go(chain, scene, Motion::space), 0.2, 0.0005);
-  for (int s = 0; s < plane.cols(); ++s) {
-    const double size = 1 + plane.col(s).cwiseAbs().maxCoeff();
-    EXPECT_TRUE(rigfit::testing::MatricesNear(space.col(s), plane.col(s), 1e-9 * size)) << s;
-  }
-  EXPECT_TRUE(plane.col(4).isZero(0));
-}
-
 // A stiff rod of two segments, pinned at the origin, let go level: it swings through 180 degrees
 // and past the vertical, where Euler angles are singular. omega(theta)^2 = 3 g sin(theta) / l for
 // the fall by theta; the period is that of a pendulum with an amplitude of 90 degrees, T = 4

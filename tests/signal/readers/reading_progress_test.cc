@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
 
 namespace rigfit::signal {
@@ -29,19 +28,6 @@ TEST(ReadingProgress, AUniversalFileIsToldDatasetByDataset) {
   expect_rising(told, std::filesystem::file_size(file));
   const auto stop = [](std::size_t) { throw std::runtime_error("stopped"); };
   EXPECT_THROW(static_cast<void>(read_recording(file, {}, stop)), std::runtime_error);
-}
-
-// A table is told every 16 MB.
-TEST(ReadingProgress, ALongTableIsToldOnTheWay) {
-  std::string text = "force [N]\n";
-  const std::string rows(std::size_t{1} << 16, '1');
-  while (text.size() < (std::size_t{18} << 20)) {
-    text += rows;
-    for (std::size_t k = text.size() - rows.size() + 15; k < text.size(); k += 16) text[k] = '\n';
-  }
-  std::vector<std::size_t> told;
-  static_cast<void>(read_csv(text, "long.csv", {}, [&](std::size_t at) { told.push_back(at); }));
-  expect_rising(told, text.size());
 }
 
 }  // namespace

@@ -203,21 +203,6 @@ TEST_F(Mat, ArraysOfOneLengthWithARateOrATime) {
   EXPECT_NEAR(read_mat(path_).sample_rate_hz, 1000, 1e-9);
 }
 
-TEST_F(Mat, FieldsOfStructsAreFound) {
-  const char* names[] = {"dt", "signal"};
-  std::size_t one[2] = {1, 1};
-  matvar_t* const inner = Mat_VarCreateStruct("run", 2, one, names, 2);
-  Mat_VarSetStructFieldByName(inner, "dt", 0, array("dt", {0.01}, 1, 1));
-  Mat_VarSetStructFieldByName(inner, "signal", 0, array("signal", ramp(30, 3), 30, 1));
-  write({inner});
-  const auto recording = read_mat(path_);
-  EXPECT_NEAR(recording.sample_rate_hz, 100, 1e-9);
-  ASSERT_EQ(recording.channels.size(), 1u);
-  EXPECT_EQ(recording.channels[0].name, "run.signal");
-  EXPECT_EQ(&recording.channel("signal"), &recording.channels[0]);
-  EXPECT_EQ(recording.channels[0].samples[2], 6);
-}
-
 TEST_F(Mat, SamplesGetTheTimesOfTheirOwnStructure) {
   const auto run = [&](const char* name, double step) {
     const char* names[] = {"t", "acc"};
