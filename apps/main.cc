@@ -16,7 +16,6 @@
 #include <system_error>
 #include <thread>
 
-#include "apps/cli/command_line.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/progress.h"
@@ -96,7 +95,7 @@ int run(int argc, char** argv) {
   try {
     result = verb.run(context);
   } catch (const Refused& error) {
-    context.refuse(error.code(), error.what());
+    context.refuse(error.code, error.what());
   } catch (const NotConverged& error) {
     context.fail(error.what());
   } catch (...) {

@@ -18,15 +18,8 @@ using document::Bound;
 using document::TomlTable;
 
 const char* name_of(ValueOrigin::Kind kind) {
-  switch (kind) {
-    case ValueOrigin::Kind::published:
-      return "published";
-    case ValueOrigin::Kind::inferred:
-      return "inferred";
-    case ValueOrigin::Kind::assumed:
-      return "assumed";
-  }
-  return "";
+  constexpr const char* kNames[] = {"published", "inferred", "assumed"};
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 const std::vector<std::string>& kinds_of_tests() {

@@ -57,26 +57,21 @@ std::vector<LoadedRecording> load_recordings(const std::vector<RecordingGroup>& 
   std::ostream nothing(nullptr);
   for (std::size_t k = 0; k < groups.size(); ++k) {
     for (const auto& name : groups[k].missing) {
-      loaded.push_back({name,
-                        k,
-                        std::nullopt,
-                        "there is no such file; check the path, it starts at the campaign's folder",
-                        {}});
+      loaded.push_back(
+          {name, k, std::nullopt,
+           "there is no such file; check the path, it starts at the campaign's folder"});
     }
     for (const auto& file : groups[k].files) {
-      LoadedRecording entry{file, k, std::nullopt, "", {}};
+      LoadedRecording entry{file, k, std::nullopt, ""};
       VerbContext context(nothing);  // its warnings are the recording's notes, which come along
       context.quiet = true;
       context.hashes_inputs = false;
       try {
         entry.recording = load_recording(file, context, groups[k].description);
-        for (const auto& input : context.inputs()) entry.inputs.push_back(input.path);
       } catch (const signal::RecordingError& error) {
         entry.error = error.what();
-        entry.inputs = {file};
       } catch (const model::SceneError& error) {
         entry.error = error.what();
-        entry.inputs = {file};
       }
       loaded.push_back(std::move(entry));
       if (file_read) file_read();

@@ -22,7 +22,6 @@ struct LoadedRecording {
   std::size_t group = 0;
   std::optional<signal::Recording> recording;  ///< empty: see `error`
   std::string error;                           ///< why it cannot be used, with remedy
-  std::vector<std::string> inputs;             ///< files read for it
 };
 
 /// Reads every file of the groups, with a call of `file_read` after each; never throws for a bad

@@ -17,42 +17,32 @@ enum class ExitCode : int {
   not_converged = 5,
 };
 
-/// Ends a verb whose call makes no sense (options that exclude each other, an output folder that is
-/// a file).
-class UsageError : public std::runtime_error {
+/// Ends a run with an exit code.
+class Ended : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  Ended(const std::string& message, ExitCode code) : std::runtime_error(message), exit_code(code) {}
+  const ExitCode exit_code;
 };
+template <ExitCode kCode>
+struct EndedBy : Ended {
+  explicit EndedBy(const std::string& message) : Ended(message, kCode) {}
+};
+/// The call makes no sense (options that exclude each other, an output folder that is a file).
+using UsageError = EndedBy<ExitCode::wrong_usage>;
+/// A computation did not converge.
+using NotConverged = EndedBy<ExitCode::not_converged>;
+/// An input is no longer what it was when the run began.
+using InputChanged = EndedBy<ExitCode::bad_input>;
+/// An output cannot be written: path, reason and remedy.
+using OutputError = EndedBy<ExitCode::bad_input>;
 
 /// Ends a verb without a result: the data cannot support what was asked. A verb that has a partial
 /// result sets `VerbContext::exit_code` by `refuse` instead and returns that result. `code` is the
 /// finding's code, which stays the same from version to version.
-class Refused : public std::runtime_error {
- public:
-  explicit Refused(const std::string& message, std::string code = "refused")
-      : std::runtime_error(message), code_(std::move(code)) {}
-  [[nodiscard]] const std::string& code() const { return code_; }
-
- private:
-  std::string code_;
-};
-
-/// Ends a verb whose computation did not converge.
-class NotConverged : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// Ends a verb one of whose inputs is no longer what it was when the run began.
-class InputChanged : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// Ends a verb whose output cannot be written: path, reason and remedy.
-class OutputError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
+struct Refused : EndedBy<ExitCode::refused> {
+  explicit Refused(const std::string& message, std::string finding_code = "refused")
+      : EndedBy(message), code(std::move(finding_code)) {}
+  const std::string code;
 };
 
 /// The exit code that an exception stands for.

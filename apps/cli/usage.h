@@ -41,4 +41,8 @@ void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::os
 [[nodiscard]] std::string man_page(const Verbs& verbs, const Verb* verb,
                                    const std::string& version);
 
+/// Sets what `arguments` (behind the verb's name) give; in command_line.cc, the only file that
+/// knows CLI11. Throws UsageError, with the nearest option where one is misspelt.
+void parse_options(const Verb& verb, const std::vector<std::string>& arguments);
+
 }  // namespace rigfit::apps

@@ -44,13 +44,9 @@ std::string sha256_of_file(const fs::path& path) {
 }
 
 ExitCode exit_code_of(const std::exception& error) {
-  if (dynamic_cast<const UsageError*>(&error)) return ExitCode::wrong_usage;
+  if (const auto* ended = dynamic_cast<const Ended*>(&error)) return ended->exit_code;
   if (dynamic_cast<const signal::RecordingError*>(&error)) return ExitCode::bad_input;
   if (dynamic_cast<const document::DocumentError*>(&error)) return ExitCode::bad_input;
-  if (dynamic_cast<const InputChanged*>(&error)) return ExitCode::bad_input;
-  if (dynamic_cast<const OutputError*>(&error)) return ExitCode::bad_input;
-  if (dynamic_cast<const Refused*>(&error)) return ExitCode::refused;
-  if (dynamic_cast<const NotConverged*>(&error)) return ExitCode::not_converged;
   return ExitCode::fault;
 }
 

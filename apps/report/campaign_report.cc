@@ -14,6 +14,7 @@
 #include "apps/report/parts/parts.h"
 #include "ident/campaign/campaign.h"
 #include "ident/statistics/in_parallel.h"
+#include "signal/readers/recording_description.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
@@ -64,7 +65,10 @@ void take_inputs(const Campaign& campaign, VerbContext& context) {
     for (const auto& group : test.recordings) {
       for (const auto& file : group.files) {
         add(file);
-        add(fs::path(file).replace_extension(".toml"));
+        for (const auto& said :
+             {signal::description_of_folder(file), signal::description_beside(file)}) {
+          if (said) add(*said);
+        }
       }
     }
   }
@@ -77,11 +81,6 @@ std::unique_ptr<TestPart> part_of(const Campaign& campaign, const CampaignTest& 
   if (test.is<DecayTest>()) return decay_part(campaign, test);
   if (test.is<TensionTest>()) return tension_part(test);
   return modal_part(campaign, test);
-}
-
-/// Where a part stands on the page: bending and axial tests first, the others as in the campaign.
-bool comes_first(const CampaignTest& test) {
-  return test.is<BendingTest>() || test.is<AxialTest>();
 }
 
 /// Reads the recordings, works out the campaign, shows what came of it: the parts in the order of
@@ -124,11 +123,8 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
   });
 
   std::vector<ReportPart> parts;
-  for (const bool first : {true, false}) {
-    for (std::size_t i = 0; i < tests; ++i) {
-      if (comes_first(campaign.tests[i]) != first) continue;
-      for (auto& part : of_tests[i]) parts.push_back(std::move(part));
-    }
+  for (auto& shown_parts : of_tests) {
+    for (auto& part : shown_parts) parts.push_back(std::move(part));
   }
   for (auto& part : of_fits) parts.push_back(std::move(part));
   parts.push_back(scenes_part(campaign));
@@ -148,12 +144,6 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
   }
   recommend(found);
   parts.insert(parts.begin(), overview_part(campaign, parts));
-  for (const auto& part : parts) {
-    for (const auto& input : part.inputs) {
-      std::error_code error;
-      if (fs::is_regular_file(input, error)) context.input(input);
-    }
-  }
   for (const auto& one : findings_of(parts)) {
     if (one.refused) {
       context.refuse(one.code, one.message, one.where);

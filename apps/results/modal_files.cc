@@ -55,15 +55,16 @@ std::string file_word(const std::string& label) {
 
 signal::MeasuredPoint uff_point(const model::Scene& scene, const std::string& name,
                                 const std::string& shown_name) {
-  for (const auto& sensor : scene.sensors) {
-    if (sensor.name != name) continue;
-    return {shown_name, node_at(scene, sensor.place), uff_direction(sensor.direction)};
-  }
-  for (const auto& load : scene.loads) {
-    if (load.name != name) continue;
-    return {shown_name, node_at(scene, load.place), uff_direction(load.direction)};
-  }
-  return {shown_name, 0, 0};
+  signal::MeasuredPoint point{shown_name, 0, 0};
+  const auto look = [&](const auto& all) {
+    for (const auto& one : all) {
+      if (one.name != name || point.node > 0) continue;
+      point = {shown_name, node_at(scene, one.place), uff_direction(one.direction)};
+    }
+  };
+  look(scene.sensors);
+  look(scene.loads);
+  return point;
 }
 
 std::string mode_file(const model::Scene* scene, const signal::ModalModel& modes) {

@@ -137,20 +137,14 @@ TEST(Refusals, OfOptionsThatAreNoNumbersOrOutOfRange) {
   expect_refused(
       files,
       {{"axial @decay.csv --mass nan --length 1", 2, "--mass: \"nan\" is no positive number"},
-       {"axial @decay.csv --mass -1 --length 1", 2, "--mass: \"-1\" is no positive number"},
        {"axial @decay.csv --mass 2.2 --length 1 --mass-std inf", 2, "no number from zero up"},
-       {"bending @table.csv --span nan", 2, "--span: \"nan\" is no positive number"},
        {"axial @decay.csv --mass 2,x --length 1", 2, "--mass-std: \"x\" is no number from zero up"},
        {"axial @decay.csv --mass 2 --length 1 --frame-stiffness soft", 2,
         "\"soft\" is no positive number or rigid"},
        {"bending @table.csv --span 1 --relative-std 2", 2, "\"2\" is no number from 0 to 1"},
-       {"decay @decay.csv --sample-rate nan", 2, "no positive number"},
        {"decay @decay.csv --start nan", 2, "no finite number"},
        {"inspect @decay.csv --sample-rate 5Hz", 2, "\"5Hz\" is no positive number"},
-       {"respond @scene.toml --duration nan --rate 100 --out @out", 2, "no positive number"},
-       {"synthesize @bare.toml --out @out --bending-span nan", 2, "no positive number"},
        {"update @scene.toml --measured @modes.csv --model-std nan", 2, "no number from 0 to 1"},
-       {"update @scene.toml --decay @decay.csv --tension nan", 2, "no positive number"},
        {"frf @two.csv --force F --exponential-window nan", 2, "no number from 0 to 1e+06"}});
 }
 
@@ -160,8 +154,6 @@ TEST(Refusals, OfBands) {
                  {{"update @scene.toml --measured @modes.csv --band 5 3", 2, "--band must rise"},
                   {"modes @scene.toml --band 50 5", 2, "--band must rise: two frequencies in Hz"},
                   {"modes @scene.toml --band 0 nan", 2, "no finite number"},
-                  {"decay @decay.csv --band 50 20", 2, "--band must rise"},
-                  {"axial @decay.csv --mass 2.2 --length 1 --band 5 3", 2, "--band must rise"},
                   {"frf @two.csv --force F --band 5 3", 2, "--band must rise"}});
 }
 
@@ -206,7 +198,6 @@ TEST(Refusals, OfUpdate) {
        {modes + "--free x=cable.EI,,cable.EA", 2, "an empty name in \"cable.EI,,cable.EA\""},
        {modes + "--free cable.XX", 3, "no parameter \"cable.XX\"; use one of: cable.EI"},
        {modes + "--prior cable.EI", 2, "--prior: write NAME=VALUE,STD with a positive"},
-       {modes + "--prior cable.EI=1,x", 2, "not \"cable.EI=1,x\""},
        {modes + "--prior cable.EI=1,0", 2, "with a positive number at its end"},
        {modes + "--prior cable.EA=1,1", 2, "cable.EA is not among --free"},
        {modes + "--input cable.EI", 2, "--input: write TARGET=STD, TARGET=0.5%"},
@@ -267,7 +258,6 @@ TEST(Refusals, OfWhatTheModelIsAskedFor) {
        {"respond @missing_scene.toml --duration 1 --rate 9 --out @out", 3, "has missing samples"},
        {"respond @timeless_scene.toml --duration 1 --rate 9 --out @out", 3, "add a time column"},
        {"respond @bare.toml --duration 1 --rate 100 --out @out", 3, "add a [[sensor]]"},
-       {"bench @none.toml", 3, "none.toml"},
        {"bench @bare.toml --quick", 4, "no load"},
        {"modes @none.toml", 3, "none.toml"},
        {"modes @scene.toml --count 0", 2, "--count"},
@@ -276,13 +266,10 @@ TEST(Refusals, OfWhatTheModelIsAskedFor) {
        {"synthesize @beam.toml --out @lab --bending-span 1", 3, "no cable"},
        {"predict @bare.toml --from @other.json", 3, "parameters"},
        {"predict @bare.toml --from @fit.json --input cable.EA", 2, "--input"},
-       {"predict @bare.toml --from @fit.json --input cable.EA=x", 2, "--input"},
-       {"predict @bare.toml --from @fit.json --input cable.EA=1,", 2, "--input"},
        {"predict @bare.toml --from @fit.json --input cable.EA=0", 2, "--input"},
        {"predict $/jalali2021/scenes/beam.toml --from @fit.json", 4, "beam.EI_z"},
        {"plan @scene.toml --goal cable.EI", 2, "--goal"},
        {"plan @scene.toml --goal cable.EI=-5%", 2, "--goal"},
-       {"plan @scene.toml --goal cable.EI=5%x", 2, "--goal"},
        {"plan @scene.toml --goal =5%", 2, "--goal"},
        {"plan @scene.toml --goal rope.EI=5%", 3, "rope.EI"},
        {"plan $/jalali2021/scenes/rig.toml --goal beam.EI_z=5% --length 1", 2, "one member"},
@@ -296,7 +283,6 @@ TEST(Refusals, OfWhatTheModelIsAskedFor) {
         "--stiffness goes by tension: give --tension"},
        {"synthesize @bare.toml --out @out --bending-span 1 --stiffness @gaps.csv --tension 100", 3,
         "channel \"tension_N\": row 2 has no positive"},
-       {"export @none.toml --calculix @out", 3, "there is no such file"},
        {"new @scene.toml", 2, "cannot make the output folder"}});
 }
 
@@ -326,20 +312,13 @@ TEST(Refusals, OfRecordings) {
        {"inspect @none.csv", 3, "cannot be opened: No such file"},
        {"inspect @bad.csv", 3, "bad.csv:4:5"},
        {"inspect @empty.csv", 3, "empty.csv"},
-       {"inspect @words.csv", 3, "words.csv"},
        {"inspect @", 3, "rigfit-test"},
        {"inspect", 2, "FILE"},
-       {"inspect --sample-rate 0 @decay.csv", 2, "--sample-rate"},
        {"decay", 2, "file is required"},
-       {"decay @none.csv", 3, "none.csv"},
        {"decay @decay.csv --channel gyro", 3, "\"a\""},
-       {"frf", 2, "FILE"},
        {"frf @two.csv", 2, "--force"},
        {"frf @two.csv --force F --driving-point F", 2, "not among"},
        {"frf @two.csv --force hammer", 3, "hammer"},
-       {"frf @words.csv --force F", 3, "words.csv"},
-       {"modal", 2, "FILE"},
-       {"modal @none.uff", 3, "none.uff"},
        {"modal @table.csv", 3, "table.csv"},
        {"modal @frf.csv --order 1", 2, "--order"},
        {"modal @frf.csv --band 5000 6000", 4, "0 usable lines"},

@@ -1,4 +1,4 @@
-"""The study of many campaigns: two jobs at a time, a job killed, the whole run killed, gone on with, and on a cluster.
+"""The study of many campaigns: two jobs at a time, a job killed, the whole run killed, gone on with.
 
 usage: study_test.py PROGRAM SOURCE_FOLDER        exit code 77: snakemake is not installed
 """
@@ -29,23 +29,6 @@ if [ "$1" = report ]; then
   esac
 fi
 exec '{program}' "$@"
-"""
-# Stand for Slurm: a job runs at once, but for the first report, which is cancelled before it can say a word.
-SBATCH = """#!/bin/sh
-for script; do :; done
-echo "$@" >> '{folder}/submitted'
-id=$(wc -l < '{folder}/submitted')
-state=COMPLETED
-case "$*" in
-  *rigfit-report*) [ -e '{folder}/cancelled' ] || {{ touch '{folder}/cancelled'; state=CANCELLED; }} ;;
-esac
-[ $state = CANCELLED ] || sh "$script" > /dev/null 2>&1 || state=FAILED
-echo $state > "{folder}/job.$id"
-echo $id
-"""
-SCONTROL = """#!/bin/sh
-for id; do :; done
-echo "JobId=$id JobName=any JobState=$(cat "{folder}/job.$id") Reason=None"
 """
 
 
@@ -130,16 +113,6 @@ class Study(unittest.TestCase):
         rows = self.rows("out")
         self.assertEqual(len(rows), 20)
         self.assertEqual({row["status"] for row in rows}, {"identified"})
-
-        # The same seed on a cluster gives the same numbers; a job that was cancelled there is done again.
-        self.script("sbatch", SBATCH)
-        self.script("scontrol", SCONTROL)
-        code, output = self.run_study("cluster", 1, "--profile", str(STUDY / "slurm"), "--latency-wait", "5")
-        self.assertEqual(code, 0, output)
-        submitted = (self.folder / "submitted").read_text()
-        self.assertEqual(submitted.count("--job-name=rigfit-report --cpus-per-task=1 --mem=1000 --time=30"), 2)
-        self.assertEqual(submitted.count("--job-name=rigfit-synthesize"), 1)
-        self.assertEqual(self.rows("cluster"), [row for row in rows if row["seed"] == "1"])
 
 
 if __name__ == "__main__":

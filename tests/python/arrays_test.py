@@ -217,15 +217,6 @@ class Results(unittest.TestCase):
             self.assertEqual(caught.exception.code, "not_installed")
             self.assertIn(package, str(caught.exception))
 
-    def test_plots(self):
-        with tempfile.TemporaryDirectory() as folder:
-            one = recording(hits(1 << 14, 2))
-            for k, call in enumerate((lambda f: rigfit.inspect(one, plot=f), lambda f: rigfit.frf(one, "force", plot=f),
-                                      lambda f: rigfit.modes(CABLE, plot=f))):
-                file = pathlib.Path(folder) / f"{k}.svg"
-                call(file)
-                self.assertIn("<svg", file.read_text())
-
 
 if __name__ == "__main__":
     unittest.main()

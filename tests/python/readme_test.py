@@ -46,7 +46,6 @@ class Readme(unittest.TestCase):
         rigfit.Scene("cable.toml").with_parameters({"right.x": 3.0}).write("longer.toml")
         shutil.copy(DATA / "virtual_laboratory/bench/axial/L0.7m-1.csv", "a.csv")
         shutil.copy(DATA / "virtual_laboratory/bench/axial/L1m-1.csv", "b.csv")
-        pathlib.Path("cables.csv").write_text("name,length,mass_per_length,EA,ends,f1,f2,f3\na,2.4,0.16667,221780,pinned,7.36,14.59,22.15\n")
         hits("cable.toml")
 
     def code_of(self, file):

@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "apps/bench/bench_study.h"
+#include "apps/cli/at_hand.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/sheet.h"
-#include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
 namespace {
@@ -33,8 +33,7 @@ void print(std::ostream& out, const BenchStudy& study) {
 Json run(BenchCommand& options, VerbContext& context) {
   model::Scene scene = bench_released_cable();
   if (!options.scene.empty()) {
-    context.input(options.scene);
-    scene = model::read_scene(options.scene);
+    scene = scene_of(options.scene, context);
   }
   BenchBudget budget;
   budget.quick = options.quick;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "apps/cli/at_hand.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/fit_file.h"
@@ -10,7 +11,6 @@
 #include "model/export/write_moordyn.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"
-#include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
 namespace {
@@ -37,9 +37,8 @@ Json run(ExportOptions& options, VerbContext& context) {
   if (options.calculix.empty() && options.moordyn.empty()) {
     throw UsageError("give --calculix DIR or --moordyn DIR");
   }
-  context.input(options.scene);
   const std::string stem = std::filesystem::path(options.scene).stem().string();
-  model::Scene scene = model::read_scene(options.scene);
+  model::Scene scene = scene_of(options.scene, context);
   std::vector<std::string> comments;  // each parameter with its 95 % interval
   if (!options.from.empty()) {
     context.input(options.from);

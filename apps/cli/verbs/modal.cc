@@ -116,7 +116,7 @@ void draw(PlotSheet& sheet, const signal::AmbientResult& found) {
   plot.link = plot.id;
   for (const auto& one : found.modes) {
     const double f = one.mode.frequency_hz.value;
-    plot.marks.push_back({f, fmt::format("{:.4g}", f), Origin::modelled, one.mode.doubtful});
+    plot.marks.push_back({f, fmt::format("{:.4g}", f), one.mode.doubtful});
     if (!one.mode.doubtful) poles.model.modes.push_back(one.mode);
   }
   for (Eigen::Index k = 0; k < std::min<Eigen::Index>(3, found.singular_values.cols()); ++k) {

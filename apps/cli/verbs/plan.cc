@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "apps/campaign_file/update_data.h"
+#include "apps/cli/at_hand.h"
 #include "apps/cli/named_numbers.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/sheet.h"
-#include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
 namespace {
@@ -133,8 +133,7 @@ void tell_plan(const ident::PlanResult& plan, VerbContext& context) {
 }
 
 Json run(PlanCommand& command, VerbContext& context) {
-  context.input(command.scene);
-  const model::Scene scene = model::read_scene(command.scene);
+  const model::Scene scene = scene_of(command.scene, context);
   std::vector<ident::PlanGoal> goals;
   auto names = command.free;
   for (const auto& text : command.goals) {

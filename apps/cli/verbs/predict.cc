@@ -39,35 +39,27 @@ constexpr const char* kPredictExample =
     "  rigfit update rig.toml --measured rig.csv --free beam.EI_z --json fit.json\n"
     "  rigfit predict beam.toml --from fit.json --count 5 --measured beam.csv";
 
-/// "NAME=STD", "NAME=0.5%" or "NAME=VALUE,STD": inputs of the scene with their uncertainty.
-std::vector<ident::SceneInput> scene_inputs(const std::vector<std::string>& texts) {
+/// Adds the inputs of `--input` and says what became of each.
+std::vector<ident::AddedInput> add_inputs(const model::Scene& scene, const PredictCommand& command,
+                                          VerbContext& context, ident::FittedParameters& fitted) {
   std::vector<ident::SceneInput> inputs;
-  inputs.reserve(texts.size());
-  for (const auto& text : texts) {
+  for (const auto& text : command.inputs) {
     const auto given =
         named_numbers("--input", text, "NAME=STD, NAME=0.5% or NAME=VALUE,STD", 1, 2, true);
-    ident::SceneInput input;
+    auto& input = inputs.emplace_back();
     input.name = given.name;
     if (given.numbers.size() > 1) input.value = given.numbers[0];
     input.relative = given.relative;
     input.std = given.numbers.back();
-    inputs.push_back(std::move(input));
   }
-  return inputs;
-}
-
-/// Adds the inputs of `--input` and says what became of each.
-std::vector<ident::AddedInput> add_inputs(const model::Scene& scene, const PredictCommand& command,
-                                          VerbContext& context, ident::FittedParameters& fitted) {
-  auto added = ident::add_scene_inputs(scene, scene_inputs(command.inputs), fitted);
-  std::erase_if(added, [&](const ident::AddedInput& one) {
-    if (one.fitted) {
-      context.warn("input_is_fitted",
-                   one.name + " is a parameter of the fit, whose value and uncertainty are used",
-                   command.scene);
-    }
-    return one.fitted;
-  });
+  auto added = ident::add_scene_inputs(scene, inputs, fitted);
+  for (const auto& one : added) {
+    if (!one.fitted) continue;
+    context.warn("input_is_fitted",
+                 one.name + " is a parameter of the fit, whose value and uncertainty are used",
+                 command.scene);
+  }
+  std::erase_if(added, [](const ident::AddedInput& one) { return one.fitted; });
   return added;
 }
 

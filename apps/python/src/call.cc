@@ -61,7 +61,7 @@ std::atomic<int> abandoned{0};
   } catch (const apps::InputChanged& error) {
     raise("InputError", error.what(), py::dict());
   } catch (const apps::Refused& error) {
-    raise("Refused", error.what(), py::dict("code"_a = error.code()));
+    raise("Refused", error.what(), py::dict("code"_a = error.code));
   } catch (const apps::NotConverged& error) {
     raise("NotConverged", error.what(), py::dict());
   } catch (const std::invalid_argument& error) {

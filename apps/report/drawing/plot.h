@@ -51,7 +51,6 @@ struct SeriesLook {
 struct PlotMark {
   double x = 0;
   std::string label;
-  Origin origin = Origin::modelled;
   bool doubtful = false;  ///< broken
 };
 

@@ -226,8 +226,7 @@ std::vector<Plot> hammer_plots(const HammerFigures& of) {
     for (auto plot = plots.begin() + first; plot != plots.end(); ++plot) {
       for (const auto& mode : of.modal->model.modes) {
         plot->marks.push_back({mode.frequency_hz.value,
-                               fmt::format("{:.4g}", mode.frequency_hz.value), Origin::modelled,
-                               mode.doubtful});
+                               fmt::format("{:.4g}", mode.frequency_hz.value), mode.doubtful});
       }
     }
     if (!of.modal->stabilisation.poles.empty()) {

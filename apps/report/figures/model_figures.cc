@@ -175,7 +175,7 @@ std::vector<Plot> recording_plots(const std::string& id, const signal::Recording
       if (finding.first < 0 || finding.first >= channel.samples.size()) continue;
       std::string word = finding.code;
       std::replace(word.begin(), word.end(), '_', ' ');
-      plot.marks.push_back({time(finding.first), word, Origin::modelled, true});
+      plot.marks.push_back({time(finding.first), word, true});
     }
     std::sort(plot.marks.begin(), plot.marks.end(),
               [](const PlotMark& a, const PlotMark& b) { return a.x < b.x; });

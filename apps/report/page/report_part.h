@@ -100,9 +100,8 @@ struct ReportPart {
       warnings;  ///< of the document, raised when the parts are put together
   std::vector<OutputFile> files;
   std::vector<ModeOfModel> modes;
-  std::vector<std::string> inputs;  ///< files read for it besides the campaign's own
-  Json json = Json::object();       ///< merged into the document under the part's key
-  std::string json_key;  ///< a list in the document that gets `json` appended; empty: none
+  Json json = Json::object();  ///< merged into the document under the part's key
+  std::string json_key;        ///< a list in the document that gets `json` appended; empty: none
 };
 
 }  // namespace rigfit::apps

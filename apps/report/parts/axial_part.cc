@@ -10,16 +10,11 @@
 namespace rigfit::apps {
 namespace {
 
-class AxialPart : public TestPart {
+class AxialPart : public TestPartOf<ident::AxialInputs> {
  public:
   AxialPart(const CampaignTest& test, int threads)
-      : TestPart(test, "axial"), inputs_(test.as<AxialTest>().inputs) {
+      : TestPartOf(test, "axial", test.as<AxialTest>().inputs, &ident::CampaignInputs::axial) {
     inputs_.threads = threads;
-  }
-
-  void add_to(ident::CampaignInputs& inputs) override {
-    index_ = inputs.axial.size();
-    inputs.axial.push_back(std::move(inputs_));
   }
 
   std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
@@ -85,8 +80,6 @@ class AxialPart : public TestPart {
     add_answer(part_, std::move(EA));
     add_answer(part_, std::move(damping));
   }
-
-  ident::AxialInputs inputs_;
 };
 
 }  // namespace

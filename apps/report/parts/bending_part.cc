@@ -13,24 +13,21 @@
 namespace rigfit::apps {
 namespace {
 
-class BendingPart : public TestPart {
+class BendingPart : public TestPartOf<ident::BendingCampaign> {
  public:
   explicit BendingPart(const CampaignTest& test)
-      : TestPart(test, "bending"), kind_(test.as<BendingTest>()), bending_(kind_.campaign) {
-    part_.json["span_m"] = bending_.test.span_m.value;
-    from_.assign(bending_.sources.size(), Origin::published);
-  }
-
-  void add_to(ident::CampaignInputs& inputs) override {
-    index_ = inputs.bending.size();
-    inputs.bending.push_back(std::move(bending_));
+      : TestPartOf(test, "bending", test.as<BendingTest>().campaign,
+                   &ident::CampaignInputs::bending),
+        kind_(test.as<BendingTest>()) {
+    part_.json["span_m"] = inputs_.test.span_m.value;
+    from_.assign(inputs_.sources.size(), Origin::published);
   }
 
   std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
     const auto& result = campaign.bending[index_];
-    bending_ = std::move(campaign.inputs.bending[index_]);
+    inputs_ = std::move(campaign.inputs.bending[index_]);
     const auto& laws = result.curve.laws();
-    part_.json.update(bending_json(bending_, result));
+    part_.json.update(bending_json(inputs_, result));
     part_.json["laws_decided"] = !kind_.beam() && laws.decided;
     tell(result.findings);
     for (std::size_t i = 0; i < result.points.size(); ++i) {
@@ -41,14 +38,14 @@ class BendingPart : public TestPart {
       part_.blocks.push_back(stiffness_plot(name + "-EI", from_, result));
     }
     if (!result.points.empty()) {
-      auto rows = ident::bending_rows(bending_, result);
+      auto rows = ident::bending_rows(inputs_, result);
       for (auto& row : rows) row.file = short_name(row.file);
       part_.blocks.push_back(described_table(name + "-results",
                                              "EI with its standard uncertainty and 95 % interval.",
                                              describe::table_of(std::move(rows)), from_.front()));
       if (!kind_.published()) {
         part_.blocks.push_back(
-            load_deflection_plot(name + "-load-deflection", bending_, from_, result));
+            load_deflection_plot(name + "-load-deflection", inputs_, from_, result));
       }
     }
     if (!kind_.beam() && !laws.laws.empty()) {
@@ -79,7 +76,7 @@ class BendingPart : public TestPart {
         kind_.tension_channel, kind_.load_channel, kind_.deflection_channel,
         "name it in the campaign, channels = {{ {} = \"...\" }}", kind_.beam()};
     try {
-      bending_.sources.push_back(bending_source(*entry.recording, columns, part_.warnings));
+      inputs_.sources.push_back(bending_source(*entry.recording, columns, part_.warnings));
     } catch (const signal::RecordingError& error) {
       refuse(part_, "channel", error.what(), entry.file);
       return;
@@ -95,7 +92,7 @@ class BendingPart : public TestPart {
       refused = refused || one.refused();
       if (!one.usable()) continue;
       const auto& point = one.point;
-      const std::string file = short_name(bending_.sources[one.source].name);
+      const std::string file = short_name(inputs_.sources[one.source].name);
       Answer EI = answer(fmt::format("EI/{}", ++found),
                          kind_.beam() ? fmt::format("Beam bending stiffness EI ({})", file)
                                       : fmt::format("Cable bending stiffness EI at {} N",
@@ -112,7 +109,7 @@ class BendingPart : public TestPart {
         EI.high = one.analysis->stiffness.high;
       }
       EI.rank = kind_.beam() && found > 1 ? 1 : 0;
-      const auto modulus = ident::bending_modulus(bending_, one);
+      const auto modulus = ident::bending_modulus(inputs_, one);
       if (kind_.beam() && std::isfinite(modulus.value)) {
         Answer E = EI;
         E.key = fmt::format("{}/modulus/{}", test_.name, found);
@@ -121,7 +118,7 @@ class BendingPart : public TestPart {
         E.value = modulus.value;
         E.std = modulus.std;
         // The section's uncertainty widens the interval of EI.
-        const auto& I = bending_.second_moment_m4;
+        const auto& I = inputs_.second_moment_m4;
         const double width = 1.959964 * I.std / I.value;
         E.low = modulus.value * (1 - std::hypot(1 - EI.low / EI.value, width));
         E.high = modulus.value * (1 + std::hypot(EI.high / EI.value - 1, width));
@@ -135,7 +132,6 @@ class BendingPart : public TestPart {
   }
 
   const BendingTest& kind_;
-  ident::BendingCampaign bending_;
   std::vector<Origin> from_;  ///< origins of the sources
 };
 

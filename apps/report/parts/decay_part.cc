@@ -8,19 +8,15 @@
 namespace rigfit::apps {
 namespace {
 
-class DecayPart : public TestPart {
+class DecayPart : public TestPartOf<ident::DecayInputs> {
  public:
   DecayPart(const Campaign& campaign, const CampaignTest& test)
-      : TestPart(test, "decays"), campaign_(campaign), inputs_(test.as<DecayTest>().inputs) {}
-
-  void add_to(ident::CampaignInputs& inputs) override {
-    index_ = inputs.decays.size();
-    for (std::size_t f = 0; f < campaign_.fits.size(); ++f) {
-      for (const std::size_t test : campaign_.fits[f].predicts) {
-        if (&campaign_.tests[test] == &test_) inputs_.fits.push_back(f);
+      : TestPartOf(test, "decays", test.as<DecayTest>().inputs, &ident::CampaignInputs::decays) {
+    for (std::size_t f = 0; f < campaign.fits.size(); ++f) {
+      for (const std::size_t seen : campaign.fits[f].predicts) {
+        if (&campaign.tests[seen] == &test) inputs_.fits.push_back(f);
       }
     }
-    inputs.decays.push_back(std::move(inputs_));
   }
 
   std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
@@ -142,8 +138,6 @@ class DecayPart : public TestPart {
              Origin::modelled);
   }
 
-  const Campaign& campaign_;
-  ident::DecayInputs inputs_;
   ReportTable table_;
   std::vector<AnalysedDecay> decays_;
   std::string best_;  ///< the last model against the strongest oscillation of the last record

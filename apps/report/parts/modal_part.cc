@@ -15,22 +15,17 @@ namespace rigfit::apps {
 namespace {
 
 /// Recordings of hits and their modes, then the model's modes against them: a part each.
-class ModalPart : public TestPart {
+class ModalPart : public TestPartOf<ident::ModalInputs> {
  public:
   ModalPart(const Campaign& campaign, const CampaignTest& test)
-      : TestPart(test, "recorded_modal"),
+      : TestPartOf(test, "recorded_modal", test.as<ModalTest>().inputs,
+                   &ident::CampaignInputs::modal),
         campaign_(campaign),
-        inputs_(test.as<ModalTest>().inputs),
         sensors_(inputs_.setup.sensors) {
     part_.id = test.name + "-recordings";
     part_.title = test.title + ": recordings";
     part_.test = test.name;
     if (test.scene) scene_ = &campaign.scenes[*test.scene].scene;
-  }
-
-  void add_to(ident::CampaignInputs& inputs) override {
-    index_ = inputs.modal.size();
-    inputs.modal.push_back(std::move(inputs_));
   }
 
   std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
@@ -215,7 +210,6 @@ class ModalPart : public TestPart {
   }
 
   const Campaign& campaign_;
-  ident::ModalInputs inputs_;
   std::map<std::string, std::string> sensors_;  ///< by channel, where names differ
   const model::Scene* scene_ = nullptr;         ///< null: points keep their numbers
   ReportTable hits_, modes_;

@@ -106,10 +106,7 @@ void TestPart::read(const FileRead& file_read) {
   auto loaded = load_recordings(test_.recordings, file_read);
   files_ = loaded.size();
   for (auto& entry : loaded) {
-    part_.inputs.insert(part_.inputs.end(), entry.inputs.begin(), entry.inputs.end());
-    if (entry.recording && test_.is<BendingTest>()) {
-      drop_time_notes(*entry.recording);
-    }
+    if (entry.recording && test_.is<BendingTest>()) drop_time_notes(*entry.recording);
   }
   add_recordings(part_, test_, loaded);
   for (auto& entry : loaded) {

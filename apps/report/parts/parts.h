@@ -49,6 +49,24 @@ class TestPart {
   std::vector<Origin> origins_;  ///< where the usable recordings come from
   ReportPart part_;
 };
+/// With the inputs that the recordings are added to, in a list of the campaign's.
+template <class Inputs>
+class TestPartOf : public TestPart {
+ public:
+  TestPartOf(const CampaignTest& test, const char* json_key, Inputs inputs,
+             std::vector<Inputs> ident::CampaignInputs::*list)
+      : TestPart(test, json_key), inputs_(std::move(inputs)), list_(list) {}
+  void add_to(ident::CampaignInputs& inputs) override {
+    index_ = (inputs.*list_).size();
+    (inputs.*list_).push_back(std::move(inputs_));
+  }
+
+ protected:
+  Inputs inputs_;
+
+ private:
+  std::vector<Inputs> ident::CampaignInputs::*list_;
+};
 using TestPartPtr = std::unique_ptr<TestPart>;
 
 [[nodiscard]] TestPartPtr axial_part(const CampaignTest& test, int threads);

@@ -7,15 +7,11 @@
 namespace rigfit::apps {
 namespace {
 
-class TensionPart : public TestPart {
+class TensionPart : public TestPartOf<ident::TensionInputs> {
  public:
   explicit TensionPart(const CampaignTest& test)
-      : TestPart(test, "tension"), inputs_(test.as<TensionTest>().inputs) {}
-
-  void add_to(ident::CampaignInputs& inputs) override {
-    index_ = inputs.tension.size();
-    inputs.tension.push_back(std::move(inputs_));
-  }
+      : TestPartOf(test, "tension", test.as<TensionTest>().inputs,
+                   &ident::CampaignInputs::tension) {}
 
   std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
     const auto& found = campaign.tension[index_];
@@ -55,8 +51,6 @@ class TensionPart : public TestPart {
   void take(LoadedRecording entry, const RecordingGroup&) override {
     inputs_.recordings.push_back({entry.file, std::move(*entry.recording)});
   }
-
-  ident::TensionInputs inputs_;
 };
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 
@@ -112,24 +111,6 @@ TEST(KeyReference, HoldsEveryKeyThatTheReadersKnow) {
     check("campaign", {"report", folder.write(fmt::format("campaign{}.toml", ++number), text),
                        "--out", folder.at("out")});
   }
-}
-
-TEST(Warnings, OfAKindShareALine) {
-  const TemporaryFolder folder;
-  std::vector<std::string> command{"inspect"};
-  for (int k = 0; k < 7; ++k) {
-    command.push_back(folder.write(fmt::format("r{}.csv", k), "a (N)\n1.5\n2.5\n3.5\n-1.5\n"));
-  }
-  const auto run = run_program(command);
-  EXPECT_EQ(run.exit_code, 0);
-  EXPECT_THAT(run.err, HasSubstr("warning: 7 times: neither times nor a sample rate"));
-  command.insert(command.end(), {"--json", "-"});
-  int each = 0;
-  const auto document = parsed(run_program(command).out);
-  for (const auto& warning : document["warnings"]) {
-    each += warning["code"] == "no_sample_rate" ? 1 : 0;
-  }
-  EXPECT_EQ(each, 7);
 }
 
 }  // namespace

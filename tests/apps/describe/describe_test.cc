@@ -7,7 +7,6 @@
 #include <sstream>
 #include <vector>
 
-#include "apps/cli/command_line.h"
 #include "apps/cli/usage.h"
 #include "apps/describe/sheet.h"
 #include "signal/numerics/estimate.h"
@@ -94,6 +93,9 @@ TEST(Describe, NumbersHaveNoExponentsWhereTheyStayReadable) {
   EXPECT_EQ(describe::number_text(0.0213, "", 2), "0.021");
   EXPECT_EQ(describe::number_text(207.0224, "N", 6), "207.022");
   EXPECT_EQ(describe::estimate_text(-1e-10, 1.2e-8, "m/N"), "0.000 +- 0.012");
+  EXPECT_EQ(describe::estimate_text(3.2e-14, 1.1e-15, ""), "3.20e-14 +- 1.1e-15");
+  EXPECT_EQ(describe::estimate_text(0.5, 0.0996, ""), "0.50 +- 0.10");
+  EXPECT_EQ(describe::estimate_text(1.23456789, NAN, ""), "1.23457");
 }
 
 TEST(Describe, AnOptionIsOnTheCommandLineAndInItsHelp) {

@@ -141,7 +141,7 @@ TEST(SvgPlot, MarksStandAtTheirPlaceWithTheirName) {
   line.x = {0, 100};
   line.y = {0, 1};
   plot.series = {line};
-  plot.marks = {{25, "25 Hz", Origin::modelled, false}, {1000, "outside", Origin::modelled, false}};
+  plot.marks = {{25, "25 Hz"}, {1000, "outside"}};
   const std::string svg = svg_plot(plot);
   EXPECT_THAT(svg, HasSubstr(">25 Hz<"));
   EXPECT_THAT(svg, Not(HasSubstr("outside")));
