@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <tuple>
 #include <type_traits>
 
 namespace rigfit::apps {
@@ -54,11 +55,11 @@ void AxialTest::complete() {
   if (setup.frame_stated && std::isfinite(*frame_stiffness_N_m)) {
     setup.frame_stiffness_N_m.value = *frame_stiffness_N_m;
   }
-  if (!band_hz.empty()) inputs.band_low_hz = band_hz[0], inputs.band_high_hz = band_hz[1];
+  if (band_hz) std::tie(inputs.band_low_hz, inputs.band_high_hz) = *band_hz;
 }
 
 void TensionTest::complete() {
-  if (!band_hz.empty()) inputs.band_low_hz = band_hz[0], inputs.band_high_hz = band_hz[1];
+  if (band_hz) std::tie(inputs.band_low_hz, inputs.band_high_hz) = *band_hz;
   const bool whole = std::all_of(orders.begin(), orders.end(),
                                  [](double order) { return order == std::round(order); });
   if (!whole || (!orders.empty() && orders.size() != frequencies_hz.size())) {
@@ -200,12 +201,12 @@ Options keys_of(AxialTest& t) {
           .from_zero(),
       option("catalogue_EA", s.catalogue_EA_N, "To compare with", "N").from_zero(),
       option("channel", t.inputs.channel, "Of the tension (or motion); default: the only one"),
-      option("band", t.band_hz, "Where the axial frequency is", "Hz").count(2).from_zero()};
+      option("band", t.band_hz, "Where the axial frequency is")};
 }
 
 Options keys_of(DecayTest& t) {
   return {option("channels", t.inputs.options.channels, "Default: all"),
-          option("band", t.band_hz, "Where decays are looked for", "Hz").count(2).from_zero(),
+          option("band", t.band_hz, "Where decays are looked for"),
           option("load", t.inputs.load,
                  "The scene's release or impact, simulated and laid over the records")
               .needs("scene")};
@@ -225,7 +226,7 @@ Options keys_of(ModalTest& t) {
   Options keys{option("planes", t.planes, "What the test sees: in and out of the plane of gravity")
                    .one_of({"in", "out"})};
   for (auto& key : {option("responses", hammer.responses, "Channels; default: every other one"),
-                    option("band", t.band_hz, "Of the modes", "Hz").count(2).from_zero(),
+                    option("band", hammer.impact.hits.band_hz, "Of the modes"),
                     option("ambient", options.ambient, "Motion under unknown forces: no hammer"),
                     option("reference", options.references,
                            "Channels that stay in place in all set-ups; default: what they share")
@@ -285,10 +286,7 @@ Options keys_of(TensionTest& t) {
       option("measured", t.measured, "Table of frequencies, or modes as UFF 55"),
       option("column", t.column, "Of the frequencies in that table").needs("measured"),
       option("channels", t.inputs.channels, "Of the recordings; default: all").needs("recording"),
-      option("band", t.band_hz, "Where modes are looked for", "Hz")
-          .count(2)
-          .from_zero()
-          .needs("recording")};
+      option("band", t.band_hz, "Where modes are looked for").needs("recording")};
 }
 
 Options reference_keys_of(CampaignTest& t) {
@@ -379,9 +377,13 @@ void read(TomlTable& table, const Option& key, std::vector<double>& value) {
   const auto count = static_cast<std::size_t>(key.numbers);
   value = table.numbers(key.name, count > 0 ? count : 1, count > 0 ? count : kMost, bound_of(key),
                         key.unit);
-  if (key.unit == "Hz" && count == 2 && !(value[0] < value[1])) {
+}
+void read(TomlTable& table, const Option& key, describe::Band& value) {
+  const auto ends = table.numbers(key.name, 2, 2, bound_of(key), key.unit);
+  if (!(ends[0] < ends[1])) {
     throw table.error(key.name, "does not rise", "give the lower frequency first, in Hz");
   }
+  value.emplace(ends[0], ends[1]);
 }
 void read(TomlTable& table, const Option& key, std::vector<std::string>& value) {
   value = table.string_or_strings(key.name);

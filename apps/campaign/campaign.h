@@ -86,7 +86,7 @@ struct BendingTest {
 
 struct AxialTest {
   ident::AxialInputs inputs;
-  std::vector<double> band_hz;
+  describe::Band band_hz;
   std::optional<double> frame_stiffness_N_m;  ///< infinite: rigid
 
   /// Takes frame and band over into `inputs`.
@@ -95,7 +95,7 @@ struct AxialTest {
 
 struct DecayTest {
   ident::DecayInputs inputs;
-  std::vector<double> band_hz;
+  describe::Band band_hz;
 };
 
 struct ModalTest {
@@ -103,7 +103,7 @@ struct ModalTest {
   std::vector<std::string> models;  ///< labels of the published models, as in `inputs.published`
   std::string estimator = "h1", load;
   std::vector<std::string> planes{"in"};
-  std::vector<double> band_hz, direction;
+  std::vector<double> direction;
   double force_window_s = 0;  ///< 0: by the noise on the force
   int max_order = 0;          ///< 0: the method's own
 };
@@ -113,7 +113,8 @@ struct TensionTest {
   std::string mass_of, ends = "compare", plane = "any";
   std::optional<double> EI_Nm2, EA_N;
   double EI_std_Nm2 = 0, EA_std_N = 0;
-  std::vector<double> frequencies_hz, orders, band_hz;
+  std::vector<double> frequencies_hz, orders;
+  describe::Band band_hz;
   double frequency_std_hz = 0;  ///< 0: not known
   std::string measured, column;
 

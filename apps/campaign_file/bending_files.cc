@@ -134,35 +134,33 @@ class Columns {
       auto& record = source.record;
       if (!names_.without_tension) {
         record.tension_N =
-            column("tension", name_of("tension"), {"tension", "preload"}, "N").samples;
+            column("tension", name_of(&LoadDeflection::tension), {"tension", "preload"}, "N")
+                .samples;
       }
       record.load_N = load();
       if (names_.without_tension) record.tension_N.setZero(record.load_N.size());
       record.deflection_m =
-          column("deflection", name_of("deflection"), kDeflectionNames, "m").samples;
+          column("deflection", name_of(&LoadDeflection::deflection), kDeflectionNames, "m").samples;
     }
     return source;
   }
 
  private:
   /// The name that a person gives, else the one by which the table shows what it is.
-  [[nodiscard]] std::string name_of(const std::string& what) const {
-    const std::string& given = what == "tension" ? names_.tension
-                               : what == "load"  ? names_.load
-                                                 : names_.deflection;
-    if (!given.empty() && !(what == "tension" && given == "0")) return given;
-    if (!table_) return "";
-    return what == "tension" ? table_->tension : what == "load" ? table_->load : table_->deflection;
+  [[nodiscard]] std::string name_of(std::string LoadDeflection::*what) const {
+    const std::string& given = names_.*what;
+    if (!given.empty() && given != "0") return given;
+    return table_ ? (*table_).*what : "";
   }
 
   /// In newtons; masses as dead weights.
   Eigen::VectorXd load() const {
-    const auto* found = find(recording_, name_of("load"), kLoadNames);
+    const auto* found = find(recording_, name_of(&LoadDeflection::load), kLoadNames);
     const bool named = found != nullptr && signal::lower_case(found->name).starts_with("mass");
     // "g" is the standard gravity to the reader, grams on a mass or load.
     const bool grams = found != nullptr && found->source_unit == "g";
     if (found == nullptr || !(named || grams || found->unit == "kg")) {
-      return column("load", name_of("load"), kLoadNames, "N").samples;
+      return column("load", name_of(&LoadDeflection::load), kLoadNames, "N").samples;
     }
     if (!grams && found->unit != "kg") {
       throw signal::RecordingError(

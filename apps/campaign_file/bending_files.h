@@ -33,8 +33,7 @@ struct LoadDeflection {
 /// Names of columns; empty: the first whose name begins in one of the usual ways, such as
 /// "tension", "preload"; "load", "force", "Q"; "deflection", "displacement", "lvdt", "d"; without
 /// tension else the only column in newtons or metres.
-struct BendingColumns {
-  std::string tension, load, deflection;
+struct BendingColumns : LoadDeflection {
   /// How a person names one, with {} for tension, load or deflection.
   std::string remedy = "name it with --{}";
   /// A beam without tension: no tension column is looked for. Loads may be masses (dead weights).

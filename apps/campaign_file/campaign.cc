@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 #include <stdexcept>
+#include <tuple>
 
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_group.h"
@@ -283,9 +284,8 @@ class Reader {
   void read_kind(TomlTable& table, CampaignTest& test, DecayTest& decay) {
     auto& inputs = decay.inputs;
     read_keys(table, keys_of(decay));
-    if (const auto& band = decay.band_hz; !band.empty()) {
-      inputs.options.decay.band_low_hz = band[0], inputs.options.decay.band_high_hz = band[1];
-    }
+    auto& found = inputs.options.decay;
+    if (decay.band_hz) std::tie(found.band_low_hz, found.band_high_hz) = *decay.band_hz;
     if (table.has("scene")) {
       inputs.scene = scene_use(table, test, inputs.sensors);
       const auto loads = names_of(inputs.scene->scene.loads);
@@ -342,9 +342,6 @@ class Reader {
       inputs.setup.plane = plane_named(planes[0]);
     }
     auto& hammer = inputs.options.hammer;
-    if (!modal.band_hz.empty()) {
-      hammer.impact.hits.band_hz = {modal.band_hz[0], modal.band_hz[1]};
-    }
     if (recorded && !inputs.options.ambient && hammer.force.empty()) {
       throw table.error("force", "is missing", "name the hammer's channel, or say ambient = true");
     }

@@ -19,9 +19,11 @@
 #include "model/scene/read_scene.h"
 #include "model/scene/scene.h"
 #include "model/scene/scene_error.h"
+#include "model/scene/sensor_quantity.h"
 #include "signal/decay/decay.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/readers/uff/read_uff.h"
+#include "signal/recording/units.h"
 
 namespace rigfit::apps {
 namespace {
@@ -243,16 +245,9 @@ class StateReader {
   }
 
   static signal::FrfForm form_of(model::Sensor::Quantity quantity, const std::string& path) {
-    switch (quantity) {
-      case model::Sensor::Quantity::acceleration:
-        return signal::FrfForm::accelerance;
-      case model::Sensor::Quantity::velocity:
-        return signal::FrfForm::mobility;
-      case model::Sensor::Quantity::displacement:
-        return signal::FrfForm::receptance;
-      case model::Sensor::Quantity::force:
-        break;
-    }
+    const auto unit = signal::parse_unit(model::described(quantity).unit);
+    const auto form = signal::form_of(unit ? unit->quantity : signal::Quantity::unknown);
+    if (form != signal::FrfForm::unknown) return form;
     throw UsageError(path + ": FRFs of force sensors are not fitted");
   }
 

@@ -36,6 +36,12 @@ CLI::Option* add(CLI::App& app, const describe::Option& option) {
       [&](auto* member) {
         if constexpr (std::is_same_v<decltype(member), bool*>) {
           return app.add_flag(option.name, *member);
+        } else if constexpr (std::is_same_v<decltype(member), describe::Band*>) {
+          const auto take = [member, name = option.name](const std::vector<double>& ends) {
+            if (ends[0] < ends[1]) return void(member->emplace(ends[0], ends[1]));
+            throw UsageError(name + " must rise: two frequencies in Hz, the lower one first");
+          };
+          return app.add_option_function<std::vector<double>>(option.name, take);
         } else {
           return app.add_option(option.name, *member);
         }
@@ -77,17 +83,6 @@ std::vector<std::string> std_apart(const describe::Options& options,
   return apart;
 }
 
-/// Bands rise.
-void check_bands(const describe::Options& options) {
-  for (const auto& option : options) {
-    const auto* const* band = std::get_if<std::vector<double>*>(&option.target);
-    if (band == nullptr || option.unit != "Hz" || option.numbers != 2 || (*band)->empty()) continue;
-    if ((**band)[0] < 0 || !((**band)[0] < (**band)[1])) {
-      throw UsageError(option.name + " must rise: two frequencies in Hz, the lower one first");
-    }
-  }
-}
-
 }  // namespace
 
 void parse_options(const Verb& verb, const std::vector<std::string>& arguments) {
@@ -115,7 +110,6 @@ void parse_options(const Verb& verb, const std::vector<std::string>& arguments) 
     throw UsageError(
         fmt::format("{}\nrigfit help {} says how it is used.", error.what(), verb.name));
   }
-  check_bands(verb.options);
   for (std::size_t k = 0; k < added.size(); ++k) {
     if (verb.options[k].told != nullptr && added[k]->count() > 0) {
       verb.options[k].told->push_back(verb.options[k].name);

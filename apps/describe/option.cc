@@ -48,7 +48,7 @@ Options as_command_line(Options keys) {
 
 const char* Option::kind() const {
   constexpr const char* kKinds[] = {"flag",   "integer", "integer", "integer", "number",
-                                    "number", "text",    "numbers", "texts"};
+                                    "number", "text",    "numbers", "texts",   "numbers"};
   return kKinds[target.index()];
 }
 

@@ -11,15 +11,19 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
 
 namespace rigfit::describe {
 
+/// Two rising frequencies, Hz.
+using Band = std::optional<std::pair<double, double>>;
+
 /// Where a value goes: a member of the verb's options, whose content is the default.
 using Target = std::variant<bool*, int*, long*, std::uint64_t*, double*, std::optional<double>*,
-                            std::string*, std::vector<double>*, std::vector<std::string>*>;
+                            std::string*, std::vector<double>*, std::vector<std::string>*, Band*>;
 
 struct Option {
   std::string name;  ///< "--mass"; without dashes: stands by its place
@@ -77,6 +81,7 @@ template <class T>
   Option made;
   made.name = std::move(name), made.target = &member;
   made.meaning = std::move(meaning), made.unit = std::move(unit);
+  if constexpr (std::is_same_v<T, Band>) made.numbers = 2, made.lowest = 0, made.unit = "Hz";
   return made;
 }
 

@@ -74,20 +74,13 @@ std::vector<TextTable::Row> lines_of(std::string_view bytes) {
 }  // namespace
 
 std::ptrdiff_t TextTable::find(const std::string& title) const {
-  const auto at = [&](auto&& matches) {
-    const auto found = std::find_if(columns.begin(), columns.end(),
-                                    [&](const Column& column) { return matches(column.name); });
-    return found == columns.end() ? std::ptrdiff_t{-1} : found - columns.begin();
-  };
-  const auto is = [](const std::string& wanted) {
-    return [lower = signal::lower_case(wanted)](const std::string& name) {
-      return signal::lower_case(name) == lower;
-    };
-  };
-  auto index = at([&](const std::string& name) { return name == title; });
-  if (index < 0) index = at(is(title));
-  if (index < 0) index = at(is(signal::split_title(title).name));
-  return index;
+  for (const auto& wanted : {title, signal::split_title(title).name}) {
+    const auto found = std::find_if(columns.begin(), columns.end(), [&](const Column& column) {
+      return signal::lower_case(column.name) == signal::lower_case(wanted);
+    });
+    if (found != columns.end()) return found - columns.begin();
+  }
+  return -1;
 }
 
 std::size_t TextTable::column(const std::string& title) const {

@@ -153,7 +153,7 @@ TEST(Refusals, OfBands) {
   expect_refused(files,
                  {{"update @scene.toml --measured @modes.csv --band 5 3", 2, "--band must rise"},
                   {"modes @scene.toml --band 50 5", 2, "--band must rise: two frequencies in Hz"},
-                  {"modes @scene.toml --band 0 nan", 2, "no finite number"},
+                  {"modes @scene.toml --band 0 nan", 2, "no number from zero up"},
                   {"frf @two.csv --force F --band 5 3", 2, "--band must rise"}});
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <tuple>
 
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/exit_code.h"
@@ -18,7 +19,7 @@ namespace {
 struct DecayCommand {
   std::string file, channel;  ///< name or "#number"; may be empty where there is one
   std::optional<double> start_s, end_s;
-  std::vector<double> band;  ///< Hz, two or none
+  describe::Band band_hz;
   bool each = false;
   int max_modes = signal::DecayOptions{}.max_modes;
 };
@@ -39,11 +40,11 @@ ident::DecayTest run_decay_test(const signal::Recording& recording, const signal
   options.start_s = command.start_s, options.end_s = command.end_s, options.each = command.each;
   options.decay.max_modes = command.max_modes;
   const double nyquist = 0.5 * recording.sample_rate_hz;
-  if (!command.band.empty()) {
-    if (!(command.band[0] < nyquist)) {
+  if (command.band_hz) {
+    std::tie(options.decay.band_low_hz, options.decay.band_high_hz) = *command.band_hz;
+    if (!(options.decay.band_low_hz < nyquist)) {
       throw UsageError(fmt::format("--band must begin below half the sample rate, {} Hz", nyquist));
     }
-    options.decay.band_low_hz = command.band[0], options.decay.band_high_hz = command.band[1];
   }
   signal::Recording one = recording;
   one.channels = {channel};
@@ -95,7 +96,7 @@ describe::Options options_of(DecayCommand& c) {
       option("--channel", c.channel, "Name or #number; may be left out where there is one"),
       option("--start", c.start_s, "Fit from this time on, s (default: found)"),
       option("--end", c.end_s, "Use nothing after this time", "s"),
-      option("--band", c.band, "Report modes between these", "Hz").count(2),
+      option("--band", c.band_hz, "Report modes between these"),
       option(
           "--each", c.each,
           "Fit every decay of the record and pool their modes: mean, and scatter between decays"),

@@ -79,9 +79,9 @@ Json run(FrfCommand& options, VerbContext& context) {
   const bool roving = !options.impact.struck.empty();
   print(context.out, run);
   if (context.plots) {
-    const auto& asked = options.impact.band;
-    draw_hammer_test(*context.plots, {&run.places, &hammer, frfs, asked.empty() ? 0 : asked[0],
-                                      asked.empty() ? hammer.usable_hz : asked[1]});
+    const auto band =
+        options.impact.hammer.impact.hits.band_hz.value_or(std::pair(0.0, hammer.usable_hz));
+    draw_hammer_test(*context.plots, {&run.places, &hammer, frfs, band.first, band.second});
   }
 
   // Blocks are as long for all points; a point without hits has none.

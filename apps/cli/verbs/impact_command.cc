@@ -19,7 +19,6 @@ ident::HammerTestOptions hammer_options(const ImpactCommand& command) {
   ident::HammerTestOptions hammer = command.hammer;
   auto& impact = hammer.impact;
   impact.hits.trigger = command.trigger_percent / 100;
-  if (!command.band.empty()) impact.hits.band_hz = {command.band[0], command.band[1]};
   impact.estimator = command.estimator == "h2"   ? signal::FrfEstimator::h2
                      : command.estimator == "hv" ? signal::FrfEstimator::hv
                                                  : signal::FrfEstimator::h1;
@@ -74,7 +73,7 @@ describe::Options options_of(ImpactCommand& c) {
              "The same, given as its level at the end of the block")
           .within(1e-12, 1.0)
           .excludes("--exponential-window"),
-      option("--band", c.band, "Band in which the force spectrum is asked for", "Hz").count(2),
+      option("--band", hits.band_hz, "Band in which the force spectrum is asked for"),
       option("--block", hits.block_s, "Seconds analysed a hit [what uses most of the recordings]")
           .positive(),
       option("--trigger", c.trigger_percent, "A hit exceeds this much of the largest force", "%")

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "apps/campaign_file/recording_description.h"
@@ -41,6 +42,8 @@ struct ModalCommand {
   bool ambient = false;                 ///< motion under unknown forces: no FRFs, no hits
   std::vector<std::string> references;  ///< stay in place in all set-ups of ambient motion
   std::vector<std::string> of_hits;     ///< options given that mean nothing for FRFs from a file
+
+  [[nodiscard]] const describe::Band& band() const { return impact.hammer.impact.hits.band_hz; }
 };
 
 /// The modes as a table: the sure ones, and how many others there are; `all`: those too.
@@ -73,9 +76,7 @@ void check_ambient_options(const ModalCommand& command) {
 signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context) {
   signal::AmbientOptions options;
   options.channels = command.impact.hammer.responses;
-  if (!command.impact.band.empty()) {
-    options.low_hz = command.impact.band[0], options.high_hz = command.impact.band[1];
-  }
+  if (const auto& band = command.band()) std::tie(options.low_hz, options.high_hz) = *band;
   options.max_damping_ratio = command.max_damping;
   // The usual order of FRFs is not that of half spectra.
   if (command.order != ModalCommand().order) options.max_order = command.order;
@@ -175,12 +176,10 @@ struct MeasuredFrfs {
 };
 
 void refuse_options_of_hits(const ModalCommand& options) {
-  std::string given;
-  for (const auto& name : options.of_hits) given += (given.empty() ? "" : ", ") + name;
-  if (given.empty()) return;
-  throw UsageError(given +
-                   ": for recordings of hits, which need --force C; FRFs from a file are averaged "
-                   "already");
+  if (options.of_hits.empty()) return;
+  throw UsageError(fmt::format(
+      "{}: for recordings of hits, which need --force C; FRFs from a file are averaged already",
+      fmt::join(options.of_hits, ", ")));
 }
 
 /// The exponential window that another analyser used, as stated: its decay rate is in every pole.
@@ -204,11 +203,9 @@ void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
 
 ident::IdentifiedModes identify(const MeasuredFrfs& measured, const ModalCommand& options) {
   signal::ModalOptions modal;
-  std::optional<std::pair<double, double>> band;
-  if (!options.impact.band.empty()) band = {options.impact.band[0], options.impact.band[1]};
   modal.lscf.max_order = options.order;
   modal.lscf.max_damping_ratio = options.max_damping;
-  auto found = ident::identify(measured.frfs, band, measured.usable_hz, modal);
+  auto found = ident::identify(measured.frfs, options.band(), measured.usable_hz, modal);
   if (!found.modal) throw Refused(found.findings.front().message, found.findings.front().code);
   return found;
 }
@@ -216,16 +213,10 @@ ident::IdentifiedModes identify(const MeasuredFrfs& measured, const ModalCommand
 /// FRFs of another analyser: takes off its window, and makes error bars from the coherence where
 /// the file has none.
 MeasuredFrfs completed(signal::FrfSet frfs, const ModalCommand& options, VerbContext& context) {
-  MeasuredFrfs measured;
-  measured.frfs = std::move(frfs);
-  take_off_window(options, measured.frfs);
-  std::optional<std::pair<double, double>> band;
-  if (!options.impact.band.empty()) band = {options.impact.band[0], options.impact.band[1]};
-  signal::error_bars_from_coherence(measured.frfs, options.averages, band);
-  for (const signal::Note& note : measured.frfs.notes) {
-    context.warn(note.code, note.message, note.where);
-  }
-  return measured;
+  take_off_window(options, frfs);
+  signal::error_bars_from_coherence(frfs, options.averages, options.band());
+  for (const auto& note : frfs.notes) context.warn(note.code, note.message, note.where);
+  return {.frfs = std::move(frfs), .run = std::nullopt};
 }
 
 /// FRFs at hand, of one UFF file or of text tables; or those of hits.

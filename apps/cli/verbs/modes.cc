@@ -17,7 +17,7 @@ namespace {
 struct ModesCommand {
   std::string scene;
   int count = 6;
-  std::vector<double> band;
+  describe::Band band_hz;
   int segments = 0;
   std::string rotary_inertia = "accurate";
   std::string torsion = "auto";
@@ -56,7 +56,7 @@ Json run(ModesCommand& options, VerbContext& context) {
   const model::Scene scene = scene_of(options.scene, context);
   model::ModesOptions wanted;
   wanted.count = options.count;
-  if (!options.band.empty()) wanted.band_hz = {options.band[0], options.band[1]};
+  wanted.band_hz = options.band_hz;
   if (options.segments > 0) wanted.segments = options.segments;
   if (options.rotary_inertia == "rigid_rod") {
     wanted.rotary_inertia = model::RotaryInertia::rigid_rod;
@@ -87,7 +87,7 @@ Json run(ModesCommand& options, VerbContext& context) {
     context.warn("modes_not_counted", "a Sturm count does not agree with the modes found",
                  options.scene);
   }
-  if (!options.band.empty() && analysis.modes.empty()) {
+  if (options.band_hz && analysis.modes.empty()) {
     context.warn("no_modes", "no natural frequency lies in the band", options.scene);
   }
   for (const auto& one : analysis.left_out) {
@@ -129,9 +129,7 @@ describe::Options options_of(ModesCommand& c) {
   using describe::option;
   return {option("scene", c.scene, "Scene file (TOML)").required(),
           option("--count", c.count, "The first N modes").within(1, 10000),
-          option("--band", c.band, "All modes between two frequencies", "Hz")
-              .count(2)
-              .excludes("--count"),
+          option("--band", c.band_hz, "All modes between two frequencies").excludes("--count"),
           option("--segments", c.segments, "Segments of every member, instead of the scene's")
               .within(2, 100000),
           option("--rotary-inertia", c.rotary_inertia,

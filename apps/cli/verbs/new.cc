@@ -219,11 +219,6 @@ std::string channels_text(const signal::Recording& recording, const GuessOptions
   return text.empty() ? text : "channel = [\n" + text + "]\n";
 }
 
-signal::RecordingDescription description_of(const std::string& channels, const std::string& file) {
-  auto table = document::TomlTable::parse(channels, file);
-  return signal::read_description(table);
-}
-
 /// m, of a file; 0: none is given.
 double length_of(const std::string& file, std::size_t place, std::size_t files,
                  const std::vector<std::string>& lengths) {
@@ -388,7 +383,8 @@ GuessedCampaign guess_campaign(const fs::path& folder, const std::vector<std::st
       for (const auto& channel : recording.channels) channels.push_back(channel.name);
       Group group;
       group.channels = channels_text(recording, options);
-      signal::apply_description(description_of(group.channels, file), recording);
+      auto said = document::TomlTable::parse(group.channels, file);
+      signal::apply_description(signal::read_description(said), recording);
       Guess guess = guess_of(recording, options);
       if (guess.kind == "bending") drop_time_notes(recording);
       tell_notes(recording, context);

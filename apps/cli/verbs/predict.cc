@@ -29,7 +29,7 @@ struct PredictCommand {
   std::string from, measured, column, plane = "any", frf, response;
   double duration_s = 2, rate_hz = 500;  ///< predicted response
   std::vector<std::string> maps, damage, inputs;
-  std::vector<double> band;
+  describe::Band band_hz;
   int count = 6, segments = 0, lines = 400;
   bool sample = false, accept_fit = false;
 };
@@ -117,10 +117,9 @@ void write_frfs(const PredictCommand& command, const model::Scene& scene,
   if (scene.loads.empty() || scene.sensors.empty()) {
     throw UsageError("--frf: the scene has no load or no sensor");
   }
-  const double low =
-      command.band.empty() ? 0.2 * prediction.modes.front().frequency_hz.value : command.band[0];
-  const double high =
-      command.band.empty() ? 1.2 * prediction.modes.back().frequency_hz.value : command.band[1];
+  const auto [low, high] =
+      command.band_hz.value_or(std::pair(0.2 * prediction.modes.front().frequency_hz.value,
+                                         1.2 * prediction.modes.back().frequency_hz.value));
   const auto frfs =
       ident::predict_frfs(scene, fitted, Eigen::VectorXd::LinSpaced(command.lines, low, high));
   signal::Recording table;
@@ -307,7 +306,7 @@ describe::Options options_of(PredictCommand& c) {
              "of the fit or N m2")
           .type("ZONE=SOUND"),
       option("--frf", c.frf, "FRFs with their 95 % intervals as a table").writes(),
-      option("--band", c.band, "Band of the FRFs", "Hz").count(2),
+      option("--band", c.band_hz, "Band of the FRFs"),
       option("--lines", c.lines, "Frequency lines of the FRFs").within(2, 100000),
       option("--response", c.response,
              "Response to the scene's loads with its 95 % interval as a table")

@@ -28,7 +28,6 @@ namespace {
 
 struct UpdateCommand {
   UpdateData data;
-  std::vector<double> band;
   std::vector<std::string> free, priors, inputs;
   std::string candidates;         ///< file; empty: none
   std::vector<std::string> ends;  ///< "pinned", "clamped", "springs", "own springs": the same
@@ -386,7 +385,6 @@ Json run(UpdateCommand& options, VerbContext& context) {
   if (options.data.modes.empty() && options.data.frfs.empty() && options.data.decays.empty()) {
     throw UsageError("nothing to fit to: give --measured, --frf or --decay");
   }
-  if (!options.band.empty()) options.data.band_hz = {options.band[0], options.band[1]};
   UpdateStates states = read_update_states(options.data, context);
   ident::UpdateResult result;
   Json json = fitted_json(states, options, context, result);
@@ -423,9 +421,7 @@ describe::Options options_of(UpdateCommand& c) {
              "N, of each universal file of --measured (or of none of them), then of each --frf "
              "and --decay: the cables' tension in that state")
           .positive(),
-      option("--band", c.band, "Lines and modes of FRFs, decays and UFF 55 that count", "Hz")
-          .count(2)
-          .from_zero(),
+      option("--band", c.data.band_hz, "Lines and modes of FRFs, decays and UFF 55 that count"),
       option("--free", c.free,
              "Scene parameters to fit: NAME, NAME=TARGET,-TARGET (several that share a value), "
              "NAME@each (one value a state). Default: every member's EI"),

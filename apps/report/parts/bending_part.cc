@@ -73,8 +73,9 @@ class BendingPart : public TestPartOf<ident::BendingCampaign> {
  private:
   void take(LoadedRecording entry, const RecordingGroup& group) override {
     const BendingColumns columns{
-        kind_.tension_channel, kind_.load_channel, kind_.deflection_channel,
-        "name it in the campaign, channels = {{ {} = \"...\" }}", kind_.beam()};
+        {kind_.tension_channel, kind_.load_channel, kind_.deflection_channel},
+        "name it in the campaign, channels = {{ {} = \"...\" }}",
+        kind_.beam()};
     try {
       inputs_.sources.push_back(bending_source(*entry.recording, columns, part_.warnings));
     } catch (const signal::RecordingError& error) {
