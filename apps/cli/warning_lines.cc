@@ -28,7 +28,6 @@ constexpr auto kNotes = std::to_array<std::string_view>({
     "hits_rejected",
     "left_out",
     "mains_hum",
-    "modes_beside",
     "read_as",
     "remark",
     "segments",

@@ -28,8 +28,6 @@ constexpr double kShareOfPoints = 0.3;
 /// Misfit relative to the FRFs around a mode. A global fit that leaves less has found the modes
 /// that are there; measured structures are not linear to much better.
 constexpr double kSmallMisfit = 0.01;
-/// Correlation of the misfit at neighbouring lines beyond that of noise.
-constexpr double kLikeNoise = 0.2;
 /// A twentieth of a half bandwidth changes a peak by 5 % at its flanks.
 constexpr double kScatterThatMatters = 0.05;
 
@@ -60,20 +58,14 @@ MeanOverPoints mean_of(const std::vector<double>& value, const std::vector<doubl
 /// Values over the points of a track.
 void average(LocalMode& mode) {
   std::vector<double> decay, decay_std, frequency, frequency_std;
-  double misfit = 0, correlation = 0;
   for (const PointPole& point : mode.points) {
     decay.push_back(-point.pole.real());
     decay_std.push_back(point.std_re);
     frequency.push_back(point.pole.imag());
     frequency_std.push_back(point.std_im);
-    misfit += point.misfit * point.misfit;
-    correlation += point.line_correlation;
   }
   mode.decay = mean_of(decay, decay_std);
   mode.frequency = mean_of(frequency, frequency_std);
-  const auto n = static_cast<double>(mode.points.size());
-  mode.misfit = std::sqrt(misfit / n);
-  mode.line_correlation = correlation / n;
 }
 
 double total_significance(const LocalMode& mode) {
@@ -173,43 +165,14 @@ LocalModes find_local_modes(const ModalBand& band, const std::vector<Complex>& c
     LocalMode mode;
     mode.points = std::move(track);
     average(mode);
-    const Complex pole(-mode.decay.value.value, mode.frequency.value.value);
-    const double half = band.window + mode.decay.value.value;
-    const double scatter = mode.frequency.between_std / half;
-    const double share = static_cast<double>(mode.points.size()) / static_cast<double>(count);
     if (static_cast<double>(mode.points.size()) < needed) {
+      const Complex pole(-mode.decay.value.value, mode.frequency.value.value);
       result.weak.emplace_back(pole, 0, "points",
                                fmt::format("{} of {} points show it, of which {:.0f} are asked",
                                            mode.points.size(), count, needed));
       continue;
     }
-    if (count > 1 && share < 0.8 && scatter > 0.4) {
-      result.weak.emplace_back(
-          pole, 0, "scatter",
-          fmt::format("its frequency scatters by {:.1f} half bandwidths over the {} of {} points "
-                      "that show it: neither one mode of all nor one of few",
-                      scatter, mode.points.size(), count));
-      continue;
-    }
     result.modes.push_back(std::move(mode));
-  }
-  if (count > 1) {
-    std::vector<Index> every;
-    for (const auto& columns : points) every.insert(every.end(), columns.begin(), columns.end());
-    PointPoleOptions joint = with;
-    joint.max_order = 0;
-    for (PointPole& pole : point_poles(band, band.lines.H(Eigen::all, every), 0, common, joint)) {
-      if (pole.explained < 0.5 || pole.misfit > 0.5 ||
-          std::any_of(result.modes.begin(), result.modes.end(),
-                      [&](const LocalMode& mode) { return covers(mode, band, pole.pole); })) {
-        continue;
-      }
-      LocalMode mode;
-      mode.together = true;
-      mode.points.push_back(std::move(pole));
-      average(mode);
-      result.modes.push_back(std::move(mode));
-    }
   }
   std::sort(result.modes.begin(), result.modes.end(), [](const auto& a, const auto& b) {
     return a.frequency.value.value < b.frequency.value.value;
@@ -285,12 +248,6 @@ bool scatter_matters(const LocalMode& mode) {
          mode.decay.between_std > kScatterThatMatters * mode.decay.value.value;
 }
 
-bool lines_correlate(const LocalMode& mode) {
-  // At least 17 lines a point: the mean correlation of noise scatters by a sixth of one point's.
-  const double chance = 4 / std::sqrt(17.0 * static_cast<double>(mode.points.size()));
-  return !mode.points.empty() && mode.line_correlation > std::max(0.3, chance);
-}
-
 }  // namespace
 
 bool has_twins(const ModalBand& band, const VectorXcd& poles) {
@@ -306,39 +263,13 @@ bool has_twins(const ModalBand& band, const VectorXcd& poles) {
 }
 
 bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& checked,
-                      const FoundModes& found, double excess) {
-  if (!found.covariance.full_rank) return false;
+                      const FoundModes& found) {
   const MatrixXcd misfit = band.lines.H - found.model;
-  const VectorXd left =
-      found.fit.poles.unaryExpr([&](Complex pole) { return part_left(band, misfit, pole); });
-  if ((left.array() < kSmallMisfit).all()) return true;
-  if (excess > kLikeNoise && has_twins(band, found.fit.poles)) return false;
   for (std::size_t r = 0; r < checked.size(); ++r) {
-    if (left[static_cast<Index>(r)] < kSmallMisfit) continue;
+    if (part_left(band, misfit, found.fit.poles[static_cast<Index>(r)]) < kSmallMisfit) continue;
     if (points_differ(checked[r]) && scatter_matters(checked[r])) return false;
   }
   return true;
-}
-
-void widen_to_points(const std::vector<LocalMode>& checked, Index points, double least_misfit,
-                     FoundModes& found) {
-  MatrixXd& covariance = found.covariance.poles;
-  for (std::size_t i = 0; i < checked.size(); ++i) {
-    const LocalMode& mode = checked[i];
-    const auto r = static_cast<Index>(i);
-    const double share = static_cast<double>(mode.points.size()) / static_cast<double>(points);
-    if (mode.points.empty() || mode.misfit < least_misfit) continue;
-    const bool differ = points_differ(mode) && scatter_matters(mode) && share > kShareOfPoints &&
-                        mode.points.size() > 2;
-    if (!differ && !lines_correlate(mode)) continue;
-    const double wanted[2] = {mode.decay.value.std, mode.frequency.value.std};
-    for (Index part = 0; part < 2; ++part) {
-      const Index row = 2 * r + part;
-      const double factor = std::max(1.0, wanted[part] / std::sqrt(covariance(row, row)));
-      covariance.row(row) *= factor;
-      covariance.col(row) *= factor;
-    }
-  }
 }
 
 FoundModes as_found_modes(const ModalBand& band, const LocalModes& local, const FrfNoise& noise,
@@ -368,19 +299,15 @@ FoundModes as_found_modes(const ModalBand& band, const LocalModes& local, const 
     found.covariance.poles(2 * r, 2 * r) = std::pow(mode.decay.value.std, 2);
     found.covariance.poles(2 * r + 1, 2 * r + 1) = std::pow(mode.frequency.value.std, 2);
     found.covariance.significance[r] = total_significance(mode);
-    std::vector<Index> every;
-    for (const auto& columns : points) every.insert(every.end(), columns.begin(), columns.end());
     for (const PointPole& point : mode.points) {
-      const auto& columns = mode.together ? every : points[static_cast<std::size_t>(point.point)];
+      const auto& columns = points[static_cast<std::size_t>(point.point)];
       for (std::size_t i = 0; i < columns.size(); ++i) {
         const auto at = static_cast<Index>(i);
         fit.residues(r, columns[i]) = point.residues[at];
         found.covariance.residue_std_re(r, columns[i]) = point.residue_std[at];
       }
     }
-    double presence = mode.together ? 0
-                                    : static_cast<double>(mode.points.size()) /
-                                          static_cast<double>(points.size());
+    double presence = static_cast<double>(mode.points.size()) / static_cast<double>(points.size());
     for (const PoleCluster& cluster : clusters) {
       const Complex pole = cluster.pole_rad_s + band.window;
       if (covers(mode, band, pole)) presence = std::max(presence, cluster.presence);

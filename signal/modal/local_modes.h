@@ -5,9 +5,8 @@
 // every point by itself (point_poles.h), and are linked over the points: where their bandwidths
 // touch (|p - q| below the sum of the half bandwidths) or, where both stand clear of their
 // surroundings, within 20 half-power bandwidths and 2 % of each other and with like damping (a mode
-// that drifts). A mode is such a track that enough points show, or a pole that all FRFs together
-// hold where single points are too weak. Its pole is the random-effects mean over points
-// (estimation/groups.h).
+// that drifts). A mode is such a track that enough points show. Its pole is the
+// random-effects mean over points (estimation/groups.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -31,12 +30,9 @@ struct MeanOverPoints {
 };
 
 struct LocalMode {
-  std::vector<PointPole> points;  ///< one a point that shows it; a single one: all FRFs together
-  bool together = false;          ///< the single one is of all FRFs
+  std::vector<PointPole> points;  ///< one a point that shows it
   MeanOverPoints decay;           ///< of -Re p, rad/s
   MeanOverPoints frequency;       ///< of Im p, rad/s
-  double misfit = 0;              ///< rms over points of each point's own fit
-  double line_correlation = 0;    ///< mean correlation of those misfits
 };
 
 struct LocalModes {
@@ -72,16 +68,9 @@ void join_split_modes(const ModalBand& band, const Eigen::VectorXcd& poles,
 
 /// Whether the modes of a global fit are to be kept: around every mode it leaves less than 1 % of
 /// the FRFs, or the points agree on the pole (chance above 1e-4) or scatter about it by less than
-/// 5 % of its half bandwidth. Not kept: two poles within half their bandwidths where FRFs of one
-/// reference leave a misfit that correlates from line to line by more than noise does (`excess`).
+/// 5 % of its half bandwidth.
 [[nodiscard]] bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& checked,
-                                    const FoundModes& found, double excess);
-
-/// Widens the error bars of a kept global fit to what the points show, where they differ or their
-/// misfit correlates from line to line; modes whose own misfit is below `least_misfit` stay as they
-/// are.
-void widen_to_points(const std::vector<LocalMode>& checked, Eigen::Index points,
-                     double least_misfit, FoundModes& found);
+                                    const FoundModes& found);
 
 /// The same form as a global search gives, for export.
 [[nodiscard]] FoundModes as_found_modes(const ModalBand& band, const LocalModes& local,

@@ -64,27 +64,23 @@ std::vector<Complex> local_candidates(const ModalBand& band,
   return candidates;
 }
 
-/// All FRFs together where the misfit then looks like noise, else point by point. Where poles of
+/// All FRFs together where the points then agree on the poles, else point by point. Where poles of
 /// all FRFs lie close together, they stand if single points show as many; else they are what one
 /// mode that varies between points makes of a common fit.
 Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters,
                  const FrfNoise& noise, const ModalOptions& options) {
   Search search;
   search.found = search_modes(band, clusters, noise, options);
-  const FoundModes& found = search.found;
+  FoundModes& found = search.found;
   search.exhausted = found.exhausted;
   const bool solved = !found.exhausted && found.fit.residues.cols() > 0;
   bool holds = false;
   if (solved && found.covariance.full_rank) {
     search.points = check_groups(band, frfs_of_points(band), found.fit.poles, options);
-    const MatrixXcd misfit = band.lines.H - found.model;
-    const double excess = misfit_correlation(found.noise, misfit).excess;
-    holds = global_fit_holds(band, search.points, found, excess);
+    holds = global_fit_holds(band, search.points, found);
   }
   const auto keep = [&] {
-    const auto points = static_cast<Index>(columns_of_points(band).size());
-    search.found.covariance = modal_covariance(band.lines, found.noise, found.fit);
-    widen_to_points(search.points, points, options.min_prominence, search.found);
+    found.covariance = modal_covariance(band.lines, found.noise, found.fit);
     return search;
   };
   if (holds && !has_twins(band, found.fit.poles)) return keep();
@@ -94,8 +90,8 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
   if (holds && static_cast<Index>(local.modes.size()) >= found.fit.poles.size()) return keep();
   search.local = true;
   local.weak.insert(local.weak.begin(), found.dropped.begin(), found.dropped.end());
-  search.found = as_found_modes(band, local, noise, clusters);
-  search.found.dropped = std::move(local.weak);
+  found = as_found_modes(band, local, noise, clusters);
+  found.dropped = std::move(local.weak);
   search.points = std::move(local.modes);
   return search;
 }
@@ -142,7 +138,7 @@ void fill_points(const FrfSet& frfs, const ModalBand& band, const LocalMode& loc
   const double w = std::abs(mode.pole_rad_s);
   mode.between_points_std_hz = local.frequency.between_std / kTwoPi;
   mode.between_points_std_damping = local.decay.between_std / w;
-  if (local.together || columns_of_points(band).size() < 2) return;
+  if (columns_of_points(band).size() < 2) return;
   const bool by_input = points_are_inputs(band);
   for (const PointPole& found : local.points) {
     const auto at = static_cast<std::size_t>(found.point);
@@ -287,31 +283,14 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     return result;
   }
 
-  const MatrixXcd background =
-      smooth_background(band.lines.s, band.lines.power, frfs.force_noise_span_s);
   band.beside = poles_beside(frfs, band, options);
-  set_background(background, band);
+  set_background(smooth_background(band.lines.s, band.lines.power, frfs.force_noise_span_s), band);
   result.stabilisation = stabilise(band, H, first, options.lscf, 0, result.lines_used);
   result.clusters = cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
-  const auto search_all = [&] {
-    Search found = search_of(band, result.clusters, first, options);
-    if (!found.exhausted && allow_for_cut_off(frfs, found.found.fit.poles, found.misfit_of(H),
-                                              found.found.noise, options.max_work, band)) {
-      found = search_of(band, result.clusters, first, options);
-    }
-    return found;
-  };
-  Search search = search_all();
-  if (band.beside.size() > 0 && search.found.fit.end != RefineEnd::converged) {
-    // The fit without them is the one to trust then, as before they were looked for.
-    band.beside.resize(0);
-    set_background(background, band);
-    search = search_all();
-    model.notes.push_back({"modes_beside",
-                           "modes just outside of the band are left out, since the fit does not "
-                           "converge with them: the damping ratio of a mode near an end of the "
-                           "band may be off; a wider band holds them",
-                           ""});
+  Search search = search_of(band, result.clusters, first, options);
+  if (!search.exhausted && allow_for_cut_off(frfs, search.found.fit.poles, search.misfit_of(H),
+                                             search.found.noise, options.max_work, band)) {
+    search = search_of(band, result.clusters, first, options);
   }
   if (!search.local) allow_for_misfit(H, search.found);
   const FoundModes& found = search.found;

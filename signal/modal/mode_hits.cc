@@ -207,7 +207,7 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
     }
     widen(f_std, z_std, r, model);
   }
-  if (!all_differ) return;
+  if (!all_differ || !(largest > 0)) return;
   model.notes.push_back(
       {"hits_disagree",
        fmt::format(

@@ -64,9 +64,9 @@ MisfitCorrelation misfit_correlation(const FrfNoise& noise,
     if (d > 1) continue;
     result.excess = excess;
     const double chance = 5 / std::sqrt(2 * found.frfs * static_cast<double>(misfit.rows() - 1));
-    result.systematic = std::abs(excess) > std::max(chance, kSystematic);
+    result.systematic = excess > std::max(chance, kSystematic);
   }
-  if (result.systematic && result.excess > 0) result.inflation = 1 + std::max(0.0, more);
+  if (result.systematic) result.inflation = 1 + std::max(0.0, more);
   return result;
 }
 

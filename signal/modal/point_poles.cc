@@ -47,29 +47,16 @@ Window window_around(const ModalBand& band, const std::vector<Complex>& group, d
   return {first, std::max<Index>(0, end - first), std::max<Index>(1, (end - first) / 1000)};
 }
 
-/// Variance of a mean of correlated lines over that of independent ones: from the misfit's own
-/// correlation (Bartlett's weights, Newey and West, Econometrica 55 (1987) 703) or from the
-/// window's, whichever is more.
-double line_inflation(const MatrixXcd& residual, const ModalBand& band, double& neighbour) {
-  const Index lines = residual.rows(), lags = std::min<Index>(8, lines / 5);
-  const double power = residual.squaredNorm();
-  neighbour = 0;
-  if (!(power > 0)) return 1;
-  double found = 1, known = 1;
+/// Variance of a mean of lines that an exponential window correlates over that of independent ones.
+double line_inflation(const ModalBand& band, Index lines) {
   FrfNoise noise;
   noise.correlation_lines = band.correlation_lines;
   noise.lead = band.lead;
-  for (Index d = 1; d <= lags; ++d) {
-    Complex sum = 0;
-    for (Index c = 0; c < residual.cols(); ++c) {
-      sum += residual.col(c).head(lines - d).dot(residual.col(c).tail(lines - d));
-    }
-    const double rho = sum.real() / power, taper = 1 - static_cast<double>(d) / (lags + 1.0);
-    if (d == 1) neighbour = rho - line_correlation(noise, 1).real();
-    found += 2 * taper * rho;
-    known += 2 * line_correlation(noise, d).real();
+  double sum = 1;
+  for (Index d = 1; d <= std::min<Index>(8, lines / 5); ++d) {
+    sum += 2 * line_correlation(noise, d).real();
   }
-  return std::max({1.0, found, known});
+  return std::max(1.0, sum);
 }
 
 /// Fits of the candidates of one point.
@@ -122,8 +109,7 @@ class PointFit {
 
   /// The weakest pole of a group that does not stand out; -1: all do.
   Index weakest(const LocalFit& fit) const {
-    double neighbour = 0;
-    const double inflation = line_inflation(fit.residual, band, neighbour);
+    const double inflation = line_inflation(band, fit.residual.rows());
     Index worst = -1;
     double least = penalty;
     for (Index r = 0; r < fit.poles.size(); ++r) {
@@ -253,7 +239,7 @@ PointPole described(const PointFit& point, const LocalFit& fit, const Window& wi
                     double moved) {
   PointPole pole;
   pole.pole = fit.poles[r];
-  const double inflation = line_inflation(fit.residual, point.band, pole.line_correlation);
+  const double inflation = line_inflation(point.band, fit.residual.rows());
   pole.significance = point.significance(fit, r, inflation);
   const auto freedom = static_cast<double>(fit.freedom);
   // The fit's weights are relative: mean misfit over (misfit + a tenth of it).

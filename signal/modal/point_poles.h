@@ -6,7 +6,8 @@
 // together; each is fitted on the lines around it (local_fit.h), neighbours that overlap jointly,
 // the others held, and given up when it does not stand out of the misfit around it, or when its
 // pole moves by more than half its half bandwidth with another window and background: such a pole
-// describes the background. The misfit counts as noise, correlated between lines as it is found.
+// describes the background. The misfit counts as noise, correlated between lines as a window makes
+// it.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,9 +30,8 @@ struct PointPole {
   /// Twice the fall of the misfit with this pole over the misfit's variance, correlated lines
   /// counted once: chi-square of 2 columns for a pole that is not there.
   double significance = 0;
-  double explained = 0;         ///< share of what the background leaves that this pole explains
-  double misfit = 0;            ///< rms misfit over rms FRF within the half bandwidth
-  double line_correlation = 0;  ///< correlation of the misfit at neighbouring lines
+  double explained = 0;  ///< share of what the background leaves that this pole explains
+  double misfit = 0;     ///< rms misfit over rms FRF within the half bandwidth
 };
 
 /// Whether struck points vary (they are more than one and no fewer than the responses).

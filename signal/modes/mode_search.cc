@@ -84,20 +84,6 @@ class ModeSearch {
                              band().lines.inputs, band().correlation_lines);
     found.noise.lead = band().lead;
   }
-  /// The model without modes that leave more of the FRFs around them than they explain: such a pole
-  /// stands between two modes.
-  MatrixXcd without_wrong_modes() const {
-    std::vector<Index> right;
-    const MatrixXcd misfit = band().lines.H - found.model;
-    for (Index r = 0; r < found.fit.poles.size(); ++r) {
-      if (part_left(band(), misfit, found.fit.poles[r]) < 0.5) right.push_back(r);
-    }
-    if (static_cast<Index>(right.size()) == found.fit.poles.size()) return found.model;
-    ModalRefineResult part = found.fit;
-    part.poles = found.fit.poles(right);
-    part.residues = found.fit.residues(right, Eigen::all);
-    return fitted_frfs(band().lines, part);
-  }
   /// Misfit under a given noise, with the price of the modes: comparable between searches.
   double cost_with(const FrfNoise& noise) const {
     const MatrixXcd& H = band().lines.H;
@@ -314,8 +300,7 @@ FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& c
     parts *= 4;
     // Weighted by the noise as it was before the fit: lines of a missing mode look noisy
     // afterwards.
-    const auto more =
-        search_parts(band, band.lines.H - search.without_wrong_modes(), first, options, parts);
+    const auto more = search_parts(band, band.lines.H - search.found.model, first, options, parts);
     if (more.empty()) continue;
     ModeSearch wider = search;
     wider.add(more);
