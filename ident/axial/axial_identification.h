@@ -37,15 +37,6 @@ struct AxialDecay {
   signal::Estimate damped_frequency_hz, damping_ratio;
 };
 
-struct AxialOptions {
-  double steel_density_kg_m3 = 7850;
-  /// Modulus of a stranded rope relative to its metallic area; makers give 60 to 100 GPa for 7x19.
-  double rope_modulus_Pa = 80e9;
-  /// Modulus of solid steel: no steel cable is stiffer for its mass, and no aluminium one.
-  double solid_modulus_Pa = 210e9;
-  double coverage = 0.95;
-};
-
 struct AxialSample {
   std::string name;
   double length_m = 0;
@@ -78,7 +69,7 @@ struct BudgetRow {
 struct AxialTestResult {
   /// std and interval NaN where the lengths' uncertainty is not given.
   signal::Estimate EA_N;
-  /// `coverage` interval. Of a bound (`conditional`) without a mass per length, the high end and
+  /// 95 % interval. Of a bound (`conditional`) without a mass per length, the high end and
   /// the std of EA are infinite.
   double EA_low_N = 0, EA_high_N = 0;
   double coverage_factor = 0;  ///< half the interval over the standard uncertainty
@@ -105,7 +96,6 @@ struct AxialTestResult {
 
   double catalogue_EA_N = 0;      ///< given or from the mass per length; 0: neither
   double share_of_catalogue = 0;  ///< EA over catalogue_EA_N
-  std::string plausibility;       ///< a sentence, empty without a catalogue value
   std::vector<signal::Note> notes;
 };
 
@@ -114,8 +104,7 @@ struct AxialTestResult {
 /// Notes: one_length, lengths_too_close, lengths_disagree, series_compliance, length_std,
 /// massless_cable, exact_inputs, below_catalogue, above_catalogue.
 [[nodiscard]] AxialTestResult identify_axial(std::span<const AxialDecay> decays,
-                                             const AxialSetup& setup,
-                                             const AxialOptions& options = {});
+                                             const AxialSetup& setup);
 
 }  // namespace rigfit::ident
 
@@ -178,9 +167,6 @@ struct Described<ident::AxialTestResult> {
             where([](const T& r) { return r.assembly_stiffness_N_m.value > 0; },
                   &T::assembly_stiffness_N_m),
             "N/m", "stiffness of the whole chain", "cable, adapter and frame at the one length"),
-      field("plausibility",
-            where([](const T& r) { return !r.plausibility.empty(); }, &T::plausibility), "", "",
-            "EA against what its mass per length allows, in a sentence"),
       field("lengths", &T::lengths, "", "lengths", "what each length says"),
       field("p_same_EA", &T::homogeneity_p, "", "p that lengths have one EA",
             "chance of such a disagreement; 1: too few lengths to tell", 2),

@@ -31,22 +31,6 @@ constexpr const char* kNoStiffness =
     "Load less, cut off the rows of a toe or a stop, or look for slip and loose clamps: a curved "
     "load-deflection diagram has no single EI; ";
 
-/// Rows of a short table that lie off the line of the others by more than half the load's range
-/// (of the middle 80 %): they would tear the strokes apart.
-std::vector<Eigen::Index> table_spikes(const Eigen::VectorXd& d, const Eigen::VectorXd& Q) {
-  std::vector<Eigen::Index> spikes;
-  const TableLine line =
-      d.size() < 5 ? TableLine{}
-                   : fit_table_line({rows_of({0, d.size() - 1, 1}, d, Q, false)}, 0, 0, false);
-  if (!line.usable) return spikes;
-  const double limit = 0.5 * central_range({Q.begin(), Q.end()});
-  for (Eigen::Index i = 0; i < d.size(); ++i) {
-    const double off = Q[i] - line.offsets_N[0] - line.slope_N_m * d[i];
-    if (!line.used[0][static_cast<std::size_t>(i)] && std::abs(off) > limit) spikes.push_back(i);
-  }
-  return spikes;
-}
-
 class Analysis {
  public:
   Analysis(const BendingRecord& record, const BendingTestOptions& options) : options_(options) {
@@ -69,9 +53,8 @@ class Analysis {
       refuse("no_loading", "Check the load and deflection channels: one of them never changes");
       return finish();
     }
-    load_noise_ = options_.load_noise_N > 0 ? options_.load_noise_N : sample_noise(Q_);
-    deflection_noise_ =
-        options_.deflection_noise_m > 0 ? options_.deflection_noise_m : sample_noise(d_);
+    load_noise_ = sample_noise(Q_);
+    deflection_noise_ = sample_noise(d_);
     mean_tension_ = P_.mean();
     if (!beam() && !(mean_tension_ > 0)) {
       refuse("no_tension", fmt::format("Check the sign and zero of the tension channel: its mean "
@@ -134,12 +117,9 @@ class Analysis {
 
   void leave_spikes_out() {
     std::vector<Eigen::Index> rows, kept;
-    if (d_.size() < kShortStroke) {
-      rows = table_spikes(d_, Q_);
-    } else {
-      for (const Eigen::VectorXd* channel : {&d_, &Q_, &P_}) {
-        for (const auto i : find_spikes(*channel)) rows.push_back(i);
-      }
+    if (d_.size() < kShortStroke) return;  // rows off the line are left out
+    for (const Eigen::VectorXd* channel : {&d_, &Q_, &P_}) {
+      for (const auto i : find_spikes(*channel)) rows.push_back(i);
     }
     if (rows.empty()) return;
     std::sort(rows.begin(), rows.end());
@@ -227,15 +207,11 @@ class Analysis {
       return run.direction != runs_.front().direction;
     });
     const double slope = range_Q_ / range_d_;
-    const double digits = std::hypot(resolution_of(Q_, 1), resolution_of(d_, 1) * slope);
-    const double stated = std::hypot(options_.load_noise_N, options_.deflection_noise_m * slope);
     const double noise = std::hypot(load_noise_, deflection_noise_ * slope);
     double EI = 0, before = -1;
     for (int pass = 0; pass < 8; ++pass) {
       const Eigen::VectorXd x = tension_corrected(EI);
       std::vector<TableStroke> strokes;
-      double fewest = 1;  // samples in a row
-      off_ = 0;
       toe_ = stop_ = far_end_ = 0, straight_ = 1;
       for (std::size_t k = 0; k < runs_.size(); ++k) {
         auto run = runs_[k];
@@ -250,16 +226,13 @@ class Analysis {
                             std::max(kStraight * range_Q_, 4 * noise / std::sqrt(samples)), part)) {
           continue;
         }
-        off_ += stroke.left_out;
-        fewest = strokes.empty() ? samples : std::min(fewest, samples);
         toe_ = std::max(toe_, stroke.loading ? part.at_turn : part.at_end);
         if (stroke.loading) stop_ = std::max(stop_, part.at_end);
         far_end_ = std::max(far_end_, part.at_end);
         straight_ = std::min(straight_, part.share);
         strokes.push_back(std::move(stroke));
       }
-      line_ =
-          fit_table_line(strokes, digits / std::sqrt(12.0), stated / std::sqrt(fewest), averaged_);
+      line_ = fit_table_line(strokes, averaged_);
       if (!line_.usable) {
         refuse("no_slope",
                fmt::format("Add rows, or check the signs of load and deflection: {} rows give no "
@@ -342,12 +315,6 @@ class Analysis {
       refuse("curved", std::string(kNoStiffness) +
                            "more than one row in four lie off the line of the others");
     }
-    if (off_ > 0) {
-      note("spike",
-           fmt::format("Check for spikes: {} samples lie far off those beside them and are "
-                       "left out",
-                       off_));
-    }
     if (t.left_out > 0) {
       note("spike",
            fmt::format(
@@ -429,7 +396,6 @@ class Analysis {
   std::vector<StrokeRange> runs_;
   TableLine line_;
   bool averaged_ = false;  // rows are averages of long strokes
-  int off_ = 0;            // samples left out of them
   double load_noise_ = 0, deflection_noise_ = 0;
   double range_d_ = 0, range_Q_ = 0, mean_tension_ = 0, zero_ = 0;
   double toe_ = 0, stop_ = 0, far_end_ = 0,

@@ -38,10 +38,6 @@ struct BendingTestOptions {
   double deflection_calibration_std = 0;
   double tension_calibration_std = 0;
   double tension_zero_std_N = 0;  ///< std of the tension cell's zero, N
-  // Noise of one sample; 0: estimated from the record (second differences; residuals of a short
-  // table).
-  double load_noise_N = 0;
-  double deflection_noise_m = 0;
   /// Stiffness of each clamp, N m/rad; 0: rigid. 1 over it is the standard uncertainty of its
   /// flexibility.
   double clamp_stiffness_Nm_rad = 0;

@@ -25,8 +25,7 @@ inline constexpr Eigen::Index kShortStroke = 40;
 /// hardly has; 0 under 20 samples.
 [[nodiscard]] double sample_noise(const Eigen::VectorXd& x);
 
-/// The samples of a stroke, or `averaged` over as many that 40 remain, without those that lie eight
-/// robust standard deviations off the others of their average.
+/// The samples of a stroke, or `averaged` over as many that 40 remain.
 [[nodiscard]] TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x,
                                   const Eigen::VectorXd& load, bool averaged);
 
@@ -44,11 +43,8 @@ struct StraightPart {
 
 /// Samples of one channel (20 at least, else none) that lie off the mean of their neighbours and
 /// off the straight lines through the two samples before and after, all three, by more than 12
-/// robust standard deviations of that and by a twentieth of the channel's central range. A turn is
+/// robust standard deviations of that and by a twentieth of the channel's central 80 %. A turn is
 /// on one of the two lines, a step too.
 [[nodiscard]] std::vector<Eigen::Index> find_spikes(const Eigen::VectorXd& channel);
-
-/// Range of the middle 80 % of the values.
-[[nodiscard]] double central_range(const std::vector<double>& values);
 
 }  // namespace rigfit::ident

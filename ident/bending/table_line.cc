@@ -31,8 +31,8 @@ struct Fit {
 
 class Table {
  public:
-  Table(const std::vector<TableStroke>& strokes, double resolution, double noise, bool averaged)
-      : strokes_(strokes), resolution_(resolution), noise_(noise), averaged_(averaged) {
+  Table(const std::vector<TableStroke>& strokes, bool averaged)
+      : strokes_(strokes), averaged_(averaged) {
     double low = std::numeric_limits<double>::infinity(), high = -low, least = low, most = -low;
     for (const auto& stroke : strokes) {
       line_.used.push_back(stroke.used);
@@ -46,12 +46,7 @@ class Table {
 
   TableLine run() {
     if (!(range_ > 0 && load_range_ > 0)) return line_;
-    // What the digits resolve counts unless the residuals about the line contradict it.
     const Fit all = fit(line_.used);
-    if (resolution_ > 0 && all.usable && all.freedom > 0 &&
-        gsl_cdf_chisq_P(all.squares / (resolution_ * resolution_), all.freedom) < 0.01) {
-      resolution_ = 0;
-    }
     averaged_ ? leave_turns_out() : leave_block_out();
     while (!line_.too_many_off && improve()) {
       line_.too_many_off = 4 * ++line_.left_out > static_cast<int>(all.rows.size()) + 3;
@@ -118,11 +113,9 @@ class Table {
     return fit;
   }
 
-  /// Variance of the noise by a fit, not below what the numbers resolve; hardly any are good to
-  /// more than six digits.
+  /// Variance of the noise by a fit; hardly any numbers are good to more than six digits.
   [[nodiscard]] double variance(double squares, double freedom) const {
-    const double shown = freedom > 0 ? squares / freedom : 0;
-    return std::max({shown, noise_ * noise_, resolution_ * resolution_});
+    return freedom > 0 ? squares / freedom : 0;
   }
   [[nodiscard]] double tested(double squares, double freedom) const {
     return std::max(variance(squares, freedom), std::pow(1e-6 * load_range_, 2));
@@ -254,8 +247,7 @@ class Table {
     const double noise2 = variance(best.squares, best.freedom);
     line_.degrees_of_freedom = best.freedom;
     line_.offsets_N = best.offsets;
-    // Errors in both coordinates, equal in relation to their ranges: OLS over its correlation.
-    double Sxx = 0, Syy = 0, chi = 0;
+    double chi = 0;
     std::vector<double> slopes, variances;
     for (std::size_t s = 0; s < strokes_.size(); ++s) {
       std::vector<Eigen::Index> used;
@@ -266,12 +258,11 @@ class Table {
       if (!used.empty()) x -= x.mean(), y -= y.mean();
       const double xx = x.square().sum(), slope = (x * y).sum() / xx;
       if (!(xx > 0)) continue;
-      Sxx += xx, Syy += y.square().sum();
       chi += xx * std::pow(slope - best.slope, 2) / std::max(noise2, 1e-300);
       slopes.push_back(slope);
       variances.push_back(std::max(noise2 / xx, std::pow(1e-10 * slope, 2)));
     }
-    line_.slope_N_m = std::sqrt(Syy / Sxx);
+    line_.slope_N_m = best.slope;
     line_.slope_std_N_m = std::sqrt(noise2 * best.slope_variance_factor);
     const double more = static_cast<double>(slopes.size()) - 1;
     if (more > 0 && best.freedom > more) {
@@ -284,9 +275,6 @@ class Table {
         if (mean.degrees > 0) line_.degrees_of_freedom = mean.degrees;
       }
     }
-    // What is still left of the transient: nothing by one law of friction, twice the change by
-    // another, either as likely.
-    if (averaged_) line_.slope_N_m += line_.friction_N_m;
     line_.usable = true;
 
     const Curve bent = curve(line_.used);
@@ -300,7 +288,6 @@ class Table {
   }
 
   const std::vector<TableStroke>& strokes_;
-  double resolution_ = 0, noise_ = 0;
   bool averaged_ = false, both_ways_ = false;
   double low_ = 0, range_ = 0, least_ = 0, load_range_ = 0;
   TableLine line_;
@@ -308,28 +295,8 @@ class Table {
 
 }  // namespace
 
-TableLine fit_table_line(const std::vector<TableStroke>& strokes, double resolution_std_N,
-                         double noise_std_N, bool averaged) {
-  if (strokes.empty()) return {};
-  return Table(strokes, resolution_std_N, noise_std_N, averaged).run();
-}
-
-double resolution_of(const Eigen::VectorXd& values, double unit) {
-  if (values.size() < 2 || !(unit > 0)) return 0;
-  const Eigen::ArrayXd numbers = values.array() / unit;
-  const double range = numbers.maxCoeff() - numbers.minCoeff();
-  if (!(range > 0)) return 0;
-  // Set in equal steps, up or down.
-  Eigen::ArrayXd steps =
-      (numbers.tail(numbers.size() - 1) - numbers.head(numbers.size() - 1)).abs();
-  if (numbers.size() > 2 && steps.maxCoeff() - steps.minCoeff() < 1e-6 * range) return 0;
-  double step = std::pow(10, std::floor(std::log10(range)));
-  for (; step > 1e-3 * range; step /= 10) {
-    const Eigen::ArrayXd multiples = numbers / step;
-    // Units of a power of ten and their conversion leave rounding.
-    if ((multiples - multiples.round()).abs().maxCoeff() < 1e-6) return step * unit;
-  }
-  return 0;
+TableLine fit_table_line(const std::vector<TableStroke>& strokes, bool averaged) {
+  return strokes.empty() ? TableLine{} : Table(strokes, averaged).run();
 }
 
 }  // namespace rigfit::ident

@@ -3,18 +3,17 @@
 //   load = offset of the stroke + K x
 //
 // Least squares over all strokes, K common; the noise is what the residuals show on
-// rows - strokes - 1 degrees of freedom, and no less than the resolution of the numbers
-// (half-widths of a last digit, variance r^2 / 12) as long as the residuals do not contradict it.
+// rows - strokes - 1 degrees of freedom.
 // Rows off a robust line (Theil and Sen) that three quarters share, a stop or a toe, are left out
 // where the others are straight. Two things then stand against the line: one row that lies off the
 // line through all others (its deleted studentised residual, times the number of rows), and a
 // parabola that all strokes share (F-test; of the load over the deflection, and of the deflection
-// over the load, which shows a stop). The more probable one is taken while it has a probability
-// under 1 %: the row is left out, or the table is curved; more than one row in four left out are no
-// line. Source: Draper and Smith, Applied Regression Analysis, 6.1 and 8. Loading and unloading
-// that lie apart show wire friction, which stiffens the strand after every turn: each stroke then
-// loses its first part, and the change that this makes counts as uncertainty. Strokes that
-// differ are groups (estimation/groups.h).
+// over the load, which shows a stop). The more probable one is taken while it has a
+// probability under 1 %: the row is left out, or the table is curved; more than one row in four
+// left out are no line. Source: Draper and Smith, Applied Regression Analysis, 6.1 and 8. Loading
+// and unloading that lie apart show wire friction, which stiffens the strand after every turn: each
+// stroke then loses its first part, and the change that this makes counts as uncertainty. Strokes
+// that differ are groups (estimation/groups.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -32,7 +31,6 @@ struct TableStroke {
   bool loading = true;
   Eigen::VectorXd x_m, load_N;
   std::vector<char> used;  ///< 0: left out before
-  int left_out = 0;        ///< samples far off the others of their average
 };
 
 struct TableLine {
@@ -51,15 +49,7 @@ struct TableLine {
   double curvature_half = 0;  ///< half-width of its 95 % interval; infinite: cannot be told
 };
 
-/// `resolution_std_N`: of the numbers, as a standard deviation of the load about the line;
-/// `noise_std_N`: stated noise, kept whatever the residuals show; `averaged`: rows are averages of
-/// a record, whose ends are left out already.
-[[nodiscard]] TableLine fit_table_line(const std::vector<TableStroke>& strokes,
-                                       double resolution_std_N, double noise_std_N, bool averaged);
-
-/// Last digit of numbers that are multiples of a power of ten times `unit` (1000 steps of it over
-/// their range at most), such as 0.01 for 0.21, 0.42, 0.65. 0 where they have more digits, and
-/// where they rise in equal steps: those were set, not read.
-[[nodiscard]] double resolution_of(const Eigen::VectorXd& values, double unit);
+/// `averaged`: rows are averages of a record, whose ends are left out already.
+[[nodiscard]] TableLine fit_table_line(const std::vector<TableStroke>& strokes, bool averaged);
 
 }  // namespace rigfit::ident

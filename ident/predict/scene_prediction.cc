@@ -11,15 +11,15 @@
 #include <stdexcept>
 
 #include "ident/update/pairing/mode_assignment.h"
-#include "model/frfs/frf_sensitivities.h"
+#include "model/frfs/frf_synthesis.h"
 #include "model/scene/parameters.h"
-#include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
 namespace {
 
 constexpr double kCoverage = 1.959964;  // normal density, 95 %
-constexpr double kLinear = 0.05;        // departure in standard uncertainties that needs samples
+// Accuracy of frequencies that are compared: a hundredth of a std of 1e-4.
+constexpr double kCompared = 1e-6;
 
 bool has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -55,22 +55,6 @@ struct Selection {
   Eigen::MatrixXd covariance;
   std::vector<std::string> used, not_used;
 
-  /// Every target once, and d target / d parameter.
-  [[nodiscard]] std::vector<std::string> targets() const {
-    std::vector<std::string> all;
-    for (const auto& map : maps) all.insert(all.end(), map.targets.begin(), map.targets.end());
-    return all;
-  }
-  [[nodiscard]] Eigen::MatrixXd rates() const {
-    Eigen::MatrixXd rate =
-        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(targets().size()), value.size());
-    Eigen::Index row = 0;
-    for (std::size_t p = 0; p < maps.size(); ++p) {
-      for (const double factor : maps[p].factors)
-        rate(row++, static_cast<Eigen::Index>(p)) = factor;
-    }
-    return rate;
-  }
   [[nodiscard]] model::Scene scene(model::Scene base, const Eigen::VectorXd& values) const {
     for (std::size_t p = 0; p < maps.size(); ++p) {
       for (std::size_t t = 0; t < maps[p].targets.size(); ++t) {
@@ -117,54 +101,6 @@ Selection select(const model::Scene& scene, const FittedParameters& fitted) {
   return selection;
 }
 
-model::ModesOptions modes_options(const PredictionOptions& options, bool shapes) {
-  model::ModesOptions modes;
-  modes.count = options.count;
-  modes.segments = options.segments;
-  modes.shapes = shapes;
-  modes.error_estimate = false;
-  return modes;
-}
-
-/// Every member leaves its segments to the program.
-bool all_auto(const model::Scene& scene, const model::ModesOptions& options) {
-  return std::all_of(scene.members.begin(), scene.members.end(), [&](const auto& member) {
-    return options.segments.value_or(member.segments) <= 0;
-  });
-}
-
-constexpr double kRateAccuracy = 1e-4;  // relative, frequencies of the chain for derivatives
-
-/// Modes and their derivatives. Where a scene leaves its segments to the program, `analyse_modes`
-/// gives the frequencies, many times cheaper than one chain as accurate, and a chain accurate to
-/// 1e-4 gives the derivatives.
-model::ModeSensitivities nominal_modes(const model::Scene& scene,
-                                       const std::vector<std::string>& targets,
-                                       const model::ModesOptions& options) {
-  if (!all_auto(scene, options)) return model::analyse_mode_sensitivities(scene, targets, options);
-  model::Scene rough = scene;
-  rough.accuracy = std::max(scene.accuracy, kRateAccuracy);
-  model::ModeSensitivities found = model::analyse_mode_sensitivities(rough, targets, options);
-  model::ModalAnalysis fine = model::analyse_modes(scene, options);
-  const std::size_t count = found.analysis.modes.size();
-  if (fine.modes.size() != count) return model::analyse_mode_sensitivities(scene, targets, options);
-  // Modes of unlike planes that lie on each other may change places.
-  const model::ModeSensitivities one = found;
-  std::vector<bool> taken(count, false);
-  for (std::size_t i = 0; i < count; ++i) {
-    std::size_t k = 0;
-    while (k < count && (taken[k] || one.analysis.modes[k].plane != fine.modes[i].plane)) ++k;
-    if (k == count) return model::analyse_mode_sensitivities(scene, targets, options);
-    taken[k] = true;
-    const auto to = static_cast<Eigen::Index>(i), from = static_cast<Eigen::Index>(k);
-    const double ratio = fine.modes[i].frequency_hz / one.analysis.modes[k].frequency_hz;
-    found.frequency.row(to) = ratio * one.frequency.row(from);
-    found.damping_ratio.row(to) = one.damping_ratio.row(from);
-  }
-  found.analysis = std::move(fine);
-  return found;
-}
-
 /// Independent moves of one standard uncertainty each, as columns.
 Eigen::MatrixXd directions_of(const Eigen::MatrixXd& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
@@ -196,93 +132,52 @@ class NormalDraws {
   std::normal_distribution<double> normal_;
 };
 
-/// Frequencies of moved scenes, of the same modes as a prediction's.
-struct Draws {
-  std::vector<model::NaturalMode> reference;
-  std::vector<int> orders;  // place of each among those of its plane
-  model::ModesOptions options;
-  double accuracy = 1e-3;
-
-  /// Scenes that leave their segments to the program: a hundredth of the least std of a frequency,
-  /// by the linear answer, within reasonable bounds.
-  Draws(const ModePrediction& prediction, const PredictionOptions& asked)
-      : options(modes_options(asked, false)) {
-    constexpr double kShare = 0.01, kLeast = 1e-7;
-    options.damped = false;
-    std::map<model::ModePlane, int> seen;
-    for (const auto& mode : prediction.modes) {
-      reference.push_back(mode.mode);
-      orders.push_back(seen[mode.mode.plane]++);
-      const double relative = mode.frequency_hz.std / mode.frequency_hz.value;
-      if (relative > 0) accuracy = std::min(accuracy, std::max(kShare * relative, kLeast));
-    }
-  }
-  /// Empty where the scene has no equilibrium or lacks one of the modes.
-  [[nodiscard]] Eigen::VectorXd of(const model::Scene& scene) const {
-    model::ModesOptions own = options;
-    if (all_auto(scene, options)) own.accuracy = accuracy;
-    std::map<model::ModePlane, std::vector<double>> hz;
-    for (const auto& mode : model::analyse_modes(scene, own).modes) {
-      hz[mode.plane].push_back(mode.frequency_hz);
-    }
-    Eigen::VectorXd found(static_cast<Eigen::Index>(reference.size()));
-    for (std::size_t i = 0; i < reference.size(); ++i) {
-      const auto& list = hz[reference[i].plane];
-      const auto order = static_cast<std::size_t>(orders[i]);
-      if (order >= list.size()) return {};
-      found[static_cast<Eigen::Index>(i)] = list[order];
-    }
-    return found;
-  }
+/// Changes of quantities by the parameters' uncertainty: see the header.
+struct Spread {
+  Eigen::ArrayXd std, below, above;
 };
 
-/// Largest departure of a frequency from ln f + g' dp / f, over its std.
-double nonlinearity(const model::Scene& scene, const Selection& selection,
-                    const Eigen::MatrixXd& directions, const Eigen::MatrixXd& gradient,
-                    const ModePrediction& prediction, const Draws& draws) {
-  const Eigen::VectorXd here = draws.of(prediction.scene);
-  if (here.size() == 0) return std::numeric_limits<double>::infinity();
-  double worst = 0;
+/// `evaluate`: the quantities of a scene; empty where it has none, which the other side then
+/// stands for.
+template <class Evaluate>
+Spread spread_of(const model::Scene& scene, const Selection& selection, const Evaluate& evaluate) {
+  const Eigen::ArrayXd here = evaluate(selection.scene(scene, selection.value));
+  Spread spread;
+  spread.std = spread.below = spread.above = Eigen::ArrayXd::Zero(here.size());
+  const Eigen::MatrixXd directions = directions_of(selection.covariance);
   for (Eigen::Index k = 0; k < directions.cols(); ++k) {
     if (!(directions.col(k).norm() > 0)) continue;
-    for (const double size : {-kCoverage, -1.0, 1.0, kCoverage}) {
-      const Eigen::VectorXd change = size * directions.col(k);
-      const Eigen::VectorXd found = draws.of(moved(scene, selection, change));
-      if (found.size() == 0) return std::numeric_limits<double>::infinity();
-      for (Eigen::Index i = 0; i < found.size(); ++i) {
-        const auto& f = prediction.modes[static_cast<std::size_t>(i)].frequency_hz;
-        if (!(f.std > 0)) continue;
-        const double linear = gradient.row(i).dot(change) / f.value;
-        const double off = std::log(found[i] / here[i]) - linear;
-        worst = std::max(worst, std::abs(off) * f.value / f.std);
-      }
-    }
+    const Eigen::VectorXd step = kCoverage * directions.col(k);
+    Eigen::ArrayXd up = evaluate(moved(scene, selection, step)),
+                   down = evaluate(moved(scene, selection, -step));
+    if (up.size() != here.size()) up = 2 * here - (down.size() == here.size() ? down : here);
+    if (down.size() != here.size()) down = 2 * here - up;
+    spread.std += ((up - down) / (2 * kCoverage)).square();
+    spread.below += (here - up.min(down)).max(0).square();
+    spread.above += (up.max(down) - here).max(0).square();
   }
-  return worst;
+  for (auto* part : {&spread.std, &spread.below, &spread.above}) *part = part->sqrt();
+  return spread;
 }
 
-/// Std and interval of each frequency from samples.
-void sample(const model::Scene& scene, const Selection& selection,
-            const Eigen::MatrixXd& directions, const PredictionOptions& options, const Draws& draws,
-            ModePrediction& prediction) {
-  NormalDraws draw(options.seed);
-  std::vector<std::vector<double>> all(prediction.modes.size());
-  for (int s = 0; s < options.samples; ++s) {
-    const Eigen::VectorXd change = directions * draw(directions.cols());
-    const Eigen::VectorXd found = draws.of(moved(scene, selection, change));
-    for (Eigen::Index i = 0; i < found.size(); ++i) {
-      all[static_cast<std::size_t>(i)].push_back(found[i]);
-    }
+/// ln of the frequencies of the modes of these planes, in their order, then the damping ratios;
+/// empty where one is not there.
+Eigen::ArrayXd modes_of(const model::Scene& scene, const std::vector<model::NaturalMode>& wanted,
+                        const model::ModesOptions& options) {
+  std::map<model::ModePlane, std::vector<const model::NaturalMode*>> found;
+  const auto analysis = model::analyse_modes(scene, options);
+  for (const auto& mode : analysis.modes) found[mode.plane].push_back(&mode);
+  const auto count = static_cast<Eigen::Index>(wanted.size());
+  Eigen::ArrayXd values(2 * count);
+  std::map<model::ModePlane, std::size_t> seen;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto plane = wanted[static_cast<std::size_t>(i)].plane;
+    const std::size_t order = seen[plane]++;
+    if (order >= found[plane].size()) return {};
+    values[i] = std::log(found[plane][order]->frequency_hz);
+    values[count + i] = found[plane][order]->damping_ratio;
   }
-  prediction.sampled = true;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto& values = all[i];
-    if (values.size() < 20) continue;
-    auto& mode = prediction.modes[i];
-    mode.frequency_hz.std = gsl_stats_sd(values.data(), 1, values.size());
-    mode.low_hz = signal::quantile(values, 0.025);
-    mode.high_hz = signal::quantile(values, 0.975);
-  }
+  return values;
 }
 
 }  // namespace
@@ -376,35 +271,32 @@ ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& 
   prediction.used = selection.used;
   prediction.not_used = selection.not_used;
   prediction.scene = selection.scene(scene, selection.value);
-  const auto found =
-      nominal_modes(prediction.scene, selection.targets(), modes_options(options, true));
-  prediction.equilibrium = found.analysis.equilibrium;
-  if (found.analysis.modes.empty()) return prediction;
-  const Eigen::MatrixXd rates = selection.rates();
-  const Eigen::MatrixXd gradient = found.frequency * rates;
-  const Eigen::MatrixXd of_damping = found.damping_ratio * rates;
-  prediction.covariance = gradient * selection.covariance * gradient.transpose();
-  for (std::size_t i = 0; i < found.analysis.modes.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    PredictedMode mode;
-    mode.mode = found.analysis.modes[i];
-    const double f = mode.mode.frequency_hz;
-    const double std = std::sqrt(std::max(0.0, prediction.covariance(k, k)));
-    mode.frequency_hz = {f, std};
-    const double damping_variance =
-        of_damping.rows() > k
-            ? (of_damping.row(k) * selection.covariance * of_damping.row(k).transpose()).value()
-            : 0;
-    mode.damping_ratio = {mode.mode.damping_ratio, std::sqrt(std::max(0.0, damping_variance))};
-    mode.low_hz = f * std::exp(-kCoverage * std / f);
-    mode.high_hz = f * std::exp(kCoverage * std / f);
-    prediction.modes.push_back(std::move(mode));
+  model::ModesOptions modes;
+  modes.count = options.count;
+  modes.segments = options.segments;
+  modes.error_estimate = false;
+  const auto found = model::analyse_modes(prediction.scene, modes);
+  prediction.equilibrium = found.equilibrium;
+  if (found.modes.empty()) return prediction;
+  modes.shapes = false;
+  modes.count = options.count + 2;  // those that cross the last
+  if (std::all_of(scene.members.begin(), scene.members.end(), [&](const auto& member) {
+        return options.segments.value_or(member.segments) <= 0;
+      })) {
+    modes.accuracy = kCompared;
   }
-  const Eigen::MatrixXd directions = directions_of(selection.covariance);
-  const Draws draws(prediction, options);
-  prediction.nonlinearity = nonlinearity(scene, selection, directions, gradient, prediction, draws);
-  if (options.always_sample || prediction.nonlinearity > kLinear) {
-    sample(scene, selection, directions, options, draws, prediction);
+  const auto spread = spread_of(
+      scene, selection, [&](const model::Scene& at) { return modes_of(at, found.modes, modes); });
+  for (std::size_t i = 0; i < found.modes.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const auto& mode = found.modes[i];
+    const double f = mode.frequency_hz;
+    prediction.modes.push_back(
+        {mode,
+         {f, f * spread.std[k]},
+         {mode.damping_ratio, spread.std[k + static_cast<Eigen::Index>(found.modes.size())]},
+         f * std::exp(-spread.below[k]),
+         f * std::exp(spread.above[k])});
   }
   return prediction;
 }
@@ -412,29 +304,27 @@ ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& 
 FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fitted,
                            const Eigen::VectorXd& frequency_hz) {
   const auto selection = select(scene, fitted);
-  const auto found = model::synthesize_frf_sensitivities(selection.scene(scene, selection.value),
-                                                         frequency_hz, selection.targets());
   FrfPrediction prediction;
   prediction.frequency_hz = frequency_hz;
-  prediction.H = found.frfs.H;
-  const Eigen::MatrixXd rates = selection.rates();
-  const std::size_t lines = found.frfs.H.size();
-  for (std::size_t line = 0; line < lines; ++line) {
-    const auto& H = found.frfs.H[line];
-    Eigen::MatrixXd std(H.rows(), H.cols());
-    for (Eigen::Index s = 0; s < H.rows(); ++s) {
-      for (Eigen::Index l = 0; l < H.cols(); ++l) {
-        Eigen::VectorXd of_target(rates.rows());
-        for (Eigen::Index t = 0; t < rates.rows(); ++t) {
-          // d ln |H| = Re(dH / H)
-          const auto rate = found.rate[static_cast<std::size_t>(t)][line](s, l);
-          of_target[t] = std::abs(H(s, l)) > 0 ? (rate / H(s, l)).real() : 0;
-        }
-        const Eigen::VectorXd g = rates.transpose() * of_target;
-        std(s, l) = std::sqrt(std::max(0.0, g.dot(selection.covariance * g)));
-      }
+  prediction.H = model::synthesize_frfs(selection.scene(scene, selection.value), frequency_hz).H;
+  const auto spread = spread_of(scene, selection, [&](const model::Scene& at) {
+    const auto frfs = model::synthesize_frfs(at, frequency_hz);
+    std::vector<double> logs;
+    for (const auto& H : frfs.H) {
+      for (const auto& h : H.reshaped()) logs.push_back(std::log(std::abs(h)));
     }
-    prediction.std.push_back(std::move(std));
+    return Eigen::ArrayXd(
+        Eigen::Map<const Eigen::ArrayXd>(logs.data(), static_cast<Eigen::Index>(logs.size())));
+  });
+  Eigen::Index next = 0;
+  for (const auto& H : prediction.H) {
+    const Eigen::ArrayXXd size = H.cwiseAbs();
+    const auto of_line = [&](const Eigen::ArrayXd& all) {
+      return all.segment(next, H.size()).reshaped(H.rows(), H.cols()).exp();
+    };
+    prediction.low.push_back(size / of_line(spread.below));
+    prediction.high.push_back(size * of_line(spread.above));
+    next += H.size();
   }
   return prediction;
 }

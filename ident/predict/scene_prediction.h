@@ -1,20 +1,17 @@
 // Predicts modes, FRFs and time responses of another scene, with uncertainties, from the parameters
 // of a fit and their covariance.
 //
-// With p the fitted values, C their covariance and y(p) a quantity of the scene,
+// With p the fitted values, C their covariance, u_k the principal directions of C (one standard
+// uncertainty long) and y(p) ln of a frequency or of |H|, or a damping ratio,
 //
-//   var y = g' C g,   g = dy/dp
+//   y_k+- = y(p +- 1.96 u_k),   var y = sum_k ((y_k+ - y_k-) / 3.92)^2,
+//   95 %: from y - root(sum_k (y - min(y_k+, y_k-, y))^2) to its counterpart above
 //
-// with analytic derivatives of frequencies, damping ratios and FRFs (the change of the equilibrium
-// included). Positive quantities get the interval
-// y exp(-+ 1.96 std / y). The linear answer is checked at one and at 1.96 standard uncertainties
-// along each principal direction of C: where a frequency departs from it by more than 5 % of its
-// std, the modes are sampled instead (positive parameters lognormal), and the interval comes from
-// the samples.
+// which is linear propagation where y is linear, and exact for one parameter wherever y is
+// monotone; positive parameters move in their logarithm.
 //
 // The uncertainty contains the fitted parameters and the scene's own inputs that `add_scene_inputs`
-// adds. All other numbers of the scene count as exact. Sources: GUM (JCGM 100:2008), 5; JCGM
-// 101:2008 (sampling).
+// adds. All other numbers of the scene count as exact. Source: GUM (JCGM 100:2008), 5.
 #pragma once
 
 #include <Eigen/Core>
@@ -69,9 +66,6 @@ void add_effect(const std::string& input, Eigen::Index parameter, double change,
 struct PredictionOptions {
   int count = 6;                     ///< modes
   std::optional<int> segments = {};  ///< for every member; else the scene's
-  int samples = 200;                 ///< draws, where the linear answer does not hold
-  bool always_sample = false;
-  std::uint64_t seed = 1;
 };
 
 struct PredictedMode {
@@ -93,11 +87,8 @@ struct PredictedMode {
 };
 
 struct ModePrediction {
-  model::Equilibrium equilibrium;    ///< no modes unless converged
-  std::vector<PredictedMode> modes;  ///< by rising frequency
-  Eigen::MatrixXd covariance;        ///< frequencies, to first order, Hz^2
-  double nonlinearity = 0;  ///< largest departure from the linear answer, in standard uncertainties
-  bool sampled = false;     ///< std and intervals come from samples
+  model::Equilibrium equilibrium;           ///< no modes unless converged
+  std::vector<PredictedMode> modes;         ///< by rising frequency
   std::vector<std::string> used, not_used;  ///< names of parameters
   model::Scene scene;                       ///< with the fitted values
 };
@@ -142,8 +133,8 @@ std::vector<AddedInput> add_scene_inputs(const model::Scene& scene,
 
 struct FrfPrediction {
   Eigen::VectorXd frequency_hz;
-  std::vector<Eigen::MatrixXcd> H;   ///< per line: sensors x loads
-  std::vector<Eigen::MatrixXd> std;  ///< standard uncertainty of ln |H|, first order
+  std::vector<Eigen::MatrixXcd> H;         ///< per line: sensors x loads
+  std::vector<Eigen::ArrayXXd> low, high;  ///< 95 % of |H|
 };
 /// Throws like predict_modes.
 [[nodiscard]] FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fitted,

@@ -124,19 +124,6 @@ double Identifiability::std_of(const Eigen::Ref<const Eigen::VectorXd>& gradient
   return std::sqrt(variance);
 }
 
-Eigen::VectorXd Identifiability::shift_by(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
-                                          const Eigen::Ref<const Eigen::VectorXd>& change,
-                                          const IdentifiabilityOptions& options) const {
-  Eigen::VectorXd along =
-      directions.transpose() * (scales.cwiseProduct(jacobian.transpose() * change));
-  for (Eigen::Index i = 0; i < along.size(); ++i) {
-    const double s = singular_values[i];
-    const bool determined = s > null_below && 1 / s <= options.max_relative_std;
-    along[i] = determined ? -along[i] / (s * s * options.variance_factor) : 0;
-  }
-  return scales.cwiseProduct(directions * along);
-}
-
 std::string probability_text(double p) {
   if (std::isnan(p)) return "-";
   return p < 1e-6 ? "below 1e-6" : fmt::format("{:.2g}", p);

@@ -51,11 +51,6 @@ struct Identifiability {
   /// Standard uncertainty of a quantity with this gradient by the parameters. It may be determined
   /// even where the parameters are not; NaN when it is not.
   [[nodiscard]] double std_of(const Eigen::Ref<const Eigen::VectorXd>& gradient) const;
-  /// Change of the parameters that residuals changed by `change` bring about, in the directions
-  /// that are determined: -(J'J)^-1 J' change.
-  [[nodiscard]] Eigen::VectorXd shift_by(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
-                                         const Eigen::Ref<const Eigen::VectorXd>& change,
-                                         const IdentifiabilityOptions& options = {}) const;
   [[nodiscard]] bool complete() const { return open.empty(); }
 };
 

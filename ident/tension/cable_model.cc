@@ -113,8 +113,7 @@ std::vector<CableInput> uncertain_inputs(const CableDescription& cable) {
   }
   if (!cable.masses.empty()) add(4, cable.masses_std, &CableState::attached);
   add(5, cable.rate_relative_std, &CableState::rate);
-  if (cable.EI_Nm2 && cable.EI_Nm2->value > 0 &&
-      cable.EI_Nm2->std <= kNormalEI * cable.EI_Nm2->value) {
+  if (cable.EI_Nm2 && cable.EI_Nm2->value > 0) {
     add(kCableInputs.size() - 1, cable.EI_Nm2->std / cable.EI_Nm2->value, &CableState::EI);
   }
   return inputs;

@@ -47,8 +47,6 @@ struct CableInput {
 };
 inline constexpr std::array<const char*, 7> kCableInputs = {
     "length", "mass per length", "EA", "EA (assumed)", "attached masses", "sample rate", "EI"};
-/// Of EI as given: up to this its logarithm counts as normal, beyond it is summed over a grid.
-inline constexpr double kNormalEI = 0.3;
 [[nodiscard]] std::vector<CableInput> uncertain_inputs(const CableDescription& cable);
 
 class CableModel {

@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "ident/tension/cable_model.h"
-#include "ident/tension/tension_formulas.h"
 #include "ident/tension/tension_posterior.h"
+#include "signal/estimation/groups.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -44,37 +45,12 @@ bool contained(const TensionAnswer& answer, const TensionAnswer& other) {
   });
 }
 
-/// Whether an assignment's start leads to an answer that is known: at the answer's own EI and
-/// springs both end at one tension.
-bool leads_to(const EndsPosterior& one, const TensionData& data, const Assignment& assignment,
-              const TensionAnswer& answer) {
-  if (answer.modes != assignment.modes) return false;
-  const auto there = answer.state();
-  auto start = there;
-  start.tension_N = std::exp(assignment.ln_tension);
-  start.EA = assignment.EA;
-  start.length = start.mass = start.rate = start.EI = 1;
-  start.EI_Nm2 = there.EI_Nm2 / there.EI;
-  if (!one.model.cable().EI_Nm2) {  // at the same x and q
-    const double scale = start.tension_N / there.tension_N;
-    start.EI_Nm2 *= scale;
-    start.spring_Nm_rad *= scale;
-  }
-  const auto a = refitted(one.model, data, answer.modes, there),
-             b = refitted(one.model, data, answer.modes, start);
-  return std::abs(std::log(a.tension_N / b.tension_N)) < kSameCell;
-}
-
 /// Answers of all assignments, heaviest first. `best`: ln of the evidence of the best answer with
 /// other ends.
 void evaluate(EndsPosterior& one, const TensionData& data,
               const std::vector<Assignment>& assignments, double best) {
   one.answers.clear();
   for (const auto& assignment : assignments) {
-    if (std::any_of(one.answers.begin(), one.answers.end(),
-                    [&](const auto& other) { return leads_to(one, data, assignment, other); })) {
-      continue;
-    }
     auto answer = tension_answer(one.model, data, one.ends, assignment, best);
     if (answer.cells.empty() || !std::isfinite(answer.ln_evidence)) continue;
     best = std::max(best, answer.ln_evidence);
@@ -244,6 +220,16 @@ TensionCandidate candidate_of(const EndsPosterior& one, const TensionData& data)
   return candidate;
 }
 
+/// Tension over that of a string, from C / f and the string's T L^2 / EI: each formula holds for a
+/// range of xi = L sqrt(T / EI), and the one whose tension lies in its range is taken.
+double zui_factor(double ratio, double string) {
+  const double slender = 1 - 2.20 * ratio - 0.550 * ratio * ratio;
+  const double middle = 0.865 - 11.6 * ratio * ratio, stocky = 0.828 - 10.5 * ratio * ratio;
+  if (slender > 0 && string * slender >= 17 * 17) return slender;
+  if (middle > 0 && string * middle >= 6 * 6 && string * middle < 17 * 17) return middle;
+  return stocky > 0 && string * stocky < 6 * 6 ? stocky : kNaN;
+}
+
 /// What follows from the tension: its course along the cable, sag, dimensionless numbers, formulas.
 void describe(const CableModel& model, TensionResult& result) {
   const auto& best = result.candidates.front();
@@ -260,30 +246,17 @@ void describe(const CableModel& model, TensionResult& result) {
   const auto lowest = std::find_if(best.modes.begin(), best.modes.end(),
                                    [](const auto& mode) { return mode.order > 0; });
   if (lowest == best.modes.end()) return;
-  const CableFormulaInput input{lowest->order, lowest->measured_hz, L, cable.mass_per_length.value,
-                                best.EI_Nm2.value};
-  result.formulas = {string_tension(input), pinned_beam_tension(input), clamped_beam_tension(input),
-                     zui_tension(input)};
-}
-
-/// Assignments for springs, which lie between pinned and clamped ends: those with an answer there
-/// within exp(-20) of the best; all where neither has been evaluated.
-std::vector<Assignment> likely(const std::vector<EndsPosterior>& all,
-                               std::vector<Assignment> assignments) {
-  double best = -kInf;
-  for (const auto& one : all) {
-    if (one.ends != CableEnds::springs) best = std::max(best, one.ln_evidence);
-  }
-  if (!std::isfinite(best)) return assignments;
-  std::erase_if(assignments, [&](const auto& assignment) {
-    return std::none_of(all.begin(), all.end(), [&](const auto& one) {
-      return one.ends != CableEnds::springs &&
-             std::any_of(one.answers.begin(), one.answers.end(), [&](const auto& answer) {
-               return answer.modes == assignment.modes && answer.ln_evidence > best - 20;
-             });
-    });
-  });
-  return assignments;
+  // From the lowest mode, with EI: pinned exact, clamped after Zui et al. (1996) for the first
+  // mode.
+  const double n = lowest->order, f = lowest->measured_hz, m = cable.mass_per_length.value,
+               EI = best.EI_Nm2.value;
+  auto& formulas = result.formulas;
+  formulas.string_N = 4 * m * std::pow(f * L / n, 2);
+  formulas.pinned_beam_N = formulas.string_N - std::pow(n * std::numbers::pi / L, 2) * EI;
+  if (!(formulas.pinned_beam_N > 0)) formulas.pinned_beam_N = kNaN;
+  formulas.zui_N = n == 1 ? formulas.string_N * zui_factor(std::sqrt(EI / m) / (L * L * f),
+                                                           formulas.string_N * L * L / EI)
+                          : kNaN;
 }
 
 /// The answers that may still be the best, as starts.
@@ -335,8 +308,7 @@ std::vector<EndsPosterior> posteriors(const CableDescription& cable, const Tensi
     const EndsPosterior* heaviest = nullptr;
     for (auto& one : all) {
       const double best = heaviest != nullptr ? heaviest->ln_evidence : -kInf;
-      const bool springs = one.ends == CableEnds::springs;
-      evaluate(one, data, springs ? likely(all, assignments) : assignments, best);
+      evaluate(one, data, assignments, best);
       if (one.answers.empty()) continue;
       change = std::max(change, settle(one, data, best));
       if (!one.answers.empty() && (heaviest == nullptr || one.ln_evidence > heaviest->ln_evidence))
@@ -358,28 +330,19 @@ std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes) {
     return a.frequency_hz.value < b.frequency_hz.value;
   });
   std::vector<MeasuredMode> merged;
-  for (std::size_t first = 0; first < modes.size();) {
-    std::size_t end = first;
-    double weights = 0, sum = 0, chi2 = 0;
-    for (; end < modes.size(); ++end) {
-      const auto& f = modes[end].frequency_hz;
-      if (end > first) {
-        const double apart = f.value - sum / weights;
-        if (modes[end].plane != modes[first].plane ||
-            !(std::abs(apart) < 3 * std::sqrt(f.std * f.std + 1 / weights))) {
-          break;
-        }
-        chi2 += apart * apart / (f.std * f.std + 1 / weights);
-      }
-      weights += 1 / (f.std * f.std);
-      sum += f.value / (f.std * f.std);
+  std::vector<double> values, variances;
+  for (const auto& mode : modes) {
+    const auto& f = mode.frequency_hz;
+    const bool same = !merged.empty() && mode.plane == merged.back().plane &&
+                      std::abs(f.value - merged.back().frequency_hz.value) <
+                          3 * std::hypot(f.std, merged.back().frequency_hz.std);
+    if (!same) {
+      merged.push_back(mode), values.clear(), variances.clear();
     }
-    merged.push_back(modes[first]);
-    if (end > first + 1) {
-      const double excess = std::max(1.0, chi2 / static_cast<double>(end - first - 1));
-      merged.back().frequency_hz = {sum / weights, std::sqrt(excess / weights)};
-    }
-    first = end;
+    values.push_back(f.value), variances.push_back(f.std * f.std);
+    if (!same) continue;
+    const auto mean = signal::mean_over_groups(values, variances);
+    merged.back().frequency_hz = {mean.mean, std::sqrt(mean.variance)};
   }
   return merged;
 }

@@ -69,12 +69,7 @@ constexpr double kSmoothStep = 1;  // in ln, between neighbours that resolve a d
 bool needs_point(const std::vector<GridPoint>& points, std::size_t i, double matters) {
   for (std::size_t t = 0; t < kModelStd.size(); ++t) {
     const double a = points[i].ln[t], b = points[i + 1].ln[t];
-    if (!std::isfinite(a) || !std::isfinite(b)) {
-      // Where the density ends: as near as weights need it.
-      const double range = points.back().at - points.front().at;
-      if (std::max(a, b) > matters && points[i + 1].at - points[i].at > range / 200) return true;
-      continue;
-    }
+    if (!std::isfinite(a) || !std::isfinite(b)) continue;
     if (std::abs(a - b) > kSmoothStep && std::max(a, b) > matters) return true;
     for (const std::size_t middle : {i, i + 1}) {
       if (middle == 0 || middle + 1 >= points.size()) continue;
@@ -171,9 +166,6 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
   const auto& cable = model.cable();
   const double L = cable.length_m.value;
   const bool given = cable.EI_Nm2.has_value();
-  // Without a grid of its own: exact, or one of the inputs that the fit moves.
-  const bool exact =
-      EI_is_exact(cable) || (given && cable.EI_Nm2->std <= kNormalEI * cable.EI_Nm2->value);
   // What is far below the best answer needs no fine grid.
   const double counts = ln_evidence_of_best - kCounts - assignment.ln_prior;
   CableState first{std::exp(assignment.ln_tension)};
@@ -183,9 +175,7 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
                                std::vector<TensionCell>& cells) {
     const auto state_at = [&](double ln_tension) {
       const double T = std::exp(ln_tension);
-      const double EI = exact   ? given_EI(cable, T)
-                        : given ? std::exp(y)
-                                : T * L * L * std::exp(-2 * y);
+      const double EI = given ? given_EI(cable, T) : T * L * L * std::exp(-2 * y);
       return CableState{.tension_N = T,
                         .EI_Nm2 = EI,
                         .spring_Nm_rad = spring_of(q, EI, T, L),
@@ -202,18 +192,8 @@ TensionAnswer tension_answer(const CableModel& model, const TensionData& data, C
   const auto at_spring = [&](double q, double ln_prior, const TensionCell* near,
                              std::vector<TensionCell>& cells) {
     rigidity_index = 0;
-    if (exact) {
+    if (given) {
       at_rigidity(q, 0, ln_prior, near, cells);
-    } else if (given) {
-      const double s = cable.EI_Nm2->std / cable.EI_Nm2->value;
-      const double middle = std::log(cable.EI_Nm2->value);
-      const double origin = near != nullptr ? std::log(near->state.EI_Nm2) : middle;
-      cells = resolved({middle - 4.5 * s, middle + 4.5 * s}, 13, origin, counts,
-                       [&](double y, const TensionCell* beside, auto& into) {
-                         const double ln_normal = -0.5 * (y - middle) * (y - middle) / (s * s) -
-                                                  0.5 * std::log(2 * std::numbers::pi * s * s);
-                         at_rigidity(q, y, ln_prior + ln_normal, beside ? beside : near, into);
-                       });
     } else {
       const Range range{std::log(kLowX), std::log(kHighX)};
       const double ln_flat = -std::log(range.high - range.low);

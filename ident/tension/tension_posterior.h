@@ -9,11 +9,11 @@
 //   unseen     1 - P_j for each mode up to the highest paired frequency: false ones (hum) may lie
 //              beyond the band that the cable was excited in
 //
-// Unknowns are ln T (flat), EI (given, given with an uncertainty, or x = L sqrt(T / EI) flat in
-// ln x over 2..2000), the end springs k = q EI (x + 4) / L (q flat in ln q over 0.03..30:
-// practically pinned to practically clamped) and t (0 with probability 0.95, else one of 0.03 to 3
-// %; without stated uncertainties only the latter). Length, mass per length, EA and an EI known to
-// 30 % or better have their uncertainties as priors. ln T and these are normal given the others;
+// Unknowns are ln T (flat), EI (given, or x = L sqrt(T / EI) flat in ln x over 2..2000), the end
+// springs k = q EI (x + 4) / L (q flat in ln q over 0.03..30: practically pinned to practically
+// clamped) and t (0 with probability 0.95, else one of 0.03 to 3
+// %; without stated uncertainties only the latter). Length, mass per length, EA and a given EI
+// have their uncertainties as priors. ln T and these are normal given the others;
 // the others are summed over grids that are refined until they resolve the posterior. Nothing is
 // linearised in EI or k, so that values at a bound of what can be told count for what they are.
 // Candidates of assignments: every pair of a measured and a modelled mode over the ranges of EI and

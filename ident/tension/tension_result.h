@@ -84,7 +84,7 @@ struct TensionCandidate {
 };
 
 struct TensionFormulas {
-  double string_N = 0, pinned_beam_N = 0, clamped_beam_N = 0, zui_N = 0;  ///< NaN: does not apply
+  double string_N = 0, pinned_beam_N = 0, zui_N = 0;  ///< NaN: does not apply
 };
 
 struct TensionResult {
@@ -169,8 +169,7 @@ struct Described<ident::TensionFormulas> {
   static constexpr auto fields = std::tuple{
       field("string_N", &T::string_N, "N", "string formula", "from the lowest mode"),
       field("pinned_beam_N", &T::pinned_beam_N, "N", "pinned beam", "from the lowest mode"),
-      field("clamped_beam_N", &T::clamped_beam_N, "N", "clamped beam", "from the lowest mode"),
-      field("zui_N", &T::zui_N, "N", "Zui's formula", "from the lowest mode")};
+      field("zui_N", &T::zui_N, "N", "Zui's formula", "clamped ends, first mode")};
 };
 
 template <>

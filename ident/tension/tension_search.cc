@@ -15,9 +15,6 @@ namespace {
 constexpr double kSearchStd = 0.01;  // relative: the grids of EI and springs are coarse
 constexpr double kTwin = 0.005;      // modes of both planes closer than this are seen as one
 constexpr std::size_t kShortlist = 16;
-// Measured frequencies that hypotheses start from, at most: that all are false has a probability of
-// 0.05^12, and the search of 60 takes a fifth of the time.
-constexpr std::size_t kStarts = 12;
 
 /// Highest order of the modelled modes: 40 or twice the number of measured ones, the larger.
 int highest_order(const TensionData& data) {
@@ -116,11 +113,7 @@ CableFrequencies between(const CableFrequencies& a, const CableFrequencies& b, d
 
 class Search {
  public:
-  Search(const CableModel& model, const TensionData& data) : model_(model), data_(data) {
-    const std::size_t n = data.ln_hz.size();
-    for (std::size_t i = 0; i < n; i += (n + kStarts - 1) / kStarts)
-      starts_.push_back(data.ln_hz[i]);
-  }
+  Search(const CableModel& model, const TensionData& data) : model_(model), data_(data) {}
 
   /// Factor of EA and springs in the states that follow.
   void set(double EA, double q) {
@@ -167,7 +160,7 @@ class Search {
       const auto& to = in ? upper.in_hz : upper.out_hz;
       for (std::size_t j = 0; j < std::min(from.size(), to.size()); ++j) {
         if (!in && j < lower.in_hz.size() && lower.in_hz[j] == from[j]) continue;
-        for (const double ln_hz : starts_) {
+        for (const double ln_hz : data_.ln_hz) {
           const double a = std::log(from[j]), b = std::log(to[j]);
           // A symmetric in-plane mode of a sagging cable may fall with the tension.
           const double share = (ln_hz - a) / (b - a);
@@ -221,7 +214,6 @@ class Search {
 
   const CableModel& model_;
   const TensionData& data_;
-  std::vector<double> starts_;  // ln of measured frequencies that hypotheses start from
   std::vector<Listed> listed_;
   CableRoots roots_;
   std::map<std::vector<int>, Assignment> found_;

@@ -37,10 +37,9 @@ void state_values(const UpdateProblem& problem, const UpdateSolution& answer,
   }
 }
 
-// Everything in the result that follows from the answer. `by_segments`: of state_uncertainty.
+// Everything in the result that follows from the answer.
 void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
-                  const UpdateSolution& answer, UpdateResult& result,
-                  const Eigen::VectorXd& by_segments = {}) {
+                  const UpdateSolution& answer, UpdateResult& result) {
   const auto& matches = answer.matches.matches;
   for (auto& parameter : result.parameters) parameter.budget.clear();
   result.status = answer.converged ? UpdateStatus::converged : UpdateStatus::not_converged;
@@ -65,7 +64,7 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
     result.fit = before;
     result.fit.correlated_lines = correlated;
   }
-  state_uncertainty(problem, options, matches, result, by_segments);
+  state_uncertainty(problem, options, matches, result);
 }
 
 // The search weighs the data with an error of the model; where they agree without it, they alone
@@ -97,21 +96,16 @@ void allow_for_misfit(const UpdateOptions& options, UpdateProblem& settled, Upda
   if (!settled.modes_only()) return;
   const UpdateFit fit = misfit_of(settled, answer.matches.matches, answer.q);
   if (!(fit.p_value < kUnlikelyMisfit)) return;
-  // Assumed uncertainties are scaled by the scatter; only Huber's loss should not take it for
-  // outliers.
-  if (!fit.stated && fit.chi2 < 2 * fit.degrees_of_freedom) return;
   const auto& matches = answer.matches.matches;
-  for (int pass = 0; pass < 2; ++pass) {
-    const double tau = model_std_of(settled, matches, answer.q);
-    if (!(tau > 0)) return;
-    const UpdateProblem trial = settled.with_model_std(tau);
-    Eigen::VectorXd q = answer.q;
-    double cost = 0;
-    if (!minimise(trial, matches, options, q, cost)) return;
-    answer.q = std::move(q);
-    settled = trial;
-    result.fit.model_std = tau;
-  }
+  const double tau = model_std_of(settled, matches, answer.q);
+  if (!(tau > 0)) return;
+  const UpdateProblem trial = settled.with_model_std(tau);
+  Eigen::VectorXd q = answer.q;
+  double cost = 0;
+  if (!minimise(trial, matches, options, q, cost)) return;
+  answer.q = std::move(q);
+  settled = trial;
+  result.fit.model_std = tau;
 }
 
 UpdateAlternative alternative_of(const UpdateAnswer& answer, const UpdateResult& result) {
@@ -165,8 +159,8 @@ const char* name_of(UpdateStatus status) {
 namespace {
 
 // Fits to modes: all answers. Fits of FRFs: the best that begins with one of their modes' answers,
-// or where the scene is.
-std::vector<UpdateAnswer> answers_of(const UpdateProblem& problem, const UpdateOptions& options,
+// or where the scene is; `problem` becomes the one whose segments resolve them.
+std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions& options,
                                      UpdateResult& result, std::string& failure) {
   std::vector<UpdateAnswer> answers;
   if (problem.has_modes()) {
@@ -188,12 +182,17 @@ std::vector<UpdateAnswer> answers_of(const UpdateProblem& problem, const UpdateO
     result.log_evidence = answers.front().log_evidence + std::log(all);
     return answers;
   }
+  if (options.segment_uncertainty) {
+    const auto& first = answers.front().solution;
+    problem = with_resolving_segments(problem, first.matches.matches, first.q);
+    result.segment_factor = problem.variant().segment_factor;
+  }
   UpdateAnswer best;
   for (auto& answer : answers) {
     auto& solution = answer.solution;
     solution.converged =
         minimise(problem, solution.matches.matches, options, solution.q, solution.cost);
-    if (!robust_cost(problem, solution.matches.matches, options, solution.q, solution.cost)) {
+    if (!cost_of(problem, solution.matches.matches, solution.q, solution.cost)) {
       continue;
     }
     if (solution.cost < best.solution.cost) best = answer;
@@ -204,7 +203,7 @@ std::vector<UpdateAnswer> answers_of(const UpdateProblem& problem, const UpdateO
 
 }  // namespace
 
-UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& options) {
+UpdateResult update_result(UpdateProblem problem, const UpdateOptions& options) {
   UpdateResult result;
   const auto& coordinates = problem.coordinates();
   if (coordinates.empty()) throw std::invalid_argument("update: no free parameter");
@@ -242,20 +241,6 @@ UpdateResult update_result(const UpdateProblem& problem, const UpdateOptions& op
   allow_for_misfit(options, settled, answer, result);
   settle_frfs(options, settled, answer, result);
   state_answer(settled, options, answer, result);
-  if (auto fine = with_resolving_segments(settled, options, answer, result)) {
-    const bool given = settled.has_given_segments();
-    result.fit = fine->fit;
-    result.segment_factor = given ? 1 : fine->problem.variant().segment_factor;
-    state_answer(fine->problem, options, fine->answer, result,
-                 given ? fine->by_segments : Eigen::VectorXd());
-    if (given) {  // what is reported is the model with the segments that its scene gives
-      state_values(settled, answer, result);
-      state_prediction_uncertainty(settled, options, result, answer.q, -1, result.pairs);
-    } else {
-      settled = std::move(fine->problem);
-      answer = std::move(fine->answer);
-    }
-  }
   state_intervals(settled, options, answer.matches.matches, result);
   if (problem.modes_only() && options.intervals) {
     result.alternatives.push_back(alternative_of(answers.front(), result));

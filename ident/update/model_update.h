@@ -3,13 +3,12 @@
 // Unknowns p (stiffnesses, masses, tensions, spans ... of one scene in one or several states, such
 // as several tensions) minimise
 //
-//   sum_pairs rho((ln f_model(p) - ln f_measured) / s) + such a sum over measured damping ratios
-//   + such a sum over shapes if requested (both of unit length, the model's sign)
-//   + sum_lines rho(Re, Im of ln(H_model(p) / H_measured) / s) over measured FRFs
+//   sum_pairs ((ln f_model(p) - ln f_measured) / s)^2 + such a sum over measured damping ratios
+//   + sum_lines |ln(H_model(p) / H_measured) / s|^2 over measured FRFs
 //   + sum_priors ((p - p0) / s_p)^2 + sum_inputs d^2
 //
 // over p and over d, by how many standard uncertainties each uncertain input (`UncertainInput`,
-// place and force of hits) is off, with Huber's rho, s the relative standard uncertainty of the
+// place of hits) is off, s the relative standard uncertainty of the
 // measured value and of the model together. Positive parameters are fitted in their logarithm.
 // Derivatives are the model's own sensitivities (equilibrium's change included), the minimiser is
 // Ceres' Levenberg-Marquardt; modes are assigned anew (mode_assignment.h) until the assignment
@@ -19,11 +18,9 @@
 //
 // Uncertainty, to first order: (J'J)^-1 of p and d together, so that an error of an input which the
 // fit compensates does not count in a prediction. A source's part of a variance is the square of
-// the parameter's covariance with it, in its standard uncertainty. The error of the segments moves
-// the parameters by -(J'J)^-1 J' (d residuals): that of "auto" segments is subtracted from the
-// frequencies (update_segments.h); that of given numbers of segments is 4/3 of the difference to a
-// model of twice as many segments (Richardson, second order; it is a quarter too large for a
-// fourth-order error). Sources: Friswell and Mottershead 1995; Mottershead, Link, Friswell 2011.
+// the parameter's covariance with it, in its standard uncertainty. The error of "auto" segments is
+// subtracted from the frequencies (update_segments.h). Sources: Friswell and Mottershead 1995;
+// Mottershead, Link, Friswell 2011.
 #pragma once
 
 #include <vector>

@@ -47,7 +47,7 @@ std::vector<HeldOut> hold_out_each(const std::vector<UpdateState>& states,
       if (failure.empty()) {
         held.pairs = solved.pairs(q, after.matches);
         held.rms_predicted = rms_of_pairs(held.pairs);
-        state_prediction_uncertainty(solved, options, fitted, q, s, held.pairs);
+        state_prediction_uncertainty(solved, fitted, q, s, held.pairs);
       }
     }
   });

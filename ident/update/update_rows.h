@@ -45,7 +45,7 @@ struct Described<ident::UpdateBudgetTerm> {
   using T = ident::UpdateBudgetTerm;
   static constexpr std::string_view title{};
   static constexpr auto fields = std::tuple{
-      field("source", &T::source, "", "source", "data, model, a prior, segments or an input"),
+      field("source", &T::source, "", "source", "data, a prior or an input"),
       field("std", &T::std, "", "contribution", "the squares add up", 2),
       field("change", &T::change, "", "", "of the value, by one standard uncertainty of an input")};
 };
@@ -87,7 +87,6 @@ struct Described<ident::UpdatedParameter> {
       field("identifiable", &T::identifiable, "", "", "the data and priors determine it"),
       field("std_from_data", &T::std_from_data, "", "", "without priors"),
       field("at_bound", &T::at_bound, "", "", "of its range"),
-      field("segment_shift", &T::segment_shift, "", "", "error left by the number of segments"),
       field("budget", &T::budget, "", "", "where the uncertainty comes from")};
 };
 
@@ -199,7 +198,6 @@ struct Described<ident::UpdateAlternative> {
 template <>
 struct Described<ident::UpdateResult> {
   using T = ident::UpdateResult;
-  using Known = ident::Identifiability;
   static constexpr auto fields =
       std::tuple{field("status", &T::status),
                  field("parameters", &T::parameters),
@@ -207,8 +205,6 @@ struct Described<ident::UpdateResult> {
                  field("alternatives", &T::alternatives),
                  field("log_evidence", &T::log_evidence),
                  field("correlation", &T::correlation),
-                 field("rank", within(&T::identifiability, &Known::rank)),
-                 field("condition", within(&T::identifiability, &Known::condition)),
                  field("not_identifiable", &T::open),
                  field("pairs", [](const T& r) { return ident::pair_rows(r.pairs, r.unpaired); }),
                  field("rms_relative_error", &T::rms_relative_error),

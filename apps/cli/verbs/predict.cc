@@ -31,7 +31,7 @@ struct PredictCommand {
   std::vector<std::string> maps, damage, inputs;
   describe::Band band_hz;
   int count = 6, segments = 0, lines = 400;
-  bool sample = false, accept_fit = false;
+  bool accept_fit = false;
 };
 
 constexpr const char* kPredictExample =
@@ -131,17 +131,16 @@ void write_frfs(const PredictCommand& command, const model::Scene& scene,
         Eigen::VectorXd column(frfs.frequency_hz.size());
         for (std::size_t line = 0; line < frfs.H.size(); ++line) {
           const auto row = static_cast<Eigen::Index>(s), of = static_cast<Eigen::Index>(l);
-          column[static_cast<Eigen::Index>(line)] =
-              value(frfs.H[line](row, of), frfs.std[line](row, of));
+          column[static_cast<Eigen::Index>(line)] = value(line, row, of);
         }
         add_column(table, title, "", std::move(column));
       };
-      using H = std::complex<double>;
-      add("|H| " + name, [](H h, double) { return std::abs(h); });
-      add("low " + name, [](H h, double std) { return std::abs(h) * std::exp(-1.96 * std); });
-      add("high " + name, [](H h, double std) { return std::abs(h) * std::exp(1.96 * std); });
-      add("phase " + name + " (deg)",
-          [](H h, double) { return std::arg(h) * 180 / std::numbers::pi; });
+      add("|H| " + name, [&](auto k, auto r, auto c) { return std::abs(frfs.H[k](r, c)); });
+      add("low " + name, [&](auto k, auto r, auto c) { return frfs.low[k](r, c); });
+      add("high " + name, [&](auto k, auto r, auto c) { return frfs.high[k](r, c); });
+      add("phase " + name + " (deg)", [&](auto k, auto r, auto c) {
+        return std::arg(frfs.H[k](r, c)) * 180 / std::numbers::pi;
+      });
     }
   }
   context.write(command.frf, signal::csv_text(table, {}, 8, "frequency (Hz)"));
@@ -233,8 +232,6 @@ Json run(PredictCommand& command, VerbContext& context) {
   ident::PredictionOptions options;
   options.count = command.count;
   if (command.segments > 0) options.segments = command.segments;
-  options.always_sample = command.sample;
-  options.seed = context.seed;
   ident::ModePrediction prediction;
   try {
     prediction = ident::predict_modes(scene, fitted, options);
@@ -266,8 +263,6 @@ Json run(PredictCommand& command, VerbContext& context) {
     context.warn("parameter_not_in_scene",
                  name + " of the fit is none of this scene's parameters: left out", command.scene);
   }
-  json["interval"] = prediction.sampled ? "sampled" : "linear";
-  json["nonlinearity"] = prediction.nonlinearity;
   context.out << fmt::format("parameters of the fit in this scene: {}\n\n",
                              fmt::join(prediction.used, " "));
   describe::print(context.out, describe::table_of(prediction.modes));
@@ -312,8 +307,7 @@ describe::Options options_of(PredictCommand& c) {
              "Response to the scene's loads with its 95 % interval as a table")
           .writes(),
       option("--duration", c.duration_s, "Length of the response", "s").within(1e-6, 3600),
-      option("--rate", c.rate_hz, "Sample rate of the response", "Hz").within(1e-3, 1e6),
-      option("--sample", c.sample, "Intervals from samples, also where the model is linear")};
+      option("--rate", c.rate_hz, "Sample rate of the response", "Hz").within(1e-3, 1e6)};
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ struct UpdateCommand {
   bool axial_damping = false;
   bool hold_out = false;
   int starts = 4;
-  double assumed_std = 0.01, model_std = 0, frf_model_std = 0, shape_std = 0;
+  double assumed_std = 0.01, model_std = 0, frf_model_std = 0;
   double stiffness_common_std = 0;
 };
 
@@ -283,7 +283,6 @@ ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& sta
   update.assumed_relative_std = options.assumed_std;
   update.model_relative_std = options.model_std;
   update.frf_model_relative_std = options.frf_model_std;
-  update.shape_std = options.shape_std;
   update.starts = options.starts;
   update.threads = context.threads;
   if (!options.axial.empty()) {
@@ -465,10 +464,6 @@ describe::Options options_of(UpdateCommand& c) {
       option("--frf-model-std", c.frf_model_std,
              "Relative error in FRFs that the model itself is allowed")
           .within(0.0, 10.0),
-      option("--shape-std", c.shape_std,
-             "Uncertainty of a component of a unit shape: shapes are fitted too (0: they only help "
-             "to pair)")
-          .within(0.0, 1.0),
       option("--segments", c.data.segments,
              "Of every member while fitting (default: the scene's); fewer are faster")
           .within(2, 10000),

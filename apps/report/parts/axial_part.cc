@@ -58,9 +58,6 @@ class AxialPart : public TestPartOf<ident::AxialInputs> {
     blocks.push_back(described_table(test_.name + "-budget",
                                      "Where the uncertainty of EA comes from.",
                                      describe::table_of(r.budget)));
-    if (!r.plausibility.empty()) {
-      blocks.push_back(Paragraph{r.plausibility, Paragraph::Kind::note});
-    }
     for (auto& block : axial_decay_blocks(test_.name, inputs, result, origins_)) {
       blocks.push_back(std::move(block));
     }

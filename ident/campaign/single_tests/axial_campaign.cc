@@ -94,12 +94,8 @@ struct ModeOfDecay {
   double log_EA = 0, share = 0;  // ln EA from the mode; its share of the decay's energy
 };
 
-// Beyond so many times the median standard uncertainty a record says less than a hundredth of it.
-constexpr double kImprecise = 10;
-
-// `decaying`: only modes that are seen to decay, which hum and ambient motion are not.
 std::vector<ModeOfDecay> possible_modes(const AxialInputs& inputs,
-                                        const std::vector<AxialFoundDecay>& decays, bool decaying) {
+                                        const std::vector<AxialFoundDecay>& decays) {
   std::vector<ModeOfDecay> all;
   const auto& setup = inputs.setup;
   for (std::size_t k = 0; k < decays.size(); ++k) {
@@ -113,7 +109,6 @@ std::vector<ModeOfDecay> possible_modes(const AxialInputs& inputs,
       const double omega = 2 * std::numbers::pi * mode.frequency_hz.value;
       const bool swings = model::kStandardGravity > 0.1 * omega * omega * length;
       if (swings && inputs.band_high_hz == 0 && inputs.band_low_hz == 0) continue;
-      if (decaying && !(mode.damping_ratio.value > 2 * mode.damping_ratio.std)) continue;
       const auto rod = rod_stiffness(
           {omega * omega, setup.mass_kg.value, setup.mass_per_length_kg_m.value, length, 0});
       all.push_back({k, m, std::log(rod.cable_N_m * length), mode.energy / energy});
@@ -124,8 +119,7 @@ std::vector<ModeOfDecay> possible_modes(const AxialInputs& inputs,
 
 // The strongest mode of every decay among those at the EA that most of the energy has.
 void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
-  auto all = possible_modes(inputs, result.decays, true);
-  if (all.empty()) all = possible_modes(inputs, result.decays, false);
+  const auto all = possible_modes(inputs, result.decays);
   constexpr double kSame = 0.5;  // in ln EA: a factor of 1.6 either way
   const auto score = [&](double log_EA, bool take) {
     std::vector<double> best(result.decays.size(), 0);
@@ -144,37 +138,18 @@ void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
     if (sum > most) most = sum, at = one.log_EA;
   }
   if (most > 0) score(at, true);
-  const auto leave_out = [&](AxialFoundDecay& d, const char* code, std::string why) {
-    d.left_out = code, d.mode.reset();
+  for (auto& d : result.decays) {
+    if (!d.left_out.empty() || d.mode) continue;
+    d.left_out = "other_mode";
     result.findings.push_back(
-        {d.left_out, std::move(why),
+        {d.left_out,
+         fmt::format(
+             "Give a band: the strongest mode, {:.4g} Hz, is not the axial one of the other "
+             "records; left out",
+             d.result.modes.front().frequency_hz.value),
          fmt::format("{}: {} at {:.4g} s", inputs.recordings[d.recording].name, d.channel,
                      d.start_s),
          false});
-  };
-  std::vector<double> stds;
-  for (auto& d : result.decays) {
-    if (d.mode) stds.push_back(d.result.modes[*d.mode].damped_frequency_hz.std);
-  }
-  const double median = stds.empty() ? 0 : signal::median(stds);
-  for (auto& d : result.decays) {
-    if (!d.left_out.empty()) continue;
-    if (!d.mode) {
-      leave_out(
-          d, "other_mode",
-          fmt::format("Give a band: the strongest mode, {:.4g} Hz, is not the axial one of the "
-                      "other records or does not decay; left out",
-                      d.result.modes.front().frequency_hz.value));
-      continue;
-    }
-    const auto& f = d.result.modes[*d.mode].damped_frequency_hz;
-    if (f.std > kImprecise * median) {
-      leave_out(
-          d, "imprecise_decay",
-          fmt::format("Repeat this tap: {:.4g} Hz is known to {:.2g} Hz, the other records to "
-                      "{:.2g} Hz; left out, as all records of a length count the same",
-                      f.value, f.std, median));
-    }
   }
 }
 
@@ -248,15 +223,6 @@ void contradictions(const AxialInputs& inputs, AxialCampaignResult& result) {
       "");
 }
 
-// No fibre is stiffer for its mass: carbon of 590 GPa and 1900 kg/m3 has 12 times the modulus over
-// density of steel.
-bool beyond_any_material(const AxialInputs& inputs, const AxialTestResult& test) {
-  const auto& options = inputs.options;
-  const double solid = inputs.setup.mass_per_length_kg_m.value / options.steel_density_kg_m3 *
-                       options.solid_modulus_Pa;
-  return solid > 0 && test.EA_N.value > 12 * solid;
-}
-
 }  // namespace
 
 AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
@@ -288,19 +254,7 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
   contradictions(inputs, result);
   if (result.findings.size() > before) return result;
   try {
-    auto test = identify_axial(decays, setup, inputs.options);
-    if (beyond_any_material(inputs, test)) {
-      result.findings.push_back(
-          {"length_suspected",
-           fmt::format("Check lengths (m), hung mass (kg) and mass per length (kg/m): EA = {:.3g} "
-                       "N is {:.0f} times what solid steel of this mass per length has",
-                       test.EA_N.value,
-                       test.EA_N.value * inputs.options.steel_density_kg_m3 /
-                           (setup.mass_per_length_kg_m.value * inputs.options.solid_modulus_Pa)),
-           "", true});
-      return result;
-    }
-    result.test = std::move(test);
+    result.test = identify_axial(decays, setup);
   } catch (const std::invalid_argument& error) {
     result.findings.push_back({"axial", error.what(), "", true});
     return result;

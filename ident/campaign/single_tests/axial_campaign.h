@@ -5,7 +5,7 @@
 // The axial mode lies in the given band, or is the mode with most of the decays' energy at one EA
 // (within a factor of 1.6). A mode with g / (omega^2 L) > 0.1, at which the hung mass would stretch
 // the cable by more than a tenth, is excluded: the mass swings (the pendulum has 1, its ripple in
-// the tension 1/4). A mode that does not decay (hum, ambient motion) is excluded where others do.
+// the tension 1/4).
 #pragma once
 
 #include <cstddef>
@@ -31,7 +31,6 @@ struct AxialInputs {
   std::string channel;                       ///< tension or motion; empty: the recording's only one
   double band_low_hz = 0, band_high_hz = 0;  ///< where the axial frequency is; 0: not known
   AxialSetup setup;
-  AxialOptions options;
   int threads = 1;
 };
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "ident/statistics/in_parallel.h"
-#include "ident/update/uncertainty/update_segments.h"
 
 namespace rigfit::ident {
 namespace {
@@ -15,12 +15,13 @@ namespace {
 // Segments while looking around: with 12 the ninth mode of a cable is a fifth too low, and the
 // right assignment is often lost.
 constexpr double kFewSegments = 20;
-constexpr ModelErrors kSearchErrors{0.05, 0.5};  // model errors while looking around
+constexpr double kSearchError = 0.05;  // of the model while looking around
+constexpr double kDampingErrors = 10;  // relative to those in frequency
 // Model error while assigning: the planes of a taut cable agree to 1e-5, its segments err by more.
 constexpr double kLeastStd = 2e-3;
-constexpr double kSure = 12, kSureError = 5e-3;  // see the header
-constexpr std::size_t kSeeds = 8;                // local fits with few segments
-constexpr std::size_t kRefined = 4;              // local fits refined with all segments
+constexpr double kSure = 12;         // see the header
+constexpr std::size_t kSeeds = 8;    // local fits with few segments
+constexpr std::size_t kRefined = 4;  // local fits refined with all segments
 constexpr int kRounds = 6;
 constexpr double kNegligible = 7;        // ln of the ratio of weights
 constexpr double kDampingRange = 4.605;  // ln(100): range of an unpaired damping ratio
@@ -30,24 +31,11 @@ double width_of(const UpdateCoordinate& coordinate) {
 }
 
 /// Relative errors of the model and their prior probability.
-std::vector<std::pair<double, double>> errors_between(double least, int count, double per_decade) {
+std::vector<std::pair<double, double>> model_errors() {
+  constexpr int kCount = 10;
   std::vector<std::pair<double, double>> errors{{0, 0.5}};
-  for (int k = 0; k < count; ++k) {
-    errors.emplace_back(least * std::pow(10, k / per_decade), 0.5 / count);
-  }
+  for (int k = 0; k < kCount; ++k) errors.emplace_back(1e-4 * std::pow(10, k / 3.0), 0.5 / kCount);
   return errors;
-}
-
-std::vector<std::pair<ModelErrors, double>> model_errors(bool damping) {
-  std::vector<std::pair<ModelErrors, double>> all;
-  for (const auto& [frequency, one] : errors_between(1e-4, 10, 3)) {
-    if (!damping) all.push_back({{frequency, 0}, one});
-    if (!damping) continue;
-    for (const auto& [of_damping, other] : errors_between(1e-2, 5, 2)) {
-      all.push_back({{frequency, of_damping}, one * other});
-    }
-  }
-  return all;
 }
 
 bool close(double a, double b) { return std::abs(a - b) <= 1e-12 + 0.5 * b; }
@@ -69,22 +57,20 @@ bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const
   const auto rows = plain.frequency_rows(found.matches);
   evidence.log_evidence = -std::numeric_limits<double>::infinity();
   double best = evidence.log_evidence;
-  const bool damping =
-      std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.damping >= 0; });
-  for (const auto& [errors, probability] : model_errors(damping)) {
+  for (const auto& [error, probability] : model_errors()) {
     Eigen::VectorXd w = Eigen::VectorXd::Ones(r.size());
     double log_likelihood = found.without_densities() + std::log(probability);
-    const auto weigh = [&](Eigen::Index row, double std, double error, double range) {
-      const double all = std::hypot(std, error);
+    const auto weigh = [&](Eigen::Index row, double std, double own, double range) {
+      const double all = std::hypot(std, own);
       w[row] = std / all;
       log_likelihood -= std::log(all * std::sqrt(2 * M_PI) / range);
     };
     for (const auto& row : rows) {
       const auto& match = found.matches[row.match];
-      weigh(row.row, plain.relative_std(match.state, match.measured), errors.frequency, 1);
+      weigh(row.row, plain.relative_std(match.state, match.measured), error, 1);
       if (row.damping < 0) continue;
-      weigh(row.damping, plain.damping_relative_std(match.state, match.measured), errors.damping,
-            kDampingRange);
+      weigh(row.damping, plain.damping_relative_std(match.state, match.measured),
+            kDampingErrors * error, kDampingRange);
     }
     const Eigen::VectorXd weighted = w.cwiseProduct(r);
     log_likelihood -= 0.5 * weighted.squaredNorm();
@@ -102,7 +88,7 @@ bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const
     const double log_part = log_likelihood - 0.5 * log_det;
     if (log_part > best) {
       best = log_part;
-      evidence.errors = errors;
+      evidence.error = error;
       evidence.hessian = H;
     }
     evidence.log_evidence = log_sum(evidence.log_evidence, log_part);
@@ -125,15 +111,21 @@ class Search {
 
   std::vector<UpdateAnswer> run(int& fits, std::string& failure) {
     std::vector<UpdateAnswer> answers;
-    for (Seed& seed : seeds_at(problem_.start(), failure)) {
-      add(few_, rough_, std::move(seed), answers, failure);
+    if (auto seed = seed_at(problem_.start(), failure)) {
+      ++fits_;
+      UpdateAnswer answer = settled(few_, rough_, std::move(*seed));
+      if (answer.solution.q.size() > 0) {
+        answers.push_back(std::move(answer));
+      } else {
+        failure = answer.solution.failure;
+      }
     }
     bool sure = false;
     if (options_.starts > 1 && !answers.empty()) {
       const auto& near = answers.front();
       UpdateAnswer whole =
-          settled(problem_, options_, {near.solution.q, near.solution.matches, 0}, near.errors);
-      sure = whole.solution.q.size() > 0 && explained(whole) && is_sure(whole);
+          settled(problem_, options_, {near.solution.q, near.solution.matches, 0}, near.error);
+      sure = whole.solution.q.size() > 0 && explained(whole);
       if (sure) {
         answers.clear();
         answers.push_back(std::move(whole));
@@ -163,17 +155,6 @@ class Search {
     UpdateMatches matches;
     double score = 0;  // ln of its likelihood while looking around
   };
-
-  void add(const UpdateProblem& problem, const UpdateOptions& options, Seed seed,
-           std::vector<UpdateAnswer>& answers, std::string& failure) {
-    ++fits_;
-    UpdateAnswer answer = settled(problem, options, std::move(seed));
-    if (answer.solution.q.size() == 0) {
-      failure = answer.solution.failure;
-      return;
-    }
-    merge(std::move(answer), answers);
-  }
 
   // The answers stay in order of evidence; of two that are one the heavier stays.
   static void merge(UpdateAnswer answer, std::vector<UpdateAnswer>& answers) {
@@ -210,7 +191,7 @@ class Search {
 
   // Fitted and assigned anew until the assignment stays; of those that were seen the best.
   UpdateAnswer settled(const UpdateProblem& problem, const UpdateOptions& options, Seed seed,
-                       ModelErrors errors = kSearchErrors) const {
+                       double error = kSearchError) const {
     UpdateAnswer best;
     best.log_evidence = -std::numeric_limits<double>::infinity();
     best.solution.failure = "no measured mode lies near any modelled one";
@@ -223,14 +204,14 @@ class Search {
       if (!fits) break;
       double cost = 0;
       const UpdateProblem here =
-          held_about(q, problem.with_model_std(errors.frequency, errors.damping));
+          held_about(q, problem.with_model_std(error, kDampingErrors * error));
       Eigen::VectorXd at = q;
       const bool converged = minimise(here, matches.matches, options, at, cost);
       Evidence evidence;
       if (!evidence_of(problem, matches, at, evidence)) break;
       std::string failure;
-      UpdateMatches next = problem.with_model_std(std::max(evidence.errors.frequency, kLeastStd))
-                               .assign(at, failure);
+      UpdateMatches next =
+          problem.with_model_std(std::max(evidence.error, kLeastStd)).assign(at, failure);
       if (!failure.empty()) {
         best.solution.failure = failure;
         break;
@@ -238,8 +219,7 @@ class Search {
       const bool same = next.matches == matches.matches;
       const bool again = !same && (round + 1 == kRounds ||
                                    std::find(seen.begin(), seen.end(), next.matches) != seen.end());
-      const bool done = same && close(evidence.errors.frequency, errors.frequency) &&
-                        close(evidence.errors.damping, errors.damping);
+      const bool done = same && close(evidence.error, error);
       const bool keep = same || (again && best.solution.q.size() == 0);
       if (same) {
         evidence.log_evidence += next.without_densities() - matches.without_densities();
@@ -251,7 +231,7 @@ class Search {
         best.solution.cost = cost;
         best.solution.converged = converged && same;
         best.solution.pairings = round + 1;
-        best.errors = evidence.errors;
+        best.error = evidence.error;
         best.log_evidence = evidence.log_evidence;
         best.hessian = evidence.hessian;
       }
@@ -259,7 +239,7 @@ class Search {
       if (!same) seen.push_back(next.matches);
       q = std::move(at);
       matches = std::move(next);
-      errors = evidence.errors;
+      error = evidence.error;
     }
     return best;
   }
@@ -287,60 +267,16 @@ class Search {
     return degrees * std::log(0.1 / error) - lost > kSure;
   }
 
-  // A bound may hold an answer where the best one lies further inside: then only without misfit.
-  bool is_sure(const UpdateAnswer& answer) const {
-    const double error = model_error(answer);
-    const auto& coordinates = problem_.coordinates();
-    bool inside = true;
-    for (Eigen::Index j = 0; j < problem_.size(); ++j) {
-      const auto& coordinate = coordinates[static_cast<std::size_t>(j)];
-      const double q = answer.solution.q[j];
-      inside = inside && q > coordinate.low && q < coordinate.high;
+  // The assignment at q; none without a model there.
+  std::optional<Seed> seed_at(const Eigen::VectorXd& q, std::string& failure) const {
+    std::string here;
+    Seed seed{q, few_.with_model_std(kSearchError).assign(q, here)};
+    if (!here.empty()) {
+      failure = here;
+      return std::nullopt;
     }
-    return error < kSureError && (error == 0 || inside);
-  }
-
-  // Error of the model in frequency, that of its segments taken off.
-  double model_error(const UpdateAnswer& answer) const {
-    UpdateSolution solution = answer.solution;
-    const UpdateProblem exact = take_segments_off(problem_, options_, solution, 1);
-    Evidence evidence;
-    const bool known = evidence_of(exact, solution.matches, solution.q, evidence);
-    return known ? evidence.errors.frequency : std::numeric_limits<double>::infinity();
-  }
-
-  // Assignments at q with its frequencies as they are and times the best common factor.
-  std::vector<Seed> seeds_at(const Eigen::VectorXd& q, std::string& failure) const {
-    const UpdateProblem wide = few_.with_model_std(kSearchErrors.frequency);
-    std::vector<Seed> seeds(2);
-    for (auto& seed : seeds) seed.q = q;
-    for (int s = 0; s < static_cast<int>(wide.states().size()); ++s) {
-      if (!wide.takes_part(s) || wide.states()[static_cast<std::size_t>(s)].measured.empty()) {
-        continue;
-      }
-      const UpdateStateModes modelled = wide.modes(s, q, false);
-      if (!modelled.failure.empty()) {
-        const auto& name = wide.states()[static_cast<std::size_t>(s)].name;
-        failure = (name.empty() ? "" : name + ": ") + modelled.failure;
-        return {};
-      }
-      UpdateMatches best;
-      double best_score = -std::numeric_limits<double>::infinity();
-      constexpr double kStep = 0.1, kReach = 1.4, kScale = 0.7;
-      for (double log_factor = -kReach; log_factor < kReach + 0.5 * kStep; log_factor += kStep) {
-        UpdateMatches one = wide.assign_state(s, modelled, std::exp(log_factor));
-        const double score = one.log_likelihood - 0.5 * std::pow(log_factor / kScale, 2);
-        if (score > best_score) {
-          best_score = score;
-          best = std::move(one);
-        }
-      }
-      const UpdateMatches plain = wide.assign_state(s, modelled);
-      seeds[0].matches.append(plain), seeds[0].score += plain.log_likelihood;
-      seeds[1].matches.append(best), seeds[1].score += best_score;
-    }
-    if (seeds[0].matches.matches == seeds[1].matches.matches) seeds.pop_back();
-    return seeds;
+    seed.score = seed.matches.log_likelihood;
+    return seed;
   }
 
   // Points all over the range, at the same places whatever the start: see the header.
@@ -383,14 +319,14 @@ class Search {
 
   std::vector<Seed> look_around() const {
     const auto points = places();
-    std::vector<std::vector<Seed>> found(points.size());
+    std::vector<std::optional<Seed>> found(points.size());
     in_parallel(points.size(), options_.threads, [&](std::size_t k) {
       std::string failure;
-      found[k] = seeds_at(points[k], failure);
+      found[k] = seed_at(points[k], failure);
     });
     std::vector<Seed> seeds;
-    for (auto& some : found) {
-      for (auto& seed : some) seeds.push_back(std::move(seed));
+    for (auto& seed : found) {
+      if (seed) seeds.push_back(std::move(*seed));
     }
     std::stable_sort(seeds.begin(), seeds.end(),
                      [](const Seed& a, const Seed& b) { return a.score > b.score; });
@@ -412,11 +348,10 @@ class Search {
     const std::size_t most_out =
         std::max<std::size_t>(1, answer.solution.matches.matches.size() / 5);
     for (std::size_t out = 0;
-         out < most_out && answer.solution.q.size() > 0 && answer.errors.frequency > kLeastStd;
-         ++out) {
+         out < most_out && answer.solution.q.size() > 0 && answer.error > kLeastStd; ++out) {
       const auto& solution = answer.solution;
       const UpdateProblem here =
-          problem_.with_model_std(answer.errors.frequency, answer.errors.damping);
+          problem_.with_model_std(answer.error, kDampingErrors * answer.error);
       Eigen::VectorXd r;
       Eigen::MatrixXd J;
       const auto& all = solution.matches.matches;
@@ -431,7 +366,7 @@ class Search {
       if (worst == all.size()) return;
       Seed rest{solution.q, solution.matches, 0};
       rest.matches.matches.erase(rest.matches.matches.begin() + static_cast<std::ptrdiff_t>(worst));
-      UpdateAnswer without = settled(problem_, options_, std::move(rest), answer.errors);
+      UpdateAnswer without = settled(problem_, options_, std::move(rest), answer.error);
       if (without.solution.q.size() == 0 || without.log_evidence <= answer.log_evidence) return;
       answer = std::move(without);
     }
@@ -446,7 +381,7 @@ class Search {
     in_parallel(rough.size(), options_.threads, [&](std::size_t k) {
       if (rough[k].log_evidence < most - kNegligible) return;
       found[k] = settled(problem_, options_, {rough[k].solution.q, rough[k].solution.matches, 0},
-                         rough[k].errors);
+                         rough[k].error);
       leave_out_false(found[k]);
     });
     for (std::size_t k = 0; k < found.size(); ++k) {

@@ -4,26 +4,23 @@
 // (mode_assignment.h) at the parameters that fit it best. Candidates come from points all over the
 // range of the parameters (a lattice of absolute places in one and two dimensions, a
 // low-discrepancy sequence in more; positive parameters up to a factor of 100 or 10 from their
-// start), where a model of few segments is assigned, its frequencies tried with common factors too;
-// the best are fitted, first with few segments, those that count with all. The weight of an answer
-// is its evidence
+// start), where a model of few segments is assigned; the best are fitted, first with few segments,
+// those that count with all. The weight of an answer is its evidence
 //
 //   Z = sum_tau P(tau) L(q, tau) prior(q) (2 pi)^(n/2) det(H(tau))^(-1/2)      (Laplace)
 //
-// with tau the model's relative errors in frequency and in damping ratio: each 0 (the model is
-// right) with probability 1/2, else 1e-4 to 0.1 and 1e-2 to 1 on a logarithmic scale, L the
-// likelihood of the assignment (a mode without a partner has its damping ratio anywhere within a
-// factor of 100), H the Hessian of -ln(L prior). Damping ratios known to 1e-4 would otherwise lead
-// the search: a wrong pair's costs more than all frequencies together. Parameters without a prior
-// get a normal one about the answer, of ln(10) in ln(value) and of a tenth for coordinates: the
-// same for all answers, wherever the search began; while looking for one it is about the place
-// where the search began, so that what the data leave free stays there. Answers closer to each
-// other than three standard deviations are one.
+// with tau the model's relative error in frequency: 0 (the model is right) with probability 1/2,
+// else 1e-4 to 0.1 on a logarithmic scale, L the likelihood of the assignment (a mode without a
+// partner has its damping ratio anywhere within a factor of 100), H the Hessian of -ln(L prior).
+// Damping ratios err ten times as much; known to 1e-4 they would otherwise lead the search.
+// Parameters without a prior get a normal one about the answer, of ln(10) in ln(value) and of a
+// tenth for coordinates: the same for all answers, wherever the search began; while looking for one
+// it is about the place where the search began, so that what the data leave free stays there.
+// Answers closer to each other than three standard deviations are one.
 //
-// The search is skipped where the answer near the start explains the measured modes with a model
-// error below 0.5 % (segments' error taken off) and could not do so by chance: the degrees of
-// freedom times ln(0.1 / error), less the ln(likelihood) that missed and false modes cost,
-// exceed 12. An answer with a parameter at a bound needs an error of 0.
+// The search is skipped where the answer near the start explains the measured modes and could not
+// do so by chance: the degrees of freedom times ln(0.1 / error), less the ln(likelihood) that
+// missed and false modes cost, exceed 12.
 //
 // Sources: Kass and Raftery, JASA 90 (1995) 773; Beck and Katafygiotis, J. Eng. Mech. 124 (1998)
 // 455. For the update and its checks, not for users.
@@ -35,14 +32,9 @@
 
 namespace rigfit::ident {
 
-/// The model's relative errors: tau above.
-struct ModelErrors {
-  double frequency = 0, damping = 0;
-};
-
 struct UpdateAnswer {
   UpdateSolution solution;
-  ModelErrors errors;  ///< those of largest posterior probability
+  double error = 0;  ///< tau of largest posterior probability
   double log_evidence = 0;
   Eigen::MatrixXd hessian;  ///< second derivatives of -ln(posterior), by coordinate
   double weight = 1;
@@ -54,11 +46,11 @@ struct UpdateAnswer {
                                                      const UpdateOptions& options, int& fits,
                                                      std::string& failure);
 
-/// ln Z of an assignment at q, and the errors of the largest posterior probability.
+/// ln Z of an assignment at q, and the error of the largest posterior probability.
 struct Evidence {
   double log_evidence = 0;
-  ModelErrors errors;
-  Eigen::MatrixXd hessian;  ///< at these errors, prior widths included
+  double error = 0;
+  Eigen::MatrixXd hessian;  ///< at this error, prior widths included
 };
 /// False when there is no model at q.
 [[nodiscard]] bool evidence_of(const UpdateProblem& problem, const UpdateMatches& matches,

@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "ident/update/problem/sample_rate_input.h"
 #include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
@@ -27,7 +26,6 @@ std::vector<UpdateProblem::FrequencyRow> UpdateProblem::frequency_rows(
     const bool damping = damping_fitted(mode);
     rows.push_back({row, damping ? row + 1 : -1, m});
     row += damping ? 2 : 1;
-    if (shape_fitted(mode)) row += mode.shape.size();
   }
   return rows;
 }
@@ -36,13 +34,12 @@ UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelle
                                           double factor) const {
   const auto& state = states_[static_cast<std::size_t>(s)];
   std::vector<PairingMode> measured, model;
-  const double by_rate = sample_rate_std(options_.inputs, s);
   std::vector<double> stds;
   for (std::size_t m = 0; m < state.measured.size(); ++m) {
     const auto& mode = state.measured[m];
     measured.push_back(
         {.frequency_hz = mode.frequency_hz.value, .plane = mode.plane, .shape = mode.shape});
-    stds.push_back(std::hypot(relative_std(s, static_cast<int>(m)), by_rate));
+    stds.push_back(relative_std(s, static_cast<int>(m)));
   }
   for (const auto& mode : modelled.modes) {
     model.push_back({.frequency_hz = mode.frequency_hz,

@@ -35,16 +35,4 @@ std::vector<UncertainInput> sample_rate_inputs(const std::vector<StateClock>& cl
   return inputs;
 }
 
-double sample_rate_std(const std::vector<UncertainInput>& inputs, int state) {
-  double variance = 0;
-  for (const auto& input : inputs) {
-    for (const auto& effect : input.effects) {
-      if (effect.state == state && effect.target == kSampleRateTarget) {
-        variance += effect.change * effect.change;
-      }
-    }
-  }
-  return std::sqrt(variance);
-}
-
 }  // namespace rigfit::ident

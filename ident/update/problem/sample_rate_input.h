@@ -29,7 +29,4 @@ struct StateClock {
 /// several rates is affected by each. Clocks with e = 0 are left out.
 [[nodiscard]] std::vector<UncertainInput> sample_rate_inputs(const std::vector<StateClock>& clocks);
 
-/// Relative standard uncertainty of the state's frequencies due to these inputs.
-[[nodiscard]] double sample_rate_std(const std::vector<UncertainInput>& inputs, int state);
-
 }  // namespace rigfit::ident

@@ -102,11 +102,8 @@ struct UpdateOptions {
   double frf_model_relative_std = 0;
   /// Lines with a larger relative uncertainty are left out: their logarithm has no information.
   double frf_max_relative_std = 0.5;
-  /// Standard uncertainty of a component of a unit shape; 0: shapes are used for pairing only.
-  double shape_std = 0;
   /// Model error, relative in frequency, added to every measured uncertainty.
   double model_relative_std = 0;
-  double huber_threshold = 2;  ///< standard deviations beyond which a pair pulls linearly
   AssignmentOptions assignment = {};
   /// 1: finds the answer near the scene's own values. More: fits to modes search the whole range of
   /// the parameters (update_alternatives.h), fits of FRFs that of their modes.
@@ -114,8 +111,8 @@ struct UpdateOptions {
   int max_iterations = 60;
   double function_tolerance = 1e-9;  ///< relative change of the cost
   int threads = 1;                   ///< work on starts in parallel
-  /// True: the error of "auto" segments is subtracted from frequencies, and the rest of it adds to
-  /// the uncertainties (update_segments.h). False: the data come from a model with these segments.
+  /// True: the error of "auto" segments is subtracted from frequencies (update_segments.h). False:
+  /// the data come from a model with these segments.
   bool segment_uncertainty = true;
   std::vector<UncertainInput> inputs = {};  ///< independent of each other
   /// Segments of "auto" members; FRFs get more where they need them.

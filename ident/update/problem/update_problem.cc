@@ -113,7 +113,6 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       q.high = std::isfinite(parameter.high) ? q.coordinate(parameter.high)
                : q.logarithmic               ? std::log(start) + std::log(1e6)
                                              : std::numeric_limits<double>::infinity();
-      if (q.logarithmic) q.step_by_fixity(half_held(scene, first) / parameter.factor(0));
       q.start = std::clamp(q.coordinate(start), q.low, q.high);
       if (prior && known(prior->std)) {
         q.prior = q.coordinate(prior->value);
@@ -151,13 +150,6 @@ std::vector<std::string> UpdateProblem::names() const {
   for (const auto& q : coordinates_) {
     if (q.input >= 0) {
       names.push_back(options_.inputs[static_cast<std::size_t>(q.input)].name);
-      continue;
-    }
-    if (q.force >= 0) {
-      const auto& force = forces_[static_cast<std::size_t>(q.force)];
-      const auto& state = states_[static_cast<std::size_t>(force.state)];
-      names.push_back("force of the hits of " + state.scene.loads[force.load].name +
-                      (state.name.empty() ? "" : " [" + state.name + "]"));
       continue;
     }
     const auto& name = free_[static_cast<std::size_t>(q.parameter)].name;
@@ -211,7 +203,6 @@ UpdateProblem::Targets UpdateProblem::targets_of(int state) const {
   Targets targets;
   for (Eigen::Index j = 0; j < size(); ++j) {
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
-    if (coordinate.force >= 0) continue;
     if (coordinate.input >= 0) {
       for (const auto& effect :
            options_.inputs[static_cast<std::size_t>(coordinate.input)].effects) {
@@ -281,8 +272,7 @@ UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q,
   modes.damped = damping_;
   modes.shapes = false;
   modes.error_estimate = false;
-  // Rates of shapes cost as much as the modes: only where shapes are fitted.
-  if (derivatives && !(options_.shape_std > 0)) scene.sensors.clear();
+  if (derivatives) scene.sensors.clear();  // rates of shapes cost as much as the modes
   ++shared_->evaluations;
   model::ModeSensitivities solved;
   if (targets.empty()) {
@@ -312,18 +302,12 @@ UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q,
     if (!known(mode.frequency_hz)) continue;  // a rigid motion: nothing that was measured
     if (derivatives) {
       mode.dlog_frequency = mode.dlog_damping = Eigen::VectorXd::Zero(size());
-      if (options_.shape_std > 0) {
-        mode.dshape = Eigen::MatrixXd::Zero(natural.sensor_shape.size(), size());
-      }
       const auto row = static_cast<Eigen::Index>(k);
       for (std::size_t t = 0; t < targets.size(); ++t) {
         const auto [j, factor] = owner[t];
         const double by = factor * coordinates_[static_cast<std::size_t>(j)].derivative(q[j]);
         const auto column = static_cast<Eigen::Index>(t);
         mode.dlog_frequency[j] += solved.frequency(row, column) * by / mode.frequency_hz;
-        if (mode.dshape.size() > 0 && t < solved.sensor_shape.size()) {
-          mode.dshape.col(j) += by * solved.sensor_shape[t].col(row);
-        }
         if (damping_ && solved.damping_ratio.rows() > row && known(mode.damping_ratio)) {
           mode.dlog_damping[j] += solved.damping_ratio(row, column) * by / mode.damping_ratio;
         }

@@ -29,7 +29,6 @@ struct UpdateModelMode {
   Eigen::VectorXcd shape;
   double visibility = 0;  ///< response at a sensor to a load of the scene; 0: none there
   Eigen::VectorXd dlog_frequency, dlog_damping;  ///< by coordinate
-  Eigen::MatrixXd dshape;                        ///< sensors x coordinates; empty: not asked for
 };
 
 struct UpdateStateModes {
@@ -109,7 +108,6 @@ class UpdateProblem {
   /// This problem with the error of "auto" segments, found at q, taken off the frequencies that
   /// count as data (update_segments.h).
   [[nodiscard]] UpdateProblem with_resolved_modes(const Eigen::VectorXd& q) const;
-  [[nodiscard]] bool has_given_segments() const;
   /// This problem with everything that is known to an uncertainty as further coordinates, each with
   /// its normal prior (update_nuisances.cc); q, of the parameters, becomes a place in it.
   [[nodiscard]] UpdateProblem with_nuisances(Eigen::VectorXd& q) const;
@@ -123,7 +121,6 @@ class UpdateProblem {
     std::size_t frf = 0;  ///< index in the state
     int state = 0;
     std::size_t load = 0;
-    std::vector<double> frequency_hz = {};
   };
   [[nodiscard]] std::vector<FrfRows> frf_rows(const std::vector<UpdateMatch>& matches) const;
   [[nodiscard]] int fewest_segments() const;  ///< in any member
@@ -137,7 +134,7 @@ class UpdateProblem {
   [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, std::string& failure,
                                     int only = -1) const;
 
-  /// Residuals over their standard deviations: frequencies, dampings and shapes of the fitted pairs
+  /// Residuals over their standard deviations: frequencies and dampings of the fitted pairs
   /// in order, FRFs, then priors. False when some state has no modes or a pair's mode is gone.
   [[nodiscard]] bool residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
                                Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
@@ -208,7 +205,6 @@ class UpdateProblem {
   [[nodiscard]] UpdateStateModes modes_asked(int state, const Eigen::VectorXd& q, bool derivatives,
                                              const ModeNeed& need) const;
   [[nodiscard]] bool damping_fitted(const MeasuredMode& mode) const;
-  [[nodiscard]] bool shape_fitted(const MeasuredMode& mode) const;
   [[nodiscard]] bool counts(int state) const;
   [[nodiscard]] bool is_resolved(int state) const;
   [[nodiscard]] int mode_count(int state) const;  // that may pair
@@ -217,10 +213,7 @@ class UpdateProblem {
   /// Changes of a state's sample rate by one standard uncertainty of each coordinate; empty: none.
   [[nodiscard]] std::vector<std::pair<Eigen::Index, double>> rate_changes(int state) const;
   void add_places_of_hits(const Eigen::VectorXd& q);
-  void add_forces();
   void add_nuisance(UpdateCoordinate coordinate);
-  void add_force_noise(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
-                       Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
   [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
                                  std::string& failure) const;
   [[nodiscard]] FrfLines lines_of(const MeasuredFrf& frf) const;
@@ -235,12 +228,6 @@ class UpdateProblem {
   std::vector<UpdateCoordinate> coordinates_;
   std::vector<std::set<std::string>> present_;  // parameters of each state's scene
   std::vector<bool> joint_dampers_;             // by state: in its scene, or to be found
-  struct Force {  // noise of the hammer at one delay, in all lines of a load
-    int state = 0;
-    std::size_t load = 0;
-    double std = 0, delay_s = 0;
-  };
-  std::vector<Force> forces_;
   Eigen::Index parameters_ = 0, priors_ = 0;
   bool uncertainties_known_ = true, damping_ = false;
   UpdateVariant variant_;

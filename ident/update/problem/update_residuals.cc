@@ -1,4 +1,4 @@
-// Residuals of the update: frequencies, damping ratios and shapes of pairs, then what
+// Residuals of the update: frequencies and damping ratios of pairs, then what
 // update_frfs.cc adds, then priors.
 #include <algorithm>
 #include <cmath>
@@ -32,11 +32,6 @@ bool UpdateProblem::has_frfs() const {
                      [](const auto& state) { return !state.frfs.empty(); });
 }
 
-bool UpdateProblem::shape_fitted(const MeasuredMode& mode) const {
-  return options_.shape_std > 0 && mode.shape.size() > 1 && mode.shape.allFinite() &&
-         mode.shape.norm() > 0;
-}
-
 Eigen::Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& matches) const {
   Eigen::Index count = priors_;
   for (const auto& match : matches) {
@@ -44,7 +39,6 @@ Eigen::Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& match
     const auto& mode = states_[static_cast<std::size_t>(match.state)]
                            .measured[static_cast<std::size_t>(match.measured)];
     count += damping_fitted(mode) ? 2 : 1;
-    if (shape_fitted(mode)) count += mode.shape.size();
   }
   return count + 2 * frf_lines();
 }
@@ -84,31 +78,11 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
       if (jacobian != nullptr) jacobian->row(row) = mode->dlog_damping / damping_std;
       ++row;
     }
-    if (shape_fitted(measured)) {
-      // The measured shape turned to be as real as it can be; the model's has its sign.
-      const Eigen::VectorXcd turned =
-          measured.shape *
-          std::polar(1.0, -0.5 * std::arg((measured.shape.array() * measured.shape.array()).sum()));
-      const Eigen::VectorXd wanted = turned.real().normalized();
-      const Eigen::VectorXd shape = mode->shape.real();
-      const double length = shape.norm();
-      if (shape.size() != wanted.size() || !(length > 0)) return false;
-      const Eigen::VectorXd unit = shape / length;
-      const double sign = unit.dot(wanted) < 0 ? -1 : 1;
-      r.segment(row, wanted.size()) = (sign * unit - wanted) / options_.shape_std;
-      if (jacobian != nullptr && mode->dshape.size() > 0) {
-        jacobian->middleRows(row, wanted.size()) =
-            sign / (length * options_.shape_std) *
-            (mode->dshape - unit * (unit.transpose() * mode->dshape));
-      }
-      row += wanted.size();
-    }
   }
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (!takes_part(s)) continue;
     if (!frf_residuals(s, q, row, r, jacobian)) return false;
   }
-  add_force_noise(q, matches, r, jacobian);
   for (Eigen::Index j = 0; j < size(); ++j) {
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
     if (coordinate.prior_std <= 0) continue;

@@ -18,7 +18,7 @@ enum class UpdateStatus { converged, not_converged, no_model, too_little_data };
 
 /// Contribution of one source to a parameter's uncertainty; the squares of all add up to std^2.
 struct UpdateBudgetTerm {
-  std::string source;  ///< "data", "model", "prior of ...", "segments", or an input's name
+  std::string source;  ///< "data", "prior of ...", or an input's name
   double std = 0;
   /// For an input: change of the value when the input is larger by one standard
   /// uncertainty; NaN for other sources and those of several parts.
@@ -38,8 +38,6 @@ struct UpdatedParameter {
   double std_from_data = 0;  ///< without priors; NaN if the data do not determine it
   bool at_bound = false;
   std::vector<UpdateBudgetTerm> budget = {};  ///< empty when not identifiable
-  /// Largest remaining error of the value due to the number of segments; NaN: unknown.
-  double segment_shift = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct UpdatedPair {
@@ -51,7 +49,7 @@ struct UpdatedPair {
   bool cross_plane = false;
   std::string state_name = {};
   double measured_std_hz = std::numeric_limits<double>::quiet_NaN();
-  /// Standard uncertainty of model_hz from parameters, inputs and segments; NaN: unknown.
+  /// Standard uncertainty of model_hz from parameters and inputs; NaN: unknown.
   double model_std_hz = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -73,7 +71,7 @@ struct UpdateFit {
   bool stated = false;   ///< the uncertainties came with the data; else they are assumed
   double model_std = 0;  ///< std of that random error, relative in frequency
   /// Std of such a random error of FRFs, relative in every line, beyond the lines' uncertainties
-  /// and shared errors (segments, inputs, place and force of the hits).
+  /// and shared errors (inputs, place of the hits).
   double frf_model_std = 0;
   /// Number of neighbouring FRF lines that err together, from the autocorrelation of residuals. For
   /// the probability, chi2 and its degrees of freedom are divided by it; variances are multiplied
@@ -103,7 +101,6 @@ struct UpdateResult {
   Eigen::MatrixXd covariance;     ///< parameters' values, all sources; NaN where not
                                   ///< identifiable
   Eigen::MatrixXd correlation;    ///< NaN like the covariance
-  Eigen::VectorXd by_segments;    ///< shift of the coordinates by the segments' error; empty: none
   std::vector<std::string> open;  ///< what the data cannot separate, in words
   std::vector<UpdatedPair> pairs;
   std::vector<UpdatedUnpaired> unpaired;
@@ -120,7 +117,7 @@ struct UpdateResult {
   double chi_squared = 0, degrees_of_freedom = 0;  ///< with the final weights of the fit
   double variance_factor = 1;
   double coverage_factor = 1.96;  ///< for 95 %
-  double segment_factor = 1;      ///< times the segments that "auto" members had at first
+  double segment_factor = 1;      ///< times the segments that "auto" members have for modes
   int starts = 0;                 ///< local fits of the search
   int pairings = 0, model_evaluations = 0;
   std::vector<model::Scene> scenes;  ///< updated, by state

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ident/statistics/root.h"
 #include "ident/update/problem/update_solver.h"
 #include "signal/numerics/numbers.h"
 
@@ -25,36 +26,6 @@ bool at_bound(const UpdateCoordinate& coordinate, double q, double reach) {
   return q - reach <= coordinate.low || q + reach >= coordinate.high;
 }
 
-// The least cost with coordinate `held` fixed, from q, which becomes the place. What lies at a
-// bound or is not told by the data has no slope there (but springs, in steps of fixity): it is also
-// tried from inside.
-bool least_cost(const UpdateProblem& problem, const UpdateOptions& options,
-                const std::vector<UpdateMatch>& matches, const UpdateResult& solution, int held,
-                bool from_inside, Eigen::VectorXd& q, double& cost) {
-  (void)minimise(problem, matches, options, q, cost, held);
-  if (!robust_cost(problem, matches, options, q, cost)) return false;
-  for (Eigen::Index i = 0; from_inside && i < problem.parameter_count(); ++i) {
-    const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
-    if (i == held || coordinate.half_held > 0) continue;
-    if (solution.parameters[static_cast<std::size_t>(i)].identifiable &&
-        !at_bound(coordinate, q[i], 1e-3)) {
-      continue;
-    }
-    for (const double step : {-5.0, -2.5, 2.5}) {
-      Eigen::VectorXd trial = q;
-      trial[i] = std::clamp(solution.coordinates[i] + step * (coordinate.logarithmic ? 1 : 0.1),
-                            coordinate.low, coordinate.high);
-      double other = 0;
-      (void)minimise(problem, matches, options, trial, other, held);
-      if (robust_cost(problem, matches, options, trial, other) && other < cost) {
-        cost = other;
-        q = trial;
-      }
-    }
-  }
-  return true;
-}
-
 // One end of the profile interval of coordinate j, in q; NaN: the cost stays below.
 double profile_end(const UpdateProblem& problem, const UpdateOptions& given,
                    const std::vector<UpdateMatch>& matches, const UpdateResult& solution,
@@ -69,20 +40,20 @@ double profile_end(const UpdateProblem& problem, const UpdateOptions& given,
   // The root of the deviance is nearly a straight line in q: secants on it from the linear answer.
   double near = 0, near_root = 0, step = std::isfinite(own) ? goal * own : 0.5;
   Eigen::VectorXd q = solution.coordinates;
-  const auto root_at = [&](double place, bool from_inside) {
+  const auto root_at = [&](double place) {
     q[j] = place;
     double cost = 0;
-    const bool found =
-        least_cost(problem, options, matches, solution, static_cast<int>(j), from_inside, q, cost);
+    (void)minimise(problem, matches, options, q, cost, static_cast<int>(j));
+    const bool found = cost_of(problem, matches, q, cost);
     return found ? signed_root(cost, least, solution.variance_factor) : kNaN;
   };
   if (!std::isfinite(own) && std::isfinite(bound)) {  // often open up to the bound
-    if (root_at(bound, false) < goal) return kNaN;
+    if (root_at(bound) < goal) return kNaN;
     q = solution.coordinates;
   }
   for (int round = 0; round < 12; ++round) {
     if (std::abs(bound - at) < step) step = std::abs(bound - at);
-    const double root = root_at(at + direction * step, round == 0);
+    const double root = root_at(at + direction * step);
     if (std::isnan(root)) return kNaN;
     if (std::abs(root - goal) < kProfiled * goal) return q[j];
     if (root < goal && q[j] == bound) return kNaN;
@@ -95,9 +66,8 @@ double profile_end(const UpdateProblem& problem, const UpdateOptions& given,
 }
 
 // Whether the cost is no parabola between the linear ends of coordinate j.
-bool is_curved(const UpdateProblem& problem, const UpdateOptions& options,
-               const std::vector<UpdateMatch>& matches, const UpdateResult& result, Eigen::Index j,
-               double least) {
+bool is_curved(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+               const UpdateResult& result, Eigen::Index j, double least) {
   const auto& known = result.identifiability;
   const double k = result.coverage_factor, std = known.std[j];
   Eigen::VectorXd along = known.covariance.col(j) * (k / std);
@@ -109,7 +79,7 @@ bool is_curved(const UpdateProblem& problem, const UpdateOptions& options,
       const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
       if (q[i] <= coordinate.low || q[i] >= coordinate.high) return true;
     }
-    if (!robust_cost(problem, matches, options, q, cost)) return true;
+    if (!cost_of(problem, matches, q, cost)) return true;
     const double root = signed_root(cost, least, result.variance_factor);
     if (std::abs(root / k - 1) > kCurved) return true;
   }
@@ -125,7 +95,7 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
   if (known.std.size() != problem.size()) return;
   double least = 0;
   const bool costs = options.intervals && problem.modes_only() &&
-                     robust_cost(problem, matches, options, result.coordinates, least);
+                     cost_of(problem, matches, result.coordinates, least);
   bool loose = false;
   for (const auto& parameter : result.parameters) {
     loose = loose || parameter.at_bound || !parameter.identifiable;
@@ -143,12 +113,12 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
       const bool checked =
           costs && (loose || known.std[j] > kStraight || at_bound(coordinate, q, half));
       parameter.interval_by_profile =
-          checked && (loose || is_curved(problem, options, matches, result, j, least));
+          checked && (loose || is_curved(problem, matches, result, j, least));
     } else {
       parameter.interval_by_profile = costs && n <= kMostProfiled;
     }
     if (parameter.interval_by_profile) {
-      // What is not in the profile: segments, errors that modes share.
+      // What is not in the profile: errors that modes share.
       const double own = std::isfinite(known.std[j]) ? known.std[j] : 0;
       const double all = std::isfinite(parameter.std) ? parameter.std / by : 0;
       const double more = result.coverage_factor * std::sqrt(std::max(0.0, all * all - own * own));
@@ -193,13 +163,12 @@ void state_mixture(UpdateResult& result) {
       most = std::max(most, parameter.value + 2 * (parameter.high - parameter.value));
     }
     if (!closed) continue;
+    // Over 1 + x - least in units of the range, which is not near zero.
     const auto quantile = [&](double goal) {
-      double low = least, high = most;
-      for (int round = 0; round < 80; ++round) {
-        const double middle = 0.5 * (low + high);
-        (below(middle) < goal ? low : high) = middle;
-      }
-      return 0.5 * (low + high);
+      const double range = most - least;
+      const double at = root_between(
+          1, 2, 1e-12, [&](double u) { return below(least + (u - 1) * range) - goal; });
+      return least + (at - 1) * range;
     };
     result.parameters[p].low = quantile(0.025);
     result.parameters[p].high = quantile(0.975);

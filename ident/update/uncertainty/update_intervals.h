@@ -4,11 +4,10 @@
 // not where the deviance at the linear ends, with all others moved along, is off k^2 by more than a
 // quarter, or where any parameter lies within its interval of a bound: then the interval is that of
 // the profile, where the least cost with the parameter held, all others fitted anew, exceeds the
-// least by k^2 / 2. What segments and errors that modes share add is added in quadrature. A
-// parameter that the data cannot tell may still be bounded to one side. Where there are several
-// answers the interval is that of the mixture of all, by their weights. Source: Bates and Watts,
-// Nonlinear Regression Analysis and its Applications, 1988, 6.1.2. For the update and its checks,
-// not for users.
+// least by k^2 / 2. A parameter that the data cannot tell may still be bounded to one side. Where
+// there are several answers the interval is that of the mixture of all, by their weights. Source:
+// Bates and Watts, Nonlinear Regression Analysis and its Applications, 1988, 6.1.2. For the update
+// and its checks, not for users.
 #pragma once
 
 #include <vector>

@@ -108,7 +108,7 @@ void settle_frfs(const UpdateOptions& options, UpdateProblem& settled, UpdateSol
     Eigen::VectorXd q = answer.q;
     double cost = 0;
     const bool converged = minimise(trial, matches, options, q, cost);
-    if (!converged && !robust_cost(trial, matches, options, q, cost)) return;
+    if (!converged && !cost_of(trial, matches, q, cost)) return;
     answer.q = std::move(q);
     answer.cost = cost;
     answer.converged = converged;

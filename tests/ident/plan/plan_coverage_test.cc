@@ -45,7 +45,6 @@ UpdateResult least_squares(const std::vector<UpdateState>& states,
                            const std::vector<FreeParameter>& free,
                            const std::vector<PlannedMode>& modes) {
   UpdateOptions update;
-  update.huber_threshold = 1e9;
   const UpdateProblem problem(states, free, update);
   std::vector<UpdateMatch> matches;
   for (std::size_t m = 0; m < modes.size(); ++m) {

@@ -109,7 +109,6 @@ TEST(SampleRateInput, ClocksByRate) {
   ASSERT_EQ(inputs[0].effects.size(), 2u);
   EXPECT_EQ(inputs[0].effects[0].change, 3e-4);
   EXPECT_EQ(inputs[0].effects[1].change, 2e-4);
-  EXPECT_EQ(sample_rate_std(inputs, 0), 3e-4);
   EXPECT_EQ(sample_rate_inputs({{0, 1000, 1e-4}, {1, 1024, 1e-4}})[1].name,
             "sample rate of 1024 Hz");
 }

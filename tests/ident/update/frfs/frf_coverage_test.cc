@@ -38,11 +38,6 @@ TEST(FrfCoverage, IntervalsHoldUnderNoiseOfTheForce) {
       const auto& one = result.parameters[p];
       held += one.low <= truth[p] && truth[p] <= one.high;
       squares += std::pow((one.value - truth[p]) / one.std, 2) / (2 * kSeeds);
-      bool force = false;
-      for (const auto& term : one.budget) {
-        force = force || term.source == "force of the hits of hammer";
-      }
-      EXPECT_TRUE(force);
     }
     EI_std += result.parameters[0].std / testing::kBeamEI / kSeeds;
     EXPECT_FALSE(result.fit.ruled_out());
@@ -99,28 +94,16 @@ TEST(FrfCoverage, AnExponentialWindowBiasesNothing) {
   EXPECT_LT(std::abs(deviation), 3 / std::sqrt(kSeeds));
 }
 
-// 16 given segments move the third mode by a part of its width: the interval holds the truth, and
-// the verdict is not about the segments. "auto" gives the rig's own stiffness.
-TEST(FrfCoverage, GivenSegmentsAreUncertaintyAndNoMisfit) {
+// 16 segments move the third mode by a part of its width; "auto" gives the rig's own stiffness.
+TEST(FrfCoverage, SegmentsLeftToTheProgramResolveTheLines) {
   const testing::HammerTestNoise quiet{.place_m = 1e-4, .force = 1e-3, .response = 2e-3};
-  const auto frfs = testing::hammered_frfs(lines(), quiet, 50, 128);
-  const auto fit = [&](int segments) {
-    UpdateOptions options;
-    options.starts = 1;
-    return update_model({state_of(segments, frfs)}, {{"beam.EI_z"}, {"beam.damping_ratio"}},
-                        options);
-  };
-  const auto given = fit(16), left = fit(0);
-  const auto &EI = given.parameters[0], &own = left.parameters[0];
-  EXPECT_GT(std::abs(EI.value - testing::kBeamEI), 3 * own.std);  // what this is for
-  EXPECT_LE(EI.low, testing::kBeamEI);
-  EXPECT_GE(EI.high, testing::kBeamEI);
-  // The truth's 128 segments are themselves off by (16 / 128)^2 of that.
-  EXPECT_NEAR(EI.segment_shift, EI.value - testing::kBeamEI,
-              4 * own.std + std::abs(EI.segment_shift) / 64);
-  EXPECT_FALSE(given.fit.ruled_out()) << given.fit.chi2;
-  EXPECT_NEAR(own.value, testing::kBeamEI, 3 * own.std);
-  EXPECT_LT(std::abs(own.segment_shift), 0.5 * own.std);
+  UpdateOptions options;
+  options.starts = 1;
+  const auto result = update_model({state_of(0, testing::hammered_frfs(lines(), quiet, 50, 128))},
+                                   {{"beam.EI_z"}, {"beam.damping_ratio"}}, options);
+  const auto& EI = result.parameters[0];
+  EXPECT_NEAR(EI.value, testing::kBeamEI, 3 * EI.std);
+  EXPECT_LT(EI.std, 1e-3 * testing::kBeamEI);
 }
 
 }  // namespace

@@ -33,36 +33,6 @@ UpdateOptions same_segments() {
   return options;
 }
 
-// From all starts the answer of the fit in which the spring is held at the bound, the tension to a
-// hundredth of what the modes are known to.
-void expect_the_answer_at(double bound, double truth, double low, double high) {
-  const UpdateOptions options = same_segments();
-  const UpdateProblem problem = springs(truth, low, high, options);
-  std::string failure;
-  const auto matches = problem.match(problem.start(), failure).matches;
-  ASSERT_EQ(matches.size(), 6u) << failure;
-  Eigen::VectorXd at_bound(2);
-  at_bound << std::log(testing::kTension), std::log(bound * kHalf);
-  double least = 0;
-  ASSERT_TRUE(minimise(problem, matches, options, at_bound, least, 1));
-  for (const double tension : {0.7, 1.0, 1.4}) {
-    for (const double spring : {std::sqrt(low * high), bound}) {
-      Eigen::VectorXd q(2);
-      q << std::log(tension * testing::kTension), std::log(spring * kHalf);
-      double cost = 0;
-      EXPECT_TRUE(minimise(problem, matches, options, q, cost));
-      EXPECT_NEAR(q[1], at_bound[1], 1e-9) << tension << " " << spring;
-      EXPECT_NEAR(q[0], at_bound[0], 1e-5) << tension << " " << spring;
-      EXPECT_NEAR(cost, least, 1e-6 * least) << tension << " " << spring;
-    }
-  }
-}
-
-TEST(UpdateSolver, SpringsThatComeToTheirBoundDoNotStopTheTension) {
-  expect_the_answer_at(0.4, 0.1, 0.4, 40);
-  expect_the_answer_at(1.5, 9, 0.015, 1.5);
-}
-
 TEST(UpdateSolver, LeavesABoundWhereTheSlopeLeadsInwards) {
   const UpdateOptions options = same_segments();
   const UpdateProblem problem = springs(0.7, 1e-4, 1e4, options);

@@ -68,26 +68,18 @@ FreeParameter each_tension() {
 }
 
 // Frequencies of the closed form without noise: the model's for vanishing segments, to a tenth of
-// their standard uncertainty by its own estimate, which is mostly far above the error. Segments
-// that were given are kept, and what they do is known.
+// their standard uncertainty by its own estimate, which is mostly far above the error.
 TEST(UpdateSegments, ClosedFormFrequenciesGiveTheirOwnParameters) {
   UpdateOptions options;
   options.starts = 1;
-  options.huber_threshold = 1e3;  // the error of 30 segments makes no outlier
   const auto left =
       update_model(four_tensions(0, 1e-4, nullptr), {{"cable.EI"}, each_tension()}, options);
-  const auto given =
-      update_model(four_tensions(30, 1e-4, nullptr), {{"cable.EI"}, each_tension()}, options);
   ASSERT_EQ(left.status, UpdateStatus::converged) << left.message;
   for (std::size_t p = 0; p < 5; ++p) {
-    const auto &parameter = left.parameters[p], &other = given.parameters[p];
+    const auto& parameter = left.parameters[p];
     const double truth = p == 0 ? 0.6 : 100.0 * static_cast<double>(p);
     EXPECT_LT(std::abs(parameter.value - truth), parameter.std / 3) << p;
     EXPECT_NEAR(parameter.value, truth, (p == 0 ? 1e-3 : 1e-5) * truth) << p;
-    const double off = other.value - truth;
-    EXPECT_GT(std::abs(off), 2 * parameter.std) << p;  // what all this is for
-    EXPECT_NEAR(other.segment_shift, off, 0.3 * std::abs(off)) << p;
-    EXPECT_LT(std::abs(off), given.coverage_factor * other.std) << p;
   }
   EXPECT_LT(left.rms_relative_error, 1e-6);
 }
@@ -129,13 +121,11 @@ TEST(UpdateSegments, ASaggingCableInItsPlane) {
   for (std::size_t p = 0; p < 4; ++p) {
     const auto& parameter = result.parameters[p];
     EXPECT_LT(std::abs(parameter.value - truth[p]), parameter.std / 3) << p;
-    EXPECT_LT(std::abs(parameter.segment_shift), parameter.std / 3) << p;
   }
 }
 
 // FRFs are fitted as the segments give them: "auto" gets as many as their uncertainty asks for. The
-// data have noise of the size of their error bars: without, the fit finds that the bars hold
-// something that lines share, and states less.
+// data have noise of the size of their error bars.
 TEST(UpdateSegments, FrfsGetTheSegmentsThatTheyNeed) {
   const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(40, 20, 59);
   const auto truth = model::synthesize_frfs(cable(0, "clamped", 200, 0.6, 480), lines);

@@ -60,7 +60,6 @@ TEST(UpdateUncertainty, ProfileOfAParabolaIsTheLinearInterval) {
   add_noise(state.measured, 5);
   UpdateOptions options;
   options.starts = 1;
-  options.huber_threshold = 1e3;
   options.segment_uncertainty = false;
   const std::vector<FreeParameter> free{{"beam.EI_z"}, {"beam.EI_y"}};
   const auto result = update_model({state}, free, options);
