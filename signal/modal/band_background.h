@@ -26,8 +26,9 @@
 // for a change of the last mode inside (0.5 % of its damping where the distance of both is 17 %).
 // Such modes are fitted to the lines around the end of the band; in the band each then is
 // s^n / (s - p) and s^n / (s - conj p) with free complex factors, p held. An error dp of p enters
-// as dp / |s - p| of what the mode adds. Source: Ewins, Modal Testing, 2nd ed., sec. 4.5
-// (residuals, pseudo-modes).
+// as dp / |s - p| of what the mode adds.
+// A fit that does not converge beside such poles is made without them. Source: Ewins, Modal
+// Testing, 2nd ed., sec. 4.5 (residuals, pseudo-modes).
 #pragma once
 
 #include <Eigen/Core>

@@ -283,14 +283,31 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     return result;
   }
 
+  const MatrixXcd background =
+      smooth_background(band.lines.s, band.lines.power, frfs.force_noise_span_s);
   band.beside = poles_beside(frfs, band, options);
-  set_background(smooth_background(band.lines.s, band.lines.power, frfs.force_noise_span_s), band);
+  set_background(background, band);
   result.stabilisation = stabilise(band, H, first, options.lscf, 0, result.lines_used);
   result.clusters = cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
-  Search search = search_of(band, result.clusters, first, options);
-  if (!search.exhausted && allow_for_cut_off(frfs, search.found.fit.poles, search.misfit_of(H),
-                                             search.found.noise, options.max_work, band)) {
-    search = search_of(band, result.clusters, first, options);
+  const auto search_all = [&] {
+    Search found = search_of(band, result.clusters, first, options);
+    if (!found.exhausted && allow_for_cut_off(frfs, found.found.fit.poles, found.misfit_of(H),
+                                              found.found.noise, options.max_work, band)) {
+      found = search_of(band, result.clusters, first, options);
+    }
+    return found;
+  };
+  Search search = search_all();
+  if (band.beside.size() > 0 && search.found.fit.end != RefineEnd::converged) {
+    // The fit without them is the one to trust then, as before they were looked for.
+    band.beside.resize(0);
+    set_background(background, band);
+    search = search_all();
+    model.notes.push_back({"modes_beside",
+                           "modes just outside of the band are left out, since the fit does not "
+                           "converge with them: the damping ratio of a mode near an end of the "
+                           "band may be off; a wider band holds them",
+                           ""});
   }
   if (!search.local) allow_for_misfit(H, search.found);
   const FoundModes& found = search.found;

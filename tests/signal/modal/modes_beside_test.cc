@@ -112,5 +112,16 @@ TEST(ModesBeside, ColumnsAreOrthonormalAndOnlyWhatIsNew) {
             1e-12 * band.lines.s.array().square().matrix().norm());
 }
 
+TEST(ModesBeside, AFitThatDoesNotConvergeWithThemSaysSo) {
+  ModalOptions options = to_50_hz();
+  options.refine.max_iterations = 1;  // no fit settles
+  options.refine.step_tolerance = 1e-12;
+  const ModalResult result = identify_modes(struck_cable(1e-4), options);
+  const auto& notes = result.model.notes;
+  EXPECT_TRUE(std::any_of(notes.begin(), notes.end(),
+                          [](const Note& note) { return note.code == "modes_beside"; }));
+  EXPECT_GE(result.model.modes.size(), 4u);  // five are there; the diagram's poles are near them
+}
+
 }  // namespace
 }  // namespace rigfit::signal::modes_beside_test
