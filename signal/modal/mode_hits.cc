@@ -36,13 +36,16 @@ struct HitsOnInput {
 
 /// What the hits say of one mode.
 struct ModeOfHits {
-  double fits = 0, shown = 0;         ///< hits, and those that show it within its half bandwidth
-  Eigen::Array2d variance{0, 0};      ///< of the average's frequency and damping ratio
-  double squares = 0;                 ///< for Satterthwaite's degrees of freedom
-  double own_Q = 0, own_degrees = 0;  ///< Cochran's, of the hits' own poles
-  double between_im = 0, between_re = 0;  ///< variances between the hits' own poles
-  LocalMode own;                          ///< their mean, of a single point
+  double fits = 0, shown = 0;     ///< hits, and those that show it within its half bandwidth
+  Eigen::Array2d variance{0, 0};  ///< of the average's frequency and damping ratio
+  double squares = 0;             ///< for Satterthwaite's degrees of freedom
+  LocalMode own;                  ///< the hits' own poles and their mean
 
+  /// Cochran's Q of the hits' own poles and its degrees of freedom.
+  [[nodiscard]] std::pair<double, double> own_scatter() const {
+    const double others = std::max(0.0, static_cast<double>(own.points.size()) - 1);
+    return {own.decay.Q + own.frequency.Q, 2 * others};
+  }
   [[nodiscard]] double degrees() const {
     return squares > 0 ? variance[0] * variance[0] / squares : 0;
   }
@@ -105,27 +108,25 @@ void add_jackknife(const HitsOnInput& hits, Index r, Complex pole, ModeOfHits& m
 std::vector<ModeOfHits> modes_of_hits(const ModalBand& band, const std::vector<HitsOnInput>& all,
                                       const VectorXcd& poles, const ModalOptions& options) {
   std::vector<ModeOfHits> modes(static_cast<std::size_t>(poles.size()));
+  std::vector<MatrixXcd> every;
   for (const HitsOnInput& hits : all) {
     if (hits.H.size() < 2) continue;
-    std::vector<LocalMode> own = check_groups(band, hits.H, poles, options);
-    join_split_modes(band, poles, own);
+    every.insert(every.end(), hits.H.begin(), hits.H.end());
     for (std::size_t r = 0; r < modes.size(); ++r) {
-      ModeOfHits& mode = modes[r];
-      const Complex pole = poles[static_cast<Index>(r)];
-      add_jackknife(hits, static_cast<Index>(r), pole, mode);
-      mode.fits += static_cast<double>(hits.H.size());
-      mode.shown += static_cast<double>(
-          std::count_if(own[r].points.begin(), own[r].points.end(), [&](const PointPole& hit) {
-            return std::abs(hit.pole - pole) < band.window - pole.real();
-          }));
-      if (own[r].points.empty()) continue;
-      const auto degrees = static_cast<double>(own[r].points.size() - 1);
-      mode.own_Q += own[r].decay.Q + own[r].frequency.Q;
-      mode.own_degrees += 2 * degrees;
-      mode.between_im += degrees * std::pow(own[r].frequency.between_std, 2);
-      mode.between_re += degrees * std::pow(own[r].decay.between_std, 2);
-      if (all.size() == 1) mode.own = std::move(own[r]);
+      add_jackknife(hits, static_cast<Index>(r), poles[static_cast<Index>(r)], modes[r]);
     }
+  }
+  std::vector<LocalMode> own = check_groups(band, every, poles, options);
+  join_split_modes(band, poles, own);
+  for (std::size_t r = 0; r < modes.size(); ++r) {
+    ModeOfHits& mode = modes[r];
+    const Complex pole = poles[static_cast<Index>(r)];
+    mode.fits = static_cast<double>(every.size());
+    mode.shown = static_cast<double>(
+        std::count_if(own[r].points.begin(), own[r].points.end(), [&](const PointPole& hit) {
+          return std::abs(hit.pole - pole) < band.window - pole.real();
+        }));
+    mode.own = std::move(own[r]);
   }
   return modes;
 }
@@ -167,7 +168,7 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
   for (std::size_t r = 0; r < hits.size(); ++r) {
     const ModeOfHits& one = hits[r];
     const IdentifiedMode& mode = model.modes[r];
-    scatter.emplace_back(one.own_Q, one.own_degrees);
+    scatter.push_back(one.own_scatter());
     if (one.degrees() > 0 && mode.frequency_hz.std > 0 && mode.damping_ratio.std > 0) {
       scatter.back() = {one.degrees() * (one.variance[0] / std::pow(mode.frequency_hz.std, 2) +
                                          one.variance[1] / std::pow(mode.damping_ratio.std, 2)),
@@ -183,10 +184,13 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
     const ModeOfHits& one = hits[r];
     IdentifiedMode& mode = model.modes[r];
     if (!(scatter[r].second > 0)) continue;
-    const double omega = std::abs(mode.pole_rad_s), between = 2 / std::max(one.own_degrees, 1.0);
-    const bool differs = all_differ || gsl_cdf_chisq_Q(scatter[r].first, scatter[r].second) < kMode;
-    mode.between_hits = {static_cast<int>(one.shown), std::sqrt(one.between_im * between) / kTwoPi,
-                         std::sqrt(one.between_re * between) / omega, differs};
+    const double omega = std::abs(mode.pole_rad_s);
+    const auto [own_Q, own_degrees] = one.own_scatter();
+    const bool own_differ = own_degrees > 0 && gsl_cdf_chisq_Q(own_Q, own_degrees) < kMode;
+    const bool differs =
+        all_differ || own_differ || gsl_cdf_chisq_Q(scatter[r].first, scatter[r].second) < kMode;
+    mode.between_hits = {static_cast<int>(one.shown), one.own.frequency.between_std / kTwoPi,
+                         one.own.decay.between_std / omega, differs};
     if (!differs) continue;
     largest = std::max(largest, mode.between_hits.frequency_std_hz / mode.frequency_hz.value);
     const bool few = one.shown < kShareOfHits * one.fits;
@@ -198,9 +202,7 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
       const double wider = coverage_factor(0.95, one.degrees()) / coverage_factor(0.95, 0);
       f_std = wider * std::sqrt(one.variance[0]), z_std = wider * std::sqrt(one.variance[1]);
     }
-    const bool own_differ =
-        one.own_degrees > 0 && gsl_cdf_chisq_Q(one.own_Q, one.own_degrees) < kMode;
-    if (own_differ && !few && !one.own.points.empty()) {
+    if (own_differ && !few) {
       means = true;
       set_pole(mode, {-one.own.decay.value.value, one.own.frequency.value.value}, band.window);
       f_std = one.own.frequency.value.std / kTwoPi, z_std = one.own.decay.value.std / omega;

@@ -17,7 +17,7 @@
 namespace rigfit::signal {
 
 /// Fills `between_hits` and, where hits differ (chance 5 % for a mode, 1 % for all), widens the
-/// standard deviations of poles and shapes, takes means over the hits of a single point, and doubts
+/// standard deviations of poles and shapes, takes means over the hits, and doubts
 /// modes that fewer than two thirds of the hits show within their half bandwidth. Notes
 /// "hits_disagree" where they differ in all modes together. Without two hits over the whole band
 /// nothing is done. `found`: the fit of the average; `local`: its modes are of local fits.

@@ -131,8 +131,9 @@ TEST_F(LaboratoryReport, FittedModelPredictsTheStringsCut) {
   EXPECT_EQ(compared, 3);
 }
 
-// At 25 N the sensor stands near a node of a mode (truth: 11.6581 Hz): it is found all the same,
-// within three standard deviations; the report says of every other column why it is no mode.
+// At 25 N the sensor stands near a node of a mode (truth: 11.6581 Hz in the plane, 11.6613 Hz out of
+// it, which is too near to be told from it): one of them is found all the same, within three
+// standard deviations; the report says of every other column why it is no mode.
 TEST_F(LaboratoryReport, ExplainsColumnsThatAreNoMode) {
   const auto& state = entry(document_, "recorded_modal", "test", "cable-in-plane")["states"][0];
   for (const auto& column : state["rejected_columns"]) {
@@ -141,7 +142,9 @@ TEST_F(LaboratoryReport, ExplainsColumnsThatAreNoMode) {
   bool found = false;
   for (const auto& mode : state["modes"]) {
     const auto& f = mode["frequency_hz"];
-    found = found || std::abs(f["value"].get<double>() - 11.6581) < 3 * f["std"].get<double>();
+    for (const double truth : {11.6581, 11.6613}) {
+      found = found || std::abs(f["value"].get<double>() - truth) < 3 * f["std"].get<double>();
+    }
   }
   EXPECT_TRUE(found);
 }
