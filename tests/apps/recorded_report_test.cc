@@ -131,8 +131,8 @@ TEST_F(LaboratoryReport, FittedModelPredictsTheStringsCut) {
   EXPECT_EQ(compared, 3);
 }
 
-// At 25 N the sensor stands near a node of a mode (truth: 11.6581 Hz in the plane, 11.6613 Hz out of
-// it, which is too near to be told from it): one of them is found all the same, within three
+// At 25 N the sensor stands near a node of a mode (truth: 11.6581 Hz in the plane, 11.6613 Hz out
+// of it, which is too near to be told from it): one of them is found all the same, within three
 // standard deviations; the report says of every other column why it is no mode.
 TEST_F(LaboratoryReport, ExplainsColumnsThatAreNoMode) {
   const auto& state = entry(document_, "recorded_modal", "test", "cable-in-plane")["states"][0];
