@@ -43,8 +43,7 @@ struct ModeSensitivities {
   ModalAnalysis analysis;
   Eigen::MatrixXd
       frequency;  ///< modes x parameters: d frequency_hz / d p, the change of equilibrium included
-  Eigen::MatrixXd damping_ratio;              ///< modes x parameters
-  std::vector<Eigen::MatrixXd> sensor_shape;  ///< per parameter: sensors x modes
+  Eigen::MatrixXd damping_ratio;  ///< modes x parameters
 };
 
 /// Modes and their derivatives by `parameters` (names as in parameters.h). The derivatives are

@@ -113,8 +113,6 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
   const auto columns = static_cast<Eigen::Index>(wanted.size());
   out.frequency.setZero(count, columns);
   out.damping_ratio.setZero(count, columns);
-  out.sensor_shape.assign(
-      wanted.size(), Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(scene.sensors.size()), count));
   if (modes.equilibrium.status != EquilibriumStatus::converged) return out;
   out.analysis.modes = natural_modes(modes, scene, options);
   resolved.put_frequencies(out.analysis.modes);
@@ -144,33 +142,19 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
       if (dk.values().size() != below.stiffness.values().size()) continue;
       dk.values() = (above.stiffness.values() - below.stiffness.values()) / step.width();
       dm.values() = (above.mass.values() - below.mass.values()) / step.width();
-      const ModeRates rates = finders[m].find(dk, dm, options.damped || !scene.sensors.empty());
+      const ModeRates rates = finders[m].find(dk, dm, options.damped);
 
-      // Damping and sensors: the shapes move too.
-      below.omega2 = motion.omega2 + (step.low - step.value) * rates.omega2;
-      above.omega2 = motion.omega2 + (step.high - step.value) * rates.omega2;
-      below.shapes = motion.shapes + (step.low - step.value) * rates.shapes;
-      above.shapes = motion.shapes + (step.high - step.value) * rates.shapes;
       Eigen::VectorXd damping_rate = Eigen::VectorXd::Zero(motion.omega2.size());
-      if (options.damped) {
+      if (options.damped) {  // the shapes move too
+        below.omega2 = motion.omega2 + (step.low - step.value) * rates.omega2;
+        above.omega2 = motion.omega2 + (step.high - step.value) * rates.omega2;
+        below.shapes = motion.shapes + (step.low - step.value) * rates.shapes;
+        above.shapes = motion.shapes + (step.high - step.value) * rates.shapes;
         const DampedModes d0 = damped_modes(below, rigs[0].state, rigs[0].scene);
         const DampedModes d1 = damped_modes(above, rigs[1].state, rigs[1].scene);
         for (Eigen::Index i = 0; i < damping_rate.size(); ++i) {
           damping_rate[i] =
               (damping_ratio_of(d1.poles[i]) - damping_ratio_of(d0.poles[i])) / step.width();
-        }
-      }
-      for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
-        const Eigen::VectorXd row0 =
-            sensor_row(*below.assembly, rigs[0].state, rigs[0].scene, int(s));
-        const Eigen::VectorXd row1 =
-            sensor_row(*above.assembly, rigs[1].state, rigs[1].scene, int(s));
-        for (Eigen::Index i = 0; i < count; ++i) {
-          const auto& which = modes.order[std::size_t(i)];
-          if (which.motion != int(m)) continue;
-          out.sensor_shape[std::size_t(p)](Eigen::Index(s), i) =
-              (row1.dot(above.shapes.col(which.mode)) - row0.dot(below.shapes.col(which.mode))) /
-              step.width();
         }
       }
       for (Eigen::Index i = 0; i < count; ++i) {

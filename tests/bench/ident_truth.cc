@@ -70,7 +70,7 @@ void starts(const std::string& laboratory) {
       std::string failure;
       const auto answers = ident::find_answers(problem, options, fits, failure);
       // The truth fits within noise and segments, 0.2 %; beyond 4 std lies 1 answer in 16,000.
-      bool right = !answers.empty() && answers.front().errors.frequency < 5e-3;
+      bool right = !answers.empty() && answers.front().error < 5e-3;
       if (right) {
         const auto& best = answers.front();
         const double std = std::sqrt(best.hessian.inverse()(0, 0));
