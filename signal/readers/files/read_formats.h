@@ -65,8 +65,8 @@ namespace rigfit::signal {
 /// A sheet of an Excel workbook (.xlsx, ECMA-376) as a table: by the rules of tables of text
 /// (csv/csv_table.h), on its numbers as they are saved; cells with dates are times, empty ones
 /// missing. `options.sheet`: name or number ("#2"); empty: the first that is visible, and a note
-/// names the others. Refused, with the cell: an error (#DIV/0! ...; #N/A is a missing value), and a
-/// formula saved without its value.
+/// names the others. Refused, with the cell: an error (\#DIV/0! ...; \#N/A is a missing value), and
+/// a formula saved without its value.
 [[nodiscard]] Recording read_xlsx(const std::filesystem::path& path,
                                   const ReadOptions& options = {});
 /// The columns of the sheet, whatever they are over.
