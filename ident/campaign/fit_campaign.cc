@@ -102,6 +102,14 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
   for (const auto& p : result.parameters) {
     if (p.at_bound)
       findings.push_back({"at_bound", "Check its bound, at which the fit ended", p.name, false});
+    if (p.identifiable && std::abs(p.segment_shift) > 0.5 * p.std) {
+      findings.push_back(
+          {"segments",
+           fmt::format("Take more segments, or \"auto\": too few make the value about {:.2g} off, "
+                       "which is most of its uncertainty",
+                       p.segment_shift),
+           p.name, false});
+    }
     if (p.identifiable && !std::isfinite(p.std_from_data)) {
       findings.push_back({"from_prior",
                           "Add data that depend on it, or hold it: it is known from its prior only",

@@ -203,6 +203,30 @@ std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions
 
 }  // namespace
 
+namespace {
+
+/// A fit with the error of the scenes' own segments taken off says what they shift.
+void state_segment_shifts(const UpdateProblem& settled, const UpdateOptions& options,
+                          const UpdateSolution& answer, UpdateResult& result) {
+  const auto& states = settled.states();
+  const bool given = std::any_of(states.begin(), states.end(), [](const UpdateState& state) {
+    return std::any_of(state.scene.members.begin(), state.scene.members.end(),
+                       [](const auto& member) { return member.segments != 0; });
+  });
+  if (!given || !options.segment_uncertainty || !options.intervals || !settled.modes_only()) return;
+  const UpdateProblem resolved = settled.with_resolved_modes(answer.q, true);
+  Eigen::VectorXd q = answer.q;
+  double cost = 0;
+  if (!minimise(resolved, answer.matches.matches, options, q, cost)) return;
+  for (std::size_t j = 0; j < result.parameters.size(); ++j) {
+    auto& parameter = result.parameters[j];
+    parameter.segment_shift =
+        parameter.value - settled.coordinates()[j].value(q[static_cast<Eigen::Index>(j)]);
+  }
+}
+
+}  // namespace
+
 UpdateResult update_result(UpdateProblem problem, const UpdateOptions& options) {
   UpdateResult result;
   const auto& coordinates = problem.coordinates();
@@ -242,6 +266,7 @@ UpdateResult update_result(UpdateProblem problem, const UpdateOptions& options) 
   settle_frfs(options, settled, answer, result);
   state_answer(settled, options, answer, result);
   state_intervals(settled, options, answer.matches.matches, result);
+  state_segment_shifts(settled, options, answer, result);
   if (problem.modes_only() && options.intervals) {
     result.alternatives.push_back(alternative_of(answers.front(), result));
     state_alternatives(problem, options, answers, result);

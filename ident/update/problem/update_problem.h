@@ -106,8 +106,9 @@ class UpdateProblem {
   /// A further relative error of the model, of its own in every frequency and damping ratio.
   [[nodiscard]] UpdateProblem with_model_std(double frequency, double damping = 0) const;
   /// This problem with the error of "auto" segments, found at q, taken off the frequencies that
-  /// count as data (update_segments.h).
-  [[nodiscard]] UpdateProblem with_resolved_modes(const Eigen::VectorXd& q) const;
+  /// count as data (update_segments.h); `given`: of segments that a scene gives as well.
+  [[nodiscard]] UpdateProblem with_resolved_modes(const Eigen::VectorXd& q,
+                                                  bool given = false) const;
   /// This problem with everything that is known to an uncertainty as further coordinates, each with
   /// its normal prior (update_nuisances.cc); q, of the parameters, becomes a place in it.
   [[nodiscard]] UpdateProblem with_nuisances(Eigen::VectorXd& q) const;

@@ -17,15 +17,15 @@ bool UpdateProblem::is_resolved(int state) const {
          !(*variant_.segment_errors)[static_cast<std::size_t>(state)].empty();
 }
 
-UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q) const {
+UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q, bool given) const {
   UpdateProblem other = with(&UpdateVariant::segment_errors, nullptr);
   auto errors = std::make_shared<std::vector<std::vector<SegmentError>>>(states_.size());
   for (std::size_t s = 0; s < states_.size(); ++s) {
     const auto& state = states_[s];
     const int index = static_cast<int>(s);
     const model::Scene scene = scene_at(index, q);
-    const bool open = std::all_of(scene.members.begin(), scene.members.end(),
-                                  [](const auto& member) { return member.segments == 0; });
+    const bool open = given || std::all_of(scene.members.begin(), scene.members.end(),
+                                           [](const auto& member) { return member.segments == 0; });
     if (state.measured.empty() || state.modes_lead_only || !open) continue;
     double accuracy = scene.accuracy;
     for (std::size_t m = 0; m < state.measured.size(); ++m) {
