@@ -16,7 +16,7 @@ struct Stopped : std::exception {
   [[nodiscard]] const char* what() const noexcept override { return "stopped"; }
 };
 
-/// Of those that live the newest is drawn.
+/// The newest of those that live is drawn.
 class Progress {
  public:
   /// From now on every Progress made on this thread stops its work once `*stop` is true; null: none

@@ -14,7 +14,7 @@
 
 namespace rigfit::signal {
 
-/// Of a band: a pole, a residue and a line have six parameters.
+/// A band needs as many: a pole, a residue and a line have six parameters.
 inline constexpr Eigen::Index kFewestLines = 8;
 
 /// Distance of two poles over the sum of their half bandwidths.
@@ -22,7 +22,7 @@ inline constexpr Eigen::Index kFewestLines = 8;
   return std::abs(a - b) / -(a.real() + b.real());
 }
 
-/// Of length 1, turned to be as real as it can be.
+/// `shape` at length 1, turned to be as real as it can be.
 [[nodiscard]] Eigen::VectorXcd phase_real(Eigen::VectorXcd shape);
 
 /// Part of the samples that the search uses: a day of 100 Hz is searched in a quarter of it.

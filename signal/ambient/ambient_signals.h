@@ -29,7 +29,7 @@ class AmbientSignals {
 
   /// Samples first .. first + size - 1 of a channel; 0 outside of the recording.
   void read(Eigen::Index channel, Eigen::Index first, Eigen::Ref<Eigen::VectorXd> samples) const;
-  /// The same of all channels: count x channels.
+  /// All channels: count x channels.
   [[nodiscard]] Eigen::MatrixXd block(Eigen::Index first, Eigen::Index count) const;
   /// 1 where all channels have a sample, else 0.
   [[nodiscard]] Eigen::MatrixXd mask(Eigen::Index first, Eigen::Index count) const;

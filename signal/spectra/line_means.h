@@ -14,9 +14,9 @@ namespace rigfit::signal {
 [[nodiscard]] Eigen::ArrayXd median_over_lines(const Eigen::Ref<const Eigen::ArrayXd>& powers,
                                                Eigen::Index half);
 
-/// Of noise power over few and over many lines: the first where it exceeds the second by more than
-/// chance (99.9 % of chi-square), as in a line of hum or at a resonance that leaks. `degrees` of
-/// freedom of `narrow`.
+/// Compares noise power over few and over many lines: the first where it exceeds the second by more
+/// than chance (99.9 % of chi-square), as in a line of hum or at a resonance that leaks. `degrees`
+/// of freedom of `narrow`.
 [[nodiscard]] Eigen::ArrayXd narrow_where_raised(const Eigen::Ref<const Eigen::ArrayXd>& narrow,
                                                  const Eigen::Ref<const Eigen::ArrayXd>& wide,
                                                  double degrees);
