@@ -161,7 +161,10 @@ std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows_of(int state) const 
       if (done[g] || !solved_together(frfs[g], frfs[f])) continue;
       done[g] = true;
       const FrfLines lines = lines_of(frfs[g]);
-      all.push_back({0, lines.relative_std, g, state, frfs[g].load});
+      std::vector<double> frequency_hz;
+      frequency_hz.reserve(lines.line.size());
+      for (const auto line : lines.line) frequency_hz.push_back(frfs[g].frequency_hz[line]);
+      all.push_back({0, lines.relative_std, g, state, frfs[g].load, std::move(frequency_hz)});
     }
   }
   return all;

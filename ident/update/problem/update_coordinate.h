@@ -12,8 +12,9 @@ namespace rigfit::ident {
 /// value / scale.
 struct UpdateCoordinate {
   int parameter = 0;  ///< index into the free parameters
-  /// What is known to its standard uncertainty, q in units of it: index into the inputs; -1: none.
-  int input = -1;
+  /// What is known to its standard uncertainty, q in units of it: index into the inputs, or into
+  /// the forces that lines of FRFs share (update_nuisances.cc); -1: neither.
+  int input = -1, force = -1;
   int state = -1;  ///< -1: shared
   bool logarithmic = true;
   double scale = 1;

@@ -10,7 +10,15 @@
 // their mean place x along the member; the bound (its 5 % quantile over the lines, as error bars
 // scatter) is taken where nothing else is said of the place. A mean that was aimed beside is not in
 // the hits' scatter and must be stated.
+//
+// The force of the hits: noise n(t) on the hammer's signal moves H by the factor 1 - N / F, alike
+// in all responses, and where a window keeps only the pulse, alike in neighbouring lines:
+//   N / F = sum_j a_j exp(-i omega tau_j),  |tau_j| <= T / 2.
+// A pulse that excites lines up to f lasts 1.5 / f at most (half sine), and windows keep three
+// pulses, faded over half as long: T = 6.75 / f. The a_j are independent; what they add up to in a
+// line is bounded as the place is, by the 5 % quantile of the lines' relative uncertainties.
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "ident/update/problem/update_problem.h"
@@ -36,6 +44,7 @@ UpdateProblem UpdateProblem::with_nuisances(Eigen::VectorXd& q) const {
   for (int i = 0; i < static_cast<int>(other.options_.inputs.size()); ++i) {
     other.add_nuisance({.parameter = -1, .input = i});
   }
+  if (has_frfs()) other.add_forces();
   const Eigen::VectorXd parameters = std::exchange(q, Eigen::VectorXd::Zero(other.size()));
   q.head(parameters.size()) = parameters;
   return other;
@@ -78,6 +87,58 @@ void UpdateProblem::add_places_of_hits(const Eigen::VectorXd& q) {
       const std::string name = "place of the hits of " + load.name;
       options_.inputs.push_back({state.name.empty() ? name : name + " [" + state.name + "]",
                                  {{s, target, least_of(std::move(largest))}}});
+    }
+  }
+}
+
+void UpdateProblem::add_forces() {
+  constexpr int kDelays = 16;       // a band up to f holds 2 T f = 13.5 of them
+  constexpr double kWindow = 6.75;  // T f
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    const auto& state = states_[static_cast<std::size_t>(s)];
+    for (std::size_t l = 0; takes_part(s) && l < state.scene.loads.size(); ++l) {
+      std::vector<double> relative;  // of real or imaginary part
+      double highest = 0;
+      for (const auto& frf : state.frfs) {
+        if (frf.load != l || frf.std.size() == 0) continue;
+        for (Eigen::Index k = 0; k < frf.H.size(); ++k) {
+          const double own = frf.std[k] / std::abs(frf.H[k]);
+          if (std::isfinite(own) && own > 0) relative.push_back(own);
+        }
+        for (const auto line : lines_of(frf).line) {
+          highest = std::max(highest, frf.frequency_hz[line]);
+        }
+      }
+      const double std = least_of(std::move(relative)) * std::sqrt(2.0 / kDelays);
+      for (int j = 0; std > 0 && highest > 0 && j < kDelays; ++j) {
+        add_nuisance({.parameter = -1, .force = static_cast<int>(forces_.size())});
+        const double share = static_cast<double>(j) / (kDelays - 1) - 0.5;
+        forces_.push_back({s, l, std, share * kWindow / highest});
+      }
+    }
+  }
+}
+
+void UpdateProblem::add_force_noise(const Eigen::VectorXd& q,
+                                    const std::vector<UpdateMatch>& matches, Eigen::VectorXd& r,
+                                    Eigen::MatrixXd* jacobian) const {
+  if (forces_.empty()) return;
+  for (const auto& rows : frf_rows(matches)) {
+    for (Eigen::Index j = parameters_; j < size(); ++j) {
+      const int index = coordinates_[static_cast<std::size_t>(j)].force;
+      if (index < 0) continue;
+      const Force& force = forces_[static_cast<std::size_t>(index)];
+      if (force.state != rows.state || force.load != rows.load) continue;
+      for (std::size_t k = 0; k < rows.frequency_hz.size(); ++k) {
+        const auto row = rows.first + 2 * static_cast<Eigen::Index>(k);
+        const std::complex<double> slope = std::polar(
+            force.std / rows.relative_std[k], -2 * M_PI * rows.frequency_hz[k] * force.delay_s);
+        r[row] += q[j] * slope.real();
+        r[row + 1] += q[j] * slope.imag();
+        if (jacobian == nullptr) continue;
+        (*jacobian)(row, j) = slope.real();
+        (*jacobian)(row + 1, j) = slope.imag();
+      }
     }
   }
 }

@@ -152,6 +152,13 @@ std::vector<std::string> UpdateProblem::names() const {
       names.push_back(options_.inputs[static_cast<std::size_t>(q.input)].name);
       continue;
     }
+    if (q.force >= 0) {
+      const auto& force = forces_[static_cast<std::size_t>(q.force)];
+      const auto& state = states_[static_cast<std::size_t>(force.state)];
+      names.push_back("force of the hits of " + state.scene.loads[force.load].name +
+                      (state.name.empty() ? "" : " [" + state.name + "]"));
+      continue;
+    }
     const auto& name = free_[static_cast<std::size_t>(q.parameter)].name;
     names.push_back(
         q.state < 0 ? name : name + " [" + states_[static_cast<std::size_t>(q.state)].name + "]");
@@ -203,6 +210,7 @@ UpdateProblem::Targets UpdateProblem::targets_of(int state) const {
   Targets targets;
   for (Eigen::Index j = 0; j < size(); ++j) {
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+    if (coordinate.force >= 0) continue;
     if (coordinate.input >= 0) {
       for (const auto& effect :
            options_.inputs[static_cast<std::size_t>(coordinate.input)].effects) {

@@ -122,6 +122,7 @@ class UpdateProblem {
     std::size_t frf = 0;  ///< index in the state
     int state = 0;
     std::size_t load = 0;
+    std::vector<double> frequency_hz = {};
   };
   [[nodiscard]] std::vector<FrfRows> frf_rows(const std::vector<UpdateMatch>& matches) const;
   [[nodiscard]] int fewest_segments() const;  ///< in any member
@@ -214,7 +215,10 @@ class UpdateProblem {
   /// Changes of a state's sample rate by one standard uncertainty of each coordinate; empty: none.
   [[nodiscard]] std::vector<std::pair<Eigen::Index, double>> rate_changes(int state) const;
   void add_places_of_hits(const Eigen::VectorXd& q);
+  void add_forces();
   void add_nuisance(UpdateCoordinate coordinate);
+  void add_force_noise(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
+                       Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
   [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
                                  std::string& failure) const;
   [[nodiscard]] FrfLines lines_of(const MeasuredFrf& frf) const;
@@ -229,6 +233,12 @@ class UpdateProblem {
   std::vector<UpdateCoordinate> coordinates_;
   std::vector<std::set<std::string>> present_;  // parameters of each state's scene
   std::vector<bool> joint_dampers_;             // by state: in its scene, or to be found
+  struct Force {  // noise of the hammer at one delay, in all lines of a load
+    int state = 0;
+    std::size_t load = 0;
+    double std = 0, delay_s = 0;
+  };
+  std::vector<Force> forces_;
   Eigen::Index parameters_ = 0, priors_ = 0;
   bool uncertainties_known_ = true, damping_ = false;
   UpdateVariant variant_;

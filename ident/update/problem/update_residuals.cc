@@ -83,6 +83,7 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
     if (!takes_part(s)) continue;
     if (!frf_residuals(s, q, row, r, jacobian)) return false;
   }
+  add_force_noise(q, matches, r, jacobian);
   for (Eigen::Index j = 0; j < size(); ++j) {
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
     if (coordinate.prior_std <= 0) continue;

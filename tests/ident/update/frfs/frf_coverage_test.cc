@@ -38,6 +38,11 @@ TEST(FrfCoverage, IntervalsHoldUnderNoiseOfTheForce) {
       const auto& one = result.parameters[p];
       held += one.low <= truth[p] && truth[p] <= one.high;
       squares += std::pow((one.value - truth[p]) / one.std, 2) / (2 * kSeeds);
+      bool force = false;
+      for (const auto& term : one.budget) {
+        force = force || term.source == "force of the hits of hammer";
+      }
+      EXPECT_TRUE(force);
     }
     EI_std += result.parameters[0].std / testing::kBeamEI / kSeeds;
     EXPECT_FALSE(result.fit.ruled_out());
