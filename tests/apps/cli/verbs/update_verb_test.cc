@@ -195,7 +195,7 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
       {data, frf, folder.at("o.toml")})["parameters"][2];
   std::string sources;
   for (const auto& term : damping["budget"]) sources += term["source"].get<std::string>() + "; ";
-  EXPECT_EQ(sources, "data; hammer.position; hammer.direction_z; ");
+  EXPECT_EQ(sources, "data; hammer.position; hammer.direction_z; force of the hits of hammer; ");
   EXPECT_TRUE(damping["identifiable"].get<bool>());
   EXPECT_NEAR(damping["value"].get<double>(), 0.01, 4 * damping["std"].get<double>());
   EXPECT_LT(damping["std"].get<double>(), 0.005);
