@@ -13,6 +13,7 @@
 #include "ident/update/pairing/mode_assignment.h"
 #include "model/frfs/frf_synthesis.h"
 #include "model/scene/parameters.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
@@ -138,7 +139,7 @@ struct Spread {
 };
 
 /// `evaluate`: the quantities of a scene; empty where it has none, which the other side then
-/// stands for.
+/// stands for; not known (NaN) where neither side has them.
 template <class Evaluate>
 Spread spread_of(const model::Scene& scene, const Selection& selection, const Evaluate& evaluate) {
   const Eigen::ArrayXd here = evaluate(selection.scene(scene, selection.value));
@@ -150,8 +151,14 @@ Spread spread_of(const model::Scene& scene, const Selection& selection, const Ev
     const Eigen::VectorXd step = kCoverage * directions.col(k);
     Eigen::ArrayXd up = evaluate(moved(scene, selection, step)),
                    down = evaluate(moved(scene, selection, -step));
-    if (up.size() != here.size()) up = 2 * here - (down.size() == here.size() ? down : here);
-    if (down.size() != here.size()) down = 2 * here - up;
+    const bool above = up.size() == here.size(), below = down.size() == here.size();
+    if (!above && !below) {
+      spread.std = spread.below = spread.above =
+          Eigen::ArrayXd::Constant(here.size(), signal::kNaN);
+      return spread;
+    }
+    if (!above) up = 2 * here - down;
+    if (!below) down = 2 * here - up;
     spread.std += ((up - down) / (2 * kCoverage)).square();
     spread.below += (here - up.min(down)).max(0).square();
     spread.above += (up.max(down) - here).max(0).square();
@@ -311,7 +318,7 @@ FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fi
     const auto frfs = model::synthesize_frfs(at, frequency_hz);
     std::vector<double> logs;
     for (const auto& H : frfs.H) {
-      for (const auto& h : H.reshaped()) logs.push_back(std::log(std::abs(h)));
+      for (const auto& h : H.reshaped()) logs.push_back(std::log(std::max(std::abs(h), 1e-300)));
     }
     return Eigen::ArrayXd(
         Eigen::Map<const Eigen::ArrayXd>(logs.data(), static_cast<Eigen::Index>(logs.size())));

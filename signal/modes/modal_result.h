@@ -49,7 +49,7 @@ struct RejectedColumn {
   double frequency_hz = 0, damping_ratio = 0;  ///< of this pole
   double presence = 0;                         ///< share of the upper half of the orders, 0..1
   /// "presence", "band", "damping", "prominence", "significance", "twin"; for local fits also
-  /// "points" (too few show it) and "scatter" (they do not agree).
+  /// "points" (too few show it).
   std::string code;
   std::string reason;  ///< for a person, with the figure and the limit
 
