@@ -99,10 +99,22 @@ std::vector<double> logarithms_of_ratio(const std::vector<double>& segments,
 
 }  // namespace
 
-std::vector<CableInput> uncertain_inputs(const CableDescription& cable) {
+CableState state_of(const CableDescription& cable, const CableShape& shape, double tension_N) {
+  const double L = cable.length_m.value, flexible = 1e-10 * tension_N * L * L;
+  const double EI = cable.EI_Nm2 ? std::max(cable.EI_Nm2->value, flexible)
+                                 : tension_N * L * L / (shape.x * shape.x);
+  const bool open = shape.q > 0 && !std::isinf(shape.q);
+  return {.tension_N = tension_N,
+          .EI_Nm2 = EI,
+          .spring_Nm_rad = open ? shape.q * EI * (L * std::sqrt(tension_N / EI) + 4) / L : shape.q,
+          .first_pinned = shape.first_pinned};
+}
+
+std::vector<CableInput> uncertain_inputs(const CableDescription& cable, bool springs) {
   std::vector<CableInput> inputs;
-  const auto add = [&](std::size_t index, double std, double CableState::*factor) {
-    if (std > 0) inputs.push_back({index, std, factor});
+  const auto add = [&](std::size_t index, double std, double CableState::*factor,
+                       bool measured = true) {
+    if (std > 0) inputs.push_back({index, std, factor, measured});
   };
   add(0, cable.length_m.std / cable.length_m.value, &CableState::length);
   add(1, cable.mass_per_length.std / cable.mass_per_length.value, &CableState::mass);
@@ -113,9 +125,12 @@ std::vector<CableInput> uncertain_inputs(const CableDescription& cable) {
   }
   if (!cable.masses.empty()) add(4, cable.masses_std, &CableState::attached);
   add(5, cable.rate_relative_std, &CableState::rate);
-  if (cable.EI_Nm2 && cable.EI_Nm2->value > 0) {
-    add(kCableInputs.size() - 1, cable.EI_Nm2->std / cable.EI_Nm2->value, &CableState::EI);
+  if (!cable.EI_Nm2) {
+    add(6, kRangeOfX.step(), &CableState::EI, false);  // x^2, half the distance of the centres
+  } else if (cable.EI_Nm2->value > 0) {
+    add(6, cable.EI_Nm2->std / cable.EI_Nm2->value, &CableState::EI);
   }
+  if (springs) add(7, 0.5 * kRangeOfQ.step(), &CableState::spring, false);
   return inputs;
 }
 

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -29,25 +30,47 @@ struct CableCorrection {
   std::vector<double> in, out;
 };
 
-/// Tension, EI and springs of a cable, and its length, mass per length, EA and EI over what they
-/// are given as (EI_Nm2 contains that factor).
+/// Tension, EI and springs of a cable, and factors on its length, mass per length, EA, EI and
+/// springs (EI_Nm2 and spring_Nm_rad contain theirs).
 struct CableState {
   double tension_N = 0, EI_Nm2 = 0, spring_Nm_rad = 0;
-  double length = 1, mass = 1, EA = 1, EI = 1;
+  double length = 1, mass = 1, EA = 1, EI = 1, spring = 1;
   double attached = 1;        ///< factor on the attached masses
   double rate = 1;            ///< factor on the sample rate of the recordings
   bool first_pinned = false;  ///< whatever the spring
 };
+
+/// What is not known of a cable is flat in its logarithm over a range: an equal mixture of so many
+/// normal densities, each with half the distance of their centres as its std (flat to 1.4 %).
+struct LogRange {
+  double low, high;
+  int count;
+  [[nodiscard]] double step() const { return std::log(high / low) / count; }
+  [[nodiscard]] double centre(int k) const { return low * std::exp((k + 0.5) * step()); }
+};
+inline constexpr LogRange kRangeOfX{2, 2000, 8};   ///< L sqrt(T / EI) where EI is not given
+inline constexpr LogRange kRangeOfQ{0.03, 30, 5};  ///< springs k = q EI (x + 4) / L
+
+/// EI and springs of a cable but for their factors.
+struct CableShape {
+  double x = 1;  ///< L sqrt(T / EI); not used where EI is given
+  double q = 0;  ///< k L / (EI (x + 4)): 0 pinned, infinity clamped
+  bool first_pinned = false;
+};
+[[nodiscard]] CableState state_of(const CableDescription& cable, const CableShape& shape,
+                                  double tension_N);
 
 /// Something that is known of a cable with an uncertainty.
 struct CableInput {
   std::size_t index = 0;  ///< index in kCableInputs
   double std = 0;         ///< std of the input's logarithm
   double CableState::*factor = nullptr;
+  bool measured = true;  ///< false: one normal density of a LogRange
 };
-inline constexpr std::array<const char*, 7> kCableInputs = {
-    "length", "mass per length", "EA", "EA (assumed)", "attached masses", "sample rate", "EI"};
-[[nodiscard]] std::vector<CableInput> uncertain_inputs(const CableDescription& cable);
+inline constexpr std::array<const char*, 8> kCableInputs = {
+    "length",          "mass per length", "EA", "EA (assumed)",
+    "attached masses", "sample rate",     "EI", "end springs"};
+[[nodiscard]] std::vector<CableInput> uncertain_inputs(const CableDescription& cable, bool springs);
 
 class CableModel {
  public:

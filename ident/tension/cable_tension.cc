@@ -29,19 +29,16 @@ constexpr double kSettled = 3e-5;  // change of ln f
 // summed over, and a sound one reaches it in few modes only.
 constexpr double kRmsRuledOut = 0.02, kWorstRuledOut = 0.05, kChanceRuledOut = 1e-6;
 constexpr double kSoundModel = 5e-3;  // error of the model that the chance counts, at most
-constexpr double kSameCell = 1e-3;  // change of ln T, ln EI, ln k: fits of one cell from two starts
+constexpr double kSameCell = 1e-3;    // change of ln T: fits of one cell from two starts
 
 /// Whether the heaviest cell of an answer is one of another answer: two starts have led to one.
 bool contained(const TensionAnswer& answer, const TensionAnswer& other) {
   if (answer.modes != other.modes) return false;
   const auto& cell = answer.cells[answer.best];
-  const auto near = [](double a, double b) {
-    return a == b || std::abs(std::log(a / b)) < kSameCell;
-  };
   return std::any_of(other.cells.begin(), other.cells.end(), [&](const auto& one) {
     return std::abs(one.ln_tension - cell.ln_tension) < kSameCell &&
-           one.model_std == cell.model_std && near(one.state.EI_Nm2, cell.state.EI_Nm2) &&
-           near(one.state.spring_Nm_rad, cell.state.spring_Nm_rad);
+           one.model_std == cell.model_std && one.shape.x == cell.shape.x &&
+           one.shape.q == cell.shape.q;
   });
 }
 
@@ -69,36 +66,25 @@ void evaluate(EndsPosterior& one, const TensionData& data,
   one.ln_evidence = top + std::log(sum);
 }
 
-/// The correction at a state of the heaviest answer; returns by how much it changes ln f of a
-/// measured mode.
-double correct(EndsPosterior& one, const CableState& state) {
-  if (!one.model.needs_correction(state.tension_N)) return 0;
+/// The correction at the heaviest answer; returns by how much it changes ln f.
+double correct(EndsPosterior& one) {
+  if (!one.model.needs_correction(one.state().tension_N)) return 0;
   int count = 2;
   for (const auto& mode : one.answers.front().modes) count = std::max(count, mode.order + 1);
-  const auto uses = [&](model::ModePlane plane) {
-    const auto& modes = one.answers.front().modes;
-    return std::any_of(modes.begin(), modes.end(), [plane](const auto& mode) {
-      return mode.order >= 0 && mode.plane == plane;
-    });
-  };
   std::string why;
-  auto correction = segment_correction(one.model, one.ends, state, count, why);
+  auto correction = segment_correction(one.model, one.ends, one.state(), count, why);
   if (correction.in.empty() || correction.out.empty()) {
     one.corrected = false;
     return 0;
   }
-  const auto change_of = [](const std::vector<double>& now, const std::vector<double>& before) {
-    double change = 0;
+  double change = 0;
+  for (const auto plane : {&CableCorrection::in, &CableCorrection::out}) {
+    const auto &now = correction.*plane, &before = one.model.correction().*plane;
     for (std::size_t i = 0; i < now.size(); ++i) {
       const double old = before.empty() ? 0 : before[std::min(i, before.size() - 1)];
       change = std::max(change, std::abs(now[i] - old));
     }
-    return change;
-  };
-  const auto& before = one.model.correction();
-  const bool in = uses(model::ModePlane::in), out = uses(model::ModePlane::out);
-  const double change = std::max(in ? change_of(correction.in, before.in) : 0,
-                                 out ? change_of(correction.out, before.out) : 0);
+  }
   one.model = CableModel(one.model.cable(), std::move(correction));
   return change;
 }
@@ -263,12 +249,9 @@ void describe(const CableModel& model, TensionResult& result) {
 std::vector<Assignment> surviving(const EndsPosterior& one) {
   std::vector<Assignment> kept;
   for (const auto& answer : one.answers) {
-    if (answer.ln_evidence < one.answers.front().ln_evidence - 30) break;
-    const auto state = answer.state();
-    const double EI = state.EI_Nm2 / state.EI, L = one.model.cable().length_m.value,
-                 x = L * std::sqrt(state.tension_N / EI);
-    kept.push_back({answer.modes, 0, std::log(state.tension_N), state.EA, x,
-                    state.spring_Nm_rad * L / (EI * (x + 4)), answer.ln_prior});
+    if (answer.ln_evidence < one.answers.front().ln_evidence - 20) break;
+    const auto& cell = answer.cells[answer.best];
+    kept.push_back({answer.modes, 0, cell.ln_tension, cell.state.EA, cell.shape});
   }
   return kept;
 }
@@ -277,15 +260,10 @@ std::vector<Assignment> surviving(const EndsPosterior& one) {
 /// first one changed ln f.
 double settle(EndsPosterior& one, const TensionData& data, double best) {
   double first = 0;
-  for (int i = 0; i < 3 && !one.answers.empty(); ++i) {
-    auto state = one.state();
-    double change = correct(one, state);
+  for (int i = 0; i < 8 && !one.answers.empty(); ++i) {
+    const double change = correct(one);
     first = std::max(first, change);
     if (change < kSettled) break;
-    for (int k = 0; k < 6 && change > kSettled / 3; ++k) {
-      state = refitted(one.model, data, one.answers.front().modes, state);
-      change = correct(one, state);
-    }
     evaluate(one, data, surviving(one), best);
   }
   return first;
@@ -299,8 +277,6 @@ std::vector<EndsPosterior> posteriors(const CableDescription& cable, const Tensi
   for (const CableEnds ends : kinds) {
     all.push_back({ends, CableModel(cable), {}, -kInf, true});
   }
-  std::stable_partition(all.begin(), all.end(),
-                        [](const auto& one) { return one.ends != CableEnds::springs; });
   CableModel searched(cable);
   for (int round = 0; round < 3; ++round) {
     const auto assignments = search_assignments(searched, data);

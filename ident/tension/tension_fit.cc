@@ -15,6 +15,7 @@ constexpr double kFloor = 1e-14;      // least variance of ln f: frequencies wit
 constexpr double kSlopeStep = 1e-5;   // in ln of an unknown
 constexpr double kSlopeReach = 0.02;  // in ln T: how far slopes serve
 constexpr double kLongWay = 2.5;      // in ln T
+constexpr double kHopeless = 40;      // in ln of a weight
 
 bool differ_in_ln(double a, double b, double reach) {
   return a != b && !(a > 0 && b > 0 && std::abs(std::log(a / b)) < reach);
@@ -28,8 +29,8 @@ double ln_prior_of_model_std(std::size_t index, bool stated) {
 }
 
 TensionFit::TensionFit(const CableModel& model, const TensionData& data,
-                       const std::vector<AssignedMode>& modes)
-    : model_(model), data_(data), modes_(modes), inputs_(uncertain_inputs(model.cable())) {
+                       const std::vector<AssignedMode>& modes, bool springs)
+    : model_(model), data_(data), modes_(modes), inputs_(uncertain_inputs(model.cable(), springs)) {
   for (const auto& mode : modes) {
     count_ = std::max(count_, mode.order + 1);
     pairs_ += mode.order >= 0;
@@ -42,12 +43,13 @@ TensionFit::TensionFit(const CableModel& model, const TensionData& data,
 }
 
 CableState TensionFit::at(const Eigen::VectorXd& unknowns) const {
-  CableState state = state_at_(unknowns[0]);
+  CableState state = state_of(model_.cable(), shape_, std::exp(unknowns[0]));
   for (std::size_t j = 0; j < inputs_.size(); ++j) {
     state.*inputs_[j].factor =
         std::exp(inputs_[j].std * unknowns[static_cast<Eigen::Index>(j) + 1]);
   }
   state.EI_Nm2 *= state.EI;
+  state.spring_Nm_rad *= state.spring;
   return state;
 }
 
@@ -125,42 +127,46 @@ bool TensionFit::converge(double model_variance, int steps) {
   return false;
 }
 
-bool TensionFit::fit(const CableState& start, const StateAt& state_at) {
-  state_at_ = state_at;
+bool TensionFit::fit(const CableState& start, const CableShape& shape) {
+  shape_ = shape;
   unknowns_.resize(static_cast<Eigen::Index>(inputs_.size()) + 1);
   unknowns_[0] = std::log(start.tension_N);
+  const auto base = state_of(model_.cable(), shape, start.tension_N);
+  CableState factors = start;  // the same EI and springs over another centre
+  if (base.EI_Nm2 > 0) factors.EI = start.EI_Nm2 / base.EI_Nm2;
+  if (base.spring_Nm_rad > 0) factors.spring = start.spring_Nm_rad / base.spring_Nm_rad;
   for (std::size_t j = 0; j < inputs_.size(); ++j) {
     unknowns_[static_cast<Eigen::Index>(j) + 1] =
-        std::log(start.*inputs_[j].factor) / inputs_[j].std;
+        std::log(factors.*inputs_[j].factor) / inputs_[j].std;
   }
   // With the largest t: a misfit then does not drive the inputs off.
   return converge(kModelStd.back() * kModelStd.back(), 15);
 }
 
-void TensionFit::add_cells(double ln_prior, const TensionCell& at_cell,
-                           std::vector<TensionCell>& cells) {
+void TensionFit::add_cells(double ln_prior, std::vector<TensionCell>& cells) {
+  if (unknowns_.tail(unknowns_.size() - 1).squaredNorm() > 2 * kHopeless) return;
   double heaviest = -kFar;
   for (std::size_t t = kModelStd.size(); t-- > 0;) {
     const double prior = ln_prior_of_model_std(t, data_.stated);
     if (!std::isfinite(prior)) continue;
     const double extra = kModelStd[t] * kModelStd[t];
-    auto one = normal(extra);
-    Eigen::LDLT<Eigen::MatrixXd> factor(one.H);
-    Eigen::VectorXd change = factor.solve(one.gradient);
-    // Beyond what is linear: a fit with these weights.
-    if (std::abs(change[0]) > 1e-3 || change.tail(change.size() - 1).norm() > 0.5) {
-      const Eigen::VectorXd before = unknowns_, residual_before = residual_;
-      if (!converge(extra, 8)) {
-        unknowns_ = before;
-        residual_ = residual_before;
-        break;
-      }
+    Normal one;
+    Eigen::LDLT<Eigen::MatrixXd> factor;
+    Eigen::VectorXd change;
+    const auto solve = [&] {
       one = normal(extra);
       factor.compute(one.H);
       change = factor.solve(one.gradient);
+    };
+    solve();
+    // Beyond what is linear: a fit with these weights.
+    if (!(std::abs(change[0]) < 1e-3 && change.tail(change.size() - 1).norm() < 0.1)) {
+      if (!converge(extra, 8)) break;
+      solve();
     }
     if (!change.allFinite()) break;
-    TensionCell cell = at_cell;
+    TensionCell cell;
+    cell.shape = shape_;
     const Eigen::VectorXd found = unknowns_ + change, left = residual_ - slope_ * change;
     const Eigen::ArrayXd v = variance_.array() + std::max(extra, kFloor);
     // The column of the covariance, and by how much every frequency moves ln T.
@@ -170,14 +176,15 @@ void TensionFit::add_cells(double ln_prior, const TensionCell& at_cell,
     cell.state = at(found);
     cell.variance_frequency = (gain.square() * variance_.array()).sum();
     cell.variance_model = extra * gain.square().sum();
+    double chi2 = 0;
     for (std::size_t j = 0; j < inputs_.size(); ++j) {
       const double part = of_tension[static_cast<Eigen::Index>(j) + 1];
       cell.variance_input[inputs_[j].index] = part * part;
-      if (inputs_[j].factor != &CableState::EI) continue;
       const auto column = Eigen::VectorXd::Unit(found.size(), static_cast<Eigen::Index>(j) + 1);
-      cell.variance_ln_EI = inputs_[j].std * inputs_[j].std * column.dot(factor.solve(column));
+      cell.variance_ln[inputs_[j].index] =
+          inputs_[j].std * inputs_[j].std * column.dot(factor.solve(column));
+      if (inputs_[j].measured) chi2 += std::pow(found[static_cast<Eigen::Index>(j) + 1], 2);
     }
-    double chi2 = found.tail(found.size() - 1).squaredNorm();
     for (Eigen::Index k = 0; k < left.size(); ++k) {
       if (variance_[k] > 0) chi2 += left[k] * left[k] / variance_[k];
     }
@@ -188,7 +195,7 @@ void TensionFit::add_cells(double ln_prior, const TensionCell& at_cell,
         0.5 * std::log(2 * std::numbers::pi) - 0.5 * factor.vectorD().array().abs().log().sum();
     cells.push_back(cell);
     heaviest = std::max(heaviest, cell.ln_weight);
-    if (cell.ln_weight < heaviest - 40) break;  // a misfit: smaller t weigh even less
+    if (cell.ln_weight < heaviest - kHopeless) break;  // a misfit: smaller t weigh even less
   }
 }
 

@@ -13,16 +13,15 @@
 // springs k = q EI (x + 4) / L (q flat in ln q over 0.03..30: practically pinned to practically
 // clamped) and t (0 with probability 0.95, else one of 0.03 to 3
 // %; without stated uncertainties only the latter). Length, mass per length, EA and a given EI
-// have their uncertainties as priors. ln T and these are normal given the others;
-// the others are summed over grids that are refined until they resolve the posterior. Nothing is
-// linearised in EI or k, so that values at a bound of what can be told count for what they are.
+// have their uncertainties as priors. A flat prior is a mixture of normal ones (LogRange), so that
+// for each of them, and each t, all unknowns are normal about one fit; the posterior is the mixture
+// of these. Values at a bound of what can be told count for what they are.
 // Candidates of assignments: every pair of a measured and a modelled mode over the ranges of EI and
 // k is a hypothesis for T; the best monotone assignment of all others by dynamic programming.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
-#include <functional>
 #include <limits>
 #include <vector>
 
@@ -42,22 +41,19 @@ struct Assignment {
   double score = 0;                 ///< score in the search
   double ln_tension = 0;            ///< there
   double EA = 1;                    ///< factor there
-  double x = 1;                     ///< L sqrt(T / EI) there
-  double q = 0;                     ///< springs there: 0 pinned, infinity clamped
-  double ln_prior = 0;              ///< there: TensionData::ln_assigned
+  CableShape shape;                 ///< EI and springs there
 };
 
-/// One value of (EI, k, t): ln T and the uncertain inputs are normal.
+/// One normal density of EI and k, and one t: all unknowns are normal.
 struct TensionCell {
   double ln_weight = 0;  ///< with the prior and the grid's spacing
   double ln_tension = 0;
   /// Contributions to the variance of ln T.
   double variance_frequency = 0, variance_model = 0;
   std::array<double, kCableInputs.size()> variance_input = {};  ///< likewise, by input
-  double variance_ln_EI = 0;                                    ///< within the cell
+  std::array<double, kCableInputs.size()> variance_ln = {};     ///< of the inputs themselves
   CableState state;
-  int spring = 0;          ///< index of the grid's value
-  int rigidity = 0;        ///< index of the grid's value among those of this spring
+  CableShape shape;        ///< the density's centre
   double model_std = 0;    ///< t
   double chi2_stated = 0;  ///< with t = 0 in the weights
 };
@@ -66,7 +62,6 @@ struct TensionCell {
 struct TensionAnswer {
   std::vector<AssignedMode> modes;
   double ln_evidence = -std::numeric_limits<double>::infinity();
-  double ln_prior = 0;             ///< TensionData::ln_assigned at the heaviest cell
   std::vector<TensionCell> cells;  ///< those within exp(-18) of the heaviest
   std::size_t best = 0;            ///< the heaviest
   /// State of the heaviest cell.
@@ -111,32 +106,30 @@ class TensionData {
 inline constexpr std::array<double, 6> kModelStd = {0, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2};
 [[nodiscard]] double ln_prior_of_model_std(std::size_t index, bool stated);
 
-/// The tension that fits an assignment best, with what is known of the cable but not exactly:
-/// length, mass per length, EA and EI, each ln normal about its value.
+/// The tension that fits an assignment best, with what is known of the cable but not exactly
+/// (length, mass per length, EA ..., EI and springs about a centre), each ln normal about its
+/// value.
 ///
 ///   min  sum_i (ln f_i - ln f_i(T, z))^2 / (s_i^2 + t^2) + sum_j z_j^2
 ///
 /// over ln T and z, z_j the departure of input j from its value in standard uncertainties. With J
-/// the derivatives of ln f and H = J' W J + diag(0, 1, ...), the cell of (EI, k, t) is normal about
-/// the minimum with covariance H^-1. A taut cable says nothing about z; one that sags does, and an
-/// EA off by two standard uncertainties must not look like another tension.
+/// the derivatives of ln f and H = J' W J + diag(0, 1, ...), the cell is normal about the minimum
+/// with covariance H^-1. A taut cable says nothing about z; one that sags does, and an EA off by
+/// two standard uncertainties must not look like another tension.
 class TensionFit {
  public:
-  using StateAt = std::function<CableState(double ln_tension)>;
-
   TensionFit(const CableModel& model, const TensionData& data,
-             const std::vector<AssignedMode>& modes);
+             const std::vector<AssignedMode>& modes, bool springs);
 
   [[nodiscard]] int pairs() const { return pairs_; }
 
-  /// From `start` (T and the factors of the inputs); `state_at` gives EI and springs at a tension.
-  /// False where it does not converge.
-  [[nodiscard]] bool fit(const CableState& start, const StateAt& state_at);
+  /// From a start, about a centre of EI and springs. False where it does not converge.
+  [[nodiscard]] bool fit(const CableState& start, const CableShape& shape);
   /// Where the last fit ended, factors included.
   [[nodiscard]] CableState state() const;
 
   /// One cell a value of t about the last fit.
-  void add_cells(double ln_prior, const TensionCell& at, std::vector<TensionCell>& cells);
+  void add_cells(double ln_prior, std::vector<TensionCell>& cells);
 
  private:
   /// Weights of one value of t.
@@ -158,7 +151,7 @@ class TensionFit {
   const std::vector<AssignedMode>& modes_;
   std::vector<CableInput> inputs_;
   int count_ = 0, pairs_ = 0;
-  StateAt state_at_;
+  CableShape shape_;
   Eigen::VectorXd unknowns_, residual_, variance_;
   Eigen::MatrixXd slope_;     // d ln f / d unknowns
   Eigen::VectorXd slope_at_;  // the unknowns there
@@ -170,20 +163,14 @@ class TensionFit {
 [[nodiscard]] std::vector<Assignment> search_assignments(const CableModel& model,
                                                          const TensionData& data);
 
-/// Posterior of one assignment; no cells where it leaves no pair. Coarse where it is far below the
+/// Posterior of one assignment; no cells where it leaves no pair, few where it is far below the
 /// evidence of the best one.
 [[nodiscard]] TensionAnswer tension_answer(const CableModel& model, const TensionData& data,
                                            CableEnds ends, const Assignment& assignment,
                                            double ln_evidence_of_best);
 
-/// The state that fits an assignment best at the x (or EI where it is given) and k of a state.
-[[nodiscard]] CableState refitted(const CableModel& model, const TensionData& data,
-                                  const std::vector<AssignedMode>& modes, const CableState& state);
-
 /// Whether EI is one number without an uncertainty.
 [[nodiscard]] bool EI_is_exact(const CableDescription& cable);
-/// The number in use where it is exact, or given: a string is a beam of x = 1e5.
-[[nodiscard]] double given_EI(const CableDescription& cable, double tension_N);
 
 /// One kind of ends: its model as corrected, its answers, heaviest first.
 struct EndsPosterior {

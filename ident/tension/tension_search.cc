@@ -115,15 +115,9 @@ class Search {
  public:
   Search(const CableModel& model, const TensionData& data) : model_(model), data_(data) {}
 
-  /// Factor of EA and springs in the states that follow.
-  void set(double EA, double q) {
-    EA_ = EA;
-    q_ = q;
-  }
-
-  /// One course of the tension from `high` down to `low` with EI and springs by `state_at`.
-  template <class StateAt>
-  void descend(double ln_high, double ln_low, double step, const StateAt& state_at) {
+  /// One course of the tension from `high` down to `low` with a factor of EA, EI and springs.
+  void descend(double ln_high, double ln_low, double step, double EA, const CableShape& shape) {
+    EA_ = EA, shape_ = shape;
     const double limit = 1.3 * data_.highest_hz;
     for (double ln_upper = ln_high; ln_upper > ln_low;) {
       const double ln_lower = std::max(ln_low, ln_upper - step);
@@ -133,7 +127,7 @@ class Search {
       const auto count = static_cast<int>(std::max(lower.in_hz.size(), lower.out_hz.size()));
       const auto upper = model_.frequencies(state_at(ln_upper), count,
                                             std::numeric_limits<double>::infinity(), &roots_);
-      hypotheses(lower, upper, ln_lower, ln_upper, state_at);
+      hypotheses(lower, upper, ln_lower, ln_upper);
       data_.list(lower, listed_);
       if (bound() < best_score_ - 30) return;  // and below there are only more modes not seen
       ln_upper = ln_lower;
@@ -152,9 +146,14 @@ class Search {
   }
 
  private:
-  template <class StateAt>
+  [[nodiscard]] CableState state_at(double ln_tension) const {
+    auto state = state_of(model_.cable(), shape_, std::exp(ln_tension));
+    state.EA = EA_;
+    return state;
+  }
+
   void hypotheses(const CableFrequencies& lower, const CableFrequencies& upper, double ln_lower,
-                  double ln_upper, const StateAt& state_at) {
+                  double ln_upper) {
     for (const bool in : {true, false}) {
       const auto& from = in ? lower.in_hz : lower.out_hz;
       const auto& to = in ? upper.in_hz : upper.out_hz;
@@ -167,7 +166,7 @@ class Search {
           if (!(share >= 0 && share <= 1)) continue;
           data_.list(between(lower, upper, share), listed_);
           if (bound() < best_score_ - 30) continue;
-          keep(Alignment(data_, listed_), ln_lower + share * (ln_upper - ln_lower), state_at);
+          keep(Alignment(data_, listed_), ln_lower + share * (ln_upper - ln_lower));
         }
       }
     }
@@ -192,8 +191,7 @@ class Search {
     return pairs + best;
   }
 
-  template <class StateAt>
-  void keep(const Alignment& alignment, double ln_tension, const StateAt& state_at) {
+  void keep(const Alignment& alignment, double ln_tension) {
     if (alignment.score() < best_score_ - 30) return;
     best_score_ = std::max(best_score_, alignment.score());
     auto modes = alignment.modes(data_.modes.size(), listed_);
@@ -207,9 +205,7 @@ class Search {
                                                  : 0);
     auto& kept = found_[key];
     if (!kept.modes.empty() && kept.score >= alignment.score()) return;
-    const double ln_prior = data_.ln_assigned(modes, listed_);
-    const double x = model_.cable().length_m.value * std::sqrt(T / state_at(ln_tension).EI_Nm2);
-    kept = {std::move(modes), alignment.score(), ln_tension, EA_, x, q_, ln_prior};
+    kept = {std::move(modes), alignment.score(), ln_tension, EA_, shape_};
   }
 
   const CableModel& model_;
@@ -217,7 +213,8 @@ class Search {
   std::vector<Listed> listed_;
   CableRoots roots_;
   std::map<std::vector<int>, Assignment> found_;
-  double EA_ = 1, q_ = 0;
+  double EA_ = 1;
+  CableShape shape_;
   double best_score_ = -std::numeric_limits<double>::infinity();
 };
 
@@ -320,7 +317,7 @@ namespace {
 /// the orders of modes of a sagging cable change with it.
 std::vector<double> searched_EA(const CableDescription& cable, const CableModel& model,
                                 double slack_N) {
-  for (const auto& input : uncertain_inputs(cable)) {
+  for (const auto& input : uncertain_inputs(cable, false)) {
     if (input.factor != &CableState::EA || input.std < 0.1) continue;
     if (!(slack_N > 0) || model.lambda_squared(slack_N) < 0.1) continue;
     return {std::exp(-1.5 * input.std), 1, std::exp(1.5 * input.std)};
@@ -342,38 +339,25 @@ std::vector<Assignment> search_assignments(const CableModel& model, const Tensio
   Search search(model, data);
   for (const double EA : searched_EA(cable, model, slack)) {
     for (const double q : kSprings) {
-      search.set(EA, q);
-      const auto spring = [&](double EI, double x) { return q > 0 ? q * EI * (x + 4) / L : 0; };
       if (cable.EI_Nm2) {
         const double high = 1.2 * string(top_hz);
         const double low = std::max(slack, 1e-6 * high);
-        if (!(low < high)) continue;
-        search.descend(std::log(high), std::log(low), 0.15, [&](double ln_T) {
-          const double T = std::exp(ln_T), EI = given_EI(cable, T);
-          return CableState{.tension_N = T,
-                            .EI_Nm2 = EI,
-                            .spring_Nm_rad = spring(EI, L * std::sqrt(T / EI)),
-                            .EA = EA};
-        });
+        if (low < high) search.descend(std::log(high), std::log(low), 0.15, EA, {1, q});
         continue;
       }
       for (const double x :
            {2.0,  2.5,  3.0,  3.7,  4.5,  5.5,  6.7,  8.2,   10.0,  12.5,  15.0,
             18.0, 22.0, 27.0, 35.0, 45.0, 60.0, 80.0, 120.0, 200.0, 400.0, 1500.0}) {
-        const auto state = [&](double ln_T) {
-          const double T = std::exp(ln_T), EI = T * L * L / (x * x);
-          return CableState{.tension_N = T, .EI_Nm2 = EI, .spring_Nm_rad = spring(EI, x), .EA = EA};
-        };
         // At a given x frequencies go with sqrt(T), but for the sag.
         const double guess = string(top_hz);
-        const auto at = model.frequencies(state(std::log(guess)), highest_order(data),
+        const auto at = model.frequencies(state_of(cable, {x, q}, guess), highest_order(data),
                                           std::numeric_limits<double>::infinity());
         const double high = 1.1 * guess * std::pow(top_hz / at.out_hz.front(), 2);
         const double low =
             std::max(slack, 0.9 * guess * std::pow(data.lowest_hz / at.out_hz.back(), 2));
         if (!(low < high)) continue;
         const bool sags = model.lambda_squared(low) > 1e-3;
-        search.descend(std::log(high), std::log(low), sags ? 0.15 : 2.0, state);
+        search.descend(std::log(high), std::log(low), sags ? 0.15 : 2.0, EA, {x, q});
       }
     }
   }
