@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "ident/statistics/uncertainty.h"
+#include "signal/estimation/groups.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -36,7 +37,6 @@ StiffnessCurve::StiffnessCurve(std::vector<StiffnessPoint> points,
   if (points_.empty()) return;
   std::stable_sort(points_.begin(), points_.end(),
                    [](const auto& a, const auto& b) { return a.tension_N < b.tension_N; });
-  shared_relative_std_ = options.common_relative_std;
   for (auto& point : points_) {
     if (!std::isfinite(point.std) && !std::isfinite(point.low) &&
         options.assumed_relative_std > 0) {
@@ -103,32 +103,22 @@ void StiffnessCurve::make_knots(double scale) {
   for (std::size_t i = 0; i < points_.size();) {
     std::size_t k = i;
     bool known = true;
+    std::vector<double> EI, variances;
     for (; k < points_.size() && points_[k].tension_N <= 1.05 * points_[i].tension_N; ++k) {
-      known = known && own_std(points_[k]) > 0;
+      const double own = own_std(points_[k]);
+      known = known && own > 0;
+      EI.push_back(points_[k].EI_Nm2), variances.push_back(own * own);
     }
-    Knot knot;
-    double weight = 0, chi = 0, plain = 0;
-    for (std::size_t j = i; j < k; ++j) {
-      const double w = known ? 1 / std::pow(own_std(points_[j]), 2) : 1;
-      weight += w;
-      knot.tension_N += w * points_[j].tension_N;
-      knot.EI_Nm2 += w * points_[j].EI_Nm2;
-      knot.by_tension += w * by_tension[j];
-    }
-    knot.tension_N /= weight, knot.EI_Nm2 /= weight, knot.by_tension /= weight;
-    for (std::size_t j = i; j < k; ++j) {
-      const double difference = std::pow(points_[j].EI_Nm2 - knot.EI_Nm2, 2);
-      chi += weight * difference / static_cast<double>(k - i);
-      plain += difference;
-    }
-    const auto count = static_cast<double>(k - i);
     // Repeats that scatter more than they promise are known to their scatter.
-    if (known) {
-      const double excess = count > 1 ? std::max(1.0, chi / (count - 1)) : 1;
-      knot.own_std = std::sqrt(excess / weight) * scale;
-    } else {
-      knot.own_std = count > 1 ? std::sqrt(plain / (count * (count - 1))) : own_std(points_[i]);
+    if (!known) variances.assign(EI.size(), 1e-12 * EI[0] * EI[0]);
+    const auto mean = signal::mean_over_groups(EI, variances);
+    Knot knot;
+    knot.EI_Nm2 = mean.mean;
+    for (std::size_t j = i; j < k; ++j) {
+      knot.tension_N += mean.weights[j - i] * points_[j].tension_N;
+      knot.by_tension += mean.weights[j - i] * by_tension[j];
     }
+    knot.own_std = known || EI.size() > 1 ? std::sqrt(mean.variance) * scale : own_std(points_[i]);
     knots_.push_back(knot);
     i = k;
   }

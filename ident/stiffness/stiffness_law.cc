@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -234,7 +235,6 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   law.kind = kind;
   law.parameters = parameters_of(kind, options);
   law.reference_tension_N = kind == LawKind::power ? data.reference_tension : 1;
-  law.common_relative_std = options.common_relative_std;
   for (const auto& point : data.points) {
     law.common_relative_std = std::max(law.common_relative_std, point.shared_relative_std);
   }
@@ -365,18 +365,9 @@ double evaluate(const FittedLaw& law, double tension_N, Eigen::VectorXd& by) {
   return EI;
 }
 
-std::string list_of(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
-  }
-  return text;
-}
-
-// Orders the laws, best first, and sets their Akaike weights, `decided` and `sentence`. `left_out`:
-// names of laws with more parameters than points.
-void rank_laws(StiffnessLaws& result, std::size_t points,
-               const std::vector<std::string>& left_out) {
+// Orders the laws, best first, those that AICc cannot rank behind, and sets their Akaike weights,
+// `decided` and `sentence`.
+void rank_laws(StiffnessLaws& result, std::size_t points) {
   auto& laws = result.laws;
   std::stable_sort(laws.begin(), laws.end(), [](const FittedLaw& a, const FittedLaw& b) {
     const bool first = std::isfinite(a.aicc), second = std::isfinite(b.aicc);
@@ -384,24 +375,24 @@ void rank_laws(StiffnessLaws& result, std::size_t points,
     return first ? a.aicc < b.aicc : a.rms_relative_error < b.rms_relative_error;
   });
   double total = 0;
-  for (const auto& law : laws) {
-    if (std::isfinite(law.aicc)) total += std::exp(-0.5 * (law.aicc - laws[0].aicc));
-  }
-  std::vector<std::string> ranked, close, unranked;
+  std::size_t ranked = 0;
+  std::vector<std::string> close;
   for (auto& law : laws) {
-    if (std::isfinite(law.aicc)) {
-      law.akaike_weight = std::exp(-0.5 * (law.aicc - laws[0].aicc)) / total;
-      ranked.push_back(name_of(law.kind));
-      if (law.aicc - laws[0].aicc < 2) close.push_back(name_of(law.kind));
-    } else {
-      unranked.push_back(name_of(law.kind));
-    }
+    if (!std::isfinite(law.aicc)) continue;
+    ++ranked;
+    total += law.akaike_weight = std::exp(-0.5 * (law.aicc - laws[0].aicc));
+    if (law.aicc - laws[0].aicc < 2) close.push_back(name_of(law.kind));
   }
-  if (laws.empty()) {
-    result.sentence = fmt::format("{} points are too few for any law.", points);
-    return;
-  }
-  if (ranked.size() < 2) {
+  for (auto& law : laws) law.akaike_weight /= total;
+  if (ranked > 1 && close.size() > 1) {
+    result.sentence =
+        fmt::format("The points cannot choose between {}: their AICc lie within 2 of each other.",
+                    fmt::join(close, ", "));
+  } else if (ranked > 1) {
+    result.decided = true;
+    result.sentence = fmt::format("The points favour the {} law (AICc lower by {:.1f} than {}).",
+                                  close[0], laws[1].aicc - laws[0].aicc, name_of(laws[1].kind));
+  } else {
     // One that could be ranked among several that could not says nothing about the choice.
     std::stable_sort(laws.begin(), laws.end(), [](const FittedLaw& x, const FittedLaw& y) {
       return x.rms_relative_error < y.rms_relative_error;
@@ -413,21 +404,6 @@ void rank_laws(StiffnessLaws& result, std::size_t points,
         "{} points{} are too few to choose between the laws (AICc needs more); they are listed by "
         "their misfit, which always favours the law with the most parameters.",
         points, result.weighted ? "" : " without stated uncertainty");
-  } else if (close.size() > 1) {
-    result.sentence =
-        fmt::format("The points cannot choose between {}: their AICc lie within 2 of each other.",
-                    list_of(close));
-  } else {
-    result.decided = true;
-    result.sentence = fmt::format("The points favour the {} law (AICc lower by {:.1f} than {}).",
-                                  ranked[0], laws[1].aicc - laws[0].aicc, ranked[1]);
-  }
-  if (ranked.size() > 1 && !unranked.empty()) {
-    result.sentence += fmt::format(" Too few points to rank {}.", list_of(unranked));
-  }
-  if (!left_out.empty()) {
-    result.sentence +=
-        fmt::format(" Left out, with more parameters than points: {}.", list_of(left_out));
   }
 }
 
@@ -457,17 +433,12 @@ StiffnessLaws fit_stiffness_laws(const std::vector<StiffnessPoint>& points,
   const Data data = prepare(points, options);
   StiffnessLaws result;
   result.weighted = data.weighted;
-  std::vector<std::string> left_out;
   for (LawKind kind : options.laws) {
     std::size_t free = 0;
     for (const auto& parameter : parameters_of(kind, options)) free += !parameter.fixed;
-    if (free > points.size()) {
-      left_out.push_back(name_of(kind));
-    } else {
-      result.laws.push_back(fit(kind, data, options));
-    }
+    if (free <= points.size()) result.laws.push_back(fit(kind, data, options));
   }
-  rank_laws(result, points.size(), left_out);
+  rank_laws(result, points.size());
   return result;
 }
 

@@ -76,8 +76,6 @@ struct StiffnessLawOptions {
                             LawKind::saturating};
   std::optional<StiffnessBounds> bounds =
       std::nullopt;  ///< bounds of the strand; they fix the saturating law's ends
-  /// Common value for the points' shared_relative_std; the larger one counts.
-  double common_relative_std = 0;
   /// Used for points without an interval instead of their scatter; 0: the scatter is used.
   double assumed_relative_std = 0;
 };
@@ -129,7 +127,7 @@ struct StiffnessLaws {
 [[nodiscard]] Eigen::VectorXd law_gradient(const FittedLaw& law, double tension_N);
 
 /// Throws std::invalid_argument for fewer than two points, or values that are not positive and
-/// finite. `sentence` names laws left out because they have more parameters than points.
+/// finite. Laws with more parameters than points are left out.
 [[nodiscard]] StiffnessLaws fit_stiffness_laws(const std::vector<StiffnessPoint>& points,
                                                const StiffnessLawOptions& options = {});
 
