@@ -10,7 +10,7 @@
 namespace rigfit::model {
 namespace {
 
-constexpr int kFewest = 4, kMost = 2000;
+constexpr int kFewest = 4, kFirst = 12, kMost = 2000, kRounds = 16;
 constexpr int kAsymptotic = 6;  // from here on errors fall by their leading order
 
 double total(const std::vector<int>& segments) {
@@ -157,34 +157,24 @@ SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
     }
     return segments;
   };
-  // Smallest n whose estimate meets the accuracy: bracketed, guessed by the order seen so far.
-  int low = kFewest - 1, high = kMost + 1, n = 16, last_n = 0;
-  double order = 3, last_error = 0;
   SegmentChoice best;
-  for (int round = 0; round < 16; ++round) {
+  int n = kFirst;
+  for (int round = 0; round < kRounds; ++round) {
     SegmentChoice trial;
     trial.segments = share_out(n);
     trial.modes = find_modes(scene, options, trial.segments);
-    if (trial.modes.order.size() < choice.modes.order.size()) {
-      low = std::max(low, n);
-      trial.error.relative = 1;
-    } else {
-      trial.error = resolution_error(scene, options, trial.modes, trial.segments);
-      if (!trial.error.known) trial.error.relative = 1;
-      (trial.error.relative <= accuracy ? high : low) = n;
+    trial.error.relative = 1;
+    if (trial.modes.order.size() >= choice.modes.order.size()) {
+      auto error = resolution_error(scene, options, trial.modes, trial.segments);
+      if (error.known) trial.error = std::move(error);
     }
-    const double error = trial.error.relative;
-    if (error <= accuracy || best.segments.empty() ||
-        (best.error.relative > accuracy && error < best.error.relative)) {
+    const double ratio = trial.error.relative / accuracy;
+    if (best.segments.empty() || trial.error.relative < best.error.relative) {
       best = std::move(trial);
     }
-    if (high - low <= std::max(1, high / 20) || low == kMost) break;
-    if (last_n > 0 && n != last_n && error > 0 && last_error > 0) {
-      order = std::clamp(std::log(last_error / error) / std::log(double(n) / last_n), 1.5, 6.0);
-    }
-    last_n = n, last_error = error;
-    const double guess = n * std::clamp(std::pow(error / accuracy, 1 / order), 0.2, 5.0);
-    n = std::clamp(static_cast<int>(std::ceil(guess)), low + 1, std::min(high - 1, kMost));
+    if (ratio <= 1 || n == kMost) break;
+    // Between second and fourth order.
+    n = std::min(kMost, static_cast<int>(std::ceil(n * std::clamp(std::cbrt(ratio), 1.2, 4.0))));
   }
   return best;
 }
