@@ -66,14 +66,7 @@ class Analysis {
     if (Q_.dot((d_.array() - d_.mean()).matrix()) < 0) d_ = -d_;
     if (-Q_.minCoeff() > Q_.maxCoeff()) Q_ = -Q_, d_ = -d_;
 
-    // Zero of the deflection: the least there is, within its noise.
-    const double lowest = d_.minCoeff();
-    std::vector<double> unloaded;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      if (d_[i] <= lowest + 6 * deflection_noise_) unloaded.push_back(d_[i]);
-    }
-    zero_ = signal::median(unloaded);
-
+    zero_ = d_.minCoeff();
     find_clamp_slip();
     if (fit_strokes()) {
       solve_for_EI();
@@ -187,13 +180,10 @@ class Analysis {
   /// False where there is no line.
   bool fit_strokes() {
     const double least = std::max(0.2 * range_d_, 6 * deflection_noise_);
-    for (const StrokeRange& run : find_strokes(d_, least)) {
-      const bool whole = std::abs(d_[run.last] - d_[run.first]) >= 0.5 * range_d_;
-      if (whole) runs_.push_back(run);
-    }
+    runs_ = find_strokes(d_, least);
     Eigen::Index longest = 0;
     for (const auto& run : runs_) longest = std::max(longest, run.last - run.first + 1);
-    averaged_ = longest >= kShortStroke || (longest < 4 && d_.size() >= 2 * kShortStroke);
+    averaged_ = longest >= kShortStroke;
     if (averaged_) {
       std::erase_if(runs_, [](const auto& run) { return run.last - run.first + 1 < 4; });
     } else {
@@ -212,7 +202,6 @@ class Analysis {
     for (int pass = 0; pass < 8; ++pass) {
       const Eigen::VectorXd x = tension_corrected(EI);
       std::vector<TableStroke> strokes;
-      off_ = 0;
       toe_ = stop_ = far_end_ = 0, straight_ = 1;
       for (std::size_t k = 0; k < runs_.size(); ++k) {
         auto run = runs_[k];
@@ -227,7 +216,6 @@ class Analysis {
                             std::max(kStraight * range_Q_, 4 * noise / std::sqrt(samples)), part)) {
           continue;
         }
-        off_ += stroke.left_out;
         toe_ = std::max(toe_, stroke.loading ? part.at_turn : part.at_end);
         if (stroke.loading) stop_ = std::max(stop_, part.at_end);
         far_end_ = std::max(far_end_, part.at_end);
@@ -317,12 +305,6 @@ class Analysis {
       refuse("curved", std::string(kNoStiffness) +
                            "more than one row in four lie off the line of the others");
     }
-    if (off_ > 0) {
-      note("spike",
-           fmt::format("Check for spikes: {} samples lie far off those beside them and are "
-                       "left out",
-                       off_));
-    }
     if (t.left_out > 0) {
       note("spike",
            fmt::format(
@@ -404,7 +386,6 @@ class Analysis {
   std::vector<StrokeRange> runs_;
   TableLine line_;
   bool averaged_ = false;  // rows are averages of long strokes
-  int off_ = 0;            // samples left out of them
   double load_noise_ = 0, deflection_noise_ = 0;
   double range_d_ = 0, range_Q_ = 0, mean_tension_ = 0, zero_ = 0;
   double toe_ = 0, stop_ = 0, far_end_ = 0,

@@ -122,8 +122,7 @@ class Table {
   }
 
   struct Curve {
-    double chance = 1;  // that the line is right
-    Bend bend = Bend::none;
+    double chance = 1;                     // that the line is right
     signal::Estimate change{0, INFINITY};  // relative change of slope, half its 95 % interval
   };
 
@@ -143,7 +142,7 @@ class Table {
       const double chance =
           std::min(1.0, (both_ways_ ? 3 : 2) * gsl_cdf_fdist_Q(F, 1, parabola.freedom));
       if (std::isfinite(best.change.std) && !(chance < best.chance)) continue;
-      best.chance = chance, best.bend = bend;
+      best.chance = chance;
       best.change = {over_load ? -parabola.bend : parabola.bend,
                      gsl_cdf_tdist_Qinv(0.025, parabola.freedom) *
                          std::sqrt(variance(parabola.squares, parabola.freedom) *
@@ -208,8 +207,6 @@ class Table {
   void leave_turns_out() {
     const Fit all = fit(line_.used);
     if (!all.usable || all.freedom < 3) return;
-    const Curve bent = curve(line_.used);
-    if (!averaged_ && bent.chance < 0.01 && bent.bend != Bend::after_turn) return;
     double up = 0, down = 0, ups = 0, downs = 0, rows_up = 0, rows_down = 0;
     for (std::size_t s = 0; s < strokes_.size(); ++s) {
       if (!std::isfinite(all.offsets[s])) continue;
@@ -233,10 +230,7 @@ class Table {
       }
     }
     const Fit rest = fit(mask);
-    if (!rest.usable || rest.freedom < 2 || !(rest.slope > 0)) {
-      line_.friction_N_m = 0.5 * apart / range_;
-      return;
-    }
+    if (!rest.usable || rest.freedom < 2 || !(rest.slope > 0)) return;
     line_.used = mask;
     line_.friction_N_m = rest.slope - all.slope;
   }

@@ -198,10 +198,8 @@ TEST(BendingTest, IntervalsCoverTheTruthOfTheVirtualLaboratory) {
   EXPECT_LT(std::abs(bias), 1.0 / 3 + 3 / std::sqrt(120.0));
 }
 
-// Friction that turns round over a part of the stroke, in which a straight line is too stiff.
-// By an exponential law and one with a longer tail; over more of the stroke it is refused.
-// Strokes of 60 samples make averages of one sample or two; of two, neither is known to be right.
-TEST(BendingTest, ASpikeInAnAverageOfTwoLeavesBothOut) {
+// Strokes of 60 samples make averages of one sample or two, in which a spike would have its weight.
+TEST(BendingTest, SpikesOfShortStrokesAreLeftOut) {
   simulated::Bending test;
   test.rows = 240, test.load_noise = test.deflection_noise = 0.001;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
@@ -213,6 +211,8 @@ TEST(BendingTest, ASpikeInAnAverageOfTwoLeavesBothOut) {
   }
 }
 
+// Friction that turns round over a part of the stroke, in which a straight line is too stiff.
+// By an exponential law and one with a longer tail; over more of the stroke it is refused.
 TEST(BendingTest, FrictionIsInTheIntervalOrRefused) {
   int covered = 0, given = 0, held_or_refused = 0;
   const auto analyse = [](double travel, double exponent, std::uint64_t seed) {
