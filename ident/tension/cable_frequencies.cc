@@ -1,5 +1,7 @@
 #include "ident/tension/cable_frequencies.h"
 
+#include <ceres/jet.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,20 +15,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 /// A number and its derivative with respect to the wave number.
-struct Slope {
-  double value = 0, slope = 0;
-  friend Slope operator+(Slope a, Slope b) { return {a.value + b.value, a.slope + b.slope}; }
-  friend Slope operator-(Slope a, Slope b) { return {a.value - b.value, a.slope - b.slope}; }
-  friend Slope operator*(Slope a, Slope b) {
-    return {a.value * b.value, a.slope * b.value + a.value * b.slope};
-  }
-  friend Slope operator/(Slope a, Slope b) {
-    const double q = a.value / b.value;
-    return {q, (a.slope - q * b.slope) / b.value};
-  }
-  friend Slope operator*(double a, Slope b) { return {a * b.value, a * b.slope}; }
-  friend Slope operator+(Slope a, double b) { return {a.value + b, a.slope}; }
-};
+using Slope = ceres::Jet<double, 1>;
 
 /// The beam in half its length: wave numbers times L / 2.
 class HalfBeam {
@@ -54,14 +43,14 @@ class HalfBeam {
       double b = near;
       for (int i = 0; i < kNewtonSteps; ++i) {
         const auto right = right_side(b, symmetric);
-        const double step = (b - base - std::atan(right.value)) /
-                            (1 - right.slope / (1 + right.value * right.value));
+        const double step =
+            (b - base - std::atan(right.a)) / (1 - right.v[0] / (1 + right.a * right.a));
         b -= step;
         if (!(b >= base && b <= base + kPi / 2)) break;
         if (std::abs(step) < last_step * b) return b;
       }
     }
-    const auto next = [&](double b) { return base + std::atan(right_side(b, symmetric).value); };
+    const auto next = [&](double b) { return base + std::atan(right_side(b, symmetric).a); };
     double b = next(base);
     for (int i = 0; i < 50; ++i) {
       const double first = next(b), second = next(first);
@@ -78,26 +67,18 @@ class HalfBeam {
     double b = near > low && near < high ? near : low;
     for (int i = 0; i < kNewtonSteps; ++i) {
       const auto here = misfit(b);
-      const double step = here.value / here.slope;
+      const double step = here.a / here.v[0];
       b -= step;
       if (!(b > low * (1 - kRounding) && b < high)) break;
       if (std::abs(step) < last_step * b) return std::max(b, low);
     }
-    const double root =
-        root_between(low, high, 1e-13, [this](double x) { return misfit(x).value; });
+    const double root = root_between(low, high, 1e-13, [this](double x) { return misfit(x).a; });
     return std::isfinite(root) ? root : low;
   }
 
   [[nodiscard]] bool sags() const { return sag_ > 0; }
 
  private:
-  /// tanh a, a >= pi / 2: no cancellation.
-  static Slope hyperbolic_tangent(Slope a) {
-    if (a.value > 20) return {1, 0};
-    const double e = std::exp(2 * a.value) + 1;
-    return {1 - 2 / e, 4 * (e - 1) / (e * e) * a.slope};
-  }
-
   /// Sets the static curve's terms: p = 1 - cosh(kappa x) / cosh(kappa), half the span 1.
   void shape() {
     kappa_ = std::sqrt(ratio_);
@@ -107,42 +88,33 @@ class HalfBeam {
   }
 
   [[nodiscard]] Slope right_side(double at, bool symmetric) const {
-    const Slope b{at, 1}, a = root(b);
-    const Slope t = hyperbolic_tangent(a), H = symmetric ? a * t : a / t;
+    const Slope b(at, 0), a = sqrt(b * b + ratio_), t = tanh(a);
+    const Slope H = symmetric ? a * t : a / t;
     if (std::isinf(spring_)) return b / H;
     return spring_ * b / (a * a + b * b + spring_ * H);
   }
 
-  [[nodiscard]] Slope root(Slope b) const {
-    const double a = std::sqrt(b.value * b.value + ratio_);
-    return {a, b.value / a};
-  }
-
   /// The determinant of the header.
   [[nodiscard]] Slope misfit(double at) const {
-    const Slope b{at, 1}, a = root(b), t = hyperbolic_tangent(a);
-    const Slope c{std::cos(at), -std::sin(at)}, s{std::sin(at), std::cos(at)};
+    const Slope b(at, 0), a = sqrt(b * b + ratio_), t = tanh(a), c = cos(b), s = sin(b);
     Slope S, R;
     if (std::isinf(spring_)) {
       S = c + b * s / (a * t);
-      R = Slope{kappa_ * tanh_kappa_, 0} / (a * t);
+      R = kappa_ * tanh_kappa_ / (a * t);
     } else {
       const Slope M = a * a + spring_ * a * t;
       S = c + b * (b * c + spring_ * s) / M;
-      R = Slope{kappa_ * (kappa_ + spring_ * tanh_kappa_), 0} / M;
+      R = kappa_ * (kappa_ + spring_ * tanh_kappa_) / M;
     }
     const Slope of_cos = s / b - (kappa_ * tanh_kappa_ * c + b * s) / (b * b + ratio_);
     // (a tanh a - kappa tanh kappa) / (a^2 - kappa^2), tanh a - tanh kappa without cancellation.
     const Slope apart = b * b / (a + kappa_);  // a - kappa
     Slope both = t;
-    if (const double differ = 1 - t.value * tanh_kappa_; differ > 1e-15) {
-      const double tanh_apart = std::tanh(apart.value);
-      const Slope difference = Slope{tanh_apart, (1 - tanh_apart * tanh_apart) * apart.slope} *
-                               Slope{differ, -tanh_kappa_ * t.slope};
-      both = both + kappa_ * (difference / apart);
+    if (const Slope differ = 1.0 - t * tanh_kappa_; differ.a > 1e-15) {
+      both = both + kappa_ * (tanh(apart) * differ / apart);
     }
     const Slope of_cosh = t / a - both / (a + kappa_);
-    const Slope inertia = b * b * ((1 / ratio_) * b * b + 1);
+    const Slope inertia = b * b * ((1 / ratio_) * b * b + 1.0);
     return S * (inertia + -sag_ * squared_) + sag_ * (R * (of_cos - c * of_cosh));
   }
 
