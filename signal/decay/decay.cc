@@ -13,7 +13,6 @@
 #include "signal/decay/decay_background.h"
 #include "signal/decay/decay_clipping.h"
 #include "signal/decay/decay_judgement.h"
-#include "signal/decay/narrow_record.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/sinusoids/decay_modes.h"
@@ -116,7 +115,7 @@ class Estimation {
       result_.decays.push_back({0, result_.end, false});
       return true;
     }
-    result_.decays = find_decays(y_.head(result_.end), band_, &peaks_);
+    result_.decays = find_decays(y_.head(result_.end), band_);
     double most = -1;
     for (std::size_t k = 0; k < result_.decays.size(); ++k) {
       const auto& w = result_.decays[k];
@@ -125,7 +124,6 @@ class Estimation {
       if (energy > most) most = energy, result_.fitted_decay = k;
     }
     const auto& chosen = result_.decays[result_.fitted_decay];
-    if (chosen.start > 0 || chosen.end < y_.size()) peaks_.clear();
     result_.start = chosen.start, result_.end = chosen.end;
     moved_start_ = chosen.after_impact;
     if (result_.decays.size() > 1) {
@@ -174,7 +172,7 @@ class Estimation {
   }
 
   bool find_modes() {
-    fit_ = find_decay_modes(samples_, band_, search_, std::exchange(peaks_, {}));
+    fit_ = find_decay_modes(samples_, band_, search_);
     if (fit_) return true;
     result_.refuse(
         "too_noisy",
@@ -184,16 +182,15 @@ class Estimation {
   }
 
   bool leave_out_clipped() {
-    const auto clipped = clipped_by_fit(samples_, *fit_, band_, search_);
+    const auto clipped = clipped_by_fit(samples_, band_, search_);
     if (clipped.empty()) return true;
     for (const Index j : clipped) y_(result_.start + j) = kNaN;
     result_.note(
         "clipped",
-        fmt::format(
-            "{} samples are cut off at a rail or close to it, the last at {:.6g} s; they count as "
-            "missing",
-            clipped.size(),
-            time_of(result_.start + *std::max_element(clipped.begin(), clipped.end()))));
+        fmt::format("{} samples are cut off at a rail, the last at {:.6g} s; they count as "
+                    "missing",
+                    clipped.size(),
+                    time_of(result_.start + *std::max_element(clipped.begin(), clipped.end()))));
     samples_ = samples_from(result_.start);
     return enough() && find_modes();
   }
@@ -247,7 +244,7 @@ class Estimation {
     }
     if (!strongest) return false;
     poles.push_back(*strongest);
-    auto fit = find_decay_modes(samples_, band_, search_, {}, poles);
+    auto fit = find_decay_modes(samples_, band_, search_, poles);
     if (!fit) return false;
     fit_ = std::move(fit);
     return true;
@@ -282,8 +279,8 @@ class Estimation {
       DecaySamples samples = samples_from(next);
       const bool beside =
           std::ranges::any_of(fit_->poles, [](Complex p) { return is_tone(p) || is_offset(p); });
-      auto fit = find_decay_modes(samples, band_, search_, {},
-                                  beside ? fit_->poles : std::vector<Complex>());
+      auto fit =
+          find_decay_modes(samples, band_, search_, beside ? fit_->poles : std::vector<Complex>());
       if (!fit) return;
       result_.start = next, samples_ = std::move(samples), fit_ = std::move(fit);
       moved_start_ = true;
@@ -312,35 +309,11 @@ class Estimation {
   DecayModesOptions search_;
   DecayResult result_;
   DecaySamples samples_;
-  std::vector<DecayCandidate> peaks_;  // in the window, where they are known
   std::optional<DampedSinusoidsFit> fit_;
   std::vector<KnownTone> tones_;  // amplitudes at `tones_from_`, a sample of the record
   Index tones_from_ = 0;
   bool moved_start_ = false;
 };
-
-/// From the samples of `narrow` to those of its record.
-void take_back(const NarrowRecord& narrow, DecayResult& result) {
-  const auto step = static_cast<double>(narrow.step);
-  for (auto* modes : {&result.modes, &result.steady_tones}) {
-    for (DecayMode& mode : *modes) mode.energy *= step;
-  }
-  for (DecayWindow& window : result.decays) {
-    window.start = narrow.record_sample(window.start);
-    window.end = narrow.record_end(window.end);
-  }
-  result.start = narrow.record_sample(result.start);
-  result.end = narrow.record_end(result.end);
-  // The std of white noise of the same density at the record's rate.
-  result.noise_std *= std::sqrt(step);
-  result.signal_to_noise_db -= 10 * std::log10(step);
-  result.residual.resize(0);
-  result.note(
-      "fitted_in_band",
-      fmt::format("every {}th sample was fitted, behind a filter: what counts lies far below the "
-                  "sample rate",
-                  narrow.step));
-}
 
 }  // namespace
 
@@ -349,19 +322,7 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
   if (!(sample_rate_hz > 0) || !std::isfinite(sample_rate_hz)) {
     throw std::invalid_argument("decay: the sample rate must be positive");
   }
-  const DecayBand band = band_of(options, sample_rate_hz);
-  if (const auto narrow = narrow_record(y, band)) {
-    const double rate = sample_rate_hz / static_cast<double>(narrow->step);
-    DecayOptions there = options;
-    there.start_time_s += static_cast<double>(narrow->first) / sample_rate_hz;
-    DecayResult result = Estimation(narrow->samples, rate, there, band_of(options, rate)).run();
-    // A refusal is for the whole record to give.
-    if (result.refusal_code.empty()) {
-      take_back(*narrow, result);
-      return result;
-    }
-  }
-  return Estimation(y, sample_rate_hz, options, band).run();
+  return Estimation(y, sample_rate_hz, options, band_of(options, sample_rate_hz)).run();
 }
 
 }  // namespace rigfit::signal

@@ -6,8 +6,7 @@
 // modes from FRFs; the damped one is given beside it. Starts come from a matched-filter bank; modes
 // are added strongest first as long as the residual holds a peak that noise of its own colour
 // would not show. Uncertainties follow from the residual, its colour and where in the record it is
-// large (residual_noise.h). Where the band asked for, or all that stands out of the noise of more
-// than 4e6 samples, lies far below the sample rate, the fit is made there (narrow_record.h).
+// large (residual_noise.h).
 #pragma once
 
 #include <Eigen/Core>

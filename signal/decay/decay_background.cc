@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "signal/numerics/numbers.h"
-#include "signal/numerics/power_sums.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
 
@@ -21,7 +20,6 @@ constexpr std::size_t kMostSteadyTones = 3;
 constexpr double kDeadTimeConstants = 7;
 // Slower than this over the window, an offset is a drift, which the fit has.
 constexpr double kLeastFall = 1;
-constexpr Index kRows = 8192;  // rows of the Jacobian that are held at a time
 
 /// Steady lines of samples [from, to), amplitudes those at the first.
 std::vector<KnownTone> steady_lines(const Eigen::Ref<const Eigen::VectorXd>& y, Index from,
@@ -58,32 +56,6 @@ std::vector<KnownTone> steady_lines(const Eigen::Ref<const Eigen::VectorXd>& y, 
   return found;
 }
 
-/// The rate, of those a factor of 2 apart, whose offset explains most of what `fit` leaves.
-double first_offset(const DampedSinusoidsFit& fit, double slowest, double fastest) {
-  std::vector<double> rates;
-  for (double rate = slowest; rate <= fastest; rate *= 2) rates.push_back(rate);
-  const auto count = static_cast<Index>(rates.size());
-  Eigen::MatrixXd cross = Eigen::MatrixXd::Zero(fit.jacobian_gram.rows(), count);
-  Eigen::ArrayXd square = Eigen::ArrayXd::Zero(count), gain = square;
-  for (Index first = 0; first < fit.samples; first += kRows) {
-    const Index rows = std::min(kRows, fit.samples - first);
-    Eigen::MatrixXd offsets(rows, count);
-    for (Index k = 0; k < count; ++k) {
-      const double rate = rates[static_cast<std::size_t>(k)];
-      offsets.col(k) = std::exp(-rate * static_cast<double>(first)) * powers(-rate, rows).real();
-    }
-    cross += fit.jacobian_rows(first, rows).transpose() * offsets;
-    square += offsets.colwise().squaredNorm().transpose().array();
-    gain += (offsets.transpose() * fit.residual.segment(first, rows)).array();
-  }
-  // What lies in the fit's columns is left with rounding alone.
-  square = (square - (cross.transpose() * fit.unit_covariance * cross).diagonal().array())
-               .max(1e-9 * square);
-  Index best = 0;
-  (gain.square() / square).maxCoeff(&best);
-  return rates[static_cast<std::size_t>(best)];
-}
-
 }  // namespace
 
 std::vector<KnownTone> steady_tones(const Eigen::Ref<const Eigen::VectorXd>& y, Index quiet,
@@ -113,9 +85,16 @@ std::optional<DampedSinusoidsFit> with_offset(const DecaySamples& samples,
   const double fastest = 2 * slowest_mode / kTwoPi;
   const double slowest = kLeastFall / static_cast<double>(fit.samples);
   if (!(fastest > 2 * slowest)) return {};
-  std::vector<Complex> poles = fit.poles;
-  poles.emplace_back(-first_offset(fit, 2 * slowest, fastest));
-  auto joint = fit_poles(samples, poles);
+  // Starts a factor of four apart, the best of which is kept.
+  std::optional<DampedSinusoidsFit> joint;
+  for (double start = 2 * slowest; start < fastest; start *= 4) {
+    std::vector<Complex> poles = fit.poles;
+    poles.emplace_back(-start);
+    auto one = fit_poles(samples, poles);
+    if (one && (!joint || one->residual_sum_squares < joint->residual_sum_squares)) {
+      joint = std::move(one);
+    }
+  }
   if (!joint) return {};
   const double rate = -joint->poles.back().real();
   const double explained = fit.residual_sum_squares - joint->residual_sum_squares;

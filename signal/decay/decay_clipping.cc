@@ -12,36 +12,13 @@ namespace rigfit::signal {
 
 using Eigen::Index;
 
-namespace {
-
-// Standard deviations of the noise, which exceeds them once in a thousand times.
-constexpr double kNear = 3;
-// What lies beyond a rail is this many times as large, squared, as the fit errs near by.
-constexpr double kOverLocal = 6;
-
-/// Mean square of the residual within a cycle of sample j: of a fit that is not right there, more
-/// than noise. Samples left out have none.
-double level_near(const DampedSinusoidsFit& fit, Index j, Index cycle) {
-  const Index from = std::max<Index>(0, j - cycle), to = std::min(fit.samples, j + cycle + 1);
-  double sum = 0;
-  Index count = 0;
-  for (Index k = from; k < to; ++k) {
-    if (k != j && fit.residual(k) != 0) sum += fit.residual(k) * fit.residual(k), ++count;
-  }
-  return count > 0 ? sum / static_cast<double>(count) : 0;
-}
-
-}  // namespace
-
-std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DampedSinusoidsFit& whole,
-                                  const DecayBand& band, const DecayModesOptions& options) {
+std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DecayBand& band,
+                                  const DecayModesOptions& options) {
   constexpr Index kFewest = 12;
   Eigen::VectorXd y = samples.values;
   for (const Index j : samples.missing) y(j) = kNaN;
   const double high = y.maxCoeff<Eigen::PropagateNumbers>();
   const double low = y.minCoeff<Eigen::PropagateNumbers>();
-  const double w = whole.poles[strongest_mode(whole, band)].imag();
-  const auto cycle = std::max<Index>(4, static_cast<Index>(std::ceil(kTwoPi / w)));
   struct Rail {
     double sign, level;
     std::vector<Index> at;
@@ -67,19 +44,11 @@ std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DampedSinus
       fit->offset + fit->drift * static_cast<double>(y.size() - 1) / static_cast<double>(y.size()));
   for (std::size_t m = 0; m < fit->poles.size(); ++m) says += fit->mode_signal(m);
   for (const auto& [sign, level, at] : rails) {
-    double sum = 0, near = 0;
-    for (const Index j : at) {
-      sum += std::pow(std::max(0.0, sign * (says(j) - level)), 2);
-      near = std::max(near, level_near(*fit, j, cycle));
-    }
+    double sum = 0;
+    for (const Index j : at) sum += std::pow(std::max(0.0, sign * (says(j) - level)), 2);
     const auto count = static_cast<double>(at.size());
-    if (!at.empty() && sum > variance * gsl_cdf_chisq_Qinv(1e-4, count) &&
-        sum > kOverLocal * near * count) {
-      // Near the rail too: what stays below it there is what noise made smaller.
-      const double near_rail = level - sign * kNear * std::sqrt(variance);
-      for (Index j = 0; j < y.size(); ++j) {
-        if (sign * (says(j) - near_rail) > 0 || y(j) == level) clipped.push_back(j);
-      }
+    if (!at.empty() && sum > variance * gsl_cdf_chisq_Qinv(1e-4, count)) {
+      clipped.insert(clipped.end(), at.begin(), at.end());
     }
   }
   return clipped;

@@ -3,8 +3,7 @@
 //
 // The samples at the record's extremes are left out, the rest is fitted, and the fit is compared
 // there. In an unclipped record the extremes are its luckiest samples and the fit lies inside them.
-// In a clipped record the fit lies outside, by more than the noise and by more than the fit errs
-// within a cycle around them (friction, jitter and close modes make it err everywhere):
+// In a clipped record the fit lies outside, by more than the noise:
 //   sum_j max(0, fit_j - rail)^2 / s^2 > chi-squared of as many degrees, 1e-4.
 #pragma once
 
@@ -15,11 +14,8 @@
 
 namespace rigfit::signal {
 
-/// The samples on a rail or within the noise of it, which say nothing of the decay but that it went
-/// there. `whole`: the fit
-/// to all samples.
+/// The samples on a rail, which say nothing of the decay but that it went there.
 [[nodiscard]] std::vector<Eigen::Index> clipped_by_fit(const DecaySamples& samples,
-                                                       const DampedSinusoidsFit& whole,
                                                        const DecayBand& band,
                                                        const DecayModesOptions& options);
 

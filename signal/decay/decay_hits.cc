@@ -137,13 +137,6 @@ bool is_impact(const Eigen::VectorXd& y, const Jump& place, Index from, Index to
   if (degrees < 4) return false;
   const double ratio = (one.sum_squares - apart) / more / std::max(apart / degrees, 1e-300);
   if (!(ratio > 0) || gsl_cdf_fdist_Q(ratio, more, degrees) > kFalseAlarm) return false;
-  // Where amplitudes may change with the cube of time, a beat or friction is explained as well; of
-  // a step, 44 % of what a straight line leaves.
-  if (one.fit && one.samples > 16) {
-    const std::size_t mode = nearest(*one.fit, place.w);
-    const double smooth = departing_residual(*one.fit, one.missing, std::span(&mode, 1));
-    if (one.sum_squares - smooth > 0.88 * (one.sum_squares - apart)) return false;
-  }
   const auto noise = residual_noise(behind.fit->residual, behind.fit->degrees);
   const auto noise_before =
       before.fit ? residual_noise(before.fit->residual, before.fit->degrees) : noise;

@@ -6,8 +6,8 @@
 //   J(t) = (3 z_1 - z_2) / 2 - (3 z_-1 - z_-2) / 2,
 // which for z = exp(-a t) is of third order in a L. Where |J| stands out, the damped sinusoids of
 // a ten cycles before and behind are fitted apart and together. It is an impact when two fits
-// explain more than one (Fisher's test), more than one whose amplitudes may change smoothly, and
-// the amplitudes of both, taken to t, differ by more than a twentieth of the record's largest.
+// explain more than one (Fisher's test) and the amplitudes of both, taken to t, differ by more than
+// a twentieth of the record's largest.
 #pragma once
 
 #include <Eigen/Core>

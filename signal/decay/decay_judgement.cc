@@ -26,10 +26,6 @@ using Eigen::Index;
 constexpr double kLeastChange = 0.02, kFewCycles = 10;
 // What goes on beside a decay may be as large as this share of it.
 constexpr double kMostExcited = 0.1;
-// Relative standard uncertainty of a frequency that says nothing any more. So wide that records are
-// refused for their noise first: to refuse by an estimate's own uncertainty, which grows with the
-// damping found, would leave those whose damping came out too small.
-constexpr double kWidestFrequency = 0.25;
 // Energy over the largest that noise shows with probability `false_alarm`. Estimates that are
 // answered only where noise made them larger are biased: at 4 times, 4.5 dB in 50 cycles, by a
 // tenth of a standard uncertainty.
@@ -266,15 +262,13 @@ class Judgement {
                                 "does not die away by itself: {}",
                                 hz(main), why));
     }
-    if (!(mode.frequency_hz.std < kWidestFrequency * mode.frequency_hz.value) ||
-        !std::isfinite(mode.damping_ratio.std) || mode.cycles < 1) {
+    if (!std::isfinite(mode.damping_ratio.std) || mode.cycles < 1) {
       return refuse(
           "too_noisy",
           fmt::format("record more cycles or less noise: the record holds {:.2g} cycles at "
-                      "{:.3g} dB, which leave the frequency, {:.4g} Hz, uncertain by more "
-                      "than {:.0f} % or the damping undetermined beside offset and drift",
-                      mode.cycles, result_.signal_to_noise_db, mode.frequency_hz.value,
-                      100 * kWidestFrequency));
+                      "{:.3g} dB, which leave frequency and damping at {:.4g} Hz undetermined "
+                      "beside offset and drift",
+                      mode.cycles, result_.signal_to_noise_db, mode.frequency_hz.value));
     }
     // A mode that explains most of what is there is no noise: what it leaves has its own colour.
     if (mode.detection < kLeastDetection && mode.r_squared < 0.8) {
@@ -292,24 +286,7 @@ class Judgement {
   /// Why the strongest mode is no free decay; empty when it is one.
   std::string driven() {
     const std::size_t main = kept_.front();
-    const auto& poles = d_.fit.poles;
-    const double amplitude = d_.modes[main].amplitude;
-    // What a random amplitude looks like to a fit: several modes within a few lines or widths.
-    const auto beside = [&](std::size_t m) {
-      const double width = std::max(-poles[main].real(), std::abs(poles[m].real()));
-      const double lines = 4 * kTwoPi / static_cast<double>(d_.fit.samples);
-      return m != main &&
-             std::abs(poles[m].imag() - poles[main].imag()) < std::max(lines, 3 * width);
-    };
-    if (std::any_of(growing_.begin(), growing_.end(), [&](std::size_t m) {
-          return beside(m) && d_.modes[m].amplitude * std::exp(-d_.fall[m]) > 0.2 * amplitude;
-        })) {
-      return "its amplitude grows again";
-    }
-    if (std::count_if(kept_.begin(), kept_.end(), beside) >= 2) {
-      return "its amplitude rises and falls at random";
-    }
-    excitation_ = excitation(main) / amplitude;
+    excitation_ = excitation(main) / d_.modes[main].amplitude;
     if (!(excitation_ > kMostExcited)) return {};
     return fmt::format(
         "what one decay leaves at its frequency goes on through the record, {:.0f} % of the "

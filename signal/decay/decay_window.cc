@@ -62,22 +62,6 @@ bool decays_before(const Eigen::VectorXd& y, double w, Index first, Index cycle)
          0.1 * running.largest(cycle, std::max<Index>(1, cycle / 2));
 }
 
-// Whether a record that was cut off at a rail comes off it at `at`, which steps its amplitude too:
-// two and more samples on the record's rail in the eight cycles before.
-bool leaves_rail(const Eigen::Ref<const Eigen::VectorXd>& y, Index at, Index cycle) {
-  const Index from = std::max<Index>(0, at - 8 * cycle);
-  for (const double sign : {1.0, -1.0}) {
-    double rail = -std::numeric_limits<double>::infinity(), least = -rail;
-    for (const double v : y) {
-      if (std::isfinite(v)) rail = std::max(rail, sign * v), least = std::min(least, sign * v);
-    }
-    Index on = 0;
-    for (Index j = from; j < at; ++j) on += sign * y(j) >= rail - 1e-12 * (rail - least);
-    if (on >= 2) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y) {
@@ -105,45 +89,17 @@ Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y) {
   return (before.array() - y(n - 1)).abs().maxCoeff() <= 2 * step ? n : n - tail;
 }
 
-namespace {
-
-// Nothing but the band asked for, by FFT with edges of half a band's limit: a motion outside of it
-// neither hides nor makes an impact.
-Eigen::VectorXd band_passed(const Eigen::VectorXd& x, const DecayBand& band) {
-  const Index n = x.size();
-  RealFft fft(good_fft_length(n + n / 2 + 16));
-  auto time = fft.time();
-  time.head(n) = x;
-  time.tail(time.size() - n).setZero();
-  fft.forward();
-  const auto edge = [](double u) {
-    return u <= 0 ? 0.0 : u >= 1 ? 1.0 : 0.5 - 0.5 * std::cos(std::numbers::pi * u);
-  };
-  const double above = std::max(0.5 * band.high, 1e-6);
-  for (Index k = 0; k < fft.lines(); ++k) {
-    const double f = static_cast<double>(k) / static_cast<double>(fft.length());
-    const double low = band.low > 0 ? edge(2 * f / band.low - 1) : 1;
-    const double high = band.high < 0.5 ? edge(1 - (f - band.high) / above) : 1;
-    fft.spectrum()(k) *= low * high;
-  }
-  fft.inverse();
-  return fft.time().head(n);
-}
-
-}  // namespace
-
 std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& samples,
-                                     const DecayBand& band, std::vector<DecayCandidate>* peaks) {
+                                     const DecayBand& band) {
   const Index n = recorded_until(samples);
   const auto y = samples.head(n);
   DecayWindow whole;
   whole.end = n;
-  Eigen::VectorXd x = without_trend(y);
+  const Eigen::VectorXd x = without_trend(y);
   Eigen::VectorXi missing_before(n + 1);  // missing samples before each
   missing_before(0) = 0;
   for (Index j = 0; j < n; ++j) missing_before(j + 1) = missing_before(j) + !std::isfinite(y(j));
   if (n < 16 || !(x.squaredNorm() > 0)) return {whole};
-  if (!band.all) x = band_passed(x, band);
 
   DecaySearchOptions search;
   search.candidates = 4;
@@ -152,8 +108,6 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
     std::erase_if(all, [&](const DecayCandidate& c) { return !band.contains(c.pole); });
   }
   const auto candidates = distinct_decays(all, n, search);
-  // Those of a filtered record are not those of the record.
-  if (peaks != nullptr && band.all) *peaks = std::move(all);
   if (candidates.empty()) return {whole};
 
   // The candidate that gains most by starting later tells where the event is; hum gains nothing.
@@ -176,7 +130,6 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
   strong.insert(strong.begin(), w);
 
   std::vector<Index> starts = further_hits(x, strong, missing_before);
-  std::erase_if(starts, [&](Index start) { return leaves_rail(y, start, cycle); });
   const bool known = std::any_of(starts.begin(), starts.end(), [&](Index start) {
     return std::abs(start - chosen.start) < 4 * cycle;
   });
@@ -195,12 +148,6 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
     window.end = n;
     if (k + 1 < starts.size()) {
       window.end = std::max<Index>(starts[k + 1] - 2 * cycle, starts[k] + 1);
-    }
-    if (starts[k] != chosen.start && starts[k] != 0) {
-      // Sharpened where the decay before has died.
-      const Index from = std::max<Index>(0, starts[k] - 2 * cycle);
-      const Onset onset = best_onset(x.segment(from, window.end - from), w);
-      if (std::abs(from + onset.start - starts[k]) <= cycle) window.start = from + onset.start;
     }
     // An impact lasts: half a cycle is left to it (more where the fit then shows so).
     if (window.after_impact) {

@@ -5,7 +5,7 @@
 // samples from s on, |sum_{j>=s} y_j exp(-(a + i w)(j - s))|^2 / energy of the exponential, which a
 // backward recursion gives for all s in O(N), for several w and a. A record that decays from its
 // first sample on is kept whole, whatever its noise. decay_hits.h finds further impacts. If a band
-// is given, onset and impacts are those of the band-limited record.
+// is given, onset and impacts are those of the modes in it.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,6 @@
 
 #include "signal/recording/recording.h"
 #include "signal/sinusoids/decay_modes.h"
-#include "signal/sinusoids/decay_search.h"
 
 namespace rigfit::signal {
 
@@ -24,11 +23,9 @@ struct DecayWindow {
 };
 
 /// All decays of a record, in time. Never empty for a record that has samples. `y`: NaN where
-/// missing. `peaks`, if given, receives the peaks of the whole record (decay_search.h) unless a
-/// band is set.
+/// missing.
 [[nodiscard]] std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                                   const DecayBand& band = {0, 0.5, true},
-                                                   std::vector<DecayCandidate>* peaks = nullptr);
+                                                   const DecayBand& band = {0, 0.5, true});
 
 /// Number of samples without a run of equal values at the end of the record (a stopped logger
 /// writes zeros); such a run has 16 samples or more and is three times as long as any other.

@@ -21,7 +21,6 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 constexpr double kHighestDamping = 0.9;
-constexpr Index kFewDegrees = 200;
 
 class DecayModeSearch {
  public:
@@ -29,14 +28,13 @@ class DecayModeSearch {
       : samples_(samples), options_(options), n_(samples.values.size()) {}
 
   // The first mode, from several starts; nothing when no peak stands out of the noise.
-  std::optional<DampedSinusoidsFit> first(std::vector<DecayCandidate> peaks) {
+  std::optional<DampedSinusoidsFit> first() {
     const Eigen::VectorXd x = trendless();
-    if (peaks.empty()) peaks = decay_peaks(x);
     DecaySearchOptions search;
     search.candidates = 3;
     // Half of what noise may show: Fisher's test of the fit decides.
     search.energy_over_noise = 0.5 * threshold();
-    const auto found = distinct_decays(peaks, n_, search);
+    const auto found = distinct_decays(decay_peaks(x), n_, search);
     std::vector<DecayCandidate> starts;
     for (const auto& c : found) {
       if (c.energy > 0.3 * found.front().energy) starts.push_back(c);
@@ -81,8 +79,6 @@ class DecayModeSearch {
                   double noise_variance) const {
     const double gain = fit.residual_sum_squares - more.residual_sum_squares;
     if (!(gain > threshold() * noise_variance)) return false;
-    // Few samples know little of the noise: Fisher's test as well.
-    if (more.degrees < kFewDegrees && !passes_fisher(gain, more)) return false;
     const double white = more.residual_sum_squares / static_cast<double>(more.degrees);
     for (std::size_t m = 0; m < more.poles.size(); ++m) {
       if (is_offset(more.poles[m])) continue;
@@ -248,10 +244,9 @@ double mode_energy(const DampedSinusoidsFit& fit, std::size_t m) {
 std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
                                                    const DecayBand& band,
                                                    const DecayModesOptions& options,
-                                                   const std::vector<DecayCandidate>& peaks,
                                                    const std::vector<Complex>& known) {
   DecayModeSearch search(samples, options);
-  auto fit = known.empty() ? search.first(peaks) : fit_poles(samples, known);
+  auto fit = known.empty() ? search.first() : fit_poles(samples, known);
   if (!fit) return fit;
   const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
   while (fit->poles.size() < limit * (band.all ? 1 : 2)) {

@@ -41,12 +41,10 @@ struct DecayModesOptions {
   double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
 };
 
-/// All modes that the samples support; nothing when there is none. `peaks` are the peaks of the
-/// samples without their trend (decay_search.h), if already known. `known` poles, modes or not,
+/// All modes that the samples support; nothing when there is none. `known` poles, modes or not,
 /// are where the search starts; steady tones and offsets among them stay.
 [[nodiscard]] std::optional<DampedSinusoidsFit> find_decay_modes(
     const DecaySamples& samples, const DecayBand& band, const DecayModesOptions& options,
-    const std::vector<DecayCandidate>& peaks = {},
     const std::vector<std::complex<double>>& known = {});
 
 /// The fit of these poles; nothing where they cannot be told apart.

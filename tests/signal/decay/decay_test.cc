@@ -158,6 +158,20 @@ TEST(Decay, ABandChoosesTheModeWithoutFilteringTheRecord) {
   EXPECT_THROW((void)in_band(120, 60), std::invalid_argument);
 }
 
+// 12 Hz beside louder modes far above, at 7 kHz.
+TEST(Decay, ABandAtAHighRateFindsItsMode) {
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(21000);
+  std::mt19937_64 random(5);
+  add_decay(y, {12, 0.0106, 0.3}, 7000);
+  for (int k = 1; k <= 12; ++k) add_decay(y, {143.2 * k, 1.0 / 300}, 7000);
+  add_noise(y, 0.05, random);
+  DecayOptions options;
+  options.band_low_hz = 8, options.band_high_hz = 16;
+  const auto result = estimate_decay(y, 7000, options);
+  ASSERT_EQ(result.modes.size(), 1U) << result.refusal;
+  expect_mode(result.modes[0], 12, 0.0106, 4);
+}
+
 TEST(Decay, RefusesWithAReason) {
   const auto code = [](const Eigen::VectorXd& y) { return estimate_decay(y, 500).refusal_code; };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
