@@ -37,6 +37,17 @@ struct Move {
   std::size_t changed = 0;
 };
 
+// All hammers in all states with all sensors at once, as often and as long as allowed.
+Tests all_tests(const PlanCandidates& candidates, const PlanOptions& options) {
+  PlanTest test{0, 0, {}, options.modes, options.hits.size() - 1, options.durations_s.size() - 1};
+  for (std::size_t k = 0; k < candidates.sensors.size(); ++k) test.sensors.push_back(k);
+  Tests tests;
+  for (test.state = 0; test.state < candidates.states.size(); ++test.state) {
+    for (test.load = 0; test.load < candidates.loads.size(); ++test.load) tests.push_back(test);
+  }
+  return tests;
+}
+
 class Planner {
  public:
   /// `targets`: coordinates of the goals, and the std to be reached.
@@ -70,45 +81,31 @@ class Planner {
     return sum;
   }
 
-  /// Greedy steps within `limits`, until the targets are reached or, with `all`, the limits.
-  [[nodiscard]] std::vector<Move> steps(const Tests& limits, bool all) const {
+  /// Greedy steps until the targets are reached or no step helps.
+  [[nodiscard]] std::vector<Move> steps() const {
     std::vector<Move> taken;
     Tests now;
     for (;;) {
       const double left = shortfall(now);
-      if (!all && left <= 0) return taken;
+      if (left <= 0) return taken;
       Move best;
       double best_rate = -std::numeric_limits<double>::infinity(), gain = 0;
-      for (auto& move : moves(now, limits)) {
+      for (auto& move : moves(now)) {
         const double less = left - shortfall(move.tests);
         const double rate = less / std::max(cost(move.tests) - cost(now), 1.0);
         if (rate > best_rate) best_rate = rate, gain = less, best = std::move(move);
       }
       const double least = left > kFarFromGoals ? kNoGain : kLeastGain;
-      if (best.tests.empty() || (!all && gain < least)) return taken;
+      if (best.tests.empty() || gain < least) return taken;
       now = best.tests;
       taken.push_back(std::move(best));
     }
   }
 
-  /// The tests without what can be left out at no larger shortfall, the costliest first.
-  [[nodiscard]] Tests needed(Tests tests) const {
-    const double allowed = shortfall(tests) + kNoGain;
-    for (;;) {
-      auto fewer = reductions(tests);
-      std::stable_sort(fewer.begin(), fewer.end(),
-                       [&](const auto& a, const auto& b) { return cost(a) < cost(b); });
-      const auto enough = std::find_if(fewer.begin(), fewer.end(),
-                                       [&](const auto& one) { return shortfall(one) <= allowed; });
-      if (enough == fewer.end()) return tests;
-      tests = *enough;
-    }
-  }
-
  private:
-  [[nodiscard]] std::vector<Move> moves(const Tests& now, const Tests& limits) const {
+  [[nodiscard]] std::vector<Move> moves(const Tests& now) const {
     std::vector<Move> list;
-    for (const auto& limit : limits) {
+    for (const auto& limit : all_tests(candidates_, options_)) {
       const auto here = std::find_if(now.begin(), now.end(), [&](const PlanTest& test) {
         return test.state == limit.state && test.load == limit.load;
       });
@@ -135,43 +132,10 @@ class Planner {
     return list;
   }
 
-  [[nodiscard]] static std::vector<Tests> reductions(const Tests& tests) {
-    std::vector<Tests> list;
-    for (std::size_t t = 0; t < tests.size(); ++t) {
-      const auto& test = tests[t];
-      const auto add = [&](const auto& change) {
-        list.push_back(tests);
-        change(list.back()[t]);
-      };
-      list.push_back(tests);
-      list.back().erase(list.back().begin() + static_cast<std::ptrdiff_t>(t));
-      for (std::size_t k = 0; k < test.sensors.size() && test.sensors.size() > 1; ++k) {
-        add([k](PlanTest& one) {
-          one.sensors.erase(one.sensors.begin() + static_cast<std::ptrdiff_t>(k));
-        });
-      }
-      if (test.hits > 0) add([](PlanTest& one) { --one.hits; });
-      if (test.duration > 0) add([](PlanTest& one) { --one.duration; });
-      if (test.modes > 1) add([](PlanTest& one) { --one.modes; });
-    }
-    return list;
-  }
-
   const PlanCandidates& candidates_;
   const PlanOptions& options_;
   std::vector<std::pair<Eigen::Index, double>> targets_;
 };
-
-// All hammers in all states with all sensors at once, as often and as long as allowed.
-Tests all_tests(const PlanCandidates& candidates, const PlanOptions& options) {
-  PlanTest test{0, 0, {}, options.modes, options.hits.size() - 1, options.durations_s.size() - 1};
-  for (std::size_t k = 0; k < candidates.sensors.size(); ++k) test.sensors.push_back(k);
-  Tests tests;
-  for (test.state = 0; test.state < candidates.states.size(); ++test.state) {
-    for (test.load = 0; test.load < candidates.loads.size(); ++test.load) tests.push_back(test);
-  }
-  return tests;
-}
 
 std::string text_of(const PlanTest& test, const PlanCandidates& candidates,
                     const PlanOptions& options) {
@@ -349,16 +313,13 @@ PlanResult plan_measurements(const std::vector<UpdateState>& states,
     result.goals.push_back(goal);
   }
   const Planner planner(candidates, options, std::move(targets));
-  const auto found = planner.steps(everything, false);
   Tests now;
   const auto before = planned_stds(candidates, planner.covariance(now));
-  if (!found.empty()) {
-    for (const auto& move : planner.steps(planner.needed(found.back().tests), true)) {
-      result.proposals.push_back({text_of(move.tests[move.changed], candidates, options),
-                                  planner.cost(move.tests) - planner.cost(now),
-                                  planned_stds(candidates, planner.covariance(move.tests))});
-      now = move.tests;
-    }
+  for (const auto& move : planner.steps()) {
+    result.proposals.push_back({text_of(move.tests[move.changed], candidates, options),
+                                planner.cost(move.tests) - planner.cost(now),
+                                planned_stds(candidates, planner.covariance(move.tests))});
+    now = move.tests;
   }
   const auto after = planned_stds(candidates, planner.covariance(now)),
              best = planned_stds(candidates, least);

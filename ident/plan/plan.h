@@ -14,9 +14,7 @@
 //
 // Steps are chosen one by one: the largest decrease of sum ln(std / goal) over the goals not yet
 // reached, per time on the rig (Wynn's greedy exchange; Fedorov, Theory of Optimal Experiments,
-// 1972). Then tests, sensors, hits, durations and modes that the goals do not need are taken out,
-// and the rest is put in order in the same way. What no candidate determines is the null space of M
-// without priors.
+// 1972). What no candidate determines is the null space of M without priors.
 //
 // The prediction is linear and assumes that the scene's values are near the truth, that modes are
 // apart, and that every mode is recognised. Masses of further sensors are not added to the rig.
