@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "ident/bending/bending_equation.h"
+#include "ident/statistics/root.h"
 
 namespace rigfit::ident {
 namespace {
@@ -43,13 +44,9 @@ double natural_omega(const VirtualAxialTest& test) {
   }
   const double clamped_rod =
       std::numbers::pi / 2 / test.length_m * std::sqrt(test.EA_N / test.mass_per_length_kg_m);
-  double low = 0;
-  double high = std::min(std::sqrt(k / test.hung_mass_kg), clamped_rod);
-  for (int i = 0; i < 200 && high - low > 1e-15 * high; ++i) {
-    const double middle = 0.5 * (low + high);
-    (frequency_equation(test, middle) < 0 ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  const double high = std::min(std::sqrt(k / test.hung_mass_kg), clamped_rod);
+  return root_between(1e-6 * high, (1 + 1e-9) * high, 1e-15,
+                      [&](double omega) { return frequency_equation(test, omega); });
 }
 
 }  // namespace
