@@ -121,10 +121,9 @@ class StateReader {
     result_.states[state].measured.push_back(std::move(mode));
   }
 
-  void add_clock(std::size_t state, double rate_hz, double relative_std) {
-    if (relative_std > 0) {
-      result_.clocks.push_back({static_cast<int>(state), rate_hz, relative_std});
-    }
+  void add_clock(std::size_t state, double relative_std) {
+    double& clock = result_.states[state].clock_relative_std;
+    clock = std::max(clock, relative_std);
   }
 
   model::Scene scene_for(std::size_t file) {
@@ -173,7 +172,7 @@ class StateReader {
       sensors.emplace_back(sensor, sign_of(response.direction, scene.sensors[sensor].direction));
     }
     const std::size_t at = state_at(scene_of(file), scene, tension);
-    add_clock(at, set.sample_rate_hz, set.sample_rate_relative_std);
+    add_clock(at, set.sample_rate_relative_std);
     auto& state = result_.states[at];
     signal::ModalOptions options;
     if (data_.band_hz)
@@ -267,7 +266,7 @@ class StateReader {
     const auto decay = signal::estimate_decay(channel.samples, recording.sample_rate_hz, options);
     if (!decay.refusal.empty()) throw Refused(path + ": " + decay.refusal);
     const std::size_t at = state_at(scene_of(file), scene, tension);
-    add_clock(at, recording.sample_rate_hz, recording.sample_rate_relative_std);
+    add_clock(at, recording.sample_rate_relative_std);
     for (const auto& found : decay.modes) {
       if (found.doubtful) {
         context_.warn("doubtful", found.doubt, path);

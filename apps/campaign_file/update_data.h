@@ -10,7 +10,6 @@
 #include "apps/cli/verb.h"
 #include "ident/stiffness/stiffness_curve.h"
 #include "ident/update/model_update.h"
-#include "ident/update/problem/sample_rate_input.h"
 #include "ident/update/problem/update_data.h"
 #include "model/scene/scene.h"
 
@@ -36,7 +35,6 @@ struct UpdateStates {
   std::vector<std::optional<double>> tension;
   ident::StiffnessCurve stiffness;         ///< that gave the states' EI; empty: none
   std::vector<std::vector<int>> segments;  ///< by state, of each member as its file says
-  std::vector<ident::StateClock> clocks;   ///< clocks of the states' recordings and FRFs
 };
 
 /// Throws UsageError, Refused, model::SceneError, signal::RecordingError.

@@ -1,13 +1,11 @@
 #include "ident/campaign/campaign.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <utility>
 
 #include "ident/statistics/in_parallel.h"
-#include "ident/update/problem/sample_rate_input.h"
 #include "model/scene/parameters.h"
 #include "signal/recording/recording_error.h"
 
@@ -20,23 +18,21 @@ void run_all(const Tasks& tasks, int threads) {
   in_parallel(tasks.size(), threads, [&](std::size_t i) { tasks[i](); });
 }
 
-/// Relative std of the recordings' rate; 0: exact, or a published table.
-double rate_std_of(const ModalState& modal) {
-  return modal.recorded ? modal.recorded->hammer.frfs.sample_rate_relative_std : 0;
-}
-
 /// The measured modes of a state as a fit takes them: from its recordings where it has any. That
-/// part of their standard uncertainty that comes from the sample rate is left to the input that
+/// part of their standard uncertainty that comes from the sample rate is left to the clock that
 /// states share.
 UpdateState fit_state(const ModalInputs& test, const ModalState& modal) {
   UpdateState state;
   state.name = test.name + ", " + state_label(modal.tension_N);
   state.scene = modal.rig.scene;
   const Origin origin = modal.recorded ? modal.recorded->origin : Origin::published;
+  if (modal.recorded) {
+    state.clock_relative_std = modal.recorded->hammer.frfs.sample_rate_relative_std;
+  }
   for (const auto& row : modal.rows) {
     if (!std::isfinite(row.measured_hz) || row.origin != origin) continue;
     MeasuredMode mode;
-    const double by_rate = rate_std_of(modal) * row.measured_hz;
+    const double by_rate = state.clock_relative_std * row.measured_hz;
     const double own = std::sqrt(std::max(0.0, row.std_hz * row.std_hz - by_rate * by_rate));
     mode.frequency_hz = {row.measured_hz, by_rate > 0 && own > 0 ? own : row.std_hz};
     mode.damping_ratio = {row.damping, row.damping_std};
@@ -50,7 +46,6 @@ UpdateState fit_state(const ModalInputs& test, const ModalState& modal) {
 CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
   CampaignFitOutcome result;
   std::vector<StateUse> uses;
-  std::vector<StateClock> clocks;
   for (const std::size_t t : fit.tests) {
     const auto& test = so_far.inputs.modal.at(t);
     for (const auto& modal : so_far.modal[t].model) {
@@ -58,9 +53,6 @@ CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
       if (state.measured.empty()) continue;
       const int index = static_cast<int>(result.states.size());
       uses.push_back({index, &*test.scene, modal.tension_N});
-      if (const double e = rate_std_of(modal); e > 0) {
-        clocks.push_back({index, modal.recorded->hammer.frfs.sample_rate_hz, e});
-      }
       result.states.push_back({t, &modal});
       result.task.states.push_back(std::move(state));
     }
@@ -71,13 +63,8 @@ CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
   for (auto& input : known_inputs(so_far.known, uses)) {
     result.task.options.inputs.push_back(std::move(input));
   }
-  for (auto& input : sample_rate_inputs(clocks)) {
-    result.task.options.inputs.push_back(std::move(input));
-  }
   if (result.states.empty()) return result;
-  const auto begin = std::chrono::steady_clock::now();
   result.outcome = fit_campaign(result.task);
-  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
 }
 

@@ -102,7 +102,6 @@ struct CampaignFitOutcome {
   std::vector<FittedState> states;
   FitTask task;        ///< its states have the names and the order of `states`
   FitOutcome outcome;  ///< without states: nothing was fitted
-  double wall_s = 0;
 };
 
 /// Contains its inputs. Its parts point to each other, so it can be moved but not copied.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "ident/statistics/uncertainty.h"
+#include "ident/update/problem/update_problem.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -29,10 +30,6 @@ std::string fit_text(const UpdateFit& fit) {
   if (!fit.stated) text += ", with assumed uncertainties";
   if (fit.model_std > 0) {
     text += fmt::format("; error of the model in frequency {}", percent(fit.model_std));
-  }
-  if (fit.correlated_lines > 1.5) {
-    text +=
-        fmt::format("; {:.0f} neighbouring lines of the FRFs err together", fit.correlated_lines);
   }
   if (fit.frf_model_std > 0) {
     text += fmt::format("; error of the model {} of the FRFs", percent(fit.frf_model_std));
@@ -119,52 +116,19 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
   return findings;
 }
 
-namespace {
-
-double rms_of_state(const std::vector<UpdatedPair>& pairs, int state) {
-  double sum = 0;
-  int count = 0;
-  for (const auto& pair : pairs) {
-    if (pair.cross_plane || (state >= 0 && pair.state != state)) continue;
-    sum += pair.relative_error * pair.relative_error;
-    ++count;
-  }
-  return count > 0 ? std::sqrt(sum / count) : signal::kNaN;
-}
-
-std::vector<HeldOut> held_out(const FitTask& task, const UpdateResult& result) {
-  UpdateOptions options = task.options;
-  std::vector<FreeParameter> free = task.free;
-  const bool modes_only = !result.alternatives.empty();
-  if (modes_only) {
-    options.starts = 1;
-    for (auto& parameter : free) {
-      if (parameter.per_state) continue;
-      for (const auto& found : result.parameters) {
-        if (found.name == parameter.name) parameter.start = found.value;
-      }
-    }
-  }
-  auto held = hold_out_each(task.states, free, options);
-  for (auto& one : held) {
-    if (modes_only) one.rms_before = rms_of_state(result.pairs_before, one.state);
-  }
-  return held;
-}
-
-}  // namespace
-
 FitOutcome fit_campaign(const FitTask& task) {
   FitOutcome outcome;
-  outcome.result = update_model(task.states, task.free, task.options);
+  UpdateOptions options = task.options;
+  options.hold_out = task.hold_out && task.states.size() > 1;
+  outcome.result = update_model(task.states, task.free, options);
   outcome.rms_held_out = signal::kNaN;
   if (outcome.result.status == UpdateStatus::no_model) return outcome;
   outcome.findings = fit_findings(outcome.result);
-  if (!task.hold_out || task.states.size() < 2) return outcome;
-  outcome.held = held_out(task, outcome.result);
   std::vector<UpdatedPair> all;
-  for (const auto& one : outcome.held) all.insert(all.end(), one.pairs.begin(), one.pairs.end());
-  outcome.rms_held_out = rms_of_state(all, -1);
+  for (const auto& one : outcome.result.held) {
+    all.insert(all.end(), one.pairs.begin(), one.pairs.end());
+  }
+  outcome.rms_held_out = rms_of_pairs(all);
   return outcome;
 }
 

@@ -8,7 +8,6 @@
 
 #include "ident/statistics/finding.h"
 #include "ident/update/model_update.h"
-#include "ident/update/update_checks.h"
 
 namespace rigfit::ident {
 
@@ -21,14 +20,11 @@ struct FitTask {
 
 struct FitOutcome {
   UpdateResult result;
-  std::vector<HeldOut> held;      ///< empty: nothing was held out
   double rms_held_out = 0;        ///< rms over all pairs that were held out; NaN without
   std::vector<Finding> findings;  ///< most severe first
 };
 
-/// Throws like update_model. Fits to modes with a state held out start from the fit to all states,
-/// so that the assignment of modes stays the same; parameters of the held-out state alone keep
-/// their prior values.
+/// Throws like update_model.
 [[nodiscard]] FitOutcome fit_campaign(const FitTask& task);
 
 /// Findings to be read before the numbers of a fit are used, most severe first.

@@ -11,7 +11,6 @@
 #include "ident/update/problem/update_solver.h"
 #include "ident/update/uncertainty/update_intervals.h"
 #include "ident/update/uncertainty/update_misfit.h"
-#include "ident/update/uncertainty/update_segments.h"
 #include "ident/update/uncertainty/update_uncertainty.h"
 #include "signal/numerics/numbers.h"
 
@@ -41,9 +40,7 @@ void state_values(const UpdateProblem& problem, const UpdateSolution& answer,
 void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
                   const UpdateSolution& answer, UpdateResult& result) {
   const auto& matches = answer.matches.matches;
-  for (auto& parameter : result.parameters) parameter.budget.clear();
   result.status = answer.converged ? UpdateStatus::converged : UpdateStatus::not_converged;
-  result.message.clear();
   if (!answer.converged) {
     result.message =
         "Try other start values or narrower bounds: the fit or its pairs had not settled, and the "
@@ -55,57 +52,44 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
     result.message += fmt::format("{} unknowns and {} data; ", problem.size(), data);
   }
   state_values(problem, answer, result);
-  result.open.clear();
-  const UpdateFit before = result.fit;
-  result.fit = misfit_of(problem, matches, answer.q);
-  result.fit.model_std = before.model_std;
-  if (before.frf_model_std > 0) {  // the misfit is that without the error that it asked for
-    const double correlated = result.fit.correlated_lines;
-    result.fit = before;
-    result.fit.correlated_lines = correlated;
-  }
   state_uncertainty(problem, options, matches, result);
+  state_intervals(problem, options, matches, result);
 }
 
-// The search weighs the data with an error of the model; where they agree without it, they alone
-// have the answer.
-void take_error_off(const UpdateProblem& problem, const UpdateOptions& options,
-                    UpdateSolution& answer) {
-  if (!problem.modes_only()) return;
+// Moves the answer, pairs kept, to the minimum of `trial`, which `problem` becomes; neither moves
+// where no minimum is found.
+bool move_to(UpdateProblem trial, const UpdateOptions& options, UpdateProblem& problem,
+             UpdateSolution& answer) {
   Eigen::VectorXd q = answer.q;
   double cost = 0;
-  if (minimise(problem, answer.matches.matches, options, q, cost) &&
-      misfit_of(problem, answer.matches.matches, q).p_value > kUnlikelyMisfit) {
-    answer.q = std::move(q);
-  }
-}
-
-// The problem with everything that is known to an uncertainty, and the answer in it.
-UpdateProblem whole_problem(const UpdateProblem& problem, const UpdateOptions& options,
-                            UpdateSolution& answer) {
-  const UpdateProblem whole = problem.with_nuisances(answer.q);
-  take_error_off(whole, options, answer);
-  return take_segments_off(whole, options, answer);
-}
-
-// The error of the model that the misfit at the answer asks for, and the answer with it.
-void allow_for_misfit(const UpdateOptions& options, UpdateProblem& settled, UpdateSolution& answer,
-                      UpdateResult& result) {
-  result.fit.model_std = 0;
-  settled = settled.with_model_std(0);
-  if (!settled.modes_only()) return;
-  const UpdateFit fit = misfit_of(settled, answer.matches.matches, answer.q);
-  if (!(fit.p_value < kUnlikelyMisfit)) return;
-  const auto& matches = answer.matches.matches;
-  const double tau = model_std_of(settled, matches, answer.q);
-  if (!(tau > 0)) return;
-  const UpdateProblem trial = settled.with_model_std(tau);
-  Eigen::VectorXd q = answer.q;
-  double cost = 0;
-  if (!minimise(trial, matches, options, q, cost)) return;
+  if (!minimise(trial, answer.matches.matches, options, q, cost)) return false;
   answer.q = std::move(q);
-  settled = trial;
-  result.fit.model_std = tau;
+  problem = std::move(trial);
+  return true;
+}
+
+// The minimum without an error of the model (the search allows for one), with noisy lines of FRFs
+// by their difference and the error of "auto" segments taken off, twice over as the parameters
+// move; then, where its misfit asks for it, the minimum with an error of the model.
+UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateSolution& answer) {
+  constexpr int kPasses = 2;
+  const auto& matches = answer.matches.matches;
+  move_to(problem.with(&UpdateVariant::frf_differences, true), options, problem, answer);
+  for (int pass = 0; pass < kPasses && options.segment_uncertainty; ++pass) {
+    UpdateProblem resolved = problem.with_resolved_modes(answer.q);
+    if (!resolved.is_resolved() || !move_to(resolved, options, problem, answer)) break;
+  }
+  UpdateFit fit = misfit_of(problem, matches, answer.q);
+  if (!(fit.p_value < kUnlikelyMisfit) || (problem.has_frfs() && !fit.stated)) return fit;
+  const double tau = model_std_of(problem, matches, answer.q);
+  if (!(tau > 0)) return fit;
+  auto& allowed = problem.has_frfs() ? fit.frf_model_std : fit.model_std;
+  if (move_to(problem.has_frfs() ? problem.with(&UpdateVariant::frf_model_std, tau)
+                                 : problem.with_model_std(tau),
+              options, problem, answer)) {
+    allowed = tau;
+  }
+  return fit;
 }
 
 UpdateAlternative alternative_of(const UpdateAnswer& answer, const UpdateResult& result) {
@@ -121,23 +105,45 @@ UpdateAlternative alternative_of(const UpdateAnswer& answer, const UpdateResult&
   return alternative;
 }
 
-// The answers beside the first, each with its own uncertainty; then the intervals of all together.
-void state_alternatives(const UpdateProblem& problem, const UpdateOptions& options,
-                        const std::vector<UpdateAnswer>& answers, UpdateResult& result) {
-  for (std::size_t k = 1; k < answers.size(); ++k) {
-    UpdateResult other;
-    other.parameters = result.parameters;
-    for (auto& parameter : other.parameters) {
-      parameter.std = parameter.low = parameter.high = kNaN;
-    }
-    UpdateSolution solution = answers[k].solution;
-    UpdateProblem settled = whole_problem(problem, options, solution);
-    allow_for_misfit(options, settled, solution, other);
-    state_answer(settled, options, solution, other);
-    state_intervals(settled, options, solution.matches.matches, other);
-    result.alternatives.push_back(alternative_of(answers[k], other));
+// The prediction of a state from the fit of the others, whose minimum is sought from that of all,
+// so that the pairs stay; its own parameters stay as they were known before. `problem` and `answer`
+// as settled with the state in.
+HeldOut hold_out(const UpdateProblem& problem, const UpdateOptions& options,
+                 const UpdateSolution& answer, const UpdateResult& result, int s) {
+  HeldOut held;
+  held.state = s;
+  held.name = problem.states()[static_cast<std::size_t>(s)].name;
+  UpdateProblem others = problem.with(&UpdateVariant::held_out, s);
+  UpdateSolution rest = answer;
+  std::erase_if(rest.matches.matches, [&](const auto& match) { return match.state == s; });
+  held.status = move_to(others, options, others, rest) ? UpdateStatus::converged
+                                                       : UpdateStatus::not_converged;
+  for (Eigen::Index j = 0; j < problem.size(); ++j) {
+    const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+    if (coordinate.state == s) rest.q[j] = coordinate.start;
   }
-  if (answers.size() > 1) state_mixture(result);
+  held.rms_fitted = rms_of_pairs(others.pairs(rest.q, rest.matches.matches));
+  held.scene = problem.scene_at(s, rest.q);
+  std::vector<UpdatedPair> before = result.pairs_before;
+  std::erase_if(before, [&](const auto& pair) { return pair.state != s; });
+  held.rms_before = rms_of_pairs(before);
+  if (problem.has_frfs()) {
+    const Eigen::VectorXd start = problem.start();
+    held.frf_before = others.rms_log_frf_error(start, s);
+    held.frf_fitted = others.rms_log_frf_error(rest.q);
+    held.frf_predicted = others.rms_log_frf_error(rest.q, s);
+  }
+  std::string failure;
+  const auto found = problem.match(rest.q, failure, s);
+  held.pairs = problem.pairs(rest.q, found.matches);
+  held.rms_predicted = rms_of_pairs(held.pairs);
+  UpdateResult fit;
+  fit.parameters.resize(result.parameters.size());
+  fit.fit = result.fit;
+  fit.coordinates = rest.q;
+  state_uncertainty(others, options, rest.matches.matches, fit);
+  state_prediction_uncertainty(problem, fit, rest.q, s, held.pairs);
+  return held;
 }
 
 }  // namespace
@@ -172,7 +178,6 @@ std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions
   } else {
     failure = "no mode and no FRF was measured";
   }
-  for (const auto& answer : answers) result.pairings += answer.solution.pairings;
   if (answers.empty()) return answers;
   if (problem.modes_only()) {
     double all = 0;
@@ -184,7 +189,7 @@ std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions
   }
   if (options.segment_uncertainty) {
     const auto& first = answers.front().solution;
-    problem = with_resolving_segments(problem, first.matches.matches, first.q);
+    problem = problem.with_resolving_segments(first.matches.matches, first.q);
     result.segment_factor = problem.variant().segment_factor;
   }
   UpdateAnswer best;
@@ -201,10 +206,6 @@ std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions
   return best.solution.q.size() > 0 ? std::vector<UpdateAnswer>{best} : std::vector<UpdateAnswer>{};
 }
 
-}  // namespace
-
-namespace {
-
 /// A fit with the error of the scenes' own segments taken off says what they shift.
 void state_segment_shifts(const UpdateProblem& settled, const UpdateOptions& options,
                           const UpdateSolution& answer, UpdateResult& result) {
@@ -214,20 +215,21 @@ void state_segment_shifts(const UpdateProblem& settled, const UpdateOptions& opt
                        [](const auto& member) { return member.segments != 0; });
   });
   if (!given || !options.segment_uncertainty || !options.intervals || !settled.modes_only()) return;
-  const UpdateProblem resolved = settled.with_resolved_modes(answer.q, true);
-  Eigen::VectorXd q = answer.q;
-  double cost = 0;
-  if (!minimise(resolved, answer.matches.matches, options, q, cost)) return;
+  UpdateProblem resolved = settled.with_resolved_modes(answer.q, true);
+  UpdateSolution there = answer;
+  if (!move_to(resolved, options, resolved, there)) return;
   for (std::size_t j = 0; j < result.parameters.size(); ++j) {
     auto& parameter = result.parameters[j];
     parameter.segment_shift =
-        parameter.value - settled.coordinates()[j].value(q[static_cast<Eigen::Index>(j)]);
+        parameter.value - settled.coordinates()[j].value(there.q[static_cast<Eigen::Index>(j)]);
   }
 }
 
 }  // namespace
 
-UpdateResult update_result(UpdateProblem problem, const UpdateOptions& options) {
+UpdateResult update_model(const std::vector<UpdateState>& states,
+                          const std::vector<FreeParameter>& free, const UpdateOptions& options) {
+  UpdateProblem problem(states, free, options);
   UpdateResult result;
   const auto& coordinates = problem.coordinates();
   if (coordinates.empty()) throw std::invalid_argument("update: no free parameter");
@@ -249,39 +251,37 @@ UpdateResult update_result(UpdateProblem problem, const UpdateOptions& options) 
     result.pairs_before = problem.pairs(start, before.matches);
     result.rms_relative_error_before = rms_of_pairs(result.pairs_before);
   }
-
   if (problem.has_frfs()) result.rms_log_frf_error_before = problem.rms_log_frf_error(start);
 
-  std::vector<UpdateAnswer> answers = answers_of(problem, options, result, failure);
+  const std::vector<UpdateAnswer> answers = answers_of(problem, options, result, failure);
   if (answers.empty()) {
     result.status = UpdateStatus::no_model;
     result.message =
         "Check the scene and the bounds: from no start could the model be fitted, " + failure;
-    result.model_evaluations = problem.evaluations();
     return result;
   }
-  UpdateSolution answer = answers.front().solution;
-  UpdateProblem settled = whole_problem(problem, options, answer);
-  allow_for_misfit(options, settled, answer, result);
-  settle_frfs(options, settled, answer, result);
-  state_answer(settled, options, answer, result);
-  state_intervals(settled, options, answer.matches.matches, result);
-  state_segment_shifts(settled, options, answer, result);
-  if (problem.modes_only() && options.intervals) {
-    result.alternatives.push_back(alternative_of(answers.front(), result));
-    state_alternatives(problem, options, answers, result);
+  const UpdateResult plain = result;
+  std::vector<UpdateAlternative> alternatives;
+  for (const auto& one : answers) {  // each with its own uncertainty; the first is the result
+    UpdateResult other = plain;
+    UpdateSolution answer = one.solution;
+    UpdateProblem settled = problem.with_nuisances(answer.q);
+    other.fit = settle(options, settled, answer);
+    state_answer(settled, options, answer, other);
+    alternatives.push_back(alternative_of(one, other));
+    if (alternatives.size() > 1) continue;
+    state_segment_shifts(settled, options, answer, other);
+    for (int s = 0; s < static_cast<int>(states.size()); ++s) {
+      other.scenes.push_back(settled.scene_at(s, answer.q));
+      if (options.hold_out) other.held.push_back(hold_out(settled, options, answer, other, s));
+    }
+    result = std::move(other);
+    if (!problem.modes_only() || !options.intervals) break;
   }
-  for (int s = 0; s < static_cast<int>(problem.states().size()); ++s) {
-    result.scenes.push_back(settled.scene_at(s, result.coordinates));
-  }
-  result.model_evaluations = problem.evaluations();
+  if (problem.modes_only() && options.intervals) result.alternatives = std::move(alternatives);
+  if (result.alternatives.size() > 1) state_mixture(result);
   if (result.message.ends_with("; ")) result.message.resize(result.message.size() - 2);
   return result;
-}
-
-UpdateResult update_model(const std::vector<UpdateState>& states,
-                          const std::vector<FreeParameter>& free, const UpdateOptions& options) {
-  return update_result(UpdateProblem(states, free, options), options);
 }
 
 }  // namespace rigfit::ident

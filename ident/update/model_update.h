@@ -19,7 +19,7 @@
 // Uncertainty, to first order: (J'J)^-1 of p and d together, so that an error of an input which the
 // fit compensates does not count in a prediction. A source's part of a variance is the square of
 // the parameter's covariance with it, in its standard uncertainty. The error of "auto" segments is
-// subtracted from the frequencies (update_segments.h). Sources: Friswell and Mottershead 1995;
+// subtracted from the frequencies (update_segments.cc). Sources: Friswell and Mottershead 1995;
 // Mottershead, Link, Friswell 2011.
 #pragma once
 

@@ -9,7 +9,6 @@
 
 #include "document/describe.h"
 #include "ident/update/model_candidates.h"
-#include "ident/update/update_checks.h"
 
 namespace rigfit::ident {
 
@@ -101,9 +100,7 @@ struct Described<ident::UpdateFit> {
           "uncertainties", [](const T& f) { return f.stated ? "stated" : "assumed"; }, "", "",
           "stated or assumed"),
       field("model_std", &T::model_std, "", "", "random error of the model, relative in frequency"),
-      field("frf_model_std", &T::frf_model_std, "", "", "the same of FRFs"),
-      field("correlated_lines", &T::correlated_lines, "", "",
-            "neighbouring lines that err together")};
+      field("frf_model_std", &T::frf_model_std, "", "", "the same of FRFs")};
 };
 
 /// A member of the pair; nothing without one.
@@ -210,7 +207,6 @@ struct Described<ident::UpdateResult> {
                  field("rms_relative_error", &T::rms_relative_error),
                  field("rms_relative_error_before", &T::rms_relative_error_before),
                  field("starts", &T::starts),
-                 field("model_evaluations", &T::model_evaluations),
                  field("frf_lines", &T::frf_lines),
                  field("rms_log_frf_error", &T::rms_log_frf_error),
                  field("rms_log_frf_error_before", &T::rms_log_frf_error_before)};

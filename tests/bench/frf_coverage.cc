@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "ident/update/problem/sample_rate_input.h"
 #include "tests/ident/update/hammered_beam.h"
 
 namespace {
@@ -35,11 +34,11 @@ UpdateResult fit_recorded_beam(const std::vector<MeasuredFrf>& frfs, int segment
   if (rate == 0) return testing::fit_hammered_beam(frfs, segments);
   UpdateOptions options;
   options.starts = 1;
-  options.inputs = sample_rate_inputs({{0, 1000, rate}});
   const auto scene =
       testing::hammered_beam(1.02 * testing::kBeamEI, 1.1 * testing::kTipMass, segments);
-  return update_model({{"beam", scene, {}, frfs}},
-                      {{"beam.EI_z"}, {"tip.mass"}, {"beam.damping_ratio"}}, options);
+  UpdateState state{"beam", scene, {}, frfs};
+  state.clock_relative_std = rate;
+  return update_model({state}, {{"beam.EI_z"}, {"tip.mass"}, {"beam.damping_ratio"}}, options);
 }
 
 }  // namespace

@@ -297,9 +297,6 @@ ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& sta
   for (auto& input : uncertain_inputs(options.inputs, options.stiffness_common_std, states)) {
     update.inputs.push_back(std::move(input));
   }
-  for (auto& input : ident::sample_rate_inputs(states.clocks)) {
-    update.inputs.push_back(std::move(input));
-  }
   return update;
 }
 
@@ -371,10 +368,10 @@ Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext
   result = std::move(outcome.result);
   if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
 
-  Json json = told(states, result, outcome.held, outcome.findings, context);
+  Json json = told(states, result, result.held, outcome.findings, context);
   if (options.hold_out) {
-    describe::print(context.out, describe::table_of(outcome.held));
-    json["hold_out"] = describe::json_of(outcome.held);
+    describe::print(context.out, describe::table_of(result.held));
+    json["hold_out"] = describe::json_of(result.held);
     json["rms_relative_error_held_out"] = outcome.rms_held_out;
   }
   return json;

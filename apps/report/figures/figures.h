@@ -17,7 +17,6 @@
 #include "ident/tension/cable_tension.h"
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"
-#include "ident/update/update_checks.h"
 #include "model/linear/modal_analysis.h"
 #include "model/response/response.h"
 #include "model/scene/scene.h"

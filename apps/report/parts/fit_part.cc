@@ -243,7 +243,7 @@ class Fit {
   const ident::CampaignFitOutcome& answer_;
   const std::vector<ident::UpdateState>& updates_ = answer_.task.states;
   const ident::UpdateResult& result_ = answer_.outcome.result;
-  const std::vector<ident::HeldOut>& held_ = answer_.outcome.held;  ///< may be empty
+  const std::vector<ident::HeldOut>& held_ = answer_.outcome.result.held;  ///< may be empty
   ReportPart part_;
   std::size_t measured_ = 0;
 };

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -188,9 +187,7 @@ std::vector<ModalState> modal_states(const TestSetup& test, const SceneUse& use,
     model::ModesOptions options;
     // A third above the highest measured frequency: beyond that no pair would be accepted.
     options.band_hz = {{0.0, 1.35 * highest}};
-    const auto begin = std::chrono::steady_clock::now();
     state.analysis = model::analyse_modes(state.rig.scene, options);
-    state.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     state.segments_error = typical_segments_error(state.analysis);
     pair_rows(test, state.analysis, state.rows);
   }

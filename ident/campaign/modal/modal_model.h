@@ -59,7 +59,6 @@ struct ModalState {
   Instrumented rig;
   const ModalTestState* recorded = nullptr;
   model::ModalAnalysis analysis;
-  double wall_s = 0;  ///< duration of the analysis
   /// Relative error in frequency due to the number of segments, median over the modes (where two
   /// modes cross, the number of segments may swap them, so that the largest error is meaningless).
   double segments_error = 0;

@@ -6,22 +6,20 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "ident/statistics/in_parallel.h"
 
 namespace rigfit::ident {
 namespace {
 
-// Segments while looking around: with 12 the ninth mode of a cable is a fifth too low, and the
-// right assignment is often lost.
-constexpr double kFewSegments = 20;
 constexpr double kSearchError = 0.05;  // of the model while looking around
 constexpr double kDampingErrors = 10;  // relative to those in frequency
 // Model error while assigning: the planes of a taut cable agree to 1e-5, its segments err by more.
 constexpr double kLeastStd = 2e-3;
-constexpr double kSure = 12;         // see the header
-constexpr std::size_t kSeeds = 8;    // local fits with few segments
-constexpr std::size_t kRefined = 4;  // local fits refined with all segments
+constexpr double kSure = 12;       // see the header
+constexpr std::size_t kSeeds = 8;  // local fits from all over the range
+constexpr std::size_t kKept = 4;   // answers of these that count
 constexpr int kRounds = 6;
 constexpr double kNegligible = 7;        // ln of the ratio of weights
 constexpr double kDampingRange = 4.605;  // ln(100): range of an unpaired damping ratio
@@ -101,48 +99,35 @@ namespace {
 class Search {
  public:
   Search(const UpdateProblem& problem, const UpdateOptions& options)
-      : problem_(problem),
-        options_(options),
-        few_(problem.with(&UpdateVariant::segment_factor,
-                          std::min(1.0, kFewSegments / problem.fewest_segments()))) {
-    rough_ = options;
-    rough_.function_tolerance = std::max(options.function_tolerance, 1e-5);
-  }
+      : problem_(problem), options_(options) {}
 
   std::vector<UpdateAnswer> run(int& fits, std::string& failure) {
     std::vector<UpdateAnswer> answers;
-    if (auto seed = seed_at(problem_.start(), failure)) {
-      ++fits_;
-      UpdateAnswer answer = settled(few_, rough_, std::move(*seed));
-      if (answer.solution.q.size() > 0) {
-        answers.push_back(std::move(answer));
-      } else {
-        failure = answer.solution.failure;
-      }
-    }
     bool sure = false;
-    if (options_.starts > 1 && !answers.empty()) {
-      const auto& near = answers.front();
-      UpdateAnswer whole =
-          settled(problem_, options_, {near.solution.q, near.solution.matches, 0}, near.error);
-      sure = whole.solution.q.size() > 0 && explained(whole);
-      if (sure) {
-        answers.clear();
-        answers.push_back(std::move(whole));
-      }
+    if (auto seed = seed_at(problem_.start(), failure)) {
+      UpdateAnswer first = settled(std::move(*seed));
+      fits = 1;
+      failure = first.solution.failure;
+      sure = first.solution.q.size() > 0 && explained(first);
+      if (first.solution.q.size() > 0) answers.push_back(std::move(first));
     }
     if (options_.starts > 1 && !sure) {
       std::vector<Seed> seeds = look_around();
       std::vector<UpdateAnswer> found(seeds.size());
       in_parallel(seeds.size(), options_.threads,
-                  [&](std::size_t k) { found[k] = settled(few_, rough_, std::move(seeds[k])); });
-      fits_ += static_cast<int>(seeds.size());
-      for (auto& one : found) {
-        if (one.solution.q.size() > 0) merge(std::move(one), answers);
-      }
+                  [&](std::size_t k) { found[k] = settled(std::move(seeds[k])); });
+      fits += static_cast<int>(seeds.size());
+      merge(std::move(found), answers);
     }
-    if (!sure) answers = refined(std::move(answers));
-    fits = fits_;
+    if (!sure) {
+      std::vector<UpdateAnswer> heaviest = std::exchange(answers, {});
+      if (heaviest.size() > kKept) heaviest.resize(kKept);
+      in_parallel(heaviest.size(), options_.threads, [&](std::size_t k) {
+        if (!negligible(heaviest[k], heaviest)) leave_out_false(heaviest[k]);
+      });
+      merge(std::move(heaviest), answers);
+    }
+    std::erase_if(answers, [&](const UpdateAnswer& one) { return negligible(one, answers); });
     double all = -std::numeric_limits<double>::infinity();
     for (const auto& answer : answers) all = log_sum(all, answer.log_evidence);
     for (auto& answer : answers) answer.weight = std::exp(answer.log_evidence - all);
@@ -156,27 +141,32 @@ class Search {
     double score = 0;  // ln of its likelihood while looking around
   };
 
-  // The answers stay in order of evidence; of two that are one the heavier stays.
-  static void merge(UpdateAnswer answer, std::vector<UpdateAnswer>& answers) {
-    const auto same = [&](const UpdateAnswer& other) {
-      return answer.solution.matches.matches == other.solution.matches.matches ||
-             near(answer, other);
-    };
-    const auto known = std::find_if(answers.begin(), answers.end(), same);
-    if (known != answers.end()) {
-      if (known->log_evidence >= answer.log_evidence) return;
-      answers.erase(std::remove_if(answers.begin(), answers.end(), same), answers.end());
-    }
-    const auto at = std::find_if(answers.begin(), answers.end(), [&](const UpdateAnswer& other) {
-      return other.log_evidence < answer.log_evidence;
-    });
-    answers.insert(at, std::move(answer));
+  static bool negligible(const UpdateAnswer& one, const std::vector<UpdateAnswer>& all) {
+    return one.log_evidence < all.front().log_evidence - kNegligible;
   }
 
-  static bool near(const UpdateAnswer& a, const UpdateAnswer& b) {
-    const Eigen::VectorXd d = a.solution.q - b.solution.q;
-    const auto& H = a.log_evidence > b.log_evidence ? a.hessian : b.hessian;
-    return H.rows() == d.size() && d.dot(H * d) < 9;
+  // The answers stay in order of evidence; of two that are one the heavier stays.
+  static void merge(std::vector<UpdateAnswer> found, std::vector<UpdateAnswer>& answers) {
+    for (auto& one : found) {
+      if (one.solution.q.size() > 0) answers.push_back(std::move(one));
+    }
+    std::stable_sort(answers.begin(), answers.end(),
+                     [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
+    for (std::size_t k = 0; k < answers.size(); ++k) {
+      const auto& kept = answers[k];
+      answers.erase(
+          std::remove_if(answers.begin() + static_cast<std::ptrdiff_t>(k) + 1, answers.end(),
+                         [&](const UpdateAnswer& other) {
+                           return other.solution.matches.matches == kept.solution.matches.matches ||
+                                  near(kept, other);
+                         }),
+          answers.end());
+    }
+  }
+
+  static bool near(const UpdateAnswer& heavier, const UpdateAnswer& other) {
+    const Eigen::VectorXd d = heavier.solution.q - other.solution.q;
+    return d.dot(heavier.hessian * d) < 9;
   }
 
   // A positive parameter that the data leave free stays near q: the prior of the evidence.
@@ -190,8 +180,7 @@ class Search {
   }
 
   // Fitted and assigned anew until the assignment stays; of those that were seen the best.
-  UpdateAnswer settled(const UpdateProblem& problem, const UpdateOptions& options, Seed seed,
-                       double error = kSearchError) const {
+  UpdateAnswer settled(Seed seed, double error = kSearchError) const {
     UpdateAnswer best;
     best.log_evidence = -std::numeric_limits<double>::infinity();
     best.solution.failure = "no measured mode lies near any modelled one";
@@ -204,14 +193,14 @@ class Search {
       if (!fits) break;
       double cost = 0;
       const UpdateProblem here =
-          held_about(q, problem.with_model_std(error, kDampingErrors * error));
+          held_about(q, problem_.with_model_std(error, kDampingErrors * error));
       Eigen::VectorXd at = q;
-      const bool converged = minimise(here, matches.matches, options, at, cost);
+      const bool converged = minimise(here, matches.matches, options_, at, cost);
       Evidence evidence;
-      if (!evidence_of(problem, matches, at, evidence)) break;
+      if (!evidence_of(problem_, matches, at, evidence)) break;
       std::string failure;
       UpdateMatches next =
-          problem.with_model_std(std::max(evidence.error, kLeastStd)).assign(at, failure);
+          problem_.with_model_std(std::max(evidence.error, kLeastStd)).assign(at, failure);
       if (!failure.empty()) {
         best.solution.failure = failure;
         break;
@@ -224,13 +213,12 @@ class Search {
       if (same) {
         evidence.log_evidence += next.without_densities() - matches.without_densities();
       }
-      const bool usable = same || (keep && evidence_of(problem, next, at, evidence));
+      const bool usable = same || (keep && evidence_of(problem_, next, at, evidence));
       if (usable && (done || evidence.log_evidence > best.log_evidence)) {
         best.solution.q = at;
         best.solution.matches = next;
         best.solution.cost = cost;
         best.solution.converged = converged && same;
-        best.solution.pairings = round + 1;
         best.error = evidence.error;
         best.log_evidence = evidence.log_evidence;
         best.hessian = evidence.hessian;
@@ -270,7 +258,7 @@ class Search {
   // The assignment at q; none without a model there.
   std::optional<Seed> seed_at(const Eigen::VectorXd& q, std::string& failure) const {
     std::string here;
-    Seed seed{q, few_.with_model_std(kSearchError).assign(q, here)};
+    Seed seed{q, problem_.with_model_std(kSearchError).assign(q, here)};
     if (!here.empty()) {
       failure = here;
       return std::nullopt;
@@ -366,39 +354,14 @@ class Search {
       if (worst == all.size()) return;
       Seed rest{solution.q, solution.matches, 0};
       rest.matches.matches.erase(rest.matches.matches.begin() + static_cast<std::ptrdiff_t>(worst));
-      UpdateAnswer without = settled(problem_, options_, std::move(rest), answer.error);
+      UpdateAnswer without = settled(std::move(rest), answer.error);
       if (without.solution.q.size() == 0 || without.log_evidence <= answer.log_evidence) return;
       answer = std::move(without);
     }
   }
 
-  // With all segments; what then has next to no weight is dropped.
-  std::vector<UpdateAnswer> refined(std::vector<UpdateAnswer> rough) {
-    std::vector<UpdateAnswer> answers;
-    if (rough.size() > kRefined) rough.resize(kRefined);
-    const double most = rough.empty() ? 0 : rough.front().log_evidence;
-    std::vector<UpdateAnswer> found(rough.size());
-    in_parallel(rough.size(), options_.threads, [&](std::size_t k) {
-      if (rough[k].log_evidence < most - kNegligible) return;
-      found[k] = settled(problem_, options_, {rough[k].solution.q, rough[k].solution.matches, 0},
-                         rough[k].error);
-      leave_out_false(found[k]);
-    });
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      if (found[k].solution.q.size() > 0) merge(std::move(found[k]), answers);
-    }
-    if (answers.empty()) return answers;
-    std::erase_if(answers, [&](const UpdateAnswer& answer) {
-      return answer.log_evidence < answers.front().log_evidence - kNegligible;
-    });
-    return answers;
-  }
-
   const UpdateProblem& problem_;
   const UpdateOptions& options_;
-  UpdateOptions rough_;
-  UpdateProblem few_;
-  int fits_ = 0;
 };
 
 }  // namespace

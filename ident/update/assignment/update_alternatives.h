@@ -4,8 +4,7 @@
 // (mode_assignment.h) at the parameters that fit it best. Candidates come from points all over the
 // range of the parameters (a lattice of absolute places in one and two dimensions, a
 // low-discrepancy sequence in more; positive parameters up to a factor of 100 or 10 from their
-// start), where a model of few segments is assigned; the best are fitted, first with few segments,
-// those that count with all. The weight of an answer is its evidence
+// start), where the model is assigned; the best are fitted. The weight of an answer is its evidence
 //
 //   Z = sum_tau P(tau) L(q, tau) prior(q) (2 pi)^(n/2) det(H(tau))^(-1/2)      (Laplace)
 //

@@ -18,6 +18,7 @@
 namespace rigfit::ident {
 namespace {
 
+// FRFs of one test share their lines: solved once for all of them, which follow each other.
 bool solved_together(const MeasuredFrf& a, const MeasuredFrf& b) {
   return a.decay_rate_1_s == b.decay_rate_1_s && a.frequency_hz == b.frequency_hz;
 }
@@ -41,9 +42,9 @@ double lines_per_independent(double decay_rate_1_s, double line_spacing_hz) {
   return half > 1e-6 && std::isfinite(half) ? half / std::tanh(half) : 1;
 }
 
-UpdateProblem::FrfLines UpdateProblem::lines_of(const MeasuredFrf& frf) const {
+UpdateProblem::FrfRows UpdateProblem::rows_of(int state, const MeasuredFrf& frf) const {
   constexpr double kNoisy = 0.1;
-  FrfLines lines;
+  FrfRows rows{.state = state, .load = frf.load, .frf = &frf};
   for (Eigen::Index k = 0; k < frf.H.size(); ++k) {
     const double size = std::abs(frf.H[k]);
     if (!(size > 0) || !std::isfinite(size)) continue;
@@ -59,113 +60,21 @@ UpdateProblem::FrfLines UpdateProblem::lines_of(const MeasuredFrf& frf) const {
     const double relative =
         std::hypot(own, options_.frf_model_relative_std, variant_.frf_model_std);
     if (!(relative > 0)) continue;  // exact lines have no weight beside others
-    lines.line.push_back(k);
-    lines.difference.push_back(difference ? 1 : 0);
-    lines.relative_std.push_back(relative * std::sqrt(frf.lines_per_independent));
+    rows.line.push_back(k);
+    rows.frequency_hz.push_back(frf.frequency_hz[k]);
+    rows.difference.push_back(difference ? 1 : 0);
+    rows.relative_std.push_back(relative * std::sqrt(frf.lines_per_independent));
   }
-  return lines;
+  return rows;
 }
 
-Eigen::Index UpdateProblem::frf_lines() const {
-  Eigen::Index count = 0;
-  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    if (!takes_part(s)) continue;
-    for (const auto& frf : states_[static_cast<std::size_t>(s)].frfs) {
-      count += static_cast<Eigen::Index>(lines_of(frf).line.size());
-    }
-  }
-  return count;
-}
-
-double UpdateProblem::shared_residuals() const {
-  double shared = 0;
-  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    if (!takes_part(s)) continue;
-    for (const auto& frf : states_[static_cast<std::size_t>(s)].frfs) {
-      shared +=
-          2 * static_cast<double>(lines_of(frf).line.size()) * (1 - 1 / frf.lines_per_independent);
-    }
-  }
-  return shared;
-}
-
-bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
-                                  Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
-  const auto& frfs = states_[static_cast<std::size_t>(state)].frfs;
-  if (frfs.empty()) return true;
-  model::Scene scene;
-  std::string failure;
-  if (!fixed_scene(state, q, scene, failure)) return false;
-  const auto [targets, owner] = jacobian != nullptr ? targets_of(state) : Targets{};
-  std::vector<std::pair<Eigen::Index, double>> rates;
-  if (jacobian != nullptr) rates = rate_changes(state);
-  for (std::size_t f = 0; f < frfs.size(); ++f) {
-    // FRFs of one test share their lines: solved once for all of them.
-    bool before = false;
-    for (std::size_t g = 0; g < f; ++g) before = before || solved_together(frfs[g], frfs[f]);
-    if (before) continue;
-    ++shared_->evaluations;
-    const double rate = measured_factor(state, q);
-    const Eigen::VectorXd lines_hz = rate * frfs[f].frequency_hz;
-    const auto solved = frfs_at(scene, lines_hz, targets, frfs[f].decay_rate_1_s);
-    if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
-    model::FrfSensitivities beside;  // at a slightly higher sample rate
-    if (!rates.empty()) {
-      beside = frfs_at(scene, (1 + kRateStep) * lines_hz, {}, frfs[f].decay_rate_1_s);
-      if (beside.frfs.H.size() != solved.frfs.H.size()) return false;
-    }
-    for (std::size_t g = f; g < frfs.size(); ++g) {
-      const MeasuredFrf& frf = frfs[g];
-      if (g != f && !solved_together(frf, frfs[f])) continue;
-      const FrfLines lines = lines_of(frf);
-      const auto sensor = static_cast<Eigen::Index>(frf.sensor);
-      const auto load = static_cast<Eigen::Index>(frf.load);
-      for (std::size_t i = 0; i < lines.line.size(); ++i) {
-        const auto k = static_cast<std::size_t>(lines.line[i]);
-        const std::complex<double> H = solved.frfs.H[k](sensor, load);
-        const std::complex<double> measured = frf.H[lines.line[i]];
-        const bool difference = lines.difference[i] != 0;
-        const std::complex<double> off = difference ? H / measured - 1.0 : std::log(H / measured);
-        const double std = lines.relative_std[i];
-        r[row] = off.real() / std;
-        r[row + 1] = off.imag() / std;
-        if (jacobian != nullptr) {
-          for (std::size_t t = 0; t < targets.size(); ++t) {
-            const auto [j, factor] = owner[t];
-            const double by = factor * coordinates_[static_cast<std::size_t>(j)].derivative(q[j]);
-            const std::complex<double> slope =
-                by * solved.rate[t][k](sensor, load) / (difference ? measured : H);
-            (*jacobian)(row, j) += slope.real() / std;
-            (*jacobian)(row + 1, j) += slope.imag() / std;
-          }
-          for (const auto& [j, change] : rates) {
-            const std::complex<double> slope = (beside.frfs.H[k](sensor, load) - H) * change /
-                                               (rate * kRateStep * (difference ? measured : H));
-            (*jacobian)(row, j) += slope.real() / std;
-            (*jacobian)(row + 1, j) += slope.imag() / std;
-          }
-        }
-        row += 2;
-      }
-    }
-  }
-  return true;
-}
-
-std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows_of(int state) const {
+std::vector<UpdateProblem::FrfRows> UpdateProblem::rows_of(int state) const {
   std::vector<FrfRows> all;
-  const auto& frfs = states_[static_cast<std::size_t>(state)].frfs;
-  std::vector<bool> done(frfs.size(), false);
-  for (std::size_t f = 0; f < frfs.size(); ++f) {
-    for (std::size_t g = f; g < frfs.size(); ++g) {
-      if (done[g] || !solved_together(frfs[g], frfs[f])) continue;
-      done[g] = true;
-      const FrfLines lines = lines_of(frfs[g]);
-      std::vector<double> frequency_hz;
-      frequency_hz.reserve(lines.line.size());
-      for (const auto line : lines.line) frequency_hz.push_back(frfs[g].frequency_hz[line]);
-      all.push_back({0, lines.relative_std, g, state, frfs[g].load, std::move(frequency_hz)});
-    }
+  Eigen::Index row = 0;
+  for (const auto& frf : states_[static_cast<std::size_t>(state)].frfs) {
+    all.push_back(rows_of(state, frf));
+    all.back().first = row;
+    row += 2 * static_cast<Eigen::Index>(all.back().line.size());
   }
   return all;
 }
@@ -176,13 +85,91 @@ std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows(
   std::vector<FrfRows> all;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (!takes_part(s)) continue;
-    for (auto& rows : frf_rows_of(s)) {
+    for (auto& rows : rows_of(s)) {
       rows.first = row;
-      row += 2 * static_cast<Eigen::Index>(rows.relative_std.size());
+      row += 2 * static_cast<Eigen::Index>(rows.line.size());
       all.push_back(std::move(rows));
     }
   }
   return all;
+}
+
+Eigen::Index UpdateProblem::frf_lines() const {
+  std::size_t count = 0;
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    if (!takes_part(s)) continue;
+    for (const auto& rows : rows_of(s)) count += rows.line.size();
+  }
+  return static_cast<Eigen::Index>(count);
+}
+
+double UpdateProblem::shared_residuals() const {
+  double shared = 0;
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    if (!takes_part(s)) continue;
+    for (const auto& rows : rows_of(s)) {
+      shared +=
+          2 * static_cast<double>(rows.line.size()) * (1 - 1 / rows.frf->lines_per_independent);
+    }
+  }
+  return shared;
+}
+
+bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
+                                  Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
+  const auto all = rows_of(state);
+  if (all.empty()) return true;
+  model::Scene scene;
+  std::string failure;
+  if (!fixed_scene(state, q, scene, failure)) return false;
+  const auto [targets, owner] = jacobian != nullptr ? targets_of(state) : Targets{};
+  std::vector<std::pair<Eigen::Index, double>> rates;
+  if (jacobian != nullptr) rates = rate_changes(state);
+  const double rate = measured_factor(state, q);
+  const MeasuredFrf* solved_for = nullptr;
+  model::FrfSensitivities solved, beside;  // beside: at a slightly higher sample rate
+  for (const auto& rows : all) {
+    const MeasuredFrf& frf = *rows.frf;
+    if (solved_for == nullptr || !solved_together(frf, *solved_for)) {
+      solved_for = &frf;
+      const Eigen::VectorXd lines_hz = rate * frf.frequency_hz;
+      solved = frfs_at(scene, lines_hz, targets, frf.decay_rate_1_s);
+      if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
+      if (!rates.empty()) {
+        beside = frfs_at(scene, (1 + kRateStep) * lines_hz, {}, frf.decay_rate_1_s);
+        if (beside.frfs.H.size() != solved.frfs.H.size()) return false;
+      }
+    }
+    const auto sensor = static_cast<Eigen::Index>(frf.sensor);
+    const auto load = static_cast<Eigen::Index>(frf.load);
+    for (std::size_t i = 0; i < rows.line.size(); ++i) {
+      const auto k = static_cast<std::size_t>(rows.line[i]);
+      const std::complex<double> H = solved.frfs.H[k](sensor, load);
+      const std::complex<double> measured = frf.H[rows.line[i]];
+      const bool difference = rows.difference[i] != 0;
+      const std::complex<double> off = difference ? H / measured - 1.0 : std::log(H / measured);
+      const double std = rows.relative_std[i];
+      r[row] = off.real() / std;
+      r[row + 1] = off.imag() / std;
+      if (jacobian != nullptr) {
+        const auto add = [&](Eigen::Index j, std::complex<double> change) {
+          const std::complex<double> slope = change / (difference ? measured : H);
+          (*jacobian)(row, j) += slope.real() / std;
+          (*jacobian)(row + 1, j) += slope.imag() / std;
+        };
+        for (std::size_t t = 0; t < targets.size(); ++t) {
+          const auto [j, factor] = owner[t];
+          const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+          add(j, factor * coordinate.derivative(q[j]) * solved.rate[t][k](sensor, load));
+        }
+        for (const auto& [j, change] : rates) {
+          add(j, (beside.frfs.H[k](sensor, load) - H) * change / (rate * kRateStep));
+        }
+      }
+      row += 2;
+    }
+  }
+  return true;
 }
 
 double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q, int only) const {
@@ -193,9 +180,9 @@ double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q, int only) cons
   Eigen::Index count = 0;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (only >= 0 ? s != only : !takes_part(s)) continue;
+    const auto all = rows_of(s);
     Eigen::Index lines = 0;
-    const auto all = frf_rows_of(s);
-    for (const auto& rows : all) lines += static_cast<Eigen::Index>(rows.relative_std.size());
+    for (const auto& rows : all) lines += static_cast<Eigen::Index>(rows.line.size());
     if (lines == 0) continue;
     Eigen::VectorXd r = Eigen::VectorXd::Zero(2 * lines);
     Eigen::Index row = 0;

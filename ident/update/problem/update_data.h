@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -49,6 +50,10 @@ struct UncertainInput {
   std::vector<Effect> effects = {};
 };
 
+/// Target of an UncertainInput's effect that stands for all measured frequencies of the state
+/// (modes and FRF lines) instead of a scene parameter; the change is relative.
+inline constexpr std::string_view kSampleRateTarget = "sample rate";
+
 struct MeasuredMode {
   signal::Estimate frequency_hz;                         ///< std not finite: unknown
   signal::Estimate damping_ratio;                        ///< value not finite: not measured
@@ -86,6 +91,11 @@ struct UpdateState {
   /// True if the modes were identified from these FRFs: they give starting values and are listed,
   /// but do not count as data a second time.
   bool modes_lead_only = false;
+  /// Relative standard uncertainty of the sample rate of the recordings (signal::Recording::
+  /// sample_rate_relative_std: a step printed with few digits). An analyser has one clock: its
+  /// error is common to all frequencies of all states, an input named "sample rate". The
+  /// frequencies' own standard uncertainties exclude it.
+  double clock_relative_std = 0;
   /// Band of the test of `measured`; empty: from 0 to the highest measured mode.
   std::optional<std::pair<double, double>> band_hz = std::nullopt;
 };
@@ -111,12 +121,13 @@ struct UpdateOptions {
   int max_iterations = 60;
   double function_tolerance = 1e-9;  ///< relative change of the cost
   int threads = 1;                   ///< work on starts in parallel
-  /// True: the error of "auto" segments is subtracted from frequencies (update_segments.h). False:
+  /// True: the error of "auto" segments is subtracted from frequencies (update_segments.cc). False:
   /// the data come from a model with these segments.
   bool segment_uncertainty = true;
   std::vector<UncertainInput> inputs = {};  ///< independent of each other
   /// Segments of "auto" members; FRFs get more where they need them.
   int auto_segments = 30;
+  bool hold_out = false;  ///< predict each state from the others
   bool intervals = true;  ///< by profile where needed, and over all answers; else linear
 };
 

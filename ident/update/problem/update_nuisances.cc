@@ -41,6 +41,12 @@ double least_of(std::vector<double> values) {
 UpdateProblem UpdateProblem::with_nuisances(Eigen::VectorXd& q) const {
   UpdateProblem other = *this;
   if (has_frfs()) other.add_places_of_hits(q);
+  UncertainInput clock{std::string(kSampleRateTarget), {}};
+  for (std::size_t s = 0; s < states_.size(); ++s) {
+    const double std = states_[s].clock_relative_std;
+    if (std > 0) clock.effects.push_back({static_cast<int>(s), clock.name, std});
+  }
+  if (!clock.effects.empty()) other.options_.inputs.push_back(std::move(clock));
   for (int i = 0; i < static_cast<int>(other.options_.inputs.size()); ++i) {
     other.add_nuisance({.parameter = -1, .input = i});
   }
@@ -76,7 +82,7 @@ void UpdateProblem::add_places_of_hits(const Eigen::VectorXd& q) {
         const auto solved = model::synthesize_frf_sensitivities(scene, frf.frequency_hz, {target},
                                                                 {}, frf.decay_rate_1_s);
         if (solved.frfs.H.empty()) continue;
-        for (const auto line : lines_of(frf).line) {
+        for (const auto line : rows_of(s, frf).line) {
           const auto k = static_cast<std::size_t>(line);
           const double slope = std::abs(solved.rate[0][k](static_cast<Eigen::Index>(frf.sensor),
                                                           static_cast<Eigen::Index>(l)));
@@ -105,7 +111,7 @@ void UpdateProblem::add_forces() {
           const double own = frf.std[k] / std::abs(frf.H[k]);
           if (std::isfinite(own) && own > 0) relative.push_back(own);
         }
-        for (const auto line : lines_of(frf).line) {
+        for (const auto line : rows_of(s, frf).line) {
           highest = std::max(highest, frf.frequency_hz[line]);
         }
       }

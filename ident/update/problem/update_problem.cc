@@ -7,7 +7,6 @@
 #include <map>
 #include <stdexcept>
 
-#include "ident/update/problem/sample_rate_input.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 
@@ -22,9 +21,8 @@ const UpdateModelMode* UpdateStateModes::find(model::ModePlane plane, int order)
 }
 
 UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
-                             const std::vector<FreeParameter>& free, const UpdateOptions& options,
-                             int held_out)
-    : states_(states), free_(free), options_(options), held_out_(held_out) {
+                             const std::vector<FreeParameter>& free, const UpdateOptions& options)
+    : states_(states), free_(free), options_(options) {
   if (states_.empty()) throw std::invalid_argument("update: no scene");
   for (const auto& state : states_) {
     for (const auto& frf : state.frfs) {
@@ -166,16 +164,6 @@ std::vector<std::string> UpdateProblem::names() const {
   return names;
 }
 
-int UpdateProblem::fewest_segments() const {
-  int fewest = std::numeric_limits<int>::max();
-  for (const auto& state : states_) {
-    for (const auto& member : state.scene.members) {
-      fewest = std::min(fewest, member.segments == 0 ? options_.auto_segments : member.segments);
-    }
-  }
-  return fewest;
-}
-
 model::Scene UpdateProblem::scene_at(int state, const Eigen::VectorXd& q) const {
   model::Scene scene = states_[static_cast<std::size_t>(state)].scene;
   const auto [names, owner] = targets_of(state);
@@ -236,7 +224,7 @@ UpdateProblem::ModeNeed UpdateProblem::need_of(int state,
                                                const std::vector<UpdateMatch>* matches) const {
   using model::ModePlane;
   // Joint dampers couple modes: all of them then.
-  if (matches == nullptr || !shared_->narrow) return {};
+  if (matches == nullptr || !*narrow_) return {};
   if (damping_ && joint_dampers_[static_cast<std::size_t>(state)]) return {};
   int in = 0, out = 0, other = 0;
   for (const auto& match : *matches) {
@@ -262,7 +250,7 @@ UpdateStateModes UpdateProblem::modes(int state, const Eigen::VectorXd& q, bool 
   for (const auto& match : *matches) {
     if (match.state != state || match.cross_plane) continue;
     if (result.find(match.plane, match.order) != nullptr) continue;
-    shared_->narrow = false;  // such as a scene without a plane of symmetry
+    *narrow_ = false;  // such as a scene without a plane of symmetry
     return modes_asked(state, q, derivatives, {});
   }
   return result;
@@ -281,7 +269,6 @@ UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q,
   modes.shapes = false;
   modes.error_estimate = false;
   if (derivatives) scene.sensors.clear();  // rates of shapes cost as much as the modes
-  ++shared_->evaluations;
   model::ModeSensitivities solved;
   if (targets.empty()) {
     solved.analysis = model::analyse_modes(scene, modes);

@@ -71,6 +71,7 @@ struct SegmentError {
 
 /// What problems of one fit differ by.
 struct UpdateVariant {
+  int held_out = -1;  ///< a state that takes no part; -1: none
   /// Times the segments of the scenes (at least 8, where there are as many).
   double segment_factor = 1;
   double model_std = 0, damping_model_std = 0;  ///< see with_model_std
@@ -83,9 +84,8 @@ struct UpdateVariant {
 
 class UpdateProblem {
  public:
-  /// `held_out`: a state that takes no part; -1: none.
   UpdateProblem(const std::vector<UpdateState>& states, const std::vector<FreeParameter>& free,
-                const UpdateOptions& options, int held_out = -1);
+                const UpdateOptions& options);
 
   [[nodiscard]] const std::vector<UpdateCoordinate>& coordinates() const { return coordinates_; }
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(coordinates_.size()); }
@@ -94,7 +94,7 @@ class UpdateProblem {
   [[nodiscard]] Eigen::VectorXd start() const;
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] const std::vector<UpdateState>& states() const { return states_; }
-  [[nodiscard]] bool takes_part(int state) const { return state != held_out_; }
+  [[nodiscard]] bool takes_part(int state) const { return state != variant_.held_out; }
   /// A copy that differs in one thing: `problem.with(&UpdateVariant::segment_factor, 2.0)`.
   template <typename T>
   [[nodiscard]] UpdateProblem with(T UpdateVariant::*what, std::type_identity_t<T> value) const {
@@ -106,26 +106,33 @@ class UpdateProblem {
   /// A further relative error of the model, of its own in every frequency and damping ratio.
   [[nodiscard]] UpdateProblem with_model_std(double frequency, double damping = 0) const;
   /// This problem with the error of "auto" segments, found at q, taken off the frequencies that
-  /// count as data (update_segments.h); `given`: of segments that a scene gives as well.
+  /// count as data (update_segments.cc); `given`: of segments that a scene gives as well.
   [[nodiscard]] UpdateProblem with_resolved_modes(const Eigen::VectorXd& q,
                                                   bool given = false) const;
+  /// This problem with so many segments of its "auto" members that twice as many change its
+  /// residuals at q by a third of their standard deviation, all together: no parameter by more of
+  /// its own.
+  [[nodiscard]] UpdateProblem with_resolving_segments(const std::vector<UpdateMatch>& matches,
+                                                      const Eigen::VectorXd& q) const;
+  [[nodiscard]] bool is_resolved() const;  ///< in any state
+  [[nodiscard]] bool is_resolved(int state) const;
   /// This problem with everything that is known to an uncertainty as further coordinates, each with
   /// its normal prior (update_nuisances.cc); q, of the parameters, becomes a place in it.
   [[nodiscard]] UpdateProblem with_nuisances(Eigen::VectorXd& q) const;
   [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return options_.inputs; }
   /// Whether a scene parameter is fitted or moved by an input in that state.
   [[nodiscard]] bool is_stated(int state, const std::string& target) const;
-  /// Residuals of FRFs in the order of their rows: first row, lines, relative uncertainties.
+  /// Lines of one FRF that are fitted: two residuals each, from row `first` on.
   struct FrfRows {
-    Eigen::Index first = 0;
-    std::vector<double> relative_std;
-    std::size_t frf = 0;  ///< index in the state
     int state = 0;
     std::size_t load = 0;
-    std::vector<double> frequency_hz = {};
+    const MeasuredFrf* frf = nullptr;
+    Eigen::Index first = 0;
+    std::vector<Eigen::Index> line = {};
+    std::vector<double> frequency_hz = {}, relative_std = {};
+    std::vector<char> difference = {};  ///< 1: residual H / H_measured - 1, else their logarithm
   };
   [[nodiscard]] std::vector<FrfRows> frf_rows(const std::vector<UpdateMatch>& matches) const;
-  [[nodiscard]] int fewest_segments() const;  ///< in any member
   [[nodiscard]] model::Scene scene_at(int state, const Eigen::VectorXd& q) const;
   /// `matches`: modes are asked for that these need; null: all that may pair.
   [[nodiscard]] UpdateStateModes modes(int state, const Eigen::VectorXd& q, bool derivatives,
@@ -177,7 +184,6 @@ class UpdateProblem {
   /// Factor on a state's measured frequencies where the inputs change its sample rate at q.
   [[nodiscard]] double measured_factor(int state, const Eigen::VectorXd& q) const;
   [[nodiscard]] bool uncertainties_known() const { return uncertainties_known_; }
-  [[nodiscard]] int evaluations() const { return shared_->evaluations; }
 
   /// A prior where there was none.
   void set_prior(Eigen::Index coordinate, double q, double std) {
@@ -187,12 +193,6 @@ class UpdateProblem {
   }
 
  private:
-  // Lines of one FRF that are fitted, with their relative uncertainty.
-  struct FrfLines {
-    std::vector<Eigen::Index> line;
-    std::vector<double> relative_std;
-    std::vector<char> difference;  // 1: residual H / H_measured - 1, else their logarithm
-  };
   struct Targets {
     std::vector<std::string> names;
     std::vector<std::pair<Eigen::Index, double>> owner;  // coordinate, factor
@@ -208,7 +208,6 @@ class UpdateProblem {
                                              const ModeNeed& need) const;
   [[nodiscard]] bool damping_fitted(const MeasuredMode& mode) const;
   [[nodiscard]] bool counts(int state) const;
-  [[nodiscard]] bool is_resolved(int state) const;
   [[nodiscard]] int mode_count(int state) const;  // that may pair
   [[nodiscard]] Targets targets_of(int state) const;
   [[nodiscard]] bool is_free(int state, const std::string& target) const;
@@ -221,15 +220,14 @@ class UpdateProblem {
                        Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
   [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
                                  std::string& failure) const;
-  [[nodiscard]] FrfLines lines_of(const MeasuredFrf& frf) const;
-  [[nodiscard]] std::vector<FrfRows> frf_rows_of(int state) const;  // `first` left 0
+  [[nodiscard]] FrfRows rows_of(int state, const MeasuredFrf& frf) const;
+  [[nodiscard]] std::vector<FrfRows> rows_of(int state) const;  // `first` from 0
   [[nodiscard]] bool frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
                                    Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
 
   std::vector<UpdateState> states_;
   std::vector<FreeParameter> free_;
   UpdateOptions options_;
-  int held_out_;
   std::vector<UpdateCoordinate> coordinates_;
   std::vector<std::set<std::string>> present_;  // parameters of each state's scene
   std::vector<bool> joint_dampers_;             // by state: in its scene, or to be found
@@ -242,11 +240,8 @@ class UpdateProblem {
   Eigen::Index parameters_ = 0, priors_ = 0;
   bool uncertainties_known_ = true, damping_ = false;
   UpdateVariant variant_;
-  struct Shared {  // by copies of a problem too
-    std::atomic<int> evaluations{0};
-    std::atomic<bool> narrow{true};  // asking for the paired modes alone has not failed yet
-  };
-  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+  // By copies of a problem too: asking for the paired modes alone has not failed yet.
+  std::shared_ptr<std::atomic<bool>> narrow_ = std::make_shared<std::atomic<bool>>(true);
 };
 
 /// Root mean square of the relative errors of pairs that are no leakage; NaN without any.

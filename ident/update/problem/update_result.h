@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -74,10 +75,6 @@ struct UpdateFit {
   /// Std of such a random error of FRFs, relative in every line, beyond the lines' uncertainties
   /// and shared errors (inputs, place of the hits).
   double frf_model_std = 0;
-  /// Number of neighbouring FRF lines that err together, from the autocorrelation of residuals. For
-  /// the probability, chi2 and its degrees of freedom are divided by it; variances are multiplied
-  /// by it.
-  double correlated_lines = 1;
   [[nodiscard]] bool ruled_out() const { return stated && p_value < 0.01; }
 };
 
@@ -90,6 +87,21 @@ struct UpdateAlternative : AssignmentLikelihood {
   std::vector<UpdatedUnpaired> unpaired;
   double rms_relative_error = 0;
   double model_std = 0;  ///< as in UpdateFit
+};
+
+/// A state predicted from the fit of the others.
+struct HeldOut {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  int state = 0;
+  std::string name;  ///< the state's
+  UpdateStatus status = UpdateStatus::not_converged;
+  double rms_fitted = kNone;     ///< over the fitted states
+  double rms_predicted = kNone;  ///< held-out state
+  double rms_before = kNone;     ///< held-out state, at the start values
+  double frf_fitted = kNone, frf_predicted = kNone,
+         frf_before = kNone;                         ///< rms |ln FRF ratio| likewise
+  std::vector<UpdatedPair> pairs;                    ///< held-out state
+  std::optional<model::Scene> scene = std::nullopt;  ///< held-out state, as predicted
 };
 
 struct UpdateResult {
@@ -117,11 +129,11 @@ struct UpdateResult {
   double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< ln, over all answers
   double chi_squared = 0, degrees_of_freedom = 0;  ///< with the final weights of the fit
   double variance_factor = 1;
-  double coverage_factor = 1.96;  ///< for 95 %
-  double segment_factor = 1;      ///< times the segments that "auto" members have for modes
-  int starts = 0;                 ///< local fits of the search
-  int pairings = 0, model_evaluations = 0;
+  double coverage_factor = 1.96;     ///< for 95 %
+  double segment_factor = 1;         ///< times the segments that "auto" members have for modes
+  int starts = 0;                    ///< local fits of the search
   std::vector<model::Scene> scenes;  ///< updated, by state
+  std::vector<HeldOut> held = {};    ///< each state, if asked for
   Eigen::VectorXd coordinates;       ///< solution, as identifiability has them, for refits
 };
 

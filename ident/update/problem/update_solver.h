@@ -16,7 +16,6 @@ struct UpdateSolution {
   UpdateMatches matches;
   double cost = std::numeric_limits<double>::infinity();
   bool converged = false;
-  int pairings = 0;
   std::string failure;
 };
 
@@ -29,8 +28,5 @@ struct UpdateSolution {
 /// Half the sum of squares; false when there is no model.
 [[nodiscard]] bool cost_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
                            const Eigen::VectorXd& q, double& cost);
-
-/// What `update_model` gives for a problem that may hold a state out.
-[[nodiscard]] UpdateResult update_result(UpdateProblem problem, const UpdateOptions& options);
 
 }  // namespace rigfit::ident

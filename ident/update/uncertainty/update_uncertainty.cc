@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ident/update/uncertainty/frf_correlation.h"
 #include "ident/update/uncertainty/update_misfit.h"
 #include "signal/numerics/numbers.h"
 
@@ -14,8 +13,37 @@ namespace {
 
 using signal::kNaN;
 
-// `correlated`: what lines that err together make of a coordinate's variance, over that of
-// independent lines with the stated uncertainties; 0: no such lines.
+// R_0 t: what lines of FRFs that err together, under a window or by a model that is a little off,
+// make of a variance over that of independent lines. With z_k the complex residual of line k,
+// R_l = mean Re(conj(z_k) z_(k+l)) / 2 correlates each FRF with itself, and t = 1 + 2 sum_l R_l /
+// R_0 up to the first R_l / R_0 that chance explains, 2 / sqrt(lines). Source: Bartlett, J. R.
+// Stat. Soc. 98 (1935) 536. 0 without FRFs.
+double correlated_variance(const std::vector<UpdateProblem::FrfRows>& all,
+                           const Eigen::VectorXd& r) {
+  std::size_t longest = 0, lines = 0;
+  for (const auto& rows : all) {
+    longest = std::max(longest, rows.line.size());
+    lines += rows.line.size();
+  }
+  double R_0 = 0, sum = 0;
+  for (std::size_t lag = 0; lag <= longest / 3; ++lag) {
+    double R = 0, count = 0;
+    for (const auto& rows : all) {
+      if (rows.line.size() <= lag) continue;
+      const auto pairs = static_cast<Eigen::Index>(rows.line.size() - lag);
+      count += static_cast<double>(pairs);
+      R += r.segment(rows.first, 2 * pairs)
+               .dot(r.segment(rows.first + 2 * static_cast<Eigen::Index>(lag), 2 * pairs)) /
+           2;
+    }
+    if (count > 0) R /= count;
+    if (lag == 0) R_0 = R;
+    if (lag > 0 && !(R / R_0 >= 2 / std::sqrt(2 * static_cast<double>(lines)))) break;
+    sum += lag == 0 ? R : 2 * R;
+  }
+  return sum;
+}
+
 void state_variance_factor(const UpdateProblem& problem, const UpdateOptions& options,
                            double correlated, UpdateResult& result) {
   const double reduced =
@@ -30,8 +58,7 @@ void state_variance_factor(const UpdateProblem& problem, const UpdateOptions& op
     result.variance_factor = correlated;
     from_scatter = std::isfinite(reduced);
   }
-  result.coverage_factor = coverage_factor(
-      0.95, from_scatter ? result.degrees_of_freedom / result.fit.correlated_lines : 0);
+  result.coverage_factor = coverage_factor(0.95, from_scatter ? result.degrees_of_freedom : 0);
   if (!stated && !std::isfinite(reduced)) {
     result.message +=
         "State the frequencies' uncertainties: without more data than unknowns the assumed one "
@@ -52,7 +79,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   const Eigen::Index data = r.size() - problem.prior_count();
   result.chi_squared = r.squaredNorm();
   result.degrees_of_freedom = static_cast<double>(r.size() - n) - problem.shared_residuals();
-  state_variance_factor(problem, options, correlated_variance_factor(problem, matches, r, J),
+  state_variance_factor(problem, options, correlated_variance(problem.frf_rows(matches), r),
                         result);
   // The factor is one of the data: priors are what they say.
   const double factor = std::sqrt(std::max(result.variance_factor, 1e-12));

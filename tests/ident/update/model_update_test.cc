@@ -1,5 +1,4 @@
 #include "ident/update/model_update.h"
-#include "ident/update/update_checks.h"
 
 #include <gtest/gtest.h>
 

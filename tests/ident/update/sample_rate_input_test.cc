@@ -1,6 +1,4 @@
-// A sample rate that files state rounded: common to all recordings at that rate.
-#include "ident/update/problem/sample_rate_input.h"
-
+// A sample rate that files state rounded: common to all recordings.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,11 +28,9 @@ std::vector<UpdateState> tests(int count, double off) {
   return all;
 }
 
-UpdatedParameter tension(const std::vector<UpdateState>& states,
-                         const std::vector<StateClock>& clocks) {
-  UpdateOptions options = testing::plain_options();
-  options.inputs = sample_rate_inputs(clocks);
-  const auto result = update_model(states, {{"cable.tension"}}, options);
+UpdatedParameter tension(std::vector<UpdateState> states, double rate_std) {
+  for (auto& state : states) state.clock_relative_std = rate_std;
+  const auto result = update_model(states, {{"cable.tension"}}, testing::plain_options());
   EXPECT_EQ(result.status, UpdateStatus::converged) << result.message;
   EXPECT_FALSE(result.fit.ruled_out());
   return result.parameters[0];
@@ -50,29 +46,18 @@ double part_of(const UpdatedParameter& found, const std::string& source) {
 
 // f goes by sqrt(T) but for the part of EI, some percent of a frequency squared: 2 e of T.
 TEST(SampleRateInput, OneClockIsNotAveragedOverItsRecordings) {
-  const auto one = tension(tests(1, 0), {{0, 1000, kRate}});
+  const auto one = tension(tests(1, 0), kRate);
   EXPECT_NEAR(part_of(one, "sample rate"), 2 * kRate * kTension, 0.1 * 2 * kRate * kTension);
-  std::vector<StateClock> shared, apart;
-  shared.reserve(4), apart.reserve(4);
-  for (int k = 0; k < 4; ++k) {
-    shared.push_back({k, 1000, kRate});
-    apart.push_back({k, 1000.0 + 24 * k, kRate});
-  }
-  const auto four = tension(tests(4, 0), shared);
+  const auto four = tension(tests(4, 0), kRate);
   // A half, were each test's clock its own. The part of EI tells a little of the clock, four tests
   // four times as much.
   EXPECT_GT(four.std, 0.9 * part_of(one, "sample rate"));
   EXPECT_LT(four.std, one.std);
-  // Four stated rates are four roundings.
-  EXPECT_NEAR(part_of(tension(tests(4, 0), apart), "sample rate"),
-              0.5 * part_of(one, "sample rate"), 0.01 * part_of(one, "sample rate"));
 }
 
 TEST(SampleRateInput, TheIntervalHoldsWhereTheRateIsOff) {
-  const std::vector<StateClock> clocks{
-      {0, 1000, kRate}, {1, 1000, kRate}, {2, 1000, kRate}, {3, 1000, kRate}};
   const auto states = tests(4, 1.2 * kRate);
-  const auto told = tension(states, clocks), untold = tension(states, {});
+  const auto told = tension(states, kRate), untold = tension(states, 0);
   EXPECT_LE(told.low, kTension);
   EXPECT_GE(told.high, kTension);
   EXPECT_GT(untold.low, kTension);
@@ -86,11 +71,10 @@ TEST(SampleRateInput, LinesOfFrfsAreOffTogether) {
   auto frfs = testing::hammered_frfs(lines, quiet, 3, 16);
   constexpr double kOff = 1.5;
   for (auto& frf : frfs) frf.frequency_hz *= 1 + kOff * kRate;
-  const UpdateState state{
+  UpdateState state{
       "", testing::hammered_beam(1.01 * testing::kBeamEI, testing::kTipMass, 16), {}, frfs};
-  UpdateOptions options = testing::plain_options();
-  options.inputs = sample_rate_inputs({{0, 2048, kRate}});
-  const auto result = update_model({state}, {{"beam.EI_z"}}, options);
+  state.clock_relative_std = kRate;
+  const auto result = update_model({state}, {{"beam.EI_z"}}, testing::plain_options());
   ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
   const auto& EI = result.parameters[0];
   const double by_rate = 2 * kRate * testing::kBeamEI;
@@ -99,18 +83,6 @@ TEST(SampleRateInput, LinesOfFrfsAreOffTogether) {
   EXPECT_GT(std::abs(EI.value - testing::kBeamEI), by_rate);
   EXPECT_LE(EI.low, testing::kBeamEI);
   EXPECT_GE(EI.high, testing::kBeamEI);
-}
-
-TEST(SampleRateInput, ClocksByRate) {
-  const auto inputs =
-      sample_rate_inputs({{0, 1000, 1e-4}, {0, 1000, 3e-4}, {1, 1000, 2e-4}, {1, 1024, 0}});
-  ASSERT_EQ(inputs.size(), 1u);
-  EXPECT_EQ(inputs[0].name, "sample rate");
-  ASSERT_EQ(inputs[0].effects.size(), 2u);
-  EXPECT_EQ(inputs[0].effects[0].change, 3e-4);
-  EXPECT_EQ(inputs[0].effects[1].change, 2e-4);
-  EXPECT_EQ(sample_rate_inputs({{0, 1000, 1e-4}, {1, 1024, 1e-4}})[1].name,
-            "sample rate of 1024 Hz");
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 // What the number of segments does to updated parameters, against closed forms and fine models.
-#include "ident/update/uncertainty/update_segments.h"
 
 #include <gtest/gtest.h>
 
