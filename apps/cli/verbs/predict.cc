@@ -221,8 +221,7 @@ describe::Options options_of(PredictCommand& c) {
 
 Verb predict_verb() {
   return verb_of<PredictCommand>(
-      "predict",
-      "Modes and FRFs of another scene with the parameters of a fit, with intervals",
+      "predict", "Modes and FRFs of another scene with the parameters of a fit, with intervals",
       kPredictExample, run);
 }
 
