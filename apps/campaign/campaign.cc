@@ -424,44 +424,33 @@ void read_keys(TomlTable& table, const Options& keys) {
   }
 }
 
-namespace {
-
-std::vector<std::string> row_of(const Option& key, const std::string& before) {
-  std::string meaning = key.text();
-  const auto add = [&](const std::string& text) {
-    if (!text.empty()) meaning += (meaning.empty() ? "" : "; ") + text;
+Options campaign_keys() {
+  // The options show the defaults of these.
+  static Campaign campaign;
+  static ident::StrandGeometry strand;
+  static RecordingGroup group;
+  static BendingTest bending;
+  static AxialTest axial;
+  static DecayTest decay;
+  static ModalTest modal;
+  static TensionTest tension;
+  static ident::SceneUse use;
+  static CampaignTest test;
+  static CampaignFit fit;
+  static FitParameter parameter;
+  static std::string other;
+  Options all;
+  std::string heading;
+  const auto also = [&](const std::string& name, const std::string& meaning) {
+    all.push_back(option(name, other, meaning).group(heading));
   };
-  if (!key.words.empty()) add(fmt::format("\"{}\"", fmt::join(key.words, "\", \"")));
-  if (std::isfinite(key.highest)) add(describe::range_text(key));
-  if (const auto text = key.default_text(); !text.empty()) add("default: " + text);
-  if (key.is_required) add("required");
-  for (const auto& other : key.only_with) add("with " + other);
-  return {"  " + before + key.name, meaning};
-}
-
-}  // namespace
-
-std::vector<KeySection> campaign_keys() {
-  Campaign campaign;
-  ident::StrandGeometry strand;
-  RecordingGroup group;
-  BendingTest bending;
-  AxialTest axial;
-  DecayTest decay;
-  ModalTest modal;
-  TensionTest tension;
-  ident::SceneUse use;
-  CampaignTest test;
-  CampaignFit fit;
-  FitParameter parameter;
-  std::vector<KeySection> all;
   const auto add = [&](const std::string& title, const Options& keys,
                        const std::string& before = "") {
-    if (all.empty() || all.back().title != title) all.push_back({title, {}});
-    for (const auto& key : keys) all.back().rows.push_back(row_of(key, before));
-  };
-  const auto also = [&](const std::string& key, const std::string& meaning) {
-    all.back().rows.push_back({"  " + key, meaning});
+    heading = title;
+    for (Option key : keys) {
+      key.name.insert(0, before);
+      all.push_back(key.group(heading));
+    }
   };
   add("top level", keys_of(campaign));
   add("[report]", keys_of(campaign.report));
@@ -473,14 +462,14 @@ std::vector<KeySection> campaign_keys() {
   also("name, kind", fmt::format("\"{}\"; required", fmt::join(kinds_of_tests(), "\", \"")));
   also("title", "Default: its name");
   add("[[test]] kind = \"bending\"", keys_of(bending));
-  add(all.back().title, channel_keys_of(bending), "channels.");
+  add(heading, channel_keys_of(bending), "channels.");
   add("[[test]] kind = \"axial\"", keys_of(axial));
   add("[[test]] kind = \"decay\"", keys_of(decay));
   add("[[test]] kind = \"modal\"", keys_of(modal));
   add("[[test]] kind = \"decay\", \"modal\"", {});
   also("scene", "Name of the scene that stands for the rig");
   also("sensors.CHANNEL", "The scene's sensor, where names differ");
-  add(all.back().title, keys_of(use));
+  add(heading, keys_of(use));
   add("[[test]] kind = \"tension\"", keys_of(tension));
   add("[test.table]: results instead of recordings (bending, modal)", {});
   also("file", "Required");
@@ -490,8 +479,9 @@ std::vector<KeySection> campaign_keys() {
   add("[[test.recording]]", keys_of(group));
   also("sample_rate_hz, time_unit, decimal, separator, format, variables, sheet, channel",
        "As in a sidecar (rigfit help sidecar)");
-  add("[[fit]]: of scenes to modal tests", keys_of(fit));
+  add("[[fit]]: of scenes to modal tests", {});
   also("name", "Required");
+  add(heading, keys_of(fit));
   add("[[fit.parameter]]", keys_of(parameter));
   return all;
 }

@@ -197,12 +197,8 @@ struct Campaign {
 /// needs.
 void read_keys(document::TomlTable& table, const describe::Options& keys);
 
-/// Keys of a table for `rigfit help campaign`: name, meaning with unit, range and default.
-struct KeySection {
-  std::string title;
-  std::vector<std::vector<std::string>> rows;
-};
-[[nodiscard]] std::vector<KeySection> campaign_keys();
+/// Every key of a campaign, below the heading of its table, for `rigfit help campaign`.
+[[nodiscard]] describe::Options campaign_keys();
 
 }  // namespace rigfit::apps
 

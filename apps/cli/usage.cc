@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <string_view>
 
@@ -57,55 +58,50 @@ std::string synopsis(const Option& option) {
   return (kind == "numbers" || kind == "texts") && option.numbers == 0 ? text + " ..." : text;
 }
 
-/// The meaning with limits and default in brackets.
-std::string meaning(const Option& option) {
+/// The meaning with limits and default in brackets; of a key of a file also its words.
+std::string meaning(const Option& option, bool key) {
   std::vector<std::string> more;
-  if (option.is_required && !by_place(option)) more.emplace_back("required");
-  if (const auto range = range_text(option);
-      range.starts_with("from ") && range.find(" to ") != range.npos) {
-    more.push_back(range.substr(5));
+  if (key && !option.words.empty()) {
+    more.push_back(fmt::format("\"{}\"", fmt::join(option.words, "\", \"")));
   }
+  if (option.is_required && (key || !by_place(option))) more.emplace_back("required");
+  if (std::isfinite(option.highest)) more.push_back(range_text(option).substr(5));
   if (const auto value = option.default_text(); !value.empty()) more.push_back("default " + value);
+  for (const auto& other : option.only_with) {
+    if (key) more.push_back("with " + other);
+  }
   std::string text = option.text();
   if (!more.empty()) text += fmt::format(" ({})", fmt::join(more, "; "));
   return text;
 }
 
-void add_options(std::string& text, const describe::Options& options, const std::string& heading,
-                 std::size_t width) {
+/// A name and its meaning beside it, or below where the name is long.
+void add_row(std::string& text, const std::string& name, const std::string& meaning,
+             std::size_t width) {
   constexpr std::size_t kIndent = 26;
-  bool any = false;
-  for (const auto& option : options) {
-    if (option.heading != heading) continue;
-    if (!any) text += "\n" + (heading.empty() ? std::string("Options") : heading) + ":\n";
-    any = true;
-    std::string line = "  " + synopsis(option);
-    const auto own_std = [&](const Option& other) { return other.name == option.name + "-std"; };
-    if (std::any_of(options.begin(), options.end(), own_std)) line += "[,STD]";
-    if (line.size() + 2 > kIndent) {
-      text += wrapped(line, 6, width) + "\n";
-      line.clear();
-    }
-    line.resize(kIndent, ' ');
-    text += wrapped(line + meaning(option), kIndent, width) + "\n";
+  std::string line = "  " + name;
+  if (line.size() + 2 > kIndent) {
+    text += wrapped(line, 6, width) + "\n";
+    line.clear();
   }
+  line.resize(kIndent, ' ');
+  text += wrapped(line + meaning, kIndent, width) + "\n";
 }
 
-/// Text for roff: backslashes, and lines that begin with a control character.
-std::string roff(const std::string& text) {
-  std::string out;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const bool begins = k == 0 || text[k - 1] == '\n';
-    if (begins && (text[k] == '.' || text[k] == '\'')) out += "\\&";
-    if (text[k] == '\\') {
-      out += "\\e";
-    } else if (text[k] == '-') {
-      out += "\\-";
-    } else {
-      out += text[k];
+/// Options, or keys of a file, below their headings.
+std::string options_text(const describe::Options& options, bool keys, std::size_t width) {
+  std::string text, heading = "\n";
+  for (const auto& option : options) {
+    if (option.heading != heading) {
+      heading = option.heading;
+      text += "\n" + (heading.empty() ? std::string("Options") : heading) + (keys ? "\n" : ":\n");
     }
+    const auto own_std = [&](const Option& other) { return other.name == option.name + "-std"; };
+    const bool has_std = std::any_of(options.begin(), options.end(), own_std);
+    add_row(text, keys ? option.name : synopsis(option) + (has_std ? "[,STD]" : ""),
+            meaning(option, keys), width);
   }
-  return out;
+  return text;
 }
 
 /// The JSON schema of described results, built from their descriptions; under `$defs` what each
@@ -120,94 +116,46 @@ describe::Json result_schema() {
           {"$defs", {{"axial", std::move(axial)}, {"tension", std::move(tension)}}}};
 }
 
-using Row = std::vector<std::string>;
-
-/// Cells of "| a | b |", without backticks.
-Row cells_of(std::string_view line) {
-  Row cells;
-  std::size_t at = 1;
-  while (at < line.size()) {
-    const std::size_t end = std::min(line.find('|', at), line.size());
-    std::string cell(line.substr(at, end - at));
-    std::erase(cell, '`');
-    const std::size_t first = cell.find_first_not_of(' ');
-    const std::size_t last = cell.find_last_not_of(' ');
-    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
-    at = end + 1;
+/// A row "| a | b | c | d |" of a reference, without backticks: two cells name, the others mean.
+void add_table_row(std::string& text, const std::string& line, std::size_t width) {
+  std::string sides[2];
+  std::istringstream cells(line.substr(1));
+  int number = 0;
+  for (std::string cell; std::getline(cells, cell, '|'); ++number) {
+    cell.erase(0, cell.find_first_not_of(' '));
+    cell.erase(cell.find_last_not_of(' ') + 1);
+    std::string& side = sides[number < 2 ? 0 : 1];
+    if (!cell.empty()) side += (side.empty() ? "" : number < 2 ? " " : "; ") + cell;
   }
-  return cells;
-}
-
-/// The columns under each other; the last one wraps.
-std::string aligned(const std::vector<Row>& rows) {
-  const std::size_t width = text_width();
-  constexpr std::size_t kWidest = 44;
-  std::vector<std::size_t> widths;
-  for (const auto& row : rows) {
-    widths.resize(std::max(widths.size(), row.size()), 0);
-    for (std::size_t c = 0; c + 1 < row.size(); ++c) {
-      widths[c] = std::min(kWidest, std::max(widths[c], row[c].size()));
-    }
-  }
-  std::string text;
-  for (const auto& row : rows) {
-    std::string line;
-    std::size_t indent = 0;
-    for (std::size_t c = 0; c + 1 < row.size(); ++c) {
-      line += row[c];
-      indent += widths[c] + 2;
-      if (line.size() + 2 > indent) {
-        text += line + '\n';
-        line.clear();
-      }
-      line.resize(indent, ' ');
-    }
-    text += wrapped(line + row.back(), indent, std::max(width, indent + 30)) + '\n';
-  }
-  return text;
+  add_row(text, sides[0], sides[1], width);
 }
 
 }  // namespace
 
 std::string key_reference(const std::string& document) {
+  const std::size_t width = text_width();
   if (document == "campaign") {
-    std::string text = "Paths are relative to the campaign; `rigfit new` writes one.\n";
-    for (const auto& section : campaign_keys()) {
-      text += '\n' + section.title + '\n' + aligned(section.rows);
-    }
-    return text;
+    return "Paths are relative to the campaign; `rigfit new` writes one.\n" +
+           options_text(campaign_keys(), true, width);
   }
   const std::string title = document == "scene"     ? "## Scene\n"
                             : document == "sidecar" ? "## Sidecar\n"
                                                     : "";
-  std::string_view page = assets::apps_readme;
+  std::string page(assets::apps_readme);
   const std::size_t begin = page.find(title);
-  if (title.empty() || begin == std::string_view::npos) return "";
+  if (title.empty() || begin == std::string::npos) return "";
   page = page.substr(begin + title.size());
-  page = page.substr(0, page.find("\n## "));
+  std::erase(page, '`');
+  std::istringstream lines(page.substr(0, page.find("\n## ")));
   std::string text;
-  std::vector<Row> table;
-  const auto flush = [&] {
-    if (!table.empty()) text += aligned(table);
-    table.clear();
-  };
-  while (!page.empty()) {
-    const std::size_t end = std::min(page.find('\n'), page.size());
-    const std::string_view line = page.substr(0, end);
-    page = page.substr(std::min(page.size(), end + 1));
-    if (line.starts_with("|---")) continue;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("|---") || line == "toml") continue;  // rules and fences
     if (line.starts_with("|")) {
-      table.push_back(cells_of(line));
-      continue;
+      add_table_row(text, line, width);
+    } else if (!line.empty() || !text.empty()) {
+      text += line + '\n';
     }
-    flush();
-    if (line.starts_with("```")) continue;
-    std::string plain(line);
-    std::erase(plain, '`');
-    text += plain + '\n';
   }
-  flush();
-  text.erase(0, text.find_first_not_of('\n'));
   return text;
 }
 
@@ -252,31 +200,22 @@ std::string verb_help(const Verb& verb, std::size_t width) {
   }
   std::string text =
       wrapped(verb.does, 0, width) + "\n\n" + wrapped(usage + " [OPTIONS]", 4, width) + "\n";
-  std::vector<std::string> headings{""};
-  for (const auto& option : verb.options) {
-    if (std::find(headings.begin(), headings.end(), option.heading) == headings.end()) {
-      headings.push_back(option.heading);
-    }
-  }
-  for (const auto& heading : headings) add_options(text, verb.options, heading, width);
+  text += options_text(verb.options, false, width);
   return verb.example.empty() ? text : text + '\n' + wrapped(verb.example, 0, width) + '\n';
 }
 
 void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::ostream& out) {
   const std::string word = arguments.empty() ? "" : arguments[0];
-  const std::string more = arguments.size() > 1 ? arguments[1] : "";
   if (word.empty()) {
     out << program_help(verbs, text_width());
   } else if (const auto keys = key_reference(word); !keys.empty()) {
     out << keys;
   } else if (word == "schema") {
     out << result_schema().dump(2) << '\n';
-  } else if (word == "man") {
-    out << man_page(verbs, more.empty() ? nullptr : &verb_named(verbs, more), RIGFIT_VERSION);
   } else {
     auto known = names_of(verbs);
     if (std::find(known.begin(), known.end(), word) == known.end()) {
-      for (const char* other : {"scene", "campaign", "sidecar", "schema", "man"}) {
+      for (const char* other : {"scene", "campaign", "sidecar", "schema"}) {
         known.emplace_back(other);
       }
       throw UsageError("no help on \"" + word + "\"" + did_you_mean(word, known) +
@@ -284,17 +223,6 @@ void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::os
     }
     out << verb_help(verb_named(verbs, word), text_width());
   }
-}
-
-std::string man_page(const Verbs& verbs, const Verb* verb, const std::string& version) {
-  const std::string title = verb == nullptr ? "rigfit" : "rigfit-" + verb->name;
-  return fmt::format(
-      ".TH \"{0}\" 1 \"\" \"rigfit {1}\" \"rigfit\"\n.SH NAME\n{0} \\- {2}\n.SH "
-      "DESCRIPTION\n.nf\n{3}"
-      ".fi\n.SH EXIT STATUS\n0 done; 2 usage error; 3 unreadable input; 4 refused: the data cannot "
-      "support what was asked; 5 did not converge; 1 an internal error.\n",
-      roff(title), version, roff(verb == nullptr ? kDoes : verb->does),
-      roff(verb == nullptr ? program_help(verbs, 78) : verb_help(*verb, 78)));
 }
 
 std::size_t text_width() {

@@ -1,5 +1,5 @@
-// What the program says of itself: help by `rigfit help WORD`, the word most like a misspelt one,
-// manual pages. All of it from the described options of the verbs.
+// What the program says of itself: help by `rigfit help WORD`, the word most like a misspelt one.
+// All of it from the described options of the verbs.
 #pragma once
 
 #include <cstddef>
@@ -36,10 +36,6 @@ void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::os
                                        const std::vector<std::string>& words);
 
 [[nodiscard]] std::vector<std::string> names_of(const describe::Options& options);
-
-/// Manual page in roff: of the program, or of a verb.
-[[nodiscard]] std::string man_page(const Verbs& verbs, const Verb* verb,
-                                   const std::string& version);
 
 /// Sets what `arguments` (behind the verb's name) give; in command_line.cc, the only file that
 /// knows CLI11. Throws UsageError, with the nearest option where one is misspelt.

@@ -4,13 +4,11 @@
 
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "apps/cli/verb.h"
-#include "apps/report/drawing/svg_plot.h"
 #include "apps/report/page/report_page.h"
 
 namespace rigfit::apps {
@@ -18,8 +16,6 @@ namespace rigfit::apps {
 struct ReportOptions {
   ReportStyle style = ReportStyle::lab;
   bool pdf = false;  ///< report.pdf (and appendix.pdf) beside the page
-  /// Size and font of the figures for papers; none: as on the page.
-  std::optional<SvgOptions> figures;
   bool force = false;  ///< another campaign's report in the folder may be replaced
 };
 

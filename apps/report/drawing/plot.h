@@ -42,7 +42,7 @@ struct SeriesLook {
   Marker marker = Marker::none;
   bool hollow = false;    ///< a marker of paper with a coloured edge
   bool line = false;      ///< its points are joined
-  const char* dash = "";  ///< as in SVG, for a font of 12 px; empty: full line
+  const char* dash = "";  ///< as in SVG; empty: full line
 };
 /// `overlaid`: a test stands in the same figure, and a model is broken.
 [[nodiscard]] SeriesLook look_of(const PlotSeries& series, bool overlaid = false);
@@ -64,7 +64,6 @@ struct Plot {
   std::vector<PlotMark> marks = {};
   /// Plots with the same word here share the abscissa: the page zooms and reads them together.
   std::string link = {};
-  bool angle = false;  ///< ordinate in degrees: ticks at parts of a turn
 
   void add(PlotSeries one) {
     if (!one.x.empty()) series.push_back(std::move(one));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -15,8 +16,6 @@ namespace {
 
 using Marker = SeriesLook::Marker;
 
-constexpr double kPxPerMm = 96 / 25.4;
-constexpr double kPxPerPt = 96.0 / 72;
 constexpr double kCharacter = 6.6;  // px that a character of 12 px takes, on the mean
 // Longer series: only the extremes by half pixel are drawn.
 constexpr std::size_t kDenseSeries = 900;
@@ -74,19 +73,6 @@ SvgAxis axis_of(const Plot& plot, bool x_axis) {
     axis.high = high + margin;
   }
   return axis;
-}
-
-/// Parts of a turn that cover [low, high].
-std::vector<double> angle_ticks(double low, double high, int count) {
-  double step = 30;
-  for (const double next : {45.0, 90.0, 180.0, 360.0, 720.0, 1800.0, 3600.0, 18000.0}) {
-    if ((high - low) / step <= count) break;
-    step = next;
-  }
-  std::vector<double> ticks;
-  for (double k = std::ceil(low / step); k * step <= high; ++k)
-    ticks.push_back(k == 0 ? 0 : k * step);
-  return ticks;
 }
 
 /// Tick values in as few digits as tell them apart.
@@ -155,26 +141,16 @@ std::vector<Pixel> visible(const PlotSeries& series, const SvgAxis& x, const Svg
   return kept;
 }
 
-std::string marker(const SeriesLook& look, double x, double y, double r) {
-  std::string path;
-  switch (look.marker) {
-    case Marker::none:
-    case Marker::dot:
-      return "";
-    case Marker::circle:
-      path =
-          fmt::format("M-{0:g} 0a{0:g} {0:g} 0 1 0 {1:g} 0a{0:g} {0:g} 0 1 0 -{1:g} 0z", r, 2 * r);
-      break;
-    case Marker::square:
-      path = fmt::format("M-{0:g} -{0:g}h{1:g}v{1:g}h-{1:g}z", 0.9 * r, 1.8 * r);
-      break;
-    case Marker::diamond:
-      path = fmt::format("M0 -{0:g}l{0:g} {0:g}l-{0:g} {0:g}l-{0:g} -{0:g}z", 1.25 * r);
-      break;
-    case Marker::cross:
-      path = fmt::format("M-{0:g} -{0:g}l{1:g} {1:g}m0 -{1:g}l-{1:g} {1:g}", 1.1 * r, 2.2 * r);
-      break;
-  }
+std::string marker(const SeriesLook& look, double x, double y) {
+  static constexpr std::array<const char*, 6> kPaths{// by Marker, 4 px to each side
+                                                     "",
+                                                     "",
+                                                     "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z",
+                                                     "M-3.6 -3.6h7.2v7.2h-7.2z",
+                                                     "M0 -5l5 5l-5 5l-5 -5z",
+                                                     "M-4.4 -4.4l8.8 8.8m0 -8.8l-8.8 8.8"};
+  const char* const path = kPaths[static_cast<std::size_t>(look.marker)];
+  if (*path == '\0') return "";
   const bool strokes = look.marker == Marker::cross;
   return fmt::format("<path class=\"m{}\" transform=\"translate({:.1f} {:.1f})\" d=\"{}\"{}/>\n",
                      look.hollow ? " hollow"
@@ -208,43 +184,37 @@ std::string band(const PlotSeries& series, const SvgAxis& x, const SvgAxis& y) {
                      path);
 }
 
-std::string dash(const SeriesLook& look, double scale) {
-  if (*look.dash == '\0') return {};
-  std::string text;
-  for (const char* at = look.dash; *at != '\0'; ++at) {
-    if (*at != ' ') text += fmt::format("{}{:g}", text.empty() ? "" : " ", (*at - '0') * scale);
-  }
-  return fmt::format(" stroke-dasharray=\"{}\"", text);
+std::string dash(const SeriesLook& look) {
+  return *look.dash == '\0' ? "" : fmt::format(" stroke-dasharray=\"{}\"", look.dash);
 }
 
 std::string points(const PlotSeries& series, const SeriesLook& look, const SvgAxis& x,
-                   const SvgAxis& y, double scale) {
+                   const SvgAxis& y) {
   std::string svg, dots;
   for (std::size_t i = 0; i < series.x.size(); ++i) {
     if (!x.shows(series.x[i]) || !y.shows(series.y[i])) continue;
     const double px = x.at(series.x[i]), py = y.at(series.y[i]);
     if (i < series.low.size() && y.shows(series.low[i]) && y.shows(series.high[i])) {
-      const double cap = 4 * scale;
       svg += fmt::format(
-          "<path class=\"line\" d=\"M{0:.1f} {1:.1f}V{2:.1f}M{3:.1f} {1:.1f}h{4:g}M{3:.1f} "
-          "{2:.1f}h{4:g}\" fill=\"none\" stroke-width=\"1.3\"/>\n",
-          px, y.at(series.high[i]), y.at(series.low[i]), px - cap, 2 * cap);
+          "<path class=\"line\" d=\"M{0:.1f} {1:.1f}V{2:.1f}M{3:.1f} {1:.1f}h8M{3:.1f} {2:.1f}h8\" "
+          "fill=\"none\" stroke-width=\"1.3\"/>\n",
+          px, y.at(series.high[i]), y.at(series.low[i]), px - 4);
     }
     if (look.marker == Marker::dot) {
       dots += fmt::format("M{:.1f} {:.1f}h0", px, py);
     } else {
-      svg += marker(look, px, py, 4 * scale);
+      svg += marker(look, px, py);
     }
   }
   if (dots.empty()) return svg;
   return svg + fmt::format(
-                   "<path class=\"line\" d=\"{}\" fill=\"none\" stroke-width=\"{:g}\" "
+                   "<path class=\"line\" d=\"{}\" fill=\"none\" stroke-width=\"3\" "
                    "stroke-linecap=\"round\"/>\n",
-                   dots, 3 * scale);
+                   dots);
 }
 
 std::string line(const PlotSeries& series, const SeriesLook& look, const SvgAxis& x,
-                 const SvgAxis& y, double scale) {
+                 const SvgAxis& y) {
   std::string path;
   bool pen_down = false;
   for (const auto& p : visible(series, x, y)) {
@@ -254,14 +224,14 @@ std::string line(const PlotSeries& series, const SeriesLook& look, const SvgAxis
   return fmt::format(
       "<path class=\"line\" d=\"{}\" fill=\"none\" stroke-width=\"{:g}\" "
       "stroke-linejoin=\"round\"{}/>\n",
-      path, (series.x.size() > kDenseSeries ? 1.2 : 1.8) * scale, dash(look, scale));
+      path, (series.x.size() > kDenseSeries ? 1.2 : 1.8), dash(look));
 }
 
 /// One figure being laid out and drawn.
 class SvgFigure {
  public:
-  SvgFigure(const Plot& plot, const SvgOptions& options)
-      : plot_(plot), options_(options), em_(options.font_size / 12) {
+  SvgFigure(const Plot& plot, double width, double height)
+      : plot_(plot), width_(width), height_(height) {
     x_ = axis_of(plot, true);
     y_ = axis_of(plot, false);
     lay_out();
@@ -290,13 +260,11 @@ class SvgFigure {
   };
 
   void lay_out() {
-    y_.ticks = plot_.angle
-                   ? angle_ticks(y_.low, y_.high, 6)
-                   : axis_ticks(y_.low, y_.high, ticks_along(options_.height, 62), y_.logarithmic);
+    y_.ticks = axis_ticks(y_.low, y_.high, ticks_along(height_, 62), y_.logarithmic);
     double longest = 6;
     for (const auto& label : tick_labels(y_)) longest = std::max(longest, length_of(label));
-    const double left = em_ * (30 + kCharacter * longest), right = 16 * em_;
-    const double top = (plot_.marks.empty() ? 12 : 26) * em_;
+    const double left = 30 + kCharacter * longest, right = 16;
+    const double top = (plot_.marks.empty() ? 12 : 26);
     // The legend stands below in rows; one entry a group.
     std::set<std::string> listed;
     double row_width = 0;
@@ -304,20 +272,20 @@ class SvgFigure {
     for (const auto& one : plot_.series) {
       const std::string name = group_of(one);
       if (!listed.insert(name).second) continue;
-      const double width = em_ * (44 + kCharacter * length_of(name));
-      if (row_width + width > options_.width - left - right && row_width > 0) {
+      const double width = 44 + kCharacter * length_of(name);
+      if (row_width + width > width_ - left - right && row_width > 0) {
         rows_.emplace_back();
         row_width = 0;
       }
       rows_.back().push_back({&one, name, width});
       row_width += width;
     }
-    const double bottom = em_ * (52 + 20 * static_cast<double>(rows_.size()));
+    const double bottom = 52 + 20 * static_cast<double>(rows_.size());
     x_.from = left;
-    x_.to = options_.width - right;
-    y_.from = options_.height - bottom;
+    x_.to = width_ - right;
+    y_.from = height_ - bottom;
     y_.to = top;
-    x_.ticks = axis_ticks(x_.low, x_.high, ticks_along(options_.width, 86), x_.logarithmic);
+    x_.ticks = axis_ticks(x_.low, x_.high, ticks_along(width_, 86), x_.logarithmic);
     const auto whole = [](double value) { return value == std::round(value); };
     if (std::all_of(plot_.series.begin(), plot_.series.end(), [&](const PlotSeries& one) {
           return std::all_of(one.x.begin(), one.x.end(), whole);
@@ -328,22 +296,18 @@ class SvgFigure {
 
   /// How many ticks have room, so many px of 12 px text apart.
   [[nodiscard]] int ticks_along(double length, double apart) const {
-    return std::clamp(static_cast<int>(length / (apart * em_)), 2, 12);
+    return std::clamp(static_cast<int>(length / (apart)), 2, 12);
   }
 
   void open() {
-    const auto& o = options_;
-    const std::string size = o.in_mm
-                                 ? fmt::format("width=\"{:g}mm\" height=\"{:g}mm\"",
-                                               o.width / kPxPerMm, o.height / kPxPerMm)
-                                 : fmt::format("width=\"{:g}\" height=\"{:g}\"", o.width, o.height);
     svg_ += fmt::format(
-        "<svg class=\"fig\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:g} {:g}\" {} "
-        "data-x=\"{:g} {:g} {:d}\" data-y=\"{:g} {:g} {:d}\" data-link=\"{}\" role=\"img\" "
-        "font-family=\"{}\" font-size=\"{:g}\">\n<title>{}</title>\n<desc>{}</desc>\n",
-        o.width, o.height, size, x_.low, x_.high, x_.logarithmic, y_.low, y_.high, y_.logarithmic,
-        escaped(plot_.link), escaped(o.font), o.font_size, escaped(plot_.title),
-        escaped(plot_.caption));
+        "<svg class=\"fig\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:g} {1:g}\" "
+        "width=\"{0:g}\" height=\"{1:g}\" data-x=\"{2:g} {3:g} {4:d}\" data-y=\"{5:g} {6:g} "
+        "{7:d}\" "
+        "data-link=\"{8}\" role=\"img\" font-family=\"sans-serif\" font-size=\"12\">\n"
+        "<title>{9}</title>\n<desc>{10}</desc>\n",
+        width_, height_, x_.low, x_.high, x_.logarithmic, y_.low, y_.high, y_.logarithmic,
+        escaped(plot_.link), escaped(plot_.title), escaped(plot_.caption));
   }
 
   void text(double x, double y, const char* anchor, const std::string& words,
@@ -361,26 +325,25 @@ class SvgFigure {
       const double at = x_.at(x_.ticks[i]);
       svg_ += fmt::format("<path class=\"grid\" d=\"M{:.1f} {:.1f}V{:.1f}\" stroke=\"#ddd\"/>", at,
                           y_.from, y_.to);
-      text(at, y_.from + 17 * em_, "middle", x_labels[i]);
+      text(at, y_.from + 17, "middle", x_labels[i]);
     }
     svg_ += "</g>\n";
     for (std::size_t i = 0; i < y_.ticks.size(); ++i) {
       const double at = y_.at(y_.ticks[i]);
       svg_ += fmt::format("<path class=\"grid\" d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"#ddd\"/>",
                           x_.from, at, x_.to);
-      text(x_.from - 7 * em_, at + 4 * em_, "end", y_labels[i]);
+      text(x_.from - 7, at + 4, "end", y_labels[i]);
     }
     svg_ += fmt::format(
         "<rect class=\"frame\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" "
         "fill=\"none\" "
         "stroke=\"#888\"/>\n",
         x_.from, y_.to, x_.to - x_.from, y_.from - y_.to);
-    text(0.5 * (x_.from + x_.to), y_.from + 36 * em_, "middle", plot_.x_label);
+    text(0.5 * (x_.from + x_.to), y_.from + 36, "middle", plot_.x_label);
     svg_ += fmt::format(
-        "<text class=\"t\" transform=\"translate({:.1f} {:.1f}) rotate(-90)\" "
-        "text-anchor=\"middle\" "
-        "fill=\"#222\">{}</text>\n",
-        16 * em_, 0.5 * (y_.from + y_.to), escaped(plot_.y_label));
+        "<text class=\"t\" transform=\"translate(16 {:.1f}) rotate(-90)\" "
+        "text-anchor=\"middle\" fill=\"#222\">{}</text>\n",
+        0.5 * (y_.from + y_.to), escaped(plot_.y_label));
   }
 
   void marks() {
@@ -392,13 +355,13 @@ class SvgFigure {
       svg_ += fmt::format(
           "<path class=\"mark\" d=\"M{:.1f} {:.1f}V{:.1f}\" fill=\"none\" stroke=\"#888\"{}/>\n",
           at, y_.from, y_.to, mark.doubtful ? " stroke-dasharray=\"3 3\"" : "");
-      const double half = 0.5 * em_ * kCharacter * length_of(mark.label);
+      const double half = 0.5 * kCharacter * length_of(mark.label);
       if (at - half < last) continue;  // no room beside the one before
-      last = at + half + 4 * em_;
+      last = at + half + 4;
       labels += fmt::format(
           "<text class=\"t at\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" "
           "fill=\"#222\">{}</text>\n",
-          std::clamp(at, x_.from + half, std::max(x_.from + half, x_.to - half)), y_.to - 6 * em_,
+          std::clamp(at, x_.from + half, std::max(x_.from + half, x_.to - half)), y_.to - 6,
           escaped(mark.label));
     }
     labels_ = std::move(labels);
@@ -430,8 +393,8 @@ class SvgFigure {
         const bool marked = look.marker != Marker::none;
         svg_ += opened(one, "") + "<title>" + escaped(one.name) + "</title>\n";
         if (look.line && !marked && !one.low.empty()) svg_ += band(one, x_, y_);
-        if (look.line) svg_ += line(one, look, x_, y_, em_);
-        if (marked) svg_ += points(one, look, x_, y_, em_);
+        if (look.line) svg_ += line(one, look, x_, y_);
+        if (marked) svg_ += points(one, look, x_, y_);
         svg_ += "</g>\n";
       }
     }
@@ -439,35 +402,32 @@ class SvgFigure {
 
   void legend() {
     svg_ += labels_;
-    double y = y_.from + 56 * em_;
+    double y = y_.from + 56;
     for (const auto& row : rows_) {
       double x = x_.from;
       for (const auto& entry : row) {
         const SeriesLook look = look_of(*entry.series, overlaid());
-        const double middle = x + 12 * em_, height = y - 4 * em_;
+        const double middle = x + 12, height = y - 4;
         svg_ += opened(*entry.series, " lg");
         if (look.line) {
           svg_ += fmt::format(
-              "<path class=\"line\" d=\"M{:.1f} {:.1f}h{:g}\" fill=\"none\" "
-              "stroke-width=\"{:g}\"{}/>",
-              x, height, 24 * em_, 2 * em_, dash(look, em_));
+              "<path class=\"line\" d=\"M{:.1f} {:.1f}h24\" fill=\"none\" stroke-width=\"2\"{}/>",
+              x, height, dash(look));
         }
         if (look.marker == Marker::dot) {
-          svg_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:g}\"/>", middle, height,
-                              1.8 * em_);
+          svg_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"1.8\"/>", middle, height);
         }
-        svg_ += marker(look, middle, height, 4 * em_);
-        text(x + 30 * em_, y, "start", entry.name, " stroke=\"none\"");
+        svg_ += marker(look, middle, height);
+        text(x + 30, y, "start", entry.name, " stroke=\"none\"");
         svg_ += "</g>\n";
         x += entry.width;
       }
-      y += 20 * em_;
+      y += 20;
     }
   }
 
   const Plot& plot_;
-  const SvgOptions& options_;
-  double em_;  ///< size of the font against 12 px
+  double width_, height_;  ///< px
   SvgAxis x_, y_;
   std::vector<std::vector<Entry>> rows_;
   std::string svg_, labels_;
@@ -511,18 +471,8 @@ std::string standalone_svg(const std::string& svg) {
          "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>" + svg.substr(end + 1);
 }
 
-SvgOptions print_size(double width_mm, double height_mm, const std::string& font, double size_pt) {
-  SvgOptions options;
-  options.width = width_mm * kPxPerMm;
-  options.height = height_mm * kPxPerMm;
-  options.font = font;
-  options.font_size = size_pt * kPxPerPt;
-  options.in_mm = true;
-  return options;
-}
-
-std::string svg_plot(const Plot& plot, const SvgOptions& options) {
-  return SvgFigure(plot, options).drawn();
+std::string svg_plot(const Plot& plot, double width, double height) {
+  return SvgFigure(plot, width, height).drawn();
 }
 
 std::string svg_sheet(const std::string& title, const std::vector<SvgPanel>& panels, double& width,

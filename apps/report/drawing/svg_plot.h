@@ -10,18 +10,8 @@
 
 namespace rigfit::apps {
 
-struct SvgOptions {
-  double width = 760, height = 440;  ///< px, 96 an inch
-  std::string font = "sans-serif";   ///< CSS font-family
-  double font_size = 12;             ///< px; markers, strokes and margins grow with it
-  bool in_mm = false;                ///< the size is written in mm, for print
-};
-
-/// For a paper: width and height in mm, the font's name and its size in points.
-[[nodiscard]] SvgOptions print_size(double width_mm, double height_mm, const std::string& font,
-                                    double size_pt);
-
-[[nodiscard]] std::string svg_plot(const Plot& plot, const SvgOptions& options = {});
+/// `width`, `height`: px, 96 an inch; letters are 12 px high.
+[[nodiscard]] std::string svg_plot(const Plot& plot, double width = 760, double height = 440);
 
 /// A figure of a sheet: an svg element of its own, px.
 struct SvgPanel {

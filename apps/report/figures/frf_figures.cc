@@ -167,7 +167,6 @@ Plot phase_plot(const std::string& id, const signal::FrfSet& frfs, const LineRan
             "180° at every mode and rises by as much at every antiresonance. Lines whose phase is "
             "not known to 20° are left out.",
             "frequency, Hz", "phase, degrees"};
-  plot.angle = true;
   add_frfs(plot, frfs, range, origin, [](Index, Index) { return 0.0; });
   for (auto& series : plot.series) series.y = unwrapped(frfs, range, series.variant);
   return plot;

@@ -20,9 +20,7 @@ namespace {
 constexpr double kPageWidth = 440, kPageHeight = 290;
 
 SvgPanel panel_of(const Plot& plot, const std::string& state) {
-  SvgOptions options;
-  return {state.empty() ? plot.title : state + ": " + plot.title, svg_plot(plot, options),
-          options.width, options.height};
+  return {state.empty() ? plot.title : state + ": " + plot.title, svg_plot(plot)};
 }
 
 }  // namespace
@@ -177,15 +175,12 @@ void BlockHtml::add(const PlotGroup& group) {
 }
 
 void BlockHtml::add(const Plot& plot) {
-  SvgOptions options;
-  options.width = kPageWidth;
-  options.height = kPageHeight;
   html_ += fmt::format(
       "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{4} id=\"{0}-title\">{1}</h{4}>\n"
       "<div class=\"plot\">{2}</div><div class=\"readout\" aria-live=\"polite\"></div>\n"
       "<figcaption>{5} {3}{6}</figcaption>\n</figure>\n",
-      escaped(plot.id), escaped(plot.title), svg_plot(plot, options), escaped(plot.caption),
-      heading_, number("Figure", ++figures_), links_to(plot.id));
+      escaped(plot.id), escaped(plot.title), svg_plot(plot, kPageWidth, kPageHeight),
+      escaped(plot.caption), heading_, number("Figure", ++figures_), links_to(plot.id));
 }
 
 std::string figures_page(const std::string& title, const std::string& repeat,

@@ -39,7 +39,6 @@ TEST(Usage, HelpIsThereForEveryVerbAndFile) {
     EXPECT_THAT(modal + run_line("help report").out, Not(HasSubstr(internal)));
   }
   EXPECT_THAT(run_line("help scene").out, HasSubstr("mass_per_length"));
-  EXPECT_THAT(run_line("help man decay").out, StartsWith(".TH \"rigfit\\-decay\" 1"));
   const auto wrong = run_line("help scen");
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("did you mean scene?"));

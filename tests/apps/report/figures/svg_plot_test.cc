@@ -116,23 +116,6 @@ TEST(SvgPlot, ErrorBarsLieInsideTheAxes) {
   }
 }
 
-TEST(SvgPlot, HasTheSizeAndFontThatAPaperAsksFor) {
-  Plot plot;
-  plot.id = "paper";
-  plot.x_label = "tension, N";
-  PlotSeries line;
-  line.name = "model";
-  line.x = {0, 1};
-  line.y = {0, 1};
-  plot.series = {line};
-  const std::string svg = svg_plot(plot, print_size(85, 60, "Times New Roman", 8));
-  EXPECT_THAT(svg, HasSubstr("width=\"85mm\" height=\"60mm\""));
-  EXPECT_THAT(svg, HasSubstr("font-family=\"Times New Roman\""));
-  EXPECT_THAT(svg, HasSubstr("font-size=\"10.6667\""));  // 8 points of 96 px an inch
-  // 85 mm are 321 px: all labels stand inside.
-  for (const double x : numbers_after(svg, "<text class=\"t\" x=\"")) EXPECT_LT(x, 321.3);
-}
-
 TEST(SvgPlot, MarksStandAtTheirPlaceWithTheirName) {
   Plot plot;
   plot.id = "marks";
