@@ -365,7 +365,6 @@ void add_targets(const InputText& input, const UpdateStates& states, std::size_t
 }  // namespace
 
 std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::string>& texts,
-                                                    double stiffness_common_std,
                                                     const UpdateStates& states) {
   std::vector<ident::UncertainInput> inputs;
   for (const auto& text : texts) {
@@ -393,13 +392,8 @@ std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::strin
   }
   if (states.stiffness.empty()) return inputs;
   std::vector<ident::SceneUse> uses(states.states.size());
-  ident::UncertainInput common{"EI, common to all tests", {}};
   for_each_cable(states, [&](std::size_t s, const model::Member& member) {
-    if (!states.tension[s]) return;
-    const std::string name = member.name + ".EI";
-    uses[s].EI_of.push_back(name);
-    const double change = stiffness_common_std * member.EI[0];
-    if (change > 0) common.effects.push_back({static_cast<int>(s), name, change});
+    if (states.tension[s]) uses[s].EI_of.push_back(member.name + ".EI");
   });
   std::vector<ident::StateUse> of_states;
   for (std::size_t s = 0; s < uses.size(); ++s) {
@@ -408,36 +402,25 @@ std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::strin
   for (auto& input : ident::known_inputs({states.stiffness, {}}, of_states)) {
     inputs.push_back(std::move(input));
   }
-  if (!common.effects.empty()) inputs.push_back(std::move(common));
   return inputs;
 }
 
-std::vector<ident::UncertainInput> axial_inputs(const std::string& path, bool with_damping,
-                                                UpdateStates& states) {
+std::vector<ident::UncertainInput> axial_inputs(const std::string& path, UpdateStates& states) {
   constexpr const char* kBy = "rigfit axial ... --json FILE";
   const Json document = read_document(path, "EA_N", kBy);
-  const auto read = [&](const char* quantity) {
-    const Json value = document.value(quantity, Json());
-    const signal::Estimate estimate{number_in(value, "value"), number_in(value, "std")};
-    if (!(estimate.value > 0) || !(estimate.std > 0)) {
-      throw model::SceneError({path, 0, 0, quantity}, "has no std: it cannot be weighed",
-                              "give --length-std and --mass-std to rigfit axial");
-    }
-    return estimate;
-  };
-  ident::KnownValues known{{}, ident::AxialKnowledge{read("EA_N"), {}}};
-  if (with_damping) known.axial->damping_ratio = read("damping_ratio");
+  const Json value = document.value("EA_N", Json());
+  const signal::Estimate EA_N{number_in(value, "value"), number_in(value, "std")};
+  if (!(EA_N.value > 0) || !(EA_N.std > 0)) {
+    throw model::SceneError({path, 0, 0, "EA_N"}, "has no std: it cannot be weighed",
+                            "give --length-std and --mass-std to rigfit axial");
+  }
+  const ident::KnownValues known{{}, ident::AxialKnowledge{EA_N, {}}};
   std::vector<ident::SceneUse> uses(states.states.size());
   std::vector<ident::StateUse> of_states;
   for (std::size_t s = 0; s < uses.size(); ++s) {
     auto& scene = states.states[s].scene;
-    for (auto& member : scene.members) {
-      if (member.kind != model::Member::Kind::cable) continue;
-      uses[s].EA_of.push_back(member.name + ".EA");
-      if (!with_damping) continue;
-      member.damping = {};  // the ratio takes the place of joint dampers
-      member.damping_ratio = known.axial->damping_ratio.value;
-      uses[s].damping_of.push_back(member.name + ".damping_ratio");
+    for (const auto& member : scene.members) {
+      if (member.kind == model::Member::Kind::cable) uses[s].EA_of.push_back(member.name + ".EA");
     }
     uses[s].scene = scene;
     scene = ident::scene_at(uses[s], known, {}).scene;

@@ -46,15 +46,13 @@ struct UpdateStates {
 /// to the first target's value; "@each" at its end: independent in every state. TARGET is a scene
 /// parameter, or `tension`: that of all cables, as a load cell reads it, with the EI that the
 /// stiffness table gives there. Then a stiffness table's points, where it has their std, each by
-/// itself, and a common part that all share. Throws UsageError, model::SceneError.
+/// itself. Throws UsageError, model::SceneError.
 [[nodiscard]] std::vector<ident::UncertainInput> uncertain_inputs(
-    const std::vector<std::string>& texts, double stiffness_common_std, const UpdateStates& states);
+    const std::vector<std::string>& texts, const UpdateStates& states);
 
-/// Puts the EA of a result of `rigfit axial` (JSON), and its damping ratio when asked for, into all
-/// cables of all states; what each is known to, as inputs that move all of them together. Throws
-/// model::SceneError.
+/// Puts the EA of a result of `rigfit axial` (JSON) into all cables of all states; what it is known
+/// to, as an input that moves all of them together. Throws model::SceneError.
 [[nodiscard]] std::vector<ident::UncertainInput> axial_inputs(const std::string& path,
-                                                              bool with_damping,
                                                               UpdateStates& states);
 
 /// "NAME", "NAME@each", "NAME=TARGET,TARGET,-TARGET", any with "@each" at its end. Throws

@@ -204,7 +204,6 @@ TEST(Refusals, OfUpdate) {
        {modes + "--input cable.EI=-1", 2, "with a positive number at its end"},
        {modes + "--input =1", 2, "not \"=1\""},
        {modes + "--input cable.XX=1", 3, "no parameter \"cable.XX\""},
-       {modes + "--stiffness-std 0.1", 2, "of the --stiffness table, and there is none"},
        {modes + "--hold-out", 2, "--hold-out needs several states"},
        {modes + "--axial @other.json", 3, "has no std"},
        {modes + "--stiffness @other.json", 3, "is no such result"},
@@ -322,7 +321,7 @@ TEST(Refusals, OfRecordings) {
        {"modal @table.csv", 3, "table.csv"},
        {"modal @frf.csv --order 1", 2, "--order"},
        {"modal @frf.csv --band 5000 6000", 4, "0 usable lines"},
-       {"modal @decay.csv --ambient --trigger 5", 2, "--trigger"}});
+       {"modal @decay.csv --ambient --block 2", 2, "--block"}});
 }
 
 const char* const kCampaign = R"(title = "rig"

@@ -21,7 +21,6 @@ struct DecayCommand {
   std::optional<double> start_s, end_s;
   describe::Band band_hz;
   bool each = false;
-  int max_modes = signal::DecayOptions{}.max_modes;
 };
 
 constexpr const char* kDecayExample = R"(Example:
@@ -38,7 +37,6 @@ ident::DecayTest run_decay_test(const signal::Recording& recording, const signal
                                 const DecayCommand& command) {
   ident::DecayTestOptions options;
   options.start_s = command.start_s, options.end_s = command.end_s, options.each = command.each;
-  options.decay.max_modes = command.max_modes;
   const double nyquist = 0.5 * recording.sample_rate_hz;
   if (command.band_hz) {
     std::tie(options.decay.band_low_hz, options.decay.band_high_hz) = *command.band_hz;
@@ -99,8 +97,7 @@ describe::Options options_of(DecayCommand& c) {
       option("--band", c.band_hz, "Report modes between these"),
       option(
           "--each", c.each,
-          "Fit every decay of the record and pool their modes: mean, and scatter between decays"),
-      option("--max-modes", c.max_modes, "Maximum number of modes").within(1, 12)};
+          "Fit every decay of the record and pool their modes: mean, and scatter between decays")};
 }
 
 }  // namespace

@@ -18,7 +18,6 @@ namespace {
 ident::HammerTestOptions hammer_options(const ImpactCommand& command) {
   ident::HammerTestOptions hammer = command.hammer;
   auto& impact = hammer.impact;
-  impact.hits.trigger = command.trigger_percent / 100;
   impact.estimator = command.estimator == "h2"   ? signal::FrfEstimator::h2
                      : command.estimator == "hv" ? signal::FrfEstimator::hv
                                                  : signal::FrfEstimator::h1;
@@ -76,11 +75,6 @@ describe::Options options_of(ImpactCommand& c) {
       option("--band", hits.band_hz, "Band in which the force spectrum is asked for"),
       option("--block", hits.block_s, "Seconds analysed a hit [what uses most of the recordings]")
           .positive(),
-      option("--trigger", c.trigger_percent, "A hit exceeds this much of the largest force", "%")
-          .within(0.1, 100.0),
-      option("--min-pulse-samples", hits.min_pulse_samples,
-             "Samples a pulse needs above 10 % of its peak")
-          .within(1, 10000),
       option("--frequencies-only", hits.accept_unresolved,
              "Keep hits whose pulse is not resolved; the FRFs then have no scale")};
 }
@@ -106,9 +100,7 @@ ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
       throw Refused(finding.where + ": " + finding.message, finding.code);
     }
     if (finding.code == "pulse_not_resolved") {
-      finding.message +=
-          "; --frequencies-only keeps frequencies and damping without amplitudes, and "
-          "--min-pulse-samples accepts shorter pulses from a logger with anti-alias filters";
+      finding.message += "; --frequencies-only keeps frequencies and damping without amplitudes";
     }
   }
   context.tell(run.test.findings);

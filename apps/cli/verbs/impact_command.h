@@ -18,7 +18,6 @@ struct ImpactCommand {
   std::vector<std::string> struck;  ///< point struck in each file; empty: one point in all
   std::string estimator = "h1";
   std::string force_window = "by-noise";  ///< that, "off", "auto" or seconds
-  double trigger_percent = 100 * signal::HitOptions().trigger;
 };
 
 /// Those of the test, without the files.

@@ -23,22 +23,18 @@
 #include "signal/readers/read_frfs.h"
 #include "signal/readers/read_recording.h"
 #include "signal/spectra/coherence_errors.h"
-#include "signal/spectra/window.h"
 #include "signal/writers/write_uff.h"
 
 namespace rigfit::apps {
 namespace {
-using Eigen::Index;
 
 /// The options of `modal`, which begins with a hammer test where it is given recordings of hits.
 struct ModalCommand {
   std::vector<std::string> files;
   ImpactCommand impact;
   int order = signal::LscfOptions().max_order;
-  double max_damping = signal::LscfOptions().max_damping_ratio;
   int averages = 0;  ///< behind the coherence of FRFs from a file; 0: as the file says
   std::string out, synthesis;
-  bool all = false;                     ///< print uncertain modes as well
   bool ambient = false;                 ///< motion under unknown forces: no FRFs, no hits
   std::vector<std::string> references;  ///< stay in place in all set-ups of ambient motion
   std::vector<std::string> of_hits;     ///< options given that mean nothing for FRFs from a file
@@ -46,18 +42,18 @@ struct ModalCommand {
   [[nodiscard]] const describe::Band& band() const { return impact.hammer.impact.hits.band_hz; }
 };
 
-/// The modes as a table: the sure ones, and how many others there are; `all`: those too.
+/// The modes as a table: the sure ones, and how many others there are; with --verbose those too.
 template <class Mode>
-void print_modes(std::ostream& out, std::vector<Mode> modes, bool all) {
+void print_modes(const VerbContext& context, std::vector<Mode> modes) {
   const auto others = std::erase_if(modes, [&](const Mode& one) {
     if constexpr (requires { one.mode; }) {
-      return !all && one.mode.doubtful;
+      return !context.verbose && one.mode.doubtful;
     } else {
-      return !all && one.doubtful;
+      return !context.verbose && one.doubtful;
     }
   });
-  describe::print(out, describe::table_of(modes));
-  if (others > 0) out << fmt::format("and {} uncertain: --all lists them\n", others);
+  describe::print(context.out, describe::table_of(modes));
+  if (others > 0) context.out << fmt::format("and {} uncertain: --verbose lists them\n", others);
 }
 
 // Modes from motion under unknown forces, one or several set-ups.
@@ -77,7 +73,6 @@ signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context
   signal::AmbientOptions options;
   options.channels = command.impact.hammer.responses;
   if (const auto& band = command.band()) std::tie(options.low_hz, options.high_hz) = *band;
-  options.max_damping_ratio = command.max_damping;
   // The usual order of FRFs is not that of half spectra.
   if (command.order != ModalCommand().order) options.max_order = command.order;
   options.threads = context.threads;
@@ -149,7 +144,7 @@ Json ambient_result(const ModalCommand& command, VerbContext& context) {
   result["input_points"] = Json::array();
   result["ambient"] = true;
   result["amplitudes"] = false;  // shapes have no scale
-  print_modes(context.out, found.modes, command.all);
+  print_modes(context, found.modes);
   if (!found.tones.empty()) describe::print(context.out, describe::table_of(found.tones));
   context.out << fmt::format("{:.4g} to {:.4g} Hz, {:.0f} s, correlations to {:.3g} s\n",
                              found.low_hz, found.high_hz, found.duration_s, found.lag_s);
@@ -184,14 +179,7 @@ void refuse_options_of_hits(const ModalCommand& options) {
 
 /// The exponential window that another analyser used, as stated: its decay rate is in every pole.
 void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
-  double rate = options.impact.hammer.impact.exponential_decay_rate_1_s;
-  if (options.impact.hammer.impact.exponential_end_level > 0) {
-    const Index lines = frfs.frequency_hz.size();
-    if (lines < 2) return;
-    const double spacing =
-        (frfs.frequency_hz[lines - 1] - frfs.frequency_hz[0]) / static_cast<double>(lines - 1);
-    rate = signal::decay_rate_for(options.impact.hammer.impact.exponential_end_level, 1 / spacing);
-  }
+  const double rate = options.impact.hammer.impact.exponential_decay_rate_1_s;
   if (!(rate > 0)) return;
   if (frfs.exponential_decay_rate_1_s > 0) {
     throw UsageError(fmt::format(
@@ -204,7 +192,6 @@ void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
 ident::IdentifiedModes identify(const MeasuredFrfs& measured, const ModalCommand& options) {
   signal::ModalOptions modal;
   modal.lscf.max_order = options.order;
-  modal.lscf.max_damping_ratio = options.max_damping;
   auto found = ident::identify(measured.frfs, options.band(), measured.usable_hz, modal);
   if (!found.modal) throw Refused(found.findings.front().message, found.findings.front().code);
   return found;
@@ -258,7 +245,7 @@ Json run(ModalCommand& options, VerbContext& context) {
   context.tell(identified.findings);
   if (!identified.converged()) context.exit_code = ExitCode::not_converged;
   result.update(describe::json_of(found));
-  print_modes(context.out, model.modes, options.all);
+  print_modes(context, model.modes);
   context.out << fmt::format("{:.4g} to {:.4g} Hz, {} lines, model orders to {}", found.low_hz,
                              found.high_hz, found.lines_used, found.stabilisation.orders_solved);
   if (found.misfit_over_error_bars) {
@@ -298,8 +285,6 @@ describe::Options options_of(ModalCommand& c) {
              "recordings of motion under unknown forces, a set-up each")
           .required(),
       option("--order", c.order, "Highest model order of the stabilisation diagram").within(2, 400),
-      option("--max-damping", c.max_damping, "Largest damping ratio that is taken for a mode")
-          .within(1e-6, 0.99),
       option("--out", c.out, "Modes as UFF 55").writes(),
       option(
           "--synthesis", c.synthesis,
@@ -310,7 +295,6 @@ describe::Options options_of(ModalCommand& c) {
       option("--reference", c.references,
              "Channels that stay in place in all set-ups [those that all files have]")
           .needs("--ambient"),
-      option("--all", c.all, "List uncertain modes as well"),
       option("--averages", c.averages,
              "Averages behind the coherence of FRFs from a file [as the file says]")
           .within(1, 1000000)};
@@ -322,7 +306,7 @@ describe::Options options_of(ModalCommand& c) {
       one.unit = "1/s";
     } else if (one.name == "--band") {
       one.meaning = "Band to look for modes in (and for the force spectrum of hits)";
-    } else if (one.name != "--force" && one.name != "--exponential-end-level") {
+    } else if (one.name != "--force") {
       one.told = &c.of_hits;
     }
     options.push_back(std::move(one));

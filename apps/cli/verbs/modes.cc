@@ -19,7 +19,6 @@ struct ModesCommand {
   int count = 6;
   describe::Band band_hz;
   int segments = 0;
-  std::string rotary_inertia = "accurate";
   std::string torsion = "auto";
   bool shapes = false;
 };
@@ -58,9 +57,6 @@ Json run(ModesCommand& options, VerbContext& context) {
   wanted.count = options.count;
   wanted.band_hz = options.band_hz;
   if (options.segments > 0) wanted.segments = options.segments;
-  if (options.rotary_inertia == "rigid_rod") {
-    wanted.rotary_inertia = model::RotaryInertia::rigid_rod;
-  }
   if (options.torsion != "auto") wanted.torsion = options.torsion == "on";
   wanted.shapes = options.shapes || context.plots;
   const model::ModalAnalysis analysis = model::analyse_modes(scene, wanted);
@@ -132,9 +128,6 @@ describe::Options options_of(ModesCommand& c) {
           option("--band", c.band_hz, "All modes between two frequencies").excludes("--count"),
           option("--segments", c.segments, "Segments of every member, instead of the scene's")
               .within(2, 100000),
-          option("--rotary-inertia", c.rotary_inertia,
-                 "Of a segment, and its joints: accurate, or a rigid rod's as in the paper")
-              .one_of({"accurate", "rigid_rod"}),
           option("--torsion", c.torsion, "Model torsion: where needed, always or never")
               .one_of({"auto", "on", "off"}),
           option("--shapes", c.shapes, "Mode shapes at every node in the JSON result")};

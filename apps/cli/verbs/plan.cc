@@ -152,7 +152,7 @@ Json run(PlanCommand& command, VerbContext& context) {
     UpdateStates states;
     states.states = ident::plan_states(scene, command.tensions, command.lengths);
     states.tension.resize(states.states.size());
-    options.inputs = uncertain_inputs(command.inputs, 0, states);
+    options.inputs = uncertain_inputs(command.inputs, states);
     const auto plan = ident::plan_measurements(
         states.states, free_parameters(names, command.priors, scene), goals, options);
     if (!plan.failure.empty()) throw NotConverged(command.scene + ": " + plan.failure);
@@ -179,16 +179,11 @@ describe::Options options_of(PlanCommand& c) {
           .positive(),
       option("--length", c.lengths, "Further lengths of the only member that can be set", "m")
           .positive(),
-      option("--modes", c.plan.modes, "Most modes of each plane that a test can identify")
-          .within(1, 30),
       option("--hits", c.plan.hits, "Numbers of hits that a test may average (default: 5 10 20)")
           .within(1, 1000),
       option("--duration", c.plan.durations_s, "Durations that records may have (default: 4 8 16)",
              "s")
           .within(1e-3, 3600),
-      option("--sensors", c.plan.sensors, "Most sensors in one test").within(1, 100),
-      option("--as-drawn", c.plan.as_drawn,
-             "Hammers and sensors only where and along what the scene says"),
       option("--noise", c.plan.noise_std,
              "Noise of one sample, in the sensors' unit (default: typical instruments)")
           .positive(),
@@ -199,11 +194,7 @@ describe::Options options_of(PlanCommand& c) {
           .within(1e-9, 1.0),
       option("--model-std", c.plan.model_relative_std,
              "Relative error in frequency of the model itself (default: the scene's accuracy)")
-          .within(0.0, 1.0),
-      option("--state-time", c.plan.state_s, "Time to set another tension or length", "s")
-          .from_zero(),
-      option("--place-time", c.plan.place_s, "Time to place a sensor or move the hammer", "s")
-          .from_zero()};
+          .within(0.0, 1.0)};
 }
 
 }  // namespace

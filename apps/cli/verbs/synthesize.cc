@@ -306,9 +306,6 @@ describe::Options options_of(SynthesizeOptions& c) {
       option("--format", c.format,
              "Of hammer and release recordings: csv, or uff (58, binary, single precision)")
           .one_of({"csv", "uff"}),
-      option("--accelerometer-mass", c.rig.accelerometer_mass_kg,
-             "Mass of an accelerometer, kg, where the scene has none at its place")
-          .from_zero(),
       option("--bending-span", c.bending_span,
              "Also the bending test of the scene's first cable, span in m")
           .positive(),

@@ -32,11 +32,9 @@ struct UpdateCommand {
   std::string candidates;         ///< file; empty: none
   std::vector<std::string> ends;  ///< "pinned", "clamped", "springs", "own springs": the same
   std::string out, axial;
-  bool axial_damping = false;
   bool hold_out = false;
   int starts = 4;
   double assumed_std = 0.01, model_std = 0, frf_model_std = 0;
-  double stiffness_common_std = 0;
 };
 
 // `--candidates FILE` and `--ends WORD...`: several models of the same measured modes, each
@@ -287,14 +285,11 @@ ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& sta
   update.threads = context.threads;
   if (!options.axial.empty()) {
     context.input(options.axial);
-    for (auto& input : axial_inputs(options.axial, options.axial_damping, states)) {
+    for (auto& input : axial_inputs(options.axial, states)) {
       update.inputs.push_back(std::move(input));
     }
   }
-  if (options.stiffness_common_std > 0 && states.stiffness.empty()) {
-    throw UsageError("--stiffness-std is of the --stiffness table, and there is none");
-  }
-  for (auto& input : uncertain_inputs(options.inputs, options.stiffness_common_std, states)) {
+  for (auto& input : uncertain_inputs(options.inputs, states)) {
     update.inputs.push_back(std::move(input));
   }
   return update;
@@ -439,15 +434,9 @@ describe::Options options_of(UpdateCommand& c) {
              "Table of tension_N, EI_Nm2 and, where known, std, or the JSON result of rigfit "
              "bending: the cables' EI in each state")
           .file(),
-      option("--stiffness-std", c.stiffness_common_std,
-             "Relative uncertainty of that EI that all its tests share")
-          .within(0.0, 1.0),
       option("--axial", c.axial,
              "JSON result of rigfit axial: EA of all cables, with its uncertainty")
           .file(),
-      option("--axial-damping", c.axial_damping,
-             "With --axial: its damping ratio too becomes that of all cables")
-          .needs("--axial"),
       option("--input", c.inputs,
              "Uncertainty of what is not fitted: TARGET=STD or TARGET=0.5%, several targets with "
              "commas (-TARGET: opposite), `tension` for the cables' reading, @each at the end: "

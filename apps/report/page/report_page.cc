@@ -40,12 +40,6 @@ std::vector<Section> sections_of(std::span<const ReportPart> parts) {
     if (part.id == id) at->title = part.title;
     at->parts.push_back(&part);
   }
-  for (auto& section : sections) {
-    constexpr std::string_view kSuffix = ": recordings";
-    if (section.title.ends_with(kSuffix)) {
-      section.title.resize(section.title.size() - kSuffix.size());
-    }
-  }
   return sections;
 }
 

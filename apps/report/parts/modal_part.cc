@@ -23,7 +23,6 @@ class ModalPart : public TestPartOf<ident::ModalInputs> {
         campaign_(campaign),
         sensors_(inputs_.setup.sensors) {
     part_.id = test.name + "-recordings";
-    part_.title = test.title + ": recordings";
     part_.test = test.name;
     if (test.scene) scene_ = &campaign.scenes[*test.scene].scene;
   }
