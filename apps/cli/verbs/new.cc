@@ -37,10 +37,9 @@ struct NewCommand {
   bool example = false;
   std::vector<std::string> from;
   std::string kind;                                     ///< of all the tests; empty: guessed
-  std::string force_channel;                            ///< of the hammer; empty: guessed
   double span_m = 0, mass_kg = 0, mass_per_length = 0;  ///< 0: not given
   std::vector<double> lengths;  ///< m, of axial and tension tests: for all files, or one each
-  std::vector<std::string> units, sensitivities;  ///< "CHANNEL=g", "CHANNEL=2.27 mV/N"
+  std::vector<std::string> sensitivities;  ///< "CHANNEL=2.27 mV/N"
 };
 
 /// A test of the campaign: files that agree in its keys.
@@ -81,14 +80,7 @@ bool looks_like_a_hammer(const Eigen::VectorXd& samples) {
 
 /// The channel of the hammer: by its name, as a force with pulses, or as the only channel that
 /// looks like one and is no motion by its unit; null: there is none.
-const signal::Channel* hammer_of(const signal::Recording& recording, const std::string& name) {
-  if (!name.empty()) {
-    const auto& all = recording.channels;
-    const auto at = std::find_if(all.begin(), all.end(), [&](const auto& channel) {
-      return signal::lower_case(channel.name) == signal::lower_case(name);
-    });
-    return at == all.end() ? nullptr : &*at;
-  }
+const signal::Channel* hammer_of(const signal::Recording& recording) {
   if (const auto* named = channel_like(recording, {"hammer", "impact"})) return named;
   std::vector<const signal::Channel*> alike;
   for (const auto& channel : recording.channels) {
@@ -138,7 +130,7 @@ std::pair<std::string, std::string> kind_of(const signal::Recording& recording,
 /// The keys of the test and, of an axial test, `length` in those of its recordings.
 GuessedTest test_of(const signal::Recording& recording, const NewCommand& command, double length_m,
                     std::string& of_recording) {
-  const auto* const hammer = hammer_of(recording, command.force_channel);
+  const auto* const hammer = hammer_of(recording);
   const auto bent = load_deflection(recording);
   GuessedTest test;
   std::tie(test.kind, test.why) = kind_of(recording, command, hammer, bent);
@@ -179,7 +171,7 @@ GuessedTest test_of(const signal::Recording& recording, const NewCommand& comman
   if (kind == "modal") {
     if (hammer == nullptr) {
       throw unusable(recording, "has no channel that looks like a hammer's",
-                     "say which it is: --force-channel C");
+                     "name it \"hammer\" by a TOML file beside it");
     }
     test.keys += "force = " + toml_text(hammer->name) + "\nresponses = " + toml_text(responses);
   } else if (kind == "axial") {
@@ -200,39 +192,28 @@ GuessedTest test_of(const signal::Recording& recording, const NewCommand& comman
   return test;
 }
 
-/// "CH5=g" by channel.
-std::map<std::string, std::string> by_channel(const std::vector<std::string>& given,
-                                              const char* option) {
-  std::map<std::string, std::string> result;
-  for (const auto& text : given) result.insert(named_text(option, text, "CHANNEL=VALUE"));
-  return result;
-}
-
 /// What is said of this recording's channels, as keys of a `channel` table.
 std::string channels_text(const signal::Recording& recording, const NewCommand& command) {
-  const auto units = by_channel(command.units, "--unit"),
-             sensitivities = by_channel(command.sensitivities, "--sensitivity");
   std::string text;
   for (const auto& channel : recording.channels) {
-    const auto unit = units.find(channel.name), sensitivity = sensitivities.find(channel.name);
     std::string keys = "{ source = " + toml_text(channel.name);
-    if (sensitivity != sensitivities.end()) {
-      const auto blank = sensitivity->second.find(' ');
+    bool given = false;
+    for (const auto& one : command.sensitivities) {
+      const auto [name, value] = named_text("--sensitivity", one, "\"CHANNEL=2.27 mV/N\"");
+      if (name != channel.name) continue;
+      const auto blank = value.find(' ');
       double number = 0;
       if (blank == std::string::npos ||
-          !signal::parse_whole_number(sensitivity->second.substr(0, blank), '.', number)) {
-        throw UsageError("--sensitivity " + channel.name +
-                         ": write it with its unit, such as \"CH1=2.27 mV/N\"");
+          !signal::parse_whole_number(value.substr(0, blank), '.', number)) {
+        throw UsageError("--sensitivity " + one + ": write it with its unit, such as \"" + name +
+                         "=2.27 mV/N\"");
       }
       keys += fmt::format(", sensitivity = {}, sensitivity_unit = {}", number,
-                          toml_text(sensitivity->second.substr(blank + 1)));
+                          toml_text(value.substr(blank + 1)));
+      given = true;
     }
-    if (unit != units.end()) {
-      keys += ", unit = " + toml_text(unit->second);
-    } else if (sensitivity == sensitivities.end()) {
-      if (!channel.unit.empty()) continue;
-      keys = "# the file gives no unit: " + keys + ", unit = \"m/s^2\"";
-    }
+    if (!given && !channel.unit.empty()) continue;
+    if (!given) keys = "# the file gives no unit: " + keys + ", unit = \"m/s^2\"";
     text += "  " + keys + " },\n";
   }
   return text.empty() ? text : "channel = [\n" + text + "]\n";
@@ -272,16 +253,14 @@ void check_options(const std::string& text, const std::vector<std::string>& chan
        {std::tuple{"--span", command.span_m > 0, "\nspan = "},
         std::tuple{"--mass", command.mass_kg > 0, "\nmass = "},
         std::tuple{"--mass-per-length", command.mass_per_length > 0, "\nmass_per_length = "},
-        std::tuple{"--length", !command.lengths.empty(), "\nlength = "},
-        std::tuple{"--force-channel", !command.force_channel.empty(), "\nforce = "}}) {
+        std::tuple{"--length", !command.lengths.empty(), "\nlength = "}}) {
     if (!given || text.find(key) != std::string::npos) continue;
     throw UsageError(fmt::format(
         "{} belongs to none of these tests: give the files of such a test alone, with --kind",
         option));
   }
-  auto named = by_channel(command.units, "--unit");
-  named.merge(by_channel(command.sensitivities, "--sensitivity"));
-  for (const auto& [name, value] : named) {
+  for (const auto& one : command.sensitivities) {
+    const auto name = named_text("--sensitivity", one, "\"CHANNEL=2.27 mV/N\"").first;
     if (std::find(channels.begin(), channels.end(), name) == channels.end()) {
       throw UsageError("no recording has a channel \"" + name + "\"");
     }
@@ -396,14 +375,11 @@ describe::Options options_of(NewCommand& c) {
              "The commented example with published values (also without --from)")};
   for (auto& one :
        {option("--kind", c.kind, "What the recordings are [guessed]").one_of(kinds_of_tests()),
-        option("--force-channel", c.force_channel, "Channel of the hammer [guessed]"),
         option("--span", c.span_m, "Of bending tests", "m").positive(),
         option("--mass", c.mass_kg, "Of axial tests", "kg").positive(),
         option("--mass-per-length", c.mass_per_length, "Of tension tests", "kg/m").positive(),
         option("--length", c.lengths, "Of axial and tension tests, m: one for all, or one a file")
             .positive(),
-        option("--unit", c.units, "Unit of a channel that the files do not give")
-            .type("CHANNEL=UNIT"),
         option("--sensitivity", c.sensitivities, "Of a channel's transducer")
             .type("\"CHANNEL=2.27 mV/N\"")}) {
     options.push_back(describe::Option(one).needs("--from"));
@@ -417,7 +393,7 @@ Verb new_verb() {
   return verb_of<NewCommand>(
       "new", "Writes a campaign to start from: of one's own recordings, or a commented example",
       "Examples:\n"
-      "  rigfit new my-rig --from hits/*.csv --unit CH8=V --sensitivity \"CH8=2.27 mV/N\"\n"
+      "  rigfit new my-rig --from hits/*.csv --sensitivity \"CH8=2.27 mV/N\"\n"
       "  rigfit new my-rig --example && rigfit report my-rig/campaign.toml",
       run, false, true);
 }

@@ -178,19 +178,17 @@ Json table_of_cables(const TensionCommand& command, VerbContext& context) {
   Json cables = Json::array();
   std::size_t next = 0;
   for (const auto& row : rows) {
-    Json json{{"name", row.test.name}, {"line", row.line}};
+    Json& json = cables.emplace_back(Json{{"name", row.test.name}, {"line", row.line}});
     if (!row.error.empty()) {
       const auto where = fmt::format("{}:{}", command.table, row.line);
       context.refuse("bad_row", row.test.name + ": " + row.error, where);
       json["error"] = row.error;
-      cables.push_back(std::move(json));
       continue;
     }
     const auto& one = results[next++];
     context.tell(one.findings);
     if (!one.tension.solved) {
       json["error"] = one.tension.message;
-      cables.push_back(std::move(json));
       continue;
     }
     json.update(describe::json_of(one.tension));
@@ -203,7 +201,6 @@ Json table_of_cables(const TensionCommand& command, VerbContext& context) {
                        row.test.name, T.value, T.std, one.tension.low, one.tension.high,
                        one.tension.start_N, one.tension.end_N, one.tension.EI_Nm2.value, ends,
                        one.tension.decided ? "yes" : "no");
-    cables.push_back(std::move(json));
   }
   describe::print(context.out, table);
   if (!command.out.empty()) context.write(command.out, out);

@@ -86,9 +86,8 @@ TEST(New, AFolderOfMixedFiles) {
     EXPECT_THAT(refused.err, HasSubstr(message));
   }
   EXPECT_FALSE(std::filesystem::exists(rig + "2"));
-  const auto tension =
-      run_program({"new", rig + "3", "--from", data + "/swing.csv", "--kind", "tension", "--length",
-                   "swing.csv=2.4", "--mass-per-length", "0.167"});
+  const auto tension = run_program({"new", rig + "3", "--from", data + "/swing.csv", "--kind",
+                                    "tension", "--length", "2.4", "--mass-per-length", "0.167"});
   EXPECT_EQ(tension.exit_code, 0) << tension.err;
   EXPECT_THAT(folder.read("rig3/campaign.toml"), HasSubstr("length = 2.4"));
   const auto only = run_program({"new", rig + "4", "--from", data + "/photo.jpg"});

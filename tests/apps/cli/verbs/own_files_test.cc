@@ -88,7 +88,7 @@ TEST(OwnFiles, HammerIsFoundByItsPulses) {
   std::mt19937_64 random(6);
   std::normal_distribution<double> noise(0, 1e-3);
   for (const int hits : {1, 4}) {
-    std::string text = "t;CH1;CH2\n";
+    std::string text = "t;CH1 [g];CH2 [N]\n";
     const double omega = 2 * std::numbers::pi * 25, zeta = 0.02, step = 1e-5;
     double place = 0, speed = 0;
     for (int k = 0; k < 800000; ++k) {
@@ -105,8 +105,7 @@ TEST(OwnFiles, HammerIsFoundByItsPulses) {
     }
     const std::string file = folder.write(fmt::format("data{}/hits.csv", hits), text);
     const std::string rig = (folder.path() / fmt::format("rig{}", hits)).string();
-    const auto made =
-        run_program({"new", rig, "--from", file, "--unit", "CH1=g", "--unit", "CH2=N"});
+    const auto made = run_program({"new", rig, "--from", file});
     ASSERT_EQ(made.exit_code, 0) << made.err;
     EXPECT_THAT(made.out, HasSubstr("pulses of a hammer on channel CH2"));
     const auto report = run_program({"report", rig + "/campaign.toml", "--out", rig + "/report"});
