@@ -8,7 +8,6 @@
 #include "apps/cli/output_file.h"
 #include "apps/cli/plots/browser.h"
 #include "apps/report/drawing/svg_plot.h"
-#include "apps/report/page/tables.h"
 #include "ident/statistics/in_parallel.h"
 
 namespace rigfit::apps {
@@ -132,12 +131,6 @@ void write_report_files(const fs::path& folder, const PageFrame& frame,
     for (const auto& file : part.files) {
       make_output_folder((folder / file.path).parent_path());
       tasks.emplace_back([&folder, &file] { put(folder / file.path, file.content); });
-    }
-    for (const auto& block : part.blocks) {
-      const auto* table = std::get_if<ReportTable>(&block);
-      if (!table || table->rows.size() <= kMostRows) continue;
-      tasks.emplace_back(
-          [&folder, table] { put(folder / "data" / (table->id + ".csv"), table_csv(*table)); });
     }
   }
   const auto answers = all_answers(parts);

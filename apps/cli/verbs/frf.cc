@@ -81,7 +81,7 @@ Json run(FrfCommand& options, VerbContext& context) {
   if (context.plots) {
     const auto band =
         options.impact.hammer.impact.hits.band_hz.value_or(std::pair(0.0, hammer.usable_hz));
-    draw_hammer_test(*context.plots, {&run.places, &hammer, frfs, band.first, band.second});
+    context.plots->add(hammer_plots({&run.places, &hammer, frfs, band.first, band.second}));
   }
 
   // Blocks are as long for all points; a point without hits has none.

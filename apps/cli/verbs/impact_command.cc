@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "apps/campaign_file/recording_description.h"
-#include "apps/report/page/tables.h"
 #include "apps/results/results_json.h"
 #include "signal/readers/csv/csv_fields.h"
 
@@ -110,20 +109,6 @@ ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
                  fmt::format("{} of {} hits rejected; see hits[].reason", hits - accepted, hits));
   }
   return run;
-}
-
-void draw_hammer_test(PlotSheet& sheet, const HammerFigures& figures) {
-  sheet.add(hammer_plots(figures));
-  if (!figures.modal || figures.frfs.responses.size() < 2) return;
-  if (const auto& mac = figures.modal->auto_mac; mac.rows() > 1) {
-    std::vector<std::string> names;
-    for (const auto& mode : figures.modal->model.modes)
-      names.push_back(fmt::format("{:.5g} Hz", mode.frequency_hz.value));
-    sheet.add(Block(matrix_table("mac",
-                                 "MAC between the modes: how alike two shapes are at the sensors, "
-                                 "near 0 beside the diagonal when there are enough of them.",
-                                 mac, names)));
-  }
 }
 
 Json hits_json(const ImpactRun& run) {

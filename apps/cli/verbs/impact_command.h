@@ -34,9 +34,6 @@ struct ImpactRun {
 /// FRFs are empty and `context.refuse` has said why and what can be had.
 [[nodiscard]] ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command);
 
-/// Hits, FRFs and, where there are any, modes with their MAC.
-void draw_hammer_test(PlotSheet& sheet, const HammerFigures& figures);
-
 /// `hits[]`, as `frf` gives them; each with the point `struck` when the hammer roves.
 [[nodiscard]] Json hits_json(const ImpactRun& run);
 

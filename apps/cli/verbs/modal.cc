@@ -255,8 +255,8 @@ Json run(ModalCommand& options, VerbContext& context) {
   context.out << '\n';
   if (context.plots) {
     const auto& run = measured.run;
-    draw_hammer_test(*context.plots, {run ? &run->places : nullptr, run ? &run->test : nullptr,
-                                      measured.frfs, found.low_hz, found.high_hz, &found});
+    context.plots->add(hammer_plots({run ? &run->places : nullptr, run ? &run->test : nullptr,
+                                     measured.frfs, found.low_hz, found.high_hz, &found}));
   }
 
   result["amplitudes"] = measured.amplitudes;

@@ -104,8 +104,7 @@ void BlockHtml::add(const ReportTable& table) {
                                        : escaped(column.name));
   }
   html_ += "</tr></thead>\n<tbody>\n";
-  for (const std::size_t row_index : rows_on_page(table)) {
-    const auto& row = table.rows[row_index];
+  for (const auto& row : table.rows) {
     const bool starts = grouped && !row[0].text.empty();
     html_ += starts ? "<tr class=\"state\">" : "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i) {
@@ -116,24 +115,15 @@ void BlockHtml::add(const ReportTable& table) {
           row[i].origin || i >= table.columns.size() ? row[i].origin : table.columns[i].origin;
       if (origin) css += fmt::format(" o-{}", word_of(*origin));
       if (row[i].doubtful) css += " doubt";
-      if (row[i].shade) css += " shade";
       std::string text = escaped(row[i].text);
       if (!row[i].anchor.empty()) {
         text = fmt::format("<a href=\"#{}\">{}</a>", escaped(row[i].anchor), text);
       }
-      html_ += fmt::format(
-          "<td{}{}>{}</td>", css.empty() ? "" : " class=\"" + css + "\"",
-          row[i].shade ? fmt::format(" style=\"--shade:{:.0f}%\"", 100 * *row[i].shade) : "", text);
+      html_ += fmt::format("<td{}>{}</td>", css.empty() ? "" : " class=\"" + css + "\"", text);
     }
     html_ += "</tr>\n";
   }
   html_ += "</tbody></table></div>\n";
-  if (table.rows.size() > kMostRows) {
-    html_ += fmt::format(
-        "<p class=\"small\">{} of {} rows, those with remarks first; <a "
-        "href=\"data/{}.csv\">all as CSV</a>.</p>\n",
-        kMostRows, table.rows.size(), escaped(table.id));
-  }
   if (!table.fold.empty()) html_ += "</details>\n";
 }
 

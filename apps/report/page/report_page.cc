@@ -410,18 +410,12 @@ class PageWriter {
     html_ += "<section aria-labelledby=\"provenance\"><h2 id=\"provenance\">Provenance</h2>\n";
     html_ += fmt::format("<p>rigfit {}. To repeat: <code>{}</code></p>\n", escaped(RIGFIT_VERSION),
                          escaped(frame_.repeat));
-    const std::size_t most = std::min(frame_.inputs.size(), kMostRows);
     ReportTable table{"inputs",
                       "Inputs and their SHA-256.",
                       {{"file", {}, false}, {"SHA-256", {}, false}},
                       {},
                       counted(frame_.inputs.size(), "input file") + " and their SHA-256"};
-    if (most < frame_.inputs.size()) {
-      table.caption += fmt::format(" The first {}; report.json has all.", most);
-    }
-    for (std::size_t i = 0; i < most; ++i) {
-      table.rows.push_back({frame_.inputs[i].first, frame_.inputs[i].second});
-    }
+    for (const auto& [path, hash] : frame_.inputs) table.rows.push_back({path, hash});
     blocks_.add(table);
     html_ += blocks_.taken() + "</section>\n";
   }

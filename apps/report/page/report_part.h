@@ -32,8 +32,7 @@ struct Cell {
   std::string text;
   std::optional<Origin> origin;  ///< colours the cell; none: as its column
   bool doubtful = false;
-  std::optional<double> shade;  ///< 0..1: how dark the cell stands out (a matrix)
-  std::string anchor;           ///< id of the part that it leads to
+  std::string anchor;  ///< id of the part that it leads to
 };
 
 struct Column {

@@ -56,48 +56,4 @@ ReportTable described_table(const std::string& id, const std::string& caption,
   return shown;
 }
 
-ReportTable matrix_table(const std::string& id, const std::string& caption,
-                         const Eigen::MatrixXd& values, const std::vector<std::string>& names) {
-  ReportTable table{id, caption, {{"", {}, false}}};
-  for (const auto& name : names) table.columns.push_back({name});
-  for (Eigen::Index i = 0; i < values.rows(); ++i) {
-    std::vector<Cell> cells{names[static_cast<std::size_t>(i)]};
-    for (Eigen::Index j = 0; j < values.cols(); ++j) {
-      const double value = values(i, j);
-      cells.emplace_back(std::isfinite(value) ? fmt::format("{:.2f}", value) : "–");
-      if (std::isfinite(value)) cells.back().shade = std::clamp(value, 0.0, 1.0);
-    }
-    table.rows.push_back(std::move(cells));
-  }
-  return table;
-}
-
-std::vector<std::size_t> rows_on_page(const ReportTable& table) {
-  std::vector<std::size_t> rows(table.rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = i;
-  if (rows.size() <= kMostRows) return rows;
-  const auto says_something = [&](std::size_t row) {
-    return std::any_of(table.rows[row].begin(), table.rows[row].end(),
-                       [](const Cell& cell) { return cell.doubtful; });
-  };
-  std::stable_partition(rows.begin(), rows.end(), says_something);
-  rows.resize(kMostRows);
-  std::sort(rows.begin(), rows.end());
-  return rows;
-}
-
-std::string table_csv(const ReportTable& table) {
-  std::string text;
-  for (std::size_t i = 0; i < table.columns.size(); ++i) {
-    text += (i > 0 ? "," : "") + csv_quoted(table.columns[i].name);
-  }
-  text += '\n';
-  for (const auto& row : table.rows) {
-    for (std::size_t i = 0; i < row.size(); ++i)
-      text += (i > 0 ? "," : "") + csv_quoted(row[i].text);
-    text += '\n';
-  }
-  return text;
-}
-
 }  // namespace rigfit::apps

@@ -53,19 +53,5 @@ TEST(ParameterWords, AreNamesAndSymbols) {
   EXPECT_EQ(state_words("200 N"), "200 N");
 }
 
-TEST(PageLimits, RowsWithRemarksComeFirst) {
-  ReportTable table;
-  table.columns = {{"file", {}, false}};
-  for (int i = 0; i < 5000; ++i) {
-    Cell cell(std::to_string(i));
-    cell.doubtful = i == 4321;
-    table.rows.push_back({cell});
-  }
-  const auto rows = rows_on_page(table);
-  EXPECT_EQ(rows.size(), kMostRows);
-  EXPECT_EQ(rows.back(), 4321u);
-  EXPECT_EQ(table_csv(table).substr(0, 11), "\"file\"\n\"0\"\n");
-}
-
 }  // namespace
 }  // namespace rigfit::apps::html_text_test
