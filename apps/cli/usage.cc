@@ -116,16 +116,17 @@ describe::Json result_schema() {
           {"$defs", {{"axial", std::move(axial)}, {"tension", std::move(tension)}}}};
 }
 
-/// A row "| a | b | c | d |" of a reference, without backticks: two cells name, the others mean.
-void add_table_row(std::string& text, const std::string& line, std::size_t width) {
+/// A row "| a | b | c | d |" of a reference, without backticks: `names` cells name, the others
+/// mean.
+void add_table_row(std::string& text, const std::string& line, int names, std::size_t width) {
   std::string sides[2];
   std::istringstream cells(line.substr(1));
   int number = 0;
   for (std::string cell; std::getline(cells, cell, '|'); ++number) {
     cell.erase(0, cell.find_first_not_of(' '));
     cell.erase(cell.find_last_not_of(' ') + 1);
-    std::string& side = sides[number < 2 ? 0 : 1];
-    if (!cell.empty()) side += (side.empty() ? "" : number < 2 ? " " : "; ") + cell;
+    std::string& side = sides[number < names ? 0 : 1];
+    if (!cell.empty()) side += (side.empty() ? "" : number < names ? " " : "; ") + cell;
   }
   add_row(text, sides[0], sides[1], width);
 }
@@ -151,7 +152,7 @@ std::string key_reference(const std::string& document) {
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("|---") || line == "toml") continue;  // rules and fences
     if (line.starts_with("|")) {
-      add_table_row(text, line, width);
+      add_table_row(text, line, document == "scene" ? 2 : 1, width);
     } else if (!line.empty() || !text.empty()) {
       text += line + '\n';
     }

@@ -7,7 +7,6 @@
 
 #include "apps/cli/output_file.h"
 #include "apps/cli/plots/browser.h"
-#include "apps/report/drawing/svg_plot.h"
 #include "ident/statistics/in_parallel.h"
 
 namespace rigfit::apps {
@@ -41,8 +40,8 @@ void each_figure(std::span<const ReportPart> parts, Use use) {
 
 std::string csv_of(const Plot& plot) { return plot_csv(plot); }
 std::string csv_of(const Picture& picture) { return picture.csv; }
-std::string svg_of(const Plot& plot) { return svg_plot(plot); }
-std::string svg_of(const Picture& picture) { return picture.svg; }
+std::string svg_of(const Plot& plot, const SvgOptions& options) { return svg_plot(plot, options); }
+std::string svg_of(const Picture& picture, const SvgOptions&) { return picture.svg; }
 
 void write_pdfs(const fs::path& folder, const ReportOptions& options, VerbContext& context) {
   const fs::path browser = find_chromium();
@@ -122,9 +121,10 @@ void write_report_files(const fs::path& folder, const PageFrame& frame,
     tasks.emplace_back([&] { appendix = appendix_page(frame, rest); });
   }
   each_figure(parts, [&](const auto& figure) {
-    tasks.emplace_back([&folder, &figure] {
+    tasks.emplace_back([&folder, &figure, &options] {
       put(folder / "data" / (figure.id + ".csv"), csv_of(figure));
-      put(folder / "figures" / (figure.id + ".svg"), standalone_svg(svg_of(figure)));
+      put(folder / "figures" / (figure.id + ".svg"),
+          standalone_svg(svg_of(figure, options.figures)));
     });
   });
   for (const auto& part : parts) {

@@ -9,13 +9,15 @@
 #include <vector>
 
 #include "apps/cli/verb.h"
+#include "apps/report/drawing/svg_plot.h"
 #include "apps/report/page/report_page.h"
 
 namespace rigfit::apps {
 
 struct ReportOptions {
   ReportStyle style = ReportStyle::lab;
-  bool pdf = false;  ///< report.pdf (and appendix.pdf) beside the page
+  bool pdf = false;    ///< report.pdf (and appendix.pdf) beside the page
+  SvgOptions figures;  ///< size and font of the figures for papers
   bool force = false;  ///< another campaign's report in the folder may be replaced
 };
 

@@ -14,6 +14,9 @@ struct ReportCommand {
   std::vector<std::string> campaigns;  ///< one, or two to be compared
   std::string out, style = "lab";
   bool pdf = false, force = false;
+  std::vector<double> figure_size;  ///< mm
+  std::string figure_font = "sans-serif";
+  double figure_font_size = 8;  ///< pt
 };
 
 describe::Options options_of(ReportCommand& c) {
@@ -28,7 +31,12 @@ describe::Options options_of(ReportCommand& c) {
                  "lab: one page of everything; client: a short report, the appendix beside it")
               .one_of({"lab", "client"}),
           option("--pdf", c.pdf, "Print to PDF as well, by a Chromium on PATH"),
-          option("--force", c.force, "Replace another campaign's report in the folder")};
+          option("--force", c.force, "Replace another campaign's report in the folder"),
+          option("--figure-size", c.figure_size, "Width and height of the figures for a paper, mm")
+              .count(2)
+              .within(20.0, 1000.0),
+          option("--figure-font", c.figure_font, "Font of these figures"),
+          option("--figure-font-size", c.figure_font_size, "Its size", "pt").within(4.0, 24.0)};
 }
 
 Json run(ReportCommand& c, VerbContext& context) {
@@ -37,6 +45,10 @@ Json run(ReportCommand& c, VerbContext& context) {
   if (c.style == "client") report.style = ReportStyle::client;
   report.pdf = c.pdf;
   report.force = c.force;
+  if (!c.figure_size.empty()) {
+    report.figures =
+        print_size(c.figure_size[0], c.figure_size[1], c.figure_font, c.figure_font_size);
+  }
   std::string out = c.out;
   if (out.empty() && c.campaigns.size() > 1) {
     throw UsageError("two campaigns: name the folder of the comparison, --out DIR");

@@ -230,8 +230,7 @@ std::string line(const PlotSeries& series, const SeriesLook& look, const SvgAxis
 /// One figure being laid out and drawn.
 class SvgFigure {
  public:
-  SvgFigure(const Plot& plot, double width, double height)
-      : plot_(plot), width_(width), height_(height) {
+  SvgFigure(const Plot& plot, const SvgOptions& options) : plot_(plot), options_(options) {
     x_ = axis_of(plot, true);
     y_ = axis_of(plot, false);
     lay_out();
@@ -260,7 +259,7 @@ class SvgFigure {
   };
 
   void lay_out() {
-    y_.ticks = axis_ticks(y_.low, y_.high, ticks_along(height_, 62), y_.logarithmic);
+    y_.ticks = axis_ticks(y_.low, y_.high, ticks_along(options_.height, 62), y_.logarithmic);
     double longest = 6;
     for (const auto& label : tick_labels(y_)) longest = std::max(longest, length_of(label));
     const double left = 30 + kCharacter * longest, right = 16;
@@ -273,7 +272,7 @@ class SvgFigure {
       const std::string name = group_of(one);
       if (!listed.insert(name).second) continue;
       const double width = 44 + kCharacter * length_of(name);
-      if (row_width + width > width_ - left - right && row_width > 0) {
+      if (row_width + width > options_.width - left - right && row_width > 0) {
         rows_.emplace_back();
         row_width = 0;
       }
@@ -282,10 +281,10 @@ class SvgFigure {
     }
     const double bottom = 52 + 20 * static_cast<double>(rows_.size());
     x_.from = left;
-    x_.to = width_ - right;
-    y_.from = height_ - bottom;
+    x_.to = options_.width - right;
+    y_.from = options_.height - bottom;
     y_.to = top;
-    x_.ticks = axis_ticks(x_.low, x_.high, ticks_along(width_, 86), x_.logarithmic);
+    x_.ticks = axis_ticks(x_.low, x_.high, ticks_along(options_.width, 86), x_.logarithmic);
     const auto whole = [](double value) { return value == std::round(value); };
     if (std::all_of(plot_.series.begin(), plot_.series.end(), [&](const PlotSeries& one) {
           return std::all_of(one.x.begin(), one.x.end(), whole);
@@ -300,14 +299,17 @@ class SvgFigure {
   }
 
   void open() {
+    const auto& o = options_;
+    const std::string size = o.px_per_mm > 0
+                                 ? fmt::format("width=\"{:g}mm\" height=\"{:g}mm\"",
+                                               o.width / o.px_per_mm, o.height / o.px_per_mm)
+                                 : fmt::format("width=\"{:g}\" height=\"{:g}\"", o.width, o.height);
     svg_ += fmt::format(
-        "<svg class=\"fig\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:g} {1:g}\" "
-        "width=\"{0:g}\" height=\"{1:g}\" data-x=\"{2:g} {3:g} {4:d}\" data-y=\"{5:g} {6:g} "
-        "{7:d}\" "
-        "data-link=\"{8}\" role=\"img\" font-family=\"sans-serif\" font-size=\"12\">\n"
-        "<title>{9}</title>\n<desc>{10}</desc>\n",
-        width_, height_, x_.low, x_.high, x_.logarithmic, y_.low, y_.high, y_.logarithmic,
-        escaped(plot_.link), escaped(plot_.title), escaped(plot_.caption));
+        "<svg class=\"fig\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:g} {:g}\" {} "
+        "data-x=\"{:g} {:g} {:d}\" data-y=\"{:g} {:g} {:d}\" data-link=\"{}\" role=\"img\" "
+        "font-family=\"{}\" font-size=\"12\">\n<title>{}</title>\n<desc>{}</desc>\n",
+        o.width, o.height, size, x_.low, x_.high, x_.logarithmic, y_.low, y_.high, y_.logarithmic,
+        escaped(plot_.link), escaped(o.font), escaped(plot_.title), escaped(plot_.caption));
   }
 
   void text(double x, double y, const char* anchor, const std::string& words,
@@ -427,7 +429,7 @@ class SvgFigure {
   }
 
   const Plot& plot_;
-  double width_, height_;  ///< px
+  const SvgOptions& options_;
   SvgAxis x_, y_;
   std::vector<std::vector<Entry>> rows_;
   std::string svg_, labels_;
@@ -471,8 +473,13 @@ std::string standalone_svg(const std::string& svg) {
          "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>" + svg.substr(end + 1);
 }
 
-std::string svg_plot(const Plot& plot, double width, double height) {
-  return SvgFigure(plot, width, height).drawn();
+SvgOptions print_size(double width_mm, double height_mm, const std::string& font, double size_pt) {
+  const double px_per_mm = 12 / size_pt * 72 / 25.4;
+  return {width_mm * px_per_mm, height_mm * px_per_mm, font, px_per_mm};
+}
+
+std::string svg_plot(const Plot& plot, const SvgOptions& options) {
+  return SvgFigure(plot, options).drawn();
 }
 
 std::string svg_sheet(const std::string& title, const std::vector<SvgPanel>& panels, double& width,

@@ -10,8 +10,18 @@
 
 namespace rigfit::apps {
 
-/// `width`, `height`: px, 96 an inch; letters are 12 px high.
-[[nodiscard]] std::string svg_plot(const Plot& plot, double width = 760, double height = 440);
+struct SvgOptions {
+  double width = 760, height = 440;  ///< px of the drawing, in which letters are 12 px high
+  std::string font = "sans-serif";   ///< CSS font-family
+  double px_per_mm = 0;              ///< of the drawing where it is printed; 0: it is shown in px
+};
+
+/// For a paper: width and height in mm, the font's name and its size in points. Markers, strokes
+/// and margins go with the font.
+[[nodiscard]] SvgOptions print_size(double width_mm, double height_mm, const std::string& font,
+                                    double size_pt);
+
+[[nodiscard]] std::string svg_plot(const Plot& plot, const SvgOptions& options = {});
 
 /// A figure of a sheet: an svg element of its own, px.
 struct SvgPanel {

@@ -169,8 +169,9 @@ void BlockHtml::add(const Plot& plot) {
       "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{4} id=\"{0}-title\">{1}</h{4}>\n"
       "<div class=\"plot\">{2}</div><div class=\"readout\" aria-live=\"polite\"></div>\n"
       "<figcaption>{5} {3}{6}</figcaption>\n</figure>\n",
-      escaped(plot.id), escaped(plot.title), svg_plot(plot, kPageWidth, kPageHeight),
-      escaped(plot.caption), heading_, number("Figure", ++figures_), links_to(plot.id));
+      escaped(plot.id), escaped(plot.title),
+      svg_plot(plot, {.width = kPageWidth, .height = kPageHeight}), escaped(plot.caption), heading_,
+      number("Figure", ++figures_), links_to(plot.id));
 }
 
 std::string figures_page(const std::string& title, const std::string& repeat,

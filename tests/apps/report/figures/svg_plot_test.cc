@@ -116,6 +116,24 @@ TEST(SvgPlot, ErrorBarsLieInsideTheAxes) {
   }
 }
 
+TEST(SvgPlot, HasTheSizeAndFontThatAPaperAsksFor) {
+  Plot plot;
+  plot.id = "paper";
+  plot.x_label = "tension, N";
+  PlotSeries line;
+  line.name = "model";
+  line.x = {0, 1};
+  line.y = {0, 1};
+  plot.series = {line};
+  const std::string svg = svg_plot(plot, print_size(85, 60, "Times New Roman", 8));
+  EXPECT_THAT(svg, HasSubstr("width=\"85mm\" height=\"60mm\""));
+  EXPECT_THAT(svg, HasSubstr("font-family=\"Times New Roman\""));
+  // Letters are 12 of the drawing's px: 8 points where 85 mm are 85 / 25.4 * 72 * 12 / 8 of them.
+  EXPECT_THAT(svg, HasSubstr("viewBox=\"0 0 361.417 255.118\""));
+  EXPECT_THAT(svg, HasSubstr("font-size=\"12\""));
+  for (const double x : numbers_after(svg, "<text class=\"t\" x=\"")) EXPECT_LT(x, 361.5);
+}
+
 TEST(SvgPlot, MarksStandAtTheirPlaceWithTheirName) {
   Plot plot;
   plot.id = "marks";
