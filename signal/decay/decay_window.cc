@@ -62,6 +62,22 @@ bool decays_before(const Eigen::VectorXd& y, double w, Index first, Index cycle)
          0.1 * running.largest(cycle, std::max<Index>(1, cycle / 2));
 }
 
+// Whether a record that was cut off at a rail comes off it at `at`, which steps its amplitude too:
+// two and more samples on the record's rail in the eight cycles before.
+bool leaves_rail(const Eigen::Ref<const Eigen::VectorXd>& y, Index at, Index cycle) {
+  const Index from = std::max<Index>(0, at - 8 * cycle);
+  for (const double sign : {1.0, -1.0}) {
+    double rail = -std::numeric_limits<double>::infinity(), least = -rail;
+    for (const double v : y) {
+      if (std::isfinite(v)) rail = std::max(rail, sign * v), least = std::min(least, sign * v);
+    }
+    Index on = 0;
+    for (Index j = from; j < at; ++j) on += sign * y(j) >= rail - 1e-12 * (rail - least);
+    if (on >= 2) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y) {
@@ -130,6 +146,7 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
   strong.insert(strong.begin(), w);
 
   std::vector<Index> starts = further_hits(x, strong, missing_before);
+  std::erase_if(starts, [&](Index start) { return leaves_rail(y, start, cycle); });
   const bool known = std::any_of(starts.begin(), starts.end(), [&](Index start) {
     return std::abs(start - chosen.start) < 4 * cycle;
   });

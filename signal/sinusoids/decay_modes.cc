@@ -21,6 +21,7 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 constexpr double kHighestDamping = 0.9;
+constexpr Index kFewDegrees = 200;
 
 class DecayModeSearch {
  public:
@@ -79,6 +80,8 @@ class DecayModeSearch {
                   double noise_variance) const {
     const double gain = fit.residual_sum_squares - more.residual_sum_squares;
     if (!(gain > threshold() * noise_variance)) return false;
+    // Few samples know little of the noise: Fisher's test as well.
+    if (more.degrees < kFewDegrees && !passes_fisher(gain, more)) return false;
     const double white = more.residual_sum_squares / static_cast<double>(more.degrees);
     for (std::size_t m = 0; m < more.poles.size(); ++m) {
       if (is_offset(more.poles[m])) continue;
