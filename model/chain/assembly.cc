@@ -250,8 +250,8 @@ void add_gravity(const Chain& chain, const Numbering& numbering, Eigen::VectorXd
 
 }  // namespace
 
-Assembly::Assembly(const Chain& chain, Motion motion)
-    : chain_(&chain), numbering_(number_unknowns(chain, motion)) {}
+Assembly::Assembly(const Chain& chain, Motion motion, const Numbering* like)
+    : chain_(&chain), numbering_(number_unknowns(chain, motion, like)) {}
 
 void Assembly::force(const ChainState& state, Eigen::VectorXd& force) const {
   assert(force.size() == size());

@@ -22,7 +22,8 @@ namespace rigfit::model {
 
 class Assembly {
  public:
-  Assembly(const Chain& chain, Motion motion);
+  /// `like`: as of `number_unknowns`.
+  Assembly(const Chain& chain, Motion motion, const Numbering* like = nullptr);
 
   [[nodiscard]] const Chain& chain() const { return *chain_; }
   [[nodiscard]] const Numbering& numbering() const { return numbering_; }

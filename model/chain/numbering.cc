@@ -130,7 +130,7 @@ std::vector<bool> borne_rotations(const Chain& chain) {
 
 }  // namespace
 
-Numbering number_unknowns(const Chain& chain, Motion motion) {
+Numbering number_unknowns(const Chain& chain, Motion motion, const Numbering* like) {
   Numbering out;
   out.motion = motion;
   const auto segments = static_cast<Eigen::Index>(chain.segments.size());
@@ -142,20 +142,24 @@ Numbering number_unknowns(const Chain& chain, Motion motion) {
   const std::vector<bool> borne = borne_rotations(chain);
 
   struct Unknown {
-    long key;
+    int nodes[2];  // it stands behind the lower one
+    int kind;
     int* number;
+    long key = 0;
   };
   std::vector<Unknown> unknowns;
   unknowns.reserve(static_cast<std::size_t>(3 * chain.nodes));
-  const std::vector<int> rank = walk(chain);
+  const auto add = [&](int a, int b, int kind, int& number) {
+    number = 0;
+    unknowns.push_back({{a, b}, kind, &number});
+  };
   const auto wanted = [motion](int axis) {
     return motion == Motion::space || (motion == Motion::in_plane ? axis < 2 : axis == 2);
   };
   for (int node = 0; node < chain.nodes; ++node) {
     for (int axis = 0; axis < 3; ++axis) {
       if (!wanted(axis) || chain.fixed(axis, node)) continue;
-      unknowns.push_back(
-          {4L * rank[static_cast<std::size_t>(node)] + 1, &out.displacement(axis, node)});
+      add(node, node, 1, out.displacement(axis, node));
     }
   }
   for (Eigen::Index r = 0; r < rotations; ++r) {
@@ -164,18 +168,26 @@ Numbering number_unknowns(const Chain& chain, Motion motion) {
     for (int axis = 0; axis < 3; ++axis) {
       const bool here = motion == Motion::space || (motion == Motion::in_plane) == (axis == 2);
       if (!here || chain.rotation_fixed(axis, r)) continue;
-      unknowns.push_back({4L * rank[static_cast<std::size_t>(chain.rotating_node[k])] + 2,
-                          &out.rotation(axis, r)});
+      add(chain.rotating_node[k], chain.rotating_node[k], 2, out.rotation(axis, r));
     }
   }
   if (motion != Motion::in_plane) {
     for (Eigen::Index s = 0; s < segments; ++s) {
       const Segment& segment = chain.segments[static_cast<std::size_t>(s)];
-      if (segment.frame < 0) continue;
-      const int low = std::min(rank[static_cast<std::size_t>(segment.a)],
-                               rank[static_cast<std::size_t>(segment.b)]);
-      unknowns.push_back({4L * low + 3, &out.twist[s]});
+      if (segment.frame >= 0) add(segment.a, segment.b, 3, out.twist[s]);
     }
+  }
+  const auto same = [](const auto& numbers, const auto& others) {
+    return numbers.size() == others.size() && ((numbers.array() < 0) == (others.array() < 0)).all();
+  };
+  if (like != nullptr && like->motion == motion && same(out.displacement, like->displacement) &&
+      same(out.twist, like->twist) && same(out.rotation, like->rotation)) {
+    return *like;
+  }
+  const std::vector<int> rank = walk(chain);
+  const auto rank_of = [&](int node) { return rank[static_cast<std::size_t>(node)]; };
+  for (Unknown& x : unknowns) {
+    x.key = 4L * std::min(rank_of(x.nodes[0]), rank_of(x.nodes[1])) + x.kind;
   }
   std::stable_sort(unknowns.begin(), unknowns.end(),
                    [](const Unknown& x, const Unknown& y) { return x.key < y.key; });

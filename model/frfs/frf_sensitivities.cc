@@ -214,8 +214,8 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
     for (std::size_t p = 0; p < wanted.size(); ++p) {
       const Neighbours& near = neighbours[p];
       if (!near.comparable) continue;
-      std::array<MotionModes, 2> moved{motion_of(near.rigs[0], motion.motion),
-                                       motion_of(near.rigs[1], motion.motion)};
+      std::array<MotionModes, 2> moved{motion_of(near.rigs[0], motion),
+                                       motion_of(near.rigs[1], motion)};
       std::array<FrfEquations, 2> sides;
       for (std::size_t s = 0; s < 2; ++s) {
         sides[s] = frf_equations(moved[s], near.rigs[s].state, near.rigs[s].scene);

@@ -138,7 +138,8 @@ bool EquilibriumPerturber::beside(const ParameterAccess& access,
       rig.chain.set_unstretched_length(m, modes_.chain->members[std::size_t(m)].unstretched_length);
     }
     place(modes_.equilibrium.state, rig);
-    rig.assembly = std::make_unique<Assembly>(rig.chain, assembly_->numbering().motion);
+    const Numbering& like = assembly_->numbering();
+    rig.assembly = std::make_unique<Assembly>(rig.chain, like.motion, &like);
     if (rig.assembly->size() != assembly_->size()) return false;
   }
   return true;
@@ -210,10 +211,10 @@ bool EquilibriumPerturber::move(const ParameterAccess& access, ParameterStep& st
   return true;
 }
 
-MotionModes motion_of(const PerturbedEquilibrium& rig, Motion motion) {
+MotionModes motion_of(const PerturbedEquilibrium& rig, const MotionModes& like) {
   MotionModes out;
-  out.motion = motion;
-  out.assembly = std::make_unique<Assembly>(rig.chain, motion);
+  out.motion = like.motion;
+  out.assembly = std::make_unique<Assembly>(rig.chain, like.motion, &like.assembly->numbering());
   out.stiffness = out.assembly->matrix();
   out.mass = out.assembly->matrix();
   Eigen::VectorXd force(out.assembly->size());

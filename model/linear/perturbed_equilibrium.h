@@ -61,7 +61,8 @@ class EquilibriumPerturber {
   std::unique_ptr<Bordered> bordered_;
 };
 
-/// Stiffness and mass of one motion of a perturbed equilibrium, without modes.
-[[nodiscard]] MotionModes motion_of(const PerturbedEquilibrium& rig, Motion motion);
+/// Stiffness and mass of a perturbed equilibrium in the motion `like` of the rig itself, without
+/// modes.
+[[nodiscard]] MotionModes motion_of(const PerturbedEquilibrium& rig, const MotionModes& like);
 
 }  // namespace rigfit::model

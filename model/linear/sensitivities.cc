@@ -136,8 +136,8 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
     for (std::size_t m = 0; m < modes.motions.size(); ++m) {
       const MotionModes& motion = modes.motions[m];
       if (motion.omega2.size() == 0) continue;
-      MotionModes below = motion_of(rigs[0], motion.motion);
-      MotionModes above = motion_of(rigs[1], motion.motion);
+      MotionModes below = motion_of(rigs[0], motion);
+      MotionModes above = motion_of(rigs[1], motion);
       EnvelopeMatrix dk = above.stiffness, dm = above.mass;
       if (dk.values().size() != below.stiffness.values().size()) continue;
       dk.values() = (above.stiffness.values() - below.stiffness.values()) / step.width();
