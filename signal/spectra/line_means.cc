@@ -1,10 +1,10 @@
 #include "signal/spectra/line_means.h"
 
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_movstat.h>
 
 #include <algorithm>
-
-#include "signal/estimation/robust.h"
+#include <memory>
 
 namespace rigfit::signal {
 using Eigen::ArrayXd;
@@ -26,10 +26,13 @@ ArrayXd mean_over_lines(const Eigen::Ref<const ArrayXd>& powers, Index half) {
 
 ArrayXd median_over_lines(const Eigen::Ref<const ArrayXd>& powers, Index half) {
   ArrayXd result(powers.size());
-  for (Index k = 0; k < powers.size(); ++k) {
-    const Index first = std::max<Index>(0, k - half), last = std::min(powers.size(), k + half + 1);
-    result[k] = median({powers.data() + first, powers.data() + last});
-  }
+  if (powers.size() == 0) return result;
+  const auto size = static_cast<std::size_t>(powers.size());
+  const auto values = gsl_vector_const_view_array(powers.data(), size);
+  auto medians = gsl_vector_view_array(result.data(), size);
+  const std::unique_ptr<gsl_movstat_workspace, decltype(&gsl_movstat_free)> work(
+      gsl_movstat_alloc(static_cast<std::size_t>(2 * half + 1)), &gsl_movstat_free);
+  gsl_movstat_median(GSL_MOVSTAT_END_TRUNCATE, &values.vector, &medians.vector, work.get());
   return result;
 }
 
