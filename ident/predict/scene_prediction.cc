@@ -1,10 +1,13 @@
 #include "ident/predict/scene_prediction.h"
 
+#include <gsl/gsl_statistics_double.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <map>
+#include <random>
 #include <stdexcept>
 
 #include "ident/update/pairing/mode_assignment.h"
@@ -114,6 +117,21 @@ model::Scene moved(const model::Scene& base, const Selection& selection,
   }
   return selection.scene(base, values);
 }
+
+/// Vectors of independent standard normal numbers.
+class NormalDraws {
+ public:
+  explicit NormalDraws(std::uint64_t seed) : random_(seed) {}
+  Eigen::VectorXd operator()(Eigen::Index size) {
+    Eigen::VectorXd unit(size);
+    for (auto& value : unit) value = normal_(random_);
+    return unit;
+  }
+
+ private:
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+};
 
 /// Changes of quantities by the parameters' uncertainty: see the header.
 struct Spread {
@@ -314,6 +332,46 @@ FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fi
     prediction.low.push_back(size / of_line(spread.below));
     prediction.high.push_back(size * of_line(spread.above));
     next += H.size();
+  }
+  return prediction;
+}
+
+ResponsePrediction predict_response(const model::Scene& scene, const FittedParameters& fitted,
+                                    const ResponsePredictionOptions& options) {
+  constexpr int kFewestDraws = 40;  // the 2.5 % quantile then lies inside of the draws
+  const auto selection = select(scene, fitted);
+  ResponsePrediction prediction;
+  prediction.used = selection.used;
+  prediction.not_used = selection.not_used;
+  prediction.response =
+      model::simulate_response(selection.scene(scene, selection.value), options.response);
+  if (!prediction.response.completed) return prediction;
+  const Eigen::MatrixXd directions = directions_of(selection.covariance);
+  auto wanted = options.response;
+  wanted.solver = prediction.response.solver;
+  const auto& at_fit = prediction.response.samples;
+  NormalDraws draw(options.seed);
+  std::vector<Eigen::MatrixXd> all;
+  for (int s = 0; s < options.samples; ++s) {
+    const Eigen::VectorXd change = directions * draw(directions.cols());
+    auto one = model::simulate_response(moved(scene, selection, change), wanted);
+    if (one.completed && one.samples.rows() == at_fit.rows() && one.samples.allFinite()) {
+      all.push_back(std::move(one.samples));
+    }
+  }
+  prediction.samples = static_cast<int>(all.size());
+  if (prediction.samples < kFewestDraws) return prediction;
+  prediction.low.resizeLike(at_fit);
+  prediction.high.resizeLike(at_fit);
+  std::vector<double> values(all.size());
+  for (Eigen::Index i = 0; i < at_fit.size(); ++i) {
+    std::transform(all.begin(), all.end(), values.begin(),
+                   [&](const auto& one) { return one.data()[i]; });
+    std::sort(values.begin(), values.end());
+    prediction.low.data()[i] =
+        gsl_stats_quantile_from_sorted_data(values.data(), 1, values.size(), 0.025);
+    prediction.high.data()[i] =
+        gsl_stats_quantile_from_sorted_data(values.data(), 1, values.size(), 0.975);
   }
   return prediction;
 }

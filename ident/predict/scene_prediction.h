@@ -1,4 +1,4 @@
-// Predicts modes and FRFs of another scene, with uncertainties, from the parameters
+// Predicts modes, FRFs and time responses of another scene, with uncertainties, from the parameters
 // of a fit and their covariance.
 //
 // With p the fitted values, C their covariance, u_k the principal directions of C (one standard
@@ -15,6 +15,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -26,6 +27,7 @@
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"
 #include "model/linear/modal_analysis.h"
+#include "model/response/response.h"
 #include "model/scene/scene.h"
 
 namespace rigfit::ident {
@@ -137,6 +139,29 @@ struct FrfPrediction {
 /// Throws like predict_modes.
 [[nodiscard]] FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fitted,
                                          const Eigen::VectorXd& frequency_hz);
+
+struct ResponsePredictionOptions {
+  model::ResponseOptions response;
+  int samples = 200;  ///< draws, >= 40
+  std::uint64_t seed = 1;
+};
+
+struct ResponsePrediction {
+  model::ResponseResult response;           ///< at the fitted values; check its status first
+  Eigen::MatrixXd low, high;                ///< as `response.samples`: 95 %
+  int samples = 0;                          ///< draws that have a response
+  std::vector<std::string> used, not_used;  ///< names of parameters
+};
+
+/// Time response to the scene's loads. The scene, its equilibrium and its response are computed for
+/// every draw of the parameters. The interval is that of the draws at each instant: it holds the
+/// value at that instant with a probability of 95 %, not the whole history. With a standard
+/// uncertainty s of a frequency the phase error grows as 2 pi s t, so that it widens with time
+/// until it spans the amplitude. No interval (empty matrices) where fewer than 40 draws have a
+/// response. Throws like predict_modes and simulate_response.
+[[nodiscard]] ResponsePrediction predict_response(const model::Scene& scene,
+                                                  const FittedParameters& fitted,
+                                                  const ResponsePredictionOptions& options);
 
 /// A measured frequency compared with a prediction.
 struct HeldAgainst {

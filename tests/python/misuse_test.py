@@ -51,7 +51,7 @@ WHOLE = {
     rigfit.bending: {"recordings": {"tension_N": [25, 100], "EI_Nm2": [0.2, 0.4]}},
     rigfit.axial: {"recordings": GOOD, "mass": 1.0, "length": 1.0, "channel": "a"},
     rigfit.tension: {"frequencies": [7.4], "length": 2.4, "mass_per_length": 0.17, "ends": "pinned", "EI": 0.5},
-    rigfit.predict: {"scene": CABLE, "fit": "fit.json", "count": 1, "segments": 8, "lines": 3},
+    rigfit.predict: {"scene": CABLE, "fit": "fit.json", "count": 1, "segments": 8, "lines": 3, "duration": 0.01},
     rigfit.modes: {"scene": CABLE, "count": 1},
     rigfit.frf_of: {"scene": CABLE, "frequency_hz": [1.0]},
     rigfit.respond: {"scene": CABLE, "duration": 0.01, "rate": 100.0, "solver": "modal", "segments": 8},
@@ -116,8 +116,8 @@ class Misuse(unittest.TestCase):
         self.wrong("measured[0].plane", "in, out, any", rigfit.update, CABLE,
                    measured=[{"frequency_hz": 7.0, "plane": "up"}])
         self.wrong("ends", "pinned, clamped", rigfit.update, CABLE, measured=[7.4], ends=["pinned", "free"])
-        self.wrong("frf", "path", rigfit.predict, CABLE, "fit.json", frf=True)
-        self.wrong("lines", "at most 100000", rigfit.predict, CABLE, "fit.json", frf="r.csv", lines=1000000)
+        self.wrong("response", "path", rigfit.predict, CABLE, "fit.json", response=True)
+        self.wrong("duration", "at most 3600", rigfit.predict, CABLE, "fit.json", response="r.csv", duration=1e9)
         self.wrong("out", "no folder no/such", rigfit.resample, GOOD, 32.0, out="no/such/file.csv")
         self.wrong("csv", "is a folder", rigfit.frf, GOOD, "force", csv="/")
         self.wrong("fit", "is a folder", rigfit.predict, CABLE, "/")

@@ -16,6 +16,7 @@
 #include "apps/cli/verbs/fit_file.h"
 #include "apps/describe/sheet.h"
 #include "ident/predict/scene_prediction.h"
+#include "model/scene/sensor_quantity.h"
 #include "signal/numerics/numbers.h"
 #include "signal/writers/write_csv.h"
 
@@ -24,7 +25,8 @@ namespace {
 
 struct PredictCommand {
   std::string scene;
-  std::string from, measured, column, plane = "any", frf;
+  std::string from, measured, column, plane = "any", frf, response;
+  double duration_s = 2, rate_hz = 500;  ///< predicted response
   std::vector<std::string> maps, inputs;
   describe::Band band_hz;
   int count = 6, segments = 0, lines = 400;
@@ -143,6 +145,54 @@ void write_frfs(const PredictCommand& command, const model::Scene& scene,
   context.write(command.frf, signal::csv_text(table, {}, 8, "frequency (Hz)"));
 }
 
+/// Time, then the value and its 95 % interval of every sensor.
+Json write_response(const PredictCommand& command, const model::Scene& scene,
+                    const ident::FittedParameters& fitted, VerbContext& context) {
+  if (scene.loads.empty() || scene.sensors.empty()) {
+    throw UsageError("--response: the scene has no load or no sensor");
+  }
+  for (const auto& load : scene.loads) {
+    if (load.kind == model::Load::Kind::record) {
+      throw UsageError("--response: load " + load.name +
+                       " is a record; hits and releases can be predicted");
+    }
+  }
+  ident::ResponsePredictionOptions options;
+  options.response.sampling.duration_s = command.duration_s;
+  options.response.sampling.rate_hz = command.rate_hz;
+  if (command.segments > 0) options.response.segments = command.segments;
+  options.seed = context.seed;
+  const auto prediction = ident::predict_response(scene, fitted, options);
+  const auto& response = prediction.response;
+  if (!response.completed) {
+    throw Refused("--response: " + (response.reason.empty() ? "no response" : response.reason),
+                  "no_response");
+  }
+  if (prediction.low.size() == 0) {
+    throw Refused("--response: too few draws of the parameters have a response", "no_response");
+  }
+  signal::Recording table;
+  table.sample_rate_hz = response.rate_hz;
+  for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
+    const auto& sensor = scene.sensors[s];
+    const auto column = static_cast<Eigen::Index>(s);
+    for (const auto& [what, of] : {std::pair{"", &response.samples},
+                                   {"low ", &prediction.low},
+                                   {"high ", &prediction.high}}) {
+      add_column(table, what + sensor.name, model::described(sensor.quantity).unit,
+                 of->col(column));
+    }
+  }
+  context.write(command.response, signal::csv_text(table, {}, 8));
+  context.out << fmt::format("\nresponse: {} samples at {:g} Hz by {}, interval from {} draws\n",
+                             response.samples.rows(), response.rate_hz,
+                             model::name_of(response.solver), prediction.samples);
+  return {{"samples", response.samples.rows()},
+          {"sample_rate_hz", response.rate_hz},
+          {"solver", model::name_of(response.solver)},
+          {"draws", prediction.samples}};
+}
+
 Json run(PredictCommand& command, VerbContext& context) {
   const model::Scene scene = scene_of(command.scene, context);
   context.input(command.from);
@@ -189,6 +239,9 @@ Json run(PredictCommand& command, VerbContext& context) {
   describe::print(context.out, describe::table_of(prediction.modes));
   if (!command.measured.empty()) json["measured"] = compared_json(command, prediction, context);
   if (!command.frf.empty()) write_frfs(command, scene, fitted, prediction, context);
+  if (!command.response.empty()) {
+    json["response"] = write_response(command, scene, fitted, context);
+  }
   return json;
 }
 
@@ -214,14 +267,20 @@ describe::Options options_of(PredictCommand& c) {
       option("--plane", c.plane, "Plane of the measured modes").one_of({"in", "out", "any"}),
       option("--frf", c.frf, "FRFs with their 95 % intervals as a table").writes(),
       option("--band", c.band_hz, "Band of the FRFs"),
-      option("--lines", c.lines, "Frequency lines of the FRFs").within(2, 100000)};
+      option("--lines", c.lines, "Frequency lines of the FRFs").within(2, 100000),
+      option("--response", c.response,
+             "Response to the scene's loads with its 95 % interval as a table")
+          .writes(),
+      option("--duration", c.duration_s, "Length of the response", "s").within(1e-6, 3600),
+      option("--rate", c.rate_hz, "Sample rate of the response", "Hz").within(1e-3, 1e6)};
 }
 
 }  // namespace
 
 Verb predict_verb() {
   return verb_of<PredictCommand>(
-      "predict", "Modes and FRFs of another scene with the parameters of a fit, with intervals",
+      "predict",
+      "Modes, FRFs and responses of another scene with the parameters of a fit, with intervals",
       kPredictExample, run);
 }
 

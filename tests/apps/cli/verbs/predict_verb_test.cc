@@ -97,5 +97,26 @@ TEST(PredictVerb, FrfsWithIntervals) {
   }
 }
 
+TEST(PredictVerb, ResponsesWithIntervals) {
+  const TemporaryFolder folder;
+  const auto table = folder.at("response.csv");
+  EXPECT_EQ(document_of("predict $/jalali2021/scenes/beam.toml --from {} --count 2 --segments 8 "
+                        "--response {} --duration 0.2 --rate 500",
+                        {folder.write("fit.json", fit_json("beam.EI_z", 2.1, 0.02)),
+                         table})["response"]["draws"]
+                .get<int>(),
+            200);
+  std::string header;
+  const auto found = columns(folder.read("response.csv"), &header);
+  EXPECT_THAT(header, HasSubstr("low beam 0.65 m"));
+  ASSERT_EQ(found[0].size(), 101u);  // both ends
+  double widest = 0;
+  for (std::size_t k = 0; k < 101; ++k) {
+    EXPECT_LE(found[2][k], found[3][k]);
+    widest = std::max(widest, found[3][k] - found[2][k]);
+  }
+  EXPECT_GT(widest, 0);
+}
+
 }  // namespace
 }  // namespace rigfit::apps::predict_verb_test
