@@ -15,6 +15,7 @@
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/fit_file.h"
 #include "apps/describe/sheet.h"
+#include "ident/predict/damage_estimate.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/scene/sensor_quantity.h"
 #include "signal/numerics/numbers.h"
@@ -27,7 +28,7 @@ struct PredictCommand {
   std::string scene;
   std::string from, measured, column, plane = "any", frf, response;
   double duration_s = 2, rate_hz = 500;  ///< predicted response
-  std::vector<std::string> maps, inputs;
+  std::vector<std::string> maps, damage, inputs;
   describe::Band band_hz;
   int count = 6, segments = 0, lines = 400;
   bool accept_fit = false;
@@ -193,12 +194,40 @@ Json write_response(const PredictCommand& command, const model::Scene& scene,
           {"draws", prediction.samples}};
 }
 
+/// "ZONE=SOUND[,RATIO]", SOUND a parameter of the fit or a number.
+Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
+                 VerbContext& context) {
+  const auto [zone, list] = named_text("--damage", text, "ZONE=SOUND[,RATIO]");
+  const auto comma = list.find(',');
+  const std::string sound = list.substr(0, comma);
+  ident::DamageQuestion question;
+  question.zone = zone;
+  try {
+    std::size_t used = 0;
+    question.sound_EI = {std::stod(sound, &used), 0};
+    if (used != sound.size()) question.sound = sound;
+  } catch (const std::exception&) {
+    question.sound = sound;
+  }
+  try {
+    if (comma != std::string::npos) question.sound_ratio = std::stod(list.substr(comma + 1));
+    const auto one = ident::damage_estimate(fitted, question);
+    context.out << fmt::format("\n{}: {}\n", question.zone, one.statement);
+    Json json{{"zone", question.zone}};
+    json.update(describe::json_of(one));
+    return json;
+  } catch (const std::invalid_argument& error) {
+    throw Refused(std::string("--damage: ") + error.what(), "damage");
+  }
+}
+
 Json run(PredictCommand& command, VerbContext& context) {
   const model::Scene scene = scene_of(command.scene, context);
   context.input(command.from);
   auto fitted = read_fit(command.from, command.accept_fit, context);
   apply_maps(command.maps, fitted);
   if (fitted.parameters.empty()) throw Refused("the fit identifies no parameter", "no_parameter");
+  const ident::FittedParameters of_fit = fitted;
   const auto inputs = add_inputs(scene, command, context, fitted);
   ident::PredictionOptions options;
   options.count = command.count;
@@ -238,6 +267,8 @@ Json run(PredictCommand& command, VerbContext& context) {
                              fmt::join(prediction.used, " "));
   describe::print(context.out, describe::table_of(prediction.modes));
   if (!command.measured.empty()) json["measured"] = compared_json(command, prediction, context);
+  for (const auto& text : command.damage)
+    json["damage"].push_back(damage_json(text, of_fit, context));
   if (!command.frf.empty()) write_frfs(command, scene, fitted, prediction, context);
   if (!command.response.empty()) {
     json["response"] = write_response(command, scene, fitted, context);
@@ -265,6 +296,10 @@ describe::Options options_of(PredictCommand& c) {
              "Table of measured frequencies, or universal file of modes (UFF 55), to compare with"),
       option("--column", c.column, "Column of the frequencies in the table"),
       option("--plane", c.plane, "Plane of the measured modes").one_of({"in", "out", "any"}),
+      option("--damage", c.damage,
+             "Loss of EI of a zone against its sound part: ZONE=SOUND[,RATIO], SOUND a parameter "
+             "of the fit or N m2")
+          .type("ZONE=SOUND"),
       option("--frf", c.frf, "FRFs with their 95 % intervals as a table").writes(),
       option("--band", c.band_hz, "Band of the FRFs"),
       option("--lines", c.lines, "Frequency lines of the FRFs").within(2, 100000),
