@@ -286,7 +286,24 @@ class Judgement {
   /// Why the strongest mode is no free decay; empty when it is one.
   std::string driven() {
     const std::size_t main = kept_.front();
-    excitation_ = excitation(main) / d_.modes[main].amplitude;
+    const auto& poles = d_.fit.poles;
+    const double amplitude = d_.modes[main].amplitude;
+    // What a random amplitude looks like to a fit: several modes within a few lines or widths.
+    const auto beside = [&](std::size_t m) {
+      const double width = std::max(-poles[main].real(), std::abs(poles[m].real()));
+      const double lines = 4 * kTwoPi / static_cast<double>(d_.fit.samples);
+      return m != main &&
+             std::abs(poles[m].imag() - poles[main].imag()) < std::max(lines, 3 * width);
+    };
+    if (std::any_of(growing_.begin(), growing_.end(), [&](std::size_t m) {
+          return beside(m) && d_.modes[m].amplitude * std::exp(-d_.fall[m]) > 0.2 * amplitude;
+        })) {
+      return "its amplitude grows again";
+    }
+    if (std::count_if(kept_.begin(), kept_.end(), beside) >= 2) {
+      return "its amplitude rises and falls at random";
+    }
+    excitation_ = excitation(main) / amplitude;
     if (!(excitation_ > kMostExcited)) return {};
     return fmt::format(
         "what one decay leaves at its frequency goes on through the record, {:.0f} % of the "

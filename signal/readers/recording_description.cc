@@ -85,9 +85,8 @@ void apply_channel(const ChannelDescription& given, Recording& recording) {
       refuse(fmt::format("the file gives no unit for it: its numbers may be in {} or in {}, which "
                          "makes a factor of a thousand",
                          by.over.si, milli),
-             fmt::format("say unit = \"{}\" (or \"{}\") beside sensitivity = ... {}; rigfit new: "
-                         "--unit \"{}={}\"",
-                         by.over.si, milli, given.sensitivity_unit, given.source, by.over.si));
+             fmt::format("say unit = \"{}\" (or \"{}\") beside sensitivity = ... {}", by.over.si,
+                         milli, given.sensitivity_unit));
     }
     if (file_unit->si != by.over.si) {
       refuse("the file's unit does not fit a sensitivity in " + given.sensitivity_unit,

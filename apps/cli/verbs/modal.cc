@@ -35,6 +35,7 @@ struct ModalCommand {
   int order = signal::LscfOptions().max_order;
   int averages = 0;  ///< behind the coherence of FRFs from a file; 0: as the file says
   std::string out, synthesis;
+  bool all = false;                     ///< print uncertain modes as well
   bool ambient = false;                 ///< motion under unknown forces: no FRFs, no hits
   std::vector<std::string> references;  ///< stay in place in all set-ups of ambient motion
   std::vector<std::string> of_hits;     ///< options given that mean nothing for FRFs from a file
@@ -42,18 +43,18 @@ struct ModalCommand {
   [[nodiscard]] const describe::Band& band() const { return impact.hammer.impact.hits.band_hz; }
 };
 
-/// The modes as a table: the sure ones, and how many others there are; with --verbose those too.
+/// The modes as a table: the sure ones, and how many others there are; `all`: those too.
 template <class Mode>
-void print_modes(const VerbContext& context, std::vector<Mode> modes) {
+void print_modes(std::ostream& out, std::vector<Mode> modes, bool all) {
   const auto others = std::erase_if(modes, [&](const Mode& one) {
     if constexpr (requires { one.mode; }) {
-      return !context.verbose && one.mode.doubtful;
+      return !all && one.mode.doubtful;
     } else {
-      return !context.verbose && one.doubtful;
+      return !all && one.doubtful;
     }
   });
-  describe::print(context.out, describe::table_of(modes));
-  if (others > 0) context.out << fmt::format("and {} uncertain: --verbose lists them\n", others);
+  describe::print(out, describe::table_of(modes));
+  if (others > 0) out << fmt::format("and {} uncertain: --all lists them\n", others);
 }
 
 // Modes from motion under unknown forces, one or several set-ups.
@@ -144,7 +145,7 @@ Json ambient_result(const ModalCommand& command, VerbContext& context) {
   result["input_points"] = Json::array();
   result["ambient"] = true;
   result["amplitudes"] = false;  // shapes have no scale
-  print_modes(context, found.modes);
+  print_modes(context.out, found.modes, command.all);
   if (!found.tones.empty()) describe::print(context.out, describe::table_of(found.tones));
   context.out << fmt::format("{:.4g} to {:.4g} Hz, {:.0f} s, correlations to {:.3g} s\n",
                              found.low_hz, found.high_hz, found.duration_s, found.lag_s);
@@ -245,7 +246,7 @@ Json run(ModalCommand& options, VerbContext& context) {
   context.tell(identified.findings);
   if (!identified.converged()) context.exit_code = ExitCode::not_converged;
   result.update(describe::json_of(found));
-  print_modes(context, model.modes);
+  print_modes(context.out, model.modes, options.all);
   context.out << fmt::format("{:.4g} to {:.4g} Hz, {} lines, model orders to {}", found.low_hz,
                              found.high_hz, found.lines_used, found.stabilisation.orders_solved);
   if (found.misfit_over_error_bars) {
@@ -295,6 +296,7 @@ describe::Options options_of(ModalCommand& c) {
       option("--reference", c.references,
              "Channels that stay in place in all set-ups [those that all files have]")
           .needs("--ambient"),
+      option("--all", c.all, "List uncertain modes as well"),
       option("--averages", c.averages,
              "Averages behind the coherence of FRFs from a file [as the file says]")
           .within(1, 1000000)};
