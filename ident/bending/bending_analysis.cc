@@ -202,6 +202,7 @@ class Analysis {
     for (int pass = 0; pass < 8; ++pass) {
       const Eigen::VectorXd x = tension_corrected(EI);
       std::vector<TableStroke> strokes;
+      off_ = 0;
       toe_ = stop_ = far_end_ = 0, straight_ = 1;
       for (std::size_t k = 0; k < runs_.size(); ++k) {
         auto run = runs_[k];
@@ -216,6 +217,7 @@ class Analysis {
                             std::max(kStraight * range_Q_, 4 * noise / std::sqrt(samples)), part)) {
           continue;
         }
+        off_ += stroke.left_out;
         toe_ = std::max(toe_, stroke.loading ? part.at_turn : part.at_end);
         if (stroke.loading) stop_ = std::max(stop_, part.at_end);
         far_end_ = std::max(far_end_, part.at_end);
@@ -305,6 +307,12 @@ class Analysis {
       refuse("curved", std::string(kNoStiffness) +
                            "more than one row in four lie off the line of the others");
     }
+    if (off_ > 0) {
+      note("spike",
+           fmt::format("Check for spikes: {} samples lie far off those beside them and are "
+                       "left out",
+                       off_));
+    }
     if (t.left_out > 0) {
       note("spike",
            fmt::format(
@@ -386,6 +394,7 @@ class Analysis {
   std::vector<StrokeRange> runs_;
   TableLine line_;
   bool averaged_ = false;  // rows are averages of long strokes
+  int off_ = 0;            // samples left out of them
   double load_noise_ = 0, deflection_noise_ = 0;
   double range_d_ = 0, range_Q_ = 0, mean_tension_ = 0, zero_ = 0;
   double toe_ = 0, stop_ = 0, far_end_ = 0,

@@ -7,6 +7,13 @@
 #include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
+namespace {
+
+// Robust standard deviations from which a sample is no part of its average: of normal noise none in
+// a million, and a tenth of that in rows of five, whose medians follow them.
+constexpr double kOffRow = 8;
+
+}  // namespace
 
 double sample_noise(const Eigen::VectorXd& x) {
   if (x.size() < 20) return 0;
@@ -77,12 +84,31 @@ TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x, const Eige
   const Eigen::Index n = averaged ? std::min(samples, kShortStroke) : samples;
   TableStroke stroke{run.direction > 0, Eigen::VectorXd(n), Eigen::VectorXd(n), {}};
   const auto u = x.segment(run.first, samples), v = load.segment(run.first, samples);
-  for (Eigen::Index k = 0; k < n; ++k) {
+  // Distance of each sample from the median of its row, along the stroke's mean slope.
+  std::vector<double> off;
+  const double slope = (v[samples - 1] - v[0]) / (u[samples - 1] - u[0]);
+  for (Eigen::Index k = 0; averaged && k < n; ++k) {
     const Eigen::Index from = k * samples / n, count = (k + 1) * samples / n - from;
-    stroke.x_m[k] = u.segment(from, count).mean();
-    stroke.load_N[k] = v.segment(from, count).mean();
+    const Eigen::VectorXd rest = v.segment(from, count) - slope * u.segment(from, count);
+    const double middle = signal::median({rest.begin(), rest.end()});
+    for (const double r : rest) off.push_back(std::abs(r - middle));
   }
-  stroke.used.assign(static_cast<std::size_t>(n), 1);
+  const double most = averaged ? kOffRow * 1.4826 * signal::median(off) : 0;
+  Eigen::Index rows = 0;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Eigen::Index from = k * samples / n, to = (k + 1) * samples / n;
+    double count = 0, x_sum = 0, load_sum = 0;
+    for (Eigen::Index i = from; i < to; ++i) {
+      if (most > 0 && off[static_cast<std::size_t>(i)] > most) continue;
+      x_sum += u[i], load_sum += v[i], ++count;
+    }
+    stroke.left_out += static_cast<int>(static_cast<double>(to - from) - count);
+    if (count == 0) continue;  // of two samples far apart neither is known to be right
+    stroke.x_m[rows] = x_sum / count, stroke.load_N[rows] = load_sum / count;
+    ++rows;
+  }
+  stroke.x_m.conservativeResize(rows), stroke.load_N.conservativeResize(rows);
+  stroke.used.assign(static_cast<std::size_t>(rows), 1);
   return stroke;
 }
 

@@ -25,7 +25,8 @@ inline constexpr Eigen::Index kShortStroke = 40;
 /// hardly has; 0 under 20 samples.
 [[nodiscard]] double sample_noise(const Eigen::VectorXd& x);
 
-/// The samples of a stroke, or `averaged` over as many that 40 remain.
+/// The samples of a stroke, or `averaged` over as many that 40 remain, without those that lie eight
+/// robust standard deviations off the others of their average.
 [[nodiscard]] TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x,
                                   const Eigen::VectorXd& load, bool averaged);
 

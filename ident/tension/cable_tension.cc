@@ -1,5 +1,6 @@
 #include "ident/tension/cable_tension.h"
 
+#include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
 #include <algorithm>
@@ -359,7 +360,10 @@ TensionResult identify_tension(const CableDescription& cable,
     if (!one.answers.empty()) solved.push_back(&one);
   }
   if (solved.empty()) {
-    result.message = "no tension fits the frequencies";
+    result.message = "no tension fits the frequencies; tried with ends";
+    for (const auto& one : all) {
+      result.message += fmt::format("{} {}", &one == &all.front() ? "" : ",", name_of(one.ends));
+    }
     return result;
   }
   double sum = 0, decided = 0;

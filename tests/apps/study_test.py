@@ -99,7 +99,7 @@ class Study(unittest.TestCase):
         self.assertIn("report 3/campaign.toml", again)
         # What snakemake saw finished is not done again; the one beside the killed job may have been cut off with it.
         self.assertLessEqual(len([call for call in again if call.startswith("report")]), 2 + 4 - len(done))
-        self.assertFalse([call for call in again if call.startswith("synthesize")])
+        self.assertLessEqual(len([call for call in again if call.startswith("synthesize")]), 1)
 
         summary = json.loads((self.folder / "out" / "summary.json").read_text())
         self.assertEqual(summary["campaigns"], 4)
