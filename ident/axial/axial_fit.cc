@@ -32,7 +32,7 @@ double told_chain(const AxialSetup& setup, double kc, double W, double length) {
 
 struct Length : AxialLengthData {
   double W = 0;
-  double std = 0, scatter = 0;  // of ln W: with the scatter of ln EA, and that alone
+  double std = 0, scatter = 0;  // in ln W: with the scatter of ln EA, and that alone
   double residual_std = 0;      // what an error of ln W is in the residual
 };
 

@@ -51,7 +51,7 @@ struct TensionCell {
   /// Contributions to the variance of ln T.
   double variance_frequency = 0, variance_model = 0;
   std::array<double, kCableInputs.size()> variance_input = {};  ///< likewise, by input
-  std::array<double, kCableInputs.size()> variance_ln = {};     ///< of the inputs themselves
+  std::array<double, kCableInputs.size()> variance_ln = {};     ///< the inputs' own
   CableState state;
   CableShape shape;        ///< the density's centre
   double model_std = 0;    ///< t

@@ -13,6 +13,7 @@
 #include "signal/decay/decay_background.h"
 #include "signal/decay/decay_clipping.h"
 #include "signal/decay/decay_judgement.h"
+#include "signal/decay/narrow_record.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/sinusoids/decay_modes.h"
@@ -315,6 +316,29 @@ class Estimation {
   bool moved_start_ = false;
 };
 
+/// From the samples of `narrow` to those of its record.
+void take_back(const NarrowRecord& narrow, DecayResult& result) {
+  const auto step = static_cast<double>(narrow.step);
+  for (auto* modes : {&result.modes, &result.steady_tones}) {
+    for (DecayMode& mode : *modes) mode.energy *= step;
+  }
+  for (DecayWindow& window : result.decays) {
+    window.start = narrow.record_sample(window.start);
+    window.end = narrow.record_sample(window.end - 1) + 1;
+  }
+  result.start = narrow.record_sample(result.start);
+  result.end = narrow.record_sample(result.end - 1) + 1;
+  // The std of white noise of the same density at the record's rate.
+  result.noise_std *= std::sqrt(step);
+  result.signal_to_noise_db -= 10 * std::log10(step);
+  result.residual.resize(0);
+  result.note(
+      "fitted_in_band",
+      fmt::format("every {}th sample was fitted, behind a filter: what counts lies far below the "
+                  "sample rate",
+                  narrow.step));
+}
+
 }  // namespace
 
 DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sample_rate_hz,
@@ -322,7 +346,19 @@ DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sa
   if (!(sample_rate_hz > 0) || !std::isfinite(sample_rate_hz)) {
     throw std::invalid_argument("decay: the sample rate must be positive");
   }
-  return Estimation(y, sample_rate_hz, options, band_of(options, sample_rate_hz)).run();
+  const DecayBand band = band_of(options, sample_rate_hz);
+  if (const auto narrow = narrow_record(y, band)) {
+    const double rate = sample_rate_hz / static_cast<double>(narrow->step);
+    DecayOptions there = options;
+    there.start_time_s += static_cast<double>(narrow->first) / sample_rate_hz;
+    DecayResult result = Estimation(narrow->samples, rate, there, band_of(options, rate)).run();
+    // A refusal is for the whole record to give.
+    if (result.refusal_code.empty()) {
+      take_back(*narrow, result);
+      return result;
+    }
+  }
+  return Estimation(y, sample_rate_hz, options, band).run();
 }
 
 }  // namespace rigfit::signal

@@ -6,7 +6,8 @@
 // modes from FRFs; the damped one is given beside it. Starts come from a matched-filter bank; modes
 // are added strongest first as long as the residual holds a peak that noise of its own colour
 // would not show. Uncertainties follow from the residual, its colour and where in the record it is
-// large (residual_noise.h).
+// large (residual_noise.h). Where the band asked for lies far below the sample rate, the fit is
+// made there (narrow_record.h).
 #pragma once
 
 #include <Eigen/Core>

@@ -36,7 +36,7 @@ struct NewCommand {
   std::string folder;
   bool example = false;
   std::vector<std::string> from;
-  std::string kind;                                     ///< of all the tests; empty: guessed
+  std::string kind;                                     ///< shared by all tests; empty: guessed
   double span_m = 0, mass_kg = 0, mass_per_length = 0;  ///< 0: not given
   std::vector<double> lengths;  ///< m, of axial and tension tests: for all files, or one each
   std::vector<std::string> sensitivities;  ///< "CHANNEL=2.27 mV/N"

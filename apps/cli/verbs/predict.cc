@@ -98,6 +98,7 @@ Json compared_json(const PredictCommand& command, const ident::ModePrediction& p
   std::vector<ident::MeasuredMode> measured;
   auto rows = measured_modes(command.measured, command.column, plane_named(command.plane),
                              prediction.scene, context);
+  measured.reserve(rows.size());
   for (auto& row : rows) measured.push_back(std::move(row.mode));
   std::vector<ComparedMode> compared;
   for (const auto& one : ident::held_against(prediction, measured)) {

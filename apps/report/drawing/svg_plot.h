@@ -13,7 +13,7 @@ namespace rigfit::apps {
 struct SvgOptions {
   double width = 760, height = 440;  ///< px of the drawing, in which letters are 12 px high
   std::string font = "sans-serif";   ///< CSS font-family
-  double px_per_mm = 0;              ///< of the drawing where it is printed; 0: it is shown in px
+  double px_per_mm = 0;              ///< scale of a printed drawing; 0: it is shown in px
 };
 
 /// For a paper: width and height in mm, the font's name and its size in points. Markers, strokes
