@@ -205,16 +205,16 @@ std::string channels_text(const signal::Recording& recording, const NewCommand& 
       double number = 0;
       if (blank == std::string::npos ||
           !signal::parse_whole_number(value.substr(0, blank), '.', number)) {
-        throw UsageError("--sensitivity " + one + ": write it with its unit, such as \"" + name +
-                         "=2.27 mV/N\"");
+        throw UsageError(fmt::format(
+            "--sensitivity {}: write it with its unit, such as \"{}=2.27 mV/N\"", one, name));
       }
       keys += fmt::format(", sensitivity = {}, sensitivity_unit = {}", number,
                           toml_text(value.substr(blank + 1)));
       given = true;
     }
     if (!given && !channel.unit.empty()) continue;
-    if (!given) keys = "# the file gives no unit: " + keys + ", unit = \"m/s^2\"";
-    text += "  " + keys + " },\n";
+    if (!given) keys = fmt::format("# the file gives no unit: {}, unit = \"m/s^2\"", keys);
+    text += fmt::format("  {} }},\n", keys);
   }
   return text.empty() ? text : "channel = [\n" + text + "]\n";
 }
