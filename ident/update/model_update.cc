@@ -74,7 +74,10 @@ bool move_to(UpdateProblem trial, const UpdateOptions& options, UpdateProblem& p
 UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateSolution& answer) {
   constexpr int kPasses = 2;
   const auto& matches = answer.matches.matches;
-  move_to(problem.with(&UpdateVariant::frf_differences, true), options, problem, answer);
+  // What the search left is no minimum of this problem.
+  if (!move_to(problem.with(&UpdateVariant::frf_differences, true), options, problem, answer)) {
+    answer.converged = false;
+  }
   for (int pass = 0; pass < kPasses && options.segment_uncertainty; ++pass) {
     UpdateProblem resolved = problem.with_resolved_modes(answer.q);
     if (!resolved.is_resolved() || !move_to(resolved, options, problem, answer)) break;
