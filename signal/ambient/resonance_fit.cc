@@ -1,11 +1,11 @@
 #include "signal/ambient/resonance_fit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
+#include "signal/numerics/scaled_gram.h"
 #include "signal/spectra/fft.h"
 
 namespace rigfit::signal {
@@ -38,32 +38,14 @@ TwoSided two_sided(const LagSpectrum& spectrum, Complex pole, Index from, Index 
   return t;
 }
 
-VectorXd damped_solve(const MatrixXd& A, const VectorXd& right, double damping) {
-  const VectorXd d = A.diagonal().cwiseMax(1e-200).cwiseSqrt().cwiseInverse();
-  MatrixXd scaled = d.asDiagonal() * A * d.asDiagonal();
-  scaled.diagonal().array() += damping + 1e-9;
-  return d.asDiagonal() * scaled.llt().solve(d.asDiagonal() * right);
-}
-
-VectorXcd pairs_of(const VectorXd& step) {
-  VectorXcd result(step.size() / 2);
-  for (Index i = 0; i < result.size(); ++i) result[i] = {step[2 * i], step[2 * i + 1]};
-  return result;
-}
-
-struct Evaluation {
-  ResonanceFit fit;
-  VectorXd gradient;
-};
-
-Evaluation evaluate(const LagSpectrum& spectrum, const std::vector<FilteredSpectrum>& signals,
+ResonanceFit fit_at(const LagSpectrum& spectrum, const std::vector<FilteredSpectrum>& signals,
                     const VectorXcd& poles) {
   const Index n = poles.size();
-  Evaluation at;
-  at.fit.poles = poles;
-  at.fit.normal = MatrixXd::Zero(2 * n, 2 * n);
+  ResonanceFit at;
+  at.poles = poles;
+  at.information = MatrixXd::Zero(2 * n, 2 * n);
   at.gradient = VectorXd::Zero(2 * n);
-  at.fit.own_share = VectorXd::Zero(n);
+  at.own_share = VectorXd::Zero(n);
   for (Index q = 0; q < n; ++q) {
     const auto& signal = signals[static_cast<std::size_t>(q)];
     const auto used = static_cast<Index>(signal.modes.size());
@@ -96,40 +78,17 @@ Evaluation evaluate(const LagSpectrum& spectrum, const std::vector<FilteredSpect
       (spectrum.omega.segment(signal.from, signal.count).array() - std::abs(poles[q]))
           .abs()
           .minCoeff(&peak);
-      at.fit.own_share[q] = (part.value * residue)[peak] / std::max(signal.S[peak], 1e-30);
+      at.own_share[q] = (part.value * residue)[peak] / std::max(signal.S[peak], 1e-30);
     }
     J -= qr.Q * (qr.Q.transpose() * J);
-    at.fit.cost += left.squaredNorm();
-    at.fit.normal += J.transpose() * J;
+    at.cost += left.squaredNorm();
+    at.information += J.transpose() * J;
     at.gradient += J.transpose() * left;
-    at.fit.to_gradient.push_back(J.transpose() * v.asDiagonal());
-    at.fit.model.push_back(explained.cwiseProduct(signal.S0));
+    at.to_gradient.push_back(J.transpose() * v.asDiagonal());
+    at.model.push_back(explained.cwiseProduct(signal.S0));
   }
+  at.usable = std::isfinite(at.cost);
   return at;
-}
-
-/// Levenberg and Marquardt's steps; no pole moves by more than half of its bandwidth at once.
-Evaluation minimise(const LagSpectrum& spectrum, const std::vector<FilteredSpectrum>& signals,
-                    const VectorXcd& start) {
-  Evaluation best = evaluate(spectrum, signals, start);
-  double damping = 1e-3;
-  for (int k = 0; k < 30 && damping < 1e6; ++k) {
-    VectorXcd step = pairs_of(damped_solve(best.fit.normal, best.gradient, damping));
-    if (!step.allFinite()) break;
-    const VectorXd half = best.fit.poles.real().cwiseAbs();
-    for (Index i = 0; i < step.size(); ++i) {
-      step[i] *= std::min(1.0, 0.5 * half[i] / std::max(std::abs(step[i]), 1e-30));
-    }
-    Evaluation next = evaluate(spectrum, signals, best.fit.poles + step);
-    if (next.fit.cost <= best.fit.cost * (1 + 1e-12)) {
-      best = std::move(next);
-      damping = std::max(damping / 5, 1e-9);
-      if ((step.cwiseAbs().array() / half.array()).maxCoeff() < 1e-5) break;
-    } else {
-      damping *= 8;
-    }
-  }
-  return best;
 }
 
 }  // namespace
@@ -176,9 +135,13 @@ VectorXcd LagSpectrum::basis(Complex pole, Index from, Index count, VectorXcd* s
 }
 
 VectorXcd ResonanceFit::change(const std::vector<VectorXd>& of_S) const {
-  VectorXd gradient = VectorXd::Zero(normal.rows());
-  for (std::size_t q = 0; q < of_S.size(); ++q) gradient += to_gradient[q] * of_S[q];
-  return pairs_of(damped_solve(normal, gradient, 0));
+  VectorXd moved = VectorXd::Zero(information.rows());
+  for (std::size_t q = 0; q < of_S.size(); ++q) moved += to_gradient[q] * of_S[q];
+  MatrixXd solvable = information;  // whatever cannot be told apart
+  solvable.diagonal() = (solvable.diagonal() * (1 + 1e-9)).cwiseMax(1e-200);
+  moved = ScaledGram(solvable).solve_vector(moved);
+  return moved(Eigen::seq(0, Eigen::last, 2)) +
+         Complex(0, 1) * moved(Eigen::seq(1, Eigen::last, 2));
 }
 
 ResonanceFit fit_resonances(const LagSpectrum& spectrum, std::vector<FilteredSpectrum>& signals,
@@ -223,7 +186,16 @@ ResonanceFit fit_resonances(const LagSpectrum& spectrum, std::vector<FilteredSpe
         signal.modes.push_back(nearest), ++signal.skirts;
       }
     }
-    fit = minimise(spectrum, signals, poles).fit;
+    PoleStepOptions steps;
+    steps.freedom = 0;
+    for (const auto& signal : signals) {
+      steps.freedom +=
+          static_cast<double>(signal.count) - static_cast<double>(2 * (signal.modes.size() + 2));
+    }
+    steps.freedom = std::max(steps.freedom, 1.0);
+    const auto at = [&](const VectorXcd& there) { return fit_at(spectrum, signals, there); };
+    fit = at(poles);
+    take_pole_steps(steps, at, fit);
     for (Index i = 0; i < poles.size(); ++i) {
       const double least = -1e-5 * std::abs(fit.poles[i]);
       poles[i] = {std::min(fit.poles[i].real(), least), fit.poles[i].imag()};

@@ -8,14 +8,15 @@
 // and its part of an auto-spectrum 2 Re(a (b(lambda) - 1/2) + conj(a) (b(conj lambda) - 1/2)) with
 // a complex residue a. Minimised over the poles is the sum over signals q and lines of [(S_q -
 // model) / S0_q]^2 with S0 the model of the round before: the score of Whittle's likelihood.
-// Residues and a straight background for each signal are eliminated (variable projection, Kaufman's
-// Jacobian). Sources: Whittle, Ark. Mat. 2 (1953) 423; Golub and Pereyra, Inverse Problems 19
-// (2003) R1.
+// Residues and a straight background for each signal are eliminated (estimation/pole_steps.h).
+// Source: Whittle, Ark. Mat. 2 (1953) 423.
 #pragma once
 
 #include <Eigen/Core>
 #include <complex>
 #include <vector>
+
+#include "signal/estimation/pole_steps.h"
 
 namespace rigfit::signal {
 
@@ -49,12 +50,9 @@ struct FilteredSpectrum {
   Eigen::Index skirts = 0;           ///< the last of them: outside, their poles held
 };
 
-struct ResonanceFit {
-  Eigen::VectorXcd poles;
-  double cost = 0;
-  Eigen::MatrixXd normal;  ///< Gauss-Newton, (real, imaginary) of each pole
-  std::vector<Eigen::MatrixXd>
-      to_gradient;                     ///< by signal: times a change of S, adds to the gradient
+struct ResonanceFit : PoleStage {
+  /// By signal: times a change of S, adds to the gradient.
+  std::vector<Eigen::MatrixXd> to_gradient;
   std::vector<Eigen::VectorXd> model;  ///< by signal
   Eigen::VectorXd own_share;           ///< by mode: its part of its signal's S at its frequency
 

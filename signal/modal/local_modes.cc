@@ -278,7 +278,7 @@ FoundModes as_found_modes(const ModalBand& band, const LocalModes& local, const 
   const auto count = static_cast<Index>(local.modes.size());
   const MatrixXcd& H = band.lines.H;
   ModalRefineResult& fit = found.fit;
-  fit.end = RefineEnd::converged;
+  fit.end = StepsEnd::converged;
   fit.poles.resize(count);
   for (Index r = 0; r < count; ++r) {
     const LocalMode& mode = local.modes[static_cast<std::size_t>(r)];

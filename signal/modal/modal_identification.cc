@@ -298,7 +298,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     return found;
   };
   Search search = search_all();
-  if (band.beside.size() > 0 && search.found.fit.end != RefineEnd::converged) {
+  if (band.beside.size() > 0 && search.found.fit.end != StepsEnd::converged) {
     // The fit without them is the one to trust then, as before they were looked for.
     band.beside.resize(0);
     set_background(background, band);
@@ -315,7 +315,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   result.iterations = found.iterations;
   result.noise = found.noise;
   if (found.fit.residues.cols() == 0 || !found.covariance.full_rank) {
-    result.end = RefineEnd::rank_deficient;
+    result.end = StepsEnd::rank_deficient;
     model.lower_residual.setZero(static_cast<Index>(frfs.responses.size()), inputs);
     model.upper_residual = model.lower_residual;
     model.notes.push_back(

@@ -67,7 +67,7 @@ struct ModalResult {
   std::vector<RejectedColumn> rejected;  ///< columns without a mode, by rising frequency
   FrfNoise noise;                        ///< estimated from the fit's residual
   Eigen::MatrixXd auto_mac;              ///< modes x modes
-  RefineEnd end = RefineEnd::converged;
+  StepsEnd end = StepsEnd::converged;
   int iterations = 0;
   Eigen::Index lines_used = 0;
   double low_hz = 0, high_hz = 0;  ///< first and last line used

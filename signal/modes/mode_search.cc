@@ -58,13 +58,13 @@ class ModeSearch {
       const ModalRefineOptions& refine_options = settled ? options().refine : rough;
       refine(refine_options);
       if (exhausted()) return;
-      if (found.fit.end == RefineEnd::rank_deficient && drop_one_of_the_nearest()) continue;
+      if (found.fit.end == StepsEnd::rank_deficient && drop_one_of_the_nearest()) continue;
       found.model = fitted_frfs(band().lines, found.fit);
       update_noise();
       if (settled) {
         refine(refine_options);
         if (exhausted()) return;
-        if (found.fit.end == RefineEnd::rank_deficient && drop_one_of_the_nearest()) continue;
+        if (found.fit.end == StepsEnd::rank_deficient && drop_one_of_the_nearest()) continue;
         found.model = fitted_frfs(band().lines, found.fit);
       }
       found.covariance = modal_significance(band().lines, found.noise, found.fit, found.model);

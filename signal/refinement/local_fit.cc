@@ -3,8 +3,8 @@
 #include <cmath>
 #include <complex>
 #include <stdexcept>
-#include <utility>
 
+#include "signal/estimation/pole_steps.h"
 #include "signal/numerics/factorisations.h"
 
 namespace rigfit::signal {
@@ -17,14 +17,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-/// Everything at one set of free poles.
-struct State {
-  VectorXcd poles;
-  MatrixXcd orthonormal;  ///< orthonormal basis of the model's columns
-  MatrixXcd coefficients;
+/// The fit at one set of free poles.
+struct State : PoleStage {
+  MatrixXcd coefficients;  ///< of the free poles
   MatrixXcd residual;
-  double cost = 0;
-  bool usable = false;
+  MatrixXcd analytic_information;  ///< sum_c w_c conj(a_rc) a_qc (D_r' D_q)
 };
 
 MatrixXcd columns_of(const VectorXcd& s, const VectorXcd& poles, const VectorXcd& fixed,
@@ -44,53 +41,33 @@ MatrixXcd columns_of(const VectorXcd& s, const VectorXcd& poles, const VectorXcd
   return basis;
 }
 
-State state_at(const VectorXcd& s, const MatrixXcd& H, const VectorXd& weight, VectorXcd poles,
-               const VectorXcd& fixed, int order) {
+State state_at(const VectorXcd& s, const MatrixXcd& H, const VectorXd& weight,
+               const VectorXcd& poles, const VectorXcd& fixed, int order) {
   State state;
-  state.poles = std::move(poles);
-  MatrixXcd basis = columns_of(s, state.poles, fixed, order);
+  state.poles = poles;
+  MatrixXcd basis = columns_of(s, poles, fixed, order);
   const VectorXd length = basis.colwise().norm().transpose();
   for (Index j = 0; j < basis.cols(); ++j) basis.col(j) /= length[j];
-  ThinQr<MatrixXcd> qr = thin_qr(basis);
+  const ThinQr<MatrixXcd> qr = thin_qr(basis);
   if (!(qr.R.diagonal().cwiseAbs().minCoeff() > 1e-10)) return state;
-  state.orthonormal = std::move(qr.Q);
-  const MatrixXcd moments = state.orthonormal.adjoint() * H;
-  state.residual = H - state.orthonormal * moments;
-  state.coefficients = qr.R.triangularView<Eigen::Upper>().solve(moments);
-  for (Index j = 0; j < basis.cols(); ++j) state.coefficients.row(j) /= length[j];
+  const MatrixXcd moments = qr.Q.adjoint() * H;
+  const MatrixXcd all = qr.R.triangularView<Eigen::Upper>().solve(moments);
+  state.coefficients =
+      length.head(poles.size()).cwiseInverse().asDiagonal() * all.topRows(poles.size());
+  state.residual = H - qr.Q * moments;
   state.cost = state.residual.colwise().squaredNorm().transpose().dot(weight);
+  // Derivatives of the free poles' columns outside the model's columns.
+  MatrixXcd D(s.size(), poles.size());
+  for (Index r = 0; r < D.cols(); ++r) D.col(r) = (s.array() - poles[r]).square().inverse();
+  D -= qr.Q * (qr.Q.adjoint() * D);
+  const MatrixXcd conjugate = state.coefficients.conjugate();
+  state.analytic_information =
+      (D.adjoint() * D)
+          .cwiseProduct(conjugate * weight.asDiagonal() * state.coefficients.transpose());
+  state.set_analytic(conjugate.cwiseProduct(D.adjoint() * state.residual) * weight.cast<Complex>(),
+                     state.analytic_information);
   state.usable = std::isfinite(state.cost);
   return state;
-}
-
-/// Derivatives of the free poles' columns outside the model's columns.
-MatrixXcd outside_derivatives(const VectorXcd& s, const State& state) {
-  MatrixXcd D(s.size(), state.poles.size());
-  for (Index r = 0; r < D.cols(); ++r) {
-    D.col(r) = (s.array() - state.poles[r]).square().inverse();
-  }
-  D -= state.orthonormal * (state.orthonormal.adjoint() * D);
-  return D;
-}
-
-/// sum_c w_c conj(a_rc) a_qc (D_r' D_q): what the columns tell about the poles.
-MatrixXcd information(const MatrixXcd& D, const MatrixXcd& amplitudes, const VectorXd& weight) {
-  const MatrixXcd across = amplitudes.conjugate() * weight.asDiagonal() * amplitudes.transpose();
-  return (D.adjoint() * D).cwiseProduct(across);
-}
-
-/// The longest share of a step that keeps poles stable and within the window.
-double room_of(const VectorXcd& s, const VectorXcd& poles, const VectorXcd& step) {
-  const double window = s[0].real(), low = s[0].imag(), high = s[s.size() - 1].imag();
-  double share = 1;
-  for (Index r = 0; r < poles.size(); ++r) {
-    const double half = window - poles[r].real();
-    share = std::min(share, half / std::max(std::abs(step[r]), 1e-300));
-    if (step[r].real() > 0) share = std::min(share, 0.7 * half / step[r].real());
-    const double to_end = step[r].imag() > 0 ? high - poles[r].imag() : poles[r].imag() - low;
-    share = std::min(share, std::max(0.0, to_end) / std::max(std::abs(step[r].imag()), 1e-300));
-  }
-  return share;
 }
 
 }  // namespace
@@ -106,39 +83,23 @@ LocalFit fit_locally(const Eigen::Ref<const VectorXcd>& s, const Eigen::Ref<cons
   const Index free = start.size();
   fit.freedom = s.size() - free - fixed.size() - order - 1;
   if (fit.freedom < 2 || free == 0) return fit;
-  const auto at = [&](VectorXcd poles) {
-    return state_at(s, H, weight, std::move(poles), fixed, order);
+  const auto at = [&](const VectorXcd& poles) {
+    return state_at(s, H, weight, poles, fixed, order);
   };
   State state = at(start);
   if (!state.usable) return fit;
-  for (int iteration = 0; iteration < 30; ++iteration) {
-    const MatrixXcd D = outside_derivatives(s, state);
-    const MatrixXcd amplitudes = state.coefficients.topRows(free);
-    const MatrixXcd scores = D.adjoint() * state.residual;
-    const VectorXcd gradient =
-        (amplitudes.conjugate().cwiseProduct(scores)) * weight.cast<Complex>();
-    const VectorXcd step =
-        hermitian_eigen(information(D, amplitudes, weight)).pseudo_inverse() * gradient;
-    if (!step.allFinite()) break;
-    double share = room_of(s, state.poles, step);
-    State next;
-    bool better = false;
-    for (int halving = 0; halving < 8 && !better; ++halving, share *= 0.5) {
-      next = at(state.poles + share * step);
-      better = next.usable && next.cost <= state.cost;
-    }
-    if (!better) break;
-    const double gained = state.cost - next.cost;
-    state = std::move(next);
-    if (gained <= 1e-9 * state.cost) break;
-  }
+  PoleStepOptions steps;
+  steps.max_iterations = 30;
+  steps.freedom = static_cast<double>(2 * fit.freedom * H.cols());
+  steps.rounding = 1e-28 * H.colwise().squaredNorm().dot(weight);
+  steps.undamped = s[0].real();
+  steps.low = s[0].imag(), steps.high = s[s.size() - 1].imag();
+  take_pole_steps(steps, at, state);
   fit.poles = state.poles;
-  fit.amplitudes = state.coefficients.topRows(free);
+  fit.amplitudes = state.coefficients;
   fit.residual = state.residual;
   fit.misfit = state.residual.colwise().squaredNorm().transpose();
-  const MatrixXcd D = outside_derivatives(s, state);
-  const MatrixXcd curvature = information(D, fit.amplitudes, weight);
-  fit.covariance = hermitian_eigen(curvature).pseudo_inverse();
+  fit.covariance = hermitian_eigen(state.analytic_information).pseudo_inverse();
   // |a|^2 over its unit variance: what a column of the model adds to the fit.
   const MatrixXcd basis = columns_of(s, state.poles, fixed, order);
   const MatrixXcd inverse = hermitian_eigen(basis.adjoint() * basis).pseudo_inverse();

@@ -7,10 +7,10 @@
 // s^n of mobility and accelerance, conjugate poles, modes further away and residual terms are
 // smooth there and part of the polynomial; a_rc is the receptance residue times p_r^n. The model is
 // analytic in the poles, so that complex least squares applies: amplitudes and background are
-// eliminated (variable projection), poles move by Gauss-Newton steps that never raise
+// eliminated, poles move by steps (estimation/pole_steps.h) that never raise
 //   sum_c w_c sum_k |H_c(s_k) - model|^2.
-// Sources: Golub, Pereyra, Inverse Problems 19 (2003) R1; Ewins, Modal Testing, 2nd ed., sec. 4.3
-// (single-mode methods and the compensation for neighbouring modes).
+// Source: Ewins, Modal Testing, 2nd ed., sec. 4.3 (single-mode methods and the compensation for
+// neighbouring modes).
 #pragma once
 
 #include <Eigen/Core>

@@ -19,16 +19,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-/// Everything about one set of poles that does not change with the FRF.
-struct Stage {
-  VectorXcd poles;
+/// The fit at one set of poles.
+struct Stage : PoleStage {
   MatrixXd basis, derivatives;  ///< stacked, weighted
   MatrixXd cross;               ///< basis' derivatives
   MatrixXd projected;           ///< Gram of the derivatives outside the basis
   MatrixXd coefficients;        ///< coefficients of the basis, a column an FRF
   MatrixXcd residues;           ///< the modes' part of them
-  double cost = 0;
-  bool usable = false;
 };
 
 Stage stage_at(const FrfLines& data, const VectorXd& weight, const MatrixXd& y,
@@ -49,6 +46,14 @@ Stage stage_at(const FrfLines& data, const VectorXd& weight, const MatrixXd& y,
   stage.cross.noalias() = stage.basis.transpose() * stage.derivatives;
   stage.projected =
       gram_of(stage.derivatives) - stage.cross.transpose() * factor.solve(stage.cross);
+  stage.information = summed_turns(stage.projected, stage.residues, inverse_variance);
+  // basis' residual = 0, so the gradient is derivatives' residual.
+  const MatrixXd products =
+      stage.derivatives.transpose() * y - stage.cross.transpose() * stage.coefficients;
+  const VectorXcd scores = stage.residues.conjugate().cwiseProduct(from_pairs(products)) *
+                           inverse_variance.cast<Complex>();
+  stage.gradient =
+      Eigen::Map<const VectorXd>(reinterpret_cast<const double*>(scores.data()), 2 * scores.size());
   stage.usable = std::isfinite(stage.cost);
   return stage;
 }
@@ -64,7 +69,7 @@ VectorXd leverage_of(const Stage& stage, const FrfNoise& noise, const VectorXd& 
                         (U * (U.transpose() * rho_U)).cwiseProduct(U).rowwise().sum();
   VectorXd leverage = 0.5 * (both.head(lines) + both.tail(lines));
 
-  const ScaledGram information(summed_turns(stage.projected, stage.residues, inverse_variance));
+  const ScaledGram information(stage.information);
   if (!information.usable()) return leverage;
   if (size == 0) return leverage;
   const MatrixXd outside = stage.derivatives - stage.basis * factor.solve(stage.cross);
@@ -78,20 +83,6 @@ VectorXd leverage_of(const Stage& stage, const FrfNoise& noise, const VectorXd& 
 }
 
 }  // namespace
-
-const char* name_of(RefineEnd end) {
-  switch (end) {
-    case RefineEnd::converged:
-      return "converged";
-    case RefineEnd::iteration_limit:
-      return "iteration limit";
-    case RefineEnd::no_descent:
-      return "no descent";
-    case RefineEnd::rank_deficient:
-      return "rank deficient";
-  }
-  return "";
-}
 
 MatrixXd weighted_basis(const FrfLines& data, const Eigen::Ref<const VectorXcd>& poles,
                         const Eigen::Ref<const VectorXd>& line_weight) {
@@ -126,78 +117,27 @@ ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
   const MatrixXd y = stacked(data.H, weight);
   const VectorXd y_squared = y.colwise().squaredNorm().transpose();
   const VectorXd inverse_variance = inverse_variance_of(noise);
-  const double window = lines > 0 ? data.s[0].real() : 0;
   const Index size = 2 * start.size();
-  const double freedom =
+  PoleStepOptions steps;
+  steps.max_iterations = options.max_iterations;
+  steps.step_in_std = options.step_tolerance;
+  steps.freedom =
       std::max(1.0, static_cast<double>((inverse_variance.array() > 0).count()) *
                             static_cast<double>(2 * lines - size - 4 - 2 * data.background.cols()) -
                         static_cast<double>(size));
+  // What the columns leave of |y|^2: the rounding of a sum grows with the root of its terms.
+  steps.rounding = std::sqrt(static_cast<double>(y.rows())) *
+                   std::numeric_limits<double>::epsilon() * inverse_variance.dot(y_squared);
+  steps.undamped = lines > 0 ? data.s[0].real() : 0;
 
+  const auto at = [&](const VectorXcd& poles) {
+    return stage_at(data, weight, y, y_squared, inverse_variance, poles);
+  };
   ModalRefineResult result;
-  Stage stage = stage_at(data, weight, y, y_squared, inverse_variance, start);
-  if (!stage.usable) result.end = RefineEnd::rank_deficient;
-  while (stage.usable && size > 0 && result.iterations < options.max_iterations) {
-    ++result.iterations;
-    // basis' residual = 0, so the gradient is derivatives' residual.
-    const MatrixXd gradient_all =
-        stage.derivatives.transpose() * y - stage.cross.transpose() * stage.coefficients;
-    const VectorXcd scores = stage.residues.conjugate().cwiseProduct(from_pairs(gradient_all)) *
-                             inverse_variance.cast<Complex>();
-    const MatrixXd information = summed_turns(stage.projected, stage.residues, inverse_variance);
-    const ScaledGram factor(information);
-    if (!factor.usable()) {
-      result.end = RefineEnd::rank_deficient;
-      break;
-    }
-    VectorXd step = factor.solve_vector(
-        Eigen::Map<const VectorXd>(reinterpret_cast<const double*>(scores.data()), size));
-    const double variance = std::max(stage.cost / freedom, 1e-300);
-    // In standard deviations of the poles, whatever the scale of the noise given.
-    const double length = std::sqrt(std::max(0.0, step.dot(information * step)) / variance);
-    double share = 1;
-    for (Index r = 0; r < start.size(); ++r) {
-      // A pole moves at most half its half bandwidth at once: the linearisation holds that far.
-      const double room = 0.5 * std::abs(stage.poles[r].real() - window);
-      share = std::min(share, room / std::max(step.segment(2 * r, 2).norm(), 1e-300));
-    }
-    Stage next;
-    bool better = false;
-    for (int halving = 0; halving < 8 && !better; ++halving, share *= 0.5) {
-      VectorXcd poles = stage.poles;
-      for (Index r = 0; r < start.size(); ++r) {
-        poles[r] += share * Complex(step[2 * r], step[2 * r + 1]);
-      }
-      next = stage_at(data, weight, y, y_squared, inverse_variance, poles);
-      better = next.usable && next.cost <= stage.cost;
-    }
-    const bool small = length < options.step_tolerance * std::sqrt(static_cast<double>(size));
-    if (better) {
-      // A whole step that changed nothing beyond rounding has arrived too (data without noise).
-      const bool still = stage.cost - next.cost <= 1e-12 * stage.cost;
-      stage = std::move(next);
-      if (small || still) {
-        result.end = RefineEnd::converged;
-        break;
-      }
-    } else {
-      double relative = 0;
-      for (Index r = 0; r < start.size(); ++r) {
-        relative = std::max(relative, step.segment(2 * r, 2).norm() / std::abs(stage.poles[r]));
-      }
-      // A cost is what the columns leave of |y|^2, known to its rounding
-      // (that of a sum grows with the root of its terms): data without noise are
-      // fitted where nothing more is left.
-      const double rounding = std::sqrt(static_cast<double>(y.rows())) *
-                              std::numeric_limits<double>::epsilon() *
-                              (inverse_variance.array() * y_squared.array()).sum();
-      result.end = small || relative < 1e-9 || stage.cost <= rounding ? RefineEnd::converged
-                                                                      : RefineEnd::no_descent;
-      break;
-    }
-  }
+  Stage stage = at(start);
+  result.end = take_pole_steps(steps, at, stage, &result.iterations);
   result.poles = stage.poles;
   if (!stage.usable) return result;
-  if (size == 0) result.end = RefineEnd::converged;
   const MatrixXcd coefficients = from_pairs(stage.coefficients);
   result.residues = stage.residues;
   result.lower = coefficients.row(start.size());

@@ -1,17 +1,16 @@
 // Maximum-likelihood fit of all modal parameters to FRFs with error bars.
 //
 // Minimises sum_k w_k^2 sum_c |H_kc - model_kc(p, R, lower, upper)|^2 / a_c over the poles p and,
-// at every step, over all residues and residuals, which enter linearly (variable projection: the
-// linear unknowns are eliminated exactly, the poles move by Gauss-Newton in Kaufman's form). The
-// basis functions and the line weights w are common to all FRFs, hence a step costs one Gram matrix
-// and two products with the FRFs, whatever their number. modal_noise.h gives the
-// weights and the noise behind them, modal_covariance.h the uncertainty of the result. Sources:
-// Golub, Pereyra, Separable nonlinear least squares, Inverse Problems 19 (2003) R1; Kaufman, BIT 15
-// (1975) 49; Pintelon, Schoukens, System Identification, 2nd ed., ch. 9.
+// at every step, over all residues and residuals, which enter linearly (estimation/pole_steps.h).
+// The basis functions and the line weights w are common to all FRFs, hence a step costs one Gram
+// matrix and two products with the FRFs, whatever their number. modal_noise.h gives the weights and
+// the noise behind them, modal_covariance.h the uncertainty of the result. Source: Pintelon,
+// Schoukens, System Identification, 2nd ed., ch. 9.
 #pragma once
 
 #include <Eigen/Core>
 
+#include "signal/estimation/pole_steps.h"
 #include "signal/refinement/modal_noise.h"
 
 namespace rigfit::signal {
@@ -33,15 +32,12 @@ struct ModalRefineOptions {
   double step_tolerance = 1e-3;
 };
 
-enum class RefineEnd { converged, iteration_limit, no_descent, rank_deficient };
-[[nodiscard]] const char* name_of(RefineEnd end);
-
 struct ModalRefineResult {
   Eigen::VectorXcd poles;     ///< structure's poles, rad/s (s contains the window)
   Eigen::MatrixXcd residues;  ///< modes x FRFs
   Eigen::VectorXcd lower, upper;
   Eigen::MatrixXcd background;  ///< terms of FrfLines::background x FRFs
-  RefineEnd end = RefineEnd::iteration_limit;
+  StepsEnd end = StepsEnd::iteration_limit;
   int iterations = 0;
   double cost = 0;           ///< the minimised sum
   Eigen::VectorXd leverage;  ///< lines: share of the freedom used, mean over FRFs

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "signal/estimation/pole_steps.h"
 #include "signal/numerics/power_sums.h"
 #include "signal/numerics/scaled_gram.h"
 
@@ -19,9 +20,6 @@ using Eigen::Index;
 // z^(b + l) = z^b z^l: the powers l of one block, times z^b, serve all blocks.
 constexpr Index kBlock = 256;
 constexpr Index kTogether = 32;  // blocks in a product: what fits the cache
-// Gauss and Newton's steps are sure from afar, but where the residual is no noise they creep: from
-// then on Newton's own, which costs one more product with the data.
-constexpr int kGaussNewtonSteps = 4;
 // exp(-a j) below this adds nothing to a double and would only make denormals.
 constexpr double kNegligible = 1e-150;
 
@@ -69,9 +67,9 @@ class Problem {
                             static_cast<double>(n_);
     products_.resize(m_ + 1);
     residual_.resize(n_);
-    normal.gram.resize(parameters(), parameters());
-    normal.gradient.resize(parameters());
-    normal.curvature.setZero(parameters(), 2 * m);
+    gram.resize(parameters(), parameters());
+    gradient.resize(parameters());
+    curvature.setZero(parameters(), 2 * m);
   }
 
   Index parameters() const { return 4 * static_cast<Index>(m_) + background_; }
@@ -81,11 +79,8 @@ class Problem {
   std::vector<Complex> poles, amplitudes;
   std::array<double, 2> background{0, 0};
   double sum_squares = 0;
-  /// What `step` needs of a point.
-  struct Normal {
-    Eigen::MatrixXd gram, curvature;  // curvature: all parameters x those of the poles
-    Eigen::VectorXd gradient;
-  } normal;
+  Eigen::MatrixXd gram, curvature;  // curvature: all parameters x those of the poles
+  Eigen::VectorXd gradient;
 
   // Linear parameters, residual, Gram matrix and gradient at `poles`. False: rank-deficient.
   bool evaluate() {
@@ -115,42 +110,40 @@ class Problem {
     // very long records.
     const double leaves = 1e-6 * sum_squares / static_cast<double>(n_);
     if (!solve_linear(x)) return false;
-    if (x.dot(normal.gradient.head(linear())) > leaves) project(true);
+    if (x.dot(gradient.head(linear())) > leaves) project(true);
     fill_gram();
     fill_curvature();
     return std::isfinite(sum_squares);
   }
 
-  // Pole steps (per sample) for the Levenberg-Marquardt parameter; false when singular. `newton`:
-  // with the second derivatives, where they leave the functional convex.
-  bool step(double lambda, bool newton, Eigen::VectorXd& pole_step, double& step_norm_squared) {
-    const auto& [gram, curvature, gradient] = normal;
+  /// What the steps need of the poles `at`.
+  PoleStage stage_at(const Eigen::VectorXcd& at) {
+    poles.assign(at.begin(), at.end());
+    PoleStage stage;
+    stage.poles = at;
+    stage.usable = evaluate();
+    stage.cost = sum_squares;
+    if (!stage.usable) return stage;
     const std::vector<Index> moving(free_.begin() + std::ssize(linear_), free_.end());
     const Eigen::MatrixXd of_poles = gram(moving, moving), both = gram(linear_, moving);
     const ScaledGram amplitudes_only(gram(linear_, linear_));
-    if (!amplitudes_only.usable()) return false;
+    if (!amplitudes_only.usable()) return stage;
     const Eigen::MatrixXd coupling = amplitudes_only.solve(both);
     const Eigen::MatrixXd plain = of_poles - both.transpose() * coupling;
     // What is left of the poles' columns must be more than rounding.
-    if (!(plain.diagonal().array() > 1e-14 * of_poles.diagonal().array()).all()) return false;
-    const Eigen::VectorXd g = gradient(moving) - coupling.transpose() * gradient(linear_);
-    const auto solve = [&](Eigen::MatrixXd matrix) {
-      matrix.diagonal() *= 1 + lambda;
-      const ScaledGram factor(matrix);
-      if (!factor.usable()) return false;
-      const Eigen::VectorXd delta = factor.solve_vector(g);
-      step_norm_squared = delta.dot(plain * delta);
-      pole_step.setZero(2 * static_cast<Index>(m_));
-      pole_step(moving_) = delta / static_cast<double>(n_);
-      return pole_step.allFinite();
-    };
-    if (newton) {
-      const Eigen::MatrixXd mixed = both - curvature(linear_, moving_);
-      Eigen::MatrixXd curved =
-          of_poles - curvature(moving, moving_) - mixed.transpose() * amplitudes_only.solve(mixed);
-      if ((curved.diagonal().array() > 0).all() && solve(std::move(curved))) return true;
-    }
-    return solve(plain);
+    if (!(plain.diagonal().array() > 1e-14 * of_poles.diagonal().array()).all()) return stage;
+    const Eigen::MatrixXd mixed = both - curvature(linear_, moving_);
+    const Eigen::MatrixXd curved =
+        of_poles - curvature(moving, moving_) - mixed.transpose() * amplitudes_only.solve(mixed);
+    const double n = static_cast<double>(n_);
+    const Index parts = 2 * heads_.cols();
+    stage.gradient.setZero(parts);
+    stage.information.setZero(parts, parts);
+    stage.curvature.setZero(parts, parts);
+    stage.gradient(moving_) = n * (gradient(moving) - coupling.transpose() * gradient(linear_));
+    stage.information(moving_, moving_) = n * n * plain;
+    stage.curvature(moving_, moving_) = n * n * curved;
+    return stage;
   }
 
   void fill(DampedSinusoidsFit& fit) const {
@@ -172,7 +165,7 @@ class Problem {
       factor.segment<2>(4 * m + 2).setConstant(static_cast<double>(n_));
     }
     for (Index b = 2 * heads_.cols(); b < linear(); ++b) from.push_back(b);
-    fit.jacobian_gram = factor.asDiagonal() * normal.gram(from, from).eval() * factor.asDiagonal();
+    fit.jacobian_gram = factor.asDiagonal() * gram(from, from).eval() * factor.asDiagonal();
     for (Index k = 0; k < parameters(); ++k) {
       const Index own = from[static_cast<std::size_t>(k)];
       if (std::ranges::find(free_, own) != free_.end()) free.push_back(k);
@@ -182,7 +175,7 @@ class Problem {
       fit.unit_covariance.setZero(parameters(), parameters());
       fit.unit_covariance(free, free) = factored.inverse();
     }
-    if (fit.unit_covariance.size() == 0) fit.end = DampedSinusoidsFit::End::rank_deficient;
+    if (fit.unit_covariance.size() == 0) fit.end = StepsEnd::rank_deficient;
   }
 
  private:
@@ -243,8 +236,7 @@ class Problem {
     const auto list = columns();
     for (std::size_t k = 0; k < list.size(); ++k) {
       const auto& p = products_[list[k].mode];
-      normal.gradient(static_cast<Index>(k)) =
-          re_product(list[k].factor, list[k].power ? p.one : p.zero);
+      gradient(static_cast<Index>(k)) = re_product(list[k].factor, list[k].power ? p.one : p.zero);
     }
     for (std::size_t k = 0; k < known_.size(); ++k) {
       const auto& [value, information] = known_[k];
@@ -252,16 +244,16 @@ class Problem {
           value - Eigen::Vector3d(amplitudes[k].real(), amplitudes[k].imag(), poles[k].imag());
       const Eigen::Vector3d pull = information * apart;
       sum_squares += apart.dot(pull);
-      normal.gradient(of_tone(k)) += per_parameter().cwiseProduct(pull);
+      gradient(of_tone(k)) += per_parameter().cwiseProduct(pull);
     }
   }
 
   /// Moves the linear parameters by `x` to where the gradient says that they belong.
   bool solve_linear(Eigen::VectorXd& x) {
-    const ScaledGram factor(normal.gram(linear_, linear_));
+    const ScaledGram factor(gram(linear_, linear_));
     if (!factor.usable()) return false;
     x.setZero(linear());
-    x(linear_) = factor.solve_vector(normal.gradient(linear_));
+    x(linear_) = factor.solve_vector(gradient(linear_));
     for (std::size_t m = 0; m < m_; ++m) {
       amplitudes[m] += Complex(x(2 * static_cast<Index>(m)), x(2 * static_cast<Index>(m) + 1));
     }
@@ -318,8 +310,8 @@ class Problem {
         const double value =
             0.5 * (re_product(p->factor * q->factor, s.plain[power]) +
                    re_product(p->factor * std::conj(q->factor), s.conjugate[power]));
-        normal.gram(static_cast<Index>(k), static_cast<Index>(l)) = value;
-        normal.gram(static_cast<Index>(l), static_cast<Index>(k)) = value;
+        gram(static_cast<Index>(k), static_cast<Index>(l)) = value;
+        gram(static_cast<Index>(l), static_cast<Index>(k)) = value;
       }
     }
     Eigen::VectorXd row(parameters());
@@ -329,11 +321,11 @@ class Problem {
         const Complex z = std::exp(pole_of(list[k].mode) * static_cast<double>(j));
         row(static_cast<Index>(k)) = re_product(list[k].factor, z) * (list[k].power ? t : 1.0);
       }
-      normal.gram -= row * row.transpose();
+      gram -= row * row.transpose();
     }
     for (std::size_t k = 0; k < known_.size(); ++k) {
       const Eigen::DiagonalMatrix<double, 3> scale(per_parameter());
-      normal.gram(of_tone(k), of_tone(k)) += scale * known_[k].information * scale;
+      gram(of_tone(k), of_tone(k)) += scale * known_[k].information * scale;
     }
   }
 
@@ -344,9 +336,8 @@ class Problem {
       const auto c = static_cast<Index>(2 * m), p = linear() + c;
       const Complex one = products_[m].one, two = amplitudes[m] * products_[m].two;
       const double re = one.real(), im = (i * one).real();
-      normal.curvature.block<2, 2>(c, c) << re, im, im, -re;
-      normal.curvature.block<2, 2>(p, c) << two.real(), (i * two).real(), (i * two).real(),
-          -two.real();
+      curvature.block<2, 2>(c, c) << re, im, im, -re;
+      curvature.block<2, 2>(p, c) << two.real(), (i * two).real(), (i * two).real(), -two.real();
     }
   }
 
@@ -378,75 +369,35 @@ DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>&
   if (present <= problem.unknowns()) {
     throw std::invalid_argument("damped sinusoids: fewer samples than parameters");
   }
-  const double n = static_cast<double>(y.size());
-  const auto degrees = static_cast<double>(present - problem.unknowns());
-  const double total = y.squaredNorm();
+  const double n = static_cast<double>(y.size()), total = y.squaredNorm();
   DampedSinusoidsFit fit;
-  if (!problem.evaluate()) {
+  PoleStage stage = problem.stage_at(
+      Eigen::Map<const Eigen::VectorXcd>(poles.data(), static_cast<Index>(poles.size())));
+  if (!stage.usable) {
     fit.poles = problem.poles;
     fit.amplitudes.assign(poles.size(), 0.0);
     fit.samples = y.size();
     fit.residual = y;
     fit.residual_sum_squares = total;
-    fit.end = DampedSinusoidsFit::End::rank_deficient;
+    fit.end = StepsEnd::rank_deficient;
     return fit;
   }
-  double lambda = 1e-3;
-  Eigen::VectorXd step;
-  std::vector<Complex> accepted = problem.poles;
-  double best = problem.sum_squares;
-  bool stale = false;  // problem holds a refused trial, but for its normal equations
-  auto normal = problem.normal;
-  for (fit.iterations = 0; fit.iterations < options.max_iterations; ++fit.iterations) {
-    double norm_squared = 0;
-    if (!problem.step(lambda, fit.iterations >= kGaussNewtonSteps, step, norm_squared)) {
-      fit.end = DampedSinusoidsFit::End::rank_deficient;
-      break;
-    }
-    // Small against the noise, or at rounding where there is no noise.
-    const double tolerance = options.step_in_std * options.step_in_std;
-    if (norm_squared <= tolerance * best / degrees || norm_squared <= 1e-28 * total) {
-      fit.end = DampedSinusoidsFit::End::converged;
-      break;
-    }
-    for (std::size_t m = 0; m < poles.size(); ++m) {
-      Complex delta(step(2 * static_cast<Index>(m)), step(2 * static_cast<Index>(m) + 1));
-      // The functional is smooth over about the width of the line and no further.
-      const double reach = std::numbers::pi / n + 0.5 * std::abs(accepted[m].real());
-      if (std::abs(delta) > reach) delta *= reach / std::abs(delta);
-      Complex next = accepted[m] + delta;
-      // A pole may grow by no more than e^3 over the record, so that nothing overflows; below a
-      // quarter of a cycle a sinusoid is a polynomial that the background has already.
-      next.real(std::clamp(next.real(), -30.0, 3.0 / n));
-      if (!is_offset(next)) {
-        next.imag(std::clamp(next.imag(), 0.5 * std::numbers::pi / n, std::numbers::pi));
-      }
-      problem.poles[m] = next;
-    }
-    const bool better = problem.evaluate() && problem.sum_squares <= best;
-    if (better) {
-      best = problem.sum_squares;
-      accepted = problem.poles;
-      normal = problem.normal;
-      lambda = std::max(lambda / 10, 1e-12);
-      stale = false;
-    } else {
-      stale = true;
-      problem.normal = normal;
-      if (lambda > 1e8) {  // no downhill step is left: a minimum to rounding
-        fit.end = DampedSinusoidsFit::End::converged;
-        break;
-      }
-      lambda = std::max(lambda * 10, 1e-6);
-    }
-  }
-  if (stale) {
-    problem.poles = accepted;
-    problem.evaluate();
-  }
-  const auto end = fit.end;
+  PoleStepOptions steps;
+  steps.max_iterations = options.max_iterations;
+  steps.step_in_std = options.step_in_std;
+  steps.freedom = static_cast<double>(present - problem.unknowns());
+  steps.rounding = 1e-28 * total;
+  // The functional is smooth over about the width of the line and no further. A pole may grow by no
+  // more than e^3 over the record, so that nothing overflows; below a quarter of a cycle a sinusoid
+  // is a polynomial that the background has already.
+  steps.resolution = std::numbers::pi / n;
+  steps.fastest = -30, steps.slowest = 3 / n;
+  steps.low = 0.5 * std::numbers::pi / n, steps.high = std::numbers::pi;
+  const StepsEnd end = take_pole_steps(
+      steps, [&](const auto& at) { return problem.stage_at(at); }, stage, &fit.iterations);
+  if (!std::ranges::equal(problem.poles, stage.poles)) problem.stage_at(stage.poles);
   problem.fill(fit);
-  if (fit.end != DampedSinusoidsFit::End::rank_deficient) fit.end = end;
+  if (fit.end != StepsEnd::rank_deficient) fit.end = end;
   return fit;
 }
 

@@ -3,20 +3,19 @@
 //   y_j = sum_m Re(C_m exp(p_m j)) + c0 + c1 j / N + e_j,   p_m = -a_m + i w_m per sample
 //
 // Variable projection: for given poles the complex amplitudes C and the background are linear and
-// solved exactly; the poles move by Gauss-Newton steps on the projected functional (Kaufman's
-// form), after four of them by Newton's, damped after Levenberg and Marquardt. Every Gram matrix is
-// a sum of j^k q^j, evaluated by doubling in O(log N); only the products with the data cost O(N).
+// solved exactly; the poles move by the steps of estimation/pole_steps.h. Every Gram matrix is a
+// sum of j^k q^j, evaluated by doubling in O(log N); only the products with the data cost O(N).
 // With white Gaussian noise this is the maximum-likelihood estimate and reaches the Cramer-Rao
 // bound. A pole on an axis stays on it: one whose real part is 0 is a steady tone, one whose
-// imaginary part is 0 (its amplitude real) an offset that dies away. Sources: Golub and Pereyra,
-// SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49; Ruhe and Wedin, SIAM Review 22
-// (1980) 318.
+// imaginary part is 0 (its amplitude real) an offset that dies away.
 #pragma once
 
 #include <Eigen/Core>
 #include <complex>
 #include <span>
 #include <vector>
+
+#include "signal/estimation/pole_steps.h"
 
 namespace rigfit::signal {
 
@@ -38,11 +37,6 @@ struct DampedSinusoidsOptions {
 };
 
 struct DampedSinusoidsFit {
-  enum class End {
-    converged,
-    iterations,      ///< max_iterations reached
-    rank_deficient,  ///< the columns cannot be told apart; no covariance
-  };
   std::vector<std::complex<double>> poles;       ///< per sample
   std::vector<std::complex<double>> amplitudes;  ///< C at sample 0
   double offset = 0;                             ///< at sample 0
@@ -56,7 +50,7 @@ struct DampedSinusoidsFit {
   /// (J'J)^-1 of the free parameters, 0 for the others; empty when rank-deficient.
   Eigen::MatrixXd unit_covariance;
   int iterations = 0;
-  End end = End::iterations;
+  StepsEnd end = StepsEnd::iteration_limit;  ///< rank-deficient: no covariance
 
   /// Mode m alone at every sample.
   [[nodiscard]] Eigen::VectorXd mode_signal(std::size_t m) const;

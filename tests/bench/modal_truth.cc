@@ -71,7 +71,7 @@ void one_seed(const testing::TenModeTruth& truth, const Options& options, double
 
   study.frf_s += frf_s;
   study.modal_s += modal_s;
-  study.unconverged += result.end != signal::RefineEnd::converged;
+  study.unconverged += result.end != signal::StepsEnd::converged;
   const auto& modes = result.model.modes;
   if (modes.size() != 10) {
     ++(modes.size() < 10 ? study.fewer : study.more);

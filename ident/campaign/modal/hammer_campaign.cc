@@ -197,7 +197,7 @@ HammerTest analyse_hammer_test(std::span<const StruckPlace> places,
 }
 
 bool IdentifiedModes::converged() const {
-  return modal && (modal->end == signal::RefineEnd::converged || modal->model.modes.empty());
+  return modal && (modal->end == signal::StepsEnd::converged || modal->model.modes.empty());
 }
 
 IdentifiedModes identify(const signal::FrfSet& frfs,

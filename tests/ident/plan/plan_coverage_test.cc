@@ -191,7 +191,7 @@ TEST(PlanCoverage, OfNoisyRecords) {
       signal::DampedSinusoidsOptions plain;
       plain.background_terms = 0;
       const auto fit = signal::fit_damped_sinusoids(y, poles, plain);
-      ASSERT_EQ(fit.end, signal::DampedSinusoidsFit::End::converged);
+      ASSERT_EQ(fit.end, signal::StepsEnd::converged);
       for (std::size_t m = 0; m < modes.size(); ++m) mean[m] += 0.5 * fit.poles[m] * rate;
     }
     auto measured = states;

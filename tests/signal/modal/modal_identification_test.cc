@@ -44,7 +44,7 @@ TEST(ModalIdentification, TenModesFromHitsWithAndWithoutWindow) {
     options.high_hz = 1400;
     const ModalResult result = identify_modes(test.frfs, options);
     ASSERT_EQ(result.model.modes.size(), 10u) << window;
-    EXPECT_EQ(result.end, RefineEnd::converged);
+    EXPECT_EQ(result.end, StepsEnd::converged);
     int covered = 0;
     for (std::size_t r = 0; r < 10; ++r) {
       const IdentifiedMode& mode = result.model.modes[r];

@@ -61,7 +61,7 @@ TEST(AgainstCeres, DampedSinusoidsEndAtTheSameMinimum) {
     }
   }
   const auto fit = fit_damped_sinusoids(y, poles);
-  ASSERT_EQ(fit.end, DampedSinusoidsFit::End::converged);
+  ASSERT_EQ(fit.end, StepsEnd::converged);
 
   std::array<double, 10> p{};
   for (std::size_t m = 0; m < 2; ++m) {
@@ -141,7 +141,7 @@ TEST(AgainstCeres, ModesEndAtTheSameMinimum) {
   noise.column.setConstant(kFrfs, 0.0025 * rms * rms);
   noise.common.setZero(1);
   const auto fit = refine_modes(data, noise, poles);
-  ASSERT_EQ(fit.end, RefineEnd::converged);
+  ASSERT_EQ(fit.end, StepsEnd::converged);
 
   std::array<double, 2 * kModes> pole{};
   std::array<double, kLinear> linear{};

@@ -70,7 +70,7 @@ TEST(ModalRefine, RecoversExactParameters) {
   for (const double window : {0.0, 4.0}) {
     const Problem problem(window);
     const auto fit = refine_modes(problem.noisy(0, 0, 1), problem.noise(1e-3, 0), problem.start());
-    EXPECT_EQ(fit.end, RefineEnd::converged);
+    EXPECT_EQ(fit.end, StepsEnd::converged);
     EXPECT_LT(fit.iterations, 15);
     // A relative 1e-16 of H over conditions of 1e3 to 1e4, seen against poles of 2000 rad/s.
     EXPECT_TRUE(testing::MatricesNear(fit.poles, problem.poles, 1e-7));
@@ -145,7 +145,7 @@ TEST(ModalRefine, IntervalsCover) {
         noise = noise_from_residuals(model, data.H - model, fit.leverage, 1, 0);
         fit = refine_modes(data, noise, fit.poles);
       }
-      ASSERT_EQ(fit.end, RefineEnd::converged) << seed;
+      ASSERT_EQ(fit.end, StepsEnd::converged) << seed;
       held.add(problem, fit, modal_covariance(data, noise, fit));
     }
     held.expect_95(0.046);
@@ -191,7 +191,7 @@ TEST(ModalRefine, IntervalsCoverUnderAnExponentialWindow) {
     noise.correlation_lines = kRate * length;
     noise.lead = kLead / length;
     const ModalRefineResult fit = refine_modes(data, noise, problem.poles);
-    ASSERT_EQ(fit.end, RefineEnd::converged) << seed;
+    ASSERT_EQ(fit.end, StepsEnd::converged) << seed;
     held.add(problem, fit, modal_covariance(data, noise, fit));
   }
   held.expect_95(0.046);
@@ -212,7 +212,7 @@ TEST(ModalRefine, EqualPolesAreRankDeficient) {
   const FrfLines data = problem.noisy(0.003, 0, 4);
   Eigen::VectorXcd start(2);
   start << problem.poles[0], problem.poles[0];
-  EXPECT_EQ(refine_modes(data, problem.noise(0.003, 0), start).end, RefineEnd::rank_deficient);
+  EXPECT_EQ(refine_modes(data, problem.noise(0.003, 0), start).end, StepsEnd::rank_deficient);
 }
 
 TEST(ModalRefine, AModeThatIsNotThereIsNotSignificant) {

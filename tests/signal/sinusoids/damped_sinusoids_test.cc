@@ -31,7 +31,7 @@ TEST(DampedSinusoids, RecoversManufacturedModesToRounding) {
   const auto y = decay(poles, amplitudes, 700, 0.4, -0.2);
   const std::vector<Complex> start{{-0.008, 0.602}, {-0.004, 1.699}};
   const auto fit = fit_damped_sinusoids(y, start);
-  ASSERT_EQ(fit.end, DampedSinusoidsFit::End::converged);
+  ASSERT_EQ(fit.end, StepsEnd::converged);
   for (std::size_t m = 0; m < 2; ++m) {
     // Rounding of the data (1e-16) times the conditioning of a pole over 700 samples (below 1).
     EXPECT_LT(std::abs(fit.poles[m] - poles[m]), 1e-14);
@@ -84,7 +84,7 @@ TEST(DampedSinusoids, ArrivesSoonWhereTheResidualIsNoNoise) {
                        {{1.0, 0.0}, {0.0, 0.9}, {0.7, 0.2}}, 1000, 0.1);
   const std::vector<Complex> start{{-0.003, 0.5}, {-0.004, 1.1}};
   const auto fit = fit_damped_sinusoids(y, start);
-  EXPECT_EQ(fit.end, DampedSinusoidsFit::End::converged);
+  EXPECT_EQ(fit.end, StepsEnd::converged);
   EXPECT_LE(fit.iterations, 8);
   // A minimum: the residual is normal to every column. A step of 1e-3 standard uncertainties is
   // left at most, which is 1e-3 / sqrt(degrees) of a column's share of the residual.
@@ -103,7 +103,7 @@ TEST(DampedSinusoids, TwiceTheSamePoleIsRankDeficient) {
   const auto y = decay(poles, amplitudes, 300);
   const std::vector<Complex> start{poles[0], poles[0]};
   const auto fit = fit_damped_sinusoids(y, start);
-  EXPECT_EQ(fit.end, DampedSinusoidsFit::End::rank_deficient);
+  EXPECT_EQ(fit.end, StepsEnd::rank_deficient);
   EXPECT_EQ(fit.unit_covariance.size(), 0);
 }
 
@@ -114,7 +114,7 @@ TEST(DampedSinusoids, LongDecaysNeitherUnderflowNorDriftInPhase) {
   const auto y = decay(poles, amplitudes, 2000000);
   const std::vector<Complex> start{{-1.02e-3, 0.30001}, {-1.1e-6, 0.9 + 1e-7}};
   const auto fit = fit_damped_sinusoids(y, start);
-  ASSERT_EQ(fit.end, DampedSinusoidsFit::End::converged);
+  ASSERT_EQ(fit.end, StepsEnd::converged);
   // exp(p j) itself carries eps |p| j of phase error in the test's data: 2e-10 at the end.
   EXPECT_LT(std::abs(fit.poles[0] - poles[0]), 1e-12);
   EXPECT_LT(std::abs(fit.poles[1] - poles[1]), 1e-15);
