@@ -1,15 +1,10 @@
 // Modes from ambient motion: are they found, do their 95 % intervals hold, how near to the
 // Cramer-Rao bound of an isolated mode are they? A chain of five storeys and its variations, with
-// exact truth. Prints a table.
-//   ambient_coverage [SEEDS] [FIRST SEED] [PART OF A NAME]
+// exact truth.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -18,6 +13,7 @@
 
 #include "signal/ambient/ambient_modes.h"
 #include "signal/modes/mac.h"
+#include "tests/bench/study.h"
 #include "tests/reference/ambient_motion.h"
 
 namespace {
@@ -85,11 +81,6 @@ std::vector<Case> cases() {
   return all;
 }
 
-struct ModeCount {
-  int found = 0, f_held = 0, zeta_held = 0;
-  double f2 = 0, zeta2 = 0, zeta = 0;
-};
-
 signal::AmbientResult analysed(const Case& one, std::uint64_t seed) {
   auto motion = one.motion;
   motion.seed = seed;
@@ -110,77 +101,53 @@ signal::AmbientResult analysed(const Case& one, std::uint64_t seed) {
   return signal::merge_setups(setups);
 }
 
-void run(const Case& one, std::uint64_t first, int seeds) {
-  const Index n = one.structure.frequency_hz.size();
-  std::vector<ModeCount> modes(static_cast<std::size_t>(n));
-  int lost = 0, wrong = 0, doubtful = 0;
-  const std::clock_t start = std::clock();
-  for (int k = 0; k < seeds; ++k) {
-    const auto result = analysed(one, first + static_cast<std::uint64_t>(k));
-    std::vector<bool> used(result.modes.size(), false);
-    for (Index r = 0; r < n; ++r) {
-      const double f = one.structure.frequency_hz[r], zeta = one.structure.damping_ratio[r];
-      std::size_t best = result.modes.size();
-      double nearest = 1.5 * zeta * f;
-      for (std::size_t i = 0; i < result.modes.size(); ++i) {
-        // Modes of a pair are told by their shapes.
-        Eigen::VectorXcd truth = one.structure.shapes.col(r);
-        if (result.channels.size() == 5 && one.two_setups)
-          truth = truth(std::vector<Index>{0, 4, 1, 2, 3}).eval();
-        const double unlike = 1 - signal::mac(result.modes[i].mode.shape, truth);
-        const double apart = std::abs(result.modes[i].mode.frequency_hz.value - f);
-        if (used[i] || apart > 1.5 * zeta * f || apart + unlike * zeta * f > nearest) continue;
-        nearest = apart + unlike * zeta * f, best = i;
-      }
-      if (best == result.modes.size()) {
-        ++lost;
-        continue;
-      }
-      used[best] = true;
-      const auto& mode = result.modes[best];
-      if (mode.mode.doubtful) {
-        ++doubtful;
-        continue;
-      }
-      auto& count = modes[static_cast<std::size_t>(r)];
-      const double bound = std::sqrt(one.motion.duration_s * zeta * f * 2 * std::numbers::pi *
-                                     (one.two_setups ? 2 : 1));
-      const double df = (mode.mode.frequency_hz.value - f) / (zeta * f),
-                   dz = mode.mode.damping_ratio.value / zeta - 1;
-      ++count.found;
-      count.f_held += mode.frequency_95.low < f && f < mode.frequency_95.high;
-      count.zeta_held += mode.damping_95.low < zeta && zeta < mode.damping_95.high;
-      count.f2 += df * df * bound * bound, count.zeta2 += dz * dz * bound * bound;
-      count.zeta += dz;
-    }
-    for (std::size_t i = 0; i < used.size(); ++i) {
-      wrong += !used[i] && !result.modes[i].mode.doubtful;
-    }
+void identify(const Case& one, std::uint64_t seed, study::Table& table) {
+  const auto [result, seconds] = study::timed([&] { return analysed(one, seed); });
+  table.add("s", seconds);
+  std::vector<bool> taken(result.modes.size(), false);
+  for (Index r = 0; r < one.structure.frequency_hz.size(); ++r) {
+    const double f = one.structure.frequency_hz[r], zeta = one.structure.damping_ratio[r];
+    Eigen::VectorXcd shape = one.structure.shapes.col(r);
+    if (result.channels.size() == 5 && one.two_setups)
+      shape = shape(std::vector<Index>{0, 4, 1, 2, 3}).eval();
+    // Modes of a pair are told by their shapes.
+    const int best = study::take_nearest(taken, 1.5 * zeta * f, [&](std::size_t i) {
+      const auto& mode = result.modes[i].mode;
+      return std::abs(mode.frequency_hz.value - f) +
+             (1 - signal::mac(mode.shape, shape)) * zeta * f;
+    });
+    table.add("modes", 1);
+    table.add("lost", best < 0);
+    if (best < 0) continue;
+    const auto& found = result.modes[static_cast<std::size_t>(best)];
+    table.add("doubtful", found.mode.doubtful);
+    if (found.mode.doubtful) continue;
+    const double bound = std::sqrt(one.motion.duration_s * zeta * f * 2 * std::numbers::pi *
+                                   (one.two_setups ? 2 : 1));
+    const double dz = found.mode.damping_ratio.value / zeta - 1;
+    table.add("f held, %", study::held(found.frequency_95, f));
+    table.add("damping held, %", study::held(found.damping_95, zeta));
+    table.add(fmt::format("rms f {}", r + 1),
+              (found.mode.frequency_hz.value - f) / (zeta * f) * bound);
+    table.add(fmt::format("rms damping {}", r + 1), dz * bound);
+    table.add(fmt::format("bias {}, %", r + 1), 100 * dz);
   }
-  const double cpu = double(std::clock() - start) / CLOCKS_PER_SEC / seeds;
-  std::string rms_f, rms_zeta, bias;
-  int found = 0, f_held = 0, zeta_held = 0;
-  for (const auto& m : modes) {
-    found += m.found, f_held += m.f_held, zeta_held += m.zeta_held;
-    rms_f += fmt::format(" {:.2f}", std::sqrt(m.f2 / m.found));
-    rms_zeta += fmt::format(" {:.2f}", std::sqrt(m.zeta2 / m.found));
-    bias += fmt::format(" {:+.1f}", 100 * m.zeta / m.found);
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    table.add("sure false", !taken[i] && !result.modes[i].mode.doubtful);
   }
-  fmt::print(
-      "{:<28} lost {} false {} doubtful {} of {}; held f {:.1f} % zeta {:.1f} %; rms f{} zeta{}; "
-      "bias %{}; {:.2f} s\n",
-      one.name, lost, wrong, doubtful, seeds * n, 100.0 * f_held / found, 100.0 * zeta_held / found,
-      rms_f, rms_zeta, bias, cpu);
-  std::fflush(stdout);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int seeds = argc > 1 ? std::atoi(argv[1]) : 10;
-  const auto first = static_cast<std::uint64_t>(argc > 2 ? std::atoll(argv[2]) : 1);
-  for (const Case& one : cases()) {
-    if (argc > 3 && one.name.find(argv[3]) == std::string::npos) continue;
-    run(one, first, seeds);
+  using enum study::Of;
+  std::vector<study::Column> columns{{"modes", sum},    {"lost", sum}, {"sure false", sum},
+                                     {"doubtful", sum}, {"f held, %"}, {"damping held, %"},
+                                     {"s", mean}};
+  for (int r = 1; r <= 5; ++r) {  // errors over the bound, of each mode
+    columns.push_back({fmt::format("rms f {}", r), rms});
+    columns.push_back({fmt::format("rms damping {}", r), rms});
+    columns.push_back({fmt::format("bias {}, %", r), mean, "{:+.1f}"});
   }
+  study::run(study::arguments(argc, argv, 10), {"motion", columns}, cases(), identify);
 }

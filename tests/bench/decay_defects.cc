@@ -1,24 +1,17 @@
 // Free decays with what real records have beside them: mains hum, a converter's steps, jitter of
 // the sampling clock. The records are integrated in time by the exact transition matrix,
-// independently of the estimator's model. Prints a Markdown table: of the records that are answered
-// without a warning, the share whose 95 % intervals hold the truth, and how many show more modes
-// than there are; records refused and records with a warning, by code. Arguments: records a row
-// (100), and a part of the rows' names.
-#include <fmt/format.h>
-
+// independently of the estimator's model. Intervals are those of the records that are answered
+// without a warning.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <functional>
-#include <map>
 #include <numbers>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "signal/decay/decay.h"
+#include "tests/bench/study.h"
 
 namespace {
 
@@ -36,14 +29,6 @@ using Random = std::mt19937_64;
 struct Kind {
   std::string name;
   std::function<Record(Random&)> make;
-};
-
-struct Tally {
-  int records = 0, sure = 0, frequency_held = 0, damping_held = 0;
-  int more_modes = 0;  ///< records with more modes than there are
-  std::map<std::string, int> refused, warned;
-  double median_ms = 0;
-  [[nodiscard]] std::string row(const std::string& name) const;
 };
 
 double uniform(Random& draw, double low, double high) {
@@ -177,79 +162,42 @@ const std::vector<Kind>& kinds() {
   return all;
 }
 
-Tally study(const Kind& kind, int records) {
-  Tally tally;
-  std::vector<double> times;
-  for (int i = 0; i < records; ++i) {
-    Random draw(static_cast<std::uint64_t>(i) + 1);
-    const Record record = kind.make(draw);
-    const auto start = std::chrono::steady_clock::now();
-    const auto result = signal::estimate_decay(record.samples, record.rate_hz);
-    times.push_back(
-        1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    ++tally.records;
-    if (!result.refusal_code.empty()) {
-      ++tally.refused[result.refusal_code];
-      continue;
+void decay(const Kind& kind, std::uint64_t seed, study::Table& table) {
+  Random draw(seed);
+  const Record record = kind.make(draw);
+  const auto [result, seconds] =
+      study::timed([&] { return signal::estimate_decay(record.samples, record.rate_hz); });
+  table.add("median ms", 1e3 * seconds);
+  bool sure = result.refusal_code.empty();
+  if (!sure) table.add("refused", result.refusal_code);
+  for (const auto& note : result.notes) {
+    // What says that the numbers are not those of one decay; the others are ordinary.
+    for (const char* code : {"not_one_decay", "not_exponential", "damping_not_resolved"}) {
+      if (note.code == code) table.add("warned", note.code), sure = false;
     }
-    bool warned = false;
-    for (const auto& note : result.notes) {
-      // What says that the numbers are not those of one decay; the others are ordinary.
-      for (const char* code :
-           {"not_one_decay", "not_exponential", "damping_not_resolved", "clipped"}) {
-        if (note.code == code) ++tally.warned[code], warned = warned || note.code != "clipped";
-      }
-    }
-    if (warned) continue;
-    ++tally.sure;
-    tally.more_modes += result.modes.size() > 1;
-    const auto& mode = *std::min_element(
-        result.modes.begin(), result.modes.end(), [&](const auto& a, const auto& b) {
-          return std::abs(a.frequency_hz.value - record.frequency_hz) <
-                 std::abs(b.frequency_hz.value - record.frequency_hz);
-        });
-    const auto holds = [](const signal::Interval& interval, double truth) {
-      return interval.low <= truth && truth <= interval.high;
-    };
-    tally.frequency_held += holds(mode.frequency_interval_95_hz, record.frequency_hz);
-    tally.damping_held += holds(mode.damping_ratio_interval_95, record.damping_ratio);
   }
-  std::nth_element(times.begin(), times.begin() + static_cast<long>(times.size() / 2), times.end());
-  tally.median_ms = times[times.size() / 2];
-  return tally;
-}
-
-std::string Tally::row(const std::string& name) const {
-  const auto share = [](int part, int whole) {
-    return whole > 0 ? fmt::format("{:.1f}", 100.0 * part / whole) : std::string("-");
-  };
-  const auto list = [](const std::map<std::string, int>& codes) {
-    std::string text;
-    for (const auto& [code, count] : codes) {
-      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", code, count);
-    }
-    return text.empty() ? std::string("-") : text;
-  };
-  return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {:.2f} |", name,
-                     share(frequency_held, sure), share(damping_held, sure), share(sure, records),
-                     list(refused), list(warned), more_modes, median_ms);
+  table.add("without warning, %", sure);
+  if (!sure) return;
+  table.add("too many modes", result.modes.size() > 1);
+  const auto& mode = *std::ranges::min_element(result.modes, {}, [&](const auto& one) {
+    return std::abs(one.frequency_hz.value - record.frequency_hz);
+  });
+  table.add("f held, %", study::held(mode.frequency_interval_95_hz, record.frequency_hz));
+  table.add("damping held, %", study::held(mode.damping_ratio_interval_95, record.damping_ratio));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int records = argc > 1 ? std::max(2, std::atoi(argv[1])) : 100;
-  const std::string only = argc > 2 ? argv[2] : "";
-  std::printf(
-      "%d records a row\n\n| record | f covered %% | damping covered %% | without warning %% | "
-      "refused "
-      "| warnings | too many modes | median ms |\n|---|---|---|---|---|---|---|---|\n",
-      records);
-  for (const auto& kind : kinds()) {
-    if (kind.name.find(only) == std::string::npos) continue;
-    const auto tally = study(kind, records);
-    std::printf("%s\n", tally.row(kind.name).c_str());
-    std::fflush(stdout);
-  }
-  return 0;
+  using enum study::Of;
+  study::run(study::arguments(argc, argv, 100),
+             {"record",
+              {{"f held, %"},
+               {"damping held, %"},
+               {"without warning, %"},
+               {"refused", codes},
+               {"warned", codes},
+               {"too many modes", sum},
+               {"median ms", median}}},
+             kinds(), decay);
 }

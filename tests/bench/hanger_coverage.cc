@@ -1,12 +1,7 @@
 // Tension of hangers with unknown end springs from their frequencies: does the 95 % interval hold,
 // how long does a fit take? Then models that are wrong: are they ruled out, do intervals hold?
-// Prints a table; PART picks rows by name.   hanger_coverage [SEEDS] [FIRST SEED] [PART]
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <ctime>
 #include <limits>
 #include <random>
 #include <string>
@@ -14,6 +9,7 @@
 
 #include "ident/update/model_update.h"
 #include "model/linear/modal_analysis.h"
+#include "tests/bench/study.h"
 #include "tests/scenes.h"
 
 namespace {
@@ -108,87 +104,65 @@ Case draw(std::uint64_t seed, bool imperfect, double sensor_share, Ends ends) {
   return one;
 }
 
-struct Row {
-  int fits = 0, held = 0, flagged = 0, several = 0, silent = 0, none = 0;
-  std::vector<double> seconds, width;
+struct Kind {
+  const char* name;
+  Ends ends;
+  bool imperfect;
+  double sensor, span;
+  Ends truth = Ends::springs;
 };
 
-void add(Row& row, const Case& one, const Hanger& model, Ends ends, std::uint64_t seed) {
-  Hanger start = model;
+void fit(const Kind& kind, std::uint64_t seed, study::Table& table) {
+  const Case one = draw(seed, kind.imperfect, kind.sensor, kind.truth);
+  Hanger start = one.truth;
+  start.length *= kind.span;
   start.tension *= std::pow(3, 2 * std::fmod(0.618 * static_cast<double>(seed), 1.0) - 1);
-  start.spring = 3 * model.EI / model.length;
+  start.spring = 3 * start.EI / start.length;
   start.sensor = 0;
   std::vector<ident::FreeParameter> free{{"h.tension"}};
-  if (ends == Ends::springs) free.push_back({"spring", {"a.rotational_z", "b.rotational_z"}});
-  const std::clock_t begin = std::clock();
-  const auto result = ident::update_model({{"hanger", scene_of(start, ends), one.modes}}, free);
-  row.seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
-  ++row.fits;
-  if (result.alternatives.empty()) {
-    ++row.none;
-    return;
-  }
+  if (kind.ends == Ends::springs) free.push_back({"spring", {"a.rotational_z", "b.rotational_z"}});
+  const auto [result, seconds] = study::timed([&] {
+    return ident::update_model({{"hanger", scene_of(start, kind.ends), one.modes}}, free);
+  });
+  table.add("median s", seconds);
+  table.add("largest s", seconds);
+  const bool answered = !result.alternatives.empty();
+  table.add("no answer", !answered);
+  if (!answered) return;
   const auto& tension = result.parameters[0];
-  const bool held = !(tension.low > one.truth.tension) && !(tension.high < one.truth.tension);
+  const bool held = study::held(tension, one.truth.tension);
   const bool several = result.alternatives.front().weight < 0.9;
-  row.held += held;
-  row.flagged += result.fit.ruled_out();
-  row.several += several;
-  row.silent += !held && !result.fit.ruled_out() && !several;
+  table.add("held, %", held);
+  table.add("model ruled out, %", result.fit.ruled_out());
+  table.add("several answers, %", several);
+  table.add("wrong and silent, %", !held && !result.fit.ruled_out() && !several);
   const double width = (tension.high - tension.low) / tension.value;
-  if (std::isfinite(width)) row.width.push_back(width);
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
+  if (std::isfinite(width)) table.add("median width, %", 100 * width);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int seeds = argc > 1 ? std::atoi(argv[1]) : 100;
-  const int first = argc > 2 ? std::atoi(argv[2]) : 1;
-  const std::string part = argc > 3 ? argv[3] : "";
-  fmt::print(
-      "| {:<34} | fits | interval holds | ruled out | several | "
-      "wrong and silent | no answer | median width | median s | slowest s |\n"
-      "|---|---|---|---|---|---|---|---|---|---|\n",
-      "case");
-  struct Kind {
-    const char* name;
-    Ends ends;
-    bool imperfect;
-    double sensor, span;
-    Ends truth = Ends::springs;
+  using enum study::Of;
+  const Kind kinds[] = {
+      {"springs free", Ends::springs, false, 0, 1},
+      {"springs free, modes missing, one false", Ends::springs, true, 0, 1},
+      {"right: pinned", Ends::pinned, false, 0, 1, Ends::pinned},
+      {"right: clamped", Ends::clamped, false, 0, 1, Ends::clamped},
+      {"wrong: pinned", Ends::pinned, false, 0, 1},
+      {"wrong: clamped", Ends::clamped, false, 0, 1},
+      {"wrong: sensor of 2 % left out", Ends::springs, false, 0.02, 1},
+      {"wrong: span 3 % too long", Ends::springs, false, 0, 1.03},
   };
-  for (const Kind& kind :
-       {Kind{"springs free", Ends::springs, false, 0, 1},
-        Kind{"springs free, modes missing, one false", Ends::springs, true, 0, 1},
-        Kind{"right: pinned", Ends::pinned, false, 0, 1, Ends::pinned},
-        Kind{"right: clamped", Ends::clamped, false, 0, 1, Ends::clamped},
-        Kind{"wrong: pinned", Ends::pinned, false, 0, 1},
-        Kind{"wrong: clamped", Ends::clamped, false, 0, 1},
-        Kind{"wrong: sensor of 2 % left out", Ends::springs, false, 0.02, 1},
-        Kind{"wrong: span 3 % too long", Ends::springs, false, 0, 1.03}}) {
-    if (std::string(kind.name).find(part) == std::string::npos) continue;
-    Row row;
-    for (int k = 0; k < seeds; ++k) {
-      const auto seed = static_cast<std::uint64_t>(first + k);
-      const Case one = draw(seed, kind.imperfect, kind.sensor, kind.truth);
-      Hanger model = one.truth;
-      model.length *= kind.span;
-      add(row, one, model, kind.ends, seed);
-    }
-    const double n = row.fits / 100.0;
-    fmt::print(
-        "| {:<34} | {} | {:.1f} % | {:.1f} % | {:.1f} % | {:.1f} % | {} | "
-        "{:.2f} % | {:.3f} | "
-        "{:.2f} |\n",
-        kind.name, row.fits, row.held / n, row.flagged / n, row.several / n, row.silent / n,
-        row.none, 100 * median(row.width), median(row.seconds),
-        *std::max_element(row.seconds.begin(), row.seconds.end()));
-    std::fflush(stdout);
-  }
+  study::run(study::arguments(argc, argv, 100),
+             {"hangers",
+              {{"no answer", sum},
+               {"held, %"},
+               {"model ruled out, %"},
+               {"several answers, %"},
+               {"wrong and silent, %"},
+               {"median width, %", median},
+               {"median s", median},
+               {"largest s", largest}}},
+             kinds, fit);
 }

@@ -1,19 +1,15 @@
 // FRFs with the defects of measured ones (tests/reference/defective_frfs.h) over seeds: modes lost,
 // modes that are none, and how often 95 % intervals of the mean rig's frequency and damping hold
-// it, doubtful modes apart. Prints a Markdown table.
-//
-//   modal_defects [--seeds N] [--first SEED] [--case NAME]
+// it, doubtful modes apart.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "signal/modal/modal_identification.h"
+#include "tests/bench/study.h"
 #include "tests/reference/defective_frfs.h"
 
 namespace rigfit {
@@ -45,9 +41,6 @@ std::vector<Case> cases() {
     change(one.options);
     list.push_back(one);
   };
-  for (const double d : {0.2, 1.0, 5.0, 20.0}) {
-    add(fmt::format("drift over {} bandwidths", d), [&](auto& o) { o.drift = d; });
-  }
   for (const double d : {0.2, 1.0, 5.0}) {
     add(fmt::format("scatter of {} bandwidths", d), [&](auto& o) { o.scatter = d; });
   }
@@ -64,11 +57,6 @@ std::vector<Case> cases() {
       [&](auto& o) { plate(o), o.points_are_inputs = false, o.common = 0.02, o.noise = 0.002; });
   add("1 FRF, force noise 2 %",
       [&](auto& o) { plate(o), o.points = 1, o.common = 0.02, o.noise = 0.002; });
-  add("cubic spring, 0.3 bandwidths",
-      [&](auto& o) { plate(o), o.noise = 0.002, o.softening = 0.3; });
-  add("cubic spring, 1 bandwidth", [&](auto& o) { plate(o), o.noise = 0.002, o.softening = 1; });
-  add("cubic spring, 0.3 bandwidths, hits' sizes not known",
-      [&](auto& o) { plate(o), o.noise = 0.002, o.softening = 0.3, o.hit_sizes = false; });
   add("leakage, 0.05 %, 1 s records", [&](auto& o) {
     plate(o), o.damping_ratio = 5e-4, o.spacing_hz = 1, o.record_s = 1, o.noise = 0.005;
   });
@@ -85,89 +73,49 @@ std::vector<Case> cases() {
   return list;
 }
 
-struct Tally {
-  int sets = 0, modes = 0, lost = 0, doubtful = 0, sure = 0, f_covered = 0, z_covered = 0;
-  int false_sure = 0, false_doubtful = 0, sets_with_false = 0, local = 0;
-  double seconds = 0;
-};
-
-void one_set(const testing::DefectiveFrfOptions& options, Tally& tally) {
+void identify(const Case& one, std::uint64_t seed, study::Table& table) {
+  testing::DefectiveFrfOptions options = one.options;
+  options.seed = seed;
   const signal::FrfSet set = testing::defective_frfs(options);
-  const auto begin = std::chrono::steady_clock::now();
-  const signal::ModalResult found = identify_modes(set);
-  tally.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  ++tally.sets;
-  std::vector<bool> taken(found.model.modes.size(), false);
+  const auto [found, seconds] = study::timed([&] { return identify_modes(set); });
+  table.add("s a set", seconds);
+  const auto& modes = found.model.modes;
+  std::vector<bool> taken(modes.size(), false);
   for (const double f : options.frequency_hz) {
-    ++tally.modes;
-    const double reach = 2 * options.damping_ratio * f *
-                             (0.5 + 0.5 * options.drift + 2 * options.scatter + options.softening) +
-                         2 * options.spacing_hz;
-    std::size_t best = taken.size();
-    for (std::size_t r = 0; r < taken.size(); ++r) {
-      const double away = std::abs(found.model.modes[r].frequency_hz.value - f);
-      if (taken[r] || away > reach) continue;
-      if (best == taken.size() || away < std::abs(found.model.modes[best].frequency_hz.value - f)) {
-        best = r;
-      }
-    }
-    if (best == taken.size()) {
-      ++tally.lost;
-      continue;
-    }
-    taken[best] = true;
-    const signal::IdentifiedMode& mode = found.model.modes[best];
-    tally.local += mode.refinement != "global";
-    if (mode.doubtful) {
-      ++tally.doubtful;
-      continue;
-    }
-    ++tally.sure;
-    tally.f_covered += std::abs(mode.frequency_hz.value - f) < 1.96 * mode.frequency_hz.std;
-    tally.z_covered +=
-        std::abs(mode.damping_ratio.value - options.damping_ratio) < 1.96 * mode.damping_ratio.std;
+    const double reach =
+        2 * options.damping_ratio * f * (0.5 + 2 * options.scatter) + 2 * options.spacing_hz;
+    const int best = study::take_nearest(
+        taken, reach, [&](std::size_t r) { return std::abs(modes[r].frequency_hz.value - f); });
+    table.add("lost", best < 0);
+    if (best < 0) continue;
+    const signal::IdentifiedMode& mode = modes[static_cast<std::size_t>(best)];
+    table.add("sure modes", !mode.doubtful);
+    table.add("doubtful", mode.doubtful);
+    if (mode.doubtful) continue;
+    table.add("f held, %", std::abs(mode.frequency_hz.value - f) < 1.96 * mode.frequency_hz.std);
+    table.add("damping held, %", std::abs(mode.damping_ratio.value - options.damping_ratio) <
+                                     1.96 * mode.damping_ratio.std);
   }
-  bool any = false;
   for (std::size_t r = 0; r < taken.size(); ++r) {
-    if (taken[r]) continue;
-    ++(found.model.modes[r].doubtful ? tally.false_doubtful : tally.false_sure);
-    any = any || !found.model.modes[r].doubtful;
+    if (!taken[r]) table.add(modes[r].doubtful ? "false but doubtful" : "false sure modes", 1);
   }
-  tally.sets_with_false += any;
-}
-
-int run(int argc, char** argv) {
-  int seeds = 20, first = 1;
-  std::string only;
-  CLI::App app{"Modes from FRFs with the defects of measured ones: coverage and false modes"};
-  app.add_option("--seeds", seeds)->check(CLI::Range(1, 100000))->capture_default_str();
-  app.add_option("--first", first)->capture_default_str();
-  app.add_option("--case", only, "Only cases whose name holds this");
-  CLI11_PARSE(app, argc, argv);
-  fmt::print(
-      "| case | f in 95 % | damping in 95 % | of sure modes | doubtful | lost | sets with sure "
-      "false "
-      "modes | false but doubtful | local | s a set "
-      "|\n|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const Case& one : cases()) {
-    if (one.name.find(only) == std::string::npos) continue;
-    Tally t;
-    for (int seed = 0; seed < seeds; ++seed) {
-      testing::DefectiveFrfOptions options = one.options;
-      options.seed = static_cast<std::uint64_t>(first + seed);
-      one_set(options, t);
-    }
-    const double sure = std::max(1, t.sure);
-    fmt::print("| {} | {:.1f} % | {:.1f} % | {} | {} | {} of {} | {} of {} | {} | {} | {:.2f} |\n",
-               one.name, 100 * t.f_covered / sure, 100 * t.z_covered / sure, t.sure, t.doubtful,
-               t.lost, t.modes, t.sets_with_false, t.sets, t.false_doubtful, t.local,
-               t.seconds / t.sets);
-    std::fflush(stdout);
-  }
-  return 0;
 }
 
 }  // namespace
 }  // namespace rigfit
 
-int main(int argc, char** argv) { return rigfit::run(argc, argv); }
+int main(int argc, char** argv) {
+  using namespace rigfit;
+  using enum study::Of;
+  study::run(study::arguments(argc, argv, 20),
+             {"FRFs",
+              {{"f held, %"},
+               {"damping held, %"},
+               {"sure modes", sum},
+               {"doubtful", sum},
+               {"lost", sum},
+               {"false sure modes", sum},
+               {"false but doubtful", sum},
+               {"s a set", mean}}},
+             cases(), identify);
+}

@@ -1,25 +1,22 @@
-// How honest the estimate of extrapolated frequencies is, and what they cost.
-//
-//   segments_truth [SCENES [FIRST SEED]]   (default: 200 from 0; only the first table with a seed)
-//
-// Random scenes: pinned cables, clamped ones, cables with a mass at a node of every chain or
-// anywhere, standing beams, rigs of three members (12 modes, others 6). Truth: another sequence of
-// chains, to 3e-9. Times are the processor's, the least of five runs.
+// How honest the estimate of extrapolated frequencies is, and what they cost. Random scenes: pinned
+// cables, clamped ones, cables with a mass at a node of every chain or anywhere, standing beams,
+// rigs of three members (12 modes, others 6). Truth: another sequence of chains, to 3e-9.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <ctime>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "model/linear/modal_analysis.h"
 #include "model/linear/segment_extrapolation.h"
+#include "tests/bench/study.h"
 #include "tests/scenes.h"
 
 namespace {
 
+using namespace rigfit;
 using namespace rigfit::model;
 
 constexpr int kKinds = 6;
@@ -55,99 +52,58 @@ Scene random_scene(int kind, unsigned seed) {
   return scene;
 }
 
-template <class Work>
-double least_ms(Work work) {
-  double least = 1e99;
-  for (int run = 0; run < 5; ++run) {
-    const std::clock_t begin = std::clock();
-    work();
-    least = std::min(least, 1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
-  }
-  return least;
-}
+struct Case {
+  std::string name;
+  int kind;
+  double accuracy;
+};
 
-ModesOptions modes_of(int kind) {
+void extrapolate(const Case& one, std::uint64_t seed, study::Table& table) {
+  const Scene scene = random_scene(
+      one.kind, static_cast<unsigned>(kKinds * seed) + static_cast<unsigned>(one.kind));
   ModesOptions options;
-  options.count = kind == 5 ? 12 : 6;
+  options.count = one.kind == 5 ? 12 : 6;
   options.shapes = options.damped = false;
-  return options;
-}
-
-void honesty(int scenes, int first) {
-  std::printf(
-      "| asked | scenes | estimate / error: least | median | largest | within 3 | too small by "
-      "more | error above asked | median ms |\n|---|---|---|---|---|---|---|---|---|\n");
-  for (const double accuracy : {1e-4, 1e-5, 1e-6}) {
-    for (int kind = 0; kind < kKinds; ++kind) {
-      std::vector<double> ratios, times;
-      int near = 0, small = 0, above = 0;
-      for (int i = 0; i < scenes / kKinds; ++i) {
-        const Scene scene = random_scene(kind, static_cast<unsigned>(first + i * kKinds + kind));
-        const ModesOptions options = modes_of(kind);
-        const ChainModes coarse =
-            find_modes(scene, options, std::vector<int>(scene.members.size(), 12));
-        if (coarse.order.empty()) continue;
-        const SequenceStart start = sequence_start(scene, coarse, accuracy);
-        // Places that the chains of `start` do not have, and half as fine again.
-        SequenceStart finer = sequence_start(scene, coarse, 3e-9);
-        for (auto& stretches : finer.stretches) {
-          for (Stretch& stretch : stretches) stretch.segments = (7 * stretch.segments + 3) / 4;
-        }
-        const ExtrapolatedModes truth = extrapolate_modes(scene, options, finer, 3e-9);
-        const std::clock_t begin = std::clock();
-        const ExtrapolatedModes found = extrapolate_modes(scene, options, start, accuracy);
-        times.push_back(1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
-        double worst = 0;
-        for (std::size_t k = 0; k < found.frequency_hz.size(); ++k) {
-          worst = std::max(worst, std::abs(found.frequency_hz[k] / truth.limit_hz[k] - 1));
-        }
-        ratios.push_back(found.relative_error / worst);
-        near += ratios.back() > 1.0 / 3 && ratios.back() < 3;
-        small += ratios.back() <= 1.0 / 3;
-        above += worst > accuracy;
-      }
-      std::sort(ratios.begin(), ratios.end());
-      std::sort(times.begin(), times.end());
-      std::printf("| %.0e | %s | %.2f | %.2f | %.2f | %d of %zu | %d | %d | %.2f |\n", accuracy,
-                  kKind[kind], ratios.front(), ratios[ratios.size() / 2], ratios.back(), near,
-                  ratios.size(), small, above, times[times.size() / 2]);
-    }
+  const ChainModes coarse = find_modes(scene, options, std::vector<int>(scene.members.size(), 12));
+  if (coarse.order.empty()) return;
+  const SequenceStart start = sequence_start(scene, coarse, one.accuracy);
+  // Places that the chains of `start` do not have, and half as fine again.
+  SequenceStart finer = sequence_start(scene, coarse, 3e-9);
+  for (auto& stretches : finer.stretches) {
+    for (Stretch& stretch : stretches) stretch.segments = (7 * stretch.segments + 3) / 4;
   }
-}
-
-void costs() {
-  std::printf(
-      "\n| scene | asked | longest chain | estimate | error | ms |\n|---|---|---|---|---|---|\n");
-  const auto row = [](const char* name, Scene scene, int count) {
-    ModesOptions options;
-    options.count = count;
-    options.shapes = options.damped = false;
-    scene.accuracy = 1e-8;
-    const ModalAnalysis truth = analyse_modes(scene, options);
-    for (const double accuracy : {1e-4, 1e-6}) {
-      scene.accuracy = accuracy;
-      ModalAnalysis found;
-      const double ms = least_ms([&] { found = analyse_modes(scene, options); });
-      double worst = 0;
-      for (std::size_t k = 0; k < found.modes.size(); ++k) {
-        worst = std::max(worst,
-                         std::abs(found.modes[k].frequency_hz / truth.modes[k].frequency_hz - 1));
-      }
-      std::printf("| %s | %.0e | %d | %.1e | %.1e | %.2f |\n", name, accuracy,
-                  found.equilibrium.members[0].segments, found.relative_error_estimate, worst, ms);
-    }
-  };
-  row("cable, 200 N, 6 modes", testing::paper_cable(200, 0.5972, 0), 6);
-  row("cable, 25 N, 6 modes", testing::paper_cable(25, 0.2549, 0), 6);
-  row("standing beam, 6 modes", testing::vertical_beam(0.75, 2.1, 0.295, 0), 6);
-  row("rig, 12 modes", testing::cable_beam_rig(200, 0.5972, 0), 12);
+  const ExtrapolatedModes truth = extrapolate_modes(scene, options, finer, 3e-9);
+  const auto [found, seconds] =
+      study::timed([&] { return extrapolate_modes(scene, options, start, one.accuracy); });
+  double worst = 0;
+  for (std::size_t k = 0; k < found.frequency_hz.size(); ++k) {
+    worst = std::max(worst, std::abs(found.frequency_hz[k] / truth.limit_hz[k] - 1));
+  }
+  const double ratio = found.relative_error / worst;
+  for (const char* column : {"estimate / error: least", "median", "largest"})
+    table.add(column, ratio);
+  table.add("beyond a factor of 3", ratio <= 1.0 / 3 || ratio >= 3);
+  table.add("error above asked", worst > one.accuracy);
+  table.add("median ms", 1e3 * seconds);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  honesty(argc > 1 ? std::atoi(argv[1]) : 200, argc > 2 ? std::atoi(argv[2]) : 0);
-  if (argc > 2) return 0;
-  costs();
-  return 0;
+  using enum study::Of;
+  std::vector<Case> cases;
+  for (const double accuracy : {1e-4, 1e-5, 1e-6}) {
+    for (int kind = 0; kind < kKinds; ++kind) {
+      cases.push_back({fmt::format("{}, {:.0e}", kKind[kind], accuracy), kind, accuracy});
+    }
+  }
+  study::run(study::arguments(argc, argv, 50, 0),
+             {"scenes, accuracy asked",
+              {{"estimate / error: least", least},
+               {"median", median},
+               {"largest", largest},
+               {"beyond a factor of 3", sum},
+               {"error above asked", sum},
+               {"median ms", median}}},
+             cases, extrapolate);
 }

@@ -2,15 +2,7 @@
 // 0.5 to 1000 m and 1 N to 10 MN, any of the three kinds of ends, from taut to sagging, from
 // flexible to stiff; three to eight modes, some missing, some false. The truth of a sagging cable
 // is the segment model at the true parameters, 400 of them: none of the estimator's closed forms.
-// Prints a table.
-//   tension_coverage [SEEDS] [FIRST SEED] [PART OF A NAME]
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <ctime>
 #include <limits>
 #include <random>
 #include <string>
@@ -19,6 +11,7 @@
 #include "ident/tension/cable_model.h"
 #include "ident/tension/cable_tension.h"
 #include "model/linear/modal_analysis.h"
+#include "tests/bench/study.h"
 
 namespace {
 
@@ -122,14 +115,27 @@ Case draw(std::uint64_t seed, const Kind& kind) {
   return one;
 }
 
-double seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+void estimate(const Kind& kind, std::uint64_t seed, study::Table& table) {
+  const auto one = draw(seed, kind);
+  if (!one.drawn) return;
+  const auto [result, seconds] =
+      study::timed([&] { return ident::identify_tension(one.cable, one.modes); });
+  const bool decided = result.solved && result.decided;
+  table.add("cases", 1);
+  table.add("undecided", !decided);
+  table.add("median, s", seconds);
+  table.add("max, s", seconds);
+  if (!decided) return;
+  const auto& tension = result.tension_N;
+  table.add("held, %", study::held(result, one.tension));
+  table.add("median std, %", 100 * tension.std / tension.value);
+  table.add("largest error, std", std::abs(tension.value - one.tension) / tension.std);
+}
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int seeds = argc > 1 ? std::atoi(argv[1]) : 100;
-  const auto first = static_cast<std::uint64_t>(argc > 2 ? std::atoi(argv[2]) : 1);
-  const std::string only = argc > 3 ? argv[3] : "";
+  using enum study::Of;
   const Kind kinds[] = {{"taut, clamped, EI known", true, false, false, false, false},
                         {"taut, clamped, EI free", false, false, false, false, false},
                         {"taut, any ends, EI known", true, false, false, false, true},
@@ -141,42 +147,14 @@ int main(int argc, char** argv) {
                         {"sagging, EI free", false, true, true, false, true},
                         {"slightly sagging, EI free", false, true, false, false, true, true, true},
                         {"sagging, EA unknown", true, true, false, false, true, false}};
-  fmt::print("| {:<26} | {:>5} | {:>10} | {:>9} | {:>11} | {:>9} | {:>16} | {:>8} | {:>8} |\n",
-             "cables", "cases", "undecided", "held, %", "med. std, %", "max err/s",
-             "interval/1.96 std", "med., s", "max, s");
-  fmt::print("|---|---|---|---|---|---|---|---|---|\n");
-  for (const auto& kind : kinds) {
-    if (std::string(kind.name).find(only) == std::string::npos) continue;
-    int cases = 0, undecided = 0, held = 0;
-    std::vector<double> spread, time, shape;
-    double worst = 0;
-    for (int i = 0; i < seeds; ++i) {
-      const auto one = draw(first + static_cast<std::uint64_t>(i), kind);
-      if (!one.drawn) continue;
-      ++cases;
-      const double begin = seconds();
-      const auto result = ident::identify_tension(one.cable, one.modes);
-      time.push_back(seconds() - begin);
-      if (!result.solved || !result.decided) {
-        ++undecided;
-        continue;
-      }
-      held += result.low <= one.tension && one.tension <= result.high;
-      spread.push_back(100 * result.tension_N.std / result.tension_N.value);
-      shape.push_back((result.high - result.low) / (2 * 1.96 * result.tension_N.std));
-      worst =
-          std::max(worst, std::abs(result.tension_N.value - one.tension) / result.tension_N.std);
-    }
-    std::sort(spread.begin(), spread.end());
-    std::sort(time.begin(), time.end());
-    std::sort(shape.begin(), shape.end());
-    if (spread.empty()) continue;
-    fmt::print(
-        "| {:<26} | {:>5} | {:>10} | {:>9.1f} | {:>11.2g} | {:>9.2g} | {:>5.2f} .. {:>7.2f} | "
-        "{:>8.2g} | {:>8.2g} |\n",
-        kind.name, cases, undecided, 100.0 * held / (cases - undecided), spread[spread.size() / 2],
-        worst, shape.front(), shape.back(), time[time.size() / 2], time.back());
-    std::fflush(stdout);
-  }
-  return 0;
+  study::run(study::arguments(argc, argv, 100),
+             {"cables",
+              {{"cases", sum},
+               {"undecided", sum},
+               {"held, %"},
+               {"median std, %", median},
+               {"largest error, std", largest},
+               {"median, s", median},
+               {"max, s", largest}}},
+             kinds, estimate);
 }

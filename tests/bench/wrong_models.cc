@@ -1,11 +1,8 @@
 // Models that are wrong in one thing, fitted to four tensions of a cable: is each fit ruled out,
-// does its interval hold, does it widen, or does a warning name it? Prints a table.
-// PART picks rows by name.   wrong_models [SEEDS] [FIRST SEED] [PART]
+// does its interval hold, does it widen, or does a warning name it? Then to one tension.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <random>
@@ -14,6 +11,7 @@
 
 #include "ident/campaign/fit_campaign.h"
 #include "model/linear/modal_analysis.h"
+#include "tests/bench/study.h"
 #include "tests/scenes.h"
 
 namespace {
@@ -41,8 +39,9 @@ model::Scene cable(double tension, Ends ends) {
 }
 
 struct Kind {
-  const char* name;
+  std::string name;
   std::function<model::Scene(double)> truth, fitted;  // by tension
+  std::vector<double> tensions = {100, 200, 300, 400};
 };
 
 ident::UpdateState state_of(const Kind& kind, double tension, std::mt19937_64& random) {
@@ -85,63 +84,61 @@ std::vector<Kind> kinds() {
       return scene;
     };
   };
-  return {{"right model", with(Ends::clamped), with(Ends::clamped)},
-          {"end springs of 2 N m/rad left out", with(Ends::springs), with(Ends::pinned)},
-          {"sensor of 10 g left out", sensor, with(Ends::clamped)},
-          {"EI(T) ignored", by_tension, with(Ends::clamped)},
-          {"pinned for clamped", with(Ends::clamped), with(Ends::pinned)},
-          {"clamped for pinned", with(Ends::pinned), with(Ends::clamped)},
-          {"span 0.1 % too long", with(Ends::clamped), long_by(0.001)},
-          {"span 1 % too long", with(Ends::clamped), long_by(0.01)}};
+  const std::vector<Kind> four{
+      {"right model", with(Ends::clamped), with(Ends::clamped)},
+      {"end springs of 2 N m/rad left out", with(Ends::springs), with(Ends::pinned)},
+      {"sensor of 10 g left out", sensor, with(Ends::clamped)},
+      {"EI(T) ignored", by_tension, with(Ends::clamped)},
+      {"pinned for clamped", with(Ends::clamped), with(Ends::pinned)},
+      {"clamped for pinned", with(Ends::pinned), with(Ends::clamped)},
+      {"span 0.1 % too long", with(Ends::clamped), long_by(0.001)},
+      {"span 1 % too long", with(Ends::clamped), long_by(0.01)}};
+  std::vector<Kind> all;
+  for (const Kind& kind : four) {
+    all.push_back(kind);
+    all.push_back({kind.name + ", one tension", kind.truth, kind.fitted, {250}});
+  }
+  return all;
+}
+
+void fit(const Kind& kind, std::uint64_t seed, study::Table& table) {
+  std::mt19937_64 random(seed);
+  std::vector<ident::UpdateState> states;
+  for (const double tension : kind.tensions) states.push_back(state_of(kind, tension, random));
+  ident::UpdateOptions options;
+  options.segment_uncertainty = false;  // the data have the model's segments
+  const auto result = ident::update_model(states, {{"cable.EI"}}, options);
+  const auto& EI = result.parameters[0];
+  const bool held = study::held(EI, kEI), ruled_out = result.fit.ruled_out();
+  bool other = false;
+  for (const auto& finding : ident::fit_findings(result)) {
+    other = other || finding.code != "model_ruled_out";
+  }
+  table.add("held, %", held);
+  table.add("ruled out, %", ruled_out);
+  table.add("other finding, %", other && !ruled_out);
+  table.add("wrong and silent, %", !held && !other && !ruled_out);
+  table.add("error of EI, %", 100 * (EI.value / kEI - 1));
+  table.add("std, %", 100 * EI.std / kEI);
+  double model = 0;
+  for (const auto& term : EI.budget) {
+    if (term.source == "model") model += std::pow(term.std / EI.std, 2);
+  }
+  table.add("of it \"model\", %", model);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int seeds = argc > 1 ? std::atoi(argv[1]) : 40;
-  const int first = argc > 2 ? std::atoi(argv[2]) : 1;
-  const std::string part = argc > 3 ? argv[3] : "";
-  fmt::print(
-      "| four tensions, six modes each, EI fitted | tensions | interval holds | ruled out | other "
-      "refusal or warning | wrong and silent | error of EI | std | of it \"model\" |\n"
-      "|---|---|---|---|---|---|---|---|---|\n");
-  for (const auto& kind : kinds()) {
-    if (std::string(kind.name).find(part) == std::string::npos) continue;
-    for (const std::vector<double>& tensions :
-         {std::vector<double>{100, 200, 300, 400}, std::vector<double>{250}}) {
-      int held = 0, ruled_out = 0, warned = 0, silent = 0;
-      double error = 0, std = 0, model = 0;
-      for (int k = 0; k < seeds; ++k) {
-        std::mt19937_64 random(static_cast<std::uint64_t>(first + k));
-        std::vector<ident::UpdateState> states;
-        states.reserve(tensions.size());
-        for (const double tension : tensions) states.push_back(state_of(kind, tension, random));
-        ident::UpdateOptions options;
-        options.segment_uncertainty = false;  // the data have the model's segments
-        const auto result = ident::update_model(states, {{"cable.EI"}}, options);
-        const auto& EI = result.parameters[0];
-        const bool holds = !(EI.low > kEI) && !(EI.high < kEI);
-        bool other = false;
-        for (const auto& finding : ident::fit_findings(result)) {
-          other = other || finding.code != "model_ruled_out";
-        }
-        held += holds;
-        ruled_out += result.fit.ruled_out();
-        warned += other && !result.fit.ruled_out();
-        silent += !holds && !other && !result.fit.ruled_out();
-        error += EI.value / kEI - 1;
-        std += EI.std / kEI;
-        for (const auto& term : EI.budget) {
-          if (term.source == "model") model += std::pow(term.std / EI.std, 2);
-        }
-      }
-      const double n = seeds / 100.0;
-      fmt::print(
-          "| {} | {} | {:.0f} % | {:.0f} % | {:.0f} % | {:.0f} % | {:+.1f} % | {:.2f} % | {:.0f} % "
-          "|\n",
-          kind.name, tensions.size(), held / n, ruled_out / n, warned / n, silent / n, error / n,
-          std / n, model / n);
-      std::fflush(stdout);
-    }
-  }
+  using enum study::Of;
+  study::run(study::arguments(argc, argv, 40),
+             {"model",
+              {{"held, %"},
+               {"ruled out, %"},
+               {"other finding, %"},
+               {"wrong and silent, %"},
+               {"error of EI, %", mean, "{:+.1f}"},
+               {"std, %", mean},
+               {"of it \"model\", %"}}},
+             kinds(), fit);
 }

@@ -8,11 +8,12 @@
 
 namespace rigfit::reference {
 
-AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned seed) {
+AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned seed,
+                             std::uint64_t first) {
   AxialCoverage sum;
   sum.campaigns = campaigns;
   for (int k = 0; k < campaigns; ++k) {
-    auto random = ident::random_stream(seed, static_cast<std::uint64_t>(k));
+    auto random = ident::random_stream(seed, first + static_cast<std::uint64_t>(k));
     std::normal_distribution<double> normal;
     ident::AxialInputs inputs;
     inputs.setup.mass_kg = {study.rig.mass_kg, study.mass_std_kg};

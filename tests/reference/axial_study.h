@@ -2,7 +2,7 @@
 // uncertainties (axial_rig.h).
 #pragma once
 
-#include <string>
+#include <cstdint>
 #include <vector>
 
 #include "tests/reference/axial_rig.h"
@@ -29,6 +29,8 @@ struct AxialCoverage {
   double seconds = 0;
 };
 
-[[nodiscard]] AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned seed);
+/// Campaigns `first`, `first` + 1 .. of the stream `seed`.
+[[nodiscard]] AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned seed,
+                                           std::uint64_t first = 0);
 
 }  // namespace rigfit::reference

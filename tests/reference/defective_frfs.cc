@@ -16,24 +16,6 @@ using Eigen::VectorXcd;
 
 constexpr int kFixedNode = 1000;  // above the points' numbers
 
-/// Transform at the lines of a ring-down whose frequency follows its amplitude: w(t) = w (1 + shift
-/// exp(-2 zeta w t)), to first order in closed form by the series of exp(i integral):
-/// sum_m (i b)^m / m! (...), b = shift w / (2 zeta w), each term a pole damped (1 + 2 m) times.
-VectorXcd ring_down(const VectorXcd& s, Complex pole, double shift) {
-  const double decay = -pole.real();
-  const Complex b = Complex(0, 1) * (shift * pole.imag() / (2 * decay));
-  VectorXcd sum = VectorXcd::Zero(s.size());
-  // exp(i phi), phi = b/i (1 - exp(-2 decay t)): exp(b) sum_m (-b)^m / m! exp(-2 m decay t).
-  Complex term = std::exp(b);
-  for (int m = 0; m < 60; ++m) {
-    const Complex p = pole - Complex(2.0 * m * decay, 0);
-    sum.array() += term / (s.array() - p);
-    term *= -b / static_cast<double>(m + 1);
-    if (std::abs(term) < 1e-14) break;
-  }
-  return sum;
-}
-
 /// Transform of R p^2 exp(p t) + conj from the end of the record on, at s = i w + window.
 VectorXcd after_the_record(const VectorXcd& s, Complex pole, Complex residue,
                            const DefectiveFrfOptions& options) {
@@ -80,8 +62,7 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
       const double w = 2 * std::numbers::pi * options.frequency_hz[r] * (1 + 2 * zeta * shift);
       const double size = std::sin(number * x);
       const Complex pole(-zeta * w, w * std::sqrt(1 - zeta * zeta));
-      const double softening = -2 * zeta * options.softening * std::pow(size_of_hit * size, 2);
-      const VectorXcd part = ring_down(s, pole, softening);
+      const VectorXcd part = (s.array() - pole).inverse();
       for (std::size_t e = 0; e < sum.size(); ++e) {
         const double own = std::sin(number * options.fixed[e]);
         const Complex residue = size * own / Complex(0, 2 * pole.imag());
@@ -90,7 +71,7 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
             residue * part + std::conj(residue) * (s.array() - std::conj(pole)).inverse().matrix();
       }
     }
-    if (options.hit_sizes && options.points_are_inputs) set.hit_impulse.push_back({size_of_hit});
+    if (options.points_are_inputs) set.hit_impulse.push_back({size_of_hit});
     for (Index e = 0; e < fixed; ++e) {
       const auto k = static_cast<std::size_t>(e);
       set.H.col(options.points_are_inputs ? e * options.points + c : c * fixed + e) =

@@ -26,9 +26,6 @@ struct DefectiveFrfOptions {
   double drift = 0;             ///< first to last point, half-power bandwidths
   double scatter = 0;           ///< standard deviation between points, half-power bandwidths
   double common = 0;            ///< noise on the force: relative, the same for all FRFs of a line
-  double softening = 0;         ///< cubic spring: the backbone's shift over a ring-down, half-power
-                                ///< bandwidths at the strongest point; goes with amplitude squared
-  bool hit_sizes = true;        ///< the set keeps the hits' impulses
   double record_s = 0;          ///< length of the records, cut off; 0: whole decay
   double before_hit_s = 0;      ///< of `record_s`, before the hit
   double window_decay_1_s = 0;  ///< exponential window on force and response, from the hit on

@@ -17,6 +17,7 @@
 
 #include "signal/decay/decay.h"
 #include "tests/bench/hard_cases/hard_case.h"
+#include "tests/findings.h"
 
 namespace rigfit::hard_cases {
 namespace decays {
@@ -113,15 +114,8 @@ bool all_finite(const DecayResult& result) {
   return finite;
 }
 
-bool says(const DecayResult& result, std::initializer_list<const char*> codes) {
-  return std::any_of(result.notes.begin(), result.notes.end(), [&](const signal::Note& note) {
-    return std::any_of(codes.begin(), codes.end(),
-                       [&](const char* code) { return note.code == code; });
-  });
-}
-
 /// What became of the records of a case.
-class Tally {
+class Tally : public Requirements {
  public:
   explicit Tally(std::set<std::string> may_refuse) : may_refuse_(std::move(may_refuse)) {}
 
@@ -146,17 +140,16 @@ class Tally {
       // then found within four of its own standard deviations.
       const double most = 1 + 4 * std::sqrt(2.0 / static_cast<double>(result.degrees_of_freedom));
       require((sure.size() < modes.size() && std::pow(result.noise_std / noise, 2) < most) ||
-                  says(result, {"not_one_decay", "not_exponential", "doubtful_mode"}),
+                  testing::says(result.notes, "not_one_decay") ||
+                  testing::says(result.notes, "not_exponential") ||
+                  testing::says(result.notes, "doubtful_mode"),
               fmt::format("{} modes instead of {} and no warning", sure.size(), modes.size()));
       return;
     }
     for (const Mode& truth : modes) {
-      const auto apart = [&](const signal::DecayMode* m) {
-        return std::abs(m->frequency_hz.value - truth.frequency_hz);
-      };
-      const auto& m =
-          **std::min_element(sure.begin(), sure.end(),
-                             [&](const auto* a, const auto* b) { return apart(a) < apart(b); });
+      const auto& m = **std::ranges::min_element(sure, {}, [&](const auto* one) {
+        return std::abs(one->frequency_hz.value - truth.frequency_hz);
+      });
       const auto& f = m.frequency_interval_95_hz;
       const auto& zeta = m.damping_ratio_interval_95;
       frequency_.add(m.frequency_hz.value, m.frequency_hz.std, f.low, f.high, truth.frequency_hz);
@@ -164,9 +157,6 @@ class Tally {
                    truth.damping_ratio);
       ++given_;
     }
-  }
-  void require(bool holds, const std::string& what) {
-    if (!holds && missing_.empty()) missing_ = what;
   }
 
   /// Bias: 0.3 standard uncertainties cost one point out of 95 % (Phi(1.66) - Phi(-2.26) = 0.94).
@@ -195,7 +185,6 @@ class Tally {
   Coverage frequency_, damping_;
   int given_ = 0, warned_ = 0;
   std::map<std::string, int> refused_;
-  std::string missing_;
 };
 
 double noise_of(const Decays& decays) {

@@ -21,7 +21,7 @@ using namespace ident;
 using model::Scene;
 
 Scene beam(double EI, double tip_mass, double gravity = model::kStandardGravity) {
-  Scene scene = testing::beam(EI, tip_mass);
+  Scene scene = ident::testing::beam(EI, tip_mass);
   scene.members[0].GJ = 3;
   scene.gravity.y() = -gravity;
   return scene;
@@ -30,7 +30,7 @@ Scene beam(double EI, double tip_mass, double gravity = model::kStandardGravity)
 /// The first in-plane modes with a relative noise of `std`.
 std::vector<MeasuredMode> measured(const Scene& truth, std::size_t count, double std,
                                    std::mt19937_64& random) {
-  return testing::modes_of(truth, model::ModePlane::in, count, std, &random);
+  return ident::testing::modes_of(truth, model::ModePlane::in, count, std, &random);
 }
 
 const std::vector<FreeParameter>& stiffness_and_mass() {

@@ -27,10 +27,6 @@ void Worst::add(double figure, double allowed) {
   }
 }
 
-void Worst::require(bool holds, std::string_view what) {
-  if (!holds && missing_.empty()) missing_ = what;
-}
-
 Outcome Worst::outcome(std::string_view unit) const {
   if (!missing_.empty()) return {Verdict::failed, missing_, number(allowed_, unit)};
   if (!finite_ || allowed_ == 0) return {Verdict::failed, "not finite", number(allowed_, unit)};
@@ -45,10 +41,6 @@ void Coverage::add(double value, double std, double low, double high, double tru
   }
   covered_ += low <= truth && truth <= high ? 1 : 0;
   sum_ += (value - truth) / std;
-}
-
-void Coverage::require(bool holds, std::string_view what) {
-  if (!holds && missing_.empty()) missing_ = what;
 }
 
 Outcome Coverage::outcome(double bias) const {

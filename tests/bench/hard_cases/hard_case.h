@@ -32,27 +32,34 @@ struct HardCase {
 /// Held when `figure` is finite and not above `allowed`; `unit` is printed behind both.
 [[nodiscard]] Outcome within(double figure, double allowed, std::string_view unit = "");
 
+/// What must be so whatever the figures: the first that is not is named.
+class Requirements {
+ public:
+  void require(bool holds, std::string_view what) {
+    if (!holds && missing_.empty()) missing_ = what;
+  }
+
+ protected:
+  std::string missing_;
+};
+
 /// The largest of figures over what is allowed for each.
-class Worst {
+class Worst : public Requirements {
  public:
   /// A figure that is not finite, or without a positive allowance, never holds.
   void add(double figure, double allowed);
-  /// Something that must be so whatever the figures: the first that is not is named.
-  void require(bool holds, std::string_view what);
   [[nodiscard]] Outcome outcome(std::string_view unit = "") const;
 
  private:
   double figure_ = 0, allowed_ = 0;
   bool finite_ = true;
-  std::string missing_;
 };
 
 /// How often stated intervals hold the truth, and the mean error over the stated std.
-class Coverage {
+class Coverage : public Requirements {
  public:
   explicit Coverage(double stated = 0.95) : stated_(stated) {}
   void add(double value, double std, double low, double high, double truth);
-  void require(bool holds, std::string_view what);
   /// Held when the share is above the stated one less three binomial deviations and the mean
   /// error is below three of its own (three over the root of the number of trials) and `bias`.
   [[nodiscard]] Outcome outcome(double bias = 0.1) const;
@@ -62,7 +69,6 @@ class Coverage {
   int trials_ = 0, covered_ = 0;
   double sum_ = 0;
   bool finite_ = true;
-  std::string missing_;
 };
 
 /// Held as a refusal when `refused` and the reason has the `expected` words in it.

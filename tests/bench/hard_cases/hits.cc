@@ -84,7 +84,7 @@ bool finite(const signal::FrfSet& frfs) {
 }
 
 /// Coverage of frequency and damping over tests; what else must be so.
-class Tally {
+class Tally : public Requirements {
  public:
   /// The intervals of one test share its noise: six tests are too few trials for 95 %, and are run
   /// for what else may break.
@@ -94,9 +94,6 @@ class Tally {
         damping_(quick ? 0.8 : 0.95),
         residue_(quick ? 0.8 : 0.95) {}
 
-  void require(bool holds, const std::string& what) {
-    if (!holds && missing_.empty()) missing_ = what;
-  }
   void add(const Test& test, const signal::FrfSet& frfs, bool amplitudes = true) {
     require(finite(frfs), "not finite");
     const auto result = signal::identify_modes(frfs, test.modal);
@@ -161,7 +158,6 @@ class Tally {
   Coverage frequency_, damping_, residue_;
   bool shapes_ = false;
   int given_ = 0, other_number_ = 0;
-  std::string missing_;
 };
 
 int tests_of(bool quick) { return quick ? 6 : 25; }
