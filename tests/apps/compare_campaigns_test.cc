@@ -70,8 +70,8 @@ TEST(TwoCampaigns, NameWhatWasChangedAndNothingElse) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   // All of the comparison is in the short report: no empty section in the appendix, no link to one.
   const std::string page = out.read("report.html");
-  EXPECT_THAT(page, testing::HasSubstr("id=\"comparison\""));
-  EXPECT_THAT(page, testing::Not(testing::HasSubstr("comparison-details")));
+  EXPECT_THAT(page, ::testing::HasSubstr("id=\"comparison\""));
+  EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("comparison-details")));
   // Verdicts of the values that both have, by key; of several modes the worst one.
   std::map<std::string, bool> changes;
   const auto document = parsed(out.read("report.json"));

@@ -5,15 +5,10 @@
 // Tolerance: equilibria balance to about 1e-10 of the largest force, which changes stiffnesses by
 // as much; a resonance of damping ratio 0.01 multiplies that by 1 / (2 x 0.01). 1e-7 of an FRF's
 // largest value leaves a factor of twenty.
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-
 #include "model/frfs/frf_synthesis.h"
 #include "model/response/response.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::invariance_test {
 namespace {
@@ -208,8 +203,7 @@ TEST_P(Invariance, OfStruckAndMeasured) {
 TEST_P(Invariance, OfEnergy) {
   Scene scene = scene_;
   scene.loads.resize(1);
-  ResponseOptions options;
-  options.sampling.duration_s = 0.1;
+  ResponseOptions options{.sampling = {.duration_s = 0.1}};
   options.sampling.rate_hz = 1000;
   options.solver = ResponseSolver::explicit_motion;
   auto response = simulate_response(scene, options);

@@ -1,14 +1,12 @@
 // What must not depend on how a test is written down: the order of channels, the units of force,
 // motion and time. FRFs follow to rounding; modes follow far within their standard uncertainty,
 // which is where an iteration that ends at 1e-6 of its scale and a numerical rank leave them.
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <memory>
 
 #include "signal/impact/impact_frfs.h"
 #include "signal/modal/modal_identification.h"
 #include "tests/reference/ten_mode_truth.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::signal_invariance_test {
 namespace {
@@ -19,8 +17,7 @@ constexpr int kResponses = 5;
 class SignalInvariance : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    testing::ImpactRecordOptions record;
-    record.hits = 3;
+    testing::ImpactRecordOptions record{.hits = 3};
     record.block_samples = 16384;
     recording_ = std::make_unique<Recording>(
         testing::impact_recording(testing::ten_mode_truth(kResponses), record));
@@ -43,15 +40,12 @@ class SignalInvariance : public ::testing::Test {
   /// `time`: what the records' unit of time is of a second.
   static FrfSet frfs_of(const Recording& recording, const std::vector<std::string>& responses,
                         double time = 1) {
-    ImpactTestOptions options;
-    options.hits.block_s = 2 / time;
-    options.exponential_decay_rate_1_s = 1 * time;
+    ImpactTestOptions options{.hits = {.block_s = 2 / time},
+                              .exponential_decay_rate_1_s = 1 * time};
     return analyse_impact_test({&recording, 1}, "force", responses, options).frfs;
   }
   static ModalResult modes_of(const FrfSet& frfs, double time) {
-    ModalOptions options;
-    options.high_hz = 1400 * time;
-    return identify_modes(frfs, options);
+    return identify_modes(frfs, {.high_hz = 1400 * time});
   }
 
   static void expect_same_modes(const ModalResult& found, double time = 1) {

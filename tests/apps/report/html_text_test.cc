@@ -1,12 +1,8 @@
 #include "apps/report/drawing/html_text.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-
 #include "apps/report/page/answer.h"
 #include "apps/report/page/tables.h"
+#include "tests/test.h"
 
 namespace rigfit::apps::html_text_test {
 namespace {

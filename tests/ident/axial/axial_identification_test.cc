@@ -1,15 +1,8 @@
 #include "ident/axial/axial_identification.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "ident/virtual_rig/virtual_bench.h"
-#include "tests/findings.h"
 #include "tests/reference/axial_study.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::axial_identification_test {
 namespace {
@@ -20,24 +13,23 @@ struct Rig {
 
 // The rod, the adapter and the mass, forwards (virtual_bench.h: by bisection to 1e-15).
 AxialDecay decay_of(const Rig& rig, double length) {
-  VirtualAxialTest test;
-  test.EA_N = rig.EA, test.mass_per_length_kg_m = rig.per_length, test.length_m = length;
-  test.hung_mass_kg = rig.mass, test.adapter_stiffness_N_m = rig.adapter;
-  test.damping_ratio = rig.zeta;
-  AxialDecay d;
-  d.name = "record", d.length_m = length;
-  d.damped_frequency_hz = {axial_truth(test).frequency_hz, 0.01};
-  d.damping_ratio = {rig.zeta, 2e-4};
-  return d;
+  VirtualAxialTest test{.EA_N = rig.EA,
+                        .mass_per_length_kg_m = rig.per_length,
+                        .length_m = length,
+                        .hung_mass_kg = rig.mass,
+                        .adapter_stiffness_N_m = rig.adapter,
+                        .damping_ratio = rig.zeta};
+  return {.name = "record",
+          .length_m = length,
+          .damped_frequency_hz = {axial_truth(test).frequency_hz, 0.01},
+          .damping_ratio = {rig.zeta, 2e-4}};
 }
 
 AxialSetup setup_of(const Rig& rig) {
-  AxialSetup s;
-  s.mass_kg = {rig.mass, 0.001};
-  s.mass_per_length_kg_m = {rig.per_length, 0.0005};
-  s.length_std_m = 0.001;
-  s.adapter_stiffness_N_m = {rig.adapter, 0.01 * rig.adapter};
-  return s;
+  return {.mass_kg = {rig.mass, 0.001},
+          .mass_per_length_kg_m = {rig.per_length, 0.0005},
+          .length_std_m = 0.001,
+          .adapter_stiffness_N_m = {rig.adapter, 0.01 * rig.adapter}};
 }
 
 // The same where the frame is known to be rigid.
@@ -87,7 +79,7 @@ TEST(AxialTest, BudgetSensitivitiesAreDifferenceQuotients) {
   // Central differences: h^2 against the curvature (relative 1e-8) and the change of the weights
   // with the input, of second order in the (vanishing) disagreement between lengths.
   for (const auto& row : result.budget) {
-    double expected = row.sensitivity;
+    double expected = 0;
     if (row.source == "hung mass") {
       expected = slope([](AxialSetup& s, double h) { s.mass_kg.value += h; }, 1e-4);
     } else if (row.source == "cable mass per length") {
@@ -120,7 +112,7 @@ TEST(AxialTest, LengthsThatDisagreeWidenTheAnswerAndAreNamed) {
   EXPECT_LT(r.EA_low_N, rig.EA);
   EXPECT_GT(r.EA_high_N, rig.EA);
   EXPECT_EQ(r.budget.front().source, "between lengths");
-  EXPECT_TRUE(testing::says(r.notes, "lengths_disagree"));
+  EXPECT_TRUE(says(r.notes, "lengths_disagree"));
 }
 
 // Frame and adapter share a fifth of the chain's compliance; 10 N of noise. A place of the
@@ -151,8 +143,7 @@ TEST(AxialTest, WithoutTheLengthsUncertaintyThatOfEAIsNotKnown) {
   const auto r = identify_axial(exact(rig), setup);
   EXPECT_NEAR(r.EA_N.value, rig.EA, 1e-6 * rig.EA);
   EXPECT_TRUE(std::isnan(r.EA_N.std) && std::isnan(r.EA_low_N) && std::isnan(r.EA_high_N));
-  const auto said = std::find_if(r.notes.begin(), r.notes.end(),
-                                 [](const auto& n) { return n.code == "length_std"; });
+  const auto said = std::ranges::find(r.notes, "length_std", &signal::Note::code);
   ASSERT_NE(said, r.notes.end());
   EXPECT_NE(said->message.find("--length-std"), std::string::npos);
   // What 1 mm of each length changes: the slope's, EA / sqrt(2 * 0.3^2) * 1 mm = 523 N.
@@ -188,9 +179,8 @@ TEST(AxialTest, RefusesWhatMakesNoSense) {
 }
 
 TEST(AxialBound, OneLengthGivesTheChainAndEAFromBelow) {
-  AxialSetup setup;
-  setup.mass_kg = {2.2, 0.001}, setup.mass_per_length_kg_m = {0.16667, 0.0005};
-  setup.length_std_m = 0.001;
+  AxialSetup setup{
+      .mass_kg = {2.2, 0.001}, .mass_per_length_kg_m = {0.16667, 0.0005}, .length_std_m = 0.001};
   for (const double adapter : {0.0, 5e6, 2e6, 5e5}) {
     const auto r =
         identify_axial(std::vector{decay_of({.EA = 205000, .adapter = adapter}, 1)}, setup);
@@ -217,9 +207,7 @@ TEST(AxialBound, OneLengthGivesTheChainAndEAFromBelow) {
 
 TEST(AxialBound, AFrameThatIsToldGivesEAFromOneLength) {
   // Finite elements, frame 5e6 N/m: 4 % of EA. 95 % of 20 are 19 +- 1; three less.
-  reference::AxialStudy study;
-  study.rig.frame_N_m = 5e6;
-  study.lengths_m = {1.0};
+  reference::AxialStudy study{.rig = {.frame_N_m = 5e6}, .lengths_m = {1.0}};
   const auto untold = reference::axial_coverage(study, 10, 3);
   EXPECT_EQ(untold.covered, 10);
   EXPECT_EQ(untold.warned, 10);

@@ -1,10 +1,6 @@
 #include "ident/axial/rod_stiffness.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
+#include "tests/test.h"
 
 namespace rigfit::ident::rod_stiffness_test {
 namespace {

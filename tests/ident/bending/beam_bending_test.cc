@@ -1,27 +1,14 @@
 // Bending without tension: the limits of the tensioned beam's equation, testing-machine records
 // with toe, yield, stop and break, and tables of dead weights.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "ident/bending/bending_analysis.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
-#include "tests/findings.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::beam_bending_test {
 namespace {
-using rigfit::testing::says;
 
 BendingTestOptions options_of(BeamEnds ends, double span) {
-  BendingTestOptions options;
-  options.span_m = {span, 0};
-  options.ends = ends;
-  return options;
+  return {.span_m = {span, 0}, .ends = ends};
 }
 
 TEST(BeamEquation, IsTheLimitForTensionZero) {
@@ -165,27 +152,24 @@ Record dead_weights(double K_N_mm, double stop_mm, double curve, unsigned seed) 
 TEST(BeamTest, DeadWeightsAcceptedCurvedAndStoppedRefused) {
   const auto options = options_of(BeamEnds::cantilever, 0.3);
   for (unsigned seed = 1; seed <= 5; ++seed) {
-    const auto straight =
-        analyse_bending_test(dead_weights(0.1947, 1e9, 0, seed).record(), options);
+    const auto analysed = [&](double stop_mm, double curve) {
+      return analyse_bending_test(dead_weights(0.1947, stop_mm, curve, seed).record(), options);
+    };
+    const auto straight = analysed(1e9, 0);
     ASSERT_FALSE(straight.refused) << seed;
     EXPECT_NEAR(1 / straight.compliance_m_N.value, 194.7, 0.3) << seed;  // 0.005 mm of 30 mm
     EXPECT_FALSE(says(straight.findings, "stop")) << seed;
-
-    const auto stopped = analyse_bending_test(dead_weights(0.1947, 18, 0, seed).record(), options);
-    EXPECT_TRUE(stopped.refused) << seed;  // a corner is no line: its rows must be cut off
-    EXPECT_TRUE(says(stopped.findings, "curved")) << seed;
-
-    const auto curved =
-        analyse_bending_test(dead_weights(0.1947, 1e9, 0.12, seed).record(), options);
-    EXPECT_TRUE(curved.refused) << seed;
-    EXPECT_TRUE(says(curved.findings, "curved")) << seed;
+    // A corner is no line: its rows must be cut off.
+    for (const auto& refused : {analysed(18, 0), analysed(1e9, 0.12)}) {
+      EXPECT_TRUE(refused.refused) << seed;
+      EXPECT_TRUE(says(refused.findings, "curved")) << seed;
+    }
   }
 }
 
 TEST(BeamCampaign, SpecimensModulusAndLengthsInMillimetres) {
-  BendingCampaign campaign;
-  campaign.test = options_of(BeamEnds::pinned, 0.064);
-  campaign.second_moment_m4 = {0.010 * std::pow(0.004, 3) / 12, 0};
+  BendingCampaign campaign{.test = options_of(BeamEnds::pinned, 0.064),
+                           .second_moment_m4 = {0.010 * std::pow(0.004, 3) / 12, 0}};
   for (unsigned k = 0; k < 3; ++k) {
     Coupon c;
     c.K = 19 + k;
@@ -198,13 +182,9 @@ TEST(BeamCampaign, SpecimensModulusAndLengthsInMillimetres) {
   EXPECT_NEAR(result.specimens->modulus_Pa, modulus, 0.01 * modulus);
   EXPECT_NEAR(result.specimens->relative_scatter, 0.05, 0.005);  // of 19, 20, 21
   EXPECT_TRUE(result.curve.empty());
-  const auto suspected = [](const BendingCampaignResult& one) {
-    return std::any_of(one.findings.begin(), one.findings.end(),
-                       [](const auto& f) { return f.code == "length_suspected"; });
-  };
-  EXPECT_FALSE(suspected(result));
+  EXPECT_FALSE(says(result.findings, "length_suspected"));
   campaign.test.span_m.value = 64;
-  EXPECT_TRUE(suspected(analyse_bending_campaign(campaign)));
+  EXPECT_TRUE(says(analyse_bending_campaign(campaign).findings, "length_suspected"));
 }
 
 }  // namespace

@@ -1,16 +1,11 @@
 // A campaign as a whole: what its tests find reaches the scene of the fits, with its uncertainty.
 #include "ident/campaign/campaign.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"
 #include "model/scene/read_scene.h"
 #include "signal/readers/read_recording.h"
+#include "tests/test.h"
 
 namespace rigfit::ident {
 namespace {
@@ -19,8 +14,7 @@ const std::string kData = RIGFIT_TESTDATA;
 
 /// EI(T) = 0.2 + 0.002 T N m2, each point to `relative_std`.
 BendingCampaign bending(double relative_std) {
-  BendingSource source;
-  source.name = "bending";
+  BendingSource source{.name = "bending"};
   for (const double tension_N : {25.0, 100.0, 200.0, 300.0}) {
     const double EI = 0.2 + 0.002 * tension_N;
     source.values.push_back({.tension_N = tension_N, .EI_Nm2 = EI, .std = relative_std * EI});
@@ -34,9 +28,7 @@ BendingCampaign bending(double relative_std) {
 CampaignInputs campaign(double relative_std) {
   CampaignInputs inputs;
   inputs.bending.push_back(bending(relative_std));
-  ModalInputs test;
-  test.name = "cable";
-  test.setup.plane = model::ModePlane::in;
+  ModalInputs test{.name = "cable", .setup = {.plane = model::ModePlane::in}};
   test.scene = SceneUse{model::read_scene(kData + "/jalali2021/scenes/cable.toml"),
                         {"cable.tension"},
                         {"cable.EI"},
@@ -46,18 +38,14 @@ CampaignInputs campaign(double relative_std) {
     model::Scene scene = test.scene->scene;
     model::set_parameter(scene, "cable.tension", 1.01 * tension_N);
     model::set_parameter(scene, "cable.EI", 0.2 + 0.002 * tension_N);
-    model::ModesOptions options;
-    options.count = 12;
     int found = 0;
-    for (const auto& mode : model::analyse_modes(scene, options).modes) {
+    for (const auto& mode : model::analyse_modes(scene, {.count = 12}).modes) {
       if (mode.plane != model::ModePlane::in || ++found > 4) continue;
       test.published.push_back({tension_N, mode.frequency_hz, {}});
     }
   }
   inputs.modal.push_back(std::move(test));
-  FitInputs fit;
-  fit.title = "tension";
-  fit.tests = {0};
+  FitInputs fit{.title = "tension", .tests = {0}};
   fit.free.push_back({.name = "tension", .targets = {"cable.tension"}, .per_state = true});
   fit.options.model_relative_std = 1e-4;
   fit.options.assumed_relative_std = 1e-4;

@@ -1,12 +1,7 @@
 #include "ident/plan/plan_candidates.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <complex>
-#include <vector>
-
 #include "signal/sinusoids/damped_sinusoids.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::decay_bound_test {
 namespace {
@@ -33,9 +28,7 @@ TEST(DecayBound, IsTheCovarianceOfAFittedDecay) {
   for (Eigen::Index j = 0; j < y.size(); ++j) {
     y[j] = amplitude * std::exp(pole * static_cast<double>(j)).real();
   }
-  signal::DampedSinusoidsOptions options;
-  options.background_terms = 0;
-  const auto fit = signal::fit_damped_sinusoids(y, std::vector{pole}, options);
+  const auto fit = signal::fit_damped_sinusoids(y, std::vector{pole}, {.background_terms = 0});
   ASSERT_EQ(fit.unit_covariance.rows(), 4);
   const double variance = 1 / decay_information(amplitude, a, T, rate).pole;
   EXPECT_NEAR(fit.unit_covariance(2, 2) * rate * rate / variance, 1, 0.01);

@@ -3,14 +3,6 @@
 // (a ratio of 0.99 over six seeds). Huber's loss, and the error of the model that an update allows
 // for where chance alone makes a misfit of below 5 %, add up to some 10 % where there are few
 // modes.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <random>
-#include <vector>
-
 #include "ident/plan/plan.h"
 #include "ident/plan/plan_candidates.h"
 #include "ident/update/model_update.h"
@@ -18,6 +10,7 @@
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
 #include "signal/sinusoids/damped_sinusoids.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::plan_coverage_test {
 namespace {
@@ -33,11 +26,7 @@ model::Scene paper_cable() {
 
 UpdateResult fitted(const std::vector<UpdateState>& states, const std::vector<FreeParameter>& free,
                     const std::vector<UncertainInput>& inputs) {
-  UpdateOptions update;
-  update.inputs = inputs;
-  update.starts = 1;
-  update.segment_uncertainty = false;
-  return update_model(states, free, update);
+  return update_model(states, free, {.starts = 1, .segment_uncertainty = false, .inputs = inputs});
 }
 
 // The update's minimiser alone, without Huber's loss, for modes in the order of the plan.
@@ -82,8 +71,7 @@ struct Realised {
 };
 
 std::vector<model::NaturalMode> natural_modes(const model::Scene& scene) {
-  model::ModesOptions options;
-  options.count = 26;
+  model::ModesOptions options{.count = 26};
   options.error_estimate = options.shapes = false;
   return model::analyse_modes(scene, options).modes;
 }
@@ -105,19 +93,17 @@ TEST(PlanCoverage, OfNoisyModesWithAnInputAndAPrior) {
   free[1].per_state = true;
   const double EA = scene.members[0].EA;
   free[2].prior = signal::Estimate{EA, kPriorStd * EA};
-  PlanOptions options;
-  options.model_relative_std = 1e-3;
-  options.inputs = {{"span", {{0, "right.x", kSpanStd}, {1, "right.x", kSpanStd}}}};
+  PlanOptions options{.model_relative_std = 1e-3,
+                      .inputs = {{"span", {{0, "right.x", kSpanStd}, {1, "right.x", kSpanStd}}}}};
   const auto plan = plan_measurements(
       states, free, {{"cable.EI", 0.015}, {"cable.tension", 0.002}, {"cable.EA", 0.01}}, options);
   for (const auto& parameter : plan.parameters) ASSERT_TRUE(std::isfinite(parameter.std));
 
-  std::mt19937_64 random(11);
-  std::normal_distribution<double> normal;
+  Normal normal(11);
   Realised realised;
   for (int laboratory = 0; laboratory < kLaboratories; ++laboratory) {
     auto measured = states;
-    const double off = kSpanStd * normal(random);
+    const double off = kSpanStd * normal();
     std::vector<std::vector<model::NaturalMode>> modes;
     for (auto& state : measured) {
       auto rig = state.scene;
@@ -126,11 +112,11 @@ TEST(PlanCoverage, OfNoisyModesWithAnInputAndAPrior) {
     }
     for (const auto& mode : plan.modes) {
       const double f = frequency(modes[mode.state], mode.plane, mode.order) *
-                       std::exp(mode.frequency_std * normal(random));
+                       std::exp(mode.frequency_std * normal());
       measured[mode.state].measured.push_back({{f, mode.frequency_std * f}, {}, mode.plane});
       measured[mode.state].measured.back().damping_ratio.value = std::nan("");
     }
-    free[2].prior->value = EA * (1 + kPriorStd * normal(random));
+    free[2].prior->value = EA * (1 + kPriorStd * normal());
     realised.add(fitted(measured, free, options.inputs), plan.parameters);
   }
   realised.expect_near(plan.parameters);
@@ -142,8 +128,7 @@ TEST(PlanCoverage, OfNoisyModesWithAnInputAndAPrior) {
 TEST(PlanCoverage, OfNoisyRecords) {
   const auto states = plan_states(paper_cable(), {}, {});
   const std::vector<FreeParameter> free{{"cable.EI"}, {"cable.tension"}, {"cable.damping_ratio"}};
-  PlanOptions options;
-  options.sample_rate_hz = 256;
+  PlanOptions options{.sample_rate_hz = 256};
   options.hits = {2};
   options.durations_s = {4};
   options.noise_std = 0.5;
@@ -163,8 +148,7 @@ TEST(PlanCoverage, OfNoisyRecords) {
         {free[static_cast<std::size_t>(p)].name, value, 0, value * std::sqrt(C(p, p)), 0});
   }
 
-  std::mt19937_64 random(5);
-  std::normal_distribution<double> normal;
+  Normal normal(5);
   const double rate = options.sample_rate_hz;
   const auto samples = static_cast<Eigen::Index>(rate * options.durations_s[0]);
   std::vector<std::complex<double>> poles;
@@ -187,18 +171,16 @@ TEST(PlanCoverage, OfNoisyRecords) {
     std::vector<std::complex<double>> mean(modes.size());
     for (int hit = 0; hit < 2; ++hit) {
       Eigen::VectorXd y = clean;
-      for (double& sample : y) sample += normal(random);
-      signal::DampedSinusoidsOptions plain;
-      plain.background_terms = 0;
-      const auto fit = signal::fit_damped_sinusoids(y, poles, plain);
+      for (double& sample : y) sample += normal();
+      const auto fit = signal::fit_damped_sinusoids(y, poles, {.background_terms = 0});
       ASSERT_EQ(fit.end, signal::StepsEnd::converged);
       for (std::size_t m = 0; m < modes.size(); ++m) mean[m] += 0.5 * fit.poles[m] * rate;
     }
     auto measured = states;
     for (std::size_t m = 0; m < modes.size(); ++m) {
-      const double f = mean[m].imag() / (2 * M_PI) * std::exp(kModelStd * normal(random));
+      const double f = mean[m].imag() / (2 * M_PI) * std::exp(kModelStd * normal());
       const double zeta =
-          -mean[m].real() / mean[m].imag() * std::exp(options.damping_model_std * normal(random));
+          -mean[m].real() / mean[m].imag() * std::exp(options.damping_model_std * normal());
       measured[0].measured.push_back({{f, modes[m].frequency_std * f},
                                       {zeta, modes[m].damping_std * modes[m].damping_ratio},
                                       modes[m].plane});

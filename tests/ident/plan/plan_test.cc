@@ -1,21 +1,12 @@
 #include "ident/plan/plan.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "ident/plan/plan_candidates.h"
 #include "ident/update/model_update.h"
 #include "tests/ident/update/hanger.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::plan_test {
 namespace {
-using ::testing::HasSubstr;
-using ::testing::UnorderedElementsAre;
 
 // A pinned hanger without gravity, struck at 0.3, with an accelerometer at 0.4.
 model::Scene struck(double EI) {
@@ -27,11 +18,7 @@ model::Scene struck(double EI) {
 }
 constexpr double kStringEI = 1;  // N m2: T L^2 / EI = 5e7, pi^2 over which it moves a frequency
 
-PlanOptions exact_model() {
-  PlanOptions options;
-  options.model_relative_std = 0;
-  return options;
-}
+PlanOptions exact_model() { return {.model_relative_std = 0}; }
 
 // T = 4 m L^2 f^2: the tension is known to twice what the frequency is. Segments: 40 of second
 // order, (pi / 40)^2 / 12 of a frequency, which does not change d ln f / d ln T = 1/2.
@@ -135,11 +122,8 @@ TEST(Plan, PredictsWhatTheUpdateStates) {
          {mode.damping_ratio, mode.damping_std * mode.damping_ratio},
          mode.plane});
   }
-  UpdateOptions update;
-  update.inputs = options.inputs;
-  update.starts = 1;
-  update.segment_uncertainty = false;
-  const auto fit = update_model(measured, free, update);
+  const auto fit = update_model(
+      measured, free, {.starts = 1, .segment_uncertainty = false, .inputs = options.inputs});
   ASSERT_EQ(fit.parameters.size(), plan.parameters.size());
   for (std::size_t p = 0; p < fit.parameters.size(); ++p) {
     EXPECT_EQ(fit.parameters[p].name,

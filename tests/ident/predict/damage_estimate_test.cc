@@ -1,22 +1,16 @@
 #include "ident/predict/damage_estimate.h"
 
-#include "tests/reference/damage_study.h"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <stdexcept>
-
 #include "ident/update/model_update.h"
+#include "tests/reference/damage_study.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::damage_estimate_test {
 namespace {
 
 FittedParameters fit(double zone, double sound, double zone_std, double sound_std,
                      double correlation) {
-  FittedParameters fitted;
-  fitted.parameters = {{"base.EI", zone}, {"shaft.EI", sound}, {"ground.rotational_z", 1}};
+  FittedParameters fitted{
+      .parameters = {{"base.EI", zone}, {"shaft.EI", sound}, {"ground.rotational_z", 1}}};
   fitted.covariance.setZero(3, 3);
   fitted.covariance(0, 0) = zone_std * zone_std;
   fitted.covariance(1, 1) = sound_std * sound_std;

@@ -1,13 +1,8 @@
 #include "ident/stiffness/stiffness_law.h"
 
-#include <gtest/gtest.h>
-#include <Eigen/Dense>
-
-#include <Eigen/LU>
-#include <cmath>
 #include <functional>
-#include <random>
-#include <stdexcept>
+
+#include "tests/test.h"
 
 namespace rigfit::ident::stiffness_law_test {
 namespace {
@@ -116,17 +111,16 @@ TEST(StiffnessLaws, StrandBoundsFixTheSaturatingLaw) {
 }
 
 TEST(StiffnessLaws, BandsCover) {
-  std::mt19937_64 random(11);
-  std::normal_distribution<double> normal;
+  Normal normal(11);
   const auto truth = [](double T) { return 0.05 + 0.04 * std::sqrt(T); };
   int covered = 0;
   constexpr int kTrials = 400;
   for (int trial = 0; trial < kTrials; ++trial) {
     auto points = points_of(truth, 0.03, kTensions);
-    for (auto& point : points) point.EI_Nm2 *= 1 + 0.03 * normal(random);
+    for (auto& point : points) point.EI_Nm2 *= 1 + 0.03 * normal();
     const auto laws = fit_stiffness_laws(points, {.laws = {LawKind::square_root}});
     const auto band = predict(laws.laws[0], 120);
-    covered += band.low <= truth(120) && truth(120) <= band.high;
+    covered += holds(band, truth(120));
   }
   // The variance is raised when the scatter exceeds the weights and never lowered, so coverage is
   // at least nominal: 95 % less three binomial deviations (3.3 %), and not everything.

@@ -1,9 +1,6 @@
 #include "ident/stiffness/stiffness_law.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <stdexcept>
+#include "tests/test.h"
 
 namespace rigfit::ident::strand_test {
 namespace {

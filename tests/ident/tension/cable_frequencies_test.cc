@@ -1,14 +1,7 @@
 #include "ident/tension/cable_frequencies.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <string>
-
 #include "ident/tension/cable_model.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::cable_frequencies_test {
 namespace {
@@ -95,11 +88,10 @@ TEST(CableFrequencies, ASaggingStiffCableIsTheSegmentModels) {
   // The static curve's bending counts: without it the first mode is off by a hundredth. What is
   // left is of the order of the slope squared, (w L / T)^2 / 20 here.
   for (const CableEnds ends : {CableEnds::pinned, CableEnds::springs, CableEnds::clamped}) {
-    CableDescription cable;
-    cable.length_m = {50, 0};
-    cable.mass_per_length = {1, 0};
-    cable.EA_N = {4e6, 0};
-    cable.mass_reference = MassReference::unstretched;
+    const CableDescription cable{.length_m = {50, 0},
+                                 .mass_per_length = {1, 0},
+                                 .mass_reference = MassReference::unstretched,
+                                 .EA_N = signal::Estimate{4e6, 0}};
     const double T = 6000, EI = T * 50 * 50 / 49, slope = 9.80665 * 50 / T;
     double spring = ends == CableEnds::pinned ? 0 : kInf;
     if (ends == CableEnds::springs) spring = EI * 11 / 50;
@@ -126,11 +118,10 @@ TEST(CableFrequencies, FromTheRootsOfANeighbourOrFromNone) {
         const auto cold = cable_frequencies(cable, 9, kInf);
         const auto warm = cable_frequencies(cable, 9, kInf, &roots);
         ASSERT_EQ(cold.in_hz.size(), warm.in_hz.size());
-        for (std::size_t i = 0; i < cold.in_hz.size(); ++i) {
-          EXPECT_NEAR(warm.in_hz[i] / cold.in_hz[i], 1, 1e-11) << lambda2 << ' ' << spring;
-        }
-        for (std::size_t i = 0; i < cold.out_hz.size(); ++i) {
-          EXPECT_NEAR(warm.out_hz[i] / cold.out_hz[i], 1, 1e-11) << lambda2 << ' ' << spring;
+        for (const auto& [a, b] : {std::pair(cold.in_hz, warm.in_hz), {cold.out_hz, warm.out_hz}}) {
+          for (std::size_t i = 0; i < a.size(); ++i) {
+            EXPECT_NEAR(b[i] / a[i], 1, 1e-11) << lambda2 << ' ' << spring;
+          }
         }
       }
     }

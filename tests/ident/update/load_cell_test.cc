@@ -1,15 +1,10 @@
 // Tensions read by a load cell whose scale and zero are wrong, the same in every state.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <random>
-
 #include "ident/update/model_update.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"
 #include "tests/ident/update/fit_data.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::load_cell_test {
 namespace {
@@ -21,10 +16,9 @@ std::vector<UpdateState> states(double EI, double std, std::uint64_t seed) {
   std::vector<UpdateState> all;
   for (const double reading : {25.0, 100.0, 200.0, 300.0}) {
     const auto truth = model::testing::paper_cable(kScale * reading + kZero, EI, 12);
-    UpdateState state;
-    state.name = std::to_string(static_cast<int>(reading)) + " N";
-    state.scene = model::testing::paper_cable(reading, EI, 12);
-    state.measured = testing::modes_of(truth, model::ModePlane::in, 6, std, &random);
+    UpdateState state{.name = std::to_string(static_cast<int>(reading)) + " N",
+                      .scene = model::testing::paper_cable(reading, EI, 12),
+                      .measured = testing::modes_of(truth, model::ModePlane::in, 6, std, &random)};
     all.push_back(std::move(state));
   }
   return all;

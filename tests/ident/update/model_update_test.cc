@@ -1,15 +1,8 @@
 #include "ident/update/model_update.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <stdexcept>
-#include <string>
-
 #include "model/scene/scene_error.h"
 #include "tests/ident/update/fit_data.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::model_update_test {
 namespace {
@@ -96,10 +89,7 @@ TEST(UpdateModel, AStrayModeAndAnOutlierAreLeftUnpaired) {
   state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 1e-3, random);
   const double between =
       0.5 * (state.measured[1].frequency_hz.value + state.measured[2].frequency_hz.value);
-  MeasuredMode stray;
-  stray.frequency_hz = {between, 0.001 * between};
-  stray.plane = ModePlane::in;
-  state.measured.push_back(stray);
+  state.measured.push_back({.frequency_hz = {between, 0.001 * between}, .plane = ModePlane::in});
   state.measured[3].frequency_hz.value *= 1.05;  // fifty standard deviations
   const auto result = update_model({state}, {{"beam.EI_z"}, {"tip.mass"}});
   // Both cost less as false modes than as the model's error for all; the modelled mode that the
@@ -203,8 +193,7 @@ TEST(UpdateModel, TooLittleDataGetNoUncertainty) {
   EXPECT_EQ(unpaired_measured(same) + same.pairs.size(), 5U);
   EXPECT_FALSE(same.parameters[0].identifiable && same.parameters[1].identifiable);
 
-  MeasuredMode absurd;
-  absurd.frequency_hz = {1e9, 1e6};
+  MeasuredMode absurd{.frequency_hz = {1e9, 1e6}};
   state.measured = {absurd};
   EXPECT_EQ(update_model({state}, free, options).status, UpdateStatus::no_model);
   absurd.frequency_hz.value = 0;

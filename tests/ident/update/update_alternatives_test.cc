@@ -1,16 +1,9 @@
 #include "ident/update/assignment/update_alternatives.h"
 
-#include <gtest/gtest.h>
-
-#include <Eigen/LU>
-#include <cmath>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "ident/update/model_update.h"
 #include "tests/ident/update/hanger.h"
 #include "tests/ident/update/laboratory_rig.h"
+#include "tests/test.h"
 
 namespace rigfit::ident {
 namespace {
@@ -27,8 +20,7 @@ TEST(FindAnswers, RoundingOfTheMeasuredModesChangesNothing) {
     measured.back().band_hz = {2.0, 60.0};
     ASSERT_GE(measured.back().measured.size(), 7U);
   }
-  UpdateOptions options;
-  options.starts = 1;
+  UpdateOptions options{.starts = 1};
   options.model_relative_std = 1e-3;
   std::normal_distribution<double> normal;
   for (int draw = 0; draw < 8; ++draw) {

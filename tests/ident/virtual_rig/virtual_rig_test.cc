@@ -2,12 +2,7 @@
 
 #include "ident/virtual_rig/virtual_bench.h"
 #include "tests/scenes.h"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <stdexcept>
+#include "tests/test.h"
 
 namespace rigfit::ident::virtual_rig_test {
 namespace {
@@ -41,9 +36,7 @@ model::Scene scene() {
 }
 
 TEST(VirtualRig, WritesEveryHitWithItsTruth) {
-  VirtualRigOptions options;
-  options.record_s = 1;
-  const auto records = virtual_rig_records(scene(), options, quasi_static, 42);
+  const auto records = virtual_rig_records(scene(), {.record_s = 1}, quasi_static, 42);
   ASSERT_EQ(records.size(), 6u);
   int doubles = 0;
   for (int i = 0; i < 5; ++i) {
@@ -69,8 +62,7 @@ TEST(VirtualRig, WritesEveryHitWithItsTruth) {
 }
 
 TEST(VirtualRig, SameSeedSameRecordsOtherSeedOthers) {
-  VirtualRigOptions options;
-  options.record_s = 0.5;
+  VirtualRigOptions options{.record_s = 0.5};
   const auto first = virtual_rig_records(scene(), options, quasi_static, 1);
   const auto again = virtual_rig_records(scene(), options, quasi_static, 1);
   const auto other = virtual_rig_records(scene(), options, quasi_static, 2);
@@ -105,9 +97,8 @@ TEST(VirtualRig, WhatIsAboveTheLoggersBandDoesNotFoldIntoIt) {
   model::Scene one = scene();
   one.loads.resize(1), one.sensors.resize(1);
   one.loads[0].duration = 0.002;
-  VirtualRigOptions options;
-  options.hits = 1, options.double_hits = 0, options.record_s = 1;
-  const auto records = virtual_rig_records(one, options, ringing, 3);
+  const auto records =
+      virtual_rig_records(one, {.hits = 1, .double_hits = 0, .record_s = 1}, ringing, 3);
   const Eigen::VectorXd& y = records.at(0).recording.channels[1].samples;
   // Beyond the pulse and the filter's length: offset, drift and noise of 0.003 m/s^2 a sample.
   const Eigen::VectorXd after = y.segment(200, 700);
@@ -121,13 +112,11 @@ TEST(VirtualRig, RefusesASceneWithNothingToTest) {
 }
 
 VirtualAxialTest light_test() {
-  VirtualAxialTest test;
-  test.EA_N = 221780;
-  test.mass_per_length_kg_m = 0.16667;
-  test.length_m = 1.0;
-  test.hung_mass_kg = 2.2;
-  test.damping_ratio = 0.017;
-  return test;
+  return {.EA_N = 221780,
+          .mass_per_length_kg_m = 0.16667,
+          .length_m = 1.0,
+          .hung_mass_kg = 2.2,
+          .damping_ratio = 0.017};
 }
 
 // Without any disturbance the record is the weight, then a decaying sinusoid about it: its
@@ -152,11 +141,7 @@ TEST(VirtualAxial, RecordDecaysWithTheStatedDampingRatio) {
 }
 
 VirtualBendingTest quiet_test() {
-  VirtualBendingTest test;
-  test.EI_Nm2 = 0.5972;
-  test.span_m = 1.0;
-  test.tension_N = 200;
-  test.friction_load_N = 0;
+  VirtualBendingTest test{.EI_Nm2 = 0.5972, .span_m = 1.0, .tension_N = 200, .friction_load_N = 0};
   test.frame_stiffness_N_m = 0;
   return test;
 }
@@ -180,15 +165,12 @@ TEST(SensorModel, QuantisesClipsAndAddsTheTransverseSignal) {
   Random random = random_stream(1, 0);
   const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(101, -2, 2);
   const Eigen::VectorXd t = Eigen::VectorXd::Ones(101);
-  SensorModel sensor;
-  sensor.full_scale = 1;
-  sensor.bits = 3;
-  const Eigen::VectorXd y = recorded(x, Eigen::VectorXd(), 0.01, sensor, random);
+  const Eigen::VectorXd y =
+      recorded(x, Eigen::VectorXd(), 0.01, {.full_scale = 1, .bits = 3}, random);
   EXPECT_EQ(y.minCoeff(), -1);
   EXPECT_EQ(y.maxCoeff(), 1);
   EXPECT_EQ((y * 4).array().round().matrix(), y * 4);  // 2^3 steps over +-1
-  SensorModel tilted;
-  tilted.transverse_sensitivity = 0.05;
+  SensorModel tilted{.transverse_sensitivity = 0.05};
   EXPECT_NEAR((recorded(x, t, 0.01, tilted, random) - x).maxCoeff(), 0.05, 1e-12);
   EXPECT_THROW((void)recorded(x, t.head(3), 0.01, tilted, random), std::invalid_argument);
 }

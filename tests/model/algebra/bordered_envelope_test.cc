@@ -1,13 +1,8 @@
 #include "model/algebra/bordered_envelope.h"
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Dense>
-#include <random>
-
 #include "model/linear/modes.h"
-#include "tests/expect_matrix.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::bordered_envelope_test {
 namespace {

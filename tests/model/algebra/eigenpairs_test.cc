@@ -1,12 +1,8 @@
 #include "model/algebra/eigenpairs.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "model/linear/modes.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::eigenpairs_test {
 namespace {
@@ -14,9 +10,7 @@ namespace {
 // Fifty like spans: their first frequencies crowd within 3 %, more of them than are asked for, and
 // the spectrum is taken in slices.
 TEST(Eigenpairs, CrowdedOnesOfALongLineAreAllFound) {
-  ModesOptions options;
-  options.count = 50;
-  const ChainModes modes = find_modes(testing::utility_line(50, 30, 10), options);
+  const ChainModes modes = find_modes(testing::utility_line(50, 30, 10), {.count = 50});
   ASSERT_EQ(modes.order.size(), 50u);
   EXPECT_TRUE(modes.complete());
   for (const MotionModes& motion : modes.motions) {

@@ -1,15 +1,10 @@
 #include "model/algebra/envelope_matrix.h"
 
-#include <Eigen/Dense>
-#include <random>
-
-#include "tests/expect_matrix.h"
 #include "tests/reference/dense_eigen.h"
+#include "tests/test.h"
 
 namespace rigfit::model::envelope_matrix_test {
 namespace {
-
-using rigfit::testing::MatricesNear;
 
 template <class Scalar>
 EnvelopeMatrixOf<Scalar> random_matrix(int n, std::mt19937_64& random) {

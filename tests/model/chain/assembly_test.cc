@@ -2,17 +2,13 @@
 // states far from rest: three independent implementations of each energy (sum, gradient, Hessian).
 #include "model/chain/assembly.h"
 
-#include <Eigen/Geometry>
-#include <random>
-
-#include "tests/expect_matrix.h"
 #include "tests/reference/dense_eigen.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::assembly_test {
 namespace {
 
-using rigfit::testing::MatricesNear;
 using testing::cable_beam_rig;
 using testing::paper_cable;
 

@@ -1,24 +1,17 @@
 #include "model/chain/segment_lumping.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <vector>
-
 #include "model/linear/modal_analysis.h"
 #include "model/scene/model_reduction.h"
 #include "tests/reference/closed_forms.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::segment_lumping_test {
 namespace {
 
 /// Largest error of the first `count` frequencies of a plane.
 double worst(Scene scene, const std::vector<double>& truth, int n) {
-  ModesOptions options;
-  options.count = 2 * int(truth.size());
-  options.segments = n;
+  ModesOptions options{.count = 2 * int(truth.size()), .segments = n};
   options.error_estimate = false;
   scene.gravity.setZero();
   const ModalAnalysis analysis = analyse_modes(scene, options);

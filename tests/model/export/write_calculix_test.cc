@@ -2,19 +2,16 @@
 // elements, non-linear static step, then frequencies), as the paper's section 2.2 did with Ansys.
 #include "model/export/write_calculix.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <limits>
 
 #include "model/scene/scene_error.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::write_calculix_test {
 namespace {
@@ -56,13 +53,10 @@ Scene beam(const Eigen::Vector3d& tip) {
 // cable assembled straight or hanging is the same.
 void expect_agreement(const Scene& scene, std::size_t count, double tolerance, int elements,
                       bool spinning) {
-  ModesOptions options;
-  options.count = static_cast<int>(count);
-  const auto analysis = analyse_modes(scene, options);
+  const auto analysis = analyse_modes(scene, {.count = static_cast<int>(count)});
   ASSERT_EQ(analysis.equilibrium.status, EquilibriumStatus::converged);
-  CalculixOptions deck;
-  deck.elements_per_member = elements;
-  const auto reference = solved_by_ccx(calculix_deck(scene, analysis.equilibrium, deck));
+  const auto reference =
+      solved_by_ccx(calculix_deck(scene, analysis.equilibrium, {.elements_per_member = elements}));
   ASSERT_GE(reference.size(), count);
   std::size_t next = 0;
   int skipped = 0;
@@ -93,8 +87,7 @@ TEST(WriteCalculix, TensionsAreTheScenesAtLargeStrains) {
   Scene scene = cable(400, 0.0005);
   scene.gravity.setZero();
   scene.members[0].EA = 1e4;
-  ModesOptions options;
-  options.count = 2;
+  ModesOptions options{.count = 2};
   const auto one = analyse_modes(scene, options);
   ASSERT_EQ(one.equilibrium.status, EquilibriumStatus::converged);
   const auto deck = calculix_deck(scene, one.equilibrium);
@@ -147,10 +140,8 @@ TEST(WriteCalculix, InclinedBeamOnAHingeAndASpringWithAMassAgrees) {
     scene.nodes[1].support.translational << 2e3, 2e3, std::numeric_limits<double>::infinity();
     scene.members[0].masses = {{0.5, 0.03}};
     expect_agreement(scene, 3, 1e-3, 40, inclined);
-    ModesOptions options;
-    options.count = 1;
     scene.members[0].masses[0].position = 0.503;
-    const auto deck = calculix_deck(scene, analyse_modes(scene, options).equilibrium);
+    const auto deck = calculix_deck(scene, analyse_modes(scene, {.count = 1}).equilibrium);
     ASSERT_EQ(deck.notes.size(), inclined ? 2u : 1u);
     EXPECT_NE(deck.notes[0].find("a mass at 0.5030 was put at the nearest node, 0.5000"),
               std::string::npos)
@@ -162,26 +153,22 @@ TEST(WriteCalculix, InclinedBeamOnAHingeAndASpringWithAMassAgrees) {
 }
 
 TEST(WriteCalculix, SaysWhatItCannotWrite) {
-  Scene scene = cable(200, 0);
-  EXPECT_THROW((void)calculix_deck(scene, {}), SceneError);
-  scene = cable(200, 0.5);
-  scene.members[0].taper = 0.5;
-  EXPECT_THROW((void)calculix_deck(scene, {}), SceneError);
-  const auto refused = [](const Scene& wrong) {
-    try {
-      (void)calculix_deck(wrong, {});
-    } catch (const SceneError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+  EXPECT_THROW((void)calculix_deck(cable(200, 0), {}), SceneError);
+  const auto expect_refused = [](auto change, const std::string& reason) {
+    Scene scene = cable(200, 0.5);
+    change(scene);
+    EXPECT_THAT([&] { (void)calculix_deck(scene, {}); },
+                ::testing::ThrowsMessage<SceneError>(HasSubstr(reason)));
   };
-  scene = cable(200, 0.5);
-  scene.members[0].joint[1] = Member::Joint::pinned;
-  EXPECT_NE(refused(scene).find("a released joint"), std::string::npos);
-  scene = cable(200, 0.5);
-  scene.nodes[1].support.kind = Support::Kind::elastic;
-  scene.nodes[1].support.rotational << 0, 5, 0;
-  EXPECT_NE(refused(scene).find("a rotational spring"), std::string::npos);
+  expect_refused([](Scene& s) { s.members[0].taper = 0.5; }, "taper");
+  expect_refused([](Scene& s) { s.members[0].joint[1] = Member::Joint::pinned; },
+                 "a released joint");
+  expect_refused(
+      [](Scene& s) {
+        s.nodes[1].support.kind = Support::Kind::elastic;
+        s.nodes[1].support.rotational << 0, 5, 0;
+      },
+      "a rotational spring");
 }
 
 }  // namespace

@@ -1,12 +1,9 @@
 // Against differences of FRFs synthesised anew: another equilibrium, other equations, other modes.
 #include "model/frfs/frf_sensitivities.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "model/scene/scene_error.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::frf_sensitivities_test {
 namespace {

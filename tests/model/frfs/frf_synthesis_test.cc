@@ -1,12 +1,8 @@
 #include "model/frfs/frf_synthesis.h"
+
 #include "model/linear/modal_analysis.h"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <complex>
-
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::frf_synthesis_test {
 namespace {
@@ -60,9 +56,7 @@ TEST(FrfSynthesis, StaticLineIsTheTautStringsCompliance) {
 }
 
 void expect_finite_resonance(const Scene& scene) {
-  ModesOptions options;
-  options.count = 2;
-  const ModalAnalysis analysis = analyse_modes(scene, options);
+  const ModalAnalysis analysis = analyse_modes(scene, {.count = 2});
   const auto& mode =
       analysis.modes[1].plane == ModePlane::in ? analysis.modes[1] : analysis.modes[0];
   Eigen::VectorXd line(1);

@@ -1,14 +1,9 @@
 #include "model/linear/damped_modes.h"
-#include "model/linear/modal_analysis.h"
-
-#include <gtest/gtest.h>
-
-#include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
 
 #include "model/algebra/general_eigen.h"
+#include "model/linear/modal_analysis.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::damped_modes_test {
 namespace {
@@ -46,9 +41,7 @@ TEST(DampedModes, OfUnevenDampersAgreeWithTheDenseQuadraticProblem) {
   half.nodes[0] = "middle";
   half.damping = {};
   scene.members.push_back(half);
-  ModesOptions options;
-  options.count = 8;
-  const ChainModes modes = find_modes(scene, options);
+  const ChainModes modes = find_modes(scene, {.count = 8});
   ASSERT_EQ(modes.equilibrium.status, EquilibriumStatus::converged) << modes.equilibrium.reason;
   for (const MotionModes& motion : modes.motions) {
     if (motion.motion == Motion::out_of_plane) continue;  // its mass matrix is singular in rotation
@@ -57,11 +50,10 @@ TEST(DampedModes, OfUnevenDampersAgreeWithTheDenseQuadraticProblem) {
     std::vector<std::complex<double>> dense;
     {
       // Regularised: a rotation's inertia so small that it moves the poles by less than 1e-9.
-      MotionModes copy;
-      copy.motion = motion.motion;
-      copy.assembly = std::make_unique<Assembly>(*modes.chain, motion.motion);
-      copy.stiffness = motion.stiffness;
-      copy.mass = motion.mass;
+      MotionModes copy{.motion = motion.motion,
+                       .assembly = std::make_unique<Assembly>(*modes.chain, motion.motion),
+                       .stiffness = motion.stiffness,
+                       .mass = motion.mass};
       for (int i = 0; i < copy.mass.size(); ++i) {
         if (copy.mass.at(i, i) == 0) copy.mass.add(i, i, 1e-12);
       }
@@ -87,9 +79,7 @@ TEST(DampedModes, StiffnessProportionalDampersGiveTheClosedForm) {
   const double b = 1e-4;
   auto& beam = scene.members[0];
   beam.damping = {b * beam.EA, b * beam.EI[0], b * beam.GJ};
-  ModesOptions options;
-  options.count = 6;
-  const ModalAnalysis analysis = analyse_modes(scene, options);
+  const ModalAnalysis analysis = analyse_modes(scene, {.count = 6});
   for (const auto& mode : analysis.modes) {
     EXPECT_NEAR(mode.damping_ratio / (b * M_PI * mode.frequency_hz), 1, 1e-8);
   }
@@ -98,8 +88,7 @@ TEST(DampedModes, StiffnessProportionalDampersGiveTheClosedForm) {
 TEST(DampedModes, ModalRatiosAreWeightedByStrainEnergy) {
   Scene scene = testing::cable_beam_rig(200, 0.5972);
   for (auto& member : scene.members) member.damping_ratio = 0.01;
-  ModesOptions options;
-  options.count = 8;
+  ModesOptions options{.count = 8};
   for (const auto& mode : analyse_modes(scene, options).modes) {
     EXPECT_NEAR(mode.damping_ratio, 0.01, 1e-12);
   }

@@ -1,16 +1,11 @@
 #include "model/linear/modes.h"
-#include "model/linear/modal_analysis.h"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 
 #include "model/algebra/eigenpairs.h"
-#include "tests/expect_matrix.h"
+#include "model/linear/modal_analysis.h"
 #include "tests/reference/closed_forms.h"
 #include "tests/reference/dense_eigen.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::modes_test {
 namespace {
@@ -21,9 +16,7 @@ using testing::vertical_beam;
 /// Frequencies of one plane at n segments.
 std::vector<double> frequencies(Scene scene, int n, ModePlane plane, int count,
                                 RotaryInertia inertia = RotaryInertia::accurate) {
-  ModesOptions options;
-  options.count = 2 * count + 2;
-  options.segments = n;
+  ModesOptions options{.count = 2 * count + 2, .segments = n};
   options.rotary_inertia = inertia;
   options.error_estimate = false;
   const ModalAnalysis analysis = analyse_modes(scene, options);
@@ -60,9 +53,7 @@ UniformBeam stretched(double tension, double EI) {
 
 TEST(Modes, OfOnePlaneAreThoseOfAll) {
   const Scene scene = testing::paper_cable(100, 0.4948, 12);
-  ModesOptions options;
-  options.count = 14;
-  options.error_estimate = false;
+  ModesOptions options{.count = 14, .error_estimate = false};
   const auto all = analyse_modes(scene, options).modes;
   options.count = 5;
   for (const ModePlane plane : {ModePlane::in, ModePlane::out}) {
@@ -119,9 +110,7 @@ TEST(Modes, AgreeWithDenseAlgebra) {
     Scene scene = cable_beam_rig(100, 0.4948, 6);
     scene.nodes[2].position.z() = torsion ? 0.3 : 0;  // out of the plane: motion in space
     for (auto& member : scene.members) member.polar_inertia = torsion ? 1e-6 : 0;
-    ModesOptions options;
-    options.count = 12;
-    const ChainModes modes = find_modes(scene, options);
+    const ChainModes modes = find_modes(scene, {.count = 12});
     ASSERT_EQ(modes.equilibrium.status, EquilibriumStatus::converged) << modes.equilibrium.reason;
     EXPECT_EQ(modes.chain->planar, !torsion);
     std::vector<double> dense;
@@ -151,8 +140,7 @@ TEST(Modes, AgreeWithDenseAlgebra) {
 
 TEST(Modes, BandHoldsWhatTheCountHolds) {
   const Scene scene = cable_beam_rig(200, 0.5972);
-  ModesOptions options;
-  options.count = 20;
+  ModesOptions options{.count = 20};
   const ChainModes all = find_modes(scene, options);
   options.band_hz = {14.0, 33.0};
   const ChainModes band = find_modes(scene, options);
@@ -170,9 +158,7 @@ TEST(Modes, BandHoldsWhatTheCountHolds) {
 TEST(ModalAnalysis, SymmetricPairOfCablesIsSeparatedInPlaneFamilyAndEnergy) {
   Scene scene = cable_beam_rig(200, 0.5972);
   scene.sensors.push_back({"tip x", {"tip", "", 0}, {1, 0, 0}, Sensor::Quantity::displacement});
-  ModesOptions options;
-  options.count = 12;
-  const ModalAnalysis analysis = analyse_modes(scene, options);
+  const ModalAnalysis analysis = analyse_modes(scene, {.count = 12});
   int in = 0, out = 0;
   for (const auto& mode : analysis.modes) {
     (mode.plane == ModePlane::in ? in : out) += 1;
@@ -197,9 +183,7 @@ TEST(ModalAnalysis, TorsionalAndAxialModesOfABeam) {
   scene.members[0].EA = 3e4;  // f = sqrt(EA / m) / (4 L) = 105.4 Hz
   scene.members[0].GJ = 2;
   scene.members[0].polar_inertia = 1e-4;  // f = sqrt(GJ / J) / (4 L) = 47.1 Hz
-  ModesOptions options;
-  options.band_hz = {1.0, 200.0};
-  const ModalAnalysis analysis = analyse_modes(scene, options);
+  const ModalAnalysis analysis = analyse_modes(scene, {.band_hz = std::pair(1.0, 200.0)});
   const double axial = std::sqrt(3e4 / 0.3) / 3, torsion = std::sqrt(2 / 1e-4) / 3;
   int seen = 0;
   for (const auto& mode : analysis.modes) {
@@ -216,8 +200,7 @@ TEST(ModalAnalysis, TorsionLeftOutIsPriced) {
   Scene scene = testing::cable_beam_rig(200, 0.5972, 12);
   scene.members[0].EI = {2.1, 2.1};   // two that differ need the section's attitude
   scene.nodes[3].position.z() = 0.3;  // the cables pull the beam's tip round
-  ModesOptions options;
-  options.count = 6;
+  ModesOptions options{.count = 6};
   const ModalAnalysis whole = analyse_modes(scene, options);
   options.torsion = false;
   const ModalAnalysis without = analyse_modes(scene, options);
@@ -245,9 +228,7 @@ TEST(ModalAnalysis, SaysWhatInertiaAndShearOfASectionTakeOff) {
   for (auto& node : scene.nodes) node.support.kind = Support::Kind::pinned;
   scene.members[0].EA = EA;
   scene.members[0].EI = {EI, EI};
-  ModesOptions options;
-  options.count = 3;
-  options.plane = ModePlane::in;
+  ModesOptions options{.count = 3, .plane = ModePlane::in};
   const ModalAnalysis found = analyse_modes(scene, options);
   ASSERT_EQ(found.modes.size(), 3U);
   const double k = 3 * M_PI / length, x = k * k * r2;

@@ -1,14 +1,9 @@
 #include "model/linear/segment_extrapolation.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-
 #include "model/linear/modal_analysis.h"
 #include "tests/reference/closed_forms.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::segment_extrapolation_test {
 namespace {
@@ -67,8 +62,7 @@ TEST(ExtrapolatedModes, EstimateTheirErrorWithinAFactorOfThree) {
       for (auto& node : scene.nodes) node.support.kind = Support::Kind::clamped;
     }
     if (kind == 4) scene.members[0].masses = {{even(0.1, 0.9), between(0.002, 0.05)}};
-    ModesOptions options;
-    options.count = kind == 3 ? 12 : 6;
+    ModesOptions options{.count = kind == 3 ? 12 : 6};
     options.shapes = options.damped = false;
     const ChainModes coarse =
         find_modes(scene, options, std::vector<int>(scene.members.size(), 12));

@@ -1,11 +1,7 @@
 // Against differences of the whole analysis: another equilibrium, another eigenvalue problem.
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-
 #include "model/linear/modal_analysis.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::sensitivities_test {
 namespace {
@@ -14,9 +10,7 @@ namespace {
 /// eigenvalues (1e-9) want a larger one; where it moves by millimetres, a smaller one.
 void expect_differences(const Scene& scene, const std::vector<std::string>& names, int count,
                         double relative_step = 1e-3) {
-  ModesOptions options;
-  options.count = count;
-  options.error_estimate = false;
+  ModesOptions options{.count = count, .error_estimate = false};
   const ModeSensitivities found = analyse_mode_sensitivities(scene, names, options);
   ASSERT_EQ(found.analysis.equilibrium.status, EquilibriumStatus::converged);
   for (std::size_t p = 0; p < names.size(); ++p) {
@@ -101,10 +95,8 @@ TEST(ModeSensitivities, OfNodesOutOfThePlane) {
   // From the plane of symmetry it leaves to either side alike: frequencies are even in z, and the
   // differences left of them are the eigenvalues' 1e-10 over the step of 1.2e-4 m.
   scene.nodes[2].position.z() = 0;
-  ModesOptions options;
-  options.count = 5;
-  options.error_estimate = false;
-  const ModeSensitivities found = analyse_mode_sensitivities(scene, {"left.z"}, options);
+  const ModeSensitivities found =
+      analyse_mode_sensitivities(scene, {"left.z"}, {.count = 5, .error_estimate = false});
   ASSERT_EQ(found.frequency.rows(), 5);
   for (Eigen::Index i = 0; i < 5; ++i) {
     EXPECT_LT(std::abs(found.frequency(i, 0)),

@@ -1,15 +1,8 @@
 #include "model/motion/explicit_motion.h"
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-
-#include <cmath>
-#include <numbers>
-
 #include "model/motion/motion_kernel.h"
-#include "tests/expect_matrix.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::explicit_motion_test {
 namespace {
@@ -19,9 +12,7 @@ using testing::sensor;
 
 // A chain let go as drawn: no equilibrium is needed, gravity and springs move it.
 MotionProblem let_go(const Chain& chain, const Scene& scene, Motion motion) {
-  MotionProblem problem;
-  problem.chain = &chain;
-  problem.motion = motion;
+  MotionProblem problem{.chain = &chain, .motion = motion};
   problem.rest = problem.start = drawn_state(chain);
   problem.loads = scene.loads;
   problem.records.assign(scene.loads.size(), nullptr);
@@ -86,14 +77,10 @@ TEST(ExplicitMotion, RodSwingsThroughTheVertical) {
   Scene scene =
       testing::span(testing::member(Member::Kind::beam, "rod", "", "", 2, 2, 1e6, 1e4),
                     node("pivot", {0, 0, 0}, Support::Kind::pinned), node("end", {1, 0, 0}));
-  Sensor end;
-  end.place.node = "end";
-  end.direction = {1, 0, 0};
-  end.quantity = Sensor::Quantity::displacement;
+  Sensor end{
+      .place = {.node = "end"}, .direction = {1, 0, 0}, .quantity = Sensor::Quantity::displacement};
   scene.sensors = {end};
-  ChainOptions options;
-  options.rotary_inertia = RotaryInertia::rigid_rod;
-  const Chain chain = settled(scene, options);
+  const Chain chain = settled(scene, {.rotary_inertia = RotaryInertia::rigid_rod});
   const double period =
       4 * std::comp_ellint_1(std::numbers::sqrt2 / 2) / std::sqrt(1.5 * kStandardGravity);
   for (Motion motion : {Motion::in_plane, Motion::space}) {

@@ -1,10 +1,8 @@
 #include "model/motion/lane_loops.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <cstring>
-#include <random>
+
+#include "tests/test.h"
 
 namespace rigfit::model::lane_loops_test {
 namespace {

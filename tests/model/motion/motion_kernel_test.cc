@@ -1,11 +1,7 @@
 #include "model/motion/motion_kernel.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-
-#include "tests/expect_matrix.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::motion_kernel_test {
 namespace {
@@ -44,13 +40,13 @@ void expect_same_forces(Chain chain, unsigned seed) {
   mass.multiply(kernel.unknowns(a, assembly.numbering()), inertia);
   const double scale = force.cwiseAbs().maxCoeff();
   EXPECT_GT(scale, 1);
-  EXPECT_TRUE(rigfit::testing::MatricesNear(inertia, -force, 1e-11 * scale));
+  EXPECT_TRUE(MatricesNear(inertia, -force, 1e-11 * scale));
   // Kinetic and potential energy.
   const double twice = kernel.unknowns(a, assembly.numbering()).dot(inertia);
   EXPECT_NEAR(kernel.mass_product(a, a) / twice, 1, 1e-12);
   EXPECT_NEAR(kernel.potential(x) / assembly.potential(kernel.state(x)), 1, 1e-11);
   // The way there and back.
-  EXPECT_TRUE(rigfit::testing::MatricesNear(
+  EXPECT_TRUE(MatricesNear(
       kernel.entry_values(kernel.unknowns(a, assembly.numbering()), assembly.numbering()), a, 0));
 }
 
@@ -65,9 +61,9 @@ TEST(MotionKernel, CableInPlaneAndInSpace) {
 }
 
 TEST(MotionKernel, BothRotaryInertias) {
-  ChainOptions options;
-  options.rotary_inertia = RotaryInertia::rigid_rod;
-  expect_same_forces<2>(Chain::from_scene(testing::released_cable(9), options), 5);
+  expect_same_forces<2>(
+      Chain::from_scene(testing::released_cable(9), {.rotary_inertia = RotaryInertia::rigid_rod}),
+      5);
 }
 
 TEST(MotionKernel, BeamAndCablesWithTurningNodeTaperAndMasses) {
@@ -108,8 +104,8 @@ TEST(MotionKernel, ExternalForcesAndPoints) {
   EnvelopeMatrix mass = assembly.matrix();
   assembly.mass(mass);
   const Eigen::VectorXd inertia = mass * kernel.unknowns(b - a, assembly.numbering());
-  EXPECT_TRUE(rigfit::testing::MatricesNear(
-      inertia, 10 * assembly.row_of(chain.loads[0], chain.load_direction[0]), 1e-8));
+  EXPECT_TRUE(
+      MatricesNear(inertia, 10 * assembly.row_of(chain.loads[0], chain.load_direction[0]), 1e-8));
   EXPECT_NEAR(row.dot(x.data()),
               chain.load_direction[0].dot(position_of(chain.loads[0], kernel.state(x).position)),
               1e-14);

@@ -1,12 +1,8 @@
 #include "model/motion/stiff_motion.h"
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-
 #include "model/response/response.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::stiff_motion_test {
 namespace {
@@ -18,9 +14,7 @@ TEST(StiffMotion, ConvergesInSpaceWithTorsionAndTurningNodes) {
   scene.members[0].GJ = 1.5;
   scene.loads[0].direction = {0.6, 0, 0.8};
   scene.loads[0].peak = 100;
-  ResponseOptions options;
-  options.solver = ResponseSolver::stiff_motion;
-  options.space = true;
+  ResponseOptions options{.solver = ResponseSolver::stiff_motion, .space = true};
   options.sampling = {.duration_s = 0.1, .rate_hz = 2000, .energy_samples = 100};
   double drift[3];
   Eigen::MatrixXd samples[3];
@@ -47,13 +41,9 @@ TEST(StiffMotion, CountsIncrementsAnewWhereAChainTurnsFar) {
   scene.members[0].EI[1] = 1.2;
   scene.members[0].GJ = 0.5;
   scene.members[0].polar_inertia = 1e-4;
-  ChainOptions chosen;
-  chosen.torsion = true;
-  Chain chain = Chain::from_scene(scene, chosen);
+  Chain chain = Chain::from_scene(scene, {.torsion = true});
   chain.settled = true;
-  MotionProblem problem;
-  problem.chain = &chain;
-  problem.motion = Motion::space;
+  MotionProblem problem{.chain = &chain, .motion = Motion::space};
   problem.rest = problem.start = drawn_state(chain);
   const Assembly assembly(chain, Motion::space);
   problem.start_velocity.setZero(assembly.size());

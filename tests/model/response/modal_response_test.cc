@@ -1,13 +1,7 @@
 #include "model/response/modal_response.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <numbers>
-
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::modal_response_test {
 namespace {
@@ -20,11 +14,7 @@ Load impact(double peak, double duration, double start) {
   return load;
 }
 
-Load record() {
-  Load load;
-  load.kind = Load::Kind::record;
-  return load;
-}
+Load record() { return {.kind = Load::Kind::record}; }
 
 // Classical Runge-Kutta on q'' = -2 zeta w q' - w^2 q + phi f(t), restarted at the corners of the
 // force; with 400 steps a radian (more when heavily damped) its error is (1/400)^4/120 a radian,

@@ -1,12 +1,9 @@
 // Every estimate of what was left out against the full run: within a factor of three.
 #include "model/response/response_estimates.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "model/response/response.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::response_estimates_test {
 namespace {
@@ -61,9 +58,7 @@ Scene released(int segments, double mass, double position, Eigen::Vector3d direc
 TEST(ResponseEstimates, SlowedAxialWaves) {
   Scene scene = released(30, 1, 0.25);
   scene.sensors.pop_back();  // weigh what a displacement sees
-  ResponseOptions options;
-  options.solver = ResponseSolver::explicit_motion;
-  options.axial = false;
+  ResponseOptions options{.solver = ResponseSolver::explicit_motion, .axial = false};
   const ResponseResult slowed = respond(scene, options, 5, 2000);
   EXPECT_EQ(slowed.step_s, 0.0005);
   const double estimate = cost(slowed, "axial waves");
@@ -84,8 +79,7 @@ TEST(ResponseEstimates, SlowedAxialWaves) {
 TEST(ResponseEstimates, ChangeOfStiffnessWithMotion) {
   for (const double mass : {0.25, 0.5}) {
     const Scene scene = released(16, mass, 0.5);
-    ResponseOptions options;
-    options.solver = ResponseSolver::modal;
+    ResponseOptions options{.solver = ResponseSolver::modal};
     const ResponseResult linear = respond(scene, options, 4, 1000);
     options.solver = ResponseSolver::explicit_motion;
     const ResponseResult exact = respond(scene, options, 4, 1000);
@@ -111,8 +105,7 @@ TEST(ResponseEstimates, ChangeOfStiffnessWithMotion) {
 TEST(ResponseEstimates, ModesAboveThoseFound) {
   Scene scene = released(30, 0.002, 0.25);
   scene.sensors.pop_back();
-  ResponseOptions options;
-  options.solver = ResponseSolver::modal;
+  ResponseOptions options{.solver = ResponseSolver::modal};
   const ResponseResult all = respond(scene, options, 1, 1000);
   EXPECT_EQ(cost(all, "modes above"), -1);
   for (const int modes : {5, 9}) {

@@ -1,15 +1,11 @@
 #include "model/response/response.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "model/linear/modes.h"
 #include "model/motion/explicit_motion.h"
 #include "model/statics/loaded_state.h"
-#include "tests/expect_matrix.h"
 #include "tests/reference/closed_forms.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::response_test {
 namespace {
@@ -43,9 +39,7 @@ TEST(LoadedState, StringUnderAWeightIsInBalance) {
   scene.gravity.setZero();
   scene.members[0].EI = {0, 0};
   scene.loads[0].place.position = 0.5;
-  ModesOptions wanted;
-  wanted.count = 1;
-  const ChainModes modes = find_modes(scene, wanted);
+  const ChainModes modes = find_modes(scene, {.count = 1});
   ASSERT_EQ(modes.equilibrium.status, EquilibriumStatus::converged);
   const Assembly& assembly = *modes.motions[0].assembly;
   const double F = 9.80665;
@@ -176,8 +170,7 @@ TEST(Response, DampedMotionNeedsNoBalance) {
   // unstable, and goes the same way but for rounding (a damper in two halves or in one).
   Scene scene = testing::released_cable(10);
   scene.members[0].damping_ratio = 0.05;
-  ResponseOptions options;
-  options.solver = ResponseSolver::explicit_motion;
+  ResponseOptions options{.solver = ResponseSolver::explicit_motion};
   options.sampling = {.duration_s = 1, .rate_hz = 500, .energy_samples = 0};
   const ResponseResult without = simulate_response(scene, options);
   ASSERT_TRUE(without.completed) << without.reason;

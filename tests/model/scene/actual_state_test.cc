@@ -1,24 +1,19 @@
 #include "model/scene/actual_state.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::actual_state_test {
 namespace {
 
 std::vector<double> frequencies(const Scene& scene) {
-  ModesOptions options;
-  options.count = 6;
   std::vector<double> found;
-  for (const auto& mode : analyse_modes(scene, options).modes) found.push_back(mode.frequency_hz);
+  for (const auto& mode : analyse_modes(scene, {.count = 6}).modes)
+    found.push_back(mode.frequency_hz);
   return found;
 }
 
@@ -38,10 +33,8 @@ TEST(ActualState, AWarmCableIsSlack) {
   cold.members[0].thermal_expansion = 1.2e-5;
   Scene warm = cold;
   warm.temperature_change = 20;
-  ModesOptions options;
-  options.count = 1;
   const auto tension = [&](const Scene& scene) {
-    return analyse_modes(scene, options).equilibrium.members[0].tension_N;
+    return analyse_modes(scene, {.count = 1}).equilibrium.members[0].tension_N;
   };
   const double weight = 0.16667 * kStandardGravity * 2.4;
   const auto excess = [&](double T) { return T / 221780 - weight * weight / (24 * T * T); };
@@ -54,12 +47,8 @@ TEST(ActualState, AWarmCableIsSlack) {
 }
 
 void expect_refused(Scene scene, const std::string& reason) {
-  try {
-    static_cast<void>(parse_scene(scene_text(scene), "bad.toml"));
-    ADD_FAILURE() << "accepted, instead of: " << reason;
-  } catch (const SceneError& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr(reason));
-  }
+  EXPECT_THAT([&] { static_cast<void>(parse_scene(scene_text(scene), "bad.toml")); },
+              ::testing::ThrowsMessage<SceneError>(HasSubstr(reason)));
 }
 
 TEST(ActualState, WhatChangesNothingOrLeavesNoTensionIsRefused) {

@@ -1,9 +1,8 @@
 // The scene reader is fed with seeds, with regressions of faults found by fuzzing and with
 // thousands of mutations of both. It gives a scene that reads back from its own text, or a reason.
-#include <gtest/gtest.h>
-
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_scene.h"
+#include "tests/test.h"
 
 namespace rigfit::model::malformed_scene_test {
 namespace {

@@ -1,12 +1,8 @@
 #include "model/statics/equilibrium.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/reference/closed_forms.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::equilibrium_test {
 namespace {

@@ -1,12 +1,8 @@
 // Supports' springs from 0 to 1e15 N/m (N m/rad): they are solved, and as they grow the rig becomes
 // that of fixed supports.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "model/linear/modal_analysis.h"
 #include "tests/scenes.h"
+#include "tests/test.h"
 
 namespace rigfit::model::stiff_springs_test {
 namespace {
@@ -26,11 +22,7 @@ void spring(SceneNode& node, const Eigen::Vector3d& translational,
   node.support.translational = translational, node.support.rotational = rotational;
 }
 
-ModalAnalysis modes_of(const Scene& scene) {
-  ModesOptions options;
-  options.count = 4;
-  return analyse_modes(scene, options);
-}
+ModalAnalysis modes_of(const Scene& scene) { return analyse_modes(scene, {.count = 4}); }
 
 // A spring in series with the cable gives way by T / k and takes the part (EA/L) / k from its axial
 // stiffness: relative changes of a frequency of that order, and of 1/(k n^2 ...) smaller ones

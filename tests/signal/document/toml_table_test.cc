@@ -1,15 +1,11 @@
 #include "document/toml_table.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <functional>
+
+#include "tests/test.h"
 
 namespace rigfit::document::toml_table_test {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 TEST(TomlTable, ReadsEveryKindAndFinishesWhenAllIsUsed) {
   auto table = TomlTable::parse(

@@ -1,12 +1,7 @@
 #include "signal/estimation/groups.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "signal/estimation/robust.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::groups_test {
 namespace {
@@ -49,13 +44,12 @@ TEST(Groups, OfUnequalVariancesSolvePauleAndMandel) {
 // Three groups, scatter between them from none to far more than their own: the 95 % interval holds
 // the truth in 90 to 98 % (2000 draws: standard deviation 0.5 %).
 TEST(Groups, IntervalsOfThreeCover) {
-  std::mt19937_64 random(5);
-  std::normal_distribution<double> normal;
+  Normal normal(5);
   for (const double tau : {0.0, 0.5, 1.0, 3.0, 10.0}) {
     int covered = 0;
     for (int k = 0; k < 2000; ++k) {
       std::vector<double> x, v(3, 1.0);
-      for (int i = 0; i < 3; ++i) x.push_back(tau * normal(random) + normal(random));
+      for (int i = 0; i < 3; ++i) x.push_back(tau * normal() + normal());
       const GroupMean p = mean_over_groups(x, v);
       covered += std::abs(p.mean) <= coverage_factor(0.95, p.degrees) * std::sqrt(p.variance);
     }

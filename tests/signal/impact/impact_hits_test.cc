@@ -1,19 +1,13 @@
 #include "signal/impact/impact_hits.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <limits>
-
 #include "signal/recording/recording_error.h"
 #include "tests/reference/ten_mode_truth.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::impact_hits_test {
 namespace {
 using Eigen::Index;
-using ::testing::ElementsAre;
 using testing::HammerHit;
-using ::testing::HasSubstr;
 using testing::ImpactRecordOptions;
 
 const std::vector<Index> kResponses{1, 2, 3};
@@ -146,10 +140,9 @@ TEST(ImpactHits, ForceSpectrumIsAskedForInTheBand) {
   // Lines are 2 Hz apart.
   EXPECT_NEAR(search.hits[0].usable_hz, 1303, 4);
   EXPECT_TRUE(search.hits[0].accepted);
-  HitOptions options;
-  options.band_hz = {10, 1200};
+  HitOptions options{.band_hz = std::pair(10.0, 1200.0)};
   EXPECT_TRUE(bench.search(hits, options).hits[0].accepted);
-  options.band_hz = {10, 1400};
+  options.band_hz = {10.0, 1400.0};
   const Hit hit = bench.search(hits, options).hits[0];
   EXPECT_THAT(hit.faults, ElementsAre(HitFault::force_spectrum));
   EXPECT_THAT(hit.reason, HasSubstr("usable to"));

@@ -1,15 +1,10 @@
 #include "signal/modal/band_background.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <complex>
-#include <random>
-
 #include "signal/modal/modal_identification.h"
 #include "signal/modes/modal_synthesis.h"
 #include "signal/numerics/numbers.h"
 #include "tests/reference/defective_frfs.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::cut_off_records_test {
 namespace {
@@ -77,8 +72,7 @@ TEST(CutOffRecords, FrfsRebuiltFromTheFitHaveTheBackground) {
 
 TEST(CutOffRecords, NoBackgroundForModesThatHaveDecayedOrSteadyTones) {
   FrfSet set;
-  ModalBand band;
-  band.spacing_hz = 0.125;
+  ModalBand band{.spacing_hz = 0.125};
   band.frequency_hz = Eigen::VectorXd::LinSpaced(160, 0.125, 20);
   band.lines.s = Complex(0, kTwoPi) * band.frequency_hz.cast<Complex>();
   band.lines.power = 2;
@@ -111,14 +105,13 @@ TEST(CutOffRecords, TheMisfitShowsABackgroundAndNoiseShowsNone) {
   const Eigen::VectorXcd s = Complex(0, kTwoPi) * f.cast<Complex>();
   const Eigen::MatrixXcd background = cut_off_background(s, 2, 0.4, 0);
   const Eigen::VectorXd line = Eigen::VectorXd::LinSpaced(kLines, 1, 16);
-  std::mt19937_64 random(3);
-  std::normal_distribution<double> normal;
+  Normal normal(3);
   int shown = 0;
   for (int set = 0; set < 400; ++set) {
     Eigen::MatrixXcd misfit(kLines, kFrfs);
     for (Eigen::Index k = 0; k < kLines; ++k) {
       for (Complex& one : misfit.row(k)) {
-        one = std::sqrt(line[k]) * Complex(normal(random), normal(random));
+        one = std::sqrt(line[k]) * Complex(normal(), normal());
       }
     }
     shown += misfit_shows(background, misfit, line, 4);

@@ -1,11 +1,8 @@
 #include "signal/modal/local_modes.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "signal/modal/modal_identification.h"
 #include "tests/reference/defective_frfs.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::local_modes_test {
 namespace {

@@ -1,14 +1,9 @@
 #include "signal/modal/modal_identification.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "signal/impact/impact_frfs.h"
 #include "signal/modes/modal_synthesis.h"
 #include "tests/reference/ten_mode_truth.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::modal_identification_test {
 namespace {
@@ -19,11 +14,10 @@ using Eigen::Index;
 FrfSet noisy_truth(const testing::TenModeTruth& truth, double relative, double window,
                    unsigned seed, Index lines = 2800) {
   FrfSet set = truth.frfs(Eigen::VectorXd::LinSpaced(lines, 1400.0 / lines, 1400), window);
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+  Normal normal(seed);
   const double scale =
       relative * std::sqrt(set.H.squaredNorm() / static_cast<double>(set.H.size()));
-  for (Complex& h : set.H.reshaped()) h += scale * Complex(normal(random), normal(random));
+  for (Complex& h : set.H.reshaped()) h += scale * Complex(normal(), normal());
   return set;
 }
 
@@ -31,18 +25,13 @@ FrfSet noisy_truth(const testing::TenModeTruth& truth, double relative, double w
 TEST(ModalIdentification, TenModesFromHitsWithAndWithoutWindow) {
   const auto truth = testing::ten_mode_truth();
   for (const double window : {0.0, 1.0}) {
-    testing::ImpactRecordOptions record;
-    record.seed = 11;
-    const Recording recording = testing::impact_recording(truth, record);
+    const Recording recording = testing::impact_recording(truth, {.seed = 11});
     std::vector<std::string> responses;
     for (int j = 1; j <= 20; ++j) responses.push_back("a" + std::to_string(j));
-    ImpactTestOptions impact;
-    impact.hits.block_s = 4;
-    impact.exponential_decay_rate_1_s = window;
-    const ImpactTest test = analyse_impact_test({&recording, 1}, "force", responses, impact);
-    ModalOptions options;
-    options.high_hz = 1400;
-    const ModalResult result = identify_modes(test.frfs, options);
+    const ImpactTest test =
+        analyse_impact_test({&recording, 1}, "force", responses,
+                            {.hits = {.block_s = 4}, .exponential_decay_rate_1_s = window});
+    const ModalResult result = identify_modes(test.frfs, {.high_hz = 1400});
     ASSERT_EQ(result.model.modes.size(), 10u) << window;
     EXPECT_EQ(result.end, StepsEnd::converged);
     int covered = 0;
@@ -113,8 +102,7 @@ TEST(ModalIdentification, TwoInputsGiveShapesAndParticipations) {
   set.inputs.push_back({"second", 2, 3});
   const Eigen::VectorXcd p = truth.poles();
   Eigen::MatrixXcd H(2800, 12);
-  std::mt19937_64 random(8);
-  std::normal_distribution<double> normal;
+  Normal normal(8);
   const Index at[2] = {truth.driving_point, 1};
   for (Index k = 0; k < 2800; ++k) {
     const Complex s(0, 2 * std::numbers::pi * set.frequency_hz[k]);
@@ -126,7 +114,7 @@ TEST(ModalIdentification, TwoInputsGiveShapesAndParticipations) {
               truth.shapes(o, r) * truth.shapes(at[i], r) / Complex(0, 2 * p[r].imag());
           sum += residue / (s - p[r]) + std::conj(residue) / (s - std::conj(p[r]));
         }
-        H(k, 2 * o + i) = s * s * sum + 2e-3 * Complex(normal(random), normal(random));
+        H(k, 2 * o + i) = s * s * sum + 2e-3 * Complex(normal(), normal());
       }
     }
   }
@@ -160,17 +148,15 @@ TEST(ModalIdentification, TwoInputsGiveShapesAndParticipations) {
 // the order of a hundredth of their peaks, so that the small peak is about 2e-3 of what is around
 // it times its own half: below the limit, far above rounding.
 TEST(ModalIdentification, ColumnsThatAreNoModeSayWhy) {
-  ModalModel truth;
-  truth.fitted_form = FrfForm::accelerance;
+  ModalModel truth{.fitted_form = FrfForm::accelerance};
   truth.responses = {{"a", 1, 3}};
   truth.inputs = {{"hammer", 2, 3}};
   truth.lower_residual = truth.upper_residual = Eigen::MatrixXcd::Zero(1, 1);
   for (const auto& [frequency, size] : {std::pair{10.0, 1.0}, {14.0, 2e-5}, {20.0, 1.0}}) {
     const double w = 2 * std::numbers::pi * frequency;
-    IdentifiedMode mode;
-    mode.pole_rad_s = {-0.01 * w, w * std::sqrt(1 - 1e-4)};
-    mode.shape = Eigen::VectorXcd::Constant(1, Complex(0, -size / w));
-    mode.participation = Eigen::VectorXcd::Ones(1);
+    IdentifiedMode mode{.pole_rad_s = {-0.01 * w, w * std::sqrt(1 - 1e-4)},
+                        .shape = Eigen::VectorXcd::Constant(1, Complex(0, -size / w)),
+                        .participation = Eigen::VectorXcd::Ones(1)};
     truth.modes.push_back(mode);
   }
   const FrfSet frfs =
@@ -189,9 +175,8 @@ TEST(ModalIdentification, ColumnsThatAreNoModeSayWhy) {
 
 TEST(ModalIdentification, NoiseAloneHasNoModes) {
   FrfSet set = testing::ten_mode_truth(4).frfs(Eigen::VectorXd::LinSpaced(1000, 1, 1000));
-  std::mt19937_64 random(9);
-  std::normal_distribution<double> normal;
-  for (Complex& h : set.H.reshaped()) h = Complex(normal(random), normal(random));
+  Normal normal(9);
+  for (Complex& h : set.H.reshaped()) h = Complex(normal(), normal());
   const ModalResult result = identify_modes(set);
   EXPECT_TRUE(result.model.modes.empty());
   EXPECT_EQ(result.model.notes.back().code, "no_modes");
@@ -209,19 +194,15 @@ TEST(ModalIdentification, DeadAndBrokenFrfsAreSaid) {
     EXPECT_TRUE(mode.shape_std.allFinite());
   }
   EXPECT_EQ(result.lines_used, 2799);
-  std::vector<std::string> codes;
-  for (const Note& note : result.model.notes) codes.push_back(note.code);
-  EXPECT_NE(std::find(codes.begin(), codes.end(), "dead_frf"), codes.end());
-  EXPECT_NE(std::find(codes.begin(), codes.end(), "data_left_out"), codes.end());
+  EXPECT_TRUE(says(result.model.notes, "dead_frf"));
+  EXPECT_TRUE(says(result.model.notes, "data_left_out"));
   set.H.setZero();
   EXPECT_TRUE(identify_modes(set).model.modes.empty());
 }
 
 TEST(ModalIdentification, WrongSizesAndEmptyBandsThrow) {
   FrfSet set = testing::ten_mode_truth(2).frfs(Eigen::VectorXd::LinSpaced(100, 1, 100));
-  ModalOptions options;
-  options.low_hz = 98;
-  EXPECT_THROW((void)identify_modes(set, options), std::invalid_argument);
+  EXPECT_THROW((void)identify_modes(set, {.low_hz = 98}), std::invalid_argument);
   set.responses.pop_back();
   EXPECT_THROW((void)identify_modes(set), std::invalid_argument);
   EXPECT_THROW((void)identify_modes(FrfSet{}), std::invalid_argument);

@@ -1,14 +1,9 @@
 #include "signal/modal/mode_warnings.h"
 
-#include <gtest/gtest.h>
-
-#include <complex>
-#include <random>
-#include <string>
-
 #include "signal/modal/modal_identification.h"
 #include "signal/numerics/numbers.h"
 #include "tests/reference/defective_frfs.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::mode_warnings_test {
 namespace {
@@ -36,11 +31,10 @@ struct Around {
 // Four standard deviations of the correlation of 10 pairs are 0.9: chance of one in 30000.
 TEST(MisfitBeyondNoise, TellsStructureFromNoiseByNeighbouringLines) {
   Around around;
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> normal;
+  Normal normal(1);
   for (int trial = 0; trial < 200; ++trial) {
     MatrixXcd noise(200, 1);
-    for (Complex& value : noise.reshaped()) value = Complex(normal(random), normal(random));
+    for (Complex& value : noise.reshaped()) value = Complex(normal(), normal());
     EXPECT_EQ(around.beyond(0.5 * noise), 0);
   }
   EXPECT_NEAR(around.beyond(MatrixXcd::Constant(200, 1, Complex(0.3, 0.4))), 0.5, 1e-9);
@@ -80,9 +74,8 @@ TEST(ModeWarnings, ModesUnderMuchNoiseOnTheForceAreDoubtful) {
 // bars do not.
 TEST(ModeWarnings, AGlobalModeWithALargeMisfitIsDoubtful) {
   FrfSet set = six_sensors(0);
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> normal;
-  for (Complex& h : set.H.reshaped()) h *= 1.0 + 0.3 * Complex(normal(random), normal(random));
+  Normal normal(1);
+  for (Complex& h : set.H.reshaped()) h *= 1.0 + 0.3 * Complex(normal(), normal());
   set.H_std = 0.01 * set.H.cwiseAbs();
   const ModalResult found = identify_modes(set);
   ASSERT_EQ(found.model.modes.size(), 3u);

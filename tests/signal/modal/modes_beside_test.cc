@@ -1,15 +1,8 @@
 #include "signal/modal/band_background.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <random>
-#include <vector>
-
 #include "signal/modal/modal_identification.h"
 #include "signal/numerics/numbers.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::modes_beside_test {
 namespace {
@@ -22,8 +15,7 @@ constexpr double kDamping = 0.012;
 /// Accelerances of modes at 7.2, 14.5, 21.9, 38.2, 47.06, 56.9 and 66.7 Hz, 1.2 % damped, at two
 /// points to 80 Hz, with noise over the rms FRF.
 FrfSet struck_cable(double noise) {
-  FrfSet set;
-  set.form = FrfForm::accelerance;
+  FrfSet set{.form = FrfForm::accelerance};
   set.frequency_hz = Eigen::VectorXd::LinSpaced(480, 1.0 / 6, 80);
   const Eigen::VectorXcd s = Complex(0, kTwoPi) * set.frequency_hz.cast<Complex>();
   set.H = Eigen::MatrixXcd::Zero(480, 2);
@@ -37,20 +29,15 @@ FrfSet struck_cable(double noise) {
           size * s.array().square() / (s.array().square() + 2 * kDamping * w * s.array() + w * w);
     }
   }
-  std::mt19937_64 random(5);
-  std::normal_distribution<double> normal;
+  Normal normal(5);
   const double rms = set.H.norm() / std::sqrt(960.0);
-  for (Complex& h : set.H.reshaped()) h += noise * rms * Complex(normal(random), normal(random));
+  for (Complex& h : set.H.reshaped()) h += noise * rms * Complex(normal(), normal());
   set.responses = {{"p1", 1, 3}, {"p2", 2, 3}};
   set.inputs = {{"hammer", 9, 3}};
   return set;
 }
 
-ModalOptions to_50_hz() {
-  ModalOptions options;
-  options.low_hz = 2, options.high_hz = 50;
-  return options;
-}
+ModalOptions to_50_hz() { return {.low_hz = 2, .high_hz = 50}; }
 
 TEST(ModesBeside, PolesWithinAQuarterOfTheBandBeyondItsEnd) {
   const FrfSet set = struck_cable(1e-4);
@@ -117,9 +104,7 @@ TEST(ModesBeside, AFitThatDoesNotConvergeWithThemSaysSo) {
   options.refine.max_iterations = 1;  // no fit settles
   options.refine.step_tolerance = 1e-12;
   const ModalResult result = identify_modes(struck_cable(1e-4), options);
-  const auto& notes = result.model.notes;
-  EXPECT_TRUE(std::any_of(notes.begin(), notes.end(),
-                          [](const Note& note) { return note.code == "modes_beside"; }));
+  EXPECT_TRUE(says(result.model.notes, "modes_beside"));
   EXPECT_GE(result.model.modes.size(), 4u);  // five are there; the diagram's poles are near them
 }
 

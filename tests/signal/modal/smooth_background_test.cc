@@ -1,12 +1,9 @@
 #include "signal/modal/band_background.h"
 
-#include <gtest/gtest.h>
-
-#include <complex>
-
 #include "signal/numerics/numbers.h"
 #include "signal/refinement/modal_basis.h"
 #include "signal/refinement/modal_refine.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::smooth_background_test {
 namespace {
@@ -17,9 +14,7 @@ using Eigen::VectorXcd;
 /// Two accelerances with poles at 20 and 31 Hz, each line multiplied by 1 + e(f), e of echoes
 /// within 30 ms of the hit on either side.
 FrfLines disturbed(const VectorXcd& poles) {
-  FrfLines data;
-  data.s = laplace_lines(Eigen::VectorXd::LinSpaced(401, 5, 45), 0);
-  data.power = 2;
+  FrfLines data{.s = laplace_lines(Eigen::VectorXd::LinSpaced(401, 5, 45), 0), .power = 2};
   Eigen::MatrixXcd residues(2, 2);
   residues << Complex(0, -1), Complex(0, 0.7), Complex(0, -0.4), Complex(0, -0.9);
   const VectorXcd none = VectorXcd::Zero(2);

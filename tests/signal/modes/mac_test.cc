@@ -1,8 +1,6 @@
 #include "signal/modes/mac.h"
 
-#include <gtest/gtest.h>
-
-#include <complex>
+#include "tests/test.h"
 
 namespace rigfit::signal::mac_test {
 namespace {

@@ -1,8 +1,6 @@
 #include "signal/numerics/factorisations.h"
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Core>
+#include "tests/test.h"
 
 namespace rigfit::signal {
 namespace {

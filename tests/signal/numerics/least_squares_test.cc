@@ -1,9 +1,7 @@
 #include "signal/numerics/least_squares.h"
 
-#include <gtest/gtest.h>
-
 #include "signal/numerics/scaled_gram.h"
-#include "tests/expect_matrix.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::least_squares_test {
 namespace {
@@ -28,7 +26,7 @@ TEST(LeastSquares, RecoversWhatTheColumnsMade) {
   const MatrixXd x = MatrixXd::Random(8, 3);
   const LeastSquares found = least_squares(A, A * x);
   // Condition about 1e6: ten digits are left.
-  EXPECT_TRUE(testing::MatricesNear(found.x, x, 1e-9));
+  EXPECT_TRUE(MatricesNear(found.x, x, 1e-9));
   EXPECT_LT(found.left_sum_squares.maxCoeff(), 1e-26);
   EXPECT_GT(found.condition, 1e3);
   EXPECT_LT(found.condition, 1e8);
@@ -60,17 +58,17 @@ TEST(ScaledGram, SolvesAndTellsWhenColumnsDepend) {
   MatrixXd A = powers(40, 4);
   A.col(2) *= 1e9;  // scale is no dependence
   const MatrixXd gram = gram_of(A);
-  EXPECT_TRUE(testing::MatricesNear(gram, MatrixXd(A.transpose() * A), 1e-12 * gram.maxCoeff()));
+  EXPECT_TRUE(MatricesNear(gram, MatrixXd(A.transpose() * A), 1e-12 * gram.maxCoeff()));
   const ScaledGram factor(gram);
   ASSERT_TRUE(factor.usable());
   const MatrixXd y = MatrixXd::Random(40, 2);
   const MatrixXd expected = least_squares(A, y).x, found = factor.solve(A.transpose() * y);
   // Condition of the scaled Gram matrix: that of A squared, under 1e5.
   EXPECT_LT(((found - expected).array() / expected.array()).abs().maxCoeff(), 1e-9);
-  EXPECT_TRUE(testing::MatricesNear(MatrixXd(factor.inverse() * gram), MatrixXd::Identity(4, 4),
-                                    1e-2));  // the scale of 1e9 against its inverse
+  EXPECT_TRUE(MatricesNear(MatrixXd(factor.inverse() * gram), MatrixXd::Identity(4, 4),
+                           1e-2));  // the scale of 1e9 against its inverse
   const MatrixXd Q = factor.orthonormal(A);
-  EXPECT_TRUE(testing::MatricesNear(MatrixXd(Q.transpose() * Q), MatrixXd::Identity(4, 4), 1e-9));
+  EXPECT_TRUE(MatricesNear(MatrixXd(Q.transpose() * Q), MatrixXd::Identity(4, 4), 1e-9));
   A.col(3) = A.col(0) + 1e-10 * A.col(1);
   EXPECT_FALSE(ScaledGram(gram_of(A)).usable());
   EXPECT_TRUE(ScaledGram(MatrixXd(0, 0)).usable());

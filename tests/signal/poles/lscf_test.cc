@@ -1,13 +1,6 @@
 #include "signal/poles/lscf.h"
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Dense>
-#include <cmath>
-#include <numbers>
-#include <random>
-
-#include "tests/expect_matrix.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::lscf_test {
 namespace {
@@ -26,8 +19,7 @@ struct Rational {
 Complex z_of(Complex s) { return std::exp((s - Complex(0, two_pi * 50)) / 512.0); }
 
 Rational rational(Index responses, Index inputs, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+  Normal normal(seed);
   Rational truth;
   truth.poles.resize(4);
   truth.poles << Complex(-6, two_pi * 90), Complex(-10, two_pi * 140), Complex(-12, two_pi * 148),
@@ -35,8 +27,8 @@ Rational rational(Index responses, Index inputs, unsigned seed) {
   truth.H.setZero(129, responses * inputs);
   for (Index r = 0; r < 4; ++r) {
     Eigen::VectorXcd shape(responses), participation(inputs);
-    for (Complex& x : shape) x = Complex(normal(random), normal(random));
-    for (Complex& x : participation) x = Complex(normal(random), normal(random));
+    for (Complex& x : shape) x = Complex(normal(), normal());
+    for (Complex& x : participation) x = Complex(normal(), normal());
     const Complex zr = z_of(truth.poles[r]);
     for (Index k = 0; k < 129; ++k) {
       const Complex z = z_of(Complex(0, two_pi * truth.frequency_hz[k]));
@@ -64,28 +56,23 @@ TEST(Lscf, RecoversRationalFunctionsOfTheirOwnOrder) {
   for (const Index inputs : {1, 2}) {
     const Rational truth = rational(3, inputs, 7);
     const int order = 8 / static_cast<int>(inputs);
-    LscfOptions options;
-    options.max_order = order;
-    const LscfResult result = lscf(truth.frequency_hz, truth.H, inputs, {}, {}, options);
+    const LscfResult result =
+        lscf(truth.frequency_hz, truth.H, inputs, {}, {}, {.max_order = order});
     // The normal equations square a condition of some 1e3, on top of the 1e-13 on their diagonal.
-    EXPECT_TRUE(testing::MatricesNear(poles_of_order(result, order), truth.poles, 1e-5)) << inputs;
+    EXPECT_TRUE(MatricesNear(poles_of_order(result, order), truth.poles, 1e-5)) << inputs;
     EXPECT_EQ(result.orders_solved, order);
   }
 }
 
 TEST(Lscf, AgreesWithLeastSquaresOnTheEquationsThemselves) {
   Rational truth = rational(3, 1, 3);
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> normal;
-  for (Complex& x : truth.H.reshaped()) x += 0.02 * Complex(normal(random), normal(random));
+  Normal normal(1);
+  for (Complex& x : truth.H.reshaped()) x += 0.02 * Complex(normal(), normal());
   Eigen::VectorXd line_weight(129), column_weight(3);
-  for (double& w : line_weight) w = 0.5 + std::abs(normal(random));
+  for (double& w : line_weight) w = 0.5 + std::abs(normal());
   column_weight << 1, 0.3, 2;
-  LscfOptions options;
-  options.max_order = 10;
-  options.max_damping_ratio = 1;
-  const LscfResult result =
-      lscf(truth.frequency_hz, truth.H, 1, line_weight, column_weight, options);
+  const LscfResult result = lscf(truth.frequency_hz, truth.H, 1, line_weight, column_weight,
+                                 {.max_order = 10, .max_damping_ratio = 1});
 
   // Unknowns: 3 x 11 numerator coefficients, a_1..a_10; a_0 = 1.
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * 129 * 3, 43);
@@ -120,8 +107,6 @@ TEST(Lscf, AgreesWithLeastSquaresOnTheEquationsThemselves) {
 
 TEST(Lscf, LinesNeedNotBeUniform) {
   const Rational truth = rational(3, 1, 5);
-  LscfOptions options;
-  options.max_order = 20;
   // Without every tenth line the sums are taken directly; a rational function does not mind.
   std::vector<Index> rows;
   for (Index k = 0; k < 129; ++k) {
@@ -135,7 +120,7 @@ TEST(Lscf, LinesNeedNotBeUniform) {
   }
   // Another period of z: the FRFs are not rational in the new z, but are followed to a hundredth of
   // a half bandwidth by twice the order.
-  const Eigen::VectorXcd poles = poles_of_order(lscf(f, H, 1, {}, {}, options), 20);
+  const Eigen::VectorXcd poles = poles_of_order(lscf(f, H, 1, {}, {}, {.max_order = 20}), 20);
   for (const Complex& p : truth.poles) {
     EXPECT_LT((poles.array() - p).abs().minCoeff(), 0.01 * -p.real());
   }
@@ -143,11 +128,9 @@ TEST(Lscf, LinesNeedNotBeUniform) {
 
 TEST(Lscf, MarksStablePolesAndKeepsTheBand) {
   Rational truth = rational(3, 1, 9);
-  std::mt19937_64 random(2);
-  std::normal_distribution<double> normal;
-  for (Complex& x : truth.H.reshaped()) x += 1e-4 * Complex(normal(random), normal(random));
-  LscfOptions options;
-  options.max_order = 20;
+  Normal normal(2);
+  for (Complex& x : truth.H.reshaped()) x += 1e-4 * Complex(normal(), normal());
+  LscfOptions options{.max_order = 20};
   const LscfResult result = lscf(truth.frequency_hz, truth.H, 1, {}, {}, options);
   int stable = 0;
   for (const auto& pole : result.poles) {

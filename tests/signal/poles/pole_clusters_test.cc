@@ -1,8 +1,6 @@
 #include "signal/poles/pole_clusters.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
+#include "tests/test.h"
 
 namespace rigfit::signal::pole_clusters_test {
 namespace {
@@ -15,8 +13,7 @@ LscfResult diagram(const std::vector<Complex>& modes, int from, double scatter, 
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(0, 1);
-  LscfResult result;
-  result.orders_solved = 40;
+  LscfResult result{.orders_solved = 40};
   for (int order = 1; order <= 40; ++order) {
     if (order >= from) {
       for (const Complex& p : modes) {
@@ -56,8 +53,7 @@ TEST(PoleClusters, PresenceIsTheShareOfTheUpperHalf) {
   const auto late = cluster_poles(diagram({Complex(-5, 1000)}, 31, 0.01, 0, 1), 0.25);
   ASSERT_EQ(late.size(), 1u);
   EXPECT_EQ(late[0].presence, 0.5);
-  PoleClusterOptions options;
-  options.min_presence = 0.6;
+  PoleClusterOptions options{.min_presence = 0.6};
   EXPECT_TRUE(cluster_poles(diagram({Complex(-5, 1000)}, 31, 0.01, 0, 1), 0.25, options).empty());
   EXPECT_TRUE(cluster_poles({}, 0.25).empty());
 }

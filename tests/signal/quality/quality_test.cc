@@ -1,11 +1,6 @@
 #include "signal/quality/quality.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
+#include "tests/test.h"
 
 namespace rigfit::signal::quality_test {
 namespace {
@@ -13,32 +8,23 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 Recording recording_of(Eigen::VectorXd samples, double rate) {
-  Recording r;
-  r.path = "x.csv";
-  r.sample_rate_hz = rate;
-  Channel c;
-  c.name = "a";
-  c.unit = "m/s^2";
-  c.quantity = Quantity::acceleration;
-  c.samples = std::move(samples);
-  r.channels.push_back(std::move(c));
-  return r;
+  return {.path = "x.csv",
+          .sample_rate_hz = rate,
+          .channels = {{.name = "a",
+                        .unit = "m/s^2",
+                        .quantity = Quantity::acceleration,
+                        .samples = std::move(samples)}}};
 }
 
 Eigen::VectorXd noise(Eigen::Index n, double std, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal(0, std);
-  Eigen::VectorXd x(n);
-  for (auto& v : x) v = normal(random);
-  return x;
+  Normal normal(seed);
+  return Eigen::VectorXd::NullaryExpr(n, [&] { return std * normal(); });
 }
 
 Eigen::VectorXd sine(Eigen::Index n, double frequency, double rate, double amplitude) {
-  Eigen::VectorXd x(n);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    x[k] = amplitude * std::sin(2 * kPi * frequency * static_cast<double>(k) / rate);
-  }
-  return x;
+  return Eigen::VectorXd::NullaryExpr(n, [=](Eigen::Index k) {
+    return amplitude * std::sin(2 * kPi * frequency * static_cast<double>(k) / rate);
+  });
 }
 
 std::vector<std::string> codes(const ChannelQuality& q) {
@@ -70,7 +56,7 @@ TEST(Quality, CountsClippedSamplesWithAndWithoutARange) {
   r.channels[0].nominal_range = 5;  // clipped well below it
   const auto q = check(r);
   EXPECT_EQ(q.clipped_samples, truth);
-  EXPECT_THAT(q.findings[0].message, ::testing::HasSubstr("below the range"));
+  EXPECT_THAT(q.findings[0].message, HasSubstr("below the range"));
   r.channels[0].nominal_range = 0.75;
   EXPECT_GT(check(r).clipped_samples, truth);
 }
@@ -82,7 +68,7 @@ TEST(Quality, DropoutsStuckEndAndMissing) {
   x.tail(200).setConstant(0.3);
   x[3000] = std::numeric_limits<double>::quiet_NaN();
   const auto q = check(recording_of(x, 1000));
-  EXPECT_THAT(codes(q), ::testing::UnorderedElementsAre("missing", "dropouts", "stuck"));
+  EXPECT_THAT(codes(q), UnorderedElementsAre("missing", "dropouts", "stuck"));
   EXPECT_EQ(q.missing_samples, 1);
   for (const auto& f : q.findings) {
     // The sample before the held stretch has its value, too.
@@ -98,21 +84,21 @@ TEST(Quality, DropoutsStuckEndAndMissing) {
 TEST(Quality, ASignalAtRestOnAFewStepsIsNoDropout) {
   Eigen::VectorXd x = noise(20000, 0.3, 5);
   for (auto& v : x) v = std::round(v);  // mostly zero: runs of zeros are ordinary
-  EXPECT_THAT(codes(check(recording_of(x, 1000))), ::testing::Not(::testing::Contains("dropouts")));
-  EXPECT_THAT(codes(check(recording_of(x, 1000))), ::testing::Contains("coarse_quantisation"));
+  EXPECT_THAT(codes(check(recording_of(x, 1000))), Not(Contains("dropouts")));
+  EXPECT_THAT(codes(check(recording_of(x, 1000))), Contains("coarse_quantisation"));
 }
 
 TEST(Quality, OneBitOffsetAndDrift) {
   Eigen::VectorXd x = noise(2000, 1, 6);
   for (auto& v : x) v = v > 0 ? 1 : 0;
-  EXPECT_THAT(codes(check(recording_of(x, 1000))), ::testing::Contains("one_bit"));
+  EXPECT_THAT(codes(check(recording_of(x, 1000))), Contains("one_bit"));
   Eigen::VectorXd y = sine(4000, 20, 1000, 1) + noise(4000, 0.01, 7);
   y.array() += 5;
-  EXPECT_THAT(codes(check(recording_of(y, 1000))), ::testing::ElementsAre("offset"));
+  EXPECT_THAT(codes(check(recording_of(y, 1000))), ElementsAre("offset"));
   y.array() -= 5;
   y += Eigen::VectorXd::LinSpaced(4000, -3, 3);
   const auto q = check(recording_of(y, 1000));
-  EXPECT_THAT(codes(q), ::testing::ElementsAre("drift"));
+  EXPECT_THAT(codes(q), ElementsAre("drift"));
   // Medians of the first and last tenth lie 0.9 of the record apart: 0.9 * 6; a sine of two
   // periods in a tenth leaves its median at its mean within some hundredths.
   EXPECT_NEAR(q.drift, 5.4, 0.1);
@@ -149,10 +135,10 @@ TEST(Quality, HumWithItsHarmonicsAndTheFloor) {
 
 TEST(Quality, ConstantAndEmptyChannels) {
   EXPECT_THAT(codes(check(recording_of(Eigen::VectorXd::Constant(50, 3.5), 100))),
-              ::testing::ElementsAre("stuck"));
+              ElementsAre("stuck"));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto q = check(recording_of(Eigen::VectorXd::Constant(50, nan), 100));
-  EXPECT_THAT(codes(q), ::testing::ElementsAre("missing"));
+  EXPECT_THAT(codes(q), ElementsAre("missing"));
   EXPECT_EQ(q.missing_samples, 50);
   EXPECT_THAT(codes(check(recording_of(Eigen::VectorXd::Constant(1, 1.0), 100))),
               ::testing::IsEmpty());

@@ -1,37 +1,22 @@
 // Sensitivities and units off by a thousand are said, ordinary measurements are not.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <string>
-
 #include "signal/readers/recording_description.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::plausibility_test {
 namespace {
 
-using ::testing::HasSubstr;
-
 /// A channel of a file in volts with a peak of `volts`.
 Recording in_volts(double volts) {
-  Recording recording;
-  recording.path = "hits.csv";
-  Channel channel;
-  channel.name = "hammer";
-  channel.unit = channel.source_unit = "V";
-  channel.quantity = Quantity::voltage;
-  channel.samples = Eigen::VectorXd::LinSpaced(11, 0, volts);
-  recording.channels.push_back(channel);
-  return recording;
+  return {.path = "hits.csv",
+          .channels = {{.name = "hammer",
+                        .unit = "V",
+                        .source_unit = "V",
+                        .quantity = Quantity::voltage,
+                        .samples = Eigen::VectorXd::LinSpaced(11, 0, volts)}}};
 }
 
 RecordingDescription sensitivity(double value, const std::string& unit) {
-  RecordingDescription description;
-  ChannelDescription channel;
-  channel.source = "hammer";
-  channel.sensitivity = value;
-  channel.sensitivity_unit = unit;
-  description.channels.push_back(channel);
-  return description;
+  return {.channels = {{.source = "hammer", .sensitivity = value, .sensitivity_unit = unit}}};
 }
 
 std::string suspected(const Recording& recording) {

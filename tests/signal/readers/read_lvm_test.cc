@@ -1,12 +1,7 @@
 #include "signal/readers/files/read_formats.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-
 #include "tests/signal/readers/reading.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::read_lvm_test {
 namespace {
@@ -34,15 +29,15 @@ TEST(ReadLvm, ChannelsOfOneNameAreToldApartAndThoseOfAnotherRateLeftOut) {
   EXPECT_EQ(r.channels[0].name, "F");
   EXPECT_EQ(r.channels[1].name, "F_2");
   EXPECT_EQ(r.channels[1].samples[2], 8);
-  ASSERT_THAT(codes(r.notes), ::testing::ElementsAre("duplicate_name", "data_left_out"));
+  ASSERT_THAT(codes(r.notes), ElementsAre("duplicate_name", "data_left_out"));
   EXPECT_EQ(r.notes[1].where, "slow");
-  EXPECT_THAT(r.notes[1].message, ::testing::HasSubstr("Delta_X 0.002 s"));
+  EXPECT_THAT(r.notes[1].message, HasSubstr("Delta_X 0.002 s"));
 }
 
 TEST(ReadLvm, XThatIsUnevenIsKeptAndXThatIsMissingThereRefused) {
   const std::string table = "X_Value\tF\ta\n0.000\t1\t2\n0.001\t3\t4\n0.002\t5\t6\n0.008\t7\t8\n";
   const Recording r = read_lvm(lvm(kTwo, table), "x.lvm");
-  EXPECT_THAT(codes(r.notes), ::testing::Contains("time_axis"));
+  EXPECT_TRUE(says(r.notes, "time_axis"));
   ASSERT_EQ(r.time_s.size(), 4);
   EXPECT_EQ(r.time_s[3], 0.008);
   std::string lacking = table;
@@ -50,21 +45,20 @@ TEST(ReadLvm, XThatIsUnevenIsKeptAndXThatIsMissingThereRefused) {
   const auto error = error_of(lvm(kTwo, lacking + "0.010\t9\t9\n0.011\t9\t9\n"));
   EXPECT_EQ(error.where().channel, "X_Value");
   EXPECT_EQ(error.where().line, 16);
-  EXPECT_THAT(error.remedy(), ::testing::HasSubstr("delete that column"));
+  EXPECT_THAT(error.remedy(), HasSubstr("delete that column"));
 }
 
 TEST(ReadLvm, XValuesWinOverAStepThatDisagrees) {
   const Recording r = read_lvm(
       lvm(kTwo, "X_Value\tF\ta\n0.000\t1\t2\n0.004\t3\t4\n0.008\t5\t6\n0.012\t7\t8\n"), "x.lvm");
   EXPECT_EQ(r.sample_rate_hz, 250);
-  EXPECT_THAT(codes(r.notes), ::testing::Contains("rates_disagree"));
+  EXPECT_TRUE(says(r.notes, "rates_disagree"));
 }
 
 TEST(ReadLvm, TablesOfNothingSayWhere) {
-  EXPECT_THAT(error_of(lvm(kTwo, "X_Value\tF\ta\n")).problem(),
-              ::testing::HasSubstr("holds no numbers"));
+  EXPECT_THAT(error_of(lvm(kTwo, "X_Value\tF\ta\n")).problem(), HasSubstr("holds no numbers"));
   const auto comments = error_of(lvm(kTwo, "X_Value\tF\ta\n# stopped by hand\n"));
-  EXPECT_THAT(comments.problem(), ::testing::HasSubstr("holds no numbers"));
+  EXPECT_THAT(comments.problem(), HasSubstr("holds no numbers"));
   EXPECT_EQ(comments.where().line, 14);
 }
 
@@ -74,7 +68,7 @@ TEST(ReadLvm, ATableThatIsMostlyNothingIsRefusedBeforeMemoryIsTaken) {
   table += '\n';
   for (int k = 0; k < 3000; ++k) table += "\t1.5\n";
   const auto error = error_of(lvm(kTwo, table));
-  EXPECT_THAT(error.problem(), ::testing::HasSubstr("far fewer fields"));
+  EXPECT_THAT(error.problem(), HasSubstr("far fewer fields"));
   EXPECT_EQ(error.where().line, 14);
 }
 

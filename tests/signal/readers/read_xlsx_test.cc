@@ -1,20 +1,13 @@
 // Workbooks as spreadsheet programs and libraries save them, and everything in them that is
 // refused.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <minizip/zip.h>
 
-#include <cmath>
-#include <complex>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <random>
-#include <string>
-#include <vector>
 
 #include "signal/readers/read_frfs.h"
 #include "signal/readers/read_recording.h"
@@ -22,12 +15,11 @@
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"
 #include "tests/signal/readers/reading.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::xlsx_test {
 namespace {
 namespace fs = std::filesystem;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 
 // Numbers of cell styles in `kStyles`.
 constexpr int kDateTime = 1, kPassed = 2, kDays = 3;
@@ -117,11 +109,7 @@ class Workbooks : public ::testing::Test {
     write();
   }
 
-  Recording read(const std::string& sheet = "") {
-    ReadOptions options;
-    options.sheet = sheet;
-    return read_recording(path_, options);
-  }
+  Recording read(const std::string& sheet = "") { return read_recording(path_, {.sheet = sheet}); }
 
   std::string refusal(const std::string& sheet = "") {
     return refusal_of([&] { return read(sheet); });

@@ -18,11 +18,6 @@ inline std::vector<std::string> codes(const std::vector<Note>& notes) {
   return out;
 }
 
-inline bool noted(const Recording& recording, const std::string& code) {
-  const auto all = codes(recording.notes);
-  return std::find(all.begin(), all.end(), code) != all.end();
-}
-
 /// What `read` throws, which must say what to do; a failure when it throws nothing.
 template <typename Read>
 RecordingError error_of(Read&& read) {

@@ -1,13 +1,9 @@
 // Readers tell how far they are, and what is thrown there ends the reading.
-#include <gtest/gtest.h>
-
 #include <cstddef>
 #include <filesystem>
-#include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "signal/readers/read_recording.h"
+#include "tests/test.h"
 
 namespace rigfit::signal {
 namespace {

@@ -1,9 +1,6 @@
 #include "signal/recording/clipping.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
+#include "tests/test.h"
 
 namespace rigfit::signal::clipping_test {
 namespace {

@@ -2,13 +2,8 @@
 // error that the true one stays below.
 #include "signal/recording/resample.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "signal/recording/recording_error.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::resample_test {
 namespace {
@@ -16,13 +11,9 @@ namespace {
 double wave(double t, double f) { return std::sin(2 * std::numbers::pi * f * t + 0.3); }
 
 Recording record(const Eigen::VectorXd& t, double rate, double f) {
-  Recording recording;
-  recording.sample_rate_hz = rate;
-  Channel channel;
-  channel.name = "a";
-  channel.samples = t.unaryExpr([f](double x) { return wave(x, f); });
-  recording.channels.push_back(channel);
-  return recording;
+  return {
+      .sample_rate_hz = rate,
+      .channels = {{.name = "a", .samples = t.unaryExpr([f](double x) { return wave(x, f); })}}};
 }
 
 /// rms departure from the wave, away from the ends.

@@ -1,11 +1,7 @@
 #include "signal/recording/time_axis.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-
 #include "signal/readers/csv/csv_fields.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::time_axis_test {
 namespace {

@@ -1,8 +1,6 @@
 #include "signal/recording/units.h"
 
-#include <gtest/gtest.h>
-
-#include <numbers>
+#include "tests/test.h"
 
 namespace rigfit::signal::units_test {
 namespace {

@@ -1,21 +1,12 @@
 // The project's own least squares (variable projection) beside Ceres on the same sums of squares:
 // all parameters at once, automatic derivatives, no elimination. Both must end at the same minimum.
 #include <ceres/ceres.h>
-#include <gtest/gtest.h>
-
-#include <Eigen/Dense>
-#include <array>
-#include <cmath>
-#include <complex>
-#include <random>
-#include <utility>
-#include <vector>
 
 #include "signal/refinement/modal_basis.h"
 #include "signal/refinement/modal_covariance.h"
 #include "signal/refinement/modal_refine.h"
 #include "signal/sinusoids/damped_sinusoids.h"
-#include "tests/expect_matrix.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::against_ceres_test {
 namespace {
@@ -51,11 +42,10 @@ TEST(AgainstCeres, DampedSinusoidsEndAtTheSameMinimum) {
   constexpr Index kSamples = 800;
   const std::array<Complex, 2> poles{Complex(-0.004, 0.31), Complex(-0.006, 0.33)};
   const std::array<Complex, 2> amplitudes{Complex(1, 0.5), Complex(-0.4, 0.3)};
-  std::mt19937_64 random(5);
-  std::normal_distribution<double> normal;
+  Normal normal(5);
   Eigen::VectorXd y(kSamples);
   for (Index k = 0; k < kSamples; ++k) {
-    y[k] = 0.2 + 0.1 * static_cast<double>(k) / kSamples + 0.05 * normal(random);
+    y[k] = 0.2 + 0.1 * static_cast<double>(k) / kSamples + 0.05 * normal();
     for (std::size_t m = 0; m < 2; ++m) {
       y[k] += (amplitudes[m] * std::exp(poles[m] * static_cast<double>(k))).real();
     }
@@ -133,9 +123,8 @@ TEST(AgainstCeres, ModesEndAtTheSameMinimum) {
   const Eigen::VectorXcd none = Eigen::VectorXcd::Zero(kFrfs);
   FrfLines data{s, 2, synthesise(s, 2, poles, residues, none, none), 1, {}};
   const double rms = std::sqrt(data.H.squaredNorm() / static_cast<double>(data.H.size()));
-  std::mt19937_64 random(9);
-  std::normal_distribution<double> normal;
-  for (Complex& h : data.H.reshaped()) h += 0.05 * rms * Complex(normal(random), normal(random));
+  Normal normal(9);
+  for (Complex& h : data.H.reshaped()) h += 0.05 * rms * Complex(normal(), normal());
   FrfNoise noise;
   noise.line.setOnes(kLines);
   noise.column.setConstant(kFrfs, 0.0025 * rms * rms);
@@ -170,8 +159,8 @@ TEST(AgainstCeres, ModesEndAtTheSameMinimum) {
   Eigen::Matrix<double, 2 * kModes, 2 * kModes, Eigen::RowMajor> C;
   ASSERT_TRUE(covariance.GetCovarianceBlock(pole.data(), pole.data(), C.data()));
   // Both leave out second derivatives times residuals; ours takes the derivatives at its own end.
-  EXPECT_TRUE(testing::MatricesNear(modal_covariance(data, noise, fit).poles, C,
-                                    1e-3 * C.cwiseAbs().maxCoeff()));
+  EXPECT_TRUE(
+      MatricesNear(modal_covariance(data, noise, fit).poles, C, 1e-3 * C.cwiseAbs().maxCoeff()));
   for (int r = 0; r < kModes; ++r) {
     EXPECT_NEAR(fit.poles[r].real(), pole[static_cast<std::size_t>(2 * r)],
                 2e-3 * std::sqrt(C(2 * r, 2 * r)));

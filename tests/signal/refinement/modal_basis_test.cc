@@ -1,12 +1,8 @@
 #include "signal/refinement/modal_basis.h"
 
-#include <gtest/gtest.h>
-
-#include <numbers>
-
 #include "signal/refinement/modal_refine.h"
-#include "tests/expect_matrix.h"
 #include "tests/reference/ten_mode_truth.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::modal_basis_test {
 namespace {
@@ -25,15 +21,14 @@ TEST(ModalBasis, RecoversResiduesAndResidualsOfEveryForm) {
       upper << 1e-8, Complex(2e-8, -1e-9), 0, -1e-8;
       const Eigen::MatrixXcd H =
           synthesise(s, power_of_s(form), truth.poles(), residues, lower, upper);
-      ModalRefineOptions held;
-      held.max_iterations = 0;
-      const ModalRefineResult found = refine_modes({s, power_of_s(form), H, 1, {}},
-                                                   noise_unknown(H, 1, 0), truth.poles(), held);
+      const ModalRefineResult found =
+          refine_modes({s, power_of_s(form), H, 1, {}}, noise_unknown(H, 1, 0), truth.poles(),
+                       {.max_iterations = 0});
       // Rounding of H, some 1e-16 of its largest value, over condition numbers below 1e4, squared
       // in a Gram matrix.
-      EXPECT_TRUE(testing::MatricesNear(found.residues, residues, 1e-8 * size)) << name_of(form);
-      EXPECT_TRUE(testing::MatricesNear(found.lower, lower, 1e-5));
-      EXPECT_TRUE(testing::MatricesNear(found.upper, upper, 1e-13));
+      EXPECT_TRUE(MatricesNear(found.residues, residues, 1e-8 * size)) << name_of(form);
+      EXPECT_TRUE(MatricesNear(found.lower, lower, 1e-5));
+      EXPECT_TRUE(MatricesNear(found.upper, upper, 1e-13));
     }
   }
 }
@@ -45,7 +40,7 @@ TEST(ModalBasis, SynthesisIsTheTruthsAccelerance) {
       synthesise(laplace_lines(f, 2), 2, truth.poles(), truth.residues().transpose(),
                  Eigen::VectorXcd::Zero(5), Eigen::VectorXcd::Zero(5));
   const Eigen::MatrixXcd exact = truth.accelerance(f, 2);
-  EXPECT_TRUE(testing::MatricesNear(H, exact, 1e-12 * exact.cwiseAbs().maxCoeff()));
+  EXPECT_TRUE(MatricesNear(H, exact, 1e-12 * exact.cwiseAbs().maxCoeff()));
 }
 
 }  // namespace

@@ -1,13 +1,8 @@
 #include "signal/refinement/modal_noise.h"
 
-#include <gtest/gtest.h>
-
-#include <numbers>
-#include <random>
-
 #include "signal/refinement/modal_basis.h"
 #include "signal/spectra/fft.h"
-#include "tests/expect_matrix.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::modal_noise_test {
 namespace {
@@ -25,20 +20,18 @@ struct NoisyFrfs {
 /// One resonance, q rising threefold over 4000 lines.
 NoisyFrfs noisy_frfs(unsigned seed) {
   NoisyFrfs set;
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+  Normal normal(seed);
   const Index lines = 4000;
   set.q = Eigen::VectorXd::LinSpaced(lines, 0.5, 1.5);
   set.H.resize(lines, 8);
   set.error.resize(lines, 8);
   set.std.resize(lines, 8);
   for (Index k = 0; k < lines; ++k) {
-    const Complex common(normal(random), normal(random));
+    const Complex common(normal(), normal());
     for (Index c = 0; c < 8; ++c) {
       set.H(k, c) = static_cast<double>(c + 1) * 300.0 / Complex(20, static_cast<double>(k - 2000));
-      set.error(k, c) =
-          std::sqrt(set.q[k]) * (std::sqrt(set.a[c]) * Complex(normal(random), normal(random)) +
-                                 std::sqrt(set.b) * set.H(k, c) * common);
+      set.error(k, c) = std::sqrt(set.q[k]) * (std::sqrt(set.a[c]) * Complex(normal(), normal()) +
+                                               std::sqrt(set.b) * set.H(k, c) * common);
       set.std(k, c) = std::sqrt(set.q[k] * (set.a[c] + set.b * std::norm(set.H(k, c))));
     }
   }
@@ -49,8 +42,8 @@ TEST(ModalNoise, ErrorBarsBecomeTheirModel) {
   const NoisyFrfs set = noisy_frfs(1);
   const FrfNoise noise = noise_from_std(set.H, set.std, 1, 0);
   // Exact but for the averaging of q over a window of 51 lines, linear in between.
-  EXPECT_TRUE(testing::MatricesNear(noise.line.segment(30, 3940), set.q.segment(30, 3940), 0.01));
-  EXPECT_TRUE(testing::MatricesNear(noise.column, set.a, 0.01 * 0.08));
+  EXPECT_TRUE(MatricesNear(noise.line.segment(30, 3940), set.q.segment(30, 3940), 0.01));
+  EXPECT_TRUE(MatricesNear(noise.column, set.a, 0.01 * 0.08));
   EXPECT_NEAR(noise.common[0], set.b, 0.02 * set.b);
 }
 
@@ -86,15 +79,14 @@ TEST(ModalNoise, DeadFrfHasInfiniteVariance) {
 TEST(ModalNoise, LinesUnderAWindowAreCorrelatedAsSaid) {
   const Index n = 512;
   const double sigma_t = 3;
-  std::mt19937_64 random(5);
-  std::normal_distribution<double> normal;
+  Normal normal(5);
   RealFft fft(n);
   Complex sums[4] = {};
   double power = 0;
   const int runs = 400;
   for (int run = 0; run < runs; ++run) {
     for (Index t = 0; t < n; ++t) {
-      fft.time()[t] = normal(random) * std::exp(-sigma_t * static_cast<double>(t) / n);
+      fft.time()[t] = normal() * std::exp(-sigma_t * static_cast<double>(t) / n);
     }
     fft.forward();
     for (Index k = 20; k < 230; ++k) {
@@ -104,8 +96,7 @@ TEST(ModalNoise, LinesUnderAWindowAreCorrelatedAsSaid) {
       }
     }
   }
-  FrfNoise noise;
-  noise.correlation_lines = sigma_t;
+  FrfNoise noise{.correlation_lines = sigma_t};
   // rho as applied to a unit column: real part of column e_0 gives rho(d) at line d.
   Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(20, 1);
   unit(0, 0) = 1;
@@ -125,13 +116,12 @@ TEST(ModalNoise, LinesUnderAWindowAreCorrelatedAsSaid) {
 }
 
 TEST(ModalNoise, CorrelationIsHermitian) {
-  FrfNoise noise;
-  noise.correlation_lines = 2;
+  FrfNoise noise{.correlation_lines = 2};
   const Eigen::MatrixXd rho = correlated(noise, Eigen::MatrixXd::Identity(24, 24));
-  EXPECT_TRUE(testing::MatricesNear(rho, rho.transpose(), 1e-13));
-  EXPECT_TRUE(testing::MatricesNear(rho.diagonal(), Eigen::VectorXd::Ones(24), 1e-13));
+  EXPECT_TRUE(MatricesNear(rho, rho.transpose(), 1e-13));
+  EXPECT_TRUE(MatricesNear(rho.diagonal(), Eigen::VectorXd::Ones(24), 1e-13));
   noise.correlation_lines = 0;
-  EXPECT_TRUE(testing::MatricesNear(correlated(noise, rho), rho, 0));
+  EXPECT_TRUE(MatricesNear(correlated(noise, rho), rho, 0));
 }
 
 }  // namespace

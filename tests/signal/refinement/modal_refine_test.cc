@@ -1,17 +1,10 @@
 #include "signal/refinement/modal_refine.h"
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Dense>
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "signal/refinement/modal_basis.h"
 #include "signal/refinement/modal_covariance.h"
 #include "signal/spectra/fft.h"
-#include "tests/expect_matrix.h"
 #include "tests/reference/ten_mode_truth.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::modal_refine_test {
 namespace {
@@ -39,14 +32,12 @@ struct Problem {
 
   /// Own noise of `relative` of the rms FRF, and a common factor of `common`.
   FrfLines noisy(double relative, double common, unsigned seed) const {
-    std::mt19937_64 random(seed);
-    std::normal_distribution<double> normal;
+    Normal normal(seed);
     FrfLines data{laplace_lines(f, window), 2, exact, 1, {}};
     for (Index k = 0; k < kLines; ++k) {
-      const Complex factor(1 + common * normal(random), common * normal(random));
+      const Complex factor(1 + common * normal(), common * normal());
       for (Index c = 0; c < kFrfs; ++c) {
-        data.H(k, c) =
-            data.H(k, c) * factor + relative * scale * Complex(normal(random), normal(random));
+        data.H(k, c) = data.H(k, c) * factor + relative * scale * Complex(normal(), normal());
       }
     }
     return data;
@@ -73,9 +64,9 @@ TEST(ModalRefine, RecoversExactParameters) {
     EXPECT_EQ(fit.end, StepsEnd::converged);
     EXPECT_LT(fit.iterations, 15);
     // A relative 1e-16 of H over conditions of 1e3 to 1e4, seen against poles of 2000 rad/s.
-    EXPECT_TRUE(testing::MatricesNear(fit.poles, problem.poles, 1e-7));
-    EXPECT_TRUE(testing::MatricesNear(fit.residues, problem.residues,
-                                      1e-7 * problem.residues.cwiseAbs().maxCoeff()));
+    EXPECT_TRUE(MatricesNear(fit.poles, problem.poles, 1e-7));
+    EXPECT_TRUE(MatricesNear(fit.residues, problem.residues,
+                             1e-7 * problem.residues.cwiseAbs().maxCoeff()));
   }
 }
 
@@ -87,8 +78,7 @@ TEST(ModalRefine, PoleErrorsAreThoseOfASecondFit) {
   FrfLines other = data;
   const FrfLines exact = problem.noisy(0, 0, 1);
   const FrfNoise noise = problem.noise(1e-3, 0.05);
-  ModalRefineOptions options;
-  options.step_tolerance = 1e-10;
+  ModalRefineOptions options{.step_tolerance = 1e-10};
   const auto fit = refine_modes(exact, noise, problem.start(), options);
   const Eigen::MatrixXcd error = 1e-3 * (data.H - exact.H);
   other.H = exact.H + error;
@@ -167,11 +157,10 @@ TEST(ModalRefine, IntervalsCoverUnderAnExponentialWindow) {
   for (Index j = 0; j < kSamples; ++j) {
     window[j] = std::exp(-kRate * length * static_cast<double>(j) / kSamples);
   }
-  std::mt19937_64 random(5);
-  std::normal_distribution<double> normal;
+  Normal normal(5);
   // Real and imaginary parts of variance 1, time counted from the hit.
   const auto noise_lines = [&] {
-    for (Index j = 0; j < kSamples; ++j) fft.time()[j] = window[j] * normal(random);
+    for (Index j = 0; j < kSamples; ++j) fft.time()[j] = window[j] * normal();
     fft.forward();
     Eigen::VectorXcd e =
         fft.spectrum().segment(first, kLines) * std::sqrt(2 / window.squaredNorm());
@@ -221,9 +210,7 @@ TEST(ModalRefine, AModeThatIsNotThereIsNotSignificant) {
   const FrfNoise noise = problem.noise(0.003, 0.002);
   Eigen::VectorXcd start(4);
   start << problem.poles, Complex(-8, 2 * std::numbers::pi * 380);
-  ModalRefineOptions options;
-  options.max_iterations = 0;
-  const auto fit = refine_modes(data, noise, start, options);
+  const auto fit = refine_modes(data, noise, start, {.max_iterations = 0});
   const auto covariance = modal_covariance(data, noise, fit);
   // 12 real residues: chi-squared of mean 12 and standard deviation 5.
   EXPECT_LT(covariance.significance[3], 12 + 4 * 5);

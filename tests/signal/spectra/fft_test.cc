@@ -1,21 +1,16 @@
 #include "signal/spectra/fft.h"
 
-#include <gtest/gtest.h>
-
-#include <numbers>
-#include <random>
 #include <thread>
 
-#include "tests/expect_matrix.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::fft_test {
 namespace {
 using Eigen::Index;
 
 Eigen::VectorXd noise(Index n, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  return Eigen::VectorXd::NullaryExpr(n, [&] { return normal(random); });
+  Normal normal(seed);
+  return Eigen::VectorXd::NullaryExpr(n, [&] { return normal(); });
 }
 
 /// The definition, summed.
@@ -38,9 +33,9 @@ TEST(Fft, IsTheDefinitionAtEvenOddAndPrimeLengths) {
     fft.time() = x;
     fft.forward();
     // Round-off of a sum of n terms of size one.
-    EXPECT_TRUE(testing::MatricesNear(fft.spectrum(), slow_transform(x), 4e-15 * double(n + 3)));
+    EXPECT_TRUE(MatricesNear(fft.spectrum(), slow_transform(x), 4e-15 * double(n + 3)));
     fft.inverse();
-    EXPECT_TRUE(testing::MatricesNear(fft.time(), x, 1e-13)) << n;
+    EXPECT_TRUE(MatricesNear(fft.time(), x, 1e-13)) << n;
   }
 }
 
@@ -51,10 +46,9 @@ TEST(Fft, ManyChannelsArePaddedOrCut) {
   Eigen::VectorXd padded = Eigen::VectorXd::Zero(64);
   padded.head(60) = x;
   const Eigen::MatrixXcd long_spectra = real_spectra(signals, 64);
-  EXPECT_TRUE(testing::MatricesNear(long_spectra.col(0), slow_transform(padded), 1e-12));
-  EXPECT_TRUE(testing::MatricesNear(long_spectra.col(1), 2 * long_spectra.col(0), 1e-12));
-  EXPECT_TRUE(
-      testing::MatricesNear(real_spectra(signals, 50).col(0), slow_transform(x.head(50)), 1e-12));
+  EXPECT_TRUE(MatricesNear(long_spectra.col(0), slow_transform(padded), 1e-12));
+  EXPECT_TRUE(MatricesNear(long_spectra.col(1), 2 * long_spectra.col(0), 1e-12));
+  EXPECT_TRUE(MatricesNear(real_spectra(signals, 50).col(0), slow_transform(x.head(50)), 1e-12));
 }
 
 TEST(Fft, ThreadsPlanAndTransformAtOnceAndGetTheSameBits) {

@@ -1,10 +1,6 @@
 #include "signal/spectra/force_noise.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <vector>
+#include "tests/test.h"
 
 namespace rigfit::signal {
 namespace {
@@ -19,22 +15,20 @@ struct QuietBlocks {
   std::vector<FrfBlock> blocks;
 
   QuietBlocks(int hits, double noise, double tone, double line) {
-    std::mt19937_64 random(3);
-    std::normal_distribution<double> normal;
+    Normal normal(3);
     for (int i = 0; i < hits; ++i) {
       VectorXd x(kSamples);
       for (Index n = 0; n < kSamples; ++n) {
-        x[n] = noise * normal(random) +
+        x[n] = noise * normal() +
                tone * std::cos(2 * EIGEN_PI * line * static_cast<double>(n) / kSamples + 1.7 * i);
       }
       x.segment(300, 10).setConstant(1e3);
       force.push_back(std::move(x));
     }
     for (const VectorXd& x : force) {
-      FrfBlock block;
-      block.force = {x.data(), static_cast<std::size_t>(x.size())};
-      block.pulse_first = 300;
-      block.pulse_last = 309;
+      FrfBlock block{.force = {x.data(), static_cast<std::size_t>(x.size())},
+                     .pulse_first = 300,
+                     .pulse_last = 309};
       blocks.push_back(block);
     }
   }

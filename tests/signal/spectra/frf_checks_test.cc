@@ -1,10 +1,7 @@
 #include "signal/spectra/frf_checks.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "tests/reference/ten_mode_truth.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::frf_checks_test {
 namespace {
@@ -77,11 +74,10 @@ TEST(Reciprocity, HoldsWithinItsErrorBars) {
   ASSERT_EQ(checks.size(), 1u);
   EXPECT_LT(checks[0].difference, 1e-12);
 
-  std::mt19937_64 random(2);
-  std::normal_distribution<double> normal;
+  Normal normal(2);
   both.H_std = Eigen::MatrixXd::Constant(both.H.rows(), 40, 0.01);
   both.H = both.H.unaryExpr([&](const std::complex<double>& h) {
-    return h + std::complex<double>(0.01 * normal(random), 0.01 * normal(random));
+    return h + std::complex<double>(0.01 * normal(), 0.01 * normal());
   });
   checks = check_reciprocity(both);
   ASSERT_EQ(checks.size(), 1u);

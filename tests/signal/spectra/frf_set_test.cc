@@ -1,10 +1,6 @@
-#include <gtest/gtest.h>
-
-#include <stdexcept>
-
 #include "signal/spectra/frf_set.h"
-#include "tests/expect_matrix.h"
 #include "tests/reference/ten_mode_truth.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::frf_set_test {
 namespace {
@@ -26,22 +22,20 @@ TEST(FrfSet, ThereAndBackIsTheSameWithoutTheLineAtZero) {
     EXPECT_EQ(receptance.coherence.rows(), 199);
     ASSERT_EQ(receptance.notes.size(), 1u);
     EXPECT_TRUE(receptance.H.allFinite());
-    EXPECT_TRUE(testing::MatricesNear(receptance.H_std, 0.01 * receptance.H.cwiseAbs(), 1e-18));
+    EXPECT_TRUE(MatricesNear(receptance.H_std, 0.01 * receptance.H.cwiseAbs(), 1e-18));
     const FrfSet back = converted(converted(receptance, FrfForm::mobility), FrfForm::accelerance);
-    EXPECT_TRUE(
-        testing::MatricesNear(back.H, set.H.bottomRows(199), 1e-14 * set.H.cwiseAbs().maxCoeff()));
+    EXPECT_TRUE(MatricesNear(back.H, set.H.bottomRows(199), 1e-14 * set.H.cwiseAbs().maxCoeff()));
   }
 }
 
 TEST(FrfSet, ReceptanceOfOneModeAtRestIsItsCompliance) {
   // s^2 alpha(s) at the line s = a + i w, under an exponential window of rate a: dividing by
   // (i w)^2 instead would be wrong by (1 + a / i w)^2, 2 a / w = 10 % at 10 Hz for a = 3.
-  FrfSet set;
-  set.frequency_hz = Eigen::VectorXd::Constant(1, 10);
-  set.responses = {{"y", 1, 3}};
-  set.inputs = {{"f", 1, 3}};
-  set.form = FrfForm::accelerance;
-  set.exponential_decay_rate_1_s = 3;
+  FrfSet set{.frequency_hz = Eigen::VectorXd::Constant(1, 10),
+             .responses = {{"y", 1, 3}},
+             .inputs = {{"f", 1, 3}},
+             .form = FrfForm::accelerance,
+             .exponential_decay_rate_1_s = 3};
   const std::complex<double> s(3, 2 * EIGEN_PI * 10);
   const std::complex<double> alpha = 1.0 / (s * s + 2 * 0.01 * 100 * s + 1e4);
   set.H = Eigen::MatrixXcd::Constant(1, 1, s * s * alpha);

@@ -1,9 +1,6 @@
 #include "signal/spectra/frf.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
+#include "tests/test.h"
 
 namespace rigfit::signal::frf_test {
 namespace {
@@ -32,11 +29,11 @@ struct GainTest {
       responses.push_back(response);
     }
     for (int i = 0; i < hits; ++i) {
-      FrfBlock block;
-      block.force = view(forces[static_cast<std::size_t>(i)]);
-      block.responses = {view(responses[static_cast<std::size_t>(i)])};
-      block.pulse_first = 2, block.pulse_last = 3;
-      block.response_noise_std = {response_noise};
+      FrfBlock block{.force = view(forces[static_cast<std::size_t>(i)]),
+                     .responses = {view(responses[static_cast<std::size_t>(i)])},
+                     .pulse_first = 2,
+                     .pulse_last = 3,
+                     .response_noise_std = {response_noise}};
       blocks.push_back(block);
     }
   }
@@ -45,11 +42,7 @@ struct GainTest {
 };
 
 FrfOptions options_for(Index n) {
-  FrfOptions options;
-  options.sample_rate_hz = 1000;
-  options.block_samples = n;
-  options.error_smoothing_lines = 0;
-  return options;
+  return {.sample_rate_hz = 1000, .block_samples = n, .error_smoothing_lines = 0};
 }
 
 // The mean of H_std^2 against the mean square error of Re H and of Im H, over trials and lines.
@@ -109,10 +102,8 @@ TEST(Frf, EstimatorsAreBiasedWhereTheoryPutsIt) {
 
 TEST(Frf, NothingGivesZeroAndNeverNan) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(32);
-  FrfBlock block;
-  block.force = view(zero);
-  block.responses = {view(zero), view(zero)};
-  const std::vector<FrfBlock> blocks(3, block);
+  const std::vector<FrfBlock> blocks(3,
+                                     {.force = view(zero), .responses = {view(zero), view(zero)}});
   FrfOptions options = options_for(32);
   options.leave_one_out = true;
   for (const auto estimator : {FrfEstimator::h1, FrfEstimator::h2, FrfEstimator::hv}) {

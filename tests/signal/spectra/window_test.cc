@@ -1,9 +1,6 @@
 #include "signal/spectra/window.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <stdexcept>
+#include "tests/test.h"
 
 namespace rigfit::signal::window_test {
 namespace {

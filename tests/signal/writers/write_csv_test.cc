@@ -1,15 +1,12 @@
 #include "signal/writers/write_csv.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include "tests/test.h"
 
 namespace rigfit::signal::write_csv_test {
 namespace {
 
 TEST(WriteCsv, WritesHeaderUnitsMissingAndQuotes) {
-  Recording recording;
-  recording.sample_rate_hz = 500;
+  Recording recording{.sample_rate_hz = 500};
   Channel a;
   a.name = "acc, mid";
   a.source_unit = "g";

@@ -109,7 +109,7 @@ TEST(OwnFiles, HammerIsFoundByItsPulses) {
     ASSERT_EQ(made.exit_code, 0) << made.err;
     EXPECT_THAT(made.out, HasSubstr("pulses of a hammer on channel CH2"));
     const auto report = run_program({"report", rig + "/campaign.toml", "--out", rig + "/report"});
-    EXPECT_THAT(report.exit_code, testing::AnyOf(0, 4)) << report.err;
+    EXPECT_THAT(report.exit_code, ::testing::AnyOf(0, 4)) << report.err;
     const auto test = parsed(folder.read(fmt::format("rig{}/report/report.json", hits)))
                           .at("recorded_modal")
                           .at(0);

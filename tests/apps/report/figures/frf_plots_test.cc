@@ -2,11 +2,7 @@
 // points.
 #include "apps/report/figures/figures.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <complex>
-#include <numbers>
+#include "tests/test.h"
 
 namespace rigfit::apps::frf_plots_test {
 namespace {
@@ -15,8 +11,7 @@ using Eigen::Index;
 
 /// A delay of 40 ms: the phase falls by 14.4 degrees a Hz, through several turns.
 signal::FrfSet delayed() {
-  signal::FrfSet frfs;
-  frfs.frequency_hz = Eigen::VectorXd::LinSpaced(101, 0, 100);
+  signal::FrfSet frfs{.frequency_hz = Eigen::VectorXd::LinSpaced(101, 0, 100)};
   frfs.responses.resize(1);
   frfs.inputs.resize(1);
   frfs.H.resize(101, 1);

@@ -3,14 +3,7 @@
 // distances are Euclidean in CIELAB (D65).
 #include "apps/report/drawing/palette.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <Eigen/Core>
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
+#include "tests/test.h"
 
 namespace rigfit::apps::palette_test {
 namespace {

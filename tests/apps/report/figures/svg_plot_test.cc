@@ -1,18 +1,11 @@
 #include "apps/report/drawing/svg_plot.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
+#include "tests/test.h"
 
 namespace rigfit::apps::svg_plot_test {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 TEST(AxisTicks, AreRoundAndInside) {
   EXPECT_THAT(axis_ticks(0, 300, 6, false), ElementsAre(0, 50, 100, 150, 200, 250, 300));
@@ -31,23 +24,17 @@ std::size_t count(const std::string& text, const std::string& what) {
 }
 
 TEST(SvgPlot, DrawsEverySeriesOnceAndNeverANonNumber) {
-  Plot plot;
-  plot.id = "demo";
-  plot.title = "a < b & c";
+  Plot plot{.id = "demo", .title = "a < b & c"};
   plot.x_label = "tension, N";
   plot.y_label = "EI, N m²";
-  PlotSeries points;
-  points.name = "test <1>";
-  points.origin = Origin::published;
-  points.style = PlotSeries::Style::points;
-  points.x = {1, 2, 3};
-  points.y = {1, std::nan(""), 3};
-  points.low = {0.5, std::nan(""), 2};
-  points.high = {1.5, std::nan(""), 4};
-  PlotSeries line;
-  line.name = "model";
-  line.x = {1, 2, 3};
-  line.y = {1.1, 2.1, 3.1};
+  PlotSeries points{.name = "test <1>",
+                    .origin = Origin::published,
+                    .style = PlotSeries::Style::points,
+                    .x = {1, 2, 3},
+                    .y = {1, std::nan(""), 3},
+                    .low = {0.5, std::nan(""), 2},
+                    .high = {1.5, std::nan(""), 4}};
+  PlotSeries line{.name = "model", .x = {1, 2, 3}, .y = {1.1, 2.1, 3.1}};
   plot.series = {points, line};
   const std::string svg = svg_plot(plot);
   EXPECT_THAT(svg, HasSubstr("a &lt; b &amp; c"));
@@ -69,10 +56,8 @@ TEST(SvgPlot, DrawsEverySeriesOnceAndNeverANonNumber) {
 }
 
 TEST(SvgPlot, LongRecordsKeepTheirExtremesAndStaySmall) {
-  Plot plot;
-  plot.id = "long";
-  PlotSeries line;
-  line.name = "record";
+  Plot plot{.id = "long"};
+  PlotSeries line{.name = "record"};
   for (int i = 0; i < 200000; ++i) {
     line.x.push_back(i);
     line.y.push_back(i == 123456 ? 10 : std::sin(0.01 * i));
@@ -97,15 +82,13 @@ std::vector<double> numbers_after(const std::string& text, const std::string& wh
 }
 
 TEST(SvgPlot, ErrorBarsLieInsideTheAxes) {
-  Plot plot;
-  plot.id = "bars";
-  PlotSeries points;
-  points.name = "test";
-  points.style = PlotSeries::Style::line_and_points;
-  points.x = {1, 2};
-  points.y = {1.0, 1.1};
-  points.low = {-50, 1};
-  points.high = {60, 1.2};
+  Plot plot{.id = "bars"};
+  PlotSeries points{.name = "test",
+                    .style = PlotSeries::Style::line_and_points,
+                    .x = {1, 2},
+                    .y = {1.0, 1.1},
+                    .low = {-50, 1},
+                    .high = {60, 1.2}};
   plot.series = {points};
   const std::string svg = svg_plot(plot);
   // Bars are drawn as M x high V low: both between the frame's top (12) and bottom.
@@ -117,13 +100,9 @@ TEST(SvgPlot, ErrorBarsLieInsideTheAxes) {
 }
 
 TEST(SvgPlot, HasTheSizeAndFontThatAPaperAsksFor) {
-  Plot plot;
-  plot.id = "paper";
+  Plot plot{.id = "paper"};
   plot.x_label = "tension, N";
-  PlotSeries line;
-  line.name = "model";
-  line.x = {0, 1};
-  line.y = {0, 1};
+  PlotSeries line{.name = "model", .x = {0, 1}, .y = {0, 1}};
   plot.series = {line};
   const std::string svg = svg_plot(plot, print_size(85, 60, "Times New Roman", 8));
   EXPECT_THAT(svg, HasSubstr("width=\"85mm\" height=\"60mm\""));
@@ -135,12 +114,8 @@ TEST(SvgPlot, HasTheSizeAndFontThatAPaperAsksFor) {
 }
 
 TEST(SvgPlot, MarksStandAtTheirPlaceWithTheirName) {
-  Plot plot;
-  plot.id = "marks";
-  PlotSeries line;
-  line.name = "test";
-  line.x = {0, 100};
-  line.y = {0, 1};
+  Plot plot{.id = "marks"};
+  PlotSeries line{.name = "test", .x = {0, 100}, .y = {0, 1}};
   plot.series = {line};
   plot.marks = {{25, "25 Hz"}, {1000, "outside"}};
   const std::string svg = svg_plot(plot);
@@ -149,8 +124,7 @@ TEST(SvgPlot, MarksStandAtTheirPlaceWithTheirName) {
 }
 
 TEST(SvgPlot, LegendShowsWhatThePlotShows) {
-  PlotSeries points;
-  points.style = PlotSeries::Style::points;
+  PlotSeries points{.style = PlotSeries::Style::points};
   points.x.assign(400, 1.0);
   points.y.assign(400, 1.0);
   EXPECT_EQ(look_of(points).marker, SeriesLook::Marker::dot);
@@ -165,8 +139,7 @@ TEST(SvgPlot, LegendShowsWhatThePlotShows) {
   points.style = model.style = PlotSeries::Style::line;
   EXPECT_STREQ(look_of(points, true).dash, "");
   EXPECT_STRNE(look_of(model, true).dash, "");
-  Plot plot;
-  plot.id = "three";
+  Plot plot{.id = "three"};
   for (const int sensor : {0, 1, 2}) {
     points.name = fmt::format("sensor {}", sensor);
     points.variant = sensor;
@@ -179,8 +152,7 @@ TEST(SvgPlot, LegendShowsWhatThePlotShows) {
 }
 
 TEST(PlotCsv, HoldsEveryValueExactly) {
-  Plot plot;
-  plot.x_label = "x";
+  Plot plot{.x_label = "x"};
   plot.y_label = "y, \"units\"";
   PlotSeries series;
   series.name = "a,b";

@@ -1,29 +1,22 @@
 #include "apps/report/page/answer.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "apps/describe/json_of.h"
 #include "apps/report/campaign_report.h"
 #include "apps/report/page/report_page.h"
+#include "tests/test.h"
 
 namespace rigfit::apps::answer_test {
 namespace {
 
-using ::testing::HasSubstr;
-
 Answer stiffness(double value, double std) {
-  Answer answer;
-  answer.key = "fit/beam.EI_z";
-  answer.quantity = "Beam bending stiffness EI_z";
-  answer.how = "fitted to 5 modes";
-  answer.unit = "N m²";
-  answer.value = value;
-  answer.std = std;
-  answer.low = value - 1.96 * std;
-  answer.high = value + 1.96 * std;
+  Answer answer{.key = "fit/beam.EI_z",
+                .quantity = "Beam bending stiffness EI_z",
+                .how = "fitted to 5 modes",
+                .unit = "N m²",
+                .value = value,
+                .std = std,
+                .low = value - 1.96 * std,
+                .high = value + 1.96 * std};
   return answer;
 }
 
@@ -68,12 +61,11 @@ ComparedReport report_of(const std::vector<Answer>& answers) {
 // any more; the two modes of one state are paired by nearness, not by row.
 TEST(CompareReports, SayWhatChangedBeyondItsUncertainty) {
   const auto mode = [](double hz) {
-    Answer answer;
-    answer.key = "beam/as built/frequency";
-    answer.quantity = "natural frequency";
-    answer.unit = "Hz";
-    answer.value = hz;
-    answer.std = 0.01;
+    Answer answer{.key = "beam/as built/frequency",
+                  .quantity = "natural frequency",
+                  .unit = "Hz",
+                  .value = hz,
+                  .std = 0.01};
     return answer;
   };
   const double step = std::hypot(0.3, 0.4);
@@ -102,12 +94,11 @@ TEST(CompareReports, SayWhatChangedBeyondItsUncertainty) {
 // compared with the nearer value of the mode at 10 Hz.
 TEST(CompareReports, PairDampingByTheFrequencyOfItsMode) {
   const auto damping = [](double hz, double value) {
-    Answer answer;
-    answer.key = "beam/as built/damping";
-    answer.quantity = "damping ratio 1";
-    answer.value = value;
-    answer.std = 1e-5;
-    answer.mode_hz = hz;
+    Answer answer{.key = "beam/as built/damping",
+                  .quantity = "damping ratio 1",
+                  .value = value,
+                  .std = 1e-5,
+                  .mode_hz = hz};
     return answer;
   };
   const auto part = compare_reports(report_of({damping(10, 0.010), damping(20, 0.012)}),

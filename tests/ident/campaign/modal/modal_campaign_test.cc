@@ -1,21 +1,12 @@
 // Hits of the virtual laboratory's beam (testdata/virtual_laboratory), some of them made unfit.
 #include "ident/campaign/modal/modal_campaign.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-
 #include "signal/readers/read_recording.h"
-#include "tests/findings.h"
 #include "tests/reference/ambient_motion.h"
+#include "tests/test.h"
 
 namespace rigfit::ident {
 namespace {
-
-using ::testing::HasSubstr;
 
 signal::Recording hit(int number) {
   return signal::read_recording(std::string(RIGFIT_TESTDATA) +
@@ -24,8 +15,7 @@ signal::Recording hit(int number) {
 }
 
 ModalTestOptions options() {
-  ModalTestOptions options;
-  options.hammer.force = "force";
+  ModalTestOptions options{.hammer = {.force = "force"}};
   options.hammer.impact.hits.band_hz = {1.0, 160.0};
   options.hammer.impact.exponential_end_level = 0.05;
   return options;
@@ -77,7 +67,7 @@ TEST(ModalTest, ARoundedRateIsInTheFrequenciesAndNotInTheDamping) {
   const double together =
       kRate * kRate * a.modes[0].frequency_hz.value * a.modes[1].frequency_hz.value;
   EXPECT_NEAR(b.pole_covariance(0, 2) - a.pole_covariance(0, 2), together, 1e-9 * together);
-  EXPECT_TRUE(testing::says(rounded.states[0].findings, "rate_uncertainty"));
+  EXPECT_TRUE(says(rounded.states[0].findings, "rate_uncertainty"));
 }
 
 TEST(ModalTest, WhatCannotTakePartIsRefusedWithItsReason) {
@@ -123,9 +113,7 @@ TEST(ModalTest, APlaceWithoutAUsableHitIsLeftOutAndDoesNotShortenTheOthers) {
 // uncertainties, shapes at all sensors.
 TEST(ModalTest, AmbientMotionIsJoinedOverItsSetUps) {
   const auto structure = reference::five_storeys();
-  ModalTestOptions options;
-  options.ambient = true;
-  options.references = {"c1", "c5"};
+  ModalTestOptions options{.ambient = true, .references = {"c1", "c5"}};
   std::vector<ModalRecording> recordings;
   for (const int without : {1, 2}) {
     ModalRecording one;
@@ -155,9 +143,7 @@ TEST(ModalTest, AmbientMotionIsJoinedOverItsSetUps) {
 
 TEST(HammerTest, ContradictingOptionsAreRefused) {
   const std::vector<StruckPlace> places{{"", {hit(1)}}};
-  HammerTestOptions wrong;
-  wrong.force = "force";
-  wrong.responses = {"force"};
+  HammerTestOptions wrong{.force = "force", .responses = {"force"}};
   EXPECT_THROW((void)analyse_hammer_test(places, wrong), std::invalid_argument);
   wrong.responses = {"beam 0.65 m"};
   wrong.driving_point = "force";

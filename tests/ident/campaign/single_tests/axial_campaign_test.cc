@@ -1,22 +1,15 @@
 #include "ident/campaign/single_tests/axial_campaign.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-
 #include "ident/campaign/single_tests/scene_use.h"
 #include "model/linear/modal_analysis.h"
-#include "tests/findings.h"
 #include "tests/reference/axial_study.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::axial_campaign_test {
 namespace {
-using rigfit::testing::says;
 
 AxialInputs inputs_of(reference::AxialRig rig, std::vector<double> lengths, unsigned seed) {
-  AxialInputs inputs;
-  inputs.setup.mass_kg = {rig.mass_kg, 0.001};
+  AxialInputs inputs{.setup = {.mass_kg = {rig.mass_kg, 0.001}}};
   inputs.setup.mass_per_length_kg_m = {rig.mass_per_length_kg_m, 0.001};
   inputs.setup.length_std_m = 0.0005;
   auto random = random_stream(seed, 1);
@@ -30,8 +23,7 @@ AxialInputs inputs_of(reference::AxialRig rig, std::vector<double> lengths, unsi
 }
 
 TEST(AxialCampaign, ACompliantRigIsToldFromItsLengths) {
-  reference::AxialRig rig;
-  rig.frame_N_m = 5e6;
+  reference::AxialRig rig{.frame_N_m = 5e6};
   const auto result = axial_campaign(inputs_of(rig, {0.7, 1.0, 1.3}, 3));
   ASSERT_TRUE(result.test);
   const auto& r = *result.test;
@@ -102,8 +94,7 @@ TEST(AxialCampaign, APendulumIsNotTheAxialMode) {
 
 TEST(AxialCampaign, IntervalsHoldOverRigs) {
   // 30 rigs a case: 95 % of 30 is 28.5 +- 1.2; three standard deviations less.
-  reference::AxialStudy study;
-  study.lengths_m = {0.7, 1.0, 1.3};
+  reference::AxialStudy study{.lengths_m = {0.7, 1.0, 1.3}};
   study.rig.frame_N_m = 5e6, study.rig.hum_N = 3, study.rig.pendulum_rad = 0.1;
   study.rig.after_s = 1;
   const auto compliant = reference::axial_coverage(study, 30, 21);

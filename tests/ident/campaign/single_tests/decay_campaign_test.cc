@@ -1,11 +1,6 @@
 #include "ident/campaign/single_tests/decay_campaign.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
-#include <stdexcept>
+#include "tests/test.h"
 
 namespace rigfit::ident::decay_test_test {
 namespace {
@@ -15,21 +10,18 @@ using Eigen::Index;
 /// Taps of an oscillator of 7 Hz, damping 0.01, at 200 Hz; the record starts at 100 s.
 signal::Recording taps(const std::vector<std::pair<double, double>>& hits, double seconds,
                        double noise, unsigned seed, double frequency_scatter = 0) {
-  std::mt19937_64 generator(seed);
-  std::normal_distribution<double> normal;
-  signal::Recording recording;
-  recording.sample_rate_hz = 200, recording.start_time_s = 100;
-  signal::Channel channel;
-  channel.name = "acceleration";
+  Normal normal(seed);
+  signal::Recording recording{.sample_rate_hz = 200, .start_time_s = 100};
+  signal::Channel channel{.name = "acceleration"};
   channel.samples.setZero(static_cast<Index>(seconds * 200));
   for (const auto& [at, amplitude] : hits) {
-    const double w = 2 * std::numbers::pi * (7 + frequency_scatter * normal(generator));
+    const double w = 2 * std::numbers::pi * (7 + frequency_scatter * normal());
     for (Index j = static_cast<Index>(std::ceil(at * 200)); j < channel.samples.size(); ++j) {
       const double t = static_cast<double>(j) / 200 - at;
       channel.samples(j) += amplitude * std::exp(-0.01 * w * t) * std::sin(w * t);
     }
   }
-  for (double& value : channel.samples) value += noise * normal(generator);
+  for (double& value : channel.samples) value += noise * normal();
   recording.channels.push_back(channel);
   return recording;
 }
@@ -59,9 +51,7 @@ TEST(DecayTest, ListsEveryDecayAndFitsTheStrongest) {
 TEST(DecayTest, EachIsFittedAndTheirScatterIsToldFromTheUncertaintyOfTheMean) {
   const auto recording =
       taps({{1, 1}, {13, 0.6}, {25, 0.8}, {37, 0.4}, {49, 1}, {61, 0.7}}, 73, 0.003, 2, 0.005);
-  DecayTestOptions options;
-  options.each = true;
-  const auto test = run_decay_test(recording, options);
+  const auto test = run_decay_test(recording, {.each = true});
   const auto& found = test.channels.at(0);
   ASSERT_EQ(found.decays.size(), 6u);
   for (const auto& decay : found.decays) EXPECT_TRUE(decay.fitted);
@@ -79,8 +69,7 @@ TEST(DecayTest, EachIsFittedAndTheirScatterIsToldFromTheUncertaintyOfTheMean) {
 
 TEST(DecayTest, ARoundedRateIsInTheUncertaintyOfFrequenciesAndNotOfDamping) {
   auto recording = taps({{1, 1}, {13, 0.6}, {25, 0.8}}, 37, 0.003, 4);
-  DecayTestOptions options;
-  options.each = true;
+  DecayTestOptions options{.each = true};
   const auto exact = run_decay_test(recording, options);
   recording.sample_rate_relative_std = 3e-4;
   const auto rounded = run_decay_test(recording, options);

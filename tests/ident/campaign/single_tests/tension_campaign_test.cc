@@ -1,15 +1,6 @@
 #include "ident/campaign/single_tests/tension_campaign.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <numbers>
-#include <random>
-#include <string>
-#include <utility>
-#include <vector>
+#include "tests/test.h"
 
 namespace rigfit::ident::tension_campaign_test {
 namespace {
@@ -18,17 +9,13 @@ constexpr double kTension = 1000, kLength = 10, kMass = 1;
 
 /// A taut string of 1000 N, 10 m and 1 kg/m plucked: five modes for 60 s at 200 Hz.
 TensionInputs plucked_string() {
-  std::mt19937_64 generator(7);
-  std::normal_distribution<double> normal;
-  TensionRecording one;
-  one.name = "pluck";
-  one.recording.sample_rate_hz = 200;
-  signal::Channel channel;
-  channel.name = "acceleration";
+  Normal normal(7);
+  TensionRecording one{.name = "pluck", .recording = {.sample_rate_hz = 200}};
+  signal::Channel channel{.name = "acceleration"};
   channel.samples.resize(12000);
   for (Eigen::Index j = 0; j < channel.samples.size(); ++j) {
     const double t = static_cast<double>(j) / 200;
-    double sum = 0.01 * normal(generator);
+    double sum = 0.01 * normal();
     for (int n = 1; n <= 5; ++n) {
       const double w = std::numbers::pi * n * std::sqrt(kTension / kMass) / kLength;
       sum += std::exp(-0.002 * w * t) * std::sin(w * t);
@@ -36,8 +23,7 @@ TensionInputs plucked_string() {
     channel.samples[j] = sum;
   }
   one.recording.channels.push_back(std::move(channel));
-  TensionInputs inputs;
-  inputs.name = "cable";
+  TensionInputs inputs{.name = "cable"};
   auto& cable = inputs.cable;
   cable.length_m = {kLength, 0.005};
   cable.mass_per_length = {kMass, 0.001};
@@ -75,39 +61,31 @@ TEST(TensionCampaign, ARoundedRateIsInTheTensionOfAllModesAlike) {
   double squares = 0;
   for (const auto& term : b.budget) squares += term.std_N * term.std_N;
   EXPECT_NEAR(std::sqrt(squares), b.tension_N.std, 1e-9 * b.tension_N.std);
-  const auto says = [](const TensionCampaignResult& result) {
-    const auto& all = result.findings;
-    return std::any_of(all.begin(), all.end(),
-                       [](const auto& one) { return one.code == "rate_uncertainty"; });
-  };
-  EXPECT_TRUE(says(rounded));
-  EXPECT_FALSE(says(exact));
+  EXPECT_TRUE(says(rounded.findings, "rate_uncertainty"));
+  EXPECT_FALSE(says(exact.findings, "rate_uncertainty"));
 }
 
 /// Two sensors on resonators driven by white noise, exact at the samples, with noise of their own.
 signal::Recording driven(const std::vector<double>& frequencies, double damping, double rate,
                          double seconds, std::uint64_t seed) {
-  std::mt19937_64 generator(seed);
-  std::normal_distribution<double> normal;
-  signal::Recording recording;
-  recording.sample_rate_hz = rate;
+  Normal normal(seed);
+  signal::Recording recording{.sample_rate_hz = rate};
   const auto n = static_cast<Eigen::Index>(seconds * rate);
   for (const char* name : {"a", "b"}) {
     recording.channels.emplace_back();
     recording.channels.back().name = name;
     recording.channels.back().samples =
-        Eigen::VectorXd::NullaryExpr(n, [&] { return 0.05 * normal(generator); });
+        Eigen::VectorXd::NullaryExpr(n, [&] { return 0.05 * normal(); });
   }
   for (std::size_t k = 0; k < frequencies.size(); ++k) {
     const double w = 2 * std::numbers::pi * frequencies[k], decay = std::exp(-damping * w / rate);
     const std::complex<double> turn =
         std::polar(decay, w * std::sqrt(1 - damping * damping) / rate);
-    std::complex<double> z(normal(generator), normal(generator));
+    std::complex<double> z(normal(), normal());
     for (Eigen::Index i = 0; i < n; ++i) {
       recording.channels[0].samples[i] += z.real();
       recording.channels[1].samples[i] += std::sin(1 + double(k)) * z.real();
-      z = turn * z +
-          std::sqrt(1 - decay * decay) * std::complex<double>(normal(generator), normal(generator));
+      z = turn * z + std::sqrt(1 - decay * decay) * std::complex<double>(normal(), normal());
     }
   }
   return recording;
@@ -127,11 +105,9 @@ TEST(TensionCampaign, FrequenciesOfShortRecordingsHold) {
       const auto found = tension_campaign(inputs);
       found_modes += static_cast<int>(found.peaks.size());
       for (const double frequency : truth) {
-        const auto nearest = std::min_element(
-            found.peaks.begin(), found.peaks.end(), [&](const auto& one, const auto& other) {
-              return std::abs(one.frequency_hz.value - frequency) <
-                     std::abs(other.frequency_hz.value - frequency);
-            });
+        const auto nearest = std::ranges::min_element(found.peaks, {}, [&](const auto& one) {
+          return std::abs(one.frequency_hz.value - frequency);
+        });
         ASSERT_NE(nearest, found.peaks.end());
         const auto& f = nearest->frequency_hz;
         held += std::abs(f.value - frequency) < 1.96 * f.std;

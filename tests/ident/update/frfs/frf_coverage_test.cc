@@ -1,10 +1,7 @@
 // Coverage of fits to FRFs of hits that scatter in place under noise of the force; the larger table
 // is tests/bench/frf_coverage.cc.
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/ident/update/hammered_beam.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::frf_coverage_test {
 namespace {
@@ -36,7 +33,7 @@ TEST(FrfCoverage, IntervalsHoldUnderNoiseOfTheForce) {
     const double truth[] = {testing::kBeamEI, testing::kBeamDamping};
     for (std::size_t p = 0; p < 2; ++p) {
       const auto& one = result.parameters[p];
-      held += one.low <= truth[p] && truth[p] <= one.high;
+      held += holds(one, truth[p]);
       squares += std::pow((one.value - truth[p]) / one.std, 2) / (2 * kSeeds);
       bool force = false;
       for (const auto& term : one.budget) {
@@ -101,11 +98,11 @@ TEST(FrfCoverage, AnExponentialWindowBiasesNothing) {
 
 // 16 segments move the third mode by a part of its width; "auto" gives the rig's own stiffness.
 TEST(FrfCoverage, SegmentsLeftToTheProgramResolveTheLines) {
-  const testing::HammerTestNoise quiet{.place_m = 1e-4, .force = 1e-3, .response = 2e-3};
-  UpdateOptions options;
-  options.starts = 1;
-  const auto result = update_model({state_of(0, testing::hammered_frfs(lines(), quiet, 50, 128))},
-                                   {{"beam.EI_z"}, {"beam.damping_ratio"}}, options);
+  UpdateOptions options{.starts = 1};
+  const auto frfs =
+      testing::hammered_frfs(lines(), {.place_m = 1e-4, .force = 1e-3, .response = 2e-3}, 50, 128);
+  const auto result =
+      update_model({state_of(0, frfs)}, {{"beam.EI_z"}, {"beam.damping_ratio"}}, options);
   const auto& EI = result.parameters[0];
   EXPECT_NEAR(EI.value, testing::kBeamEI, 3 * EI.std);
   EXPECT_LT(EI.std, 1e-3 * testing::kBeamEI);

@@ -1,11 +1,7 @@
 // FRFs and dampers as data of the model update.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "ident/update/model_update.h"
 #include "tests/ident/update/hammered_beam.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::update_frfs_test {
 namespace {
@@ -26,20 +22,17 @@ model::Scene beam_with_dampers() {
 
 // FRFs of a scene at lines up to 60 Hz, with relative noise.
 std::vector<MeasuredFrf> frfs_of(const model::Scene& truth, double std, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+  Normal normal(seed);
   const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(60, 1, 60);
   const auto exact = model::synthesize_frfs(truth, lines);
   std::vector<MeasuredFrf> frfs;
   for (std::size_t sensor = 0; sensor < truth.sensors.size(); ++sensor) {
-    MeasuredFrf frf;
-    frf.sensor = sensor;
-    frf.frequency_hz = lines;
+    MeasuredFrf frf{.sensor = sensor, .frequency_hz = lines};
     frf.H.resize(lines.size()), frf.std.resize(lines.size());
     for (Eigen::Index k = 0; k < lines.size(); ++k) {
       const auto H = exact.H[static_cast<std::size_t>(k)](static_cast<Eigen::Index>(sensor), 0);
       frf.std[k] = std * std::abs(H);
-      frf.H[k] = H + frf.std[k] * std::complex<double>(normal(random), normal(random));
+      frf.H[k] = H + frf.std[k] * std::complex<double>(normal(), normal());
     }
     frfs.push_back(std::move(frf));
   }
@@ -47,16 +40,13 @@ std::vector<MeasuredFrf> frfs_of(const model::Scene& truth, double std, std::uin
 }
 
 std::vector<MeasuredMode> modes_of(const model::Scene& truth, int count, double damping_std) {
-  model::ModesOptions options;
-  options.count = 12;
   std::vector<MeasuredMode> modes;
-  for (const auto& natural : model::analyse_modes(truth, options).modes) {
+  for (const auto& natural : model::analyse_modes(truth, {.count = 12}).modes) {
     if (natural.plane != model::ModePlane::in || static_cast<int>(modes.size()) == count) continue;
-    MeasuredMode mode;
-    mode.frequency_hz = {natural.frequency_hz, 1e-3 * natural.frequency_hz};
-    mode.damping_ratio = {natural.damping_ratio, damping_std * natural.damping_ratio};
-    mode.plane = natural.plane;
-    mode.shape = natural.sensor_shape.cast<std::complex<double>>();
+    MeasuredMode mode{.frequency_hz = {natural.frequency_hz, 1e-3 * natural.frequency_hz},
+                      .damping_ratio = {natural.damping_ratio, damping_std * natural.damping_ratio},
+                      .plane = natural.plane,
+                      .shape = natural.sensor_shape.cast<std::complex<double>>()};
     modes.push_back(mode);
   }
   return modes;
@@ -93,12 +83,11 @@ TEST(UpdateFrfs, WhereAndAlongWhatTheHammerStruckIsAnInput) {
   constexpr int kSeeds = 20;
   int covered = 0, held_or_told = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    std::mt19937_64 random(900 + seed);
-    std::normal_distribution<double> normal;
+    Normal normal(900 + seed);
     auto truth = beam(2.1, 0.02);
-    model::set_parameter(truth, "hammer.position", 0.8 + kPlace * normal(random));
+    model::set_parameter(truth, "hammer.position", 0.8 + kPlace * normal());
     for (const char* side : {"hammer.direction_y", "hammer.direction_z"}) {
-      model::set_parameter(truth, side, kTurn * normal(random));
+      model::set_parameter(truth, side, kTurn * normal());
     }
     EXPECT_NEAR(truth.loads[0].direction.norm(), 1, 1e-15);
     UpdateState state{"beam", beam(2.15, 0.022), {}, frfs_of(truth, 0.005, seed)};
@@ -140,10 +129,7 @@ TEST(UpdateFrfs, AHeldOutStateIsPredicted) {
                       modes_of(beam(2.1, tip), 3, 0.1), frfs_of(beam(2.1, tip), 0.02, 7), true};
     states.push_back(state);
   }
-  UpdateOptions options;
-  options.starts = 1;
-  options.hold_out = true;
-  const auto all = update_model(states, {{"beam.EI_z"}}, options).held;
+  const auto all = update_model(states, {{"beam.EI_z"}}, {.starts = 1, .hold_out = true}).held;
   ASSERT_EQ(all.size(), 3U);
   for (const auto& held : all) {
     EXPECT_LT(held.frf_predicted, 0.04);

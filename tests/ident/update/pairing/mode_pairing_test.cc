@@ -1,15 +1,8 @@
-
 #include "ident/update/pairing/mode_assignment.h"
 
-#include <gtest/gtest.h>
-#include <vector>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <numeric>
-#include <random>
-#include <stdexcept>
+
+#include "tests/test.h"
 
 namespace rigfit::ident::mode_pairing_test {
 namespace {

@@ -1,13 +1,9 @@
 // The minimiser of an update: coordinates that come to their bounds, steps of springs in fixity.
 #include "ident/update/problem/update_solver.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "ident/update/problem/update_coordinate.h"
 #include "tests/ident/update/hanger.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::update_solver_test {
 namespace {

@@ -1,15 +1,8 @@
 // What the number of segments does to updated parameters, against closed forms and fine models.
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <complex>
-#include <numbers>
-#include <random>
-
 #include "ident/update/model_update.h"
 #include "model/frfs/frf_synthesis.h"
 #include "tests/ident/update/fit_data.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::update_segments_test {
 namespace {
@@ -69,10 +62,8 @@ FreeParameter each_tension() {
 // Frequencies of the closed form without noise: the model's for vanishing segments, to a tenth of
 // their standard uncertainty by its own estimate, which is mostly far above the error.
 TEST(UpdateSegments, ClosedFormFrequenciesGiveTheirOwnParameters) {
-  UpdateOptions options;
-  options.starts = 1;
   const auto left =
-      update_model(four_tensions(0, 1e-4, nullptr), {{"cable.EI"}, each_tension()}, options);
+      update_model(four_tensions(0, 1e-4, nullptr), {{"cable.EI"}, each_tension()}, {.starts = 1});
   ASSERT_EQ(left.status, UpdateStatus::converged) << left.message;
   for (std::size_t p = 0; p < 5; ++p) {
     const auto& parameter = left.parameters[p];
@@ -90,9 +81,7 @@ TEST(UpdateSegments, IntervalsHoldTheClosedFormsParameters) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     std::mt19937_64 random(seed);
     const auto states = four_tensions(0, 5e-4, &random);
-    UpdateOptions options;
-    options.starts = 1;
-    const auto result = update_model(states, {{"cable.EI"}, each_tension()}, options);
+    const auto result = update_model(states, {{"cable.EI"}, each_tension()}, {.starts = 1});
     for (std::size_t p = 0; p < 5; ++p) {
       const auto& parameter = result.parameters[p];
       const double truth = p == 0 ? 0.6 : 100.0 * static_cast<double>(p);
@@ -112,9 +101,7 @@ TEST(UpdateSegments, ASaggingCableInItsPlane) {
         {std::to_string(T), cable(9.80665, "pinned", 1.05 * T, 0.7, 0),
          testing::modes_of(cable(9.80665, "pinned", T, 0.6, 400), ModePlane::in, 6, 3e-4)});
   }
-  UpdateOptions options;
-  options.starts = 1;
-  const auto result = update_model(states, {{"cable.EI"}, each_tension()}, options);
+  const auto result = update_model(states, {{"cable.EI"}, each_tension()}, {.starts = 1});
   ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
   const double truth[] = {0.6, 40, 100, 200};
   for (std::size_t p = 0; p < 4; ++p) {
@@ -128,21 +115,17 @@ TEST(UpdateSegments, ASaggingCableInItsPlane) {
 TEST(UpdateSegments, FrfsGetTheSegmentsThatTheyNeed) {
   const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(40, 20, 59);
   const auto truth = model::synthesize_frfs(cable(0, "clamped", 200, 0.6, 480), lines);
-  MeasuredFrf frf;
-  frf.frequency_hz = lines;
+  MeasuredFrf frf{.frequency_hz = lines};
   frf.H.resize(40), frf.std.resize(40);
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> normal;
+  Normal normal(1);
   for (Eigen::Index k = 0; k < 40; ++k) {
     frf.H[k] = truth.H[static_cast<std::size_t>(k)](0, 0);
     frf.std[k] = 0.1 * std::abs(frf.H[k]);  // 0.25 % of EI; 30 segments cost it 5 %
-    frf.H[k] += frf.std[k] * std::complex<double>(normal(random), normal(random));
+    frf.H[k] += frf.std[k] * std::complex<double>(normal(), normal());
   }
-  UpdateOptions options;
-  options.starts = 1;
   const auto fit = [&](int segments) {
     UpdateState state{"cable", cable(0, "clamped", 200, 0.65, segments), {}, {frf}};
-    return update_model({state}, {{"cable.EI"}}, options);
+    return update_model({state}, {{"cable.EI"}}, {.starts = 1});
   };
   const auto left = fit(0), given = fit(30), fine = fit(480);
   const double resolved = fine.parameters[0].value;

@@ -1,12 +1,8 @@
 #include "ident/update/uncertainty/update_uncertainty.h"
+
 #include "ident/update/model_update.h"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "tests/ident/update/fit_data.h"
+#include "tests/test.h"
 
 namespace rigfit::ident::update_uncertainty_test {
 namespace {
@@ -31,9 +27,8 @@ model::Scene cantilever(double EI) {
 using testing::modes_of;
 
 void add_noise(std::vector<MeasuredMode>& modes, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  for (auto& mode : modes) mode.frequency_hz.value += mode.frequency_hz.std * normal(random);
+  Normal normal(seed);
+  for (auto& mode : modes) mode.frequency_hz.value += mode.frequency_hz.std * normal();
 }
 
 // EI goes with the mass that is taken as known; the frequencies that the fit gives do not.
@@ -58,11 +53,8 @@ TEST(UpdateUncertainty, AnInputReachesParametersButNotWhatTheFitMakesUpFor) {
 TEST(UpdateUncertainty, ProfileOfAParabolaIsTheLinearInterval) {
   UpdateState state{"beam", cantilever(2.0), modes_of(cantilever(2.1), ModePlane::in, 4, 1e-2)};
   add_noise(state.measured, 5);
-  UpdateOptions options;
-  options.starts = 1;
-  options.segment_uncertainty = false;
   const std::vector<FreeParameter> free{{"beam.EI_z"}, {"beam.EI_y"}};
-  const auto result = update_model({state}, free, options);
+  const auto result = update_model({state}, free, {.starts = 1, .segment_uncertainty = false});
   const auto& EI = result.parameters[0];
   ASSERT_TRUE(EI.interval_by_profile);  // since EI_y is open
   const double reach = result.coverage_factor * result.identifiability.std[0];
@@ -117,12 +109,10 @@ TEST(Priors, AtEachStatesOwnValue) {
 
 // Frequencies of a cable of another EI than the model's: a misfit that grows with the mode.
 UpdateResult tension_beside_uncertain_stiffness(double EI_std) {
-  UpdateState state;
-  state.scene = cable(200, 0.6, 60);
-  state.measured = modes_of(cable(201, 0.6072, 60), ModePlane::in, 6, 1e-4);
-  UpdateOptions options;
-  options.segment_uncertainty = false;
-  options.inputs = {{"EI", {{0, "cable.EI", EI_std}}}};
+  UpdateState state{.scene = cable(200, 0.6, 60),
+                    .measured = modes_of(cable(201, 0.6072, 60), ModePlane::in, 6, 1e-4)};
+  UpdateOptions options{.segment_uncertainty = false,
+                        .inputs = {{"EI", {{0, "cable.EI", EI_std}}}}};
   return update_model({state}, {FreeParameter{"cable.tension"}}, options);
 }
 

@@ -1,25 +1,20 @@
 // WAV, NumPy and MATLAB files as their programs write them, damaged ones, and formats that are
 // named and refused.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <matio.h>
 #include <unistd.h>
 
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <random>
-#include <string>
-#include <vector>
 
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"
 #include "tests/signal/readers/reading.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::arrays_test {
 namespace {
@@ -88,9 +83,8 @@ TEST(Wav, CutShortIsReadAsFarAsItGoesAndSaid) {
   const std::string whole = wav(1, 16, 1, std::string(2000, '\1'));
   const auto recording = read_sound(whole.substr(0, 1044));
   EXPECT_EQ(recording.samples(), 500);
-  EXPECT_TRUE(noted(recording, "incomplete"));
-  EXPECT_THAT(refusal_of([&] { return read_sound(whole.substr(0, 20)); }),
-              ::testing::HasSubstr("WAV"));
+  EXPECT_TRUE(says(recording.notes, "incomplete"));
+  EXPECT_THAT(refusal_of([&] { return read_sound(whole.substr(0, 20)); }), HasSubstr("WAV"));
 }
 
 std::string npy(const std::string& header, const std::string& data) {
@@ -105,22 +99,16 @@ std::string bytes_of(const std::vector<Number>& values) {
 
 TEST(Npy, ArraysOfSamplesAndChannelsAreRead) {
   std::vector<double> values;
-  for (int k = 0; k < 40; ++k) {
-    values.push_back(0.001 * k);
-    values.push_back(k * k);
+  for (int k = 0; k < 40; ++k) values.insert(values.end(), {0.001 * k, 1.0 * k * k});
+  for (const char* layout : {"False, 'shape': (40, 2)", "True, 'shape': (2, 40)"}) {
+    const auto read = read_npy(
+        npy(fmt::format("{{'descr': '<f8', 'fortran_order': {}, }}", layout), bytes_of(values)),
+        "a.npy");
+    ASSERT_EQ(read.channels.size(), 1u);
+    EXPECT_NEAR(read.sample_rate_hz, 1000, 1e-9);
+    EXPECT_TRUE(says(read.notes, "read_as"));
+    EXPECT_EQ(read.channels[0].samples[5], 25);
   }
-  const auto by_rows = read_npy(
-      npy("{'descr': '<f8', 'fortran_order': False, 'shape': (40, 2), }", bytes_of(values)),
-      "a.npy");
-  ASSERT_EQ(by_rows.channels.size(), 1u);
-  EXPECT_NEAR(by_rows.sample_rate_hz, 1000, 1e-9);
-  EXPECT_TRUE(noted(by_rows, "read_as"));
-  EXPECT_EQ(by_rows.channels[0].samples[5], 25);
-  const auto wide =
-      read_npy(npy("{'descr': '<f8', 'fortran_order': True, 'shape': (2, 40), }", bytes_of(values)),
-               "a.npy");
-  ASSERT_EQ(wide.channels.size(), 1u);
-  EXPECT_EQ(wide.channels[0].samples[5], 25);
   const auto whole = read_npy(npy("{'descr': '>i2', 'fortran_order': False, 'shape': (3,), }",
                                   std::string("\x00\x01\xFF\xFE\x01\x00", 6)),
                               "a.npy");
@@ -128,22 +116,17 @@ TEST(Npy, ArraysOfSamplesAndChannelsAreRead) {
 }
 
 TEST(Npy, WhatCannotBeReadIsSaid) {
-  const auto refused = [](const std::string& header, const std::string& data = "12345678") {
-    return refusal_of([&] { return read_npy(npy(header, data), "a.npy"); });
-  };
-  EXPECT_THAT(refused("{'descr': '|O', 'fortran_order': False, 'shape': (1,), }"),
-              ::testing::HasSubstr("Python objects"));
-  EXPECT_THAT(refused("{'descr': [('t', '<f8')], 'fortran_order': False, 'shape': (1,), }"),
-              ::testing::HasSubstr("records"));
-  EXPECT_THAT(refused("{'descr': '<c16', 'fortran_order': False, 'shape': (1,), }"),
-              ::testing::HasSubstr("complex"));
-  EXPECT_THAT(
-      refused("{'descr': '<f8', 'fortran_order': False, 'shape': (99999999999, 99999999999), }"),
-      ::testing::HasSubstr("holds 8 bytes"));
-  EXPECT_THAT(refused("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 1, 1), }"),
-              ::testing::HasSubstr("1 x 1 x 1"));
-  EXPECT_THAT(refused("{'descr': '<f8', 'fortran_order': False, 'shape': (0,), }", ""),
-              ::testing::HasSubstr("no samples"));
+  for (const auto& [type, shape, said] : {std::tuple{"'|O'", "(1,)", "Python objects"},
+                                          {"[('t', '<f8')]", "(1,)", "records"},
+                                          {"'<c16'", "(1,)", "complex"},
+                                          {"'<f8'", "(99999999999, 99999999999)", "holds 8 bytes"},
+                                          {"'<f8'", "(1, 1, 1)", "1 x 1 x 1"},
+                                          {"'<f8'", "(0,)", "no samples"}}) {
+    const std::string header =
+        fmt::format("{{'descr': {}, 'fortran_order': False, 'shape': {}, }}", type, shape);
+    const std::string data = std::string(shape) == "(0,)" ? "" : "12345678";
+    EXPECT_THAT(refusal_of([&] { return read_npy(npy(header, data), "a.npy"); }), HasSubstr(said));
+  }
 }
 
 /// A .mat file of this test's own.
@@ -213,13 +196,10 @@ TEST_F(Mat, SamplesGetTheTimesOfTheirOwnStructure) {
     return made;
   };
   write({run("first", 0.01), run("second", 0.002)});
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }),
-              ::testing::HasSubstr("--variable second.acc"));
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), HasSubstr("--variable second.acc"));
   for (const auto& [name, rate] :
        {std::pair<const char*, double>{"first.acc", 100}, {"second.acc", 500}}) {
-    ReadOptions options;
-    options.variables = {name};
-    const auto recording = read_mat(path_, options);
+    const auto recording = read_mat(path_, {.variables = {name}});
     EXPECT_NEAR(recording.sample_rate_hz, rate, 1e-9);
     EXPECT_EQ(recording.channels[0].name, name);
   }
@@ -228,20 +208,17 @@ TEST_F(Mat, SamplesGetTheTimesOfTheirOwnStructure) {
 TEST_F(Mat, CutShortIsRefusedWithWhatIsMissing) {
   write({array("acc", ramp(400, 0.5), 400, 1), array("fs", {2000}, 1, 1)});
   fs::resize_file(path_, fs::file_size(path_) - 40);
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), ::testing::HasSubstr("are missing"));
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), HasSubstr("are missing"));
 }
 
 TEST_F(Mat, SeveralLengthsAreAskedAbout) {
   write({array("long_one", ramp(100, 1), 100, 1), array("short_one", ramp(50, 1), 50, 1)});
   EXPECT_THAT(
       refusal_of([&] { return read_mat(path_); }),
-      ::testing::AllOf(::testing::HasSubstr("\"long_one (100 x 1)\", \"short_one (50 x 1)\""),
-                       ::testing::HasSubstr("--variable")));
-  ReadOptions options;
-  options.variables = {"short_one"};
-  const auto recording = read_mat(path_, options);
+      AllOf(HasSubstr("\"long_one (100 x 1)\", \"short_one (50 x 1)\""), HasSubstr("--variable")));
+  const auto recording = read_mat(path_, {.variables = {"short_one"}});
   EXPECT_EQ(recording.samples(), 50);
-  EXPECT_TRUE(noted(recording, "left_out"));
+  EXPECT_TRUE(says(recording.notes, "left_out"));
 }
 
 TEST_F(Mat, FrfsAreComplexArraysOverFrequencies) {
@@ -255,7 +232,7 @@ TEST_F(Mat, FrfsAreComplexArraysOverFrequencies) {
   ASSERT_EQ(set.H.cols(), 2);
   EXPECT_EQ(set.H(2, 1), std::complex<double>(32, -32));
   EXPECT_EQ(set.frequency_hz[2], 1);
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), ::testing::HasSubstr("freq"));
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), HasSubstr("freq"));
 }
 
 TEST_F(Mat, DamagedOnesAreRefusedOrRead) {
@@ -290,13 +267,12 @@ TEST_F(Mat, StructsThatStateMoreThanTheFileHoldsAreRefused) {
   };
   for (const std::uint64_t elements : {2ULL, 1ULL << 30}) {
     std::ofstream(path_, std::ios::binary) << file(elements);
-    EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), ::testing::HasSubstr("can hold"));
+    EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), HasSubstr("can hold"));
   }
   std::ofstream(path_, std::ios::binary) << file(1);
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), ::testing::HasSubstr("no array"));
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), HasSubstr("no array"));
   std::ofstream(path_, std::ios::binary) << std::string(200, '\1');
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }),
-              ::testing::HasSubstr("version 5 to 7.3"));
+  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), HasSubstr("version 5 to 7.3"));
 }
 
 TEST(Damaged, WavAndNumpyFilesAreRefusedOrRead) {
@@ -319,11 +295,13 @@ TEST(ForeignFormats, AreNamedWithTheWayOut) {
     const auto found = foreign_format(bytes);
     return found ? found->name : "";
   };
-  EXPECT_THAT(name_of("TDSm\x0E"), ::testing::HasSubstr("TDMS"));
-  EXPECT_THAT(name_of("MDF     4.10    "), ::testing::HasSubstr("MDF"));
-  EXPECT_THAT(name_of("\x89HDF\r\n\x1a\n"), ::testing::HasSubstr("HDF5"));
-  EXPECT_THAT(name_of("PK\x03\x04 data.csv"), ::testing::HasSubstr("zip archive"));
-  EXPECT_THAT(name_of("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"), ::testing::HasSubstr(".xls"));
+  for (const auto& [bytes, name] : {std::pair{"TDSm\x0E", "TDMS"},
+                                    {"MDF     4.10    ", "MDF"},
+                                    {"\x89HDF\r\n\x1a\n", "HDF5"},
+                                    {"PK\x03\x04 data.csv", "zip archive"},
+                                    {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", ".xls"}}) {
+    EXPECT_THAT(name_of(bytes), HasSubstr(name));
+  }
   EXPECT_EQ(name_of("Time,Force\n0,1\n"), "");
 }
 

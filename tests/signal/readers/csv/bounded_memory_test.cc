@@ -1,16 +1,13 @@
 // A table costs the memory of its numbers, not that of its text.
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <malloc.h>
 #include <unistd.h>
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <optional>
-#include <string>
 
 #include "signal/readers/read_recording.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::bounded_memory_test {
 namespace {

@@ -1,18 +1,13 @@
 // Tables over frequency: FRFs are read as FRFs, spectra are no recordings over time.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <complex>
 #include <functional>
-#include <numbers>
-#include <string>
 
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_frfs.h"
 #include "tests/signal/readers/reading.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::frequency_table_test {
 namespace {
@@ -84,8 +79,7 @@ TEST(Spectra, AreNoRecordings) {
                              "FFT (RMS)\nX,Y\n", "Hz,dB\n", "Spectrum of channel 1\n"}) {
     const std::string text =
         table(titles, [](double f) { return fmt::format(",{}", std::abs(accelerance(f))); });
-    EXPECT_THAT(refusal_of([&] { return read_csv(text, "fft.csv"); }),
-                ::testing::HasSubstr("spectrum"))
+    EXPECT_THAT(refusal_of([&] { return read_csv(text, "fft.csv"); }), HasSubstr("spectrum"))
         << titles;
     const auto found = frequency_table_in(text, "fft.csv");
     ASSERT_TRUE(found) << titles;
@@ -107,11 +101,9 @@ TEST(Spectra, WithoutFrequenciesAreNoRecordings) {
                              "Spectrum of channel 1\nvalue\n", "PSD (g^2/Hz)\n",
                              "Sample rate: 1000 Hz\nFFT magnitude\n"}) {
     const auto error = error_of([&] { return read_csv(column_of(header), "fft.csv"); });
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("without a column of frequencies")) << header;
-    EXPECT_THAT(error.remedy(), ::testing::HasSubstr("--format csv")) << header;
-    ReadOptions forced;
-    forced.format = "csv";
-    EXPECT_EQ(read_csv(column_of(header), "fft.csv", forced).samples(), 200) << header;
+    EXPECT_THAT(error.what(), HasSubstr("without a column of frequencies")) << header;
+    EXPECT_THAT(error.remedy(), HasSubstr("--format csv")) << header;
+    EXPECT_EQ(read_csv(column_of(header), "fft.csv", {.format = "csv"}).samples(), 200) << header;
   }
 }
 

@@ -1,11 +1,7 @@
 #include "signal/readers/files/read_formats.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <string>
-
 #include "tests/signal/readers/reading.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::read_csv_test {
 namespace {
@@ -101,14 +97,14 @@ TEST(ReadCsv, LoggerHeaderWithLabelledRows) {
   EXPECT_DOUBLE_EQ(r.channels[0].nominal_range, 2);
   EXPECT_EQ(r.channels[1].name, "CH8");
   EXPECT_EQ(r.channels[1].nominal_range, 0);  // 5 V is exceeded by the numbers: noted
-  EXPECT_THAT(codes(r.notes), ::testing::ElementsAre("left_out"));
+  EXPECT_THAT(codes(r.notes), ElementsAre("left_out"));
   EXPECT_EQ(r.sample_rate_hz, 1000);
 }
 
 TEST(ReadCsv, HeaderRateAgainstTimes) {
   const auto r = read("Sample rate: 500 Hz\nt,F\ns,N\n" + rows(20, 1, ","));
   EXPECT_EQ(r.sample_rate_hz, 1000);
-  EXPECT_THAT(codes(r.notes), ::testing::Contains("rates_disagree"));
+  EXPECT_TRUE(says(r.notes, "rates_disagree"));
   EXPECT_EQ(r.channels[0].unit, "N");
 }
 
@@ -123,8 +119,7 @@ TEST(ReadCsv, StrayColumnsAreLeftOutAndSaid) {
   EXPECT_EQ(r.sample_rate_hz, 100);
   ASSERT_EQ(r.notes.size(), 1u);
   EXPECT_EQ(r.notes[0].code, "left_out");
-  EXPECT_THAT(r.notes[0].message,
-              ::testing::HasSubstr("column 4, 5 (\"Mass\"), 6 (\"2.5\"), 7 (\"kg\")"));
+  EXPECT_THAT(r.notes[0].message, HasSubstr("column 4, 5 (\"Mass\"), 6 (\"2.5\"), 7 (\"kg\")"));
 }
 
 TEST(ReadCsv, MissingAndWrongFields) {
@@ -168,13 +163,12 @@ TEST(ReadCsv, Utf16OfEitherByteOrderIsRead) {
 }
 
 TEST(ReadCsv, ARateGivenByHandOverridesTheFilesAndSaysSo) {
-  ReadOptions options;
-  options.sample_rate_hz = 20;
+  ReadOptions options{.sample_rate_hz = 20};
   const auto recording = read("t (s),a\n0,1\n0.1,2\n0.2,3\n", options);
   EXPECT_EQ(recording.sample_rate_hz, 20);
-  EXPECT_THAT(codes(recording.notes), ::testing::Contains("read_as"));
+  EXPECT_TRUE(says(recording.notes, "read_as"));
   EXPECT_THAT(codes(read("t (s),a\n0,1\n0.05,2\n0.1,3\n", options).notes),
-              ::testing::Not(::testing::Contains("read_as")));
+              Not(Contains("read_as")));
 }
 
 TEST(ReadCsv, WideTablesAndRowsOfNothingLeaveTheTimesTheirDigits) {
@@ -195,13 +189,13 @@ TEST(ReadCsv, WideTablesAndRowsOfNothingLeaveTheTimesTheirDigits) {
     }
     const auto even = read(text);
     EXPECT_NEAR(even.sample_rate_hz, 1234, 1234 * 1e-6 / (59 / 1234.0));
-    EXPECT_THAT(codes(even.notes), ::testing::Not(::testing::Contains("read_as")));
+    EXPECT_FALSE(says(even.notes, "read_as"));
     const std::size_t at = text.find("\n0.03079");  // sample 38
     ASSERT_NE(at, std::string::npos);
     text.erase(at, text.find('\n', at + 1) - at);
     const auto gap = read(text);
     EXPECT_EQ(gap.time_s.size(), 59);
-    EXPECT_THAT(codes(gap.notes), ::testing::Contains("time_axis"));
+    EXPECT_TRUE(says(gap.notes, "time_axis"));
     EXPECT_NEAR(gap.sample_rate_hz, 1234, 1234 * 1e-6 / (59 / 1234.0));
   }
 }
@@ -210,7 +204,7 @@ TEST(ReadCsv, ATimeThatIsMissingAmongUnevenOnesSaysWhere) {
   const auto error = error_of("Time (s),a\n0,1\n0.1,2\n,3\n0.3,4\n0.4,5\n0.9,6\n1.0,7\n");
   EXPECT_EQ(error.where().line, 4);
   EXPECT_EQ(error.where().channel, "Time");
-  EXPECT_THAT(error.remedy(), ::testing::HasSubstr("give the sample rate"));
+  EXPECT_THAT(error.remedy(), HasSubstr("give the sample rate"));
 }
 
 TEST(ReadCsv, UnknownChannelsAreAnsweredByThoseThereAre) {
@@ -222,8 +216,8 @@ TEST(ReadCsv, UnknownChannelsAreAnsweredByThoseThereAre) {
   EXPECT_EQ(r.channel_index("#2"), 1);
   const RecordingError error = signal::error_of([&] { return r.channel_index("force"); });
   EXPECT_EQ(error.where().channel, "force");
-  EXPECT_THAT(error.remedy(), ::testing::HasSubstr("\"a\", \"b0\""));
-  EXPECT_THAT(error.remedy(), ::testing::HasSubstr("\"b18\", ... (30 in all)"));
+  EXPECT_THAT(error.remedy(), HasSubstr("\"a\", \"b0\""));
+  EXPECT_THAT(error.remedy(), HasSubstr("\"b18\", ... (30 in all)"));
 }
 
 }  // namespace

@@ -1,18 +1,13 @@
 // Tables as programs of testing machines write them (.dat): a header of remarks, titles that hold
 // blanks, a row of units below, columns parted by tabs or set to a width.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <string>
 
 #include "signal/readers/files/read_formats.h"
 #include "tests/signal/readers/reading.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::testing_machine_test {
 namespace {
-
-using ::testing::HasSubstr;
 
 const std::string kRemarks =
     "MTS793|MPT|ENU|1|2|.|/|:|1|0|0|A\n\nData Header:\t\t\tTime:\t12.5\tSec\t05/07/2024 10:21:33 "
@@ -75,7 +70,7 @@ TEST(TestingMachine, ATableACycleIsRefusedWithTheWayOut) {
                 return read_csv(kRemarks + table + "\nData Header:\t\tTime:\t22.5\n" + table,
                                 "a.dat");
               }),
-              ::testing::AllOf(HasSubstr("not a number"), HasSubstr("split the file")));
+              AllOf(HasSubstr("not a number"), HasSubstr("split the file")));
 }
 
 }  // namespace

@@ -1,15 +1,11 @@
 // Tables that can be taken for something else than they are: each is read rightly, asked about, or
 // left with a note, never taken wrongly without a word.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
 
 #include "signal/readers/files/read_formats.h"
 #include "signal/recording/time_axis.h"
 #include "tests/signal/readers/reading.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::wrong_readings_test {
 namespace {
@@ -41,9 +37,8 @@ TEST(DecimalCommas, OneTitleMeansOneColumnAndTwoTitlesTwo) {
 TEST(DecimalCommas, WhatCanBeReadInTwoWaysIsAskedAbout) {
   const std::string text = "1,5\n4,7\n3,2\n9,9\n";
   const RecordingError question = error_of([&] { return read(text); });
-  EXPECT_THAT(question.what(),
-              ::testing::HasSubstr("one column with decimal commas or two columns"));
-  EXPECT_THAT(question.remedy(), ::testing::HasSubstr("--decimal comma"));
+  EXPECT_THAT(question.what(), HasSubstr("one column with decimal commas or two columns"));
+  EXPECT_THAT(question.remedy(), HasSubstr("--decimal comma"));
   ReadOptions decimal;
   decimal.decimal = ',';
   ASSERT_EQ(read(text, decimal).channels.size(), 1u);
@@ -81,7 +76,7 @@ TEST(Titles, ThatCannotBePartedNameNoColumn) {
   for (int k = 0; k < 30; ++k)
     text += fmt::format("{:.3f} {}.5 {}.25\n", 1e-3 * k, k * k, 2 * k * k);
   const auto recording = read(text);
-  EXPECT_TRUE(noted(recording, "titles_not_matched"));
+  EXPECT_TRUE(says(recording.notes, "titles_not_matched"));
   ASSERT_EQ(recording.channels.size(), 2u);
   EXPECT_EQ(recording.channels[0].name, "column 2");
   EXPECT_EQ(recording.channels[1].name, "column 3");
@@ -92,7 +87,7 @@ TEST(Times, MassesOfAFewRowsAreNone) {
   const auto recording = read("0.5;0.12\n1.0;0.25\n1.5;0.36\n2.0;0.49\n2.5;0.61\n");
   EXPECT_EQ(recording.channels.size(), 2u);
   EXPECT_EQ(recording.sample_rate_hz, 0);
-  EXPECT_TRUE(noted(recording, "assumed"));
+  EXPECT_TRUE(says(recording.notes, "assumed"));
 }
 
 TEST(Times, OfACoarseClockAreRecognised) {
@@ -126,16 +121,14 @@ TEST(Times, WithoutAUnitInWholeNumbersAreSuspected) {
   std::string text = "t;a\n";
   for (int k = 0; k < 50; ++k) text += fmt::format("{};{}.5\n", 2000 * k, k % 5);
   const auto suspected = read(text);
-  EXPECT_TRUE(noted(suspected, "time_axis"));
-  ReadOptions options;
-  options.time_unit_s = 1e-6;
-  const auto given = read(text, options);
+  EXPECT_TRUE(says(suspected.notes, "time_axis"));
+  const auto given = read(text, {.time_unit_s = 1e-6});
   EXPECT_NEAR(given.sample_rate_hz, 500, 1e-9);
-  EXPECT_FALSE(noted(given, "time_axis"));
+  EXPECT_FALSE(says(given.notes, "time_axis"));
   // The header's rate says which unit it is.
   const auto stated = read("fs = 500 Hz\n" + text);
   EXPECT_NEAR(stated.sample_rate_hz, 500, 1e-9);
-  EXPECT_TRUE(noted(stated, "assumed"));
+  EXPECT_TRUE(says(stated.notes, "assumed"));
 }
 
 TEST(RateOfStep, OfFewDigitsIsTheUsualRateWithItsUncertainty) {
@@ -166,9 +159,8 @@ std::string rows(int count, bool numbered) {
 }
 
 TEST(Titles, AColumnBesideTheirNumbersAreRefused) {
-  EXPECT_THAT(refusal_of("Time (s),Force (N)\n" + rows(40, true)), ::testing::HasSubstr("beside"));
-  EXPECT_THAT(refusal_of("Nr,Time (s),Force (N)\n" + rows(40, false)),
-              ::testing::HasSubstr("beside"));
+  EXPECT_THAT(refusal_of("Time (s),Force (N)\n" + rows(40, true)), HasSubstr("beside"));
+  EXPECT_THAT(refusal_of("Nr,Time (s),Force (N)\n" + rows(40, false)), HasSubstr("beside"));
   EXPECT_EQ(read("Nr,Time (s),Force (N)\n" + rows(40, true)).sample_rate_hz, 100);
   EXPECT_EQ(read(",Time (s),Force (N)\n" + rows(40, true)).channels.back().unit, "N");
 }
@@ -186,17 +178,15 @@ TEST(Units, OfAllChannelsInALineOfTheirOwn) {
 TEST(Spectra, CalledOverTimeAreAskedAbout) {
   const std::string table =
       "Time (s),Acceleration (FFT - (RMS)) (dB)\n0,-20\n1,-10\n2,-30\n3,-40\n";
-  EXPECT_THAT(refusal_of(table), ::testing::HasSubstr("--format csv"));
-  ReadOptions answered;
-  answered.format = "csv";
-  EXPECT_EQ(read(table, answered).channels.size(), 1u);
+  EXPECT_THAT(refusal_of(table), HasSubstr("--format csv"));
+  EXPECT_EQ(read(table, {.format = "csv"}).channels.size(), 1u);
 }
 
 TEST(FrfTables, FrequenciesThatRepeatAreNamed) {
   const std::string text = "Frequency (Hz),Real,Imag\n1,1,0\n2,2,0\n3,1,0\n1,1,0\n2,2,0\n3,1,0\n";
-  EXPECT_THAT(refusal_of(text), ::testing::HasSubstr("test.csv:5"));
+  EXPECT_THAT(refusal_of(text), HasSubstr("test.csv:5"));
   EXPECT_THAT(refusal_of("Frequency (Hz),Real,Imag\n1,1,0\n2,2,0\n2,3,0\n3,1,0\n"),
-              ::testing::HasSubstr("repeats"));
+              HasSubstr("repeats"));
 }
 
 // A message stays readable however many columns a table has.

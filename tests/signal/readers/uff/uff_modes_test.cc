@@ -1,17 +1,12 @@
 // Fixtures are written by hand from the public description of datasets 15, 55, 164 and 2411, and by
 // our own writer.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <fstream>
 #include <iterator>
-#include <numbers>
-#include <random>
 
 #include "signal/readers/uff/read_uff_modes.h"
 #include "signal/writers/write_uff.h"
 #include "tests/signal/readers/reading.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::uff_modes_test {
 namespace {
@@ -40,25 +35,24 @@ std::string message(const std::string& text) {
 constexpr double kPrinted = 0.5e-5;
 
 TEST(UffModes, OurOwnComeBackWithinTheirDigits) {
-  std::mt19937_64 random(3);
-  std::normal_distribution<double> normal;
+  Normal normal(3);
   ModalModel model;
   std::vector<NodePosition> positions;
   for (int node = 1; node <= 5; ++node) {
-    positions.push_back({node * 7, {normal(random), normal(random), 1e-3 * normal(random)}});
+    positions.push_back({node * 7, {normal(), normal(), 1e-3 * normal()}});
     for (int axis = 1; axis <= 3; ++axis) {
       model.responses.push_back({"p", node * 7, node % 2 ? axis : -axis});
     }
   }
   for (int m = 0; m < 4; ++m) {
     IdentifiedMode mode;
-    const double f = 10.0 * (m + 1) + normal(random), zeta = 0.01 * (m + 1);
+    const double f = 10.0 * (m + 1) + normal(), zeta = 0.01 * (m + 1);
     const double w = 2 * std::numbers::pi * f;
     mode.frequency_hz = {f, 0.01};
     mode.damping_ratio = {zeta, 0.001};
     mode.pole_rad_s = {-zeta * w, w * std::sqrt(1 - zeta * zeta)};
     mode.shape.resize(15);
-    for (auto& value : mode.shape) value = {normal(random), normal(random)};
+    for (auto& value : mode.shape) value = {normal(), normal()};
     model.modes.push_back(mode);
   }
   const UffModes in = read_uff_modes(uff_text(model, positions), "x.uff");
@@ -156,7 +150,7 @@ TEST(UffModes, FaultsAreNamedWithTheirLine) {
   // Lines: mark, number, five of identification, three records; the first node is line 11.
   EXPECT_THAT(message(normal_mode("        1x\n  1.0  0.0  0.0\n")), HasSubstr("x.uff:11:"));
   EXPECT_THAT(message(normal_mode("         1\n  1.0  zero  0.0\n")),
-              ::testing::AllOf(HasSubstr("x.uff:12:8"), HasSubstr("not a number")));
+              AllOf(HasSubstr("x.uff:12:8"), HasSubstr("not a number")));
   EXPECT_THAT(message(normal_mode("         1\n  1.0  0.0  0.0  4.0\n")),
               HasSubstr("node 1 has 4 values, not 3"));
   EXPECT_THAT(message(normal_mode("         1\n  1.0  0.0\n")), HasSubstr("breaks off"));
@@ -173,7 +167,7 @@ TEST(UffModes, FaultsAreNamedWithTheirLine) {
   // Cut at the end mark: what is there is whole, and the missing mark is said.
   const UffModes cut = read_uff_modes(good.substr(0, good.rfind("    -1")), "x.uff");
   EXPECT_EQ(cut.modes.size(), 1u);
-  EXPECT_THAT(cut.remarks, ::testing::ElementsAre(HasSubstr("no end mark")));
+  EXPECT_THAT(cut.remarks, ElementsAre(HasSubstr("no end mark")));
 }
 
 }  // namespace

@@ -1,55 +1,42 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <bit>
-#include <cmath>
 #include <cstdint>
-#include <numbers>
-#include <random>
+#include <sstream>
 
 #include "signal/readers/uff/read_uff.h"
 #include "signal/readers/uff/uff58.h"
 #include "signal/writers/write_uff.h"
-#include "tests/expect_matrix.h"
 #include "tests/signal/readers/reading.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::uff_test {
 namespace {
 
-using rigfit::testing::MatricesNear;
-
 Recording made_recording(double rate, Eigen::Index n) {
-  std::mt19937_64 random(7);
-  std::normal_distribution<double> normal;
-  Recording r;
-  r.sample_rate_hz = rate;
-  r.start_time_s = -0.0123456789;
+  Normal normal(7);
+  Recording r{.sample_rate_hz = rate, .start_time_s = -0.0123456789};
   for (const auto& [name, unit, quantity] :
        {std::tuple{"hammer at the right cable's quarter span", "N", Quantity::force},
         std::tuple{"mid-span, \u00FCber", "m/s^2", Quantity::acceleration},
         std::tuple{"plain", "", Quantity::unknown}}) {
-    Channel c;
-    c.name = name;
-    c.unit = unit;
-    c.quantity = quantity;
-    c.direction = {0, -1, 0};
-    c.nominal_range = 22.5;
+    Channel c{.name = name,
+              .unit = unit,
+              .quantity = quantity,
+              .direction = {0, -1, 0},
+              .nominal_range = 22.5};
     c.samples.resize(n);
-    for (auto& x : c.samples) x = normal(random) * 1e-3;
+    for (auto& x : c.samples) x = normal() * 1e-3;
     r.channels.push_back(c);
   }
   return r;
 }
 
 FrfSet made_frfs() {
-  std::mt19937_64 random(8);
-  std::normal_distribution<double> normal;
-  FrfSet f;
-  f.responses = {{"beam 0.45 m", 3, 1}, {"left cable", 7, -2}};
-  f.inputs = {{"hammer", 5, 3}};
-  f.form = FrfForm::accelerance;
-  f.unit = "(m/s^2)/N";
-  f.averages = 5;
+  Normal normal(8);
+  FrfSet f{.responses = {{"beam 0.45 m", 3, 1}, {"left cable", 7, -2}},
+           .inputs = {{"hammer", 5, 3}},
+           .form = FrfForm::accelerance,
+           .unit = "(m/s^2)/N",
+           .averages = 5};
   f.force_noise_span_s = 0.05;
   f.sample_rate_relative_std = 3e-4;
   f.sample_rate_hz = 2048.0;
@@ -59,9 +46,9 @@ FrfSet made_frfs() {
   f.coherence.resize(33, 2);
   f.H_std.resize(33, 2);
   for (Eigen::Index k = 0; k < f.H.size(); ++k) {
-    f.H(k) = {normal(random), normal(random)};
-    f.coherence(k) = 1 / (1 + std::abs(normal(random)));
-    f.H_std(k) = std::abs(normal(random));
+    f.H(k) = {normal(), normal()};
+    f.coherence(k) = 1 / (1 + std::abs(normal()));
+    f.H_std(k) = std::abs(normal());
   }
   return f;
 }
@@ -139,12 +126,9 @@ TEST(Uff, FrfsComeBackWithErrorBarsAndWindow) {
 
 TEST(Uff, LinesHaveTheFormatsColumns) {
   const std::string text = uff_text(made_frfs(), UffEncoding::ascii);
+  std::istringstream stream(text);
   std::vector<std::string> lines;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = text.find('\n', at);
-    lines.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
   EXPECT_EQ(lines[0], "    -1");
   for (std::size_t k = 1; k <= 7; ++k) EXPECT_EQ(lines[k].size(), 80u) << k << lines[k];
   EXPECT_EQ(lines[7],
@@ -195,41 +179,34 @@ TEST(Uff, TruncatedAndWrongFilesSayWhere) {
   };
   std::string text = foreign_binary(false, 40, "");
   text.resize(text.size() - 9);
+  EXPECT_THAT(message(text), HasSubstr("x.uff:9:11"));
   // Cut at the end of a dataset.
   const std::string whole = uff_text(made_recording(100, 9), UffEncoding::binary);
-  EXPECT_THAT(message(whole.substr(0, whole.find("    -1\n", 10) + 7)),
-              ::testing::HasSubstr("and holds 1"));
-  EXPECT_THAT(message(text), ::testing::HasSubstr("x.uff:9:11"));
+  EXPECT_THAT(message(whole.substr(0, whole.find("    -1\n", 10) + 7)), HasSubstr("and holds 1"));
   std::string ascii = uff_text(made_recording(100, 9), UffEncoding::ascii);
-  const std::size_t at = ascii.find('.', ascii.find("Time"));
-  ascii[at + 1] = 'x';
-  EXPECT_THAT(message(ascii), ::testing::HasSubstr("not a number"));
-  EXPECT_THAT(message(ascii), ::testing::HasSubstr("x.uff:14:"));
-  EXPECT_THAT(message("    -1\n    15\n    -1\n"), ::testing::HasSubstr("holds no dataset 58"));
+  ascii[ascii.find('.', ascii.find("Time")) + 1] = 'x';
+  EXPECT_THAT(message(ascii), AllOf(HasSubstr("not a number"), HasSubstr("x.uff:14:")));
+  EXPECT_THAT(message("    -1\n    15\n    -1\n"), HasSubstr("holds no dataset 58"));
 }
 
 TEST(Uff, WritesModesAtPoints) {
-  ModalModel modes;
-  modes.responses = {{"a", 4, 2}, {"b", 4, -1}, {"c", 9, 3}};
-  modes.inputs = {{"h", 9, 3}};
-  IdentifiedMode mode;
-  mode.frequency_hz = {10, 0.01};
-  mode.damping_ratio = {0.01, 0.001};
-  mode.pole_rad_s = {-0.6283, 62.83};
+  ModalModel modes{.responses = {{"a", 4, 2}, {"b", 4, -1}, {"c", 9, 3}}, .inputs = {{"h", 9, 3}}};
+  IdentifiedMode mode{
+      .frequency_hz = {10, 0.01}, .damping_ratio = {0.01, 0.001}, .pole_rad_s = {-0.6283, 62.83}};
   mode.shape.resize(3);
   mode.shape << std::complex<double>(1, 0.5), std::complex<double>(-2, 0),
       std::complex<double>(3, 1);
   mode.participation = Eigen::VectorXcd::Constant(1, std::complex<double>(0, 2));
   modes.modes = {mode};
   const std::string text = uff_text(modes, {{4, {0, 0.5, 0}}, {9, {1, 0, 0}}});
-  EXPECT_THAT(text, ::testing::HasSubstr("         4         0         0         0  0.00000e+00"
-                                         "  5.00000e-01  0.00000e+00\n"));
+  EXPECT_THAT(text, HasSubstr("         4         0         0         0  0.00000e+00"
+                              "  5.00000e-01  0.00000e+00\n"));
   // Node 4: x is minus b, y is a; node 9: z is c.
-  EXPECT_THAT(text, ::testing::HasSubstr("         4\n  2.00000e+00 -0.00000e+00  1.00000e+00"
-                                         "  5.00000e-01  0.00000e+00  0.00000e+00\n"));
-  EXPECT_THAT(text, ::testing::HasSubstr("         9\n"));
+  EXPECT_THAT(text, HasSubstr("         4\n  2.00000e+00 -0.00000e+00  1.00000e+00"
+                              "  5.00000e-01  0.00000e+00  0.00000e+00\n"));
+  EXPECT_THAT(text, HasSubstr("         9\n"));
   // Eigenvalue, then modal A = psi / L = (3 + i) / 2i = 0.5 - 1.5 i.
-  EXPECT_THAT(text, ::testing::HasSubstr(" -6.28300e-01  6.28300e+01  5.00000e-01 -1.50000e+00"));
+  EXPECT_THAT(text, HasSubstr(" -6.28300e-01  6.28300e+01  5.00000e-01 -1.50000e+00"));
 }
 
 }  // namespace
