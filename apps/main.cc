@@ -1,20 +1,14 @@
 // rigfit: one program, one verb a task. Parses the command line, runs the verb, writes its
 // document.
-#include <fmt/format.h>
 #include <glog/logging.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
 #include <exception>
-#include <filesystem>
 #include <iostream>
-#include <map>
 #include <optional>
 #include <sstream>
-#include <string_view>
-#include <system_error>
-#include <thread>
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
@@ -26,32 +20,13 @@
 namespace rigfit::apps {
 namespace {
 
-/// Refuses two outputs that are one file. Devices and pipes may take several.
-void check_outputs(const Verb& verb) {
-  std::map<std::filesystem::path, std::string> taken;
-  for (const auto& option : verb.options) {
-    const auto* const* file = std::get_if<std::string*>(&option.target);
-    if (!option.is_written || file == nullptr || (*file)->empty() || **file == "-") continue;
-    std::error_code none;
-    const auto kind = std::filesystem::status(**file, none).type();
-    if (kind != std::filesystem::file_type::not_found &&
-        kind != std::filesystem::file_type::regular) {
-      continue;
-    }
-    const auto path = std::filesystem::weakly_canonical(std::filesystem::absolute(**file), none);
-    if (const auto [at, is_new] = taken.emplace(path, option.name); !is_new) {
-      throw UsageError(at->second + " and " + option.name + " name one file, " + **file +
-                       "; give each its own");
-    }
-  }
-}
-
 int run(int argc, char** argv) {
   Verbs verbs = all_verbs();
+  std::ostringstream printed;
+  VerbContext context(printed);
   SharedOptions shared;
-  const auto& common = shared.common;
   for (auto& verb : verbs) {
-    const auto more = shared.options(verb.reads, verb.draws);
+    const auto more = shared.options(context, verb.reads, verb.draws);
     verb.options.insert(verb.options.end(), more.begin(), more.end());
   }
 
@@ -78,10 +53,6 @@ int run(int argc, char** argv) {
   }
   parse_options(verb, arguments);
 
-  check_outputs(verb);
-  std::ostringstream printed;
-  VerbContext context(printed);
-  shared.apply(context);
   context.command.assign(argv, argv + argc);
 
   prepare_plots(context, shared.plots);
@@ -89,7 +60,7 @@ int run(int argc, char** argv) {
   Json result = Json::object();
   const auto print = [&] {
     progress.reset();
-    if (!common.quiet && common.json != "-") std::cout << printed.str();
+    if (!context.quiet && shared.json != "-") std::cout << printed.str();
     printed.str("");
   };
   try {
@@ -106,10 +77,10 @@ int run(int argc, char** argv) {
   write_plots(context, shared.plots, verb.name);
   print();
   const Json document = json_document(context, verb.name, std::move(result));
-  if (common.json == "-") {
+  if (shared.json == "-") {
     std::cout << document.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-  } else if (!common.json.empty()) {
-    context.write(common.json, document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  } else if (!shared.json.empty()) {
+    context.write(shared.json, document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   }
   if (!std::cout.flush()) {
     throw std::runtime_error("cannot write to standard output (a full disk, a closed pipe?)");

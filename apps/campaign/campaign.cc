@@ -5,18 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
-#include <tuple>
 #include <type_traits>
 
 namespace rigfit::apps {
 
 using describe::Option;
-using describe::option;
 using describe::Options;
-using document::Bound;
-using document::TomlTable;
 
 const char* name_of(ValueOrigin::Kind kind) {
   constexpr const char* kNames[] = {"published", "inferred", "assumed"};
@@ -49,31 +44,18 @@ void BendingTest::complete() {
   campaign.second_moment_m4 = ident::second_moment(section);
 }
 
-void AxialTest::complete() {
-  auto& setup = inputs.setup;
-  setup.frame_stated = frame_stiffness_N_m.has_value();
-  if (setup.frame_stated && std::isfinite(*frame_stiffness_N_m)) {
-    setup.frame_stiffness_N_m.value = *frame_stiffness_N_m;
-  }
-  if (band_hz) std::tie(inputs.band_low_hz, inputs.band_high_hz) = *band_hz;
-}
-
 void TensionTest::complete() {
-  if (band_hz) std::tie(inputs.band_low_hz, inputs.band_high_hz) = *band_hz;
   const bool whole = std::all_of(orders.begin(), orders.end(),
                                  [](double order) { return order == std::round(order); });
   if (!whole || (!orders.empty() && orders.size() != frequencies_hz.size())) {
     throw std::invalid_argument(
-        fmt::format("{} is no list of one whole number for each of {} frequencies",
+        fmt::format("orders: {} is no list of one whole number for each of {} frequencies",
                     fmt::join(orders, " "), frequencies_hz.size()));
   }
   auto& cable = inputs.cable;
-  if (mass_of == "installed") cable.mass_reference = ident::MassReference::installed;
-  if (mass_of == "unstretched") cable.mass_reference = ident::MassReference::unstretched;
   if (EI_Nm2) cable.EI_Nm2 = {*EI_Nm2, EI_std_Nm2};
   if (EA_N) cable.EA_N = {*EA_N, EA_std_N};
   inputs.options.ends = ident::cable_ends(ends);
-  inputs.plane = plane_named(plane);
   for (std::size_t i = 0; i < frequencies_hz.size(); ++i) {
     ident::MeasuredMode mode;
     mode.frequency_hz = {frequencies_hz[i], frequency_std_hz > 0 ? frequency_std_hz : std::nan("")};
@@ -174,6 +156,16 @@ Options keys_of(BendingTest& t) {
 
 Options keys_of(AxialTest& t) {
   auto& s = t.inputs.setup;
+  auto frame = option("frame_stiffness", s.frame_stiffness_N_m.value,
+                      "What gives way above the cable; not given: one length gives EA from below "
+                      "only",
+                      "N/m")
+                   .positive()
+                   .one_of({"rigid"});
+  frame.set = [&s](const describe::Json& given) {
+    s.frame_stated = true;  // a rigid one has no number
+    if (given.is_number()) s.frame_stiffness_N_m.value = given;
+  };
   return {
       option("mass", s.mass_kg.value, "Hung mass, adapter and clamp included", "kg")
           .required()
@@ -189,11 +181,7 @@ Options keys_of(AxialTest& t) {
           .from_zero(),
       option("adapter_stiffness_std", s.adapter_stiffness_N_m.std, "Standard uncertainty", "N/m")
           .from_zero(),
-      option("frame_stiffness", t.frame_stiffness_N_m,
-             "What gives way above the cable; not given: one length gives EA from below only",
-             "N/m")
-          .positive()
-          .one_of({"rigid"}),
+      std::move(frame),
       option("frame_stiffness_std", s.frame_stiffness_N_m.std, "Standard uncertainty", "N/m")
           .from_zero(),
       option("compliance_std", s.series_compliance_std_m_N,
@@ -201,12 +189,13 @@ Options keys_of(AxialTest& t) {
           .from_zero(),
       option("catalogue_EA", s.catalogue_EA_N, "To compare with", "N").from_zero(),
       option("channel", t.inputs.channel, "Of the tension (or motion); default: the only one"),
-      option("band", t.band_hz, "Where the axial frequency is")};
+      band("band", t.inputs.band_low_hz, t.inputs.band_high_hz, "Where the axial frequency is")};
 }
 
 Options keys_of(DecayTest& t) {
   return {option("channels", t.inputs.options.channels, "Default: all"),
-          option("band", t.band_hz, "Where decays are looked for"),
+          band("band", t.inputs.options.decay.band_low_hz, t.inputs.options.decay.band_high_hz,
+               "Where decays are looked for"),
           option("load", t.inputs.load,
                  "The scene's release or impact, simulated and laid over the records")
               .needs("scene")};
@@ -237,15 +226,16 @@ Options keys_of(ModalTest& t) {
        {option("force", hammer.force, "Channel of the hammer; required with recordings of hits"),
         option("load", t.load, "The place struck: the scene's load; default: its only impact"),
         option("direction", t.direction, "Struck and measured along it").count(3),
-        option("estimator", t.estimator, "Noise on responses, on the force, on both")
-            .one_of({"h1", "h2", "hv"}),
-        option("force_window", t.force_window_s,
+        choice("estimator", hammer.impact.estimator, {"h1", "h2", "hv"},
+               "Noise on responses, on the force, on both"),
+        option("force_window", hammer.impact.force_window_s,
                "Force kept from the pulse's start; default: by the noise on the force", "s")
             .positive(),
         option("exponential_window", hammer.impact.exponential_end_level,
                "Level of the window at the end of the block; its damping is taken off again")
             .within(1e-12, 0.999),
-        option("max_order", t.max_order, "Of the stabilisation diagram").within(2, 400)}) {
+        option("max_order", options.modal.lscf.max_order, "Of the stabilisation diagram")
+            .within(2, 400)}) {
     keys.push_back(Option(key).needs("recording").excludes("ambient"));
   }
   return keys;
@@ -264,8 +254,8 @@ Options keys_of(TensionTest& t) {
           .positive(),
       option("mass_per_length_std", cable.mass_per_length.std, "Standard uncertainty", "kg/m")
           .from_zero(),
-      option("mass_of", t.mass_of, "State of the cable that the mass per length is of")
-          .one_of({"installed", "unstretched"}),
+      choice("mass_of", cable.mass_reference, {"unknown", "installed", "unstretched"},
+             "State of the cable that the mass per length is of"),
       option("EI", t.EI_Nm2, "Flexural rigidity; default: fitted", "N m2").positive(),
       option("EI_std", t.EI_std_Nm2, "Standard uncertainty", "N m2").from_zero(),
       option("EA", t.EA_N, "Axial rigidity; default: a strain of 0.001", "N").positive(),
@@ -275,7 +265,7 @@ Options keys_of(TensionTest& t) {
           .within(-90, 90),
       option("ends", t.ends, "Kinds of ends")
           .one_of({ident::kCableEndsWords.begin(), ident::kCableEndsWords.end()}),
-      option("plane", t.plane, "The motion that was measured").one_of({"any", "in", "out"}),
+      choice("plane", t.inputs.plane, {"any", "in", "out"}, "The motion that was measured"),
       option("missed", options.missed, "Probability that a mode was not seen").within(0.001, 0.9),
       option("false", options.false_mode, "Probability that a mode is none of the cable's")
           .within(0.001, 0.9),
@@ -286,7 +276,8 @@ Options keys_of(TensionTest& t) {
       option("measured", t.measured, "Table of frequencies, or modes as UFF 55"),
       option("column", t.column, "Of the frequencies in that table").needs("measured"),
       option("channels", t.inputs.channels, "Of the recordings; default: all").needs("recording"),
-      option("band", t.band_hz, "Where modes are looked for").needs("recording")};
+      band("band", t.inputs.band_low_hz, t.inputs.band_high_hz, "Where modes are looked for")
+          .needs("recording")};
 }
 
 Options reference_keys_of(CampaignTest& t) {
@@ -326,119 +317,57 @@ Options keys_of(FitParameter& p) {
 
 namespace {
 
-Bound bound_of(const Option& key) {
-  return key.lowest != 0 ? Bound::any : key.above_lowest ? Bound::positive : Bound::not_negative;
-}
-
-void require_range(const TomlTable& table, const Option& key, double value) {
-  const bool low_enough = value <= key.highest;
-  const bool high_enough = key.above_lowest ? value > key.lowest : value >= key.lowest;
-  if (low_enough && high_enough) return;
-  const std::string range = describe::range_text(key);
-  throw table.error(key.name, fmt::format("must be {}, got {}", range, value),
-                    "give a number " + range + (key.unit.empty() ? "" : " in " + key.unit));
-}
-
-void require_word(const TomlTable& table, const Option& key, const std::string& word) {
-  for (const auto& known : key.words) {
-    if (word == known) return;
-  }
-  const auto nearest = document::nearest_word(word, key.words);
-  throw table.error(key.name, "does not know \"" + word + "\"",
-                    (nearest ? "did you mean \"" + *nearest + "\"? It" : "it") +
-                        fmt::format(" must be \"{}\"", fmt::join(key.words, "\" or \"")));
-}
-
-void read(TomlTable& table, const Option& key, bool& value) {
-  value = table.boolean_or(key.name, value);
-}
-void read(TomlTable& table, const Option& key, int& value) {
-  value = table.integer_or(key.name, static_cast<int>(key.lowest), static_cast<int>(key.highest),
-                           value);
-}
-void read(TomlTable& table, const Option& key, double& value) {
-  value = table.number(key.name, bound_of(key), key.unit);
-  require_range(table, key, value);
-}
-void read(TomlTable& table, const Option& key, std::optional<double>& value) {
-  if (!key.words.empty() && table.is_string(key.name)) {
-    require_word(table, key, table.string(key.name));
-    value = std::numeric_limits<double>::infinity();
-  } else {
-    read(table, key, value.emplace());
-  }
-}
-void read(TomlTable& table, const Option& key, std::string& value) {
-  value = table.string(key.name);
-  if (!key.words.empty()) require_word(table, key, value);
-}
-void read(TomlTable& table, const Option& key, std::vector<double>& value) {
+/// The value of a key, of its kind; throws DocumentError for another one.
+describe::Json value_of(document::TomlTable& table, const Option& key) {
+  using document::Bound;
   constexpr std::size_t kMost = 1000;
-  const auto count = static_cast<std::size_t>(key.numbers);
-  value = table.numbers(key.name, count > 0 ? count : 1, count > 0 ? count : kMost, bound_of(key),
-                        key.unit);
-}
-void read(TomlTable& table, const Option& key, describe::Band& value) {
-  const auto ends = table.numbers(key.name, 2, 2, bound_of(key), key.unit);
-  if (!(ends[0] < ends[1])) {
-    throw table.error(key.name, "does not rise", "give the lower frequency first, in Hz");
+  switch (key.kind) {
+    case describe::Kind::flag:
+      return table.boolean_or(key.name, false);
+    case describe::Kind::integer:
+      return table.integer_or(key.name, static_cast<int>(key.lowest), static_cast<int>(key.highest),
+                              0);
+    case describe::Kind::number:
+      if (!key.words.empty() && table.is_string(key.name)) return table.string(key.name);
+      return table.number(key.name, Bound::any, key.unit);
+    case describe::Kind::numbers:
+      return table.numbers(key.name, 1, kMost, Bound::any, key.unit);
+    case describe::Kind::text:
+      return table.string(key.name);
+    case describe::Kind::texts:
+      break;
   }
-  value.emplace(ends[0], ends[1]);
-}
-void read(TomlTable& table, const Option& key, std::vector<std::string>& value) {
-  value = table.string_or_strings(key.name);
-  if (value.empty()) throw table.error(key.name, "is empty", "name at least one");
-  for (const auto& word : value) {
-    if (!key.words.empty()) require_word(table, key, word);
-  }
+  return table.string_or_strings(key.name);
 }
 
 }  // namespace
 
-void read_keys(TomlTable& table, const Options& keys) {
+void read_keys(document::TomlTable& table, const Options& keys) {
+  describe::Json given = describe::Json::object();
   for (const auto& key : keys) {
-    const bool given = table.has(key.name);
-    if (!given && !key.is_required) continue;
-    for (const auto& other : key.not_with) {
-      if (given && table.has(other)) {
-        throw table.error(key.name, "is given beside " + other, "keep one of them");
-      }
-    }
-    for (const auto& other : key.only_with) {
-      if (given && !table.has(other)) {
-        throw table.error(key.name, "is given without " + other,
-                          "add " + other + ", or leave " + key.name + " out");
-      }
-    }
-    std::visit(
-        [&](auto* target) {
-          if constexpr (requires { read(table, key, *target); }) {
-            // A missing whole number has no error of its own.
-            if (!given && std::is_same_v<decltype(target), int*>) {
-              throw table.error(key.name, "is missing", "give " + key.text());
-            }
-            read(table, key, *target);
-          }
-        },
-        key.target);
+    if (table.has(key.name)) given[key.name] = value_of(table, key);
   }
+  const auto misfit =
+      describe::fill(keys, given, [&](const std::string& other) { return table.has(other); });
+  if (!misfit) return;
+  throw table.error(misfit->name, misfit->problem, "rigfit help has what it takes");
 }
 
 Options campaign_keys() {
-  // The options show the defaults of these.
-  static Campaign campaign;
-  static ident::StrandGeometry strand;
-  static RecordingGroup group;
-  static BendingTest bending;
-  static AxialTest axial;
-  static DecayTest decay;
-  static ModalTest modal;
-  static TensionTest tension;
-  static ident::SceneUse use;
-  static CampaignTest test;
-  static CampaignFit fit;
-  static FitParameter parameter;
-  static std::string other;
+  // The options show the defaults of these, and are not filled.
+  Campaign campaign;
+  ident::StrandGeometry strand;
+  RecordingGroup group;
+  BendingTest bending;
+  AxialTest axial;
+  DecayTest decay;
+  ModalTest modal;
+  TensionTest tension;
+  ident::SceneUse use;
+  CampaignTest test;
+  CampaignFit fit;
+  FitParameter parameter;
+  std::string other;
   Options all;
   std::string heading;
   const auto also = [&](const std::string& name, const std::string& meaning) {

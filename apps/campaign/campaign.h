@@ -86,41 +86,32 @@ struct BendingTest {
 
 struct AxialTest {
   ident::AxialInputs inputs;
-  describe::Band band_hz;
-  std::optional<double> frame_stiffness_N_m;  ///< infinite: rigid
-
-  /// Takes frame and band over into `inputs`.
-  void complete();
 };
 
 struct DecayTest {
   ident::DecayInputs inputs;
-  describe::Band band_hz;
 };
 
 struct ModalTest {
   ident::ModalInputs inputs;
   std::vector<std::string> models;  ///< labels of the published models, as in `inputs.published`
-  std::string estimator = "h1", load;
+  std::string load;
   std::vector<std::string> planes{"in"};
   std::vector<double> direction;
-  double force_window_s = 0;  ///< 0: by the noise on the force
-  int max_order = 0;          ///< 0: the method's own
 };
 
 struct TensionTest {
   ident::TensionInputs inputs;
-  std::string mass_of, ends = "compare", plane = "any";
+  std::string ends = "compare";
   std::optional<double> EI_Nm2, EA_N;
   double EI_std_Nm2 = 0, EA_std_N = 0;
   std::vector<double> frequencies_hz, orders;
-  describe::Band band_hz;
   double frequency_std_hz = 0;  ///< 0: not known
   std::string measured, column;
 
   TensionTest();
-  /// Takes what was read over into `inputs`: cable, ends, plane, band; adds the frequencies to its
-  /// modes. Throws std::invalid_argument where orders are no whole number for each of them.
+  /// Takes what was read over into `inputs`: cable and ends; adds the frequencies to its modes.
+  /// Throws std::invalid_argument where orders are no whole number for each of them.
   void complete();
 };
 
@@ -191,10 +182,8 @@ struct Campaign {
 [[nodiscard]] describe::Options keys_of(CampaignFit& fit);
 [[nodiscard]] describe::Options keys_of(FitParameter& parameter);
 
-/// Reads keys from a table; those that are absent keep their default. Throws DocumentError with
-/// file, line and key for a value of another type, outside its range or among no words allowed, for
-/// a missing key that is required, and for a key beside one that excludes it or without one that it
-/// needs.
+/// Fills keys from a table; those that are absent keep their default. Throws DocumentError with
+/// file, line and key for what cannot be taken.
 void read_keys(document::TomlTable& table, const describe::Options& keys);
 
 /// Every key of a campaign, below the heading of its table, for `rigfit help campaign`.

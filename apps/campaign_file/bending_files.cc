@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ostream>
 
+#include "apps/cli/at_hand.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "model/scene/scene_error.h"
@@ -30,17 +30,6 @@ const signal::Channel* find(const signal::Recording& recording, const std::strin
     }
   }
   return channel_like(recording, beginnings);
-}
-
-/// The only column in a unit; null: none, or several.
-const signal::Channel* only_in(const signal::Recording& recording, const std::string& unit) {
-  const signal::Channel* only = nullptr;
-  for (const auto& column : recording.channels) {
-    if (column.unit != unit) continue;
-    if (only != nullptr) return nullptr;
-    only = &column;
-  }
-  return only;
 }
 
 /// Correlation of two channels without missing samples; 0: something is missing or constant.
@@ -178,9 +167,6 @@ class Columns {
                                 const std::vector<std::string>& beginnings,
                                 const std::string& si) const {
     const auto* found = find(recording_, asked, beginnings);
-    if (found == nullptr && asked.empty() && names_.without_tension) {
-      found = only_in(recording_, si);
-    }
     const std::string remedy = fmt::format(fmt::runtime(names_.remedy), what);
     if (found == nullptr) {
       throw signal::RecordingError(
@@ -277,11 +263,9 @@ void drop_time_notes(signal::Recording& recording) {
 signal::Recording load_bending_file(const std::filesystem::path& path, VerbContext& context) {
   signal::Recording recording = load_untold(path, context);
   drop_time_notes(recording);
-  const std::string file = recording.path.string();
-  for (const auto& note : recording.notes) {
-    if (note.code == "no_unit") continue;  // said of the columns that are used
-    context.warn(note.code, note.message, note.where.empty() ? file : file + ": " + note.where);
-  }
+  // Missing units are said of the columns that are used.
+  std::erase_if(recording.notes, [](const auto& note) { return note.code == "no_unit"; });
+  tell_notes(recording, context);
   return recording;
 }
 
@@ -290,14 +274,13 @@ ident::BendingSource bending_source(const signal::Recording& recording,
   return Columns(recording, columns, warnings).source();
 }
 
-ident::StiffnessCurve read_stiffness_curve(const std::filesystem::path& path) {
+ident::StiffnessCurve read_stiffness_curve(const std::filesystem::path& path,
+                                           VerbContext& context) {
+  context.input(path.string());
   if (path.extension() == ".json") return curve_of_result(path);
-  std::ostream nothing(nullptr);
-  VerbContext own(nothing);
-  own.quiet = true;
-  own.hashes_inputs = false;
-  std::vector<Finding> warnings;
-  const auto source = bending_source(load_bending_file(path, own), {}, warnings);
+  std::vector<Finding> findings;
+  const auto source = bending_source(load_bending_file(path, context), {}, findings);
+  context.tell(findings);
   if (source.values.empty()) {
     throw signal::RecordingError({.file = path.string(), .channel = "EI_Nm2", .value = ""},
                                  "no such column",
@@ -306,10 +289,22 @@ ident::StiffnessCurve read_stiffness_curve(const std::filesystem::path& path) {
   return ident::StiffnessCurve(source.values);
 }
 
-double stiffness_at(const ident::StiffnessCurve& curve, double tension, const std::string& file,
-                    VerbContext& context) {
-  if (curve.empty()) throw Refused(file + " holds no EI over tension");
-  const auto at = curve.at(tension);
+ident::SceneUse use_of_cables(const model::Scene& scene) {
+  ident::SceneUse use;
+  use.scene = scene;
+  for (const auto& member : scene.members) {
+    if (member.kind != model::Member::Kind::cable) continue;
+    use.tension_of.push_back(member.name + ".tension");
+    use.EI_of.push_back(member.name + ".EI");
+    use.EA_of.push_back(member.name + ".EA");
+  }
+  return use;
+}
+
+model::Scene cables_at(const model::Scene& scene, double tension,
+                       const ident::StiffnessCurve& curve, const std::string& file,
+                       VerbContext& context) {
+  const auto at = curve.empty() ? ident::StiffnessAtTension() : curve.at(tension);
   if (at.extrapolated) {
     context.warn(
         "extrapolated",
@@ -321,7 +316,7 @@ double stiffness_at(const ident::StiffnessCurve& curve, double tension, const st
                         : ident::name_of(curve.source())),
         file);
   }
-  return at.EI_Nm2;
+  return ident::scene_at(use_of_cables(scene), {curve, {}}, tension).scene;
 }
 
 }  // namespace rigfit::apps

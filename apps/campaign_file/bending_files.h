@@ -10,6 +10,7 @@
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/verb_context.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
+#include "ident/campaign/single_tests/scene_use.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::apps {
@@ -31,8 +32,7 @@ struct LoadDeflection {
 [[nodiscard]] std::optional<LoadDeflection> load_deflection(const signal::Recording& recording);
 
 /// Names of columns; empty: the first whose name begins in one of the usual ways, such as
-/// "tension", "preload"; "load", "force", "Q"; "deflection", "displacement", "lvdt", "d"; without
-/// tension else the only column in newtons or metres.
+/// "tension", "preload"; "load", "force", "Q"; "deflection", "displacement", "lvdt", "d".
 struct BendingColumns : LoadDeflection {
   /// How a person names one, with {} for tension, load or deflection.
   std::string remedy = "name it with --{}";
@@ -56,10 +56,16 @@ void drop_time_notes(signal::Recording& recording);
 
 /// EI(T) from a table of it, or from what `rigfit bending --json FILE` wrote (.json): its tests
 /// that gave an EI, by the same laws. Throws model::SceneError, signal::RecordingError.
-[[nodiscard]] ident::StiffnessCurve read_stiffness_curve(const std::filesystem::path& path);
+[[nodiscard]] ident::StiffnessCurve read_stiffness_curve(const std::filesystem::path& path,
+                                                         VerbContext& context);
 
-/// With a warning outside the tested tensions. Throws Refused for an empty curve.
-[[nodiscard]] double stiffness_at(const ident::StiffnessCurve& curve, double tension_N,
-                                  const std::string& file, VerbContext& context);
+/// All cables take tension, EI and EA.
+[[nodiscard]] ident::SceneUse use_of_cables(const model::Scene& scene);
+
+/// The scene with its cables at a tension, and with the EI that the curve, if it is not empty, has
+/// there; warns outside the tested tensions.
+[[nodiscard]] model::Scene cables_at(const model::Scene& scene, double tension_N,
+                                     const ident::StiffnessCurve& curve, const std::string& file,
+                                     VerbContext& context);
 
 }  // namespace rigfit::apps

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <set>
 #include <stdexcept>
-#include <tuple>
 
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_group.h"
@@ -60,18 +59,21 @@ std::vector<std::string> names_of(const std::vector<Named>& all) {
 /// Refuses a parameter name that the scene does not have, at the key that gives it.
 void check_parameter(const model::Scene& scene, const std::string& parameter,
                      const TomlTable& table, const std::string& key) {
-  const auto known = model::parameter_names(scene);
-  if (std::find(known.begin(), known.end(), parameter) != known.end()) return;
   try {
-    static_cast<void>(model::parameter(scene, parameter));  // aliases such as EI_z
-  } catch (const model::SceneError&) {
-    const auto nearest = model::nearest_word(parameter, known);
-    std::string remedy = nearest ? "did you mean \"" + *nearest + "\"?" : "its parameters:";
-    if (!nearest) {
-      for (const auto& name : known) remedy += " " + name;
-    }
-    throw table.error(key, "the scene has no parameter \"" + parameter + "\"", remedy);
+    static_cast<void>(model::parameter(scene, parameter));
+  } catch (const model::SceneError& error) {
+    const auto nearest = model::nearest_word(parameter, model::parameter_names(scene));
+    throw table.error(key, error.problem(),
+                      nearest ? "did you mean \"" + *nearest + "\"?" : error.remedy());
   }
+}
+
+/// The keys of a table inside, if it is there.
+void read_inside(TomlTable& table, const std::string& key, const describe::Options& keys) {
+  if (!table.has(key)) return;
+  TomlTable inside = table.table(key);
+  read_keys(inside, keys);
+  inside.finish();
 }
 
 enum class Blanks { refused, allowed };
@@ -130,11 +132,7 @@ class Reader {
 
   Campaign read() {
     read_keys(root_, keys_of(campaign_));
-    if (root_.has("report")) {
-      TomlTable report = root_.table("report");
-      read_keys(report, keys_of(campaign_.report));
-      report.finish();
-    }
+    read_inside(root_, "report", keys_of(campaign_.report));
     if (root_.has("strand")) read_strand();
     std::set<std::string> scene_names, names;
     for (TomlTable& table : root_.tables_or_empty("scene")) read_scene_entry(table, scene_names);
@@ -165,14 +163,12 @@ class Reader {
   }
 
   void read_strand() {
-    TomlTable table = root_.table("strand");
     auto& strand = campaign_.strand.emplace();
-    read_keys(table, keys_of(strand));
+    read_inside(root_, "strand", keys_of(strand));
     if (strand.element_diameter_m > strand.strand_diameter_m) {
-      throw table.error("wire_diameter", "is larger than the strand's diameter",
-                        "give both in metres");
+      throw root_.table("strand").error("wire_diameter", "is larger than the strand's diameter",
+                                        "give both in metres");
     }
-    table.finish();
   }
 
   void read_scene_entry(TomlTable& table, std::set<std::string>& taken) {
@@ -225,13 +221,6 @@ class Reader {
     }
   }
 
-  static void read_reference(TomlTable& table, CampaignTest& test) {
-    if (!table.has("reference")) return;
-    TomlTable reference = table.table("reference");
-    read_keys(reference, reference_keys_of(test));
-    reference.finish();
-  }
-
   TextTable read_results(TomlTable& table) {
     TextTable results =
         read_text_table(file_of(table, "file", table.string("file"), "a CSV table"));
@@ -261,31 +250,24 @@ class Reader {
     if (table.has("table")) {
       throw table.error("table", "is given beside recordings", "keep one of them");
     }
-    if (table.has("channels")) {
-      TomlTable channels = table.table("channels");
-      read_keys(channels, channel_keys_of(bending));
-      channels.finish();
-    }
+    read_inside(table, "channels", channel_keys_of(bending));
     read_recordings(table, test);
   }
 
   void read_kind(TomlTable& table, CampaignTest& test, AxialTest& axial) {
     read_keys(table, keys_of(axial));
-    axial.complete();
     read_recordings(table, test);
     for (const auto& group : test.recordings) {
       if (group.length_m) continue;
       throw table.error("recording", "a recording of an axial test has no length",
                         "give every [[test.recording]] the length of cable in m");
     }
-    read_reference(table, test);
+    read_inside(table, "reference", reference_keys_of(test));
   }
 
   void read_kind(TomlTable& table, CampaignTest& test, DecayTest& decay) {
     auto& inputs = decay.inputs;
     read_keys(table, keys_of(decay));
-    auto& found = inputs.options.decay;
-    if (decay.band_hz) std::tie(found.band_low_hz, found.band_high_hz) = *decay.band_hz;
     if (table.has("scene")) {
       inputs.scene = scene_use(table, test, inputs.sensors);
       const auto loads = names_of(inputs.scene->scene.loads);
@@ -311,7 +293,7 @@ class Reader {
     if (!tension.measured.empty()) {
       const fs::path file = folder_ / tension.measured;
       campaign_.inputs.push_back(file.string());
-      for (auto& row : read_measured_modes(file, tension.column, plane_named(tension.plane), {})) {
+      for (auto& row : read_measured_modes(file, tension.column, inputs.plane, {})) {
         inputs.modes.push_back(std::move(row.mode));
       }
     }
@@ -326,7 +308,7 @@ class Reader {
       throw table.error("frequencies", "is missing, and there is no recording",
                         "give frequencies = [...], measured = \"table.csv\" or [[test.recording]]");
     }
-    read_reference(table, test);
+    read_inside(table, "reference", reference_keys_of(test));
   }
 
   void read_kind(TomlTable& table, CampaignTest& test, ModalTest& modal) {
@@ -353,13 +335,6 @@ class Reader {
   }
 
   void read_hits(TomlTable& table, CampaignTest& test, ModalTest& modal) const {
-    auto& options = modal.inputs.options;
-    auto& impact = options.hammer.impact;
-    impact.estimator = modal.estimator == "h2"   ? signal::FrfEstimator::h2
-                       : modal.estimator == "hv" ? signal::FrfEstimator::hv
-                                                 : signal::FrfEstimator::h1;
-    if (modal.force_window_s > 0) impact.force_window_s = modal.force_window_s;
-    if (modal.max_order > 0) options.modal.lscf.max_order = modal.max_order;
     if (!modal.direction.empty()) {
       const Eigen::Vector3d direction(modal.direction.data());
       if (!(direction.norm() > 0)) {

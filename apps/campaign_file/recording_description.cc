@@ -1,11 +1,18 @@
 #include "apps/campaign_file/recording_description.h"
 
+#include <fmt/format.h>
+
 #include <system_error>
 #include <vector>
 
 #include "apps/cli/at_hand.h"
 #include "apps/cli/progress.h"
+#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/files/mapped_file.h"
+#include "signal/readers/files/read_formats.h"
+#include "signal/readers/read_frfs.h"
 #include "signal/readers/read_recording.h"
+#include "signal/readers/uff/read_uff.h"
 #include "signal/recording/recording_time.h"
 
 namespace rigfit::apps {
@@ -53,7 +60,35 @@ signal::Recording load_recording(const fs::path& path, VerbContext& context,
   return recording;
 }
 
+std::optional<signal::Recording> over_frequency(const std::string& path,
+                                                const signal::ReadOptions& reading) {
+  const signal::MappedFile file(path);
+  signal::Recording functions;
+  const auto format = signal::format_of(file.bytes());
+  if (format == signal::RecordingFormat::uff) {
+    functions = signal::read_uff_functions(file.bytes(), path);
+    if (functions.sample_rate_hz > 0 || functions.time_s.size() > 0) return std::nullopt;
+  } else if (format == signal::RecordingFormat::csv && !signal::foreign_format(file.bytes())) {
+    auto table = signal::frequency_table_in(file.bytes(), path, reading);
+    if (!table) return std::nullopt;
+    functions.path = path;
+    functions.format = "csv";
+    functions.channels = std::move(table->functions);
+    functions.notes = std::move(table->notes);
+    const auto& f = table->frequency_hz;
+    functions.notes.push_back({"not_a_time_history",
+                               fmt::format("spectra or FRFs, {:.6g} to {:.6g} Hz in {} lines", f[0],
+                                           f[f.size() - 1], f.size()),
+                               ""});
+  }
+  if (functions.channels.empty()) return std::nullopt;
+  return functions;
+}
+
 const signal::Channel& chosen_channel(const signal::Recording& recording, const std::string& name) {
+  if (!(recording.sample_rate_hz > 0)) {
+    throw UsageError(recording.path.string() + " gives no sample rate: say it with --sample-rate");
+  }
   if (!name.empty()) return recording.channel(name);
   if (recording.channels.size() == 1) return recording.channels.front();
   throw UsageError(recording.path.string() + ": name the channel with --channel; there are: " +

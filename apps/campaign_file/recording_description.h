@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "apps/cli/verb_context.h"
@@ -24,8 +25,12 @@ using signal::RecordingDescription;
 [[nodiscard]] signal::Recording load_untold(const std::filesystem::path& path, VerbContext& context,
                                             const RecordingDescription& given = {});
 
+/// Spectra and FRFs of a UFF file or a table, which are not over time; empty: the file has none.
+[[nodiscard]] std::optional<signal::Recording> over_frequency(const std::string& path,
+                                                              const signal::ReadOptions& reading);
+
 /// The channel `name`; without a name that of a recording with one channel only. Throws UsageError
-/// when the choice is open.
+/// when the choice is open or the sample rate is not known.
 [[nodiscard]] const signal::Channel& chosen_channel(const signal::Recording& recording,
                                                     const std::string& name);
 

@@ -11,12 +11,12 @@
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/campaign_file/recording_description.h"
+#include "apps/cli/at_hand.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/named_numbers.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/scene_use.h"
-#include "model/scene/read_scene.h"
 #include "model/scene/scene.h"
 #include "model/scene/scene_error.h"
 #include "model/scene/sensor_quantity.h"
@@ -51,8 +51,7 @@ class StateReader {
           "has universal files, one for each of them before these");
     }
     if (!data.stiffness.empty()) {
-      context.input(data.stiffness);
-      result_.stiffness = read_stiffness_curve(data.stiffness);
+      result_.stiffness = read_stiffness_curve(data.stiffness, context);
       if (result_.stiffness.empty()) throw Refused(data.stiffness + " holds no EI over tension");
     }
     for (const auto& scene : data.scenes) several_ = several_ || scene != data.scenes.front();
@@ -94,7 +93,8 @@ class StateReader {
       if (result_.scene_files[s] == scene_file && result_.tension[s] == tension) return s;
     }
     ident::UpdateState state;
-    state.scene = scene;
+    state.scene =
+        tension ? cables_at(scene, *tension, result_.stiffness, data_.stiffness, context_) : scene;
     result_.segments.emplace_back();
     for (auto& member : state.scene.members) {
       result_.segments.back().push_back(member.segments);
@@ -103,13 +103,6 @@ class StateReader {
     if (several_) state.name = std::filesystem::path(scene_file).stem().string();
     if (tension) {
       state.name += fmt::format("{}{:g} N", state.name.empty() ? "" : ", ", *tension);
-      for (const auto& member : scene.members) {
-        if (member.kind != model::Member::Kind::cable) continue;
-        model::set_parameter(state.scene, member.name + ".tension", *tension);
-        if (result_.stiffness.empty()) continue;
-        model::set_parameter(state.scene, member.name + ".EI",
-                             stiffness_at(result_.stiffness, *tension, data_.stiffness, context_));
-      }
     }
     result_.states.push_back(std::move(state));
     result_.scene_files.push_back(scene_file);
@@ -126,10 +119,7 @@ class StateReader {
     clock = std::max(clock, relative_std);
   }
 
-  model::Scene scene_for(std::size_t file) {
-    context_.input(scene_of(file));
-    return model::read_scene(scene_of(file));
-  }
+  model::Scene scene_for(std::size_t file) { return apps::scene_of(scene_of(file), context_); }
 
   void read_modes(const std::string& path, std::size_t file) {
     const model::Scene scene = scene_for(file);
@@ -139,13 +129,15 @@ class StateReader {
     std::size_t taken = 0;
     for (const auto& row : measured_modes(path, data_.column, plane_of(file), scene, context_)) {
       const double f = row.mode.frequency_hz.value;
-      if (universal && data_.band_hz && (f < data_.band_hz->first || f > data_.band_hz->second)) {
-        continue;
-      }
+      if (universal && !in_band(f)) continue;
       add(state_at(scene_of(file), scene, universal ? stated : row.tension_N), row.mode);
       ++taken;
     }
     if (taken == 0) throw UsageError(path + " has no mode within --band");
+  }
+
+  bool in_band(double f) const {
+    return f >= data_.band_low_hz && (data_.band_high_hz == 0 || f <= data_.band_high_hz);
   }
 
   static double sign_of(int direction, const Eigen::Vector3d& along) {
@@ -175,8 +167,7 @@ class StateReader {
     add_clock(at, set.sample_rate_relative_std);
     auto& state = result_.states[at];
     signal::ModalOptions options;
-    if (data_.band_hz)
-      options.low_hz = data_.band_hz->first, options.high_hz = data_.band_hz->second;
+    options.low_hz = data_.band_low_hz, options.high_hz = data_.band_high_hz;
     const auto modal = [&] {
       try {
         return signal::identify_modes(set, options);
@@ -204,13 +195,9 @@ class StateReader {
     for (std::size_t r = 0; r < sensors.size(); ++r) {
       const auto form = form_of(scene.sensors[sensors[r].first].quantity, path);
       const signal::FrfSet same = set.form == form ? set : signal::converted(set, form);
-      const double low = data_.band_hz ? data_.band_hz->first : 0;
-      const double high =
-          data_.band_hz ? data_.band_hz->second : std::numeric_limits<double>::infinity();
       std::vector<Eigen::Index> lines;
       for (Eigen::Index k = 0; k < same.frequency_hz.size(); ++k) {
-        const double f = same.frequency_hz[k];
-        if (f > 0 && f >= low && f <= high) lines.push_back(k);
+        if (same.frequency_hz[k] > 0 && in_band(same.frequency_hz[k])) lines.push_back(k);
       }
       for (std::size_t i = 0; i < loads.size(); ++i) {
         const auto column = same.column(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(i));
@@ -253,16 +240,9 @@ class StateReader {
   void read_decay(const std::string& path, std::size_t file, std::optional<double> tension) {
     const model::Scene scene = scene_for(file);
     const auto recording = load_recording(path, context_);
-    if (data_.decay_channel.empty() && recording.channels.size() != 1) {
-      throw UsageError(path + " has several channels: name one with --channel");
-    }
-    const auto& channel = data_.decay_channel.empty() ? recording.channels.front()
-                                                      : recording.channel(data_.decay_channel);
-    if (!(recording.sample_rate_hz > 0)) throw UsageError(path + " gives no sample rate");
+    const auto& channel = chosen_channel(recording, data_.decay_channel);
     signal::DecayOptions options;
-    if (data_.band_hz) {
-      options.band_low_hz = data_.band_hz->first, options.band_high_hz = data_.band_hz->second;
-    }
+    options.band_low_hz = data_.band_low_hz, options.band_high_hz = data_.band_high_hz;
     const auto decay = signal::estimate_decay(channel.samples, recording.sample_rate_hz, options);
     if (!decay.refusal.empty()) throw Refused(path + ": " + decay.refusal);
     const std::size_t at = state_at(scene_of(file), scene, tension);
@@ -324,26 +304,30 @@ bool has_parameter(const model::Scene& scene, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-template <typename Function>
-void for_each_cable(const UpdateStates& states, Function function) {
-  for (std::size_t s = 0; s < states.states.size(); ++s) {
-    for (const auto& member : states.states[s].scene.members) {
-      if (member.kind == model::Member::Kind::cable) function(s, member);
-    }
+/// Known values as inputs that move the cables of all states together.
+std::vector<ident::UncertainInput> known_inputs(const ident::KnownValues& known,
+                                                const UpdateStates& states) {
+  std::vector<ident::SceneUse> uses;
+  for (const auto& state : states.states) uses.push_back(use_of_cables(state.scene));
+  std::vector<ident::StateUse> of_states;
+  for (std::size_t s = 0; s < uses.size(); ++s) {
+    of_states.push_back({static_cast<int>(s), &uses[s], states.tension[s]});
   }
+  return ident::known_inputs(known, of_states);
 }
 
 // The effects of a state's tension being off by `std`.
 void add_tension(const UpdateStates& states, std::size_t state, double std, bool relative,
                  std::vector<Effect>& effects) {
-  for_each_cable(states, [&](std::size_t s, const model::Member& member) {
-    if (s != state || !member.tension) return;
+  const auto& tension = states.tension[state];
+  for (const auto& member : states.states[state].scene.members) {
+    if (member.kind != model::Member::Kind::cable || !member.tension) continue;
     const double change = relative ? std * *member.tension : std;
-    effects.push_back({static_cast<int>(s), member.name + ".tension", change});
-    if (states.stiffness.empty() || !states.tension[s]) return;
-    const double slope = states.stiffness.at(*states.tension[s]).slope_m2;
-    effects.push_back({static_cast<int>(s), member.name + ".EI", slope * change});
-  });
+    effects.push_back({static_cast<int>(state), member.name + ".tension", change});
+    if (states.stiffness.empty() || !tension) continue;
+    const double slope = states.stiffness.at(*tension).slope_m2;
+    effects.push_back({static_cast<int>(state), member.name + ".EI", slope * change});
+  }
 }
 
 void add_targets(const InputText& input, const UpdateStates& states, std::size_t state,
@@ -391,15 +375,7 @@ std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::strin
     if (!all.effects.empty()) inputs.push_back(std::move(all));
   }
   if (states.stiffness.empty()) return inputs;
-  std::vector<ident::SceneUse> uses(states.states.size());
-  for_each_cable(states, [&](std::size_t s, const model::Member& member) {
-    if (states.tension[s]) uses[s].EI_of.push_back(member.name + ".EI");
-  });
-  std::vector<ident::StateUse> of_states;
-  for (std::size_t s = 0; s < uses.size(); ++s) {
-    of_states.push_back({static_cast<int>(s), &uses[s], states.tension[s]});
-  }
-  for (auto& input : ident::known_inputs({states.stiffness, {}}, of_states)) {
+  for (auto& input : known_inputs({states.stiffness, {}}, states)) {
     inputs.push_back(std::move(input));
   }
   return inputs;
@@ -415,18 +391,10 @@ std::vector<ident::UncertainInput> axial_inputs(const std::string& path, UpdateS
                             "give --length-std and --mass-std to rigfit axial");
   }
   const ident::KnownValues known{{}, ident::AxialKnowledge{EA_N, {}}};
-  std::vector<ident::SceneUse> uses(states.states.size());
-  std::vector<ident::StateUse> of_states;
-  for (std::size_t s = 0; s < uses.size(); ++s) {
-    auto& scene = states.states[s].scene;
-    for (const auto& member : scene.members) {
-      if (member.kind == model::Member::Kind::cable) uses[s].EA_of.push_back(member.name + ".EA");
-    }
-    uses[s].scene = scene;
-    scene = ident::scene_at(uses[s], known, {}).scene;
-    of_states.push_back({static_cast<int>(s), &uses[s], {}});
+  for (auto& state : states.states) {
+    state.scene = ident::scene_at(use_of_cables(state.scene), known, {}).scene;
   }
-  return ident::known_inputs(known, of_states);
+  return known_inputs(known, states);
 }
 
 ident::FreeParameter free_parameter(std::string text) {

@@ -4,7 +4,6 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "apps/cli/verb.h"
@@ -26,7 +25,7 @@ struct UpdateData {
   std::string decay_channel;
   std::string stiffness;  ///< table of tension_N, EI_Nm2, or JSON result of bending tests
   int segments = 0;       ///< segments in every member while fitting; 0: the scene's
-  std::optional<std::pair<double, double>> band_hz;  ///< of FRFs, decays, universal files
+  double band_low_hz = 0, band_high_hz = 0;  ///< of FRFs, decays, universal files; 0: no end
 };
 
 struct UpdateStates {

@@ -1,5 +1,6 @@
 #include "apps/cli/json_document.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -9,46 +10,41 @@
 namespace rigfit::apps {
 namespace {
 
+Json finding_json(const Finding& one) {
+  return {{"code", one.code}, {"message", one.message}, {"where", one.where}};
+}
+
+Json list_json(const std::vector<Finding>& findings) {
+  Json all = Json::array();
+  for (const auto& one : findings) all.push_back(finding_json(one));
+  return all;
+}
+
 /// Why the run ends with another exit code than 0: the finding that ended it.
 Json error_json(const VerbContext& context) {
   const bool refused = context.exit_code == ExitCode::refused;
-  Json error{{"exit_code", static_cast<int>(context.exit_code)},
-             {"code", refused ? "refused" : "not_converged"},
-             {"message", ""},
-             {"where", ""}};
-  for (const auto& warning : context.warnings()) {
-    if (refused ? !warning.refused : warning.code != "not_converged") continue;
-    error["code"] = warning.code;
-    error["message"] = warning.message;
-    error["where"] = warning.where;
-    break;
-  }
+  const auto& all = context.warnings();
+  const auto why = std::find_if(all.begin(), all.end(), [&](const Finding& one) {
+    return refused ? one.refused : one.code == "not_converged";
+  });
+  Json error{{"exit_code", static_cast<int>(context.exit_code)}};
+  error.update(
+      finding_json(why != all.end() ? *why : Finding{refused ? "refused" : "not_converged", ""}));
   return error;
 }
 
 }  // namespace
 
 Json json_document(const VerbContext& context, const std::string& verb, Json result) {
-  Json document;
-  document["rigfit"] = RIGFIT_VERSION;
-  document["command"] = verb;
-  Json inputs = Json::array();
   context.check_inputs();
+  Json document{{"rigfit", RIGFIT_VERSION}, {"command", verb}, {"inputs", Json::array()}};
   for (const auto& input : context.inputs()) {
-    inputs.push_back({{"path", input.path}, {"sha256", input.sha256}});
+    document["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
   }
-  document["inputs"] = std::move(inputs);
-  const auto list = [](const std::vector<Finding>& findings) {
-    Json all = Json::array();
-    for (const auto& one : findings) {
-      all.push_back({{"code", one.code}, {"message", one.message}, {"where", one.where}});
-    }
-    return all;
-  };
-  document["warnings"] = list(context.warnings());
-  document["notes"] = list(context.notes());
+  document["warnings"] = list_json(context.warnings());
+  document["notes"] = list_json(context.notes());
   if (context.exit_code != ExitCode::done) document["error"] = error_json(context);
-  for (auto& [key, value] : result.items()) document[key] = std::move(value);
+  document.update(result);
   return document;
 }
 

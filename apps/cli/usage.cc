@@ -38,7 +38,6 @@ bool by_place(const Option& option) { return !option.name.starts_with("--"); }
 
 /// "--length L ...", "FILE ...", "--band X X", "--frame-stiffness X|rigid".
 std::string synopsis(const Option& option) {
-  const std::string kind = option.kind();
   std::string text = option.name;
   if (by_place(option)) {
     if (!option.value_name.empty()) text = option.value_name;
@@ -46,16 +45,17 @@ std::string synopsis(const Option& option) {
   } else if (!option.value_name.empty()) {
     text += " " + option.value_name;
   } else if (!option.words.empty()) {
-    text += fmt::format(" {}{}", kind == "number" ? "X|" : "", fmt::join(option.words, "|"));
-  } else if (kind == "numbers" && option.numbers > 0) {
-    for (int k = 0; k < option.numbers; ++k) text += " X";
-  } else if (kind != "flag") {
-    text += option.is_written || option.is_file ? " FILE"
-            : kind == "integer"                 ? " N"
-            : kind[0] == 'n'                    ? " X"
-                                                : " WORD";
+    text += fmt::format(" {}{}", option.kind == describe::Kind::number ? "X|" : "",
+                        fmt::join(option.words, "|"));
+  } else if (option.kind != describe::Kind::flag) {
+    const char* const value =
+        option.is_written || option.is_file                                               ? " FILE"
+        : option.kind == describe::Kind::integer                                          ? " N"
+        : option.kind == describe::Kind::number || option.kind == describe::Kind::numbers ? " X"
+                                                                                          : " WORD";
+    for (int k = 0; k < std::max(1, option.numbers); ++k) text += value;
   }
-  return (kind == "numbers" || kind == "texts") && option.numbers == 0 ? text + " ..." : text;
+  return option.is_list() && option.numbers == 0 ? text + " ..." : text;
 }
 
 /// The meaning with limits and default in brackets; of a key of a file also its words.
@@ -65,7 +65,9 @@ std::string meaning(const Option& option, bool key) {
     more.push_back(fmt::format("\"{}\"", fmt::join(option.words, "\", \"")));
   }
   if (option.is_required && (key || !by_place(option))) more.emplace_back("required");
-  if (std::isfinite(option.highest)) more.push_back(range_text(option).substr(5));
+  if (std::isfinite(option.highest)) {
+    more.push_back(fmt::format("{:g} to {:g}", option.lowest, option.highest));
+  }
   if (const auto value = option.default_text(); !value.empty()) more.push_back("default " + value);
   for (const auto& other : option.only_with) {
     if (key) more.push_back("with " + other);
@@ -234,23 +236,18 @@ std::size_t text_width() {
 
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t width) {
   std::string result;
-  std::size_t column = 0;
   std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line); column = 0) {
+  for (std::string line; std::getline(lines, line);) {
     if (!result.empty()) result += '\n';
-    const bool kept = indent == 0 && line.starts_with(' ');
-    std::size_t at = 0;
-    while (!kept && line.size() - at > width - column) {
+    while (line.size() > width && (indent > 0 || !line.starts_with(' '))) {
       // What stands before the indentation is never parted from its text.
-      const std::size_t least = at + (at == 0 && indent > 0 ? indent : 1);
-      std::size_t cut = line.rfind(' ', at + width - column);
-      if (cut == std::string::npos || cut < least) cut = line.find(' ', least);
+      std::size_t cut = line.rfind(' ', width);
+      if (cut == std::string::npos || cut <= indent) cut = line.find(' ', indent + 1);
       if (cut == std::string::npos) break;
-      result += line.substr(at, cut - at) + '\n' + std::string(indent, ' ');
-      column = indent;
-      at = cut + 1;
+      result += line.substr(0, cut) + '\n';
+      line = std::string(indent, ' ') + line.substr(cut + 1);
     }
-    result += line.substr(at);
+    result += line;
   }
   return result;
 }

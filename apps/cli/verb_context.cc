@@ -47,13 +47,15 @@ ExitCode exit_code_of(const std::exception& error) {
   if (const auto* ended = dynamic_cast<const Ended*>(&error)) return ended->exit_code;
   if (dynamic_cast<const signal::RecordingError*>(&error)) return ExitCode::bad_input;
   if (dynamic_cast<const document::DocumentError*>(&error)) return ExitCode::bad_input;
+  if (dynamic_cast<const std::invalid_argument*>(&error)) return ExitCode::wrong_usage;
   return ExitCode::fault;
 }
 
 void VerbContext::warn(std::string code, std::string message, std::string where) {
   const bool note = is_note(code);
-  if (!note) unsaid_.push_back(warnings_.size());
-  (note ? notes_ : warnings_).push_back({std::move(code), std::move(message), std::move(where)});
+  auto& list = note ? notes_ : warnings_;
+  list.push_back({std::move(code), std::move(message), std::move(where)});
+  if (!note) unsaid_.push_back(list.back());
 }
 
 void VerbContext::end(ExitCode code, const char* word, Finding why) {
@@ -75,11 +77,8 @@ void VerbContext::fail(std::string message, std::string where) {
 
 void VerbContext::say_warnings() const {
   if (quiet || silent) return;
-  std::vector<Finding> unsaid;
-  unsaid.reserve(unsaid_.size());
-  for (const std::size_t k : unsaid_) unsaid.push_back(warnings_[k]);
-  if (!unsaid.empty()) Progress::erase();
-  for (const auto& line : warning_lines(unsaid, verbose ? unsaid.size() : 5)) {
+  if (!unsaid_.empty()) Progress::erase();
+  for (const auto& line : warning_lines(unsaid_, verbose ? unsaid_.size() : 5)) {
     std::cerr << "warning: " << line << '\n';
   }
   if (!verbose) return;

@@ -80,7 +80,7 @@ class VerbContext {
   void say_warnings() const;
 
   std::vector<Finding> warnings_, notes_;
-  std::vector<std::size_t> unsaid_;  ///< places of warnings to be said at the end
+  std::vector<Finding> unsaid_;  ///< warnings to be said at the end
   std::vector<Input> inputs_;
   std::unordered_set<std::string> known_;
 };

@@ -40,6 +40,16 @@ concept matrix = requires {
 }
 &&!M::IsVectorAtCompileTime;
 
+/// What an optional value holds, or the value's own type.
+template <class M>
+struct Held {
+  using type = M;
+};
+template <class M>
+struct Held<std::optional<M>> {
+  using type = M;
+};
+
 [[nodiscard]] inline Json number_json(double x) {
   return std::isfinite(x) ? Json(x) : Json(nullptr);
 }

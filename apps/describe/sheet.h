@@ -67,16 +67,6 @@ void print(std::ostream& out, const Sheet& sheet);
 template <class M>
 inline constexpr bool single = !described<M> && !list<M> && !matrix<M>;
 
-/// What an optional value holds, or the value's own type.
-template <class M>
-struct Held {
-  using type = M;
-};
-template <class M>
-struct Held<std::optional<M>> {
-  using type = M;
-};
-
 /// In a table the unit stands in the head, else behind the value.
 template <class M>
 [[nodiscard]] std::string text_of(const M& x, std::string_view unit, int digits, bool in_table) {

@@ -9,9 +9,12 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "apps/describe/option.h"
 
 namespace rigfit::apps {
 
@@ -44,6 +47,12 @@ struct TextTable {
   [[nodiscard]] double number(const Row& row, const std::string& title) const;
   [[nodiscard]] std::string text(const Row& row, const std::string& title) const;
 };
+
+/// Fills options from the cells of a row, by their names as titles; a blank keeps the default. A
+/// list is the numbers or words of a cell, and of the cells under `more`. Throws model::SceneError
+/// with line and title.
+void fill_row(const TextTable& table, const TextTable::Row& row, const describe::Options& options,
+              const std::map<std::string, std::vector<std::size_t>>& more = {});
 
 /// Every row has a cell for each column; what is absent at its end is blank. Throws
 /// model::SceneError for what is no such table.

@@ -74,7 +74,6 @@ void PlotSheet::add(Block block) {
 }
 
 describe::Options options_of(PlotCommand& c) {
-  using describe::option;
   return {option("--plot", c.file,
                  "Draw the result: an interactive page (.html) or a picture (.svg, .png)")
               .writes()

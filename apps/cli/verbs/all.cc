@@ -19,6 +19,14 @@ Verbs all_verbs() {
   return verbs;
 }
 
+void write_result(const std::string& file, const std::function<std::string()>& content,
+                  const char* what, const char* key, Json& result, VerbContext& context) {
+  if (file.empty()) return;
+  context.write(file, content());
+  context.out << what << ": " << file << '\n';
+  result[key] = file;
+}
+
 void warn_of_mass(const model::Scene& scene, const std::string& file, VerbContext& context) {
   const double strain = model::undecided_mass(scene);
   if (strain == 0) return;

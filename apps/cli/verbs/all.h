@@ -28,6 +28,10 @@ Verb synthesize_verb();
 Verb tension_verb();
 Verb update_verb();
 
+/// Writes a file of results where one is asked for, and names it in the text and the document.
+void write_result(const std::string& file, const std::function<std::string()>& content,
+                  const char* what, const char* key, Json& result, VerbContext& context);
+
 /// Warns where the cables' mass per length may be that of two states that differ.
 void warn_of_mass(const model::Scene& scene, const std::string& file, VerbContext& context);
 

@@ -48,19 +48,14 @@ std::vector<double> length_of_each_file(const AxialCommand& c) {
 
 Json run(AxialCommand& command, VerbContext& context) {
   const auto lengths = length_of_each_file(command);
-  command.test.complete();
   auto& inputs = command.test.inputs;
   inputs.threads = context.threads;
   double slowest = HUGE_VAL;
   for (std::size_t i = 0; i < command.files.size(); ++i) {
     signal::Recording recording = load_recording(command.files[i], context);
     (void)chosen_channel(recording, inputs.channel);
+    slowest = std::min(slowest, recording.sample_rate_hz);
     const std::string name = recording.path.string();
-    const double rate = recording.sample_rate_hz;
-    if (!(rate > 0)) {
-      throw UsageError(name + " gives no sample rate: say it with --sample-rate");
-    }
-    slowest = std::min(slowest, rate);
     inputs.recordings.push_back({name, std::move(recording), lengths[i]});
   }
   if (inputs.band_low_hz >= 0.5 * slowest) {
@@ -79,7 +74,6 @@ Json run(AxialCommand& command, VerbContext& context) {
 }
 
 describe::Options options_of(AxialCommand& c) {
-  using describe::option;
   describe::Options options{
       option("FILE", c.files, "Recordings of the tension (or motion) after an impulse").required(),
       option("--length", c.lengths, "Cable length, m: for all, each file, or each group of files")

@@ -61,7 +61,6 @@ Json run(BenchCommand& options, VerbContext& context) {
 }
 
 describe::Options options_of(BenchCommand& c) {
-  using describe::option;
   return {option("scene", c.scene, "Scene file (TOML); without: a released cable"),
           option("--duration", c.duration_s, "Seconds of motion").within(0.01, 1000.0),
           option("--quick", c.quick,

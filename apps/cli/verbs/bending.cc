@@ -82,7 +82,6 @@ Json run(BendingCommand& command, VerbContext& context) {
 }
 
 describe::Options options_of(BendingCommand& c) {
-  using describe::option;
   describe::Options options{
       option("FILE", c.files,
              "Records or tables with tension, load and deflection, or tables of tension and EI "

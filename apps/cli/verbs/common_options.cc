@@ -1,66 +1,53 @@
 #include "apps/cli/verbs/common_options.h"
 
+#include <algorithm>
+#include <thread>
+
 #include "signal/readers/recording_description.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::apps {
 
-describe::Options options_of(CommonOptions& c) {
-  using describe::option;
-  return {option("--json", c.json, "Write the result as JSON; '-': to standard output").writes(),
-          option("--quiet", c.quiet, "Print errors only"),
-          option("--verbose", c.verbose, "Print every warning, and the notes"),
-          option("--threads", c.threads,
-                 "Threads to use (all processors); the numbers do not depend on it")
-              .within(1, 1024),
-          option("--seed", c.seed, "Seed of every random number").from_zero()};
+describe::Options options_of(signal::ReadOptions& c) {
+  const auto take_unit = [&c](const std::string& text) {
+    if (const auto unit = signal::parse_unit(text)) c.time_unit_s = unit->factor;
+  };
+  return {option("--sample-rate", c.sample_rate_hz, "Of files that give none", "Hz").positive(),
+          option("--format", c.format, "Format of the files, where their content misleads")
+              .one_of(signal::format_names()),
+          converted(
+              "--decimal", [&c](const auto& text) { c.decimal = signal::sign_named(text); },
+              "Decimal sign of tables")
+              .one_of({"point", "comma", ".", ","})
+              .type("point|comma"),
+          converted(
+              "--separator", [&c](const auto& text) { c.separator = signal::sign_named(text); },
+              "Between columns of tables")
+              .one_of({"comma", "semicolon", "tab", "blank", "space", "\\t", ",", ";", "\t", " "})
+              .type("comma|semicolon|tab|blank"),
+          converted("--time-unit", take_unit, "Unit of the time column")
+              .one_of({"s", "ms", "us", "min"}),
+          option("--variable", c.variables, "Arrays to take of .mat files"),
+          option("--sheet", c.sheet, "Sheet of .xlsx files (the first), or its number as #2")};
 }
 
-describe::Options options_of(ReadingOptions& c) {
-  using describe::option;
-  return {
-      option("--sample-rate", c.reading.sample_rate_hz, "Of files that give none", "Hz").positive(),
-      option("--format", c.reading.format, "Format of the files, where their content misleads")
-          .one_of(signal::format_names()),
-      option("--decimal", c.decimal, "Decimal sign of tables")
-          .one_of({"point", "comma", ".", ","})
-          .type("point|comma"),
-      option("--separator", c.separator, "Between columns of tables")
-          .one_of({"comma", "semicolon", "tab", "blank", "space", "\\t", ",", ";", "\t", " "})
-          .type("comma|semicolon|tab|blank"),
-      option("--time-unit", c.time_unit, "Unit of the time column")
-          .one_of({"s", "ms", "us", "min"}),
-      option("--variable", c.reading.variables, "Arrays to take of .mat files"),
-      option("--sheet", c.reading.sheet, "Sheet of .xlsx files (the first), or its number as #2")};
-}
-
-signal::ReadOptions read_options(const ReadingOptions& given) {
-  signal::ReadOptions options = given.reading;
-  if (!given.decimal.empty()) options.decimal = signal::sign_named(given.decimal);
-  if (!given.separator.empty()) options.separator = signal::sign_named(given.separator);
-  if (const auto unit = signal::parse_unit(given.time_unit); !given.time_unit.empty() && unit) {
-    options.time_unit_s = unit->factor;
-  }
-  return options;
-}
-
-describe::Options SharedOptions::options(bool reads, bool draws) {
+describe::Options SharedOptions::options(VerbContext& context, bool reads, bool draws) {
+  context.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   describe::Options all;
   const auto add = [&](const char* heading, const describe::Options& more) {
     for (auto one : more) all.push_back(one.group(heading));
   };
-  if (reads) add("Reading", options_of(reading));
-  add("Common", options_of(common));
+  if (reads) add("Reading", options_of(context.reading));
+  add("Common",
+      {option("--json", json, "Write the result as JSON; '-': to standard output").writes(),
+       option("--quiet", context.quiet, "Print errors only"),
+       option("--verbose", context.verbose, "Print every warning, and the notes"),
+       option("--threads", context.threads,
+              "Threads to use (all processors); the numbers do not depend on it")
+           .within(1, 1024),
+       option("--seed", context.seed, "Seed of every random number").from_zero()});
   if (draws) add("Common", options_of(plots));
   return all;
-}
-
-void SharedOptions::apply(VerbContext& context) const {
-  context.quiet = common.quiet;
-  context.verbose = common.verbose;
-  context.threads = common.threads;
-  context.seed = common.seed;
-  context.reading = read_options(reading);
 }
 
 }  // namespace rigfit::apps

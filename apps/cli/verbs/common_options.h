@@ -1,11 +1,7 @@
 // Options of every verb, and of those that read recordings.
 #pragma once
 
-#include <algorithm>
-#include <cstdint>
 #include <string>
-#include <thread>
-#include <vector>
 
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verb_context.h"
@@ -14,34 +10,16 @@
 
 namespace rigfit::apps {
 
-struct CommonOptions {
-  std::string json;
-  bool quiet = false, verbose = false;
-  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  std::uint64_t seed = 1;
-};
-
-[[nodiscard]] describe::Options options_of(CommonOptions& common);
-
 /// What a person says of every recording of a run, as in the TOML file beside it.
-struct ReadingOptions {
-  signal::ReadOptions reading;
-  std::string decimal, separator, time_unit;  ///< into `reading`, by read_options
-};
-[[nodiscard]] describe::Options options_of(ReadingOptions& given);
+[[nodiscard]] describe::Options options_of(signal::ReadOptions& reading);
 
-[[nodiscard]] signal::ReadOptions read_options(const ReadingOptions& given);
-
-/// What stands beside a verb's own options.
+/// What stands beside a verb's own options; most of it goes straight into the context of the run.
 struct SharedOptions {
-  CommonOptions common;
-  ReadingOptions reading;
+  std::string json;
   PlotCommand plots;
 
   /// For a verb that reads recordings, that draws.
-  [[nodiscard]] describe::Options options(bool reads, bool draws);
-  /// But for the figures.
-  void apply(VerbContext& context) const;
+  [[nodiscard]] describe::Options options(VerbContext& context, bool reads, bool draws);
 };
 
 }  // namespace rigfit::apps

@@ -3,9 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <optional>
-#include <tuple>
-
 #include "apps/campaign_file/recording_description.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/plots/plot_option.h"
@@ -18,9 +15,7 @@ namespace {
 
 struct DecayCommand {
   std::string file, channel;  ///< name or "#number"; may be empty where there is one
-  std::optional<double> start_s, end_s;
-  describe::Band band_hz;
-  bool each = false;
+  ident::DecayTestOptions options;
 };
 
 constexpr const char* kDecayExample = R"(Example:
@@ -35,31 +30,19 @@ modes outside are fitted but not reported.)";
 
 ident::DecayTest run_decay_test(const signal::Recording& recording, const signal::Channel& channel,
                                 const DecayCommand& command) {
-  ident::DecayTestOptions options;
-  options.start_s = command.start_s, options.end_s = command.end_s, options.each = command.each;
   const double nyquist = 0.5 * recording.sample_rate_hz;
-  if (command.band_hz) {
-    std::tie(options.decay.band_low_hz, options.decay.band_high_hz) = *command.band_hz;
-    if (!(options.decay.band_low_hz < nyquist)) {
-      throw UsageError(fmt::format("--band must begin below half the sample rate, {} Hz", nyquist));
-    }
+  if (!(command.options.decay.band_low_hz < nyquist)) {
+    throw UsageError(fmt::format("--band must begin below half the sample rate, {} Hz", nyquist));
   }
   signal::Recording one = recording;
   one.channels = {channel};
-  try {
-    return ident::run_decay_test(one, options);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(std::string("--start, --end: ") + error.what());
-  }
+  return ident::run_decay_test(one, command.options);
 }
 
 Json run(DecayCommand& command, VerbContext& context) {
   const signal::Recording recording = load_recording(command.file, context);
   command.file = recording.path.string();
   const auto& channel = chosen_channel(recording, command.channel);
-  if (!(recording.sample_rate_hz > 0)) {
-    throw UsageError(command.file + " gives no sample rate: say it with --sample-rate");
-  }
   const auto test = run_decay_test(recording, channel, command);
   const auto tell = [&](std::vector<ident::Finding> findings) {
     for (auto& f : findings) f.where = command.file + (f.where.empty() ? "" : ": " + f.where);
@@ -88,15 +71,15 @@ Json run(DecayCommand& command, VerbContext& context) {
 }
 
 describe::Options options_of(DecayCommand& c) {
-  using describe::option;
   return {
       option("file", c.file, "Recording").required(),
       option("--channel", c.channel, "Name or #number; may be left out where there is one"),
-      option("--start", c.start_s, "Fit from this time on, s (default: found)"),
-      option("--end", c.end_s, "Use nothing after this time", "s"),
-      option("--band", c.band_hz, "Report modes between these"),
+      option("--start", c.options.start_s, "Fit from this time on, s (default: found)"),
+      option("--end", c.options.end_s, "Use nothing after this time", "s"),
+      band("--band", c.options.decay.band_low_hz, c.options.decay.band_high_hz,
+           "Report modes between these"),
       option(
-          "--each", c.each,
+          "--each", c.options.each,
           "Fit every decay of the record and pool their modes: mean, and scatter between decays")};
 }
 

@@ -86,7 +86,6 @@ Json run(ExportOptions& options, VerbContext& context) {
 }
 
 describe::Options options_of(ExportOptions& c) {
-  using describe::option;
   return {
       option("scene", c.scene, "Scene file (TOML)").required(),
       option("--calculix", c.calculix,

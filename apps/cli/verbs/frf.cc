@@ -98,7 +98,7 @@ Json run(FrfCommand& options, VerbContext& context) {
               {"frf_form", name_of(frfs.form)},
               {"units", frfs.unit},
               {"amplitudes", frfs.averages > 0 && hammer.amplitudes},
-              {"estimator", options.impact.estimator},
+              {"estimator", name_of(options.impact.hammer.impact.estimator)},
               {"force", hammer.force}};
   if (frfs.averages == 0) return result;
   result["usable_hz"] = hammer.usable_hz;
@@ -115,21 +115,14 @@ Json run(FrfCommand& options, VerbContext& context) {
   } else if (!hammer.driving_points.empty()) {
     result["driving_point"] = describe::json_of(hammer.driving_points.front().check);
   }
-  if (!options.out.empty()) {
-    context.write(options.out, signal::uff_text(frfs, signal::UffEncoding::binary));
-    result["out"] = options.out;
-    context.out << "FRFs, coherence and error bars: " << options.out << '\n';
-  }
-  if (!options.csv.empty()) {
-    context.write(options.csv, csv_of(frfs));
-    result["csv"] = options.csv;
-    context.out << "the same as a table: " << options.csv << '\n';
-  }
+  const auto uff = [&] { return signal::uff_text(frfs, signal::UffEncoding::binary); };
+  write_result(options.out, uff, "FRFs, coherence and error bars", "out", result, context);
+  const auto csv = [&] { return csv_of(frfs); };
+  write_result(options.csv, csv, "the same as a table", "csv", result, context);
   return result;
 }
 
 describe::Options options_of(FrfCommand& c) {
-  using describe::option;
   describe::Options options{
       option("FILE", c.impact.files, "Recordings (CSV, LVM, UFF 58): continuous or one a hit")
           .required()};

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <optional>
 
 #include "apps/campaign_file/recording_description.h"
 #include "apps/results/results_json.h"
@@ -13,23 +13,17 @@
 namespace rigfit::apps {
 namespace {
 
-/// The analysis' options, with those that a person gives in another form.
-ident::HammerTestOptions hammer_options(const ImpactCommand& command) {
-  ident::HammerTestOptions hammer = command.hammer;
-  auto& impact = hammer.impact;
-  impact.estimator = command.estimator == "h2"   ? signal::FrfEstimator::h2
-                     : command.estimator == "hv" ? signal::FrfEstimator::hv
-                                                 : signal::FrfEstimator::h1;
-  const std::string& window = command.force_window;
-  double seconds = window == "auto" ? -1 : 0;
-  if (window != "auto" && window != "off" && window != "by-noise" &&
-      !(signal::parse_whole_number(window, '.', seconds) && seconds > 0 &&
-        std::isfinite(seconds))) {
-    throw UsageError("--force-window is by-noise, off, auto or a time in seconds, not \"" + window +
-                     "\"");
+/// By the noise, off (0), of the pulse (-1), or in seconds.
+std::optional<double> force_window_of(const std::string& text) {
+  double seconds = 0;
+  if (text == "by-noise") return std::nullopt;
+  if (text == "off") return 0;
+  if (text == "auto") return -1;
+  if (signal::parse_whole_number(text, '.', seconds) && seconds > 0 && std::isfinite(seconds)) {
+    return seconds;
   }
-  if (window != "by-noise") impact.force_window_s = seconds;
-  return hammer;
+  throw UsageError("--force-window is by-noise, off, auto or a time in seconds, not \"" + text +
+                   "\"");
 }
 
 /// The recordings by the place struck, in the order of the files.
@@ -48,8 +42,8 @@ std::vector<ident::StruckPlace> read_places(VerbContext& context, const ImpactCo
 }  // namespace
 
 describe::Options options_of(ImpactCommand& c) {
-  using describe::option;
-  auto& hits = c.hammer.impact.hits;
+  auto& impact = c.hammer.impact;
+  auto& hits = impact.hits;
   return {
       option("--force", c.hammer.force, "Force channel: name or #k"),
       option("--response", c.hammer.responses, "Response channels [every other]"),
@@ -57,17 +51,19 @@ describe::Options options_of(ImpactCommand& c) {
       option("--struck", c.struck,
              "Point struck in each file, one a file (roving hammer): a response's name where it "
              "was struck, else any name"),
-      option("--estimator", c.estimator, "h1: noise on responses, h2: on force, hv: both")
-          .one_of({"h1", "h2", "hv"}),
-      option("--force-window", c.force_window,
-             "Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or "
-             "by-noise: auto where the noise on the force matters, else off")
+      choice("--estimator", impact.estimator, {"h1", "h2", "hv"},
+             "h1: noise on responses, h2: on force, hv: both"),
+      converted(
+          "--force-window",
+          [&impact](const auto& text) { impact.force_window_s = force_window_of(text); },
+          "Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or "
+          "by-noise: auto where the noise on the force matters, else off (default)")
           .type("S|auto|off|by-noise"),
-      option("--exponential-window", c.hammer.impact.exponential_decay_rate_1_s,
+      option("--exponential-window", impact.exponential_decay_rate_1_s,
              "Decay rate of a window on force and responses, 1/s; its damping is carried along and "
              "taken off the poles again")
           .within(0.0, 1e6),
-      option("--exponential-end-level", c.hammer.impact.exponential_end_level,
+      option("--exponential-end-level", impact.exponential_end_level,
              "The same, given as its level at the end of the block")
           .within(1e-12, 1.0)
           .excludes("--exponential-window"),
@@ -87,13 +83,9 @@ ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
     throw UsageError("--driving-point is for one point; --struck names every file's point");
   }
   ImpactRun run{read_places(context, command), {}};
-  ident::HammerTestOptions options = hammer_options(command);
+  ident::HammerTestOptions options = command.hammer;
   options.impact.threads = context.threads;
-  try {
-    run.test = ident::analyse_hammer_test(run.places, options);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
-  }
+  run.test = ident::analyse_hammer_test(run.places, options);
   for (auto& finding : run.test.findings) {
     if (finding.code == "no_hit" || finding.code == "no_response") {
       throw Refused(finding.where + ": " + finding.message, finding.code);

@@ -16,8 +16,6 @@ struct ImpactCommand {
   std::vector<std::string> files;
   ident::HammerTestOptions hammer;
   std::vector<std::string> struck;  ///< point struck in each file; empty: one point in all
-  std::string estimator = "h1";
-  std::string force_window = "by-noise";  ///< that, "off", "auto" or seconds
 };
 
 /// Those of the test, without the files.

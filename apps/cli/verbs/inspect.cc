@@ -15,12 +15,7 @@
 #include "apps/describe/sheet.h"
 #include "apps/report/figures/figures.h"
 #include "signal/quality/quality.h"
-#include "signal/readers/csv/frequency_table.h"
-#include "signal/readers/files/mapped_file.h"
-#include "signal/readers/files/read_formats.h"
-#include "signal/readers/read_frfs.h"
 #include "signal/readers/read_recording.h"
-#include "signal/readers/uff/read_uff.h"
 
 namespace rigfit::apps {
 namespace {
@@ -38,36 +33,13 @@ A file without times needs its rate:
   rigfit inspect --sample-rate 500 force.csv
 A TOML file beside a recording (hits.csv -> hits.toml) names, scales and orients its channels.)";
 
-/// Spectra and FRFs of a UFF file or a table, which are not over time; empty: the file has none.
-std::optional<signal::Recording> over_frequency(const std::string& path, VerbContext& context) {
-  if (recording_at_hand(path, context) || !context.reading.format.empty()) return std::nullopt;
-  const signal::MappedFile file(path);
-  signal::Recording functions;
-  const auto format = signal::format_of(file.bytes());
-  if (format == signal::RecordingFormat::uff) {
-    functions = signal::read_uff_functions(file.bytes(), path);
-    if (functions.sample_rate_hz > 0 || functions.time_s.size() > 0) return std::nullopt;
-  } else if (format == signal::RecordingFormat::csv && !signal::foreign_format(file.bytes())) {
-    auto table = signal::frequency_table_in(file.bytes(), path, context.reading);
-    if (!table) return std::nullopt;
-    functions.path = path;
-    functions.format = "csv";
-    functions.channels = std::move(table->functions);
-    functions.notes = std::move(table->notes);
-    const auto& f = table->frequency_hz;
-    functions.notes.push_back({"not_a_time_history",
-                               fmt::format("spectra or FRFs, {:.6g} to {:.6g} Hz in {} lines", f[0],
-                                           f[f.size() - 1], f.size()),
-                               ""});
-  }
-  if (functions.channels.empty()) return std::nullopt;
-  context.input(path);
-  tell_notes(functions, context);
-  return functions;
-}
-
 signal::Recording load(const std::string& path, VerbContext& context) {
-  if (auto functions = over_frequency(path, context)) return std::move(*functions);
+  const bool as_said = recording_at_hand(path, context) || !context.reading.format.empty();
+  if (auto functions = as_said ? std::nullopt : over_frequency(path, context.reading)) {
+    context.input(path);
+    tell_notes(*functions, context);
+    return std::move(*functions);
+  }
   signal::Recording recording = load_untold(path, context);
   if (const auto table = load_deflection(recording); table && recording.sample_rate_hz == 0) {
     drop_time_notes(recording);
@@ -129,7 +101,6 @@ Json run(InspectCommand& options, VerbContext& context) {
 }
 
 describe::Options options_of(InspectCommand& c) {
-  using describe::option;
   return {option("FILE", c.files,
                  "Recordings: CSV and other tables of text, UFF 58, LabVIEW .lvm, WAV, MATLAB "
                  ".mat, NumPy .npy, Excel .xlsx; spectra and FRFs as tables or UFF")

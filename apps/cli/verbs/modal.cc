@@ -150,16 +150,15 @@ Json ambient_result(const ModalCommand& command, VerbContext& context) {
   context.out << fmt::format("{:.4g} to {:.4g} Hz, {:.0f} s, correlations to {:.3g} s\n",
                              found.low_hz, found.high_hz, found.duration_s, found.lag_s);
   if (context.plots) draw(*context.plots, found);
-  if (!command.out.empty()) {
+  const auto sure_modes = [&] {
     signal::ModalModel sure;  // UFF has no place for doubts
     for (const auto& one : found.modes) {
       if (!one.mode.doubtful) sure.modes.push_back(one.mode);
     }
     sure.responses = found.responses();
-    context.write(command.out, signal::uff_text(sure));
-    result["out"] = command.out;
-    context.out << "modes (UFF 55): " << command.out << '\n';
-  }
+    return signal::uff_text(sure);
+  };
+  write_result(command.out, sure_modes, "modes (UFF 55)", "out", result, context);
   return result;
 }
 
@@ -263,22 +262,18 @@ Json run(ModalCommand& options, VerbContext& context) {
   result["amplitudes"] = measured.amplitudes;
   result["fit"] = {{"end", name_of(found.end)}, {"iterations", found.iterations}};
 
-  if (!options.out.empty()) {
-    context.write(options.out, signal::uff_text(model));
-    result["out"] = options.out;
-    context.out << "modes (UFF 55): " << options.out << '\n';
-  }
-  if (!options.synthesis.empty()) {
-    const signal::FrfSet again = synthesised(found, measured.frfs.frequency_hz, model.fitted_form);
-    context.write(options.synthesis, signal::uff_text(again, signal::UffEncoding::binary));
-    result["synthesis"] = options.synthesis;
-    context.out << "FRFs rebuilt from the modes (UFF 58): " << options.synthesis << '\n';
-  }
+  const auto modes = [&] { return signal::uff_text(model); };
+  write_result(options.out, modes, "modes (UFF 55)", "out", result, context);
+  const auto again = [&] {
+    return signal::uff_text(synthesised(found, measured.frfs.frequency_hz, model.fitted_form),
+                            signal::UffEncoding::binary);
+  };
+  write_result(options.synthesis, again, "FRFs rebuilt from the modes (UFF 58)", "synthesis",
+               result, context);
   return result;
 }
 
 describe::Options options_of(ModalCommand& c) {
-  using describe::option;
   describe::Options options{
       option("FILE", c.files,
              "FRFs: a UFF file, a .mat file, or text tables of frequency, real and imaginary part "

@@ -16,10 +16,7 @@ namespace {
 
 struct ModesCommand {
   std::string scene;
-  int count = 6;
-  describe::Band band_hz;
-  int segments = 0;
-  std::string torsion = "auto";
+  model::ModesOptions modes;
   bool shapes = false;
 };
 
@@ -53,13 +50,8 @@ std::vector<ShownMode> shown(const std::vector<model::NaturalMode>& modes,
 
 Json run(ModesCommand& options, VerbContext& context) {
   const model::Scene scene = scene_of(options.scene, context);
-  model::ModesOptions wanted;
-  wanted.count = options.count;
-  wanted.band_hz = options.band_hz;
-  if (options.segments > 0) wanted.segments = options.segments;
-  if (options.torsion != "auto") wanted.torsion = options.torsion == "on";
-  wanted.shapes = options.shapes || context.plots;
-  const model::ModalAnalysis analysis = model::analyse_modes(scene, wanted);
+  options.modes.shapes = options.shapes || context.plots;
+  const model::ModalAnalysis analysis = model::analyse_modes(scene, options.modes);
 
   Json result{{"title", scene.title},
               {"modes", Json::array()},
@@ -83,7 +75,7 @@ Json run(ModesCommand& options, VerbContext& context) {
     context.warn("modes_not_counted", "a Sturm count does not agree with the modes found",
                  options.scene);
   }
-  if (options.band_hz && analysis.modes.empty()) {
+  if (options.modes.band_hz && analysis.modes.empty()) {
     context.warn("no_modes", "no natural frequency lies in the band", options.scene);
   }
   for (const auto& one : analysis.left_out) {
@@ -122,15 +114,15 @@ Json run(ModesCommand& options, VerbContext& context) {
 }
 
 describe::Options options_of(ModesCommand& c) {
-  using describe::option;
-  return {option("scene", c.scene, "Scene file (TOML)").required(),
-          option("--count", c.count, "The first N modes").within(1, 10000),
-          option("--band", c.band_hz, "All modes between two frequencies").excludes("--count"),
-          option("--segments", c.segments, "Segments of every member, instead of the scene's")
-              .within(2, 100000),
-          option("--torsion", c.torsion, "Model torsion: where needed, always or never")
-              .one_of({"auto", "on", "off"}),
-          option("--shapes", c.shapes, "Mode shapes at every node in the JSON result")};
+  return {
+      option("scene", c.scene, "Scene file (TOML)").required(),
+      option("--count", c.modes.count, "The first N modes").within(1, 10000),
+      option("--band", c.modes.band_hz, "All modes between two frequencies").excludes("--count"),
+      option("--segments", c.modes.segments, "Segments of every member, instead of the scene's")
+          .within(2, 100000),
+      choice("--torsion", c.modes.torsion, {"auto", "off", "on"},
+             "Model torsion: where needed, never or always"),
+      option("--shapes", c.shapes, "Mode shapes at every node in the JSON result")};
 }
 
 }  // namespace

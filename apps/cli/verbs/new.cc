@@ -22,10 +22,6 @@
 #include "document/toml_table.h"
 #include "signal/impact/pulse_shape.h"
 #include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/csv/frequency_table.h"
-#include "signal/readers/files/mapped_file.h"
-#include "signal/readers/files/read_formats.h"
-#include "signal/readers/read_frfs.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
@@ -38,6 +34,7 @@ struct NewCommand {
   std::vector<std::string> from;
   std::string kind;                                     ///< shared by all tests; empty: guessed
   double span_m = 0, mass_kg = 0, mass_per_length = 0;  ///< 0: not given
+  double length_m = 0;                                  ///< of the file that is looked at
   std::vector<double> lengths;  ///< m, of axial and tension tests: for all files, or one each
   std::vector<std::string> sensitivities;  ///< "CHANNEL=2.27 mV/N"
 };
@@ -127,36 +124,35 @@ std::pair<std::string, std::string> kind_of(const signal::Recording& recording,
           "to rigfit axial for EA"};
 }
 
-/// The keys of the test and, of an axial test, `length` in those of its recordings.
-GuessedTest test_of(const signal::Recording& recording, const NewCommand& command, double length_m,
-                    std::string& of_recording) {
-  const auto* const hammer = hammer_of(recording);
-  const auto bent = load_deflection(recording);
-  GuessedTest test;
-  std::tie(test.kind, test.why) = kind_of(recording, command, hammer, bent);
-  const auto& kind = test.kind;
-  const auto need = [&](double given, const char* option) {
-    if (given > 0) return given;
-    throw UsageError(
-        fmt::format("{}: a test of kind {}: give {}", recording.path.string(), kind, option));
-  };
+/// A number that tests of a kind need.
+struct Needed {
+  const char *kind, *key, *unit, *option;
+  double NewCommand::*given;
+};
+constexpr Needed kNeeded[] = {
+    {"bending", "span", "m between the clamps or supports", "--span", &NewCommand::span_m},
+    {"axial", "length", "m of cable", "--length", &NewCommand::length_m},
+    {"tension", "length", "m of cable", "--length", &NewCommand::length_m},
+    {"axial", "mass", "kg, adapter included", "--mass", &NewCommand::mass_kg},
+    {"tension", "mass_per_length", "kg/m", "--mass-per-length", &NewCommand::mass_per_length}};
+
+/// The channels of a test, as keys.
+std::string channel_keys(const std::string& kind, const signal::Recording& recording,
+                         const signal::Channel* hammer, const std::optional<LoadDeflection>& bent) {
+  if (kind == "bending" && !bent) {
+    throw unusable(recording, "has no load and deflection that belong together",
+                   "name its columns (tension, load, deflection) by a TOML file");
+  }
   if (kind == "bending") {
-    if (!bent) {
-      throw unusable(recording, "has no load and deflection that belong together",
-                     "name its columns (tension, load, deflection) by a TOML file");
-    }
-    const double span = need(command.span_m, "the span between the clamps or supports, --span M");
-    const bool tensioned = !bent->tension.empty();
-    test.keys += fmt::format("span = {}  # m\n", span);
-    if (!tensioned) {
-      test.keys +=
-          "tension = 0\nends = \"clamped\"  # or \"pinned\" (on two supports), \"cantilever\"\n"
-          "# rectangle = [0.02, 0.003]  # m, width and height: gives the modulus\n";
-    }
-    test.keys += fmt::format("channels = {{ {}load = {}, deflection = {} }}\n",
-                             tensioned ? "tension = " + toml_text(bent->tension) + ", " : "",
-                             toml_text(bent->load), toml_text(bent->deflection));
-    return test;
+    const bool beam = bent->tension.empty();
+    return fmt::format(
+        "{}channels = {{ {}load = {}, deflection = {} }}\n",
+        beam ? "tension = 0\nends = \"clamped\"  # or \"pinned\" (on two supports), "
+               "\"cantilever\"\n# rectangle = [0.02, 0.003]  # m, width and height: gives the "
+               "modulus\n"
+             : "",
+        beam ? "" : "tension = " + toml_text(bent->tension) + ", ", toml_text(bent->load),
+        toml_text(bent->deflection));
   }
   if (recording.sample_rate_hz == 0) {
     throw unusable(recording, "gives no sample rate",
@@ -164,31 +160,37 @@ GuessedTest test_of(const signal::Recording& recording, const NewCommand& comman
                        fs::path(recording.path).replace_extension(".toml").filename().string() +
                        " beside it");
   }
-  std::vector<std::string> responses;
+  std::vector<std::string> names;
   for (const auto& channel : recording.channels) {
-    if (kind != "modal" || &channel != hammer) responses.push_back(channel.name);
+    if (kind != "modal" || &channel != hammer) names.push_back(channel.name);
   }
-  if (kind == "modal") {
-    if (hammer == nullptr) {
-      throw unusable(recording, "has no channel that looks like a hammer's",
-                     "name it \"hammer\" by a TOML file beside it");
+  if (kind == "axial") return "channel = " + toml_text(names.front()) + "\n";
+  if (kind != "modal") return "channels = " + toml_text(names) + "\n";
+  if (hammer == nullptr) {
+    throw unusable(recording, "has no channel that looks like a hammer's",
+                   "name it \"hammer\" by a TOML file beside it");
+  }
+  return "force = " + toml_text(hammer->name) + "\nresponses = " + toml_text(names) + "\n";
+}
+
+/// The keys of the test and, of an axial test, `length` in those of its recordings.
+GuessedTest test_of(const signal::Recording& recording, const NewCommand& command,
+                    std::string& of_recording) {
+  const auto* const hammer = hammer_of(recording);
+  const auto bent = load_deflection(recording);
+  GuessedTest test;
+  std::tie(test.kind, test.why) = kind_of(recording, command, hammer, bent);
+  for (const auto& one : kNeeded) {
+    if (test.kind != one.kind) continue;
+    const double value = command.*one.given;
+    if (!(value > 0)) {
+      throw UsageError(fmt::format("{}: a test of kind {}: give the {}, {}",
+                                   recording.path.string(), test.kind, one.key, one.option));
     }
-    test.keys += "force = " + toml_text(hammer->name) + "\nresponses = " + toml_text(responses);
-  } else if (kind == "axial") {
-    const double mass = need(command.mass_kg, "the hung mass, --mass KG");
-    of_recording = fmt::format("length = {}  # m of cable\n",
-                               need(length_m, "the length of cable, --length M"));
-    test.keys += fmt::format("mass = {}  # kg, adapter included\nchannel = {}", mass,
-                             toml_text(responses.front()));
-  } else if (kind == "tension") {
-    const double length = need(length_m, "the length of cable, --length M");
-    test.keys +=
-        fmt::format("length = {}  # m\nmass_per_length = {}  # kg/m\nchannels = {}", length,
-                    need(command.mass_per_length, "--mass-per-length KG_M"), toml_text(responses));
-  } else {
-    test.keys += "channels = " + toml_text(responses);
+    const bool each = test.kind == "axial" && one.given == &NewCommand::length_m;
+    (each ? of_recording : test.keys) += fmt::format("{} = {}  # {}\n", one.key, value, one.unit);
   }
-  test.keys += '\n';
+  test.keys += channel_keys(test.kind, recording, hammer, bent);
   return test;
 }
 
@@ -219,13 +221,6 @@ std::string channels_text(const signal::Recording& recording, const NewCommand& 
   return text.empty() ? text : "channel = [\n" + text + "]\n";
 }
 
-/// Functions over frequency, which no campaign takes.
-bool is_over_frequency(const std::string& file, const VerbContext& context) {
-  const signal::MappedFile mapped(file);
-  return context.reading.format.empty() && !signal::foreign_format(mapped.bytes()) &&
-         signal::frequency_table_in(mapped.bytes(), file, context.reading).has_value();
-}
-
 /// Files, and those in folders, which describe nothing and are none of ours.
 std::vector<std::string> files_in(const std::vector<std::string>& given, const fs::path& folder) {
   std::vector<std::string> files;
@@ -249,15 +244,12 @@ std::vector<std::string> files_in(const std::vector<std::string>& given, const f
 /// Options that no test of the campaign takes, and channels that no recording has.
 void check_options(const std::string& text, const std::vector<std::string>& channels,
                    const NewCommand& command) {
-  for (const auto& [option, given, key] :
-       {std::tuple{"--span", command.span_m > 0, "\nspan = "},
-        std::tuple{"--mass", command.mass_kg > 0, "\nmass = "},
-        std::tuple{"--mass-per-length", command.mass_per_length > 0, "\nmass_per_length = "},
-        std::tuple{"--length", !command.lengths.empty(), "\nlength = "}}) {
-    if (!given || text.find(key) != std::string::npos) continue;
+  for (const auto& one : kNeeded) {
+    if (!(command.*one.given > 0)) continue;
+    if (text.find(fmt::format("\n{} = ", one.key)) != std::string::npos) continue;
     throw UsageError(fmt::format(
         "{} belongs to none of these tests: give the files of such a test alone, with --kind",
-        option));
+        one.option));
   }
   for (const auto& one : command.sensitivities) {
     const auto name = named_text("--sensitivity", one, "\"CHANNEL=2.27 mV/N\"").first;
@@ -272,7 +264,7 @@ void check_options(const std::string& text, const std::vector<std::string>& chan
 /// decay. What cannot be used is warned of ("data_left_out"). Throws UsageError where a test needs
 /// a number that is not given or a number is given that no test takes, signal::RecordingError where
 /// no file can be read.
-std::string guessed_campaign(const NewCommand& command, VerbContext& context) {
+std::string guessed_campaign(NewCommand& command, VerbContext& context) {
   std::vector<GuessedTest> tests;
   std::vector<std::string> channels;
   const std::vector<std::string> files = files_in(command.from, command.folder);
@@ -286,7 +278,7 @@ std::string guessed_campaign(const NewCommand& command, VerbContext& context) {
     const auto& file = files[i];
     try {
       context.input(file);
-      if (is_over_frequency(file, context)) {
+      if (context.reading.format.empty() && over_frequency(file, context.reading)) {
         context.out << file << ": over frequency, left out; FRFs are for rigfit modal\n";
         continue;
       }
@@ -296,8 +288,8 @@ std::string guessed_campaign(const NewCommand& command, VerbContext& context) {
       auto table = document::TomlTable::parse(said, file);
       signal::apply_description(signal::read_description(table), recording);
       std::string of_recording;
-      const double length = lengths.empty() ? 0 : lengths.size() == 1 ? lengths[0] : lengths[i];
-      GuessedTest test = test_of(recording, command, length, of_recording);
+      if (!lengths.empty()) command.length_m = lengths[lengths.size() == 1 ? 0 : i];
+      GuessedTest test = test_of(recording, command, of_recording);
       if (test.kind == "bending") drop_time_notes(recording);
       tell_notes(recording, context);
       context.out << fmt::format("{}: {} ({})\n", file, test.kind, test.why);
@@ -367,7 +359,6 @@ Json run(NewCommand& command, VerbContext& context) {
 }
 
 describe::Options options_of(NewCommand& c) {
-  using describe::option;
   describe::Options options{
       option("DIR", c.folder, "Folder to make").required(),
       option("--from", c.from, "Recordings, or folders of them, to make a campaign of"),

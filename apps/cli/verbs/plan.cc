@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -148,24 +147,19 @@ Json run(PlanCommand& command, VerbContext& context) {
   std::sort(options.hits.begin(), options.hits.end());
   std::sort(options.durations_s.begin(), options.durations_s.end());
   options.threads = context.threads;
-  try {
-    UpdateStates states;
-    states.states = ident::plan_states(scene, command.tensions, command.lengths);
-    states.tension.resize(states.states.size());
-    options.inputs = uncertain_inputs(command.inputs, states);
-    const auto plan = ident::plan_measurements(
-        states.states, free_parameters(names, command.priors, scene), goals, options);
-    if (!plan.failure.empty()) throw NotConverged(command.scene + ": " + plan.failure);
-    print_plan(plan, context);
-    tell_plan(plan, context);
-    return plan_json(plan, states.states);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
-  }
+  UpdateStates states;
+  states.states = ident::plan_states(scene, command.tensions, command.lengths);
+  states.tension.resize(states.states.size());
+  options.inputs = uncertain_inputs(command.inputs, states);
+  const auto plan = ident::plan_measurements(
+      states.states, free_parameters(names, command.priors, scene), goals, options);
+  if (!plan.failure.empty()) throw NotConverged(command.scene + ": " + plan.failure);
+  print_plan(plan, context);
+  tell_plan(plan, context);
+  return plan_json(plan, states.states);
 }
 
 describe::Options options_of(PlanCommand& c) {
-  using describe::option;
   return {
       option("scene", c.scene, "Scene file (TOML), near the truth").required(),
       option("--goal", c.goals,

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <optional>
 #include <tuple>
 
 #include "apps/campaign/campaign.h"
@@ -27,11 +27,14 @@ namespace {
 struct PredictCommand {
   std::string scene;
   std::string from, measured, column, plane = "any", frf, response;
-  double duration_s = 2, rate_hz = 500;  ///< predicted response
   std::vector<std::string> maps, damage, inputs;
   describe::Band band_hz;
-  int count = 6, segments = 0, lines = 400;
+  ident::PredictionOptions modes;
+  ident::ResponsePredictionOptions motion;
+  int lines = 400;
   bool accept_fit = false;
+
+  PredictCommand() { motion.response.sampling = {.duration_s = 2, .rate_hz = 500}; }
 };
 
 constexpr const char* kPredictExample =
@@ -128,27 +131,26 @@ void write_frfs(const PredictCommand& command, const model::Scene& scene,
   for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
     for (std::size_t l = 0; l < scene.loads.size(); ++l) {
       const auto name = fmt::format("{} / {}", scene.sensors[s].name, scene.loads[l].name);
-      const auto add = [&](const std::string& title, auto value) {
+      const auto add = [&](const std::string& title, const auto& of_lines, auto value) {
         Eigen::VectorXd column(frfs.frequency_hz.size());
-        for (std::size_t line = 0; line < frfs.H.size(); ++line) {
-          const auto row = static_cast<Eigen::Index>(s), of = static_cast<Eigen::Index>(l);
-          column[static_cast<Eigen::Index>(line)] = value(line, row, of);
-        }
+        std::transform(of_lines.begin(), of_lines.end(), column.begin(), [&](const auto& of_line) {
+          return value(of_line(static_cast<Eigen::Index>(s), static_cast<Eigen::Index>(l)));
+        });
         add_column(table, title, "", std::move(column));
       };
-      add("|H| " + name, [&](auto k, auto r, auto c) { return std::abs(frfs.H[k](r, c)); });
-      add("low " + name, [&](auto k, auto r, auto c) { return frfs.low[k](r, c); });
-      add("high " + name, [&](auto k, auto r, auto c) { return frfs.high[k](r, c); });
-      add("phase " + name + " (deg)", [&](auto k, auto r, auto c) {
-        return std::arg(frfs.H[k](r, c)) * 180 / std::numbers::pi;
-      });
+      const auto same = [](double x) { return x; };
+      add("|H| " + name, frfs.H, [](const auto& h) { return std::abs(h); });
+      add("low " + name, frfs.low, same);
+      add("high " + name, frfs.high, same);
+      add("phase " + name + " (deg)", frfs.H,
+          [](const auto& h) { return std::arg(h) * 180 / std::numbers::pi; });
     }
   }
   context.write(command.frf, signal::csv_text(table, {}, 8, "frequency (Hz)"));
 }
 
 /// Time, then the value and its 95 % interval of every sensor.
-Json write_response(const PredictCommand& command, const model::Scene& scene,
+Json write_response(PredictCommand& command, const model::Scene& scene,
                     const ident::FittedParameters& fitted, VerbContext& context) {
   if (scene.loads.empty() || scene.sensors.empty()) {
     throw UsageError("--response: the scene has no load or no sensor");
@@ -159,12 +161,9 @@ Json write_response(const PredictCommand& command, const model::Scene& scene,
                        " is a record; hits and releases can be predicted");
     }
   }
-  ident::ResponsePredictionOptions options;
-  options.response.sampling.duration_s = command.duration_s;
-  options.response.sampling.rate_hz = command.rate_hz;
-  if (command.segments > 0) options.response.segments = command.segments;
-  options.seed = context.seed;
-  const auto prediction = ident::predict_response(scene, fitted, options);
+  command.motion.response.segments = command.modes.segments;
+  command.motion.seed = context.seed;
+  const auto prediction = ident::predict_response(scene, fitted, command.motion);
   const auto& response = prediction.response;
   if (!response.completed) {
     throw Refused("--response: " + (response.reason.empty() ? "no response" : response.reason),
@@ -230,12 +229,9 @@ Json run(PredictCommand& command, VerbContext& context) {
   if (fitted.parameters.empty()) throw Refused("the fit identifies no parameter", "no_parameter");
   const ident::FittedParameters of_fit = fitted;
   const auto inputs = add_inputs(scene, command, context, fitted);
-  ident::PredictionOptions options;
-  options.count = command.count;
-  if (command.segments > 0) options.segments = command.segments;
   ident::ModePrediction prediction;
   try {
-    prediction = ident::predict_modes(scene, fitted, options);
+    prediction = ident::predict_modes(scene, fitted, command.modes);
   } catch (const std::invalid_argument& error) {
     throw Refused(std::string(error.what()) + "; --map NAME=TARGET says what one is called here",
                   "parameter_not_in_scene");
@@ -278,7 +274,6 @@ Json run(PredictCommand& command, VerbContext& context) {
 }
 
 describe::Options options_of(PredictCommand& c) {
-  using describe::option;
   return {
       option("scene", c.scene, "Scene file (TOML)").required(),
       option("--from", c.from, "JSON result of `rigfit update`").required(),
@@ -290,8 +285,8 @@ describe::Options options_of(PredictCommand& c) {
           "NAME=VALUE,STD; one of the same name in the fit is the same quantity and counts once"),
       option("--accept-fit", c.accept_fit,
              "Predict from a fit that was refused or did not converge (exit code 4 or 5)"),
-      option("--count", c.count, "The first N modes").within(1, 1000),
-      option("--segments", c.segments, "Segments of every member, instead of the scene's")
+      option("--count", c.modes.count, "The first N modes").within(1, 1000),
+      option("--segments", c.modes.segments, "Segments of every member, instead of the scene's")
           .within(2, 100000),
       option("--measured", c.measured,
              "Table of measured frequencies, or universal file of modes (UFF 55), to compare with"),
@@ -307,8 +302,10 @@ describe::Options options_of(PredictCommand& c) {
       option("--response", c.response,
              "Response to the scene's loads with its 95 % interval as a table")
           .writes(),
-      option("--duration", c.duration_s, "Length of the response", "s").within(1e-6, 3600),
-      option("--rate", c.rate_hz, "Sample rate of the response", "Hz").within(1e-3, 1e6)};
+      option("--duration", c.motion.response.sampling.duration_s, "Length of the response", "s")
+          .within(1e-6, 3600),
+      option("--rate", c.motion.response.sampling.rate_hz, "Sample rate of the response", "Hz")
+          .within(1e-3, 1e6)};
 }
 
 }  // namespace

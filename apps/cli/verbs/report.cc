@@ -12,26 +12,24 @@ namespace {
 
 struct ReportCommand {
   std::vector<std::string> campaigns;  ///< one, or two to be compared
-  std::string out, style = "lab";
-  bool pdf = false, force = false;
+  std::string out;
+  ReportOptions report;
   std::vector<double> figure_size;  ///< mm
   std::string figure_font = "sans-serif";
   double figure_font_size = 8;  ///< pt
 };
 
 describe::Options options_of(ReportCommand& c) {
-  using describe::option;
   return {option("campaign", c.campaigns,
                  "Campaign (TOML); two: before and after, compared value by value")
               .required(),
           option("--out", c.out,
                  "Folder for report.html, report.json, data/ and figures/ [report beside the "
                  "campaign]"),
-          option("--style", c.style,
-                 "lab: one page of everything; client: a short report, the appendix beside it")
-              .one_of({"lab", "client"}),
-          option("--pdf", c.pdf, "Print to PDF as well, by a Chromium on PATH"),
-          option("--force", c.force, "Replace another campaign's report in the folder"),
+          choice("--style", c.report.style, {"lab", "client"},
+                 "lab: one page of everything; client: a short report, the appendix beside it"),
+          option("--pdf", c.report.pdf, "Print to PDF as well, by a Chromium on PATH"),
+          option("--force", c.report.force, "Replace another campaign's report in the folder"),
           option("--figure-size", c.figure_size, "Width and height of the figures for a paper, mm")
               .count(2)
               .within(20.0, 1000.0),
@@ -41,10 +39,7 @@ describe::Options options_of(ReportCommand& c) {
 
 Json run(ReportCommand& c, VerbContext& context) {
   if (c.campaigns.size() > 2) throw UsageError("campaign: one, or two to be compared");
-  ReportOptions report;
-  if (c.style == "client") report.style = ReportStyle::client;
-  report.pdf = c.pdf;
-  report.force = c.force;
+  auto& report = c.report;
   if (!c.figure_size.empty()) {
     report.figures =
         print_size(c.figure_size[0], c.figure_size[1], c.figure_font, c.figure_font_size);

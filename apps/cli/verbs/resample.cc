@@ -39,17 +39,15 @@ Json run(ResampleCommand& command, VerbContext& context) {
   if (context.at_hand) {
     context.at_hand->resampled = std::make_shared<signal::Recording>(result.recording);
   }
-  if (command.out.empty()) return json;
+  context.out << fmt::format("{} samples at {:.9g} Hz\n", result.recording.samples(),
+                             result.recording.sample_rate_hz);
   // Nine digits: rounding stays below the filter's error.
-  context.write(command.out, signal::csv_text(result.recording, {}, 9));
-  context.out << fmt::format("{} samples at {:.9g} Hz: {}\n", result.recording.samples(),
-                             result.recording.sample_rate_hz, command.out);
-  json["out"] = command.out;
+  const auto csv = [&] { return signal::csv_text(result.recording, {}, 9); };
+  write_result(command.out, csv, "recording", "out", json, context);
   return json;
 }
 
 describe::Options options_of(ResampleCommand& c) {
-  using describe::option;
   return {option("FILE", c.file, "Recording").required(),
           option("--rate", c.rate_hz, "New rate, Hz [of uneven times that of their usual step]")
               .positive(),

@@ -44,21 +44,11 @@ struct Described<model::ResponseResult> {
 namespace rigfit::apps {
 namespace {
 
-using model::ResponseSolver;
-
 struct RespondCommand {
   std::string scene, out;
-  double duration_s = 0, rate_hz = 0;
-  std::string solver = "auto";
-  std::string plane = "auto", axial = "auto";
-  int segments = 0;
-};
+  model::ResponseOptions response;
 
-const std::vector<std::pair<std::string, ResponseSolver>> kSolvers{
-    {"auto", ResponseSolver::automatic},
-    {"modal", ResponseSolver::modal},
-    {"explicit", ResponseSolver::explicit_motion},
-    {"stiff", ResponseSolver::stiff_motion},
+  RespondCommand() { response.sampling = {.duration_s = 0, .rate_hz = 0}; }
 };
 
 /// The force of a recorded load: the file's only channel, or the one that is a force.
@@ -107,24 +97,16 @@ signal::Recording recording_of(const model::Scene& scene, const model::ResponseR
 
 Json run(RespondCommand& options, VerbContext& context) {
   const model::Scene scene = scene_of(options.scene, context);
-  const double rows = options.duration_s * options.rate_hz;
+  auto& wanted = options.response;
+  const double rows = wanted.sampling.duration_s * wanted.sampling.rate_hz;
   if (!(rows >= 1)) throw UsageError("--duration times --rate must give at least one sample");
   if (rows > 5e7) throw UsageError("more than 50 million samples: lower --rate or --duration");
   if (scene.sensors.empty()) {
     throw model::SceneError({scene.file, 0, 0, "sensor"}, "the scene has no sensor",
                             "add a [[sensor]] with the member and position to look at");
   }
-  model::ResponseOptions wanted;
-  wanted.sampling.duration_s = options.duration_s;
-  wanted.sampling.rate_hz = options.rate_hz;
-  for (const auto& [name, solver] : kSolvers) {
-    if (name == options.solver) wanted.solver = solver;
-  }
-  wanted.space = options.plane == "off";
-  if (options.axial != "auto") wanted.axial = options.axial == "on";
   wanted.resolution_estimate = true;
   wanted.sampling.energy_samples = 20;  // for the drift
-  if (options.segments > 0) wanted.segments = options.segments;
   wanted.records.resize(scene.loads.size());
   for (std::size_t l = 0; l < scene.loads.size(); ++l) {
     if (scene.loads[l].kind != model::Load::Kind::record) continue;
@@ -183,33 +165,25 @@ Json run(RespondCommand& options, VerbContext& context) {
   describe::print(context.out, describe::sheet_of(response));
   if (context.plots) context.plots->add(response_plots("response", scene, response));
   if (context.at_hand) context.at_hand->samples = response.samples;
-  if (!options.out.empty()) {
-    context.write(options.out, signal::csv_text(recording_of(scene, response), {}, 9));
-    result["out"] = options.out;
-    context.out << "response: " << options.out << '\n';
-  }
+  const auto csv = [&] { return signal::csv_text(recording_of(scene, response), {}, 9); };
+  write_result(options.out, csv, "response", "out", result, context);
   return result;
 }
 
 describe::Options options_of(RespondCommand& c) {
-  using describe::option;
-  std::vector<std::string> names;
-  for (const auto& [name, solver] : kSolvers) names.push_back(name);
-  return {
-      option("scene", c.scene, "Scene file (TOML)").required(),
-      option("--duration", c.duration_s, "Seconds to simulate").required().positive(),
-      option("--rate", c.rate_hz, "Samples a second").required().positive(),
-      option("--out", c.out, "CSV: time, then one column a sensor").writes().required(),
-      option("--solver", c.solver,
-             "auto: modal when the estimated frequency shift is within the scene's accuracy")
-          .one_of(names),
-      option("--plane", c.plane,
-             "Move in the plane of symmetry where nothing pushes the scene out of it")
-          .one_of({"auto", "off"}),
-      option("--axial", c.axial, "Axial waves at their own speed; off: slowed (explicit solver)")
-          .one_of({"auto", "on", "off"}),
-      option("--segments", c.segments, "Segments of every member, instead of the scene's")
-          .within(2, 10000)};
+  auto& r = c.response;
+  return {option("scene", c.scene, "Scene file (TOML)").required(),
+          option("--duration", r.sampling.duration_s, "Seconds to simulate").required().positive(),
+          option("--rate", r.sampling.rate_hz, "Samples a second").required().positive(),
+          option("--out", c.out, "CSV: time, then one column a sensor").writes().required(),
+          choice("--solver", r.solver, {"auto", "modal", "explicit", "stiff"},
+                 "auto: modal when the estimated frequency shift is within the scene's accuracy"),
+          choice("--plane", r.space, {"auto", "off"},
+                 "Move in the plane of symmetry where nothing pushes the scene out of it"),
+          choice("--axial", r.axial, {"auto", "off", "on"},
+                 "Axial waves at their own speed; off: slowed (explicit solver)"),
+          option("--segments", r.segments, "Segments of every member, instead of the scene's")
+              .within(2, 10000)};
 }
 
 }  // namespace

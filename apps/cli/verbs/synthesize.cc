@@ -9,6 +9,7 @@
 #include "apps/cli/at_hand.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/output_file.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/json_of.h"
@@ -30,15 +31,15 @@ struct SynthesizeOptions {
   std::vector<double> tensions;
   double tension_std = 0;
   std::string stiffness;
-  std::string format = "csv";
+  bool uff = false;
   ident::VirtualRigOptions rig;
-  double bending_span = 0;
-  double bending_peak_load = 10;
+  ident::VirtualBendingTest bending;  ///< span 0: none
+  ident::VirtualAxialTest axial;
   std::vector<double> axial_lengths;
   double axial_length_std = 0;
-  double axial_mass = 2.2;
-  double axial_damping_ratio = 0.017;
   int taps = 5;
+
+  SynthesizeOptions() { axial.hung_mass_kg = 2.2, axial.damping_ratio = 0.017; }
 };
 
 constexpr double kMostSamples = 5e6;  // per record: some minutes of simulation
@@ -129,7 +130,7 @@ Json synthesize_rig(Laboratory& lab, const State& state, Progress& progress) {
     const std::string name = lab.write(
         record.hit > 0 ? fmt::format("rig/{}{}-hit{}", state.prefix, record.load, record.hit)
                        : fmt::format("rig/{}{}", state.prefix, record.load),
-        record.hit > 0 ? "hammer" : "release", record.recording, options.format == "uff");
+        record.hit > 0 ? "hammer" : "release", record.recording, options.uff);
     Json entry{{"file", name}, {"load", record.load}};
     if (record.hit > 0) {
       entry["peak_N"] = record.peak_N;
@@ -147,11 +148,9 @@ Json synthesize_rig(Laboratory& lab, const State& state, Progress& progress) {
 Json synthesize_bending(Laboratory& lab, const State& state) {
   const auto& options = lab.options;
   const model::Member& cable = cable_of(state.scene, options.scene);
-  ident::VirtualBendingTest test;
+  ident::VirtualBendingTest test = options.bending;
   test.EI_Nm2 = cable.EI[0];
-  test.span_m = options.bending_span;
   test.tension_N = cable.tension.value_or(0);
-  test.peak_load_N = options.bending_peak_load;
   test.tension_cell = options.rig.instruments.tension_cell;
   test.load_cell = options.rig.instruments.load_cell;
   test.lvdt = options.rig.instruments.lvdt;
@@ -173,14 +172,12 @@ Json synthesize_axial(Laboratory& lab) {
   const model::Member& cable = cable_of(lab.scene, options.scene);
   Json list = Json::array();
   for (std::size_t i = 0; i < options.axial_lengths.size(); ++i) {
-    ident::VirtualAxialTest test;
+    ident::VirtualAxialTest test = options.axial;
     test.EA_N = cable.EA;
     test.mass_per_length_kg_m = cable.mass_per_length;
     ident::Random cut = ident::random_stream(lab.context.seed, 2'900'000 + i);
     test.length_m = options.axial_lengths[i] +
                     options.axial_length_std * std::normal_distribution<double>()(cut);
-    test.hung_mass_kg = options.axial_mass;
-    test.damping_ratio = options.axial_damping_ratio;
     test.load_cell = options.rig.instruments.tension_cell;
     const auto truth = ident::axial_truth(test);
     for (int tap = 1; tap <= options.taps; ++tap) {
@@ -207,22 +204,16 @@ std::vector<State> states_of(const SynthesizeOptions& options, const model::Scen
   if (options.tensions.empty()) return {{scene, "", 0, std::nullopt}};
   (void)cable_of(scene, options.scene);
   ident::StiffnessCurve stiffness;
-  if (!options.stiffness.empty()) {
-    context.input(options.stiffness);
-    stiffness = read_stiffness_curve(options.stiffness);
-  }
+  if (!options.stiffness.empty()) stiffness = read_stiffness_curve(options.stiffness, context);
   std::vector<State> states;
   for (const double tension : options.tensions) {
-    State state{scene, fmt::format("T{:g}N-", tension), 10'000'019 * states.size(), tension};
+    State state{{}, fmt::format("T{:g}N-", tension), 10'000'019 * states.size(), tension};
     ident::Random random = ident::random_stream(context.seed + state.stream, 4'000'000);
     // Cables that meet pull alike: one error for all of them.
     const double error = options.tension_std * std::normal_distribution<double>()(random);
-    for (const auto& member : scene.members) {
-      if (member.kind != model::Member::Kind::cable) continue;
-      model::set_parameter(state.scene, member.name + ".tension", tension * (1 + error));
-      if (options.stiffness.empty()) continue;
-      model::set_parameter(state.scene, member.name + ".EI",
-                           stiffness_at(stiffness, tension, options.stiffness, context));
+    state.scene = cables_at(scene, tension, stiffness, options.stiffness, context);
+    for (const auto& name : use_of_cables(scene).tension_of) {
+      model::set_parameter(state.scene, name, tension * (1 + error));
     }
     states.push_back(std::move(state));
   }
@@ -232,7 +223,7 @@ std::vector<State> states_of(const SynthesizeOptions& options, const model::Scen
 Json run(SynthesizeOptions& options, VerbContext& context) {
   const model::Scene scene = scene_of(options.scene, context);
   const bool rig = !scene.loads.empty() && !scene.sensors.empty();
-  if (!rig && options.bending_span <= 0 && options.axial_lengths.empty()) {
+  if (!rig && options.bending.span_m <= 0 && options.axial_lengths.empty()) {
     throw UsageError(options.scene +
                      ": nothing to test: give the scene a load and a sensor, or ask for "
                      "--bending-span or --axial-length");
@@ -246,10 +237,10 @@ Json run(SynthesizeOptions& options, VerbContext& context) {
   const auto states = states_of(options, scene, context);
   make_output_folder(options.out);
   Laboratory lab{options, scene, context};
-  std::string command = "rigfit";
-  for (std::size_t i = 1; i < context.command.size(); ++i) command += " " + context.command[i];
-  Json truth{
-      {"data", "synthetic"}, {"scene", scene.title}, {"command", command}, {"seed", context.seed}};
+  Json truth{{"data", "synthetic"},
+             {"scene", scene.title},
+             {"command", repeat_command(context)},
+             {"seed", context.seed}};
   if (rig) {
     long total = 0;
     for (const auto& load : scene.loads) {
@@ -265,7 +256,7 @@ Json run(SynthesizeOptions& options, VerbContext& context) {
     }
     truth["rig"] = std::move(tested);
   }
-  if (options.bending_span > 0) {
+  if (options.bending.span_m > 0) {
     truth["bending"] = Json::array();
     for (const auto& state : states) {
       truth["bending"].push_back(synthesize_bending(lab, state));
@@ -286,7 +277,6 @@ Json run(SynthesizeOptions& options, VerbContext& context) {
 }
 
 describe::Options options_of(SynthesizeOptions& c) {
-  using describe::option;
   return {
       option("scene", c.scene, "Scene file (TOML); its loads are the tests").required(),
       option("--out", c.out, "Folder to write to").required(),
@@ -303,20 +293,19 @@ describe::Options options_of(SynthesizeOptions& c) {
       option("--stiffness", c.stiffness,
              "Table of tension_N, EI_Nm2: the cables' EI at each of them")
           .file(),
-      option("--format", c.format,
-             "Of hammer and release recordings: csv, or uff (58, binary, single precision)")
-          .one_of({"csv", "uff"}),
-      option("--bending-span", c.bending_span,
+      choice("--format", c.uff, {"csv", "uff"},
+             "Of hammer and release recordings: csv, or uff (58, binary, single precision)"),
+      option("--bending-span", c.bending.span_m,
              "Also the bending test of the scene's first cable, span in m")
           .positive(),
-      option("--bending-load", c.bending_peak_load, "Its largest load", "N").positive(),
+      option("--bending-load", c.bending.peak_load_N, "Its largest load", "N").positive(),
       option("--axial-length", c.axial_lengths,
              "Also the hanging-mass test of that cable, lengths in m")
           .positive(),
       option("--axial-length-std", c.axial_length_std, "Error with which they were cut", "m")
           .within(0.0, 0.1),
-      option("--axial-mass", c.axial_mass, "Mass hung there", "kg").positive(),
-      option("--axial-damping", c.axial_damping_ratio, "Damping ratio of its oscillation")
+      option("--axial-mass", c.axial.hung_mass_kg, "Mass hung there", "kg").positive(),
+      option("--axial-damping", c.axial.damping_ratio, "Damping ratio of its oscillation")
           .within(0.0, 0.99),
       option("--taps", c.taps, "Taps at every length").within(1, 1000)};
 }

@@ -2,12 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "apps/campaign/campaign.h"
@@ -21,10 +18,8 @@
 #include "apps/results/results_json.h"
 #include "apps/results/text_table.h"
 #include "document/document_error.h"
-#include "document/toml_table.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
 #include "ident/statistics/in_parallel.h"
-#include "model/scene/scene_error.h"
 #include "signal/readers/csv/csv_fields.h"
 
 namespace rigfit::apps {
@@ -33,8 +28,7 @@ namespace {
 struct TensionCommand {
   std::vector<std::string> files;
   TensionTest test;
-  std::vector<std::string> masses;  ///< "PLACE=KG[,STD]"
-  std::string table, out;           ///< many cables, a row each
+  std::string table, out;  ///< many cables, a row each
 };
 
 constexpr const char* kExample =
@@ -45,19 +39,17 @@ constexpr const char* kExample =
     "62.1,0.5 --EA 1.6e9\n"
     "  rigfit tension --table cables.csv --out tensions.csv --json tensions.json";
 
-void add_masses(const std::vector<std::string>& texts, ident::CableDescription& cable) {
-  for (const std::string& text : texts) {
-    const auto given =
-        named_numbers("--mass-at", text, "PLACE=KG[,STD], such as 0.5=1.2,0.1", 1, 2);
-    const double mass = given.numbers[0];
-    double place = -1;
-    if (!signal::parse_whole_number(given.name, '.', place)) {
-      throw UsageError("--mass-at: \"" + given.name + "\" is no place from 0 to 1");
-    }
-    cable.masses.push_back({place, mass});
-    if (given.numbers.size() > 1) {
-      cable.masses_std = std::max(cable.masses_std, given.numbers[1] / mass);
-    }
+/// "PLACE=KG[,STD]"
+void add_mass(const std::string& text, ident::CableDescription& cable) {
+  const auto given = named_numbers("--mass-at", text, "PLACE=KG[,STD], such as 0.5=1.2,0.1", 1, 2);
+  const double mass = given.numbers[0];
+  double place = -1;
+  if (!signal::parse_whole_number(given.name, '.', place)) {
+    throw UsageError("--mass-at: \"" + given.name + "\" is no place from 0 to 1");
+  }
+  cable.masses.push_back({place, mass});
+  if (given.numbers.size() > 1) {
+    cable.masses_std = std::max(cable.masses_std, given.numbers[1] / mass);
   }
 }
 
@@ -67,100 +59,49 @@ struct CableTableRow {
   std::string error;  ///< why the row cannot be used; empty: it can
 };
 
-/// A row a cable: name, length, mass_per_length and, of a campaign's tension test, any other key,
-/// with frequencies in columns f1, f2 ... or several in one cell "frequencies" (ident/tension). A
-/// row that cannot be used is named with its line and reason; the others are read all the same.
-class CableRows {
- public:
-  explicit CableRows(const std::filesystem::path& path) : table_(read_text_table(path)) {
-    const auto fail = [&](const std::string& problem, const char* remedy) {
-      throw model::SceneError({table_.file, table_.header_line, 0, ""}, problem, remedy);
-    };
-    for (const char* needed : {"length", "mass_per_length"}) {
-      if (table_.find(needed) >= 0) continue;
-      fail(fmt::format("no column \"{}\"", needed),
-           "a table of cables has name, length, mass_per_length and f1, f2 ...");
-    }
-    for (std::size_t i = 0; i < table_.columns.size(); ++i) {
-      const auto& name = table_.columns[i].name;
-      if (name.size() > 1 && name[0] == 'f' &&
-          name.find_first_not_of("0123456789", 1) == std::string::npos) {
-        frequencies_.push_back(i);
-      }
-    }
-    if (frequencies_.empty() && table_.find("frequencies") < 0) {
-      fail("no column of frequencies",
-           "name them f1, f2 ..., or put them into one column \"frequencies\"");
-    }
-    if (table_.rows.empty())
-      throw model::SceneError({table_.file, 0, 0, ""}, "no cable", "write one a row");
+/// A row a cable: its name and the keys of a campaign's tension test, with frequencies in columns
+/// f1, f2 ... or several in one cell "frequencies" (ident/tension). A row that cannot be used is
+/// named with its line and reason; the others are read all the same.
+std::vector<CableTableRow> read_cables(const std::string& path) {
+  const TextTable table = read_text_table(path);
+  std::vector<std::size_t> frequencies;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    const auto& name = table.columns[i].name;
+    const bool numbered = name.find_first_not_of("0123456789", 1) == std::string::npos;
+    if (name.size() > 1 && name[0] == 'f' && numbered) frequencies.push_back(i);
   }
-
-  [[nodiscard]] std::vector<CableTableRow> read() const {
-    std::vector<CableTableRow> rows;
-    std::set<std::string> taken;
-    for (const auto& row : table_.rows) {
-      CableTableRow one;
-      one.line = row.line;
-      std::string name = table_.text(row, table_.find("name") >= 0 ? "name" : "cable");
-      if (name.empty()) name = fmt::format("line {}", row.line);
-      try {
-        if (!taken.insert(name).second) throw std::invalid_argument("the name is taken");
-        one.test = test_of(row);
-      } catch (const document::DocumentError& error) {
-        one.error = error.where().key + " " + error.problem();
-      } catch (const std::exception& error) {
-        one.error = error.what();
-      }
-      one.test.name = std::move(name);
-      rows.push_back(std::move(one));
-    }
-    return rows;
-  }
-
- private:
-  /// The row as the keys of a campaign's tension test; what is blank keeps its default.
-  [[nodiscard]] ident::TensionInputs test_of(const TextTable::Row& row) const {
+  std::vector<CableTableRow> rows;
+  std::set<std::string> taken;
+  for (const auto& row : table.rows) {
+    std::string name = table.text(row, table.find("name") >= 0 ? "name" : "cable");
+    if (name.empty()) name = fmt::format("line {}", row.line);
     TensionTest test;
-    const auto keys = keys_of(test);
-    std::string text;
-    for (const auto& key : keys) {
-      std::string cell = table_.text(row, key.name == "orders" ? "order" : key.name);
-      if (std::holds_alternative<std::vector<double>*>(key.target)) {
-        if (key.name == "frequencies") {
-          for (const std::size_t column : frequencies_) {
-            const double hz = table_.number(row, column);
-            if (std::isfinite(hz)) cell += fmt::format(" {}", hz);
-          }
-        }
-        std::istringstream words(cell);
-        std::string list;
-        for (std::string word; words >> word;) list += (list.empty() ? "" : ", ") + word;
-        cell = list.empty() ? "" : "[" + list + "]";
-      } else if (std::holds_alternative<std::string*>(key.target)) {
-        if (!cell.empty()) cell = "'" + cell + "'";
-      } else {
-        const double value = table_.number(row, key.name);
-        cell = std::isfinite(value) ? fmt::format("{}", value) : "";
-      }
-      if (!cell.empty()) text += key.name + " = " + cell + "\n";
+    auto keys = keys_of(test);
+    for (auto& key : keys) {
+      if (key.name == "orders") key.name = "order";
     }
-    auto toml = document::TomlTable::parse(text, "");
-    read_keys(toml, keys);
-    test.complete();
-    if (test.inputs.modes.empty()) throw std::invalid_argument("no frequency");
-    return std::move(test.inputs);
+    std::string error;
+    try {
+      if (!taken.insert(name).second) throw std::invalid_argument("the name is taken");
+      fill_row(table, row, keys, {{"frequencies", frequencies}});
+      test.complete();
+      if (test.inputs.modes.empty()) throw std::invalid_argument("no frequency");
+    } catch (const document::DocumentError& wrong) {
+      error = wrong.where().key + " " + wrong.problem();
+    } catch (const std::invalid_argument& wrong) {
+      error = wrong.what();
+    }
+    test.inputs.name = std::move(name);
+    rows.push_back({row.line, std::move(test.inputs), std::move(error)});
   }
-
-  TextTable table_;
-  std::vector<std::size_t> frequencies_;
-};
+  return rows;
+}
 
 /// One row a cable: its result, or why there is none; a refused or unreadable row ends the run with
 /// exit code 4, after all others.
 Json table_of_cables(const TensionCommand& command, VerbContext& context) {
   context.input(command.table);
-  const auto rows = CableRows(command.table).read();
+  const auto rows = read_cables(command.table);
   std::vector<ident::TensionInputs> tests;
   for (const auto& row : rows) {
     if (!row.error.empty()) continue;
@@ -213,19 +154,13 @@ Json one_cable(TensionCommand command, VerbContext& context) {
   if (!(cable.length_m.value > 0 && cable.mass_per_length.value > 0)) {
     throw UsageError("give --length and --mass-per-length, or --table");
   }
-  add_masses(command.masses, cable);
   if (const auto& file = command.test.measured; !file.empty()) {
     context.input(file);
-    const auto plane = plane_named(command.test.plane);
-    for (auto& row : read_measured_modes(file, command.test.column, plane, {})) {
+    for (auto& row : read_measured_modes(file, command.test.column, inputs.plane, {})) {
       inputs.modes.push_back(std::move(row.mode));
     }
   }
-  try {
-    command.test.complete();
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(std::string("--order ") + error.what());
-  }
+  command.test.complete();
   if (inputs.modes.empty() && command.files.empty()) {
     throw UsageError("give recordings, --measured or --frequencies");
   }
@@ -235,13 +170,7 @@ Json one_cable(TensionCommand command, VerbContext& context) {
     inputs.recordings.push_back({name, std::move(recording)});
   }
   const auto campaign = ident::tension_campaign(inputs);
-  if (!campaign.modes.empty()) {
-    try {
-      ident::check_cable(inputs.cable, campaign.modes);
-    } catch (const std::invalid_argument& error) {
-      throw UsageError(error.what());
-    }
-  }
+  if (!campaign.modes.empty()) ident::check_cable(inputs.cable, campaign.modes);
   const auto& result = campaign.tension;
   auto findings = campaign.findings;
   if (!result.solved) std::erase_if(findings, [](const auto& f) { return f.code == "no_tension"; });
@@ -265,7 +194,6 @@ Json run(TensionCommand& command, VerbContext& context) {
 }
 
 describe::Options options_of(TensionCommand& c) {
-  using describe::option;
   describe::Options options{
       option("FILE", c.files, "Recordings of the cable's motion: its modes"),
       option("--table", c.table, "Many cables, a row each (columns: ident/tension/README.md)"),
@@ -276,9 +204,12 @@ describe::Options options_of(TensionCommand& c) {
     if (key.name == "--orders") key.name = "--order";
     options.push_back(std::move(key));
   }
-  options.push_back(option("--mass-at", c.masses,
-                           "Masses or clamps on the cable: place from 0 to 1 of its length, kg "
-                           "(the largest relative std counts for all)")
+  options.push_back(converted(
+                        "--mass-at",
+                        [&c](const auto& text) { add_mass(text, c.test.inputs.cable); },
+                        "Masses or clamps on the cable: place from 0 to 1 of its length, kg "
+                        "(the largest relative std counts for all)",
+                        describe::Kind::texts)
                         .type("PLACE=KG[,STD]"));
   return options;
 }

@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "apps/campaign/campaign.h"
 #include "apps/campaign_file/update_data.h"
 #include "apps/cli/at_hand.h"
 #include "apps/cli/plots/plot_option.h"
@@ -33,8 +34,7 @@ struct UpdateCommand {
   std::vector<std::string> ends;  ///< "pinned", "clamped", "springs", "own springs": the same
   std::string out, axial;
   bool hold_out = false;
-  int starts = 4;
-  double assumed_std = 0.01, model_std = 0, frf_model_std = 0;
+  ident::UpdateOptions fit;
 };
 
 // `--candidates FILE` and `--ends WORD...`: several models of the same measured modes, each
@@ -53,6 +53,7 @@ struct NamedModel {
   std::vector<std::string> free, priors;
 };
 
+/// As model::Support::Kind, then springs.
 const std::vector<std::string> kSupportWords{"free", "pinned", "clamped", "springs", "own springs"};
 
 // Rotational springs across the member, started at 10 EI / L: between what a member takes for
@@ -85,9 +86,11 @@ std::vector<std::string> put_springs(const model::Scene& scene, model::SceneNode
   return targets;
 }
 
-// The supports of a candidate, by node; what springs are fitted goes to `free`.
-void put_supports(const std::vector<std::pair<std::string, std::string>>& words,
-                  model::Scene& scene, std::vector<std::string>* free) {
+using Supports = std::vector<std::pair<std::string, std::string>>;  ///< word by node
+
+// Returns the parameters of the springs that are fitted.
+std::vector<std::string> put_supports(const Supports& words, model::Scene& scene) {
+  std::vector<std::string> free;
   std::string shared;
   for (const auto& [name, word] : words) {
     const auto node = std::find_if(scene.nodes.begin(), scene.nodes.end(),
@@ -95,12 +98,11 @@ void put_supports(const std::vector<std::pair<std::string, std::string>>& words,
     if (node == scene.nodes.end()) {
       throw UsageError("candidates: the scene has no node \"" + name + "\"");
     }
-    using Kind = model::Support::Kind;
-    if (word == "free" || word == "pinned" || word == "clamped") {
+    const auto place = std::find(kSupportWords.begin(), kSupportWords.end(), word);
+    if (const auto kind = static_cast<model::Support::Kind>(place - kSupportWords.begin());
+        kind < model::Support::Kind::elastic) {
       node->support = {};
-      node->support.kind = word == "free"     ? Kind::free
-                           : word == "pinned" ? Kind::pinned
-                                              : Kind::clamped;
+      node->support.kind = kind;
       continue;
     }
     std::string own;
@@ -109,22 +111,29 @@ void put_supports(const std::vector<std::pair<std::string, std::string>>& words,
       if (!list.empty()) list += ',';
       list += target;
     }
-    if (!own.empty() && free != nullptr) free->push_back(fmt::format("{}.springs={}", name, own));
+    if (!own.empty()) free.push_back(fmt::format("{}.springs={}", name, own));
   }
-  if (!shared.empty() && free != nullptr) free->push_back("springs=" + shared);
+  if (!shared.empty()) free.push_back("springs=" + shared);
+  return free;
 }
 
 NamedModel read_candidate(document::TomlTable& table, const UpdateCommand& command,
                           const UpdateStates& states, VerbContext& context) {
-  NamedModel one{table.string("name"), states, {}, {}};
-  if (table.has("scene")) {
+  NamedModel one{"", states, {}, {}};
+  std::string scene;
+  std::vector<std::string> free;
+  read_keys(table,
+            {option("name", one.name, "Of the candidate").required(),
+             option("scene", scene, "In place of SCENE, relative to this file"),
+             option("free", free, "Beside --free"), option("prior", one.priors, "Beside --prior")});
+  if (!scene.empty()) {
     UpdateData data = command.data;
     const std::filesystem::path path =
-        std::filesystem::path(command.candidates).parent_path() / table.string("scene");
+        std::filesystem::path(command.candidates).parent_path() / scene;
     data.scenes = {path.string()};
     one.states = read_update_states(data, context);
   }
-  std::vector<std::pair<std::string, std::string>> supports;
+  Supports supports;
   if (table.has("supports")) {
     auto words = table.table("supports");
     for (const auto& node : words.keys()) {
@@ -140,16 +149,11 @@ NamedModel read_candidate(document::TomlTable& table, const UpdateCommand& comma
     }
     set.finish();
   }
-  bool first = true;
   for (auto& state : one.states.states) {
-    put_supports(supports, state.scene, first ? &one.free : nullptr);
+    one.free = put_supports(supports, state.scene);  // the same in all states
     for (const auto& [name, value] : values) model::set_parameter(state.scene, name, value);
-    first = false;
   }
-  if (table.has("free")) {
-    for (auto& text : table.string_or_strings("free")) one.free.push_back(std::move(text));
-  }
-  if (table.has("prior")) one.priors = table.string_or_strings("prior");
+  one.free.insert(one.free.end(), free.begin(), free.end());
   table.finish();
   return one;
 }
@@ -157,14 +161,12 @@ NamedModel read_candidate(document::TomlTable& table, const UpdateCommand& comma
 // Every node that is held, with this word.
 NamedModel with_ends(const std::string& word, const UpdateStates& states) {
   NamedModel one{word, states, {}, {}};
-  bool first = true;
   for (auto& state : one.states.states) {
-    std::vector<std::pair<std::string, std::string>> supports;
+    Supports supports;
     for (const auto& node : state.scene.nodes) {
       if (node.support.kind != model::Support::Kind::free) supports.emplace_back(node.name, word);
     }
-    put_supports(supports, state.scene, first ? &one.free : nullptr);
-    first = false;
+    one.free = put_supports(supports, state.scene);
   }
   return one;
 }
@@ -277,11 +279,7 @@ Json write_scenes(const UpdateCommand& options, const UpdateStates& states,
 // The fit's options, with what is taken as known.
 ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& states,
                                  VerbContext& context) {
-  ident::UpdateOptions update;
-  update.assumed_relative_std = options.assumed_std;
-  update.model_relative_std = options.model_std;
-  update.frf_model_relative_std = options.frf_model_std;
-  update.starts = options.starts;
+  ident::UpdateOptions update = options.fit;
   update.threads = context.threads;
   if (!options.axial.empty()) {
     context.input(options.axial);
@@ -389,7 +387,6 @@ Json run(UpdateCommand& options, VerbContext& context) {
 }
 
 describe::Options options_of(UpdateCommand& c) {
-  using describe::option;
   return {
       option("SCENE", c.data.scenes, "Scene files (several: one for each file of data)")
           .required()
@@ -412,7 +409,8 @@ describe::Options options_of(UpdateCommand& c) {
              "N, of each universal file of --measured (or of none of them), then of each --frf "
              "and --decay: the cables' tension in that state")
           .positive(),
-      option("--band", c.data.band_hz, "Lines and modes of FRFs, decays and UFF 55 that count"),
+      band("--band", c.data.band_low_hz, c.data.band_high_hz,
+           "Lines and modes of FRFs, decays and UFF 55 that count"),
       option("--free", c.free,
              "Scene parameters to fit: NAME, NAME=TARGET,-TARGET (several that share a value), "
              "NAME@each (one value a state). Default: every member's EI"),
@@ -441,19 +439,20 @@ describe::Options options_of(UpdateCommand& c) {
              "Uncertainty of what is not fitted: TARGET=STD or TARGET=0.5%, several targets with "
              "commas (-TARGET: opposite), `tension` for the cables' reading, @each at the end: "
              "independent in each state. Carried into the parameters and the predictions"),
-      option("--assumed-std", c.assumed_std,
+      option("--assumed-std", c.fit.assumed_relative_std,
              "Relative standard uncertainty of frequencies that come without one")
           .within(1e-9, 1.0),
-      option("--model-std", c.model_std,
+      option("--model-std", c.fit.model_relative_std,
              "Relative error in frequency that the model itself is allowed")
           .within(0.0, 1.0),
-      option("--frf-model-std", c.frf_model_std,
+      option("--frf-model-std", c.fit.frf_model_relative_std,
              "Relative error in FRFs that the model itself is allowed")
           .within(0.0, 10.0),
       option("--segments", c.data.segments,
              "Of every member while fitting (default: the scene's); fewer are faster")
           .within(2, 10000),
-      option("--starts", c.starts, "1: only the answer near the scene's own values is looked for")
+      option("--starts", c.fit.starts,
+             "1: only the answer near the scene's own values is looked for")
           .within(1, 1000),
       option("--hold-out", c.hold_out,
              "Also leave out each state in turn and predict it from the others"),

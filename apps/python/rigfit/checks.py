@@ -54,13 +54,6 @@ def integer(argument, value, low, high):
     return value
 
 
-def flag(argument, value):
-    """A bool."""
-    if not isinstance(value, (bool, np.bool_)):
-        fail(argument, f"must be True or False, not {kind(value)}")
-    return bool(value)
-
-
 def text(argument, value):
     """A str that is not empty."""
     if not isinstance(value, str):
@@ -141,14 +134,6 @@ def numbers(argument, value, **limits):
             fail(argument, "is empty")
         return [number(f"{argument}[{i}]", one, **limits) for i, one in enumerate(value)]
     return [number(argument, value, **limits)]
-
-
-def band(argument, value):
-    """Two rising frequencies in Hz."""
-    values = numbers(argument, value, low=0)
-    if len(values) != 2 or not values[0] < values[1]:
-        fail(argument, f"must be two rising frequencies in Hz, not {kind(value)}")
-    return values
 
 
 def array(argument, value, missing=False):

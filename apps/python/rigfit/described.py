@@ -4,9 +4,12 @@
 import difflib
 import functools
 import inspect
+import numbers
 import os
 import re
 import textwrap
+
+import numpy as np
 
 from . import _core, checks, errors
 from .recordings import warn
@@ -56,37 +59,23 @@ def parted(argument, value):
     return value
 
 
-def checked(argument, option, value):
-    """A value as the option takes it; fails with the argument and the reason."""
-    kind, words = option["kind"], option["words"]
-    limits = {"positive": True} if option["positive"] else {
-        key: option[name] for key, name in (("low", "lowest"), ("high", "highest")) if abs(option[name]) < 1e300}
-    if kind == "flag":
-        return checks.flag(argument, value)
-    if kind == "integer":
-        return checks.integer(argument, value, int(limits.get("low", 0)), int(limits.get("high", 2**64 - 1)))
-    if kind == "number" and words and isinstance(value, str):
-        return checks.choice(argument, value, words)
-    if kind == "number":
-        return checks.number(argument, value, **limits)
-    if kind == "numbers":
-        if option["key"] == "band":
-            return checks.band(argument, value)
-        values = checks.numbers(argument, value, **limits)
-        if option["numbers"] and len(values) != option["numbers"]:
-            checks.fail(argument, f"must be {option['numbers']} numbers: {option['text']}")
-        return values
-    if kind == "texts":
-        return [checked(argument, {**option, "kind": "text"}, one) for one in checks.sequence(argument, value)]
-    if words:
-        return checks.choice(argument, value, words)
+def plain(argument, option, value):
+    """A value as JSON has it: whether the option takes it is said where it is filled."""
     if option["written"]:
         return checks.new_file(argument, value)
-    if _number_too(option) and not isinstance(value, str):
-        return repr(checks.number(argument, value, positive=True))
-    if isinstance(value, str) or not hasattr(value, "__fspath__"):
+    if hasattr(value, "__fspath__"):
+        value = checks.path(argument, value)
+    if isinstance(value, (np.ndarray, np.generic)):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [plain(f"{argument}[{i}]", option, one) for i, one in enumerate(value)]
+    if isinstance(value, str):
         return checks.text(argument, value)
-    return checks.path(argument, value)
+    if isinstance(value, int):
+        return repr(value) if _number_too(option) else value
+    if not isinstance(value, numbers.Real):
+        checks.fail(argument, f"must be {_type_of(option)[0]}, not {checks.kind(value)}")
+    return repr(float(value)) if _number_too(option) else checks.number(argument, value)
 
 
 def _type_of(option):
@@ -190,7 +179,7 @@ def verb(name, result, raw=None, without=()):
                     value, std = parted(key, value)
                     if std is not None:
                         values[options[key]["std"]] = checks.number(f"{key} std", std, 0)
-                values[options[key]["key"]] = value if key in raw else checked(key, options[key], value)
+                values[options[key]["key"]] = value if key in raw else plain(key, options[key], value)
             answer = function(**{p.name: given.get(p.name) for p in own}, options=values)
             if isinstance(answer, result):
                 return answer

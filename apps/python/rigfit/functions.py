@@ -172,14 +172,12 @@ def _measured(options, folder):
 def tension(recordings=None, options=None, folder=None):
     """Tension of a cable, hanger or stay from its natural frequencies: of recordings of its motion, ``frequencies`` or ``measured``."""
     _measured(options, folder)
-    return _run("tension", options, [] if recordings is None else sources("recordings", recordings))
+    return _run("tension", options, None if recordings is None else sources("recordings", recordings))
 
 
 @verb("modes", ModesResult)
 def modes(scene, options):
     """Static equilibrium of a scene, then its natural modes."""
-    if {"count", "band"} <= set(options):
-        checks.fail("count", "cannot be given with band")
     return _run("modes", options, scene_or_path(scene))
 
 
@@ -211,14 +209,6 @@ def _files(argument, value, write=None):
     return [checks.path(name, one) if is_path(one) else write(name, one) for name, one in zip(named, several)]
 
 
-def _scene_file(scene, index, folder):
-    if is_path(scene) and "\n" not in str(scene):
-        return checks.path("scene", scene)
-    file = pathlib.Path(folder) / f"scene{index + 1}.toml"
-    file.write_text((scene if isinstance(scene, Scene) else Scene(scene)).to_toml())
-    return str(file)
-
-
 _PATHS = "_Path | Sequence[_Path]"
 
 
@@ -239,7 +229,7 @@ def update(scene, options, folder=None):
     if "candidates" in options:
         options["candidates"] = checks.document("candidates", options["candidates"])
     several = scene if isinstance(scene, (list, tuple)) and scene else [scene]
-    scenes = [_scene_file(one, i, folder) for i, one in enumerate(several)]
+    scenes = [scene_or_path(one) for one in several]
     if "measured" in options:
         options["measured"] = _files("measured", options["measured"], lambda name, one: write_modes(name, one, folder))
     for name in {"frf", "decay"} & set(options):

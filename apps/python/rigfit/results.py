@@ -17,65 +17,6 @@ def pandas():
     return package
 
 
-class Estimate:
-    """A value with its standard uncertainty, and the ends of its 95 % interval where they are known.
-
-    Attributes
-    ----------
-    value, std : float or None
-        None: there is no such number.
-    low, high : float or None
-    """
-
-    __slots__ = ("value", "std", "low", "high", "_fields")
-    value: "float | None"
-    std: "float | None"
-    low: "float | None"
-    high: "float | None"
-
-    def __init__(self, fields):
-        self._fields = fields
-        self.value, self.std = fields.get("value"), fields.get("std")
-        self.low, self.high = fields.get("low"), fields.get("high")
-
-    def __getattr__(self, name):
-        if name != "_fields" and name in self._fields:
-            return self._fields[name]
-        raise AttributeError(f"Estimate has no {name!r}; there are: {', '.join(self._fields)}")
-
-    def __float__(self):
-        if self.value is None:
-            raise Error("there is no value", code="no_value")
-        return float(self.value)
-
-    def to_dict(self):
-        """As in the JSON document."""
-        return copy.deepcopy(self._fields)
-
-    def to_ufloat(self):
-        """``uncertainties.ufloat(value, std)``, where that package is installed."""
-        try:
-            import uncertainties
-        except ImportError as error:
-            raise Error("to_ufloat() needs the package uncertainties (Debian: python3-uncertainties)",
-                        code="not_installed") from error
-        if self.std is None:
-            raise Error("there is no standard uncertainty", code="no_value")
-        return uncertainties.ufloat(float(self), self.std)
-
-    def __repr__(self):
-        return f"Estimate({self})"
-
-    def __str__(self):
-        value = "-" if self.value is None else f"{self.value:.7g}"
-        return value if self.std is None else f"{value} +- {self.std:.2g}"
-
-    def __eq__(self, other):
-        return isinstance(other, Estimate) and self._fields == other._fields
-
-    __hash__ = None
-
-
 class Numbers(np.ndarray):
     """Values of a field over a list, with the ``std`` of each where the field is an estimate."""
 
@@ -102,7 +43,7 @@ class Records(list):
 
     def to_dict(self):
         """As in the JSON document."""
-        return [one.to_dict() if isinstance(one, (Record, Estimate)) else one for one in self]
+        return [one.to_dict() if isinstance(one, Record) else one for one in self]
 
     def to_frame(self):
         """A pandas.DataFrame, a row a record; an estimate is two columns or more, ``x``, ``x_std``, ``x_low`` ..."""
@@ -165,6 +106,49 @@ class Record(Mapping):
                           f"{key}={wrapped(value)!s}" if isinstance(wrapped(value), Estimate) else key
                           for key, value in self._fields.items())
         return f"{type(self).__name__}({shown})"
+
+
+def _number(key, doc):
+    def get(self) -> "float | None":
+        return self._fields.get(key)
+    return property(get, doc=doc)
+
+
+class Estimate(Record):
+    """A value with its standard uncertainty, and the ends of its 95 % interval where they are known.
+
+    Attributes
+    ----------
+    value, std : float or None
+        None: there is no such number.
+    low, high : float or None
+    """
+
+    value, std = _number("value", "Best value."), _number("std", "Its standard uncertainty.")
+    low, high = _number("low", "Lower end of the interval."), _number("high", "Upper end of the interval.")
+
+    def __float__(self):
+        if self.value is None:
+            raise Error("there is no value", code="no_value")
+        return float(self.value)
+
+    def to_ufloat(self):
+        """``uncertainties.ufloat(value, std)``, where that package is installed."""
+        try:
+            import uncertainties
+        except ImportError as error:
+            raise Error("to_ufloat() needs the package uncertainties (Debian: python3-uncertainties)",
+                        code="not_installed") from error
+        if self.std is None:
+            raise Error("there is no standard uncertainty", code="no_value")
+        return uncertainties.ufloat(float(self), self.std)
+
+    def __repr__(self):
+        return f"Estimate({self})"
+
+    def __str__(self):
+        value = "-" if self.value is None else f"{self.value:.7g}"
+        return value if self.std is None else f"{value} +- {self.std:.2g}"
 
 
 class Result(Record):

@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <exception>
 #include <future>
 #include <memory>
 #include <new>
 #include <optional>
 #include <sstream>
-#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -44,30 +42,25 @@ std::atomic<int> abandoned{0};
   } catch (const std::bad_alloc&) {
     PyErr_NoMemory();
     throw py::error_already_set();
-  } catch (const signal::RecordingError& error) {
-    const auto& where = error.where();
-    raise("InputError", error.what(),
-          py::dict("file"_a = where.file, "line"_a = where.line, "column"_a = where.column,
-                   "channel"_a = where.channel, "value"_a = where.value,
-                   "problem"_a = error.problem(), "remedy"_a = error.remedy()));
-  } catch (const document::DocumentError& error) {
-    const auto& where = error.where();
-    raise(
-        "InputError", error.what(),
-        py::dict("file"_a = where.file, "line"_a = where.line, "column"_a = where.column,
-                 "key"_a = where.key, "problem"_a = error.problem(), "remedy"_a = error.remedy()));
-  } catch (const apps::UsageError& error) {
-    raise("UsageError", error.what(), py::dict());
-  } catch (const apps::InputChanged& error) {
-    raise("InputError", error.what(), py::dict());
-  } catch (const apps::Refused& error) {
-    raise("Refused", error.what(), py::dict("code"_a = error.code));
-  } catch (const apps::NotConverged& error) {
-    raise("NotConverged", error.what(), py::dict());
-  } catch (const std::invalid_argument& error) {
-    raise("UsageError", error.what(), py::dict());
   } catch (const std::exception& error) {
-    raise("InternalError", error.what(), py::dict());
+    constexpr const char* kKinds[] = {"",           "InternalError", "UsageError",
+                                      "InputError", "Refused",       "NotConverged"};
+    py::dict fields;
+    const auto place = [&](const auto& input) {
+      const auto& where = input.where();
+      fields = py::dict("file"_a = where.file, "line"_a = where.line, "column"_a = where.column,
+                        "problem"_a = input.problem(), "remedy"_a = input.remedy());
+    };
+    if (const auto* recording = dynamic_cast<const signal::RecordingError*>(&error)) {
+      place(*recording);
+      fields["channel"] = recording->where().channel, fields["value"] = recording->where().value;
+    } else if (const auto* document = dynamic_cast<const document::DocumentError*>(&error)) {
+      place(*document);
+      fields["key"] = document->where().key;
+    } else if (const auto* refused = dynamic_cast<const apps::Refused*>(&error)) {
+      fields["code"] = refused->code;
+    }
+    raise(kKinds[static_cast<int>(apps::exit_code_of(error))], error.what(), fields);
   }
 }
 
@@ -85,29 +78,32 @@ py::object to_python(const Json& value) {
   return py::module_::import("json").attr("loads")(text);
 }
 
-std::string key_of(const describe::Option& option) {
-  std::string key = option.name.starts_with("--") ? option.name.substr(2) : option.name;
+std::string key_of(const std::string& option) {
+  std::string key = option.starts_with("--") ? option.substr(2) : option;
   std::replace(key.begin(), key.end(), '-', '_');
   return key;
 }
 
 void take(const describe::Options& options, const py::dict& given) {
+  using namespace py::literals;
+  const auto text = py::module_::import("json").attr("dumps")(given).cast<std::string>();
+  const Json values = Json::parse(text);
+  Json named = Json::object();
   for (const auto& option : options) {
-    const std::string key = key_of(option);
-    if (!given.contains(key.c_str())) continue;
-    const py::object value = given[key.c_str()];
-    std::visit(
-        [&](auto* member) {
-          using Value = std::remove_pointer_t<decltype(member)>;
-          if constexpr (std::is_same_v<Value, std::optional<double>>) {
-            // A word in place of a number is a number without end: a rigid frame.
-            *member = py::isinstance<py::str>(value) ? HUGE_VAL : value.cast<double>();
-          } else {
-            *member = value.cast<Value>();
-          }
-        },
-        option.target);
-    if (option.told != nullptr) option.told->push_back(option.name);
+    if (const auto key = key_of(option.name); values.contains(key))
+      named[option.name] = values[key];
+  }
+  const auto misfit = [&] {
+    try {
+      return describe::fill(options, named);
+    } catch (...) {
+      raise_as_python(std::current_exception());
+    }
+  }();
+  if (misfit) {
+    const std::string key = key_of(misfit->name);
+    raise("ArgumentError", key + ": " + misfit->problem,
+          py::dict("argument"_a = key, "problem"_a = misfit->problem));
   }
 }
 
@@ -166,8 +162,7 @@ py::tuple run_work(const char* name, const py::dict& given,
   };
   auto state = std::make_shared<State>();
   auto& context = state->context;
-  take(state->shared.options(true, true), given);
-  state->shared.apply(context);
+  take(state->shared.options(context, true, true), given);
   context.quiet = true;  // no progress: what is printed is kept all the same
   context.silent = true;
   context.command = {"rigfit", name, "(from Python)"};
@@ -183,24 +178,26 @@ py::tuple run_work(const char* name, const py::dict& given,
 
 py::list described_options(const std::string& verb) {
   using namespace py::literals;
+  std::ostringstream none;
+  apps::VerbContext context(none);
   apps::SharedOptions shared;
   const apps::Verbs verbs = apps::all_verbs();
   describe::Options options;
   const auto add = [&](const describe::Options& more) {
     options.insert(options.end(), more.begin(), more.end());
   };
-  if (verb == "read") add(options_of(shared.reading));
+  if (verb == "read") add(apps::options_of(context.reading));
   for (const auto& one : verbs) {
-    if (one.name == verb) add(one.options), add(shared.options(one.reads, one.draws));
+    if (one.name == verb) add(one.options), add(shared.options(context, one.reads, one.draws));
   }
-  if (options.empty()) add(options_of(shared.common));
+  if (options.empty()) add(shared.options(context, false, false));
   py::list list;
   for (const auto& o : options) {
-    list.append(
-        py::dict("name"_a = o.name, "kind"_a = o.kind(), "text"_a = o.text(), "lowest"_a = o.lowest,
-                 "highest"_a = o.highest, "positive"_a = o.above_lowest, "words"_a = o.words,
-                 "numbers"_a = o.numbers, "required"_a = o.is_required, "written"_a = o.is_written,
-                 "type"_a = o.value_name, "default"_a = o.default_text()));
+    list.append(py::dict(
+        "name"_a = o.name, "kind"_a = describe::name_of(o.kind), "text"_a = o.text(),
+        "lowest"_a = o.lowest, "highest"_a = o.highest, "positive"_a = o.above_lowest,
+        "words"_a = o.words, "numbers"_a = o.numbers, "required"_a = o.is_required,
+        "written"_a = o.is_written, "type"_a = o.value_name, "default"_a = o.default_text()));
   }
   return list;
 }

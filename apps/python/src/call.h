@@ -35,7 +35,7 @@ void run_unlocked(std::function<void()> work);
 [[nodiscard]] py::list described_options(const std::string& verb);
 
 /// "mass_per_length" of "--mass-per-length".
-[[nodiscard]] std::string key_of(const describe::Option& option);
+[[nodiscard]] std::string key_of(const std::string& option);
 
 /// Values by such names into these options.
 void take(const describe::Options& options, const py::dict& given);

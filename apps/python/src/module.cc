@@ -45,10 +45,11 @@ py::tuple run(const std::string& verb, const py::dict& given, const py::object& 
   };
   py::dict values;
   for (const auto& [key, value] : given) values[key] = value;
+  const std::string key = key_of(state->verb.options.front().name);
   if (py::isinstance<signal::FrfSet>(inputs)) {
     state->objects.frfs = inputs.cast<std::shared_ptr<signal::FrfSet>>();
+    values[key.c_str()] = "<FRFs>";
   } else if (!inputs.is_none()) {
-    const std::string key = key_of(state->verb.options.front());
     if (py::isinstance<py::list>(inputs)) {
       py::list names;
       for (const py::handle one : inputs) names.append(name_of(one));

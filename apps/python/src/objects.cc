@@ -33,16 +33,22 @@ py::list names_of(const Items& items) {
   return names;
 }
 
+/// A view of what `owner` keeps, which cannot be written to.
+template <typename T>
+py::array view(const py::object& owner, const T* data, std::vector<py::ssize_t> shape,
+               std::vector<py::ssize_t> strides) {
+  py::array array(py::dtype::of<T>(), std::move(shape), std::move(strides), data, owner);
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
 using Shared = std::shared_ptr<signal::Recording>;
 
-/// Samples are views that cannot be written to and keep the recording alive.
+/// Samples are views that keep the recording alive.
 py::list channels_of(const Shared& recording) {
   py::list list;
   for (const auto& channel : recording->channels) {
     const auto& d = channel.direction;
-    const py::array view(py::dtype::of<double>(), {channel.samples.size()}, {sizeof(double)},
-                         channel.samples.data(), py::cast(recording));
-    view.attr("setflags")(py::arg("write") = false);
     py::dict one;
     one["name"] = channel.name;
     one["unit"] = channel.unit;
@@ -50,7 +56,8 @@ py::list channels_of(const Shared& recording) {
     one["quantity"] = signal::name_of(channel.quantity);
     one["direction"] = py::make_tuple(d[0], d[1], d[2]);
     one["missing_samples"] = channel.missing_samples;
-    one["data"] = view;
+    one["data"] = view<double>(py::cast(recording), channel.samples.data(),
+                               {channel.samples.size()}, {sizeof(double)});
     list.append(std::move(one));
   }
   return list;
@@ -113,15 +120,6 @@ py::tuple read(const std::string& path, const py::dict& options) {
 using Eigen::Index;
 using SharedFrfs = std::shared_ptr<signal::FrfSet>;
 
-/// A view of what `owner` keeps.
-template <typename T>
-py::array view(const py::object& owner, const T* data, std::vector<py::ssize_t> shape,
-               std::vector<py::ssize_t> strides) {
-  py::array array(py::dtype::of<T>(), std::move(shape), std::move(strides), data, owner);
-  array.attr("setflags")(py::arg("write") = false);
-  return array;
-}
-
 /// lines x responses x inputs of a matrix with a column `response * inputs + input`.
 template <typename T>
 py::object layers(const SharedFrfs& frfs,
@@ -131,12 +129,6 @@ py::object layers(const SharedFrfs& frfs,
   const auto size = static_cast<py::ssize_t>(sizeof(T));
   return view<T>(py::cast(frfs), matrix.data(), {lines, matrix.cols() / inputs, inputs},
                  {size, size * lines * inputs, size * lines});
-}
-
-py::list names_of(const std::vector<signal::MeasuredPoint>& points) {
-  py::list names;
-  for (const auto& point : points) names.append(point.name);
-  return names;
 }
 
 using SharedScene = std::shared_ptr<model::Scene>;

@@ -75,7 +75,7 @@ TEST(New, AFolderOfMixedFiles) {
        std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--from", data + "/swing.csv", "--span", "1"},
             "--span belongs to none of these tests"},
-           {{"--example", "--mass", "2"}, "--mass requires --from"},
+           {{"--example", "--mass", "2"}, "--mass: is given without --from"},
            {{"--from", data + "/swing.csv", "--kind", "tension"}, "give the length"},
            {{"--from", data + "/swing.csv", "--kind", "axial", "--length", "1", "2"},
             "2 lengths"}}) {
