@@ -11,10 +11,7 @@ namespace rigfit::model::testing {
 
 inline SceneNode node(std::string name, const Eigen::Vector3d& position,
                       Support::Kind kind = Support::Kind::free) {
-  SceneNode result;
-  result.name = std::move(name);
-  result.position = position;
-  result.support.kind = kind;
+  SceneNode result{.name = std::move(name), .position = position, .support = {.kind = kind}};
   return result;
 }
 
@@ -49,12 +46,11 @@ inline Sensor sensor(const char* member, double position, Sensor::Quantity quant
 /// A half sine.
 inline Load impact(Place place, const Eigen::Vector3d& direction, double peak, double duration,
                    std::string name = "hammer") {
-  Load load;
-  load.name = std::move(name);
-  load.place = std::move(place);
-  load.direction = direction;
-  load.peak = peak;
-  load.duration = duration;
+  Load load{.name = std::move(name),
+            .place = std::move(place),
+            .direction = direction,
+            .peak = peak,
+            .duration = duration};
   return load;
 }
 
@@ -112,11 +108,8 @@ inline Scene released_cable(int segments = 30, double mass = 1) {
   Scene scene = paper_cable(200, 0.5972, segments);
   scene.title = "cable, 200 N, release";
   scene.members[0].GJ = 0;
-  Load load;
-  load.name = "string";
-  load.kind = Load::Kind::release;
-  load.place = {"", "cable", 0.25};
-  load.mass = mass;
+  Load load{
+      .name = "string", .kind = Load::Kind::release, .place = {"", "cable", 0.25}, .mass = mass};
   scene.loads = {load};
   scene.sensors = {sensor("cable", 0.5, Sensor::Quantity::displacement),
                    sensor("cable", 0.5, Sensor::Quantity::acceleration)};
@@ -125,8 +118,7 @@ inline Scene released_cable(int segments = 30, double mass = 1) {
 
 /// A beam between two cables: clamped below, its tip carries both and a mass.
 inline Scene beam_and_cables(int segments) {
-  Scene scene;
-  scene.title = "beam and two cables";
+  Scene scene{.title = "beam and two cables"};
   scene.nodes = {node("foot", {0, 0, 0}, Support::Kind::clamped), node("tip", {0, 0.75, 0}),
                  node("left", {-1.2, 0.75, 0}, Support::Kind::pinned),
                  node("right", {1.2, 0.75, 0}, Support::Kind::pinned)};
@@ -149,8 +141,7 @@ inline Scene beam_and_cables(int segments) {
 
 /// A line of poles: conductors of 40 m between the tops of 8 m tapered poles.
 inline Scene utility_line(int poles, int cable_segments = 40, int pole_segments = 12) {
-  Scene scene;
-  scene.title = "line of " + std::to_string(poles) + " poles";
+  Scene scene{.title = "line of " + std::to_string(poles) + " poles"};
   for (int k = 0; k <= poles + 1; ++k) {
     const std::string number = std::to_string(k);
     const bool pole = k > 0 && k <= poles;

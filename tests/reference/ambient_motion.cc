@@ -1,10 +1,10 @@
 #include "tests/reference/ambient_motion.h"
+#include "tests/normal.h"
 
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <random>
 
 namespace rigfit::reference {
 
@@ -73,10 +73,9 @@ signal::Recording recorded(const AmbientStructure& structure, const AmbientMotio
     poles[r] = omega * Complex(-zeta, std::sqrt(1 - zeta * zeta));
     turn[r] = std::exp(poles[r] * dt);
   }
-  std::mt19937_64 random(motion.seed);
-  std::normal_distribution<double> normal;
+  rigfit::testing::Normal normal(motion.seed);
   const auto draw = [&](const MatrixXd& factor) {
-    return VectorXd(factor * VectorXd::NullaryExpr(2 * n, [&] { return normal(random); }));
+    return VectorXd(factor * VectorXd::NullaryExpr(2 * n, [&] { return normal(); }));
   };
   const MatrixXd start = covariance(poles, structure.forces, -1).llt().matrixL();
   const MatrixXd step = covariance(poles, structure.forces, dt).llt().matrixL();
@@ -101,18 +100,15 @@ signal::Recording recorded(const AmbientStructure& structure, const AmbientMotio
     motions.row(k) = (v - before).transpose() / dt;
     before = v;
   }
-  signal::Recording recording;
-  recording.path = "ambient.csv";
-  recording.sample_rate_hz = motion.rate_hz;
+  signal::Recording recording{.path = "ambient.csv", .sample_rate_hz = motion.rate_hz};
   for (Index c = 0; c < channels; ++c) {
-    signal::Channel channel;
-    channel.name = "c" + std::to_string(c + 1);
-    channel.unit = "m/s^2";
-    channel.quantity = signal::Quantity::acceleration;
-    channel.samples = motions * structure.shapes.row(c).transpose();
+    signal::Channel channel{.name = "c" + std::to_string(c + 1),
+                            .unit = "m/s^2",
+                            .quantity = signal::Quantity::acceleration,
+                            .samples = motions * structure.shapes.row(c).transpose()};
     const double noise =
         motion.noise * channel.samples.norm() / std::sqrt(static_cast<double>(samples));
-    for (double& x : channel.samples) x += noise * normal(random);
+    for (double& x : channel.samples) x += noise * normal();
     recording.channels.push_back(std::move(channel));
   }
   return recording;

@@ -57,11 +57,8 @@ signal::Recording axial_rig_record(const AxialRig& rig, ident::Random& random) {
     value += rig.hum_N * std::sin(hum * t + hum_phase) + rig.noise_N * normal(random);
     tension[i] = rig.step_N > 0 ? rig.step_N * std::round(value / rig.step_N) : value;
   }
-  signal::Recording recording;
-  recording.format = "synthetic";
-  recording.sample_rate_hz = rig.sample_rate_hz;
-  signal::Channel channel;
-  channel.name = "tension";
+  signal::Recording recording{.format = "synthetic", .sample_rate_hz = rig.sample_rate_hz};
+  signal::Channel channel{.name = "tension"};
   channel.unit = channel.source_unit = "N";
   channel.quantity = signal::Quantity::force;
   channel.samples = std::move(tension);

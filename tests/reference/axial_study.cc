@@ -10,13 +10,11 @@ namespace rigfit::reference {
 
 AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned seed,
                              std::uint64_t first) {
-  AxialCoverage sum;
-  sum.campaigns = campaigns;
+  AxialCoverage sum{.campaigns = campaigns};
   for (int k = 0; k < campaigns; ++k) {
     auto random = ident::random_stream(seed, first + static_cast<std::uint64_t>(k));
     std::normal_distribution<double> normal;
-    ident::AxialInputs inputs;
-    inputs.setup.mass_kg = {study.rig.mass_kg, study.mass_std_kg};
+    ident::AxialInputs inputs{.setup = {.mass_kg = {study.rig.mass_kg, study.mass_std_kg}}};
     inputs.setup.mass_per_length_kg_m = {study.rig.mass_per_length_kg_m, study.per_length_std};
     inputs.setup.length_std_m = study.length_std_m;
     if (study.with_band) inputs.band_low_hz = 20, inputs.band_high_hz = 100;

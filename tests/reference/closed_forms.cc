@@ -183,8 +183,7 @@ CatenaryState catenary_of_tension(const ElasticCatenary& cable, double tension_N
     d = bracketed_root([&](double x) { return drop(x) + cable.rise_m; }, 0, limit);
   }
   const double c = half_range(d);
-  CatenaryState state;
-  state.tension_N = H;
+  CatenaryState state{.tension_N = H};
   // u falls from d + c to d - c; the profile's slope at the first end is -sinh(d + c).
   state.vertical_N = H * std::sinh(d + c);
   state.unstretched_length_m = 2 * a * std::sinh(c) * std::cosh(d);

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <random>
 #include <stdexcept>
 #include <vector>
 
 #include "ident/predict/damage_estimate.h"
 #include "ident/update/model_update.h"
+#include "tests/normal.h"
 #include "tests/scenes.h"
 
 namespace rigfit::reference {
@@ -31,27 +31,21 @@ struct DamageOutcome {
 };
 
 inline double first_in_plane_hz(const model::testing::DamagedRig& rig) {
-  model::ModesOptions options;
-  options.count = 1;
-  options.plane = model::ModePlane::in;
+  model::ModesOptions options{.count = 1, .plane = model::ModePlane::in};
   options.shapes = options.damped = options.error_estimate = false;
   return model::analyse_modes(model::testing::damaged_rig(rig), options).modes.front().frequency_hz;
 }
 
 inline DamageOutcome damage_outcome(const DamageStudy& study, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  model::ModesOptions options;
-  options.count = study.modes;
-  options.plane = model::ModePlane::in;
+  rigfit::testing::Normal normal(seed);
+  model::ModesOptions options{.count = study.modes, .plane = model::ModePlane::in};
   options.shapes = options.damped = options.error_estimate = false;
-  ident::UpdateState state;
-  state.name = "rig";
+  ident::UpdateState state{.name = "rig"};
   for (const auto& mode :
        model::analyse_modes(model::testing::damaged_rig({study.loss, true, study.foot_Nm_rad}),
                             options)
            .modes) {
-    state.measured.push_back({{mode.frequency_hz * (1 + study.relative_std * normal(random)),
+    state.measured.push_back({{mode.frequency_hz * (1 + study.relative_std * normal()),
                                study.relative_std * mode.frequency_hz},
                               {std::nan(""), std::nan("")},
                               model::ModePlane::in});
@@ -67,8 +61,7 @@ inline DamageOutcome damage_outcome(const DamageStudy& study, std::uint64_t seed
     free.emplace_back();
     free.back().name = "foot.rotational_z";
   }
-  ident::UpdateOptions update;
-  update.starts = 1;
+  ident::UpdateOptions update{.starts = 1};
   update.segment_uncertainty = false;  // the truth has the same segments
   const auto fit = ident::update_model({state}, free, update);
   DamageOutcome outcome;
@@ -82,10 +75,8 @@ inline DamageOutcome damage_outcome(const DamageStudy& study, std::uint64_t seed
   } catch (const std::invalid_argument&) {  // EI of the sound part was not identified
     return outcome;
   }
-  ident::PredictionOptions bare;
-  bare.count = 1;
   const auto prediction = ident::predict_modes(
-      model::testing::damaged_rig({0, false, study.foot_Nm_rad}), fitted, bare);
+      model::testing::damaged_rig({0, false, study.foot_Nm_rad}), fitted, {.count = 1});
   if (prediction.modes.empty()) return outcome;
   outcome.bare_hz = prediction.modes[0].frequency_hz.value;
   outcome.bare_std_hz = prediction.modes[0].frequency_hz.std;

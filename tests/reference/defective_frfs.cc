@@ -1,9 +1,9 @@
 #include "tests/reference/defective_frfs.h"
+#include "tests/normal.h"
 
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <random>
 #include <string>
 #include <utility>
 
@@ -34,10 +34,8 @@ VectorXcd after_the_record(const VectorXcd& s, Complex pole, Complex residue,
 }  // namespace
 
 signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
-  std::mt19937_64 random(options.seed);
-  std::normal_distribution<double> normal;
-  signal::FrfSet set;
-  set.form = signal::FrfForm::accelerance;
+  rigfit::testing::Normal normal(options.seed);
+  signal::FrfSet set{.form = signal::FrfForm::accelerance};
   const Index lines =
       static_cast<Index>((options.high_hz - options.low_hz) / options.spacing_hz) + 1;
   set.frequency_hz = Eigen::VectorXd::LinSpaced(
@@ -53,12 +51,12 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
     const double place =
         options.points > 1 ? static_cast<double>(c) / static_cast<double>(options.points - 1) - 0.5
                            : 0;
-    const double size_of_hit = 1 + 0.3 * normal(random);
+    const double size_of_hit = 1 + 0.3 * normal();
     std::vector<VectorXcd> sum(options.fixed.size(), VectorXcd::Zero(lines)), cut_off = sum;
     for (Index r = 0; r < modes; ++r) {
       const double zeta = options.damping_ratio,
                    number = std::numbers::pi * static_cast<double>(r + 1);
-      const double shift = options.drift * place + options.scatter * normal(random);
+      const double shift = options.drift * place + options.scatter * normal();
       const double w = 2 * std::numbers::pi * options.frequency_hz[r] * (1 + 2 * zeta * shift);
       const double size = std::sin(number * x);
       const Complex pole(-zeta * w, w * std::sqrt(1 - zeta * zeta));
@@ -80,10 +78,10 @@ signal::FrfSet defective_frfs(const DefectiveFrfOptions& options) {
   }
   const double rms = std::sqrt(set.H.squaredNorm() / static_cast<double>(set.H.size()));
   for (Index k = 0; k < lines; ++k) {
-    const Complex common(options.common * normal(random), options.common * normal(random));
+    const Complex common(options.common * normal(), options.common * normal());
     for (Index c = 0; c < set.H.cols(); ++c) {
-      set.H(k, c) = set.H(k, c) * (1.0 + common) +
-                    options.noise * rms * Complex(normal(random), normal(random));
+      set.H(k, c) =
+          set.H(k, c) * (1.0 + common) + options.noise * rms * Complex(normal(), normal());
     }
   }
   for (Index c = 0; c < options.points; ++c) {

@@ -141,16 +141,11 @@ std::vector<signal::Recording> struck_recordings(const StruckStructure& structur
     for (Index r = 0; r < q.cols(); ++r) {
       responses += sampled(q.col(r)) * structure.shapes.col(r).transpose();
     }
-    signal::Recording recording;
-    recording.path = fmt::format("hit{}.csv", i + 1);
-    recording.sample_rate_hz = options.sample_rate_hz;
+    signal::Recording recording{.path = fmt::format("hit{}.csv", i + 1),
+                                .sample_rate_hz = options.sample_rate_hz};
     const auto add = [&](const std::string& name, const std::string& unit, VectorXd samples) {
       quantise(samples, options.converter_bits);
-      signal::Channel channel;
-      channel.name = name;
-      channel.unit = unit;
-      channel.samples = std::move(samples);
-      recording.channels.push_back(std::move(channel));
+      recording.channels.push_back({.name = name, .unit = unit, .samples = std::move(samples)});
     };
     add("force", "N", sampled(fine) + noise(n, options.force_noise * kPeak, random));
     for (Index j = 0; j < responses.cols(); ++j) {

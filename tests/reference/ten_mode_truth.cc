@@ -1,4 +1,5 @@
 #include "tests/reference/ten_mode_truth.h"
+#include "tests/normal.h"
 
 #include <Eigen/Dense>
 #include <cmath>
@@ -97,8 +98,7 @@ Eigen::MatrixXcd TenModeTruth::accelerance(const Eigen::VectorXd& lines_hz,
 }
 
 signal::FrfSet TenModeTruth::frfs(const Eigen::VectorXd& lines_hz, double decay_rate_1_s) const {
-  signal::FrfSet set;
-  set.frequency_hz = lines_hz;
+  signal::FrfSet set{.frequency_hz = lines_hz};
   for (Index j = 0; j < shapes.rows(); ++j) {
     set.responses.push_back({response_name(j), static_cast<int>(j + 1), 3});
   }
@@ -135,10 +135,9 @@ std::vector<HammerHit> hammer_hits(const ImpactRecordOptions& options) {
   std::vector<HammerHit> hits;
   double time = 0.1;
   for (int i = 0; i < options.hits; ++i) {
-    HammerHit hit;
-    hit.time_s = time + 0.3 * uniform(random);
-    hit.peak = 70 + 60 * uniform(random);
-    hit.duration_s = 0.55e-3 + 0.1e-3 * uniform(random);
+    HammerHit hit{.time_s = time + 0.3 * uniform(random),
+                  .peak = 70 + 60 * uniform(random),
+                  .duration_s = 0.55e-3 + 0.1e-3 * uniform(random)};
     hits.push_back(hit);
     time = hit.time_s + static_cast<double>(options.block_samples) / options.sample_rate_hz;
   }
@@ -197,26 +196,21 @@ signal::Recording impact_recording(const TenModeTruth& truth, const std::vector<
     }
   }
 
-  std::mt19937_64 random(options.seed ^ 0x9e3779b97f4a7c15ULL);
-  std::normal_distribution<double> normal;
+  rigfit::testing::Normal normal(options.seed ^ 0x9e3779b97f4a7c15ULL);
   for (Index c = 0; c < channels.cols(); ++c) {
     auto x = channels.col(c);
     const double rms = std::sqrt(x.squaredNorm() / static_cast<double>(samples));
     const double sigma = options.noise * (options.noise_of_peak ? x.cwiseAbs().maxCoeff() : rms);
     if (sigma > 0) {
-      for (Index n = 0; n < samples; ++n) x[n] += sigma * normal(random);
+      for (Index n = 0; n < samples; ++n) x[n] += sigma * normal();
     }
     x.array() += options.offset * rms;
   }
   channels.col(0) *= options.force_sign;
 
-  signal::Recording recording;
-  recording.path = "ten_modes";
-  recording.format = "csv";
-  recording.sample_rate_hz = rate;
+  signal::Recording recording{.path = "ten_modes", .format = "csv", .sample_rate_hz = rate};
   for (Index c = 0; c < channels.cols(); ++c) {
-    signal::Channel channel;
-    channel.name = c == 0 ? "force" : response_name(c - 1);
+    signal::Channel channel{.name = c == 0 ? "force" : response_name(c - 1)};
     channel.unit = channel.source_unit = c == 0 ? "N" : "m/s^2";
     channel.quantity = c == 0 ? signal::Quantity::force : signal::Quantity::acceleration;
     channel.samples = channels.col(c);

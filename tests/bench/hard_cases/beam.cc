@@ -34,9 +34,7 @@ Outcome near_buckling(bool) {
     const Scene scene = column(1 - rest);
     const double EI = scene.members[0].EI[0];
     const auto truth = standing_cantilever_frequencies({0.75, 0.3, EI, 0}, 0, kStandardGravity, 2);
-    ModesOptions options;
-    options.count = 4;
-    const ModalAnalysis found = analyse_modes(scene, options);
+    const ModalAnalysis found = analyse_modes(scene, {.count = 4});
     worst.require(found.equilibrium.status == EquilibriumStatus::converged,
                   found.equilibrium.reason);
     worst.require(found.complete, "modes are missing");
@@ -65,9 +63,7 @@ Outcome cantilever(int segments, int count) {
   Scene scene = testing::vertical_beam(0.75, 2.1, 0.295, segments);
   scene.gravity.setZero();
   const auto truth = cantilever_frequencies({0.75, 0.295, 2.1, 0}, 0, count);
-  ModesOptions options;
-  options.count = 2 * count;
-  const ModalAnalysis found = analyse_modes(scene, options);
+  const ModalAnalysis found = analyse_modes(scene, {.count = 2 * count});
   worst.require(found.complete, "modes are missing");
   for (std::size_t i = 0; i < found.modes.size(); ++i) {
     worst.add(std::abs(found.modes[i].frequency_hz / truth[i / 2] - 1),

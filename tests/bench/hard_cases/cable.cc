@@ -36,9 +36,7 @@ Scene cable(double EI, double degrees = 0) {
 /// own estimate, which itself meets the scene's accuracy.
 void compare(Worst& worst, const Scene& scene, const std::vector<double>& in,
              const std::vector<double>& out, double own, int count) {
-  ModesOptions options;
-  options.count = count;
-  const ModalAnalysis found = analyse_modes(scene, options);
+  const ModalAnalysis found = analyse_modes(scene, {.count = count});
   worst.require(found.equilibrium.status == EquilibriumStatus::converged, found.equilibrium.reason);
   worst.require(found.complete, "modes are missing");
   worst.require(
@@ -68,9 +66,7 @@ Outcome near_slack(bool quick) {
     const BarFrequencies bars = bar_frequencies(truth, state, kMass, 3);
     compare(worst, scene, bars.in_hz, bars.out_hz, bars.error, 6);
     // Statics: second order in the segments' length, the rest of Richardson's value of fourth.
-    ModesOptions options;
-    options.count = 1;
-    options.error_estimate = false;
+    ModesOptions options{.count = 1, .error_estimate = false};
     double tension[2], sag[2];
     for (int k = 0; k < 2; ++k) {
       options.segments = k == 0 ? 60 : 120;

@@ -102,17 +102,13 @@ Outcome identical_decays(bool) {
   const double mass = 2.2, EA = 205000, length_std = 0.001;
   for (const double length : {0.7, 1.0, 1.3}) {
     for (int k = 0; k < 5; ++k) {
-      AxialDecay decay;
-      decay.name = fmt::format("L{}", length);
-      decay.length_m = length;
-      decay.damped_frequency_hz = {std::sqrt(EA / length / mass) / (2 * M_PI), 0};
-      decay.damping_ratio = {0, 0};
-      decays.push_back(decay);
+      decays.push_back({.name = fmt::format("L{}", length),
+                        .length_m = length,
+                        .damped_frequency_hz = {std::sqrt(EA / length / mass) / (2 * M_PI), 0},
+                        .damping_ratio = {0, 0}});
     }
   }
-  AxialSetup setup;
-  setup.mass_kg = {mass, 0};
-  setup.length_std_m = length_std;
+  AxialSetup setup{.mass_kg = {mass, 0}, .length_std_m = length_std};
   // The slope of L / EA, through zero or, with an unknown compliance in series, about the mean.
   const double alone = EA * length_std / std::sqrt(0.7 * 0.7 + 1.0 * 1.0 + 1.3 * 1.3);
   const double in_series = EA * length_std / std::sqrt(2 * 0.3 * 0.3);

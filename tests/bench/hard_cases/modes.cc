@@ -59,9 +59,7 @@ Outcome planes_that_agree(bool) {
       strut.nodes = {"foot", "top"};
       scene.members.push_back(strut);
     }
-    ModesOptions options;
-    options.count = 6;
-    const ModalAnalysis found = analyse_modes(scene, options);
+    const ModalAnalysis found = analyse_modes(scene, {.count = 6});
     worst.require(found.complete && found.modes.size() == 6, "modes are missing");
     double in = 0, out = 0;
     int seen[2] = {0, 0};
@@ -99,10 +97,7 @@ Outcome mast_with_four_guys(bool) {
     guy.nodes = {end, "tip"};
     scene.members.push_back(guy);
   }
-  ModesOptions options;
-  options.count = 24;
-  options.error_estimate = false;
-  const ModalAnalysis found = analyse_modes(scene, options);
+  const ModalAnalysis found = analyse_modes(scene, {.count = 24, .error_estimate = false});
   Worst worst;
   worst.require(found.equilibrium.status == EquilibriumStatus::converged, found.equilibrium.reason);
   worst.require(found.complete && found.modes.size() == 24, "modes are missing");
@@ -156,9 +151,7 @@ Sweep sweep(double EI, double degrees) {
   Sweep out;
   constexpr int kSteps = 400, kFollowed = 12, kFound = 18;
   const double low = 24, high = 60;
-  ModesOptions options;
-  options.count = kFound;
-  options.error_estimate = false;
+  ModesOptions options{.count = kFound, .error_estimate = false};
   options.damped = false;
   std::vector<NaturalMode> last;
   std::vector<std::size_t> where(kFollowed);  // place of each followed mode in the list of a step

@@ -114,8 +114,7 @@ struct LongFlight {
 LongFlight fly(const FlyingBeam& beam, long steps) {
   LongFlight flight;
   flight.step = kPhase / highest_frequency(beam.chain, Motion::space, beam.problem.start);
-  ExplicitOptions run;
-  run.step_s = flight.step;
+  ExplicitOptions run{.step_s = flight.step};
   run.sampling.duration_s = flight.step * static_cast<double>(steps);
   run.sampling.rate_hz = 1000 / run.sampling.duration_s;
   run.sampling.energy_samples = 200;
@@ -173,8 +172,7 @@ Outcome reversible(bool quick) {
     }
   }
   const double duration = there.step * (quick ? 5'000 : 50'000);
-  ExplicitOptions run;
-  run.step_s = there.step;
+  ExplicitOptions run{.step_s = there.step};
   run.sampling = {.duration_s = duration, .rate_hz = 1000 / duration, .energy_samples = 0};
   const MotionOutput back = explicit_motion(beam.problem, run);
   worst.require(back.completed, "not completed: " + back.reason);
@@ -286,26 +284,21 @@ Outcome whips_back(bool) {
   const BentBeam bent = bent_beam(8, alpha, elastica(alpha, turn).force_N, 1e5);
   Worst worst;
   worst.require(bent.loaded.converged, "no bent state");
-  MotionProblem problem;
-  problem.chain = &bent.chain;
-  problem.motion = Motion::in_plane;
-  problem.rest = bent.rest.state;
-  problem.start = bent.loaded.state;
-  problem.quantities = {Sensor::Quantity::displacement};
-  Load none;
-  none.kind = Load::Kind::impact;
-  none.duration = 1e-3;
+  MotionProblem problem{.chain = &bent.chain,
+                        .motion = Motion::in_plane,
+                        .rest = bent.rest.state,
+                        .start = bent.loaded.state,
+                        .quantities = {Sensor::Quantity::displacement}};
+  Load none{.kind = Load::Kind::impact, .duration = 1e-3};
   problem.loads = {none};
   problem.records = {nullptr};
   const SamplingOptions sampling{.duration_s = 0.4, .rate_hz = 500, .energy_samples = 100};
-  StiffOptions reference;
-  reference.sampling = sampling;
-  reference.relative_tolerance = 1e-9;
-  const MotionOutput truth = stiff_motion(problem, reference);
+  const MotionOutput truth =
+      stiff_motion(problem, {.sampling = sampling, .relative_tolerance = 1e-9});
   worst.require(truth.completed, "stiff: " + truth.reason);
-  ExplicitOptions run;
-  run.sampling = sampling;
-  run.step_s = 0.5 / highest_frequency(bent.chain, Motion::in_plane, bent.loaded.state);
+  ExplicitOptions run{
+      .sampling = sampling,
+      .step_s = 0.5 / highest_frequency(bent.chain, Motion::in_plane, bent.loaded.state)};
   const MotionOutput coarse = explicit_motion(problem, run);
   run.step_s = *run.step_s / 2;
   const MotionOutput fine = explicit_motion(problem, run);

@@ -17,8 +17,7 @@ using namespace ident;
 constexpr double kEI = 0.5972, kTension = 200, kSpan = 0.5;
 
 BendingTestOptions span() {
-  BendingTestOptions options;
-  options.span_m = {kSpan, 0};
+  BendingTestOptions options{.span_m = {kSpan, 0}};
   return options;
 }
 

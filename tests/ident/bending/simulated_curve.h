@@ -28,21 +28,24 @@ inline CurveCoverage curve_coverage(bool of_the_moment, int seeds, int first = 1
   CurveCoverage coverage;
   const VirtualInstruments instruments;
   for (int seed = first; seed < first + seeds; ++seed) {
-    BendingCampaign campaign;
-    campaign.test.span_m = {0.5, 0.0005};
+    BendingCampaign campaign{.test = {.span_m = {0.5, 0.0005}}};
     campaign.test.tension_zero_std_N = instruments.tension_cell.offset_std;
     Random draws = random_stream(static_cast<std::uint64_t>(seed), 77);
     const double span = 0.5 + 0.0005 * std::normal_distribution<double>()(draws);
     for (const double T : kCurveTensions) {
-      VirtualBendingTest test;
-      test.EI_Nm2 = strand_EI(T);
-      test.EI_by_tension_m2 = of_the_moment ? 0.021 / std::sqrt(T) : 0;
-      test.span_m = span, test.tension_N = T, test.peak_load_N = 4, test.sample_rate_hz = 5;
-      test.tension_cell = instruments.tension_cell, test.load_cell = instruments.load_cell;
-      test.lvdt = instruments.lvdt;
       Random random =
           random_stream(static_cast<std::uint64_t>(seed), static_cast<std::uint64_t>(T));
-      const auto record = virtual_bending_record(test, random);
+      const auto record =
+          virtual_bending_record({.EI_Nm2 = strand_EI(T),
+                                  .EI_by_tension_m2 = of_the_moment ? 0.021 / std::sqrt(T) : 0,
+                                  .span_m = span,
+                                  .tension_N = T,
+                                  .peak_load_N = 4,
+                                  .sample_rate_hz = 5,
+                                  .tension_cell = instruments.tension_cell,
+                                  .load_cell = instruments.load_cell,
+                                  .lvdt = instruments.lvdt},
+                                 random);
       campaign.sources.push_back(
           {std::to_string(T),
            {record.channel("tension").samples, record.channel("load").samples,

@@ -14,9 +14,7 @@ namespace rigfit::ident::testing {
 
 /// Starts where it is; the data have the model's segments.
 inline UpdateOptions plain_options() {
-  UpdateOptions options;
-  options.starts = 1;
-  options.segment_uncertainty = false;
+  UpdateOptions options{.starts = 1, .segment_uncertainty = false};
   return options;
 }
 
@@ -41,10 +39,9 @@ inline std::vector<MeasuredMode> modes_of(const model::Scene& truth, model::Mode
                                           std::size_t count, double std,
                                           std::mt19937_64* random = nullptr) {
   std::normal_distribution<double> normal;
-  model::ModesOptions options;
-  options.count = 3 * static_cast<int>(count) + 8;
   std::vector<MeasuredMode> modes;
-  for (const auto& mode : model::analyse_modes(truth, options).modes) {
+  for (const auto& mode :
+       model::analyse_modes(truth, {.count = 3 * static_cast<int>(count) + 8}).modes) {
     if (mode.plane != plane || modes.size() == count) continue;
     const double off = random != nullptr ? std * normal(*random) : 0;
     modes.push_back(mode_of(mode.frequency_hz * (1 + off), std * mode.frequency_hz, plane));

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <complex>
 #include <functional>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "model/frfs/frf_synthesis.h"
 #include "tests/ident/update/fit_data.h"
+#include "tests/normal.h"
 
 namespace rigfit::ident::testing {
 
@@ -66,21 +66,20 @@ inline Eigen::VectorXcd line_noise(const Eigen::VectorXd& lines, double decay_ra
 inline std::vector<MeasuredFrf> hammered_frfs(const Eigen::VectorXd& lines,
                                               const HammerTestNoise& noise, std::uint64_t seed,
                                               int segments = 240) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
+  rigfit::testing::Normal normal(seed);
   const Eigen::Index count = lines.size();
   double known[2] = {0, 0};
   std::vector<std::vector<Eigen::VectorXcd>> hits;  // by hit, then response
   for (int hit = 0; hit < noise.hits; ++hit) {
     auto scene = hammered_beam(kBeamEI, kTipMass, segments);
-    model::set_parameter(scene, "hammer.position", 0.8 + noise.place_m / 0.75 * normal(random));
+    model::set_parameter(scene, "hammer.position", 0.8 + noise.place_m / 0.75 * normal());
     const auto exact = model::synthesize_frfs(scene, lines, {}, noise.decay_rate_1_s);
     // White noise under a window of duration T: a sum of decorrelated phases over T.
     constexpr int kSamples = 24;
     const double T = 1 / noise.force_width_hz;
     Eigen::VectorXcd force = Eigen::VectorXcd::Zero(count);
     for (int i = 0; i < kSamples; ++i) {
-      const double sample = noise.force / std::sqrt(kSamples) * normal(random);
+      const double sample = noise.force / std::sqrt(kSamples) * normal();
       for (Eigen::Index k = 0; k < count; ++k) {
         force[k] += sample * std::polar(1.0, -2 * M_PI * lines[k] * T * i / kSamples);
       }
@@ -93,7 +92,7 @@ inline std::vector<MeasuredFrf> hammered_frfs(const Eigen::VectorXd& lines,
       const double std =
           noise.response * std::sqrt(H.squaredNorm() / static_cast<double>(count) / 2);
       known[static_cast<std::size_t>(sensor)] = std / std::sqrt(noise.hits);
-      const auto own = line_noise(lines, noise.decay_rate_1_s, [&] { return normal(random); });
+      const auto own = line_noise(lines, noise.decay_rate_1_s, [&] { return normal(); });
       for (Eigen::Index k = 0; k < count; ++k) H[k] = H[k] / (1.0 + force[k]) + std * own[k];
       responses.push_back(std::move(H));
     }
@@ -128,9 +127,8 @@ inline std::vector<MeasuredFrf> hammered_frfs(const Eigen::VectorXd& lines,
 inline UpdateResult fit_hammered_beam(std::vector<MeasuredFrf> frfs, int segments) {
   const UpdateState state{
       "beam", hammered_beam(1.02 * kBeamEI, 1.1 * kTipMass, segments), {}, std::move(frfs)};
-  UpdateOptions options;
-  options.starts = 1;
-  return update_model({state}, {{"beam.EI_z"}, {"tip.mass"}, {"beam.damping_ratio"}}, options);
+  return update_model({state}, {{"beam.EI_z"}, {"tip.mass"}, {"beam.damping_ratio"}},
+                      {.starts = 1});
 }
 
 }  // namespace rigfit::ident::testing

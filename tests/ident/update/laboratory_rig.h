@@ -33,12 +33,9 @@ inline std::vector<MeasuredMode> laboratory_modes(const std::string& laboratory,
                                                   int segments, double frequency_std,
                                                   double damping_std, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
-  model::ModesOptions options;
-  options.count = 24;
-  options.damped = true;
   std::vector<MeasuredMode> measured;
   const auto truth = laboratory_rig(laboratory, "truth", tension, segments);
-  for (const auto& mode : model::analyse_modes(truth, options).modes) {
+  for (const auto& mode : model::analyse_modes(truth, {.count = 24, .damped = true}).modes) {
     if (mode.plane != model::ModePlane::in || mode.frequency_hz > 60) continue;
     const double f = mode.frequency_hz * (1 + frequency_std * normal(random));
     const double damping = mode.damping_ratio * (1 + damping_std * normal(random));
