@@ -85,8 +85,7 @@ signal::AmbientResult analysed(const Case& one, std::uint64_t seed) {
   auto motion = one.motion;
   motion.seed = seed;
   if (one.name == "gusts") motion.amplitude = gusts(seed);
-  signal::AmbientOptions options;
-  options.low_hz = one.low_hz, options.high_hz = one.high_hz;
+  signal::AmbientOptions options{.low_hz = one.low_hz, .high_hz = one.high_hz};
   Recording recording = reference::recorded(one.structure, motion);
   if (one.alter) one.alter(recording);
   if (!one.two_setups) return signal::ambient_modes(recording, options);

@@ -100,9 +100,8 @@ std::vector<Case> cases() {
 void analyse(const Case& one, std::uint64_t seed, study::Table& table) {
   std::mt19937_64 random(1000 * seed + 7);
   const auto record = ident::simulated::record(one.test, random);
-  ident::BendingTestOptions options;
-  options.span_m = {one.test.span_m + one.span_error_m, 0};
-  const auto result = ident::analyse_bending_test(record, options);
+  const auto result =
+      ident::analyse_bending_test(record, {.span_m = {one.test.span_m + one.span_error_m, 0}});
   for (const auto& finding : result.findings) table.add("findings", finding.code);
   table.add("refused", result.refused);
   if (result.refused) return;

@@ -57,9 +57,7 @@ Scene random_scene(int kind, unsigned seed, double slenderness) {
 
 /// Frequencies out of the plane, good to 1e-8.
 ExtrapolatedModes extrapolated(const Scene& scene) {
-  ModesOptions options;
-  options.count = kModes;
-  options.plane = ModePlane::out;
+  ModesOptions options{.count = kModes, .plane = ModePlane::out};
   options.damped = options.shapes = false;
   const ChainModes coarse = find_modes(scene, options, std::vector<int>(1, 12));
   return extrapolate_modes(scene, options, sequence_start(scene, coarse, 1e-8), 1e-8);
@@ -89,13 +87,12 @@ bool runs(const std::string& command) { return std::system(command.c_str()) == 0
 /// ln of each of `hz` as ccx finds it; empty: ccx fails or has no such modes.
 std::vector<double> calculix_logs(const Scene& scene, int elements, const std::vector<double>& hz) {
   const ModalAnalysis analysis = analyse_modes(scene);
-  CalculixOptions options;
-  options.elements_per_member = elements;
-  options.frequencies = 3 * kModes;
-  options.poisson_ratio = 0;
   const Folder folder;
   std::ofstream(folder.path() / "deck.inp")
-      << calculix_deck(scene, analysis.equilibrium, options).text;
+      << calculix_deck(
+             scene, analysis.equilibrium,
+             {.elements_per_member = elements, .frequencies = 3 * kModes, .poisson_ratio = 0})
+             .text;
   if (!runs("cd '" + folder.path().string() + "' && OMP_NUM_THREADS=1 ccx deck > log 2>&1")) {
     return {};
   }

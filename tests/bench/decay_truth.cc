@@ -62,9 +62,7 @@ void decay(const Case& c, std::uint64_t seed, study::Table& table) {
       y(j) += (a * std::exp(poles.back() * static_cast<double>(j))).real();
   }
   // The bound at this phase, from the Gram matrix at the truth of the noise-free record.
-  signal::DampedSinusoidsOptions at_truth;
-  at_truth.max_iterations = 0;
-  const auto truth = signal::fit_damped_sinusoids(y, poles, at_truth);
+  const auto truth = signal::fit_damped_sinusoids(y, poles, {.max_iterations = 0});
   const double scale = std::sqrt(1 - c.colour * c.colour);  // keeps the noise's variance
   double noise = normal(generator);
   for (Index j = 0; j < n; ++j) {

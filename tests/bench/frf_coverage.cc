@@ -10,7 +10,7 @@
 
 namespace {
 
-using namespace rigfit;
+namespace study = rigfit::study;
 using namespace rigfit::ident;
 
 // A test whose lines are off by `rate` times a normal number, and its fit, told of that.
@@ -27,14 +27,13 @@ std::vector<MeasuredFrf> recorded_frfs(const Eigen::VectorXd& lines,
 
 UpdateResult fit_recorded_beam(const std::vector<MeasuredFrf>& frfs, double rate) {
   if (rate == 0) return testing::fit_hammered_beam(frfs, 0);
-  UpdateOptions options;
-  options.starts = 1;
   UpdateState state{"beam",
                     testing::hammered_beam(1.02 * testing::kBeamEI, 1.1 * testing::kTipMass, 0),
                     {},
                     frfs};
   state.clock_relative_std = rate;
-  return update_model({state}, {{"beam.EI_z"}, {"tip.mass"}, {"beam.damping_ratio"}}, options);
+  return update_model({state}, {{"beam.EI_z"}, {"tip.mass"}, {"beam.damping_ratio"}},
+                      {.starts = 1});
 }
 
 struct Kind {

@@ -77,9 +77,7 @@ Case draw(std::uint64_t seed, bool imperfect, double sensor_share, Ends ends) {
   h.spring = between(0.1, 300) * h.EI / h.length;
   h.sensor = sensor_share * h.mass * h.length;
   const double noise = between(5e-4, 1e-2);
-  model::ModesOptions options;
-  options.count = 9;
-  options.plane = model::ModePlane::in;
+  model::ModesOptions options{.count = 9, .plane = model::ModePlane::in};
   options.error_estimate = true;
   std::vector<double> f;
   for (const auto& mode : model::analyse_modes(scene_of(h, ends), options).modes) {
@@ -96,10 +94,8 @@ Case draw(std::uint64_t seed, bool imperfect, double sensor_share, Ends ends) {
     std::sort(f.begin(), f.end());
   }
   for (const double hz : f) {
-    ident::MeasuredMode mode;
-    mode.frequency_hz = {hz * (1 + noise * normal(random)), noise * hz};
-    mode.plane = model::ModePlane::in;
-    one.modes.push_back(mode);
+    one.modes.push_back({.frequency_hz = {hz * (1 + noise * normal(random)), noise * hz},
+                         .plane = model::ModePlane::in});
   }
   return one;
 }

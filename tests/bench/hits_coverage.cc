@@ -33,11 +33,9 @@ void identify(const Case& test, std::uint64_t seed, study::Table& table) {
   for (Index j = 1; j <= test.responses; ++j) names.push_back(fmt::format("a{}", j));
   signal::ImpactTestOptions impact = test.impact;
   impact.hits.band_hz = {3, 70};
-  signal::ModalOptions modal;
-  modal.low_hz = 3, modal.high_hz = 70;
   const auto [result, seconds] = study::timed([&] {
     const auto measured = signal::analyse_impact_test(recordings, "force", names, impact);
-    return measured.frfs.averages > 0 ? identify_modes(measured.frfs, modal)
+    return measured.frfs.averages > 0 ? identify_modes(measured.frfs, {.low_hz = 3, .high_hz = 70})
                                       : signal::ModalResult{};
   });
   table.add("s", seconds);

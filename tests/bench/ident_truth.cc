@@ -58,8 +58,7 @@ void fit(const Kind& kind, std::uint64_t seed, study::Table& table) {
       }
     }
   }
-  ident::UpdateOptions options;
-  options.model_relative_std = 1e-3;
+  ident::UpdateOptions options{.model_relative_std = 1e-3};
   const auto [answers, seconds] = study::timed([&] {
     int fits = 0;
     std::string failure;

@@ -26,21 +26,19 @@ struct Case {
 
 void identify(const Case& one, std::uint64_t seed, study::Table& table) {
   const auto truth = testing::ten_mode_truth();
-  testing::ImpactRecordOptions record;
-  record.seed = seed;
+  testing::ImpactRecordOptions record{.seed = seed};
   record.noise = 0.005;
   const signal::Recording recording = testing::impact_recording(truth, record);
   std::vector<std::string> responses;
   for (Index j = 1; j <= truth.shapes.rows(); ++j) responses.push_back(fmt::format("a{}", j));
-  signal::ImpactTestOptions impact;
-  impact.hits.block_s = static_cast<double>(record.block_samples) / record.sample_rate_hz;
-  impact.exponential_decay_rate_1_s = one.window_1_s;
   const auto [test, frf_s] = study::timed([&] {
-    return signal::analyse_impact_test({&recording, 1}, "force", responses, impact);
+    return signal::analyse_impact_test(
+        {&recording, 1}, "force", responses,
+        {.hits = {.block_s = static_cast<double>(record.block_samples) / record.sample_rate_hz},
+         .exponential_decay_rate_1_s = one.window_1_s});
   });
-  signal::ModalOptions modal;
-  modal.high_hz = 1400;
-  const auto [result, modal_s] = study::timed([&] { return identify_modes(test.frfs, modal); });
+  const auto [result, modal_s] =
+      study::timed([&] { return identify_modes(test.frfs, {.high_hz = 1400}); });
   table.add("s for FRFs", frf_s);
   table.add("s for modes", modal_s);
   table.add("not converged", result.end != signal::StepsEnd::converged);

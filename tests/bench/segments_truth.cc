@@ -61,8 +61,7 @@ struct Case {
 void extrapolate(const Case& one, std::uint64_t seed, study::Table& table) {
   const Scene scene = random_scene(
       one.kind, static_cast<unsigned>(kKinds * seed) + static_cast<unsigned>(one.kind));
-  ModesOptions options;
-  options.count = one.kind == 5 ? 12 : 6;
+  ModesOptions options{.count = one.kind == 5 ? 12 : 6};
   options.shapes = options.damped = false;
   const ChainModes coarse = find_modes(scene, options, std::vector<int>(scene.members.size(), 12));
   if (coarse.order.empty()) return;

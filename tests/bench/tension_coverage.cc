@@ -42,10 +42,7 @@ std::vector<double> true_frequencies(const ident::CableDescription& cable, ident
   if (ends == ident::CableEnds::springs) {
     for (auto& node : scene.nodes) node.support.rotational.setConstant(truth.spring_Nm_rad);
   }
-  model::ModesOptions options;
-  options.count = 9;
-  options.plane = model::ModePlane::in;
-  options.segments = 400;
+  model::ModesOptions options{.count = 9, .plane = model::ModePlane::in, .segments = 400};
   options.damped = options.shapes = options.error_estimate = false;
   options.torsion = false;
   std::vector<double> frequencies;
@@ -88,11 +85,9 @@ Case draw(std::uint64_t seed, const Kind& kind) {
   const double std = decades(1e-4, 3e-3);
   const auto count = 4 + random() % 5;
   const auto add = [&](double hz) {
-    ident::MeasuredMode mode;
-    mode.frequency_hz = {hz * (1 + std * normal(random)), std * hz};
-    mode.damping_ratio = {std::nan(""), std::nan("")};
-    mode.plane = model::ModePlane::in;
-    one.modes.push_back(mode);
+    one.modes.push_back({.frequency_hz = {hz * (1 + std * normal(random)), std * hz},
+                         .damping_ratio = {std::nan(""), std::nan("")},
+                         .plane = model::ModePlane::in});
   };
   const auto missing = kind.missing ? random() % count : 99;
   for (std::size_t i = 0; i < count; ++i) {

@@ -46,11 +46,10 @@ struct Kind {
 
 ident::UpdateState state_of(const Kind& kind, double tension, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
-  model::ModesOptions options;
-  options.count = 8;
-  options.plane = model::ModePlane::out;
   ident::UpdateState state{fmt::format("{} N", tension), kind.fitted(tension), {}};
-  for (const auto& mode : model::analyse_modes(kind.truth(tension), options).modes) {
+  for (const auto& mode :
+       model::analyse_modes(kind.truth(tension), {.count = 8, .plane = model::ModePlane::out})
+           .modes) {
     if (mode.plane != model::ModePlane::out || state.measured.size() == 6) continue;
     ident::MeasuredMode one;
     const double f = mode.frequency_hz;
