@@ -350,7 +350,8 @@ void read_keys(document::TomlTable& table, const Options& keys) {
   const auto misfit =
       describe::fill(keys, given, [&](const std::string& other) { return table.has(other); });
   if (!misfit) return;
-  throw table.error(misfit->name, misfit->problem, "rigfit help has what it takes");
+  throw table.error(misfit->name, misfit->problem,
+                    "rigfit help campaign (of candidates: update) says what it takes");
 }
 
 Options campaign_keys() {
