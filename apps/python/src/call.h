@@ -38,7 +38,7 @@ void run_unlocked(std::function<void()> work);
 [[nodiscard]] std::string key_of(const std::string& option);
 
 /// Values by such names into these options.
-void take(const describe::Options& options, const py::dict& given);
+void take(describe::Options options, const py::dict& given);
 
 void bind_objects(py::module_& module);  ///< Recording, FrfSet, Scene and what makes them
 
