@@ -19,7 +19,8 @@ EnvelopeMatrix shifted(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double 
 
 class Lanczos {
  public:
-  Lanczos(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double shift)
+  /// For `wanted` pairs: with room for what they need.
+  Lanczos(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double shift, int wanted)
       : m_(m.trimmed()), shift_(shift), random_(20210101), coupled_(true) {
     if (shift == 0) {
       factor_.factor(k);
@@ -27,7 +28,7 @@ class Lanczos {
       factor_.factor(shifted(k, m, shift));
     }
     work_.resize(m.size());
-    reserve(24);
+    reserve(3 * wanted + 16);
   }
 
   /// One vector more; false when the space is exhausted.
@@ -267,7 +268,7 @@ class Slices {
   static constexpr int kFew = 8;  ///< so many are no crowd
 
   void solve(double low, double high, double shift, int wanted) {
-    Lanczos lanczos(k_, m_, shift);
+    Lanczos lanczos(k_, m_, shift, wanted);
     // Far more than such a slice needs: what is lacking then is said, not sought for ever.
     const int n = std::min(k_.size(), 10 * wanted + 200);
     int next_check = std::min(n, 2 * wanted + 10), stalled = 0;
@@ -323,7 +324,7 @@ Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, i
   none.vectors.resize(k.size(), 0);
   none.complete = none.exhausted = true;
   if (k.size() == 0 || count <= 0) return none;
-  Lanczos lanczos(k, m, 0);
+  Lanczos lanczos(k, m, 0, count);
   const int n = k.size();
   int next_check = std::min(n, 2 * count + 6);
   int verified_at = -1;
