@@ -37,7 +37,7 @@ struct Option {
   bool above_lowest = false;                      ///< `lowest` itself is not allowed
   std::vector<std::string> words;                 ///< the only ones allowed; empty: any
   int numbers = 0;                                ///< how many; 0: any
-  bool rising = false;                            ///< of two numbers
+  bool rising = false;                            ///< the second of two numbers is larger
   std::string value_name;                         ///< in help: "HZ"
   std::string heading;                            ///< in help; empty: the usual one
   std::vector<std::string> not_with, only_with;   ///< other options
@@ -152,18 +152,18 @@ template <class T>
   using Value = typename Held<T>::type;
   Option made;
   made.name = std::move(name), made.meaning = std::move(meaning), made.words = words;
-  constexpr bool kOpen = !std::is_same_v<T, Value>;
-  if constexpr (kOpen) {
+  constexpr bool optional = !std::is_same_v<T, Value>;
+  if constexpr (optional) {
     made.initial = words[member ? static_cast<std::size_t>(*member) + 1 : 0];
   } else {
     made.initial = words[static_cast<std::size_t>(member)];
   }
   made.set = [&member, words = std::move(words)](const Json& word) {
     auto place = std::find(words.begin(), words.end(), word.get<std::string>()) - words.begin();
-    if (kOpen && place == 0) {
+    if (optional && place == 0) {
       member = T();
     } else {
-      member = static_cast<Value>(kOpen ? place - 1 : place);
+      member = static_cast<Value>(optional ? place - 1 : place);
     }
   };
   return made;

@@ -34,7 +34,7 @@ struct NewCommand {
   std::vector<std::string> from;
   std::string kind;                                     ///< shared by all tests; empty: guessed
   double span_m = 0, mass_kg = 0, mass_per_length = 0;  ///< 0: not given
-  double length_m = 0;                                  ///< of the file that is looked at
+  double length_m = 0;          ///< the length for the file that is looked at
   std::vector<double> lengths;  ///< m, of axial and tension tests: for all files, or one each
   std::vector<std::string> sensitivities;  ///< "CHANNEL=2.27 mV/N"
 };
