@@ -1,12 +1,11 @@
 #include "signal/ambient/ambient_candidates.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "signal/ambient/group_correlations.h"
-#include "signal/modes/mac.h"
 #include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
 #include "signal/poles/lscf.h"
@@ -24,31 +23,21 @@ using Eigen::VectorXd;
 
 // The window then widens a mode by a third; with 4, of pairs 0.5 % apart 5 % more are lost.
 constexpr double kDecayTimesOfLags = 12;
-constexpr double kNarrow = 0.25;           // share of a neighbour's bandwidth: follows its noise
 constexpr Index kSearchSamples = 1 << 21;  // candidates and filters need no more
 
-/// The channels that tell most: pivots of the QR of the spectral matrices over their traces.
-void choose_references(std::vector<Index>& references, const MatrixXcd& half, Index n) {
-  if (n <= 6) {
-    references.resize(static_cast<std::size_t>(n));
-    std::iota(references.begin(), references.end(), Index{0});
-    return;
-  }
-  MatrixXcd gram = MatrixXcd::Zero(n, n);
+/// The six channels that tell most: pivots of the QR of the spectral matrices over their traces.
+std::vector<Index> telling_channels(const MatrixXcd& half, Index n) {
+  MatrixXcd stacked(half.rows() * n, n);
   for (Index l = 0; l < half.rows(); ++l) {
     const VectorXcd row = half.row(l);
-    MatrixXcd S = row.reshaped(n, n);
-    S += S.adjoint().eval();
-    gram += S.adjoint() * S / std::norm(S.trace());
+    const MatrixXcd S = row.reshaped(n, n);
+    stacked.middleRows(l * n, n) = (S + S.adjoint()) / S.trace().real();
   }
-  while (references.size() < 6) {
-    Index pivot = 0;
-    gram.diagonal().real().maxCoeff(&pivot);
-    references.push_back(pivot);
-    const VectorXcd column = gram.col(pivot) / std::sqrt(std::abs(gram(pivot, pivot)));
-    gram -= column * column.adjoint();
-  }
-  std::sort(references.begin(), references.end());
+  const Eigen::ColPivHouseholderQR<MatrixXcd> qr(stacked);
+  const auto order = qr.colsPermutation().indices().head(std::min<Index>(n, 6));
+  std::vector<Index> channels(order.begin(), order.end());
+  std::sort(channels.begin(), channels.end());
+  return channels;
 }
 
 }  // namespace
@@ -79,23 +68,22 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
     const auto lags = static_cast<Index>(lag * rate);
     spectrum.emplace(rate, lags, low, high);
     if (spectrum->omega.size() < 2 * kFewestLines) return found;
-    // Four parts: each costs an inverse transform for every pair.
-    const GroupCorrelations correlations(signals, lags, 4, search_share(signals), options.threads);
-    const MatrixXd R = correlations.all_pairs();
-    pairs = spectrum->half(R.bottomRows(lags + 1), 0, spectrum->omega.size());
-    if (references.empty()) choose_references(references, pairs, No);
+    pairs.setZero(spectrum->omega.size(), No * No);
+    group_correlations(signals, MatrixXd::Identity(No, No), lags,
+                       {1, search_share(signals), std::max(options.threads, 1)},
+                       [&](int, const MatrixXd& R) {
+                         pairs = spectrum->half(R.bottomRows(lags + 1), 0, pairs.rows());
+                       });
+    if (references.empty()) references = telling_channels(pairs, No);
     const auto Ni = static_cast<Index>(references.size());
-    const Index lines = (spectrum->omega.size() + 1) / 2;  // 1 / L apart
-    VectorXd hz(lines), weight(No * Ni);
-    MatrixXcd H(lines, No * Ni);
-    for (Index l = 0; l < lines; ++l) {
-      hz[l] = spectrum->omega[2 * l] / kTwoPi;
-      for (Index i = 0; i < Ni; ++i) {
-        const Index from = references[static_cast<std::size_t>(i)] * No;
-        for (Index o = 0; o < No; ++o) H(l, o * Ni + i) = pairs(2 * l, from + o);
-      }
-    }
+    const auto every_second = Eigen::seq(0, Eigen::last, 2);  // 1 / L apart
+    const VectorXd hz = spectrum->omega(every_second) / kTwoPi;
+    VectorXd weight(No * Ni);
+    MatrixXcd H(hz.size(), No * Ni);
     for (Index o = 0; o < No; ++o) {
+      for (Index i = 0; i < Ni; ++i) {
+        H.col(o * Ni + i) = pairs(every_second, references[static_cast<std::size_t>(i)] * No + o);
+      }
       weight.segment(o * Ni, Ni).setConstant(1 / H.middleCols(o * Ni, Ni).norm());
     }
     LscfOptions lscf_options;
@@ -144,24 +132,6 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
     const MatrixXcd residues = row.reshaped(No, P.cols() / No);
     shapes.col(i) = phase_real(hermitian_eigen(residues * residues.adjoint()).vectors.col(No - 1));
   }
-  // Two candidates of one mode: within their bandwidths, and of one shape or a narrow one that few
-  // orders have on another's flank.
-  std::vector<Index> order(static_cast<std::size_t>(n)), kept;
-  std::iota(order.begin(), order.end(), Index{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](Index a, Index b) { return presence[a] > presence[b]; });
-  for (const Index i : order) {
-    const bool again = std::any_of(kept.begin(), kept.end(), [&](Index j) {
-      const bool stray = presence[i] < presence[j] && poles[i].real() > kNarrow * poles[j].real();
-      return half_bandwidths(poles[i], poles[j]) < 0.75 &&
-             (stray || mac(shapes.col(i), shapes.col(j)) > 0.9);
-    });
-    if (!again) kept.push_back(i);
-  }
-  std::sort(kept.begin(), kept.end(),
-            [&](Index a, Index b) { return poles[a].imag() < poles[b].imag(); });
-  poles = poles(kept).eval(), presence = presence(kept).eval();
-  shapes = shapes(Eigen::all, kept).eval();
   return found;
 }
 

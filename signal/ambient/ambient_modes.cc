@@ -65,7 +65,7 @@ class AmbientAnalysis {
   void keep(const std::vector<Index>& modes);
   void set_bands();
   MatrixXd filters();
-  void fit_pass(bool last);
+  void fit_pass(const GroupOptions& options);
   VectorXcd shape_row(Index mode, const VectorXcd& poles) const;
   void judge();
   [[nodiscard]] Index size() const { return poles_.size(); }
@@ -82,9 +82,9 @@ class AmbientAnalysis {
   MatrixXd gap_;      ///< distance of the modes in half bandwidths at the pass's beginning
   std::vector<FilteredSpectrum> bands_;
   ResonanceFit fit_;
-  // The last pass has by group: poles, shapes (channels x groups, by mode), energy (groups x
-  // modes).
-  std::vector<VectorXcd> poles_without_;
+  // The last pass has by group: poles (modes x groups), shapes (channels x groups, by mode),
+  // energy (groups x modes).
+  MatrixXcd poles_without_;
   std::vector<MatrixXcd> shapes_without_;
   MatrixXd energy_;
 };
@@ -142,9 +142,9 @@ MatrixXd AmbientAnalysis::filters() {
         near.push_back(j);
       }
     }
-    std::sort(near.begin(), near.end(), [&](Index a, Index d) { return gap_(i, a) < gap_(i, d); });
-    const Index most = std::min(No - 1, std::max<Index>(No - 2, 1));
-    if (static_cast<Index>(near.size()) > most) near.resize(static_cast<std::size_t>(most));
+    // Nearest first, and one freedom left to suppress the rest.
+    std::ranges::sort(near, {}, [&](Index j) { return gap_(i, j); });
+    near.resize(std::min(near.size(), static_cast<std::size_t>(std::max<Index>(No - 2, No > 1))));
     for (const Index j : near) band.nulled[static_cast<std::size_t>(j)] = true;
     near.insert(near.begin(), i);
     const MatrixXd phi = shapes_(Eigen::all, near).real();
@@ -183,95 +183,65 @@ VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& poles) const {
   return (weight.asDiagonal() * (qr.Q * first)).conjugate() * scale[0];
 }
 
-/// Filters, correlations by group, fit, shapes; of the last pass the jackknife as well.
-void AmbientAnalysis::fit_pass(bool last) {
+/// Filters, correlations by group, fit, shapes; of several groups the jackknife as well.
+void AmbientAnalysis::fit_pass(const GroupOptions& options) {
   set_bands();
-  if (size() == 0) return;
-  const Index n = size(), No = signals_.channels(), L = spectrum_->lags;
-  const MatrixXd F = filters();
-  const int G = last ? options_.groups : 4;
-  const GroupCorrelations correlations(signals_, L, G, last ? 1 : search_share(signals_),
-                                       options_.threads);
-  const MatrixXd& counts = correlations.counts();
-  const VectorXd all = counts.rowwise().sum().cwiseMax(1);
-  // By group and mode: half spectra of all channels and the two-sided one of the filtered signal,
-  // of R over the number of products that are left without the group.
+  const Index n = size(), No = signals_.channels(), L = spectrum_->lags, G = options.groups;
+  if (n == 0) return;
+  // By mode: half spectra of all channels and the two-sided one of the filtered signal.
   struct Spectra {
     MatrixXcd half;
     VectorXd S;
   };
-  const auto spectra_of = [&](const MatrixXd& R, const VectorXd& products, Index i) {
-    const auto& band = bands_[static_cast<std::size_t>(i)];
-    const MatrixXd mean = products.cwiseInverse().asDiagonal() * R.middleCols(i * No, No);
-    const VectorXd own = mean * F.col(i);
-    const VectorXd both = own.tail(L + 1) + own.head(L + 1).reverse();
-    return Spectra{spectrum_->half(mean.bottomRows(L + 1), band.from, band.count),
-                   spectrum_->half(both, band.from, band.count).real()};
-  };
-  MatrixXd R = MatrixXd::Zero(2 * L + 1, No * n);
-  std::vector<std::vector<Spectra>> of_group(static_cast<std::size_t>(G));
+  const MatrixXd F = filters();
+  std::vector<Spectra> whole(static_cast<std::size_t>(n));
+  std::vector<std::vector<Spectra>> of_group(static_cast<std::size_t>(G), whole);
   energy_.resize(G, n);
-  correlations.each(F, [&](int g, const MatrixXd& part) {
-    R += part;
-    if (!last) return;
-    const VectorXd left = (all - counts.col(g)).cwiseMax(1);
+  group_correlations(signals_, F, L, options, [&](int g, const MatrixXd& R) {
     for (Index i = 0; i < n; ++i) {
-      of_group[static_cast<std::size_t>(g)].push_back(spectra_of(part, left, i));
-      energy_(g, i) = part.row(L).segment(i * No, No).dot(F.col(i)) / std::max(counts(L, g), 1.0);
+      const auto mode = static_cast<std::size_t>(i);
+      const auto& band = bands_[mode];
+      const auto of_mode = R.middleCols(i * No, No);
+      const VectorXd own = of_mode * F.col(i);
+      const VectorXd both = own.tail(L + 1) + own.head(L + 1).reverse();
+      auto& [half, S] = of_group[static_cast<std::size_t>(g)][mode];
+      half = spectrum_->half(of_mode.bottomRows(L + 1), band.from, band.count);
+      S = spectrum_->half(both, band.from, band.count).real();
+      energy_(g, i) = own[L];
+      auto& sum = whole[mode];
+      sum = g == 0 ? Spectra{half, S} : Spectra{sum.half + half, sum.S + S};
     }
   });
-  std::vector<Spectra> whole;
-  const VectorXd smoother =
-      (VectorXd::LinSpaced(2 * L + 1, -static_cast<double>(L), static_cast<double>(L))
-           .array()
-           .abs() *
-       (-spectrum_->decay * spectrum_->dt))
-          .exp();
-  for (Index i = 0; i < n; ++i) {
-    auto& band = bands_[static_cast<std::size_t>(i)];
-    whole.push_back(spectra_of(R, all, i));
-    band.S = whole.back().S;
-    const VectorXd smooth = spectra_of(R, all.cwiseQuotient(smoother), i).S.cwiseAbs();
-    band.S0 = smooth.cwiseMax(1e-3 * smooth.maxCoeff()).cwiseMax(1e-12);
-  }
+  for (std::size_t i = 0; i < bands_.size(); ++i) bands_[i].S = whole[i].S;
   fit_ = fit_resonances(*spectrum_, bands_, poles_);
   poles_ = fit_.poles;
-  MatrixXcd raw(No, n);
   for (Index i = 0; i < n; ++i) {
-    raw.col(i) =
-        (shape_row(i, poles_).transpose() * whole[static_cast<std::size_t>(i)].half).transpose();
-    shapes_.col(i) = phase_real(raw.col(i));
+    shapes_.col(i) =
+        phase_real(whole[static_cast<std::size_t>(i)].half.transpose() * shape_row(i, poles_));
   }
-  if (!last) return;
-  shapes_ = raw;
-  poles_without_.clear();
+  if (G == 1) return;
+  // A group's part of the whole is left out; scales are eliminated in the fit and of no shape.
+  const double others = static_cast<double>(G) / static_cast<double>(G - 1);
+  poles_without_.resize(n, G);
   shapes_without_.assign(static_cast<std::size_t>(n), MatrixXcd(No, G));
-  for (int g = 0; g < G; ++g) {
-    const VectorXd left = (all - counts.col(g)).cwiseMax(1);
-    std::vector<Spectra> without;
+  for (Index g = 0; g < G; ++g) {
+    const auto& group = of_group[static_cast<std::size_t>(g)];
     std::vector<VectorXd> change;
-    for (Index i = 0; i < n; ++i) {
-      Spectra one = spectra_of(R, left, i);
-      const Spectra& group = of_group[static_cast<std::size_t>(g)][static_cast<std::size_t>(i)];
-      change.push_back(one.S - group.S - bands_[static_cast<std::size_t>(i)].S);
-      one.half -= group.half;
-      without.push_back(std::move(one));
-    }
+    for (const Spectra& one : group) change.push_back(-others * one.S);
     VectorXcd poles = poles_ + fit_.change(change);
+    poles.real() = poles.real().cwiseMin(0.05 * poles_.real()).eval();
     for (Index i = 0; i < n; ++i) {
-      poles[i].real(std::min(poles[i].real(), 0.05 * poles_[i].real()));
+      const auto mode = static_cast<std::size_t>(i);
+      shapes_without_[mode].col(g) =
+          (whole[mode].half - group[mode].half).transpose() * shape_row(i, poles);
     }
-    for (Index i = 0; i < n; ++i) {
-      shapes_without_[static_cast<std::size_t>(i)].col(g) =
-          (shape_row(i, poles).transpose() * without[static_cast<std::size_t>(i)].half).transpose();
-    }
-    poles_without_.push_back(std::move(poles));
+    poles_without_.col(g) = poles;
   }
 }
 
 void AmbientAnalysis::judge() {
   const VectorXd& unit = signals_.scale();
-  const auto G = static_cast<Index>(poles_without_.size());
+  const Index G = poles_without_.cols();
   const double length = duration_ * signals_.present();
   for (Index i = 0; i < size(); ++i) {
     AmbientMode found;
@@ -281,17 +251,14 @@ void AmbientAnalysis::judge() {
     const double group_s = length / static_cast<double>(G);
     found.joined = static_cast<int>(std::clamp<Index>(
         static_cast<Index>(std::ceil(kDecayTimesOfGroup / half / group_s)), 1, G / 2));
-    VectorXd hz(G), log_zeta(G);
-    for (Index g = 0; g < G; ++g) {
-      const Complex p = poles_without_[static_cast<std::size_t>(g)][i];
-      hz[g] = std::abs(p) / kTwoPi;
-      log_zeta[g] = std::log(-p.real() / std::abs(p));
-    }
+    const VectorXd moduli = poles_without_.row(i).cwiseAbs();
+    const VectorXd log_zeta =
+        (-poles_without_.row(i).real().transpose().array() / moduli.array()).log();
     const VectorXd e = joined_sums(energy_.col(i), found.joined).cwiseMax(0);
     const double squares = e.squaredNorm();
     found.degrees = std::max(squares * squares / std::max(e.array().pow(4).sum(), 1e-300) - 1, 1.0);
     const double t = coverage_factor(0.95, found.degrees);
-    const double f_std = jackknife_std(hz, found.joined);
+    const double f_std = jackknife_std(moduli, found.joined) / kTwoPi;
     found.log_damping_std = jackknife_std(log_zeta, found.joined);
     set_pole(mode, pole, 0);
     mode.frequency_hz.std = f_std;
@@ -311,8 +278,7 @@ void AmbientAnalysis::judge() {
     shape.cwiseAbs().maxCoeff(&top);
     shape /= shape[top];
     found.without_group = unit.asDiagonal() * shapes_without_[static_cast<std::size_t>(i)];
-    for (Index g = 0; g < G; ++g)
-      found.without_group.col(g) /= Complex(found.without_group(top, g));
+    for (auto one : found.without_group.colwise()) one /= Complex(one[top]);
     mode.shape = shape;
     mode.shape_std.resize(shape.size(), 2);
     for (Index o = 0; o < shape.size(); ++o) {
@@ -347,13 +313,6 @@ void AmbientAnalysis::judge() {
       doubt("damping_uncertain",
             fmt::format("damping is known to {:.0f} %", 100 * found.log_damping_std));
     }
-    if (!(t * f_std <= kBandHalfBandwidths * zeta * f)) {
-      doubt("frequency_uncertain", "its frequency is less certain than its band is wide");
-    }
-    if (!(mode.modal_phase_collinearity >= 0.25)) {
-      doubt("complex_shape",
-            fmt::format("its shape travels (MPC {:.2f})", mode.modal_phase_collinearity));
-    }
     for (Index j = 0; j < size(); ++j) {
       const double apart = half_bandwidths(pole, poles_[j]);
       if (j == i || apart > 1) continue;
@@ -375,10 +334,8 @@ void AmbientAnalysis::judge() {
     }
     result_.modes.push_back(std::move(found));
   }
-  std::sort(result_.modes.begin(), result_.modes.end(),
-            [](const AmbientMode& a, const AmbientMode& b) {
-              return a.mode.frequency_hz.value < b.mode.frequency_hz.value;
-            });
+  std::ranges::sort(result_.modes, {},
+                    [](const AmbientMode& one) { return one.mode.frequency_hz.value; });
 }
 
 void AmbientAnalysis::run(std::vector<Index> references) {
@@ -403,10 +360,11 @@ void AmbientAnalysis::run(std::vector<Index> references) {
     }
   }
   if (size() > 0) {
+    const int threads = std::max(options_.threads, 1);
     // Candidates that do not hold their own peak leave, those that the fewest orders have first:
     // they disturb the others.
     for (bool more = true; more;) {
-      fit_pass(false);
+      fit_pass({1, search_share(signals_), threads});
       double least = 2;
       for (Index i = 0; i < size(); ++i) {
         if (fit_.own_share[i] < kLeastOwnShare) least = std::min(least, presence_[i]);
@@ -418,7 +376,7 @@ void AmbientAnalysis::run(std::vector<Index> references) {
       more = !holding.empty() && std::ssize(holding) < size();
       if (more) keep(holding);
     }
-    fit_pass(true);
+    fit_pass({options_.groups, 1, threads});
     if (size() > 0) judge();
   }
   if (result_.modes.empty()) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 
+#include "signal/numerics/power_sums.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::signal {
@@ -38,19 +39,12 @@ AmbientSignals::AmbientSignals(const Recording& recording, const std::vector<Ind
   }
   mean_ = VectorXd::Zero(this->channels());
   scale_ = VectorXd::Ones(this->channels());
-  VectorXd samples(std::min<Index>(samples_, 1 << 16));
+  VectorXd samples(samples_);
   for (Index c = 0; c < this->channels(); ++c) {
-    double sum = 0, squares = 0;
-    for (Index first = 0; first < samples_; first += samples.size()) {
-      read(c, first, samples);
-      sum += samples.sum();
-    }
-    mean_[c] = sum / count;
-    for (Index first = 0; first < samples_; first += samples.size()) {
-      read(c, first, samples);
-      squares += samples.squaredNorm();
-    }
-    scale_[c] = std::sqrt(squares / count);
+    read(c, 0, samples);
+    mean_[c] = samples.sum() / count;
+    read(c, 0, samples);
+    scale_[c] = samples.norm() / std::sqrt(count);
     if (!(scale_[c] > 1e-12 * std::abs(mean_[c]))) {
       const auto& name = recording.channels[static_cast<std::size_t>(channels[c])].name;
       throw RecordingError({file, 0, 0, name}, "the channel is constant", "leave it out");
@@ -59,9 +53,9 @@ AmbientSignals::AmbientSignals(const Recording& recording, const std::vector<Ind
 }
 
 void AmbientSignals::blank(Index first, Eigen::Ref<VectorXd> samples) const {
-  const Index end = first + samples.size();
-  if (first < 0) samples.head(std::min(-first, samples.size())).setZero();
-  if (end > samples_) samples.tail(std::min(end - samples_, samples.size())).setZero();
+  const Index size = samples.size(), end = first + size;
+  samples.head(std::clamp<Index>(-first, 0, size)).setZero();
+  samples.tail(std::clamp<Index>(end - samples_, 0, size)).setZero();
   for (const auto& [from, to] : gaps_) {
     const Index a = std::max(from, first), b = std::min(to, end);
     if (a < b) samples.segment(a - first, b - a).setZero();
@@ -75,15 +69,9 @@ void AmbientSignals::read(Index channel, Index first, Eigen::Ref<VectorXd> sampl
   samples.segment(a, b - a) = x.segment(first + a, b - a).array() - mean_[channel];
   samples.segment(a, b - a) /= scale_[channel];
   for (const auto& [omega, amplitude] : tones_) {
-    const std::complex<double> turn = std::polar(1.0, omega);
-    std::complex<double> now;
-    for (Index i = a; i < b; ++i) {
-      if ((i - a) % 1024 == 0) {
-        now = amplitude[channel] * std::polar(1.0, omega * static_cast<double>(first + i));
-      }
-      samples[i] -= now.real();
-      now *= turn;
-    }
+    const auto begins =
+        amplitude[channel] * std::polar(1.0, omega * static_cast<double>(first + a));
+    samples.segment(a, b - a) -= (begins * powers({0, omega}, b - a)).real().matrix();
   }
   blank(first, samples);
 }

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
 
 #include "signal/numerics/numbers.h"
+#include "signal/numerics/power_sums.h"
 #include "signal/spectra/fft.h"
 
 namespace rigfit::signal {
@@ -29,16 +31,9 @@ struct Line {
 
 /// Leaves the spectrum in `fft`: of a day of samples a copy is large.
 void hann_spectrum(const AmbientSignals& signals, Index channel, RealFft& fft) {
-  const Index n = fft.length();
   signals.read(channel, 0, fft.time());
-  const Complex turn = std::polar(1.0, kTwoPi / static_cast<double>(n));
-  Complex now;
-  for (Index i = 0; i < n; ++i) {
-    if (i % 1024 == 0)
-      now = std::polar(1.0, kTwoPi * static_cast<double>(i) / static_cast<double>(n));
-    fft.time()[i] *= 0.5 - 0.5 * now.real();
-    now *= turn;
-  }
+  const double turn = kTwoPi / static_cast<double>(fft.length());
+  fft.time().array() *= 0.5 - 0.5 * powers({0, turn}, fft.length()).real();
   fft.forward();
 }
 
@@ -58,8 +53,7 @@ VectorXcd hann_lines(double f, Index k, Index n) {
 }
 
 /// The strongest outstanding lines; no two within a lobe.
-std::vector<Line> outstanding(const AmbientSignals& signals, RealFft& fft, Index low, Index high,
-                              const std::vector<Index>& refused) {
+std::vector<Line> outstanding(const AmbientSignals& signals, RealFft& fft, Index low, Index high) {
   const double tests = static_cast<double>((high - low) * signals.channels());
   const double limit = 12 * (std::pow(tests / kFalseTones, 1.0 / 12) - 1);
   std::vector<Line> all, kept;
@@ -72,12 +66,10 @@ std::vector<Line> outstanding(const AmbientSignals& signals, RealFft& fft, Index
       if (24 * power[k] > limit * beside) all.push_back({k, c, 24 * power[k] / beside});
     }
   }
-  std::sort(all.begin(), all.end(), [](const Line& a, const Line& b) { return a.F > b.F; });
-  const auto near = [](Index a, Index b) { return std::abs(a - b) < kLobe; };
+  std::ranges::sort(all, std::greater(), &Line::F);
   for (const Line& line : all) {
     const bool known =
-        std::any_of(kept.begin(), kept.end(), [&](const Line& l) { return near(l.k, line.k); }) ||
-        std::any_of(refused.begin(), refused.end(), [&](Index k) { return near(k, line.k); });
+        std::ranges::any_of(kept, [&](const Line& l) { return std::abs(l.k - line.k) < kLobe; });
     if (!known && kept.size() < kMostTones) kept.push_back(line);
   }
   return kept;
@@ -93,56 +85,38 @@ std::vector<AmbientTone> take_out_tones(AmbientSignals& signals, double low_hz, 
   const double line_hz = signals.rate_hz() / static_cast<double>(n);
   const Index low = std::max<Index>(kSide + 1, static_cast<Index>(low_hz / line_hz));
   const Index high = std::min(fft.lines() - kSide - 1, static_cast<Index>(high_hz / line_hz));
-  std::vector<Index> refused;
-  // A strong tone hides weaker ones near it from the test: the search is repeated without it.
-  for (bool more = true; more && low < high && tones.size() < kMostTones;) {
-    more = false;
-    const std::vector<Line> lines = outstanding(signals, fft, low, high, refused);
-    if (lines.empty()) break;
-    std::vector<MatrixXcd> around(lines.size(), MatrixXcd(2 * kSide + 1, signals.channels()));
-    for (Index c = 0; c < signals.channels(); ++c) {
-      hann_spectrum(signals, c, fft);
-      for (std::size_t i = 0; i < lines.size(); ++i) {
-        around[i].col(c) = fft.spectrum().segment(lines[i].k - kSide, 2 * kSide + 1);
-      }
-    }
+  const auto lines = low < high ? outstanding(signals, fft, low, high) : std::vector<Line>();
+  if (lines.empty()) return tones;
+  std::vector<MatrixXcd> around(lines.size(), MatrixXcd(2 * kSide + 1, signals.channels()));
+  for (Index c = 0; c < signals.channels(); ++c) {
+    hann_spectrum(signals, c, fft);
     for (std::size_t i = 0; i < lines.size(); ++i) {
-      const Index k = lines[i].k;
-      const auto power_at = [&](double f) {
-        const auto kernel = hann_lines(f, k, n).segment(kSide - kLobe, 2 * kLobe + 1).eval();
-        return (kernel.adjoint() * around[i].middleRows(kSide - kLobe, 2 * kLobe + 1))
-                   .squaredNorm() /
-               kernel.squaredNorm();
-      };
-      double f = static_cast<double>(k);
-      for (double step = 1; step > 1e-4; step /= 2) {  // the maximum between the lines
-        const double a = power_at(f - step), b = power_at(f), c = power_at(f + step);
-        if (a - 2 * b + c < 0) f += step * std::clamp(0.5 * (a - c) / (a - 2 * b + c), -1.0, 1.0);
-      }
-      const VectorXcd kernel = hann_lines(f, k, n);
-      const auto middle = kernel.segment(kSide - kLobe, 2 * kLobe + 1);
-      VectorXcd amplitude =
-          (middle.adjoint() * around[i].middleRows(kSide - kLobe, 2 * kLobe + 1)).transpose() /
-          middle.squaredNorm();
-      const VectorXd left =
-          (around[i].col(lines[i].channel) - kernel * amplitude[lines[i].channel]).cwiseAbs2();
-      const double beside = (left.head(12).sum() + left.tail(12).sum()) / 24;
-      if (std::abs(f - static_cast<double>(k)) > 1 ||
-          left.segment(kSide - 2, 5).mean() > 4 * beside) {
-        refused.push_back(k);
-        continue;
-      }
-      amplitude *= 2 / signals.present();  // both halves of the spectrum, of what samples there are
-      signals.subtract(kTwoPi * f / static_cast<double>(n), amplitude);
-      Index strongest = 0;
-      const double size = amplitude.cwiseAbs().cwiseProduct(signals.scale()).maxCoeff(&strongest);
-      tones.push_back({f * line_hz, size, strongest});
-      more = true;
+      around[i].col(c) = fft.spectrum().segment(lines[i].k - kSide, 2 * kSide + 1);
     }
   }
-  std::sort(tones.begin(), tones.end(), [](const AmbientTone& a, const AmbientTone& b) {
-    return a.frequency_hz < b.frequency_hz;
-  });
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const Index k = lines[i].k;
+    // Beside its largest line a steady tone has r = (1 + d) / (2 - d) of it, d lines further on.
+    const Eigen::Vector3d size =
+        (around[i].middleRows(kSide - 1, 3) * around[i].row(kSide).adjoint()).cwiseAbs();
+    const double side = size[2] > size[0] ? 1 : -1, r = std::max(size[0], size[2]) / size[1];
+    const double f = static_cast<double>(k) + side * (2 * r - 1) / (1 + r);
+    const VectorXcd kernel = hann_lines(f, k, n);
+    const auto middle = kernel.segment(kSide - kLobe, 2 * kLobe + 1);
+    VectorXcd amplitude =
+        (middle.adjoint() * around[i].middleRows(kSide - kLobe, 2 * kLobe + 1)).transpose() /
+        middle.squaredNorm();
+    const VectorXd left =
+        (around[i].col(lines[i].channel) - kernel * amplitude[lines[i].channel]).cwiseAbs2();
+    const double beside = (left.head(12).sum() + left.tail(12).sum()) / 24;
+    if (left.segment(kSide - 2, 5).mean() > 4 * beside) continue;
+    amplitude *= 2 / signals.present();  // both halves of the spectrum, of what samples there are
+    signals.subtract(kTwoPi * f / static_cast<double>(n), amplitude);
+    Index strongest = 0;
+    const double largest = amplitude.cwiseAbs().cwiseProduct(signals.scale()).maxCoeff(&strongest);
+    tones.push_back({f * line_hz, largest, strongest});
+  }
+  std::ranges::sort(tones, {}, &AmbientTone::frequency_hz);
   return tones;
 }
 

@@ -1,46 +1,32 @@
 // Correlations of signals with linear combinations of them, by groups of the recording.
 //
-//   R_g(k) = sum over t in group g of y(t + k) x(t)^T,   -L <= k <= L,   x = F^T y
+//   R_g(k) = 1 / N(k) sum over t in group g of y(t + k) x(t)^T,   -L <= k <= L,   x = F^T y
 //
-// A product belongs to the group of t, and y is read over the group's edges: the groups add up to
-// the recording exactly, and sum R_g / sum n_g has no bias of a window or of leakage. Missing
-// samples are missing products, which n_g(k) does not count. Computed by transforms of segments,
-// whose cross-spectra are added up before they go back to lags.
+// with N(k) the number of products of all groups. A product belongs to the group of t, and y is
+// read over the group's edges: the groups add up to the mean over the recording exactly, which has
+// no bias of a window or of leakage. Missing samples are missing products, which N(k) does not
+// count. Computed by transforms of segments, whose cross-spectra are added up before they go back
+// to lags.
 #pragma once
 
 #include <Eigen/Core>
 #include <functional>
-#include <utility>
-#include <vector>
 
 #include "signal/ambient/ambient_signals.h"
 
 namespace rigfit::signal {
 
-class GroupCorrelations {
- public:
-  /// `share`: part of each group's samples that is used, from its beginning (0..1].
-  GroupCorrelations(const AmbientSignals& signals, Eigen::Index lags, int groups, double share,
-                    int threads);
-
-  [[nodiscard]] Eigen::Index lags() const { return lags_; }
-  [[nodiscard]] int groups() const { return static_cast<int>(ranges_.size()); }
-  /// n_g(k): (2 L + 1) x groups.
-  [[nodiscard]] const Eigen::MatrixXd& counts() const { return counts_; }
-
-  /// R_g of all channels with the `filters` (channels x signals): (2 L + 1) x (channels signals),
-  /// column signal * channels + channel. `receive` is called for every group in turn.
-  void each(const Eigen::MatrixXd& filters,
-            const std::function<void(int group, const Eigen::MatrixXd& R)>& receive) const;
-  /// Sum over groups of all channels with each other, over the number of products.
-  [[nodiscard]] Eigen::MatrixXd all_pairs() const;
-
- private:
-  const AmbientSignals& signals_;
-  Eigen::Index lags_;
-  int threads_;
-  std::vector<std::pair<Eigen::Index, Eigen::Index>> ranges_;
-  Eigen::MatrixXd counts_;
+struct GroupOptions {
+  int groups = 1;
+  double share =
+      1;  ///< part of each group's samples that is used, in four stretches if less than 1
+  int threads = 1;
 };
+
+/// `receive` gets R_g of all channels with the `filters` (channels x signals) for every group in
+/// turn: (2 L + 1) x (channels signals), column signal * channels + channel.
+void group_correlations(const AmbientSignals& signals, const Eigen::MatrixXd& filters,
+                        Eigen::Index lags, const GroupOptions& options,
+                        const std::function<void(int group, const Eigen::MatrixXd& R)>& receive);
 
 }  // namespace rigfit::signal

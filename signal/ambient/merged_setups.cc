@@ -256,9 +256,7 @@ AmbientResult merge_setups(std::span<const AmbientResult> results,
   const std::vector<Matched> sets = matched_modes(setups);
   for (const Matched& set : sets) merged.modes.push_back(merged_mode(setups, set, merged.notes));
   find_gain_changes(setups, sets, merged.notes);
-  std::sort(merged.modes.begin(), merged.modes.end(), [](const auto& a, const auto& b) {
-    return a.mode.frequency_hz.value < b.mode.frequency_hz.value;
-  });
+  std::ranges::sort(merged.modes, {}, [](const auto& one) { return one.mode.frequency_hz.value; });
   return merged;
 }
 

@@ -66,9 +66,8 @@ ResonanceFit fit_at(const LagSpectrum& spectrum, const std::vector<FilteredSpect
         scale.asDiagonal() * qr.R.triangularView<Eigen::Upper>().solve(qr.Q.transpose() * z);
     const VectorXd explained = X * c, left = z - explained;
     MatrixXd J = MatrixXd::Zero(signal.count, 2 * n);
-    for (Index a = 0; a < used; ++a) {
+    for (Index a = 0; a < signal.moving; ++a) {
       const Index mode = signal.modes[static_cast<std::size_t>(a)];
-      if (a >= used - signal.skirts) break;
       const auto& part = parts[static_cast<std::size_t>(a)];
       const Eigen::Vector2d residue = c.segment(2 * a, 2);
       J.col(2 * mode) = v.cwiseProduct(part.by_real * residue);
@@ -89,6 +88,34 @@ ResonanceFit fit_at(const LagSpectrum& spectrum, const std::vector<FilteredSpect
   }
   at.usable = std::isfinite(at.cost);
   return at;
+}
+
+/// The modes that the model of a signal has: those in its band, and the nearest on either side of
+/// it, which reach in and whose poles are told elsewhere; fewer unknowns than lines.
+void choose_modes(const LagSpectrum& spectrum, const VectorXcd& poles, Index own,
+                  FilteredSpectrum& signal) {
+  const double low = spectrum.omega[signal.from],
+               high = spectrum.omega[signal.from + signal.count - 1];
+  const auto apart = [&](Index i) { return std::abs(poles[i] - poles[own]); };
+  const auto most = static_cast<std::size_t>((signal.count - 3) / 2);
+  Index beside[2] = {-1, -1};
+  signal.modes.clear();
+  for (Index i = 0; i < poles.size(); ++i) {
+    if (signal.nulled[static_cast<std::size_t>(i)]) continue;
+    const double beyond = 2 * (spectrum.decay - poles[i].real()), w = poles[i].imag();
+    Index& nearest = beside[w > high];
+    if (w > low - beyond && w < high + beyond) {
+      signal.modes.push_back(i);
+    } else if (nearest < 0 || apart(i) < apart(nearest)) {
+      nearest = i;
+    }
+  }
+  std::ranges::stable_sort(signal.modes, {}, apart);
+  signal.modes.resize(std::min(most, signal.modes.size()));
+  signal.moving = std::ssize(signal.modes);
+  for (const Index i : beside) {
+    if (i >= 0 && signal.modes.size() < most) signal.modes.push_back(i);
+  }
 }
 
 }  // namespace
@@ -147,44 +174,13 @@ VectorXcd ResonanceFit::change(const std::vector<VectorXd>& of_S) const {
 ResonanceFit fit_resonances(const LagSpectrum& spectrum, std::vector<FilteredSpectrum>& signals,
                             VectorXcd poles) {
   ResonanceFit fit;
+  const auto weigh = [](FilteredSpectrum& signal, const VectorXd& S) {
+    signal.S0 = S.cwiseMax(1e-3 * S.maxCoeff()).cwiseMax(1e-12);
+  };
+  for (FilteredSpectrum& signal : signals) weigh(signal, signal.S.cwiseAbs());
   for (int round = 0; round < kWeightRounds; ++round) {
-    for (std::size_t q = 0; q < signals.size(); ++q) {
-      FilteredSpectrum& signal = signals[q];
-      const double low = spectrum.omega[signal.from],
-                   high = spectrum.omega[signal.from + signal.count - 1];
-      signal.modes.clear();
-      for (Index i = 0; i < poles.size(); ++i) {
-        const double beyond = 2 * (spectrum.decay - poles[i].real());
-        if (signal.nulled[static_cast<std::size_t>(i)] || poles[i].imag() < low - beyond ||
-            poles[i].imag() > high + beyond) {
-          continue;
-        }
-        signal.modes.push_back(i);
-      }
-      // Fewer unknowns than lines: the nearest modes.
-      const auto most = static_cast<std::size_t>((signal.count - 3) / 2);
-      const Complex own = poles[static_cast<Index>(q)];
-      std::stable_sort(signal.modes.begin(), signal.modes.end(), [&](Index a, Index b) {
-        return std::abs(poles[a] - own) < std::abs(poles[b] - own);
-      });
-      if (signal.modes.size() > most) signal.modes.resize(most);
-      std::sort(signal.modes.begin(), signal.modes.end());
-      // What reaches in from the nearest modes outside: their poles are told elsewhere.
-      signal.skirts = 0;
-      for (const bool above : {false, true}) {
-        Index nearest = -1;
-        for (Index i = 0; i < poles.size(); ++i) {
-          const double off = poles[i].imag() - (above ? high : low);
-          const bool outside = above ? off > 0 : off < 0;
-          if (!outside || signal.nulled[static_cast<std::size_t>(i)] ||
-              std::count(signal.modes.begin(), signal.modes.end(), i) > 0) {
-            continue;
-          }
-          if (nearest < 0 || above == (poles[i].imag() < poles[nearest].imag())) nearest = i;
-        }
-        if (nearest < 0 || signal.modes.size() >= most) continue;
-        signal.modes.push_back(nearest), ++signal.skirts;
-      }
+    for (Index q = 0; q < poles.size(); ++q) {
+      choose_modes(spectrum, poles, q, signals[static_cast<std::size_t>(q)]);
     }
     PoleStepOptions steps;
     steps.freedom = 0;
@@ -196,14 +192,10 @@ ResonanceFit fit_resonances(const LagSpectrum& spectrum, std::vector<FilteredSpe
     const auto at = [&](const VectorXcd& there) { return fit_at(spectrum, signals, there); };
     fit = at(poles);
     take_pole_steps(steps, at, fit);
-    for (Index i = 0; i < poles.size(); ++i) {
-      const double least = -1e-5 * std::abs(fit.poles[i]);
-      poles[i] = {std::min(fit.poles[i].real(), least), fit.poles[i].imag()};
-    }
+    poles.imag() = fit.poles.imag();
+    poles.real() = fit.poles.real().cwiseMin(-1e-5 * fit.poles.cwiseAbs());
     fit.poles = poles;
-    for (std::size_t q = 0; q < signals.size(); ++q) {
-      signals[q].S0 = fit.model[q].cwiseMax(1e-3 * fit.model[q].maxCoeff()).cwiseMax(1e-12);
-    }
+    for (std::size_t q = 0; q < signals.size(); ++q) weigh(signals[q], fit.model[q]);
   }
   return fit;
 }

@@ -44,10 +44,10 @@ struct LagSpectrum {
 struct FilteredSpectrum {
   Eigen::Index from = 0, count = 0;  ///< lines
   Eigen::VectorXd S;                 ///< count
-  Eigen::VectorXd S0;                ///< weight is 1 / S0
+  Eigen::VectorXd S0;                ///< set by the fit; weight is 1 / S0
   std::vector<bool> nulled;          ///< by mode: the filter suppresses it
-  std::vector<Eigen::Index> modes;   ///< those that the model has here
-  Eigen::Index skirts = 0;           ///< the last of them: outside, their poles held
+  std::vector<Eigen::Index> modes;   ///< set by the fit: those that the model has here
+  Eigen::Index moving = 0;           ///< so many of them move; the others' poles are held
 };
 
 struct ResonanceFit : PoleStage {
