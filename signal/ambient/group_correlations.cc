@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 
-constexpr Index kStretches = 4;  // of a group of which a share is used
+constexpr Index kStretches = 4;  // a group has so many where a share is used
 
 /// Sums of products with x(t), t in [from, to), by lag. `block`: samples of all channels.
 MatrixXd correlation(const std::function<MatrixXd(Index first, Index count)>& block,

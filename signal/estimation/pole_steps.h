@@ -32,7 +32,7 @@ struct PoleStage {
   Eigen::MatrixXd curvature;
   bool usable = false;  ///< false: no such model; `information` is not read
 
-  /// Of a model that is analytic in its poles: complex gradient and information.
+  /// Takes complex gradient and information: the model is analytic in its poles.
   void set_analytic(const Eigen::VectorXcd& complex_gradient,
                     const Eigen::MatrixXcd& complex_information);
 };
@@ -41,7 +41,7 @@ struct PoleStepOptions {
   int max_iterations = 50;    ///< steps, taken or refused
   double step_in_std = 1e-3;  ///< stop when a step is this small against the standard uncertainties
   double freedom = 1;         ///< degrees of freedom: cost / freedom is the noise's variance
-  double rounding = 0;        ///< of the cost
+  double rounding = 0;        ///< what the cost is known to
   /// Real part where a pole's damping is 0: half of its distance is how far it moves at once.
   double undamped = 0;
   double resolution = 0;  ///< and so much further

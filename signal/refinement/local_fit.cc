@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 
 /// The fit at one set of free poles.
 struct State : PoleStage {
-  MatrixXcd coefficients;  ///< of the free poles
+  MatrixXcd coefficients;  ///< free poles x columns
   MatrixXcd residual;
   MatrixXcd analytic_information;  ///< sum_c w_c conj(a_rc) a_qc (D_r' D_q)
 };
