@@ -306,7 +306,7 @@ class Problem {
         const Column *p = &list[k], *q = &list[l];
         if (p->mode < q->mode) std::swap(p, q);
         const auto& s = sums_[p->mode * (m_ + 1) + q->mode];
-        const auto power = static_cast<std::size_t>(p->power + q->power);
+        const auto power = static_cast<std::size_t>(p->power) + static_cast<std::size_t>(q->power);
         const double value =
             0.5 * (re_product(p->factor * q->factor, s.plain[power]) +
                    re_product(p->factor * std::conj(q->factor), s.conjugate[power]));
