@@ -105,9 +105,9 @@ extern "C" void input_vanished(int) {
 int main(int argc, char** argv) {
   using rigfit::apps::ExitCode;
   std::signal(SIGBUS, rigfit::apps::input_vanished);
-  // Matrices come and go: returned to the system each time, as is usual, their pages cost 38 % of
-  // an update, 58 % of modes of 48,000 lines and 21 % of the published report. 32 MiB is the most
-  // that glibc takes.
+  // Matrices come and go. Returned to the system each time, as is usual, their pages cost a sixth
+  // of an update of the published rig (`perf record rigfit update`: asm_exc_page_fault and below).
+  // 32 MiB is the most that glibc takes.
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
   // Ceres logs why it gave up even when told to be silent: how a fit ended is in its result.

@@ -49,7 +49,7 @@ void TensionTest::complete() {
                                  [](double order) { return order == std::round(order); });
   if (!whole || (!orders.empty() && orders.size() != frequencies_hz.size())) {
     throw std::invalid_argument(
-        fmt::format("orders: {} is no list of one whole number for each of {} frequencies",
+        fmt::format("the orders {} are not one whole number for each of {} frequencies",
                     fmt::join(orders, " "), frequencies_hz.size()));
   }
   auto& cable = inputs.cable;

@@ -27,6 +27,7 @@ using Band = std::optional<std::pair<double, double>>;
 enum class Kind { flag, integer, number, text, numbers, texts };
 [[nodiscard]] const char* name_of(Kind kind);
 
+// NOLINTNEXTLINE(bugprone-exception-escape): a move of JSON only asserts
 struct Option {
   std::string name;  ///< "--mass"; without dashes: stands by its place
   Kind kind = Kind::text;
