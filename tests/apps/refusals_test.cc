@@ -238,7 +238,7 @@ TEST(Refusals, OfTensionsOfCables) {
        {cable + "--length 2m --frequencies 3", 2, "--length"},
        {cable + "--length -2 --frequencies 3", 2, "length"},
        {cable + "--length 2 --frequencies 3 --EI -1", 2, "EI"},
-       {cable + "--length 2 --frequencies 3 --order 3 1", 2, "orders: 3 1"},
+       {cable + "--length 2 --frequencies 3 --order 3 1", 2, "orders 3 1"},
        {cable + "--length 2 --measured @none.csv", 3, "none.csv"},
        {cable + "--length 2 --measured @halves.csv", 3, "halves.csv:2"},
        // The first four modes of a cantilever: (1.8751^2, 4.6941^2, 7.8548^2, 10.9955^2) in ratio.
