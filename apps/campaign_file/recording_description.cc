@@ -44,10 +44,11 @@ signal::Recording load_untold(const fs::path& path, VerbContext& context,
     Progress progress("reading " + path.filename().string(), no_size ? 0 : size,
                       context.quiet || context.silent);
     long told = 0;
-    recording = signal::read_recording(path, used, [&](std::size_t bytes) {
+    used.done_with = [&](std::size_t bytes) {
       progress.advance(static_cast<long>(bytes) - told);
       told = static_cast<long>(bytes);
-    });
+    };
+    recording = signal::read_recording(path, used);
   }
   for (const auto& description : descriptions) signal::apply_description(description, recording);
   return recording;

@@ -9,34 +9,33 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 namespace rigfit::document {
 namespace {
 
-/// Edits (insert, delete, replace, swap neighbours) from one word to the other.
+/// Edits (insert, delete, replace) from one word to the other, whatever their case.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
-  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t cost = lower(a[i - 1]) == lower(b[j - 1]) ? 0 : 1;
-      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + cost});
-      if (i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) &&
-          lower(a[i - 2]) == lower(b[j - 1])) {
-        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-      }
+  std::vector<std::size_t> row(b.size() + 1);  // of distances from the beginning of `a`
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t replaced = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      if (lower(a[i]) != lower(b[j])) ++replaced;
+      replaced = std::exchange(row[j + 1], std::min({row[j] + 1, row[j + 1] + 1, replaced}));
     }
   }
-  return d[a.size()][b.size()];
+  return row.back();
 }
 
-std::string listed(const std::vector<std::string>& words, bool quoted) {
+/// "a", "b" or "c".
+std::string listed(const std::vector<std::string>& words, const char* quote) {
   std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
-    text += quoted ? "\"" + words[i] + "\"" : words[i];
+  for (const auto& word : words) {
+    text += text.empty() ? "" : &word == &words.back() ? " or " : ", ";
+    text += quote + word + quote;
   }
   return text;
 }
@@ -114,18 +113,15 @@ TomlTable TomlTable::read_file(const std::filesystem::path& path) {
   const auto fail = [&](const std::string& why, const char* remedy) {
     throw DocumentError({path.string(), 0, 0, ""}, why, remedy);
   };
-  if (!std::filesystem::exists(path, error)) {
-    fail("there is no such file",
-         "check the path; relative paths start at the file that names them");
-  }
   if (!std::filesystem::is_regular_file(path, error)) {
-    fail("this is not a file", "name the TOML file itself");
+    fail(std::filesystem::exists(path, error) ? "this is not a file" : "there is no such file",
+         "check the path; relative paths start at the file that names them");
   }
   if (std::filesystem::file_size(path, error) > kLargest) {
     fail("the file is too large to be a description", "name the TOML file, not a recording");
   }
   std::ifstream stream(path, std::ios::binary);
-  std::string text(std::istreambuf_iterator<char>(stream), {});
+  const std::string text(std::istreambuf_iterator<char>(stream), {});
   if (!stream) fail("cannot be read", "check its permissions");
   return parse(text, path.string());
 }
@@ -137,9 +133,8 @@ DocumentError TomlTable::error(const std::string& key, std::string problem,
   const toml::node* at = key.empty() ? nullptr : node_->table->get(key);
   const auto& begin = (at ? *at : static_cast<const toml::node&>(*node_->table)).source().begin;
   const bool root = !at && path_.empty();
-  const std::string where = key.empty() ? path_ : (path_.empty() ? key : path_ + "." + key);
   return {{node_->file, root ? 0 : static_cast<long>(begin.line),
-           root ? 0 : static_cast<long>(begin.column), where},
+           root ? 0 : static_cast<long>(begin.column), key.empty() ? path_ : path_of(key)},
           std::move(problem),
           std::move(remedy)};
 }
@@ -239,7 +234,7 @@ std::string TomlTable::choice_or(const std::string& key, const std::vector<std::
   const auto nearest = nearest_word(value, words);
   throw error(key, "does not know \"" + value + "\"",
               (nearest ? "did you mean \"" + *nearest + "\"? It" : "it") + " must be " +
-                  listed(words, true));
+                  listed(words, "\""));
 }
 
 std::vector<double> TomlTable::numbers(const std::string& key, std::size_t min_size,
@@ -287,12 +282,12 @@ std::vector<std::string> TomlTable::string_or_strings(const std::string& key) {
 TomlTable TomlTable::table(const std::string& key) {
   const auto* table = typed<toml::table>(key, "a table", "write " + key + " = { ... }");
   if (!table) throw error(key, "is missing", "add a table `" + key + " = { ... }`");
-  return {node_->child(*table), path_.empty() ? key : path_ + "." + key};
+  return {node_->child(*table), path_of(key)};
 }
 
 std::vector<TomlTable> TomlTable::tables_or_empty(const std::string& key) {
   std::vector<TomlTable> tables;
-  const std::string path = path_.empty() ? key : path_ + "." + key;
+  const std::string path = path_of(key);
   each(key, "a list of tables", "a table", "write each one under a line [[" + path + "]]",
        [&](const toml::node& item) {
          if (const auto* table = item.as_table()) {
@@ -303,29 +298,15 @@ std::vector<TomlTable> TomlTable::tables_or_empty(const std::string& key) {
   return tables;
 }
 
-bool TomlTable::is_string(const std::string& key) const {
-  const toml::node* node = node_->find(key);
-  return node && node->is_string();
-}
-bool TomlTable::is_table(const std::string& key) const {
-  const toml::node* node = node_->find(key);
-  return node && node->is_table();
-}
-bool TomlTable::is_array(const std::string& key) const {
-  const toml::node* node = node_->find(key);
-  return node && node->is_array();
-}
+bool TomlTable::is_string(const std::string& key) const { return (*node_->table)[key].is_string(); }
+bool TomlTable::is_table(const std::string& key) const { return (*node_->table)[key].is_table(); }
+bool TomlTable::is_array(const std::string& key) const { return (*node_->table)[key].is_array(); }
 
 std::vector<std::string> TomlTable::keys() const {
-  std::vector<std::pair<toml::source_position, std::string>> found;
-  for (const auto& [key, value] : *node_->table) {
-    found.emplace_back(key.source().begin, std::string(key.str()));
-  }
-  std::sort(found.begin(), found.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<std::string> names;
-  for (auto& [position, name] : found) names.push_back(std::move(name));
-  return names;
+  std::vector<toml::key> found;
+  for (const auto& [key, value] : *node_->table) found.push_back(key);
+  std::ranges::sort(found, {}, [](const toml::key& key) { return key.source().begin; });
+  return {found.begin(), found.end()};
 }
 
 void TomlTable::finish() const {
@@ -337,10 +318,9 @@ void TomlTable::finish() const {
     const auto found = node_->table->find(key);
     const auto& begin = found->first.source().begin;
     throw DocumentError(
-        {node_->file, static_cast<long>(begin.line), static_cast<long>(begin.column),
-         path_.empty() ? key : path_ + "." + key},
+        {node_->file, static_cast<long>(begin.line), static_cast<long>(begin.column), path_of(key)},
         "this key is not known here",
-        nearest ? "did you mean \"" + *nearest + "\"?" : "known keys: " + listed(known, false));
+        nearest ? "did you mean \"" + *nearest + "\"?" : "known keys: " + listed(known, ""));
   }
 }
 

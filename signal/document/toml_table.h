@@ -70,6 +70,10 @@ class TomlTable {
  private:
   struct Node;
   TomlTable(std::shared_ptr<Node> node, std::string path);
+  /// A key of this table by the names of the tables that it stands in.
+  [[nodiscard]] std::string path_of(const std::string& key) const {
+    return path_.empty() ? key : path_ + "." + key;
+  }
   /// The key's value of this kind ("a table", for messages); null where the key is absent.
   template <typename Kind>
   const auto* typed(const std::string& key, const char* kind, const std::string& remedy) const;

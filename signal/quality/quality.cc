@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -13,6 +13,7 @@
 #include "signal/numerics/numbers.h"
 #include "signal/recording/clipping.h"
 #include "signal/spectra/fft.h"
+#include "signal/spectra/window.h"
 
 namespace rigfit::signal {
 namespace {
@@ -49,32 +50,23 @@ std::string at_time(Eigen::Index sample, const Recording& recording) {
 
 double median_of(const Eigen::VectorXd& values) { return median({values.begin(), values.end()}); }
 
-/// Missing samples replaced by the line between their neighbours, for the spectrum only.
-Eigen::VectorXd without_gaps(const Eigen::VectorXd& samples) {
-  Eigen::VectorXd out = samples;
-  Eigen::Index last = -1;
-  for (Eigen::Index k = 0; k < out.size(); ++k) {
-    if (!std::isfinite(out[k])) continue;
-    for (Eigen::Index j = last + 1; j < k; ++j) {
-      const double share = static_cast<double>(j - last) / static_cast<double>(k - last);
-      out[j] = last < 0 ? out[k] : out[last] + share * (out[k] - out[last]);
-    }
-    last = k;
-  }
-  for (Eigen::Index j = last + 1; j < out.size(); ++j) out[j] = last < 0 ? 0 : out[last];
-  return out;
+/// Missing samples replaced by the last one that is there, for slow trends and the spectrum only.
+Eigen::VectorXd without_gaps(Eigen::VectorXd samples) {
+  const auto first = std::ranges::find_if(samples, [](double x) { return std::isfinite(x); });
+  double last = first == samples.end() ? 0 : *first;
+  for (double& x : samples) x = last = std::isfinite(x) ? x : last;
+  return samples;
 }
 
-/// Smallest step between the values there are, and how many there are (at most `most` counted).
-/// Steps below 1e-7 of the range come from printing and rounding, not from a converter.
-double quantum_of(const Eigen::VectorXd& samples, double range, long& distinct) {
-  constexpr Eigen::Index kLooked = 1 << 16;
-  const Eigen::Index n = std::min(samples.size(), kLooked);
-  std::vector<double> values;
-  std::ranges::copy_if(samples.segment((samples.size() - n) / 2, n), std::back_inserter(values),
-                       [](double x) { return std::isfinite(x); });
+/// Smallest step between the values there are, and how many there are. Steps below 1e-7 of the
+/// range come from printing and rounding, not from a converter.
+double quantum_of(const std::vector<double>& samples, double range, long& distinct) {
+  constexpr std::ptrdiff_t kLooked = 1 << 16;
+  const std::ptrdiff_t n = std::min(std::ssize(samples), kLooked);
+  const auto middle = samples.begin() + (std::ssize(samples) - n) / 2;
+  std::vector<double> values(middle, middle + n);
   std::sort(values.begin(), values.end());
-  distinct = values.empty() ? 0 : 1;
+  distinct = 1;
   double quantum = 0;
   for (std::size_t k = 1; k < values.size(); ++k) {
     const double step = values[k] - values[k - 1];
@@ -85,66 +77,46 @@ double quantum_of(const Eigen::VectorXd& samples, double range, long& distinct) 
   return quantum;
 }
 
-/// Runs of the same value that chance does not explain, those at `low` and `high` left to clipping.
+/// Runs of the same value that chance does not explain.
 std::vector<Run> improbable_runs(const Eigen::VectorXd& x) {
   std::vector<Run> runs;
   const Eigen::Index n = x.size();
-  for (Eigen::Index k = 0; k < n;) {
-    Eigen::Index end = k + 1;
+  for (Eigen::Index k = 0, end = 1; k < n; k = end++) {
     while (end < n && x[end] == x[k]) ++end;
     const Eigen::Index length = end - k;
-    if (length >= kDropoutRun) {
-      const Eigen::Index reach = std::max<Eigen::Index>(100, 10 * length);
-      long pairs = 0, equal = 0, from_value = 0, stays = 0;
-      const auto count = [&](Eigen::Index from, Eigen::Index to) {
-        for (Eigen::Index j = std::max<Eigen::Index>(from, 0) + 1; j < std::min(to, n); ++j) {
-          if (!std::isfinite(x[j]) || !std::isfinite(x[j - 1])) continue;
-          ++pairs;
-          equal += x[j] == x[j - 1] ? 1 : 0;
-          if (x[j - 1] != x[k]) continue;
-          ++from_value;
-          stays += x[j] == x[k] ? 1 : 0;
-        }
-      };
-      count(k - reach, k);
-      count(end, end + reach);
-      // One more equal pair than seen: a rate of zero would make everything improbable. A value at
-      // which the signal often rests is kept longer than the others.
-      double chance = (static_cast<double>(equal) + 1) / (static_cast<double>(pairs) + 2);
-      if (from_value >= 20) {
-        chance = std::max(chance,
-                          (static_cast<double>(stays) + 1) / (static_cast<double>(from_value) + 2));
-      }
-      const double expected =
-          static_cast<double>(n) * std::pow(chance, static_cast<double>(length - 1));
-      if (expected < kDropoutChance && pairs > 2 * static_cast<long>(kDropoutRun)) {
-        runs.push_back({k, length});
-      }
+    if (length < kDropoutRun) continue;
+    const Eigen::Index reach = std::max<Eigen::Index>(100, 10 * length);
+    double pairs = 0, equal = 0, from_value = 0, stays = 0;
+    for (Eigen::Index j = std::max<Eigen::Index>(k - reach, 0) + 1; j < std::min(end + reach, n);
+         ++j) {
+      if ((j >= k && j <= end) || !std::isfinite(x[j]) || !std::isfinite(x[j - 1])) continue;
+      ++pairs;
+      equal += x[j] == x[j - 1] ? 1 : 0;
+      if (x[j - 1] != x[k]) continue;
+      ++from_value;
+      stays += x[j] == x[k] ? 1 : 0;
     }
-    k = end;
+    // One more equal pair than seen: a rate of zero would make everything improbable. A value at
+    // which the signal often rests is kept longer than the others.
+    double chance = (equal + 1) / (pairs + 2);
+    if (from_value >= 20) chance = std::max(chance, (stays + 1) / (from_value + 2));
+    const double expected =
+        static_cast<double>(n) * std::pow(chance, static_cast<double>(length - 1));
+    if (expected < kDropoutChance && pairs > 2 * kDropoutRun) runs.push_back({k, length});
   }
   return runs;
 }
 
-Eigen::VectorXd hann(Eigen::Index n) {
-  return (0.5 - 0.5 * (Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)) * kTwoPi /
-                       static_cast<double>(n))
-                          .cos())
-      .matrix();
-}
-
 /// Power density of Hann-windowed pieces, averaged; unit^2 / Hz.
 Eigen::VectorXd power_density(const Eigen::Ref<const Eigen::VectorXd>& samples, Eigen::Index length,
-                              double rate, int most, int& averages) {
-  const Eigen::VectorXd window = hann(length);
+                              double rate, int averages) {
+  const Eigen::VectorXd window = hann_window(length);
   RealFft fft(length);
   Eigen::VectorXd density = Eigen::VectorXd::Zero(fft.lines());
-  const Eigen::Index room = samples.size() - length;
-  averages = static_cast<int>(std::min<Eigen::Index>(most, 1 + 2 * room / length));
   for (int k = 0; k < averages; ++k) {
-    const Eigen::Index at = averages == 1 ? 0 : room * k / (averages - 1);
-    const auto piece = samples.segment(at, length);
-    fft.time() = ((piece.array() - piece.mean()) * window.array()).matrix();
+    const auto piece =
+        samples.segment((samples.size() - length) * k / std::max(1, averages - 1), length);
+    fft.time() = (piece.array() - piece.mean()).matrix().cwiseProduct(window);
     fft.forward();
     density += fft.spectrum().cwiseAbs2();
   }
@@ -154,32 +126,33 @@ Eigen::VectorXd power_density(const Eigen::Ref<const Eigen::VectorXd>& samples, 
 /// Rms of a line near `frequency` that stands out of the spectrum of every quarter, as narrow as
 /// the window, and is steady; 0: there is none.
 double steady_line(const std::vector<Eigen::VectorXd>& quarters, double frequency, double spacing) {
-  double power = 0, least = std::numeric_limits<double>::infinity(), most = 0;
+  constexpr Eigen::Index kAround = 40;  // lines on either side
+  std::vector<double> powers;
   for (const auto& density : quarters) {
     // European and American grids keep within 0.2 Hz.
     const double reach = 0.004 * frequency / spacing + 1;
     const auto low = static_cast<Eigen::Index>(std::floor(frequency / spacing - reach));
     const auto high = static_cast<Eigen::Index>(std::ceil(frequency / spacing + reach));
-    if (low < 8 || high + 8 >= density.size()) return 0;
+    if (low < kAround || high + kAround >= density.size()) return 0;
     Eigen::Index peak = 0;
     density.segment(low, high - low + 1).maxCoeff(&peak);
     peak += low;
-    // Some 40 lines on either side, without the window's main lobe; from the fourth line on a
-    // steady sinusoid has below 1e-3 of its power.
-    std::vector<double> around;
-    for (Eigen::Index k = std::max<Eigen::Index>(1, peak - 44);
-         k <= std::min(density.size() - 1, peak + 44); ++k) {
-      const Eigen::Index beside = std::abs(k - peak);
-      if (beside > 3) around.push_back(density[k]);
-      if (beside > 3 && beside < 7 && density[k] > 0.02 * density[peak]) return 0;
+    // From the fourth line on a steady sinusoid has below 1e-3 of its power.
+    const double most = 0.02 * density[peak];
+    if ((density.segment(peak - 6, 3).array() > most).any() ||
+        (density.segment(peak + 4, 3).array() > most).any()) {
+      return 0;
     }
-    if (!(density[peak] > kHumRatio * kHumRatio * median(std::move(around)))) return 0;
-    const double own = density.segment(peak - 3, 7).sum() * spacing;
-    power += own / static_cast<double>(quarters.size());
-    least = std::min(least, own);
-    most = std::max(most, own);
+    Eigen::VectorXd around(2 * (kAround - 3));
+    around << density.segment(peak - kAround, kAround - 3), density.segment(peak + 4, kAround - 3);
+    if (!(density[peak] > kHumRatio * kHumRatio * median_of(around))) return 0;
+    powers.push_back(density.segment(peak - 3, 7).sum() * spacing);
   }
-  return most > kHumSteadiness * kHumSteadiness * least ? 0 : std::sqrt(power);
+  const auto [least, most] = std::ranges::minmax(powers);
+  return most > kHumSteadiness * kHumSteadiness * least
+             ? 0
+             : std::sqrt(std::accumulate(powers.begin(), powers.end(), 0.0) /
+                         static_cast<double>(powers.size()));
 }
 
 /// Noise floor and hum of `samples` without NaN; returns the number of hum's lines, the fundamental
@@ -188,11 +161,12 @@ double steady_line(const std::vector<Eigen::VectorXd>& quarters, double frequenc
 int measure_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double sample_rate_hz,
                      ChannelQuality& q) {
   const Eigen::Index n = samples.size();
-  int lines = 0, averages = 1;
+  int lines = 0;
   if (n < 64 || !(sample_rate_hz > 0)) return lines;
-  constexpr Eigen::Index kPiece = 8192;
-  const Eigen::VectorXd density = power_density(samples, good_fft_length_below(std::min(n, kPiece)),
-                                                sample_rate_hz, 64, averages);
+  constexpr Eigen::Index kPiece = 8192, kMostPieces = 64;
+  const Eigen::Index piece = good_fft_length_below(std::min(n, kPiece));
+  const auto averages = static_cast<int>(std::min(kMostPieces, 1 + 2 * (n - piece) / piece));
+  const Eigen::VectorXd density = power_density(samples, piece, sample_rate_hz, averages);
   // Pieces overlap by half: with a Hann window about 0.95 of them count as independent.
   const double independent = 1 + 0.95 * (averages - 1);
   const double bias = std::pow(1 - 1 / (9 * independent), 3);
@@ -201,13 +175,12 @@ int measure_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double sa
 
   // Hum: quarters of up to a million samples from the middle; one second separates 50 from 51 Hz.
   constexpr Eigen::Index kLong = Eigen::Index{1} << 20;
-  const Eigen::Index length =
-      good_fft_length_below(std::max<Eigen::Index>(8, std::min(n, kLong)) / 4);
+  const Eigen::Index length = good_fft_length_below(std::min(n, kLong) / 4);
   if (static_cast<double>(length) < sample_rate_hz) return lines;
   std::vector<Eigen::VectorXd> quarters;
   for (int k = 0; k < 4; ++k) {
     quarters.push_back(power_density(samples.segment((n - 4 * length) / 2 + k * length, length),
-                                     length, sample_rate_hz, 1, averages));
+                                     length, sample_rate_hz, 1));
   }
   const double spacing = sample_rate_hz / static_cast<double>(length);
   for (const double mains : {50.0, 60.0}) {
@@ -241,7 +214,6 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
   const auto is_finite = [](double value) { return std::isfinite(value); };
   std::vector<double> there;
   std::ranges::copy_if(x, std::back_inserter(there), is_finite);
-  const auto first_missing = std::ranges::find_if_not(x, is_finite) - x.begin();
   const auto count = static_cast<Eigen::Index>(there.size());
   q.missing_samples = n - count;
   const auto add = [&]<typename... Values>(const char* code, long samples, Eigen::Index first,
@@ -251,31 +223,28 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
         {code, fmt::format(message, std::forward<Values>(values)...), samples, first});
   };
   if (q.missing_samples > 0) {
-    add("missing", q.missing_samples, first_missing, "{} of {} samples missing, first at {}",
-        q.missing_samples, n, at_time(first_missing, recording));
+    const auto first = std::ranges::find_if_not(x, is_finite) - x.begin();
+    add("missing", q.missing_samples, first, "{} of {} samples missing, first at {}",
+        q.missing_samples, n, at_time(first, recording));
   }
   if (count == 0) {
     q.min = q.max = q.mean = q.rms = kNaN;
     return q;
   }
   const Eigen::Map<const Eigen::ArrayXd> finite(there.data(), count);
-  const double low = finite.minCoeff(), high = finite.maxCoeff();
-  q.min = low, q.max = high;
-  q.mean = finite.mean();
+  q.min = finite.minCoeff(), q.max = finite.maxCoeff(), q.mean = finite.mean();
   q.rms = std::sqrt(finite.square().mean());
   const double std = std::sqrt((finite - q.mean).square().mean());
-  const double range = high - low;
-  if (!(range > 0)) {
+  if (!(q.max > q.min)) {
     if (count > 1) {
       q.stuck_samples = count;
-      add("stuck", count, 0, "all samples have the same value, {}", with_unit(low, channel));
+      add("stuck", count, 0, "all samples have the same value, {}", with_unit(q.min, channel));
     }
     return q;
   }
 
   long distinct = 0;
-  q.quantum = quantum_of(x, range, distinct);
-  const Eigen::VectorXd filled = without_gaps(x);
+  q.quantum = quantum_of(there, q.max - q.min, distinct);
   if (count >= 16 && distinct <= 2) {
     add("one_bit", 0, -1, "only {} different values", distinct);
   } else if (count >= 16 && q.quantum > 0 && std < kStepsPerRms * q.quantum) {
@@ -290,24 +259,21 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
     for (const double rail : clipped.levels) {
       level += (level.empty() ? "" : " and ") + with_unit(rail, channel);
     }
-    const double rail = std::max(std::abs(low), std::abs(high));
-    if (clipped.levels.empty()) level = "the range of " + with_unit(channel.nominal_range, channel);
-    if (!clipped.levels.empty() && rail < 0.999 * channel.nominal_range) {
-      level += fmt::format(" (below the range of {})", with_unit(channel.nominal_range, channel));
+    const std::string range = "the range of " + with_unit(channel.nominal_range, channel);
+    if (level.empty()) level = range;
+    if (std::max(std::abs(q.min), std::abs(q.max)) < 0.999 * channel.nominal_range) {
+      level += " (below " + range + ")";
     }
     if (clipped.count > 0) {
       add("clipped", clipped.count, clipped.first, "{} samples clipped at {}, first at {}",
           clipped.count, level, at_time(clipped.first, recording));
     }
-  }
 
-  if (distinct > 2) {
     long dropped = 0, dropouts = 0;
     Eigen::Index longest = 0, first = -1;
     for (const Run& run : improbable_runs(x)) {
       const double value = x[run.first];
-      const bool at_extreme = value == high || value == low;
-      if (at_extreme && q.clipped_samples > 0) continue;
+      if ((value == q.max || value == q.min) && q.clipped_samples > 0) continue;
       q.stuck_samples += run.length;
       if (run.first + run.length == n || run.first == 0) {
         add("stuck", run.length, run.first, "the same value, {}, for {} samples {}",
@@ -326,6 +292,7 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
     }
   }
 
+  const Eigen::VectorXd filled = without_gaps(x);
   // Slow things.
   const Eigen::Index tenth = n / 10;
   if (tenth >= 4) {

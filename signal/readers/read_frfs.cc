@@ -21,7 +21,8 @@ FrfSet read_frfs(const std::vector<std::filesystem::path>& files, const ReadOpti
     const RecordingFormat format = format_of(file.bytes());
     if (format == RecordingFormat::uff && files.size() == 1)
       return read_uff_frfs(file.bytes(), path);
-    if (format == RecordingFormat::mat && files.size() == 1) return read_mat_frfs(path, options);
+    if (format == RecordingFormat::mat && files.size() == 1)
+      return read_mat_frfs(file.bytes(), path, options);
     std::optional<FrequencyTable> table = frequency_table_in(file.bytes(), path, options);
     if (!table) {
       throw file_error(path,
@@ -46,7 +47,7 @@ std::optional<FrequencyTable> frequency_table_in(std::string_view bytes,
   std::string converted;
   const std::string file = path.string();
   return frequency_table_of(
-      read_csv_columns(text_without_mark(bytes, converted, file), file, {}, options), path);
+      read_csv_columns(text_without_mark(bytes, converted, file), file, options), path);
 }
 
 }  // namespace rigfit::signal

@@ -82,9 +82,8 @@ struct Segment {
 
 class LvmReader {
  public:
-  LvmReader(std::string_view bytes, const std::string& file,
-            const std::function<void(std::size_t)>& done_with)
-      : bytes_(bytes), file_(file), done_with_(done_with) {
+  LvmReader(std::string_view bytes, const std::string& file, const ReadOptions& options)
+      : bytes_(bytes), file_(file), done_with_(options.done_with) {
     rest_ = bytes_.substr(bytes_.starts_with("\xEF\xBB\xBF") ? 3 : 0);
   }
 
@@ -271,9 +270,9 @@ void take_channel(const std::vector<Segment>& segments, std::size_t c, std::size
 }  // namespace
 
 Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
-                   const ReadOptions& options, const std::function<void(std::size_t)>& done_with) {
+                   const ReadOptions& options) {
   const std::string file = path.string();
-  const std::vector<Segment> segments = LvmReader(bytes, file, done_with).read();
+  const std::vector<Segment> segments = LvmReader(bytes, file, options).read();
   const Segment& first = segments.front();
   const std::string dimension = first.text("X_Dimension", 1);
   if (!dimension.empty() && dimension != "Time") {

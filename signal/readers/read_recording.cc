@@ -40,31 +40,10 @@ RecordingFormat format_of(std::string_view bytes) {
   return RecordingFormat::csv;
 }
 
-namespace {
-
-using DoneWith = std::function<void(std::size_t)>;
-using Read = Recording (*)(std::string_view, const std::filesystem::path&, const ReadOptions&,
-                           const DoneWith&);
-
-/// For readers that tell nothing on the way, and those whose libraries read files.
-template <auto read>
-Recording untold(std::string_view bytes, const std::filesystem::path& path,
-                 const ReadOptions& options, const DoneWith&) {
-  if constexpr (requires { read(bytes, path, options); }) {
-    return read(bytes, path, options);
-  } else {
-    return read(path, options);
-  }
-}
-
-/// In the order of RecordingFormat, as format_names() gives them.
-constexpr Read kReaders[] = {read_csv,         read_lvm,         read_uff,         untold<read_wav>,
-                             untold<read_npy>, untold<read_mat>, untold<read_xlsx>};
-
-}  // namespace
-
-Recording read_recording(const std::filesystem::path& path, const ReadOptions& options,
-                         const std::function<void(std::size_t)>& done_with) {
+Recording read_recording(const std::filesystem::path& path, const ReadOptions& options) {
+  /// In the order of RecordingFormat, as format_names() gives them.
+  constexpr decltype(&read_csv) kReaders[] = {read_csv, read_lvm, read_uff, read_wav,
+                                              read_npy, read_mat, read_xlsx};
   const MappedFile file(path);
   auto format = static_cast<std::size_t>(format_of(file.bytes()));
   if (!options.format.empty()) {
@@ -78,10 +57,12 @@ Recording read_recording(const std::filesystem::path& path, const ReadOptions& o
   } else if (const auto foreign = foreign_format(file.bytes())) {
     throw file_error(path, "is " + foreign->name, foreign->remedy);
   }
-  Recording recording = kReaders[format](file.bytes(), path, options, [&](std::size_t offset) {
+  ReadOptions releasing = options;
+  releasing.done_with = [&](std::size_t offset) {
     file.release_before(offset);
-    if (done_with) done_with(offset);
-  });
+    if (options.done_with) options.done_with(offset);
+  };
+  Recording recording = kReaders[format](file.bytes(), path, releasing);
   shorten(recording.notes);
   return recording;
 }

@@ -1,9 +1,7 @@
 // Reads any supported recording; its format is detected from the content, whatever its name.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <string_view>
 
 #include "signal/readers/files/read_options.h"
@@ -20,13 +18,10 @@ enum class RecordingFormat { csv, lvm, uff, wav, npy, mat, xlsx };
 /// of an Excel workbook's parts .xlsx. Everything else is read as a table of text.
 [[nodiscard]] RecordingFormat format_of(std::string_view bytes);
 
-/// `options.format`, if given, overrides the detection. `done_with`, if given, is called now and
-/// then with the bytes read so far (never for a MATLAB file or a workbook, which a library reads
-/// whole). Throws RecordingError with file, line, channel, value and remedy. Formats that are
-/// recognised but not read (TDMS, MDF, HDF5, XLS ...) are refused by name, with advice on how to
-/// convert them.
+/// `options.format`, if given, overrides the detection. Throws RecordingError with file, line,
+/// channel, value and remedy. Formats that are recognised but not read (TDMS, MDF, HDF5, XLS ...)
+/// are refused by name, with advice on how to convert them.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& path,
-                                       const ReadOptions& options = {},
-                                       const std::function<void(std::size_t)>& done_with = {});
+                                       const ReadOptions& options = {});
 
 }  // namespace rigfit::signal

@@ -386,8 +386,9 @@ CsvTable read_xlsx_columns(const std::filesystem::path& path, const ReadOptions&
   ReadOptions as_written = options;
   as_written.separator = ';';
   as_written.decimal = '.';
+  as_written.done_with = nullptr;
   try {
-    CsvTable table = read_csv_columns(text, file, {}, as_written);
+    CsvTable table = read_csv_columns(text, file, as_written);
     table.notes.insert(table.notes.begin(), notes.begin(), notes.end());
     return table;
   } catch (const RecordingError& error) {
@@ -397,7 +398,8 @@ CsvTable read_xlsx_columns(const std::filesystem::path& path, const ReadOptions&
   }
 }
 
-Recording read_xlsx(const std::filesystem::path& path, const ReadOptions& options) {
+Recording read_xlsx(std::string_view, const std::filesystem::path& path,
+                    const ReadOptions& options) {
   return recording_of_table(read_xlsx_columns(path, options), path, "xlsx", options);
 }
 

@@ -32,39 +32,32 @@ ChannelDescription read_channel(document::TomlTable& table) {
       table.optional_number("sensitivity", document::Bound::any, "sensitivity_unit");
   channel.sensitivity_unit = table.string_or("sensitivity_unit", "");
   channel.range = table.number_or("range", document::Bound::not_negative, "unit", 0);
+  const auto refuse_if = [&](bool wrong, const char* key, const std::string& problem,
+                             const char* remedy) {
+    if (wrong) throw table.error(key, problem, remedy);
+  };
   if (table.has("direction")) {
     const auto d = table.numbers("direction", 3, 3, document::Bound::any, "1");
     const double length = std::hypot(d[0], d[1], d[2]);
-    if (!(length > 0)) {
-      throw table.error("direction", "is zero", "give the direction of positive values");
-    }
+    refuse_if(!(length > 0), "direction", "is zero", "give the direction of positive values");
     channel.direction = {d[0] / length, d[1] / length, d[2] / length};
   }
-  if (channel.scale && *channel.scale == 0) {
-    throw table.error("scale", "is zero", "give unit per number in the file");
-  }
-  if (channel.sensitivity && *channel.sensitivity == 0) {
-    throw table.error("sensitivity", "is zero", "give the transducer's, such as 2.27 mV/N");
-  }
-  if (channel.sensitivity && channel.scale) {
-    throw table.error("scale", "stands beside a sensitivity", "give one of the two");
-  }
   const auto quotient = parse_quotient(channel.sensitivity_unit);
-  if (channel.sensitivity.has_value() != !channel.sensitivity_unit.empty() ||
-      (channel.sensitivity && !quotient)) {
-    throw table.error("sensitivity_unit", "is not a quotient of two units",
-                      "write the sensitivity with its unit, such as 2.27 and \"mV/N\"");
-  }
-  if (channel.unit.empty()) return channel;
   const auto unit = parse_unit(channel.unit);
-  if (!unit) {
-    throw table.error("unit", "\"" + channel.unit + "\" is no unit we know",
-                      "write it like \"N\", \"m/s^2\", \"g\", \"mm\"");
-  }
-  if (channel.sensitivity && unit->si != quotient->over.si) {
-    throw table.error("unit", "does not fit a sensitivity in " + channel.sensitivity_unit,
-                      "beside a sensitivity it is the unit of the file's numbers, such as \"V\"");
-  }
+  const bool scaled = channel.sensitivity.has_value();
+  refuse_if(channel.scale == 0.0, "scale", "is zero", "give unit per number in the file");
+  refuse_if(channel.sensitivity == 0.0, "sensitivity", "is zero",
+            "give the transducer's, such as 2.27 mV/N");
+  refuse_if(scaled && channel.scale, "scale", "stands beside a sensitivity", "give one of the two");
+  refuse_if(scaled != !channel.sensitivity_unit.empty() || (scaled && !quotient),
+            "sensitivity_unit", "is not a quotient of two units",
+            "write the sensitivity with its unit, such as 2.27 and \"mV/N\"");
+  if (channel.unit.empty()) return channel;
+  refuse_if(!unit, "unit", "\"" + channel.unit + "\" is no unit we know",
+            "write it like \"N\", \"m/s^2\", \"g\", \"mm\"");
+  refuse_if(scaled && unit->si != quotient->over.si, "unit",
+            "does not fit a sensitivity in " + channel.sensitivity_unit,
+            "beside a sensitivity it is the unit of the file's numbers, such as \"V\"");
   return channel;
 }
 
@@ -136,41 +129,37 @@ void judge_values(const Channel& channel, const ChannelDescription* given, Recor
   };
   // A tenth of a millionth of g is below every sensor's noise, 10000 g is a shock, beyond what
   // vibration is measured with. Hammers and dynamic load cells end before 100 kN.
-  for (const auto& [quantity, least, most] :
-       {Limits{Quantity::acceleration, 1e-6, 1e5},
-        {Quantity::force, by_voltage ? 1e-3 : 0, by_voltage ? 1e5 : 1e8},
-        {Quantity::displacement, 0, 1000},
-        {Quantity::velocity, 0, 1e4}}) {
-    if (quantity != channel.quantity) continue;
-    double largest = 0;
-    for (const double x : channel.samples) {
-      if (std::isfinite(x)) largest = std::max(largest, std::abs(x));
-    }
-    if (!(largest > 0) || (largest >= least && largest <= most)) continue;
-    add_note(
-        recording.notes, "unit_suspected", channel.name,
-        "Check unit, sensitivity and scale (unit in the file: \"{}\"): it reaches {:.3g} {}{}, "
-        "{} than such a channel measures; V for mV makes a factor of a thousand",
-        channel.source_unit, largest, channel.unit,
-        quantity == Quantity::acceleration ? fmt::format(" ({:.2g} g)", largest / 9.80665) : "",
-        largest > most ? "more" : "less");
-  }
+  const Limits all[] = {{Quantity::acceleration, 1e-6, 1e5},
+                        {Quantity::force, by_voltage ? 1e-3 : 0, by_voltage ? 1e5 : 1e8},
+                        {Quantity::displacement, 0, 1000},
+                        {Quantity::velocity, 0, 1e4}};
+  const auto* const limits = std::ranges::find(all, channel.quantity, &Limits::quantity);
+  if (limits == std::end(all)) return;
+  const auto x = channel.samples.array();
+  const double largest = x.isNaN().select(0, x).abs().maxCoeff();
+  if (!(largest > 0) || (largest >= limits->least && largest <= limits->most)) return;
+  add_note(recording.notes, "unit_suspected", channel.name,
+           "Check unit, sensitivity and scale (unit in the file: \"{}\"): it reaches {:.3g} {}{}, "
+           "{} than such a channel measures; V for mV makes a factor of a thousand",
+           channel.source_unit, largest, channel.unit,
+           channel.unit == "m/s^2" ? fmt::format(" ({:.2g} g)", largest / 9.80665) : "",
+           largest > limits->most ? "more" : "less");
 }
 
 /// Notes channels that the folder's channels.toml describes and this recording lacks: the other
 /// recordings may have them, unless it describes none of this one's, or the name is misspelt.
 void note_absent(const std::vector<std::string>& absent, const std::vector<std::string>& left,
                  bool none_described, Recording& recording) {
-  std::string names;
+  std::vector<std::string> names;
   for (const auto& name : absent) {
     const auto nearest = document::nearest_word(name, left);
-    if (!nearest && !none_described) continue;
-    names += (names.empty() ? "\"" : ", \"") + name + "\"" +
-             (nearest ? " (did you mean \"" + *nearest + "\"?)" : "");
+    if (nearest) names.push_back(name + "\" (did you mean \"" + *nearest);
+    if (!nearest && none_described) names.push_back(name);
   }
   if (names.empty()) return;
   add_note(recording.notes, "described_channel_absent", "",
-           "channels.toml of the folder describes {}, which this recording does not have", names);
+           "channels.toml of the folder describes {}, which this recording does not have",
+           listed(names));
 }
 
 }  // namespace
@@ -257,16 +246,7 @@ void apply_description(const RecordingDescription& description, Recording& recor
   }
   for (const auto& channel : recording.channels) judge_values(channel, nullptr, recording);
   note_absent(absent, left, absent.size() == description.channels.size(), recording);
-  // What is described has its unit from the description; the reader's remark no longer holds.
-  std::vector<std::string> unitless;
-  for (const auto& channel : recording.channels) {
-    if (channel.unit.empty()) unitless.push_back(channel.name);
-  }
-  std::erase_if(recording.notes, [&](Note& note) {
-    if (note.code != "no_unit") return false;
-    note.where = listed(unitless);
-    return unitless.empty();
-  });
+  note_unitless(recording);  // what is described has its unit from the description
 }
 
 std::optional<fs::path> description_beside(const fs::path& recording) {

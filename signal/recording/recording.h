@@ -60,8 +60,7 @@ struct Recording {
   double start_time_s = 0;
   double time_jitter_s = 0;  ///< rms departure of the time column from uniform sampling
   Eigen::VectorXd time_s;    ///< kept only when sampling is not uniform, else empty
-  std::vector<Channel>
-      channels;  ///< all of the same length (a shorter one is padded with NaN and noted)
+  std::vector<Channel> channels;  ///< all of the same length
   std::vector<Note> notes;
 
   /// Samples of each channel.

@@ -99,20 +99,23 @@ void take_times(const TimeAxis& axis, const ReadTimes& times, Recording& recordi
 }
 
 void note_unitless(Recording& recording) {
-  std::erase_if(recording.notes, [](const Note& note) { return note.code == "no_unit"; });
   std::vector<std::string> names;
   for (const auto& channel : recording.channels) {
     if (channel.source_unit.empty() && channel.unit.empty()) names.push_back(channel.name);
   }
-  if (names.empty()) return;
-  add_note(recording.notes, "no_unit", listed(names),
-           "no unit in the file: the numbers are kept as they are");
+  const auto known = std::ranges::find(recording.notes, "no_unit", &Note::code);
+  if (known != recording.notes.end()) {
+    known->where = listed(names);
+    if (names.empty()) recording.notes.erase(known);
+  } else if (!names.empty()) {
+    add_note(recording.notes, "no_unit", listed(names),
+             "no unit in the file: the numbers are kept as they are");
+  }
 }
 
 void shorten(std::vector<Note>& notes) {
-  std::map<std::string, std::size_t> count;
+  std::map<std::string, std::size_t> count, seen;
   for (const auto& note : notes) ++count[note.code];
-  std::map<std::string, std::size_t> seen;
   std::erase_if(notes, [&](Note& note) {
     const std::size_t place = ++seen[note.code], all = count[note.code];
     if (place == kMostListed && all > kMostListed) {

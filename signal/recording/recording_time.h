@@ -36,7 +36,7 @@ void take_samples(Eigen::VectorXd numbers, Channel& channel);
 /// `name`, or with "_2", "_3" ... behind it where it is used already.
 [[nodiscard]] std::string unused_name(const std::string& name, std::set<std::string>& used);
 
-/// "no_unit", in one note, for the channels whose file gives none.
+/// "no_unit", in one note, for the channels for which neither file nor description gives one.
 void note_unitless(Recording& recording);
 
 /// Leaves the first 20 notes of each code and says in the last of them how many there were.

@@ -111,8 +111,8 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
 
 std::string trimmed(std::string_view s) { return std::string(trim_blanks(s)); }
 
-/// Plain ASCII: superscripts as digits, micro as u, degree as deg, dots as '.', one pair of
-/// brackets gone.
+/// Plain ASCII: superscripts and powers as digits, micro as u, degree as deg, dots as '.', one pair
+/// of brackets gone.
 std::string plain(std::string_view text) {
   std::string s = trimmed(to_utf8(text));
   using Spelling = std::pair<const char*, const char*>;
@@ -138,15 +138,16 @@ std::string plain(std::string_view text) {
        (s.front() == '(' && s.find(')') == s.size() - 1))) {
     s = trimmed(std::string_view(s).substr(1, s.size() - 2));
   }
-  replace_all(s, "**", "^");
-  return s;
+  for (const char* power : {"**", "^"}) replace_all(s, power, "");
+  for (const char* power : {"-1", "-2"}) replace_all(s, "(" + std::string(power) + ")", power);
+  // Metre per second squared, though "ms" alone is a millisecond.
+  return s == "ms-2" ? "m/s2" : s == "ms-1" ? "m/s" : s;
 }
 
 struct Product {
   double factor = 1;
   double offset = 0;
   Dimension dimension = kNone;
-  bool acceleration_of_gravity = false;
   bool strain = false;
 };
 
@@ -165,7 +166,7 @@ double prefix_factor(char c) {
   return kFactors[std::min(kLetters.find(c), kLetters.size())];
 }
 
-bool parse_product(std::string s, Product& product);
+bool parse_product(std::string_view s, Product& product);
 
 bool symbol_factor(std::string_view text, Symbol& out) {
   for (const bool ignore_case : {false, true}) {
@@ -199,7 +200,7 @@ bool symbol_factor(std::string_view text, Symbol& out) {
       double factor = 1;
       const auto number = std::from_chars(meant.data(), meant.data() + meant.size(), factor);
       meant.remove_prefix(static_cast<std::size_t>(number.ptr - meant.data()));
-      if (!parse_product(std::string(trim_blanks(meant)), product)) return false;
+      if (!parse_product(trim_blanks(meant), product)) return false;
       out = {product.strain ? "strain" : "", factor * product.factor, product.dimension, false,
              product.offset};
       return true;
@@ -210,74 +211,56 @@ bool symbol_factor(std::string_view text, Symbol& out) {
   return false;
 }
 
-/// One factor "symbol[^]exponent" times `sign` in the exponent.
+/// One factor, "s", "s2" or "s-2", times `sign` in the exponent.
 bool multiply(std::string_view term, int sign, Product& product) {
-  if (term.empty()) return false;
-  std::size_t end = term.size();
-  while (end > 0 && std::isdigit(static_cast<unsigned char>(term[end - 1]))) --end;
-  int exponent = 1;
+  int exponent = sign;
   Symbol symbol{};
-  if (end < term.size() && end > 0 && !symbol_factor(term, symbol)) {
-    if (term.size() - end > 1) return false;
-    exponent = term[end] - '0';
-    if (exponent < 1 || exponent > 4) return false;
-    if (term[end - 1] == '-') exponent = -exponent, --end;
-    if (end > 0 && term[end - 1] == '^') --end;
-    if (end > 0 && term[end - 1] == '(') return false;
-    if (!symbol_factor(term.substr(0, end), symbol)) return false;
-  } else if (symbol.text == nullptr && !symbol_factor(term, symbol)) {
-    return false;
+  if (!symbol_factor(term, symbol)) {
+    if (term.size() < 2 || term.back() < '1' || term.back() > '4') return false;
+    exponent *= term.back() - '0';
+    term.remove_suffix(1);
+    if (term.ends_with('-')) exponent = -exponent, term.remove_suffix(1);
+    if (!symbol_factor(term, symbol)) return false;
   }
-  exponent *= sign;
   product.factor *= std::pow(symbol.factor, exponent);
   product.offset = symbol.offset;
   for (std::size_t k = 0; k < product.dimension.size(); ++k) {
     product.dimension[k] += exponent * symbol.dimension[k];
   }
   const std::string_view text(symbol.text);
-  if (text == "strain" || text == "eps") product.strain = true;
+  product.strain |= text == "strain" || text == "eps";
   return true;
 }
 
-bool parse_product(std::string s, Product& product) {
-  replace_all(s, "^(-1)", "^-1");
-  replace_all(s, "^(-2)", "^-2");
-  // Metre per second squared, though "ms" alone is a millisecond.
-  if (s == "ms-2" || s == "ms^-2") s = "m/s2";
-  if (s == "ms-1" || s == "ms^-1") s = "m/s";
-  int sign = 1, terms = 0;
-  bool pending_slash = false;
-  std::string term;
-  int depth = 0, outer_sign = 1;
-  const auto flush = [&]() {
-    if (term.empty()) return true;
-    ++terms;
-    pending_slash = false;
-    const bool good = multiply(term, sign * outer_sign, product);
-    term.clear();
-    return good;
+/// Factors parted by '*', '.', ' ' or a '-' before a letter, behind a slash below it: "m/s.s" is
+/// meant as "m/(s.s)"; brackets once.
+bool parse_product(std::string_view s, Product& product) {
+  const auto parts = [&](std::size_t at) {
+    return std::string_view("/*. ()").find(s[at]) != std::string_view::npos ||
+           (s[at] == '-' && at > 0 && at + 1 < s.size() && std::isalpha(s[at + 1]) != 0);
   };
-  for (std::size_t i = 0; i <= s.size(); ++i) {
-    const char c = i < s.size() ? s[i] : '\0';
-    if (c == '/' || c == '*' || c == '.' || c == ' ' || c == '(' || c == ')' || c == '\0' ||
-        (c == '-' && !term.empty() && i + 1 < s.size() && std::isalpha(s[i + 1]) != 0)) {
-      if (!flush()) return false;
-      if (c == '/') {
-        if (pending_slash || terms == 0) return false;
-        sign = -1, pending_slash = true;
-      } else if (c == '(') {
-        if (depth++ > 0) return false;
-        outer_sign = sign, sign = 1, pending_slash = false;
-      } else if (c == ')') {
-        if (depth-- == 0) return false;
-        sign = 1, outer_sign = 1;
-      } else if (c != ' ' && c != '\0') {
-        // "m/s.s" is read from left to right only behind a bracket; a dot after a slash stays below
-        // it, as people mean it.
-        if (terms == 0) return false;
-      }
-    } else {
-      term += c;
+  int sign = 1, outer_sign = 1, depth = 0, terms = 0;
+  bool pending_slash = false;
+  for (std::size_t at = 0, begin = 0; at <= s.size(); ++at) {
+    if (at < s.size() && !parts(at)) continue;
+    if (at > begin) {
+      if (!multiply(s.substr(begin, at - begin), sign * outer_sign, product)) return false;
+      ++terms;
+      pending_slash = false;
+    }
+    begin = at + 1;
+    const char c = at < s.size() ? s[at] : ' ';
+    if (c == '(') {
+      if (depth++ > 0) return false;
+      outer_sign = sign, sign = 1, pending_slash = false;
+    } else if (c == ')') {
+      if (depth-- == 0) return false;
+      sign = 1, outer_sign = 1;
+    } else if (c != ' ' && terms == 0) {
+      return false;
+    } else if (c == '/') {
+      if (pending_slash) return false;
+      sign = -1, pending_slash = true;
     }
   }
   if (terms > 1) product.offset = 0;
@@ -343,13 +326,12 @@ TitledUnit split_title(std::string_view title) {
        {std::pair{'[', ']'}, std::pair{'(', ')'}, std::pair{'{', '}'}}) {
     if (s.empty() || s.back() != close) continue;
     // The bracket that belongs to the last one.
-    int depth = 0;
     std::size_t at = s.size();
-    while (at-- > 0) {
-      if (s[at] == close) ++depth;
-      if (s[at] == open && --depth == 0) break;
+    for (int depth = 0; at-- > 0;) {
+      depth += s[at] == close ? 1 : s[at] == open ? -1 : 0;
+      if (depth == 0) break;
     }
-    if (at == std::string::npos || depth != 0) continue;
+    if (at == std::string::npos) continue;
     const std::string name = trimmed(std::string_view(s).substr(0, at));
     const std::string inside = trimmed(std::string_view(s).substr(at + 1, s.size() - at - 2));
     if (name.empty()) break;
@@ -357,33 +339,26 @@ TitledUnit split_title(std::string_view title) {
     if (parse_unit(inside) || open == '[' || lower_case(inside) == "counts") return {name, inside};
     break;
   }
-  for (const char* sign : {" / ", ", ", ": ", " in "}) {
+  for (const std::string_view sign : {" / ", ", ", ": ", " in ", "/", "_", " "}) {
     const std::size_t at = s.rfind(sign);
     if (at == std::string::npos || at == 0) continue;
-    const std::string unit =
-        trimmed(std::string_view(s).substr(at + std::string_view(sign).size()));
-    if (parse_unit(unit)) return {trimmed(std::string_view(s).substr(0, at)), unit};
-  }
-  for (const char sign : {'/', '_', ' '}) {
-    const std::size_t at = s.rfind(sign);
-    if (at == std::string::npos || at == 0 || at + 1 == s.size()) continue;
-    std::string unit = s.substr(at + 1);
-    if (sign == '_') {
-      // Also "accel_m_s2", "gyro_rad_s", "gyro_deg_s2": two parts as a quotient.
-      const std::size_t before = s.rfind('_', at - 1);
-      if (before != std::string::npos && before > 0 && !unit.empty() && unit[0] == 's') {
-        const std::string quotient = s.substr(before + 1, at - before - 1) + '/' + unit;
-        const auto parsed = parse_unit(quotient);
-        if (parsed && parsed->quantity != Quantity::unknown) return {s, quotient};
-      }
+    const std::string name = trimmed(std::string_view(s).substr(0, at));
+    const std::string unit = trimmed(std::string_view(s).substr(at + sign.size()));
+    // "accel_m_s2", "gyro_rad_s": two parts as a quotient.
+    const std::size_t before = sign == "_" ? name.rfind('_') : std::string::npos;
+    if (before != std::string::npos && before > 0 && unit.starts_with('s')) {
+      const std::string quotient = name.substr(before + 1) + '/' + unit;
+      const auto parsed = parse_unit(quotient);
+      if (parsed && parsed->quantity != Quantity::unknown) return {s, quotient};
     }
+    if (!parse_unit(unit)) continue;
     // "C", "K", "h", "1" and the like at the end of a name are letters more often than units.
-    const auto parsed = parse_unit(unit);
-    if (!parsed || is_listed("|C|K|h|J|c|k|H|j|n|M|S|G|in|v|", unit) ||
-        std::isdigit(static_cast<unsigned char>(unit[0])))
+    if (sign.size() == 1 && (is_listed("|C|K|h|J|c|k|H|j|n|M|S|G|in|v|", unit) ||
+                             std::isdigit(static_cast<unsigned char>(unit[0])) != 0)) {
       continue;
-    if (sign == ' ' && unit.size() < 2 && !is_listed("|N|V|g|s|", unit)) continue;
-    return {sign == '_' ? s : trimmed(std::string_view(s).substr(0, at)), unit};
+    }
+    if (sign == " " && unit.size() < 2 && !is_listed("|N|V|g|s|", unit)) continue;
+    return {sign == "_" ? s : name, unit};
   }
   return {s, ""};
 }

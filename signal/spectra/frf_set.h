@@ -28,6 +28,7 @@ struct MeasuredPoint {
   int node = 0;
   int direction = 0;  ///< UFF: +-1 x, +-2 y, +-3 z, 0 scalar
 
+  bool operator==(const MeasuredPoint&) const = default;
   static constexpr auto fields() {
     using T = MeasuredPoint;
     return std::tuple{field("name", &T::name), field("node", &T::node),

@@ -1,12 +1,14 @@
 #include "signal/writers/write_uff.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
 #include <cctype>
 #include <cmath>
 #include <complex>
+#include <initializer_list>
 #include <map>
 
 #include "signal/readers/uff/uff58.h"
@@ -17,42 +19,41 @@ namespace {
 
 constexpr const char* kMark = "    -1\n";
 
-/// At most `width` bytes of plain ASCII, NONE for nothing: fixed columns know no other.
-std::string fixed(std::string_view text, std::size_t width) {
-  std::string out;
-  for (std::size_t k = 0; k < text.size() && out.size() < width; ++k) {
-    const auto c = static_cast<unsigned char>(text[k]);
-    if (c < 0x80) {
-      out += c < 0x20 ? ' ' : text[k];
-    } else if ((c & 0xC0) == 0xC0) {
-      out += '?';  // one for each character, none for its further bytes
-    }
-  }
-  while (!out.empty() && out.front() == ' ') out.erase(0, 1);
-  return out.empty() ? "NONE" : out;
+/// How a dataset of text begins.
+std::string head(int number) { return fmt::format("{}{:6d}{:74s}\n", kMark, number, ""); }
+
+/// Numbers of a record, I10 and 1PE13.5.
+std::string whole(std::initializer_list<int> values) {
+  return fmt::format("{:10d}", fmt::join(values, ""));
+}
+std::string numbers(std::initializer_list<double> values) {
+  return fmt::format("{:13.5e}", fmt::join(values, ""));
 }
 
-/// An identification line: UTF-8 is kept, cut between characters, padded to 80 columns.
-std::string id_line(std::string_view text) {
+/// Text of exactly `width` bytes, NONE for nothing: UTF-8 cut between characters or, in fixed
+/// columns, which other programs count by characters, a '?' for each that is not ASCII.
+std::string field(std::string_view text, std::size_t width, bool ascii = true) {
   std::string out;
-  for (std::size_t k = 0; k < text.size();) {
-    std::size_t next = k + 1;
-    while (next < text.size() && (static_cast<unsigned char>(text[next]) & 0xC0) == 0x80) ++next;
-    if (out.size() + next - k > 80) break;
-    out += text.substr(k, next - k);
-    k = next;
+  for (std::size_t k = 0, next = 0; k < text.size(); k = next) {
+    while (++next < text.size() && (static_cast<unsigned char>(text[next]) & 0xC0) == 0x80) {
+    }
+    const bool plain = next == k + 1 && static_cast<unsigned char>(text[k]) < 0x80;
+    std::string_view one = text.substr(k, next - k);
+    if (ascii && !plain) one = "?";
+    if (plain && one[0] < ' ') one = " ";
+    if (out.size() + one.size() > width) break;
+    if (one != " " || !out.empty()) out += one;
   }
-  for (char& c : out) {
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-  }
-  if (out.find_first_not_of(' ') == std::string::npos) out = "NONE";
-  if (out.size() < 80) out.append(80 - out.size(), ' ');
-  return out + '\n';
+  if (out.empty()) out = "NONE";
+  out.resize(width, ' ');
+  return out;
 }
+
+std::string id_line(std::string_view text) { return field(text, 80, false) + '\n'; }
 
 std::string axis_line(const Uff58Axis& axis) {
-  return fmt::format("{:10d}    0    0    0 {:<20s} {:<20s}\n", axis.data_type,
-                     fixed(axis.label, 20), fixed(axis.unit, 20));
+  return fmt::format("{:10d}    0    0    0 {} {}\n", axis.data_type, field(axis.label, 20),
+                     field(axis.unit, 20));
 }
 
 /// 13 columns: six digits, or five behind a minus sign, where the seventh has no room.
@@ -74,19 +75,16 @@ void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
   const bool binary = encoding != UffEncoding::ascii;
   const bool single = encoding == UffEncoding::binary_single;
   const Eigen::Index bytes = single ? 4 : 8;
-  out += kMark;
-  if (binary) {
-    // Byte order 1 (little endian), floating-point format 2 (IEEE 754), 11 lines of text.
-    out += fmt::format("    58b{:6d}{:6d}{:12d}{:12d}{:6d}{:6d}{:12d}{:12d}\n", 1, 2, 11,
-                       bytes * values * n, 0, 0, 0, 0);
-  } else {
-    out += fmt::format("    58{:74s}\n", "");
-  }
+  // Byte order 1 (little endian), floating-point format 2 (IEEE 754), 11 lines of text.
+  out += binary ? fmt::format("{}    58b{:6d}{:6d}{:12d}{:12d}{:6d}{:6d}{:12d}{:12d}\n", kMark, 1,
+                              2, 11, bytes * values * n, 0, 0, 0, 0)
+                : head(58);
   for (const auto& line : f.id) out += id_line(line);
-  out +=
-      fmt::format("{:5d}{:10d}{:5d}{:10d} {:<10s}{:10d}{:4d} {:<10s}{:10d}{:4d}\n", f.function_type,
-                  0, 0, 0, fixed(f.response.entity, 10), f.response.node, f.response.direction,
-                  fixed(f.reference.entity, 10), f.reference.node, f.reference.direction);
+  out += fmt::format("{:5d}{:10d}{:5d}{:10d}", f.function_type, 0, 0, 0);
+  for (const auto& at : {f.response, f.reference}) {
+    out += fmt::format(" {}{:10d}{:4d}", field(at.entity, 10), at.node, at.direction);
+  }
+  out += '\n';
   out += fmt::format("{:10d}{:10d}{:10d}{}{}{}\n",
                      (f.complex ? 6 : 4) - (single ? (f.complex ? 1 : 2) : 0), n, f.even ? 1 : 0,
                      e13(f.even ? f.abscissa_start : 0), e13(f.even ? f.abscissa_step : 0), e13(0));
@@ -252,46 +250,38 @@ std::string uff_text(const FrfSet& frfs, UffEncoding encoding) {
 std::string uff_text(const ModalModel& modes, const std::vector<NodePosition>& positions) {
   std::string out;
   if (!positions.empty()) {
-    out += kMark;
-    out += fmt::format("    15{:74s}\n", "");
+    out += head(15);
     for (const auto& p : positions) {
-      out += fmt::format("{:10d}{:10d}{:10d}{:10d}{:13.5e}{:13.5e}{:13.5e}\n", p.node, 0, 0, 0,
-                         p.position_m[0], p.position_m[1], p.position_m[2]);
+      const auto& [x, y, z] = p.position_m;
+      out += whole({p.node, 0, 0, 0}) + numbers({x, y, z}) + '\n';
     }
     out += kMark;
-  }
-  // Responses by node; a point without a node gets its place in the list.
-  std::vector<int> node(modes.responses.size());
-  for (std::size_t r = 0; r < node.size(); ++r) {
-    node[r] = modes.responses[r].node != 0 ? modes.responses[r].node : static_cast<int>(r) + 1;
   }
   for (std::size_t m = 0; m < modes.modes.size(); ++m) {
     const IdentifiedMode& mode = modes.modes[m];
-    const std::complex<double> modal_a = modal_a_of(modes, mode);
-    out += kMark;
-    out += fmt::format("    55{:74s}\n", "");
+    out += head(55);
     out += id_line(fmt::format("mode {}", m + 1));
     out += id_line(fmt::format("frequency {:.6g} Hz, damping ratio {:.4g}", mode.frequency_hz.value,
                                mode.damping_ratio.value));
-    out += id_line("NONE") + id_line("NONE") + id_line("NONE");
+    for (int k = 0; k < 3; ++k) out += id_line("");
     // Structural model, complex eigenvalue of first order, three translations, displacement,
     // complex values, three a node.
-    out += fmt::format("{:10d}{:10d}{:10d}{:10d}{:10d}{:10d}\n", 1, 3, 2, 8, 5, 3);
-    out += fmt::format("{:10d}{:10d}{:10d}{:10d}\n", 2, 6, 1, m + 1);
-    out += fmt::format("{:13.5e}{:13.5e}{:13.5e}{:13.5e}{:13.5e}{:13.5e}\n", mode.pole_rad_s.real(),
-                       mode.pole_rad_s.imag(), modal_a.real(), modal_a.imag(), 0.0, 0.0);
+    out += whole({1, 3, 2, 8, 5, 3}) + '\n';
+    out += whole({2, 6, 1, static_cast<int>(m) + 1}) + '\n';
+    const std::complex<double> pole = mode.pole_rad_s, modal_a = modal_a_of(modes, mode);
+    out += numbers({pole.real(), pole.imag(), modal_a.real(), modal_a.imag(), 0, 0}) + '\n';
     std::map<int, std::array<std::complex<double>, 3>> at_node;
-    for (std::size_t r = 0; r < node.size(); ++r) {
-      const auto row = static_cast<Eigen::Index>(r);
-      if (row >= mode.shape.size()) continue;
-      const int direction = modes.responses[r].direction;
-      const int axis = std::abs(direction);
-      const std::size_t place = axis >= 1 && axis <= 3 ? static_cast<std::size_t>(axis - 1) : 2;
-      at_node[node[r]][place] = (direction < 0 ? -1.0 : 1.0) * mode.shape[row];
+    for (Eigen::Index r = 0; r < mode.shape.size(); ++r) {
+      // A point without a node gets its place in the list, one without a direction is z.
+      const MeasuredPoint& point = modes.responses[static_cast<std::size_t>(r)];
+      const int node = point.node != 0 ? point.node : static_cast<int>(r) + 1;
+      const int axis = std::abs(point.direction);
+      at_node[node][axis >= 1 && axis <= 3 ? static_cast<std::size_t>(axis - 1) : 2] =
+          (point.direction < 0 ? -1.0 : 1.0) * mode.shape[r];
     }
-    for (const auto& [number, values] : at_node) {
-      out += fmt::format("{:10d}\n", number);
-      for (const auto& v : values) out += fmt::format("{:13.5e}{:13.5e}", v.real(), v.imag());
+    for (const auto& [node, values] : at_node) {
+      out += whole({node}) + '\n';
+      for (const auto& v : values) out += numbers({v.real(), v.imag()});
       out += '\n';
     }
     out += kMark;

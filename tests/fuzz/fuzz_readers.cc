@@ -54,10 +54,10 @@ void frf(Bytes bytes) {
   if (table) require_numbers(frfs_of({*table}));
 }
 void mat(Bytes bytes) {
-  read_file(bytes, [](const std::string& path) { return read_mat(path); });
+  read_file(bytes, [&](const std::string& path) { return read_mat(bytes, path); });
 }
 void xlsx(Bytes bytes) {
-  read_file(bytes, [](const std::string& path) { return read_xlsx(path); });
+  read_file(bytes, [&](const std::string& path) { return read_xlsx(bytes, path); });
 }
 
 }  // namespace rigfit::signal::fuzzed

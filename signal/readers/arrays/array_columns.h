@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "signal/readers/files/read_options.h"
@@ -44,6 +45,6 @@ struct ArrayColumn {
 /// version 7.3 (HDF5) only the version is looked at.
 ///
 /// Each element of a struct or cell takes 8 bytes at least (its own tag).
-void check_mat_headers(const std::filesystem::path& path);
+void check_mat_headers(std::string_view bytes, const std::filesystem::path& path);
 
 }  // namespace rigfit::signal

@@ -9,7 +9,6 @@
 #include <string>
 #include <string_view>
 
-#include "signal/readers/files/mapped_file.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::signal {
@@ -138,9 +137,8 @@ bool can_be_held(const MatWalk::Element& element, bool swapped) {
 
 }  // namespace
 
-void check_mat_headers(const std::filesystem::path& path) {
-  const MappedFile file(path);
-  const std::string_view header = file.bytes().substr(0, 128);
+void check_mat_headers(std::string_view bytes, const std::filesystem::path& path) {
+  const std::string_view header = bytes.substr(0, 128);
   const auto version = header.size() == 128 ? header.substr(124) : ""sv;
   if (version == "\0\2IM"sv || version == "\2\0MI"sv) return;  // HDF5: version 7.3
   const bool swapped = version == "\1\0MI"sv;
@@ -148,7 +146,7 @@ void check_mat_headers(const std::filesystem::path& path) {
     throw file_error(path, "is no MATLAB file of version 5 to 7.3",
                      "save it again, by save(F, '-v7')");
   }
-  MatWalk walk(file.bytes().substr(128), swapped);
+  MatWalk walk(bytes.substr(128), swapped);
   MatWalk::Element element;
   for (std::size_t held = walk.rest().size(); walk.next(element); held = walk.rest().size()) {
     held -= kTagBytes;

@@ -11,7 +11,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -101,16 +100,12 @@ void each_element(matvar_t& variable, std::size_t count, Take&& take) {
 /// Reads the numeric arrays of a file. What is too large for the file is refused before it is read.
 class MatReader {
  public:
-  explicit MatReader(const std::filesystem::path& path) : path_(path) {
-    std::error_code error;
-    const auto size = std::filesystem::file_size(path, error);
-    // A byte is an element at least; deflate packs at most a thousand to one.
-    held_ = error ? 0 : static_cast<std::size_t>(size);
-    most_ = held_ * 1100 + 4096;
+  MatReader(std::string_view bytes, const std::filesystem::path& path)
+      : path_(path), held_(bytes.size()) {
+    check_mat_headers(bytes, path);
   }
 
   std::vector<MatArray> read() {
-    check_mat_headers(path_);
     const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path_.c_str(), MAT_ACC_RDONLY),
                                                        &Mat_Close);
     if (!file) {
@@ -180,7 +175,9 @@ class MatReader {
   }
 
   const std::filesystem::path& path_;
-  std::size_t held_ = 0, most_ = 0;  ///< numbers a file of this size can hold, plain and packed
+  /// Numbers that the file can hold, plain and packed: a byte is an element at least; deflate packs
+  /// at most a thousand to one.
+  const std::size_t held_, most_ = held_ * 1100 + 4096;
   std::vector<MatArray> arrays_;
 };
 
@@ -323,8 +320,9 @@ void check_times(const std::vector<const MatArray*>& taken, const std::filesyste
 
 }  // namespace
 
-Recording read_mat(const std::filesystem::path& path, const ReadOptions& options) {
-  const std::vector<MatArray> arrays = MatReader(path).read();
+Recording read_mat(std::string_view bytes, const std::filesystem::path& path,
+                   const ReadOptions& options) {
+  const std::vector<MatArray> arrays = MatReader(bytes, path).read();
   std::vector<Note> notes;
   const auto taken = chosen(arrays, path, options.variables);
   check_times(taken, path);
@@ -355,8 +353,9 @@ Recording read_mat(const std::filesystem::path& path, const ReadOptions& options
   return recording_of_columns(std::move(columns), path, "mat", options, rate, std::move(notes));
 }
 
-FrfSet read_mat_frfs(const std::filesystem::path& path, const ReadOptions& options) {
-  const std::vector<MatArray> arrays = MatReader(path).read();
+FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
+                     const ReadOptions& options) {
+  const std::vector<MatArray> arrays = MatReader(bytes, path).read();
   std::vector<const MatArray*> complex;
   const auto& asked = options.variables;
   for (const auto& array : arrays) {

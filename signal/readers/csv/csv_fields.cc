@@ -28,46 +28,29 @@ int digits_at(std::string_view s, std::size_t& at, std::size_t most) {
 }  // namespace
 
 std::size_t parse_number(std::string_view text, char decimal, double& value) {
-  const auto skip_digits = [&](std::size_t at) {
-    while (at < text.size() && is_digit(text[at])) ++at;
-    return at;
-  };
-  const auto is_sign = [&](std::size_t at) {
-    return at < text.size() && (text[at] == '-' || text[at] == '+');
-  };
-  const std::size_t begin = is_sign(0) ? 1 : 0;
-  std::size_t end = skip_digits(begin);
-  bool as_written = true;  // as std::from_chars wants it
-  if (end < text.size() && text[end] == decimal) {
-    const std::size_t last = skip_digits(end + 1);
-    if (last == begin + 1) return 0;
-    as_written = decimal == '.';
-    end = last;
-  } else if (end == begin) {
-    return 0;
-  }
-  if (end < text.size() && std::string_view("eEdD").find(text[end]) != std::string_view::npos) {
-    const std::size_t digits = is_sign(end + 1) ? end + 2 : end + 1;
-    if (const std::size_t last = skip_digits(digits); last > digits) {
-      as_written = as_written && (text[end] | 0x20) == 'e';
-      end = last;
+  const std::size_t begin = text.starts_with('+') ? 1 : 0;
+  const std::size_t first = text.starts_with('-') ? 1 : begin;
+  // std::from_chars takes "inf" and "nan", too.
+  if (first >= text.size() || (!is_digit(text[first]) && text[first] != decimal)) return 0;
+  const auto read = [&](std::string_view number) {
+    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+    const auto length = static_cast<std::size_t>(end - number.data());
+    // from_chars does not say whether the number is too large or too small; strtod does.
+    if (error == std::errc::result_out_of_range) {
+      value = std::strtod(std::string(number.substr(0, length)).c_str(), nullptr);
     }
+    return error == std::errc::invalid_argument ? 0 : begin + length;
+  };
+  text.remove_prefix(begin);
+  if (decimal == '.') {
+    const std::size_t length = read(text);
+    const std::size_t behind = length - begin;
+    if (length == 0 || behind >= text.size() || (text[behind] | 0x20) != 'd') return length;
   }
-  std::string_view number = text.substr(0, end);
-  if (number.front() == '+') number.remove_prefix(1);
-  std::string copy;
-  if (!as_written) {
-    copy = number;
-    std::replace(copy.begin(), copy.end(), decimal, '.');
-    for (char& c : copy) c = c == 'd' || c == 'D' ? 'e' : c;
-    number = copy;
-  }
-  const auto error = std::from_chars(number.data(), number.data() + number.size(), value).ec;
-  // from_chars does not say whether the number is too large or too small; strtod does.
-  if (error == std::errc::result_out_of_range) {
-    value = std::strtod(std::string(number).c_str(), nullptr);
-  }
-  return end;
+  std::string copy(
+      text.substr(0, text.find_first_not_of("+-0123456789eEdD" + std::string(1, decimal))));
+  for (char& c : copy) c = c == decimal ? '.' : c == 'd' || c == 'D' ? 'e' : c;
+  return read(copy);
 }
 
 bool parse_whole_number(std::string_view text, char decimal, double& value) {
@@ -76,22 +59,13 @@ bool parse_whole_number(std::string_view text, char decimal, double& value) {
 }
 
 int printed_decimals(std::string_view text, char decimal) {
-  int decimals = 0;
-  bool behind = false;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const char c = text[k];
-    if (c == decimal) {
-      behind = true;
-    } else if (is_digit(c)) {
-      if (behind) ++decimals;
-    } else if (c == 'e' || c == 'E' || c == 'd' || c == 'D') {
-      const std::size_t first = k + 1 < text.size() && text[k + 1] == '+' ? k + 2 : k + 1;
-      int written = 0;
-      std::from_chars(text.data() + first, text.data() + text.size(), written);
-      return decimals - std::clamp(written, -400, 400);
-    }
-  }
-  return decimals;
+  const std::size_t end = std::min(text.find_first_of("eEdD"), text.size());
+  const std::size_t sign = std::min(text.find(decimal), end);
+  std::string_view power = text.substr(std::min(end + 1, text.size()));
+  if (power.starts_with('+')) power.remove_prefix(1);
+  int exponent = 0;
+  std::from_chars(power.data(), power.data() + power.size(), exponent);
+  return (sign < end ? static_cast<int>(end - sign) - 1 : 0) - std::clamp(exponent, -400, 400);
 }
 
 void split_fields(std::string_view line, const CsvDialect& dialect, std::vector<CsvField>& fields) {

@@ -25,12 +25,14 @@ struct Row {
   std::vector<FieldKind> kinds;
   long numbers = 0, words = 0;
 
-  void take(std::string_view line, const CsvDialect& dialect) {
-    split_fields(line, dialect, fields);
-    kinds.clear();
+  Row(std::string_view line, const CsvDialect& dialect) {
+    split_fields(line.substr(0, kLongestLine), dialect, fields);
     for (const auto& field : fields) kinds.push_back(kind_of(field.text, dialect.decimal));
-    numbers = std::count(kinds.begin(), kinds.end(), FieldKind::number);
-    words = std::count(kinds.begin(), kinds.end(), FieldKind::text);
+    numbers = std::ranges::count(kinds, FieldKind::number);
+    words = std::ranges::count(kinds, FieldKind::text);
+  }
+  [[nodiscard]] FieldKind kind(std::size_t column) const {
+    return column < kinds.size() ? kinds[column] : FieldKind::empty;
   }
   /// A line that can be one of the table: at least a number, and words only where there are fewer
   /// of them than numbers.
@@ -49,7 +51,7 @@ std::vector<std::string_view> sample_lines(std::string_view bytes) {
   const auto take = [&](std::size_t at, std::size_t count) {
     for (std::string_view rest = bytes.substr(at); count > 0 && !rest.empty();) {
       const auto line = take_line(rest);
-      if (trim_blanks(line).empty() || line.size() >= kLongestLine) continue;
+      if (trim_blanks(line).empty()) continue;
       sample.push_back(line);
       --count;
     }
@@ -72,79 +74,70 @@ std::vector<std::string_view> sample_lines(std::string_view bytes) {
   return sample;
 }
 
-/// The dialect by which most of the lines are rows, and of those the one that reads more of their
-/// text as numbers and leaves less of it as words. No columns: none reads a row.
-CsvLayout best_dialect(const std::vector<std::string_view>& sample, const ReadOptions& options) {
+/// The lines that can be rows of the table.
+std::vector<Row> rows_of(const std::vector<std::string_view>& sample, const CsvDialect& dialect) {
+  std::vector<Row> rows;
+  for (const auto& line : sample) {
+    if (Row row(line, dialect); row.is_good()) rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// Rows of the dialect by which most of the lines are rows, and of those the one that reads more of
+/// their text as numbers and leaves less of it as words. Empty: none reads a row.
+std::vector<Row> rows_of_best_dialect(const std::vector<std::string_view>& sample,
+                                      const ReadOptions& options, CsvDialect& best) {
   std::vector<CsvDialect> dialects = {{'\t', '.'}, {'\t', ','}, {';', '.'}, {';', ','},
                                       {',', '.'},  {' ', '.'},  {' ', ','}};
   // "1,5","2,5": a comma inside quotes is the decimal sign of a table separated by commas.
-  if (std::any_of(sample.begin(), sample.end(),
-                  [](auto line) { return line.find('"') != std::string_view::npos; })) {
+  if (std::ranges::any_of(sample, [](auto line) { return line.find('"') != line.npos; })) {
     dialects.push_back({',', ','});
   }
-  CsvLayout best;
-  long most_lines = 0, most_worth = 0;
-  Row row;
+  std::vector<Row> best_rows;
+  long most_worth = 0;
   for (const auto& dialect : dialects) {
     if ((options.separator != 0 && dialect.separator != options.separator) ||
         (options.decimal != 0 && dialect.decimal != options.decimal)) {
       continue;
     }
-    long lines = 0, worth = 0;
-    std::size_t columns = 0;
-    for (const auto& line : sample) {
-      row.take(line, dialect);
-      if (!row.is_good()) continue;
-      ++lines;
-      worth += row.numbers - 2 * row.words;
-      columns = std::max(columns, row.fields.size());
-    }
-    if (lines > most_lines || (lines == most_lines && lines > 0 && worth > most_worth)) {
-      most_lines = lines;
+    auto rows = rows_of(sample, dialect);
+    long worth = 0;
+    for (const auto& row : rows) worth += row.numbers - 2 * row.words;
+    if (std::pair(rows.size(), worth) > std::pair(best_rows.size(), most_worth)) {
+      best_rows = std::move(rows);
       most_worth = worth;
-      best.dialect = dialect;
-      best.columns.resize(columns);
+      best = dialect;
     }
   }
-  return best;
+  return best_rows;
 }
 
-/// What each column of the layout holds in the lines looked at.
-void find_kinds(const std::vector<std::string_view>& sample, CsvLayout& layout) {
-  std::vector<std::array<long, 5>> counts(layout.columns.size());
-  long good = 0;
-  Row row;
-  for (const auto& line : sample) {
-    row.take(line, layout.dialect);
-    if (!row.is_good()) continue;
-    ++good;
-    row.kinds.resize(layout.columns.size(), FieldKind::empty);
-    for (std::size_t c = 0; c < counts.size(); ++c) {
-      ++counts[c][static_cast<std::size_t>(row.kinds[c])];
-    }
+/// What each column holds in the rows looked at.
+std::vector<CsvColumn> columns_of(const std::vector<Row>& rows) {
+  std::vector<CsvColumn> columns;
+  for (const auto& row : rows) columns.resize(std::max(columns.size(), row.fields.size()));
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const auto count = [&](FieldKind kind) {
+      return std::ranges::count_if(rows, [&](const Row& row) { return row.kind(c) == kind; });
+    };
+    const long some = count(FieldKind::number) + count(FieldKind::missing);
+    const long clock = count(FieldKind::clock), text = count(FieldKind::text);
+    const long all = std::ssize(rows);
+    columns[c].filled = static_cast<double>(some) / static_cast<double>(all);
+    columns[c].kind = clock > some && clock >= text                ? ColumnKind::clock
+                      : some > 0 && (2 * some >= all || text == 0) ? ColumnKind::numbers
+                      : text > 0                                   ? ColumnKind::text
+                                                                   : ColumnKind::empty;
   }
-  for (std::size_t c = 0; c < counts.size(); ++c) {
-    const auto of = [&](FieldKind kind) { return counts[c][static_cast<std::size_t>(kind)]; };
-    const long some = of(FieldKind::number) + of(FieldKind::missing);
-    const long clock = of(FieldKind::clock), text = of(FieldKind::text);
-    layout.columns[c].filled = static_cast<double>(some) / static_cast<double>(good);
-    if (clock > some && clock >= text) {
-      layout.columns[c].kind = ColumnKind::clock;
-    } else if (some > 0 && (2 * some >= good || text == 0)) {
-      layout.columns[c].kind = ColumnKind::numbers;
-    } else {
-      layout.columns[c].kind = text > 0 ? ColumnKind::text : ColumnKind::empty;
-    }
-  }
+  return columns;
 }
 
 /// Most decimals printed in the last lines of the table that hold a number, in each column.
 void find_decimals(const std::vector<std::string_view>& sample, const char* body,
                    CsvLayout& layout) {
   std::vector<long> looked_at(layout.columns.size());
-  Row row;
   for (std::size_t k = sample.size(); k-- > 0 && sample[k].data() >= body;) {
-    row.take(sample[k], layout.dialect);
+    const Row row(sample[k], layout.dialect);
     for (std::size_t c = 0; c < std::min(row.fields.size(), looked_at.size()); ++c) {
       int decimals = 0;
       double seconds = 0;
@@ -162,59 +155,52 @@ void find_decimals(const std::vector<std::string_view>& sample, const char* body
 
 /// "12", "-3", "+05"; no decimal point, no exponent.
 bool is_whole(std::string_view text) {
-  if (!text.empty() && (text.front() == '-' || text.front() == '+')) text.remove_prefix(1);
+  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
   return !text.empty() && text.size() < 16 &&
          text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// A table by commas again, where these are decimal signs or may be: one of whole numbers in an
-/// even number of columns, or one without a decimal point and with a title for every second column.
-/// Returns whether the dialect has changed.
-bool decide_commas(const std::vector<std::string_view>& sample,
-                   const std::vector<std::string_view>& header, const std::string& file,
-                   CsvLayout& layout) {
-  std::string_view first;
-  std::size_t columns = 0;
-  bool whole = true, points = false;
-  bool leading_zero = false;  // "05", or "-0" in front: no column of whole numbers is so written
-  Row row;
-  Fields& fields = row.fields;
-  for (const auto line : sample) {
-    row.take(line, layout.dialect);
-    if (!row.is_good()) continue;
+/// Whether the commas of a table by commas are decimal signs: of whole numbers in two columns under
+/// one title, or with a zero behind the comma. Throws where they may be: in two columns of whole
+/// numbers, and where every second column has a title or begins with a zero.
+bool has_decimal_commas(const std::vector<Row>& rows, const std::vector<std::string_view>& header,
+                        const std::string& file, const CsvDialect& dialect) {
+  const auto filled = [](Fields fields) {
     drop_empty_end(fields);
-    if (first.empty()) first = line, columns = fields.size();
-    whole = whole && fields.size() == columns && columns % 2 == 0;
+    return fields;
+  };
+  const std::size_t columns = filled(rows.front().fields).size();
+  bool whole = columns % 2 == 0;
+  bool zero = false;  // "05", or "-0" in front: no column of whole numbers is so written
+  for (const auto& row : rows) {
+    const Fields fields = filled(row.fields);
+    whole = whole && fields.size() == columns;
     for (std::size_t c = 0; c < fields.size(); ++c) {
       const auto text = fields[c].text;
-      points = points || text.find('.') != std::string_view::npos;
+      if (text.find('.') != std::string_view::npos) return false;
       whole = whole && !fields[c].quoted && is_whole(text);
       if (!whole || c % 2 == 0) continue;
       // No decimals have a sign or a blank in front.
       whole = text.front() != '-' && text.front() != '+' && text.data()[-1] == ',';
-      leading_zero |= (text.size() > 1 && text.front() == '0') || fields[c - 1].text == "-0";
+      zero |= (text.size() > 1 && text.front() == '0') || fields[c - 1].text == "-0";
     }
   }
-  std::string_view titles;
-  for (const auto line : header) {
-    if (!trim_blanks(line).empty()) titles = line;
-  }
-  row.take(titles, layout.dialect);
-  drop_empty_end(fields);
-  if (columns == 0 || points || fields.size() == columns) return false;
+  std::string_view line;
+  for (const auto one : header) line = trim_blanks(one).empty() ? line : one;
+  const Row above(line, dialect);
+  const std::size_t titles = filled(above.fields).size();
+  if (titles == columns) return false;
   const bool one = whole && columns == 2;
-  const bool half = 2 * fields.size() == layout.columns.size() && row.numbers == 0;
-  const bool both = !one && (half || (whole && leading_zero));
+  if (one && (zero || (titles == 1 && above.numbers == 0))) return true;
+  const bool both = (2 * titles == columns && above.numbers == 0) || (whole && zero);
   if (!one && !both) return false;
-  layout.dialect = {';', ','};
-  if (one && (leading_zero || (fields.size() == 1 && row.numbers == 0))) return true;
   throw RecordingError(
-      {file, static_cast<long>(header.size()) + 1, 1, "", to_utf8(first.substr(0, 60))},
-      both ? "the comma seems to be both the separator and the decimal sign"
-           : "may be one column with decimal commas or two columns of whole numbers",
-      both ? "write it with semicolons between the columns, or with decimal points"
-           : "say it: --decimal comma or --separator comma (keys decimal, separator of the TOML "
-             "file beside it)");
+      {file, static_cast<long>(header.size()) + 1, 1, "", ""},
+      one ? "may be one column with decimal commas or two columns of whole numbers"
+          : "the comma seems to be both the separator and the decimal sign",
+      one ? "say it: --decimal comma or --separator comma (keys decimal, separator of the TOML "
+            "file beside it)"
+          : "write it with semicolons between the columns, or with decimal points");
 }
 
 // ---- The header: labels, titles, units
@@ -258,26 +244,19 @@ bool is_comment_sign(char c) { return c == '#' || c == '%' || c == '!'; }
 
 /// Titles above a table parted by blanks, which may hold blanks themselves: parted by tabs, by two
 /// blanks or more, by a sign, or by blanks that stand before no unit in brackets, whichever gives
-/// as many titles as there are columns. Signs within brackets part nothing. Empty: none does.
+/// as many titles as there are columns. Empty: none does.
 Fields titles_with_blanks(std::string_view line, std::size_t columns) {
   constexpr std::size_t kLongestTitles = 4096;  // std::regex takes some stack for each character
   line = trim_blanks(line);
   while (!line.empty() && is_comment_sign(line[0])) line = trim_blanks(line.substr(1));
   if (line.size() > kLongestTitles) return {};
-  // What a title is made of in each way: brackets, and what does not part.
-  static const std::array<std::regex, 6> kTitles = [] {
-    const std::string bracket = R"((?:[(\[][^)\]]*[)\]]|)";
-    return std::array{
-        std::regex(bracket + R"([^\t])+)"), std::regex(bracket + R"([^ \t]|[ \t](?![ \t]))+)"),
-        std::regex(bracket + "[^;])+"),     std::regex(bracket + "[^,])+"),
-        std::regex(bracket + "[^|])+"),     std::regex(bracket + R"([^ \t]|[ \t]+(?=[(\[]))+)")};
-  }();
-  for (const auto& title : kTitles) {
+  for (const char* between : {"\t+", "[ \t]{2,}", ";", ",", "\\|", "[ \t]+(?![(\\[ \t])"}) {
     Fields fields;
-    const char *const begin = line.data(), *const end = begin + line.size();
-    for (std::cregex_iterator one(begin, end, title), last; one != last; ++one) {
-      const auto text =
-          trim_blanks({begin + one->position(), static_cast<std::size_t>(one->length())});
+    const std::regex parts(between);
+    std::cregex_token_iterator one(line.data(), line.data() + line.size(), parts, -1), last;
+    for (; one != last; ++one) {
+      const auto length = static_cast<std::size_t>(one->length());
+      const auto text = trim_blanks({length > 0 ? &*one->first : "", length});
       if (!text.empty()) fields.push_back({text, false});
     }
     if (fields.size() == columns) return fields;
@@ -390,9 +369,7 @@ class HeaderReader {
 
   void read(const std::vector<std::string_view>& lines) {
     // From the table upwards: what stands nearest counts.
-    for (std::size_t k = lines.size(); k-- > 0;) {
-      if (lines[k].size() <= kLongestLine) read_line(lines[k]);
-    }
+    for (std::size_t k = lines.size(); k-- > 0;) read_line(lines[k]);
     fill_columns();
   }
 
@@ -406,8 +383,7 @@ class HeaderReader {
   }
 
   void read_line(std::string_view line) {
-    Fields row;
-    split_fields(trim_blanks(line), layout_.dialect, row);
+    Fields row = Row(trim_blanks(line), layout_.dialect).fields;
     if (!row.empty() && !row[0].text.empty() && is_comment_sign(row[0].text[0])) {
       // A comment sign in front of the titles is not part of the first.
       row[0].text = trim_blanks(row[0].text.substr(1));
@@ -417,15 +393,14 @@ class HeaderReader {
     if (row.empty()) return;
     bool unmatched = layout_.dialect.separator == ' ' && columns_ > 1 && row.size() != columns_;
     if (unmatched) {
-      if (auto titles = titles_with_blanks(line, columns_); !titles.empty()) {
-        row = std::move(titles);
-        unmatched = false;
-      }
+      auto titles = titles_with_blanks(line, columns_);
+      unmatched = titles.empty();
+      if (!unmatched) row = std::move(titles);
     }
     // "Unit;V" or "Unit: V" above a table of other columns: of all channels.
-    if (const auto sign = line.find_first_of(";:=,\t"); sign != std::string_view::npos) {
+    if (const auto sign = line.find_first_of(";:=,\t"); sign != line.npos && columns_ != 2) {
       const auto value = trim_quotes(trim_blanks(line.substr(sign + 1)));
-      if (columns_ != 2 && is_listed(kRowLabels[kUnits], normal_label(line.substr(0, sign))) &&
+      if (is_listed(kRowLabels[kUnits], normal_label(line.substr(0, sign))) &&
           is_unit_text(value)) {
         if (common_unit_.empty()) common_unit_ = bare_unit(value);
         return;
@@ -451,8 +426,7 @@ class HeaderReader {
           (titles && words + figures <= 1 && columns_ > 2)) {
         continue;
       }
-      copy(row, 1, use);
-      return;
+      return copy(row, 1, use);
     }
     // A line without a label: titles, or units where every field is one.
     if (2 * words < data_columns || words < figures || words == 0) return;
@@ -478,23 +452,19 @@ class HeaderReader {
     }
     const auto number = [&](RowUse use, std::size_t c, double otherwise) {
       double value = 0;
-      return parse_whole_number(given_[use][c], layout_.dialect.decimal, value) &&
-                     std::isfinite(value)
-                 ? std::abs(value)
-                 : otherwise;
+      const bool is_number = parse_whole_number(given_[use][c], layout_.dialect.decimal, value);
+      return is_number && std::isfinite(value) ? std::abs(value) : otherwise;
     };
     for (std::size_t c = 0; c < columns_; ++c) {
       CsvColumn& column = layout_.columns[c];
       // The range is that of the amplifier's input; the coefficient turns it into the unit.
       column.range = number(kRanges, c, 0) * number(kCoefficients, c, 1);
-      const TitledUnit titled =
-          split_title(given_[given_[kNames][c].empty() ? kNumbers : kNames][c]);
-      column.name = titled.name;
-      column.unit = given_[kUnits][c].empty() ? titled.unit : given_[kUnits][c];
-      const bool may_be_time = c == 0 && columns_ > 1 && titled.name.empty();
-      if (column.unit.empty() && !may_be_time && !is_time_name(titled.name)) {
-        column.unit = common_unit_;
-      }
+      auto [name, unit] = split_title(given_[given_[kNames][c].empty() ? kNumbers : kNames][c]);
+      const bool may_be_time = c == 0 && columns_ > 1 && name.empty();
+      const bool takes_common = !may_be_time && !is_time_name(name);
+      if (!given_[kUnits][c].empty()) unit = given_[kUnits][c];
+      column.unit = unit.empty() && takes_common ? common_unit_ : unit;
+      column.name = std::move(name);
     }
     layout_.has_names = have_[kNames] || have_[kNumbers];
   }
@@ -509,20 +479,16 @@ class HeaderReader {
 /// Whether the line is one of numbers, as the columns hold them.
 bool is_body(const Row& row, const CsvLayout& layout) {
   long numbers = 0, columns = 0;
-  for (std::size_t c = 0; c < std::max(row.fields.size(), layout.columns.size()); ++c) {
-    const FieldKind kind = c < row.fields.size() ? row.kinds[c] : FieldKind::empty;
-    if (c >= layout.columns.size()) {
-      if (kind != FieldKind::empty) return false;
-      continue;
-    }
+  for (std::size_t c = 0; c < layout.columns.size(); ++c) {
+    const FieldKind kind = row.kind(c);
     const ColumnKind expected = layout.columns[c].kind;
-    const bool there = c < row.fields.size();
     if (expected == ColumnKind::numbers) {
       if (kind == FieldKind::text || kind == FieldKind::clock) return false;
       ++columns;
       numbers += kind == FieldKind::number ? 1 : 0;
-    } else if (there && ((expected == ColumnKind::clock && kind != FieldKind::clock) ||
-                         (expected == ColumnKind::empty && c == 0 && kind != FieldKind::empty))) {
+    } else if (c < row.fields.size() &&
+               ((expected == ColumnKind::clock && kind != FieldKind::clock) ||
+                (expected == ColumnKind::empty && c == 0 && kind != FieldKind::empty))) {
       return false;
     }
   }
@@ -539,41 +505,36 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
                           "semicolon, tab or blanks");
   };
   const std::vector<std::string_view> sample = sample_lines(bytes);
-  if (sample.empty()) throw no_table("no lines of text of a usual length");
-  CsvLayout layout = best_dialect(sample, options);
-  if (layout.columns.empty()) throw no_table("no table of numbers in this text");
-  find_kinds(sample, layout);
+  CsvLayout layout;
+  const std::vector<Row> rows = rows_of_best_dialect(sample, options, layout.dialect);
+  if (rows.empty()) throw no_table("no table of numbers in this text");
+  layout.columns = columns_of(rows);
 
   // The table begins at the first of three lines of numbers with no line of words between. Lines of
   // numbers above such a line are part of the header. A line of more words than numbers belongs to
   // a header; one with a wrong field does not.
   std::vector<std::string_view> header;
   std::size_t header_size = 0;
-  int rows = 0;
-  Row row;
-  for (std::string_view rest = bytes; !rest.empty() && rows < 3;) {
+  int count = 0;
+  for (std::string_view rest = bytes; !rest.empty() && count < 3;) {
     const std::size_t at = bytes.size() - rest.size();
     const auto line = take_line(rest);
-    const bool is_long = line.size() >= kLongestLine;
-    if (!is_long) row.take(line, layout.dialect);
-    if (is_long || row.words > row.numbers) {
-      if (rows > 0 && rest.empty()) break;  // a word behind a short table
-      rows = 0;
-    } else if (is_body(row, layout) && rows++ == 0) {
+    const Row row(line, layout.dialect);
+    if (row.words > row.numbers) {
+      if (count > 0 && rest.empty()) break;  // a word behind a short table
+      count = 0;
+    } else if (is_body(row, layout) && count++ == 0) {
       layout.body = at;
       header_size = header.size();
     }
     header.push_back(line);
   }
-  if (rows == 0) throw no_table("no lines of numbers that follow each other");
+  if (count == 0) throw no_table("no lines of numbers that follow each other");
   header.resize(header_size);
   layout.body_line = static_cast<long>(header_size) + 1;
   if (layout.dialect.separator == ',' && layout.dialect.decimal == '.' && options.decimal == 0 &&
-      options.separator == 0 && decide_commas(sample, header, file, layout)) {
-    ReadOptions decided;
-    decided.separator = layout.dialect.separator;
-    decided.decimal = layout.dialect.decimal;
-    return find_csv_layout(bytes, file, decided);
+      options.separator == 0 && has_decimal_commas(rows, header, file, layout.dialect)) {
+    return find_csv_layout(bytes, file, {.decimal = ',', .separator = ';'});
   }
   find_decimals(sample, bytes.data() + layout.body, layout);
   for (const auto& line : header) {

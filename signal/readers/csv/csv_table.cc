@@ -275,7 +275,6 @@ void CsvTable::add(CsvColumn description, std::size_t place, Eigen::VectorXd num
 }
 
 CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
-                          const std::function<void(std::size_t)>& done_with,
                           const ReadOptions& options) {
   CsvTable table;
   table.file = file;
@@ -290,7 +289,7 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
     wanted[c] = column.has_data() ? named || !layout.has_names || column.filled >= 0.5
                                   : named && column.kind == ColumnKind::empty;
   }
-  CsvBody body = parse_csv_body(bytes, layout, wanted, file, done_with);
+  CsvBody body = parse_csv_body(bytes, layout, wanted, file, options.done_with);
   if (body.rows == 0) {
     throw RecordingError({file, layout.body_line, 0, "", ""}, "the table holds no numbers",
                          "check the recording");

@@ -60,10 +60,8 @@ struct CsvTable {
   std::set<std::string> used_;  ///< names
 };
 
-/// `bytes`: text as text_without_mark gives it. `done_with` is told how far the body has been read.
-/// Throws RecordingError.
+/// `bytes`: text as text_without_mark gives it. Throws RecordingError.
 [[nodiscard]] CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
-                                        const std::function<void(std::size_t)>& done_with,
                                         const ReadOptions& options = {});
 
 /// Whether values rise as the times of even samples do, and there are enough of them.

@@ -267,13 +267,13 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
 }
 
 Recording read_csv(std::string_view bytes, const std::filesystem::path& path,
-                   const ReadOptions& options, const std::function<void(std::size_t)>& done_with) {
+                   const ReadOptions& options) {
   const std::string file = path.string();
   std::string converted;
   const std::string_view text = text_without_mark(bytes, converted, file);
-  return recording_of_table(
-      read_csv_columns(text, file, converted.empty() ? done_with : nullptr, options), path, "csv",
-      options);
+  ReadOptions told = options;
+  if (!converted.empty()) told.done_with = nullptr;  // its bytes are not the file's
+  return recording_of_table(read_csv_columns(text, file, told), path, "csv", options);
 }
 
 }  // namespace rigfit::signal

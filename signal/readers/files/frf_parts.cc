@@ -20,11 +20,8 @@ RecordingError refused_frf(const FrfPart& part, std::string problem, std::string
 
 /// Place of the point in the list, added when it is new.
 Index place(std::vector<MeasuredPoint>& points, const MeasuredPoint& point) {
-  const auto same = std::find_if(points.begin(), points.end(), [&](const MeasuredPoint& p) {
-    return p.name == point.name && p.node == point.node && p.direction == point.direction;
-  });
-  const Index at = same - points.begin();
-  if (same == points.end()) points.push_back(point);
+  const Index at = std::ranges::find(points, point) - points.begin();
+  if (at == std::ssize(points)) points.push_back(point);
   return at;
 }
 

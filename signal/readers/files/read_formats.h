@@ -1,9 +1,7 @@
 // The readers of single formats; signal/readers/read_recording.h tells formats apart.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,8 +10,7 @@
 #include "signal/recording/recording.h"
 #include "signal/spectra/frf_set.h"
 
-// `bytes` is the whole file, `path` is used in messages and by libraries that read files;
-// `done_with`, if given, is called now and then with the bytes read so far. All throw
+// `bytes` is the whole file, `path` is used in messages and by libraries that read files. All throw
 // RecordingError.
 namespace rigfit::signal {
 
@@ -22,8 +19,7 @@ namespace rigfit::signal {
 /// and units stand in the header in any of the usual ways ("Time (s),Force [N]", a row of units,
 /// rows with labels in front, "rate_gyro_V"). Everything left out is noted.
 [[nodiscard]] Recording read_csv(std::string_view bytes, const std::filesystem::path& path,
-                                 const ReadOptions& options = {},
-                                 const std::function<void(std::size_t)>& done_with = {});
+                                 const ReadOptions& options = {});
 
 /// LabVIEW measurement files (.lvm, text). Source: National Instruments, "Specification for the
 /// LabVIEW Measurement File (.lvm)". One file header is followed by segments, each with its own
@@ -31,8 +27,7 @@ namespace rigfit::signal {
 /// one per channel. Segments of the same channels are joined; where gaps lie between them the times
 /// are kept.
 [[nodiscard]] Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
-                                 const ReadOptions& options = {},
-                                 const std::function<void(std::size_t)>& done_with = {});
+                                 const ReadOptions& options = {});
 
 /// Sound files (.wav, also RF64 and big-endian RIFX) by libsndfile: 8 to 32 bit integers, 32 and 64
 /// bit floating point, any number of channels, called "channel 1" and so on. Samples are fractions
@@ -54,12 +49,12 @@ namespace rigfit::signal {
 /// variable with a name for time ("t", "time") holds the times, and a scalar named like a rate or
 /// step ("fs", "dt") gives the rate. Where arrays of several lengths could be meant the file is
 /// refused, with their names. `options.variables` names the arrays to take ("data", "run.acc").
-[[nodiscard]] Recording read_mat(const std::filesystem::path& path,
+[[nodiscard]] Recording read_mat(std::string_view bytes, const std::filesystem::path& path,
                                  const ReadOptions& options = {});
 
 /// FRFs of a MATLAB file: complex arrays (lines x points) beside a frequency vector of as many
 /// lines ("freq", "f").
-[[nodiscard]] FrfSet read_mat_frfs(const std::filesystem::path& path,
+[[nodiscard]] FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
                                    const ReadOptions& options = {});
 
 /// A sheet of an Excel workbook (.xlsx, ECMA-376) as a table: by the rules of tables of text
@@ -67,7 +62,7 @@ namespace rigfit::signal {
 /// missing. `options.sheet`: name or number ("#2"); empty: the first that is visible, and a note
 /// names the others. Refused, with the cell: an error (\#DIV/0! ...; \#N/A is a missing value), and
 /// a formula saved without its value.
-[[nodiscard]] Recording read_xlsx(const std::filesystem::path& path,
+[[nodiscard]] Recording read_xlsx(std::string_view bytes, const std::filesystem::path& path,
                                   const ReadOptions& options = {});
 /// The columns of the sheet, whatever they are over.
 struct CsvTable;

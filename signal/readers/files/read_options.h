@@ -1,6 +1,8 @@
 // Options for reading a recording whose file leaves something open.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,9 @@ struct ReadOptions {
   std::string format;      ///< one of `format_names()`; empty: detected from the content
   std::vector<std::string> variables;  ///< arrays to take of a file that names several; empty: all
   std::string sheet;  ///< in a workbook, by name or number ("#2"); empty: the first
+  /// If given, called now and then with the bytes read so far (never for arrays, sounds and
+  /// workbooks, which are read whole). What it throws ends the reading.
+  std::function<void(std::size_t)> done_with{};
 };
 
 }  // namespace rigfit::signal

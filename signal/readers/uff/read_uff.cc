@@ -23,10 +23,10 @@
 namespace rigfit::signal {
 namespace {
 
-constexpr int kTimeAxis = 17;
 using Functions = std::vector<const Uff58*>;
 
 bool is_time_history(const Uff58& f) {
+  constexpr int kTimeAxis = 17;
   return !f.complex &&
          (f.function_type == uff58_function::kTimeResponse ||
           (f.function_type == uff58_function::kGeneral && f.abscissa.data_type == kTimeAxis));
@@ -44,22 +44,20 @@ std::string name_of_response(const Uff58& f) {
   return f.response.node != 0 ? point_text(f.response) : "channel";
 }
 
-/// `exact`, which our own remark gives, where the printed number is it: 1e-5, since six digits of a
-/// field are printed.
-double exact_or(double printed, double exact, double tolerance = 1e-5) {
-  return std::abs(exact - printed) <= tolerance * std::abs(printed) ? exact : printed;
+/// The exact number of our own remark, where the number that a field gives with its six digits is
+/// it.
+double exact(const Uff58& f, const char* key, double printed) {
+  const double noted = f.noted(key, printed);
+  return std::abs(noted - printed) <= 1e-5 * std::abs(printed) ? noted : printed;
 }
 
 /// One over the step, taken for a whole number of hertz where the printed digits allow it.
 double rate_of(const Uff58& f) {
   if (!(f.abscissa_step > 0)) return 0;
-  const double rate = 1 / f.abscissa_step;
-  const double exact = f.noted("rate");
-  const double tolerance = std::max(1e-5, 2 * f.abscissa_step_half_digit / f.abscissa_step);
-  if (exact > 0 && std::abs(exact / rate - 1) < tolerance) return exact;
-  const double whole = std::round(rate);
-  return whole > 0 && std::abs(1 / whole - f.abscissa_step) <= f.abscissa_step_half_digit ? whole
-                                                                                          : rate;
+  const double rate = 1 / f.abscissa_step, whole = std::round(rate);
+  const bool fits =
+      whole > 0 && std::abs(1 / whole - f.abscissa_step) <= f.abscissa_step_half_digit;
+  return exact(f, "rate", fits ? whole : rate);
 }
 
 Channel channel_of(const Uff58& f, std::vector<Note>& notes) {
@@ -85,70 +83,49 @@ std::string kinds_in(const Uff58File& file) {
   return fmt::format("{}", fmt::join(kinds, ", "));
 }
 
-/// Functions as channels with names of their own and of one length.
-void take_channels(const Uff58File& file, const Functions& functions, std::size_t file_size,
-                   Recording& recording) {
+/// Whether two functions are of the same times, or of as many values where they are over another
+/// abscissa.
+bool same_times(const Uff58& a, const Uff58& b) {
+  if (&a == &b) return true;  // also where times are missing, which equal nothing
+  if (a.even != b.even || a.real.size() != b.real.size()) return false;
+  if (a.even) return a.abscissa_start == b.abscissa_start && a.abscissa_step == b.abscissa_step;
+  return (a.x.array() == b.x.array()).all();
+}
+
+/// Functions as channels with names of their own. Those of other times than the first are left out,
+/// with a note.
+void take_channels(const Uff58File& file, const Functions& functions, Recording& recording) {
   recording.format = functions.front()->binary ? "uff58-binary" : "uff58-ascii";
+  Functions taken;
   std::map<std::string, int> times;
-  Eigen::Index longest = 0;
+  std::vector<std::string> left;
   for (const auto* f : functions) {
+    if (!same_times(*functions.front(), *f)) {
+      left.push_back(fmt::format("{} (line {})", name_of_response(*f), f->line));
+      continue;
+    }
+    taken.push_back(f);
     recording.channels.push_back(channel_of(*f, recording.notes));
     ++times[recording.channels.back().name];
-    longest = std::max(longest, f->real.size());
   }
-  if (static_cast<double>(longest) * static_cast<double>(functions.size()) >
-      4.0 * static_cast<double>(file_size) + 4096) {
-    throw file_error(recording.path.string(),
-                     fmt::format("its channels differ too much in length (the longest has {} "
-                                 "samples) to be one recording",
-                                 longest),
-                     "split the file");
+  if (!left.empty()) {
+    add_note(recording.notes, "data_left_out", listed(left),
+             "other start, rate, times or length than the first channel: left out");
   }
   std::set<std::string> used;
-  for (std::size_t k = 0; k < functions.size(); ++k) {
-    Channel& channel = recording.channels[k];
+  for (std::size_t k = 0; k < taken.size(); ++k) {
+    std::string& name = recording.channels[k].name;
     // Several channels of one name are told apart by their node and direction, where these differ.
-    const Uff58Point& point = functions[k]->response;
-    if (times[channel.name] > 1 && point.node != 0) channel.name += " " + point_text(point);
-    channel.name = unused_name(channel.name, used);
-    const Eigen::Index had = channel.samples.size();
-    if (had == longest) continue;
-    channel.samples.conservativeResize(longest);
-    channel.samples.tail(longest - had).setConstant(kNaN);
-    channel.missing_samples += longest - had;
-    add_note(recording.notes, "incomplete", channel.name,
-             "has {} samples of {}; the rest counts as missing", had, longest);
+    const Uff58Point& point = taken[k]->response;
+    if (times[name] > 1 && point.node != 0) name += " " + point_text(point);
+    name = unused_name(name, used);
   }
   for (const auto& remark : file.remarks) add_note(recording.notes, "uff_remark", "", "{}", remark);
+  note_unitless(recording);
   if (file.other_datasets.empty()) return;
   const std::set<int> others(file.other_datasets.begin(), file.other_datasets.end());
   add_note(recording.notes, "left_out", "", "datasets other than 58 are not read: {}",
            fmt::join(others, ", "));
-}
-
-bool same_times(const Uff58& a, const Uff58& b) {
-  if (&a == &b) return true;  // also where times are missing, which equal nothing
-  if (a.even != b.even) return false;
-  if (a.even) return a.abscissa_start == b.abscissa_start && a.abscissa_step == b.abscissa_step;
-  return a.x.size() == b.x.size() && (a.x.array() == b.x.array()).all();
-}
-
-/// Those of the same times as the first; the others are noted.
-Functions of_one_form(const Functions& all, std::vector<Note>& notes) {
-  Functions taken;
-  std::vector<std::string> left;
-  for (const auto* f : all) {
-    if (same_times(*all.front(), *f)) {
-      taken.push_back(f);
-    } else {
-      left.push_back(fmt::format("{} (line {})", name_of_response(*f), f->line));
-    }
-  }
-  if (!left.empty()) {
-    add_note(notes, "left_out", listed(left),
-             "other start, rate or times than the first channel: left out");
-  }
-  return taken;
 }
 
 void take_abscissa(const Uff58& first, Recording& recording) {
@@ -162,8 +139,7 @@ void take_abscissa(const Uff58& first, Recording& recording) {
   }
   if (first.even) {
     recording.sample_rate_hz = rate_of(first) / to_seconds;
-    recording.start_time_s =
-        exact_or(first.abscissa_start, first.noted("start", first.abscissa_start)) * to_seconds;
+    recording.start_time_s = exact(first, "start", first.abscissa_start) * to_seconds;
     return;
   }
   const Eigen::VectorXd time = first.x * to_seconds;
@@ -173,39 +149,23 @@ void take_abscissa(const Uff58& first, Recording& recording) {
   options.printed_resolution_s =
       std::isfinite(latest) ? latest * (first.binary && !first.single_precision ? 1e-15 : 1e-5) : 0;
   const TimeAxis axis = time_axis(time, options);
-  if (axis.missing > 0) {
-    throw RecordingError({recording.path.string(), first.line, 0, "", ""}, "some times are missing",
-                         "export the recording again");
-  }
   take_times(axis, {time, options.printed_resolution_s, "", "", first.abscissa.label, 0},
              recording);
   recording.sample_rate_hz = first.noted("rate", recording.sample_rate_hz);
 }
 
+/// "(m/s^2)/N" fits the ordinate's label of 20 characters; else the force has a line of its own.
 FrfUnit scale_of(const Uff58& f) {
-  // "(m/s^2)/N" fits the label of 20 characters; brackets around the whole do not matter.
-  FrfUnit scale = parse_frf_unit(f.ordinate.unit).value_or(FrfUnit{});
-  const auto numerator = parse_unit(f.ordinate.unit), denominator = parse_unit(f.denominator.unit);
-  if (scale.unit.empty() && numerator) {
-    scale.factor = numerator->factor / (denominator ? denominator->factor : 1);
-    scale.form = form_of(numerator->quantity);
-    scale.unit = denominator                     ? "(" + numerator->si + ")/" + denominator->si
-                 : f.denominator.data_type == 13 ? "(" + numerator->si + ")/N"
-                                                 : numerator->si;
+  const std::string force =
+      f.denominator.unit.empty() && f.denominator.data_type == 13 ? "N" : f.denominator.unit;
+  auto scale = parse_frf_unit(f.ordinate.unit);
+  if (!scale) scale = parse_frf_unit(f.ordinate.unit + "/" + force);
+  if (const auto unit = parse_unit(f.ordinate.unit); !scale && unit) {
+    scale = FrfUnit{unit->factor, form_of(unit->quantity), unit->si};
   }
-  if (scale.form == FrfForm::unknown) scale.form = form_of(uff58_quantity(f.ordinate.data_type));
-  return scale;
-}
-
-Eigen::VectorXd frequencies_of(const Uff58& f) {
-  if (!f.even) return f.x;
-  double start = f.abscissa_start, step = f.abscissa_step;
-  const double exact_start = f.noted("x0", start), exact_step = f.noted("dx", step);
-  if (exact_or(step, exact_step) == exact_step && exact_or(start, exact_start) == exact_start) {
-    start = exact_start, step = exact_step;
-  }
-  const Eigen::Index n = f.real.size();
-  return start + step * Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
+  if (!scale) scale.emplace();
+  if (scale->form == FrfForm::unknown) scale->form = form_of(uff58_quantity(f.ordinate.data_type));
+  return *scale;
 }
 
 /// `full_name`: of our own files.
@@ -220,15 +180,19 @@ MeasuredPoint measured_point(const Uff58Point& point, const std::string& full_na
 /// A function of an FRF set, in SI; its values are those of H, of the coherence or of the std.
 FrfPart part_of(const Uff58& f, const std::string& file) {
   const bool ours = !f.remark.empty();
-  FrfPart part{measured_point(f.response, ours ? f.id[0] : ""),
-               measured_point(f.reference, ours ? f.id[1] : ""),
-               scale_of(f).form,
-               frequencies_of(f),
-               {},
-               {},
-               {},
-               file,
-               f.line};
+  FrfPart part;
+  part.response = measured_point(f.response, ours ? f.id[0] : "");
+  part.input = measured_point(f.reference, ours ? f.id[1] : "");
+  part.form = scale_of(f).form;
+  part.file = file;
+  part.line = f.line;
+  const Eigen::Index n = f.real.size();
+  part.frequency_hz = f.x;
+  if (f.even) {
+    part.frequency_hz = exact(f, "x0", f.abscissa_start) +
+                        exact(f, "dx", f.abscissa_step) *
+                            Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
+  }
   const auto unit = parse_unit(f.abscissa.unit);
   if (unit && unit->si == "rad/s") part.frequency_hz /= 2 * std::numbers::pi;
   if (unit && unit->si == "Hz") part.frequency_hz *= unit->factor;
@@ -239,11 +203,8 @@ FrfPart part_of(const Uff58& f, const std::string& file) {
 void add_to_parts(const Uff58& f, const std::string& file, Eigen::VectorXd FrfPart::*values,
                   std::vector<FrfPart>& parts) {
   const FrfPart own = part_of(f, file);
-  const auto is_same = [](const MeasuredPoint& a, const MeasuredPoint& b) {
-    return a.name == b.name && a.node == b.node && a.direction == b.direction;
-  };
   for (auto& part : parts) {
-    if (!is_same(part.response, own.response) || !is_same(part.input, own.input)) continue;
+    if (part.response != own.response || part.input != own.input) continue;
     if (!same_lines(own.frequency_hz, part.frequency_hz)) {
       throw RecordingError({file, f.line, 0, "", ""}, "has other frequencies than its FRF",
                            "give functions over the same lines");
@@ -255,9 +216,9 @@ void add_to_parts(const Uff58& f, const std::string& file, Eigen::VectorXd FrfPa
 }  // namespace
 
 Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
-                   const ReadOptions& options, const std::function<void(std::size_t)>& done_with) {
+                   const ReadOptions& options) {
   const std::string name = path.string();
-  const Uff58File file = read_uff58(bytes, name, done_with);
+  const Uff58File file = read_uff58(bytes, name, options.done_with);
   Recording recording;
   recording.path = path;
   Functions histories;
@@ -283,40 +244,31 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
              "{} functions that are no time histories are left out (the file holds: {})", others,
              kinds_in(file));
   }
-  const Functions taken = of_one_form(histories, recording.notes);
-  take_channels(file, taken, bytes.size(), recording);
-  take_abscissa(*taken.front(), recording);
+  take_channels(file, histories, recording);
+  take_abscissa(*histories.front(), recording);
   take_stated_rate(options.sample_rate_hz, recording);
   if (!(recording.sample_rate_hz > 0) || !std::isfinite(recording.sample_rate_hz)) {
     recording.sample_rate_hz = 0;
     add_note(recording.notes, "no_sample_rate", "",
              "the file gives no sample rate (step of zero): give it");
   }
-  note_unitless(recording);
   return recording;
 }
 
 Recording read_uff_functions(std::string_view bytes, const std::filesystem::path& path) {
   const Uff58File file = read_uff58(bytes, path.string());
-  if (file.functions.empty()) {
-    throw RecordingError({path.string(), 1, 0, "", ""}, "holds no dataset 58",
-                         "give measured functions");
+  if (file.functions.empty() || std::ranges::any_of(file.functions, is_time_history)) {
+    return read_uff(bytes, path);
   }
   Functions all;
-  bool is_complex = false;
-  for (const auto& f : file.functions) {
-    if (is_time_history(f)) return read_uff(bytes, path);
-    all.push_back(&f);
-    is_complex |= f.complex;
-  }
+  for (const auto& f : file.functions) all.push_back(&f);
   Recording recording;
   recording.path = path;
-  take_channels(file, all, bytes.size(), recording);
+  take_channels(file, all, recording);
   add_note(recording.notes, "not_a_time_history", "", "holds: {}", kinds_in(file));
-  if (is_complex) {
+  if (std::ranges::any_of(all, &Uff58::complex)) {
     add_note(recording.notes, "magnitudes", "", "complex functions are given by magnitude");
   }
-  note_unitless(recording);
   return recording;
 }
 

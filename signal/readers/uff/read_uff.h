@@ -6,9 +6,7 @@
 // identification line, else the label, else node and direction ("5+Z") as its name.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <string_view>
 
 #include "signal/readers/files/read_options.h"
@@ -17,11 +15,9 @@
 
 namespace rigfit::signal {
 
-/// `done_with`, if given, is called with the bytes read so far. Throws RecordingError, also when
-/// the file holds functions but no time history.
+/// Throws RecordingError, also when the file holds functions but no time history.
 [[nodiscard]] Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
-                                 const ReadOptions& options = {},
-                                 const std::function<void(std::size_t)>& done_with = {});
+                                 const ReadOptions& options = {});
 
 /// Throws RecordingError, also when there is no FRF, when FRFs between some points are absent, or
 /// when their frequencies differ.

@@ -4,13 +4,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cctype>
-#include <charconv>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <iterator>
-#include <limits>
 #include <utility>
 
 #include "signal/readers/csv/csv_fields.h"
@@ -65,27 +61,6 @@ class Uff58Reader {
   }
 
  private:
-  /// The next line of the header, whatever it holds.
-  UffLine header_line() {
-    const std::size_t at = text_.next();
-    if (at >= bytes_.size()) {
-      throw text_.error(text_.head().at, 0, "", "the dataset breaks off inside its header",
-                        "copy or export the file again");
-    }
-    const std::size_t end = line_end(bytes_, at);
-    text_.go_to(next_line(bytes_, end));
-    return {bytes_.substr(at, end - at), at};
-  }
-
-  /// A whole number of a record that knows only those from `low` to `high`.
-  int known(const UffLine& line, std::size_t from, std::size_t width, int low, int high,
-            const char* problem, const char* remedy) const {
-    const int value = text_.integer(line, from, width);
-    if (value >= low && value <= high) return value;
-    throw text_.error(line.at, static_cast<long>(from) + 1,
-                      UffText::columns(line.text, from, width), problem, remedy);
-  }
-
   Uff58Point point(const UffLine& line, std::size_t from) const {
     return {text_field(line.text, from, 11), text_.integer(line, from + 11, 10),
             text_.integer(line, from + 21, 4)};
@@ -104,43 +79,34 @@ class Uff58Reader {
     f.line = text_.line_of(head.at);
     f.binary = head.text.size() > 6 && (head.text[6] == 'b' || head.text[6] == 'B');
     int byte_order = 1, text_lines = kHeaderLines;
-    std::int64_t stated_bytes = 0;
     if (f.binary) {
-      byte_order = known(head, 7, 6, 1, 2, "unknown byte order", "use 1 (little) or 2 (big)");
-      known(head, 13, 6, 2, 2, "floats other than IEEE 754 are not read",
-            "export with IEEE floats (2), or as text");
-      text_lines = known(head, 19, 12, kHeaderLines, 1000, "dataset 58 has 11 lines of text",
-                         "export the file again");
-      const auto stated = UffText::columns(head.text, 31, 12);
-      std::from_chars(stated.data(), stated.data() + stated.size(), stated_bytes);
+      byte_order = text_.integer(head, 7, 6, "unknown byte order, 1 is little and 2 big", 1, 2);
+      text_.integer(head, 13, 6, "floats other than IEEE 754 (2) are not read", 2, 2);
+      text_lines =
+          text_.integer(head, 19, 12, "dataset 58 has 11 lines of text", kHeaderLines, 1000);
     }
-    for (auto& id : f.id) id = text_field(header_line().text, 0, 80);
+    for (auto& id : f.id) id = text_field(text_.needed_line().text, 0, 80);
     add_remark(f.id[3], f.remark);
     add_remark(f.id[4], f.remark);
-    const UffLine dof = header_line();
-    const UffLine form = header_line();
-    const std::array<UffLine, 4> axes{header_line(), header_line(), header_line(), header_line()};
-    for (int k = kHeaderLines; k < text_lines && text_.next() < bytes_.size(); ++k) header_line();
+    const UffLine dof = text_.needed_line(), form = text_.needed_line();
     f.function_type = text_.integer(dof, 0, 5);
     f.response = point(dof, 30);
     f.reference = point(dof, 55);
-    const bool is_two = text_.integer(form, 0, 10) == 2;
-    const int data_type = known(form, 0, 10, is_two ? 2 : 4, 6, "unknown kind of numbers",
-                                "dataset 58 knows 2 and 4 (real), 5 and 6 (complex)");
-    const int count = known(form, 10, 10, 1, std::numeric_limits<int>::max(),
-                            "the function holds no values", "record or export it again");
-    f.even = known(form, 20, 10, 0, 1, "unknown spacing of the abscissa",
-                   "use 0 (uneven) or 1 (even)") == 1;
+    const int data_type =
+        text_.integer(form, 0, 10, "unknown kind of numbers, 2 and 4 are real, 5 and 6 complex",
+                      text_.integer(form, 0, 10) == 2 ? 2 : 4, 6);
+    const int count = text_.integer(form, 10, 10, "the function holds no values", 1);
+    f.even = text_.integer(form, 20, 10, "unknown spacing of the abscissa", 0, 1) == 1;
     f.complex = data_type >= 5;
     f.single_precision = data_type == 2 || data_type == 5;
     f.abscissa_start = text_.number(form, 30, 13);
     f.abscissa_step = text_.number(form, 43, 13);
     f.abscissa_step_half_digit =
         0.5 * std::pow(10.0, -printed_decimals(UffText::columns(form.text, 43, 13), '.'));
-    f.abscissa = axis(axes[0]);
-    f.ordinate = axis(axes[1]);
-    f.denominator = axis(axes[2]);
-    static_cast<void>(axis(axes[3]));  // z
+    for (Uff58Axis* one : {&f.abscissa, &f.ordinate, &f.denominator}) {
+      *one = axis(text_.needed_line());
+    }
+    for (int k = kHeaderLines - 1; k < text_lines; ++k) text_.needed_line();  // z, and remarks
 
     // Before any memory is taken: could the file hold that many numbers at all?
     const std::size_t left = bytes_.size() - std::min(text_.next(), bytes_.size());
@@ -154,8 +120,7 @@ class Uff58Reader {
     f.real.resize(count);
     if (f.complex) f.imag.resize(count);
     if (f.binary) {
-      read_binary(f, byte_order == 2,
-                  static_cast<std::size_t>(std::max<std::int64_t>(0, stated_bytes)));
+      read_binary(f, byte_order == 2);
     } else {
       read_text(f);
     }
@@ -167,31 +132,13 @@ class Uff58Reader {
     out_.remarks.push_back(fmt::format("the dataset in line {}{}", f.line, text));
   }
 
-  /// Offset of the first character at or behind `at` that is no blank.
-  [[nodiscard]] std::size_t skip_blanks(std::size_t at) const {
-    while (at < bytes_.size() && std::isspace(static_cast<unsigned char>(bytes_[at]))) ++at;
-    return at;
-  }
-
-  /// Whether the dataset's end mark (or the file's end) follows at `at`, behind blanks.
-  [[nodiscard]] bool ends_at(std::size_t at) const {
-    if (at > bytes_.size()) return false;
-    at = skip_blanks(at);
-    return at == bytes_.size() || (bytes_.substr(at, 2) == "-1" && skip_blanks(at + 2) != at + 2) ||
-           bytes_.substr(at) == "-1";
-  }
-
-  void read_binary(Uff58& f, bool big, std::size_t stated) {
-    const auto n = static_cast<std::size_t>(f.real.size());
+  void read_binary(Uff58& f, bool big) {
     const std::size_t from = text_.next(), width = f.single_precision ? 4 : 8;
-    const std::size_t values = f.complex ? 2 : 1;
-    const std::size_t total = n * width * (values + (f.even ? 0 : 1));
+    const std::size_t values = (f.complex ? 2 : 1) + (f.even ? 0 : 1);
+    const std::size_t total = static_cast<std::size_t>(f.real.size()) * width * values;
     if (from + total > bytes_.size()) {
       throw text_.error(from, 0, "", "the file breaks off inside the binary values of this dataset",
                         "copy or export the file again");
-    }
-    if (stated != 0 && stated != total) {
-      remark(f, fmt::format(" states {} bytes of values and holds {}", stated, total));
     }
     const char* p = bytes_.data() + from;
     const auto take = [&] {
@@ -211,12 +158,13 @@ class Uff58Reader {
       f.real[row] = take();
       if (f.complex) f.imag[row] = take();
     }
-    if (!ends_at(from + total)) {
+    text_.go_to(from + total);
+    while (const auto line = text_.line()) {
+      if (trim_blanks(line->text).empty()) continue;
       throw text_.error(
           from, 0, "", "no end mark (-1) behind the binary values of this dataset",
           "the number of values or their precision is stated wrongly; export it again");
     }
-    text_.go_to(skip_blanks(from + total));
   }
 
   void read_text(Uff58& f) {
@@ -234,7 +182,7 @@ class Uff58Reader {
       f.real[k] = take(k);
       if (f.complex) f.imag[k] = take(k);
     }
-    if (skip_blanks(at) < end) {
+    if (text_.next_number(at, end)) {
       remark(f, fmt::format(" holds more values than the {} it states; the rest is left out",
                             f.real.size()));
     }

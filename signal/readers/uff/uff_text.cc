@@ -15,14 +15,6 @@ namespace {
 
 bool is_mark(std::string_view line) { return trim_blanks(line) == "-1"; }
 
-/// The whole of `text` as a whole number.
-bool parse_integer(std::string_view text, int& value) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  const char* const end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, value);
-  return parsed.ec == std::errc() && parsed.ptr == end;
-}
-
 }  // namespace
 
 std::optional<int> UffText::next_dataset() {
@@ -114,19 +106,19 @@ std::string_view UffText::columns(std::string_view line, std::size_t from, std::
   return from >= line.size() ? std::string_view{} : trim_blanks(line.substr(from, width));
 }
 
-int UffText::integer(const UffLine& line, std::size_t from, std::size_t width) const {
-  const auto text = columns(line.text, from, width);
-  int value = 0;
-  if (text.empty() || parse_integer(text, value)) return value;
-  throw error(line.at, static_cast<long>(from) + 1, text, "not a whole number",
-              "this record has fixed columns; export the file again");
-}
-
 double UffText::number(const UffLine& line, std::size_t from, std::size_t width) const {
   const auto text = columns(line.text, from, width);
   double value = 0;
   if (text.empty() || (parse_whole_number(text, '.', value) && std::isfinite(value))) return value;
   throw error(line.at, static_cast<long>(from) + 1, text, "not a number",
+              "this record has fixed columns; export the file again");
+}
+
+int UffText::integer(const UffLine& line, std::size_t from, std::size_t width, const char* problem,
+                     int low, int high) const {
+  const double value = number(line, from, width);
+  if (value >= low && value <= high && value == std::floor(value)) return static_cast<int>(value);
+  throw error(line.at, static_cast<long>(from) + 1, columns(line.text, from, width), problem,
               "this record has fixed columns; export the file again");
 }
 

@@ -1,6 +1,7 @@
 // The lines of a universal file, dataset by dataset: marks of -1, fixed columns, numbers.
 #pragma once
 
+#include <climits>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -47,11 +48,14 @@ class UffText {
                                      std::string problem, std::string remedy) const;
 
   /// Columns `from` .. `from + width` of a line without blanks, as text and as numbers; 0 where
-  /// they are blank. Numbers throw RecordingError.
+  /// they are blank. Throws RecordingError for what is no number, or no whole one from `low` to
+  /// `high`.
   [[nodiscard]] static std::string_view columns(std::string_view line, std::size_t from,
                                                 std::size_t width);
-  [[nodiscard]] int integer(const UffLine& line, std::size_t from, std::size_t width) const;
   [[nodiscard]] double number(const UffLine& line, std::size_t from, std::size_t width) const;
+  int integer(const UffLine& line, std::size_t from, std::size_t width,
+              const char* problem = "not a whole number", int low = INT_MIN,
+              int high = INT_MAX) const;
 
   /// The number behind blanks at `at`, which moves behind it; nothing at `end`. A word for no value
   /// is NaN. Throws RecordingError for other text.

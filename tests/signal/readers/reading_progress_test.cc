@@ -19,11 +19,11 @@ TEST(ReadingProgress, AUniversalFileIsToldDatasetByDataset) {
   const std::string file = RIGFIT_TESTDATA "/virtual_laboratory/beam/rig/hammer-hit1.uff";
   std::vector<std::size_t> told;
   const Recording read =
-      read_recording(file, {}, [&](std::size_t bytes) { told.push_back(bytes); });
+      read_recording(file, {.done_with = [&](std::size_t bytes) { told.push_back(bytes); }});
   EXPECT_GE(told.size(), read.channels.size());
   expect_rising(told, std::filesystem::file_size(file));
   const auto stop = [](std::size_t) { throw std::runtime_error("stopped"); };
-  EXPECT_THROW(static_cast<void>(read_recording(file, {}, stop)), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(read_recording(file, {.done_with = stop})), std::runtime_error);
 }
 
 }  // namespace

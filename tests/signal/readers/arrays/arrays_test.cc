@@ -160,6 +160,10 @@ class Mat : public ::testing::Test {
     return {std::istreambuf_iterator<char>(file), {}};
   }
 
+  Recording read(const fs::path& path, const ReadOptions& options = {}) const {
+    return read_mat(content(), path, options);
+  }
+
   fs::path path_;
 };
 
@@ -183,7 +187,7 @@ TEST_F(Mat, ArraysOfOneLengthWithARateOrATime) {
     fs::remove(path_);
   }
   write({array("t", ramp(40, 0.001), 40, 1), array("x", ramp(40, 2), 40, 1)});
-  EXPECT_NEAR(read_mat(path_).sample_rate_hz, 1000, 1e-9);
+  EXPECT_NEAR(read(path_).sample_rate_hz, 1000, 1e-9);
 }
 
 TEST_F(Mat, SamplesGetTheTimesOfTheirOwnStructure) {
@@ -196,10 +200,10 @@ TEST_F(Mat, SamplesGetTheTimesOfTheirOwnStructure) {
     return made;
   };
   write({run("first", 0.01), run("second", 0.002)});
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), HasSubstr("--variable second.acc"));
+  EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("--variable second.acc"));
   for (const auto& [name, rate] :
        {std::pair<const char*, double>{"first.acc", 100}, {"second.acc", 500}}) {
-    const auto recording = read_mat(path_, {.variables = {name}});
+    const auto recording = read(path_, {.variables = {name}});
     EXPECT_NEAR(recording.sample_rate_hz, rate, 1e-9);
     EXPECT_EQ(recording.channels[0].name, name);
   }
@@ -208,15 +212,15 @@ TEST_F(Mat, SamplesGetTheTimesOfTheirOwnStructure) {
 TEST_F(Mat, CutShortIsRefusedWithWhatIsMissing) {
   write({array("acc", ramp(400, 0.5), 400, 1), array("fs", {2000}, 1, 1)});
   fs::resize_file(path_, fs::file_size(path_) - 40);
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), HasSubstr("are missing"));
+  EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("are missing"));
 }
 
 TEST_F(Mat, SeveralLengthsAreAskedAbout) {
   write({array("long_one", ramp(100, 1), 100, 1), array("short_one", ramp(50, 1), 50, 1)});
   EXPECT_THAT(
-      refusal_of([&] { return read_mat(path_); }),
+      refusal_of([&] { return read(path_); }),
       AllOf(HasSubstr("\"long_one (100 x 1)\", \"short_one (50 x 1)\""), HasSubstr("--variable")));
-  const auto recording = read_mat(path_, {.variables = {"short_one"}});
+  const auto recording = read(path_, {.variables = {"short_one"}});
   EXPECT_EQ(recording.samples(), 50);
   EXPECT_TRUE(says(recording.notes, "left_out"));
 }
@@ -227,12 +231,12 @@ TEST_F(Mat, FrfsAreComplexArraysOverFrequencies) {
   std::size_t dims[2] = {30, 2};
   write({Mat_VarCreate("H", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, &split, MAT_F_COMPLEX),
          array("freq", ramp(30, 0.5), 30, 1)});
-  const FrfSet set = read_mat_frfs(path_);
+  const FrfSet set = read_mat_frfs(content(), path_);
   ASSERT_EQ(set.H.rows(), 30);
   ASSERT_EQ(set.H.cols(), 2);
   EXPECT_EQ(set.H(2, 1), std::complex<double>(32, -32));
   EXPECT_EQ(set.frequency_hz[2], 1);
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), HasSubstr("freq"));
+  EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("freq"));
 }
 
 TEST_F(Mat, DamagedOnesAreRefusedOrRead) {
@@ -246,7 +250,7 @@ TEST_F(Mat, DamagedOnesAreRefusedOrRead) {
           k < 40 ? whole.substr(0, whole.size() * static_cast<std::size_t>(k) / 40)
                  : mutated(whole, {std::string("\xFF\xFF\xFF\x7F", 4)}, random);
       std::ofstream(path_, std::ios::binary) << bytes;
-      EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read_mat(path_)); })) << k;
+      EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read(path_)); })) << k;
     }
     fs::remove(path_);
   }
@@ -267,12 +271,12 @@ TEST_F(Mat, StructsThatStateMoreThanTheFileHoldsAreRefused) {
   };
   for (const std::uint64_t elements : {2ULL, 1ULL << 30}) {
     std::ofstream(path_, std::ios::binary) << file(elements);
-    EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), HasSubstr("can hold"));
+    EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("can hold"));
   }
   std::ofstream(path_, std::ios::binary) << file(1);
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), HasSubstr("no array"));
+  EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("no array"));
   std::ofstream(path_, std::ios::binary) << std::string(200, '\1');
-  EXPECT_THAT(refusal_of([&] { return read_mat(path_); }), HasSubstr("version 5 to 7.3"));
+  EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("version 5 to 7.3"));
 }
 
 TEST(Damaged, WavAndNumpyFilesAreRefusedOrRead) {
