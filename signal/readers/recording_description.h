@@ -1,25 +1,7 @@
 // Adds to a recording what its file does not say: names, scales and directions of channels, the
 // sample rate. It is a TOML file beside the recording (`name.csv` -> `name.toml`) or a table of a
 // campaign.
-//
-//   sample_rate_hz = 500.0        # where the file gives none, or a wrong one
-//   time_unit = "ms"              # unit of the time column, where the file gives none
-//   decimal = ","                 # decimal sign, where a table can be read in two ways
-//   separator = ";"               # between columns: the sign or "comma", "semicolon", "tab",
-//                                 # "blank"
-//   format = "csv"                # where the content does not tell (read_recording.h)
-//   variables = ["acc", "force"]  # arrays to take of a file that names several (.mat)
-//   sheet = "Run 3"               # of a workbook (.xlsx); without it the first
-//   [[channel]]
-//   source = "CH8"                # the file's name for it, or "#5" for the fifth
-//   name = "hammer"               # new name, used from here on
-//   sensitivity = 2.27            # transducer's sensitivity, in `sensitivity_unit`
-//   sensitivity_unit = "mV/N"     # the file's unit (or a multiple of it) per measured unit
-//   direction = [0.0, -1.0, 0.0]  # direction of positive values, scene axes
-//
-// `unit` is the unit of the result: number * `scale` + `offset`. With a sensitivity, `unit` is the
-// unit of the file's numbers, and is needed only where the file has none. `range` is the full scale
-// in the unit that results.
+// Its keys are those of `rigfit help sidecar` (apps/README.md).
 #pragma once
 
 #include <array>
@@ -54,8 +36,7 @@ struct ChannelDescription {
 struct RecordingDescription {
   ReadOptions reading;
   std::vector<ChannelDescription> channels;
-  bool of_folder =
-      false;  ///< for all recordings of a folder: channels that one of them lacks are ignored
+  bool of_folder = false;  ///< of all its recordings: channels that one of them lacks are ignored
 };
 
 /// The TOML file with the recording's name in its folder, if there is one.

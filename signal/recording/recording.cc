@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <functional>
+#include <iterator>
 
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
@@ -9,29 +11,26 @@
 namespace rigfit::signal {
 
 Eigen::Index Recording::channel_index(const std::string& name) const {
-  Eigen::Index index = -1;
-  const auto look_for = [&](auto&& matches) {
-    const auto at = std::find_if(channels.begin(), channels.end(), matches);
-    if (index < 0 && at != channels.end()) index = at - channels.begin();
+  const auto lower = [](const std::string& text) { return lower_case(text); };
+  const auto at = [&](const std::string& wanted, auto&& as) {
+    return std::ranges::find(channels, as(wanted), [&](const Channel& c) { return as(c.name); });
   };
-  look_for([&](const Channel& c) { return c.name == name; });
-  look_for([&](const Channel& c) { return lower_case(c.name) == lower_case(name); });
+  // As it is written, in any case, and as the title in the file, "Force [N]", names "Force".
+  auto found = at(name, std::identity{});
+  if (found == channels.end()) found = at(name, lower);
+  if (found == channels.end()) found = at(split_title(name).name, lower);
   // "acc" of "run.acc", where there is one.
   const auto ends = [&](const Channel& c) { return c.name.ends_with("." + name); };
-  if (std::count_if(channels.begin(), channels.end(), ends) == 1) look_for(ends);
+  if (found == channels.end() && std::ranges::count_if(channels, ends) == 1) {
+    found = std::ranges::find_if(channels, ends);
+  }
+  if (found != channels.end()) return found - channels.begin();
   long number = 0;
   const char* const end = name.data() + name.size();
-  if (index < 0 && name.starts_with('#') &&
-      std::from_chars(name.data() + 1, end, number).ptr == end && number >= 1 &&
-      number <= static_cast<long>(channels.size())) {
-    index = number - 1;
+  if (name.starts_with('#') && std::from_chars(name.data() + 1, end, number).ptr == end &&
+      number >= 1 && number <= std::ssize(channels)) {
+    return number - 1;
   }
-  // The title as the file writes it, "Force [N]", names the channel "Force" too.
-  const TitledUnit titled = split_title(name);
-  if (!titled.unit.empty() && titled.name != name) {
-    look_for([&](const Channel& c) { return lower_case(c.name) == lower_case(titled.name); });
-  }
-  if (index >= 0) return index;
   const std::string known = listed_names(channels);
   throw RecordingError({path.string(), 0, 0, name, ""}, "no channel of that name",
                        "the recording has " + (known.empty() ? "none" : known) +

@@ -1,8 +1,8 @@
 #include "signal/recording/resample.h"
 
 #include <fmt/format.h>
-#include <gsl/gsl_interp.h>
 #include <gsl/gsl_sf_bessel.h>
+#include <gsl/gsl_spline.h>
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,6 @@ constexpr double kGap = 3;          // steps of the usual size that count as a g
 constexpr double kStopBand = 1e-4;  // 80 dB
 // Pass band's and stop band's edges over the lower rate.
 constexpr double kFlat = 0.4, kClosed = 0.5;
-constexpr double kMostSamples = 1e9;
 
 RecordingError refusal(const Recording& recording, std::string channel, std::string problem,
                        std::string remedy) {
@@ -34,25 +33,31 @@ RecordingError refusal(const Recording& recording, std::string channel, std::str
           std::move(remedy)};
 }
 
+void check_size(const Recording& recording, double duration_s, double rate_hz) {
+  constexpr double kMostSamples = 1e9;
+  if (const double samples = duration_s * rate_hz; samples > kMostSamples) {
+    throw refusal(recording, "", fmt::format("would have {:.3g} samples at that rate", samples),
+                  "ask for a lower rate");
+  }
+}
+
+/// A cubic spline of natural ends.
 class Spline {
  public:
   Spline(const Eigen::VectorXd& x, const Eigen::VectorXd& y)
-      : x_(x),
-        y_(y),
-        spline_(gsl_interp_alloc(gsl_interp_cspline, static_cast<std::size_t>(x.size())),
-                &gsl_interp_free),
-        place_(gsl_interp_accel_alloc(), &gsl_interp_accel_free) {
-    gsl_interp_init(spline_.get(), x_.data(), y_.data(), static_cast<std::size_t>(x.size()));
+      : spline_(gsl_spline_alloc(gsl_interp_cspline, static_cast<std::size_t>(x.size())),
+                &gsl_spline_free),
+        first_(x[0]),
+        last_(x[x.size() - 1]) {
+    gsl_spline_init(spline_.get(), x.data(), y.data(), static_cast<std::size_t>(x.size()));
   }
   double at(double t) const {
-    return gsl_interp_eval(spline_.get(), x_.data(), y_.data(),
-                           std::clamp(t, x_[0], x_[x_.size() - 1]), place_.get());
+    return gsl_spline_eval(spline_.get(), std::clamp(t, first_, last_), nullptr);
   }
 
  private:
-  const Eigen::VectorXd &x_, &y_;
-  std::unique_ptr<gsl_interp, void (*)(gsl_interp*)> spline_;
-  std::unique_ptr<gsl_interp_accel, void (*)(gsl_interp_accel*)> place_;
+  std::unique_ptr<gsl_spline, void (*)(gsl_spline*)> spline_;
+  double first_, last_;
 };
 
 /// rms of the odd samples against the spline through the even ones, and the other way round.
@@ -85,10 +90,7 @@ Recording made_even(const Recording& recording, double rate_hz, double usual,
                   "take out samples whose time goes back or repeats");
   }
   const double span = t[n - 1] - t[0];
-  if (span * rate_hz > kMostSamples) {
-    throw refusal(recording, "", fmt::format("{:.3g} samples at that rate", span * rate_hz),
-                  "ask for a lower rate");
-  }
+  check_size(recording, span, rate_hz);
   Recording even = recording;
   even.time_s.resize(0);
   even.sample_rate_hz = rate_hz;
@@ -225,10 +227,7 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
   } else {
     result.error_rms.assign(recording.channels.size(), 0);
     if (rate_hz == 0 || rate_hz == recording.sample_rate_hz) return result;
-    if (recording.duration_s() * rate_hz > kMostSamples) {
-      throw refusal(recording, "", "would have too many samples at that rate",
-                    "ask for a lower rate");
-    }
+    check_size(recording, recording.duration_s(), rate_hz);
   }
   if (rate_hz != result.recording.sample_rate_hz) {
     if (static_cast<double>(result.recording.samples() - 1) * rate_hz <

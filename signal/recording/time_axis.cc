@@ -86,12 +86,8 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
     if (std::abs(axis.rate_hz / stated - 1) <= tolerance) axis.rate_hz = stated;
   }
   if (axis.rate_hz != options.stated_rate_hz) axis.rate_hz = round_rate(axis.rate_hz, tolerance);
-  if (axis.uniform) {
-    const double line_start = t_mean - step * k_mean;
-    if (!std::isfinite(axis.start_s)) axis.start_s = line_start;
-  }
-  const double h = axis.uniform ? 1 / axis.rate_hz : step;
-  const Eigen::ArrayXd departure = t - t_mean - h * place;
+  if (axis.uniform && !std::isfinite(axis.start_s)) axis.start_s = t_mean - step * k_mean;
+  const Eigen::ArrayXd departure = t - t_mean - (axis.uniform ? 1 / axis.rate_hz : step) * place;
   axis.jitter_s = std::sqrt((departure - departure.mean()).square().mean());
   // Times near the largest double: sums over them are no numbers, nor is a rate from them.
   if (!std::isfinite(axis.jitter_s) || !std::isfinite(axis.start_s) ||
@@ -109,26 +105,17 @@ double clock_tick(const Eigen::Ref<const Eigen::VectorXd>& time_s, double printe
   // Differences of printed times are off by one digit, and by rounding of the doubles themselves.
   const double slack = 1.01 * printed_resolution_s + 4e-16 * time_s.cwiseAbs().maxCoeff();
   const Eigen::ArrayXd steps = time_s.tail(n - 1) - time_s.head(n - 1);
-  if (steps.minCoeff() < -slack) return 0;
-  const double tick =
-      (steps > slack).select(steps, std::numeric_limits<double>::infinity()).minCoeff();
-  if (!std::isfinite(tick) || tick < 4 * slack) return 0;
-  // The smallest step may be two ticks of 1, 2 or 2, 3 ...: its usual divisors are tried.
-  for (const int divisor : {1, 2, 3, 4, 5}) {
-    const double unit = tick / divisor;
-    if (unit < 4 * slack) return 0;
-    const Eigen::ArrayXd multiples = (steps / unit).round();
-    const double low = multiples.minCoeff();
-    const Eigen::Index at_low = (multiples == low).count();
-    const bool whole = (multiples < 1e6).all() &&
-                       ((steps - multiples * unit).abs() <= slack * (1 + multiples)).all();
-    if (!whole || multiples.maxCoeff() != low + 1 || std::min(at_low, n - 1 - at_low) < 4) continue;
-    // Even samples seen through the clock stay within one tick of a line; lost samples do not.
-    TimeAxisOptions options;
-    options.printed_resolution_s = 0.74 * unit;
-    if (time_axis(time_s, options).uniform) return unit;
+  const double least = steps.minCoeff(), tick = steps.maxCoeff() - least;
+  if (least < -slack || tick < 4 * slack || !std::isfinite(tick)) return 0;
+  const Eigen::ArrayXd more = (steps - least) / tick;  // 0 or 1
+  const auto ones = (more > 0.5).count();
+  const double whole = std::round(least / tick);
+  if (((more - more.round()).abs() * tick > 2 * slack).any() || std::min(ones, n - 1 - ones) < 4 ||
+      std::abs(least - whole * tick) > slack * (1 + 2 * whole)) {
+    return 0;
   }
-  return 0;
+  // Even samples seen through the clock stay within one tick of a line; lost samples do not.
+  return time_axis(time_s, {.printed_resolution_s = 0.74 * tick}).uniform ? tick : 0;
 }
 
 RateOfStep rate_of_step(double step_s, double half_digit) {

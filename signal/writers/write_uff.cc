@@ -32,7 +32,7 @@ std::string numbers(std::initializer_list<double> values) {
 
 /// Text of exactly `width` bytes, NONE for nothing: UTF-8 cut between characters or, in fixed
 /// columns, which other programs count by characters, a '?' for each that is not ASCII.
-std::string field(std::string_view text, std::size_t width, bool ascii = true) {
+std::string padded(std::string_view text, std::size_t width, bool ascii = true) {
   std::string out;
   for (std::size_t k = 0, next = 0; k < text.size(); k = next) {
     while (++next < text.size() && (static_cast<unsigned char>(text[next]) & 0xC0) == 0x80) {
@@ -49,11 +49,11 @@ std::string field(std::string_view text, std::size_t width, bool ascii = true) {
   return out;
 }
 
-std::string id_line(std::string_view text) { return field(text, 80, false) + '\n'; }
+std::string id_line(std::string_view text) { return padded(text, 80, false) + '\n'; }
 
 std::string axis_line(const Uff58Axis& axis) {
-  return fmt::format("{:10d}    0    0    0 {} {}\n", axis.data_type, field(axis.label, 20),
-                     field(axis.unit, 20));
+  return fmt::format("{:10d}    0    0    0 {} {}\n", axis.data_type, padded(axis.label, 20),
+                     padded(axis.unit, 20));
 }
 
 /// 13 columns: six digits, or five behind a minus sign, where the seventh has no room.
@@ -82,7 +82,7 @@ void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
   for (const auto& line : f.id) out += id_line(line);
   out += fmt::format("{:5d}{:10d}{:5d}{:10d}", f.function_type, 0, 0, 0);
   for (const auto& at : {f.response, f.reference}) {
-    out += fmt::format(" {}{:10d}{:4d}", field(at.entity, 10), at.node, at.direction);
+    out += fmt::format(" {}{:10d}{:4d}", padded(at.entity, 10), at.node, at.direction);
   }
   out += '\n';
   out += fmt::format("{:10d}{:10d}{:10d}{}{}{}\n",

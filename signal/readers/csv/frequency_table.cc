@@ -7,8 +7,8 @@
 #include <cctype>
 #include <cmath>
 #include <complex>
-#include <initializer_list>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "signal/readers/files/frf_parts.h"
@@ -36,37 +36,28 @@ bool is_hertz(const std::string& unit) { return is_listed("|hz|khz|hertz|", lowe
 
 bool is_frequency_name(const std::string& name) {
   const std::string word = lower_case(name);
-  static constexpr std::array<std::string_view, 11> kBeginnings = {
-      "frequency", "freq",   "frequenz", "frekvens", "fréquence", "frecuencia",
-      "frequenza", "f [hz]", "f (hz)",   "f_hz",     "hz"};
-  return std::any_of(kBeginnings.begin(), kBeginnings.end(), [&](std::string_view beginning) {
-    return word.starts_with(beginning) && word.find("response") == std::string::npos;
-  });
+  if (word.find("response") != std::string::npos) return false;
+  return std::ranges::any_of(
+      std::to_array<std::string_view>({"freq", "frek", "fréq", "frec", "f_hz", "hz"}),
+      [&](std::string_view beginning) { return word.starts_with(beginning); });
 }
 
-using Words = std::initializer_list<std::string_view>;
+constexpr std::string_view kSpectrumWords[] = {
+    "fft",        "spectrum",    "spectra",          "spektrum",
+    "psd",        "asd",         "autopower",        "autospectrum",
+    "frf",        "cpsd",        "coherence",        "crosspower",
+    "octave",     "periodogram", "accelerance",      "inertance",
+    "receptance", "mobility",    "transfer function"};
 
-// Holds for titles of channels over time, too: coherence and the like are none.
-const Words kNoTime = {"fft", "spectrum",  "spektrum",     "psd",
-                       "asd", "autopower", "autospectrum", "periodogram"};
-const Words kSpectrumOnly = {
-    "spectra",     "frf",       "cpsd",       "coherence", "crosspower",       "octave",
-    "accelerance", "inertance", "receptance", "mobility",  "transfer function"};
-
-/// The first of `words` in the text (lower case); empty: none.
-std::string_view word_in(const std::string& text, Words words) {
-  const auto* const found = std::find_if(
-      words.begin(), words.end(), [&](std::string_view word) { return has_word(text, word); });
+/// The first of the words in the text (lower case); empty: none.
+std::string_view word_in(const std::string& text, std::span<const std::string_view> words) {
+  const auto found =
+      std::ranges::find_if(words, [&](std::string_view word) { return has_word(text, word); });
   return found == words.end() ? std::string_view{} : *found;
 }
 
-std::string_view spectrum_word_in(const std::string& text) {
-  const auto word = word_in(text, kNoTime);
-  return word.empty() ? word_in(text, kSpectrumOnly) : word;
-}
-
 bool speaks_of_spectra(const std::string& text) {
-  return !spectrum_word_in(text).empty() || has_word(text, "db");
+  return !word_in(text, kSpectrumWords).empty() || has_word(text, "db");
 }
 
 /// Finite, rising and not negative.
@@ -130,29 +121,30 @@ PartOfFrf part_of(const std::string& title) {
 /// The columns of one FRF in a table.
 struct Columns {
   std::string base;
-  const Channel *first = nullptr, *second = nullptr, *coherence = nullptr;
   bool polar = false;
+  const Channel *first = nullptr, *second = nullptr, *coherence = nullptr;
 };
 
 std::vector<Columns> pairs_of(const FrequencyTable& table) {
   std::vector<Columns> found;
-  const auto pair_of = [&](const std::string& base, bool polar) -> Columns& {
-    // A pair with this name that lacks its second part, or a new one.
-    const auto one = std::find_if(found.begin(), found.end(), [&](const Columns& c) {
-      return c.base == base && c.polar == polar && c.second == nullptr;
+  const auto take = [&](const Channel* Columns::*place, const Channel& function,
+                        const PartOfFrf& of, bool polar) {
+    // A pair of this name that lacks its second part, or a new one.
+    const auto one = std::ranges::find_if(found, [&](const Columns& c) {
+      return c.base == of.base && c.polar == polar && c.second == nullptr;
     });
-    if (one != found.end()) return *one;
-    return found.emplace_back(Columns{base, nullptr, nullptr, nullptr, polar});
+    auto& pair = one != found.end() ? *one : found.emplace_back(Columns{of.base, polar});
+    pair.*place = &function;
   };
   for (const auto& function : table.functions) {
     const PartOfFrf part = part_of(function.name);
     const bool polar = part.part == Part::magnitude || part.part == Part::phase;
     if (part.part == Part::real || part.part == Part::magnitude) {
-      pair_of(part.base, polar).first = &function;
+      take(&Columns::first, function, part, polar);
     } else if (part.part == Part::imaginary || part.part == Part::phase) {
-      pair_of(part.base, polar).second = &function;
+      take(&Columns::second, function, part, polar);
     } else if (part.part == Part::coherence) {
-      const auto one = std::find_if(found.begin(), found.end(), [&](const Columns& c) {
+      const auto one = std::ranges::find_if(found, [&](const Columns& c) {
         return c.coherence == nullptr && (c.base == part.base || found.size() == 1);
       });
       if (one != found.end()) one->coherence = &function;
@@ -174,23 +166,19 @@ double phase_factor(const Channel& phase, FrfSet& set, const std::string& where)
 
 Eigen::VectorXcd values_of(const Columns& columns, FrfSet& set, const std::string& where) {
   const Channel& first = *columns.first;
-  Eigen::VectorXcd values(first.samples.size());
-  if (!columns.polar) {
-    values.real() = first.samples;
-    values.imag() = columns.second->samples;
-    return values;
-  }
-  const bool decibels = has_word(lower_case(first.source_unit + " " + first.name), "db");
-  const double radians = phase_factor(*columns.second, set, where);
-  for (Eigen::Index k = 0; k < values.size(); ++k) {
-    const double magnitude = decibels ? std::pow(10.0, first.samples[k] / 20) : first.samples[k];
-    values[k] = std::polar(1.0, radians * columns.second->samples[k]) * magnitude;
-  }
-  if (decibels) {
+  const auto parts = [](const auto& real, const auto& imaginary) -> Eigen::VectorXcd {
+    return real.template cast<std::complex<double>>() + imaginary * std::complex<double>(0, 1);
+  };
+  if (!columns.polar) return parts(first.samples, columns.second->samples);
+  const Eigen::ArrayXd phase =
+      phase_factor(*columns.second, set, where) * columns.second->samples.array();
+  Eigen::ArrayXd magnitude = first.samples;
+  if (has_word(lower_case(first.source_unit + " " + first.name), "db")) {
+    magnitude = Eigen::pow(10.0, magnitude / 20);
     add_note(set.notes, "assumed", where,
              "magnitudes in dB are taken over 1 of the FRF's unit: 10^(dB/20)");
   }
-  return values;
+  return parts(magnitude * phase.cos(), magnitude * phase.sin());
 }
 
 /// Form and unit by the first FRF's columns; their numbers are in SI already where the unit is
@@ -230,21 +218,16 @@ std::optional<std::size_t> frequency_column(const CsvTable& table) {
 }
 
 std::string spectrum_without_frequencies(const CsvTable& table) {
-  const bool has_rate = table.layout.stated_rate_hz > 0;
-  bool has_time = false;
-  for (std::size_t k = 0; k < table.channels.size(); ++k) has_time |= table.is_time(k);
-  for (std::size_t k = 0; k < table.channels.size(); ++k) {
-    const CsvColumn& column = table.columns[k];
+  bool is_dated = table.layout.stated_rate_hz > 0;
+  for (std::size_t k = 0; k < table.channels.size(); ++k) is_dated |= table.is_time(k);
+  for (const CsvColumn& column : table.columns) {
     const std::string title = lower_case(column.name + " " + column.unit);
-    std::string_view word = has_time ? word_in(title, kNoTime) : spectrum_word_in(title);
-    if (word.empty() && !has_rate && !has_time) {
-      word = word_in(title, {"db", "rms", "magnitude"});
-      const bool negative = (table.channels[k].samples.array() < 0).any();  // NaN is not
-      if (negative && word != "db") word = {};
-    }
+    std::string_view word = word_in(title, kSpectrumWords);
+    constexpr std::string_view kLevels[] = {"db", "rms", "magnitude"};
+    if (word.empty() && !is_dated) word = word_in(title, kLevels);
     if (!word.empty()) return column.name.empty() ? std::string(word) : column.name;
   }
-  return has_rate || has_time ? std::string() : std::string(spectrum_word_in(table.layout.heading));
+  return is_dated ? std::string() : std::string(word_in(table.layout.heading, kSpectrumWords));
 }
 
 std::optional<FrequencyTable> frequency_table_of(CsvTable csv, const std::filesystem::path& path) {

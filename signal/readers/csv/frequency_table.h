@@ -33,10 +33,9 @@ struct FrequencyTable {
 /// The column that holds the frequencies; empty: the table is none over frequency.
 [[nodiscard]] std::optional<std::size_t> frequency_column(const CsvTable& table);
 
-/// The words by which a table shows that it is a spectrum whose frequencies are missing: there is
-/// neither a time column nor one of frequencies, and a title, or where no sample rate is stated the
-/// header, speaks of a spectrum; without a rate also "dB", "RMS" or "magnitude" as the title of
-/// numbers that are not negative (dB: of either sign). Empty: none.
+/// The title by which a table without frequencies shows that it is a spectrum; where neither times
+/// nor a rate are stated, also by "dB", "RMS" or "magnitude", or by words of the header. Empty:
+/// none.
 [[nodiscard]] std::string spectrum_without_frequencies(const CsvTable& table);
 
 /// The functions of a table that is over frequency. Empty when it is none. Throws RecordingError.

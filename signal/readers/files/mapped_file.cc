@@ -22,18 +22,14 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
     fail(std::string("cannot be opened: ") + std::strerror(errno), "check the path and its rights");
   }
   struct stat status {};
-  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
-    ::close(file);
-    fail("is not a file", "give the file of one recording");
-  }
-  size_ = static_cast<std::size_t>(status.st_size);
-  if (size_ == 0) {
-    ::close(file);
-    fail("is empty", "record again or copy the file again");
-  }
-  void* mapped = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
+  const bool is_file = ::fstat(file, &status) == 0 && S_ISREG(status.st_mode);
+  size_ = is_file ? static_cast<std::size_t>(status.st_size) : 0;
+  void* const mapped =
+      size_ == 0 ? MAP_FAILED : ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
   const int reason = errno;
   ::close(file);
+  if (!is_file) fail("is not a file", "give the file of one recording");
+  if (size_ == 0) fail("is empty", "record again or copy the file again");
   if (mapped == MAP_FAILED) {
     fail(std::string("cannot be read: ") + std::strerror(reason), "copy it to a local disk");
   }
