@@ -22,7 +22,7 @@
 #include "model/scene/sensor_quantity.h"
 #include "signal/decay/decay.h"
 #include "signal/modal/modal_identification.h"
-#include "signal/readers/uff/read_uff.h"
+#include "signal/readers/read_recording.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::apps {
@@ -149,7 +149,7 @@ class StateReader {
   void read_frf(const std::string& path, std::size_t file, std::optional<double> tension) {
     const model::Scene scene = scene_for(file);
     context_.input(path);
-    signal::FrfSet set = signal::read_uff_frfs(path);
+    signal::FrfSet set = signal::read_frfs({path});
     if (scene.loads.empty() || scene.sensors.empty()) {
       throw UsageError(scene_of(file) + " has no load or no sensor for the FRFs of " + path);
     }

@@ -34,6 +34,14 @@ class InputError : public std::runtime_error {
   std::string remedy_;
 };
 
+/// "file:line:column: ", of what is known.
+[[nodiscard]] inline std::string place_text(const std::string& file, long line, long column) {
+  std::string text = file;
+  if (line > 0) text += ":" + std::to_string(line);
+  if (column > 0) text += ":" + std::to_string(column);
+  return text.empty() ? text : text + ": ";
+}
+
 /// Where in a TOML document.
 struct DocumentPlace {
   std::string file;
@@ -41,12 +49,11 @@ struct DocumentPlace {
   long column = 0;  ///< 1-based; 0: none
   std::string key;  ///< such as "member[0].EI", empty: none
 
-  [[nodiscard]] std::string before() const;
+  [[nodiscard]] std::string before() const {
+    return place_text(file, line, column) + (key.empty() ? "" : key + ": ");
+  }
   [[nodiscard]] std::string behind() const { return ""; }
 };
 using DocumentError = InputError<DocumentPlace>;
-
-/// "file:line:column: ", of what is known.
-[[nodiscard]] std::string place_text(const std::string& file, long line, long column);
 
 }  // namespace rigfit::document

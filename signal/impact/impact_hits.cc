@@ -33,14 +33,11 @@ std::vector<double> finite_values(const Eigen::Ref<const Eigen::VectorXd>& x) {
 
 /// What is known about a channel as a whole.
 struct ChannelFacts {
-  double rest = 0;
-  ClipLevels levels;
-  explicit ChannelFacts(const Channel& channel) : levels(clip_levels(channel.samples)) {
-    rest = median(finite_values(channel.samples));
-  }
-  [[nodiscard]] bool clipped(const Channel& channel, Index first, Index last) const {
-    return is_clipped(channel.samples, levels, rest, first, last, channel.nominal_range);
-  }
+  double rest;
+  ClippedSamples clipped;
+  explicit ChannelFacts(const Channel& channel)
+      : rest(median(finite_values(channel.samples))),
+        clipped(clipped_samples(channel.samples, channel.nominal_range)) {}
 };
 
 /// One recording's force as the search sees it: offset removed, missing samples zero.
@@ -192,7 +189,7 @@ void refuse_all_where_the_largest_rings(HitSearch& search) {
 void judge_pulse(const Recording& recording, const Channel& force, const ChannelFacts& facts,
                  const HitOptions& options, Hit& hit) {
   const double rate = recording.sample_rate_hz;
-  if (facts.clipped(force, hit.pulse_first, hit.pulse_last)) {
+  if (facts.clipped.any(hit.pulse_first, hit.pulse_last)) {
     hit.reject(HitFault::overload,
                fmt::format("overload: \"{}\" is clipped at {:.5g}; hit softer or raise the range",
                            force.name, force.samples[hit.peak_sample]));
@@ -272,7 +269,7 @@ void judge_block(const Recording& recording, Index force, std::span<const Index>
   for (std::size_t r = 0; r < responses.size(); ++r) {
     missing(responses[r]);
     const Channel& response = recording.channels[static_cast<std::size_t>(responses[r])];
-    if (facts[r].clipped(response, hit.block_first, hit.block_first + length - 1)) {
+    if (facts[r].clipped.any(hit.block_first, hit.block_first + length - 1)) {
       hit.reject(
           HitFault::overload,
           fmt::format("overload: \"{}\" is clipped; hit softer or raise the range", response.name));

@@ -1,13 +1,19 @@
-// Reads any supported recording; its format is detected from the content, whatever its name.
+// Reads any supported recording, or FRFs that an analyser exported; the format is detected from the
+// content, whatever its name.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string_view>
+#include <vector>
 
 #include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
+#include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
+
+struct FrequencyTable;  // csv/frequency_table.h
 
 /// Formats that are told apart by their content.
 enum class RecordingFormat { csv, lvm, uff, wav, npy, mat, xlsx };
@@ -23,5 +29,16 @@ enum class RecordingFormat { csv, lvm, uff, wav, npy, mat, xlsx };
 /// are refused by name, with advice on how to convert them.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& path,
                                        const ReadOptions& options = {});
+
+/// FRFs from a universal or MATLAB file, or from tables over the same lines, of text or of a
+/// workbook (one file per response, or one for all). Throws RecordingError.
+[[nodiscard]] FrfSet read_frfs(const std::vector<std::filesystem::path>& files,
+                               const ReadOptions& options = {});
+
+/// Functions over frequency, FRFs or spectra. `bytes` are those of the file at `path`. Empty when
+/// it is no table, or none over frequency. Throws RecordingError.
+[[nodiscard]] std::optional<FrequencyTable> frequency_table_in(std::string_view bytes,
+                                                               const std::filesystem::path& path,
+                                                               const ReadOptions& options = {});
 
 }  // namespace rigfit::signal

@@ -5,12 +5,12 @@
 #include <minizip/unzip.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
 #include <pugixml.hpp>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -100,22 +100,13 @@ std::string string_of(const pugi::xml_node& item) {
 }
 
 /// Whether a format's code, such as "dd.mm.yyyy hh:mm" or "[h]:mm:ss", shows a date or a time.
-bool shows_clock(std::string_view code) {
-  for (std::size_t k = 0; k < code.size() && code[k] != ';'; ++k) {
-    const char c = static_cast<char>(std::tolower(static_cast<unsigned char>(code[k])));
-    if (c == '"' || c == '[') {
-      // "[h]": hours passed; other brackets are colours, conditions and languages.
-      const std::size_t end = std::min(code.find(c == '[' ? ']' : '"', k + 1), code.size());
-      const auto inside = code.substr(k + 1, end - k - 1);
-      if (c == '[' && inside.find_first_not_of("hHmMsS") == std::string_view::npos) return true;
-      k = end;
-    } else if (c == '\\' || c == '_' || c == '*') {
-      ++k;  // the next character is shown, or its width kept free
-    } else if (std::string_view("ydhms").find(c) != std::string_view::npos) {
-      return true;
-    }
-  }
-  return false;
+bool shows_clock(const std::string& code) {
+  constexpr std::size_t kLongest = 255;  // Excel's
+  // Words, a character shown or kept free, colours, conditions and languages, further sections.
+  static const std::regex kNoClock(R"("[^"]*"|\\.|[_*].|\[(?![hms]+\])[^\]]*\]|;.*)");
+  const std::string shown =
+      std::regex_replace(lower_case(std::string_view(code).substr(0, kLongest)), kNoClock, "");
+  return shown.find_first_of("ydhms") != std::string::npos;
 }
 
 /// "2026-11-24 09:30:00.00000"; of hours passed "36:00:00.000000000": digits as far as days in
@@ -137,18 +128,13 @@ std::string clock_text(double days, bool from_1904) {
 }
 
 /// Text as a field: in quotes where it would end there or be taken as a remark.
-std::string words(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
-  text = std::string(trim_blanks(text));
-  if (text.find_first_of(";\"") == std::string::npos && !text.starts_with('#') &&
-      !text.starts_with('%')) {
-    return text;
+std::string words(const std::string& text) {
+  const std::string plain(trim_blanks(to_utf8(text)));
+  if (plain.find_first_of(";\"") == std::string::npos && !plain.starts_with('#') &&
+      !plain.starts_with('%')) {
+    return plain;
   }
-  for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) {
-    text.insert(at, 1, '"');
-  }
-  return "\"" + text + "\"";
+  return "\"" + std::regex_replace(plain, std::regex("\""), "\"\"") + "\"";
 }
 
 struct Sheet {
@@ -157,35 +143,29 @@ struct Sheet {
   bool hidden = false;
 };
 
-std::string names_of(const std::vector<Sheet>& sheets, const Sheet* besides) {
-  std::vector<std::string> names;
-  for (const auto& sheet : sheets) {
-    if (&sheet != besides) names.push_back(sheet.name);
-  }
-  return listed(names);
-}
-
 /// The sheet called `wanted`, or its number ("#2"); empty: the first one that is not hidden, with a
 /// note of the others.
 const Sheet& chosen(const std::vector<Sheet>& sheets, const std::string& wanted,
                     const std::string& file, std::vector<Note>& notes) {
+  std::vector<std::string> names;
+  for (const auto& sheet : sheets) names.push_back(sheet.name);
   for (std::size_t k = 0; k < sheets.size(); ++k) {
     const Sheet& sheet = sheets[k];
     const bool meant = wanted.empty() ? !sheet.hidden
                                       : sheet.name == wanted || wanted == fmt::format("#{}", k + 1);
     if (sheet.part.empty() || !meant) continue;
     if (wanted.empty() && sheets.size() > 1) {
-      add_note(notes, "assumed", "",
-               "Give --sheet NAME (key sheet) if \"{}\" is not the sheet to read: the workbook "
-               "also has {}",
-               sheet.name, names_of(sheets, &sheet));
+      add_note(
+          notes, "assumed", "",
+          "Give --sheet NAME (key sheet) if \"{}\" is not the sheet to read: the workbook has {}",
+          sheet.name, listed(names));
     }
     return sheet;
   }
   throw file_error(file,
                    wanted.empty() ? "the workbook has no visible sheet of cells"
                                   : "the workbook has no sheet of that name with cells",
-                   "give --sheet NAME (key sheet): it has " + names_of(sheets, nullptr), wanted);
+                   "give --sheet NAME (key sheet): it has " + listed(names), wanted);
 }
 
 class Workbook {

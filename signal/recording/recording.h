@@ -58,8 +58,8 @@ struct Recording {
   /// rate is exact.
   double sample_rate_relative_std = 0;
   double start_time_s = 0;
-  double time_jitter_s = 0;  ///< rms departure of the time column from uniform sampling
-  Eigen::VectorXd time_s;    ///< kept only when sampling is not uniform, else empty
+  double time_jitter_s = 0;       ///< rms departure of the time column from uniform sampling
+  Eigen::VectorXd time_s;         ///< kept only when sampling is not uniform, else empty
   std::vector<Channel> channels;  ///< all of the same length
   std::vector<Note> notes;
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "document/document_error.h"
 
@@ -16,15 +17,22 @@ struct RecordingPlace {
   std::string channel{};  ///< empty: none
   std::string value{};    ///< the offending text, empty: none
 
-  [[nodiscard]] std::string before() const;
-  [[nodiscard]] std::string behind() const;
+  [[nodiscard]] std::string before() const {
+    const std::string place = document::place_text(file, line, column);
+    return (place.empty() ? ": " : place) +
+           (channel.empty() ? "" : "channel \"" + channel + "\": ");
+  }
+  [[nodiscard]] std::string behind() const { return value.empty() ? "" : " (\"" + value + "\")"; }
 };
 
 /// A recording that cannot be read.
 using RecordingError = document::InputError<RecordingPlace>;
 
 /// About the whole file.
-[[nodiscard]] RecordingError file_error(const std::filesystem::path& file, std::string problem,
-                                        std::string remedy, std::string value = "");
+[[nodiscard]] inline RecordingError file_error(const std::filesystem::path& file,
+                                               std::string problem, std::string remedy,
+                                               std::string value = "") {
+  return {{file.string(), 0, 0, "", std::move(value)}, std::move(problem), std::move(remedy)};
+}
 
 }  // namespace rigfit::signal

@@ -81,8 +81,7 @@ double left_out_error(const Eigen::VectorXd& t, const Eigen::VectorXd& y) {
 }
 
 /// Uneven samples at even times of `rate_hz`.
-Recording made_even(const Recording& recording, double rate_hz, double usual,
-                    std::vector<double>& errors) {
+Recording made_even(const Recording& recording, double rate_hz, std::vector<double>& errors) {
   const Eigen::VectorXd& t = recording.time_s;
   const Index n = t.size();
   if (!t.allFinite() || !(t.tail(n - 1).array() > t.head(n - 1).array()).all()) {
@@ -100,21 +99,9 @@ Recording made_even(const Recording& recording, double rate_hz, double usual,
   for (auto& channel : even.channels) {
     const Eigen::VectorXd y = channel.samples;
     const Spline spline(t, y);
-    channel.samples.resize(samples);
-    Index before = 0;
-    for (Index k = 0; k < samples; ++k) {
-      const double at = t[0] + static_cast<double>(k) / rate_hz;
-      while (before + 2 < n && t[before + 1] <= at) ++before;
-      const bool gap =
-          t[before + 1] - t[before] > kGap * usual && at > t[before] && at < t[before + 1];
-      channel.samples[k] = gap ? kNaN : spline.at(at);
-    }
-    channel.missing_samples = channel.samples.array().isNaN().count();
+    channel.samples = Eigen::VectorXd::NullaryExpr(
+        samples, [&](Index k) { return spline.at(t[0] + static_cast<double>(k) / rate_hz); });
     errors.push_back(left_out_error(t, y));
-  }
-  if (const long in_gaps = even.channels.front().missing_samples; in_gaps > 0) {
-    add_note(even.notes, "gaps_left_open", "", "{} samples inside gaps of the times have no value",
-             in_gaps);
   }
   return even;
 }
@@ -161,32 +148,38 @@ double filter_to(double rate_hz, Recording& recording) {
   return 0.5 / cut;
 }
 
-/// Takes the values within `reach_s` of clipped samples out, where times are uneven those from the
-/// sample before to the one behind.
-void hide_clipped(const Recording& from, double reach_s, Recording& to) {
+/// Takes out the values inside gaps of uneven times, longer than `gap_s`, and those within
+/// `reach_s` of clipped samples, where times are uneven from the sample before to the one behind.
+void hide_unknown(const Recording& from, double gap_s, double reach_s, Recording& to) {
+  const auto time = [&](Index k) {
+    k = std::clamp<Index>(k, 0, from.samples() - 1);
+    return from.time_s.size() > 0 ? from.time_s[k] - to.start_time_s
+                                  : static_cast<double>(k) / from.sample_rate_hz;
+  };
+  const Index around = from.time_s.size() > 0 ? 1 : 0;
   for (std::size_t c = 0; c < to.channels.size(); ++c) {
     Channel& channel = to.channels[c];
-    const long missing = channel.missing_samples;
+    const auto hide = [&](Index first, Index last) {
+      for (Index k = std::max<Index>(first, 0); k <= std::min(last, channel.samples.size() - 1);
+           ++k) {
+        channel.samples[k] = kNaN;
+      }
+    };
     const auto clipped = clipped_samples(from.channels[c].samples, channel.nominal_range).at;
-    for (std::size_t j = 0; j < clipped.size(); ++j) {
-      if (!clipped[j]) continue;
-      const auto k = static_cast<Index>(j), end = from.samples() - 1;
-      double first_s = static_cast<double>(k) / from.sample_rate_hz, last_s = first_s;
-      if (from.time_s.size() > 0) {
-        first_s = from.time_s[std::max<Index>(k - 1, 0)] - to.start_time_s;
-        last_s = from.time_s[std::min(k + 1, end)] - to.start_time_s;
+    for (Index k = 0; k < from.samples(); ++k) {
+      const double rate = to.sample_rate_hz, here = time(k) * rate, next = time(k + 1) * rate;
+      if (around > 0 && next - here > gap_s * rate) {
+        hide(static_cast<Index>(std::floor(here)) + 1, static_cast<Index>(std::ceil(next)) - 1);
       }
-      const auto last = static_cast<Index>(std::floor((last_s + reach_s) * to.sample_rate_hz));
-      for (auto at = static_cast<Index>(std::ceil((first_s - reach_s) * to.sample_rate_hz));
-           at <= last; ++at) {
-        if (at >= 0 && at < channel.samples.size()) channel.samples[at] = kNaN;
-      }
+      if (!clipped[static_cast<std::size_t>(k)]) continue;
+      hide(static_cast<Index>(std::ceil((time(k - around) - reach_s) * rate)),
+           static_cast<Index>(std::floor((time(k + around) + reach_s) * rate)));
     }
     channel.missing_samples = channel.samples.array().isNaN().count();
-    if (channel.missing_samples == missing) continue;
+    if (channel.missing_samples == 0) continue;
     add_note(to.notes, "data_left_out", channel.name,
-             "{} samples at or beside clipped ones have no value",
-             channel.missing_samples - missing);
+             "{} samples inside gaps of the times, or at or beside clipped samples, have no value",
+             channel.missing_samples);
   }
 }
 
@@ -207,20 +200,21 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
     }
   }
   ResampleResult result{recording, recording.sample_rate_hz, {}};
-  double reach_s = 0;
+  double reach_s = 0, gap_s = 0;
   if (const Index n = recording.time_s.size(); n > 0) {
     const Eigen::VectorXd steps = recording.time_s.tail(n - 1) - recording.time_s.head(n - 1);
     const double usual = median({steps.begin(), steps.end()});
     if (usual > 0) result.from_hz = 1 / usual;
     // At the times' own rate at least: what is lower is filtered from there.
     const double even = std::max(round_rate(result.from_hz, 1e-3), rate_hz);
-    result.recording = made_even(recording, even, usual, result.error_rms);
+    gap_s = kGap * usual;
+    result.recording = made_even(recording, even, result.error_rms);
     add_note(result.recording.notes, "assumed", "",
              "uneven times, usual step {:.6g} s, to even ones at {:.9g} Hz by a "
              "cubic spline",
              usual, even);
     if (rate_hz == 0) rate_hz = even;
-    if (rate_hz != even && result.recording.channels.front().missing_samples > 0) {
+    if (rate_hz != even && steps.maxCoeff() > gap_s) {
       throw refusal(recording, "", "has gaps, across which nothing can be filtered",
                     "resample the parts between the gaps, or ask for the rate of the times");
     }
@@ -242,7 +236,7 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
     }
     reach_s += filter_to(rate_hz, result.recording);
   }
-  hide_clipped(recording, reach_s, result.recording);
+  hide_unknown(recording, gap_s, reach_s, result.recording);
   return result;
 }
 

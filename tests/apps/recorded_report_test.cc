@@ -12,7 +12,6 @@
 #include <set>
 
 #include "signal/readers/read_recording.h"
-#include "signal/readers/uff/read_uff.h"
 #include "signal/writers/write_csv.h"
 #include "tests/apps/json_schema.h"
 #include "tests/apps/run_program.h"
@@ -169,7 +168,7 @@ TEST_F(LaboratoryReport, FilesForOtherProgramsReadBack) {
   for (const auto& test : document_["recorded_modal"]) {
     for (const auto& state : test["states"]) {
       const std::string frf = state["uff"][0], shapes = state["uff"][1];
-      const auto set = signal::read_uff_frfs(folder_->path() / frf);
+      const auto set = signal::read_frfs({folder_->path() / frf});
       EXPECT_EQ(set.responses.size(), state["responses"].size());
       EXPECT_EQ(set.averages, state["averages"].get<int>());
       EXPECT_GT(set.H_std.size(), 0);

@@ -20,7 +20,6 @@
 #include "signal/modal/modal_identification.h"
 #include "signal/modes/modal_synthesis.h"
 #include "signal/readers/files/mapped_file.h"
-#include "signal/readers/read_frfs.h"
 #include "signal/readers/read_recording.h"
 #include "signal/spectra/coherence_errors.h"
 #include "signal/writers/write_uff.h"

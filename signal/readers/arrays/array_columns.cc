@@ -3,28 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <utility>
 
-#include "signal/readers/csv/csv_table.h"
 #include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
-namespace {
-
-constexpr int kAllDigits = 400;
-
-int decimals_of(const ArrayColumn& column) {
-  if (!column.single) return kAllDigits;
-  double largest = 0;
-  for (const double x : column.values) {
-    if (std::isfinite(x)) largest = std::max(largest, std::abs(x));
-  }
-  return largest > 0 ? -static_cast<int>(std::ceil(std::log10(6e-8 * largest))) : kAllDigits;
-}
-
-}  // namespace
-
 Eigen::MatrixXd matrix_of(char kind, std::size_t size, const void* data, Eigen::Index rows,
                           Eigen::Index cols) {
   Eigen::MatrixXd numbers;
@@ -47,56 +32,44 @@ Eigen::MatrixXd matrix_of(char kind, std::size_t size, const void* data, Eigen::
   return numbers;
 }
 
-std::vector<ArrayColumn> columns_of(const Eigen::Ref<const Eigen::MatrixXd>& values,
-                                    const std::string& name, bool single,
-                                    std::vector<Note>& notes) {
+void add_array(const Eigen::Ref<const Eigen::MatrixXd>& values, const std::string& name,
+               bool single, CsvTable& table) {
   const bool wide = values.cols() > values.rows();
   const Eigen::Index count = wide ? values.rows() : values.cols();
   if (wide && count > 1) {
-    add_note(notes, "read_as", name, "an array of {} x {}: its rows are taken as channels",
+    add_note(table.notes, "read_as", name, "an array of {} x {}: its rows are taken as channels",
              values.rows(), values.cols());
   }
-  std::vector<ArrayColumn> columns;
   for (Eigen::Index k = 0; k < count; ++k) {
-    ArrayColumn column;
-    column.name =
-        count == 1 ? name : (name.empty() ? "column " : name + " ") + std::to_string(k + 1);
-    column.values =
-        wide ? Eigen::VectorXd(values.row(k).transpose()) : Eigen::VectorXd(values.col(k));
-    column.single = single;
-    columns.push_back(std::move(column));
+    Eigen::VectorXd numbers =
+        wide ? Eigen::VectorXd(values.row(k)) : Eigen::VectorXd(values.col(k));
+    const std::size_t place = table.channels.size();
+    const std::string own = name.empty() ? "column " + std::to_string(place + 1)
+                                         : (count == 1 ? name : name + " " + std::to_string(k + 1));
+    TitledUnit titled = split_title(to_utf8(own));
+    CsvColumn column{std::move(titled.name), std::move(titled.unit)};
+    const double largest = numbers.array().isFinite().select(numbers.array().abs(), 0).maxCoeff();
+    if (single && largest > 0) {
+      column.decimals = -static_cast<int>(std::ceil(std::log10(6e-8 * largest)));
+    }
+    table.add(std::move(column), place, std::move(numbers));
   }
-  return columns;
 }
 
-Recording recording_of_columns(std::vector<ArrayColumn> columns, const std::filesystem::path& path,
-                               const std::string& format, const ReadOptions& options,
-                               double stated_rate_hz, std::vector<Note> notes) {
-  CsvTable table;
+Recording recording_of_arrays(CsvTable table, const std::filesystem::path& path,
+                              const std::string& format, const ReadOptions& options,
+                              double stated_rate_hz) {
   table.file = path.string();
-  table.notes = std::move(notes);
   table.layout.stated_rate_hz = stated_rate_hz;
   table.layout.rate_text = "in the file";
   table.layout.body_line = 0;
   table.layout.has_names = true;
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    ArrayColumn& column = columns[k];
-    const TitledUnit titled = split_title(to_utf8(column.name));
-    CsvColumn entry;
-    entry.name = titled.name.empty() ? "column " + std::to_string(k + 1) : titled.name;
-    entry.unit = titled.unit;
-    entry.filled = 1;
-    entry.decimals = decimals_of(column);
-    if (k == 0 && columns.size() > 1 && stated_rate_hz == 0 &&
-        looks_like_time(column.values, entry.decimals) &&
-        std::none_of(columns.begin(), columns.end(),
-                     [](const auto& other) { return is_time_name(other.name); })) {
-      add_note(table.notes, "read_as", entry.name,
-               "rises in equal steps: taken as time in seconds");
-      entry.name = "time";
-    }
-    table.layout.columns.push_back(entry);
-    table.add(std::move(entry), k, std::move(column.values));
+  CsvColumn& first = table.columns.front();
+  if (table.columns.size() > 1 && stated_rate_hz == 0 &&
+      looks_like_time(table.channels.front().samples, first.decimals) &&
+      std::ranges::none_of(table.columns, [](const auto& c) { return is_time_name(c.name); })) {
+    add_note(table.notes, "read_as", first.name, "rises in equal steps: taken as time in seconds");
+    table.channels.front().name = first.name = "time";
   }
   return recording_of_table(std::move(table), path, format, options);
 }

@@ -6,37 +6,29 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include "signal/readers/csv/csv_table.h"
 #include "signal/readers/files/read_options.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
-
-/// A column of an array; `name` as CSV titles have it ("Force [N]"), empty: none.
-struct ArrayColumn {
-  std::string name;
-  Eigen::VectorXd values;
-  bool single = false;  ///< held in single precision: times are known to 6e-8 of their size
-};
 
 /// The numbers at `data`, column after column, as doubles: `kind` 'f' floating point, 'i' whole,
 /// 'u' whole without sign, of `size` bytes each. Empty: there is no such type.
 [[nodiscard]] Eigen::MatrixXd matrix_of(char kind, std::size_t size, const void* data,
                                         Eigen::Index rows, Eigen::Index cols);
 
-/// The longer side of `values` is time: each column of it, or each row where `values` is wide,
-/// which is noted. `name` stands in front of the columns' numbers.
-[[nodiscard]] std::vector<ArrayColumn> columns_of(const Eigen::Ref<const Eigen::MatrixXd>& values,
-                                                  const std::string& name, bool single,
-                                                  std::vector<Note>& notes);
+/// Adds an array's columns or, where it is wide, its rows to the table, with a note: its longer
+/// side is time. `name`, as titles of CSV have it ("Force [N]"), stands in front of their numbers.
+/// `single`: held in single precision, so that times are known to 6e-8 of their size.
+void add_array(const Eigen::Ref<const Eigen::MatrixXd>& values, const std::string& name,
+               bool single, CsvTable& table);
 
-/// Columns of the same length. Times are the column of such a name, or the first of several where
-/// it rises in equal steps (noted). `stated_rate_hz`: by the file, 0: not. Throws RecordingError.
-[[nodiscard]] Recording recording_of_columns(std::vector<ArrayColumn> columns,
-                                             const std::filesystem::path& path,
-                                             const std::string& format, const ReadOptions& options,
-                                             double stated_rate_hz, std::vector<Note> notes);
+/// Times are the column of such a name, or the first of several where it rises in equal steps
+/// (noted). `stated_rate_hz`: by the file, 0: not. Throws RecordingError.
+[[nodiscard]] Recording recording_of_arrays(CsvTable table, const std::filesystem::path& path,
+                                            const std::string& format, const ReadOptions& options,
+                                            double stated_rate_hz);
 
 /// Walks the headers of a MATLAB file of version 5 before libmatio, which reserves memory by the
 /// sizes that they state and loops over them. Throws RecordingError when the file is of another

@@ -38,19 +38,10 @@ struct MatArray {
     return imaginary.size() == 0 && std::min(real.rows(), real.cols()) == 1;
   }
   [[nodiscard]] bool is_scalar() const { return imaginary.size() == 0 && real.size() == 1; }
-  [[nodiscard]] std::string last_name() const {
-    const std::size_t dot = name.find_last_of('.');
-    return dot == std::string::npos ? name : name.substr(dot + 1);
-  }
-  /// The structure it stands in, "run" of "run.acc"; empty: none.
-  [[nodiscard]] std::string parent() const {
-    const std::size_t dot = name.find_last_of('.');
-    return dot == std::string::npos ? "" : name.substr(0, dot);
-  }
+  [[nodiscard]] std::string last_name() const { return name.substr(name.find_last_of('.') + 1); }
   /// Whether what stands beside it, or above, belongs to an array: "run.t" to "run.acc".
   [[nodiscard]] bool concerns(const MatArray& array) const {
-    const std::string own = parent(), other = array.parent();
-    return own.empty() || other == own || other.starts_with(own + ".");
+    return array.name.starts_with(name.substr(0, name.find_last_of('.') + 1));
   }
   [[nodiscard]] std::string text() const {
     return fmt::format("{} ({} x {}{})", name, real.rows(), real.cols(),
@@ -181,7 +172,28 @@ class MatReader {
   std::vector<MatArray> arrays_;
 };
 
-std::string list_of(const std::vector<const MatArray*>& arrays) {
+using Arrays = std::vector<const MatArray*>;
+
+/// The arrays for which `is` holds.
+template <typename Is>
+Arrays those(const std::vector<MatArray>& arrays, Is&& is) {
+  Arrays found;
+  for (const auto& array : arrays) {
+    if (is(array)) found.push_back(&array);
+  }
+  return found;
+}
+
+bool holds(const Arrays& arrays, const MatArray& array) {
+  return std::ranges::find(arrays, &array) != arrays.end();
+}
+
+bool differ_in_length(const Arrays& arrays) {
+  return std::ranges::any_of(
+      arrays, [&](const auto* array) { return array->longer() != arrays.front()->longer(); });
+}
+
+std::string list_of(const Arrays& arrays) {
   std::vector<std::string> texts;
   for (const auto* array : arrays) texts.push_back(array->text());
   return listed(texts);
@@ -239,19 +251,16 @@ Eigen::VectorXd frequencies_by_rate(const std::vector<MatArray>& arrays, const M
 }
 
 /// The arrays that a person names, or those of the one length there is.
-std::vector<const MatArray*> chosen(const std::vector<MatArray>& arrays,
-                                    const std::filesystem::path& path,
-                                    const std::vector<std::string>& asked) {
-  std::vector<const MatArray*> real, complex, taken;
-  for (const auto& array : arrays) {
-    if (array.imaginary.size() > 0) {
-      complex.push_back(&array);
-    } else if (array.longer() > 1) {
-      real.push_back(&array);
-    }
-  }
+Arrays chosen(const std::vector<MatArray>& arrays, const std::filesystem::path& path,
+              const std::vector<std::string>& asked) {
+  const Arrays complex =
+      those(arrays, [](const MatArray& array) { return array.imaginary.size() > 0; });
+  const Arrays real = those(arrays, [](const MatArray& array) {
+    return array.imaginary.size() == 0 && array.longer() > 1;
+  });
+  Arrays taken;
   for (const auto& name : asked) {
-    const auto found = std::find_if(real.begin(), real.end(), [&](const MatArray* array) {
+    const auto found = std::ranges::find_if(real, [&](const MatArray* array) {
       return array->name == name || array->last_name() == name;
     });
     if (found == real.end()) {
@@ -259,11 +268,14 @@ std::vector<const MatArray*> chosen(const std::vector<MatArray>& arrays,
     }
     taken.push_back(*found);
   }
+  if (differ_in_length(taken)) {
+    throw file_error(path, "the arrays named differ in length: " + list_of(taken),
+                     "name arrays of one length");
+  }
   if (!asked.empty()) {
     for (const auto* array : real) {
       if (array->longer() == taken.front()->longer() && is_time_name(array->last_name()) &&
-          array->concerns(*taken.back()) &&
-          std::find(taken.begin(), taken.end(), array) == taken.end()) {
+          array->concerns(*taken.back()) && !holds(taken, *array)) {
         taken.insert(taken.begin(), array);
       }
     }
@@ -273,7 +285,7 @@ std::vector<const MatArray*> chosen(const std::vector<MatArray>& arrays,
   // them.
   Eigen::Index longest_frf = 0;
   for (const auto* array : complex) longest_frf = std::max(longest_frf, array->longer());
-  const bool only_axes = std::all_of(real.begin(), real.end(), [&](const MatArray* array) {
+  const bool only_axes = std::ranges::all_of(real, [&](const MatArray* array) {
     return array->longer() < kShortest || (array->longer() == longest_frf && array->is_vector());
   });
   if (longest_frf >= kShortest && only_axes) {
@@ -281,33 +293,30 @@ std::vector<const MatArray*> chosen(const std::vector<MatArray>& arrays,
         path, "holds complex numbers, no recording over time: " + list_of(complex),
         "rigfit modal takes FRFs, with a vector of their frequencies in the file (freq)");
   }
-  std::map<Eigen::Index, std::vector<const MatArray*>> by_length;
-  for (const auto* array : real) by_length[array->longer()].push_back(array);
-  if (by_length.size() > 1) {
-    std::erase_if(by_length, [](const auto& entry) { return entry.first < kShortest; });
+  taken = real;
+  if (differ_in_length(taken)) {
+    std::erase_if(taken, [](const auto* array) { return array->longer() < kShortest; });
   }
-  if (by_length.empty()) {
+  if (taken.empty()) {
     throw file_error(path, "holds no array of samples" + (real.empty() ? "" : ": " + list_of(real)),
                      "save the samples as numeric arrays (a timetable or object only MATLAB reads: "
                      "use its .Variables)");
   }
-  if (by_length.size() > 1) {
+  if (differ_in_length(taken)) {
     throw file_error(
         path, "holds arrays of several lengths: " + list_of(real),
         "say which to take: --variable NAME, or variables = [\"NAME\"] in the TOML file "
         "beside it");
   }
-  return by_length.begin()->second;
+  return taken;
 }
 
 /// Refuses samples beside the times of another structure.
-void check_times(const std::vector<const MatArray*>& taken, const std::filesystem::path& path) {
-  std::vector<const MatArray*> times;
+void check_times(const Arrays& taken, const std::filesystem::path& path) {
+  Arrays times = taken;
+  std::erase_if(times, [](const auto* array) { return !is_time_name(array->last_name()); });
   for (const auto* array : taken) {
-    if (is_time_name(array->last_name())) times.push_back(array);
-  }
-  for (const auto* array : taken) {
-    const bool own = std::any_of(times.begin(), times.end(), [&](const MatArray* time) {
+    const bool own = std::ranges::any_of(times, [&](const MatArray* time) {
       return time == array ||
              (time->concerns(*array) && time->real.size() == times.front()->real.size() &&
               (time->real.reshaped() - times.front()->real.reshaped()).isZero(0));
@@ -323,47 +332,32 @@ void check_times(const std::vector<const MatArray*>& taken, const std::filesyste
 Recording read_mat(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options) {
   const std::vector<MatArray> arrays = MatReader(bytes, path).read();
-  std::vector<Note> notes;
   const auto taken = chosen(arrays, path, options.variables);
   check_times(taken, path);
-  const Eigen::Index samples = taken.front()->longer();
-  std::vector<ArrayColumn> columns;
+  CsvTable table;
   for (const auto* array : taken) {
-    if (array->longer() != samples) {
-      throw file_error(path, "the arrays named differ in length: " + list_of(taken),
-                       "name arrays of one length");
-    }
     const std::string last = array->last_name();
-    const std::string& name = is_time_name(last) ? last : array->name;
-    for (auto& column : columns_of(array->real, name, array->single, notes)) {
-      columns.push_back(std::move(column));
-    }
+    add_array(array->real, is_time_name(last) ? last : array->name, array->single, table);
   }
-  std::vector<const MatArray*> left;
-  for (const auto& array : arrays) {
-    if (array.longer() >= kShortest &&
-        std::find(taken.begin(), taken.end(), &array) == taken.end()) {
-      left.push_back(&array);
-    }
-  }
+  const Arrays left = those(arrays, [&](const MatArray& array) {
+    return array.longer() >= kShortest && !holds(taken, array);
+  });
   if (!left.empty()) {
-    add_note(notes, "left_out", "", "{} is taken, left out is {}", list_of(taken), list_of(left));
+    add_note(table.notes, "left_out", "", "{} is taken, left out is {}", list_of(taken),
+             list_of(left));
   }
-  const double rate = stated_rate(arrays, *taken.front(), notes);
-  return recording_of_columns(std::move(columns), path, "mat", options, rate, std::move(notes));
+  const double rate = stated_rate(arrays, *taken.front(), table.notes);
+  return recording_of_arrays(std::move(table), path, "mat", options, rate);
 }
 
 FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
                      const ReadOptions& options) {
   const std::vector<MatArray> arrays = MatReader(bytes, path).read();
-  std::vector<const MatArray*> complex;
   const auto& asked = options.variables;
-  for (const auto& array : arrays) {
-    if (array.imaginary.size() > 0 && array.longer() >= kShortest &&
-        (asked.empty() || std::ranges::find(asked, array.name) != asked.end())) {
-      complex.push_back(&array);
-    }
-  }
+  const Arrays complex = those(arrays, [&](const MatArray& array) {
+    return array.imaginary.size() > 0 && array.longer() >= kShortest &&
+           (asked.empty() || std::ranges::find(asked, array.name) != asked.end());
+  });
   if (complex.size() != 1) {
     throw file_error(path,
                      complex.empty() ? "holds no complex array, so no FRFs"

@@ -1,10 +1,11 @@
 #include "signal/readers/files/read_formats.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
+#include <cstdlib>
 #include <regex>
 #include <string>
 #include <utility>
@@ -24,7 +25,7 @@ struct Header {
   std::size_t size = 8;
   bool swapped = false;
   bool fortran = false;
-  std::vector<std::size_t> shape;
+  std::vector<double> shape;
 };
 
 Header parse_header(const std::string& text, const std::string& file) {
@@ -32,15 +33,12 @@ Header parse_header(const std::string& text, const std::string& file) {
       R"(\{\s*'descr'\s*:\s*'([<>|=])([fiub])([1248])'\s*,)"
       R"(\s*'fortran_order'\s*:\s*(True|False)\s*,\s*'shape'\s*:\s*\(([0-9, ]*)\))"),
       kSize("[0-9]+");
-  const auto refusal = [&] {
-    return file_error(file,
-                      "holds no plain numbers (but records, complex numbers or Python objects), or "
-                      "its header is damaged",
-                      "save an array of numbers with numpy.save", to_utf8(text.substr(0, 60)));
-  };
   std::smatch found;
   if (!std::regex_search(text, found, kHeader, std::regex_constants::match_continuous)) {
-    throw refusal();
+    throw file_error(file,
+                     "holds no plain numbers (but records, complex numbers or Python objects), or "
+                     "its header is damaged",
+                     "save an array of numbers with numpy.save", to_utf8(text.substr(0, 60)));
   }
   constexpr char kSwapped = std::endian::native == std::endian::big ? '<' : '>';
   Header header{*found[2].first == 'b' ? 'u' : *found[2].first,
@@ -50,19 +48,9 @@ Header parse_header(const std::string& text, const std::string& file) {
                 {}};
   const std::string sizes = found[5];
   for (std::sregex_iterator one(sizes.begin(), sizes.end(), kSize), end; one != end; ++one) {
-    const std::string digits = one->str();
-    const char* const last = digits.data() + digits.size();
-    if (std::from_chars(digits.data(), last, header.shape.emplace_back()).ec != std::errc()) {
-      throw refusal();
-    }
+    header.shape.push_back(std::strtod(one->str().c_str(), nullptr));
   }
   return header;
-}
-
-std::string text_of(const std::vector<std::size_t>& shape) {
-  std::string text;
-  for (const std::size_t n : shape) text += (text.empty() ? "" : " x ") + std::to_string(n);
-  return text;
 }
 
 }  // namespace
@@ -89,21 +77,21 @@ Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
   const std::string_view data = bytes.substr(begin + length);
   const std::size_t item = header.size;
   double items = 1;
-  for (const std::size_t n : header.shape) items *= static_cast<double>(n);
+  for (const double n : header.shape) items *= n;
   if (items == 0 || header.shape.empty()) {
     throw file_error(file, "holds no samples", "record again");
   }
-  if (items * static_cast<double>(item) > static_cast<double>(data.size())) {
+  const std::string shape = fmt::format("{}", fmt::join(header.shape, " x "));
+  if (!(items * static_cast<double>(item) <= static_cast<double>(data.size()))) {
     throw file_error(file,
-                     fmt::format("states an array of {}, {} bytes each, but holds {} bytes",
-                                 text_of(header.shape), item, data.size()),
+                     fmt::format("states an array of {}, {} bytes each, but holds {} bytes", shape,
+                                 item, data.size()),
                      "copy the file again");
   }
   if (header.shape.size() > 2) {
-    throw file_error(file, "holds an array of " + text_of(header.shape),
+    throw file_error(file, "holds an array of " + shape,
                      "save one with samples and channels only (two dimensions)");
   }
-  std::vector<Note> notes;
   const auto rows = static_cast<Eigen::Index>(header.shape[0]);
   const auto cols = static_cast<Eigen::Index>(header.shape.size() > 1 ? header.shape[1] : 1);
   std::string numbers(data.substr(0, static_cast<std::size_t>(items) * item));  // aligned
@@ -117,8 +105,9 @@ Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
                      "save them as float32 or float64");
   }
   if (!header.fortran) values.transposeInPlace();
-  auto columns = columns_of(values, "", header.kind == 'f' && item == 4, notes);
-  return recording_of_columns(std::move(columns), path, "npy", options, 0, std::move(notes));
+  CsvTable table;
+  add_array(values, "", header.kind == 'f' && item == 4, table);
+  return recording_of_arrays(std::move(table), path, "npy", options, 0);
 }
 
 }  // namespace rigfit::signal

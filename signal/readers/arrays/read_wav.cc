@@ -44,7 +44,7 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
       static_cast<Eigen::Index>(sf_readf_double(file.get(), data.data(), data.cols()));
   if (frames <= 0) throw file_error(path, "holds no samples", "record again");
 
-  std::vector<Note> notes;
+  CsvTable table;
   // The size that the file states of its data, chunk "data" behind "fmt ".
   const std::size_t chunk = bytes.substr(0, 1 << 16).find("data");
   if (chunk != std::string_view::npos && chunk + 8 <= bytes.size() &&
@@ -55,17 +55,16 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
     }
     const std::size_t behind = bytes.size() - chunk - 8;
     if (stated > behind && stated < 0xFFFFFF00u) {
-      add_note(notes, "incomplete", "",
+      add_note(table.notes, "incomplete", "",
                "the file states {} bytes of samples and holds {}: cut short, or a wrong size",
                stated, behind);
     }
   }
-  std::vector<ArrayColumn> columns;
   for (Eigen::Index c = 0; c < data.rows(); ++c) {
-    columns.push_back({fmt::format("channel {}", c + 1), data.row(c).head(frames).transpose()});
+    add_array(data.row(c).head(frames).transpose(), fmt::format("channel {}", c + 1), false, table);
   }
-  Recording recording = recording_of_columns(std::move(columns), path, "wav", options,
-                                             info.samplerate, std::move(notes));
+  Recording recording =
+      recording_of_arrays(std::move(table), path, "wav", options, info.samplerate);
   for (auto& channel : recording.channels) channel.nominal_range = whole ? 1 : 0;
   if (whole) {
     recording.notes.back().message =

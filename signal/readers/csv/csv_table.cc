@@ -204,29 +204,14 @@ class BodyParser {
   Eigen::Index capacity_ = 0, most_rows_ = 0;
 };
 
-/// The first few things that a column holds, for the note that it is left out.
-std::string what_is_in(std::string_view body, const CsvDialect& dialect, std::size_t column) {
-  std::vector<std::string> found;
-  std::vector<CsvField> fields;
-  for (int line = 0; line < 100 && found.size() < 4 && !body.empty(); ++line) {
-    split_fields(take_line(body), dialect, fields);
-    if (column >= fields.size() || fields[column].text.empty()) continue;
-    std::string text = to_utf8(fields[column].text.substr(0, 40));
-    if (std::ranges::find(found, text) == found.end()) found.push_back(std::move(text));
-  }
-  return listed(found);
-}
-
 void note_body(const CsvBody& body, std::vector<Note>& notes) {
-  const auto note = [&](long count, const char* code, fmt::format_string<const long&> message,
-                        const std::string& where = "") {
-    if (count > 0) add_note(notes, code, where, message, std::as_const(count));
+  const auto note = [&](long count, const char* code, const char* message) {
+    if (count > 0) add_note(notes, code, "", fmt::runtime(message), count);
   };
   note(body.short_rows, "incomplete",
        "{} lines have fewer fields than the table has columns; what is absent counts as missing");
   note(body.comment_lines, "left_out", "{} comment lines inside the table skipped");
-  note(body.footer_line, "left_out", "text behind the table skipped",
-       fmt::format("line {}", body.footer_line));
+  note(body.footer_line, "left_out", "text behind the table skipped, from line {}");
   note(body.incomplete_last ? 1 : 0, "incomplete",
        "the last line broke off before its end and is left out");
   note(body.empty_rows_at_end, "left_out", "{} rows without any number at the end left out");
@@ -301,16 +286,14 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
              "number; part the titles by tabs, or name channels in a TOML file",
              layout.unmatched_titles, n);
   }
-  std::vector<std::string> unnamed;
+  std::vector<std::size_t> unnamed;
   for (std::size_t c = 0; c < n; ++c) {
     if (wanted[c]) continue;
-    const std::string found = what_is_in(bytes.substr(layout.body), layout.dialect, c);
-    const std::string text = std::to_string(c + 1) + (found.empty() ? "" : " (" + found + ")");
     if (layout.columns[c].name.empty()) {
-      unnamed.push_back(text);
+      unnamed.push_back(c + 1);
     } else {
       add_note(table.notes, "left_out", layout.columns[c].name, "left out: words in column {}",
-               text);
+               c + 1);
     }
   }
   if (!unnamed.empty()) {

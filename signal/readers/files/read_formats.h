@@ -29,6 +29,21 @@ namespace rigfit::signal {
 [[nodiscard]] Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
                                  const ReadOptions& options = {});
 
+/// Universal files (dataset 58): time histories, each a channel by its entity's name, else the
+/// first identification line, else the label, else node and direction ("5+Z"). The sample rate is
+/// one over the printed step, rounded to a whole number of hertz where that lies within half of the
+/// step's last digit. Refused are files that hold functions but no time history.
+[[nodiscard]] Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
+                                 const ReadOptions& options = {});
+/// Like read_uff for a file with time histories. Otherwise functions of any type become channels,
+/// to be looked at: `sample_rate_hz` stays 0 and complex values become magnitudes (both are noted).
+[[nodiscard]] Recording read_uff_functions(std::string_view bytes,
+                                           const std::filesystem::path& path);
+/// Frequency response functions with coherence and, if rigfit wrote the file, their standard
+/// deviation. Refused when there is none, when FRFs between some points are absent, or when their
+/// frequencies differ.
+[[nodiscard]] FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path);
+
 /// Sound files (.wav, also RF64 and big-endian RIFX) by libsndfile: 8 to 32 bit integers, 32 and 64
 /// bit floating point, any number of channels, called "channel 1" and so on. Samples are fractions
 /// of full scale (-1 to 1); what that means the file does not say: a description beside it gives

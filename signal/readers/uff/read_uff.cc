@@ -1,5 +1,3 @@
-#include "signal/readers/uff/read_uff.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -13,7 +11,7 @@
 
 #include "signal/numerics/numbers.h"
 #include "signal/readers/files/frf_parts.h"
-#include "signal/readers/files/mapped_file.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/readers/uff/uff58.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
@@ -315,11 +313,6 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
   set.sample_rate_relative_std = positive("rate_u");
   for (const auto& text : file.remarks) add_note(set.notes, "uff_remark", "", "{}", text);
   return set;
-}
-
-FrfSet read_uff_frfs(const std::filesystem::path& path) {
-  const MappedFile file(path);
-  return read_uff_frfs(file.bytes(), path);
 }
 
 }  // namespace rigfit::signal

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "signal/readers/files/read_formats.h"
-#include "signal/readers/uff/read_uff.h"
 #include "signal/readers/uff/read_uff_modes.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"

@@ -9,7 +9,6 @@
 #include <iterator>
 #include <map>
 
-#include "signal/readers/read_frfs.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/recording_description.h"
 #include "tests/fuzz/mutations.h"

@@ -14,7 +14,7 @@ Eigen::VectorXd sine(double period, double step) {
 }
 
 bool clipped(const Eigen::VectorXd& x, double range = 0) {
-  return is_clipped(x, clip_levels(x), 0, 0, x.size() - 1, range);
+  return clipped_samples(x, range).count > 0;
 }
 
 TEST(Clipping, FlatTopsAreNotQuantisation) {

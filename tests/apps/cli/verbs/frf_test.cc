@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "signal/readers/uff/read_uff.h"
+#include "signal/readers/read_recording.h"
 #include "signal/writers/write_csv.h"
 #include "tests/apps/run_program.h"
 #include "tests/reference/ten_mode_truth.h"
@@ -54,7 +54,7 @@ TEST_F(FrfVerb, AveragesTheGoodHitsAndSaysWhatIsWrongWithTheOther) {
   EXPECT_EQ(json["inputs"].size(), 1u);
 
   // Both files hold the FRFs: noise of 0.5 % of each channel's rms is far below 2 % of them.
-  const signal::FrfSet frfs = signal::read_uff_frfs(path("frf.uff"));
+  const signal::FrfSet frfs = signal::read_frfs({path("frf.uff")});
   ASSERT_EQ(frfs.H.cols(), 2);
   const Eigen::Index lines = (frfs.frequency_hz.array() < 1300).count();
   const Eigen::MatrixXcd exact = truth.accelerance(frfs.frequency_hz.head(lines), 3);
@@ -141,7 +141,7 @@ TEST_F(FrfVerb, ARovingHammerGivesEveryPointItsColumnAndChecksReciprocity) {
   EXPECT_EQ(json["reciprocity"][0]["points"], nlohmann::json({"a1", "a3"}));
   EXPECT_LT(json["reciprocity"][0]["difference"].get<double>(), 0.05);
   EXPECT_GT(json["reciprocity"][0]["from_noise"].get<double>(), 0);
-  const signal::FrfSet frfs = signal::read_uff_frfs(path("roving.uff"));
+  const signal::FrfSet frfs = signal::read_frfs({path("roving.uff")});
   ASSERT_EQ(frfs.inputs.size(), 2u);
   EXPECT_EQ(frfs.inputs[1].name, "a3");
   EXPECT_EQ(frfs.inputs[1].node, frfs.responses[1].node);

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "signal/readers/uff/read_uff.h"
+#include "signal/readers/read_recording.h"
 #include "signal/writers/write_uff.h"
 #include "tests/apps/run_program.h"
 #include "tests/reference/defective_frfs.h"
@@ -69,8 +69,8 @@ TEST_F(ModalVerb, FrfsGiveModesThatRebuildThem) {
   EXPECT_EQ(json["inputs"].size(), 1u);
 
   // What was written is what was said: the FRFs from the modes are those measured, but for noise.
-  const signal::FrfSet measured = signal::read_uff_frfs(file);
-  const signal::FrfSet again = signal::read_uff_frfs(path("again.uff"));
+  const signal::FrfSet measured = signal::read_frfs({file});
+  const signal::FrfSet again = signal::read_frfs({path("again.uff")});
   ASSERT_EQ(again.H.rows(), measured.H.rows());
   EXPECT_LT((again.H - measured.H).norm(), 1.5e-3 * measured.H.norm());
   EXPECT_EQ(again.exponential_decay_rate_1_s, 1);
@@ -127,7 +127,7 @@ TEST_F(ModalVerb, RebuiltFrfsHaveWhatRecordsThatEndEarlyAdd) {
   const std::string file =
       folder.write("cut.uff", signal::uff_text(set, signal::UffEncoding::binary));
   static_cast<void>(document_of("modal {} --synthesis {}", {file, path("again.uff")}));
-  const signal::FrfSet again = signal::read_uff_frfs(path("again.uff"));
+  const signal::FrfSet again = signal::read_frfs({path("again.uff")});
   EXPECT_LT((again.H - set.H).norm(), 2e-3 * set.H.norm());
 }
 

@@ -5,7 +5,7 @@
 
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/read_formats.h"
-#include "signal/readers/read_frfs.h"
+#include "signal/readers/read_recording.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"
 

@@ -119,7 +119,7 @@ TEST(ReadCsv, StrayColumnsAreLeftOutAndSaid) {
   EXPECT_EQ(r.sample_rate_hz, 100);
   ASSERT_EQ(r.notes.size(), 1u);
   EXPECT_EQ(r.notes[0].code, "left_out");
-  EXPECT_THAT(r.notes[0].message, HasSubstr("column 4, 5 (\"Mass\"), 6 (\"2.5\"), 7 (\"kg\")"));
+  EXPECT_THAT(r.notes[0].message, HasSubstr("column 4, 5, 6, 7"));
 }
 
 TEST(ReadCsv, MissingAndWrongFields) {

@@ -2,7 +2,7 @@
 // is said of those that cannot be taken.
 #include <fmt/format.h>
 
-#include "signal/readers/uff/read_uff.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/readers/uff/uff58.h"
 #include "signal/writers/write_uff.h"
 #include "tests/signal/readers/reading.h"
