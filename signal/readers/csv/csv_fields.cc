@@ -5,6 +5,7 @@
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
 
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
@@ -47,9 +48,11 @@ std::size_t parse_number(std::string_view text, char decimal, double& value) {
     const std::size_t behind = length - begin;
     if (length == 0 || behind >= text.size() || (text[behind] | 0x20) != 'd') return length;
   }
-  std::string copy(
-      text.substr(0, text.find_first_not_of("+-0123456789eEdD" + std::string(1, decimal))));
-  for (char& c : copy) c = c == decimal ? '.' : c == 'd' || c == 'D' ? 'e' : c;
+  std::string copy;
+  for (const char c : text) {
+    if (!is_digit(c) && c != decimal && !std::strchr("+-eEdD", c)) break;
+    copy += c == decimal ? '.' : c == 'd' || c == 'D' ? 'e' : c;
+  }
   return read(copy);
 }
 
