@@ -21,7 +21,7 @@ class Lanczos {
  public:
   /// For `wanted` pairs: with room for what they need.
   Lanczos(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double shift, int wanted)
-      : m_(m.trimmed()), shift_(shift), random_(20210101), coupled_(true) {
+      : m_(m.sparse()), shift_(shift), random_(20210101), coupled_(true) {
     if (shift == 0) {
       factor_.factor(k);
     } else {
@@ -77,8 +77,8 @@ class Lanczos {
 
  private:
   void reserve(int columns) {
-    v_.conservativeResize(m_.size(), columns);
-    mv_.conservativeResize(m_.size(), columns);
+    v_.conservativeResize(m_.rows(), columns);
+    mv_.conservativeResize(m_.rows(), columns);
     const auto old = projected_.rows();
     projected_.conservativeResize(columns, columns);
     projected_.rightCols(columns - old).setZero();
@@ -111,15 +111,15 @@ class Lanczos {
   }
 
   double norm() {
-    m_.multiply(work_, product_);
+    product_.noalias() = m_ * work_;
     return std::sqrt(std::max(0.0, work_.dot(product_)));
   }
 
   bool random_start() {
     std::uniform_real_distribution<double> uniform(-1, 1);
-    Eigen::VectorXd start(m_.size());
+    Eigen::VectorXd start(m_.rows());
     for (Eigen::Index i = 0; i < start.size(); ++i) start[i] = uniform(random_);
-    m_.multiply(start, work_);
+    work_.noalias() = m_ * start;
     factor_.solve_in_place(work_);  // into the space of finite eigenvalues
     const double before = norm();
     if (!(before > 0)) return !(exhausted_ = true);
@@ -153,7 +153,7 @@ class Lanczos {
     return true;
   }
 
-  EnvelopeMatrix m_;
+  Eigen::SparseMatrix<double> m_;
   double shift_;
   std::mt19937_64 random_;
   bool coupled_;  // projected_ is tridiagonal

@@ -76,20 +76,18 @@ typename EnvelopeMatrixOf<Scalar>::Vector EnvelopeMatrixOf<Scalar>::operator*(
 }
 
 template <class Scalar>
-EnvelopeMatrixOf<Scalar> EnvelopeMatrixOf<Scalar>::trimmed() const {
-  std::vector<int> first = envelope_->first;
+Eigen::SparseMatrix<Scalar> EnvelopeMatrixOf<Scalar>::sparse() const {
+  std::vector<Eigen::Triplet<Scalar>> entries;
   for (int i = 0; i < size(); ++i) {
-    const auto row = static_cast<std::size_t>(i);
-    const Scalar* a = values_.data() + envelope_->offset[row];
-    while (first[row] < i && a[first[row]] == Scalar(0)) ++first[row];
+    for (int j = envelope_->first[static_cast<std::size_t>(i)]; j <= i; ++j) {
+      const Scalar value = at(i, j);
+      if (value == Scalar(0)) continue;
+      entries.emplace_back(i, j, value);
+      if (j < i) entries.emplace_back(j, i, value);
+    }
   }
-  EnvelopeMatrixOf out(Envelope::from_rows(std::move(first)));
-  for (int i = 0; i < size(); ++i) {
-    const auto row = static_cast<std::size_t>(i);
-    const int begin = out.envelope_->first[row];
-    std::copy_n(values_.data() + envelope_->offset[row] + begin, i - begin + 1,
-                out.values_.data() + out.envelope_->offset[row] + begin);
-  }
+  Eigen::SparseMatrix<Scalar> out(size(), size());
+  out.setFromTriplets(entries.begin(), entries.end());
   return out;
 }
 

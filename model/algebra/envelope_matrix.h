@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <complex>
 #include <memory>
 #include <vector>
@@ -48,8 +49,8 @@ class EnvelopeMatrixOf {
   /// y = A x, without allocation when y has its size.
   void multiply(const Vector& x, Vector& y) const;
   [[nodiscard]] Vector operator*(const Vector& x) const;
-  /// The same matrix without the zeros that rows begin with: products cost less.
-  [[nodiscard]] EnvelopeMatrixOf trimmed() const;
+  /// Without zeros: products cost less.
+  [[nodiscard]] Eigen::SparseMatrix<Scalar> sparse() const;
   [[nodiscard]] Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> dense() const;
 
  private:

@@ -43,8 +43,14 @@ double log_sum(double a, double b) {
   return std::isfinite(b) ? a + std::log1p(std::exp(b - a)) : a;
 }
 
-}  // namespace
+/// ln Z of an assignment at q, and the error of the largest posterior probability.
+struct Evidence {
+  double log_evidence = 0;
+  double error = 0;
+  Eigen::MatrixXd hessian;  // at this error, prior widths included
+};
 
+// False when there is no model at q.
 bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const Eigen::VectorXd& q,
                  Evidence& evidence) {
   const UpdateProblem plain = problem.with_model_std(0);
@@ -94,12 +100,13 @@ bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const
   return true;
 }
 
-namespace {
-
 class Search {
  public:
   Search(const UpdateProblem& problem, const UpdateOptions& options)
-      : problem_(problem), options_(options) {}
+      : problem_(problem), options_(options) {
+    // Of the cost, and so a hundredth or so of ln(evidence); what is kept is fitted anew.
+    options_.function_tolerance = std::max(options_.function_tolerance, 1e-3);
+  }
 
   std::vector<UpdateAnswer> run(int& fits, std::string& failure) {
     std::vector<UpdateAnswer> answers;
@@ -181,6 +188,7 @@ class Search {
 
   // Fitted and assigned anew until the assignment stays; of those that were seen the best.
   UpdateAnswer settled(Seed seed, double error = kSearchError) const {
+    const UpdateProblem problem = problem_.remembering();
     UpdateAnswer best;
     best.log_evidence = -std::numeric_limits<double>::infinity();
     best.solution.failure = "no measured mode lies near any modelled one";
@@ -193,14 +201,14 @@ class Search {
       if (!fits) break;
       double cost = 0;
       const UpdateProblem here =
-          held_about(q, problem_.with_model_std(error, kDampingErrors * error));
+          held_about(q, problem.with_model_std(error, kDampingErrors * error));
       Eigen::VectorXd at = q;
       const bool converged = minimise(here, matches.matches, options_, at, cost);
       Evidence evidence;
-      if (!evidence_of(problem_, matches, at, evidence)) break;
+      if (!evidence_of(problem, matches, at, evidence)) break;
       std::string failure;
       UpdateMatches next =
-          problem_.with_model_std(std::max(evidence.error, kLeastStd)).assign(at, failure);
+          problem.with_model_std(std::max(evidence.error, kLeastStd)).assign(at, failure);
       if (!failure.empty()) {
         best.solution.failure = failure;
         break;
@@ -213,7 +221,7 @@ class Search {
       if (same) {
         evidence.log_evidence += next.without_densities() - matches.without_densities();
       }
-      const bool usable = same || (keep && evidence_of(problem_, next, at, evidence));
+      const bool usable = same || (keep && evidence_of(problem, next, at, evidence));
       if (usable && (done || evidence.log_evidence > best.log_evidence)) {
         best.solution.q = at;
         best.solution.matches = next;
@@ -361,7 +369,7 @@ class Search {
   }
 
   const UpdateProblem& problem_;
-  const UpdateOptions& options_;
+  UpdateOptions options_;
 };
 
 }  // namespace

@@ -45,14 +45,4 @@ struct UpdateAnswer {
                                                      const UpdateOptions& options, int& fits,
                                                      std::string& failure);
 
-/// ln Z of an assignment at q, and the error of the largest posterior probability.
-struct Evidence {
-  double log_evidence = 0;
-  double error = 0;
-  Eigen::MatrixXd hessian;  ///< at this error, prior widths included
-};
-/// False when there is no model at q.
-[[nodiscard]] bool evidence_of(const UpdateProblem& problem, const UpdateMatches& matches,
-                               const Eigen::VectorXd& q, Evidence& evidence);
-
 }  // namespace rigfit::ident

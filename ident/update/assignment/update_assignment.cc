@@ -30,8 +30,7 @@ std::vector<UpdateProblem::FrequencyRow> UpdateProblem::frequency_rows(
   return rows;
 }
 
-UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelled,
-                                          double factor) const {
+UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelled) const {
   const auto& state = states_[static_cast<std::size_t>(s)];
   std::vector<PairingMode> measured, model;
   std::vector<double> stds;
@@ -48,7 +47,7 @@ UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelle
                      .visibility = mode.visibility});
   }
   const ModeAssignment found =
-      assign_modes(measured, stds, model, state.band_hz, options_.assignment, factor);
+      assign_modes(measured, stds, model, state.band_hz, options_.assignment);
   UpdateMatches result;
   result.add(found);
   for (const auto& pair : found.pairs) {

@@ -51,7 +51,7 @@ struct Sight {
 };
 
 Sight sight_of(const std::vector<int>& test, const std::vector<PairingMode>& measured,
-               const std::vector<PairingMode>& modelled, double relative_std, double factor,
+               const std::vector<PairingMode>& modelled, double relative_std,
                const std::optional<std::pair<double, double>>& band,
                const AssignmentOptions& options) {
   const auto& plane = measured[static_cast<std::size_t>(test.front())].plane;
@@ -63,7 +63,7 @@ Sight sight_of(const std::vector<int>& test, const std::vector<PairingMode>& mea
   if (band) low = band->first, high = std::min(std::max(high, band->first), band->second);
   double strongest = 0;
   for (const auto& mode : modelled) {
-    if (!other_plane(plane, mode) && factor * mode.frequency_hz < 1.2 * high) {
+    if (!other_plane(plane, mode) && mode.frequency_hz < 1.2 * high) {
       strongest = std::max(strongest, mode.visibility);
     }
   }
@@ -79,7 +79,7 @@ Sight sight_of(const std::vector<int>& test, const std::vector<PairingMode>& mea
     // Where the planes agree, a mode with its node at the sensor and its twin of the other plane
     // would be seen alike, and rounding would choose.
     if (other_plane(plane, mode)) seen *= kTwin;
-    const double f = factor * mode.frequency_hz;
+    const double f = mode.frequency_hz;
     // The band's ends are as soft as frequencies are uncertain, or the likelihood would jump.
     double within = 0.5 * std::erfc(-std::log(high / f) / soft / std::sqrt(2.0));
     if (low > 0) within *= 0.5 * std::erfc(-std::log(f / low) / soft / std::sqrt(2.0));
@@ -148,7 +148,7 @@ ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
                             const std::vector<double>& relative_std,
                             const std::vector<PairingMode>& modelled,
                             const std::optional<std::pair<double, double>>& band_hz,
-                            const AssignmentOptions& options, double factor) {
+                            const AssignmentOptions& options) {
   ModeAssignment result;
   const double log_false = std::log(options.false_mode), log_true = std::log1p(-options.false_mode);
   for (const auto& test : tests_of(measured)) {
@@ -156,7 +156,7 @@ ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
     double mean_std = 0;
     for (const int i : test) mean_std += relative_std[static_cast<std::size_t>(i)];
     mean_std /= static_cast<double>(test.size());
-    const Sight sight = sight_of(test, measured, modelled, mean_std, factor, band_hz, options);
+    const Sight sight = sight_of(test, measured, modelled, mean_std, band_hz, options);
     const auto rows = static_cast<Eigen::Index>(test.size());
     const auto columns = static_cast<Eigen::Index>(modelled.size());
     // What a pair gains over both unpaired; columns beyond the modelled: unpaired.
@@ -166,8 +166,8 @@ ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
       const auto i = static_cast<std::size_t>(test[static_cast<std::size_t>(r)]);
       for (Eigen::Index c = 0; c < columns; ++c) {
         const auto j = static_cast<std::size_t>(c);
-        const double off = std::log(factor * modelled[j].frequency_hz / measured[i].frequency_hz) /
-                           relative_std[i];
+        const double off =
+            std::log(modelled[j].frequency_hz / measured[i].frequency_hz) / relative_std[i];
         if (std::abs(off) > kFarthest) continue;
         macs(r, c) = shape_correlation(measured[i].shape, modelled[j].shape);
         normal(r, c) = -0.5 * off * off - std::log(relative_std[i] * std::sqrt(2 * M_PI));

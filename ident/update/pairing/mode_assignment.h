@@ -98,7 +98,7 @@ struct ModeAssignment : AssignmentLikelihood {
                                           const std::vector<double>& relative_std,
                                           const std::vector<PairingMode>& modelled,
                                           const std::optional<std::pair<double, double>>& band_hz,
-                                          const AssignmentOptions& options, double factor = 1);
+                                          const AssignmentOptions& options);
 
 /// Pairs for lists, by measured index: those of the assignment where every frequency may be 5 % off
 /// and every mode of the test's plane is visible. A mode of the other plane that shows up in a test

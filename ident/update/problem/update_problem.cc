@@ -256,8 +256,24 @@ UpdateStateModes UpdateProblem::modes(int state, const Eigen::VectorXd& q, bool 
   return result;
 }
 
+UpdateProblem UpdateProblem::remembering() const {
+  UpdateProblem other = *this;
+  other.last_ = std::make_shared<std::vector<LastModes>>(2 * states_.size());
+  return other;
+}
+
 UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q, bool derivatives,
                                             const ModeNeed& need) const {
+  if (!last_) return solved_modes(state, q, derivatives, need);
+  LastModes& last = (*last_)[2 * static_cast<std::size_t>(state) + derivatives];
+  if (last.q.size() == 0 || last.q != q || last.need != need) {
+    last = {q, need, solved_modes(state, q, derivatives, need)};
+  }
+  return last.modes;
+}
+
+UpdateStateModes UpdateProblem::solved_modes(int state, const Eigen::VectorXd& q, bool derivatives,
+                                             const ModeNeed& need) const {
   UpdateStateModes result;
   model::Scene scene;
   if (!fixed_scene(state, q, scene, result.failure)) return result;

@@ -164,9 +164,8 @@ class UpdateProblem {
   /// (or `only` that one).
   [[nodiscard]] UpdateMatches assign(const Eigen::VectorXd& q, std::string& failure,
                                      int only = -1) const;
-  /// The same for one state with these modes, all frequencies times `factor`.
-  [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled,
-                                           double factor = 1) const;
+  /// The same for one state with these modes.
+  [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled) const;
 
   /// Rows of the residuals that are frequencies of fitted pairs, with their match.
   struct FrequencyRow {
@@ -178,6 +177,9 @@ class UpdateProblem {
   [[nodiscard]] bool modes_only() const { return has_modes() && !has_frfs(); }
   /// The same without FRFs, with modes that only lead as data.
   [[nodiscard]] UpdateProblem modes_alone() const;
+  /// The same, which with its copies remembers each state's last modes; for one thread, and copies
+  /// that differ in weights alone.
+  [[nodiscard]] UpdateProblem remembering() const;
 
   [[nodiscard]] double relative_std(int state, int measured) const;
   [[nodiscard]] double damping_relative_std(int state, int measured) const;
@@ -202,10 +204,18 @@ class UpdateProblem {
   struct ModeNeed {
     std::optional<model::ModePlane> plane;
     int count = 0;
+    bool operator==(const ModeNeed&) const = default;
+  };
+  struct LastModes {
+    Eigen::VectorXd q;
+    ModeNeed need;
+    UpdateStateModes modes;
   };
   [[nodiscard]] ModeNeed need_of(int state, const std::vector<UpdateMatch>* matches) const;
   [[nodiscard]] UpdateStateModes modes_asked(int state, const Eigen::VectorXd& q, bool derivatives,
                                              const ModeNeed& need) const;
+  [[nodiscard]] UpdateStateModes solved_modes(int state, const Eigen::VectorXd& q, bool derivatives,
+                                              const ModeNeed& need) const;
   [[nodiscard]] bool damping_fitted(const MeasuredMode& mode) const;
   [[nodiscard]] bool counts(int state) const;
   [[nodiscard]] int mode_count(int state) const;  // that may pair
@@ -242,6 +252,8 @@ class UpdateProblem {
   UpdateVariant variant_;
   // By copies of a problem too: asking for the paired modes alone has not failed yet.
   std::shared_ptr<std::atomic<bool>> narrow_ = std::make_shared<std::atomic<bool>>(true);
+  std::shared_ptr<std::vector<LastModes>>
+      last_;  // of each state without derivatives and with; null: none
 };
 
 /// Root mean square of the relative errors of pairs that are no leakage; NaN without any.

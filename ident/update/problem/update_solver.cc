@@ -34,6 +34,11 @@ class UpdateCost : public ceres::CostFunction {
     }
     return true;
   }
+  /// Where the cost falls by less than its tolerance, Ceres leaves the last step.
+  void take_last_step(Eigen::VectorXd& q, double& cost) const {
+    const double last = 0.5 * r_.squaredNorm();
+    if (q_.size() > 0 && last < cost) q = q_, cost = last;
+  }
 
  private:
   const UpdateProblem& problem_;
@@ -79,6 +84,7 @@ bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matc
   if (!summary.IsSolutionUsable()) return false;
   q = u;
   cost = summary.final_cost;
+  function.take_last_step(q, cost);
   // Data without noise: the cost goes on falling by large factors when nothing is left of it.
   return summary.termination_type == ceres::CONVERGENCE ||
          cost < 1e-10 * static_cast<double>(problem.residual_count(matches));

@@ -31,7 +31,7 @@ double profile_end(const UpdateProblem& problem, const UpdateOptions& given,
                    const std::vector<UpdateMatch>& matches, const UpdateResult& solution,
                    Eigen::Index j, double direction, double least) {
   UpdateOptions options = given;
-  options.function_tolerance = std::max(given.function_tolerance, 1e-6);
+  options.function_tolerance = std::max(given.function_tolerance, 1e-4);
   const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
   const double goal = solution.coverage_factor;
   const double at = solution.coordinates[j];
