@@ -229,7 +229,7 @@ std::string TomlTable::string_or(const std::string& key, const std::string& fall
 std::string TomlTable::choice_or(const std::string& key, const std::vector<std::string>& words,
                                  const std::string& fallback) {
   if (!has(key)) return fallback;
-  const std::string value = string(key);
+  std::string value = string(key);
   if (std::find(words.begin(), words.end(), value) != words.end()) return value;
   const auto nearest = nearest_word(value, words);
   throw error(key, "does not know \"" + value + "\"",

@@ -1,5 +1,3 @@
-#include "signal/readers/files/read_formats.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
 #include "signal/readers/csv/csv_table.h"
+#include "signal/readers/files/read_formats.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 #include "signal/recording/time_axis.h"
@@ -23,29 +22,23 @@ namespace {
 
 constexpr std::string_view kEndOfHeader = "***End_of_Header***";
 
-/// A header and its table; the file's own header has none.
-struct Segment {
-  std::map<std::string, std::vector<std::string>> header;  ///< by key; field k at [k - 1]
-  CsvLayout layout;
-  CsvBody body;
-  std::vector<std::size_t> value_columns, x_columns;
+/// The file's header or that of a segment: by key, field k at [k - 1].
+struct Header {
+  std::map<std::string, std::vector<std::string>> rows;
 
   [[nodiscard]] std::string text(const std::string& key, std::size_t column) const {
-    const auto row = header.find(key);
-    return row == header.end() || column == 0 || column > row->second.size()
+    const auto row = rows.find(key);
+    return row == rows.end() || column == 0 || column > row->second.size()
                ? std::string()
                : row->second[column - 1];
   }
-  /// NaN where there is none.
-  [[nodiscard]] double number(const std::string& key, std::size_t column) const {
+  [[nodiscard]] double number(const std::string& key, std::size_t column, double otherwise) const {
     double value = 0;
     const std::string own = text(key, column);
-    return parse_whole_number(own, '.', value) || parse_whole_number(own, ',', value) ? value
-                                                                                      : kNaN;
-  }
-  [[nodiscard]] double start(std::size_t column) const {
-    const double x0 = number("X0", column);
-    return std::isfinite(x0) ? x0 : 0;
+    return (parse_whole_number(own, '.', value) || parse_whole_number(own, ',', value)) &&
+                   std::isfinite(value)
+               ? value
+               : otherwise;
   }
   /// Seconds of its Date and Time; NaN when it has none.
   [[nodiscard]] double clock(std::size_t column) const {
@@ -59,52 +52,26 @@ struct Segment {
   [[nodiscard]] RateOfStep rate(std::size_t column) const {
     const std::string own = text("Delta_X", column);
     const int decimals = std::max(printed_decimals(own, '.'), printed_decimals(own, ','));
-    return rate_of_step(number("Delta_X", column), 0.5 * std::pow(10.0, -decimals));
-  }
-  [[nodiscard]] bool has_numbers(std::size_t column) const {
-    return !body.columns[column].array().isNaN().all();
-  }
-  [[nodiscard]] bool has_channels_of(const Segment& other) const {
-    return std::ranges::equal(layout.columns, other.layout.columns,
-                              [](const CsvColumn& a, const CsvColumn& b) {
-                                return a.name == b.name && a.unit == b.unit;
-                              });
-  }
-  /// The column of X values in front of a channel, or the only one; empty: there is none.
-  [[nodiscard]] Eigen::VectorXd x_of(std::size_t channel, int& decimals) const {
-    const auto at = std::find_if(x_columns.rbegin(), x_columns.rend(),
-                                 [&](std::size_t c) { return c <= channel && has_numbers(c); });
-    if (at == x_columns.rend()) return {};
-    decimals = layout.columns[*at].decimals;
-    return body.columns[*at];
+    return rate_of_step(number("Delta_X", column, 0), 0.5 * std::pow(10.0, -decimals));
   }
 };
 
+/// Reads the segments of a file, header and table each, and joins them.
 class LvmReader {
  public:
-  LvmReader(std::string_view bytes, const std::string& file, const ReadOptions& options)
-      : bytes_(bytes), file_(file), done_with_(options.done_with) {
-    rest_ = bytes_.substr(bytes_.starts_with("\xEF\xBB\xBF") ? 3 : 0);
+  LvmReader(std::string_view bytes, const std::filesystem::path& path, const ReadOptions& options)
+      : bytes_(bytes), rest_(bytes), path_(path), options_(options) {
+    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
+    table_.file = path.string();
   }
 
-  std::vector<Segment> read() {
-    Segment file;
-    read_header(file);
+  Recording read() {
+    const Header file = read_header();
     if (file.text("Separator", 1) == "Comma") dialect_.separator = ',';
-    const std::string decimal = file.text("Decimal_Separator", 1);
-    if (decimal == ",") dialect_.decimal = ',';
-    decimal_known_ = !decimal.empty();
-    std::vector<Segment> segments;
-    while (skip_blank_lines()) {
-      segments.push_back(read_segment());
-      if (!segments.back().has_channels_of(segments.front())) {
-        throw error(segments.back().layout.body_line,
-                    fmt::format("segment {} has other channels than the first", segments.size()),
-                    "split the file into one for each kind of segment");
-      }
-    }
-    if (segments.empty()) throw error(line(), "holds a header but no measurement", "record again");
-    return segments;
+    if (file.text("Decimal_Separator", 1) == ",") dialect_.decimal = ',';
+    for (; skip_blank_lines(); ++segments_) read_segment();
+    if (segments_ == 0) throw error(line(), "holds a header but no measurement", "record again");
+    return joined();
   }
 
  private:
@@ -113,7 +80,10 @@ class LvmReader {
     return line_number(bytes_, std::min(bytes_.size() - rest_.size(), bytes_.size() - 1));
   }
   [[nodiscard]] RecordingError error(long line, std::string problem, std::string remedy) const {
-    return {{file_, line, 0, "", ""}, std::move(problem), std::move(remedy)};
+    return {{table_.file, line, 0, "", ""}, std::move(problem), std::move(remedy)};
+  }
+  [[nodiscard]] static bool has_numbers(const Eigen::VectorXd& column) {
+    return !column.array().isNaN().all();
   }
 
   /// Whether a line follows that is not blank.
@@ -124,12 +94,13 @@ class LvmReader {
     return false;
   }
 
-  void read_header(Segment& segment) {
+  Header read_header() {
+    Header header;
     std::vector<CsvField> fields;
     const long first = line();
     while (!rest_.empty()) {
       const auto text = take_line(rest_);
-      if (text.starts_with(kEndOfHeader)) return;
+      if (text.starts_with(kEndOfHeader)) return header;
       if (trim_blanks(text).empty()) continue;
       // Before the separator is known a tab or a comma behind the key may be it.
       const bool by_tabs = text.find('\t') != std::string_view::npos;
@@ -141,15 +112,14 @@ class LvmReader {
       if (key == "Decimal_Separator" && !by_tabs) {
         row.assign(1, text.substr(key.size()).starts_with(",,") ? "," : ".");
       }
-      segment.header.emplace(key, std::move(row));
+      header.rows.emplace(key, std::move(row));
     }
     throw error(first, "a header without its end",
                 "a header ends with a line \"" + std::string(kEndOfHeader) + "\"");
   }
 
-  Segment read_segment() {
-    Segment segment;
-    read_header(segment);
+  void read_segment() {
+    Header header = read_header();
     skip_blank_lines();
     const long titles_line = line();
     std::vector<CsvField> titles;
@@ -162,166 +132,177 @@ class LvmReader {
     for (auto after = rest_; !after.empty(); rest_ = after) {
       if (trim_blanks(take_line(after)).empty()) break;
     }
-    const std::size_t end = bytes_.size() - rest_.size();
-    if (!decimal_known_ && dialect_.separator != ',') {
-      // The sign that the numbers carry, where the file does not say.
-      const auto head = bytes_.substr(begin, std::min<std::size_t>(end - begin, 1 << 16));
-      const bool comma = std::ranges::count(head, ',') > std::ranges::count(head, '.');
-      dialect_.decimal = comma ? ',' : '.';
-    }
-    CsvLayout& layout = segment.layout;
+    const auto text = bytes_.substr(0, bytes_.size() - rest_.size());
+    CsvLayout layout;
     layout.dialect = dialect_;
     layout.body = begin;
     layout.body_line = titles_line + 1;
     layout.has_names = true;
     std::vector<bool> wanted;
+    std::vector<std::size_t> values, x_columns;
     for (std::size_t c = 0; c < titles.size(); ++c) {
       const auto title = titles[c].text;
       CsvColumn column;
       column.name = to_utf8(title);
       wanted.push_back(c + 1 < titles.size() || (title != "Comment" && !title.empty()));
       if (title == "X_Value" || (c == 0 && title == "X")) {
-        segment.x_columns.push_back(c);
+        x_columns.push_back(c);
       } else if (wanted[c]) {
-        segment.value_columns.push_back(c);
-        column.unit = segment.text("Y_Unit_Label", c);
+        values.push_back(c);
+        column.unit = header.text("Y_Unit_Label", c);
       }
       layout.columns.push_back(std::move(column));
     }
-    if (begin < end && !segment.value_columns.empty()) {
-      const auto text = bytes_.substr(0, end);
+    CsvBody body;
+    if (begin < text.size() && !values.empty()) {
       find_csv_decimals(text, layout);
-      segment.body = parse_csv_body(text, layout, wanted, file_, done_with_);
+      body = parse_csv_body(text, layout, wanted, table_.file, options_.done_with);
     }
-    if (segment.body.rows == 0) {
-      throw error(begin < end ? layout.body_line : titles_line, "the table holds no numbers",
-                  "record again");
+    if (body.rows == 0) {
+      throw error(begin < text.size() ? layout.body_line : titles_line,
+                  "the table holds no numbers", "record again");
     }
-    return segment;
+    incomplete_last_ = body.incomplete_last;
+    const auto is_same = [](const CsvColumn& a, const CsvColumn& b) {
+      return a.name == b.name && a.unit == b.unit;
+    };
+    if (segments_ == 0) {
+      table_.layout = layout;
+      first_ = header;
+      values_ = values;
+      const auto filled =
+          std::ranges::find_if(values, [&](std::size_t c) { return has_numbers(body.columns[c]); });
+      reference_ = filled == values.end() ? values.front() : *filled;
+      columns_.resize(titles.size());
+      stated_.resize(titles.size());
+    } else if (!std::ranges::equal(layout.columns, table_.layout.columns, is_same)) {
+      throw error(layout.body_line,
+                  fmt::format("segment {} has other channels than the first", segments_ + 1),
+                  "split the file into one for each kind of segment");
+    }
+    // The column of X values in front of the channel, or the only one.
+    const auto x = std::find_if(x_columns.rbegin(), x_columns.rend(), [&](std::size_t c) {
+      return c <= reference_ && has_numbers(body.columns[c]);
+    });
+    const bool has_x = x != x_columns.rend();
+    append_times(header, has_x ? body.columns[*x] : Eigen::VectorXd(), body.rows);
+    if (segments_ == 0 && has_x) decimals_ = layout.columns[*x].decimals;
+    if (!has_x) decimals_ = kAllDigits;
+    has_x_ |= has_x;
+    for (const std::size_t c : values_) {
+      append(body.columns[c], columns_[c]);
+      stated_[c] += header.number("Samples", c, 0);
+    }
   }
 
-  std::string_view bytes_, rest_;
-  const std::string& file_;
-  const std::function<void(std::size_t)>& done_with_;
-  CsvDialect dialect_{'\t', '.'};
-  bool decimal_known_ = false;
-};
+  static void append(const Eigen::VectorXd& more, Eigen::VectorXd& all) {
+    all.conservativeResize(all.size() + more.size());
+    all.tail(more.size()) = more;
+  }
 
-/// Times of every segment on one axis, and the digits that they are printed with.
-Eigen::VectorXd joined_times(const std::vector<Segment>& segments, std::size_t reference,
-                             int& decimals) {
-  Eigen::VectorXd time;
-  const Segment& first = segments.front();
-  int digits = 400;
-  bool all_have_x = true;
-  for (const auto& segment : segments) {
-    const Eigen::Index n = segment.body.rows, row = time.size();
-    const double rate = segment.rate(reference).rate_hz, step = rate > 0 ? 1 / rate : 0;
-    Eigen::VectorXd x = segment.x_of(reference, row == 0 ? decimals : digits);
+  /// Times of every segment on one axis: `x`, or from X0 in steps of Delta_X.
+  void append_times(const Header& header, Eigen::VectorXd x, Eigen::Index rows) {
+    const double rate = header.rate(reference_).rate_hz, step = rate > 0 ? 1 / rate : 0;
+    const auto x0 = [&](const Header& of) { return of.number("X0", reference_, 0); };
     if (x.size() == 0) {
-      all_have_x = false;
-      x = segment.start(reference) +
-          step * Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
+      x = x0(header) + step * Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(rows - 1));
     }
-    if (row > 0) {
+    if (segments_ > 0) {
       // X may run on or begin anew; then clocks that resolve the segments tell where it belongs.
-      const double next = time[row - 1] + step;
-      const double by_clock =
-          segment.clock(reference) - first.clock(reference) + first.start(reference);
-      const double start = x[0] > time[row - 1] ? x[0] : by_clock > time[row - 1] ? by_clock : next;
+      const double last = times_[times_.size() - 1], next = last + step;
+      const double by_clock = header.clock(reference_) - first_.clock(reference_) + x0(first_);
+      const double start = x[0] > last ? x[0] : by_clock > last ? by_clock : next;
       x.array() += (std::abs(start - next) < 0.5 * step ? next : start) - x[0];
     }
-    time.conservativeResize(row + n);
-    time.tail(n) = x;
+    append(x, times_);
   }
-  if (!all_have_x) decimals = 400;
-  return time;
-}
 
-/// A channel's numbers in all segments; the header's number of them is compared with the table's.
-void take_channel(const std::vector<Segment>& segments, std::size_t c, std::size_t reference,
-                  CsvTable& table) {
-  const Segment& first = segments.front();
-  const double delta = first.number("Delta_X", c), usual = first.number("Delta_X", reference);
-  if (first.has_numbers(c) && delta > 0 && usual > 0 && std::abs(delta / usual - 1) > 1e-6) {
-    add_note(table.notes, "data_left_out", first.layout.columns[c].name,
-             "is sampled at another rate than \"{}\" (Delta_X {} s): left out",
-             first.layout.columns[reference].name, first.text("Delta_X", c));
-    return;
+  /// A channel's numbers in all segments; the header's number of them is compared with the table's.
+  void take_channel(std::size_t c) {
+    const auto& names = table_.layout.columns;
+    const double delta = first_.number("Delta_X", c, 0);
+    const double usual = first_.number("Delta_X", reference_, 0);
+    if (has_numbers(columns_[c]) && delta > 0 && usual > 0 && std::abs(delta / usual - 1) > 1e-6) {
+      add_note(table_.notes, "data_left_out", names[c].name,
+               "is sampled at another rate than \"{}\" (Delta_X {} s): left out",
+               names[reference_].name, first_.text("Delta_X", c));
+      return;
+    }
+    table_.add(names[c], c, std::move(columns_[c]));
+    const Channel& channel = table_.channels.back();
+    const auto held = static_cast<double>(channel.samples.size() - channel.missing_samples);
+    if (held > 0 && stated_[c] > 0 && stated_[c] != held) {
+      add_note(table_.notes, "read_as", channel.name,
+               "the header states {:.0f} samples, the table holds {:.0f}",
+               std::min(stated_[c], 1e15), held);
+    }
   }
-  Eigen::VectorXd numbers;
-  double stated = 0;
-  for (const auto& segment : segments) {
-    numbers.conservativeResize(numbers.size() + segment.body.rows);
-    numbers.tail(segment.body.rows) = segment.body.columns[c];
-    const double samples = segment.number("Samples", c);
-    if (std::isfinite(samples)) stated += samples;
+
+  Recording joined() {
+    const std::string dimension = first_.text("X_Dimension", 1);
+    if (!dimension.empty() && dimension != "Time") {
+      throw RecordingError(
+          {table_.file, line_number(bytes_, bytes_.find("X_Dimension")), 0, "", dimension},
+          "is no recording over time", "give a file whose X_Dimension is Time");
+    }
+    const std::string delta = first_.text("Delta_X", reference_);
+    const RateOfStep stated = first_.rate(reference_);
+    table_.layout.stated_rate_hz = stated.rate_hz;
+    table_.layout.rate_text = "Delta_X = " + delta;
+    if (incomplete_last_) {
+      add_note(table_.notes, "incomplete", "",
+               "the last line broke off before its end and is left out");
+    }
+    if (segments_ > 1) {
+      table_.layout.body_line = 0;
+      add_note(table_.notes, "read_as", "", "{} segments are joined into one recording", segments_);
+    }
+    const bool has_times = segments_ > 1 || has_x_;
+    if (has_times) {
+      CsvColumn x{"X_Value", "s"};
+      x.decimals = decimals_;
+      table_.add(x, 0, std::move(times_));
+    }
+    for (const std::size_t c : values_) take_channel(c);
+    Recording recording = recording_of_table(std::move(table_), path_, "lvm", options_);
+    if (has_times) return recording;
+    recording.start_time_s = first_.number("X0", reference_, 0);
+    if (options_.sample_rate_hz > 0) return recording;
+    recording.sample_rate_relative_std = stated.relative_std;
+    // 20 ppm: what ordinary loggers' clocks are off by anyhow.
+    if (stated.relative_std > 2e-5) {
+      add_note(recording.notes, "read_as", "",
+               "Give sample_rate_hz if it is known better: Delta_X is printed as {}, so "
+               "{:.9g} Hz is uncertain by {:.2g} Hz, and every frequency in proportion",
+               delta, stated.rate_hz, stated.relative_std * stated.rate_hz);
+    }
+    return recording;
   }
-  table.add(first.layout.columns[c], c, std::move(numbers));
-  const Channel& channel = table.channels.back();
-  const auto held = static_cast<double>(channel.samples.size() - channel.missing_samples);
-  if (held > 0 && stated > 0 && stated != held) {
-    add_note(table.notes, "read_as", channel.name,
-             "the header states {:.0f} samples, the table holds {:.0f}", std::min(stated, 1e15),
-             held);
-  }
-}
+
+  static constexpr int kAllDigits = 400;
+  std::string_view bytes_, rest_;
+  const std::filesystem::path& path_;
+  const ReadOptions& options_;
+  CsvDialect dialect_{'\t', '.'};
+  // Of the segments so far: the first one's header, columns and the channel whose times are those
+  // of all; times and numbers, by column.
+  long segments_ = 0;
+  Header first_;
+  CsvTable table_;
+  std::vector<std::size_t> values_;
+  std::size_t reference_ = 0;
+  Eigen::VectorXd times_;
+  int decimals_ = kAllDigits;
+  bool has_x_ = false, incomplete_last_ = false;
+  std::vector<Eigen::VectorXd> columns_;
+  std::vector<double> stated_;
+};
 
 }  // namespace
 
 Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options) {
-  const std::string file = path.string();
-  const std::vector<Segment> segments = LvmReader(bytes, file, options).read();
-  const Segment& first = segments.front();
-  const std::string dimension = first.text("X_Dimension", 1);
-  if (!dimension.empty() && dimension != "Time") {
-    throw RecordingError({file, line_number(bytes, bytes.find("X_Dimension")), 0, "", dimension},
-                         "is no recording over time", "give a file whose X_Dimension is Time");
-  }
-  const auto filled = std::ranges::find_if(first.value_columns,
-                                           [&](std::size_t c) { return first.has_numbers(c); });
-  const std::size_t reference =
-      filled == first.value_columns.end() ? first.value_columns.front() : *filled;
-  const std::string delta = first.text("Delta_X", reference);
-  const RateOfStep stated = first.rate(reference);
-
-  CsvTable table;
-  table.file = file;
-  table.layout = first.layout;
-  table.layout.stated_rate_hz = stated.rate_hz;
-  table.layout.rate_text = "Delta_X = " + delta;
-  if (segments.back().body.incomplete_last) {
-    add_note(table.notes, "incomplete", "",
-             "the last line broke off before its end and is left out");
-  }
-  if (segments.size() > 1) {
-    table.layout.body_line = 0;
-    add_note(table.notes, "read_as", "", "{} segments are joined into one recording",
-             segments.size());
-  }
-  CsvColumn x;
-  x.name = "X_Value";
-  x.unit = "s";
-  const bool has_times = segments.size() > 1 || first.x_of(reference, x.decimals).size() > 0;
-  if (has_times) {
-    Eigen::VectorXd times = joined_times(segments, reference, x.decimals);
-    table.add(x, 0, std::move(times));
-  }
-  for (const std::size_t c : first.value_columns) take_channel(segments, c, reference, table);
-  Recording recording = recording_of_table(std::move(table), path, "lvm", options);
-  if (has_times) return recording;
-  recording.start_time_s = first.start(reference);
-  if (options.sample_rate_hz > 0) return recording;
-  recording.sample_rate_relative_std = stated.relative_std;
-  // 20 ppm: what ordinary loggers' clocks are off by anyhow.
-  if (stated.relative_std > 2e-5) {
-    add_note(recording.notes, "read_as", "",
-             "Give sample_rate_hz if it is known better: Delta_X is printed as {}, so "
-             "{:.9g} Hz is uncertain by {:.2g} Hz, and every frequency in proportion",
-             delta, stated.rate_hz, stated.relative_std * stated.rate_hz);
-  }
-  return recording;
+  return LvmReader(bytes, path, options).read();
 }
 
 }  // namespace rigfit::signal

@@ -14,15 +14,20 @@
 namespace rigfit::signal {
 
 void take_stated_rate(double rate_hz, Recording& recording) {
+  const double of_file = std::isfinite(recording.sample_rate_hz) ? recording.sample_rate_hz : 0;
+  recording.sample_rate_hz = rate_hz > 0 ? rate_hz : of_file;
+  if (!(recording.sample_rate_hz > 0)) {
+    add_note(recording.notes, "no_sample_rate", "",
+             "neither times nor a sample rate in the file: give the rate (option "
+             "or sample_rate_hz in the TOML file beside the recording)");
+  }
   if (!(rate_hz > 0)) return;
-  const double of_file = recording.sample_rate_hz;
+  recording.sample_rate_relative_std = 0;
   if (of_file > 0 && std::abs(of_file / rate_hz - 1) > 1e-4) {
     add_note(recording.notes, "read_as", "",
              "the file gives {:.9g} Hz; {:.9g} Hz is taken as asked", of_file, rate_hz);
     recording.time_s.resize(0);
   }
-  recording.sample_rate_hz = rate_hz;
-  recording.sample_rate_relative_std = 0;
 }
 
 void take_unit(const std::string& text, Channel& channel, std::vector<Note>& notes) {

@@ -34,14 +34,9 @@ constexpr Dimension kNone{0, 0, 0, 0, 0, 0}, kMetre{1, 0, 0, 0, 0, 0}, kMass{0, 
 // Symbols are matched as written first; when that gives nothing, ignoring case.
 constexpr Symbol kSymbols[] = {{"m", 1, kMetre, true},
                                {"g", kGravity, kAcceleration, false},
-                               {"mg", 1e-3 * kGravity, kAcceleration, false},
-                               {"ug", 1e-6 * kGravity, kAcceleration, false},
-                               {"gs", kGravity, kAcceleration, false},
-                               {"gn", kGravity, kAcceleration, true},
                                {"kg", 1, kMass, false},
                                {"gram", 1e-3, kMass, true},
                                {"s", 1, kSecond, true},
-                               {"sec", 1, kSecond, true},
                                {"N", 1, kNewton, true},
                                {"V", 1, kVolt, true},
                                {"K", 1, kKelvin, false},
@@ -49,23 +44,20 @@ constexpr Symbol kSymbols[] = {{"m", 1, kMetre, true},
                                {"degF", 5.0 / 9.0, kKelvin, false, 273.15 - 32 * 5.0 / 9.0},
                                {"rad", 1, kRadian, true},
                                {"deg", kDegree, kRadian, true},
-                               {"dps", kDegree, kTurning, true},
                                {"Hz", 1, kHertz, true},
                                {"Pa", 1, kPascal, true},
                                {"bar", 1e5, kPascal, true},
                                {"J", 1, kJoule, true},
                                {"Nm", 1, kJoule, true},
-                               {"Nmm", 1e-3, kJoule, true},
-                               {"Ncm", 1e-2, kJoule, true},
                                {"strain", 1, kNone, true},
-                               {"eps", 1, kNone, true},
-                               {"%", 1e-2, kNone, false},
                                {"1", 1, kNone, false}};
 
 /// Other names and units, "|name=expression" or "|name=factor expression"; a plural's s is taken
 /// off.
 constexpr std::string_view kNames =
-    "|metre=m|meter=m|millimetre=mm|millimeter=mm|centimetre=cm|centimeter=cm|gram=gram|micron=um|"
+    "|mg=0.00980665 m/s2|ug=9.80665e-06 m/s2|gs=g|gn=g|sec=s|dps=deg/s|nmm=0.001 J|ncm=0.01 J|"
+    "eps=strain|ueps=ustrain|%=0.01 "
+    "1|metre=m|meter=m|millimetre=mm|millimeter=mm|centimetre=cm|centimeter=cm|gram=gram|micron=um|"
     "micrometer=um|newton=N|kilonewton=kN|newtonmeter=Nm|volt=V|millivolt=mV|microvolt=uV|second=s|"
     "msec=ms|millisecond=ms|usec=us|microsecond=us|min=60 s|minute=60 s|h=3600 s|hr=3600 s|"
     "hour=3600 s|hertz=Hz|pascal=Pa|kilopascal=kPa|megapascal=MPa|radian=rad|degree=deg|c=degC|"
@@ -227,8 +219,7 @@ bool multiply(std::string_view term, int sign, Product& product) {
   for (std::size_t k = 0; k < product.dimension.size(); ++k) {
     product.dimension[k] += exponent * symbol.dimension[k];
   }
-  const std::string_view text(symbol.text);
-  product.strain |= text == "strain" || text == "eps";
+  product.strain |= std::string_view(symbol.text) == "strain";
   return true;
 }
 

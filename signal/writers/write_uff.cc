@@ -61,24 +61,20 @@ std::string e13(double value) {
   return fmt::format("{:13.{}e}", value, std::signbit(value) ? 5 : 6);
 }
 
-/// Little-endian bytes of the value as a Number.
 template <typename Number>
 void append_binary(std::string& out, double value) {
-  auto bytes = std::bit_cast<std::array<char, sizeof(Number)>>(static_cast<Number>(value));
-  if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
+  const auto bytes = std::bit_cast<std::array<char, sizeof(Number)>>(static_cast<Number>(value));
   out.append(bytes.data(), bytes.size());
 }
 
 void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
   const Eigen::Index n = f.real.size();
   const int values = (f.complex ? 2 : 1) + (f.even ? 0 : 1);
-  const bool binary = encoding != UffEncoding::ascii;
   const bool single = encoding == UffEncoding::binary_single;
-  const Eigen::Index bytes = single ? 4 : 8;
-  // Byte order 1 (little endian), floating-point format 2 (IEEE 754), 11 lines of text.
-  out += binary ? fmt::format("{}    58b{:6d}{:6d}{:12d}{:12d}{:6d}{:6d}{:12d}{:12d}\n", kMark, 1,
-                              2, 11, bytes * values * n, 0, 0, 0, 0)
-                : head(58);
+  const Eigen::Index bytes = (single ? 4 : 8) * values * n;
+  // Byte order (1: little, 2: big endian), floating-point format 2 (IEEE 754), 11 lines of text.
+  out += fmt::format("{}    58b{:6d}{:6d}{:12d}{:12d}{:6d}{:6d}{:12d}{:12d}\n", kMark,
+                     std::endian::native == std::endian::little ? 1 : 2, 2, 11, bytes, 0, 0, 0, 0);
   for (const auto& line : f.id) out += id_line(line);
   out += fmt::format("{:5d}{:10d}{:5d}{:10d}", f.function_type, 0, 0, 0);
   for (const auto& at : {f.response, f.reference}) {
@@ -90,23 +86,12 @@ void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
                      e13(f.even ? f.abscissa_start : 0), e13(f.even ? f.abscissa_step : 0), e13(0));
   for (const auto& axis : {f.abscissa, f.ordinate, f.denominator, Uff58Axis{}})
     out += axis_line(axis);
-  if (binary) {
-    out.reserve(out.size() + static_cast<std::size_t>(bytes * values * n) + 8);
-    const auto append = single ? append_binary<float> : append_binary<double>;
-    for (Eigen::Index k = 0; k < n; ++k) {
-      if (!f.even) append(out, f.x[k]);
-      append(out, f.real[k]);
-      if (f.complex) append(out, f.imag[k]);
-    }
-  } else {
-    // 4E20.12; uneven: 2(E13.5,E20.12) or, complex, E13.5,2E20.12.
-    const int per_line = f.even ? (f.complex ? 2 : 4) : (f.complex ? 1 : 2);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      if (!f.even) out += fmt::format("{:13.5e}", f.x[k]);
-      fmt::format_to(std::back_inserter(out), "{:20.12e}", f.real[k]);
-      if (f.complex) fmt::format_to(std::back_inserter(out), "{:20.12e}", f.imag[k]);
-      if ((k + 1) % per_line == 0 || k + 1 == n) out += '\n';
-    }
+  out.reserve(out.size() + static_cast<std::size_t>(bytes) + 8);
+  const auto append = single ? append_binary<float> : append_binary<double>;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (!f.even) append(out, f.x[k]);
+    append(out, f.real[k]);
+    if (f.complex) append(out, f.imag[k]);
   }
   out += kMark;
 }

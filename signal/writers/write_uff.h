@@ -1,8 +1,7 @@
-// Universal files that other programs read: recordings and FRFs as dataset 58 (text or binary),
-// mode shapes as dataset 55, points as dataset 15.
+// Universal files that other programs read: recordings and FRFs as dataset 58 (binary, 58b: IEEE
+// numbers), mode shapes as dataset 55, points as dataset 15.
 //
-// Values are written in double precision: exactly in binary (58b, little-endian IEEE), with 13
-// digits in text. Columns are those of the format; lines end with '\n'. Data for which the format
+// Columns are those of the format; lines end with '\n'. Data for which the format
 // has no exact place (long names, the exact rate, averages, the decay rate of a window) go to
 // identification lines 1, 2, 4 and 5, so that files written here are read back without loss.
 #pragma once
@@ -17,9 +16,9 @@
 
 namespace rigfit::signal {
 
-/// binary_single: 58b with single-precision ordinates, as most loggers write it (7 digits, half the
-/// size).
-enum class UffEncoding { ascii, binary, binary_single };
+/// Values in double precision, or in single precision, as most loggers write them (7 digits, half
+/// the size).
+enum class UffEncoding { binary, binary_single };
 
 /// One dataset 58 (time response) per channel; `remark` is their second identification line.
 [[nodiscard]] std::string uff_text(const Recording& recording, UffEncoding encoding,

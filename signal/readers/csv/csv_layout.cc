@@ -291,29 +291,10 @@ std::string bare_unit(std::string_view text) {
   return unit == "-" || lower_case(unit) == "none" ? "" : unit;
 }
 
-/// The rate of "Sampling Rate(Hz)" 50, "Sample interval [ms]" 2; 0: the label is no such thing. The
-/// unit may stand in the label or behind the number.
-double rate_from_label(std::string_view label, std::string_view value, char decimal) {
-  const std::string plain = label.size() > 64 ? "" : normal_label(label);
-  const bool is_interval = is_listed(kIntervalLabels, plain);
-  if (!is_interval && !is_listed(kRateLabels, plain)) return 0;
-  // "1000 Hz", "1000Hz".
-  const std::size_t end = std::min(value.find_first_not_of("+-.,0123456789eE"), value.size());
-  std::string_view unit_text = trim_blanks(value.substr(end));
-  // No unit begins with "5" behind a semicolon: "3;5" is a decimal sign that is not known.
-  if (unit_text.size() > 1 && std::isdigit(static_cast<unsigned char>(unit_text[1])) != 0) return 0;
-  double number = 0;
-  if ((!parse_whole_number(value.substr(0, end), decimal, number) &&
-       !parse_whole_number(value.substr(0, end), decimal == '.' ? ',' : '.', number)) ||
-      !(number > 0)) {
-    return 0;
-  }
-  const std::size_t open = label.find_first_of("([");
-  if (unit_text.empty() && open != std::string_view::npos) {
-    unit_text = label.substr(open + 1);
-    unit_text = unit_text.substr(0, unit_text.find_first_of(")]"));
-  }
-  unit_text = trim_blanks(unit_text.substr(0, unit_text.find_first_of(",;\"")));
+/// The rate that a label, a number and its unit state; 0: the label is no such thing.
+double rate_of(const std::string& label, double number, const std::string& unit_text) {
+  const bool is_interval = is_listed(kIntervalLabels, label);
+  if (!is_interval && !is_listed(kRateLabels, label)) return 0;
   const auto unit = parse_unit(unit_text);
   const std::string word = lower_case(unit_text);
   // A unit of time tells what a label such as "sampling" left open.
@@ -327,30 +308,35 @@ double rate_from_label(std::string_view label, std::string_view value, char deci
   } else if (!is_listed("||s/s|sps|samples/s|samples/sec|", word)) {
     return 0;
   }
-  return std::isfinite(rate) ? rate : 0;
+  return rate > 0 && std::isfinite(rate) ? rate : 0;
 }
 
-/// The first line of the header that states a rate: a label, then its number behind a separator, a
-/// sign or a blank.
+/// The first line of the header that states a rate, as "Sampling Rate(Hz)" 50, "Sample interval
+/// [ms]" 2 or "fs = 1 kHz": a label, a unit in brackets or none, behind a sign or a blank a number,
+/// its unit or none.
 void find_rate(const std::vector<std::string_view>& lines, CsvLayout& layout) {
-  constexpr std::string_view kBetween = " \t\r:=;,\"#%";
-  const char separator = layout.dialect.separator;
+  constexpr std::size_t kLongest = 4096;  // std::regex takes some stack for each character
+  static const std::regex kStated(
+      R"((?:^|[\t;,:="#%])\s*([a-z][^\t;,:="#%0-9([]*?)\s*(?:[([]([^)\]]*)[)\]])?)"  // label, unit
+      R"((["\s:;,=#%]+)((?:\d+[.,]?\d*|[.,]\d+)(?:e[+-]?\d+)?)(?![.\d]))"            // number
+      R"(\s*([^\s;,"0-9][^;,"]*)?)",                                                 // unit
+      std::regex::icase);
   for (std::size_t k = 0; k < lines.size(); ++k) {
-    const auto line = trim_blanks(lines[k]);
-    for (std::size_t at = 1; at < std::min<std::size_t>(line.size(), 4096); ++at) {
-      if (std::string_view(".0123456789").find(line[at]) == std::string_view::npos ||
-          kBetween.find(line[at - 1]) == std::string_view::npos) {
+    const std::string line(lines[k].substr(0, kLongest));
+    for (std::sregex_iterator one(line.begin(), line.end(), kStated), end; one != end; ++one) {
+      const std::smatch& found = *one;
+      double value = 0;
+      const std::string between = found[3], unit = found[found[5].length() > 0 ? 5 : 2];
+      std::string digits = found[4];
+      // A comma is a decimal sign unless it parts the fields of this line.
+      if (layout.dialect.separator == ',' && between.find(',') != std::string::npos) {
+        digits.resize(std::min(digits.find(','), digits.size()));
+      }
+      if (!parse_whole_number(digits, '.', value) && !parse_whole_number(digits, ',', value)) {
         continue;
       }
-      auto label = line.substr(0, line.find_last_not_of(kBetween, at - 1) + 1);
-      auto value = line.substr(at);
-      if (separator != ' ' &&
-          line.substr(label.size(), at - label.size()).find(separator) != std::string_view::npos) {
-        value = value.substr(0, value.find(separator));
-      }
-      label.remove_prefix(label.find_last_of("\t;,:=\"#%") + 1);
-      value = value.substr(0, value.find_last_not_of(" \t\"") + 1);
-      const double rate = rate_from_label(trim_blanks(label), value, layout.dialect.decimal);
+      const double rate =
+          rate_of(normal_label(found[1].str()), value, std::string(trim_blanks(unit)));
       if (rate == 0) continue;
       layout.stated_rate_hz = rate;
       layout.rate_line = static_cast<long>(k) + 1;

@@ -81,18 +81,16 @@ class TimeTaker {
     if (time_ || table_.channels.size() < 2) return;
     const Channel& first = table_.channels[0];
     const bool unnamed = table_.columns[0].name.empty() && table_.places[0] == 0;
+    const bool given = options_.time_unit_s > 0;
     if ((unnamed || is_index_name(first.name)) && counts_samples(first.samples)) {
       left_out_.push_back(0);
       add_note(recording_.notes, "left_out", first.name, "ignored: it is a row counter");
-    } else if ((unnamed || first.quantity == Quantity::time) &&
-               (rises_evenly(0) || options_.time_unit_s > 0)) {
+    } else if ((unnamed || first.quantity == Quantity::time) && (given || rises_evenly(0))) {
       time_ = 0;
-      if (first.source_unit.empty() && !layout_.has_names) {
-        add_note(recording_.notes, "read_as", "", "{}",
-                 options_.time_unit_s > 0
-                     ? "column 1 is taken as time in the unit given"
-                     : "column 1 rises in equal steps: taken as time in seconds");
-      }
+      if (!first.source_unit.empty() || layout_.has_names) return;
+      add_note(recording_.notes, "read_as", "", "column 1 {}",
+               given ? "is taken as time in the unit given"
+                     : "rises in equal steps: taken as time in seconds");
     } else if (unnamed && first.samples.size() > 2 && first.samples.allFinite() &&
                steps_of(first.samples).minCoeff() > 0) {
       add_note(
@@ -129,10 +127,14 @@ class TimeTaker {
     const bool is_clock = kind(*time_) == ColumnKind::clock;
     const int decimals = table_.columns[*time_].decimals;
     double printed = std::pow(10.0, -decimals) * std::abs(column.si_per_source);
-    const auto scale = [&](double factor) {
-      column.samples *= factor;
-      printed *= factor;
+    double resolution = 0;
+    const auto axis_in = [&](double unit_s) {
+      column.samples *= unit_s;
+      printed *= unit_s;
+      resolution = printed;
+      return axis_of(column.samples, resolution, layout_.stated_rate_hz);
     };
+    double unit_s = 1;
     if (is_clock) {
       // Midnight inside the record.
       for (Eigen::Index k = 1; k < column.samples.size(); ++k) {
@@ -142,17 +144,15 @@ class TimeTaker {
       }
       const double start = column.samples[0];
       if (std::isfinite(start)) column.samples.array() -= start;
-    } else if (const double factor = options_.time_unit_s / column.si_per_source;
-               options_.time_unit_s > 0 && factor != 1) {
-      if (!column.source_unit.empty()) {
-        add_note(recording_.notes, "read_as", column.name, "{}",
-                 "the file says \"" + column.source_unit +
-                     "\" of the times; the unit asked for is taken");
+    } else if (options_.time_unit_s > 0) {
+      unit_s = options_.time_unit_s / column.si_per_source;
+      if (unit_s != 1 && !column.source_unit.empty()) {
+        add_note(recording_.notes, "read_as", column.name,
+                 "the file says \"{}\" of the times; the unit asked for is taken",
+                 column.source_unit);
       }
-      scale(factor);
     }
-    double resolution = printed;
-    TimeAxis axis = axis_of(column.samples, resolution, layout_.stated_rate_hz);
+    TimeAxis axis = axis_in(unit_s);
     if (options_.time_unit_s == 0 && column.source_unit.empty() && !is_clock && axis.rate_hz > 0) {
       // The unit in which the times give the stated rate.
       constexpr std::pair<double, const char*> kUnits[] = {
@@ -161,9 +161,7 @@ class TimeTaker {
         return std::abs(axis.rate_hz / one.first / layout_.stated_rate_hz - 1) < 1e-2;
       });
       if (unit != std::end(kUnits)) {
-        scale(unit->first);
-        resolution = printed;
-        axis = axis_of(column.samples, resolution, layout_.stated_rate_hz);
+        axis = axis_in(unit->first);
         add_note(recording_.notes, "assumed", column.name,
                  "the times have no unit; in {} they give the rate that the header "
                  "states: so taken",
@@ -178,14 +176,13 @@ class TimeTaker {
                  name, axis.rate_hz, name, axis.rate_hz / seconds);
       }
     }
-    ReadTimes times{column.samples,
-                    resolution,
-                    fmt::format("the header says {:.9g} Hz (\"{}\")", layout_.stated_rate_hz,
-                                layout_.rate_text),
-                    layout_.rate_line > 0 ? fmt::format("line {}", layout_.rate_line) : "",
-                    column.name,
-                    layout_.body_line};
-    signal::take_times(axis, times, recording_);
+    signal::take_times(axis,
+                       {column.samples, resolution,
+                        fmt::format("the header says {:.9g} Hz (\"{}\")", layout_.stated_rate_hz,
+                                    layout_.rate_text),
+                        layout_.rate_line > 0 ? fmt::format("line {}", layout_.rate_line) : "",
+                        column.name, layout_.body_line},
+                       recording_);
     left_out_.push_back(*time_);
     // LabVIEW and others repeat the time for each channel.
     for (std::size_t k = 0; k < table_.channels.size(); ++k) {
@@ -246,11 +243,6 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
   const std::vector<std::size_t> left_out = TimeTaker(table, options, recording).take();
   if (recording.sample_rate_hz == 0) recording.sample_rate_hz = layout.stated_rate_hz;
   take_stated_rate(options.sample_rate_hz, recording);
-  if (recording.sample_rate_hz == 0) {
-    add_note(recording.notes, "no_sample_rate", "",
-             "neither times nor a sample rate in the file: give the rate (option "
-             "or sample_rate_hz in the TOML file beside the recording)");
-  }
   for (std::size_t k = 0; k < table.channels.size(); ++k) {
     if (std::find(left_out.begin(), left_out.end(), k) != left_out.end()) continue;
     if (layout.has_names && table.columns[k].name.empty()) {

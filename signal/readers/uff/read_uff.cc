@@ -245,11 +245,6 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
   take_channels(file, histories, recording);
   take_abscissa(*histories.front(), recording);
   take_stated_rate(options.sample_rate_hz, recording);
-  if (!(recording.sample_rate_hz > 0) || !std::isfinite(recording.sample_rate_hz)) {
-    recording.sample_rate_hz = 0;
-    add_note(recording.notes, "no_sample_rate", "",
-             "the file gives no sample rate (step of zero): give it");
-  }
   return recording;
 }
 

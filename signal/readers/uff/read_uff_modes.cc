@@ -53,23 +53,18 @@ class UffModesReader {
   }
 
   /// The numbers of a line, which may stand without blanks between them (E13.5), `whole` whole ones
-  /// first; appended to `values`.
-  void append_numbers(const UffLine& line, std::vector<double>& values, std::size_t whole,
-                      const char* what) const {
-    const std::size_t had = values.size();
+  /// first.
+  std::vector<double> numbers(const UffLine& line, std::size_t whole, const char* what) const {
+    std::vector<double> values;
     std::size_t at = line.at;
     while (const auto value = text_.next_number(at, line.at + line.text.size())) {
       require(!std::isnan(*value), line, "not a number");
       values.push_back(*value);
     }
-    for (std::size_t k = had; k < had + whole; ++k) {
+    for (std::size_t k = 0; k < whole; ++k) {
       require(k < values.size() && values[k] == std::round(values[k]) && std::abs(values[k]) < 2e9,
               line, fmt::format("{} begins with {} whole number(s)", what, whole));
     }
-  }
-  std::vector<double> numbers(const UffLine& line, std::size_t whole, const char* what) const {
-    std::vector<double> values;
-    append_numbers(line, values, whole, what);
     return values;
   }
 
@@ -78,7 +73,10 @@ class UffModesReader {
     while (const auto line = text_.line()) {
       if (trim_blanks(line->text).empty()) continue;
       std::vector<double> values = numbers(*line, 4, "a point");
-      if (apart) append_numbers(text_.needed_line(), values, 0, "");
+      if (apart) values.resize(4);
+      for (const double x : apart ? numbers(text_.needed_line(), 0, "") : std::vector<double>()) {
+        values.push_back(x);
+      }
       require(values.size() == 7, *line,
               fmt::format("a point has three coordinates, not {}", values.size() - 4));
       // The last one written counts.
@@ -116,22 +114,22 @@ class UffModesReader {
     std::vector<double> eigen;
     for (int k = 0; k < about[1]; k += 6) {
       line = text_.needed_line();
-      append_numbers(line, eigen, 0, "");
+      for (const double value : numbers(line, 0, "")) eigen.push_back(value);
     }
     require(eigen.size() >= (complex_mode ? 2U : 1U), line,
             "a normal mode has a frequency, a complex one an eigenvalue of two parts");
+    eigen.resize(std::max<std::size_t>(eigen.size(), 4));
     UffMode mode;
     mode.line = dataset_line;
     bool conjugate = false;  // the eigenvalue given is the conjugate of the mode's
-    if (analysis == kNormalMode) {
-      mode.frequency_hz = eigen[0];
-      if (eigen.size() > 2) mode.damping_ratio = eigen[2];
-      if (mode.damping_ratio == 0 && eigen.size() > 3) mode.damping_ratio = 0.5 * eigen[3];
-    } else {
+    if (complex_mode) {
       const std::complex<double> pole(eigen[0], eigen[1]);
       mode.frequency_hz = std::abs(pole) / (2 * std::numbers::pi);
       if (mode.frequency_hz > 0) mode.damping_ratio = -pole.real() / std::abs(pole);
       conjugate = pole.imag() < 0;
+    } else {
+      mode.frequency_hz = eigen[0];
+      mode.damping_ratio = eigen[2] != 0 ? eigen[2] : 0.5 * eigen[3];
     }
     require(std::isfinite(mode.frequency_hz), line, "a frequency too large for a double");
     if (mode.damping_ratio == 0) mode.damping_ratio = kNaN;
@@ -139,40 +137,33 @@ class UffModesReader {
         (values == 3 && (characteristic == kTranslations || characteristic == 0)) ||
         (values == 6 && (characteristic == kTranslationsAndRotations || characteristic == 0));
     if (!directed) ++left_out_["shapes without directions (their frequencies are taken)"];
-    read_values(values, complex_values, conjugate, directed ? &mode : nullptr);
+    const std::size_t step = complex_values ? 2 : 1;
+    while (const auto at_line = text_.line()) {
+      if (trim_blanks(at_line->text).empty()) continue;
+      const auto first = numbers(*at_line, 1, "the line of a node");
+      require(first.size() == 1, *at_line, "a node's number stands alone in its line");
+      UffNodeShape node;
+      node.node = static_cast<int>(first[0]);
+      std::vector<double> at_node;
+      while (at_node.size() < values * step) {
+        line = text_.needed_line();
+        const std::size_t had = at_node.size();
+        for (const double value : numbers(line, 0, "")) at_node.push_back(value);
+        require(at_node.size() > had && at_node.size() <= values * step, line,
+                fmt::format("node {} has {} values, not {} as the dataset states", node.node,
+                            at_node.size(), values * step));
+      }
+      if (!directed) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double imaginary = complex_values ? at_node[step * k + 1] : 0.0;
+        node.translation[k] = {at_node[step * k], conjugate ? -imaginary : imaginary};
+      }
+      mode.shape.push_back(node);
+    }
     if (mode.frequency_hz > 0) {
       (conjugate ? conjugates_ : out_.modes).push_back(std::move(mode));
     } else {
       ++left_out_["modes of no frequency"];
-    }
-  }
-
-  /// The values at each node; `mode` null: they have no directions and are passed over.
-  void read_values(std::size_t values, bool complex_values, bool conjugate, UffMode* mode) {
-    const std::size_t each = values * (complex_values ? 2 : 1);
-    while (auto line = text_.line()) {
-      if (trim_blanks(line->text).empty()) continue;
-      UffNodeShape node;
-      const auto first = numbers(*line, 1, "the line of a node");
-      require(first.size() == 1, *line, "a node's number stands alone in its line");
-      node.node = static_cast<int>(first[0]);
-      std::vector<double> at_node;
-      while (at_node.size() < each) {
-        line = text_.needed_line();
-        const std::size_t had = at_node.size();
-        append_numbers(*line, at_node, 0, "");
-        require(at_node.size() > had && at_node.size() <= each, *line,
-                fmt::format("node {} has {} values, not {} as the dataset states", node.node,
-                            at_node.size(), each));
-      }
-      if (mode == nullptr) continue;
-      for (std::size_t k = 0; k < 3; ++k) {
-        node.translation[k] = complex_values
-                                  ? std::complex<double>(at_node[2 * k], at_node[2 * k + 1])
-                                  : std::complex<double>(at_node[k]);
-        if (conjugate) node.translation[k] = std::conj(node.translation[k]);
-      }
-      mode->shape.push_back(node);
     }
   }
 
