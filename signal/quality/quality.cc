@@ -303,11 +303,8 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
                              Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
     const double left = std::sqrt((rest - rest.mean()).square().mean());
     if (std::abs(q.drift) > left && std::abs(q.drift) > 2 * q.quantum) {
-      add("drift", 0, -1, "drifts by {} over the record, {}", with_unit(q.drift, channel),
-          std::abs(q.drift) < 1000 * left
-              ? fmt::format("{:.2g} times what is left of its standard deviation",
-                            std::abs(q.drift) / left)
-              : std::string("and does hardly anything else: a ramp"));
+      add("drift", 0, -1, "drifts by {} over the record, with a standard deviation of {} beside",
+          with_unit(q.drift, channel), with_unit(left, channel));
     }
   }
   if (count >= 16 && rests_at_zero(channel.quantity) && std > 0 && std::abs(q.mean) > std) {

@@ -39,9 +39,6 @@ class Archive {
   explicit Archive(const std::filesystem::path& path)
       : file_(path.string()), zip_(::unzOpen64(path.c_str()), ::unzClose) {
     if (zip_ == nullptr) throw damaged("list of parts");
-    if (::unzLocateFile(zip_.get(), "xl/workbook.xml", 1) == UNZ_OK) return;
-    throw file_error(file_, "is a zip archive without a workbook (xl/workbook.xml) in it",
-                     "open it in a spreadsheet program and save it as .xlsx, or as CSV");
   }
 
   [[nodiscard]] RecordingError damaged(const std::string& part) const {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <bit>
 #include <cctype>
 #include <cmath>
@@ -140,7 +139,7 @@ std::string uff_text(const Recording& recording, UffEncoding encoding, const std
   for (const auto& channel : recording.channels) {
     Uff58 f;
     f.function_type = uff58_function::kTimeResponse;
-    f.even = recording.time_s.size() == 0 && rate > 0;
+    f.even = recording.time_s.size() == 0;
     f.id[0] = channel.name;
     f.id[1] = remark;
     f.id[3] =
@@ -153,16 +152,9 @@ std::string uff_text(const Recording& recording, UffEncoding encoding, const std
     f.abscissa = {17, "Time", "s"};
     f.ordinate = {uff58_data_type(channel.quantity), name_of(channel.quantity), channel.unit};
     f.real = channel.samples;
-    if (f.even) {
-      f.abscissa_start = recording.start_time_s;
-      f.abscissa_step = 1 / rate;
-    } else if (recording.time_s.size() == channel.samples.size()) {
-      f.x = recording.time_s;
-    } else {
-      // No rate is known: the samples are numbered, a step of zero would be none.
-      f.x = Eigen::VectorXd::LinSpaced(f.real.size(), 0, static_cast<double>(f.real.size() - 1));
-      f.abscissa = {0, "Sample", ""};
-    }
+    f.x = recording.time_s;
+    f.abscissa_start = recording.start_time_s;
+    f.abscissa_step = rate > 0 ? 1 / rate : 0;
     append_function(out, f, encoding);
   }
   return out;

@@ -4,18 +4,13 @@
 #include <matio.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <complex>
-#include <limits>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "signal/readers/arrays/array_columns.h"
-#include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_layout.h"
 #include "signal/readers/files/frf_parts.h"
 #include "signal/recording/recording_error.h"

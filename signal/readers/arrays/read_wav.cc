@@ -9,7 +9,6 @@
 #include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "signal/readers/arrays/array_columns.h"
 #include "signal/recording/recording_error.h"
@@ -33,9 +32,6 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
   if (!whole && coding != SF_FORMAT_FLOAT && coding != SF_FORMAT_DOUBLE) {
     throw file_error(path, "holds compressed sound",
                      "save it as PCM or floating point WAV, which keeps the signal");
-  }
-  if (info.channels < 1 || info.samplerate < 1) {
-    throw file_error(path, "states no channel or no rate", "record again");
   }
   // Every sample takes a byte at least.
   const auto held = static_cast<sf_count_t>(bytes.size()) / info.channels;

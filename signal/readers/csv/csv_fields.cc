@@ -1,7 +1,6 @@
 #include "signal/readers/csv/csv_fields.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <chrono>
 #include <cstdlib>

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cmath>
 #include <complex>
 #include <numbers>
 #include <span>
@@ -241,10 +240,6 @@ std::optional<FrequencyTable> frequency_table_of(CsvTable csv, const std::filesy
   for (std::size_t k = *at + 1; k < csv.channels.size(); ++k) {
     const auto kind = csv.columns[k].kind;
     if (kind == ColumnKind::numbers) table.functions.push_back(std::move(csv.channels[k]));
-  }
-  if (table.functions.empty()) {
-    throw RecordingError({path.string(), csv.layout.body_line, 0, "", ""},
-                         "holds frequencies and nothing beside them", "export the functions too");
   }
   return table;
 }

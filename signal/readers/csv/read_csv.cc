@@ -136,12 +136,6 @@ class TimeTaker {
     };
     double unit_s = 1;
     if (is_clock) {
-      // Midnight inside the record.
-      for (Eigen::Index k = 1; k < column.samples.size(); ++k) {
-        if (column.samples[k] - column.samples[k - 1] < -43200) {
-          column.samples.tail(column.samples.size() - k).array() += 86400;
-        }
-      }
       const double start = column.samples[0];
       if (std::isfinite(start)) column.samples.array() -= start;
     } else if (options_.time_unit_s > 0) {
@@ -184,15 +178,6 @@ class TimeTaker {
                         column.name, layout_.body_line},
                        recording_);
     left_out_.push_back(*time_);
-    // LabVIEW and others repeat the time for each channel.
-    for (std::size_t k = 0; k < table_.channels.size(); ++k) {
-      const Channel& other = table_.channels[k];
-      if (k == *time_ || kind(k) == ColumnKind::empty || !table_.is_time(k)) continue;
-      if ((other.samples - column.samples).cwiseAbs().maxCoeff() <= printed) {
-        left_out_.push_back(k);
-        add_note(recording_.notes, "read_as", other.name, "the same times once more: left out");
-      }
-    }
   }
 
   CsvTable& table_;

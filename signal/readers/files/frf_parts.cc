@@ -92,9 +92,7 @@ FrfSet set_of_parts(const std::vector<FrfPart>& parts) {
   const Index begin = lines > 1 && !is_number(0) ? 1 : 0;
   const Index end = lines > 2 && !is_number(lines - 1) ? lines - 1 : lines;
   if (const Index left = lines - (end - begin); left > 0) {
-    note("data_left_out", left == 2 ? "the first and the last line are no numbers and are left out"
-                                    : std::string("the ") + (begin == 1 ? "first" : "last") +
-                                          " line is no number and is left out");
+    note("data_left_out", fmt::format("lines without numbers at the ends are left out: {}", left));
   }
   const Index kept = end - begin, columns = responses * inputs;
   set.frequency_hz = first.frequency_hz.segment(begin, kept);

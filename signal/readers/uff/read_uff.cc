@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "signal/numerics/numbers.h"
 #include "signal/readers/files/frf_parts.h"
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/uff/uff58.h"
@@ -158,9 +157,6 @@ FrfUnit scale_of(const Uff58& f) {
       f.denominator.unit.empty() && f.denominator.data_type == 13 ? "N" : f.denominator.unit;
   auto scale = parse_frf_unit(f.ordinate.unit);
   if (!scale) scale = parse_frf_unit(f.ordinate.unit + "/" + force);
-  if (const auto unit = parse_unit(f.ordinate.unit); !scale && unit) {
-    scale = FrfUnit{unit->factor, form_of(unit->quantity), unit->si};
-  }
   if (!scale) scale.emplace();
   if (scale->form == FrfForm::unknown) scale->form = form_of(uff58_quantity(f.ordinate.data_type));
   return *scale;

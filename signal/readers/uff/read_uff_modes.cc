@@ -4,18 +4,16 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <numbers>
 #include <set>
 
 #include "signal/numerics/numbers.h"
-#include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/readers/uff/uff_text.h"
 #include "signal/recording/recording_error.h"
+#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 namespace {

@@ -11,7 +11,6 @@
 
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/uff/uff_text.h"
-#include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
@@ -41,7 +40,7 @@ class Uff58Reader {
               const std::function<void(std::size_t)>& done_with)
       : bytes_(bytes), text_(bytes, file), done_with_(done_with) {}
 
-  Uff58File read(const std::string& file) {
+  Uff58File read() {
     while (const auto type = text_.next_dataset()) {
       if (*type == 58) {
         out_.functions.push_back(read_function());
@@ -49,13 +48,7 @@ class Uff58Reader {
         continue;
       }
       out_.other_datasets.push_back(*type);
-      if (!text_.skip_to_end()) {
-        out_.remarks.push_back(fmt::format("dataset {} has no end mark (-1)", *type));
-      }
-    }
-    if (!text_.any()) {
-      throw RecordingError({file, 1, 1, "", ""}, "holds no dataset",
-                           "export it as UFF 58 once more");
+      text_.skip_to_end();
     }
     return std::move(out_);
   }
@@ -240,7 +233,7 @@ int uff58_data_type(Quantity quantity) {
 
 Uff58File read_uff58(std::string_view bytes, const std::string& file,
                      const std::function<void(std::size_t)>& done_with) {
-  return Uff58Reader(bytes, file, done_with).read(file);
+  return Uff58Reader(bytes, file, done_with).read();
 }
 
 double Uff58::noted(const std::string& key, double fallback) const {
