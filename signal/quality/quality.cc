@@ -178,6 +178,7 @@ int measure_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double sa
   const Eigen::Index length = good_fft_length_below(std::min(n, kLong) / 4);
   if (static_cast<double>(length) < sample_rate_hz) return lines;
   std::vector<Eigen::VectorXd> quarters;
+  quarters.reserve(4);
   for (int k = 0; k < 4; ++k) {
     quarters.push_back(power_density(samples.segment((n - 4 * length) / 2 + k * length, length),
                                      length, sample_rate_hz, 1));

@@ -114,7 +114,7 @@ std::string clock_text(double days, bool from_1904) {
   const auto per_second = static_cast<long long>(std::pow(10.0, digits));
   const long long ticks = std::llround(days * 86400 * static_cast<double>(per_second));
   const long long seconds = ticks / per_second;
-  const std::string clock =
+  std::string clock =
       fmt::format("{:02}:{:02}:{:02}.{:0{}}", seconds / 3600 % (is_date ? 24 : 9999),
                   seconds / 60 % 60, seconds % 60, ticks % per_second, digits);
   if (!is_date) return clock;
@@ -126,7 +126,7 @@ std::string clock_text(double days, bool from_1904) {
 
 /// Text as a field: in quotes where it would end there or be taken as a remark.
 std::string words(const std::string& text) {
-  const std::string plain(trim_blanks(to_utf8(text)));
+  std::string plain(trim_blanks(to_utf8(text)));
   if (plain.find_first_of(";\"") == std::string::npos && !plain.starts_with('#') &&
       !plain.starts_with('%')) {
     return plain;
@@ -145,6 +145,7 @@ struct Sheet {
 const Sheet& chosen(const std::vector<Sheet>& sheets, const std::string& wanted,
                     const std::string& file, std::vector<Note>& notes) {
   std::vector<std::string> names;
+  names.reserve(sheets.size());
   for (const auto& sheet : sheets) names.push_back(sheet.name);
   for (std::size_t k = 0; k < sheets.size(); ++k) {
     const Sheet& sheet = sheets[k];
@@ -316,12 +317,10 @@ class Workbook {
     double number = 0;
     if (type == "inlineStr") {
       cell.text = words(string_of(child(node, "is")));
-    } else if (type == "str" || type == "d") {
+    } else if (type == "str" || type == "d" || value == "#N/A") {
       cell.text = words(value);
     } else if (type == "b") {
       cell.text = value == "1" ? "TRUE" : "FALSE";
-    } else if (value == "#N/A") {
-      cell.text = words(value);
     } else if (type == "e") {
       refuse("holds an error instead of a value",
              "correct the formula, or empty the cell where there is no value");

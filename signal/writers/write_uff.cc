@@ -70,7 +70,7 @@ void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
   const Eigen::Index n = f.real.size();
   const int values = (f.complex ? 2 : 1) + (f.even ? 0 : 1);
   const bool single = encoding == UffEncoding::binary_single;
-  const Eigen::Index bytes = (single ? 4 : 8) * values * n;
+  const Eigen::Index bytes = n * values * (single ? 4 : 8);
   // Byte order (1: little, 2: big endian), floating-point format 2 (IEEE 754), 11 lines of text.
   out += fmt::format("{}    58b{:6d}{:6d}{:12d}{:12d}{:6d}{:6d}{:12d}{:12d}\n", kMark,
                      std::endian::native == std::endian::little ? 1 : 2, 2, 11, bytes, 0, 0, 0, 0);
