@@ -45,8 +45,8 @@ void BendingTest::complete() {
 }
 
 void TensionTest::complete() {
-  const bool whole = std::all_of(orders.begin(), orders.end(),
-                                 [](double order) { return order == std::round(order); });
+  const bool whole =
+      std::ranges::all_of(orders, [](double order) { return order == std::round(order); });
   if (!whole || (!orders.empty() && orders.size() != frequencies_hz.size())) {
     throw std::invalid_argument(
         fmt::format("the orders {} are not one whole number for each of {} frequencies",
@@ -103,55 +103,47 @@ Options channel_keys_of(BendingTest& t) {
 
 Options keys_of(BendingTest& t) {
   auto& test = t.campaign.test;
-  return {option("span", test.span_m.value,
-                 "Clear length between clamps or supports; cantilever: to the load", "m")
-              .required()
-              .positive(),
-          option("span_std", test.span_m.std, "Standard uncertainty of the span", "m")
-              .from_zero()
-              .needs("recording"),
-          option("tension_zero_std", test.tension_zero_std_N, "Of the tension cell's zero", "N")
-              .from_zero()
-              .needs("recording"),
-          option("clamp_stiffness", test.clamp_stiffness_Nm_rad,
-                 "1 over the standard uncertainty of each clamp's flexibility; default: rigid",
-                 "N m/rad")
-              .from_zero()
-              .needs("recording"),
-          option("tension_calibration_std", test.tension_calibration_std, "Relative")
-              .from_zero()
-              .needs("recording"),
-          option("load_calibration_std", test.load_calibration_std, "Relative")
-              .from_zero()
-              .needs("recording"),
-          option("deflection_calibration_std", test.deflection_calibration_std, "Relative")
-              .from_zero()
-              .needs("recording"),
-          option("tension", t.tension_N,
-                 "0: a beam without tension, by dead weights or a testing machine", "N")
-              .from_zero()
-              .excludes("table"),
-          option("ends", t.ends, "Of the beam: loaded at mid-span, or at the end of a cantilever")
-              .one_of({"clamped", "pinned", "cantilever"})
-              .needs("tension"),
-          option("rectangle", t.rectangle_m,
-                 "Its section, width and height (along the load): gives the modulus", "m")
-              .count(2)
-              .positive()
-              .needs("tension")
-              .excludes("diameter")
-              .excludes("second_moment"),
-          option("diameter", t.section.diameter_m, "Of a round and solid section", "m")
-              .positive()
-              .needs("tension")
-              .excludes("second_moment"),
-          option("second_moment", t.section.second_moment_m4, "Of area, about the axis of bending",
-                 "m4")
-              .positive()
-              .needs("tension"),
-          option("section_std", t.section.relative_std, "Of the second moment, relative")
-              .from_zero()
-              .needs("tension")};
+  Options keys{option("span", test.span_m.value,
+                      "Clear length between clamps or supports; cantilever: to the load", "m")
+                   .required()
+                   .positive(),
+               option("tension", t.tension_N,
+                      "0: a beam without tension, by dead weights or a testing machine", "N")
+                   .from_zero()
+                   .excludes("table"),
+               option("rectangle", t.rectangle_m,
+                      "Its section, width and height (along the load): gives the modulus", "m")
+                   .count(2)
+                   .positive()
+                   .needs("tension")
+                   .excludes("diameter")
+                   .excludes("second_moment"),
+               option("diameter", t.section.diameter_m, "Of a round and solid section", "m")
+                   .positive()
+                   .needs("tension")
+                   .excludes("second_moment")};
+  for (auto& key :
+       {option("ends", t.ends, "Of the beam: loaded at mid-span, or at the end of a cantilever")
+            .one_of({"clamped", "pinned", "cantilever"}),
+        option("second_moment", t.section.second_moment_m4, "Of area, about the axis of bending",
+               "m4")
+            .positive(),
+        option("section_std", t.section.relative_std, "Of the second moment, relative")
+            .from_zero()}) {
+    keys.push_back(Option(key).needs("tension"));
+  }
+  for (auto& key :
+       {option("span_std", test.span_m.std, "Standard uncertainty of the span", "m"),
+        option("tension_zero_std", test.tension_zero_std_N, "Of the tension cell's zero", "N"),
+        option("clamp_stiffness", test.clamp_stiffness_Nm_rad,
+               "1 over the standard uncertainty of each clamp's flexibility; default: rigid",
+               "N m/rad"),
+        option("tension_calibration_std", test.tension_calibration_std, "Relative"),
+        option("load_calibration_std", test.load_calibration_std, "Relative"),
+        option("deflection_calibration_std", test.deflection_calibration_std, "Relative")}) {
+    keys.push_back(Option(key).from_zero().needs("recording"));
+  }
+  return keys;
 }
 
 Options keys_of(AxialTest& t) {

@@ -45,6 +45,151 @@ double relative_change(const Eigen::VectorXd& x) {
   return mean > 0 ? std::sqrt((x.array() - x.mean()).square().mean()) / mean : 1e300;
 }
 
+const std::vector<std::string> kLoadNames = {"load", "force",  "standard force",
+                                             "q",    "weight", "mass"};
+const std::vector<std::string> kDeflectionNames = {"deflection", "displacement", "lvdt",
+                                                   "extension",  "crosshead",    "d"};
+
+/// Finds the columns of a table or record that a person means.
+class Columns {
+ public:
+  Columns(const signal::Recording& recording, const BendingColumns& names,
+          std::vector<Finding>& warnings)
+      : recording_(recording), names_(names), warnings_(warnings), file_(recording.path.string()) {
+    if (names_.tension == "0") names_.tension.clear();
+    const auto table = load_deflection(recording);
+    for (const auto what :
+         {&LoadDeflection::tension, &LoadDeflection::load, &LoadDeflection::deflection}) {
+      if (table && (names_.*what).empty()) names_.*what = (*table).*what;
+    }
+  }
+
+  [[nodiscard]] ident::BendingSource source() const {
+    ident::BendingSource source;
+    source.name = file_;
+    if (const auto* EI = find(recording_, "", {"ei"})) {
+      source.values = values(*EI);
+      return source;
+    }
+    auto& record = source.record;
+    if (!names_.without_tension) {
+      record.tension_N = column("tension", names_.tension, {"tension", "preload"}, "N").samples;
+    }
+    record.load_N = load();
+    if (names_.without_tension) record.tension_N.setZero(record.load_N.size());
+    record.deflection_m = column("deflection", names_.deflection, kDeflectionNames, "m").samples;
+    return source;
+  }
+
+ private:
+  /// In newtons; masses as dead weights.
+  [[nodiscard]] Eigen::VectorXd load() const {
+    const auto* found = find(recording_, names_.load, kLoadNames);
+    const bool named = found != nullptr && signal::lower_case(found->name).starts_with("mass");
+    // "g" is the standard gravity to the reader, grams on a mass or load.
+    const bool grams = found != nullptr && found->source_unit == "g";
+    if (found == nullptr || !(named || grams || found->unit == "kg")) {
+      return column("load", names_.load, kLoadNames, "N").samples;
+    }
+    if (!grams && found->unit != "kg") {
+      throw wrong(found->name, found->source_unit, "is a mass without a unit of mass",
+                  "title it in kg or g, or in a TOML file beside it");
+    }
+    warnings_.push_back({"assumed",
+                         "masses are taken as dead weights, times 9.80665 m/s2; the place on earth "
+                         "changes that by up to 0.3 %",
+                         file_ + ": " + found->name});
+    return found->samples * (grams ? 1e-3 : 9.80665);
+  }
+
+  [[nodiscard]] const signal::Channel& column(const std::string& what, const std::string& asked,
+                                              const std::vector<std::string>& beginnings,
+                                              const std::string& si) const {
+    const auto* found = find(recording_, asked, beginnings);
+    const std::string remedy = fmt::format(fmt::runtime(names_.remedy), what);
+    if (found == nullptr) {
+      const bool none = what == "tension" && asked.empty();
+      throw wrong(asked.empty() ? what : asked, "", "no such column",
+                  fmt::format("{}{}; there are: {}", remedy,
+                              none ? ", or say that there is none (--tension 0)" : "",
+                              signal::listed_names(recording_.channels)));
+    }
+    if (found->unit.empty()) {
+      warnings_.push_back(
+          {"no_unit", fmt::format("no unit given, taken as {}", si), file_ + ": " + found->name});
+    } else if (found->unit != si) {
+      throw wrong(found->name, found->unit,
+                  fmt::format("its unit is not one of {}", si == "N" ? "force" : "length"),
+                  remedy + ", or give its unit in a TOML file beside the recording");
+    }
+    return *found;
+  }
+
+  [[nodiscard]] std::vector<ident::StiffnessPoint> values(const signal::Channel& EI) const {
+    const auto& tension = column("tension", names_.tension, {"tension"}, "N");
+    const auto* std = find(recording_, "", {"std", "uncertainty"});
+    const auto* low = find(recording_, "", {"low"});
+    const auto* high = find(recording_, "", {"high"});
+    std::vector<ident::StiffnessPoint> points;
+    for (Eigen::Index i = 0; i < EI.samples.size(); ++i) {
+      const auto at = [&](const signal::Channel* one) {
+        return one == nullptr ? kNaN : one->samples[i];
+      };
+      const ident::StiffnessPoint point{at(&tension), at(&EI), at(std), at(low), at(high)};
+      const bool bad_EI = point.tension_N > 0;
+      if (bad_EI && point.EI_Nm2 > 0) {
+        points.push_back(point);
+      } else if (std::isnan(point.EI_Nm2) && !std::isinf(point.tension_N)) {
+        warnings_.push_back(
+            {"missing", fmt::format("row {} holds no EI and is left out", i + 1), file_});
+      } else {
+        throw wrong(bad_EI ? EI.name : tension.name,
+                    fmt::format("{}", bad_EI ? point.EI_Nm2 : point.tension_N),
+                    fmt::format("row {} has no positive number", i + 1), "mend or remove the row");
+      }
+    }
+    if (points.empty()) {
+      throw wrong(EI.name, "", "holds no number", "give at least one row of tension and EI");
+    }
+    return points;
+  }
+
+  [[nodiscard]] signal::RecordingError wrong(const std::string& channel, const std::string& value,
+                                             const std::string& problem,
+                                             const std::string& remedy) const {
+    return {{.file = file_, .channel = channel, .value = value}, problem, remedy};
+  }
+
+  const signal::Recording& recording_;
+  BendingColumns names_;  ///< what a person gives, else how the table shows what it is
+  std::vector<Finding>& warnings_;
+  std::string file_;
+};
+
+/// The tests of a bending result that gave an EI, fitted again by the same laws.
+ident::StiffnessCurve curve_of_result(const std::filesystem::path& path) {
+  const Json document = read_document(path, "tests", "rigfit bending ... --json FILE (or a table)");
+  const auto or_zero = [](double x) { return std::isfinite(x) ? x : 0; };
+  std::vector<ident::StiffnessPoint> points;
+  for (const auto& test : document["tests"]) {
+    const Json EI = test.is_object() ? test.value("EI_Nm2", Json()) : Json();
+    ident::StiffnessPoint point{
+        number_in(test, "tension_N"), number_in(EI, "value"),
+        number_in(EI, "std"),         number_in(EI, "low"),
+        number_in(EI, "high"),        or_zero(number_in(test, "shared_relative_std"))};
+    point.tension_std_N = or_zero(number_in(test, "tension_spread_N"));
+    if (point.tension_N > 0 && point.EI_Nm2 > 0) points.push_back(point);
+  }
+  ident::StiffnessLawOptions options;
+  if (document.contains("assumed_relative_std")) {
+    options.assumed_relative_std = number_in(document, "assumed_relative_std");
+  }
+  const Json bounds = document.value("bounds", Json());
+  const double least = number_in(bounds, "EI_min_Nm2"), most = number_in(bounds, "EI_max_Nm2");
+  if (least > 0 && most > least) options.bounds = ident::StiffnessBounds{least, most};
+  return ident::StiffnessCurve(std::move(points), options);
+}
+
 }  // namespace
 
 const signal::Channel* channel_like(const signal::Recording& recording,
@@ -100,159 +245,6 @@ std::optional<LoadDeflection> load_deflection(const signal::Recording& recording
   if (correlation(load->samples, d) < 0.8) return std::nullopt;
   return LoadDeflection{tension == nullptr ? "" : tension->name, load->name, way->name};
 }
-
-namespace {
-
-const std::vector<std::string> kLoadNames = {"load", "force",  "standard force",
-                                             "q",    "weight", "mass"};
-const std::vector<std::string> kDeflectionNames = {"deflection", "displacement", "lvdt",
-                                                   "extension",  "crosshead",    "d"};
-
-class Columns {
- public:
-  Columns(const signal::Recording& recording, const BendingColumns& names,
-          std::vector<Finding>& warnings)
-      : recording_(recording), names_(names), warnings_(warnings), file_(recording.path.string()) {}
-
-  ident::BendingSource source() const {
-    ident::BendingSource source;
-    source.name = file_;
-    if (const auto* EI = find(recording_, "", {"ei"})) {
-      source.values = values(*EI);
-    } else {
-      auto& record = source.record;
-      if (!names_.without_tension) {
-        record.tension_N =
-            column("tension", name_of(&LoadDeflection::tension), {"tension", "preload"}, "N")
-                .samples;
-      }
-      record.load_N = load();
-      if (names_.without_tension) record.tension_N.setZero(record.load_N.size());
-      record.deflection_m =
-          column("deflection", name_of(&LoadDeflection::deflection), kDeflectionNames, "m").samples;
-    }
-    return source;
-  }
-
- private:
-  /// The name that a person gives, else the one by which the table shows what it is.
-  [[nodiscard]] std::string name_of(std::string LoadDeflection::*what) const {
-    const std::string& given = names_.*what;
-    if (!given.empty() && given != "0") return given;
-    return table_ ? (*table_).*what : "";
-  }
-
-  /// In newtons; masses as dead weights.
-  Eigen::VectorXd load() const {
-    const auto* found = find(recording_, name_of(&LoadDeflection::load), kLoadNames);
-    const bool named = found != nullptr && signal::lower_case(found->name).starts_with("mass");
-    // "g" is the standard gravity to the reader, grams on a mass or load.
-    const bool grams = found != nullptr && found->source_unit == "g";
-    if (found == nullptr || !(named || grams || found->unit == "kg")) {
-      return column("load", name_of(&LoadDeflection::load), kLoadNames, "N").samples;
-    }
-    if (!grams && found->unit != "kg") {
-      throw signal::RecordingError(
-          {.file = file_, .channel = found->name, .value = found->source_unit},
-          "is a mass without a unit of mass", "title it in kg or g, or in a TOML file beside it");
-    }
-    warnings_.push_back({"assumed",
-                         "masses are taken as dead weights, times 9.80665 m/s2; the place on earth "
-                         "changes that by up to 0.3 %",
-                         file_ + ": " + found->name});
-    return found->samples * (grams ? 1e-3 : 9.80665);
-  }
-
-  const signal::Channel& column(const std::string& what, const std::string& asked,
-                                const std::vector<std::string>& beginnings,
-                                const std::string& si) const {
-    const auto* found = find(recording_, asked, beginnings);
-    const std::string remedy = fmt::format(fmt::runtime(names_.remedy), what);
-    if (found == nullptr) {
-      throw signal::RecordingError(
-          {.file = file_, .channel = asked.empty() ? what : asked, .value = ""}, "no such column",
-          fmt::format(
-              "{}{}; there are: {}", remedy,
-              what == "tension" && asked.empty() ? ", or say that there is none (--tension 0)" : "",
-              signal::listed_names(recording_.channels)));
-    }
-    if (found->unit.empty()) {
-      warnings_.push_back(
-          {"no_unit", fmt::format("no unit given, taken as {}", si), file_ + ": " + found->name});
-    } else if (found->unit != si) {
-      throw signal::RecordingError(
-          {.file = file_, .channel = found->name, .value = found->unit},
-          fmt::format("its unit is not one of {}", si == "N" ? "force" : "length"),
-          remedy + ", or give its unit in a TOML file beside the recording");
-    }
-    return *found;
-  }
-
-  std::vector<ident::StiffnessPoint> values(const signal::Channel& EI) const {
-    const auto& tension = column("tension", names_.tension, {"tension"}, "N");
-    const auto* std = find(recording_, "", {"std", "uncertainty"});
-    const auto* low = find(recording_, "", {"low"});
-    const auto* high = find(recording_, "", {"high"});
-    std::vector<ident::StiffnessPoint> points;
-    for (Eigen::Index i = 0; i < EI.samples.size(); ++i) {
-      const auto at = [&](const signal::Channel* one) {
-        return one == nullptr ? kNaN : one->samples[i];
-      };
-      points.push_back({at(&tension), at(&EI), at(std), at(low), at(high)});
-      const auto point = points.back();
-      if (point.tension_N > 0 && point.EI_Nm2 > 0) continue;
-      if (std::isnan(point.EI_Nm2) && !std::isinf(point.tension_N)) {
-        points.pop_back();
-        warnings_.push_back(
-            {"missing", fmt::format("row {} holds no EI and is left out", i + 1), file_});
-        continue;
-      }
-      const bool bad_EI = point.tension_N > 0;
-      throw signal::RecordingError(
-          {.file = file_,
-           .channel = bad_EI ? EI.name : tension.name,
-           .value = fmt::format("{}", bad_EI ? point.EI_Nm2 : point.tension_N)},
-          fmt::format("row {} has no positive number", i + 1), "mend or remove the row");
-    }
-    if (points.empty()) {
-      throw signal::RecordingError({.file = file_, .channel = EI.name, .value = ""},
-                                   "holds no number", "give at least one row of tension and EI");
-    }
-    return points;
-  }
-
-  const signal::Recording& recording_;
-  const std::optional<LoadDeflection> table_ = load_deflection(recording_);
-  const BendingColumns& names_;
-  std::vector<Finding>& warnings_;
-  std::string file_;
-};
-
-/// The tests of a bending result that gave an EI, fitted again by the same laws.
-ident::StiffnessCurve curve_of_result(const std::filesystem::path& path) {
-  const Json document = read_document(path, "tests", "rigfit bending ... --json FILE (or a table)");
-  const auto or_zero = [](double x) { return std::isfinite(x) ? x : 0; };
-  std::vector<ident::StiffnessPoint> points;
-  for (const auto& test : document["tests"]) {
-    const Json EI = test.is_object() ? test.value("EI_Nm2", Json()) : Json();
-    ident::StiffnessPoint point{
-        number_in(test, "tension_N"), number_in(EI, "value"),
-        number_in(EI, "std"),         number_in(EI, "low"),
-        number_in(EI, "high"),        or_zero(number_in(test, "shared_relative_std"))};
-    point.tension_std_N = or_zero(number_in(test, "tension_spread_N"));
-    if (point.tension_N > 0 && point.EI_Nm2 > 0) points.push_back(point);
-  }
-  ident::StiffnessLawOptions options;
-  if (document.contains("assumed_relative_std")) {
-    options.assumed_relative_std = number_in(document, "assumed_relative_std");
-  }
-  const Json bounds = document.value("bounds", Json());
-  const double least = number_in(bounds, "EI_min_Nm2"), most = number_in(bounds, "EI_max_Nm2");
-  if (least > 0 && most > least) options.bounds = ident::StiffnessBounds{least, most};
-  return ident::StiffnessCurve(std::move(points), options);
-}
-
-}  // namespace
 
 void drop_time_notes(signal::Recording& recording) {
   std::erase_if(recording.notes, [](const signal::Note& note) {

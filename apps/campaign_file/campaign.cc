@@ -24,7 +24,7 @@ using model::TomlTable;
 std::string name_in(TomlTable& table, std::set<std::string>& taken) {
   std::string name = table.string("name");
   // Names become file names and anchors in the report.
-  const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+  const bool plain = !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
     return std::isalnum(c) || c == '-' || c == '_';
   });
   if (!plain) {
@@ -42,7 +42,7 @@ std::string name_in(TomlTable& table, std::set<std::string>& taken) {
 std::size_t place_of(const std::string& name, const std::vector<std::string>& names,
                      const TomlTable& table, const std::string& key, const std::string& what,
                      const std::string& remedy) {
-  const auto at = std::find(names.begin(), names.end(), name);
+  const auto at = std::ranges::find(names, name);
   if (at != names.end()) return static_cast<std::size_t>(at - names.begin());
   const auto nearest = model::nearest_word(name, names);
   throw table.error(key, "there is no " + what + " \"" + name + "\"",
@@ -158,8 +158,7 @@ class Reader {
   }
 
   void add_input(const std::string& file) {
-    auto& inputs = campaign_.inputs;
-    if (std::find(inputs.begin(), inputs.end(), file) == inputs.end()) inputs.push_back(file);
+    if (std::ranges::count(campaign_.inputs, file) == 0) campaign_.inputs.push_back(file);
   }
 
   void read_strand() {
@@ -320,7 +319,7 @@ class Reader {
     read_keys(table, keys_of(modal));
     // In both planes: any mode may lie in either.
     const auto& planes = modal.planes;
-    if (std::all_of(planes.begin(), planes.end(), [&](const auto& p) { return p == planes[0]; })) {
+    if (std::ranges::count(planes, planes[0]) == std::ssize(planes)) {
       inputs.setup.plane = plane_named(planes[0]);
     }
     auto& hammer = inputs.options.hammer;
@@ -517,8 +516,7 @@ class Reader {
     for (const auto& target : free.targets) {
       std::size_t found = 0;
       for (const std::size_t test : fit.tests) {
-        const auto names = model::parameter_names(scene_of(test));
-        found += std::find(names.begin(), names.end(), target) != names.end();
+        found += std::ranges::count(model::parameter_names(scene_of(test)), target) > 0;
       }
       if (found == 0 || (free.per_state && found < fit.tests.size())) {
         for (const std::size_t test : fit.tests) {

@@ -24,15 +24,48 @@ using signal::kNaN;
 void check_shapes(const TextTable& table, const std::vector<std::string>& sensors) {
   for (const auto& column : table.columns) {
     const std::string& name = column.name;
-    if (!name.starts_with("shape:") ||
-        std::find(sensors.begin(), sensors.end(), name.substr(6)) != sensors.end()) {
-      continue;
-    }
+    if (!name.starts_with("shape:") || std::ranges::count(sensors, name.substr(6)) > 0) continue;
     throw model::SceneError(
         {table.file, table.header_line, 0, name}, "the scene has no such sensor",
         sensors.empty() ? "add one to the scene"
                         : fmt::format("there are: {}", fmt::join(sensors, ", ")));
   }
+}
+
+/// Share of the scene's extent within which a node is where a sensor is: what people measure a rig
+/// to, and far more than what six printed digits lose.
+constexpr double kSamePlace = 1e-3;
+
+/// The file's node of each sensor, in the file's own axes; empty where a sensor has none, and `why`
+/// says so.
+std::vector<int> nodes_of_sensors(const model::Scene& scene, const signal::UffModes& file,
+                                  std::string& why) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
+  for (const auto& node : scene.nodes) {
+    low = low.cwiseMin(node.position), high = high.cwiseMax(node.position);
+  }
+  const double reach = scene.nodes.empty() ? 0 : kSamePlace * (high - low).norm();
+  std::vector<int> nodes;
+  for (const auto& sensor : scene.sensors) {
+    const Eigen::Vector3d at = position_of(scene, sensor.place);
+    const signal::UffNode* nearest = nullptr;
+    double distance = reach;
+    for (const auto& one : file.nodes) {
+      const double apart = (Eigen::Vector3d(one.position_m.data()) - at).norm();
+      if (apart <= distance) distance = apart, nearest = &one;
+    }
+    if (nearest == nullptr || nearest->displacement_system > 1) {
+      why = fmt::format("sensor {} at ({:.4g}, {:.4g}, {:.4g}) m {}", sensor.name, at[0], at[1],
+                        at[2],
+                        nearest ? "is at a node with axes of its own: write the file in those of "
+                                  "the scene"
+                                : "has no node within a thousandth of the rig: write the nodes' "
+                                  "coordinates (dataset 15 or 2411) in the scene's axes");
+      return {};
+    }
+    nodes.push_back(nearest->node);
+  }
+  return nodes;
 }
 
 }  // namespace
@@ -79,46 +112,6 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
   }
   return rows;
 }
-
-namespace {
-
-/// Share of the scene's extent within which a node is where a sensor is: what people measure a rig
-/// to, and far more than what six printed digits lose.
-constexpr double kSamePlace = 1e-3;
-
-/// The file's node of each sensor, in the file's own axes; empty where a sensor has none, and `why`
-/// says so.
-std::vector<int> nodes_of_sensors(const model::Scene& scene, const signal::UffModes& file,
-                                  std::string& why) {
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
-  for (const auto& node : scene.nodes) {
-    low = low.cwiseMin(node.position), high = high.cwiseMax(node.position);
-  }
-  const double reach = scene.nodes.empty() ? 0 : kSamePlace * (high - low).norm();
-  std::vector<int> nodes;
-  for (const auto& sensor : scene.sensors) {
-    const Eigen::Vector3d at = position_of(scene, sensor.place);
-    const signal::UffNode* nearest = nullptr;
-    double distance = reach;
-    for (const auto& one : file.nodes) {
-      const double apart = (Eigen::Vector3d(one.position_m.data()) - at).norm();
-      if (apart <= distance) distance = apart, nearest = &one;
-    }
-    if (nearest == nullptr || nearest->displacement_system > 1) {
-      why = fmt::format("sensor {} at ({:.4g}, {:.4g}, {:.4g}) m {}", sensor.name, at[0], at[1],
-                        at[2],
-                        nearest ? "is at a node with axes of its own: write the file in those of "
-                                  "the scene"
-                                : "has no node within a thousandth of the rig: write the nodes' "
-                                  "coordinates (dataset 15 or 2411) in the scene's axes");
-      return {};
-    }
-    nodes.push_back(nearest->node);
-  }
-  return nodes;
-}
-
-}  // namespace
 
 bool is_universal_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);

@@ -1,10 +1,13 @@
 #include "apps/campaign_file/update_data.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <ranges>
 #include <utility>
 
 #include "apps/campaign/campaign.h"
@@ -28,62 +31,64 @@
 namespace rigfit::apps {
 namespace {
 
+/// A file of data, with what is said of it.
+struct Source {
+  std::string path, scene;
+  std::optional<model::ModePlane> plane;
+  std::optional<double> tension;
+};
+
 class StateReader {
  public:
   StateReader(const UpdateData& data, VerbContext& context) : data_(data), context_(context) {
-    files_ = data.modes.size() + data.frfs.size() + data.decays.size();
-    if (data.scenes.size() > 1 && data.scenes.size() != files_) {
-      throw UsageError(
-          "with several scenes, give one --measured, --frf or --decay for each, in "
-          "their order (tables, then FRFs, then decays)");
-    }
-    if (data.planes.size() > 1 && data.planes.size() != files_) {
-      throw UsageError("--plane: one for all, or one for each file");
-    }
-    const std::size_t tests = files_ - data.modes.size();
-    const auto universal = static_cast<std::size_t>(
-        std::count_if(data.modes.begin(), data.modes.end(),
-                      [](const auto& path) { return is_universal_file(path); }));
-    modes_have_tensions_ = universal > 0 && data.tensions.size() == universal + tests;
-    if (!data.tensions.empty() && data.tensions.size() != tests && !modes_have_tensions_) {
-      throw UsageError(
-          "--tension: one for each --frf and --decay, in their order; where --measured "
-          "has universal files, one for each of them before these");
-    }
     if (!data.stiffness.empty()) {
       result_.stiffness = read_stiffness_curve(data.stiffness, context);
       if (result_.stiffness.empty()) throw Refused(data.stiffness + " holds no EI over tension");
     }
-    for (const auto& scene : data.scenes) several_ = several_ || scene != data.scenes.front();
+    several_ = std::ranges::count(data.scenes, data.scenes.front()) <
+               static_cast<std::ptrdiff_t>(data.scenes.size());
   }
 
   UpdateStates read() {
-    std::size_t file = 0;
-    for (const auto& path : data_.modes) read_modes(path, file++);
-    std::size_t& test = next_tension_;
-    for (const auto& path : data_.frfs) read_frf(path, file++, tension_of(test++));
-    for (const auto& path : data_.decays) read_decay(path, file++, tension_of(test++));
-    const auto known = [](const auto& tension) { return tension.has_value(); };
+    const std::size_t tests = data_.frfs.size() + data_.decays.size();
+    const std::size_t files = data_.modes.size() + tests;
+    const auto universal =
+        static_cast<std::size_t>(std::ranges::count_if(data_.modes, is_universal_file));
+    if (data_.scenes.size() > 1 && data_.scenes.size() != files) {
+      throw UsageError(
+          "with several scenes, give one --measured, --frf or --decay for each, in "
+          "their order (tables, then FRFs, then decays)");
+    }
+    if (data_.planes.size() > 1 && data_.planes.size() != files) {
+      throw UsageError("--plane: one for all, or one for each file");
+    }
+    const std::size_t tensions = data_.tensions.size();
+    const bool of_modes = universal > 0 && tensions == universal + tests;
+    if (tensions > 0 && tensions != tests && !of_modes) {
+      throw UsageError(
+          "--tension: one for each --frf and --decay, in their order; where --measured "
+          "has universal files, one for each of them before these");
+    }
+    for (const auto& path : data_.modes)
+      read_modes(next(path, of_modes && is_universal_file(path)));
+    for (const auto& path : data_.frfs) read_frf(next(path, tensions > 0));
+    for (const auto& path : data_.decays) read_decay(next(path, tensions > 0));
     if (!result_.stiffness.empty() &&
-        std::none_of(result_.tension.begin(), result_.tension.end(), known)) {
+        std::ranges::none_of(result_.tension, [](const auto& one) { return one.has_value(); })) {
       throw UsageError("--stiffness goes by tension: give a tension_N column or --tension");
     }
     return std::move(result_);
   }
 
  private:
-  std::optional<double> tension_of(std::size_t test) const {
-    if (data_.tensions.empty()) return std::nullopt;
-    return data_.tensions[test];
-  }
-
-  std::optional<model::ModePlane> plane_of(std::size_t file) const {
-    if (data_.planes.empty()) return std::nullopt;
-    return plane_named(data_.planes[data_.planes.size() == 1 ? 0 : file]);
-  }
-
-  const std::string& scene_of(std::size_t file) const {
-    return data_.scenes[data_.scenes.size() > 1 ? file : 0];
+  /// The next file, in the order of scenes and planes, and of tensions where it has one.
+  Source next(const std::string& path, bool has_tension) {
+    const std::size_t file = next_file_++;
+    Source one{path, data_.scenes[data_.scenes.size() > 1 ? file : 0], {}, {}};
+    if (!data_.planes.empty())
+      one.plane = plane_named(data_.planes[data_.planes.size() > 1 ? file : 0]);
+    if (has_tension) one.tension = data_.tensions[next_tension_++];
+    return one;
   }
 
   // The state of that scene and tension; made when there is none yet.
@@ -110,30 +115,26 @@ class StateReader {
     return result_.states.size() - 1;
   }
 
-  void add(std::size_t state, ident::MeasuredMode mode) {
-    result_.states[state].measured.push_back(std::move(mode));
+  /// The state of a source whose times are known to that.
+  ident::UpdateState& timed_state(const Source& source, const model::Scene& scene,
+                                  double clock_relative_std) {
+    auto& state = result_.states[state_at(source.scene, scene, source.tension)];
+    state.clock_relative_std = std::max(state.clock_relative_std, clock_relative_std);
+    return state;
   }
 
-  void add_clock(std::size_t state, double relative_std) {
-    double& clock = result_.states[state].clock_relative_std;
-    clock = std::max(clock, relative_std);
-  }
-
-  model::Scene scene_for(std::size_t file) { return apps::scene_of(scene_of(file), context_); }
-
-  void read_modes(const std::string& path, std::size_t file) {
-    const model::Scene scene = scene_for(file);
-    const bool universal = is_universal_file(path);
-    const auto stated =
-        universal && modes_have_tensions_ ? tension_of(next_tension_++) : std::nullopt;
-    std::size_t taken = 0;
-    for (const auto& row : measured_modes(path, data_.column, plane_of(file), scene, context_)) {
-      const double f = row.mode.frequency_hz.value;
-      if (universal && !in_band(f)) continue;
-      add(state_at(scene_of(file), scene, universal ? stated : row.tension_N), row.mode);
-      ++taken;
+  void read_modes(const Source& source) {
+    const model::Scene scene = scene_of(source.scene, context_);
+    const bool universal = is_universal_file(source.path);
+    auto rows = measured_modes(source.path, data_.column, source.plane, scene, context_);
+    if (universal) {
+      std::erase_if(rows, [&](const auto& row) { return !in_band(row.mode.frequency_hz.value); });
     }
-    if (taken == 0) throw UsageError(path + " has no mode within --band");
+    if (rows.empty()) throw UsageError(source.path + " has no mode within --band");
+    for (auto& row : rows) {
+      const auto state = state_at(source.scene, scene, universal ? source.tension : row.tension_N);
+      result_.states[state].measured.push_back(std::move(row.mode));
+    }
   }
 
   bool in_band(double f) const {
@@ -146,12 +147,13 @@ class StateReader {
     return component < 0 ? -1 : 1;
   }
 
-  void read_frf(const std::string& path, std::size_t file, std::optional<double> tension) {
-    const model::Scene scene = scene_for(file);
+  void read_frf(const Source& source) {
+    const auto& path = source.path;
+    const model::Scene scene = scene_of(source.scene, context_);
     context_.input(path);
     signal::FrfSet set = signal::read_frfs({path});
     if (scene.loads.empty() || scene.sensors.empty()) {
-      throw UsageError(scene_of(file) + " has no load or no sensor for the FRFs of " + path);
+      throw UsageError(source.scene + " has no load or no sensor for the FRFs of " + path);
     }
     // Index and sign for each input, each response.
     std::vector<std::pair<std::size_t, double>> loads, sensors;
@@ -163,9 +165,7 @@ class StateReader {
       const std::size_t sensor = match(response.name, scene.sensors, path, "sensor");
       sensors.emplace_back(sensor, sign_of(response.direction, scene.sensors[sensor].direction));
     }
-    const std::size_t at = state_at(scene_of(file), scene, tension);
-    add_clock(at, set.sample_rate_relative_std);
-    auto& state = result_.states[at];
+    auto& state = timed_state(source, scene, set.sample_rate_relative_std);
     signal::ModalOptions options;
     options.low_hz = data_.band_low_hz, options.high_hz = data_.band_high_hz;
     const auto modal = [&] {
@@ -181,7 +181,7 @@ class StateReader {
       ident::MeasuredMode mode;
       mode.frequency_hz = found.frequency_hz;
       if (found.doubtful) mode.damping_ratio.value = std::numeric_limits<double>::quiet_NaN();
-      mode.plane = plane_of(file);
+      mode.plane = source.plane;
       if (set.responses.size() == scene.sensors.size() && set.responses.size() > 1) {
         mode.shape.resize(static_cast<Eigen::Index>(sensors.size()));
         for (std::size_t r = 0; r < sensors.size(); ++r) {
@@ -189,7 +189,7 @@ class StateReader {
               sensors[r].second * found.shape[static_cast<Eigen::Index>(r)];
         }
       }
-      add(at, std::move(mode));
+      state.measured.push_back(std::move(mode));
     }
     state.modes_lead_only = true;
     for (std::size_t r = 0; r < sensors.size(); ++r) {
@@ -220,14 +220,12 @@ class StateReader {
   template <typename Named>
   std::size_t match(const std::string& name, const std::vector<Named>& named,
                     const std::string& path, const char* what) const {
-    for (std::size_t i = 0; i < named.size(); ++i) {
-      if (named[i].name == name) return i;
-    }
+    const auto at = std::ranges::find(named, name, &Named::name);
+    if (at != named.end()) return static_cast<std::size_t>(at - named.begin());
     if (named.size() == 1) return 0;
-    std::string known;
-    for (const auto& one : named) known += (known.empty() ? "" : ", ") + one.name;
-    throw UsageError(
-        fmt::format("{}: \"{}\" is no {} of the scene; there are: {}", path, name, what, known));
+    throw UsageError(fmt::format("{}: \"{}\" is no {} of the scene; there are: {}", path, name,
+                                 what,
+                                 fmt::join(named | std::views::transform(&Named::name), ", ")));
   }
 
   static signal::FrfForm form_of(model::Sensor::Quantity quantity, const std::string& path) {
@@ -237,45 +235,34 @@ class StateReader {
     throw UsageError(path + ": FRFs of force sensors are not fitted");
   }
 
-  void read_decay(const std::string& path, std::size_t file, std::optional<double> tension) {
-    const model::Scene scene = scene_for(file);
+  void read_decay(const Source& source) {
+    const auto& path = source.path;
+    const model::Scene scene = scene_of(source.scene, context_);
     const auto recording = load_recording(path, context_);
     const auto& channel = chosen_channel(recording, data_.decay_channel);
     signal::DecayOptions options;
     options.band_low_hz = data_.band_low_hz, options.band_high_hz = data_.band_high_hz;
     const auto decay = signal::estimate_decay(channel.samples, recording.sample_rate_hz, options);
     if (!decay.refusal.empty()) throw Refused(path + ": " + decay.refusal);
-    const std::size_t at = state_at(scene_of(file), scene, tension);
-    add_clock(at, recording.sample_rate_relative_std);
+    auto& state = timed_state(source, scene, recording.sample_rate_relative_std);
     for (const auto& found : decay.modes) {
       if (found.doubtful) {
         context_.warn("doubtful", found.doubt, path);
         continue;
       }
-      ident::MeasuredMode mode;
+      auto& mode = state.measured.emplace_back();
       mode.frequency_hz = found.frequency_hz;
       mode.damping_ratio = found.damping_ratio;
-      mode.plane = plane_of(file);
-      add(at, std::move(mode));
+      mode.plane = source.plane;
     }
   }
 
   const UpdateData& data_;
   VerbContext& context_;
-  std::size_t files_ = 0;
-  std::size_t next_tension_ = 0;      ///< next of data_.tensions
-  bool modes_have_tensions_ = false;  ///< those of universal files, before the others
-  bool several_ = false;              // scenes
+  std::size_t next_file_ = 0, next_tension_ = 0;
+  bool several_ = false;  ///< scenes
   UpdateStates result_;
 };
-
-}  // namespace
-
-UpdateStates read_update_states(const UpdateData& data, VerbContext& context) {
-  return StateReader(data, context).read();
-}
-
-namespace {
 
 using Effect = ident::UncertainInput::Effect;
 
@@ -301,7 +288,7 @@ InputText parsed(std::string text) {
 
 bool has_parameter(const model::Scene& scene, const std::string& name) {
   const auto names = model::parameter_names(scene);
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 /// Known values as inputs that move the cables of all states together.
@@ -316,37 +303,36 @@ std::vector<ident::UncertainInput> known_inputs(const ident::KnownValues& known,
   return ident::known_inputs(known, of_states);
 }
 
-// The effects of a state's tension being off by `std`.
-void add_tension(const UpdateStates& states, std::size_t state, double std, bool relative,
-                 std::vector<Effect>& effects) {
-  const auto& tension = states.tension[state];
-  for (const auto& member : states.states[state].scene.members) {
-    if (member.kind != model::Member::Kind::cable || !member.tension) continue;
-    const double change = relative ? std * *member.tension : std;
-    effects.push_back({static_cast<int>(state), member.name + ".tension", change});
-    if (states.stiffness.empty() || !tension) continue;
-    const double slope = states.stiffness.at(*tension).slope_m2;
-    effects.push_back({static_cast<int>(state), member.name + ".EI", slope * change});
-  }
-}
-
-void add_targets(const InputText& input, const UpdateStates& states, std::size_t state,
+/// What an input changes in a state.
+void add_effects(const InputText& input, const UpdateStates& states, std::size_t state,
                  std::vector<Effect>& effects) {
   const auto& scene = states.states[state].scene;
+  const int index = static_cast<int>(state);
   if (input.targets.names[0] == "tension") {
-    add_tension(states, state, input.std, input.relative, effects);
+    const auto& tension = states.tension[state];
+    for (const auto& member : scene.members) {
+      if (member.kind != model::Member::Kind::cable || !member.tension) continue;
+      const double change = input.std * (input.relative ? *member.tension : 1);
+      effects.push_back({index, member.name + ".tension", change});
+      if (states.stiffness.empty() || !tension) continue;
+      const double slope = states.stiffness.at(*tension).slope_m2;
+      effects.push_back({index, member.name + ".EI", slope * change});
+    }
     return;
   }
   for (std::size_t t = 0; t < input.targets.names.size(); ++t) {
-    if (!has_parameter(scene, input.targets.names[t])) continue;
-    const double size =
-        input.relative ? std::abs(model::parameter(scene, input.targets.names[t])) : 1;
-    effects.push_back({static_cast<int>(state), input.targets.names[t],
-                       input.targets.signs[t] * input.std * size});
+    const auto& name = input.targets.names[t];
+    if (!has_parameter(scene, name)) continue;
+    const double size = input.relative ? std::abs(model::parameter(scene, name)) : 1;
+    effects.push_back({index, name, input.targets.signs[t] * input.std * size});
   }
 }
 
 }  // namespace
+
+UpdateStates read_update_states(const UpdateData& data, VerbContext& context) {
+  return StateReader(data, context).read();
+}
 
 std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::string>& texts,
                                                     const UpdateStates& states) {
@@ -354,29 +340,25 @@ std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::strin
   for (const auto& text : texts) {
     const InputText input = parsed(text);
     for (const auto& target : input.targets.names) {
-      if (target == "tension") continue;
-      bool somewhere = false;
-      for (const auto& state : states.states) {
-        somewhere = somewhere || has_parameter(state.scene, target);
-      }
+      const bool somewhere =
+          target == "tension" || std::ranges::any_of(states.states, [&](const auto& state) {
+            return has_parameter(state.scene, target);
+          });
       // Says which parameters there are.
       if (!somewhere) (void)model::parameter(states.states.front().scene, target);
     }
-    ident::UncertainInput all{input.name, {}};
     for (std::size_t s = 0; s < states.states.size(); ++s) {
-      if (!input.each) {
-        add_targets(input, states, s, all.effects);
-        continue;
+      if (input.each) {
+        inputs.push_back({fmt::format("{} [{}]", input.name, states.states[s].name), {}});
+      } else if (s == 0) {
+        inputs.push_back({input.name, {}});
       }
-      ident::UncertainInput one{fmt::format("{} [{}]", input.name, states.states[s].name), {}};
-      add_targets(input, states, s, one.effects);
-      if (!one.effects.empty()) inputs.push_back(std::move(one));
+      add_effects(input, states, s, inputs.back().effects);
     }
-    if (!all.effects.empty()) inputs.push_back(std::move(all));
   }
-  if (states.stiffness.empty()) return inputs;
-  for (auto& input : known_inputs({states.stiffness, {}}, states)) {
-    inputs.push_back(std::move(input));
+  std::erase_if(inputs, [](const auto& one) { return one.effects.empty(); });
+  if (!states.stiffness.empty()) {
+    std::ranges::move(known_inputs({states.stiffness, {}}, states), std::back_inserter(inputs));
   }
   return inputs;
 }
@@ -399,10 +381,8 @@ std::vector<ident::UncertainInput> axial_inputs(const std::string& path, UpdateS
 
 ident::FreeParameter free_parameter(std::string text) {
   ident::FreeParameter parameter;
-  if (text.ends_with("@each")) {
-    parameter.per_state = true;
-    text.resize(text.size() - 5);
-  }
+  parameter.per_state = text.ends_with("@each");
+  if (parameter.per_state) text.resize(text.size() - 5);
   const auto equals = text.find('=');
   parameter.name = text.substr(0, equals);
   if (equals != std::string::npos) {
@@ -418,7 +398,6 @@ std::vector<ident::FreeParameter> free_parameters(const std::vector<std::string>
                                                   const std::vector<std::string>& priors,
                                                   const model::Scene& scene) {
   std::vector<ident::FreeParameter> free;
-  free.reserve(free_texts.size());
   for (const auto& text : free_texts) free.push_back(free_parameter(text));
   if (free.empty()) {
     for (const auto& member : scene.members) {
@@ -428,8 +407,7 @@ std::vector<ident::FreeParameter> free_parameters(const std::vector<std::string>
   }
   for (const auto& text : priors) {
     const auto prior = named_numbers("--prior", text, "NAME=VALUE,STD", 2, 2);
-    auto known = std::find_if(free.begin(), free.end(),
-                              [&](const auto& parameter) { return parameter.name == prior.name; });
+    const auto known = std::ranges::find(free, prior.name, &ident::FreeParameter::name);
     if (known == free.end()) throw UsageError("--prior: " + prior.name + " is not among --free");
     known->prior = signal::Estimate{prior.numbers[0], prior.numbers[1]};
   }

@@ -18,10 +18,8 @@ using describe::Option;
 /// The number that a text is, else the text.
 Json number_or_text(const std::string& text) {
   std::int64_t whole = 0;
-  std::uint64_t large = 0;
   double x = 0;
   if (CLI::detail::lexical_cast(text, whole)) return whole;
-  if (CLI::detail::lexical_cast(text, large)) return large;
   if (CLI::detail::lexical_cast(text, x) && std::isfinite(x)) return x;
   return text;
 }
@@ -35,8 +33,8 @@ void take(const Verb& verb, const Option& option, CLI::results_t texts, Json& gi
   }
   const std::string std_name = option.name + "-std";
   const auto comma = texts[0].find(',');
-  const bool has_std = std::any_of(verb.options.begin(), verb.options.end(),
-                                   [&](const auto& other) { return other.name == std_name; });
+  const bool has_std =
+      std::ranges::find(verb.options, std_name, &Option::name) != verb.options.end();
   if (option.kind == Kind::number && has_std && comma != std::string::npos) {
     given[std_name] = number_or_text(texts[0].substr(comma + 1));
     texts[0].resize(comma);
@@ -93,7 +91,7 @@ void parse_options(const Verb& verb, const std::vector<std::string>& arguments) 
     for (const auto& text : arguments) {
       if (text.size() < 3 || !text.starts_with("--")) continue;
       const std::string name = text.substr(0, text.find('='));
-      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      if (std::ranges::find(known, name) != known.end()) continue;
       throw UsageError(fmt::format("rigfit {} has no option {}{}{} lists its options.", verb.name,
                                    name, did_you_mean(name, known), usage));
     }

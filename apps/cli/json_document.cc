@@ -5,20 +5,11 @@
 #include <fstream>
 #include <string>
 
+#include "apps/describe/json_of.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::apps {
 namespace {
-
-Json finding_json(const Finding& one) {
-  return {{"code", one.code}, {"message", one.message}, {"where", one.where}};
-}
-
-Json list_json(const std::vector<Finding>& findings) {
-  Json all = Json::array();
-  for (const auto& one : findings) all.push_back(finding_json(one));
-  return all;
-}
 
 /// Why the run ends with another exit code than 0: the finding that ended it.
 Json error_json(const VerbContext& context) {
@@ -28,8 +19,8 @@ Json error_json(const VerbContext& context) {
     return refused ? one.refused : one.code == "not_converged";
   });
   Json error{{"exit_code", static_cast<int>(context.exit_code)}};
-  error.update(
-      finding_json(why != all.end() ? *why : Finding{refused ? "refused" : "not_converged", ""}));
+  error.update(describe::json_of(
+      why != all.end() ? *why : Finding{refused ? "refused" : "not_converged", ""}));
   return error;
 }
 
@@ -41,8 +32,8 @@ Json json_document(const VerbContext& context, const std::string& verb, Json res
   for (const auto& input : context.inputs()) {
     document["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
   }
-  document["warnings"] = list_json(context.warnings());
-  document["notes"] = list_json(context.notes());
+  document["warnings"] = describe::json_of(context.warnings());
+  document["notes"] = describe::json_of(context.notes());
   if (context.exit_code != ExitCode::done) document["error"] = error_json(context);
   document.update(result);
   return document;

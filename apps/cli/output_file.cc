@@ -22,9 +22,7 @@ fs::path target_of(fs::path path) {
   constexpr int kMostLinks = 40;  // as the kernel follows
   std::error_code none;
   for (int k = 0; k < kMostLinks && fs::is_symlink(path, none); ++k) {
-    const fs::path next = fs::read_symlink(path, none);
-    if (none) break;
-    path = next.is_absolute() ? next : path.parent_path() / next;
+    path = path.parent_path() / fs::read_symlink(path, none);
   }
   return path;
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <sstream>
 #include <string_view>
 
@@ -25,13 +26,8 @@ constexpr const char* kDoes =
     "Identify cable and beam parameters from test recordings, fit a model, report model vs test.";
 
 std::vector<std::string> names_of(const Verbs& verbs) {
-  std::vector<std::string> names;
-  for (const auto& verb : verbs) names.push_back(verb.name);
-  return names;
-}
-
-std::string joined(const std::vector<std::string>& words) {
-  return fmt::format("{}", fmt::join(words, " "));
+  const auto names = verbs | std::views::transform(&Verb::name);
+  return {names.begin(), names.end()};
 }
 
 bool by_place(const Option& option) { return !option.name.starts_with("--"); }
@@ -41,7 +37,7 @@ std::string synopsis(const Option& option) {
   std::string text = option.name;
   if (by_place(option)) {
     if (!option.value_name.empty()) text = option.value_name;
-    std::transform(text.begin(), text.end(), text.begin(), [](char c) { return std::toupper(c); });
+    std::ranges::transform(text, text.begin(), [](char c) { return std::toupper(c); });
   } else if (!option.value_name.empty()) {
     text += " " + option.value_name;
   } else if (!option.words.empty()) {
@@ -98,8 +94,8 @@ std::string options_text(const describe::Options& options, bool keys, std::size_
       heading = option.heading;
       text += "\n" + (heading.empty() ? std::string("Options") : heading) + (keys ? "\n" : ":\n");
     }
-    const auto own_std = [&](const Option& other) { return other.name == option.name + "-std"; };
-    const bool has_std = std::any_of(options.begin(), options.end(), own_std);
+    const bool has_std =
+        std::ranges::find(options, option.name + "-std", &Option::name) != options.end();
     add_row(text, keys ? option.name : synopsis(option) + (has_std ? "[,STD]" : ""),
             meaning(option, keys), width);
   }
@@ -176,8 +172,7 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
 }
 
 const Verb& verb_named(const Verbs& verbs, const std::string& name) {
-  const auto at =
-      std::find_if(verbs.begin(), verbs.end(), [&](const Verb& verb) { return verb.name == name; });
+  const auto at = std::ranges::find(verbs, name, &Verb::name);
   if (at != verbs.end()) return *at;
   throw UsageError(fmt::format("there is no verb \"{}\"{}\nrigfit help lists the verbs.", name,
                                did_you_mean(name, names_of(verbs))));
@@ -217,12 +212,10 @@ void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::os
     out << result_schema().dump(2) << '\n';
   } else {
     auto known = names_of(verbs);
-    if (std::find(known.begin(), known.end(), word) == known.end()) {
-      for (const char* other : {"scene", "campaign", "sidecar", "schema"}) {
-        known.emplace_back(other);
-      }
-      throw UsageError("no help on \"" + word + "\"" + did_you_mean(word, known) +
-                       " There is help on: " + joined(known));
+    if (std::ranges::find(known, word) == known.end()) {
+      known.insert(known.end(), {"scene", "campaign", "sidecar", "schema"});
+      throw UsageError(fmt::format("no help on \"{}\"{} There is help on: {}", word,
+                                   did_you_mean(word, known), fmt::join(known, " ")));
     }
     out << verb_help(verb_named(verbs, word), text_width());
   }

@@ -23,55 +23,10 @@ constexpr auto kNotes = std::to_array<std::string_view>(
      "read_as", "remark", "start_chosen", "thermal_expansion", "toe", "uff_remark",
      "universal_file", "window_damping"});
 
-struct Kind {
-  std::string_view code;
-  std::vector<const Finding*> all;
-};
-
-std::vector<Kind> kinds_of(std::span<const Finding> warnings) {
-  std::vector<Kind> kinds;
-  for (const auto& warning : warnings) {
-    auto same = std::find_if(kinds.begin(), kinds.end(),
-                             [&](const Kind& one) { return one.code == warning.code; });
-    if (same == kinds.end()) same = kinds.insert(kinds.end(), Kind{warning.code, {}});
-    same->all.push_back(&warning);
-  }
-  std::stable_sort(kinds.begin(), kinds.end(), [](const Kind& a, const Kind& b) {
-    return level_of(a.code) < level_of(b.code);
-  });
-  return kinds;
-}
-
-std::string line_of(const Kind& kind) {
-  const Finding& first = *kind.all.front();
-  const std::size_t more = kind.all.size() - 1;
-  bool alike = true;
-  std::vector<std::string_view> places;
-  for (const Finding* one : kind.all) {
-    alike &= one->message == first.message;
-    const std::string& where = one->where;
-    if (!where.empty() && std::find(places.begin(), places.end(), where) == places.end()) {
-      places.emplace_back(where);
-    }
-  }
-  const bool by_itself = more == 0 || !alike;
-  if (by_itself) std::erase(places, std::string_view(first.where));
-  constexpr std::size_t kShown = 4;
-  std::string list;
-  for (std::size_t k = 0; k < std::min(kShown, places.size()); ++k) {
-    list += k == 0 ? "" : ", ";
-    list += places[k];
-  }
-  if (places.size() > kShown) list += " ...";
-  if (!by_itself) {
-    return fmt::format("{} times: {}{}", more + 1, first.message,
-                       list.empty() ? "" : " (" + list + ")");
-  }
-  std::string line = (first.where.empty() ? "" : first.where + ": ") + first.message;
-  if (more > 0) {
-    line += fmt::format(" (and {} more of this kind{}{})", more, list.empty() ? "" : ": ", list);
-  }
-  return line;
+/// Without the folders of a file.
+std::string place_of(const std::string& where) {
+  const auto slash = where.rfind('/', where.find(": "));
+  return slash == std::string::npos ? where : where.substr(slash + 1);
 }
 
 }  // namespace
@@ -86,13 +41,54 @@ Level level_of(std::string_view code) {
                                : Level::look_at;
 }
 
+std::string FindingKind::listed() const {
+  constexpr std::size_t kMost = 4;
+  std::string list;
+  for (std::size_t k = 0; k < std::min(kMost, places.size()); ++k) {
+    list += (k > 0 ? "; " : "") + place_of(places[k]);
+  }
+  if (places.size() > kMost) list += fmt::format(" and {} more", places.size() - kMost);
+  return list;
+}
+
+FindingKind* add(std::vector<FindingKind>& kinds, const Finding& one) {
+  auto same = std::ranges::find_if(kinds, [&](const FindingKind& kind) {
+    return !one.refused && !kind.first.refused && kind.first.code == one.code;
+  });
+  const bool begins = same == kinds.end();
+  if (begins) same = kinds.insert(same, FindingKind{one});
+  if (!begins) ++same->count;
+  auto& places = same->places;
+  if (!one.where.empty() && std::ranges::count(places, one.where) == 0) places.push_back(one.where);
+  return begins ? &*same : nullptr;
+}
+
+void sort_by_level(std::vector<FindingKind>& kinds) {
+  const auto rank = [](const FindingKind& one) {
+    return one.first.refused ? -1 : static_cast<int>(level_of(one.first.code));
+  };
+  std::stable_sort(kinds.begin(), kinds.end(),
+                   [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+}
+
 std::vector<std::string> warning_lines(std::span<const Finding> warnings, std::size_t most) {
-  const std::vector<Kind> kinds = kinds_of(warnings);
+  std::vector<FindingKind> kinds;
+  for (const auto& one : warnings) add(kinds, one);
+  sort_by_level(kinds);
   const std::size_t shown = std::min(most, kinds.size());
   std::vector<std::string> lines;
-  for (std::size_t k = 0; k < shown; ++k) lines.push_back(line_of(kinds[k]));
   std::size_t others = 0;
-  for (std::size_t k = shown; k < kinds.size(); ++k) others += kinds[k].all.size();
+  for (const auto& kind : kinds) {
+    const auto& [code, message, where, refused] = kind.first;
+    if (lines.size() == shown) {
+      others += kind.count;
+      continue;
+    }
+    lines.push_back((where.empty() ? "" : where + ": ") + message);
+    if (kind.count == 1) continue;
+    lines.back() += fmt::format(" ({} of this kind{}{})", kind.count,
+                                kind.places.empty() ? "" : ": ", kind.listed());
+  }
   if (others > 0) {
     lines.push_back(fmt::format("{} more of {} other kinds: --verbose prints them", others,
                                 kinds.size() - shown));

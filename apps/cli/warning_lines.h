@@ -1,15 +1,17 @@
 // Findings of a run have two levels. A warning asks for something or casts doubt on an answer; a
-// note says what was done (a start chosen, a column left out, hits rejected). On a terminal
-// warnings of one kind (code) share a line, those that can change an answer stand first, and five
-// lines are enough; notes are for --verbose. The JSON document and the report hold each by itself.
+// note says what was done (a start chosen, a column left out, hits rejected). People read those of
+// one kind (code) in one line, those that can change an answer first; on a terminal five lines are
+// enough, and notes are for --verbose. The JSON document of a verb holds each by itself.
 #pragma once
 
 #include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "ident/statistics/finding.h"
 
 namespace rigfit::apps {
@@ -21,9 +23,37 @@ enum class Level { answer_may_be_wrong, look_at, taken_as_said, note };
 [[nodiscard]] Level level_of(std::string_view code);
 [[nodiscard]] inline bool is_note(std::string_view code) { return level_of(code) == Level::note; }
 
-/// Lines without their end, the gravest level first and then in the order they were said; with more
-/// than `most` kinds a last line counts the others.
+/// Findings of one code, told once: the first one and where all of them are. A refusal stands by
+/// itself.
+struct FindingKind {
+  Finding first;
+  std::vector<std::string> places = {};  ///< each once
+  std::size_t count = 1;
+  std::string title = {}, anchor = {};  ///< of the part of a report that says more
+
+  [[nodiscard]] bool note() const { return !first.refused && is_note(first.code); }
+  /// The first four places without their folders.
+  [[nodiscard]] std::string listed() const;
+};
+
+/// Adds a finding to its kind; gives the kind that it begins, else null.
+FindingKind* add(std::vector<FindingKind>& kinds, const Finding& one);
+/// Refusals first, then the gravest, then in the order they were said.
+void sort_by_level(std::vector<FindingKind>& kinds);
+
+/// Lines without their end; with more than `most` kinds a last line counts the others.
 [[nodiscard]] std::vector<std::string> warning_lines(std::span<const Finding> warnings,
                                                      std::size_t most = 5);
 
 }  // namespace rigfit::apps
+
+namespace rigfit::describe {
+
+template <>
+struct Described<ident::Finding> {
+  using T = ident::Finding;
+  static constexpr auto fields =
+      std::tuple{field("code", &T::code), field("message", &T::message), field("where", &T::where)};
+};
+
+}  // namespace rigfit::describe

@@ -72,7 +72,6 @@ std::string Option::fill(const Json& given) const {
     return "must rise: two frequencies in Hz, the lower one first";
   }
   set(is_list() ? list : given);
-  if (told != nullptr) told->push_back(name);
   return "";
 }
 

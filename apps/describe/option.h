@@ -44,7 +44,6 @@ struct Option {
   std::vector<std::string> not_with, only_with;   ///< other options
   bool is_required = false;
   bool is_file = false, is_written = false;  ///< a file that is there, one to write
-  std::vector<std::string>* told = nullptr;  ///< gets the name when the option is given
 
   Option required() { return is_required = true, std::move(*this); }
   Option positive() { return lowest = 0, above_lowest = true, std::move(*this); }

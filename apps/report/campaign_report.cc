@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <memory>
+#include <span>
 
 #include "apps/cli/json_document.h"
 #include "apps/cli/output_file.h"
+#include "apps/cli/plots/browser.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/describe/json_of.h"
@@ -19,6 +23,127 @@
 namespace rigfit::apps {
 namespace fs = std::filesystem;
 namespace {
+
+/// Writes a file of the report unless it is there with that content.
+void put(const fs::path& path, const std::string& content) {
+  std::ifstream before(path, std::ios::binary);
+  if (before && std::string(std::istreambuf_iterator<char>(before), {}) == content) return;
+  write_whole_file(path, content);
+}
+
+std::string csv_of(const Plot& plot) { return plot_csv(plot); }
+std::string csv_of(const Picture& picture) { return picture.csv; }
+std::string svg_of(const Plot& plot, const SvgOptions& options) { return svg_plot(plot, options); }
+std::string svg_of(const Picture& picture, const SvgOptions&) { return picture.svg; }
+
+void write_pdfs(const fs::path& folder, const ReportOptions& options, VerbContext& context) {
+  const fs::path browser = find_chromium();
+  if (browser.empty()) {
+    context.refuse(
+        "no_browser",
+        "no Chromium, Chrome or Edge is on PATH: no PDF is written. Install one (Debian: apt "
+        "install chromium), or open report.html in any browser and print it",
+        folder.string());
+    return;
+  }
+  std::vector<std::string> names{"report"};
+  if (options.style == ReportStyle::client) names.emplace_back("appendix");
+  for (const auto& name : names) {
+    const fs::path part = folder / (name + ".part.pdf"), pdf = folder / (name + ".pdf");
+    std::error_code error;
+    if (run_chromium(browser,
+                     {"--no-pdf-header-footer", "--generate-pdf-document-outline",
+                      "--print-to-pdf=" + fs::absolute(part).string()},
+                     fs::absolute(folder / (name + ".html")))) {
+      fs::rename(part, pdf, error);
+    }
+    if (error || !fs::exists(pdf)) {
+      fs::remove(part, error);
+      context.refuse("not_printed", fmt::format("{} did not print {}.html", browser.string(), name),
+                     name + ".pdf");
+    }
+  }
+}
+
+/// Throws UsageError when the folder holds a report of another title: of another campaign.
+void require_own_report(const fs::path& folder, const std::string& title) {
+  std::ifstream file(folder / "report.json");
+  if (!file) return;
+  const Json before = Json::parse(file, nullptr, false);
+  const std::string other =
+      before.is_object() && before.value("command", Json()) == "report" && before.contains("title")
+          ? before["title"].dump()
+          : "a file of something else";
+  if (other == Json(title).dump()) return;
+  throw UsageError(
+      fmt::format("{} holds {}, this campaign is {}: name another folder by --out, or "
+                  "replace that report by --force",
+                  (folder / "report.json").string(), other, Json(title).dump()));
+}
+
+/// All figures of the parts that have data, for the document.
+Json figure_list(std::span<const ReportPart> parts) {
+  Json figures = Json::array();
+  for (const auto& part : parts) {
+    each_figure(part.blocks, [&](const auto& figure, const std::string&) {
+      figures.push_back({{"id", figure.id},
+                         {"title", figure.title},
+                         {"data", "data/" + figure.id + ".csv"},
+                         {"figure", "figures/" + figure.id + ".svg"}});
+    });
+  }
+  return figures;
+}
+
+/// Every answer of the parts, in their order.
+std::vector<Answer> all_answers(std::span<const ReportPart> parts) {
+  std::vector<Answer> answers;
+  for (const auto& part : parts) {
+    answers.insert(answers.end(), part.answers.begin(), part.answers.end());
+  }
+  return answers;
+}
+
+/// Writes everything: page, figures, data, files for other programs, and report.json, of which
+/// `document` is the text, made beside the figures. `parts`: the overview first.
+void write_report_files(const fs::path& folder, const PageFrame& frame,
+                        std::span<const ReportPart> parts, const ReportOptions& options,
+                        const std::function<std::string()>& document, VerbContext& context) {
+  for (const char* name : {"data", "figures"}) make_output_folder(folder / name);
+  const auto& overview = parts.front();
+  const auto rest = parts.subspan(1);
+  std::string json, page, appendix;
+  std::vector<std::function<void()>> tasks{[&] { page = report_page(frame, overview, rest); },
+                                           [&] { json = document(); }};
+  if (options.style == ReportStyle::client) {
+    tasks.emplace_back([&] { appendix = appendix_page(frame, rest); });
+  }
+  for (const auto& part : parts) {
+    each_figure(part.blocks, [&](const auto& figure, const std::string&) {
+      tasks.emplace_back([&folder, &figure, &options] {
+        put(folder / "data" / (figure.id + ".csv"), csv_of(figure));
+        put(folder / "figures" / (figure.id + ".svg"),
+            standalone_svg(svg_of(figure, options.figures)));
+      });
+    });
+    for (const auto& file : part.files) {
+      make_output_folder((folder / file.path).parent_path());
+      tasks.emplace_back([&folder, &file] { put(folder / file.path, file.content); });
+    }
+  }
+  const auto answers = all_answers(parts);
+  tasks.emplace_back([&] { put(folder / "data" / "results.csv", answers_csv(answers)); });
+  ident::in_parallel(tasks.size(), context.threads, [&](std::size_t i) { tasks[i](); });
+  write_whole_file(folder / "report.json", json);
+  write_whole_file(folder / "report.html", page);
+  std::error_code error;
+  if (appendix.empty()) {
+    fs::remove(folder / "appendix.html", error);
+  } else {
+    write_whole_file(folder / "appendix.html", appendix);
+  }
+  if (options.pdf) write_pdfs(folder, options, context);
+}
 
 /// The lines of the summary: for the document, and on the terminal.
 Json summary_json(const std::vector<ReportPart>& parts, VerbContext& context) {
@@ -110,23 +235,17 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
   }
   auto result = ident::run_campaign(std::move(inputs));
 
-  std::vector<std::vector<ReportPart>> of_tests(tests);
-  std::vector<ReportPart> of_fits(fits);
-  ident::in_parallel(tests + fits, context.threads, [&](std::size_t i) {
+  std::vector<std::vector<ReportPart>> pages(tests + fits);
+  ident::in_parallel(pages.size(), context.threads, [&](std::size_t i) {
     if (i < tests) {
-      of_tests[i] = shown[i]->show(result);
+      pages[i] = shown[i]->show(result);
     } else {
-      const std::size_t f = i - tests;
-      of_fits[f] = fit_part(campaign, campaign.fits[f], result.fits[f]);
+      pages[i] = {fit_part(campaign, campaign.fits[i - tests], result.fits[i - tests])};
     }
     advance();
   });
-
   std::vector<ReportPart> parts;
-  for (auto& shown_parts : of_tests) {
-    for (auto& part : shown_parts) parts.push_back(std::move(part));
-  }
-  for (auto& part : of_fits) parts.push_back(std::move(part));
+  for (auto& page : pages) std::ranges::move(page, std::back_inserter(parts));
   parts.push_back(scenes_part(campaign));
   return parts;
 }
@@ -144,12 +263,9 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
   }
   recommend(found);
   parts.insert(parts.begin(), overview_part(campaign, parts));
-  for (const auto& one : findings_of(parts)) {
-    if (one.refused) {
-      context.refuse(one.code, one.message, one.where);
-    } else {
-      context.warn(one.code, one.message, one.where);
-    }
+  for (auto& kind : findings_of(parts)) {
+    kind.first.where = kind.listed();
+    context.tell({kind.first});
   }
   Json result{{"title", campaign.title}, {"source", campaign.source}, {"seed", context.seed}};
   result["summary"] = summary_json(parts, context);

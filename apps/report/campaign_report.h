@@ -5,9 +5,17 @@
 
 #include "apps/campaign/campaign.h"
 #include "apps/cli/verb.h"
-#include "apps/report/report_files.h"
+#include "apps/report/drawing/svg_plot.h"
+#include "apps/report/page/report_page.h"
 
 namespace rigfit::apps {
+
+struct ReportOptions {
+  ReportStyle style = ReportStyle::lab;
+  bool pdf = false;    ///< report.pdf (and appendix.pdf) beside the page
+  SvgOptions figures;  ///< size and font of the figures for papers
+  bool force = false;  ///< another campaign's report in the folder may be replaced
+};
 
 /// Computes every part (on `context.threads` threads), writes report.html, report.json, data/ and
 /// figures/ under `folder`, and returns the result as in report.json without its envelope;

@@ -20,22 +20,47 @@ double mark_of(const Answer& answer) {
   return std::isfinite(answer.mode_hz) ? answer.mode_hz : answer.value;
 }
 
-struct Pair {
+/// A value before, after, or both, and what became of it.
+struct Change {
   const Answer* before = nullptr;
   const Answer* after = nullptr;
+  double value = Answer::kNone, std = Answer::kNone, relative = Answer::kNone;
+  std::string verdict = {};
+  bool changed = false;
 
+  [[nodiscard]] bool both() const { return before && after; }
   [[nodiscard]] const Answer& one() const { return after ? *after : *before; }
 };
 
+Change change_of(const Answer* before, const Answer* after) {
+  Change change{before, after};
+  if (!change.both()) {
+    change.verdict = before ? "only before" : "only after";
+    if (change.one().verdict == "doubtful mode") change.verdict += ", a doubtful mode";
+    return change;
+  }
+  change.value = after->value - before->value;
+  change.relative = after->value / before->value - 1;
+  change.std = std::hypot(before->std, after->std);
+  const double ratio = std::abs(change.value) / change.std;
+  const bool known = before->determined && after->determined;
+  change.changed = known && change.std > 0 && ratio >= kSurely;
+  change.verdict = !known              ? "not determined in one of them"
+                   : !(change.std > 0) ? "uncertainty not known"
+                   : ratio < kPerhaps  ? "no change beyond its uncertainty"
+                   : ratio < kSurely   ? "perhaps changed"
+                                       : "changed";
+  return change;
+}
+
 /// Each value before with the nearest one after of its key (a key may have several, such as the
 /// modes of a state); then the lonely ones.
-std::vector<Pair> pairs_of(const std::vector<Answer>& before, const std::vector<Answer>& after) {
-  std::vector<Pair> pairs;
+std::vector<Change> changes_of(const std::vector<Answer>& before,
+                               const std::vector<Answer>& after) {
+  std::vector<Change> changes;
   std::vector<bool> taken(after.size(), false);
   for (const auto& one : before) {
-    const auto count = std::count_if(before.begin(), before.end(),
-                                     [&](const Answer& other) { return other.key == one.key; });
-    double nearest = count > 1 ? kFarthest : HUGE_VAL;
+    double nearest = std::ranges::count(before, one.key, &Answer::key) > 1 ? kFarthest : HUGE_VAL;
     std::size_t partner = after.size();
     for (std::size_t b = 0; b < after.size(); ++b) {
       if (after[b].key != one.key || taken[b]) continue;
@@ -44,49 +69,17 @@ std::vector<Pair> pairs_of(const std::vector<Answer>& before, const std::vector<
       if (distance < nearest) nearest = distance, partner = b;
     }
     if (partner < after.size()) taken[partner] = true;
-    pairs.push_back({&one, partner < after.size() ? &after[partner] : nullptr});
+    changes.push_back(change_of(&one, partner < after.size() ? &after[partner] : nullptr));
   }
   for (std::size_t b = 0; b < after.size(); ++b) {
-    if (!taken[b]) pairs.push_back({nullptr, &after[b]});
+    if (!taken[b]) changes.push_back(change_of(nullptr, &after[b]));
   }
-  return pairs;
-}
-
-struct Change {
-  double value = Answer::kNone, std = Answer::kNone, relative = Answer::kNone;
-  std::string verdict;
-  bool changed = false;
-};
-
-Change change_of(const Pair& pair) {
-  Change change;
-  if (!pair.before || !pair.after) {
-    change.verdict = pair.before ? "only before" : "only after";
-    if (pair.one().verdict == "doubtful mode") change.verdict += ", a doubtful mode";
-    return change;
-  }
-  const bool known = pair.before->determined && pair.after->determined;
-  const double a = pair.before->value, b = pair.after->value;
-  change.value = b - a;
-  change.relative = b / a - 1;
-  change.std = std::hypot(pair.before->std, pair.after->std);
-  if (!known) {
-    change.verdict = "not determined in one of them";
-  } else if (!(change.std > 0)) {
-    change.verdict = "uncertainty not known";
-  } else {
-    const double ratio = std::abs(change.value) / change.std;
-    change.changed = ratio >= kSurely;
-    change.verdict = ratio < kPerhaps  ? "no change beyond its uncertainty"
-                     : ratio < kSurely ? "perhaps changed"
-                                       : "changed";
-  }
-  return change;
+  return changes;
 }
 
 /// The quantity; a mode by its frequency before, as its number depends on what else was found.
-std::string quantity_of(const Pair& pair) {
-  const Answer& one = pair.before ? *pair.before : *pair.after;
+std::string quantity_of(const Change& change) {
+  const Answer& one = change.before ? *change.before : *change.after;
   if (!std::isfinite(one.mode_hz)) return quantity_words(one);
   return fmt::format("{}, mode near {} Hz", one.quantity.substr(0, one.quantity.rfind(' ')),
                      shown(one.mode_hz, 3));
@@ -100,18 +93,20 @@ Json side_json(const Answer* answer) {
 }
 
 /// The change for the first page.
-Answer answer_of(const Pair& pair, const Change& change) {
+Answer answer_of(const Change& change) {
   Answer answer;
-  answer.key = pair.after->key;
-  answer.quantity = quantity_of(pair);
-  answer.how = fmt::format("{} before, {} after", shown_side(pair.before), shown_side(pair.after));
-  answer.percent = pair.after->percent;
-  answer.unit = pair.after->unit;
+  answer.key = change.after->key;
+  answer.quantity = quantity_of(change);
+  answer.how =
+      fmt::format("{} before, {} after", shown_side(change.before), shown_side(change.after));
+  answer.percent = change.after->percent;
+  answer.unit = change.after->unit;
   answer.value = change.value;
   answer.std = change.std;
-  answer.verdict = change.verdict + (std::isfinite(change.relative)
-                                         ? fmt::format(" ({})", shown_percent(change.relative))
-                                         : std::string());
+  answer.verdict = change.verdict;
+  if (std::isfinite(change.relative)) {
+    answer.verdict += fmt::format(" ({})", shown_percent(change.relative));
+  }
   answer.anchor = "comparison";
   answer.rank = change.changed ? 0 : 1;
   return answer;
@@ -144,35 +139,34 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
        {"relative"},
        {"verdict", {}, false}}};
   Json list = Json::array();
-  std::size_t changed = 0, compared = 0;
-  for (const auto& pair : pairs_of(before.answers, after.answers)) {
-    const Change change = change_of(pair);
-    const Answer& one = pair.one();
+  std::size_t changed = 0;
+  for (const auto& change : changes_of(before.answers, after.answers)) {
+    const Answer& one = change.one();
     const double scale = one.percent ? 100 : 1;
     Cell verdict(change.verdict);
     verdict.doubtful = change.changed;
     table.rows.push_back(
-        {quantity_of(pair), shown_unit(one), shown_side(pair.before), shown_side(pair.after),
+        {quantity_of(change), shown_unit(one), shown_side(change.before), shown_side(change.after),
          std::isfinite(change.value) ? shown_estimate(scale * change.value, scale * change.std)
                                      : std::string("–"),
          shown_percent(change.relative), std::move(verdict)});
     list.push_back({{"key", one.key},
-                    {"quantity", quantity_of(pair)},
+                    {"quantity", quantity_of(change)},
                     {"unit", one.unit.empty() ? "1" : one.unit},
-                    {"before", side_json(pair.before)},
-                    {"after", side_json(pair.after)},
+                    {"before", side_json(change.before)},
+                    {"after", side_json(change.after)},
                     {"change", describe::number_json(change.value)},
                     {"change_std", describe::number_json(change.std)},
                     {"relative_change", describe::number_json(change.relative)},
                     {"changed", change.changed},
                     {"verdict", change.verdict}});
-    if (!pair.before || !pair.after) continue;
-    ++compared;
+    if (!change.both()) continue;
     changed += change.changed;
-    part.answers.push_back(answer_of(pair, change));
+    part.answers.push_back(answer_of(change));
   }
-  part.summary.push_back({SummaryItem::Kind::result, "Changed",
-                          fmt::format("{} of {} compared", changed, counted(compared, "value"))});
+  part.summary.push_back(
+      {SummaryItem::Kind::result, "Changed",
+       fmt::format("{} of {} compared", changed, counted(part.answers.size(), "value"))});
   part.brief = {table.id};
   part.blocks.push_back(std::move(table));
   part.json = std::move(list);

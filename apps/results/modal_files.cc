@@ -19,27 +19,21 @@ int uff_direction(const Eigen::Vector3d& direction) {
   return 0;
 }
 
-/// Every place of a sensor or load once, numbered in the scene's order.
-std::vector<signal::NodePosition> positions_of(const model::Scene& scene) {
-  std::vector<signal::NodePosition> positions;
-  const auto add = [&](const model::Place& place) {
-    const Eigen::Vector3d at = position_of(scene, place);
-    for (const auto& known : positions) {
-      if ((Eigen::Vector3d(known.position_m.data()) - at).norm() < 1e-9) return;
-    }
-    positions.push_back({static_cast<int>(positions.size()) + 1, {at[0], at[1], at[2]}});
-  };
-  for (const auto& sensor : scene.sensors) add(sensor.place);
-  for (const auto& load : scene.loads) add(load.place);
-  return positions;
-}
-
-int node_at(const model::Scene& scene, const model::Place& place) {
-  const Eigen::Vector3d at = position_of(scene, place);
-  for (const auto& known : positions_of(scene)) {
+/// The node of a place; a new one where none is near.
+int node_at(const Eigen::Vector3d& at, std::vector<signal::NodePosition>& nodes) {
+  for (const auto& known : nodes) {
     if ((Eigen::Vector3d(known.position_m.data()) - at).norm() < 1e-9) return known.node;
   }
-  return 0;
+  nodes.push_back({static_cast<int>(nodes.size()) + 1, {at[0], at[1], at[2]}});
+  return nodes.back().node;
+}
+
+/// Every place of a sensor or load once, numbered in the scene's order.
+std::vector<signal::NodePosition> nodes_of(const model::Scene& scene) {
+  std::vector<signal::NodePosition> nodes;
+  for (const auto& sensor : scene.sensors) node_at(position_of(scene, sensor.place), nodes);
+  for (const auto& load : scene.loads) node_at(position_of(scene, load.place), nodes);
+  return nodes;
 }
 
 }  // namespace
@@ -56,10 +50,12 @@ std::string file_word(const std::string& label) {
 signal::MeasuredPoint uff_point(const model::Scene& scene, const std::string& name,
                                 const std::string& shown_name) {
   signal::MeasuredPoint point{shown_name, 0, 0};
+  auto nodes = nodes_of(scene);
   const auto look = [&](const auto& all) {
     for (const auto& one : all) {
       if (one.name != name || point.node > 0) continue;
-      point = {shown_name, node_at(scene, one.place), uff_direction(one.direction)};
+      point = {shown_name, node_at(position_of(scene, one.place), nodes),
+               uff_direction(one.direction)};
     }
   };
   look(scene.sensors);
@@ -68,7 +64,7 @@ signal::MeasuredPoint uff_point(const model::Scene& scene, const std::string& na
 }
 
 std::string mode_file(const model::Scene* scene, const signal::ModalModel& modes) {
-  return scene ? signal::uff_text(modes, positions_of(*scene)) : signal::uff_text(modes);
+  return scene ? signal::uff_text(modes, nodes_of(*scene)) : signal::uff_text(modes);
 }
 
 }  // namespace rigfit::apps

@@ -76,9 +76,9 @@ std::vector<TextTable::Row> lines_of(std::string_view bytes) {
 
 std::ptrdiff_t TextTable::find(const std::string& title) const {
   for (const auto& wanted : {title, signal::split_title(title).name}) {
-    const auto found = std::find_if(columns.begin(), columns.end(), [&](const Column& column) {
-      return signal::lower_case(column.name) == signal::lower_case(wanted);
-    });
+    const auto found =
+        std::ranges::find(columns, signal::lower_case(wanted),
+                          [](const Column& column) { return signal::lower_case(column.name); });
     if (found != columns.end()) return found - columns.begin();
   }
   return -1;
@@ -185,13 +185,12 @@ TextTable parse_text_table(std::string_view bytes, const std::string& file) {
   // Names are in the first of the longest lines, if it holds no number; else in that above the
   // first number.
   const auto has_number = [&](const TextTable::Row& line) {
-    return std::any_of(line.cells.begin(), line.cells.end(),
-                       [&](const auto& cell) { return is_number(cell, table.decimal); });
+    return std::ranges::any_of(line.cells,
+                               [&](const auto& cell) { return is_number(cell, table.decimal); });
   };
-  auto header = std::max_element(lines.begin(), lines.end(), [](const auto& x, const auto& y) {
-    return x.cells.size() < y.cells.size();
-  });
-  const auto first = std::find_if(lines.begin(), lines.end(), has_number);
+  auto header =
+      std::ranges::max_element(lines, {}, [](const auto& line) { return line.cells.size(); });
+  const auto first = std::ranges::find_if(lines, has_number);
   if (lines.size() < 2 || first == lines.end()) throw error(0, "holds no rows", kRemedy);
   if (has_number(*header)) {
     if (first == lines.begin())
@@ -204,8 +203,7 @@ TextTable parse_text_table(std::string_view bytes, const std::string& file) {
   }
   auto body = header + 1;
   // Units may stand in a line of their own.
-  const bool units = body != lines.end() &&
-                     std::all_of(body->cells.begin(), body->cells.end(), [](const auto& cell) {
+  const bool units = body != lines.end() && std::ranges::all_of(body->cells, [](const auto& cell) {
                        return cell.empty() || signal::parse_unit(cell).has_value();
                      });
   if (units && !has_number(*body)) {

@@ -181,8 +181,9 @@ class SameNumbers(unittest.TestCase):
         self.assertEqual([c.name for c in result.candidates], [c["name"] for c in document["candidates"]])
         self.assertAlmostEqual(sum(c.weight for c in result.candidates), 1, delta=1e-9)
         self.assertEqual(len(result.candidates), 2)
+        (self.folder / "stiffer.toml").write_text(pathlib.Path(CABLE).read_text().replace("GJ = 0.1", "GJ = 0.2"))
         (self.folder / "models.toml").write_text(
-            '[[candidate]]\nname = "as drawn"\n[[candidate]]\nname = "stiffer in torsion"\nset = { "cable.GJ" = 0.2 }\n')
+            '[[candidate]]\nname = "as drawn"\n[[candidate]]\nname = "stiffer in torsion"\nscene = "stiffer.toml"\n')
         document = self.program("update", CABLE, *words, "--candidates", "models.toml", code=4)
         with self.assertRaises(rigfit.Refused) as caught:
             rigfit.update(CABLE, candidates=self.folder / "models.toml", **options)

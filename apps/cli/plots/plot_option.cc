@@ -68,11 +68,6 @@ std::string repeat_command(const VerbContext& context) {
   return text;
 }
 
-void PlotSheet::add(Block block) {
-  if (const auto* plot = std::get_if<Plot>(&block); plot && plot->series.empty()) return;
-  blocks.push_back(std::move(block));
-}
-
 describe::Options options_of(PlotCommand& c) {
   return {option("--plot", c.file,
                  "Draw the result: an interactive page (.html) or a picture (.svg, .png)")
@@ -112,12 +107,12 @@ void write_plots(VerbContext& context, const PlotCommand& command, const std::st
     context.warn("not_drawn", "there is no result to draw; no figure was written", command.file);
     return;
   }
-  if (sheet.title.empty()) sheet.title = "rigfit " + verb;
+  const std::string title = "rigfit " + verb;
   const fs::path file = command.file;
   if (const std::string kind = kind_of(file.string()); kind == ".html") {
-    context.write(file, figures_page(sheet.title, repeat_command(context), sheet.blocks));
+    context.write(file, figures_page(title, repeat_command(context), sheet.blocks));
   } else {
-    const auto figures = figures_svg(sheet.title, sheet.blocks);
+    const auto figures = figures_svg(title, sheet.blocks);
     if (figures.height <= 0) {
       context.warn("not_drawn", "these results are drawn on a page only: write .html",
                    command.file);

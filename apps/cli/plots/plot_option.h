@@ -19,15 +19,13 @@ struct PlotCommand {
 
 /// The figures of a run. A verb adds to it when VerbContext::plots is set.
 struct PlotSheet {
-  std::string title;
   std::vector<Block> blocks;
   std::size_t sources = 0;  ///< recordings met so far, where a verb draws only the first
 
-  /// A plot without series is left out.
-  void add(Block block);
+  /// A block, or a list of them.
   template <class Any>
-  void add(std::vector<Any> more) {
-    for (auto& one : more) add(Block(std::move(one)));
+  void add(Any more) {
+    apps::add(blocks, std::move(more));
   }
 };
 

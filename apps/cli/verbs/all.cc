@@ -1,22 +1,14 @@
 #include "apps/cli/verbs/all.h"
 
-#include <fmt/format.h>
-
-#include <utility>
-
 #include "model/scene/actual_state.h"
 
 namespace rigfit::apps {
 
 Verbs all_verbs() {
-  Verbs verbs;
-  for (const auto verb :
-       {inspect_verb, resample_verb, bending_verb, axial_verb, decay_verb, frf_verb, modal_verb,
-        modes_verb, respond_verb, update_verb, tension_verb, predict_verb, plan_verb,
-        synthesize_verb, export_verb, bench_verb, new_verb, report_verb}) {
-    verbs.push_back(verb());
-  }
-  return verbs;
+  return {inspect_verb(), resample_verb(), bending_verb(), axial_verb(),      decay_verb(),
+          frf_verb(),     modal_verb(),    modes_verb(),   respond_verb(),    update_verb(),
+          tension_verb(), predict_verb(),  plan_verb(),    synthesize_verb(), export_verb(),
+          bench_verb(),   new_verb(),      report_verb()};
 }
 
 void write_result(const std::string& file, const std::function<std::string()>& content,

@@ -1,17 +1,6 @@
 // rigfit axial: EA, damping ratio and damper of a cable from hanging-mass records.
-#include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
-#include "apps/campaign/campaign.h"
-#include "apps/campaign_file/recording_description.h"
-#include "apps/cli/exit_code.h"
-#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/sheet.h"
-#include "apps/report/figures/figures.h"
-#include "apps/results/results_json.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 
 namespace rigfit::apps {
@@ -50,24 +39,17 @@ Json run(AxialCommand& command, VerbContext& context) {
   const auto lengths = length_of_each_file(command);
   auto& inputs = command.test.inputs;
   inputs.threads = context.threads;
-  double slowest = HUGE_VAL;
   for (std::size_t i = 0; i < command.files.size(); ++i) {
     signal::Recording recording = load_recording(command.files[i], context);
     (void)chosen_channel(recording, inputs.channel);
-    slowest = std::min(slowest, recording.sample_rate_hz);
     const std::string name = recording.path.string();
     inputs.recordings.push_back({name, std::move(recording), lengths[i]});
-  }
-  if (inputs.band_low_hz >= 0.5 * slowest) {
-    throw UsageError("--band must begin below half the sample rate");
   }
   const auto result = ident::axial_campaign(inputs);
   context.tell(result.findings);
   if (context.plots) {
-    auto& plots = *context.plots;
-    if (result.test) plots.add(axial_length_plot("EA", *result.test, Origin::measured));
     const std::vector<Origin> origins(inputs.recordings.size(), Origin::measured);
-    plots.add(axial_decay_blocks("axial", inputs, result, origins));
+    context.plots->add(axial_blocks("axial", inputs, result, origins));
   }
   if (result.test) describe::print(context.out, describe::sheet_of(*result.test));
   return axial_json(inputs, result);

@@ -1,13 +1,7 @@
 // rigfit bench: speed against error of every solver, on a standard set or on a scene.
-#include <fmt/format.h>
-
-#include <algorithm>
 
 #include "apps/bench/bench_study.h"
-#include "apps/cli/at_hand.h"
-#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/sheet.h"
 
 namespace rigfit::apps {
 namespace {

@@ -1,16 +1,7 @@
 // rigfit bending: EI at each tension from load-deflection records, and laws for EI over tension.
-#include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
-#include "apps/campaign/campaign.h"
 #include "apps/campaign_file/bending_files.h"
-#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/sheet.h"
-#include "apps/report/figures/figures.h"
-#include "apps/results/results_json.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::apps {
@@ -60,8 +51,7 @@ Json run(BendingCommand& command, VerbContext& context) {
   context.tell(found.findings);
   if (context.plots) {
     const std::vector<Origin> origins(campaign.sources.size(), Origin::measured);
-    context.plots->add(load_deflection_plot("load-deflection", campaign, origins, found));
-    context.plots->add(stiffness_plot("EI", origins, found));
+    context.plots->add(bending_blocks("bending", campaign, found, origins));
   }
   const bool beams = campaign.test.ends != ident::BeamEnds::tensioned;
   auto& out = context.out;
@@ -73,8 +63,8 @@ Json run(BendingCommand& command, VerbContext& context) {
     out << "For a model: " << found.curve.sentence() << '\n';
   }
   Json result = bending_json(campaign, found);
-  const bool none = std::none_of(found.points.begin(), found.points.end(),
-                                 [](const auto& one) { return one.usable(); });
+  const bool none =
+      std::ranges::none_of(found.points, [](const auto& one) { return one.usable(); });
   if ((beams ? none : found.curve.empty()) && context.exit_code == ExitCode::done) {
     context.refuse("no_EI", "no test gives an EI");
   }

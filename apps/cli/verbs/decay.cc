@@ -1,14 +1,7 @@
 // rigfit decay: frequency and damping of a free decay, with what the decay looks like.
 #include "ident/campaign/single_tests/decay_campaign.h"
 
-#include <fmt/format.h>
-
-#include "apps/campaign_file/recording_description.h"
-#include "apps/cli/exit_code.h"
-#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/sheet.h"
-#include "apps/report/figures/figures.h"
 
 namespace rigfit::apps {
 namespace {
@@ -28,22 +21,13 @@ fitted; with --each every one is, and their modes are pooled. Frequencies are un
 f sqrt(1 - zeta^2) is given as damped_frequency_hz. With --band, decays are looked for in the band;
 modes outside are fitted but not reported.)";
 
-ident::DecayTest run_decay_test(const signal::Recording& recording, const signal::Channel& channel,
-                                const DecayCommand& command) {
-  const double nyquist = 0.5 * recording.sample_rate_hz;
-  if (!(command.options.decay.band_low_hz < nyquist)) {
-    throw UsageError(fmt::format("--band must begin below half the sample rate, {} Hz", nyquist));
-  }
-  signal::Recording one = recording;
-  one.channels = {channel};
-  return ident::run_decay_test(one, command.options);
-}
-
 Json run(DecayCommand& command, VerbContext& context) {
   const signal::Recording recording = load_recording(command.file, context);
   command.file = recording.path.string();
   const auto& channel = chosen_channel(recording, command.channel);
-  const auto test = run_decay_test(recording, channel, command);
+  signal::Recording one = recording;
+  one.channels = {channel};
+  const auto test = ident::run_decay_test(one, command.options);
   const auto tell = [&](std::vector<ident::Finding> findings) {
     for (auto& f : findings) f.where = command.file + (f.where.empty() ? "" : ": " + f.where);
     context.tell(findings);

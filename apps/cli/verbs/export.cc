@@ -1,9 +1,5 @@
 // rigfit export: a scene as the input of other programs.
-#include <fmt/format.h>
 
-#include <filesystem>
-
-#include "apps/cli/at_hand.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/fit_file.h"
@@ -21,16 +17,17 @@ struct ExportOptions {
   model::CalculixOptions deck;
 };
 
-/// Writes `text`, with `comments` before it that begin with `mark`.
-std::filesystem::path write_deck(const std::string& folder, const std::string& name,
-                                 const std::string& text, const char* mark,
-                                 const std::vector<std::string>& comments, VerbContext& context) {
-  make_output_folder(folder);
-  const std::filesystem::path path = std::filesystem::path(folder) / name;
+/// Writes a deck, with `comments` before it that begin with `mark`; its name goes to `result`.
+void write_deck(const std::filesystem::path& path, const auto& deck, const char* mark,
+                const std::vector<std::string>& comments, const std::string& scene, Json& result,
+                VerbContext& context) {
+  for (const auto& note : deck.notes) context.warn("not_exported_exactly", note, scene);
+  make_output_folder(path.parent_path());
   std::string all;
   for (const auto& line : comments) all += fmt::format("{} {}\n", mark, line);
-  context.write(path, all + text);
-  return path;
+  context.write(path, all + deck.text);
+  context.out << fmt::format("wrote {}\n", path.string());
+  result["files"].push_back(path.string());
 }
 
 Json run(ExportOptions& options, VerbContext& context) {
@@ -57,20 +54,17 @@ Json run(ExportOptions& options, VerbContext& context) {
   }
   Json result;
   result["files"] = Json::array();
+  const auto path = [&](const std::string& folder, const char* end) {
+    return std::filesystem::path(folder) / (stem + end);
+  };
   if (!options.moordyn.empty()) {
-    const auto input = model::moordyn_input(scene, analysis.equilibrium);
-    for (const auto& note : input.notes) context.warn("not_exported_exactly", note, options.scene);
-    const auto path =
-        write_deck(options.moordyn, stem + ".txt", input.text, "!", comments, context);
-    context.out << fmt::format("wrote {}\n", path.string());
-    result["files"].push_back(path.string());
+    write_deck(path(options.moordyn, ".txt"), model::moordyn_input(scene, analysis.equilibrium),
+               "!", comments, options.scene, result, context);
   }
   if (options.calculix.empty()) return result;
   const auto deck = model::calculix_deck(scene, analysis.equilibrium, options.deck);
-  for (const auto& note : deck.notes) context.warn("not_exported_exactly", note, options.scene);
-  const auto path = write_deck(options.calculix, stem + ".inp", deck.text, "**", comments, context);
-  context.out << fmt::format("wrote {}\nrun it there with: ccx {}\n", path.string(),
-                             path.stem().string());
+  write_deck(path(options.calculix, ".inp"), deck, "**", comments, options.scene, result, context);
+  context.out << fmt::format("run it there with: ccx {}\n", stem);
   Json members = Json::array();
   for (const auto& member : deck.members) {
     context.out << fmt::format("{}: {:.6g} N at rest in the deck, {:.6g} N in the scene\n",
@@ -81,7 +75,6 @@ Json run(ExportOptions& options, VerbContext& context) {
                        {"axial_stiffness_ratio", member.axial_stiffness_ratio}});
   }
   result["members"] = std::move(members);
-  result["files"].push_back(path.string());
   return result;
 }
 

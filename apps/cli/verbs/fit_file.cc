@@ -96,9 +96,7 @@ ident::FittedParameters read_fit(const std::string& path, bool accepted, VerbCon
 void apply_maps(const std::vector<std::string>& maps, ident::FittedParameters& fitted) {
   for (const auto& text : maps) {
     const auto [name, list] = named_text("--map", text, "NAME=TARGET[,-TARGET...]");
-    const auto known =
-        std::find_if(fitted.parameters.begin(), fitted.parameters.end(),
-                     [&, name = name](const auto& parameter) { return parameter.name == name; });
+    const auto known = std::ranges::find(fitted.parameters, name, &ident::KnownParameter::name);
     if (known == fitted.parameters.end())
       throw UsageError("--map: the fit has no parameter " + name);
     auto targets = signed_names("--map", list);

@@ -1,14 +1,7 @@
 // rigfit frf: hammer hits to averaged FRFs with coherence and error bars.
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <algorithm>
-
-#include "apps/cli/at_hand.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/impact_command.h"
-#include "apps/describe/sheet.h"
-#include "apps/results/results_json.h"
 #include "signal/writers/write_csv.h"
 #include "signal/writers/write_uff.h"
 
@@ -85,8 +78,8 @@ Json run(FrfCommand& options, VerbContext& context) {
   }
 
   // Blocks are as long for all points; a point without hits has none.
-  const auto measured = std::find_if(hammer.tests.begin(), hammer.tests.end(),
-                                     [](const auto& test) { return !test.search.hits.empty(); });
+  const auto measured = std::ranges::find_if(
+      hammer.tests, [](const auto& test) { return !test.search.hits.empty(); });
   const signal::HitSearch& search = measured->search;
   Json result{{"hits", hits_json(run)},
               {"averages", frfs.averages},

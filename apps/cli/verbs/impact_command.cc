@@ -31,8 +31,7 @@ std::vector<ident::StruckPlace> read_places(VerbContext& context, const ImpactCo
   std::vector<ident::StruckPlace> places;
   for (std::size_t f = 0; f < command.files.size(); ++f) {
     const std::string name = command.struck.empty() ? "" : command.struck[f];
-    auto place = std::find_if(places.begin(), places.end(),
-                              [&](const auto& known) { return known.name == name; });
+    auto place = std::ranges::find(places, name, &ident::StruckPlace::name);
     if (place == places.end()) place = places.insert(places.end(), {name, {}});
     place->recordings.push_back(load_recording(command.files[f], context));
   }

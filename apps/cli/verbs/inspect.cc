@@ -1,19 +1,7 @@
 // rigfit inspect: what recordings hold and whether they are fit for use.
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "apps/campaign_file/bending_files.h"
-#include "apps/campaign_file/recording_description.h"
-#include "apps/cli/at_hand.h"
-#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/sheet.h"
-#include "apps/report/figures/figures.h"
 #include "signal/quality/quality.h"
 #include "signal/readers/read_recording.h"
 
@@ -61,9 +49,9 @@ signal::Recording load(const std::string& path, VerbContext& context) {
 Json inspected(const signal::Recording& recording, VerbContext& context) {
   const std::string path = recording.path.string();
   const signal::QualityResult quality = signal::check_quality(recording);
+  const auto& notes = recording.notes;
   const bool over_time =
-      std::none_of(recording.notes.begin(), recording.notes.end(),
-                   [](const auto& note) { return note.code == "not_a_time_history"; });
+      std::ranges::find(notes, "not_a_time_history", &signal::Note::code) == notes.end();
   for (const auto& channel : quality.channels) {
     for (const auto& finding : channel.findings) {
       // Spectra neither drift nor clip; what is missing there is missing all the same.

@@ -1,21 +1,8 @@
 // rigfit modal: poles, shapes and damping with error bars from FRFs, from recordings of hits, or
 // from ambient motion.
-#include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-#include <tuple>
-#include <utility>
-
-#include "apps/campaign_file/recording_description.h"
-#include "apps/cli/at_hand.h"
-#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/impact_command.h"
-#include "apps/describe/sheet.h"
-#include "apps/report/figures/figures.h"
-#include "apps/results/results_json.h"
 #include "signal/ambient/ambient_modes.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/modes/modal_synthesis.h"
@@ -37,36 +24,22 @@ struct ModalCommand {
   bool all = false;                     ///< print uncertain modes as well
   bool ambient = false;                 ///< motion under unknown forces: no FRFs, no hits
   std::vector<std::string> references;  ///< stay in place in all set-ups of ambient motion
-  std::vector<std::string> of_hits;     ///< options given that mean nothing for FRFs from a file
 
   [[nodiscard]] const describe::Band& band() const { return impact.hammer.impact.hits.band_hz; }
 };
 
+bool doubtful(const signal::IdentifiedMode& mode) { return mode.doubtful; }
+bool doubtful(const signal::AmbientMode& one) { return one.mode.doubtful; }
+
 /// The modes as a table: the sure ones, and how many others there are; `all`: those too.
 template <class Mode>
 void print_modes(std::ostream& out, std::vector<Mode> modes, bool all) {
-  const auto others = std::erase_if(modes, [&](const Mode& one) {
-    if constexpr (requires { one.mode; }) {
-      return !all && one.mode.doubtful;
-    } else {
-      return !all && one.doubtful;
-    }
-  });
+  const auto others = std::erase_if(modes, [&](const Mode& one) { return !all && doubtful(one); });
   describe::print(out, describe::table_of(modes));
   if (others > 0) out << fmt::format("and {} uncertain: --all lists them\n", others);
 }
 
 // Modes from motion under unknown forces, one or several set-ups.
-
-void check_ambient_options(const ModalCommand& command) {
-  const auto& impact = command.impact;
-  if (!impact.hammer.force.empty())
-    throw UsageError("--ambient is for motion without a measured force");
-  for (const auto& name : command.of_hits) {
-    if (name != "--response") throw UsageError(name + " is for hits; --ambient has none");
-  }
-  if (!command.synthesis.empty()) throw UsageError("--synthesis needs FRFs; --ambient has none");
-}
 
 /// Set-ups that have a reference, or an error that names the channels that would serve.
 signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context) {
@@ -83,9 +56,10 @@ signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context
     const signal::Recording recording = load_recording(file, context);
     options.references.clear();
     for (const auto& name : command.references) {
-      const bool there = std::any_of(recording.channels.begin(), recording.channels.end(),
-                                     [&](const auto& channel) { return channel.name == name; });
-      if (there || command.files.size() == 1) options.references.push_back(name);
+      const auto there = std::ranges::find(recording.channels, name, &signal::Channel::name);
+      if (there != recording.channels.end() || command.files.size() == 1) {
+        options.references.push_back(name);
+      }
     }
     setups.push_back(signal::ambient_modes(recording, options));
     for (auto& note : setups.back().notes) {
@@ -96,10 +70,18 @@ signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context
   return signal::merge_setups(setups, command.references);
 }
 
+/// The modes that are not doubtful.
+signal::ModalModel sure_modes(const signal::AmbientResult& found) {
+  signal::ModalModel sure;
+  for (const auto& one : found.modes) {
+    if (!doubtful(one)) sure.modes.push_back(one.mode);
+  }
+  sure.responses = found.responses();
+  return sure;
+}
+
 /// Singular values of the spectral matrix with the modes, stabilisation diagram.
 void draw(PlotSheet& sheet, const signal::AmbientResult& found) {
-  signal::ModalResult poles;
-  poles.stabilisation = found.stabilisation;
   Plot plot{"ambient-spectrum",
             "Singular values of the spectral matrix",
             "Motion of all channels together, each over its standard deviation. A mode is a peak "
@@ -112,8 +94,7 @@ void draw(PlotSheet& sheet, const signal::AmbientResult& found) {
   plot.link = plot.id;
   for (const auto& one : found.modes) {
     const double f = one.mode.frequency_hz.value;
-    plot.marks.push_back({f, fmt::format("{:.4g}", f), one.mode.doubtful});
-    if (!one.mode.doubtful) poles.model.modes.push_back(one.mode);
+    plot.marks.push_back({f, fmt::format("{:.4g}", f), doubtful(one)});
   }
   for (Eigen::Index k = 0; k < std::min<Eigen::Index>(3, found.singular_values.cols()); ++k) {
     PlotSeries series{fmt::format("singular value {}", k + 1), Origin::measured,
@@ -124,21 +105,18 @@ void draw(PlotSheet& sheet, const signal::AmbientResult& found) {
     plot.series.push_back(std::move(series));
   }
   sheet.add(std::move(plot));
-  if (poles.stabilisation.poles.empty()) return;
+  if (found.stabilisation.poles.empty()) return;
+  signal::ModalResult poles;
+  poles.model = sure_modes(found), poles.stabilisation = found.stabilisation;
   Plot diagram = stabilisation_plot("ambient-stabilisation", poles, Origin::measured);
   diagram.link = "ambient-spectrum";
   sheet.add(std::move(diagram));
 }
 
 Json ambient_result(const ModalCommand& command, VerbContext& context) {
-  check_ambient_options(command);
   const signal::AmbientResult found = analysed(command, context);
   for (const auto& note : found.notes) {
-    if (note.code == "no_modes") {
-      context.refuse(note.code, note.message, note.where);
-    } else {
-      context.warn(note.code, note.message, note.where);
-    }
+    context.tell({{note.code, note.message, note.where, note.code == "no_modes"}});
   }
   Json result = describe::json_of(found);
   result["input_points"] = Json::array();
@@ -149,15 +127,8 @@ Json ambient_result(const ModalCommand& command, VerbContext& context) {
   context.out << fmt::format("{:.4g} to {:.4g} Hz, {:.0f} s, correlations to {:.3g} s\n",
                              found.low_hz, found.high_hz, found.duration_s, found.lag_s);
   if (context.plots) draw(*context.plots, found);
-  const auto sure_modes = [&] {
-    signal::ModalModel sure;  // UFF has no place for doubts
-    for (const auto& one : found.modes) {
-      if (!one.mode.doubtful) sure.modes.push_back(one.mode);
-    }
-    sure.responses = found.responses();
-    return signal::uff_text(sure);
-  };
-  write_result(command.out, sure_modes, "modes (UFF 55)", "out", result, context);
+  const auto modes = [&] { return signal::uff_text(sure_modes(found)); };  // no place for doubts
+  write_result(command.out, modes, "modes (UFF 55)", "out", result, context);
   return result;
 }
 
@@ -168,13 +139,6 @@ struct MeasuredFrfs {
   bool amplitudes = true;        ///< false: only frequencies and damping mean something
   std::optional<ImpactRun> run;  ///< none: FRFs from a file
 };
-
-void refuse_options_of_hits(const ModalCommand& options) {
-  if (options.of_hits.empty()) return;
-  throw UsageError(fmt::format(
-      "{}: for recordings of hits, which need --force C; FRFs from a file are averaged already",
-      fmt::join(options.of_hits, ", ")));
-}
 
 /// The exponential window that another analyser used, as stated: its decay rate is in every pole.
 void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
@@ -208,12 +172,13 @@ MeasuredFrfs completed(signal::FrfSet frfs, const ModalCommand& options, VerbCon
 /// FRFs at hand, of one UFF file or of text tables; or those of hits.
 MeasuredFrfs frfs_of(ModalCommand& options, VerbContext& context) {
   if (!options.impact.hammer.force.empty()) {
-    if (options.averages > 0) throw UsageError("--averages is for FRFs from a file");
     options.impact.files = options.files;
     auto run = run_impact_test(context, options.impact);
     return {run.test.frfs, run.test.usable_hz, run.test.amplitudes, std::move(run)};
   }
-  refuse_options_of_hits(options);
+  if (!options.impact.hammer.responses.empty()) {
+    throw UsageError("--response is for recordings: give --force or --ambient");
+  }
   if (context.at_hand && context.at_hand->frfs) {
     return completed(*context.at_hand->frfs, options, context);
   }
@@ -284,7 +249,8 @@ describe::Options options_of(ModalCommand& c) {
       option(
           "--synthesis", c.synthesis,
           "FRFs rebuilt from the modes and what else was fitted, at the measured lines, as UFF 58")
-          .writes(),
+          .writes()
+          .excludes("--ambient"),
       option("--ambient", c.ambient,
              "Recordings of motion under wind, traffic or other unknown forces"),
       option("--reference", c.references,
@@ -293,7 +259,8 @@ describe::Options options_of(ModalCommand& c) {
       option("--all", c.all, "List uncertain modes as well"),
       option("--averages", c.averages,
              "Averages behind the coherence of FRFs from a file [as the file says]")
-          .within(1, 1000000)};
+          .within(1, 1000000)
+          .excludes("--force")};
   for (auto& one : options_of(c.impact)) {
     if (one.name == "--exponential-window") {
       one.meaning =
@@ -302,8 +269,10 @@ describe::Options options_of(ModalCommand& c) {
       one.unit = "1/s";
     } else if (one.name == "--band") {
       one.meaning = "Band to look for modes in (and for the force spectrum of hits)";
-    } else if (one.name != "--force") {
-      one.told = &c.of_hits;
+    } else if (one.name == "--force") {
+      one.not_with.emplace_back("--ambient");
+    } else if (one.name != "--response") {
+      one.only_with.emplace_back("--force");
     }
     options.push_back(std::move(one));
   }

@@ -1,14 +1,6 @@
 // rigfit modes: static equilibrium of a scene, then its natural modes.
-#include <fmt/format.h>
 
-#include <tuple>
-#include <vector>
-
-#include "apps/cli/at_hand.h"
-#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/sheet.h"
-#include "apps/report/figures/figures.h"
 #include "model/linear/modal_analysis.h"
 
 namespace rigfit::apps {
@@ -109,7 +101,7 @@ Json run(ModesCommand& options, VerbContext& context) {
                      analysis.unknowns, analysis.relative_error_estimate,
                      analysis.complete ? "a Sturm count shows that none was missed"
                                        : "not proved that none was missed");
-  if (context.plots) context.plots->add(modes_blocks("shapes", scene, analysis));
+  if (context.plots) context.plots->add(shapes_pictures("shapes", "", scene, analysis));
   return result;
 }
 

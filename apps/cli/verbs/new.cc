@@ -1,26 +1,12 @@
 // rigfit new: a campaign to start from, of one's own recordings or as a commented example.
-#include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <map>
-#include <optional>
 #include <system_error>
-#include <tuple>
-#include <utility>
 
-#include "apps/campaign/campaign.h"
 #include "apps/campaign_file/bending_files.h"
-#include "apps/campaign_file/recording_description.h"
 #include "apps/cli/assets.h"
-#include "apps/cli/at_hand.h"
-#include "apps/cli/named_numbers.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
 #include "document/document_error.h"
-#include "document/toml_table.h"
-#include "signal/impact/pulse_shape.h"
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/recording/recording_error.h"
 
@@ -36,8 +22,21 @@ struct NewCommand {
   double span_m = 0, mass_kg = 0, mass_per_length = 0;  ///< 0: not given
   double length_m = 0;          ///< the length for the file that is looked at
   std::vector<double> lengths;  ///< m, of axial and tension tests: for all files, or one each
-  std::vector<std::string> sensitivities;  ///< "CHANNEL=2.27 mV/N"
+  std::map<std::string, std::pair<double, std::string>> sensitivities;  ///< by channel, with unit
 };
+
+/// "CHANNEL=2.27 mV/N"
+void add_sensitivity(const std::string& text, NewCommand& command) {
+  const auto [name, value] = named_text("--sensitivity", text, "\"CHANNEL=2.27 mV/N\"");
+  const auto blank = value.find(' ');
+  double number = 0;
+  if (blank == std::string::npos ||
+      !signal::parse_whole_number(value.substr(0, blank), '.', number)) {
+    throw UsageError(fmt::format(
+        "--sensitivity {}: write it with its unit, such as \"{}=2.27 mV/N\"", text, name));
+  }
+  command.sensitivities[name] = {number, value.substr(blank + 1)};
+}
 
 /// A test of the campaign: files that agree in its keys.
 struct GuessedTest {
@@ -51,28 +50,15 @@ std::string toml_text(const Json& value) {
 }
 
 /// Short pulses over a quiet record: the largest sample stands far above the root mean square (a
-/// sine has a crest factor of 1.4, noise of 4 to 5, a decay that fills the record of some 5).
-bool has_pulses(const Eigen::VectorXd& samples) {
+/// sine has a crest factor of 1.4, noise of 4 to 5, a decay that fills the record of some 5). What
+/// `swings` as a response does goes to both sides; the force of a hammer goes to one.
+bool has_pulses(const Eigen::VectorXd& samples, bool& swings) {
   Eigen::ArrayXd x = samples.unaryExpr([](double y) { return std::isfinite(y) ? y : 0.0; });
   if (x.size() < 64) return false;
   x -= x.mean();
-  const double rms = std::sqrt(x.square().mean());
-  return rms > 0 && x.abs().maxCoeff() > 8 * rms;
-}
-
-/// Pulses to one side with rest between them, as a hammer's force: around the largest one, in
-/// blocks down to a 64th of the record, since others may follow it.
-bool looks_like_a_hammer(const Eigen::VectorXd& samples) {
-  if (!has_pulses(samples)) return false;
-  Eigen::Index peak = 0;
-  samples.unaryExpr([](double x) { return std::isfinite(x) ? std::abs(x) : 0.0; }).maxCoeff(&peak);
-  for (Eigen::Index length = samples.size(); length >= 64; length /= 4) {
-    const Eigen::Index first =
-        std::clamp<Eigen::Index>(peak - length / 10, 0, samples.size() - length);
-    if (signal::pulse_shape(samples, first, length).is_pulse()) return true;
-    if (length <= samples.size() / 64) break;
-  }
-  return false;
+  const double up = x.maxCoeff(), down = -x.minCoeff(), rms = std::sqrt(x.square().mean());
+  swings = std::min(up, down) > 0.2 * std::max(up, down);
+  return rms > 0 && std::max(up, down) > 8 * rms;
 }
 
 /// The channel of the hammer: by its name, as a force with pulses, or as the only channel that
@@ -81,12 +67,14 @@ const signal::Channel* hammer_of(const signal::Recording& recording) {
   if (const auto* named = channel_like(recording, {"hammer", "impact"})) return named;
   std::vector<const signal::Channel*> alike;
   for (const auto& channel : recording.channels) {
+    bool swings = false;
+    if (!has_pulses(channel.samples, swings)) continue;
     const bool force = channel.quantity == signal::Quantity::force ||
                        signal::lower_case(channel.name).starts_with("force");
-    if (force && has_pulses(channel.samples)) return &channel;
+    if (force) return &channel;
     const bool could_be_force = channel.quantity == signal::Quantity::unknown ||
                                 channel.quantity == signal::Quantity::voltage;
-    if (could_be_force && looks_like_a_hammer(channel.samples)) alike.push_back(&channel);
+    if (could_be_force && !swings) alike.push_back(&channel);
   }
   return alike.size() == 1 ? alike.front() : nullptr;
 }
@@ -199,23 +187,15 @@ std::string channels_text(const signal::Recording& recording, const NewCommand& 
   std::string text;
   for (const auto& channel : recording.channels) {
     std::string keys = "{ source = " + toml_text(channel.name);
-    bool given = false;
-    for (const auto& one : command.sensitivities) {
-      const auto [name, value] = named_text("--sensitivity", one, "\"CHANNEL=2.27 mV/N\"");
-      if (name != channel.name) continue;
-      const auto blank = value.find(' ');
-      double number = 0;
-      if (blank == std::string::npos ||
-          !signal::parse_whole_number(value.substr(0, blank), '.', number)) {
-        throw UsageError(fmt::format(
-            "--sensitivity {}: write it with its unit, such as \"{}=2.27 mV/N\"", one, name));
-      }
-      keys += fmt::format(", sensitivity = {}, sensitivity_unit = {}", number,
-                          toml_text(value.substr(blank + 1)));
-      given = true;
+    const auto given = command.sensitivities.find(channel.name);
+    if (given != command.sensitivities.end()) {
+      keys += fmt::format(", sensitivity = {}, sensitivity_unit = {}", given->second.first,
+                          toml_text(given->second.second));
+    } else if (channel.unit.empty()) {
+      keys = fmt::format("# the file gives no unit: {}, unit = \"m/s^2\"", keys);
+    } else {
+      continue;
     }
-    if (!given && !channel.unit.empty()) continue;
-    if (!given) keys = fmt::format("# the file gives no unit: {}, unit = \"m/s^2\"", keys);
     text += fmt::format("  {} }},\n", keys);
   }
   return text.empty() ? text : "channel = [\n" + text + "]\n";
@@ -234,7 +214,7 @@ std::vector<std::string> files_in(const std::vector<std::string>& given, const f
       if (entry.is_regular_file(none) && !hidden && !own) inside.push_back(entry.path().string());
     }
     if (!fs::is_directory(one, none)) inside.push_back(one);
-    std::sort(inside.begin(), inside.end());
+    std::ranges::sort(inside);
     files.insert(files.end(), inside.begin(), inside.end());
   }
   std::erase_if(files, [](const auto& file) { return fs::path(file).extension() == ".toml"; });
@@ -251,11 +231,9 @@ void check_options(const std::string& text, const std::vector<std::string>& chan
         "{} belongs to none of these tests: give the files of such a test alone, with --kind",
         one.option));
   }
-  for (const auto& one : command.sensitivities) {
-    const auto name = named_text("--sensitivity", one, "\"CHANNEL=2.27 mV/N\"").first;
-    if (std::find(channels.begin(), channels.end(), name) == channels.end()) {
-      throw UsageError("no recording has a channel \"" + name + "\"");
-    }
+  for (const auto& [name, value] : command.sensitivities) {
+    if (std::ranges::find(channels, name) != channels.end()) continue;
+    throw UsageError("no recording has a channel \"" + name + "\"");
   }
 }
 
@@ -293,7 +271,7 @@ std::string guessed_campaign(NewCommand& command, VerbContext& context) {
       if (test.kind == "bending") drop_time_notes(recording);
       tell_notes(recording, context);
       context.out << fmt::format("{}: {} ({})\n", file, test.kind, test.why);
-      auto same = std::find_if(tests.begin(), tests.end(), [&](const GuessedTest& other) {
+      auto same = std::ranges::find_if(tests, [&](const GuessedTest& other) {
         return other.kind == test.kind && other.keys == test.keys;
       });
       if (same == tests.end()) same = tests.insert(tests.end(), std::move(test));
@@ -371,7 +349,9 @@ describe::Options options_of(NewCommand& c) {
         option("--mass-per-length", c.mass_per_length, "Of tension tests", "kg/m").positive(),
         option("--length", c.lengths, "Of axial and tension tests, m: one for all, or one a file")
             .positive(),
-        option("--sensitivity", c.sensitivities, "Of a channel's transducer")
+        converted(
+            "--sensitivity", [&c](const auto& text) { add_sensitivity(text, c); },
+            "Of a channel's transducer", describe::Kind::texts)
             .type("\"CHANNEL=2.27 mV/N\"")}) {
     options.push_back(describe::Option(one).needs("--from"));
   }

@@ -1,18 +1,8 @@
 // rigfit plan: what to measure so that parameters are known to a goal.
 #include "ident/plan/plan.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "apps/campaign_file/update_data.h"
-#include "apps/cli/at_hand.h"
-#include "apps/cli/named_numbers.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/sheet.h"
 
 namespace rigfit::apps {
 namespace {
@@ -138,14 +128,13 @@ Json run(PlanCommand& command, VerbContext& context) {
   for (const auto& text : command.goals) {
     goals.push_back(goal_of(text));
     const auto& goal = goals.back().parameter;
-    const bool named = std::any_of(names.begin(), names.end(), [&](const auto& name) {
-      return free_parameter(name).name == goal;
-    });
+    const bool named = std::ranges::any_of(
+        names, [&](const auto& name) { return free_parameter(name).name == goal; });
     if (!named) names.push_back(goal);
   }
   auto options = command.plan;
-  std::sort(options.hits.begin(), options.hits.end());
-  std::sort(options.durations_s.begin(), options.durations_s.end());
+  std::ranges::sort(options.hits);
+  std::ranges::sort(options.durations_s);
   options.threads = context.threads;
   UpdateStates states;
   states.states = ident::plan_states(scene, command.tensions, command.lengths);

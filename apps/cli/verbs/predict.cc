@@ -1,24 +1,16 @@
 // rigfit predict: parameters of a fit, with their covariance, in another scene.
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
 #include <complex>
 #include <numbers>
-#include <tuple>
 
-#include "apps/campaign/campaign.h"
 #include "apps/campaign_file/measured_modes.h"
-#include "apps/cli/at_hand.h"
-#include "apps/cli/named_numbers.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/cli/verbs/fit_file.h"
-#include "apps/describe/sheet.h"
 #include "ident/predict/damage_estimate.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/scene/sensor_quantity.h"
 #include "signal/numerics/numbers.h"
+#include "signal/readers/csv/csv_fields.h"
 #include "signal/writers/write_csv.h"
 
 namespace rigfit::apps {
@@ -99,10 +91,10 @@ struct ComparedMode {
 Json compared_json(const PredictCommand& command, const ident::ModePrediction& prediction,
                    VerbContext& context) {
   std::vector<ident::MeasuredMode> measured;
-  auto rows = measured_modes(command.measured, command.column, plane_named(command.plane),
-                             prediction.scene, context);
-  measured.reserve(rows.size());
-  for (auto& row : rows) measured.push_back(std::move(row.mode));
+  for (auto& row : measured_modes(command.measured, command.column, plane_named(command.plane),
+                                  prediction.scene, context)) {
+    measured.push_back(std::move(row.mode));
+  }
   std::vector<ComparedMode> compared;
   for (const auto& one : ident::held_against(prediction, measured)) {
     compared.push_back({measured[one.measured].frequency_hz, {signal::kNaN, signal::kNaN}, one});
@@ -118,9 +110,6 @@ Json compared_json(const PredictCommand& command, const ident::ModePrediction& p
 void write_frfs(const PredictCommand& command, const model::Scene& scene,
                 const ident::FittedParameters& fitted, const ident::ModePrediction& prediction,
                 VerbContext& context) {
-  if (scene.loads.empty() || scene.sensors.empty()) {
-    throw UsageError("--frf: the scene has no load or no sensor");
-  }
   const auto [low, high] =
       command.band_hz.value_or(std::pair(0.2 * prediction.modes.front().frequency_hz.value,
                                          1.2 * prediction.modes.back().frequency_hz.value));
@@ -131,19 +120,17 @@ void write_frfs(const PredictCommand& command, const model::Scene& scene,
   for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
     for (std::size_t l = 0; l < scene.loads.size(); ++l) {
       const auto name = fmt::format("{} / {}", scene.sensors[s].name, scene.loads[l].name);
-      const auto add = [&](const std::string& title, const auto& of_lines, auto value) {
-        Eigen::VectorXd column(frfs.frequency_hz.size());
-        std::transform(of_lines.begin(), of_lines.end(), column.begin(), [&](const auto& of_line) {
-          return value(of_line(static_cast<Eigen::Index>(s), static_cast<Eigen::Index>(l)));
-        });
-        add_column(table, title, "", std::move(column));
-      };
-      const auto same = [](double x) { return x; };
-      add("|H| " + name, frfs.H, [](const auto& h) { return std::abs(h); });
-      add("low " + name, frfs.low, same);
-      add("high " + name, frfs.high, same);
-      add("phase " + name + " (deg)", frfs.H,
-          [](const auto& h) { return std::arg(h) * 180 / std::numbers::pi; });
+      const auto row = static_cast<Eigen::Index>(s), column = static_cast<Eigen::Index>(l);
+      Eigen::MatrixXd values(frfs.frequency_hz.size(), 4);
+      for (std::size_t k = 0; k < frfs.H.size(); ++k) {
+        const auto h = frfs.H[k](row, column);
+        values.row(static_cast<Eigen::Index>(k)) << std::abs(h), frfs.low[k](row, column),
+            frfs.high[k](row, column), std::arg(h) * 180 / std::numbers::pi;
+      }
+      add_column(table, "|H| " + name, "", values.col(0));
+      add_column(table, "low " + name, "", values.col(1));
+      add_column(table, "high " + name, "", values.col(2));
+      add_column(table, "phase " + name + " (deg)", "", values.col(3));
     }
   }
   context.write(command.frf, signal::csv_text(table, {}, 8, "frequency (Hz)"));
@@ -152,14 +139,9 @@ void write_frfs(const PredictCommand& command, const model::Scene& scene,
 /// Time, then the value and its 95 % interval of every sensor.
 Json write_response(PredictCommand& command, const model::Scene& scene,
                     const ident::FittedParameters& fitted, VerbContext& context) {
-  if (scene.loads.empty() || scene.sensors.empty()) {
-    throw UsageError("--response: the scene has no load or no sensor");
-  }
   for (const auto& load : scene.loads) {
-    if (load.kind == model::Load::Kind::record) {
-      throw UsageError("--response: load " + load.name +
-                       " is a record; hits and releases can be predicted");
-    }
+    if (load.kind != model::Load::Kind::record) continue;
+    throw UsageError("--response: hits and releases can be predicted; a record is " + load.name);
   }
   command.motion.response.segments = command.modes.segments;
   command.motion.seed = context.seed;
@@ -202,15 +184,16 @@ Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
   const std::string sound = list.substr(0, comma);
   ident::DamageQuestion question;
   question.zone = zone;
-  try {
-    std::size_t used = 0;
-    question.sound_EI = {std::stod(sound, &used), 0};
-    if (used != sound.size()) question.sound = sound;
-  } catch (const std::exception&) {
+  if (double EI = 0; signal::parse_whole_number(sound, '.', EI)) {
+    question.sound_EI = {EI, 0};
+  } else {
     question.sound = sound;
   }
+  if (comma != std::string::npos &&
+      !signal::parse_whole_number(list.substr(comma + 1), '.', question.sound_ratio)) {
+    throw UsageError("--damage: the ratio in \"" + text + "\" is no number");
+  }
   try {
-    if (comma != std::string::npos) question.sound_ratio = std::stod(list.substr(comma + 1));
     const auto one = ident::damage_estimate(fitted, question);
     context.out << fmt::format("\n{}: {}\n", question.zone, one.statement);
     Json json{{"zone", question.zone}};
@@ -266,6 +249,10 @@ Json run(PredictCommand& command, VerbContext& context) {
   if (!command.measured.empty()) json["measured"] = compared_json(command, prediction, context);
   for (const auto& text : command.damage)
     json["damage"].push_back(damage_json(text, of_fit, context));
+  const bool moves = !command.frf.empty() || !command.response.empty();
+  if (moves && (scene.loads.empty() || scene.sensors.empty())) {
+    throw UsageError("--frf and --response: the scene has no load or no sensor");
+  }
   if (!command.frf.empty()) write_frfs(command, scene, fitted, prediction, context);
   if (!command.response.empty()) {
     json["response"] = write_response(command, scene, fitted, context);

@@ -1,7 +1,3 @@
-#include <fmt/format.h>
-
-#include <filesystem>
-
 #include "apps/campaign_file/campaign.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/report/campaign_report.h"

@@ -1,10 +1,7 @@
 // rigfit resample: a recording at another rate, or at an even one.
-#include <fmt/format.h>
 
 #include <memory>
 
-#include "apps/campaign_file/recording_description.h"
-#include "apps/cli/at_hand.h"
 #include "apps/cli/verbs/all.h"
 #include "signal/recording/resample.h"
 #include "signal/writers/write_csv.h"

@@ -1,18 +1,12 @@
 // rigfit synthesize: a virtual laboratory. What it writes is synthetic and says so in every file.
-#include <fmt/format.h>
 
-#include <filesystem>
-#include <optional>
 #include <random>
 
 #include "apps/campaign_file/bending_files.h"
-#include "apps/cli/at_hand.h"
 #include "apps/cli/json_document.h"
 #include "apps/cli/output_file.h"
-#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 #include "ident/virtual_rig/virtual_bench.h"
 #include "ident/virtual_rig/virtual_rig.h"
 #include "model/linear/modal_analysis.h"

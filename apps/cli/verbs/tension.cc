@@ -1,21 +1,10 @@
 // rigfit tension: tension of a cable, hanger or stay from its natural frequencies.
-#include <fmt/format.h>
 
-#include <algorithm>
 #include <set>
 #include <stdexcept>
-#include <utility>
-#include <vector>
 
-#include "apps/campaign/campaign.h"
 #include "apps/campaign_file/measured_modes.h"
-#include "apps/campaign_file/recording_description.h"
-#include "apps/cli/named_numbers.h"
-#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/sheet.h"
-#include "apps/report/figures/figures.h"
-#include "apps/results/results_json.h"
 #include "apps/results/text_table.h"
 #include "document/document_error.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
@@ -57,6 +46,7 @@ struct CableTableRow {
   long line = 0;
   ident::TensionInputs test;
   std::string error;  ///< why the row cannot be used; empty: it can
+  ident::TensionCampaignResult found = {};
 };
 
 /// A row a cable: its name and the keys of a campaign's tension test, with frequencies in columns
@@ -101,23 +91,17 @@ std::vector<CableTableRow> read_cables(const std::string& path) {
 /// exit code 4, after all others.
 Json table_of_cables(const TensionCommand& command, VerbContext& context) {
   context.input(command.table);
-  const auto rows = read_cables(command.table);
-  std::vector<ident::TensionInputs> tests;
-  for (const auto& row : rows) {
-    if (!row.error.empty()) continue;
-    tests.push_back(row.test);
-    auto& options = tests.back().options;
-    options.missed = command.test.inputs.options.missed;
-    options.false_mode = command.test.inputs.options.false_mode;
-  }
-  std::vector<ident::TensionCampaignResult> results(tests.size());
-  ident::in_parallel(tests.size(), context.threads,
-                     [&](std::size_t i) { results[i] = ident::tension_campaign(tests[i]); });
+  auto rows = read_cables(command.table);
+  ident::in_parallel(rows.size(), context.threads, [&](std::size_t i) {
+    auto& [line, test, error, found] = rows[i];
+    test.options.missed = command.test.inputs.options.missed;
+    test.options.false_mode = command.test.inputs.options.false_mode;
+    if (error.empty()) found = ident::tension_campaign(test);
+  });
   describe::Table table{
       "", {"cable", "tension, N", "95 % interval", "ends"}, {false, true, true, false}, {}};
   std::string out = "name,tension_N,std_N,low_N,high_N,start_N,end_N,EI_Nm2,ends,decided\n";
   Json cables = Json::array();
-  std::size_t next = 0;
   for (const auto& row : rows) {
     Json& json = cables.emplace_back(Json{{"name", row.test.name}, {"line", row.line}});
     if (!row.error.empty()) {
@@ -126,7 +110,7 @@ Json table_of_cables(const TensionCommand& command, VerbContext& context) {
       json["error"] = row.error;
       continue;
     }
-    const auto& one = results[next++];
+    const auto& one = row.found;
     context.tell(one.findings);
     if (!one.tension.solved) {
       json["error"] = one.tension.message;

@@ -1,27 +1,13 @@
 // rigfit update: a scene's uncertain parameters fitted to measured modes.
-#include <fmt/format.h>
 
 #include <Eigen/Core>
-#include <algorithm>
-#include <filesystem>
-#include <limits>
-#include <ostream>
-#include <set>
-#include <utility>
 
-#include "apps/campaign/campaign.h"
 #include "apps/campaign_file/update_data.h"
-#include "apps/cli/at_hand.h"
-#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/sheet.h"
-#include "apps/report/figures/figures.h"
-#include "document/toml_table.h"
 #include "ident/campaign/fit_campaign.h"
 #include "ident/update/model_candidates.h"
 #include "ident/update/update_rows.h"
 #include "model/scene/actual_state.h"
-#include "model/scene/parameters.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
@@ -40,11 +26,8 @@ struct UpdateCommand {
 // `--candidates FILE` and `--ends WORD...`: several models of the same measured modes, each
 // fitted, weighed by its evidence, their parameters averaged (ident/update/model_candidates.h).
 //
-// FILE is TOML, one table [[candidate]] each (apps/README.md, "Choose between models"). Nodes that
-// `supports` puts on "springs" keep their place and their twist about the member's axis, and share
-// one rotational stiffness about both axes across it, the parameter "springs"; on "own springs"
-// each has one of its own, NODE.springs. `free` and `prior` stand beside --free and --prior;
-// `scene`, relative to the file, takes the place of SCENE.
+// FILE is TOML, one table [[candidate]] each: `scene`, relative to the file, takes the place of
+// SCENE; `free` and `prior` stand beside --free and --prior.
 
 /// A candidate with what is fitted in it: names as for --free and --prior.
 struct NamedModel {
@@ -53,22 +36,18 @@ struct NamedModel {
   std::vector<std::string> free, priors;
 };
 
-/// As model::Support::Kind, then springs.
-const std::vector<std::string> kSupportWords{"free", "pinned", "clamped", "springs", "own springs"};
-
 // Rotational springs across the member, started at 10 EI / L: between what a member takes for
 // pinned and for clamped. Returns their parameters.
 std::vector<std::string> put_springs(const model::Scene& scene, model::SceneNode& node) {
   constexpr double kStart = 10;
-  const auto end = std::find_if(scene.members.begin(), scene.members.end(), [&](const auto& one) {
+  const auto end = std::ranges::find_if(scene.members, [&](const auto& one) {
     return one.nodes[0] == node.name || one.nodes[1] == node.name;
   });
-  const bool any = end != scene.members.end();
-  const Eigen::Vector3d along =
-      any ? model::chord_of(scene, *end) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();
+  if (end != scene.members.end()) along = model::chord_of(scene, *end);
   Eigen::Index axis = 0;
   const double length = along.norm();
-  if (!any || along.cwiseAbs().maxCoeff(&axis) < 0.95 * length) {
+  if (!(along.cwiseAbs().maxCoeff(&axis) > 0.95 * length)) {
     throw UsageError("springs at node " + node.name +
                      ": its member must lie along an axis; give the candidate a scene of its own");
   }
@@ -86,34 +65,27 @@ std::vector<std::string> put_springs(const model::Scene& scene, model::SceneNode
   return targets;
 }
 
-using Supports = std::vector<std::pair<std::string, std::string>>;  ///< word by node
-
-// Returns the parameters of the springs that are fitted.
-std::vector<std::string> put_supports(const Supports& words, model::Scene& scene) {
-  std::vector<std::string> free;
-  std::string shared;
-  for (const auto& [name, word] : words) {
-    const auto node = std::find_if(scene.nodes.begin(), scene.nodes.end(),
-                                   [&name = name](const auto& one) { return one.name == name; });
-    if (node == scene.nodes.end()) {
-      throw UsageError("candidates: the scene has no node \"" + name + "\"");
-    }
-    const auto place = std::find(kSupportWords.begin(), kSupportWords.end(), word);
-    if (const auto kind = static_cast<model::Support::Kind>(place - kSupportWords.begin());
-        kind < model::Support::Kind::elastic) {
-      node->support = {};
-      node->support.kind = kind;
+// Every node that is held, as the word says: "pinned", "clamped", on "springs" that share one
+// rotational stiffness about both axes across the member (the parameter "springs"), or on "own
+// springs", a stiffness NODE.springs each. Returns the parameters of the springs.
+std::vector<std::string> put_ends(const std::string& word, model::Scene& scene) {
+  std::vector<std::string> free, shared;
+  for (auto& node : scene.nodes) {
+    using Kind = model::Support::Kind;
+    if (node.support.kind == Kind::free) continue;
+    if (word == "pinned" || word == "clamped") {
+      node.support = {};
+      node.support.kind = word == "pinned" ? Kind::pinned : Kind::clamped;
       continue;
     }
-    std::string own;
-    for (const auto& target : put_springs(scene, *node)) {
-      std::string& list = word == "springs" ? shared : own;
-      if (!list.empty()) list += ',';
-      list += target;
+    const auto targets = put_springs(scene, node);
+    if (word == "springs") {
+      shared.insert(shared.end(), targets.begin(), targets.end());
+    } else {
+      free.push_back(fmt::format("{}.springs={}", node.name, fmt::join(targets, ",")));
     }
-    if (!own.empty()) free.push_back(fmt::format("{}.springs={}", name, own));
   }
-  if (!shared.empty()) free.push_back("springs=" + shared);
+  if (!shared.empty()) free.push_back(fmt::format("springs={}", fmt::join(shared, ",")));
   return free;
 }
 
@@ -121,53 +93,15 @@ NamedModel read_candidate(document::TomlTable& table, const UpdateCommand& comma
                           const UpdateStates& states, VerbContext& context) {
   NamedModel one{"", states, {}, {}};
   std::string scene;
-  std::vector<std::string> free;
-  read_keys(table,
-            {option("name", one.name, "Of the candidate").required(),
-             option("scene", scene, "In place of SCENE, relative to this file"),
-             option("free", free, "Beside --free"), option("prior", one.priors, "Beside --prior")});
-  if (!scene.empty()) {
-    UpdateData data = command.data;
-    const std::filesystem::path path =
-        std::filesystem::path(command.candidates).parent_path() / scene;
-    data.scenes = {path.string()};
-    one.states = read_update_states(data, context);
-  }
-  Supports supports;
-  if (table.has("supports")) {
-    auto words = table.table("supports");
-    for (const auto& node : words.keys()) {
-      supports.emplace_back(node, words.choice_or(node, kSupportWords, ""));
-    }
-    words.finish();
-  }
-  std::vector<std::pair<std::string, double>> values;
-  if (table.has("set")) {
-    auto set = table.table("set");
-    for (const auto& name : set.keys()) {
-      values.emplace_back(name, set.number(name, document::Bound::any, "SI"));
-    }
-    set.finish();
-  }
-  for (auto& state : one.states.states) {
-    one.free = put_supports(supports, state.scene);  // the same in all states
-    for (const auto& [name, value] : values) model::set_parameter(state.scene, name, value);
-  }
-  one.free.insert(one.free.end(), free.begin(), free.end());
+  read_keys(table, {option("name", one.name, "Of the candidate").required(),
+                    option("scene", scene, "In place of SCENE, relative to this file"),
+                    option("free", one.free, "Beside --free"),
+                    option("prior", one.priors, "Beside --prior")});
   table.finish();
-  return one;
-}
-
-// Every node that is held, with this word.
-NamedModel with_ends(const std::string& word, const UpdateStates& states) {
-  NamedModel one{word, states, {}, {}};
-  for (auto& state : one.states.states) {
-    Supports supports;
-    for (const auto& node : state.scene.nodes) {
-      if (node.support.kind != model::Support::Kind::free) supports.emplace_back(node.name, word);
-    }
-    one.free = put_supports(supports, state.scene);
-  }
+  if (scene.empty()) return one;
+  UpdateData data = command.data;
+  data.scenes = {(std::filesystem::path(command.candidates).parent_path() / scene).string()};
+  one.states = read_update_states(data, context);
   return one;
 }
 
@@ -175,7 +109,10 @@ NamedModel with_ends(const std::string& word, const UpdateStates& states) {
 std::vector<NamedModel> candidate_models(const UpdateCommand& command, const UpdateStates& states,
                                          VerbContext& context) {
   std::vector<NamedModel> models;
-  for (const auto& word : command.ends) models.push_back(with_ends(word, states));
+  for (const auto& word : command.ends) {
+    auto& one = models.emplace_back(NamedModel{word, states, {}, {}});
+    for (auto& state : one.states.states) one.free = put_ends(word, state.scene);
+  }
   if (!command.candidates.empty()) {
     context.input(command.candidates);
     auto root = document::TomlTable::read_file(command.candidates);
@@ -183,12 +120,6 @@ std::vector<NamedModel> candidate_models(const UpdateCommand& command, const Upd
       models.push_back(read_candidate(table, command, states, context));
     }
     root.finish();
-  }
-  std::set<std::string> names;
-  for (const auto& one : models) {
-    if (!names.insert(one.name).second) {
-      throw UsageError("candidates: \"" + one.name + "\" is there twice");
-    }
   }
   if (models.size() < 2) throw UsageError("candidates: two or more are needed to compare");
   return models;
@@ -283,40 +214,26 @@ ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& sta
   update.threads = context.threads;
   if (!options.axial.empty()) {
     context.input(options.axial);
-    for (auto& input : axial_inputs(options.axial, states)) {
-      update.inputs.push_back(std::move(input));
-    }
+    update.inputs = axial_inputs(options.axial, states);
   }
-  for (auto& input : uncertain_inputs(options.inputs, states)) {
-    update.inputs.push_back(std::move(input));
-  }
+  std::ranges::move(uncertain_inputs(options.inputs, states), std::back_inserter(update.inputs));
   return update;
 }
 
 /// Text, figures, findings and JSON of a fit.
 Json told(const UpdateStates& states, const ident::UpdateResult& result,
-          const std::vector<ident::HeldOut>& held, const std::vector<ident::Finding>& findings,
-          VerbContext& context) {
+          const std::vector<ident::Finding>& findings, VerbContext& context) {
   print_update(context.out, result);
-  if (context.plots) context.plots->add(fit_blocks("fit", states.states, result, held));
+  if (context.plots) context.plots->add(fit_blocks("fit", states.states, result));
   context.tell(findings);
-  if (result.status == ident::UpdateStatus::not_converged) {
-    context.warn("not_converged", result.message);
-    context.exit_code = ExitCode::not_converged;
-  }
+  if (result.status == ident::UpdateStatus::not_converged) context.fail(result.message);
   return describe::json_of(result);
 }
 
 // Several models of the same modes: the heaviest as a fit by itself, and all beside each other.
 Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbContext& context,
                     ident::UpdateResult& result) {
-  if (options.hold_out) {
-    throw UsageError(
-        "candidates are compared without --hold-out: give it to a fit of the model chosen");
-  }
-  if (!options.data.frfs.empty()) {
-    throw UsageError("candidates are compared by modes: give --measured or --decay alone");
-  }
+  if (options.hold_out) throw UsageError("--hold-out is for a fit of one model, not of candidates");
   auto models = candidate_models(options, states, context);
   std::vector<ident::ModelCandidate> candidates;
   ident::UpdateOptions update;
@@ -342,7 +259,7 @@ Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbCont
   result = comparison.candidates[best].result;
   states = std::move(models[best].states);
   context.out << "the heaviest candidate: " << comparison.candidates[best].name << '\n';
-  Json json = told(states, result, {}, ident::fit_findings(result), context);
+  Json json = told(states, result, ident::fit_findings(result), context);
   json.update(candidates_json(comparison, context));
   return json;
 }
@@ -361,7 +278,7 @@ Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext
   result = std::move(outcome.result);
   if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
 
-  Json json = told(states, result, result.held, outcome.findings, context);
+  Json json = told(states, result, outcome.findings, context);
   if (options.hold_out) {
     describe::print(context.out, describe::table_of(result.held));
     json["hold_out"] = describe::json_of(result.held);
@@ -415,11 +332,11 @@ describe::Options options_of(UpdateCommand& c) {
              "Scene parameters to fit: NAME, NAME=TARGET,-TARGET (several that share a value), "
              "NAME@each (one value a state). Default: every member's EI"),
       option("--prior", c.priors, "NAME=VALUE,STD of a free parameter, from other tests"),
-      option("--candidates", c.candidates,
-             "TOML file of models to compare, [[candidate]] with name and, as needed, supports = { "
-             "NODE = \"pinned|clamped|free|springs|own springs\" }, set = { \"PARAMETER\" = VALUE "
-             "}, free = [...], prior = [...], scene = \"FILE\": weights by evidence, averaged "
-             "parameters; exit code 4 when none has 90 % of the weight")
+      option(
+          "--candidates", c.candidates,
+          "TOML file of models to compare, [[candidate]] with name and, as needed, scene = "
+          "\"FILE\", free = [...], prior = [...]: weights by evidence, averaged parameters; exit "
+          "code 4 when none has 90 % of the weight")
           .file(),
       option("--ends", c.ends,
              "The usual candidates: all nodes that are held \"pinned\", \"clamped\", with "

@@ -54,8 +54,7 @@ SeriesLook look_of(const PlotSeries& series, bool overlaid) {
 }
 
 PlotSeries& Plot::named(const std::string& name, Origin origin, PlotSeries::Style style) {
-  const auto at = std::find_if(series.begin(), series.end(),
-                               [&](const PlotSeries& one) { return one.name == name; });
+  const auto at = std::ranges::find(series, name, &PlotSeries::name);
   if (at != series.end()) return *at;
   return series.emplace_back(PlotSeries{name, origin, static_cast<int>(series.size()), style});
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <ranges>
 #include <set>
 
 #include "apps/report/drawing/html_text.h"
@@ -43,17 +44,12 @@ SvgAxis axis_of(const Plot& plot, bool x_axis) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   const auto take = [&](const std::vector<double>& values) {
     for (const double value : values) {
-      if (!axis.shows(value)) continue;
-      low = std::min(low, value);
-      high = std::max(high, value);
+      if (axis.shows(value)) low = std::min(low, value), high = std::max(high, value);
     }
   };
   for (const auto& series : plot.series) {
     take(x_axis ? series.x : series.y);
-    if (!x_axis) {
-      take(series.low);
-      take(series.high);
-    }
+    if (!x_axis) take(series.low), take(series.high);
   }
   if (!(low <= high)) low = axis.logarithmic ? 1 : 0, high = axis.logarithmic ? 10 : 1;
   if (axis.logarithmic) {
@@ -176,9 +172,8 @@ std::string band(const PlotSeries& series, const SvgAxis& x, const SvgAxis& y) {
   const auto add = [&](const Pixel& p) {
     if (p.shown) path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", p.x, p.y);
   };
-  for (const auto& p : visible(ends[0], x, y)) add(p);
-  const auto below = visible(ends[1], x, y);
-  std::for_each(below.rbegin(), below.rend(), add);
+  std::ranges::for_each(visible(ends[0], x, y), add);
+  std::ranges::for_each(visible(ends[1], x, y) | std::views::reverse, add);
   if (path.empty()) return path;
   return fmt::format("<path class=\"band\" d=\"{}z\" fill-opacity=\"0.18\" stroke=\"none\"/>\n",
                      path);
@@ -286,8 +281,8 @@ class SvgFigure {
     y_.to = top;
     x_.ticks = axis_ticks(x_.low, x_.high, ticks_along(options_.width, 86), x_.logarithmic);
     const auto whole = [](double value) { return value == std::round(value); };
-    if (std::all_of(plot_.series.begin(), plot_.series.end(), [&](const PlotSeries& one) {
-          return std::all_of(one.x.begin(), one.x.end(), whole);
+    if (std::ranges::all_of(plot_.series, [&](const PlotSeries& one) {
+          return std::ranges::all_of(one.x, whole);
         })) {
       std::erase_if(x_.ticks, [&](double tick) { return !whole(tick); });  // what is counted
     }
@@ -370,7 +365,7 @@ class SvgFigure {
   }
 
   [[nodiscard]] bool overlaid() const {
-    return std::any_of(plot_.series.begin(), plot_.series.end(), [](const PlotSeries& one) {
+    return std::ranges::any_of(plot_.series, [](const PlotSeries& one) {
       return one.origin != Origin::modelled && one.style == PlotSeries::Style::line;
     });
   }

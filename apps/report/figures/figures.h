@@ -2,14 +2,25 @@
 // is drawn in both is one function here.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
-#include <map>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numbers>
 #include <optional>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
+#include "apps/campaign/campaign.h"
+#include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/plot.h"
-#include "apps/report/page/report_part.h"
+#include "apps/report/page/tables.h"
 #include "ident/campaign/modal/hammer_campaign.h"
 #include "ident/campaign/modal/model_answers.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
@@ -101,51 +112,36 @@ struct HammerFigures {
                                     const ident::Instrumented& rig,
                                     const std::vector<ident::ModelVersion>& versions);
 
-// Axial tests
+// Tests: all that is shown of one, figures and tables
 
-/// A value to compare with.
-struct ReferenceValue {
-  std::string name;  ///< "published", "truth"
-  Origin origin = Origin::published;
-  double value = 0;
-};
-
-/// EA at each length, of each record, and the result with its 95 % band.
-[[nodiscard]] Plot axial_length_plot(const std::string& id, const ident::AxialTestResult& result,
-                                     Origin origin,
-                                     const std::optional<ReferenceValue>& reference = std::nullopt);
-
-/// The first decay of each length with its fit and residual, a tab a length, and damping over
-/// amplitude. `origins` by recording. Ids are `id` with "-decays", "-decay-0.7m", "-damping".
-[[nodiscard]] std::vector<Block> axial_decay_blocks(const std::string& id,
-                                                    const ident::AxialInputs& inputs,
-                                                    const ident::AxialCampaignResult& result,
-                                                    const std::vector<Origin>& origins);
-
-// Bending tests; `origins` by source
-
-/// The records of every point that was analysed.
-[[nodiscard]] Plot load_deflection_plot(const std::string& id,
-                                        const ident::BendingCampaign& campaign,
-                                        const std::vector<Origin>& origins,
-                                        const ident::BendingCampaignResult& result);
+/// EA at each length, of each record, and the result with its 95 % band (beside it what `test`
+/// knows otherwise); tables; the first decay of each length with its fit and residual, a tab a
+/// length, and damping over amplitude. `origins` by recording. Ids are `id` with "-EA", "-lengths",
+/// "-decays", "-decay-0.7m" ...
+[[nodiscard]] std::vector<Block> axial_blocks(const std::string& id,
+                                              const ident::AxialInputs& inputs,
+                                              const ident::AxialCampaignResult& result,
+                                              const std::vector<Origin>& origins,
+                                              const CampaignTest* test = nullptr);
 
 /// EI of the usable points with 95 % intervals, laws that converged (the closest with its 95 %
-/// band), bounds.
-[[nodiscard]] Plot stiffness_plot(const std::string& id, const std::vector<Origin>& origins,
-                                  const ident::BendingCampaignResult& result);
+/// band), bounds; the records of every point; tables. `origins` by source. Ids are `id` with "-EI",
+/// "-results", "-load-deflection" ...
+[[nodiscard]] std::vector<Block> bending_blocks(const std::string& id,
+                                                const ident::BendingCampaign& campaign,
+                                                const ident::BendingCampaignResult& result,
+                                                const std::vector<Origin>& origins);
 
 /// A tension: measured and modelled frequencies over mode number, a series a kind of ends; their
-/// errors; budget.
+/// errors; tables. Ids are `id` with "-frequencies", "-ends" ...
 [[nodiscard]] std::vector<Block> tension_blocks(const std::string& id,
                                                 const ident::TensionResult& result);
 
 /// A fit: how far the model lies above the test, per cent over frequency, with the test's 95 %
-/// bars; shares of variance of the identifiable parameters. `held_out` may be empty.
+/// bars; shares of variance of the identifiable parameters.
 [[nodiscard]] std::vector<Block> fit_blocks(const std::string& id,
                                             const std::vector<ident::UpdateState>& states,
-                                            const ident::UpdateResult& result,
-                                            const std::vector<ident::HeldOut>& held_out);
+                                            const ident::UpdateResult& result);
 
 // Models
 
@@ -171,10 +167,6 @@ struct MeasuredShape {
                                                    const model::ModalAnalysis& analysis,
                                                    const std::vector<MeasuredShape>& measured = {},
                                                    std::size_t most = 16);
-
-/// Shapes, and natural frequencies over mode number, a series a plane.
-[[nodiscard]] std::vector<Block> modes_blocks(const std::string& id, const model::Scene& scene,
-                                              const model::ModalAnalysis& analysis);
 
 /// Every sensor over time, linked, and the amplitude spectra of all of one unit together.
 [[nodiscard]] std::vector<Plot> response_plots(const std::string& id, const model::Scene& scene,

@@ -1,10 +1,3 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "apps/report/figures/figures.h"
 #include "signal/modes/modal_synthesis.h"
 

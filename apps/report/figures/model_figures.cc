@@ -1,13 +1,5 @@
 #include "apps/report/figures/figures.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <iterator>
-#include <limits>
-#include <numbers>
-
 #include "model/scene/sensor_quantity.h"
 #include "signal/spectra/fft.h"
 
@@ -41,21 +33,6 @@ PlotSeries amplitude_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, 
 
 }  // namespace
 
-std::vector<Block> modes_blocks(const std::string& id, const model::Scene& scene,
-                                const model::ModalAnalysis& analysis) {
-  std::vector<Block> blocks;
-  if (analysis.modes.empty()) return blocks;
-  for (auto& one : shapes_pictures(id, "", scene, analysis)) blocks.emplace_back(std::move(one));
-  Plot plot{"frequencies", "Natural frequencies", "By mode number, a series for each plane.",
-            "mode", "frequency, Hz"};
-  for (std::size_t i = 0; i < analysis.modes.size(); ++i) {
-    const auto& mode = analysis.modes[i];
-    plot.named(name_of(mode.plane)).add(static_cast<double>(i + 1), mode.frequency_hz);
-  }
-  blocks.emplace_back(std::move(plot));
-  return blocks;
-}
-
 std::vector<Plot> response_plots(const std::string& id, const model::Scene& scene,
                                  const model::ResponseResult& response) {
   std::vector<Plot> plots, spectra;
@@ -73,8 +50,7 @@ std::vector<Plot> response_plots(const std::string& id, const model::Scene& scen
                 [&](Index i) { return static_cast<double>(i) / response.rate_hz; });
     plot.add(std::move(series));
     plots.push_back(std::move(plot));
-    auto same = std::find_if(spectra.begin(), spectra.end(),
-                             [&](const Plot& one) { return one.y_label == "amplitude, " + unit; });
+    auto same = std::ranges::find(spectra, "amplitude, " + unit, &Plot::y_label);
     if (same == spectra.end()) {
       spectra.push_back({fmt::format("{}-spectrum-{}", id, spectra.size() + 1), "Spectra",
                          "Amplitudes by frequency over the whole time, Hann window.",
@@ -92,8 +68,8 @@ std::vector<Plot> response_plots(const std::string& id, const model::Scene& scen
 std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& decay,
                                 const std::vector<ident::ReleaseAnswer>& answers, double high_hz) {
   constexpr double kBefore_s = 0.02, kFirst_s = 0.5;
-  const bool large = std::any_of(answers.begin(), answers.end(),
-                                 [](const auto& answer) { return answer.response.nonlinear; });
+  const bool large =
+      std::ranges::any_of(answers, [](const auto& answer) { return answer.response.nonlinear; });
   const std::string unit = unit_words(decay.unit);
   Plot plot{id + "-model", "First half second, test and model",
             fmt::format("The record and the model's response to the same release or tap, {}; only "
@@ -177,8 +153,7 @@ std::vector<Plot> recording_plots(const std::string& id, const signal::Recording
       std::replace(word.begin(), word.end(), '_', ' ');
       plot.marks.push_back({time(finding.first), word, true});
     }
-    std::sort(plot.marks.begin(), plot.marks.end(),
-              [](const PlotMark& a, const PlotMark& b) { return a.x < b.x; });
+    std::ranges::sort(plot.marks, {}, &PlotMark::x);
     plots.push_back(std::move(plot));
   }
   return plots;

@@ -1,18 +1,6 @@
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <complex>
-#include <iterator>
-#include <optional>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
 
-#include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
 #include "apps/report/figures/figures.h"
 #include "apps/results/modal_files.h"
@@ -136,6 +124,11 @@ std::string rectangle(const char* css, const Vector2d& centre, const Vector2d& s
       escaped(title));
 }
 
+std::string circle(const char* css, const Vector2d& centre, double radius, const char* colours) {
+  return fmt::format("<circle class=\"{}\" {} cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\"/>\n", css,
+                     colours, centre[0], centre[1], radius);
+}
+
 std::string svg_of(const Picture& picture, const char* css, double font_px,
                    const std::string& body) {
   return fmt::format(
@@ -212,9 +205,8 @@ class RigDrawing {
     taken_.emplace_back(centre.array() - half, centre.array() + half);
   }
   [[nodiscard]] bool is_free(const Box& box) const {
-    return paper_.contains(box) && std::none_of(taken_.begin(), taken_.end(), [&](const Box& one) {
-             return !one.intersection(box).isEmpty();
-           });
+    return paper_.contains(box) &&
+           std::ranges::none_of(taken_, [&](const Box& one) { return one.intersects(box); });
   }
 
   void line(const Vector2d& from, const Vector2d& to, double width, const char* more = "") {
@@ -268,10 +260,7 @@ class RigDrawing {
     const double radius = std::clamp(2.5 + 1.5 * std::cbrt(100 * kg), 3.0, 9.0);
     const Vector2d p = view_.at(where);
     keep_off(p, radius);
-    svg_ += fmt::format(
-        "<circle class=\"rig-mass\" fill=\"#5b6670\" cx=\"{:.1f}\" cy=\"{:.1f}\" "
-        "r=\"{:.1f}\"/>\n",
-        p[0], p[1], radius);
+    svg_ += circle("rig-mass", p, radius, "fill=\"#5b6670\"");
     masses_ += fmt::format("{}{} g {}", masses_.empty() ? "" : ", ", shown(1e3 * kg, 3), place);
   }
 
@@ -386,10 +375,7 @@ std::string nodal_points(const SceneView& view, const Eigen::Matrix3Xd& rest,
     const double a = moved(direction, i), b = moved(direction, i + 1);
     if (!(a * b < 0) || std::max(std::abs(a), std::abs(b)) < 1e-3 * largest) continue;
     const auto p = view.at(rest.col(i) + a / (a - b) * (rest.col(i + 1) - rest.col(i)));
-    svg += fmt::format(
-        "<circle class=\"frame node\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.6\" fill=\"#fff\" "
-        "stroke=\"#555\"/>\n",
-        p[0], p[1]);
+    svg += circle("frame node", p, 2.6, "fill=\"#fff\" stroke=\"#555\"");
   }
   return svg;
 }
@@ -520,8 +506,7 @@ std::vector<Picture> shapes_pictures(const std::string& id, const std::string& s
     std::string body;
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t mode = drawn[from + k], row = k / kColumns;
-      const auto at = std::find_if(measured.begin(), measured.end(),
-                                   [&](const MeasuredShape& one) { return one.mode == mode; });
+      const auto at = std::ranges::find(measured, mode, &MeasuredShape::mode);
       body += fmt::format(
           "<g transform=\"translate({:g} {:g})\">\n{}</g>\n",
           kPanelWidth * static_cast<double>(k % kColumns), kPanelHeight * static_cast<double>(row),

@@ -1,14 +1,6 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <limits>
 
-#include "apps/report/drawing/html_text.h"
 #include "apps/report/figures/figures.h"
-#include "apps/report/page/answer.h"
-#include "apps/report/page/tables.h"
 #include "ident/bending/bending_equation.h"
 #include "ident/statistics/uncertainty.h"
 #include "ident/update/update_rows.h"
@@ -76,10 +68,10 @@ Plot damping_plot(const std::string& id, const std::vector<AnalysedDecay>& decay
   return plot;
 }
 
-// Axial tests -------------------------------------------------------------------------------------
+namespace {
 
 Plot axial_length_plot(const std::string& id, const ident::AxialTestResult& r, Origin origin,
-                       const std::optional<ReferenceValue>& reference) {
+                       const CampaignTest* test) {
   Plot plot{id, "EA by length",
             "EA at each length if only the cable stretches. EA does not depend on the length of "
             "cable that was tested; a trend is a compliance in series (frame, adapter), which the "
@@ -97,40 +89,19 @@ Plot axial_length_plot(const std::string& id, const ident::AxialTestResult& r, O
   }
   const double margin = high > low ? 0.1 * (high - low) : 0.1 * high;
   PlotSeries all{r.conditional ? "EA, if only the cable stretches" : "EA, all lengths"};
-  PlotSeries line;
-  if (reference) line = {reference->name, reference->origin, 3, Style::dashed};
+  PlotSeries known;
+  if (test && test->EA_N) {
+    known = {test->reference_name, test->reference_name == "published" ? Origin::published : origin,
+             3, Style::dashed};
+  }
   for (const double x : {low - margin, high + margin}) {
     all.add(x, 1e-3 * r.EA_N.value, 1e-3 * (r.conditional ? r.EA_if_rigid_low_N : r.EA_low_N),
             1e-3 * (r.conditional ? r.EA_if_rigid_high_N : r.EA_high_N));
-    if (reference) line.add(x, 1e-3 * reference->value);
+    if (!known.name.empty()) known.add(x, 1e-3 * *test->EA_N);
   }
-  for (auto* series : {&all, &records, &each, &line}) plot.add(std::move(*series));
+  for (auto* series : {&all, &records, &each, &known}) plot.add(std::move(*series));
   return plot;
 }
-
-std::vector<Block> axial_decay_blocks(const std::string& id, const ident::AxialInputs& inputs,
-                                      const ident::AxialCampaignResult& result,
-                                      const std::vector<Origin>& origins) {
-  PlotGroup group{id + "-decays", "Decays", {}};
-  std::vector<AnalysedDecay> decays;
-  double last = -1;
-  for (const auto& d : result.decays) {
-    const auto& recording = inputs.recordings[d.recording];
-    if (!d.mode || recording.length_m == last) continue;  // the first of each length
-    last = recording.length_m;
-    decays.push_back({recording.name, d.channel, d.unit, origins[d.recording], d.rate_hz,
-                      d.samples_start_s, d.samples, d.result});
-    group.tabs.push_back({fmt::format("{:g} m", last),
-                          {decay_plot(fmt::format("{}-decay-{:g}m", id, last), decays.back())}});
-  }
-  std::vector<Block> blocks;
-  if (!group.tabs.empty()) blocks.emplace_back(std::move(group));
-  auto damping = damping_plot(id + "-damping", decays);
-  if (!damping.series.empty()) blocks.emplace_back(std::move(damping));
-  return blocks;
-}
-
-// Bending tests -----------------------------------------------------------------------------------
 
 Plot load_deflection_plot(const std::string& id, const ident::BendingCampaign& campaign,
                           const std::vector<Origin>& origins,
@@ -175,25 +146,22 @@ Plot stiffness_plot(const std::string& id, const std::vector<Origin>& origins,
     if (!one.usable()) continue;
     const Origin origin = origins[one.source];
     low = std::min(low, one.point.tension_N), high = std::max(high, one.point.tension_N);
-    auto at = std::find_if(points.begin(), points.end(),
-                           [&](const PlotSeries& series) { return series.origin == origin; });
+    auto at = std::ranges::find(points, origin, &PlotSeries::origin);
     if (at == points.end()) {
-      points.push_back({origin == Origin::published ? std::string("published EI")
-                                                    : fmt::format("EI, {}", name_of(origin)),
-                        origin, 2 + static_cast<int>(points.size()), Style::points});
-      at = points.end() - 1;
+      const auto name =
+          origin == Origin::published ? "published EI" : fmt::format("EI, {}", name_of(origin));
+      at = points.insert(at, {name, origin, 2 + static_cast<int>(points.size()), Style::points});
     }
     at->add(one.point.tension_N, one.point.EI_Nm2, one.point.low, one.point.high);
   }
+  if (points.empty()) return plot;
   const double from = std::max(0.5 * low, low - 0.1 * (high - low)), to = high + 0.1 * (high - low);
   // The law that lies closest to the points comes first, with its band.
   std::vector<const ident::FittedLaw*> closest;
   for (const auto& law : result.curve.laws().laws) {
     if (law.converged) closest.push_back(&law);
   }
-  std::stable_sort(closest.begin(), closest.end(), [](const auto* a, const auto* b) {
-    return a->rms_relative_error < b->rms_relative_error;
-  });
+  std::ranges::stable_sort(closest, {}, &ident::FittedLaw::rms_relative_error);
   for (const auto* law : closest) {
     const auto variant = static_cast<int>(plot.series.size());
     PlotSeries series{fmt::format("law: {}", name_of(law->kind)), Origin::modelled,
@@ -224,10 +192,79 @@ Plot stiffness_plot(const std::string& id, const std::vector<Origin>& origins,
   return plot;
 }
 
+}  // namespace
+
+// Axial tests -------------------------------------------------------------------------------------
+
+std::vector<Block> axial_blocks(const std::string& id, const ident::AxialInputs& inputs,
+                                const ident::AxialCampaignResult& result,
+                                const std::vector<Origin>& origins, const CampaignTest* test) {
+  PlotGroup group{id + "-decays", "Decays", {}};
+  std::vector<AnalysedDecay> decays;
+  double last = -1;
+  for (const auto& d : result.decays) {
+    const auto& recording = inputs.recordings[d.recording];
+    if (!d.mode || recording.length_m == last) continue;  // the first of each length
+    last = recording.length_m;
+    decays.push_back({recording.name, d.channel, d.unit, origins[d.recording], d.rate_hz,
+                      d.samples_start_s, d.samples, d.result});
+    group.tabs.push_back({fmt::format("{:g} m", last),
+                          {decay_plot(fmt::format("{}-decay-{:g}m", id, last), decays.back())}});
+  }
+  std::vector<Block> blocks;
+  if (result.test) {
+    const Origin origin = decays.front().origin;
+    add(blocks, axial_length_plot(id + "-EA", *result.test, origin, test));
+    add(blocks, described_table(id + "-lengths",
+                                "EA, damping ratio and equivalent damper by length, with standard "
+                                "uncertainties.",
+                                describe::table_of(result.test->lengths), origin));
+    add(blocks, described_table(id + "-values", "Result of all lengths, with 95 % intervals.",
+                                describe::sheet_of(*result.test).lines, origin));
+    add(blocks, described_table(id + "-budget", "Where the uncertainty of EA comes from.",
+                                describe::table_of(result.test->budget)));
+  }
+  add(blocks, std::move(group));
+  add(blocks, damping_plot(id + "-damping", decays));
+  return blocks;
+}
+
+// Bending tests -----------------------------------------------------------------------------------
+
+std::vector<Block> bending_blocks(const std::string& id, const ident::BendingCampaign& campaign,
+                                  const ident::BendingCampaignResult& result,
+                                  const std::vector<Origin>& origins) {
+  const bool tensioned = campaign.test.ends == ident::BeamEnds::tensioned;
+  std::vector<Block> blocks;
+  if (result.points.empty()) return blocks;
+  if (tensioned) add(blocks, stiffness_plot(id + "-EI", origins, result));
+  auto rows = ident::bending_rows(campaign, result);
+  for (auto& row : rows) row.file = short_name(row.file);
+  add(blocks,
+      described_table(id + "-results", "EI with its standard uncertainty and 95 % interval.",
+                      describe::table_of(std::move(rows)), origins.front()));
+  add(blocks, load_deflection_plot(id + "-load-deflection", campaign, origins, result));
+  if (const auto& laws = result.curve.laws().laws; tensioned && !laws.empty()) {
+    add(blocks, Paragraph{"For the model: " + result.curve.sentence(), Paragraph::Kind::note});
+    add(blocks, described_table(id + "-laws", "Laws for EI(T), the closest first.",
+                                describe::table_of(laws), Origin::modelled));
+  }
+  if (result.bounds && tensioned) {
+    add(blocks, described_table(id + "-bounds", "Bounds from the strand's geometry.",
+                                describe::sheet_of(*result.bounds).lines));
+  }
+  if (result.specimens) {
+    add(blocks, described_table(id + "-specimens", "All specimens.",
+                                describe::sheet_of(*result.specimens).lines));
+  }
+  return blocks;
+}
+
 // Tension from frequencies ------------------------------------------------------------------------
 
 std::vector<Block> tension_blocks(const std::string& id, const ident::TensionResult& result) {
   if (result.candidates.empty()) return {};
+  const auto& best = result.candidates.front();
   Plot frequencies{id + "-frequencies", "Frequencies over mode number",
                    "Measured, and the model's with each kind of ends.", "mode number",
                    "frequency, Hz"};
@@ -236,49 +273,62 @@ std::vector<Block> tension_blocks(const std::string& id, const ident::TensionRes
               "those of the cable.",
               "mode number", "model over test, %"};
   frequencies.link = errors.link = id;
-  const auto add = [](Plot& plot, PlotSeries series, const ident::TensionCandidate& candidate,
-                      auto value) {
-    for (const auto& mode : candidate.modes) {
-      if (mode.order > 0) series.add(mode.order, value(mode));
-    }
-    plot.add(std::move(series));
-  };
-  add(frequencies, {"measured", Origin::measured, 0, Style::points}, result.candidates.front(),
-      [](const auto& mode) { return mode.measured_hz; });
+  PlotSeries measured{"measured", Origin::measured, 0, Style::points};
+  for (const auto& mode : best.modes) {
+    if (mode.order > 0) measured.add(mode.order, mode.measured_hz);
+  }
+  frequencies.add(std::move(measured));
   int variant = 0;
   for (const auto& one : result.candidates) {
     if (!one.solved) continue;
-    PlotSeries series{fmt::format("{} ends, weight {:.2g}", ident::name_of(one.ends), one.weight),
-                      Origin::modelled, ++variant, Style::points};
-    add(frequencies, series, one, [](const auto& mode) { return mode.model_hz; });
-    add(errors, std::move(series), one, [](const auto& m) { return 100 * m.relative_error; });
+    PlotSeries model{fmt::format("{} ends, weight {:.2g}", ident::name_of(one.ends), one.weight),
+                     Origin::modelled, ++variant, Style::points};
+    PlotSeries error = model;
+    for (const auto& mode : one.modes) {
+      if (mode.order <= 0) continue;
+      model.add(mode.order, mode.model_hz);
+      error.add(mode.order, 100 * mode.relative_error);
+    }
+    frequencies.add(std::move(model)), errors.add(std::move(error));
   }
-  std::vector<Block> blocks{std::move(frequencies), std::move(errors)};
-  blocks.emplace_back(described_table(id + "-budget",
-                                      "Where the uncertainty of the tension comes from.",
-                                      describe::table_of(result.budget)));
+  std::vector<Block> blocks;
+  add(blocks, described_table(id + "-ends",
+                              "Tension at mid-span by kind of ends; the result is the average by "
+                              "weight. p: probability of a larger misfit if the model were right.",
+                              describe::table_of(result.candidates), Origin::modelled));
+  add(blocks, std::move(frequencies));
+  add(blocks, std::move(errors));
+  add(blocks, described_table(id + "-budget", "Where the uncertainty of the tension comes from.",
+                              describe::table_of(result.budget)));
+  add(blocks, described_table(id + "-values",
+                              "Results over all kinds of ends, and closed forms from the lowest "
+                              "mode.",
+                              describe::sheet_of(result).lines, Origin::modelled));
+  add(blocks, described_table(id + "-modes",
+                              fmt::format("Measured frequencies and those of the model, {} ends.",
+                                          ident::name_of(best.ends)),
+                              describe::table_of(best.modes)));
   return blocks;
 }
 
 // Fits --------------------------------------------------------------------------------------------
 
 std::vector<Block> fit_blocks(const std::string& id, const std::vector<ident::UpdateState>& states,
-                              const ident::UpdateResult& result,
-                              const std::vector<ident::HeldOut>& held_out) {
+                              const ident::UpdateResult& result) {
   Plot plot{id + "-errors-by-mode", "Model against test, mode by mode",
             "How far the model's frequency lies above the test's.", "frequency of the test, Hz",
             "model over test, %"};
-  if (!held_out.empty()) plot.caption += " Held out: predicted from the other states.";
+  if (!result.held.empty()) plot.caption += " Held out: predicted from the other states.";
   PlotSeries before{"before the fit", Origin::modelled, 2, Style::points},
       held{"held out, predicted", Origin::modelled, 1, Style::points},
       fitted{"fitted", Origin::modelled, 0, Style::points};
-  const auto add = [](PlotSeries& series, const std::vector<ident::UpdatedPair>& pairs) {
+  const auto add_pairs = [](PlotSeries& series, const std::vector<ident::UpdatedPair>& pairs) {
     for (const auto& pair : pairs) {
       if (!pair.cross_plane) series.add(pair.measured_hz, 100 * pair.relative_error);
     }
   };
-  add(before, result.pairs_before);
-  for (const auto& one : held_out) add(held, one.pairs);
+  add_pairs(before, result.pairs_before);
+  for (const auto& one : result.held) add_pairs(held, one.pairs);
   bool bars = false;
   for (const auto& pair : result.pairs) {
     if (pair.cross_plane) continue;
@@ -292,7 +342,7 @@ std::vector<Block> fit_blocks(const std::string& id, const std::vector<ident::Up
   if (bars) plot.caption += " Bars: the test's own 95 % interval.";
   for (auto* series : {&before, &held, &fitted}) plot.add(std::move(*series));
   std::vector<Block> blocks;
-  if (!plot.series.empty()) blocks.emplace_back(std::move(plot));
+  add(blocks, std::move(plot));
   ReportTable budgets{id + "-budget",
                       "Where the uncertainty of each parameter comes from; the squares of the "
                       "contributions add up. Those under 0.5 % of the variance are left out.",
@@ -304,7 +354,7 @@ std::vector<Block> fit_blocks(const std::string& id, const std::vector<ident::Up
     add_rows(budgets, {parameter_words(parameter.name)}, describe::table_of(std::move(terms)),
              Origin::modelled);
   }
-  if (!budgets.rows.empty()) blocks.emplace_back(std::move(budgets));
+  add(blocks, std::move(budgets));
   return blocks;
 }
 

@@ -34,6 +34,14 @@ bool holds(const Answer& answer, double value) {
   return value >= answer.low && value <= answer.high;
 }
 
+std::string capitalised(std::string_view text) {
+  std::string words(text);
+  if (!words.empty()) {
+    words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
+  }
+  return words;
+}
+
 }  // namespace
 
 std::string quantity_words(const Answer& answer) {
@@ -131,18 +139,6 @@ std::string answers_csv(const std::vector<Answer>& answers) {
   }
   return text + "\n";
 }
-
-namespace {
-
-std::string capitalised(std::string_view text) {
-  std::string words(text);
-  if (!words.empty()) {
-    words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
-  }
-  return words;
-}
-
-}  // namespace
 
 std::string parameter_words(std::string_view name) {
   if (name == "load_cell.scale") return "Load cell scale";

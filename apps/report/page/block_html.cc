@@ -19,8 +19,9 @@ namespace {
 // of 12 px are 9 to 15 px high; on paper 6.8 pt.
 constexpr double kPageWidth = 440, kPageHeight = 290;
 
-SvgPanel panel_of(const Plot& plot, const std::string& state) {
-  return {state.empty() ? plot.title : state + ": " + plot.title, svg_plot(plot)};
+SvgPanel panel_of(const Plot& plot) { return {plot.title, svg_plot(plot)}; }
+SvgPanel panel_of(const Picture& picture) {
+  return {picture.title, picture.svg, picture.width, picture.height};
 }
 
 }  // namespace
@@ -116,8 +117,8 @@ void BlockHtml::add(const ReportTable& table) {
       if (origin) css += fmt::format(" o-{}", word_of(*origin));
       if (row[i].doubtful) css += " doubt";
       std::string text = escaped(row[i].text);
-      if (!row[i].anchor.empty()) {
-        text = fmt::format("<a href=\"#{}\">{}</a>", escaped(row[i].anchor), text);
+      if (!row[i].link.empty()) {
+        text = fmt::format("<a href=\"{}\">{}</a>", escaped(row[i].link), text);
       }
       html_ += fmt::format("<td{}>{}</td>", css.empty() ? "" : " class=\"" + css + "\"", text);
     }
@@ -190,17 +191,10 @@ std::string figures_page(const std::string& title, const std::string& repeat,
 
 FiguresSvg figures_svg(const std::string& title, const std::vector<Block>& blocks) {
   std::vector<SvgPanel> panels;
-  for (const auto& block : blocks) {
-    if (const auto* plot = std::get_if<Plot>(&block)) panels.push_back(panel_of(*plot, ""));
-    if (const auto* picture = std::get_if<Picture>(&block)) {
-      panels.push_back({picture->title, picture->svg, picture->width, picture->height});
-    }
-    if (const auto* group = std::get_if<PlotGroup>(&block)) {
-      for (const auto& tab : group->tabs) {
-        for (const auto& plot : tab.plots) panels.push_back(panel_of(plot, tab.label));
-      }
-    }
-  }
+  each_figure(blocks, [&](const auto& figure, const std::string& label) {
+    panels.push_back(panel_of(figure));
+    if (!label.empty()) panels.back().title.insert(0, label + ": ");
+  });
   FiguresSvg sheet;
   sheet.svg = svg_sheet(title, panels, sheet.width, sheet.height);
   return sheet;

@@ -31,12 +31,8 @@ std::vector<Section> sections_of(std::span<const ReportPart> parts) {
   for (const auto& part : parts) {
     if (part.blocks.empty()) continue;
     const std::string& id = part.test.empty() ? part.id : part.test;
-    auto at = std::find_if(sections.begin(), sections.end(),
-                           [&](const Section& one) { return one.id == id; });
-    if (at == sections.end()) {
-      sections.push_back({id, part.title, {}});
-      at = sections.end() - 1;
-    }
+    auto at = std::ranges::find(sections, id, &Section::id);
+    if (at == sections.end()) at = sections.insert(at, {id, part.title, {}});
     if (part.id == id) at->title = part.title;
     at->parts.push_back(&part);
   }
@@ -52,34 +48,7 @@ std::string id_of(const Block& block) {
       block);
 }
 
-int rank_of(const ReportFinding& one) {
-  return one.refused ? -1 : static_cast<int>(level_of(one.code));
-}
-
-/// Without the folders of a file.
-std::string place_of(const std::string& where) {
-  const auto slash = where.rfind('/', where.find(": "));
-  return slash == std::string::npos ? where : where.substr(slash + 1);
-}
-
-std::string findings_html(std::span<const ReportFinding> findings) {
-  std::string html;
-  for (const auto& one : findings) {
-    html += fmt::format("<li><a href=\"#{}\">{}</a>{}: {}{}</li>\n", escaped(one.anchor),
-                        escaped(one.title), one.refused ? ", refused" : "", escaped(one.message),
-                        one.count > 1 || one.refused ? escaped(" (" + one.where + ")") : "");
-  }
-  return html;
-}
-
 constexpr std::size_t kMostAnswers = 14, kMostWarnings = 5;
-
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  gmtime_r(&now, &parts);
-  return fmt::format("{:%Y-%m-%d}", parts);
-}
 
 void heading(std::string& html, const PageFrame& frame) {
   const auto& details = frame.details;
@@ -88,7 +57,9 @@ void heading(std::string& html, const PageFrame& frame) {
   for (const auto& [name, value] :
        {std::pair{"Client", details.client}, std::pair{"Project", details.project},
         std::pair{"Author", details.author}, std::pair{"Organisation", details.organisation},
-        std::pair{"Date", details.date.empty() ? today() : details.date},
+        std::pair{"Date", details.date.empty()
+                              ? fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)))
+                              : details.date},
         std::pair{"Revision", details.revision}}) {
     if (value.empty()) continue;
     html += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", name, escaped(value));
@@ -101,39 +72,14 @@ void heading(std::string& html, const PageFrame& frame) {
   html += "</header>\n";
 }
 
-/// The recommended answers: those of the first page, others where there is room.
-ReportTable answers_table(std::span<const ReportPart> parts) {
-  ReportTable table{"answers",
-                    "Results, ± standard uncertainty; verdicts are about 95 % intervals.",
-                    {{"quantity", {}, false},
-                     {"value"},
-                     {"unit", {}, false},
-                     {"how known", {}, false},
-                     {"verdict", {}, false}}};
-  for (int rank = 0; rank < 2; ++rank) {
-    auto rows = table.rows;
-    for (const auto& part : parts) {
-      for (const auto& answer : part.answers) {
-        if (answer.rank != rank || !answer.recommended) continue;
-        Cell quantity(quantity_words(answer)), verdict(verdict_words(answer));
-        quantity.anchor = answer.anchor;
-        verdict.doubtful = doubtful(answer);
-        const char* synthetic = answer.origin == Origin::synthetic ? " (synthetic)" : "";
-        rows.push_back({std::move(quantity), value_words(answer), shown_unit(answer),
-                        Cell(answer.how + synthetic, answer.origin), std::move(verdict)});
-      }
-    }
-    if (rank == 0 || rows.size() <= kMostAnswers) table.rows = std::move(rows);
-  }
-  table.rows.resize(std::min(table.rows.size(), kMostAnswers));
-  return table;
-}
-
 class PageWriter {
  public:
   PageWriter(const PageFrame& frame, std::span<const ReportPart> parts)
       : frame_(frame), parts_(parts), sections_(sections_of(parts)), findings_(findings_of(parts)) {
     choose_short();
+    const auto count = std::ranges::count(findings_, false, &FindingKind::note);  // they are first
+    warnings_ = std::span(findings_).first(static_cast<std::size_t>(count));
+    notes_ = std::span(findings_).subspan(warnings_.size());
   }
 
   std::string report(const ReportPart& overview) {
@@ -147,7 +93,6 @@ class PageWriter {
     more_warnings();
     if (all) appendix();
     provenance();
-    if (!all) link_to_appendix();
     return finished();
   }
 
@@ -163,17 +108,52 @@ class PageWriter {
   }
 
  private:
-  /// What stands in the appendix is in another file of a client's report.
-  void link_to_appendix() {
-    for (const auto& part : parts_) {
-      const auto section = std::find_if(sections_.begin(), sections_.end(),
-                                        [&](const Section& one) { return one.id == part.id; });
-      if (section != sections_.end() && has_short(*section)) continue;
-      const std::string link = fmt::format("href=\"#{}\"", escaped(part.id));
-      for (std::size_t at = 0; (at = html_.find(link, at)) != std::string::npos; at += 6) {
-        html_.insert(at + 6, "appendix.html");
-      }
+  /// Where a part is: on this page, or in a client's appendix.
+  [[nodiscard]] std::string link_to(const std::string& id) const {
+    const auto section = std::ranges::find(sections_, id, &Section::id);
+    const bool here =
+        frame_.style == ReportStyle::lab || (section != sections_.end() && has_short(*section));
+    return (here ? "#" : "appendix.html#") + id;
+  }
+
+  [[nodiscard]] std::string findings_html(std::span<const FindingKind> findings) const {
+    std::string html;
+    for (const auto& one : findings) {
+      const bool refused = one.first.refused;
+      html +=
+          fmt::format("<li><a href=\"{}\">{}</a>{}: {}{}</li>\n", escaped(link_to(one.anchor)),
+                      escaped(one.title), refused ? ", refused" : "", escaped(one.first.message),
+                      one.count > 1 || refused ? escaped(" (" + one.listed() + ")") : "");
     }
+    return html;
+  }
+
+  /// The recommended answers: those of the first page, others where there is room.
+  [[nodiscard]] ReportTable answers_table() const {
+    ReportTable table{"answers",
+                      "Results, ± standard uncertainty; verdicts are about 95 % intervals.",
+                      {{"quantity", {}, false},
+                       {"value"},
+                       {"unit", {}, false},
+                       {"how known", {}, false},
+                       {"verdict", {}, false}}};
+    for (int rank = 0; rank < 2; ++rank) {
+      auto rows = table.rows;
+      for (const auto& part : parts_) {
+        for (const auto& answer : part.answers) {
+          if (answer.rank != rank || !answer.recommended) continue;
+          Cell quantity(quantity_words(answer)), verdict(verdict_words(answer));
+          quantity.link = link_to(answer.anchor);
+          verdict.doubtful = doubtful(answer);
+          const char* synthetic = answer.origin == Origin::synthetic ? " (synthetic)" : "";
+          rows.push_back({std::move(quantity), value_words(answer), shown_unit(answer),
+                          Cell(answer.how + synthetic, answer.origin), std::move(verdict)});
+        }
+      }
+      if (rank == 0 || rows.size() <= kMostAnswers) table.rows = std::move(rows);
+    }
+    table.rows.resize(std::min(table.rows.size(), kMostAnswers));
+    return table;
   }
 
   /// One page on paper.
@@ -184,7 +164,7 @@ class PageWriter {
     blocks_.heading(3);
     for (const auto& block : overview.blocks) blocks_.add(block);
     html_ += blocks_.taken() + "</div>\n<h3 id=\"results\">Results</h3>\n";
-    const ReportTable answers = answers_table(parts_);
+    const ReportTable answers = answers_table();
     std::size_t all = 0;
     for (const auto& part : parts_) all += part.answers.size();
     if (answers.rows.empty()) {
@@ -201,25 +181,19 @@ class PageWriter {
           answers.rows.size(), all);
     }
     html_ += "<h3 id=\"warnings\">Warnings</h3>\n";
-    const std::size_t count = count_warnings();
-    html_ += warnings_html(count, kMostWarnings);
-    if (count > kMostWarnings) {
+    html_ += warnings_html(kMostWarnings);
+    if (warnings_.size() > kMostWarnings) {
       html_ += fmt::format("<p class=\"small\"><a href=\"#more-warnings\">{} more</a></p>\n",
-                           count - kMostWarnings);
+                           warnings_.size() - kMostWarnings);
     }
     html_ += "</section>\n";
   }
 
   /// The first `most` of the warnings as a list.
-  [[nodiscard]] std::string warnings_html(std::size_t count, std::size_t most) const {
-    if (count == 0) return "<p>No warning that would change these results.</p>\n";
+  [[nodiscard]] std::string warnings_html(std::size_t most) const {
+    if (warnings_.empty()) return "<p>No warning that would change these results.</p>\n";
     return "<ul class=\"lines distrust\">\n" +
-           findings_html(std::span(findings_).first(std::min(count, most))) + "</ul>\n";
-  }
-
-  [[nodiscard]] std::size_t count_warnings() const {
-    return static_cast<std::size_t>(std::count_if(findings_.begin(), findings_.end(),
-                                                  [](const auto& one) { return !one.note; }));
+           findings_html(warnings_.first(std::min(warnings_.size(), most))) + "</ul>\n";
   }
 
   /// What the short report has room for: its own ids of figures and tables.
@@ -228,7 +202,7 @@ class PageWriter {
       for (const auto* part : section.parts) {
         for (const auto& block : part->blocks) {
           const std::string id = id_of(block);
-          if (std::find(part->brief.begin(), part->brief.end(), id) == part->brief.end()) continue;
+          if (std::ranges::find(part->brief, id) == part->brief.end()) continue;
           const auto* table = std::get_if<ReportTable>(&block);
           if (table && table->rows.size() > kLongestShortTable) continue;
           if (short_.size() < kMostShort) short_.insert(id);
@@ -240,18 +214,16 @@ class PageWriter {
   [[nodiscard]] bool is_short(const Block& block) const { return short_.contains(id_of(block)); }
 
   static bool has_short(const Section& section) {
-    return std::any_of(section.parts.begin(), section.parts.end(), [](const ReportPart* part) {
+    return std::ranges::any_of(section.parts, [](const ReportPart* part) {
       return !part->brief.empty() || !part->summary.empty();
     });
   }
 
   /// Something of it is left for the appendix, or it has no other place.
   [[nodiscard]] bool has_details(const Section& section) const {
-    return !has_short(section) ||
-           std::any_of(section.parts.begin(), section.parts.end(), [&](const ReportPart* part) {
-             return std::any_of(part->blocks.begin(), part->blocks.end(),
-                                [&](const Block& block) { return !is_short(block); });
-           });
+    return !has_short(section) || std::ranges::any_of(section.parts, [&](const ReportPart* part) {
+      return !std::ranges::all_of(part->blocks, [&](const auto& one) { return is_short(one); });
+    });
   }
 
   void head(const std::string& title) {
@@ -262,30 +234,27 @@ class PageWriter {
   /// The lists of a contents: the report's sections, the appendix' sections.
   [[nodiscard]] std::string contents(bool report, bool appendix) const {
     std::string html = "<ol>\n";
+    const auto item = [&](const std::string& to, const std::string& title) {
+      html += fmt::format("<li><a href=\"{}\">{}</a></li>\n", escaped(to), escaped(title));
+    };
     if (report) {
-      html += "<li><a href=\"#summary\">Summary</a></li>\n";
+      item("#summary", "Summary");
       for (const auto& section : sections_) {
-        if (!has_short(section)) continue;
-        html += fmt::format("<li><a href=\"#{}\">{}</a></li>\n", escaped(section.id),
-                            escaped(section.title));
+        if (has_short(section)) item("#" + section.id, section.title);
       }
-      html += "<li><a href=\"#more-warnings\">Warnings</a></li>\n";
+      item("#more-warnings", "Warnings");
     }
     if (appendix) {
       html += "<li class=\"part\"><a href=\"#appendix\">Appendix</a>\n<ol>\n";
       for (const auto& section : sections_) {
-        if (!has_details(section)) continue;
-        html += fmt::format("<li><a href=\"#{}-details\">{}</a></li>\n", escaped(section.id),
-                            escaped(section.title));
+        if (has_details(section)) item("#" + section.id + "-details", section.title);
       }
       html += "</ol></li>\n";
     } else {
-      html += "<li><a href=\"appendix.html\">Appendix</a></li>\n";
+      item("appendix.html", "Appendix");
     }
-    if (report) html += "<li><a href=\"#provenance\">Provenance</a></li>\n";
-    for (const auto& [file, title] : frame_.links) {
-      html += fmt::format("<li><a href=\"{}\">{}</a></li>\n", escaped(file), escaped(title));
-    }
+    if (report) item("#provenance", "Provenance");
+    for (const auto& [file, title] : frame_.links) item(file, title);
     return html + "</ol>\n";
   }
 
@@ -307,10 +276,9 @@ class PageWriter {
                     escaped(section.id), escaped(section.title));
     std::string items;
     for (const auto* part : section.parts) {
-      const bool tabled =
-          std::any_of(part->blocks.begin(), part->blocks.end(), [&](const Block& block) {
-            return std::holds_alternative<ReportTable>(block) && is_short(block);
-          });
+      const bool tabled = std::ranges::any_of(part->blocks, [&](const Block& block) {
+        return std::holds_alternative<ReportTable>(block) && is_short(block);
+      });
       for (const auto& item : part->summary) {
         // The table says it, and the first page did.
         if (item.kind == SummaryItem::Kind::result && tabled) continue;
@@ -341,17 +309,15 @@ class PageWriter {
 
   /// All of them; notes folded.
   void more_warnings() {
-    const std::size_t warnings = count_warnings();
-    const std::span<const ReportFinding> all(findings_);
     html_ +=
         "<section class=\"brief\" aria-labelledby=\"more-warnings\"><h2 "
         "id=\"more-warnings\">Warnings</h2>\n" +
-        warnings_html(warnings, warnings);
-    if (warnings < all.size()) {
+        warnings_html(warnings_.size());
+    if (!notes_.empty()) {
       html_ += fmt::format(
           "<details class=\"fold\"><summary>{}: normal operation, or allowed for in the values"
           "</summary>\n<ul class=\"small\">\n{}</ul></details>\n",
-          counted(all.size() - warnings, "note"), findings_html(all.subspan(warnings)));
+          counted(notes_.size(), "note"), findings_html(notes_));
     }
     html_ += "</section>\n";
   }
@@ -432,38 +398,25 @@ class PageWriter {
   const PageFrame& frame_;
   std::span<const ReportPart> parts_;
   std::vector<Section> sections_;
-  std::vector<ReportFinding> findings_;
-  std::set<std::string> short_;  ///< ids of what stands in the short report
+  std::vector<FindingKind> findings_;
+  std::span<const FindingKind> warnings_, notes_;  ///< of these
+  std::set<std::string> short_;                    ///< ids of what stands in the short report
   std::string html_;
   BlockHtml blocks_;
 };
 
 }  // namespace
 
-std::vector<ReportFinding> findings_of(std::span<const ReportPart> parts) {
-  constexpr std::size_t kMostPlaces = 4;
-  std::vector<ReportFinding> list;
+std::vector<FindingKind> findings_of(std::span<const ReportPart> parts) {
+  std::vector<FindingKind> kinds;
   for (const auto& part : parts) {
     for (const auto& warning : part.warnings) {
-      const auto same = std::find_if(list.begin(), list.end(), [&](const ReportFinding& one) {
-        return !one.refused && !warning.refused && one.code == warning.code;
-      });
-      if (same == list.end()) {
-        list.push_back({warning.code, with_parameter_words(warning.message),
-                        place_of(warning.where), part.title, part.id, 1, warning.refused,
-                        !warning.refused && is_note(warning.code)});
-      } else if (++same->count <= kMostPlaces) {
-        same->where += "; " + place_of(warning.where);
-      }
+      if (auto* begun = add(kinds, warning)) begun->title = part.title, begun->anchor = part.id;
     }
   }
-  for (auto& one : list) {
-    if (one.count > kMostPlaces) one.where += fmt::format(" and {} more", one.count - kMostPlaces);
-  }
-  std::stable_sort(list.begin(), list.end(), [](const ReportFinding& a, const ReportFinding& b) {
-    return rank_of(a) < rank_of(b);
-  });
-  return list;
+  for (auto& one : kinds) one.first.message = with_parameter_words(one.first.message);
+  sort_by_level(kinds);
+  return kinds;
 }
 
 std::string report_page(const PageFrame& frame, const ReportPart& overview,

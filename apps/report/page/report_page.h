@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apps/campaign/campaign.h"
+#include "apps/cli/warning_lines.h"
 #include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
@@ -36,18 +37,7 @@ struct PageFrame {
 /// appendix.html of a client's report.
 [[nodiscard]] std::string appendix_page(const PageFrame& frame, std::span<const ReportPart> parts);
 
-/// What the parts found, as it is told: each kind (code) once with all its places, what can change
-/// an answer first. A warning asks for something or casts doubt on an answer; a note is normal
-/// operation, or allowed for in the values.
-struct ReportFinding {
-  std::string code, message;  ///< code and message of the first of its kind
-  std::string where;          ///< places, the first ones by name
-  std::string title, anchor;  ///< title and anchor of the part that says more
-  std::size_t count = 1;      ///< number of findings of its kind
-  bool refused = false, note = false;
-};
-
-/// Refusals stand each by itself.
-[[nodiscard]] std::vector<ReportFinding> findings_of(std::span<const ReportPart> parts);
+/// What the parts found, as it is told.
+[[nodiscard]] std::vector<FindingKind> findings_of(std::span<const ReportPart> parts);
 
 }  // namespace rigfit::apps

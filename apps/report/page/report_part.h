@@ -32,7 +32,7 @@ struct Cell {
   std::string text;
   std::optional<Origin> origin;  ///< colours the cell; none: as its column
   bool doubtful = false;
-  std::string anchor;  ///< id of the part that it leads to
+  std::string link;  ///< where it leads to, such as "#fit-beam"; empty: nowhere
 };
 
 struct Column {
@@ -67,6 +67,37 @@ struct Picture {
 };
 
 using Block = std::variant<Paragraph, ReportTable, Plot, PlotGroup, Picture>;
+
+/// Adds a block unless there is nothing to be seen: no series, no rows, no tabs.
+inline void add(std::vector<Block>& blocks, Block block) {
+  const bool empty = std::visit(
+      [](const auto& one) {
+        if constexpr (requires { one.series; }) return one.series.empty();
+        if constexpr (requires { one.rows; }) return one.rows.empty();
+        if constexpr (requires { one.tabs; }) return one.tabs.empty();
+        return false;
+      },
+      block);
+  if (!empty) blocks.push_back(std::move(block));
+}
+template <class Any>
+void add(std::vector<Block>& blocks, std::vector<Any> more) {
+  for (auto& one : more) add(blocks, Block(std::move(one)));
+}
+
+/// Calls `use` with every figure and the label of the tab that it stands in.
+template <class Use>
+void each_figure(const std::vector<Block>& blocks, Use use) {
+  for (const auto& block : blocks) {
+    if (const auto* plot = std::get_if<Plot>(&block)) use(*plot, std::string());
+    if (const auto* picture = std::get_if<Picture>(&block)) use(*picture, std::string());
+    if (const auto* group = std::get_if<PlotGroup>(&block)) {
+      for (const auto& tab : group->tabs) {
+        for (const auto& plot : tab.plots) use(plot, tab.label);
+      }
+    }
+  }
+}
 
 /// A line of the summary: a value found, model against test, what was recorded.
 struct SummaryItem {

@@ -1,13 +1,5 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "apps/campaign_file/bending_files.h"
-#include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/figures.h"
 #include "apps/report/parts/parts.h"
-#include "apps/results/results_json.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {
@@ -34,36 +26,9 @@ class BendingPart : public TestPartOf<ident::BendingCampaign> {
       part_.json["tests"][i]["origin"] = word_of(from_[result.points[i].source]);
     }
     const std::string& name = test_.name;
-    if (!kind_.beam() && !laws.laws.empty()) {
-      part_.blocks.push_back(stiffness_plot(name + "-EI", from_, result));
-    }
-    if (!result.points.empty()) {
-      auto rows = ident::bending_rows(inputs_, result);
-      for (auto& row : rows) row.file = short_name(row.file);
-      part_.blocks.push_back(described_table(name + "-results",
-                                             "EI with its standard uncertainty and 95 % interval.",
-                                             describe::table_of(std::move(rows)), from_.front()));
-      if (!kind_.published()) {
-        part_.blocks.push_back(
-            load_deflection_plot(name + "-load-deflection", inputs_, from_, result));
-      }
-    }
-    if (!kind_.beam() && !laws.laws.empty()) {
-      part_.blocks.push_back(
-          Paragraph{"For the model: " + result.curve.sentence(), Paragraph::Kind::note});
-      part_.blocks.push_back(described_table(name + "-laws", "Laws for EI(T), the closest first.",
-                                             describe::table_of(laws.laws), Origin::modelled));
-      if (!laws.decided) {
-        part_.warnings.push_back({"law_not_decided", result.curve.sentence(), name});
-      }
-    }
-    if (result.bounds && !kind_.beam()) {
-      part_.blocks.push_back(described_table(name + "-bounds", "Bounds from the strand's geometry.",
-                                             describe::sheet_of(*result.bounds).lines));
-    }
-    if (result.specimens) {
-      part_.blocks.push_back(described_table(name + "-specimens", "All specimens.",
-                                             describe::sheet_of(*result.specimens).lines));
+    add(part_.blocks, bending_blocks(name, inputs_, result, from_));
+    if (!kind_.beam() && !laws.laws.empty() && !laws.decided) {
+      part_.warnings.push_back({"law_not_decided", result.curve.sentence(), name});
     }
     add_answers(result);
     part_.brief = {kind_.beam() ? name + "-load-deflection" : name + "-EI", name + "-results"};

@@ -1,8 +1,3 @@
-#include <fmt/format.h>
-
-#include "apps/describe/json_of.h"
-#include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/figures.h"
 #include "apps/report/parts/parts.h"
 
 namespace rigfit::apps {
@@ -34,20 +29,18 @@ class DecayPart : public TestPartOf<ident::DecayInputs> {
                {"of", {}, false}}};
     part_.json["records"] = Json::array();
     PlotGroup group{test_.name + "-decays", "Decays", {}};
-    PlotTab tab;
-    for (std::size_t i = 0; i < outcome.channels.size(); ++i) {
-      const std::size_t r = outcome.channels[i].recording;
-      tab.label = short_name(recordings[r].name);
-      tell_channel(outcome.channels[i], recordings[r], origins_[r], tab);
-      if (i + 1 < outcome.channels.size() && outcome.channels[i + 1].recording == r) continue;
-      if (!tab.plots.empty()) group.tabs.push_back(std::move(tab));
-      tab = {};
+    std::optional<std::size_t> last;
+    for (auto& channel : outcome.channels) {
+      const std::size_t r = channel.recording;
+      if (last != r) group.tabs.push_back({short_name(recordings[r].name), {}});
+      last = r;
+      tell_channel(channel, recordings[r], origins_[r], group.tabs.back());
     }
+    std::erase_if(group.tabs, [](const PlotTab& tab) { return tab.plots.empty(); });
     part_.brief = {table_.id};
-    if (!table_.rows.empty()) part_.blocks.push_back(std::move(table_));
-    if (!group.tabs.empty()) part_.blocks.push_back(std::move(group));
-    auto damping = damping_plot(test_.name + "-damping", decays_);
-    if (!damping.series.empty()) part_.blocks.push_back(std::move(damping));
+    add(part_.blocks, std::move(table_));
+    add(part_.blocks, std::move(group));
+    add(part_.blocks, damping_plot(test_.name + "-damping", decays_));
     part_.summary.push_back({test_.scene ? SummaryItem::Kind::error : SummaryItem::Kind::recorded,
                              test_.title,
                              fmt::format("{} in {}{}", counted(decays_.size(), "decay"),

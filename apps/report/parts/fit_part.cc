@@ -1,13 +1,4 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-
-#include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/figures.h"
-#include "apps/report/page/answer.h"
 #include "apps/report/parts/parts.h"
-#include "apps/results/modal_files.h"
 #include "ident/campaign/fit_campaign.h"
 #include "ident/update/update_rows.h"
 #include "model/scene/parameters.h"
@@ -50,9 +41,7 @@ class Fit {
     }
     add_parameters();
     add_errors();
-    for (auto& block : fit_blocks(fit_.name, updates_, result_, held_)) {
-      part_.blocks.push_back(std::move(block));
-    }
+    add(part_.blocks, fit_blocks(fit_.name, updates_, result_));
     add_pairs();
     add_overlays();
     return std::move(part_);
@@ -80,19 +69,17 @@ class Fit {
   [[nodiscard]] std::string unit_of(const std::string& target) const {
     for (const auto& update : updates_) {
       const auto names = model::parameter_names(update.scene);
-      if (std::find(names.begin(), names.end(), target) != names.end()) {
-        const auto unit = model::parameters_named(update.scene, {target}).front().unit;
-        return unit == "1" ? "" : with_signs(unit);
-      }
+      if (std::ranges::find(names, target) == names.end()) continue;
+      const auto unit = model::parameters_named(update.scene, {target}).front().unit;
+      return unit == "1" ? "" : with_signs(unit);
     }
     return {};
   }
 
   [[nodiscard]] Answer answer_of(const ident::UpdatedParameter& parameter) const {
-    const auto spec =
-        std::find_if(fit_.parameters.begin(), fit_.parameters.end(), [&](const FitParameter& p) {
-          return parameter.name == p.free.name || parameter.name.starts_with(p.free.name + " [");
-        });
+    const auto spec = std::ranges::find_if(fit_.parameters, [&](const FitParameter& p) {
+      return parameter.name == p.free.name || parameter.name.starts_with(p.free.name + " [");
+    });
     const bool named = spec != fit_.parameters.end();
     const std::string name = named ? spec->free.name : parameter.name;
     const std::string target =
@@ -235,7 +222,7 @@ class Fit {
            {frf_overlay_plot(fmt::format("{}-{}-frf", fit_.name, file_word(updates_[s].name)),
                              *modal.recorded, modal.rig, versions)}});
     }
-    if (!group.tabs.empty()) part_.blocks.push_back(std::move(group));
+    add(part_.blocks, std::move(group));
   }
 
   const Campaign& campaign_;

@@ -1,14 +1,4 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <map>
-#include <utility>
-
-#include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/figures.h"
 #include "apps/report/parts/parts.h"
-#include "apps/results/modal_files.h"
-#include "apps/results/results_json.h"
 #include "signal/writers/write_uff.h"
 
 namespace rigfit::apps {
@@ -67,12 +57,10 @@ class ModalPart : public TestPartOf<ident::ModalInputs> {
     }
     if (hits_.rows.size() > 12)
       hits_.fold = fmt::format("All {} hits, {} rejected", hits, rejected);
-    if (!hits_.rows.empty()) part_.blocks.push_back(std::move(hits_));
+    add(part_.blocks, std::move(hits_));
     if (!scene_) short_report();
-    if (!tabs_.empty()) {
-      part_.blocks.push_back(
-          PlotGroup{test_.name + "-frfs", "Frequency responses and poles", std::move(tabs_)});
-    }
+    add(part_.blocks,
+        PlotGroup{test_.name + "-frfs", "Frequency responses and poles", std::move(tabs_)});
     part_.json["hits"] = hits;
     part_.json["hits_rejected"] = rejected;
     part_.summary.push_back(
@@ -81,7 +69,7 @@ class ModalPart : public TestPartOf<ident::ModalInputs> {
                      counted(states, "state"), counted(files_, "recording")) +
              (hits > 0 ? fmt::format("; {} of {} hits rejected", rejected, hits) : ""),
          origin});
-    if (!modes_.rows.empty()) part_.blocks.push_back(std::move(modes_));
+    add(part_.blocks, std::move(modes_));
   }
 
   /// Hits alone: the first state's response and the modes.
@@ -89,9 +77,7 @@ class ModalPart : public TestPartOf<ident::ModalInputs> {
     part_.brief = {modes_.id};
     if (tabs_.empty()) return;
     auto& plots = tabs_.front().plots;
-    const auto frf = std::find_if(plots.begin(), plots.end(), [](const Plot& plot) {
-      return plot.title == "Frequency response, magnitude";
-    });
+    const auto frf = std::ranges::find(plots, "Frequency response, magnitude", &Plot::title);
     if (frf == plots.end()) return;
     part_.brief.push_back(frf->id);
     part_.blocks.push_back(std::move(*frf));

@@ -1,13 +1,4 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
-#include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/figures.h"
 #include "apps/report/parts/parts.h"
-#include "apps/results/modal_files.h"
 
 namespace rigfit::apps {
 namespace {
@@ -24,9 +15,8 @@ using Style = PlotSeries::Style;
 /// Number of a mode among those of its plane: "in 2".
 std::string mode_name(const model::ModalAnalysis& analysis, std::size_t index) {
   const auto plane = analysis.modes[index].plane;
-  const auto number =
-      std::count_if(analysis.modes.begin(), analysis.modes.begin() + 1 + static_cast<long>(index),
-                    [&](const auto& mode) { return mode.plane == plane; });
+  const auto number = std::ranges::count(std::span(analysis.modes).first(index + 1), plane,
+                                         &model::NaturalMode::plane);
   return fmt::format("{} {}", name_of(plane), number);
 }
 
@@ -245,10 +235,8 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                                        : "out of the plane of gravity",
       scene)});
   part.blocks.push_back(error_table(test, states));
-  if (states.size() > 1 && states.front().tension_N &&
-      std::any_of(states.begin(), states.end(),
-                  [](const auto& state) { return !state.analysis.modes.empty(); })) {
-    part.blocks.push_back(frequency_plot(test, states));
+  if (states.size() > 1 && states.front().tension_N) {
+    add(part.blocks, frequency_plot(test, states));
   }
   ReportTable pairs = pairs_table(test, states);
   part.brief = {test.name + "-frequency",
@@ -273,11 +261,9 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                               row.measured_hz, row.models_hz[k]});
       }
     }
-    for (auto& picture : shapes_pictures(
-             fmt::format("{}-shapes-{}", test.name, file_word(ident::state_label(state.tension_N))),
-             label, state.rig.scene, state.analysis, measured)) {
-      part.blocks.push_back(std::move(picture));
-    }
+    add(part.blocks, shapes_pictures(fmt::format("{}-shapes-{}", test.name,
+                                                 file_word(ident::state_label(state.tension_N))),
+                                     label, state.rig.scene, state.analysis, measured));
     part.json["states"].push_back(state_json(state, published));
   }
   const auto ours = rms_of_model(states);

@@ -1,15 +1,6 @@
 #include "apps/report/parts/parts.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 #include "apps/campaign_file/bending_files.h"
-#include "apps/report/drawing/html_text.h"
-#include "apps/report/figures/figures.h"
-#include "apps/report/page/answer.h"
 #include "signal/quality/quality.h"
 
 namespace rigfit::apps {
@@ -92,85 +83,6 @@ void add_recordings(ReportPart& part, const CampaignTest& test,
   part.json["recordings"] = std::move(list);
 }
 
-}  // namespace
-
-TestPart::TestPart(const CampaignTest& test, const char* json_key) : test_(test) {
-  part_.id = test.name;
-  part_.title = test.title;
-  part_.json_key = json_key;
-  part_.json["test"] = test.name;
-}
-
-void TestPart::read(const FileRead& file_read) {
-  if (test_.recordings.empty()) return;
-  auto loaded = load_recordings(test_.recordings, file_read);
-  files_ = loaded.size();
-  for (auto& entry : loaded) {
-    if (entry.recording && test_.is<BendingTest>()) drop_time_notes(*entry.recording);
-  }
-  add_recordings(part_, test_, loaded);
-  for (auto& entry : loaded) {
-    if (!entry.recording) continue;
-    const auto& group = test_.recordings[entry.group];
-    origins_.push_back(group.origin());
-    take(std::move(entry), group);
-  }
-}
-
-void TestPart::tell(std::vector<ident::Finding> findings, const std::string& where) {
-  for (auto& one : findings) {
-    if (!where.empty() || one.where.empty()) one.where = where.empty() ? test_.name : where;
-    part_.warnings.push_back(std::move(one));
-  }
-}
-
-Answer TestPart::answer(const std::string& name, std::string quantity, std::string how,
-                        std::string unit, const signal::Estimate& value, Origin origin,
-                        std::optional<double> reference) const {
-  Answer answer;
-  answer.key = test_.name + "/" + name;
-  answer.quantity = std::move(quantity);
-  answer.how = std::move(how);
-  answer.percent = unit.empty();
-  answer.unit = std::move(unit);
-  answer.value = value.value;
-  answer.std = value.std;
-  answer.reference = reference;
-  if (reference) answer.reference_name = test_.reference_name;
-  answer.origin = origin;
-  answer.anchor = part_.id;
-  return answer;
-}
-
-void refuse(ReportPart& part, const std::string& code, const std::string& message,
-            const std::string& where) {
-  part.warnings.push_back({code, message, where, true});
-}
-
-void add_answer(ReportPart& part, Answer answer, bool told) {
-  if (told) {
-    const std::string unit = shown_unit(answer), interval = interval_words(answer);
-    std::string text = value_words(answer) + (unit.empty() ? "" : " " + unit);
-    if (!interval.empty()) text += fmt::format(" (95 %: {})", interval);
-    if (answer.reference) {
-      text += fmt::format("; {} {}", answer.reference_name,
-                          shown((answer.percent ? 100 : 1) * *answer.reference, 5));
-    }
-    part.summary.push_back({SummaryItem::Kind::result, answer.quantity, text, answer.origin});
-  }
-  part.answers.push_back(std::move(answer));
-}
-
-std::string percent_words(double ratio) {
-  return std::isfinite(ratio) ? shown(100 * ratio, 3) + " %" : std::string("–");
-}
-
-std::string label_of(std::optional<double> tension_N) {
-  return state_words(ident::state_label(tension_N));
-}
-
-namespace {
-
 /// The scene with most members among those of the tests, else of all.
 const model::Scene* largest_scene(const Campaign& campaign) {
   const model::Scene* largest = nullptr;
@@ -206,6 +118,80 @@ Plot all_modes_plot(const std::vector<ReportPart>& parts) {
 
 }  // namespace
 
+TestPart::TestPart(const CampaignTest& test, const char* json_key) : test_(test) {
+  part_.id = test.name;
+  part_.title = test.title;
+  part_.json_key = json_key;
+  part_.json["test"] = test.name;
+}
+
+void TestPart::read(const FileRead& file_read) {
+  if (test_.recordings.empty()) return;
+  auto loaded = load_recordings(test_.recordings, file_read);
+  files_ = loaded.size();
+  for (auto& entry : loaded) {
+    if (entry.recording && test_.is<BendingTest>()) drop_time_notes(*entry.recording);
+  }
+  add_recordings(part_, test_, loaded);
+  for (auto& entry : loaded) {
+    if (!entry.recording) continue;
+    const auto& group = test_.recordings[entry.group];
+    origins_.push_back(group.origin());
+    take(std::move(entry), group);
+  }
+}
+
+void TestPart::tell(std::vector<ident::Finding> findings, const std::string& where) {
+  for (auto& one : findings) {
+    if (!where.empty() || one.where.empty()) one.where = where.empty() ? test_.name : where;
+    part_.warnings.push_back(std::move(one));
+  }
+}
+
+Answer TestPart::answer(const std::string& name, std::string quantity, std::string how,
+                        std::string unit, const signal::Estimate& value, Origin origin,
+                        std::optional<double> reference) const {
+  const bool percent = unit.empty();
+  return {.key = test_.name + "/" + name,
+          .quantity = std::move(quantity),
+          .how = std::move(how),
+          .unit = std::move(unit),
+          .value = value.value,
+          .std = value.std,
+          .percent = percent,
+          .reference = reference,
+          .reference_name = reference ? test_.reference_name : "",
+          .origin = origin,
+          .anchor = part_.id};
+}
+
+void refuse(ReportPart& part, const std::string& code, const std::string& message,
+            const std::string& where) {
+  part.warnings.push_back({code, message, where, true});
+}
+
+void add_answer(ReportPart& part, Answer answer, bool told) {
+  if (told) {
+    const std::string unit = shown_unit(answer), interval = interval_words(answer);
+    std::string text = value_words(answer) + (unit.empty() ? "" : " " + unit);
+    if (!interval.empty()) text += fmt::format(" (95 %: {})", interval);
+    if (answer.reference) {
+      text += fmt::format("; {} {}", answer.reference_name,
+                          shown((answer.percent ? 100 : 1) * *answer.reference, 5));
+    }
+    part.summary.push_back({SummaryItem::Kind::result, answer.quantity, text, answer.origin});
+  }
+  part.answers.push_back(std::move(answer));
+}
+
+std::string percent_words(double ratio) {
+  return std::isfinite(ratio) ? shown(100 * ratio, 3) + " %" : std::string("–");
+}
+
+std::string label_of(std::optional<double> tension_N) {
+  return state_words(ident::state_label(tension_N));
+}
+
 ReportPart overview_part(const Campaign& campaign, const std::vector<ReportPart>& parts) {
   ReportPart part;
   part.id = "overview";
@@ -213,9 +199,7 @@ ReportPart overview_part(const Campaign& campaign, const std::vector<ReportPart>
   if (const auto* scene = largest_scene(campaign)) {
     part.blocks.push_back(rig_picture(*scene));
   }
-  if (auto plot = all_modes_plot(parts); !plot.series.empty()) {
-    part.blocks.push_back(std::move(plot));
-  }
+  add(part.blocks, all_modes_plot(parts));
   return part;
 }
 
@@ -236,7 +220,7 @@ ReportPart scenes_part(const Campaign& campaign) {
   }
   part.json = std::move(scenes);
   if (campaign.scenes.empty()) return part;
-  if (!table.rows.empty()) part.blocks.push_back(std::move(table));
+  add(part.blocks, std::move(table));
   if (count[1] + count[2] > 0) {
     part.warnings.push_back(
         {"read_as",

@@ -2,7 +2,10 @@
 // campaign is worked out (ident/campaign/campaign.h), and what came of the test is shown.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,8 +14,9 @@
 
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/recording_group.h"
-#include "apps/report/page/report_part.h"
-#include "apps/report/page/tables.h"
+#include "apps/report/figures/figures.h"
+#include "apps/results/modal_files.h"
+#include "apps/results/results_json.h"
 #include "ident/campaign/campaign.h"
 
 namespace rigfit::apps {

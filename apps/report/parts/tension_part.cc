@@ -1,8 +1,4 @@
-#include <fmt/format.h>
-
-#include "apps/report/figures/figures.h"
 #include "apps/report/parts/parts.h"
-#include "apps/results/results_json.h"
 
 namespace rigfit::apps {
 namespace {
@@ -20,20 +16,7 @@ class TensionPart : public TestPartOf<ident::TensionInputs> {
     if (!r.solved) return {std::move(part_)};
     part_.json.update(tension_json(found));
     const std::string ends = ident::name_of(r.candidates.front().ends);
-    part_.blocks.push_back(described_table(
-        test_.name + "-ends",
-        "Tension at mid-span by kind of ends; the result is the average by weight. p: probability "
-        "of a larger misfit if the model were right.",
-        describe::table_of(r.candidates), Origin::modelled));
-    for (auto& block : tension_blocks(test_.name, r)) part_.blocks.push_back(std::move(block));
-    part_.blocks.push_back(described_table(test_.name + "-values",
-                                           "Results over all kinds of ends, and closed forms from "
-                                           "the lowest mode.",
-                                           describe::sheet_of(r).lines, Origin::modelled));
-    part_.blocks.push_back(
-        described_table(test_.name + "-modes",
-                        fmt::format("Measured frequencies and those of the model, {} ends.", ends),
-                        describe::table_of(r.candidates.front().modes)));
+    add(part_.blocks, tension_blocks(test_.name, r));
     part_.brief = {test_.name + "-frequencies", test_.name + "-ends"};
     Answer tension =
         answer("tension", "Cable tension at mid-span",

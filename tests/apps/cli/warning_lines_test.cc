@@ -24,8 +24,8 @@ TEST(WarningLines, CountWhatIsAlike) {
   EXPECT_THAT(warning_lines(std::vector<Finding>{
                   warning("spike", "a spike", "a.csv"), warning("set", "3 mm are left", "b.csv"),
                   warning("spike", "a spike", "c.csv"), warning("set", "5 mm are left", "d.csv")}),
-              ElementsAre("2 times: a spike (a.csv, c.csv)",
-                          "b.csv: 3 mm are left (and 1 more of this kind: d.csv)"));
+              ElementsAre("a.csv: a spike (2 of this kind: a.csv; c.csv)",
+                          "b.csv: 3 mm are left (2 of this kind: b.csv; d.csv)"));
 }
 
 TEST(WarningLines, GraveOnesFirstAndTheRestCounted) {
@@ -38,7 +38,7 @@ TEST(WarningLines, GraveOnesFirstAndTheRestCounted) {
   const auto lines = warning_lines(warnings);
   ASSERT_EQ(lines.size(), 6u);
   EXPECT_EQ(lines[0], "the data rule this model out");
-  EXPECT_EQ(lines[1], "2 times: message 0");
+  EXPECT_EQ(lines[1], "message 0 (2 of this kind)");
   // Shown: one and four kinds of two; left: five kinds of two and what is taken as exact.
   EXPECT_THAT(lines[5], HasSubstr("11 more of 6 other kinds"));
   // Five kinds need no line that counts.

@@ -148,13 +148,13 @@ TEST(Findings, AreSortedAndSaidOnce) {
                        {"recording", "cannot be read", "f", true}};
   const auto list = findings_of(parts);
   ASSERT_EQ(list.size(), 5u);
-  EXPECT_EQ(list[0].where, "e");
-  EXPECT_EQ(list[1].where, "f");
-  EXPECT_EQ(list[2].code, "unpaired");
-  EXPECT_EQ(list[3].where, "b; c");
-  EXPECT_EQ(list[3].message, "Give more segments: 0.10 %");
-  EXPECT_TRUE(list[4].note);
-  EXPECT_FALSE(list[3].note);
+  EXPECT_EQ(list[0].listed(), "e");
+  EXPECT_EQ(list[1].listed(), "f");
+  EXPECT_EQ(list[2].first.code, "unpaired");
+  EXPECT_EQ(list[3].listed(), "b; c");
+  EXPECT_EQ(list[3].first.message, "Give more segments: 0.10 %");
+  EXPECT_TRUE(list[4].note());
+  EXPECT_FALSE(list[3].note());
 }
 
 }  // namespace
