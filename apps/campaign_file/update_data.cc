@@ -7,7 +7,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <ranges>
 #include <utility>
 
 #include "apps/campaign/campaign.h"
@@ -223,9 +222,10 @@ class StateReader {
     const auto at = std::ranges::find(named, name, &Named::name);
     if (at != named.end()) return static_cast<std::size_t>(at - named.begin());
     if (named.size() == 1) return 0;
+    std::vector<std::string> known;
+    std::ranges::transform(named, std::back_inserter(known), &Named::name);
     throw UsageError(fmt::format("{}: \"{}\" is no {} of the scene; there are: {}", path, name,
-                                 what,
-                                 fmt::join(named | std::views::transform(&Named::name), ", ")));
+                                 what, fmt::join(known, ", ")));
   }
 
   static signal::FrfForm form_of(model::Sensor::Quantity quantity, const std::string& path) {
@@ -398,6 +398,7 @@ std::vector<ident::FreeParameter> free_parameters(const std::vector<std::string>
                                                   const std::vector<std::string>& priors,
                                                   const model::Scene& scene) {
   std::vector<ident::FreeParameter> free;
+  free.reserve(free_texts.size());
   for (const auto& text : free_texts) free.push_back(free_parameter(text));
   if (free.empty()) {
     for (const auto& member : scene.members) {

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
+#include <iterator>
 #include <sstream>
 #include <string_view>
 
@@ -26,8 +26,9 @@ constexpr const char* kDoes =
     "Identify cable and beam parameters from test recordings, fit a model, report model vs test.";
 
 std::vector<std::string> names_of(const Verbs& verbs) {
-  const auto names = verbs | std::views::transform(&Verb::name);
-  return {names.begin(), names.end()};
+  std::vector<std::string> names;
+  std::ranges::transform(verbs, std::back_inserter(names), &Verb::name);
+  return names;
 }
 
 bool by_place(const Option& option) { return !option.name.starts_with("--"); }

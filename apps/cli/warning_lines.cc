@@ -84,10 +84,12 @@ std::vector<std::string> warning_lines(std::span<const Finding> warnings, std::s
       others += kind.count;
       continue;
     }
-    lines.push_back((where.empty() ? "" : where + ": ") + message);
+    auto& line = lines.emplace_back(where);
+    if (!where.empty()) line += ": ";
+    line += message;
     if (kind.count == 1) continue;
-    lines.back() += fmt::format(" ({} of this kind{}{})", kind.count,
-                                kind.places.empty() ? "" : ": ", kind.listed());
+    line += fmt::format(" ({} of this kind{}{})", kind.count, kind.places.empty() ? "" : ": ",
+                        kind.listed());
   }
   if (others > 0) {
     lines.push_back(fmt::format("{} more of {} other kinds: --verbose prints them", others,

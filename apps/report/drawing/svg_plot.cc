@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <ranges>
 #include <set>
 
 #include "apps/report/drawing/html_text.h"
@@ -173,7 +172,9 @@ std::string band(const PlotSeries& series, const SvgAxis& x, const SvgAxis& y) {
     if (p.shown) path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", p.x, p.y);
   };
   std::ranges::for_each(visible(ends[0], x, y), add);
-  std::ranges::for_each(visible(ends[1], x, y) | std::views::reverse, add);
+  auto below = visible(ends[1], x, y);
+  std::ranges::reverse(below);
+  std::ranges::for_each(below, add);
   if (path.empty()) return path;
   return fmt::format("<path class=\"band\" d=\"{}z\" fill-opacity=\"0.18\" stroke=\"none\"/>\n",
                      path);
