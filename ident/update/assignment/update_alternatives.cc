@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "ident/statistics/in_parallel.h"
@@ -110,14 +109,13 @@ class Search {
 
   std::vector<UpdateAnswer> run(int& fits, std::string& failure) {
     std::vector<UpdateAnswer> answers;
-    bool sure = false;
-    if (auto seed = seed_at(problem_.start(), failure)) {
-      UpdateAnswer first = settled(std::move(*seed));
-      fits = 1;
-      failure = first.solution.failure;
-      sure = first.solution.q.size() > 0 && explained(first);
-      if (first.solution.q.size() > 0) answers.push_back(std::move(first));
+    for (auto& seed : seeds_at(problem_.start(), failure)) {
+      std::vector<UpdateAnswer> one{settled(std::move(seed))};
+      ++fits;
+      failure = one.front().solution.failure;
+      merge(std::move(one), answers);
     }
+    const bool sure = !answers.empty() && explained(answers.front());
     if (options_.starts > 1 && !sure) {
       std::vector<Seed> seeds = look_around();
       std::vector<UpdateAnswer> found(seeds.size());
@@ -145,7 +143,6 @@ class Search {
   struct Seed {
     Eigen::VectorXd q;
     UpdateMatches matches;
-    double score = 0;  // ln of its likelihood while looking around
   };
 
   static bool negligible(const UpdateAnswer& one, const std::vector<UpdateAnswer>& all) {
@@ -263,16 +260,17 @@ class Search {
     return degrees * std::log(0.1 / error) - lost > kSure;
   }
 
-  // The assignment at q; none without a model there.
-  std::optional<Seed> seed_at(const Eigen::VectorXd& q, std::string& failure) const {
+  // Assignments at q, with its frequencies as they are and scaled; none without a model there.
+  std::vector<Seed> seeds_at(const Eigen::VectorXd& q, std::string& failure) const {
+    const UpdateProblem wide = problem_.with_model_std(kSearchError).remembering();
     std::string here;
-    Seed seed{q, problem_.with_model_std(kSearchError).assign(q, here)};
+    std::vector<Seed> seeds{{q, wide.assign(q, here)}, {q, wide.assign_scaled(q, here)}};
     if (!here.empty()) {
       failure = here;
-      return std::nullopt;
+      return {};
     }
-    seed.score = seed.matches.log_likelihood;
-    return seed;
+    if (seeds[0].matches.matches == seeds[1].matches.matches) seeds.pop_back();
+    return seeds;
   }
 
   // Points all over the range, at the same places whatever the start: see the header.
@@ -315,17 +313,18 @@ class Search {
 
   std::vector<Seed> look_around() const {
     const auto points = places();
-    std::vector<std::optional<Seed>> found(points.size());
+    std::vector<std::vector<Seed>> found(points.size());
     in_parallel(points.size(), options_.threads, [&](std::size_t k) {
       std::string failure;
-      found[k] = seed_at(points[k], failure);
+      found[k] = seeds_at(points[k], failure);
     });
     std::vector<Seed> seeds;
-    for (auto& seed : found) {
-      if (seed) seeds.push_back(std::move(*seed));
+    for (auto& some : found) {
+      for (auto& seed : some) seeds.push_back(std::move(seed));
     }
-    std::stable_sort(seeds.begin(), seeds.end(),
-                     [](const Seed& a, const Seed& b) { return a.score > b.score; });
+    std::stable_sort(seeds.begin(), seeds.end(), [](const Seed& a, const Seed& b) {
+      return a.matches.log_likelihood > b.matches.log_likelihood;
+    });
     std::vector<Seed> best;
     for (auto& seed : seeds) {
       const bool known = std::any_of(best.begin(), best.end(), [&](const Seed& other) {
@@ -360,7 +359,7 @@ class Search {
         if (gained > most) most = gained, worst = row.match;
       }
       if (worst == all.size()) return;
-      Seed rest{solution.q, solution.matches, 0};
+      Seed rest{solution.q, solution.matches};
       rest.matches.matches.erase(rest.matches.matches.begin() + static_cast<std::ptrdiff_t>(worst));
       UpdateAnswer without = settled(std::move(rest), answer.error);
       if (without.solution.q.size() == 0 || without.log_evidence <= answer.log_evidence) return;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 #include "ident/update/problem/update_problem.h"
 
@@ -69,21 +70,44 @@ UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelle
   return result;
 }
 
-UpdateMatches UpdateProblem::assign(const Eigen::VectorXd& q, std::string& failure,
-                                    int only) const {
+template <class AssignModes>
+UpdateMatches UpdateProblem::assigned(const Eigen::VectorXd& q, std::string& failure, int only,
+                                      const AssignModes& assign_modes) const {
   UpdateMatches all;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (only >= 0 ? s != only : !takes_part(s)) continue;
     const auto& state = states_[static_cast<std::size_t>(s)];
     if (state.measured.empty()) continue;
-    const UpdateStateModes modelled = modes(s, q, false);
+    UpdateStateModes modelled = modes(s, q, false);
     if (!modelled.failure.empty()) {
       failure = (state.name.empty() ? "" : state.name + ": ") + modelled.failure;
       return {};
     }
-    all.append(assign_state(s, modelled));
+    all.append(assign_modes(s, modelled));
   }
   return all;
+}
+
+UpdateMatches UpdateProblem::assign(const Eigen::VectorXd& q, std::string& failure,
+                                    int only) const {
+  return assigned(q, failure, only,
+                  [this](int s, const auto& modelled) { return assign_state(s, modelled); });
+}
+
+UpdateMatches UpdateProblem::assign_scaled(const Eigen::VectorXd& q, std::string& failure) const {
+  constexpr double kStep = 0.1, kReach = 0.7;  // of ln f: see update_alternatives.h
+  return assigned(q, failure, -1, [this](int s, UpdateStateModes& modelled) {
+    UpdateMatches best;
+    best.log_likelihood = -std::numeric_limits<double>::infinity();
+    double at = 0;
+    for (double to = -kReach; to < kReach + 0.5 * kStep; to += kStep) {
+      for (auto& mode : modelled.modes) mode.frequency_hz *= std::exp(to - at);
+      at = to;
+      UpdateMatches one = assign_state(s, modelled);
+      if (one.log_likelihood > best.log_likelihood) best = std::move(one);
+    }
+    return best;
+  });
 }
 
 }  // namespace rigfit::ident

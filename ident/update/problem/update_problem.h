@@ -164,8 +164,8 @@ class UpdateProblem {
   /// (or `only` that one).
   [[nodiscard]] UpdateMatches assign(const Eigen::VectorXd& q, std::string& failure,
                                      int only = -1) const;
-  /// The same for one state with these modes.
-  [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled) const;
+  /// The same with all frequencies of a state times one factor of up to two either way.
+  [[nodiscard]] UpdateMatches assign_scaled(const Eigen::VectorXd& q, std::string& failure) const;
 
   /// Rows of the residuals that are frequencies of fitted pairs, with their match.
   struct FrequencyRow {
@@ -216,6 +216,11 @@ class UpdateProblem {
                                              const ModeNeed& need) const;
   [[nodiscard]] UpdateStateModes solved_modes(int state, const Eigen::VectorXd& q, bool derivatives,
                                               const ModeNeed& need) const;
+  [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled) const;
+  /// `assign_modes`: of a state, from its modes.
+  template <class AssignModes>
+  [[nodiscard]] UpdateMatches assigned(const Eigen::VectorXd& q, std::string& failure, int only,
+                                       const AssignModes& assign_modes) const;
   [[nodiscard]] bool damping_fitted(const MeasuredMode& mode) const;
   [[nodiscard]] bool counts(int state) const;
   [[nodiscard]] int mode_count(int state) const;  // that may pair
