@@ -18,7 +18,7 @@ namespace {
 /// Edits (insert, delete, replace) from one word to the other, whatever their case.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-  std::vector<std::size_t> row(b.size() + 1);  // of distances from the beginning of `a`
+  std::vector<std::size_t> row(b.size() + 1);  // distances from the beginning of `a`
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 0; i < a.size(); ++i) {
     std::size_t replaced = std::exchange(row[0], i + 1);

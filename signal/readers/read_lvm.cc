@@ -284,8 +284,8 @@ class LvmReader {
   const std::filesystem::path& path_;
   const ReadOptions& options_;
   CsvDialect dialect_{'\t', '.'};
-  // Of the segments so far: the first one's header, columns and the channel whose times are those
-  // of all; times and numbers, by column.
+  // The segments so far: the first one's header, columns and the channel whose times serve for
+  // all; times and numbers, by column.
   long segments_ = 0;
   Header first_;
   CsvTable table_;

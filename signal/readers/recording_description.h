@@ -36,7 +36,7 @@ struct ChannelDescription {
 struct RecordingDescription {
   ReadOptions reading;
   std::vector<ChannelDescription> channels;
-  bool of_folder = false;  ///< of all its recordings: channels that one of them lacks are ignored
+  bool of_folder = false;  ///< channels that one of its recordings lacks are ignored
 };
 
 /// The TOML file with the recording's name in its folder, if there is one.

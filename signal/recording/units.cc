@@ -102,8 +102,8 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
 
 std::string trimmed(std::string_view s) { return std::string(trim_blanks(s)); }
 
-/// Plain ASCII: superscripts and powers as digits, micro as u, degree as deg, dots as '.', one pair
-/// of brackets gone.
+/// Plain ASCII: superscripts and powers as digits, micro as u, degree as deg, dots as '.', without
+/// an outer pair of brackets.
 std::string plain(std::string_view text) {
   std::string s = trimmed(to_utf8(text));
   using Spelling = std::pair<const char*, const char*>;

@@ -103,7 +103,7 @@ class Search {
  public:
   Search(const UpdateProblem& problem, const UpdateOptions& options)
       : problem_(problem), options_(options) {
-    // Of the cost, and so a hundredth or so of ln(evidence); what is kept is fitted anew.
+    // The cost to a thousandth is ln(evidence) to a hundredth or so; what is kept is fitted anew.
     options_.function_tolerance = std::max(options_.function_tolerance, 1e-3);
   }
 

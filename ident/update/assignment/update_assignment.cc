@@ -95,7 +95,7 @@ UpdateMatches UpdateProblem::assign(const Eigen::VectorXd& q, std::string& failu
 }
 
 UpdateMatches UpdateProblem::assign_scaled(const Eigen::VectorXd& q, std::string& failure) const {
-  constexpr double kStep = 0.1, kReach = 0.7;  // of ln f: see update_alternatives.h
+  constexpr double kStep = 0.1, kReach = 0.7;  // ln f: see update_alternatives.h
   return assigned(q, failure, -1, [this](int s, UpdateStateModes& modelled) {
     UpdateMatches best;
     best.log_likelihood = -std::numeric_limits<double>::infinity();

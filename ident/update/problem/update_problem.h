@@ -258,7 +258,7 @@ class UpdateProblem {
   // By copies of a problem too: asking for the paired modes alone has not failed yet.
   std::shared_ptr<std::atomic<bool>> narrow_ = std::make_shared<std::atomic<bool>>(true);
   std::shared_ptr<std::vector<LastModes>>
-      last_;  // of each state without derivatives and with; null: none
+      last_;  // a state's without derivatives, then with; null: none
 };
 
 /// Root mean square of the relative errors of pairs that are no leakage; NaN without any.
