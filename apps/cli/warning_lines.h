@@ -29,7 +29,7 @@ struct FindingKind {
   Finding first;
   std::vector<std::string> places = {};  ///< each once
   std::size_t count = 1;
-  std::string title = {}, anchor = {};  ///< of the part of a report that says more
+  std::string title = {}, anchor = {};  ///< the part of a report that says more
 
   [[nodiscard]] bool note() const { return !first.refused && is_note(first.code); }
   /// The first four places without their folders.

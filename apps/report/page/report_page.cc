@@ -399,7 +399,7 @@ class PageWriter {
   std::span<const ReportPart> parts_;
   std::vector<Section> sections_;
   std::vector<FindingKind> findings_;
-  std::span<const FindingKind> warnings_, notes_;  ///< of these
+  std::span<const FindingKind> warnings_, notes_;  ///< its parts
   std::set<std::string> short_;                    ///< ids of what stands in the short report
   std::string html_;
   BlockHtml blocks_;

@@ -22,7 +22,7 @@ struct TensionRecording {
 };
 
 struct TensionInputs {
-  std::string name;  ///< of the cable
+  std::string name;  ///< the cable's
   CableDescription cable;
   std::vector<MeasuredMode> modes;  ///< given frequencies; may be empty
   TensionOptions options = {};

@@ -12,7 +12,7 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr double kSearchError = 0.05;  // of the model while looking around
+constexpr double kSearchError = 0.05;  // the model's, while looking around
 constexpr double kDampingErrors = 10;  // relative to those in frequency
 // Model error while assigning: the planes of a taut cable agree to 1e-5, its segments err by more.
 constexpr double kLeastStd = 2e-3;
