@@ -21,6 +21,7 @@ struct PairRow {
 [[nodiscard]] inline std::vector<PairRow> pair_rows(const std::vector<UpdatedPair>& pairs,
                                                     const std::vector<UpdatedUnpaired>& unpaired) {
   std::vector<PairRow> rows;
+  rows.reserve(pairs.size() + unpaired.size());
   for (const auto& pair : pairs) rows.push_back({pair, {}});
   for (const auto& alone : unpaired) rows.push_back({std::nullopt, alone});
   return rows;

@@ -159,6 +159,7 @@ void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateResu
                                   std::vector<UpdatedPair>& pairs) {
   if (result.identifiability.directions.size() == 0) return;
   std::vector<UpdateMatch> matches;
+  matches.reserve(pairs.size());
   for (const auto& pair : pairs) {
     matches.push_back(
         {pair.state, pair.measured, pair.plane, pair.order, pair.mac, pair.cross_plane});
