@@ -23,7 +23,7 @@ namespace {
 constexpr std::string_view kEndOfHeader = "***End_of_Header***";
 
 /// The file's header or that of a segment: by key, field k at [k - 1].
-struct Header {
+struct LvmHeader {
   std::map<std::string, std::vector<std::string>> rows;
 
   [[nodiscard]] std::string text(const std::string& key, std::size_t column) const {
@@ -66,7 +66,7 @@ class LvmReader {
   }
 
   Recording read() {
-    const Header file = read_header();
+    const LvmHeader file = read_header();
     if (file.text("Separator", 1) == "Comma") dialect_.separator = ',';
     if (file.text("Decimal_Separator", 1) == ",") dialect_.decimal = ',';
     for (; skip_blank_lines(); ++segments_) read_segment();
@@ -94,8 +94,8 @@ class LvmReader {
     return false;
   }
 
-  Header read_header() {
-    Header header;
+  LvmHeader read_header() {
+    LvmHeader header;
     std::vector<CsvField> fields;
     const long first = line();
     while (!rest_.empty()) {
@@ -119,7 +119,7 @@ class LvmReader {
   }
 
   void read_segment() {
-    Header header = read_header();
+    LvmHeader header = read_header();
     skip_blank_lines();
     const long titles_line = line();
     std::vector<CsvField> titles;
@@ -201,9 +201,9 @@ class LvmReader {
   }
 
   /// Times of every segment on one axis: `x`, or from X0 in steps of Delta_X.
-  void append_times(const Header& header, Eigen::VectorXd x, Eigen::Index rows) {
+  void append_times(const LvmHeader& header, Eigen::VectorXd x, Eigen::Index rows) {
     const double rate = header.rate(reference_).rate_hz, step = rate > 0 ? 1 / rate : 0;
-    const auto x0 = [&](const Header& of) { return of.number("X0", reference_, 0); };
+    const auto x0 = [&](const LvmHeader& of) { return of.number("X0", reference_, 0); };
     if (x.size() == 0) {
       x = x0(header) + step * Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(rows - 1));
     }
@@ -287,7 +287,7 @@ class LvmReader {
   // The segments so far: the first one's header, columns and the channel whose times serve for
   // all; times and numbers, by column.
   long segments_ = 0;
-  Header first_;
+  LvmHeader first_;
   CsvTable table_;
   std::vector<std::size_t> values_;
   std::size_t reference_ = 0;
