@@ -1,4 +1,4 @@
-// Scenes that tests, benchmarks and hard cases share, built in memory.
+// Scenes that tests and benchmarks share, built in memory.
 #pragma once
 
 #include <limits>

@@ -24,6 +24,12 @@
 #include "tests/normal.h"
 
 namespace rigfit {
+using Complex = std::complex<double>;
+using Eigen::Index;
+inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kInf = std::numeric_limits<double>::infinity();
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;

@@ -1,15 +1,9 @@
 // Two campaigns side by side: virtual laboratories of one beam, and of a beam that is 20 % stiffer.
 // What was changed is named, what was not is not.
-#include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <map>
-#include <nlohmann/json.hpp>
-#include <string>
 
 #include "model/scene/read_scene.h"
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 #include "tests/scenes.h"
 
 namespace rigfit::apps::compare_campaigns_test {
@@ -70,8 +64,8 @@ TEST(TwoCampaigns, NameWhatWasChangedAndNothingElse) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   // All of the comparison is in the short report: no empty section in the appendix, no link to one.
   const std::string page = out.read("report.html");
-  EXPECT_THAT(page, ::testing::HasSubstr("id=\"comparison\""));
-  EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("comparison-details")));
+  EXPECT_THAT(page, HasSubstr("id=\"comparison\""));
+  EXPECT_THAT(page, Not(HasSubstr("comparison-details")));
   // Verdicts of the values that both have, by key; of several modes the worst one.
   std::map<std::string, bool> changes;
   const auto document = parsed(out.read("report.json"));

@@ -1,8 +1,6 @@
 // What may go wrong around a run: a full disk, a folder that cannot be written to, a kill in the
 // middle, an input that changes, very many files. Inputs stay as they are, outputs are whole or not
 // there, and a message says what happened.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -12,20 +10,16 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
-#include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/verb_context.h"
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::faults_test {
 namespace {
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 /// Every file below a folder and its hash.
 std::map<std::string, std::string> files_below(const fs::path& folder) {

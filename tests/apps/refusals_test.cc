@@ -1,24 +1,13 @@
 // Command lines and campaigns that make no sense: each ends with its exit code and a message that
 // says what is wrong and what would be right, within a second, and writes nothing.
-#include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <filesystem>
-#include <nlohmann/json.hpp>
-#include <sstream>
-
 #include "apps/campaign_file/campaign.h"
 #include "model/scene/read_scene.h"
+#include "tests/apps/apps_test.h"
 #include "tests/apps/cable_scene.h"
-#include "tests/apps/run_program.h"
 #include "tests/scenes.h"
 
 namespace rigfit::apps::refusals_test {
 namespace {
-
-using ::testing::HasSubstr;
 
 const std::string kRig = std::string(kCableScene) + "damping_ratio = 0.005\n";
 const char* const kHit = R"([[load]]
@@ -46,6 +35,10 @@ direction = [0.0, -1.0, 0.0]
 file = "FILE"
 )";
 
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
 /// The folder that the commands below name their files in.
 struct Files {
   TemporaryFolder folder;
@@ -53,6 +46,8 @@ struct Files {
     folder.write("bare.toml", kRig);
     folder.write("beam.toml", model::scene_text(model::testing::vertical_beam(1, 2, 0.3, 10)));
     folder.write("scene.toml", kRig + kHit);
+    folder.write("misspelt.toml", replaced(kRig, "GJ = 0.1", "G_J = 0.1"));
+    folder.write("nodeless.toml", replaced(kRig, "[\"left\", ", "[\"lfet\", "));
     folder.write("modes.csv", "frequency_hz,plane\n7.36,in\n14.5,in\n21.8,in\n");
     folder.write("damped.csv", "frequency_hz,damping_ratio\n7.36,0.5\n14.5,1.7\n");
     folder.write("shaped.csv", "frequency_hz,shape:mdi\n7.36,1\n");
@@ -76,7 +71,7 @@ struct Files {
     std::string one = "t (s),a (m/s2)\n", two = "t (s),F (N),a (m/s2)\n", none = "a (m/s2)\n";
     for (int k = 0; k < 500; ++k) {
       const double t = k / 500.0;
-      const std::string a = std::to_string(std::exp(-2 * t) * std::cos(40 * M_PI * t));
+      const std::string a = std::to_string(std::exp(-2 * t) * std::cos(40 * kPi * t));
       const std::string time = std::to_string(t);
       one += time + "," + a + "\n";
       two += time + ",0.5," + a + "\n";
@@ -89,11 +84,10 @@ struct Files {
         {"timeless", "F (N)\n1\n2\n3\n"}};
     for (const auto& [name, text] : forces) {
       folder.write(std::string(name) + ".csv", text);
-      std::string load = kShaker;
-      load.replace(load.find("FILE"), 4, std::string(name) + ".csv");
       const std::string hit = kHit;
       folder.write(std::string(name) + "_scene.toml",
-                   kRig + load + hit.substr(hit.find("[[sensor]]")));
+                   kRig + replaced(kShaker, "FILE", std::string(name) + ".csv") +
+                       hit.substr(hit.find("[[sensor]]")));
     }
     folder.write("decay.csv", one);
     folder.write("two.csv", two);
@@ -226,7 +220,7 @@ TEST(Refusals, OfUpdate) {
                                 "--out", path("out"), "--prior", "cable.EI=0.5,1e-300"});
   EXPECT_EQ(run.exit_code, 5);
   EXPECT_THAT(run.err, HasSubstr("had not settled"));
-  EXPECT_THAT(run.err, ::testing::Not(HasSubstr("minimizer")));
+  EXPECT_THAT(run.err, Not(HasSubstr("minimizer")));
 }
 
 TEST(Refusals, OfTensionsOfCables) {
@@ -259,6 +253,11 @@ TEST(Refusals, OfWhatTheModelIsAskedFor) {
        {"respond @bare.toml --duration 1 --rate 100 --out @out", 3, "add a [[sensor]]"},
        {"bench @bare.toml --quick", 4, "no load"},
        {"modes @none.toml", 3, "none.toml"},
+       // All mistakes in scenes: tests/model/scene/read_scene_test.cc.
+       {"modes @misspelt.toml", 3,
+        "misspelt.toml:17:1: member[0].G_J: this key is not known here; did you mean \"GJ\"?\n"},
+       {"modes @nodeless.toml", 3,
+        "nodeless.toml:12:9: member[0].nodes: there is no node \"lfet\"; did you mean \"left\"?\n"},
        {"modes @scene.toml --count 0", 2, "--count"},
        {"modes @scene.toml --band 1 5 --count 3", 2, "--count"},
        {"synthesize @scene.toml --out @out --rate 1e300", 2, "lower --rate"},
@@ -283,6 +282,47 @@ TEST(Refusals, OfWhatTheModelIsAskedFor) {
        {"synthesize @bare.toml --out @out --bending-span 1 --stiffness @gaps.csv --tension 100", 3,
         "channel \"tension_N\": row 2 has no positive"},
        {"new @scene.toml", 2, "cannot make the output folder"}});
+}
+
+/// Scenes that read well and cannot rest: exit code 5, what gives way, and what to change.
+TEST(Refusals, OfScenesThatCannotRest) {
+  const auto limp = [](const std::string& tension) {
+    return replaced(kCableScene, "tension = 200.0", tension);
+  };
+  // A post on a hinge falls over; a mast too slender for its own weight buckles.
+  const auto post = [](bool hinged, double mass_per_length, bool weightless = false) {
+    auto scene = model::testing::vertical_beam(0.75, 2.1, mass_per_length, 20);
+    if (hinged) scene.nodes[0].support.kind = model::Support::Kind::pinned;
+    if (weightless) scene.gravity.setZero();
+    scene.members[0].EA = 1e6, scene.members[0].GJ = 0;
+    return model::scene_text(scene);
+  };
+  auto twisting = model::testing::cable_beam_rig(200, 0.5972, 8);
+  twisting.members[0].GJ = 0;
+  struct Impossible {
+    std::string scene, status, culprit, remedy;
+  };
+  const TemporaryFolder folder;
+  for (const Impossible& one :
+       {Impossible{"gravity = 0.0\n" + limp("unstretched_length = 3.0"), "slack", "cable \"cable\"",
+                   "a shorter unstretched_length"},
+        {replaced(limp("tension = 1e-6"), "EI = 0.5972\nGJ = 0.1", "EI = 0"), "slack",
+         "cable \"cable\"", "a larger tension"},
+        {model::scene_text(twisting), "mechanism", "\"beam\" can twist", "give it a GJ"},
+        {post(true, 0.3), "buckled", "buckled", "brace it"},
+        {post(false, 6), "buckled", "buckled", "brace it"},
+        {post(true, 0.3, true), "mechanism", "\"beam\" can move",
+         "give one of its nodes a support"}}) {
+    const std::string scene = folder.write("rig.toml", one.scene);
+    const auto run = run_line("modes {} --json -", {scene});
+    EXPECT_EQ(run.exit_code, 5) << one.scene << run.err;
+    EXPECT_THAT(run.err, HasSubstr(scene));
+    EXPECT_THAT(run.err, HasSubstr(one.culprit));
+    EXPECT_THAT(run.err, HasSubstr(one.remedy));
+    const auto json = parsed(run.out);
+    EXPECT_EQ(json["equilibrium"]["status"], one.status) << one.scene;
+    EXPECT_TRUE(json["modes"].empty());
+  }
 }
 
 TEST(Refusals, OfRecordings) {

@@ -1,27 +1,14 @@
 // A verb and the report of the same files give the same numbers, to the last digit.
-#include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
-
+#include "tests/apps/apps_test.h"
 #include "tests/apps/cable_scene.h"
-#include "tests/apps/run_program.h"
 
 namespace rigfit::apps::verb_and_report_test {
 namespace {
 
-using ::testing::HasSubstr;
-using Json = nlohmann::json;
-
 const std::string kLaboratory = RIGFIT_TESTDATA "/virtual_laboratory/";
 
 /// All of `verb` stands in `part`; files may be named otherwise.
-void expect_same(const Json& verb, const Json& part, const std::string& at) {
+void expect_same(const Document& verb, const Document& part, const std::string& at) {
   if (verb.is_object()) {
     for (const auto& [key, value] : verb.items()) {
       if (key == "file") continue;
@@ -39,7 +26,7 @@ void expect_same(const Json& verb, const Json& part, const std::string& at) {
 }
 
 struct VerbAndReport : ::testing::Test {
-  static Json document(const std::string& line) {
+  static Document document(const std::string& line) {
     const auto run = run_line(line + " --quiet --json -");
     EXPECT_TRUE(run.exit_code == 0 || run.exit_code == 4) << line << "\n" << run.err;
     return parsed(run.out);
@@ -53,14 +40,14 @@ struct VerbAndReport : ::testing::Test {
     folder.write("campaign.toml", "title = \"t\"\n[[test]]\nname = \"t\"\n" + test);
     report = document(
         fmt::format("report {0}/campaign.toml --out {0}/out --force", folder.path().string()));
-    part = report.at(Json::json_pointer(where));
+    part = report.at(Document::json_pointer(where));
     for (const auto& key : keys) {
       ASSERT_EQ(verb.contains(key), part.contains(key)) << key;
       if (verb.contains(key)) expect_same(verb[key], part[key], key);
     }
   }
   TemporaryFolder folder;
-  Json verb, report, part;
+  Document verb, report, part;
 };
 
 const std::string kStrand =
@@ -143,7 +130,7 @@ TEST_F(VerbAndReport, OfAxialTests) {
   compare("axial" + files + options + " --length" + lengths, axial + groups, "/axial/0", keys);
   EXPECT_EQ(verb["samples"].size(), 6U);
   // One length alone is a bound, unless the frame is stated.
-  std::vector<Json> one;
+  std::vector<Document> one;
   for (const auto& [option, line] :
        {std::pair{"", ""},
         {" --frame-stiffness rigid", "frame_stiffness = \"rigid\"\n"},
@@ -173,7 +160,7 @@ TEST_F(VerbAndReport, OfDecays) {
   for (int k = 0; k < 2000; ++k) {
     double y = 21.6 + 0.004 * std::sin(97.0 * k * k);
     for (const int tap : {100, 850}) {
-      const double t = 2 * M_PI * 20 * (k - tap) / 500.0;
+      const double t = 2 * kPi * 20 * (k - tap) / 500.0;
       if (t > 0) y += std::exp(-0.02 * t) * std::sin(t);
     }
     text += fmt::format("{:.3f},{:.6f}\n", k / 500.0, y);
@@ -185,7 +172,7 @@ TEST_F(VerbAndReport, OfDecays) {
   // delta = 2 pi zeta / sqrt(1 - zeta^2)
   const double zeta = verb["modes"][0]["damping_ratio"]["value"];
   EXPECT_NEAR(verb["modes"][0]["log_decrement"]["value"].get<double>(),
-              2 * M_PI * zeta / std::sqrt(1 - zeta * zeta), 1e-12);
+              2 * kPi * zeta / std::sqrt(1 - zeta * zeta), 1e-12);
   const auto each = document_of("decay {} --each", {file});
   ASSERT_EQ(each["pooled"].size(), 1u);
   EXPECT_EQ(each["pooled"][0]["decays"], 2);
@@ -212,8 +199,8 @@ TEST_F(VerbAndReport, OfTheTensionOfACable) {
 const std::vector<std::string> kModalKeys{"modes", "band_hz", "frf_form", "misfit_over_error_bars"};
 
 /// Hits of all struck points; their files may be named otherwise.
-void expect_same_hits(const Json& verb, const Json& state) {
-  Json hits = Json::array();
+void expect_same_hits(const Document& verb, const Document& state) {
+  Document hits = Document::array();
   for (const auto& place : state["struck"]) {
     hits.insert(hits.end(), place["hits"].begin(), place["hits"].end());
   }
@@ -270,7 +257,7 @@ TEST_F(VerbAndReport, OfARigStruckAtSeveralPoints) {
       "[[scene]]\nname = \"cable\"\nfile = \"rig.toml\"\n",
       "/recorded_modal/0/states/0", {"modes"});
   EXPECT_EQ(verb["input_points"].size(), 2u);
-  EXPECT_THAT(part["responses"], ::testing::ElementsAre("a", "b"));
+  EXPECT_THAT(part["responses"], ElementsAre("a", "b"));
   EXPECT_GE(verb["modes"].size(), 5u);
   expect_same_hits(verb, part);
 }

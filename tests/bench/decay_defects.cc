@@ -49,6 +49,12 @@ class Oscillator {
 
   double x = 0, v = 0;  ///< v: velocity over w
 
+  /// From any phase.
+  void let_go(Random& draw) {
+    const double phase = uniform(draw, 0, 2 * std::numbers::pi);
+    x = std::cos(phase), v = std::sin(phase);
+  }
+
   [[nodiscard]] Eigen::VectorXd run(Index samples, double rate, const std::vector<Hit>& hits) {
     constexpr int kSteps = 10;
     const double h = 1 / rate / kSteps;
@@ -97,23 +103,11 @@ Record plain(double f, double zeta, double rate, double seconds) {
   return record;
 }
 
-Record released(double f, double zeta, double rate, double seconds, Random& draw) {
-  Record record = plain(f, zeta, rate, seconds);
-  Oscillator o(f, zeta);
-  const double phase = uniform(draw, 0, 2 * std::numbers::pi);
-  o.x = std::cos(phase), o.v = std::sin(phase);
-  record.samples = o.run(record.samples.size(), rate, {});
-  return record;
-}
-
 Record with_hum(double zeta, double seconds, double quiet_s, Random& draw) {
   const double f = 50 + (uniform(draw, 0, 1) < 0.5 ? -1 : 1) * uniform(draw, 0.2, 1.0);
   Record record = plain(f, zeta, 1000, quiet_s + seconds);
   Oscillator o(f, zeta);
-  if (quiet_s == 0) {
-    const double phase = uniform(draw, 0, 2 * std::numbers::pi);
-    o.x = std::cos(phase), o.v = std::sin(phase);
-  }
+  if (quiet_s == 0) o.let_go(draw);
   const std::vector<Hit> hits =
       quiet_s > 0 ? std::vector<Hit>{{quiet_s, 1, 0.002}} : std::vector<Hit>{};
   record.samples = o.run(record.samples.size(), 1000, hits);
@@ -122,11 +116,14 @@ Record with_hum(double zeta, double seconds, double quiet_s, Random& draw) {
   return record;
 }
 
-Record quantised(double noise_steps, double f, double rate, double seconds, Random& draw) {
-  Record record = released(f, 0.01, rate, seconds, draw);
+Record quantised(Random& draw) {
+  Record record = plain(50, 0.01, 517, 6);
+  Oscillator o(50, 0.01);
+  o.let_go(draw);
+  record.samples = o.run(record.samples.size(), 517, {});
   const double step = 1.0 / uniform(draw, 90, 127);
   record.samples.array() += uniform(draw, -0.5, 0.5) * step;
-  add_noise(record.samples, noise_steps * step, draw);
+  add_noise(record.samples, 0.1 * step, draw);
   record.samples = (record.samples / step).array().round().matrix() * step;
   return record;
 }
@@ -153,10 +150,7 @@ const std::vector<Kind>& kinds() {
        [](Random& r) { return with_hum(0.017, 3, 0, r); }},
       {"hum within 1 Hz, damping 0.005, 1 s, no quiet",
        [](Random& r) { return with_hum(0.005, 1, 0, r); }},
-      {"8 bits, no noise", [](Random& r) { return quantised(0, 50, 1000, 2, r); }},
-      {"8 bits, noise 0.2 steps", [](Random& r) { return quantised(0.2, 50, 1000, 2, r); }},
-      {"8 bits, 10 samples a cycle, long", [](Random& r) { return quantised(0.1, 50, 517, 6, r); }},
-      {"8 bits, 400 samples a cycle", [](Random& r) { return quantised(0.05, 2.5, 1000, 20, r); }},
+      {"8 bits, 10 samples a cycle, long", quantised},
       {"sampling jitter of 20 us", jittered},
   };
   return all;

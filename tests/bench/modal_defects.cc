@@ -41,9 +41,6 @@ std::vector<Case> cases() {
     change(one.options);
     list.push_back(one);
   };
-  for (const double d : {0.2, 1.0, 5.0}) {
-    add(fmt::format("scatter of {} bandwidths", d), [&](auto& o) { o.scatter = d; });
-  }
   const auto plate = [](auto& o) {  // damped, coarse lines, one hit
     o.damping_ratio = 0.005;
     o.spacing_hz = 0.5;
@@ -51,8 +48,6 @@ std::vector<Case> cases() {
     o.high_hz = 400;
     o.noise = 0.02;
   };
-  add("one hit, 8 points", plate);
-  add("one hit, 1 FRF", [&](auto& o) { plate(o), o.points = 1; });
   add("one hit, 8 sensors, force noise 2 %",
       [&](auto& o) { plate(o), o.points_are_inputs = false, o.common = 0.02, o.noise = 0.002; });
   add("1 FRF, force noise 2 %",
@@ -60,16 +55,12 @@ std::vector<Case> cases() {
   add("leakage, 0.05 %, 1 s records", [&](auto& o) {
     plate(o), o.damping_ratio = 5e-4, o.spacing_hz = 1, o.record_s = 1, o.noise = 0.005;
   });
-  for (const double left : {0.02, 0.1, 0.3, 0.53}) {
+  for (const double left : {0.02, 0.3}) {
     for (const double before : {0.0, 0.01, 0.05}) {
       add(fmt::format("{} % left at the end, {} % before the hit", 100 * left, 100 * before),
           [&](auto& o) { beam(o, left, before); });
     }
   }
-  add("30 % left at the end under an exponential window, 1 % before the hit", [&](auto& o) {
-    beam(o, 0.6, 0.01);
-    o.window_decay_1_s = std::log(2.0) / o.record_s;
-  });
   return list;
 }
 
@@ -82,8 +73,7 @@ void identify(const Case& one, std::uint64_t seed, study::Table& table) {
   const auto& modes = found.model.modes;
   std::vector<bool> taken(modes.size(), false);
   for (const double f : options.frequency_hz) {
-    const double reach =
-        2 * options.damping_ratio * f * (0.5 + 2 * options.scatter) + 2 * options.spacing_hz;
+    const double reach = options.damping_ratio * f + 2 * options.spacing_hz;
     const int best = study::take_nearest(
         taken, reach, [&](std::size_t r) { return std::abs(modes[r].frequency_hz.value - f); });
     table.add("lost", best < 0);

@@ -1,9 +1,9 @@
 // Damage of a beam's foot from the frequencies of the beam with its cables on: 30 % of EI lost in
 // the lowest 15 %, eight coupled frequencies to 0.1 %. Is the bare beam's first mode found, is the
 // damage inside its interval, how often is a sound beam called damaged, and what if the foot's own
-// spring is unknown? The last rows give each case more modes or better frequencies. The bound, the
-// fit's own standard uncertainty of the bare mode, is that of Cramer and Rao at its estimate: the
-// frequencies are normal and the fit weighs them by their variance.
+// spring is unknown? The bound, the fit's own standard uncertainty of the bare mode, is that of
+// Cramer and Rao at its estimate: the frequencies are normal and the fit weighs them by their
+// variance.
 #include <cmath>
 
 #include "tests/bench/study.h"
@@ -41,11 +41,7 @@ int main(int argc, char** argv) {
   using enum study::Of;
   const Case cases[] = {{"30 % lost", {}},
                         {"sound", {.loss = 0}},
-                        {"30 % lost, all EI unknown", {.shaft_free = true}},
-                        {"30 % lost, foot unknown", {.foot_Nm_rad = 150, .foot_free = true}},
-                        {"sound, foot unknown", {.loss = 0, .foot_Nm_rad = 150, .foot_free = true}},
-                        {"30 % lost, 0.05 %", {.relative_std = 5e-4}},
-                        {"30 % lost, 16 modes", {.modes = 16}}};
+                        {"30 % lost, foot unknown", {.foot_Nm_rad = 150, .foot_free = true}}};
   study::run(study::arguments(argc, argv, 500),
              {"case",
               {{"no answer", sum},

@@ -1,7 +1,7 @@
-"""Figures as rendered: labels that do not overlap, text and marks that stand out, origins told apart without red and green."""
+"""Figures as rendered: labels that do not overlap, text and marks that stand out. That origins and series are told apart
+without red and green is a matter of the palette: tests/apps/report/figures/palette_test.cc."""
 
 import itertools
-import math
 
 # Of every drawing shown: boxes of its texts, of its marks (sensors, masses, hits, supports) and its own, in page pixels.
 DRAWN = """
@@ -77,25 +77,6 @@ MARKS = """
   return [rgb(getComputedStyle(document.body).backgroundColor), [...seen].map(rgb)];
 """
 
-# Colours of the words for origins, and of the series of each figure.
-SERIES = """
-  const canvas = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
-  const rgb = c => { canvas.fillStyle = c; canvas.fillRect(0, 0, 1, 1); return [...canvas.getImageData(0, 0, 1, 1).data].slice(0, 3); };
-  const origins = {};
-  for (const e of document.querySelectorAll('.key li[class^="o-"]')) origins[e.className] = rgb(getComputedStyle(e).color);
-  return [origins, [...document.querySelectorAll('svg.fig')].map(s =>
-    [s.closest('figure').id, [...s.querySelectorAll('.lg')].map(k => rgb(getComputedStyle(k).color))])];
-"""
-
-# Deuteranopia on linear sRGB: Machado, Oliveira and Fernandes, IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291, severity 1.
-DEUTERANOPIA = ((0.367322, 0.860646, -0.227968), (0.280085, 0.672501, 0.047413), (-0.011820, 0.042940, 0.968881))
-XYZ = ((0.4124564, 0.3575761, 0.1804375), (0.2126729, 0.7151522, 0.0721750), (0.0193339, 0.1191920, 0.9503041))
-
-# The least difference that half of all readers see between marks 0.1 degree large, the size of a point of a figure (4 px
-# seen from 60 cm), along L*, a* and b*: (A + B / size) / 2 (Stone, Szafir and Setlur, Color and Imaging Conf. 22 (2014) 253).
-JUST_SEEN = tuple(0.5 * (a + b / 0.1) for a, b in ((10.16, 1.50), (10.68, 3.08), (10.70, 5.74)))
-
-
 def linear(rgb):
     return [v / 255 / 12.92 if v / 255 <= 0.04045 else ((v / 255 + 0.055) / 1.055) ** 2.4 for v in rgb]
 
@@ -103,22 +84,6 @@ def linear(rgb):
 def contrast(a, b):
     light = [0.2126 * r + 0.7152 * g + 0.0722 * b for r, g, b in (linear(a), linear(b))]
     return (max(light) + 0.05) / (min(light) + 0.05)
-
-
-def times(matrix, vector):
-    return [sum(m * v for m, v in zip(row, vector)) for row in matrix]
-
-
-def lab_of_deuteranope(rgb):
-    seen = [min(1, max(0, v)) for v in times(DEUTERANOPIA, linear(rgb))]
-    x, y, z = (t ** (1 / 3) if t > 216 / 24389 else (24389 / 27 * t + 16) / 116
-               for t in (v / w for v, w in zip(times(XYZ, seen), (0.95047, 1, 1.08883))))
-    return 116 * y - 16, 500 * (x - y), 200 * (y - z)
-
-
-def told_apart(a, b):
-    """Difference of two colours to a deuteranope, in just seen ones of small marks."""
-    return math.hypot(*((p - q) / just for p, q, just in zip(lab_of_deuteranope(a), lab_of_deuteranope(b), JUST_SEEN)))
 
 
 def overlap(a, b):
@@ -178,18 +143,3 @@ class FigureChecks:
                 paper, marks = self.browser.run(MARKS)
                 self.assertGreater(len(marks), 2)
                 self.assertEqual([(m, round(contrast(m, paper), 2)) for m in marks if contrast(m, paper) < 3], [])
-
-    def test_origins_are_told_apart_without_red_and_green(self):
-        self.addCleanup(self.back_to_normal)
-        for dark in (False, True):
-            with self.subTest(dark=dark):
-                self.at_width(1440, dark=dark)
-                origins, plots = self.browser.run(SERIES)
-                self.assertEqual(len(origins), 5)
-                for (a, one), (b, other) in itertools.combinations(origins.items(), 2):
-                    self.assertGreater(told_apart(one, other), 1, (a, b))
-                # Colour tells series apart: the first four of a figure are four.
-                for name, colours in plots:
-                    different = {tuple(c) for c in colours[:4]}
-                    for one, other in itertools.combinations(different, 2):
-                        self.assertGreater(told_apart(one, other), 1, name)

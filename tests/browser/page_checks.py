@@ -184,6 +184,11 @@ class PageChecks:
                 appendix = number
         self.assertIn("Warnings", [w[4] for w in pages[0][1]], "the first page is one page")
         self.assertIn("Contents", [w[4] for w in pages[1][1]])
+        # Figures are text, too.
+        text = " ".join(w[4] for _, words in pages for w in words)
+        title = self.browser.run("return document.querySelector('h1').textContent;")
+        for words in (title, "Summary", "Provenance", "Warnings", "frequency, Hz"):
+            self.assertTrue(words in text, "not in the PDF: " + words)
         self.assertIsNotNone(appendix)
         self.assertLessEqual(appendix - 1, 8)
         # Where nothing forces a new page, one with less than a third of its height used is a gap.

@@ -175,18 +175,6 @@ class ReportInBrowser(PageChecks, FigureChecks, unittest.TestCase):
         self.assertLess(brightness(dark), 200)
         self.shot("dark.png")
 
-    def test_prints_as_a_sound_pdf_with_figures_as_text(self):
-        path = os.path.join(self.folder.name, "report.pdf")
-        self.browser.pdf(path)
-        info = subprocess.run(["pdfinfo", path], capture_output=True, text=True)
-        self.assertEqual(info.returncode, 0, info.stderr)
-        self.assertGreater(int(re.search(r"Pages:\s+(\d+)", info.stdout).group(1)), 2)
-        text = subprocess.run(["pdftotext", path, "-"], capture_output=True, text=True, check=True).stdout
-        text = " ".join(text.split())
-        title = self.browser.run("return document.querySelector('h1').textContent;")
-        for words in (title, "Summary", "Provenance", "Warnings", "frequency, Hz"):
-            self.assertTrue(words in text, "not in the PDF: " + words)
-
     def test_pages_links_and_anchors_lead_somewhere(self):
         broken = self.browser.run("return [...document.querySelectorAll('a[href^=\"#\"]')]"
                                   ".filter(a => !document.getElementById(a.hash.slice(1))).map(a => a.hash);")

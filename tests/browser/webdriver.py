@@ -14,7 +14,7 @@ import urllib.request
 class Browser:
     """Headless Chromium through chromedriver; no network is used but localhost."""
 
-    def __init__(self, width=1280, height=900, dark=False):
+    def __init__(self):
         self.profile = tempfile.mkdtemp(prefix="rigfit-browser-")
         self.port = self._free_port()
         self.url = "http://127.0.0.1:%d" % self.port
@@ -26,9 +26,7 @@ class Browser:
             arguments = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
                          "--disable-background-networking", "--disable-component-update", "--disable-sync",
                          "--disable-dev-shm-usage", "--hide-scrollbars", "--user-data-dir=" + self.profile,
-                         "--window-size=%d,%d" % (width, height)]
-            if dark:
-                arguments.append("--force-dark-mode")
+                         "--window-size=1280,900"]
             options = {"args": arguments}
             binary = shutil.which("chromium")
             if binary:
@@ -110,10 +108,9 @@ class Browser:
             "type": "key", "id": "keyboard", "actions": [{"type": "keyDown", "value": key},
                                                          {"type": "keyUp", "value": key}]}]})
 
-    def screenshot(self, path, css=None):
-        where = self.session + ("/element/%s/screenshot" % self.element(css) if css else "/screenshot")
+    def screenshot(self, path):
         with open(path, "wb") as file:
-            file.write(base64.b64decode(self._call("GET", where)))
+            file.write(base64.b64decode(self._call("GET", self.session + "/screenshot")))
 
     def pdf(self, path):
         with open(path, "wb") as file:
@@ -158,9 +155,3 @@ class Browser:
             self.driver.kill()
             self.driver.wait()
         shutil.rmtree(self.profile, ignore_errors=True)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.close()

@@ -13,9 +13,6 @@
 namespace rigfit::ident::published_answers_test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kInf = std::numeric_limits<double>::infinity();
-
 /// Numbers of a table by the names of its columns, a row each; blanks and words are left out.
 std::vector<std::map<std::string, double>> table(const std::string& name) {
   std::ifstream file(std::string(RIGFIT_TESTDATA) + "/published/" + name);

@@ -108,7 +108,7 @@ class Invariance : public ::testing::TestWithParam<Rig> {
     for (std::size_t k = 0; k < found.size(); ++k) {
       const Eigen::MatrixXd error = (found[k] / factor - expected_[k]).cwiseAbs();
       ASSERT_TRUE((error.array() <= kTolerance * largest.array()).all())
-          << lines_[static_cast<Eigen::Index>(k)] << " Hz, error over largest\n"
+          << lines_[static_cast<Index>(k)] << " Hz, error over largest\n"
           << error.cwiseQuotient(largest);
     }
   }
@@ -171,7 +171,7 @@ TEST_P(Invariance, OfLeftAndRight) {
 }
 
 TEST_P(Invariance, OfTheCompass) {
-  for (const double angle : {0.5, 2.0, M_PI / 2}) {
+  for (const double angle : {0.5, 2.0, kPi / 2}) {
     const Eigen::Matrix3d turn =
         Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()).toRotationMatrix();
     Scene scene = scene_;

@@ -1,6 +1,5 @@
 #include "tests/reference/axial_study.h"
 
-#include <chrono>
 #include <cmath>
 #include <random>
 
@@ -8,16 +7,14 @@
 
 namespace rigfit::reference {
 
-AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned seed,
-                             std::uint64_t first) {
+AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned seed) {
   AxialCoverage sum{.campaigns = campaigns};
   for (int k = 0; k < campaigns; ++k) {
-    auto random = ident::random_stream(seed, first + static_cast<std::uint64_t>(k));
+    auto random = ident::random_stream(seed, static_cast<std::uint64_t>(k));
     std::normal_distribution<double> normal;
     ident::AxialInputs inputs{.setup = {.mass_kg = {study.rig.mass_kg, study.mass_std_kg}}};
     inputs.setup.mass_per_length_kg_m = {study.rig.mass_per_length_kg_m, study.per_length_std};
     inputs.setup.length_std_m = study.length_std_m;
-    if (study.with_band) inputs.band_low_hz = 20, inputs.band_high_hz = 100;
     AxialRig rig = study.rig;
     if (study.frame_told_relative_std > 0) {
       const double off = 1 + study.frame_told_relative_std * normal(random);
@@ -33,9 +30,7 @@ AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned se
         inputs.recordings.push_back({"tap", axial_rig_record(rig, random), length});
       }
     }
-    const auto start = std::chrono::steady_clock::now();
     const auto result = ident::axial_campaign(inputs);
-    sum.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!result.test) {
       ++sum.refused;
       continue;
@@ -50,8 +45,6 @@ AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned se
     }
     const bool in = r.EA_low_N <= study.rig.EA_N && study.rig.EA_N <= r.EA_high_N;
     sum.covered += in, sum.warned += warned, sum.silently_wrong += !in && !warned;
-    sum.damping_covered +=
-        r.damping_low <= study.rig.damping_ratio && study.rig.damping_ratio <= r.damping_high;
     sum.relative_std += r.EA_N.std / r.EA_N.value;
     sum.bias += (r.EA_N.value - study.rig.EA_N) / r.EA_N.std;
   }

@@ -10,7 +10,6 @@
 
 namespace rigfit::signal::signal_invariance_test {
 namespace {
-using Eigen::Index;
 
 constexpr int kResponses = 5;
 

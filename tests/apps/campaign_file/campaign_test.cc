@@ -1,72 +1,29 @@
 #include "apps/campaign_file/campaign.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "model/scene/scene_error.h"
+#include "tests/apps/apps_test.h"
 #include "tests/apps/cable_scene.h"
-#include "tests/apps/run_program.h"
+#include "tests/fuzz/mutations.h"
+#include "tests/fuzz/require_campaign.h"
 
 namespace rigfit::apps::campaign_test {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-
-// Line numbers below count in this text.
-constexpr const char* kCampaign = R"(title = "rig"
-source = "a paper"
-
-[strand]
-youngs_modulus = 195e9
-wires = 133
-wire_diameter = 0.3937e-3
-diameter = 6.35e-3
-
-[[scene]]
-name = "cable"
-file = "cable.toml"
-[scene.published]
-"cable.EA" = "axial test"
-[scene.assumed]
-"right.x" = "a guess"
-
-[[test]]
-name = "bending"
-kind = "bending"
-span = 1.0
-[test.table]
-file = "EI.csv"
-tension = "tension_N"
-EI = "EI_Nm2"
-
-[[test]]
-name = "modes"
-kind = "modal"
-title = "Cable modes"
-scene = "cable"
-planes = ["in"]
-tension_of = ["cable.tension"]
-EI_of = "cable.EI"
-[test.table]
-file = "modes.csv"
-tension = "tension_N"
-measured = "test_Hz"
-models = { FE = "fe_Hz" }
-)";
-
+// A campaign of tables, in whose text the line numbers below count, and the files that it names.
 class CampaignFiles : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_.write("cable.toml", kCableScene);
-    folder_.write("EI.csv", "tension_N,EI_Nm2\n25,0.25\n200,0.6\n");
-    folder_.write("modes.csv", "tension_N,test_Hz,fe_Hz\n25,5.2,5.3\n25,8.0,\n200,7.8,7.15\n");
+    namespace fs = std::filesystem;
+    fs::copy(RIGFIT_FUZZ "/campaign_folder", folder_.path());
+    fs::copy(RIGFIT_FUZZ "/seeds/campaign/tables.toml", folder_.path());
+    text_ = folder_.read("tables.toml");
   }
   TemporaryFolder folder_;
+  std::string text_;
 };
 
 TEST_F(CampaignFiles, AreReadWhole) {
-  const Campaign campaign = read_campaign(folder_.write("campaign.toml", kCampaign));
+  const Campaign campaign = read_campaign(folder_.write("campaign.toml", text_));
   EXPECT_EQ(campaign.title, "rig");
   ASSERT_TRUE(campaign.strand.has_value());
   EXPECT_EQ(campaign.strand->elements, 133);
@@ -124,55 +81,52 @@ const std::vector<Mistake>& mistakes() {
       {"source = \"a paper\"", "sauce = \"a paper\"", "sauce", 2, "did you mean \"source\""},
       {"title = \"rig\"", "title = 3", "title", 1, "must be a string"},
       {"title = \"rig\"", "title = \"rig", "", 1, "not TOML"},
-      {"youngs_modulus = 195e9", "youngs_modulus = -195e9", "strand.youngs_modulus", 5, "positive"},
-      {"youngs_modulus = 195e9", "youngs_modulus = \"195 GPa\"", "strand.youngs_modulus", 5,
+      {"youngs_modulus = 195e9", "youngs_modulus = -195e9", "strand.youngs_modulus", 4, "positive"},
+      {"youngs_modulus = 195e9", "youngs_modulus = \"195 GPa\"", "strand.youngs_modulus", 4,
        "without quotes or unit"},
-      {"wires = 133", "wires = 0", "strand.wires", 6, "from 1 to"},
-      {"wire_diameter = 0.3937e-3", "wire_diameter = 0.3937", "strand.wire_diameter", 7,
+      {"wires = 133", "wires = 0", "strand.wires", 5, "from 1 to"},
+      {"wire_diameter = 0.3937e-3", "wire_diameter = 0.3937", "strand.wire_diameter", 6,
        "larger than"},
-      {"diameter = 6.35e-3", "diameter = nan", "strand.diameter", 8, "finite"},
-      {"name = \"cable\"", "name = \"ca ble\"", "scene[0].name", 11, "letters, digits"},
-      {"file = \"cable.toml\"", "file = \"none.toml\"", "scene[0].file", 12, "there is no file"},
-      {"file = \"cable.toml\"", "", "scene[0].file", 10, "is missing"},
+      {"diameter = 6.35e-3", "diameter = nan", "strand.diameter", 7, "finite"},
+      {"name = \"cable\"", "name = \"ca ble\"", "scene[0].name", 9, "letters, digits"},
+      {"file = \"cable.toml\"", "file = \"none.toml\"", "scene[0].file", 10, "there is no file"},
+      {"file = \"cable.toml\"", "", "scene[0].file", 8, "is missing"},
       {"\"cable.EA\" = \"axial test\"", "\"cable.EAA\" = \"axial test\"",
-       "scene[0].published.cable.EAA", 14, "did you mean \"cable.EA\""},
-      {"\"right.x\" = \"a guess\"", "\"cable.EA\" = \"a guess\"", "scene[0].assumed.cable.EA", 16,
+       "scene[0].published.cable.EAA", 12, "did you mean \"cable.EA\""},
+      {"\"right.x\" = \"a guess\"", "\"cable.EA\" = \"a guess\"", "scene[0].assumed.cable.EA", 14,
        "given twice"},
-      {"[scene.assumed]", "[scene.guessed]", "scene[0].guessed", 15, "not known here"},
-      {"kind = \"bending\"", "kind = \"bendnig\"", "test[0].kind", 20, "did you mean \"bending\""},
-      {"span = 1.0", "span = 0", "test[0].span", 21, "positive"},
-      {"span = 1.0", "", "test[0].span", 18, "is missing"},
-      {"span = 1.0", "span = 1.0\nscene = \"cable\"", "test[0].scene", 22, "not known here"},
-      {"file = \"EI.csv\"", "file = \"IE.csv\"", "test[0].table.file", 23, "there is no file"},
-      {"EI = \"EI_Nm2\"", "EI = \"EI_Nm\"", "test[0].table.EI", 25, "did you mean \"EI_Nm2\""},
-      {"name = \"modes\"", "name = \"bending\"", "test[1].name", 28, "used twice"},
-      {"scene = \"cable\"", "scene = \"cabel\"", "test[1].scene", 31, "did you mean \"cable\""},
-      {"planes = [\"in\"]", "planes = [\"up\"]", "test[1].planes", 32, "none of in, out"},
-      {"planes = [\"in\"]", "planes = []", "test[1].planes", 32, "is empty"},
+      {"[scene.assumed]", "[scene.guessed]", "scene[0].guessed", 13, "not known here"},
+      {"kind = \"bending\"", "kind = \"bendnig\"", "test[0].kind", 17, "did you mean \"bending\""},
+      {"span = 1.0", "span = 0", "test[0].span", 18, "positive"},
+      {"span = 1.0", "", "test[0].span", 15, "is missing"},
+      {"span = 1.0", "span = 1.0\nscene = \"cable\"", "test[0].scene", 19, "not known here"},
+      {"file = \"EI.csv\"", "file = \"IE.csv\"", "test[0].table.file", 20, "there is no file"},
+      {"EI = \"EI_Nm2\"", "EI = \"EI_Nm\"", "test[0].table.EI", 22, "did you mean \"EI_Nm2\""},
+      {"name = \"modes\"", "name = \"bending\"", "test[1].name", 24, "used twice"},
+      {"scene = \"cable\"", "scene = \"cabel\"", "test[1].scene", 26, "did you mean \"cable\""},
+      {"planes = [\"in\"]", "planes = [\"up\"]", "test[1].planes", 27, "none of in, out"},
+      {"planes = [\"in\"]", "planes = []", "test[1].planes", 27, "is empty"},
       {"tension_of = [\"cable.tension\"]", "tension_of = [\"cable.tensoin\"]", "test[1].tension_of",
-       33, "did you mean \"cable.tension\""},
-      {"tension_of = [\"cable.tension\"]\n", "", "test[1].tension_of", 27, "is missing although"},
-      {"tension = \"tension_N\"\nmeasured", "measured", "test[1].tension_of", 33,
+       28, "did you mean \"cable.tension\""},
+      {"tension_of = [\"cable.tension\"]\n", "", "test[1].tension_of", 23, "is missing although"},
+      {"tension = \"tension_N\"\nmeasured", "measured", "test[1].tension_of", 28,
        "no tension column"},
-      {"measured = \"test_Hz\"", "measured = \"test\"", "test[1].table.measured", 38,
+      {"measured = \"test_Hz\"", "measured = \"test\"", "test[1].table.measured", 33,
        "no column \"test\""},
-      {"FE = \"fe_Hz\"", "FE = 3", "test[1].table.models.FE", 39, "must be a string"},
-      {"[[test]]\nname = \"modes\"", "[test]\nname = \"modes\"", "", 27, "not TOML"},
+      {"FE = \"fe_Hz\"", "FE = 3", "test[1].table.models.FE", 34, "must be a string"},
+      {"[[test]]\nname = \"modes\"", "[test]\nname = \"modes\"", "", 23, "not TOML"},
   };
   return list;
-}
-
-std::string with(const Mistake& mistake) {
-  std::string text = kCampaign;
-  const auto at = text.find(mistake.from);
-  if (at == std::string::npos) throw std::logic_error(mistake.from);
-  return text.replace(at, std::string(mistake.from).size(), mistake.to);
 }
 
 TEST_F(CampaignFiles, MistakesAreRefusedWithFileLineKeyAndRemedy) {
   for (const auto& mistake : mistakes()) {
     SCOPED_TRACE(std::string(mistake.from) + " -> " + mistake.to);
-    const std::string file = folder_.write("campaign.toml", with(mistake));
+    std::string text = text_;
+    const auto at = text.find(mistake.from);
+    ASSERT_NE(at, std::string::npos);
+    const std::string file = folder_.write(
+        "campaign.toml", text.replace(at, std::string(mistake.from).size(), mistake.to));
     try {
       static_cast<void>(read_campaign(file));
       ADD_FAILURE() << "was accepted";
@@ -187,7 +141,7 @@ TEST_F(CampaignFiles, MistakesAreRefusedWithFileLineKeyAndRemedy) {
 }
 
 TEST_F(CampaignFiles, MistakesInWhatItNamesAreRefusedInTheirFile) {
-  const std::string file = folder_.write("campaign.toml", kCampaign);
+  const std::string file = folder_.write("campaign.toml", text_);
   const auto message = [&](const std::string& name, const std::string& text) -> std::string {
     const std::string before = folder_.read(name);
     folder_.write(name, text);
@@ -210,6 +164,17 @@ TEST_F(CampaignFiles, MistakesInWhatItNamesAreRefusedInTheirFile) {
   EXPECT_THAT(message("EI.csv", "tension_N,EI_Nm2\n25,0\n"), HasSubstr("not positive"));
   EXPECT_THAT(message("EI.csv", ""), HasSubstr("no rows"));
   EXPECT_EQ(message("EI.csv", folder_.read("EI.csv")), "accepted");
+}
+
+// Fed with seeds, regressions of faults found by fuzzing and mutations of both, the reader gives a
+// campaign whose parts are there, or a reason.
+TEST(MalformedCampaign, GivesACampaignOrAReason) {
+  const std::filesystem::path path = RIGFIT_FUZZ "/campaign_folder/campaign.toml";
+  expect_sound_or_reason("campaign", toml_words(), 2000, [&](const std::string& bytes) {
+    require_campaign_or_reason(bytes, path);
+  });
+  expect_seeds_are_read(
+      "campaign", [&](const FuzzSeed& seed) { require_sound(parse_campaign(seed.bytes, path)); });
 }
 
 }  // namespace

@@ -1,24 +1,13 @@
 // Mode shapes of other programs (UFF 55) as what a scene is fitted to.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <nlohmann/json.hpp>
-#include <numbers>
-#include <string>
-
 #include "apps/campaign_file/measured_modes.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
 #include "signal/writers/write_uff.h"
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 #include "tests/scenes.h"
 
 namespace rigfit::apps::measured_modes_test {
 namespace {
-
-using Json = nlohmann::json;
-using ::testing::HasSubstr;
 
 /// A standing cantilever of 12 segments with sensors at some of their joints.
 std::string beam(double EI, double tip_mass) {
@@ -39,7 +28,7 @@ std::string model_mode_file(const model::ModalAnalysis& analysis) {
   std::vector<signal::NodePosition> positions;
   const auto& members = analysis.equilibrium.members;
   for (const auto& member : members) {
-    for (Eigen::Index i = 0; i < member.positions.cols(); ++i) {
+    for (Index i = 0; i < member.positions.cols(); ++i) {
       const int node = static_cast<int>(positions.size()) + 1;
       positions.push_back(
           {node, {member.positions(0, i), member.positions(1, i), member.positions(2, i)}});
@@ -52,13 +41,13 @@ std::string model_mode_file(const model::ModalAnalysis& analysis) {
     signal::IdentifiedMode mode;
     mode.frequency_hz = {natural.frequency_hz, 0};
     mode.damping_ratio = {natural.damping_ratio, 0};
-    const double omega = 2 * std::numbers::pi * natural.frequency_hz;
+    const double omega = 2 * kPi * natural.frequency_hz;
     const double zeta = natural.damping_ratio;
     mode.pole_rad_s = {-zeta * omega, omega * std::sqrt(std::max(0.0, 1 - zeta * zeta))};
-    mode.shape.resize(static_cast<Eigen::Index>(modes.responses.size()));
-    Eigen::Index row = 0;
+    mode.shape.resize(static_cast<Index>(modes.responses.size()));
+    Index row = 0;
     for (const auto& shape : natural.shape) {
-      for (Eigen::Index i = 0; i < shape.displacement.cols(); ++i) {
+      for (Index i = 0; i < shape.displacement.cols(); ++i) {
         for (int k = 0; k < 3 && row < mode.shape.size(); ++k) {
           mode.shape[row++] = shape.displacement(k, i);
         }
@@ -71,12 +60,7 @@ std::string model_mode_file(const model::ModalAnalysis& analysis) {
 }
 
 std::string mode_shapes(const std::string& scene_file) {
-  const auto modes = model::analyse_modes(model::read_scene(scene_file), [] {
-    model::ModesOptions options;
-    options.count = 8;
-    return options;
-  }());
-  return model_mode_file(modes);
+  return model_mode_file(model::analyse_modes(model::read_scene(scene_file), {.count = 8}));
 }
 
 TEST(MeasuredModes, ShapesOfAUniversalFileFitAScene) {
@@ -84,12 +68,10 @@ TEST(MeasuredModes, ShapesOfAUniversalFileFitAScene) {
   const auto truth = folder.write("truth.toml", beam(2.1, 0.02));
   const auto start = folder.write("start.toml", beam(3.5, 0.03));
   const auto file = folder.write("modes.uff", mode_shapes(truth));
-  const auto run = run_line(
+  const Document json = document_of(
       "update {} --measured {} --free beam.EI_z tip.mass beam.damping_ratio --band 1 200 --plane "
-      "in --starts 1 --out {} --json -",
+      "in --starts 1 --out {}",
       {start, file, folder.at("o.toml")});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out);
   // Frequencies and shapes carry six digits: 0.5e-5, twice that in EI; the mass, a tenth of the
   // beam's, moves frequencies by a fifth of what EI does and less.
   EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 2.1, 5e-5 * 2.1);
@@ -109,13 +91,11 @@ TEST(MeasuredModes, PredictionsAreHeldAgainstAUniversalFile) {
   const auto truth = folder.write("truth.toml", beam(2.1, 0.02));
   const auto file = folder.write("modes.uff", mode_shapes(truth));
   const auto fit = folder.write(
-      "fit.json", Json{{"parameters", {{{"name", "beam.EI_z"}, {"value", 2.1}, {"std", 0.02}}}},
-                       {"correlation", {{1.0}}}}
+      "fit.json", Document{{"parameters", {{{"name", "beam.EI_z"}, {"value", 2.1}, {"std", 0.02}}}},
+                           {"correlation", {{1.0}}}}
                       .dump());
-  const auto run = run_line("predict {} --from {} --count 8 --measured {} --plane in --json -",
-                            {folder.write("start.toml", beam(3.5, 0.02)), fit, file});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = Json::parse(run.out);
+  const Document json = document_of("predict {} --from {} --count 8 --measured {} --plane in",
+                                    {folder.write("start.toml", beam(3.5, 0.02)), fit, file});
   ASSERT_EQ(json["measured"].size(), 8u);  // the file's
   int paired = 0;
   for (const auto& row : json["measured"]) {
@@ -143,25 +123,20 @@ TEST(MeasuredModes, UniversalFilesHaveATensionOfTheirOwn) {
   const auto scene = folder.write("start.toml", cable(100, 0.9, 0.25));
   const auto table =
       folder.write("ei.csv", "tension_N,EI_Nm2,std\n100,0.5,0.001\n150,0.5,0.001\n200,0.5,0.001\n");
-  const auto run = [&](std::vector<std::string> more) {
-    std::vector<std::string> all{"update",      scene,
-                                 "--measured",  file,
-                                 "--free",      "cable.mass_per_length",
-                                 "--plane",     "any",
-                                 "--stiffness", table,
-                                 "--starts",    "1",
-                                 "--out",       folder.at("o.toml"),
-                                 "--json",      "-"};
-    all.insert(all.end(), more.begin(), more.end());
-    return run_program(all);
+  const auto run = [&](const std::string& more) {
+    return run_line(
+        "update {} --measured {} --free cable.mass_per_length --plane any --stiffness {} "
+        "--starts 1 --out {} --json - " +
+            more,
+        {scene, file, table, folder.at("o.toml")});
   };
-  const auto fitted = run({"--tension", "150"});
+  const auto fitted = run("--tension 150");
   ASSERT_TRUE(fitted.exit_code == 0 || fitted.exit_code == 4) << fitted.err;
   // Six digits of the frequencies; EI by its law within the table's 0.2 %, of which a frequency of
   // this cable has less than a third and the mass twice that.
-  EXPECT_NEAR(Json::parse(fitted.out)["parameters"][0]["value"].get<double>(), 0.2, 0.0004);
-  EXPECT_EQ(run({}).exit_code, 2);
-  EXPECT_EQ(run({"--tension", "150", "160"}).exit_code, 2);
+  EXPECT_NEAR(Document::parse(fitted.out)["parameters"][0]["value"].get<double>(), 0.2, 0.0004);
+  EXPECT_EQ(run("").exit_code, 2);
+  EXPECT_EQ(run("--tension 150 160").exit_code, 2);
 }
 
 TEST(MeasuredModes, NodesElsewhereAreSaid) {
@@ -190,15 +165,11 @@ TEST(MeasuredModes, NodesElsewhereAreSaid) {
   EXPECT_THAT(context.notes()[0].message, HasSubstr("sensor low at"));
 
   EXPECT_EQ(plain[0].mode.damping_ratio.value, 0.01);
-  const auto run = [&](std::vector<std::string> more) {
-    std::vector<std::string> all{"update", scene_file, "--measured", file};
-    all.insert(all.end(), more.begin(), more.end());
-    return run_program(all);
-  };
-  EXPECT_EQ(run({"--column", "test_Hz"}).exit_code, 2);
-  EXPECT_EQ(run({"--band", "50", "60"}).exit_code, 2);
+  const std::string update = "update {} --measured {}";
+  EXPECT_EQ(run_line(update + " --column test_Hz", {scene_file, file}).exit_code, 2);
+  EXPECT_EQ(run_line(update + " --band 50 60", {scene_file, file}).exit_code, 2);
   const auto cut = folder.write("cut.uff", text.substr(0, text.find("4.00000E-01")));
-  const auto broken = run_line("update {} --measured {}", {scene_file, cut});
+  const auto broken = run_line(update, {scene_file, cut});
   EXPECT_EQ(broken.exit_code, 3);
   EXPECT_THAT(broken.err, HasSubstr("cut.uff:14"));
 }

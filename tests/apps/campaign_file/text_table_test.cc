@@ -1,17 +1,10 @@
 #include "apps/results/text_table.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "model/scene/scene_error.h"
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::text_table_test {
 namespace {
-
-using ::testing::HasSubstr;
 
 TEST(TextTable, ReadsNumbersBlanksAndRemarks) {
   const TemporaryFolder folder;

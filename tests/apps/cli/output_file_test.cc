@@ -1,15 +1,14 @@
 #include "apps/cli/output_file.h"
 
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <string>
 #include <thread>
 
 #include "apps/cli/exit_code.h"
+#include "tests/test.h"
 
 namespace rigfit::apps::output_file_test {
 namespace {

@@ -1,22 +1,12 @@
 // --plot: what each verb draws is written, whole and well-formed; what cannot be written is refused
 // before anything is computed.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <string>
-#include <vector>
-
 #include "apps/cli/plots/browser.h"
-#include "tests/apps/run_program.h"
+
+#include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::plot_option_test {
 namespace {
 
-using ::testing::HasSubstr;
-using ::testing::Not;
 using Words = std::vector<std::string>;
 
 const std::string kLab = RIGFIT_TESTDATA "/virtual_laboratory/";

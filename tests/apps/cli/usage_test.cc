@@ -1,19 +1,11 @@
 // What the program says of itself and of mistakes on its command line.
-#include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <sstream>
-#include <string>
-
 #include "apps/cli/usage.h"
-#include "tests/apps/run_program.h"
+
+#include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::usage_test {
 namespace {
 
-using ::testing::HasSubstr;
-using ::testing::Not;
 using ::testing::StartsWith;
 
 TEST(Usage, MisspeltWordsAreNamedWithTheNearest) {

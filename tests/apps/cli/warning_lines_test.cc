@@ -2,19 +2,14 @@
 #include "apps/cli/warning_lines.h"
 
 #include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <sstream>
-#include <vector>
 
 #include "apps/cli/verb_context.h"
+#include "tests/test.h"
 
 namespace rigfit::apps::warning_lines_test {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 Finding warning(std::string code, std::string message, std::string where = "") {
   return {std::move(code), std::move(message), std::move(where), false};

@@ -1,19 +1,12 @@
 // A field or an option that is described is found wherever it is shown, without another line.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <optional>
 #include <sstream>
-#include <vector>
 
 #include "apps/cli/usage.h"
 #include "apps/describe/sheet.h"
 #include "signal/numerics/estimate.h"
+#include "tests/test.h"
 
 namespace rigfit::describe_test {
-
-using ::testing::HasSubstr;
 
 struct Row {
   double length_m = 0, share = 0;

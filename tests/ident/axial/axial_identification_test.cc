@@ -163,6 +163,31 @@ TEST(AxialTest, SaysThatThePapersValueIsAnEighthOfTheCatalogues) {
   EXPECT_NEAR(r.share_of_catalogue, 0.13, 0.005);
 }
 
+// Records that agree to the last digit and claim to know it: the lengths' own uncertainty is all
+// there is, k = EA / L gives its share: the slope of L / EA, through zero or, with an unknown
+// compliance in series, about the mean.
+TEST(AxialTest, RecordsWithoutErrorHaveTheUncertaintyOfTheirLengths) {
+  constexpr double kMass = 2.2, kEA = 205000, kLengthStd = 0.001;
+  std::vector<AxialDecay> decays;
+  for (const double length : {0.7, 1.0, 1.3}) {
+    AxialDecay decay{.length_m = length};
+    decay.damped_frequency_hz = {std::sqrt(kEA / length / kMass) / (2 * kPi), 0};
+    decay.damping_ratio = {0, 0};
+    decays.insert(decays.end(), 5, decay);
+  }
+  AxialSetup setup{.mass_kg = {kMass, 0}, .length_std_m = kLengthStd};
+  const double alone = kEA * kLengthStd / std::sqrt(0.7 * 0.7 + 1.0 * 1.0 + 1.3 * 1.3);
+  const double in_series = kEA * kLengthStd / std::sqrt(2 * 0.3 * 0.3);
+  const auto open = identify_axial(decays, setup);
+  EXPECT_GT(open.EA_N.std, alone);
+  EXPECT_LT(open.EA_N.std, 1.01 * in_series);
+  setup.series_compliance_std_m_N = 0;
+  const auto found = identify_axial(decays, setup);
+  EXPECT_NEAR(open.EA_N.value / kEA, 1, 1e-9);
+  EXPECT_NEAR(found.EA_N.value / kEA, 1, 1e-9);
+  EXPECT_NEAR(found.EA_N.std / alone, 1, 1e-3);
+}
+
 TEST(AxialTest, RefusesWhatMakesNoSense) {
   Rig rig;
   auto setup = setup_of(rig);
@@ -174,7 +199,7 @@ TEST(AxialTest, RefusesWhatMakesNoSense) {
   setup.adapter_stiffness_N_m.value = 1e5;
   EXPECT_THROW((void)identify_axial(decays, setup), std::invalid_argument);
   setup = setup_of(rig);
-  setup.mass_kg.value = std::nan("");
+  setup.mass_kg.value = kNaN;
   EXPECT_THROW((void)identify_axial(decays, setup), std::invalid_argument);
 }
 

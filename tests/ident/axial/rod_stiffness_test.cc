@@ -8,7 +8,7 @@ namespace {
 // Lowest frequency of mass, rod and frame by the transfer matrix of the rod, by bisection:
 // at the top the frame's force kf u0, below u' EA = kf u0; at the bottom W M u = EA u'.
 double omega_squared(double kc, double mc, double M, double kf, double km) {
-  const double quarter_wave = std::pow(std::numbers::pi / 2, 2) * kc / mc;  // without the mass
+  const double quarter_wave = std::pow(kPi / 2, 2) * kc / mc;  // without the mass
   double low = 0, high = std::min(2 * kc / M, quarter_wave);
   for (int i = 0; i < 200; ++i) {
     const double W = 0.5 * (low + high), x = std::sqrt(W * mc / kc);

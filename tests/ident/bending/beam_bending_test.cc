@@ -49,7 +49,7 @@ struct Record {
   std::vector<double> deflection_mm, load_N;
   [[nodiscard]] BendingRecord record() const {
     BendingRecord all;
-    const auto n = static_cast<Eigen::Index>(load_N.size());
+    const auto n = static_cast<Index>(load_N.size());
     all.load_N = Eigen::Map<const Eigen::VectorXd>(load_N.data(), n);
     all.deflection_m = 1e-3 * Eigen::Map<const Eigen::VectorXd>(deflection_mm.data(), n);
     return all;

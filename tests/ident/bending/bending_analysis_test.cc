@@ -1,6 +1,7 @@
 #include "ident/bending/bending_analysis.h"
 
 #include "ident/virtual_rig/virtual_bench.h"
+#include "tests/coverage.h"
 #include "tests/ident/bending/simulated_bending.h"
 #include "tests/test.h"
 
@@ -10,9 +11,9 @@ namespace {
 // A load-deflection table straight from the equation, loading then unloading.
 BendingRecord exact_record(double EI, double P, double span, double frame = 0, int points = 50) {
   BendingRecord record;
-  const Eigen::Index n = 2 * points;
+  const Index n = 2 * points;
   record.tension_N.resize(n), record.load_N.resize(n), record.deflection_m.resize(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Index i = 0; i < n; ++i) {
     const double share =
         i < points ? static_cast<double>(i) / points : static_cast<double>(n - 1 - i) / points;
     const double d = 1e-3 * share;
@@ -63,7 +64,7 @@ TEST(BendingTest, ChangingTensionIsUsedAsMeasured) {
 TEST(BendingTest, ASlippingClampIsRefusedOrFlagged) {
   for (double loss : {0.05, 0.3}) {
     auto record = exact_record(0.6, 100, 0.5);
-    for (Eigen::Index i = 25; i < record.tension_N.size(); ++i) {
+    for (Index i = 25; i < record.tension_N.size(); ++i) {
       record.tension_N[i] *= 1 - loss;
       record.load_N[i] = record.deflection_m[i] / midspan_compliance(0.6, record.tension_N[i], 0.5);
     }
@@ -129,6 +130,21 @@ TEST(BendingTest, NothingOrNonsenseIsRefusedWithAReason) {
   EXPECT_THROW((void)analyse_bending_test(exact_record(1, 1, 1), {}), std::invalid_argument);
 }
 
+// No line goes through noise alone.
+TEST(BendingTest, NoiseAloneIsRefused) {
+  Normal normal(9);
+  for (int k = 0; k < 20; ++k) {
+    BendingRecord record = exact_record(0.6, 200, 0.5, 0, 100);
+    for (double& load : record.load_N) load = 5 + 0.01 * normal();
+    for (double& d : record.deflection_m) d = 1e-6 * normal();
+    const auto result = analyse_bending_test(record, span_of(0.5));
+    EXPECT_TRUE(result.refused);
+    const auto reason =
+        std::ranges::find_if(result.findings, [](const auto& one) { return one.refused; });
+    EXPECT_THAT(reason->code, ::testing::StartsWith("no_")) << codes(result);
+  }
+}
+
 TEST(BendingTest, TableOfSeveralTensionsIsSplit) {
   std::vector<BendingRecord> parts;
   for (double P : {25.0, 100.0, 200.0}) parts.push_back(exact_record(0.5, P, 0.5, 0, 4));
@@ -186,6 +202,37 @@ TEST(BendingTest, SpikesOfShortStrokesAreLeftOut) {
     ASSERT_FALSE(result.refused) << codes(result);
     EXPECT_NEAR(result.stiffness.EI_Nm2.value, test.EI_Nm2, 0.02 * test.EI_Nm2) << seed;
   }
+}
+
+TEST(BendingTest, AMillionSamplesGiveTheStiffness) {
+  std::mt19937_64 random(3);
+  simulated::Bending test;
+  test.rows = 1'000'000, test.strokes = 2, test.load_noise = test.deflection_noise = 0.001;
+  const auto result = analyse_bending_test(simulated::record(test, random), span_of(test.span_m));
+  ASSERT_FALSE(result.refused) << codes(result);
+  const auto& EI = result.stiffness.EI_Nm2;
+  EXPECT_NEAR(EI.value, test.EI_Nm2, 3 * EI.std);
+}
+
+// One sample in twenty with an error of forty standard deviations of the load cell.
+TEST(BendingTest, IntervalsHoldWithOutliers) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> uniform;
+  testing::Coverage coverage;
+  simulated::Bending test;
+  test.rows = 400, test.strokes = 2, test.load_noise = test.deflection_noise = 0.001;
+  for (int k = 0; k < 100; ++k) {
+    BendingRecord record = simulated::record(test, random);
+    const double off = 0.04 * record.load_N.maxCoeff();
+    for (double& load : record.load_N) {
+      if (uniform(random) < 0.05) load += uniform(random) < 0.5 ? off : -off;
+    }
+    const auto result = analyse_bending_test(record, span_of(test.span_m));
+    ASSERT_FALSE(result.refused) << codes(result);
+    const auto& EI = result.stiffness;
+    coverage.add(EI.EI_Nm2.value, EI.EI_Nm2.std, EI.low, EI.high, test.EI_Nm2);
+  }
+  EXPECT_TRUE(coverage.holds());
 }
 
 // Friction that turns round over a part of the stroke, in which a straight line is too stiff.

@@ -1,5 +1,6 @@
 #include "ident/bending/bending_equation.h"
 
+#include "tests/coverage.h"
 #include "tests/reference/exact_bending_ratio.h"
 #include "tests/test.h"
 
@@ -13,13 +14,25 @@ TEST(BendingRatio, LimitsAreBeamAndString) {
   EXPECT_DOUBLE_EQ(bending_ratio_complement(1e300), 2e-300);
 }
 
+// Four units in the last place from a lambda of 1e-6 to 1e4.
+TEST(BendingRatio, IsTheExactOneOverTenDecades) {
+  constexpr double kRounding = std::numeric_limits<double>::epsilon() / 2;
+  for (int i = 0; i <= 2000; ++i) {
+    const double lambda = std::pow(10.0, -6 + i / 200.0);
+    const long double exact = apps::exact_bending_ratio(lambda);
+    const auto truth = static_cast<double>(exact), rest = static_cast<double>(1 - exact);
+    EXPECT_NEAR(bending_ratio(lambda) / truth, 1, 8 * kRounding) << lambda;
+    EXPECT_NEAR(bending_ratio_complement(lambda) / rest, 1, 8 * kRounding) << lambda;
+  }
+}
+
 TEST(LambdaFromBendingRatio, WorksAtTheVeryEnds) {
   const double smallest = lambda_from_bending_ratio(1e-300);
   EXPECT_NEAR(smallest, std::sqrt(12e-300), 1e-13 * smallest);
   const double nearly_one = std::nextafter(1.0, 0.0);
   EXPECT_NEAR(lambda_from_bending_ratio(nearly_one), 2 / (1 - nearly_one),
               1e-13 / (1 - nearly_one));
-  for (const double wrong : {0.0, 1.0, std::nan("")}) {
+  for (const double wrong : {0.0, 1.0, kNaN}) {
     EXPECT_THROW((void)lambda_from_bending_ratio(wrong), std::invalid_argument);
   }
 }
@@ -65,6 +78,44 @@ TEST(MidspanCompliance, RefusesWhatIsNotPositive) {
   EXPECT_THROW((void)midspan_compliance(0, 1, 1), std::invalid_argument);
   EXPECT_THROW((void)midspan_compliance(1, -1, 1), std::invalid_argument);
   EXPECT_THROW((void)midspan_compliance(1, 1, INFINITY), std::invalid_argument);
+}
+
+// From EI to the compliance and back. F is good to eight roundings, there and back; with the
+// products around it 32 roundings times the sensitivity that the result states itself.
+TEST(StiffnessFromCompliance, GivesEIBackOverTenDecades) {
+  constexpr double kRounding = std::numeric_limits<double>::epsilon() / 2;
+  const double span = 0.6, tension = 100;
+  for (int i = 0; i <= 200; ++i) {
+    const double lambda = std::pow(10.0, -6 + i / 20.0);
+    const double EI = tension * span * span / (4 * lambda * lambda);
+    const auto found = stiffness_from_compliance(
+        {{midspan_compliance(EI, tension, span), 0}, {tension, 0}, {span, 0}});
+    ASSERT_EQ(found.status, BendingStatus::solved) << found.reason;
+    EXPECT_NEAR(found.EI_Nm2.value / EI, 1,
+                32 * kRounding * (1 + std::abs(found.log_sensitivity_compliance)))
+        << lambda;
+  }
+}
+
+// A slope known to 0.5 % at both bounds of the paper's strand.
+TEST(StiffnessFromCompliance, IntervalsHoldAtTheBoundsOfTheStrand) {
+  testing::Coverage coverage;
+  Normal normal(11);
+  const double span = 0.5;
+  for (const double EI : {0.0306, 15.5632}) {
+    for (const double tension : {25.0, 300.0}) {
+      const double slope = midspan_compliance(EI, tension, span);
+      for (int k = 0; k < 150; ++k) {
+        const auto found =
+            stiffness_from_compliance({{slope * (1 + 0.005 * normal()), 0.005 * slope},
+                                       {tension * (1 + 0.002 * normal()), 0.002 * tension},
+                                       {span, 0}});
+        ASSERT_EQ(found.status, BendingStatus::solved) << found.reason;
+        coverage.add(found.EI_Nm2.value, found.EI_Nm2.std, found.low, found.high, EI);
+      }
+    }
+  }
+  EXPECT_TRUE(coverage.holds());
 }
 
 TEST(StiffnessFromCompliance, SensitivitiesMatchDifferences) {

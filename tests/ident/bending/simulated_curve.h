@@ -18,8 +18,7 @@ inline constexpr std::array<double, 4> kCurveTensions{25, 100, 200, 300};
 /// By tension; `held` of `curves`.
 struct CurveCoverage {
   int curves = 0;
-  std::array<int, 4> held{}, tests_held{};
-  std::array<double, 4> relative_std{}, bias{};  ///< means, relative to EI
+  std::array<int, 4> held{};
 };
 
 inline double strand_EI(double T) { return 0.08 + 0.042 * std::sqrt(T); }
@@ -59,10 +58,6 @@ inline CurveCoverage curve_coverage(bool of_the_moment, int seeds, int first = 1
       const double truth = strand_EI(kCurveTensions[i]);
       const auto at = result.curve.at(kCurveTensions[i]);
       coverage.held[i] += at.low <= truth && truth <= at.high;
-      coverage.relative_std[i] += at.std / truth / seeds;
-      coverage.bias[i] += (at.EI_Nm2 / truth - 1) / seeds;
-      const auto& point = result.points.at(i).point;
-      coverage.tests_held[i] += point.low <= truth && truth <= point.high;
     }
   }
   return coverage;

@@ -22,10 +22,10 @@ TEST(DecayBound, LimitsOfLongRecordsAndOfNoDamping) {
 // The covariance of the maximum-likelihood fit of one decay is the bound, but for terms at twice
 // its frequency, of the order 1 / (w T) = 1 / 250.
 TEST(DecayBound, IsTheCovarianceOfAFittedDecay) {
-  const double rate = 200, T = 4, a = 0.9, omega = 2 * M_PI * 10, amplitude = 3;
-  const std::complex<double> pole = std::complex<double>(-a, omega) / rate;
-  Eigen::VectorXd y(static_cast<Eigen::Index>(rate * T));
-  for (Eigen::Index j = 0; j < y.size(); ++j) {
+  const double rate = 200, T = 4, a = 0.9, omega = 2 * kPi * 10, amplitude = 3;
+  const Complex pole = Complex(-a, omega) / rate;
+  Eigen::VectorXd y(static_cast<Index>(rate * T));
+  for (Index j = 0; j < y.size(); ++j) {
     y[j] = amplitude * std::exp(pole * static_cast<double>(j)).real();
   }
   const auto fit = signal::fit_damped_sinusoids(y, std::vector{pole}, {.background_terms = 0});
@@ -38,12 +38,12 @@ TEST(DecayBound, IsTheCovarianceOfAFittedDecay) {
 // Simpson's rule with 2000 intervals errs by (w h)^4 < 1e-9 here.
 TEST(DecayBound, TheImpulseOfAHalfSineIsItsFourierTransform) {
   const double peak = 20, duration = 0.003;
-  for (const double omega : {1.0, 500.0, M_PI / duration, 2500.0}) {
-    std::complex<double> sum = 0;
+  for (const double omega : {1.0, 500.0, kPi / duration, 2500.0}) {
+    Complex sum = 0;
     const int n = 2000;
     for (int k = 0; k <= n; ++k) {
       const double t = duration * k / n, weight = k == 0 || k == n ? 1 : k % 2 == 1 ? 4 : 2;
-      sum += weight * peak * std::sin(M_PI * t / duration) * std::polar(1.0, -omega * t);
+      sum += weight * peak * std::sin(kPi * t / duration) * std::polar(1.0, -omega * t);
     }
     EXPECT_NEAR(half_sine_impulse(peak, duration, omega), std::abs(sum) * duration / (3 * n), 1e-9)
         << omega;

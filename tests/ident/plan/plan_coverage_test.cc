@@ -43,7 +43,7 @@ UpdateResult least_squares(const std::vector<UpdateState>& states,
   double cost = 0;
   EXPECT_TRUE(minimise(problem, matches, update, q, cost));
   UpdateResult result;
-  for (Eigen::Index j = 0; j < q.size(); ++j) {
+  for (Index j = 0; j < q.size(); ++j) {
     result.parameters.emplace_back().value =
         problem.coordinates()[static_cast<std::size_t>(j)].value(q[j]);
   }
@@ -114,7 +114,7 @@ TEST(PlanCoverage, OfNoisyModesWithAnInputAndAPrior) {
       const double f = frequency(modes[mode.state], mode.plane, mode.order) *
                        std::exp(mode.frequency_std * normal());
       measured[mode.state].measured.push_back({{f, mode.frequency_std * f}, {}, mode.plane});
-      measured[mode.state].measured.back().damping_ratio.value = std::nan("");
+      measured[mode.state].measured.back().damping_ratio.value = kNaN;
     }
     free[2].prior->value = EA * (1 + kPriorStd * normal());
     realised.add(fitted(measured, free, options.inputs), plan.parameters);
@@ -141,7 +141,7 @@ TEST(PlanCoverage, OfNoisyRecords) {
   ASSERT_EQ(modes.size(), 5u);
   const Eigen::MatrixXd C = plan_covariance(candidates, modes);
   std::vector<PlannedParameter> predicted;
-  for (Eigen::Index p = 0; p < C.rows(); ++p) {
+  for (Index p = 0; p < C.rows(); ++p) {
     const auto& coordinate = candidates.problem.coordinates()[static_cast<std::size_t>(p)];
     const double value = coordinate.value(candidates.q[p]);
     predicted.push_back(
@@ -150,25 +150,25 @@ TEST(PlanCoverage, OfNoisyRecords) {
 
   Normal normal(5);
   const double rate = options.sample_rate_hz;
-  const auto samples = static_cast<Eigen::Index>(rate * options.durations_s[0]);
-  std::vector<std::complex<double>> poles;
+  const auto samples = static_cast<Index>(rate * options.durations_s[0]);
+  std::vector<Complex> poles;
   Eigen::VectorXd clean = Eigen::VectorXd::Zero(samples);
   for (const auto& mode : modes) {
-    const double omega = 2 * M_PI * mode.frequency_hz;
-    poles.push_back(std::complex<double>(-mode.damping_ratio, 1) * omega / rate);
+    const double omega = 2 * kPi * mode.frequency_hz;
+    poles.push_back(Complex(-mode.damping_ratio, 1) * omega / rate);
     const auto& all = candidates.states[0].modes;
     const auto at = std::find_if(all.begin(), all.end(), [&](const auto& one) {
       return one.plane == mode.plane && one.order == mode.order;
     });
     const double amplitude =
         candidates.states[0].amplitude[static_cast<std::size_t>(at - all.begin())](0, kSensor);
-    for (Eigen::Index j = 0; j < samples; ++j) {
+    for (Index j = 0; j < samples; ++j) {
       clean[j] += amplitude * std::exp(poles.back() * static_cast<double>(j)).imag();
     }
   }
   Realised realised, by_least_squares;
   for (int laboratory = 0; laboratory < kLaboratories; ++laboratory) {
-    std::vector<std::complex<double>> mean(modes.size());
+    std::vector<Complex> mean(modes.size());
     for (int hit = 0; hit < 2; ++hit) {
       Eigen::VectorXd y = clean;
       for (double& sample : y) sample += normal();
@@ -178,7 +178,7 @@ TEST(PlanCoverage, OfNoisyRecords) {
     }
     auto measured = states;
     for (std::size_t m = 0; m < modes.size(); ++m) {
-      const double f = mean[m].imag() / (2 * M_PI) * std::exp(kModelStd * normal());
+      const double f = mean[m].imag() / (2 * kPi) * std::exp(kModelStd * normal());
       const double zeta =
           -mean[m].real() / mean[m].imag() * std::exp(options.damping_model_std * normal());
       measured[0].measured.push_back({{f, modes[m].frequency_std * f},

@@ -69,7 +69,7 @@ TEST(ScenePrediction, AutoGivesTheFrequenciesOfModes) {
     std::size_t k = 0;
     while (taken[k] || chain.analysis.modes[k].plane != modes[i].plane) ++k;
     taken[k] = true;
-    const Eigen::RowVectorXd rate = chain.frequency.row(static_cast<Eigen::Index>(k));
+    const Eigen::RowVectorXd rate = chain.frequency.row(static_cast<Index>(k));
     const double std = std::sqrt((rate * fitted.covariance * rate.transpose()).value());
     EXPECT_NEAR(prediction.modes[i].frequency_hz.std / std, 1, 2e-4) << i;
   }
@@ -219,7 +219,7 @@ TEST(ResponsePrediction, TheIntervalHoldsAndOpensWithTime) {
   const auto n = measured.samples.rows();
   ASSERT_EQ(predicted.low.rows(), n);
   int outside = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Index i = 0; i < n; ++i) {
     outside += measured.samples(i, 0) < predicted.low(i, 0) ||
                measured.samples(i, 0) > predicted.high(i, 0);
   }

@@ -60,7 +60,7 @@ TEST(ProbabilityText, HasTwoDigitsAndALeastValue) {
                                 {2e-6, "2e-06"},
                                 {9.9e-146, "below 1e-6"},
                                 {0.0, "below 1e-6"},
-                                {std::nan(""), "-"}}) {
+                                {kNaN, "-"}}) {
     EXPECT_EQ(probability_text(p), text);
   }
   EXPECT_EQ(p_text(1), "p = 1");

@@ -31,7 +31,7 @@ TEST(StiffnessCurve, ADecidedLawIsTheCurve) {
   // Terms and covariance say the same.
   const std::array<double, 3> T{25, 120, 300};
   const Eigen::MatrixXd covariance = curve.covariance(T);
-  for (Eigen::Index i = 0; i < 3; ++i) {
+  for (Index i = 0; i < 3; ++i) {
     EXPECT_NEAR(std::sqrt(covariance(i, i)), curve.at(T[static_cast<std::size_t>(i)]).std, 1e-12);
   }
   EXPECT_GT(covariance.determinant(), -1e-30);

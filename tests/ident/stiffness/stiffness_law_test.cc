@@ -1,8 +1,8 @@
 #include "ident/stiffness/stiffness_law.h"
 
-#include <functional>
-
 #include "tests/test.h"
+
+#include <functional>
 
 namespace rigfit::ident::stiffness_law_test {
 namespace {
@@ -96,6 +96,15 @@ TEST(StiffnessLaws, ThePapersFourPointsCannotChoose) {
   // The power law's exponent by hand: regression of ln EI on ln T gives 0.459; the fit weighs by
   // relative error, the same to first order.
   EXPECT_NEAR(law_of(laws, LawKind::power).parameters[1].value, 0.459, 0.02);
+}
+
+TEST(StiffnessLaws, TwoPointsAreALineAndDecideNothing) {
+  const auto laws =
+      fit_stiffness_laws({{100, 0.5, 0.01, 0.48, 0.52}, {300, 0.8, 0.01, 0.78, 0.82}});
+  const auto half_way = predict(law_of(laws, LawKind::linear), 200);
+  EXPECT_NEAR(half_way.EI_Nm2, 0.65, 1e-9);
+  EXPECT_NEAR(half_way.std / (0.01 / std::sqrt(2.0)), 1, 0.05);  // each known to 0.01
+  EXPECT_FALSE(laws.decided);
 }
 
 TEST(StiffnessLaws, StrandBoundsFixTheSaturatingLaw) {

@@ -41,7 +41,7 @@ double log_evidence(const std::string& support, const std::vector<MeasuredMode>&
   for (int i = 0; i < kPoints; ++i) {
     const double q = std::log(centre) + reach * (2.0 * i / (kPoints - 1) - 1);
     const double prior =
-        -0.5 * std::pow((q - std::log(centre)) / width, 2) - std::log(width * std::sqrt(2 * M_PI));
+        -0.5 * std::pow((q - std::log(centre)) / width, 2) - std::log(width * std::sqrt(2 * kPi));
     for (int t = 0; t <= 10; ++t) {
       const double tau = t == 0 ? 0 : 1e-4 * std::pow(10, (t - 1) / 3.0);
       double log = prior + std::log(t == 0 ? 0.5 : 0.05);
@@ -49,7 +49,7 @@ double log_evidence(const std::string& support, const std::vector<MeasuredMode>&
         const auto& f = modes[m].frequency_hz;
         const double all = std::hypot(f.std / f.value, tau);
         const double e = std::log(exact[m].frequency_hz.value / f.value) + 0.5 * q;
-        log += -0.5 * std::pow(e / all, 2) - std::log(all * std::sqrt(2 * M_PI));
+        log += -0.5 * std::pow(e / all, 2) - std::log(all * std::sqrt(2 * kPi));
       }
       logs.push_back(log);
       most = std::max(most, log);

@@ -10,15 +10,14 @@ namespace {
 // A stiff spring of one degree of freedom in place of a rig: sensor i reads (i + 1) times the
 // force, the channels across its axis read nothing.
 Eigen::MatrixXd quasi_static(const model::Scene& scene, double duration_s, double rate_hz) {
-  const auto rows = static_cast<Eigen::Index>(std::lround(duration_s * rate_hz));
-  Eigen::MatrixXd response =
-      Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(scene.sensors.size()));
-  for (Eigen::Index i = 0; i < rows; ++i) {
+  const auto rows = static_cast<Index>(std::lround(duration_s * rate_hz));
+  Eigen::MatrixXd response = Eigen::MatrixXd::Zero(rows, static_cast<Index>(scene.sensors.size()));
+  for (Index i = 0; i < rows; ++i) {
     for (const auto& load : scene.loads) {
       const double t = static_cast<double>(i) / rate_hz - load.start;
       if (load.kind != model::Load::Kind::impact || t <= 0 || t >= load.duration) continue;
-      const double force = load.peak * std::sin(std::numbers::pi * t / load.duration);
-      for (Eigen::Index s = 0; s < response.cols(); s += 2) {
+      const double force = load.peak * std::sin(kPi * t / load.duration);
+      for (Index s = 0; s < response.cols(); s += 2) {
         response(i, s) += static_cast<double>(s / 2 + 1) * force;
       }
     }
@@ -78,16 +77,16 @@ TEST(VirtualRig, SameSeedSameRecordsOtherSeedOthers) {
 // |cos(w0 T / 2)| = 5 m/s^2 and more, far above the logger's 512 Hz. Sampled at four times the
 // logger's rate that would stand in the record as 100 Hz.
 TEST(VirtualRig, WhatIsAboveTheLoggersBandDoesNotFoldIntoIt) {
-  const double w0 = 2 * std::numbers::pi * 3996;
+  const double w0 = 2 * kPi * 3996;
   const auto ringing = [&](const model::Scene& struck, double duration_s, double rate_hz) {
     const auto& load = struck.loads[0];
-    const double a = std::numbers::pi / load.duration, scale = load.peak / (w0 * w0 - a * a);
+    const double a = kPi / load.duration, scale = load.peak / (w0 * w0 - a * a);
     const auto forced = [&](double t) {
       return t > 0 ? scale * (a * w0 * std::sin(w0 * t) - a * a * std::sin(a * t)) : 0.0;
     };
-    const auto rows = static_cast<Eigen::Index>(std::lround(duration_s * rate_hz));
+    const auto rows = static_cast<Index>(std::lround(duration_s * rate_hz));
     Eigen::MatrixXd response = Eigen::MatrixXd::Zero(rows, 2);
-    for (Eigen::Index i = 0; i < rows; ++i) {
+    for (Index i = 0; i < rows; ++i) {
       // A half sine is a sine that begins at once and another half a period later.
       const double t = static_cast<double>(i) / rate_hz - load.start;
       response(i, 0) = forced(t) + forced(t - load.duration);
@@ -131,13 +130,13 @@ TEST(VirtualAxial, RecordDecaysWithTheStatedDampingRatio) {
   const double weight = 2.2 * 9.80665;
   EXPECT_NEAR(x[0], weight, 1e-9);
   std::vector<double> peaks;
-  for (Eigen::Index i = 25100; i + 1 < x.size() && peaks.size() < 11; ++i) {
+  for (Index i = 25100; i + 1 < x.size() && peaks.size() < 11; ++i) {
     if (x[i] > x[i - 1] && x[i] >= x[i + 1]) peaks.push_back(x[i] - weight);
   }
   ASSERT_EQ(peaks.size(), 11u);
   const double decrement = std::log(peaks.front() / peaks.back()) / 10;
   // Peaks are met within half a sample of 1000 a cycle: relative error (pi/1000)^2 / 2 = 5e-6 each.
-  EXPECT_NEAR(decrement, 2 * std::numbers::pi * 0.017 / std::sqrt(1 - 0.017 * 0.017), 2e-6);
+  EXPECT_NEAR(decrement, 2 * kPi * 0.017 / std::sqrt(1 - 0.017 * 0.017), 2e-6);
 }
 
 VirtualBendingTest quiet_test() {
@@ -157,7 +156,7 @@ TEST(VirtualBending, TensionOnlyGrowsAndFrictionOpensALoop) {
   EXPECT_GE(tension.minCoeff(), test.tension_N);
   EXPECT_GT(tension.maxCoeff(), test.tension_N);
   // At the same deflection, half-way up and half-way down, the loads differ by twice the friction.
-  const Eigen::Index cycle = (recording.samples() - 1) / 2;
+  const Index cycle = (recording.samples() - 1) / 2;
   EXPECT_NEAR(load[cycle / 4] - load[3 * cycle / 4], 2 * test.friction_load_N, 1e-9);
 }
 

@@ -15,9 +15,9 @@ TEST(Eigenpairs, CrowdedOnesOfALongLineAreAllFound) {
   EXPECT_TRUE(modes.complete());
   for (const MotionModes& motion : modes.motions) {
     ASSERT_GT(motion.stiffness.size(), 1500);
-    const Eigen::Index count = motion.omega2.size();
+    const Index count = motion.omega2.size();
     Eigen::MatrixXd mass_times(motion.shapes.rows(), count);
-    for (Eigen::Index i = 0; i < count; ++i) {
+    for (Index i = 0; i < count; ++i) {
       const Eigen::VectorXd x = motion.shapes.col(i);
       mass_times.col(i) = motion.mass * x;
       const Eigen::VectorXd r = motion.stiffness * x - motion.omega2[i] * mass_times.col(i);
@@ -55,7 +55,7 @@ TEST(Eigenpairs, EdgeOfACrowdTakesNoMoreVectorsThanElsewhere) {
   ASSERT_EQ(pairs.values.size(), kCount);
   EXPECT_TRUE(pairs.complete);
   for (int j = 1; j <= kCount; ++j) {
-    const double s = std::sin(j * M_PI / (2 * (kSize + 1)));
+    const double s = std::sin(j * kPi / (2 * (kSize + 1)));
     // Rounding of K's diagonal is 1e-16; the shifted problem adds as much a few times over.
     EXPECT_NEAR(pairs.values[j - 1], 1 + 4 * kCoupling * s * s, 1e-14) << j;
   }

@@ -137,7 +137,7 @@ TEST(WriteCalculix, InclinedBeamOnAHingeAndASpringWithAMassAgrees) {
     scene.gravity.setZero();
     scene.nodes[0].support.kind = Support::Kind::pinned;
     scene.nodes[1].support.kind = Support::Kind::elastic;
-    scene.nodes[1].support.translational << 2e3, 2e3, std::numeric_limits<double>::infinity();
+    scene.nodes[1].support.translational << 2e3, 2e3, kInf;
     scene.members[0].masses = {{0.5, 0.03}};
     expect_agreement(scene, 3, 1e-3, 40, inclined);
     scene.members[0].masses[0].position = 0.503;

@@ -29,11 +29,11 @@ TEST(FrfSynthesis, IsTheSumOfAllModes) {
   const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(40, 0.5, 40);
   for (const double rate : {0.0, 3.0}) {
     const SynthesizedFrfs frfs = synthesize_frfs(scene, lines, {}, rate);
-    for (Eigen::Index k = 0; k < lines.size(); ++k) {
-      const std::complex<double> s(rate, 2 * M_PI * lines[k]);
-      std::complex<double> sum = 0;
+    for (Index k = 0; k < lines.size(); ++k) {
+      const Complex s(rate, 2 * kPi * lines[k]);
+      Complex sum = 0;
       for (const auto& mode : analysis.modes) {
-        const double wr = 2 * M_PI * mode.frequency_hz;
+        const double wr = 2 * kPi * mode.frequency_hz;
         // Modes beyond twice the highest line are not damped there.
         const double zeta = mode.frequency_hz <= 80 ? mode.damping_ratio : 0;
         sum += mode.sensor_shape[0] * mode.load_shape[1] / (s * s + 2 * zeta * wr * s + wr * wr);
@@ -52,7 +52,7 @@ TEST(FrfSynthesis, StaticLineIsTheTautStringsCompliance) {
   scene.gravity.setZero();
   const SynthesizedFrfs frfs = synthesize_frfs(scene, Eigen::VectorXd::Zero(1));
   EXPECT_NEAR(frfs.H[0](0, 0).real(), 0.6 * 1.8 / (2.4 * 200), 1e-9);
-  EXPECT_EQ(frfs.H[0](1, 0), std::complex<double>(0, 0));
+  EXPECT_EQ(frfs.H[0](1, 0), Complex(0, 0));
 }
 
 void expect_finite_resonance(const Scene& scene) {
@@ -62,7 +62,7 @@ void expect_finite_resonance(const Scene& scene) {
   Eigen::VectorXd line(1);
   line << mode.frequency_hz;
   const SynthesizedFrfs frfs = synthesize_frfs(scene, line);
-  const double omega = 2 * M_PI * mode.frequency_hz;
+  const double omega = 2 * kPi * mode.frequency_hz;
   const double peak =
       mode.sensor_shape[0] * mode.load_shape[0] / (2 * mode.damping_ratio * omega * omega);
   // One mode's peak; the others add their static part, a share of about 2 zeta.

@@ -9,7 +9,7 @@ namespace rigfit::model::damped_modes_test {
 namespace {
 
 /// Poles of the whole quadratic problem, dense; the unknowns without inertia are condensed first.
-std::vector<std::complex<double>> dense_poles(const MotionModes& motion, const ChainState& state) {
+std::vector<Complex> dense_poles(const MotionModes& motion, const ChainState& state) {
   EnvelopeMatrix c = motion.assembly->matrix();
   motion.assembly->damping(state, c);
   const Eigen::MatrixXd k = motion.stiffness.dense(), m = motion.mass.dense(), d = c.dense();
@@ -18,7 +18,7 @@ std::vector<std::complex<double>> dense_poles(const MotionModes& motion, const C
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n, 2 * n), b = a;
   a << d, m, m, Eigen::MatrixXd::Zero(n, n);
   b << -k, Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), m;
-  std::vector<std::complex<double>> poles;
+  std::vector<Complex> poles;
   const Eigen::VectorXcd inverses = general_eigenpairs(b.partialPivLu().solve(a), {}).values;
   for (const auto& inverse : inverses) {  // 1 / s
     if (inverse.imag() < 0 && std::abs(inverse) > 1e-9) poles.push_back(1.0 / inverse);
@@ -47,7 +47,7 @@ TEST(DampedModes, OfUnevenDampersAgreeWithTheDenseQuadraticProblem) {
     if (motion.motion == Motion::out_of_plane) continue;  // its mass matrix is singular in rotation
     const DampedModes damped = damped_modes(motion, modes.equilibrium.state, scene);
     EXPECT_TRUE(damped.dampers);
-    std::vector<std::complex<double>> dense;
+    std::vector<Complex> dense;
     {
       // Regularised: a rotation's inertia so small that it moves the poles by less than 1e-9.
       MotionModes copy{.motion = motion.motion,
@@ -59,7 +59,7 @@ TEST(DampedModes, OfUnevenDampersAgreeWithTheDenseQuadraticProblem) {
       }
       dense = dense_poles(copy, modes.equilibrium.state);
     }
-    for (Eigen::Index i = 0; i < damped.poles.size(); ++i) {
+    for (Index i = 0; i < damped.poles.size(); ++i) {
       EXPECT_TRUE(damped.converged[std::size_t(i)]);
       const auto nearest =
           *std::min_element(dense.begin(), dense.end(), [&](const auto& x, const auto& y) {
@@ -81,7 +81,7 @@ TEST(DampedModes, StiffnessProportionalDampersGiveTheClosedForm) {
   beam.damping = {b * beam.EA, b * beam.EI[0], b * beam.GJ};
   const ModalAnalysis analysis = analyse_modes(scene, {.count = 6});
   for (const auto& mode : analysis.modes) {
-    EXPECT_NEAR(mode.damping_ratio / (b * M_PI * mode.frequency_hz), 1, 1e-8);
+    EXPECT_NEAR(mode.damping_ratio / (b * kPi * mode.frequency_hz), 1, 1e-8);
   }
 }
 

@@ -67,7 +67,7 @@ TEST(Modes, OfOnePlaneAreThoseOfAll) {
       if (mode.plane != plane || next == 5) continue;
       // Eigenvalues are found to 1e-10.
       EXPECT_NEAR(some.modes[next].frequency_hz, mode.frequency_hz, 1e-9 * mode.frequency_hz);
-      EXPECT_GT(rates.frequency(static_cast<Eigen::Index>(next), 0), 0);
+      EXPECT_GT(rates.frequency(static_cast<Index>(next), 0), 0);
       ++next;
     }
     EXPECT_EQ(next, 5U);
@@ -120,7 +120,7 @@ TEST(Modes, AgreeWithDenseAlgebra) {
            testing::symmetric_eigenvalues(motion.mass.dense(), motion.stiffness.dense())) {
         if (nu > 1e-14) dense.push_back(1 / nu);
       }
-      for (Eigen::Index i = 0; i < motion.omega2.size(); ++i) {
+      for (Index i = 0; i < motion.omega2.size(); ++i) {
         const Eigen::VectorXd x = motion.shapes.col(i);
         const Eigen::VectorXd mx = motion.mass * x;
         const Eigen::VectorXd r = motion.stiffness * x - motion.omega2[i] * mx;
@@ -131,7 +131,7 @@ TEST(Modes, AgreeWithDenseAlgebra) {
     std::sort(dense.begin(), dense.end());
     for (std::size_t i = 0; i < modes.order.size(); ++i) {
       // Rounding 1e-16 times the conditioning of K, about EA / l over T / l = 1e4, times n^2.
-      EXPECT_NEAR(modes.frequency_hz(i), std::sqrt(dense[i]) / (2 * M_PI),
+      EXPECT_NEAR(modes.frequency_hz(i), std::sqrt(dense[i]) / (2 * kPi),
                   1e-8 * modes.frequency_hz(i));
     }
     EXPECT_TRUE(modes.complete());
@@ -231,7 +231,7 @@ TEST(ModalAnalysis, SaysWhatInertiaAndShearOfASectionTakeOff) {
   ModesOptions options{.count = 3, .plane = ModePlane::in};
   const ModalAnalysis found = analyse_modes(scene, options);
   ASSERT_EQ(found.modes.size(), 3U);
-  const double k = 3 * M_PI / length, x = k * k * r2;
+  const double k = 3 * kPi / length, x = k * k * r2;
   // w^2 in units of EI k^4 / m: 1 - y (1 + x (1 + s)) + y^2 x^2 s = 0.
   const double b = 1 + x * (1 + over_shear), a = x * x * over_shear;
   const double timoshenko = std::sqrt((b - std::sqrt(b * b - 4 * a)) / (2 * a));

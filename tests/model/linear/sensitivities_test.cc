@@ -33,11 +33,11 @@ void expect_differences(const Scene& scene, const std::vector<std::string>& name
       const double expected = rate(frequency);
       // Differences: eigenvalues to 1e-10, divided by the step of 1e-3; central differences of the
       // matrices: 1e-8 and what rounding of K leaves, 1e-6.
-      EXPECT_NEAR(found.frequency(i, Eigen::Index(p)), expected,
+      EXPECT_NEAR(found.frequency(i, Index(p)), expected,
                   2e-5 * std::abs(expected) + 1e-6 * f / std::max(std::abs(value), 0.1))
           << names[p] << ", mode " << i;
       const auto damping = [&](const ModalAnalysis& a) { return a.modes[k].damping_ratio; };
-      EXPECT_NEAR(found.damping_ratio(i, Eigen::Index(p)), rate(damping),
+      EXPECT_NEAR(found.damping_ratio(i, Index(p)), rate(damping),
                   1e-4 * std::abs(rate(damping)) + 1e-7 / std::max(std::abs(value), 0.1))
           << names[p] << ", mode " << i;
     }
@@ -98,7 +98,7 @@ TEST(ModeSensitivities, OfNodesOutOfThePlane) {
   const ModeSensitivities found =
       analyse_mode_sensitivities(scene, {"left.z"}, {.count = 5, .error_estimate = false});
   ASSERT_EQ(found.frequency.rows(), 5);
-  for (Eigen::Index i = 0; i < 5; ++i) {
+  for (Index i = 0; i < 5; ++i) {
     EXPECT_LT(std::abs(found.frequency(i, 0)),
               1e-5 * found.analysis.modes[std::size_t(i)].frequency_hz);
   }
@@ -127,13 +127,13 @@ TEST(Sensitivities, ToAnAskedAccuracyNeedNoSegments) {
   ASSERT_EQ(found[0].analysis.modes.size(), 6U);
   EXPECT_TRUE(found[0].analysis.extrapolated);
   EXPECT_LE(found[0].analysis.relative_error_estimate, 1e-6);
-  for (Eigen::Index i = 0; i < 6; ++i) {
+  for (Index i = 0; i < 6; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const double hz = found[0].analysis.modes[k].frequency_hz;
     EXPECT_EQ(hz, found[1].analysis.modes[k].frequency_hz);
     // 2400 accurate segments err by 1.5e-7 themselves.
     EXPECT_NEAR(hz / truth.analysis.modes[k].frequency_hz, 1, 1.2e-6) << i;
-    for (Eigen::Index p = 0; p < 3; ++p) {
+    for (Index p = 0; p < 3; ++p) {
       // Derivatives with some forty segments, whose frequencies err by 1e-3.
       EXPECT_NEAR(found[0].frequency(i, p), truth.frequency(i, p),
                   0.02 * std::abs(truth.frequency(i, p)) + 1e-6 * hz)

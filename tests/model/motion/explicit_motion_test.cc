@@ -148,7 +148,7 @@ TEST(ExplicitMotion, PulseGivesItsImpulseWhateverTheStep) {
     run.step_s = 0.002;
     const MotionOutput out = explicit_motion(problem, run);
     ASSERT_TRUE(out.completed);
-    const double expected = 2 * load.peak * load.duration / std::numbers::pi / 2.0;
+    const double expected = 2 * load.peak * load.duration / kPi / 2.0;
     EXPECT_GT(out.energy.kinetic, expected * expected * 2 / 2 * 0.99);
     // Ends and middle about their mean: weights 1/4, 1/2, 1/4 of the mass matrix' row sums.
     EXPECT_NEAR((out.samples(50, 0) + out.samples(50, 1)) / 2, expected, 1e-5 * expected);
@@ -163,7 +163,7 @@ TEST(ExplicitMotion, HighestFrequencyOfAnAxialChain) {
   scene.members[0].stretch.reset();
   scene.members[0].unstretched_length = 2.4;
   const Chain chain = settled(scene);
-  const double p = std::numbers::pi * 19 / 20, l = 2.4 / 20;
+  const double p = kPi * 19 / 20, l = 2.4 / 20;
   const double expected =
       std::sqrt(2 * (1 - std::cos(p)) * 300 / l / (0.16667 * l * (10 + 2 * std::cos(p)) / 12));
   for (Motion motion : {Motion::in_plane, Motion::space}) {

@@ -1,8 +1,8 @@
 #include "model/motion/lane_loops.h"
 
-#include <cstring>
-
 #include "tests/test.h"
+
+#include <cstring>
 
 namespace rigfit::model::lane_loops_test {
 namespace {

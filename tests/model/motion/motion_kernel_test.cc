@@ -79,7 +79,7 @@ TEST(MotionKernel, ElasticSupport) {
   scene.nodes[0].support.rotational = {30, 40, 50};
   expect_same_forces<2>(Chain::from_scene(scene), 7);
   scene.nodes[1].support.kind = Support::Kind::elastic;
-  scene.nodes[1].support.translational = {0, std::numeric_limits<double>::infinity(), 10};
+  scene.nodes[1].support.translational = {0, kInf, 10};
   expect_same_forces<2>(Chain::from_scene(scene), 8);
 }
 

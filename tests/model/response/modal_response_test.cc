@@ -50,7 +50,7 @@ std::array<double, 2> integrate(const Oscillator& o, const LoadForce& force, dou
   return y;
 }
 
-PoleModel one_mode(const Oscillator& o, double q0, Eigen::Index sensors) {
+PoleModel one_mode(const Oscillator& o, double q0, Index sensors) {
   return pole_model(Eigen::VectorXd::Constant(1, o.omega), Eigen::VectorXd::Constant(1, o.zeta),
                     Eigen::MatrixXd::Constant(1, 1, o.phi), Eigen::MatrixXd::Ones(sensors, 1),
                     Eigen::VectorXd::Constant(1, q0));
@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(FromFreeToHeavy, ModalResponseDamping,
 
 TEST(ModalResponse, PulseInResonanceIsExact) {
   // omega = pi / duration: sin(w t) drives its own frequency, q = (sin wt - wt cos wt)/(2 w^2).
-  const double w = 50, D = std::numbers::pi / w;
+  const double w = 50, D = kPi / w;
   const std::vector<Load> loads{impact(3, D, 0)};
   const PoleModel model = one_mode({w, 0, 1}, 0, 1);
   const Eigen::MatrixXd y =
@@ -110,24 +110,24 @@ TEST(ModalResponse, RecordedForceIsExactBetweenItsSamples) {
 }
 
 TEST(ModalResponse, ManyModesAddUpAndLongResponsesStayExact) {
-  const Eigen::Index modes = 60;
+  const Index modes = 60;
   Eigen::VectorXd omega(modes), zeta = Eigen::VectorXd::Constant(modes, 1e-4);
   Eigen::MatrixXd load = Eigen::MatrixXd::Zero(modes, 1), sensor(1, modes);
   Eigen::VectorXd start(modes);
-  for (Eigen::Index r = 0; r < modes; ++r) {
+  for (Index r = 0; r < modes; ++r) {
     omega(r) = 46.0 * static_cast<double>(r + 1);
     start(r) = std::cos(1.3 * static_cast<double>(r)) / (1.0 + static_cast<double>(r * r));
     sensor(0, r) = std::sin(0.7 * static_cast<double>(r));
   }
   const PoleModel model = pole_model(omega, zeta, load, sensor, start);
-  const Eigen::Index rows = 20001;
+  const Index rows = 20001;
   const double h = 0.0005;
   const Eigen::MatrixXd y =
       modal_response(model, {Quantity::displacement}, {impact(0, 1, 0)}, {nullptr}, h, rows);
-  for (Eigen::Index n = 0; n < rows; n += 997) {
+  for (Index n = 0; n < rows; n += 997) {
     double expected = 0;
     const double t = h * static_cast<double>(n);
-    for (Eigen::Index r = 0; r < modes; ++r) {
+    for (Index r = 0; r < modes; ++r) {
       const double wd = omega(r) * std::sqrt(1 - 1e-8), decay = std::exp(-1e-4 * omega(r) * t);
       expected += sensor(0, r) * start(r) * decay *
                   (std::cos(wd * t) + 1e-4 * omega(r) / wd * std::sin(wd * t));

@@ -35,7 +35,7 @@ void expect_honest(double estimate, double measured) {
 /// its velocity in the second: the d of y(t (1 + d)) = y + d t y' with the least squares.
 double frequency_difference(const ResponseResult& a, const ResponseResult& b) {
   double above = 0, below = 0;
-  for (Eigen::Index i = 0; i < b.samples.rows(); ++i) {
+  for (Index i = 0; i < b.samples.rows(); ++i) {
     const double moved = static_cast<double>(i) / b.rate_hz * b.samples(i, 1);
     above += (a.samples(i, 0) - b.samples(i, 0)) * moved;
     below += moved * moved;
@@ -89,7 +89,7 @@ TEST(ResponseEstimates, ChangeOfStiffnessWithMotion) {
       double first = -1, last = 0;
       int count = -1;
       const double mean = r.samples.col(0).mean();
-      for (Eigen::Index i = 1; i < r.samples.rows(); ++i) {
+      for (Index i = 1; i < r.samples.rows(); ++i) {
         const double a = r.samples(i - 1, 0) - mean, b = r.samples(i, 0) - mean;
         if (!(a < 0 && b >= 0)) continue;
         last = (static_cast<double>(i - 1) - a / (b - a)) / r.rate_hz;
@@ -134,7 +134,7 @@ TEST(ResponseEstimates, SegmentsChosenReachTheAccuracy) {
     const LinearAnswer answer = linear_answer(modes, scene);
     const ModeWeights weights = mode_weights(answer, scene, {nullptr}, 0.5);
     double error = 0;
-    for (Eigen::Index i = 0; i < std::min(segments - 1, 60); ++i) {
+    for (Index i = 0; i < std::min(segments - 1, 60); ++i) {
       error +=
           weights.energy(i) * std::abs(answer.omega(i) / std::sqrt(limit.motions[0].omega2(i)) - 1);
     }

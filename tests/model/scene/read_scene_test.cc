@@ -4,6 +4,8 @@
 #include <fstream>
 
 #include "model/scene/scene_error.h"
+#include "tests/fuzz/mutations.h"
+#include "tests/fuzz/require_scene.h"
 #include "tests/test.h"
 
 namespace rigfit::model::read_scene_test {
@@ -364,6 +366,14 @@ TEST(ReadScene, FileErrors) {
   // It reads back to the same file.
   EXPECT_EQ(parse_scene(scene_text(scene), scene.file).loads[0].file, scene.loads[0].file);
   std::filesystem::remove_all(folder);
+}
+
+// Fed with seeds, regressions of faults found by fuzzing and mutations of both, the reader gives a
+// scene that reads back from its own text, or a reason.
+TEST(MalformedScene, GivesASceneOrAReason) {
+  expect_sound_or_reason("scene", toml_words(), 1000, require_scene_or_reason);
+  expect_seeds_are_read(
+      "scene", [](const FuzzSeed& seed) { require_sound(parse_scene(seed.bytes, seed.name)); });
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ TEST(Equilibrium, IsFoundFromAColdStartOverTheWholeRange) {
           for (const bool clamped : {false, true}) {
             Scene scene = paper_cable(tension, EI);
             scene.members[0].EA = EA;
-            const double angle = degrees * M_PI / 180;
+            const double angle = degrees * kPi / 180;
             scene.nodes[1].position << 2.4 * std::cos(angle), 2.4 * std::sin(angle), 0;
             if (clamped) {
               scene.members[0].assembled = Member::Assembled::straight;

@@ -59,7 +59,7 @@ TEST(StiffSprings, SoftOnesCarryTheRigAsAWhole) {
   const auto found = modes_of(scene);
   ASSERT_EQ(found.equilibrium.status, EquilibriumStatus::converged) << found.equilibrium.reason;
   // Its own axial compliance L / EA is 2e-6 of 1 / k.
-  EXPECT_NEAR(found.modes[0].frequency_hz, std::sqrt(60.0 / 6) / (2 * M_PI), 1e-4);
+  EXPECT_NEAR(found.modes[0].frequency_hz, std::sqrt(60.0 / 6) / (2 * kPi), 1e-4);
 }
 
 TEST(StiffSprings, RandomScenesAreSolved) {

@@ -1,24 +1,15 @@
 #include "signal/ambient/ambient_modes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <limits>
-#include <random>
-#include <string>
-#include <vector>
 
 #include "signal/modes/mac.h"
 #include "signal/numerics/numbers.h"
 #include "signal/recording/recording_error.h"
 #include "tests/reference/ambient_motion.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::ambient_modes_test {
 namespace {
-
-using Eigen::Index;
 
 AmbientOptions band(double low, double high) {
   AmbientOptions options;
@@ -108,8 +99,7 @@ TEST(AmbientModes, MissingSamplesAreMissingProducts) {
   Recording recording = chain(5);
   for (Index k = 0; k < recording.samples(); ++k)
     if (k % 2000 < 100)
-      recording.channels[static_cast<std::size_t>(k / 2000 % 5)].samples[k] =
-          std::numeric_limits<double>::quiet_NaN();
+      recording.channels[static_cast<std::size_t>(k / 2000 % 5)].samples[k] = kNaN;
   int held_f = 0, held_zeta = 0;
   expect_chain(sure(ambient_modes(recording, band(0.3, 8))), held_f, held_zeta);
 }

@@ -1,25 +1,15 @@
 #include "signal/decay/decay.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <complex>
-#include <limits>
-#include <numbers>
-#include <random>
 #include <span>
-#include <stdexcept>
-#include <vector>
 
 #include "signal/decay/decay_window.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "tests/signal/decays.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::decay_test {
 namespace {
 
-using Complex = std::complex<double>;
-using Eigen::Index;
 using testing::add_decay;
 using testing::add_noise;
 using Mode = testing::DecayingMode;
@@ -31,7 +21,7 @@ using testing::says;
 Eigen::VectorXd decays(unsigned seed, const std::vector<Mode>& modes, double rate, Index n,
                        double noise) {
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
+  std::uniform_real_distribution<double> angle(0, 2 * kPi);
   Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(n, 0.3, 0.4);
   for (const auto& m : modes) add_decay(y, m, rate, angle(random));
   add_noise(y, noise, random);
@@ -65,7 +55,7 @@ TEST(Decay, AxialTestReachesTheCramerRaoBound) {
       sf += df, sff += df * df, sz += dz, szz += dz * dz;
       // zeta^2 = 3e-4: to that accuracy f follows Im p and zeta Re p alone.
       const double s2 = noise_of(snr) * noise_of(snr);
-      const double to_hz = 500 / (2 * std::numbers::pi);
+      const double to_hz = 500 / (2 * kPi);
       bf += s2 * bound.unit_covariance(3, 3) * to_hz * to_hz;
       bz += s2 * bound.unit_covariance(2, 2) / std::norm(p);
       in_f += std::abs(df) < result.coverage_factor_95 * mode.frequency_hz.std;
@@ -109,7 +99,7 @@ TEST(Decay, PairsThatBeatTooSlowlyAreSaid) {
 TEST(Decay, StartsAfterTheImpactAndTheQuietBefore) {
   std::mt19937_64 random(6);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(1500);
-  add_decay(y, {50, 0.017}, 500, -std::numbers::pi / 2, 600);
+  add_decay(y, {50, 0.017}, 500, -kPi / 2, 600);
   for (Index j = 0; j < 4; ++j)
     y(598 + j) += 6 * std::sin(0.6 * static_cast<double>(j + 1));  // pulse
   add_noise(y, 0.005, random);
@@ -174,11 +164,10 @@ TEST(Decay, ABandAtAHighRateFindsItsMode) {
 
 TEST(Decay, RefusesWithAReason) {
   const auto code = [](const Eigen::VectorXd& y) { return estimate_decay(y, 500).refusal_code; };
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(code(Eigen::VectorXd::Constant(100, 2.0)), "constant");
   EXPECT_EQ(code(Eigen::VectorXd::Random(5)), "too_few_samples");
   EXPECT_EQ(code(Eigen::VectorXd()), "too_few_samples");
-  EXPECT_EQ(code(Eigen::VectorXd::Constant(50, kNan)), "too_few_samples");
+  EXPECT_EQ(code(Eigen::VectorXd::Constant(50, kNaN)), "too_few_samples");
   EXPECT_NE(code(decays(12, {{0.5, 0.01}}, 500, 200, 0.001)), "");  // an arc
   EXPECT_THROW((void)estimate_decay(Eigen::VectorXd::Random(500), 0), std::invalid_argument);
 }
@@ -202,8 +191,8 @@ TEST(DecayBackground, HumBesideAModeAsLongAsItStandsAloneBefore) {
     const double zeta = 0.002, apart = 0.2 + 0.1 * uniform(random);
     const double f = uniform(random) < 0.5 ? 50 - apart : 50 + apart;
     Eigen::VectorXd y = Eigen::VectorXd::Zero(1500);
-    add_decay(y, {50, 0, 0.05}, 1000, 2 * std::numbers::pi * uniform(random));
-    add_decay(y, {f, zeta}, 1000, -std::numbers::pi / 2, 500);
+    add_decay(y, {50, 0, 0.05}, 1000, 2 * kPi * uniform(random));
+    add_decay(y, {f, zeta}, 1000, -kPi / 2, 500);
     add_noise(y, 0.007, random);
     const auto result = estimate_decay(y, 1000);
     ASSERT_EQ(result.modes.size(), 1U) << seed;
@@ -230,7 +219,7 @@ TEST(DecayStart, MovesBehindWhatIsLeftOfTheBlow) {
       std::mt19937_64 random(seed);
       Eigen::VectorXd y(3000);
       for (Index j = 0; j < y.size(); ++j) {
-        const double t = static_cast<double>(j), turn = 2 * std::numbers::pi * t / kCycle;
+        const double t = static_cast<double>(j), turn = 2 * kPi * t / kCycle;
         y(j) = std::exp(-t / 900) * std::cos(turn) +
                0.3 * std::exp(-t / 700) * std::cos(2.7 * turn) +
                0.2 * std::exp(-t / 500) * std::cos(4.4 * turn + 1);

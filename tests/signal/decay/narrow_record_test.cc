@@ -1,26 +1,20 @@
 #include "signal/decay/narrow_record.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <random>
-
 #include "signal/decay/decay.h"
 #include "tests/signal/decays.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::narrow_record_test {
 namespace {
 
-constexpr Eigen::Index kSamples = 1 << 16;
+constexpr Index kSamples = 1 << 16;
 constexpr double kRate = 1000;
 
 /// A decay of 5.3 time constants in white noise on a line.
 Eigen::VectorXd record(double f, double noise) {
   std::mt19937_64 random(3);
   Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(kSamples, 5, 5 + 1e-5 * kSamples);
-  testing::add_decay(y, {f, 5.3 / kSamples * kRate / (2 * std::numbers::pi * f), 2}, kRate, 0.7);
+  testing::add_decay(y, {f, 5.3 / kSamples * kRate / (2 * kPi * f), 2}, kRate, 0.7);
   testing::add_noise(y, noise, random);
   return y;
 }
@@ -60,7 +54,7 @@ TEST(NarrowRecord, IsNotMadeOfGapsOrRailsOrForABandNearTheRate) {
   EXPECT_FALSE(narrow_record(y, {0.003, 0.008, false}));
   EXPECT_FALSE(narrow_record(y.head(500), band));  // too short
   Eigen::VectorXd gap = y;
-  gap(7) = std::numeric_limits<double>::quiet_NaN();
+  gap(7) = kNaN;
   EXPECT_FALSE(narrow_record(gap, band));
   EXPECT_FALSE(narrow_record(y.cwiseMin(6), band));  // a rail
 }

@@ -1,8 +1,8 @@
 #include "document/toml_table.h"
 
-#include <functional>
-
 #include "tests/test.h"
+
+#include <functional>
 
 namespace rigfit::document::toml_table_test {
 namespace {

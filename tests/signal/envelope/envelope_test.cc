@@ -1,19 +1,13 @@
 #include "signal/envelope/envelope.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
-
 #include "signal/decay/decay.h"
 #include "tests/signal/decays.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::envelope_test {
 namespace {
 
-using Eigen::Index;
-constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr double kTwoPi = 2 * kPi;
 
 // A(t) cos(phase(t)), dA/dt = -(alpha A + beta + gamma A^2), stepped finely; f = f0 + k A^2.
 Eigen::VectorXd record(double alpha, double beta, double gamma, double f0, double k, double noise,

@@ -1,15 +1,12 @@
 #include "signal/estimation/pole_steps.h"
 
-#include <gtest/gtest.h>
+#include "tests/test.h"
 
 #include <Eigen/QR>
-#include <cmath>
 
 namespace rigfit::signal {
 namespace {
 
-using Complex = std::complex<double>;
-using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;

@@ -7,7 +7,6 @@
 
 namespace rigfit::signal::impact_test_test {
 namespace {
-using Eigen::Index;
 using testing::ImpactRecordOptions;
 
 std::vector<std::string> names(Index count) {
@@ -87,7 +86,7 @@ TEST(ImpactTest, ErrorBarsAreRightOnTheTenModes) {
       const Eigen::MatrixXcd exact = truth.accelerance(f, 5);
       for (Index c = 0; c < 6; ++c) {
         for (Index k = 2; k < f.size(); ++k, count += 2) {
-          const std::complex<double> z = (test.frfs.H(k, c) - exact(k, c)) / test.frfs.H_std(k, c);
+          const Complex z = (test.frfs.H(k, c) - exact(k, c)) / test.frfs.H_std(k, c);
           square += std::norm(z);
           outside += (std::abs(z.real()) > 1.96 ? 1 : 0) + (std::abs(z.imag()) > 1.96 ? 1 : 0);
         }

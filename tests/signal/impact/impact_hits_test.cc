@@ -6,7 +6,6 @@
 
 namespace rigfit::signal::impact_hits_test {
 namespace {
-using Eigen::Index;
 using testing::HammerHit;
 using testing::ImpactRecordOptions;
 
@@ -151,7 +150,7 @@ TEST(ImpactHits, ForceSpectrumIsAskedForInTheBand) {
 TEST(ImpactHits, RecordsWithoutHitsAreSaid) {
   Bench bench;
   Recording recording = bench.record(testing::hammer_hits(bench.options));
-  for (const double level : {0.0, std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double level : {0.0, kNaN}) {
     recording.channels[0].samples.setConstant(level);
     const HitSearch none = find_hits(std::span(&recording, 1), 0, kResponses);
     EXPECT_TRUE(none.hits.empty());

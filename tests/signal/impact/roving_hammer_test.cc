@@ -6,7 +6,6 @@
 
 namespace rigfit::signal::roving_hammer_test {
 namespace {
-using Eigen::Index;
 
 /// Three accelerometers, the hammer at the first, the third, and a place without one (the fifth of
 /// six).

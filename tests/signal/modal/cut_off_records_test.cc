@@ -8,7 +8,6 @@
 
 namespace rigfit::signal::cut_off_records_test {
 namespace {
-using Complex = std::complex<double>;
 
 /// Accelerances of 8 s of a beam at 2.0924 Hz, of which `left` is left at the end.
 testing::DefectiveFrfOptions beam(double left) {
@@ -38,7 +37,7 @@ TEST(CutOffRecords, PolesHoldWhateverTheRecordLeavesAndWhereverTheHitIs) {
                 4 * mode.damping_ratio.std);
       EXPECT_LT(mode.frequency_hz.std, 5e-4 * 2.0924);
       const Complex truth = 1.0 / Complex(0, 2 * mode.pole_rad_s.imag());
-      for (Eigen::Index o = 0; o < 3; ++o) {
+      for (Index o = 0; o < 3; ++o) {
         const double x = (static_cast<double>(o) + 0.63) / 3.37;
         const Complex residue = std::sin(kTwoPi / 2 * x) * std::sin(kTwoPi / 2 * 0.37) * truth;
         EXPECT_LT(std::abs(mode.shape[o] - residue), 1.96 * mode.shape_std.row(o).norm());
@@ -88,7 +87,7 @@ TEST(CutOffRecords, NoBackgroundForModesThatHaveDecayedOrSteadyTones) {
   EXPECT_TRUE(allow(0.009));
   EXPECT_EQ(band.lines.background.cols(), 1);
   EXPECT_TRUE(allow(0.02));
-  const Eigen::Index unknown = band.lines.background.cols();
+  const Index unknown = band.lines.background.cols();
   // One function of s, then what an eighth of 160 lines spans: 20, and some.
   EXPECT_GT(unknown, 20);
   EXPECT_LT(unknown, 30);
@@ -100,7 +99,7 @@ TEST(CutOffRecords, NoBackgroundForModesThatHaveDecayedOrSteadyTones) {
 // 400 sets of noise, whose variance rises sixteenfold along the lines: chance is below 1 in 1e4
 // each.
 TEST(CutOffRecords, TheMisfitShowsABackgroundAndNoiseShowsNone) {
-  constexpr Eigen::Index kLines = 160, kFrfs = 3;
+  constexpr Index kLines = 160, kFrfs = 3;
   const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(kLines, 0.125, 20);
   const Eigen::VectorXcd s = Complex(0, kTwoPi) * f.cast<Complex>();
   const Eigen::MatrixXcd background = cut_off_background(s, 2, 0.4, 0);
@@ -109,14 +108,14 @@ TEST(CutOffRecords, TheMisfitShowsABackgroundAndNoiseShowsNone) {
   int shown = 0;
   for (int set = 0; set < 400; ++set) {
     Eigen::MatrixXcd misfit(kLines, kFrfs);
-    for (Eigen::Index k = 0; k < kLines; ++k) {
+    for (Index k = 0; k < kLines; ++k) {
       for (Complex& one : misfit.row(k)) {
         one = std::sqrt(line[k]) * Complex(normal(), normal());
       }
     }
     shown += misfit_shows(background, misfit, line, 4);
     // Two and a half times as much in the span as the noise alone.
-    for (Eigen::Index c = 0; c < kFrfs; ++c) {
+    for (Index c = 0; c < kFrfs; ++c) {
       misfit.col(c) += background * (background.adjoint() * misfit.col(c)) * 1.5;
     }
     EXPECT_TRUE(misfit_shows(background, misfit, line, 4));

@@ -26,7 +26,7 @@ TEST(LocalModes, AModeThatDriftsBetweenPointsIsOne) {
   ASSERT_EQ(result.model.modes.size(), 2u);
   for (std::size_t r = 0; r < 2; ++r) {
     const IdentifiedMode& mode = result.model.modes[r];
-    const double f = options.frequency_hz[static_cast<Eigen::Index>(r)];
+    const double f = options.frequency_hz[static_cast<Index>(r)];
     const double range = 5 * 2 * options.damping_ratio * f;
     EXPECT_EQ(mode.refinement, "local");
     EXPECT_LT(std::abs(mode.frequency_hz.value - f), 4 * mode.frequency_hz.std + 1e-4 * range);
@@ -47,7 +47,7 @@ TEST(LocalModes, PointsThatAgreeAreFittedTogether) {
   ASSERT_EQ(result.model.modes.size(), 2u);
   for (std::size_t r = 0; r < 2; ++r) {
     const IdentifiedMode& mode = result.model.modes[r];
-    const double f = options.frequency_hz[static_cast<Eigen::Index>(r)];
+    const double f = options.frequency_hz[static_cast<Index>(r)];
     EXPECT_EQ(mode.refinement, "global");
     EXPECT_LT(std::abs(mode.frequency_hz.value - f), 4 * mode.frequency_hz.std);
     EXPECT_LT(mode.between_points_std_hz, 0.1 * 2 * options.damping_ratio * f);

@@ -7,8 +7,6 @@
 
 namespace rigfit::signal::modal_identification_test {
 namespace {
-using Complex = std::complex<double>;
-using Eigen::Index;
 
 /// Exact accelerances with white noise of `relative` of their rms.
 FrfSet noisy_truth(const testing::TenModeTruth& truth, double relative, double window,
@@ -47,7 +45,7 @@ TEST(ModalIdentification, TenModesFromHitsWithAndWithoutWindow) {
       EXPECT_FALSE(mode.doubtful) << mode.doubt;
       EXPECT_GT(mode.modal_phase_collinearity, 0.999);
       EXPECT_LT(mode.reconstruction_error, 0.01);
-      EXPECT_NEAR(mode.damping_ratio_with_window * mode.frequency_hz.value * 2 * std::numbers::pi,
+      EXPECT_NEAR(mode.damping_ratio_with_window * mode.frequency_hz.value * 2 * kPi,
                   -mode.pole_rad_s.real() + window, 1e-3 * -mode.pole_rad_s.real());
     }
     // Binomial of 20 at 0.95: 15 or fewer with a chance of 2.6e-3.
@@ -83,7 +81,7 @@ TEST(ModalIdentification, ExportedModesRebuildTheFrfs) {
   EXPECT_LT((again.H - exact).norm() / exact.norm(), (frfs.H - exact).norm() / exact.norm());
   // Without the window, and as receptance: the structure itself.
   const FrfSet receptance = synthesised(result.model, frfs.frequency_hz, FrfForm::receptance);
-  const Eigen::ArrayXd w = 2 * std::numbers::pi * frfs.frequency_hz.array();
+  const Eigen::ArrayXd w = 2 * kPi * frfs.frequency_hz.array();
   const Eigen::MatrixXcd accelerance = truth.accelerance(frfs.frequency_hz);
   const Eigen::MatrixXcd back = (-w.square()).matrix().asDiagonal() * receptance.H;
   EXPECT_LT((back - accelerance).norm(), 2e-3 * accelerance.norm());
@@ -105,7 +103,7 @@ TEST(ModalIdentification, TwoInputsGiveShapesAndParticipations) {
   Normal normal(8);
   const Index at[2] = {truth.driving_point, 1};
   for (Index k = 0; k < 2800; ++k) {
-    const Complex s(0, 2 * std::numbers::pi * set.frequency_hz[k]);
+    const Complex s(0, 2 * kPi * set.frequency_hz[k]);
     for (Index o = 0; o < 6; ++o) {
       for (Index i = 0; i < 2; ++i) {
         Complex sum = 0;
@@ -153,7 +151,7 @@ TEST(ModalIdentification, ColumnsThatAreNoModeSayWhy) {
   truth.inputs = {{"hammer", 2, 3}};
   truth.lower_residual = truth.upper_residual = Eigen::MatrixXcd::Zero(1, 1);
   for (const auto& [frequency, size] : {std::pair{10.0, 1.0}, {14.0, 2e-5}, {20.0, 1.0}}) {
-    const double w = 2 * std::numbers::pi * frequency;
+    const double w = 2 * kPi * frequency;
     IdentifiedMode mode{.pole_rad_s = {-0.01 * w, w * std::sqrt(1 - 1e-4)},
                         .shape = Eigen::VectorXcd::Constant(1, Complex(0, -size / w)),
                         .participation = Eigen::VectorXcd::Ones(1)};
@@ -186,7 +184,7 @@ TEST(ModalIdentification, DeadAndBrokenFrfsAreSaid) {
   const auto truth = testing::ten_mode_truth(6);
   FrfSet set = noisy_truth(truth, 1e-3, 0, 10);
   set.H.col(3).setZero();
-  set.H(100, 2) = std::numeric_limits<double>::quiet_NaN();
+  set.H(100, 2) = kNaN;
   const ModalResult result = identify_modes(set);
   ASSERT_EQ(result.model.modes.size(), 10u);
   for (const IdentifiedMode& mode : result.model.modes) {

@@ -9,7 +9,6 @@
 
 namespace rigfit::signal {
 namespace {
-using Eigen::Index;
 
 /// Largest error of frequency and damping over their standard deviations, sure modes of four seeds.
 double worst_error(const testing::StrikeOptions& strike, int& sure,

@@ -7,7 +7,6 @@
 
 namespace rigfit::signal::mode_warnings_test {
 namespace {
-using Complex = std::complex<double>;
 using Eigen::MatrixXcd;
 
 /// One FRF that is 1 on 200 lines 0.1 Hz apart, and a mode at 10 Hz, 5 % damped: 11 lines.

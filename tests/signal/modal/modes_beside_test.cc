@@ -7,9 +7,6 @@
 namespace rigfit::signal::modes_beside_test {
 namespace {
 
-using Complex = std::complex<double>;
-using Eigen::Index;
-
 constexpr double kDamping = 0.012;
 
 /// Accelerances of modes at 7.2, 14.5, 21.9, 38.2, 47.06, 56.9 and 66.7 Hz, 1.2 % damped, at two

@@ -7,8 +7,6 @@
 
 namespace rigfit::signal::smooth_background_test {
 namespace {
-using Complex = std::complex<double>;
-using Eigen::Index;
 using Eigen::VectorXcd;
 
 /// Two accelerances with poles at 20 and 31 Hz, each line multiplied by 1 + e(f), e of echoes

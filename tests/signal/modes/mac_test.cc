@@ -4,7 +4,6 @@
 
 namespace rigfit::signal::mac_test {
 namespace {
-using Complex = std::complex<double>;
 
 TEST(Mac, ProportionalShapesAreOneAndOrthogonalOnesZero) {
   Eigen::VectorXcd a(3), b(3);

@@ -10,7 +10,7 @@ using Eigen::MatrixXcd;
 template <class Matrix>
 void expect_thin_qr(const Matrix& A) {
   const ThinQr<Matrix> qr = thin_qr(A);
-  const Eigen::Index n = A.cols();
+  const Index n = A.cols();
   EXPECT_LT((qr.Q * qr.R - A).norm(), 1e-14 * A.norm());
   EXPECT_LT((qr.Q.adjoint() * qr.Q - Matrix::Identity(n, n)).norm(), 1e-14);
   EXPECT_EQ(qr.R.template triangularView<Eigen::StrictlyLower>().toDenseMatrix().norm(), 0);

@@ -5,7 +5,6 @@
 
 namespace rigfit::signal::least_squares_test {
 namespace {
-using Eigen::Index;
 using Eigen::MatrixXd;
 
 /// Columns 1, t, t^2 ... on 0 .. 1: condition grows by about 6 a column.

@@ -4,9 +4,7 @@
 
 namespace rigfit::signal::lscf_test {
 namespace {
-using Complex = std::complex<double>;
-using Eigen::Index;
-constexpr double two_pi = 2 * std::numbers::pi;
+constexpr double two_pi = 2 * kPi;
 
 /// Rational functions of z of order (2 modes / inputs) exactly, on 129 lines from 50 Hz, 2 Hz
 /// apart: the transform length is 256, hence z = exp(i 2 pi k / 256).

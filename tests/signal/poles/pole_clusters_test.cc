@@ -4,7 +4,6 @@
 
 namespace rigfit::signal::pole_clusters_test {
 namespace {
-using Complex = std::complex<double>;
 
 /// Orders 1..40: `modes` from an order on with scatter (of their half bandwidth), and poles
 /// anywhere.

@@ -5,8 +5,6 @@
 namespace rigfit::signal::quality_test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Recording recording_of(Eigen::VectorXd samples, double rate) {
   return {.path = "x.csv",
           .sample_rate_hz = rate,
@@ -16,13 +14,13 @@ Recording recording_of(Eigen::VectorXd samples, double rate) {
                         .samples = std::move(samples)}}};
 }
 
-Eigen::VectorXd noise(Eigen::Index n, double std, unsigned seed) {
+Eigen::VectorXd noise(Index n, double std, unsigned seed) {
   Normal normal(seed);
   return Eigen::VectorXd::NullaryExpr(n, [&] { return std * normal(); });
 }
 
-Eigen::VectorXd sine(Eigen::Index n, double frequency, double rate, double amplitude) {
-  return Eigen::VectorXd::NullaryExpr(n, [=](Eigen::Index k) {
+Eigen::VectorXd sine(Index n, double frequency, double rate, double amplitude) {
+  return Eigen::VectorXd::NullaryExpr(n, [=](Index k) {
     return amplitude * std::sin(2 * kPi * frequency * static_cast<double>(k) / rate);
   });
 }
@@ -39,7 +37,7 @@ TEST(Quality, CleanDecayAndNoiseHaveNoFindings) {
   // 40 seeds of a decaying mode near the mains frequency with noise: a finding would be false.
   for (unsigned seed = 0; seed < 40; ++seed) {
     Eigen::VectorXd x = sine(4000, 50, 1000, 10);
-    for (Eigen::Index k = 0; k < x.size(); ++k) x[k] *= std::exp(-5.3e-3 * static_cast<double>(k));
+    for (Index k = 0; k < x.size(); ++k) x[k] *= std::exp(-5.3e-3 * static_cast<double>(k));
     x += noise(4000, 0.01, seed);
     EXPECT_THAT(codes(check(recording_of(x, 1000))), ::testing::IsEmpty()) << seed;
   }
@@ -66,7 +64,7 @@ TEST(Quality, DropoutsStuckEndAndMissing) {
   x.segment(1000, 20).setZero();
   x.segment(2000, 15).setConstant(x[1999]);
   x.tail(200).setConstant(0.3);
-  x[3000] = std::numeric_limits<double>::quiet_NaN();
+  x[3000] = kNaN;
   const auto q = check(recording_of(x, 1000));
   EXPECT_THAT(codes(q), UnorderedElementsAre("missing", "dropouts", "stuck"));
   EXPECT_EQ(q.missing_samples, 1);
@@ -109,7 +107,7 @@ TEST(Quality, HumWithItsHarmonicsAndTheFloor) {
   const double rate = 2000;
   Eigen::VectorXd x =
       noise(40000, 0.02, 8) + sine(40000, 50.02, rate, 0.1) + sine(40000, 150.06, rate, 0.05);
-  for (Eigen::Index k = 0; k < x.size(); ++k) {
+  for (Index k = 0; k < x.size(); ++k) {
     x[k] += std::exp(-0.5e-3 * static_cast<double>(k)) *
             std::sin(2 * kPi * 12 * static_cast<double>(k) / rate);
   }
@@ -136,7 +134,7 @@ TEST(Quality, HumWithItsHarmonicsAndTheFloor) {
 TEST(Quality, ConstantAndEmptyChannels) {
   EXPECT_THAT(codes(check(recording_of(Eigen::VectorXd::Constant(50, 3.5), 100))),
               ElementsAre("stuck"));
-  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double nan = kNaN;
   const auto q = check(recording_of(Eigen::VectorXd::Constant(50, nan), 100));
   EXPECT_THAT(codes(q), ElementsAre("missing"));
   EXPECT_EQ(q.missing_samples, 50);

@@ -1,5 +1,6 @@
 // Sensitivities and units off by a thousand are said, ordinary measurements are not.
 #include "signal/readers/recording_description.h"
+
 #include "tests/test.h"
 
 namespace rigfit::signal::plausibility_test {

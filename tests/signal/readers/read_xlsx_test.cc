@@ -293,7 +293,7 @@ TEST_F(Workbooks, FrfsAreReadFromASheet) {
   write_one(rows);
   const FrfSet set = read_frfs({path_});
   ASSERT_EQ(set.H.rows(), 50);
-  EXPECT_EQ(set.H(7, 0), std::complex<double>(force(7), -force(7)));
+  EXPECT_EQ(set.H(7, 0), Complex(force(7), -force(7)));
   EXPECT_THAT(refusal(), AllOf(HasSubstr(".xlsx:2:"), HasSubstr("rigfit modal")));
 }
 

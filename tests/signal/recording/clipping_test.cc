@@ -4,7 +4,6 @@
 
 namespace rigfit::signal::clipping_test {
 namespace {
-using Eigen::Index;
 
 Eigen::VectorXd sine(double period, double step) {
   return Eigen::VectorXd::NullaryExpr(2000, [=](Index n) {
@@ -40,7 +39,7 @@ TEST(Clipping, RangeRestAndNothing) {
   pulse.segment(40, 5) << 0.3, 0.8, 1, 0.7, 0.2;
   EXPECT_FALSE(clipped(pulse));  // at rest at its lower extreme
   EXPECT_FALSE(clipped(Eigen::VectorXd::Constant(50, 3)));
-  EXPECT_FALSE(clipped(Eigen::VectorXd::Constant(50, std::numeric_limits<double>::quiet_NaN())));
+  EXPECT_FALSE(clipped(Eigen::VectorXd::Constant(50, kNaN)));
 }
 
 TEST(Clipping, TwoEqualSamplesOfASharpTop) {

@@ -8,7 +8,7 @@
 namespace rigfit::signal::resample_test {
 namespace {
 
-double wave(double t, double f) { return std::sin(2 * std::numbers::pi * f * t + 0.3); }
+double wave(double t, double f) { return std::sin(2 * kPi * f * t + 0.3); }
 
 Recording record(const Eigen::VectorXd& t, double rate, double f) {
   return {
@@ -19,9 +19,9 @@ Recording record(const Eigen::VectorXd& t, double rate, double f) {
 /// rms departure from the wave, away from the ends.
 double error_of(const Recording& recording, double f) {
   const auto& x = recording.channels[0].samples;
-  const Eigen::Index n = x.size(), end = n / 5;
+  const Index n = x.size(), end = n / 5;
   double sum = 0;
-  for (Eigen::Index k = end; k < n - end; ++k) {
+  for (Index k = end; k < n - end; ++k) {
     const double t = recording.start_time_s + static_cast<double>(k) / recording.sample_rate_hz;
     sum += std::pow(x[k] - wave(t, f), 2);
   }
@@ -61,7 +61,7 @@ TEST(Resample, GapsAndMissingSamplesAreNotFilledIn) {
   uneven.time_s = t;
   const auto even = resampled(uneven, 100);
   EXPECT_GT(even.recording.channels[0].missing_samples, 15);
-  uneven.channels[0].samples[4] = std::nan("");
+  uneven.channels[0].samples[4] = kNaN;
   EXPECT_THROW((void)resampled(uneven, 100), RecordingError);
 }
 
@@ -75,7 +75,7 @@ TEST(Resample, ARateThatLeavesNoSamplesIsRefused) {
 // Flat tops stay without value, whether times are made even or the rate is changed.
 TEST(Resample, ClippedSamplesStayInvalid) {
   Eigen::VectorXd t(400);
-  for (Eigen::Index k = 0; k < t.size(); ++k) {
+  for (Index k = 0; k < t.size(); ++k) {
     t[k] = 0.002 * static_cast<double>(k) + 0.0003 * std::sin(1.7 * static_cast<double>(k));
   }
   Recording uneven = record(t, 500, 12);

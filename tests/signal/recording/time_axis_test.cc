@@ -6,9 +6,9 @@
 namespace rigfit::signal::time_axis_test {
 namespace {
 
-Eigen::VectorXd times(Eigen::Index n, double rate, double resolution) {
+Eigen::VectorXd times(Index n, double rate, double resolution) {
   Eigen::VectorXd t(n);
-  for (Eigen::Index k = 0; k < n; ++k) {
+  for (Index k = 0; k < n; ++k) {
     t[k] = static_cast<double>(k) / rate;
     if (resolution > 0) t[k] = std::round(t[k] / resolution) * resolution;
   }

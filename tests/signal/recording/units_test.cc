@@ -5,78 +5,61 @@
 namespace rigfit::signal::units_test {
 namespace {
 
-struct Case {
-  const char* text;
-  const char* si;
-  double factor;
-  Quantity quantity;
-};
-
+// Spellings of one unit share a row. A superscript may be UTF-8 read as Latin-1, Latin-1, or lost.
 TEST(Units, UsualSpellings) {
-  constexpr double kG = 9.80665, kPi = std::numbers::pi;
-  // A superscript in UTF-8 read as Latin-1, in Latin-1, and lost, too.
-  const Case cases[] = {{"m/s2", "m/s^2", 1, Quantity::acceleration},
-                        {"m/s^2", "m/s^2", 1, Quantity::acceleration},
-                        {"m/s**2", "m/s^2", 1, Quantity::acceleration},
-                        {"m/s\u00B2", "m/s^2", 1, Quantity::acceleration},
-                        {"m/s\u00C2\u00B2", "m/s^2", 1, Quantity::acceleration},
-                        {"m/s\xB2", "m/s^2", 1, Quantity::acceleration},
-                        {"m/s\uFFFD", "m/s^2", 1, Quantity::acceleration},
-                        {"m/s/s", "m/s^2", 1, Quantity::acceleration},
-                        {"ms-2", "m/s^2", 1, Quantity::acceleration},
-                        {"m.s^-2", "m/s^2", 1, Quantity::acceleration},
-                        {"m\u00B7s\u207B\u00B2", "m/s^2", 1, Quantity::acceleration},
-                        {"[mm/s^2]", "m/s^2", 1e-3, Quantity::acceleration},
-                        {"cm/s2", "m/s^2", 1e-2, Quantity::acceleration},
-                        {"Gal", "m/s^2", 1e-2, Quantity::acceleration},
-                        {"g", "m/s^2", kG, Quantity::acceleration},
-                        {"G", "m/s^2", kG, Quantity::acceleration},
-                        {"gn", "m/s^2", kG, Quantity::acceleration},
-                        {"mg", "m/s^2", 1e-3 * kG, Quantity::acceleration},
-                        {"N", "N", 1, Quantity::force},
-                        {"(kN)", "N", 1e3, Quantity::force},
-                        {"KN", "N", 1e3, Quantity::force},
-                        {"Newtons", "N", 1, Quantity::force},
-                        {"kgf", "N", kG, Quantity::force},
-                        {"lbf", "N", 4.4482216152605, Quantity::force},
-                        {"lbs", "N", 4.4482216152605, Quantity::force},
-                        {"mm", "m", 1e-3, Quantity::displacement},
-                        {"MM", "m", 1e-3, Quantity::displacement},
-                        {"\u00B5m", "m", 1e-6, Quantity::displacement},
-                        {"in", "m", 0.0254, Quantity::displacement},
-                        {"mm/s", "m/s", 1e-3, Quantity::velocity},
-                        {"V", "V", 1, Quantity::voltage},
-                        {"mV", "V", 1e-3, Quantity::voltage},
-                        {"MV", "V", 1e6, Quantity::voltage},
-                        {"deg", "rad", kPi / 180, Quantity::angle},
-                        {"\u00B0", "rad", kPi / 180, Quantity::angle},
-                        {"rad/s", "rad/s", 1, Quantity::angular_velocity},
-                        {"deg/s", "rad/s", kPi / 180, Quantity::angular_velocity},
-                        {"\u00B0/s", "rad/s", kPi / 180, Quantity::angular_velocity},
-                        {"rpm", "rad/s", kPi / 30, Quantity::angular_velocity},
-                        {"Nm", "N m", 1, Quantity::torque},
-                        {"N*mm", "N m", 1e-3, Quantity::torque},
-                        {"kN m", "N m", 1e3, Quantity::torque},
-                        {"Pa", "Pa", 1, Quantity::pressure},
-                        {"MPa", "Pa", 1e6, Quantity::pressure},
-                        {"psi", "Pa", 6894.757293168361, Quantity::pressure},
-                        {"N/mm2", "Pa", 1e6, Quantity::pressure},
-                        {"um/m", "1", 1e-6, Quantity::strain},
-                        {"\u00B5strain", "1", 1e-6, Quantity::strain},
-                        {"Hz", "Hz", 1, Quantity::unknown},
-                        {"kHz", "Hz", 1e3, Quantity::unknown},
-                        {"ms", "s", 1e-3, Quantity::time},
-                        {"sec", "s", 1, Quantity::time},
-                        {"g/N", "1/kg", kG, Quantity::unknown},
-                        {"(m/s^2)/N", "1/kg", 1, Quantity::unknown}};
-  for (const auto& c : cases) {
-    const auto unit = parse_unit(c.text);
-    ASSERT_TRUE(unit) << c.text;
-    EXPECT_EQ(unit->si, c.si) << c.text;
-    // A few roundings of doubles.
-    EXPECT_NEAR(unit->factor / c.factor, 1, 1e-14) << c.text;
-    EXPECT_EQ(unit->quantity, c.quantity) << c.text;
-    EXPECT_EQ(unit->offset, 0) << c.text;
+  using enum Quantity;
+  constexpr double kG = 9.80665, kPound = 4.4482216152605;
+  const struct {
+    const char* si;
+    double factor;
+    Quantity quantity;
+    std::vector<const char*> texts;
+  } units[] = {
+      {"m/s^2", 1, acceleration, {"m/s2", "m/s^2", "m/s**2", "m/s\u00B2", "m/s\u00C2\u00B2"}},
+      {"m/s^2", 1, acceleration, {"m/s\xB2", "m/s\uFFFD", "m/s/s", "ms-2", "m.s^-2"}},
+      {"m/s^2", 1, acceleration, {"m\u00B7s\u207B\u00B2"}},
+      {"m/s^2", 1e-3, acceleration, {"[mm/s^2]"}},
+      {"m/s^2", 1e-2, acceleration, {"cm/s2", "Gal"}},
+      {"m/s^2", kG, acceleration, {"g", "G", "gn"}},
+      {"m/s^2", 1e-3 * kG, acceleration, {"mg"}},
+      {"N", 1, force, {"N", "Newtons"}},
+      {"N", 1e3, force, {"(kN)", "KN"}},
+      {"N", kG, force, {"kgf"}},
+      {"N", kPound, force, {"lbf", "lbs"}},
+      {"m", 1e-3, displacement, {"mm", "MM"}},
+      {"m", 1e-6, displacement, {"\u00B5m"}},
+      {"m", 0.0254, displacement, {"in"}},
+      {"m/s", 1e-3, velocity, {"mm/s"}},
+      {"V", 1, voltage, {"V"}},
+      {"V", 1e-3, voltage, {"mV"}},
+      {"V", 1e6, voltage, {"MV"}},
+      {"rad", kPi / 180, angle, {"deg", "\u00B0"}},
+      {"rad/s", 1, angular_velocity, {"rad/s"}},
+      {"rad/s", kPi / 180, angular_velocity, {"deg/s", "\u00B0/s"}},
+      {"rad/s", kPi / 30, angular_velocity, {"rpm"}},
+      {"N m", 1, torque, {"Nm"}},
+      {"N m", 1e-3, torque, {"N*mm"}},
+      {"N m", 1e3, torque, {"kN m"}},
+      {"Pa", 1, pressure, {"Pa"}},
+      {"Pa", 1e6, pressure, {"MPa", "N/mm2"}},
+      {"Pa", 6894.757293168361, pressure, {"psi"}},
+      {"1", 1e-6, strain, {"um/m", "\u00B5strain"}},
+      {"Hz", 1, unknown, {"Hz"}},
+      {"Hz", 1e3, unknown, {"kHz"}},
+      {"s", 1e-3, time, {"ms"}},
+      {"s", 1, time, {"sec"}},
+      {"1/kg", kG, unknown, {"g/N"}},
+      {"1/kg", 1, unknown, {"(m/s^2)/N"}},
+  };
+  for (const auto& [si, factor, quantity, texts] : units) {
+    for (const char* text : texts) {
+      const auto unit = parse_unit(text);
+      ASSERT_TRUE(unit) << text;
+      EXPECT_EQ(unit->si, si) << text;
+      EXPECT_NEAR(unit->factor / factor, 1, 1e-14) << text;  // a few roundings of doubles
+      EXPECT_EQ(unit->quantity, quantity) << text;
+      EXPECT_EQ(unit->offset, 0) << text;
+    }
   }
 }
 

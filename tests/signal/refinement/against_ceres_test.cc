@@ -10,8 +10,6 @@
 
 namespace rigfit::signal::against_ceres_test {
 namespace {
-using Complex = std::complex<double>;
-using Eigen::Index;
 
 double minimised(ceres::Problem& problem) {
   ceres::Solver::Options options;

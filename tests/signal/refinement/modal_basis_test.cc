@@ -6,7 +6,6 @@
 
 namespace rigfit::signal::modal_basis_test {
 namespace {
-using Complex = std::complex<double>;
 
 TEST(ModalBasis, RecoversResiduesAndResidualsOfEveryForm) {
   const auto truth = testing::ten_mode_truth(4);

@@ -6,8 +6,6 @@
 
 namespace rigfit::signal::modal_noise_test {
 namespace {
-using Complex = std::complex<double>;
-using Eigen::Index;
 
 struct NoisyFrfs {
   Eigen::VectorXd q;
@@ -105,12 +103,11 @@ TEST(ModalNoise, LinesUnderAWindowAreCorrelatedAsSaid) {
     const Complex measured = sums[d] / power, expected(rho(d, 0), rho(10 + d, 0));
     // 84000 correlated products, some 30000 free ones: 0.6 % standard deviation.
     EXPECT_LT(std::abs(measured - expected), 0.025) << d;
-    EXPECT_LT(std::abs(expected - 1.0 / Complex(1, std::numbers::pi * static_cast<double>(d) / 3)),
-              1e-12);
+    EXPECT_LT(std::abs(expected - 1.0 / Complex(1, kPi * static_cast<double>(d) / 3)), 1e-12);
     // Counted from an instant t0 later, line k of the noise turns by exp(i 2 pi k t0 / T).
     FrfNoise later = noise;
     later.lead = 0.05;
-    const Complex turn = std::polar(1.0, 2 * std::numbers::pi * 0.05 * static_cast<double>(d));
+    const Complex turn = std::polar(1.0, 2 * kPi * 0.05 * static_cast<double>(d));
     EXPECT_LT(std::abs(line_correlation(later, d) - turn * line_correlation(noise, d)), 1e-14);
   }
 }

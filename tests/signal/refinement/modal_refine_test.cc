@@ -8,8 +8,6 @@
 
 namespace rigfit::signal::modal_refine_test {
 namespace {
-using Complex = std::complex<double>;
-using Eigen::Index;
 
 constexpr Index kLines = 600, kFrfs = 6;
 
@@ -165,7 +163,7 @@ TEST(ModalRefine, IntervalsCoverUnderAnExponentialWindow) {
     Eigen::VectorXcd e =
         fft.spectrum().segment(first, kLines) * std::sqrt(2 / window.squaredNorm());
     for (Index k = 0; k < kLines; ++k) {
-      e[k] *= std::polar(1.0, 2 * std::numbers::pi * problem.f[k] * kLead);
+      e[k] *= std::polar(1.0, 2 * kPi * problem.f[k] * kLead);
     }
     return e;
   };
@@ -209,7 +207,7 @@ TEST(ModalRefine, AModeThatIsNotThereIsNotSignificant) {
   const FrfLines data = problem.noisy(0.003, 0.002, 6);
   const FrfNoise noise = problem.noise(0.003, 0.002);
   Eigen::VectorXcd start(4);
-  start << problem.poles, Complex(-8, 2 * std::numbers::pi * 380);
+  start << problem.poles, Complex(-8, 2 * kPi * 380);
   const auto fit = refine_modes(data, noise, start, {.max_iterations = 0});
   const auto covariance = modal_covariance(data, noise, fit);
   // 12 real residues: chi-squared of mean 12 and standard deviation 5.

@@ -1,16 +1,9 @@
 #include "signal/sinusoids/damped_sinusoids.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
-#include "tests/expect_matrix.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::damped_sinusoids_test {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
 
 Eigen::VectorXd decay(const std::vector<Complex>& poles, const std::vector<Complex>& amplitudes,
                       Index n, double offset = 0, double drift = 0) {

@@ -1,19 +1,11 @@
 #include "signal/sinusoids/residual_noise.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <complex>
-#include <random>
-
 #include "signal/decay/decay.h"
 #include "tests/signal/decays.h"
+#include "tests/test.h"
 
 namespace rigfit::signal::residual_noise_test {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
 
 Eigen::VectorXd coloured(Index n, double colour, unsigned seed) {
   std::mt19937_64 generator(seed);

@@ -4,12 +4,11 @@
 
 namespace rigfit::signal::coherence_errors_test {
 namespace {
-using Eigen::Index;
 
 /// n averages of Y = H X + noise, white in lines: H1 and coherence of one FRF.
 FrfSet averaged(int n, double noise, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
-  const auto complex = [&] { return std::complex<double>(normal(random), normal(random)); };
+  const auto complex = [&] { return Complex(normal(random), normal(random)); };
   FrfSet set{.frequency_hz = Eigen::VectorXd::LinSpaced(400, 1, 400)};
   set.responses.push_back({"a", 1, 3});
   set.inputs.push_back({"f", 2, 3});
@@ -17,7 +16,7 @@ FrfSet averaged(int n, double noise, std::mt19937_64& random) {
   set.coherence.resize(400, 1);
   for (Index k = 0; k < 400; ++k) {
     double gxx = 0, gyy = 0;
-    std::complex<double> gxy = 0;
+    Complex gxy = 0;
     for (int i = 0; i < n; ++i) {
       const auto x = 1.0 + 0.3 * complex(), y = 2.0 * x + noise * complex();
       gxx += std::norm(x), gyy += std::norm(y), gxy += std::conj(x) * y;

@@ -1,12 +1,11 @@
 #include "signal/spectra/fft.h"
 
-#include <thread>
-
 #include "tests/test.h"
+
+#include <thread>
 
 namespace rigfit::signal::fft_test {
 namespace {
-using Eigen::Index;
 
 Eigen::VectorXd noise(Index n, unsigned seed) {
   Normal normal(seed);
@@ -19,8 +18,8 @@ Eigen::VectorXcd slow_transform(const Eigen::VectorXd& x) {
   Eigen::VectorXcd X = Eigen::VectorXcd::Zero(n / 2 + 1);
   for (Index k = 0; k < X.size(); ++k) {
     for (Index i = 0; i < n; ++i) {
-      X[k] += x[i] * std::polar(1.0, -2 * std::numbers::pi * static_cast<double>(k * i % n) /
-                                         static_cast<double>(n));
+      X[k] += x[i] *
+              std::polar(1.0, -2 * kPi * static_cast<double>(k * i % n) / static_cast<double>(n));
     }
   }
   return X;

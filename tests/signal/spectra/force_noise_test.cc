@@ -4,7 +4,6 @@
 
 namespace rigfit::signal {
 namespace {
-using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr Index kSamples = 4096;

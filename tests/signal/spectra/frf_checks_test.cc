@@ -5,7 +5,6 @@
 
 namespace rigfit::signal::frf_checks_test {
 namespace {
-using Eigen::Index;
 
 const testing::TenModeTruth& truth() {
   static const testing::TenModeTruth kTruth = testing::ten_mode_truth();
@@ -76,9 +75,8 @@ TEST(Reciprocity, HoldsWithinItsErrorBars) {
 
   Normal normal(2);
   both.H_std = Eigen::MatrixXd::Constant(both.H.rows(), 40, 0.01);
-  both.H = both.H.unaryExpr([&](const std::complex<double>& h) {
-    return h + std::complex<double>(0.01 * normal(), 0.01 * normal());
-  });
+  both.H = both.H.unaryExpr(
+      [&](const Complex& h) { return h + Complex(0.01 * normal(), 0.01 * normal()); });
   checks = check_reciprocity(both);
   ASSERT_EQ(checks.size(), 1u);
   // 11,202 squared Gaussians: 1.4 % in the square, 0.7 % in its root.

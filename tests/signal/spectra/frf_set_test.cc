@@ -36,8 +36,8 @@ TEST(FrfSet, ReceptanceOfOneModeAtRestIsItsCompliance) {
              .inputs = {{"f", 1, 3}},
              .form = FrfForm::accelerance,
              .exponential_decay_rate_1_s = 3};
-  const std::complex<double> s(3, 2 * EIGEN_PI * 10);
-  const std::complex<double> alpha = 1.0 / (s * s + 2 * 0.01 * 100 * s + 1e4);
+  const Complex s(3, 2 * EIGEN_PI * 10);
+  const Complex alpha = 1.0 / (s * s + 2 * 0.01 * 100 * s + 1e4);
   set.H = Eigen::MatrixXcd::Constant(1, 1, s * s * alpha);
   EXPECT_LT(std::abs(converted(set, FrfForm::receptance).H(0, 0) - alpha),
             1e-15 * std::abs(alpha) * 10);

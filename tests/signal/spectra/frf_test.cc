@@ -4,7 +4,6 @@
 
 namespace rigfit::signal::frf_test {
 namespace {
-using Eigen::Index;
 
 std::span<const double> view(const Eigen::VectorXd& x) {
   return {x.data(), static_cast<std::size_t>(x.size())};

@@ -1,17 +1,12 @@
-#include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdlib>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
-#include "apps/bench/bench_study.h"
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::bench_test {
 namespace {
-using Json = nlohmann::json;
 
 /// One quick run of everything, shared.
 class BenchRun : public ::testing::Test {
@@ -19,23 +14,23 @@ class BenchRun : public ::testing::Test {
   static void SetUpTestSuite() { json_ = document_of("bench --quick"); }
   void SetUp() override { ASSERT_TRUE(json_.is_object()); }
 
-  static std::vector<Json> rows_of(const std::string& task, const std::string& study = "") {
-    std::vector<Json> out;
+  static std::vector<Document> rows_of(const std::string& task, const std::string& study = "") {
+    std::vector<Document> out;
     for (const auto& row : json_["rows"]) {
       if (row["task"] == task && row.value("study", "") == study) out.push_back(row);
     }
     return out;
   }
-  static Json default_of(const std::string& task, const std::string& study = "") {
+  static Document default_of(const std::string& task, const std::string& study = "") {
     for (const auto& row : rows_of(task, study)) {
       if (row["default"].get<bool>()) return row;
     }
     ADD_FAILURE() << "no default of " << task;
     return {};
   }
-  static double error_of(const Json& row) { return row["relative_error"].get<double>(); }
+  static double error_of(const Document& row) { return row["relative_error"].get<double>(); }
 
-  static inline Json json_;
+  static inline Document json_;
 };
 
 TEST_F(BenchRun, EveryTaskHasAFrontAndADefault) {
@@ -85,34 +80,6 @@ TEST_F(BenchRun, SchemesGoTheSameWay) {
     }
   }
   EXPECT_TRUE(stiff);
-}
-
-// Methods in order of time, the front joined, the default marked; what failed is not drawn.
-TEST(BenchPlot, TimeAgainstError) {
-  BenchStudy study;
-  study.task = "statics", study.study = "steps";
-  const auto add = [&](const char* method, double time, double error, bool front, bool standard) {
-    BenchRow row;
-    row.method = method, row.wall_s = time, row.relative_error = error;
-    row.on_front = front, row.is_default = standard;
-    study.rows.push_back(row);
-  };
-  add("own", 0.02, 1e-5, true, true);
-  add("own", 0.01, 1e-3, true, false);
-  add("theirs", 5, 1e-4, false, false);
-  add("fails", 1, 1, false, false);
-  const Plot plot = bench_plot(study);
-  EXPECT_TRUE(plot.log_x && plot.log_y);
-  ASSERT_EQ(plot.series.size(), 4U);
-  EXPECT_EQ(plot.series[0].name, "own");
-  EXPECT_EQ(plot.series[0].x, (std::vector<double>{0.01, 0.02}));
-  EXPECT_EQ(plot.series[0].y, (std::vector<double>{1e-3, 1e-5}));
-  EXPECT_EQ(plot.series[2].name, "Pareto-optimal");
-  EXPECT_EQ(plot.series[2].x.size(), 2U);
-  EXPECT_EQ(plot.series[3].name, "default");
-  EXPECT_EQ(plot.series[3].x, std::vector<double>{0.02});
-  study.rows.resize(0);
-  EXPECT_TRUE(bench_plot(study).series.empty());
 }
 
 }  // namespace

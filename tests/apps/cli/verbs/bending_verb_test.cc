@@ -1,15 +1,11 @@
-#include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-#include <string>
 
 #include "ident/bending/bending_equation.h"
-#include "tests/apps/run_program.h"
+
+#include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::bending_verb_test {
 namespace {
-
-using Json = nlohmann::json;
 
 // Loading and unloading straight from the equation, one or more tensions.
 std::string table(double EI, const std::vector<double>& tensions, double span) {
@@ -24,19 +20,10 @@ std::string table(double EI, const std::vector<double>& tensions, double span) {
   return text;
 }
 
-Json document(const ProgramRun& run) {
-  EXPECT_FALSE(run.out.empty()) << run.err;
-  return parsed(run.out);
-}
-
-const char* const kPublished = "tension_N,EI_Nm2\n25,0.2549\n100,0.4948\n200,0.5972\n300,0.8283\n";
-
 TEST(BendingVerb, TableOfRecordsGivesStiffnessAtEachTension) {
   const TemporaryFolder folder;
   const auto file = folder.write("bend.csv", table(0.6, {50, 150, 300}, 0.5));
-  const auto run = run_line("bending {} --span 0.5 --json -", {file});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = document(run);
+  const Document json = document_of("bending {} --span 0.5", {file});
   ASSERT_EQ(json["tests"].size(), 3U);
   for (const auto& test : json["tests"]) {
     // The table holds six decimals of newtons and of millimetres: 1e-6 relative, times the
@@ -50,25 +37,11 @@ TEST(BendingVerb, TableOfRecordsGivesStiffnessAtEachTension) {
   EXPECT_TRUE(json["bounds"].is_null());
 }
 
-TEST(BendingVerb, PublishedTableGivesLawsAndBounds) {
-  const TemporaryFolder folder;
-  const auto file = folder.write("table1.csv", kPublished);
-  const auto run = run_line("bending {} --strand 195e9 133 0.397e-3 6.35e-3 --json -", {file});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json json = document(run);
-  ASSERT_EQ(json["tests"].size(), 4U);
-  EXPECT_DOUBLE_EQ(json["tests"][1]["EI_Nm2"]["value"], 0.4948);
-  EXPECT_TRUE(json["tests"][1]["EI_Nm2"]["std"].is_null());
-  EXPECT_EQ(json["laws"].size(), 4U);
-  EXPECT_NEAR(json["bounds"]["EI_max_Nm2"].get<double>(), 15.5632, 0.003 * 15.5632);
-  EXPECT_FALSE(json["law_choice"]["decided"].get<bool>());
-}
-
 TEST(BendingVerb, ReadsItsOwnIntervals) {
   const TemporaryFolder folder;
   const auto file = folder.write(
       "t.csv", "tension_N,EI_Nm2,low,high\n25,0.25,0.2,0.3\n100,0.5,0.45,0.55\n200,0.6,0.5,0.7\n");
-  const Json json = document(run_line("bending {} --json -", {file}));
+  const Document json = document_of("bending {}", {file});
   EXPECT_DOUBLE_EQ(json["tests"][0]["EI_Nm2"]["low"], 0.2);
   EXPECT_DOUBLE_EQ(json["tests"][0]["EI_Nm2"]["high"], 0.3);
 }
@@ -78,7 +51,7 @@ TEST(BendingVerb, WrongSpanIsRefusedByName) {
   const auto file = folder.write("bend.csv", table(0.05, {300}, 0.6));
   const auto run = run_line("bending {} --span 0.4 --json -", {file});
   EXPECT_EQ(run.exit_code, 4) << run.err;
-  const Json json = document(run);
+  const Document json = parsed(run.out);
   EXPECT_TRUE(json["tests"][0]["EI_Nm2"]["value"].is_null());
   EXPECT_NE(run.err.find("not below 1"), std::string::npos) << run.err;
 }

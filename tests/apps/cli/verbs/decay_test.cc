@@ -1,11 +1,6 @@
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <nlohmann/json.hpp>
-#include <numbers>
-#include <random>
 
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::decay_test {
 namespace {
@@ -14,7 +9,7 @@ std::string decay_csv(double f, double zeta, double rate, int samples, double no
                       int quiet = 0) {
   std::mt19937_64 generator(3);
   std::normal_distribution<double> normal(0, noise);
-  const double w = 2 * std::numbers::pi * f, wd = w * std::sqrt(1 - zeta * zeta);
+  const double w = 2 * kPi * f, wd = w * std::sqrt(1 - zeta * zeta);
   std::string text = "time (s),force (N)\n";
   for (int j = 0; j < samples; ++j) {
     const double t = (j - quiet) / rate;
@@ -28,7 +23,7 @@ std::string decay_csv(double f, double zeta, double rate, int samples, double no
 TEST(DecayVerb, GivesFrequencyAndDampingOfAFile) {
   TemporaryFolder folder;
   const auto file = folder.write("tap.csv", decay_csv(50, 0.017, 500, 800, 0.003, 200));
-  const nlohmann::json json = document_of("decay {} --channel force", {file});
+  const Document json = document_of("decay {} --channel force", {file});
   EXPECT_EQ(json["command"], "decay");
   EXPECT_EQ(json["inputs"].size(), 1u);
   ASSERT_EQ(json["modes"].size(), 1u);
@@ -49,7 +44,7 @@ TEST(DecayVerb, GivesFrequencyAndDampingOfAFile) {
 TEST(DecayVerb, TakesStartEndAndBandInTheFilesTime) {
   TemporaryFolder folder;
   const auto file = folder.write("tap.csv", decay_csv(50, 0.017, 500, 800, 0.003));
-  const nlohmann::json json = document_of("decay {} --start 0.1 --end 0.9 --band 30 80", {file});
+  const Document json = document_of("decay {} --start 0.1 --end 0.9 --band 30 80", {file});
   EXPECT_NEAR(json["window"]["start_s"].get<double>(), 0.1, 1e-9);
   EXPECT_NEAR(json["window"]["end_s"].get<double>(), 0.9, 1e-9);
 }

@@ -1,15 +1,10 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <iterator>
 #include <map>
-#include <sstream>
 
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::export_test {
 namespace {
-using ::testing::HasSubstr;
 
 TEST(ExportVerb, WritesADeckAndRefusesWhatItCannotSay) {
   const TemporaryFolder folder;

@@ -1,20 +1,12 @@
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "signal/readers/read_recording.h"
 #include "signal/writers/write_csv.h"
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 #include "tests/reference/ten_mode_truth.h"
 
 namespace rigfit::apps::frf_test {
 namespace {
-using ::testing::HasSubstr;
 using Hits = std::vector<testing::HammerHit>;
 
 struct FrfVerb : ::testing::Test {
@@ -56,7 +48,7 @@ TEST_F(FrfVerb, AveragesTheGoodHitsAndSaysWhatIsWrongWithTheOther) {
   // Both files hold the FRFs: noise of 0.5 % of each channel's rms is far below 2 % of them.
   const signal::FrfSet frfs = signal::read_frfs({path("frf.uff")});
   ASSERT_EQ(frfs.H.cols(), 2);
-  const Eigen::Index lines = (frfs.frequency_hz.array() < 1300).count();
+  const Index lines = (frfs.frequency_hz.array() < 1300).count();
   const Eigen::MatrixXcd exact = truth.accelerance(frfs.frequency_hz.head(lines), 3);
   EXPECT_LT((frfs.H.col(1).head(lines) - exact.col(2)).norm(), 0.02 * exact.col(2).norm());
   EXPECT_EQ(frfs.H_std.cols(), 2);
@@ -67,7 +59,7 @@ TEST_F(FrfVerb, AveragesTheGoodHitsAndSaysWhatIsWrongWithTheOther) {
   std::string header, line;
   std::getline(csv, header);
   EXPECT_THAT(header, HasSubstr("a3 std ((m/s^2)/N),a3 coherence"));
-  Eigen::Index rows = 0;
+  Index rows = 0;
   while (std::getline(csv, line)) ++rows;
   EXPECT_EQ(rows, frfs.frequency_hz.size());
 }
@@ -116,7 +108,7 @@ TEST_F(FrfVerb, ARovingHammerGivesEveryPointItsColumnAndChecksReciprocity) {
   options.noise = 0.002;
   options.hits = 2;
   std::vector<std::string> files;
-  for (const Eigen::Index struck : {0, 2}) {
+  for (const Index struck : {0, 2}) {
     for (std::uint64_t seed = 1; seed <= 2; ++seed) {
       truth.driving_point = struck;
       options.seed = seed + static_cast<std::uint64_t>(10 * struck);
@@ -133,12 +125,12 @@ TEST_F(FrfVerb, ARovingHammerGivesEveryPointItsColumnAndChecksReciprocity) {
   EXPECT_EQ(json["hits"][7]["struck"], "a3");
   EXPECT_EQ(json["hits"][7]["file"], files[3]);
   EXPECT_EQ(json["averages"], 4);
-  EXPECT_EQ(json["struck"], nlohmann::json({"a1", "a3"}));
+  EXPECT_EQ(json["struck"], Document({"a1", "a3"}));
   ASSERT_EQ(json["driving_points"].size(), 2u);
   EXPECT_EQ(json["driving_points"][1]["point"], "a3");
   EXPECT_EQ(json["driving_points"][1]["verdict"], "consistent");
   ASSERT_EQ(json["reciprocity"].size(), 1u);
-  EXPECT_EQ(json["reciprocity"][0]["points"], nlohmann::json({"a1", "a3"}));
+  EXPECT_EQ(json["reciprocity"][0]["points"], Document({"a1", "a3"}));
   EXPECT_LT(json["reciprocity"][0]["difference"].get<double>(), 0.05);
   EXPECT_GT(json["reciprocity"][0]["from_noise"].get<double>(), 0);
   const signal::FrfSet frfs = signal::read_frfs({path("roving.uff")});
@@ -154,7 +146,7 @@ TEST_F(FrfVerb, ARovingHammerGivesEveryPointItsColumnAndChecksReciprocity) {
   const auto modes = document_of("modal {} --band 100 1300", {path("roving.uff")})["modes"];
   ASSERT_EQ(modes.size(), 8u);  // above 100 Hz
   for (std::size_t r = 0; r < 8; ++r) {
-    const double f = truth.frequency_hz[static_cast<Eigen::Index>(r) + 2];
+    const double f = truth.frequency_hz[static_cast<Index>(r) + 2];
     EXPECT_NEAR(modes[r]["frequency_hz"]["value"].get<double>(), f, 1e-3 * f);
     EXPECT_EQ(modes[r]["participation"].size(), 2u);
   }

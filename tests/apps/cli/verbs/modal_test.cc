@@ -1,22 +1,13 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <complex>
-#include <nlohmann/json.hpp>
-#include <numbers>
-#include <random>
 
 #include "signal/readers/read_recording.h"
 #include "signal/writers/write_uff.h"
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 #include "tests/reference/defective_frfs.h"
 #include "tests/reference/ten_mode_truth.h"
 
 namespace rigfit::apps::modal_test {
 namespace {
-using ::testing::HasSubstr;
-using Complex = std::complex<double>;
 
 struct ModalVerb : ::testing::Test {
   [[nodiscard]] std::string path(const std::string& name) const { return folder.at(name); }
@@ -36,13 +27,13 @@ struct ModalVerb : ::testing::Test {
 
 TEST_F(ModalVerb, FrfsGiveModesThatRebuildThem) {
   const std::string file = frf_file(1);
-  const nlohmann::json json =
+  const Document json =
       document_of("modal {} --out {} --synthesis {}", {file, path("modes.uff"), path("again.uff")});
   ASSERT_EQ(json["modes"].size(), 10u);
   const Eigen::MatrixXcd residues = truth.residues();
   for (std::size_t r = 0; r < 10; ++r) {
     const auto& mode = json["modes"][r];
-    const auto i = static_cast<Eigen::Index>(r);
+    const auto i = static_cast<Index>(r);
     // Five standard deviations of 20 values.
     EXPECT_NEAR(mode["frequency_hz"]["value"].get<double>(), truth.frequency_hz[i],
                 5 * mode["frequency_hz"]["std"].get<double>());
@@ -50,7 +41,7 @@ TEST_F(ModalVerb, FrfsGiveModesThatRebuildThem) {
                 5 * mode["damping_ratio"]["std"].get<double>());
     EXPECT_GT(mode["damping_ratio_with_window"], mode["damping_ratio"]["value"]);
     ASSERT_EQ(mode["shape"].size(), 4u);
-    for (Eigen::Index o = 0; o < 4; ++o) {
+    for (Index o = 0; o < 4; ++o) {
       const auto& entry = mode["shape"][static_cast<std::size_t>(o)];
       const Complex d = Complex(entry["re"], entry["im"]) - residues(o, i);
       EXPECT_LT(std::abs(d.real()), 5 * entry["std_re"].get<double>());
@@ -101,7 +92,7 @@ TEST_F(ModalVerb, FrfsFromAFileTakeAStatedWindowAndRefuseOptionsOfHits) {
   set.exponential_decay_rate_1_s = 0;
   const std::string file =
       folder.write("other.uff", signal::uff_text(set, signal::UffEncoding::binary));
-  const nlohmann::json json = document_of("modal {} --exponential-window 1 --quiet", {file});
+  const Document json = document_of("modal {} --exponential-window 1 --quiet", {file});
   EXPECT_EQ(json["exponential_decay_rate_1_s"], 1);
   // The 25 Hz mode: 1 % with 1 / (2 pi 25) = 0.64 % of the window on top. No noise.
   EXPECT_NEAR(json["modes"][0]["damping_ratio"]["value"].get<double>(), 0.01, 1e-5);
@@ -120,7 +111,7 @@ TEST_F(ModalVerb, RebuiltFrfsHaveWhatRecordsThatEndEarlyAdd) {
   options.frequency_hz = (Eigen::VectorXd(2) << 2.0924, 13.11).finished();
   options.record_s = 8, options.before_hit_s = 0.4;
   options.spacing_hz = 0.125, options.low_hz = 0.125, options.high_hz = 20;
-  options.damping_ratio = -std::log(0.4) / (2 * std::numbers::pi * 2.0924 * options.record_s);
+  options.damping_ratio = -std::log(0.4) / (2 * kPi * 2.0924 * options.record_s);
   options.points = 3, options.points_are_inputs = false;
   options.noise = 1e-3;
   const signal::FrfSet set = testing::defective_frfs(options);

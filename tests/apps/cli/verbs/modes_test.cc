@@ -1,15 +1,10 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "tests/apps/apps_test.h"
 #include "tests/apps/cable_scene.h"
-#include "tests/apps/run_program.h"
 
 namespace rigfit::apps::modes_test {
 namespace {
-using ::testing::HasSubstr;
 
 const std::string kCable = kCableScene + std::string("damping_ratio = 0.005\n");
 
@@ -19,15 +14,15 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 TEST(ModesVerb, GivesTheCablesModes) {
   const TemporaryFolder folder;
-  const nlohmann::json json =
+  const Document json =
       document_of("modes {} --count 4 --shapes",
                   {folder.write("cable.toml", replaced(kCable, "12", "\"auto\""))});
   EXPECT_EQ(json["command"], "modes");
   ASSERT_EQ(json["modes"].size(), 4u);
   // Taut string of mass 0.16667 kg/m with EI: f = sqrt((T + EI k^2) / m) / (2 L), to the strain
   // T / EA = 9e-4 and the sag's and the accuracy's 1e-4.
-  const double k = M_PI / 2.4;
-  const double f1 = k / (2 * M_PI) * std::sqrt((200 + 0.5972 * k * k) / 0.16667);
+  const double k = kPi / 2.4;
+  const double f1 = k / (2 * kPi) * std::sqrt((200 + 0.5972 * k * k) / 0.16667);
   EXPECT_EQ(json["modes"][0]["plane"], "out");
   EXPECT_NEAR(json["modes"][0]["frequency_hz"].get<double>() / f1, 1, 1e-3);
   EXPECT_EQ(json["modes"][1]["plane"], "in");

@@ -1,57 +1,35 @@
 // From files of one's own to values: FRFs as text to modes, recordings to a campaign that runs,
 // another rate.
-#include <fmt/format.h>
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <nlohmann/json.hpp>
-#include <numbers>
-#include <random>
-#include <string>
-
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::own_files_test {
 namespace {
 
-using ::testing::HasSubstr;
-
 TEST(OwnFiles, FrfsAsTextGiveModes) {
   // Two modes at 40 and 90 Hz, 1 % damping, seen at two points; eight digits.
   const TemporaryFolder folder;
-  std::vector<std::string> command{"modal"};
+  std::vector<std::string> points;
   for (const int point : {0, 1}) {
     std::string text = "Frequency\tReal\tImaginary\nHz\t(m/s^2)/N\t(m/s^2)/N\n";
     for (int k = 0; k <= 1000; ++k) {
       const double f = 10 + 0.1 * k;
-      std::complex<double> h = 0;
+      Complex h = 0;
       for (const int mode : {0, 1}) {
         const double f0 = mode == 0 ? 40 : 90, shape = mode == 0 ? 1 : (point == 0 ? 1 : -0.5);
-        h += -shape * f * f / std::complex<double>(f0 * f0 - f * f, 2 * 0.01 * f0 * f);
+        h += -shape * f * f / Complex(f0 * f0 - f * f, 2 * 0.01 * f0 * f);
       }
       text += fmt::format("{:.2f}\t{:.8e}\t{:.8e}\n", f, h.real(), h.imag());
     }
-    command.push_back(folder.write(fmt::format("point{}.txt", point), text));
+    points.push_back(folder.write(fmt::format("point{}.txt", point), text));
   }
-  const auto inspected = run_program({"inspect", command.back(), "--json", "-"});
-  EXPECT_EQ(inspected.exit_code, 0) << inspected.err;
-  EXPECT_THAT(inspected.out, HasSubstr("not_a_time_history"));
-  command.insert(command.end(), {"--json", "-"});
-  const auto run = run_program(command);
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto modes = parsed(run.out)["modes"];
+  EXPECT_THAT(document_of("inspect {}", {points[0]}).dump(), HasSubstr("not_a_time_history"));
+  const auto modes = document_of("modal {} {}", points)["modes"];
   ASSERT_EQ(modes.size(), 2u);
   EXPECT_NEAR(modes[0]["frequency_hz"]["value"].get<double>(), 40, 1e-3);
   EXPECT_NEAR(modes[1]["frequency_hz"]["value"].get<double>(), 90, 1e-3);
   EXPECT_NEAR(modes[1]["damping_ratio"]["value"].get<double>(), 0.01, 1e-5);
-  EXPECT_EQ(
-      run_program({"decay", folder.write("fft.csv", "Frequency (Hz),Amplitude\n0,1\n1,2\n2,1\n"),
-                   "--channel", "Amplitude"})
-          .exit_code,
-      3);
+  const auto fft = folder.write("fft.csv", "Frequency (Hz),Amplitude\n0,1\n1,2\n2,1\n");
+  EXPECT_EQ(run_line("decay {} --channel Amplitude", {fft}).exit_code, 3);
 }
 
 // One channels.toml for recordings of different channels: silent where each has its own, said where
@@ -67,8 +45,7 @@ TEST(OwnFiles, AFolderDescribesDifferentRecordings) {
     for (int k = 0; k < 200; ++k) {
       text += fmt::format("{:.3f};{:.3f}{}\n", 1e-3 * k, std::sin(0.1 * k), two ? ";1.5" : "");
     }
-    const auto document =
-        parsed(run_program({"inspect", folder.write("a.csv", text), "--json", "-"}).out);
+    const auto document = document_of("inspect {}", {folder.write("a.csv", text)});
     for (const auto& warning : document["warnings"]) {
       if (warning["code"] == "described_channel_absent")
         return warning["message"].get<std::string>();
@@ -89,12 +66,12 @@ TEST(OwnFiles, HammerIsFoundByItsPulses) {
   std::normal_distribution<double> noise(0, 1e-3);
   for (const int hits : {1, 4}) {
     std::string text = "t;CH1 [g];CH2 [N]\n";
-    const double omega = 2 * std::numbers::pi * 25, zeta = 0.02, step = 1e-5;
+    const double omega = 2 * kPi * 25, zeta = 0.02, step = 1e-5;
     double place = 0, speed = 0;
     for (int k = 0; k < 800000; ++k) {
       const double since = std::fmod(step * k - 0.1, 1.9);
       const bool hits_now = step * k > 0.1 && step * k < 0.1 + 1.9 * hits && since < 0.008;
-      const double force = hits_now ? std::sin(std::numbers::pi * since / 0.008) : 0;
+      const double force = hits_now ? std::sin(kPi * since / 0.008) : 0;
       const double motion = force - 2 * zeta * omega * speed - omega * omega * place;
       speed += motion * step;
       place += speed * step;
@@ -105,10 +82,10 @@ TEST(OwnFiles, HammerIsFoundByItsPulses) {
     }
     const std::string file = folder.write(fmt::format("data{}/hits.csv", hits), text);
     const std::string rig = (folder.path() / fmt::format("rig{}", hits)).string();
-    const auto made = run_program({"new", rig, "--from", file});
+    const auto made = run_line("new {} --from {}", {rig, file});
     ASSERT_EQ(made.exit_code, 0) << made.err;
     EXPECT_THAT(made.out, HasSubstr("pulses of a hammer on channel CH2"));
-    const auto report = run_program({"report", rig + "/campaign.toml", "--out", rig + "/report"});
+    const auto report = run_line("report {}/campaign.toml --out {}/report", {rig, rig});
     EXPECT_THAT(report.exit_code, ::testing::AnyOf(0, 4)) << report.err;
     const auto test = parsed(folder.read(fmt::format("rig{}/report/report.json", hits)))
                           .at("recorded_modal")
@@ -131,10 +108,8 @@ TEST(OwnFiles, BendingMachineWithoutTension) {
     text += line;
   }
   const auto file = folder.write("Probe 1.csv", text);
-  const auto run = run_program({"bending", file, "--tension", "0", "--ends", "pinned", "--span",
-                                "0.1", "--rectangle", "0.01", "0.004", "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto test = parsed(run.out)["tests"][0];
+  const auto test = document_of(
+      "bending {} --tension 0 --ends pinned --span 0.1 --rectangle 0.01 0.004", {file})["tests"][0];
   EXPECT_EQ(test["ends"], "pinned");
   EXPECT_EQ(test["tension_N"], 0);
   // Four decimals of newtons: 1e-5 of the load; the break of the elastic part is left out.
@@ -143,45 +118,38 @@ TEST(OwnFiles, BendingMachineWithoutTension) {
   EXPECT_NEAR(test["EI_Nm2"]["value"].get<double>(), EI, 1e-3 * EI);
   EXPECT_NEAR(test["modulus_Pa"]["value"].get<double>(), EI / I, 1e-3 * EI / I);
 
-  const auto without = run_program({"bending", file, "--span", "0.1"});
+  const auto without = run_line("bending {} --span 0.1", {file});
   EXPECT_EQ(without.exit_code, 3);
   EXPECT_THAT(without.err, HasSubstr("--tension 0"));
-  const auto campaign = run_program({"new", (folder.path() / "c").string(), "--from", file});
+  const std::string start = "new {} --from {} --quiet";
+  const auto campaign = run_line(start, {folder.at("c"), file});
   EXPECT_EQ(campaign.exit_code, 2);
   EXPECT_THAT(campaign.err, HasSubstr("--span"));
-  const auto started = run_program(
-      {"new", (folder.path() / "c").string(), "--from", file, "--span", "0.1", "--quiet"});
-  ASSERT_EQ(started.exit_code, 0) << started.err;
+  ASSERT_EQ(run_line(start + " --span 0.1", {folder.at("c"), file}).exit_code, 0);
   EXPECT_THAT(folder.read("c/campaign.toml"), HasSubstr("tension = 0"));
-  const auto report = run_program({"report", (folder.path() / "c/campaign.toml").string(), "--out",
-                                   (folder.path() / "out").string(), "--json", "-"});
-  ASSERT_EQ(report.exit_code, 0) << report.err;
-  EXPECT_EQ(parsed(report.out)["bending"][0]["tests"][0]["ends"], "clamped");
-  EXPECT_EQ(run_program({"bending", file, "--span", "0.1", "--ends", "pinned"}).exit_code, 2);
+  const auto report =
+      document_of("report {} --out {}", {folder.at("c/campaign.toml"), folder.at("out")});
+  EXPECT_EQ(report["bending"][0]["tests"][0]["ends"], "clamped");
+  EXPECT_EQ(run_line("bending {} --span 0.1 --ends pinned", {file}).exit_code, 2);
 
   // Dead weights in grams: 0.5 N/mm.
   std::string weights = "mass (g);deflection (mm)\n";
   for (int i = 0; i < 8; ++i)
     weights += fmt::format("{};{:.4f}\n", 50 * i, i * 0.05 * 9.80665 / 0.5);
-  const auto dead = run_program({"bending", folder.write("weights.csv", weights), "--tension", "0",
-                                 "--ends", "cantilever", "--span", "0.3", "--json", "-"});
-  ASSERT_EQ(dead.exit_code, 0) << dead.err;
-  EXPECT_NEAR(parsed(dead.out)["tests"][0]["stiffness_N_m"]["value"].get<double>(), 500, 0.1);
+  const auto dead = document_of("bending {} --tension 0 --ends cantilever --span 0.3",
+                                {folder.write("weights.csv", weights)});
+  EXPECT_NEAR(dead["tests"][0]["stiffness_N_m"]["value"].get<double>(), 500, 0.1);
 }
 
 TEST(OwnFiles, AtAnotherRate) {
   const TemporaryFolder folder;
   std::string text = "Time (s),a (m/s^2)\n";
   for (int k = 0; k < 4000; ++k) {
-    text += fmt::format("{:.4f},{:.7f}\n", k / 4000.0,
-                        std::sin(2 * std::numbers::pi * 30 * k / 4000.0));
+    text += fmt::format("{:.4f},{:.7f}\n", k / 4000.0, std::sin(2 * kPi * 30 * k / 4000.0));
   }
-  const std::string file = folder.write("fast.csv", text),
-                    out = (folder.path() / "slow.csv").string();
-  const auto run = run_program({"resample", file, "--rate", "500", "--out", out, "--json", "-"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(parsed(run.out)["sample_rate_hz"], 500);
-  const auto again = parsed(run_program({"inspect", out, "--json", "-"}).out)["recordings"][0];
+  const std::string file = folder.write("fast.csv", text), out = folder.at("slow.csv");
+  EXPECT_EQ(document_of("resample {} --rate 500 --out {}", {file, out})["sample_rate_hz"], 500);
+  const auto again = document_of("inspect {}", {out})["recordings"][0];
   EXPECT_EQ(again["sample_rate_hz"], 500);
   EXPECT_NEAR(again["channels"][0]["rms"].get<double>(), std::sqrt(0.5), 2e-3);
 }

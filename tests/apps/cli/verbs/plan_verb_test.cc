@@ -1,32 +1,14 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::plan_verb_test {
 namespace {
-using ::testing::HasSubstr;
-
-const std::string kScenes = RIGFIT_TESTDATA "/jalali2021/scenes/";
-
-std::vector<std::string> plan(const std::string& scene, const std::vector<std::string>& more) {
-  std::vector<std::string> words{"plan", kScenes + scene};
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
 
 TEST(PlanVerb, ProposesTestsUntilTheGoalsAreReached) {
-  const auto run =
-      run_program(plan("rig.toml", {"--goal", "beam.EI_z=1%", "tip.mass=0.0001", "--free",
-                                    "tension=left cable.tension,right "
-                                    "cable.tension",
-                                    "--json", "-"}));
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto json = parsed(run.out);
+  const Document json = document_of(
+      "plan $/jalali2021/scenes/rig.toml --goal beam.EI_z=1% tip.mass=0.0001 --free 'tension=left "
+      "cable.tension,right cable.tension'");
   ASSERT_EQ(json["goals"].size(), 2u);
   for (const auto& goal : json["goals"]) EXPECT_TRUE(goal["reached"].get<bool>()) << goal.dump();
   EXPECT_NEAR(json["goals"][0]["std"].get<double>(), 0.021, 1e-12);
@@ -44,15 +26,15 @@ TEST(PlanVerb, ProposesTestsUntilTheGoalsAreReached) {
   }
   EXPECT_TRUE(json["not_identifiable"].empty());
   EXPECT_GE(json["modes"].size(), 3u);
-  const auto text = run_program(plan("cable.toml", {"--goal", "cable.EI=5%"}));
+  const auto text = run_line("plan $/jalali2021/scenes/cable.toml --goal cable.EI=5%");
   EXPECT_EQ(text.exit_code, 0) << text.err;
   EXPECT_THAT(text.out, HasSubstr("hits of 4 s"));
   EXPECT_THAT(text.out, HasSubstr("goal 0.030: reached"));
 }
 
 TEST(PlanVerb, RefusesAGoalOutOfReachAndSaysWhatItWouldTake) {
-  const auto run = run_program(
-      plan("cable.toml", {"--goal", "cable.EI=0.001%", "--free", "cable.GJ", "--json", "-"}));
+  const auto run = run_line(
+      "plan $/jalali2021/scenes/cable.toml --goal cable.EI=0.001% --free cable.GJ --json -");
   ASSERT_EQ(run.exit_code, 4) << run.err;
   EXPECT_THAT(run.err, HasSubstr("times more accurate"));
   const auto json = parsed(run.out);

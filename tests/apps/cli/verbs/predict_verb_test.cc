@@ -1,24 +1,15 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <iterator>
-#include <nlohmann/json.hpp>
-#include <string>
 
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::predict_verb_test {
 namespace {
-using ::testing::HasSubstr;
 
 const std::string kPaper = RIGFIT_TESTDATA "/jalali2021/";
 
 std::string fit_json(const std::string& name, double value, double std) {
-  return nlohmann::json{{"parameters", {{{"name", name}, {"value", value}, {"std", std}}}},
-                        {"correlation", {{1.0}}}}
+  return Document{{"parameters", {{{"name", name}, {"value", value}, {"std", std}}}},
+                  {"correlation", {{1.0}}}}
       .dump();
 }
 
@@ -38,7 +29,7 @@ TEST(PredictVerb, TheBareBeamFromTheCoupledRig) {
       "12 --starts 1 --out {} --json {}",
       {folder.at("o.toml"), fit});
   ASSERT_TRUE(update.exit_code == 0 || update.exit_code == 4) << update.err;
-  const nlohmann::json json = document_of(
+  const Document json = document_of(
       "predict $/jalali2021/scenes/beam.toml --from {} --count 8 --segments 30 --measured "
       "$/jalali2021/table2_beam_frequencies.csv --column test_Hz --plane in",
       {fit});
@@ -53,7 +44,7 @@ TEST(PredictVerb, TheBareBeamFromTheCoupledRig) {
   // What is known of these numbers: the bare beam's tip carries between nothing and the rig's 0.02
   // kg, its mass is 0.29 to 0.30 kg/m, each rectangular (width over sqrt(12)). All five are then
   // within 3 %, inside their intervals, and the first is known less well than by EI alone.
-  const nlohmann::json with = document_of(
+  const Document with = document_of(
       "predict $/jalali2021/scenes/beam.toml --from {} --count 8 --segments 30 --measured "
       "$/jalali2021/table2_beam_frequencies.csv --column test_Hz --plane in --input "
       "tip.mass=0.01,0.00577 --input beam.mass_per_length=0.00289",

@@ -1,15 +1,9 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <nlohmann/json.hpp>
 
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::synthesize_test {
 namespace {
-using ::testing::HasSubstr;
-using Json = nlohmann::json;
 
 TEST(SynthesizeVerb, WritesRecordingsThatTheOtherVerbsReadBack) {
   const TemporaryFolder folder;
@@ -18,7 +12,7 @@ TEST(SynthesizeVerb, WritesRecordingsThatTheOtherVerbsReadBack) {
                         "--record 4 --finer 1 --bending-span 1 --axial-length 1.0 --taps 1",
                         {out})["data"],
             "synthetic");
-  const Json truth = parsed(folder.read("lab/truth.json"));
+  const Document truth = parsed(folder.read("lab/truth.json"));
   EXPECT_EQ(truth["seed"], 7);
   ASSERT_EQ(truth["rig"][0]["records"].size(), 3u);
   EXPECT_THAT(folder.read("lab/rig/hammer-hit1.csv"), HasSubstr("synthetic"));
@@ -27,7 +21,7 @@ TEST(SynthesizeVerb, WritesRecordingsThatTheOtherVerbsReadBack) {
   const double damped = truth["axial"][0]["frequency_hz"];
   const double ratio = truth["axial"][0]["damping_ratio"];
   const double natural = damped / std::sqrt(1 - ratio * ratio);
-  const Json mode =
+  const Document mode =
       document_of("decay {}/axial/L1m-1.csv --channel tension --band 20 100", {out})["modes"][0];
   EXPECT_NEAR(mode["frequency_hz"]["value"], natural, 1e-3 * natural);
   EXPECT_NEAR(mode["damping_ratio"]["value"], ratio, 0.05 * ratio);
@@ -42,7 +36,7 @@ TEST(SynthesizeVerb, SeveralTensionsInUffAndTheirTruth) {
       "$/jalali2021/table1_bending_stiffness.csv",
       {out});
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  const Json truth = parsed(folder.read("lab/truth.json"));
+  const Document truth = parsed(folder.read("lab/truth.json"));
   ASSERT_EQ(truth["rig"].size(), 2u);
   ASSERT_EQ(truth["bending"].size(), 2u);
   EXPECT_EQ(truth["rig"][1]["tension_meant_N"], 200);

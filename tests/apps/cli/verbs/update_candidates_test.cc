@@ -1,25 +1,15 @@
 // Models of the same modes compared through the program: a hanger with end springs.
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <nlohmann/json.hpp>
-#include <random>
-#include <string>
-
 #include "model/scene/read_scene.h"
-#include "tests/apps/run_program.h"
+#include "tests/apps/apps_test.h"
 #include "tests/scenes.h"
 
 namespace rigfit::apps::update_candidates_test {
 namespace {
 
-using Json = nlohmann::json;
-
 // 10 m, 30 kg/m, EI 2e5 N m2; pinned, or held by end springs.
 std::string hanger(double tension, double spring_Nm_rad = 0) {
   using namespace model::testing;
-  constexpr double kFixed = std::numeric_limits<double>::infinity();
+  constexpr double kFixed = kInf;
   const auto kind =
       spring_Nm_rad > 0 ? model::Support::Kind::elastic : model::Support::Kind::pinned;
   auto scene = span(member(model::Member::Kind::cable, "h", "", "", 30, 30, 1e9, 2e5),
@@ -41,7 +31,7 @@ std::string six_frequencies(const TemporaryFolder& folder, double relative_std) 
   std::normal_distribution<double> normal;
   std::string text = "frequency_hz,std,plane\n";
   int count = 0;
-  const Json modelled = document_of("modes {} --count 14", {truth});
+  const Document modelled = document_of("modes {} --count 14", {truth});
   for (const auto& mode : modelled["modes"]) {
     if (mode["plane"] != "in" || ++count > 6) continue;
     const double f = mode["frequency_hz"];
@@ -51,7 +41,7 @@ std::string six_frequencies(const TemporaryFolder& folder, double relative_std) 
   return text;
 }
 
-const Json& named(const Json& list, const std::string& name) {
+const Document& named(const Document& list, const std::string& name) {
   for (const auto& one : list) {
     if (one["name"] == name) return one;
   }
@@ -63,7 +53,7 @@ TEST(UpdateCandidates, EndSpringsOfAHangerAreChosenAndGiveItsTension) {
   const TemporaryFolder folder;
   const auto modes = folder.write("modes.csv", six_frequencies(folder, 5e-4));
   const auto scene = folder.write("hanger.toml", hanger(4e5));
-  const nlohmann::json json =
+  const Document json =
       document_of("update {} --measured {} --free h.tension --ends pinned clamped springs --out {}",
                   {scene, modes, folder.at("updated.toml")});
   ASSERT_EQ(json["candidates"].size(), 3U);
@@ -94,7 +84,7 @@ TEST(UpdateCandidates, WhatTheDataCannotTellIsRefusedWithItsAverage) {
                {scene, modes, folder.at("updated.toml")});
   EXPECT_EQ(run.exit_code, 4) << run.err;
   EXPECT_NE(run.err.find("no candidate has 90 % of the weight"), std::string::npos) << run.err;
-  const Json json = parsed(run.out);
+  const Document json = parsed(run.out);
   const auto& tension = named(json["averaged"], "h.tension");
   double narrowest = INFINITY;
   for (const auto& one : json["candidates"]) {

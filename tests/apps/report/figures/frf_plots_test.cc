@@ -1,13 +1,10 @@
-// FRFs as figures: phase without jumps where it is known, linked plots; frequencies of struck
-// points.
+// FRFs as figures: phase without jumps where it is known.
 #include "apps/report/figures/figures.h"
 
 #include "tests/test.h"
 
 namespace rigfit::apps::frf_plots_test {
 namespace {
-
-using Eigen::Index;
 
 /// A delay of 40 ms: the phase falls by 14.4 degrees a Hz, through several turns.
 signal::FrfSet delayed() {
@@ -17,7 +14,7 @@ signal::FrfSet delayed() {
   frfs.H.resize(101, 1);
   frfs.H_std = Eigen::MatrixXd::Constant(101, 1, 0.01);
   for (Index k = 0; k < 101; ++k) {
-    frfs.H(k, 0) = std::polar(1.0, -2 * std::numbers::pi * 0.04 * frfs.frequency_hz[k]);
+    frfs.H(k, 0) = std::polar(1.0, -2 * kPi * 0.04 * frfs.frequency_hz[k]);
   }
   return frfs;
 }
@@ -43,27 +40,6 @@ TEST(FrfFigures, PhaseHasNoJumpsAndGapsWhereItIsNotKnown) {
         EXPECT_NEAR(s.y[i] - s.y[i - 1], -14.4, 1e-9);
       }
     }
-  }
-}
-
-TEST(FrfFigures, AreLinkedAndMarkTheModes) {
-  const signal::FrfSet frfs = delayed();
-  signal::ModalResult modal;
-  modal.model.modes.resize(1);
-  modal.model.modes[0].frequency_hz = {30, 0.1};
-  modal.model.modes[0].doubtful = true;
-  modal.model.responses.resize(1);
-  modal.model.inputs.resize(1);
-  modal.model.lower_residual = modal.model.upper_residual = Eigen::MatrixXcd::Zero(1, 1);
-  modal.model.modes[0].pole_rad_s = {-1, 188};
-  modal.model.modes[0].participation = modal.model.modes[0].shape = Eigen::VectorXcd::Ones(1);
-  const auto plots = hammer_plots({nullptr, nullptr, frfs, 0, 100, &modal, "test", "200N"});
-  ASSERT_EQ(plots.size(), 2u);  // neither hits nor coherence nor poles
-  for (const auto& plot : plots) {
-    EXPECT_EQ(plot.link, "test-frf-200N");
-    ASSERT_EQ(plot.marks.size(), 1u);
-    EXPECT_EQ(plot.marks[0].x, 30);
-    EXPECT_TRUE(plot.marks[0].doubtful);
   }
 }
 

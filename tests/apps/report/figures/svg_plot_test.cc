@@ -1,8 +1,8 @@
 #include "apps/report/drawing/svg_plot.h"
 
-#include <fmt/format.h>
-
 #include "tests/test.h"
+
+#include <fmt/format.h>
 
 namespace rigfit::apps::svg_plot_test {
 namespace {
@@ -14,7 +14,7 @@ TEST(AxisTicks, AreRoundAndInside) {
   EXPECT_THAT(axis_ticks(1, 10, 6, true), ElementsAre(1, 2, 3, 5, 7, 10));
   EXPECT_TRUE(axis_ticks(1, 1, 6, false).empty());
   EXPECT_TRUE(axis_ticks(-1, 10, 6, true).empty());
-  EXPECT_TRUE(axis_ticks(0, std::numeric_limits<double>::infinity(), 6, false).empty());
+  EXPECT_TRUE(axis_ticks(0, kInf, 6, false).empty());
 }
 
 std::size_t count(const std::string& text, const std::string& what) {
@@ -31,9 +31,9 @@ TEST(SvgPlot, DrawsEverySeriesOnceAndNeverANonNumber) {
                     .origin = Origin::published,
                     .style = PlotSeries::Style::points,
                     .x = {1, 2, 3},
-                    .y = {1, std::nan(""), 3},
-                    .low = {0.5, std::nan(""), 2},
-                    .high = {1.5, std::nan(""), 4}};
+                    .y = {1, kNaN, 3},
+                    .low = {0.5, kNaN, 2},
+                    .high = {1.5, kNaN, 4}};
   PlotSeries line{.name = "model", .x = {1, 2, 3}, .y = {1.1, 2.1, 3.1}};
   plot.series = {points, line};
   const std::string svg = svg_plot(plot);
@@ -157,7 +157,7 @@ TEST(PlotCsv, HoldsEveryValueExactly) {
   PlotSeries series;
   series.name = "a,b";
   series.x = {0.1, 1.0 / 3};
-  series.y = {1e-300, std::nan("")};
+  series.y = {1e-300, kNaN};
   plot.series.push_back(series);
   EXPECT_EQ(plot_csv(plot),
             "series,origin,\"x\",\"y, \"\"units\"\"\",low,high\n\"a,b\",modelled,0.1,1e-300,,\n"

@@ -94,7 +94,7 @@ TEST(ModalTest, WhatCannotTakePartIsRefusedWithItsReason) {
 TEST(ModalTest, APlaceWithoutAUsableHitIsLeftOutAndDoesNotShortenTheOthers) {
   auto recordings = hits("tip", {});
   ModalRecording gaps{hit(5), {}, "foot", Origin::synthetic};
-  gaps.recording.channels[1].samples.segment(200, 40).setConstant(std::nan(""));
+  gaps.recording.channels[1].samples.segment(200, 40).setConstant(kNaN);
   recordings.push_back(std::move(gaps));
   const auto test = run_modal_test(std::move(recordings), options());
   const auto& state = test.states.at(0);

@@ -5,8 +5,6 @@
 namespace rigfit::ident::decay_test_test {
 namespace {
 
-using Eigen::Index;
-
 /// Taps of an oscillator of 7 Hz, damping 0.01, at 200 Hz; the record starts at 100 s.
 signal::Recording taps(const std::vector<std::pair<double, double>>& hits, double seconds,
                        double noise, unsigned seed, double frequency_scatter = 0) {
@@ -15,7 +13,7 @@ signal::Recording taps(const std::vector<std::pair<double, double>>& hits, doubl
   signal::Channel channel{.name = "acceleration"};
   channel.samples.setZero(static_cast<Index>(seconds * 200));
   for (const auto& [at, amplitude] : hits) {
-    const double w = 2 * std::numbers::pi * (7 + frequency_scatter * normal());
+    const double w = 2 * kPi * (7 + frequency_scatter * normal());
     for (Index j = static_cast<Index>(std::ceil(at * 200)); j < channel.samples.size(); ++j) {
       const double t = static_cast<double>(j) / 200 - at;
       channel.samples(j) += amplitude * std::exp(-0.01 * w * t) * std::sin(w * t);

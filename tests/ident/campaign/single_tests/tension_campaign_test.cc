@@ -13,11 +13,11 @@ TensionInputs plucked_string() {
   TensionRecording one{.name = "pluck", .recording = {.sample_rate_hz = 200}};
   signal::Channel channel{.name = "acceleration"};
   channel.samples.resize(12000);
-  for (Eigen::Index j = 0; j < channel.samples.size(); ++j) {
+  for (Index j = 0; j < channel.samples.size(); ++j) {
     const double t = static_cast<double>(j) / 200;
     double sum = 0.01 * normal();
     for (int n = 1; n <= 5; ++n) {
-      const double w = std::numbers::pi * n * std::sqrt(kTension / kMass) / kLength;
+      const double w = kPi * n * std::sqrt(kTension / kMass) / kLength;
       sum += std::exp(-0.002 * w * t) * std::sin(w * t);
     }
     channel.samples[j] = sum;
@@ -70,7 +70,7 @@ signal::Recording driven(const std::vector<double>& frequencies, double damping,
                          double seconds, std::uint64_t seed) {
   Normal normal(seed);
   signal::Recording recording{.sample_rate_hz = rate};
-  const auto n = static_cast<Eigen::Index>(seconds * rate);
+  const auto n = static_cast<Index>(seconds * rate);
   for (const char* name : {"a", "b"}) {
     recording.channels.emplace_back();
     recording.channels.back().name = name;
@@ -78,14 +78,13 @@ signal::Recording driven(const std::vector<double>& frequencies, double damping,
         Eigen::VectorXd::NullaryExpr(n, [&] { return 0.05 * normal(); });
   }
   for (std::size_t k = 0; k < frequencies.size(); ++k) {
-    const double w = 2 * std::numbers::pi * frequencies[k], decay = std::exp(-damping * w / rate);
-    const std::complex<double> turn =
-        std::polar(decay, w * std::sqrt(1 - damping * damping) / rate);
-    std::complex<double> z(normal(), normal());
-    for (Eigen::Index i = 0; i < n; ++i) {
+    const double w = 2 * kPi * frequencies[k], decay = std::exp(-damping * w / rate);
+    const Complex turn = std::polar(decay, w * std::sqrt(1 - damping * damping) / rate);
+    Complex z(normal(), normal());
+    for (Index i = 0; i < n; ++i) {
       recording.channels[0].samples[i] += z.real();
       recording.channels[1].samples[i] += std::sin(1 + double(k)) * z.real();
-      z = turn * z + std::sqrt(1 - decay * decay) * std::complex<double>(normal(), normal());
+      z = turn * z + std::sqrt(1 - decay * decay) * Complex(normal(), normal());
     }
   }
   return recording;
@@ -112,7 +111,7 @@ TEST(TensionCampaign, FrequenciesOfShortRecordingsHold) {
         const auto& f = nearest->frequency_hz;
         held += std::abs(f.value - frequency) < 1.96 * f.std;
         // The bound of a resonance driven by white noise.
-        width += f.std / std::sqrt(damping * frequency / (2 * std::numbers::pi * seconds));
+        width += f.std / std::sqrt(damping * frequency / (2 * kPi * seconds));
       }
     }
     EXPECT_GE(held, 88) << damping;

@@ -96,17 +96,5 @@ TEST(FrfCoverage, AnExponentialWindowBiasesNothing) {
   EXPECT_LT(std::abs(deviation), 3 / std::sqrt(kSeeds));
 }
 
-// 16 segments move the third mode by a part of its width; "auto" gives the rig's own stiffness.
-TEST(FrfCoverage, SegmentsLeftToTheProgramResolveTheLines) {
-  UpdateOptions options{.starts = 1};
-  const auto frfs =
-      testing::hammered_frfs(lines(), {.place_m = 1e-4, .force = 1e-3, .response = 2e-3}, 50, 128);
-  const auto result =
-      update_model({state_of(0, frfs)}, {{"beam.EI_z"}, {"beam.damping_ratio"}}, options);
-  const auto& EI = result.parameters[0];
-  EXPECT_NEAR(EI.value, testing::kBeamEI, 3 * EI.std);
-  EXPECT_LT(EI.std, 1e-3 * testing::kBeamEI);
-}
-
 }  // namespace
 }  // namespace rigfit::ident::frf_coverage_test

@@ -29,10 +29,10 @@ std::vector<MeasuredFrf> frfs_of(const model::Scene& truth, double std, std::uin
   for (std::size_t sensor = 0; sensor < truth.sensors.size(); ++sensor) {
     MeasuredFrf frf{.sensor = sensor, .frequency_hz = lines};
     frf.H.resize(lines.size()), frf.std.resize(lines.size());
-    for (Eigen::Index k = 0; k < lines.size(); ++k) {
-      const auto H = exact.H[static_cast<std::size_t>(k)](static_cast<Eigen::Index>(sensor), 0);
+    for (Index k = 0; k < lines.size(); ++k) {
+      const auto H = exact.H[static_cast<std::size_t>(k)](static_cast<Index>(sensor), 0);
       frf.std[k] = std * std::abs(H);
-      frf.H[k] = H + frf.std[k] * std::complex<double>(normal(), normal());
+      frf.H[k] = H + frf.std[k] * Complex(normal(), normal());
     }
     frfs.push_back(std::move(frf));
   }
@@ -46,7 +46,7 @@ std::vector<MeasuredMode> modes_of(const model::Scene& truth, int count, double 
     MeasuredMode mode{.frequency_hz = {natural.frequency_hz, 1e-3 * natural.frequency_hz},
                       .damping_ratio = {natural.damping_ratio, damping_std * natural.damping_ratio},
                       .plane = natural.plane,
-                      .shape = natural.sensor_shape.cast<std::complex<double>>()};
+                      .shape = natural.sensor_shape.cast<Complex>()};
     modes.push_back(mode);
   }
   return modes;

@@ -1,8 +1,8 @@
 #include "ident/update/pairing/mode_assignment.h"
 
-#include <numeric>
-
 #include "tests/test.h"
+
+#include <numeric>
 
 namespace rigfit::ident::mode_pairing_test {
 namespace {
@@ -56,19 +56,28 @@ TEST(LeastCostAssignment, EqualsTheBestOfAllPermutations) {
   }
 }
 
-TEST(PairModes, AMissingModeDoesNotShiftTheOthers) {
-  const auto pairing = pair_modes(modes({10, 20, 40, 50}), modes({10.2, 19.5, 30, 41, 51}));
-  EXPECT_EQ(partners(pairing, 4), (std::vector<int>{0, 1, 3, 4}));
-}
-
-TEST(PairModes, AStrangerStaysUnpaired) {
-  const auto pairing = pair_modes(modes({10, 14.5, 20}), modes({10, 20, 80}));
-  EXPECT_EQ(partners(pairing, 3), (std::vector<int>{0, -1, 1}));
-}
-
-TEST(PairModes, BeyondAFifthIsTooFar) {
-  EXPECT_EQ(pair_modes(modes({10}), modes({11.5})).size(), 1U);
-  EXPECT_TRUE(pair_modes(modes({10}), modes({12.3})).empty());
+TEST(PairModes, ByFrequencyAlone) {
+  const struct {
+    const char* what;
+    std::vector<double> measured, modelled;
+    std::vector<int> partner;
+  } cases[] = {
+      {"a missing one shifts none", {10, 20, 40, 50}, {10.2, 19.5, 30, 41, 51}, {0, 1, 3, 4}},
+      {"a stranger stays unpaired", {10, 14.5, 20}, {10, 20, 80}, {0, -1, 1}},
+      {"within a fifth", {10}, {11.5}, {0}},
+      {"beyond a fifth", {10}, {12.3}, {-1}},
+      {"none measured", {}, {1, 2}, {}},
+      {"none modelled", {1, 2}, {}, {-1, -1}},
+      // The bond-graph column has no value where its software found no mode.
+      {"dashes of Table 5",
+       {13.490, 14.537, 16.069, 26.111, 32.404, 39.604},
+       {15.788, 16.740, 27.410, 33.887, 41.185},
+       {-1, 0, 1, 2, 3, 4}},
+  };
+  for (const auto& one : cases) {
+    const auto pairs = pair_modes(modes(one.measured), modes(one.modelled));
+    EXPECT_EQ(partners(pairs, one.measured.size()), one.partner) << one.what;
+  }
 }
 
 TEST(PairModes, ShapesSettleWhatFrequenciesLeaveOpen) {
@@ -92,8 +101,8 @@ TEST(PairModes, CrossPlaneLeakageOfTable4IsRecognised) {
   const auto string_modes = [](double tension, double EI) {
     std::vector<double> result;
     for (int n = 1; n <= 3; ++n) {
-      const double k = n * std::numbers::pi / 2.4;
-      result.push_back(k / (2 * std::numbers::pi) * std::sqrt((tension + EI * k * k) / 0.16667));
+      const double k = n * kPi / 2.4;
+      result.push_back(k / (2 * kPi) * std::sqrt((tension + EI * k * k) / 0.16667));
     }
     return result;
   };
@@ -122,22 +131,9 @@ TEST(PairModes, OneModelledModeServesBothTests) {
   EXPECT_TRUE(pairing[2].cross_plane);
 }
 
-// Table 5: the bond-graph column has no value where its software found no mode. Without row
-// numbers the pairing must leave those measured modes alone.
-TEST(PairModes, DashesOfTable5ComeOutAsUnpaired) {
-  const auto pairing = pair_modes(modes({13.490, 14.537, 16.069, 26.111, 32.404, 39.604}),
-                                  modes({15.788, 16.740, 27.410, 33.887, 41.185}));
-  EXPECT_EQ(partners(pairing, 6), (std::vector<int>{-1, 0, 1, 2, 3, 4}));
-}
-
-TEST(PairModes, NothingToPair) {
-  EXPECT_TRUE(pair_modes({}, modes({1, 2})).empty());
-  EXPECT_TRUE(pair_modes(modes({1, 2}), {}).empty());
-}
-
 TEST(ShapeCorrelation, IsBlindToScaleAndPhase) {
   const Eigen::Vector3cd a(1, 2, -1);
-  EXPECT_NEAR(shape_correlation(a, std::complex<double>(0, -3) * a), 1, 1e-15);
+  EXPECT_NEAR(shape_correlation(a, Complex(0, -3) * a), 1, 1e-15);
   EXPECT_NEAR(shape_correlation(a, Eigen::Vector3cd(1, 0, 1)), 0, 1e-15);
   EXPECT_TRUE(std::isnan(shape_correlation(a, Eigen::Vector2cd(1, 0))));
   EXPECT_TRUE(std::isnan(shape_correlation(a, Eigen::Vector3cd::Zero())));
@@ -159,7 +155,7 @@ TEST(ModeAssignment, LikelihoodIsTheSumOfItsParts) {
   const double v = 1 / (1 + options.visible_ratio * options.visible_ratio);
   const double seen = (1 - options.missed) * (options.leaked + (1 - options.leaked) * v);
   const double normal =
-      -2 * std::log(s * std::sqrt(2 * M_PI)) - 0.5 * std::pow(std::log(1.01) / s, 2);
+      -2 * std::log(s * std::sqrt(2 * kPi)) - 0.5 * std::pow(std::log(1.01) / s, 2);
   const double expected = normal + 2 * std::log((1 - options.false_mode) * seen) +
                           std::log(options.false_mode) + std::log(1 - seen);
   EXPECT_NEAR(result.log_likelihood, expected, 1e-9);

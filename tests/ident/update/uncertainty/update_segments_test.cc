@@ -26,9 +26,8 @@ model::Scene cable(double gravity, const std::string& support, double tension, d
 // A pinned string with bending stiffness, no gravity: omega^2 = (T k^2 + EI s k^4) s / m with
 // k = n pi / L and s = 1 + T / EA, as mass and EI are per unstretched length.
 double closed_form_hz(double tension, double EI, int n) {
-  const double k = n * std::numbers::pi / 2.4, s = 1 + tension / 221780.0;
-  return std::sqrt((tension * k * k + EI * s * k * k * k * k) * s / 0.16667) /
-         (2 * std::numbers::pi);
+  const double k = n * kPi / 2.4, s = 1 + tension / 221780.0;
+  return std::sqrt((tension * k * k + EI * s * k * k * k * k) * s / 0.16667) / (2 * kPi);
 }
 
 std::vector<MeasuredMode> as_measured(const std::vector<double>& hz, ModePlane plane, double std,
@@ -118,10 +117,10 @@ TEST(UpdateSegments, FrfsGetTheSegmentsThatTheyNeed) {
   MeasuredFrf frf{.frequency_hz = lines};
   frf.H.resize(40), frf.std.resize(40);
   Normal normal(1);
-  for (Eigen::Index k = 0; k < 40; ++k) {
+  for (Index k = 0; k < 40; ++k) {
     frf.H[k] = truth.H[static_cast<std::size_t>(k)](0, 0);
     frf.std[k] = 0.1 * std::abs(frf.H[k]);  // 0.25 % of EI; 30 segments cost it 5 %
-    frf.H[k] += frf.std[k] * std::complex<double>(normal(), normal());
+    frf.H[k] += frf.std[k] * Complex(normal(), normal());
   }
   const auto fit = [&](int segments) {
     UpdateState state{"cable", cable(0, "clamped", 200, 0.65, segments), {}, {frf}};

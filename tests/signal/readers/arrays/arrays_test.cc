@@ -233,7 +233,7 @@ TEST_F(Mat, FrfsAreComplexArraysOverFrequencies) {
   const FrfSet set = read_mat_frfs(content(), path_);
   ASSERT_EQ(set.H.rows(), 30);
   ASSERT_EQ(set.H.cols(), 2);
-  EXPECT_EQ(set.H(2, 1), std::complex<double>(32, -32));
+  EXPECT_EQ(set.H(2, 1), Complex(32, -32));
   EXPECT_EQ(set.frequency_hz[2], 1);
   EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("freq"));
 }

@@ -13,8 +13,8 @@ namespace rigfit::signal::frequency_table_test {
 namespace {
 
 /// Accelerance of one mode at 40 Hz, 1 % damping.
-std::complex<double> accelerance(double f) {
-  const std::complex<double> d(1600 - f * f, 2 * 0.01 * 40 * f);
+Complex accelerance(double f) {
+  const Complex d(1600 - f * f, 2 * 0.01 * 40 * f);
   return -f * f / d;
 }
 
@@ -40,7 +40,7 @@ TEST(FrfTables, AsAnalysersWriteThem) {
       return fmt::format(fmt::runtime(format), std::abs(h), std::arg(h) * degrees, 0.9);
     };
   };
-  const double to_degrees = 180 / std::numbers::pi;
+  const double to_degrees = 180 / kPi;
   const std::string texts[] = {
       table("Units: Ratio\nFrequency\tReal\tImaginary\nHz\t(m/s^2)/N\t(m/s^2)/N\n", cartesian),
       table("freq [Hz]\tRe ((m/s^2)/N)\tIm ((m/s^2)/N)\n", cartesian),
@@ -53,7 +53,7 @@ TEST(FrfTables, AsAnalysersWriteThem) {
     const FrfSet set = frfs(text);
     EXPECT_EQ(set.form, FrfForm::accelerance) << text.substr(0, 60);
     ASSERT_EQ(set.H.cols(), 1);
-    for (Eigen::Index k = 0; k < set.H.rows(); ++k) {
+    for (Index k = 0; k < set.H.rows(); ++k) {
       // Eight printed digits of each part.
       EXPECT_NEAR(std::abs(set.H(k, 0) - accelerance(set.frequency_hz[k])), 0, 1e-6);
     }
@@ -68,10 +68,10 @@ TEST(FrfTables, DecibelsAndSeveralResponses) {
   }));
   ASSERT_EQ(set.responses.size(), 2u);
   EXPECT_EQ(set.responses[1].name, "b");
-  EXPECT_EQ(set.H(3, 1), std::complex<double>(3, -3));
+  EXPECT_EQ(set.H(3, 1), Complex(3, -3));
   const FrfSet decibels = frfs(table("Frequency (Hz),Magnitude (dB),Phase (deg)\n",
                                      [](double) { return std::string(",20,90"); }));
-  EXPECT_NEAR(std::abs(decibels.H(1, 0) - std::complex<double>(0, 10)), 0, 1e-12);
+  EXPECT_NEAR(std::abs(decibels.H(1, 0) - Complex(0, 10)), 0, 1e-12);
 }
 
 TEST(Spectra, AreNoRecordings) {

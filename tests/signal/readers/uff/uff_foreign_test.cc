@@ -144,7 +144,7 @@ TEST(UffForeign, FormsAndUnitsOfFrfs) {
     const FrfSet f = read_uff_frfs(d.text(), "x.uff");
     EXPECT_EQ(f.form, c.form) << c.ordinate.unit;
     EXPECT_EQ(f.unit, c.unit) << c.ordinate.unit;
-    EXPECT_NEAR(std::abs(f.H(1, 0) - c.factor * std::complex<double>(3, 4)), 0, 1e-15 * c.factor);
+    EXPECT_NEAR(std::abs(f.H(1, 0) - c.factor * Complex(3, 4)), 0, 1e-15 * c.factor);
     EXPECT_EQ(f.frequency_hz[2], 3);
   }
 }
@@ -152,7 +152,7 @@ TEST(UffForeign, FormsAndUnitsOfFrfs) {
 TEST(UffForeign, FrequenciesAreTakenInTheirUnit) {
   Dataset d;
   d.abscissa = {18, "omega", "rad/s"};
-  EXPECT_NEAR(read_uff_frfs(d.text(), "x.uff").frequency_hz[2], 3 / (2 * std::numbers::pi), 1e-15);
+  EXPECT_NEAR(read_uff_frfs(d.text(), "x.uff").frequency_hz[2], 3 / (2 * kPi), 1e-15);
   d.abscissa.unit = "kHz";
   EXPECT_NEAR(read_uff_frfs(d.text(), "x.uff").frequency_hz[2], 3000, 1e-12);
 }
@@ -192,7 +192,7 @@ TEST(UffForeign, WhatIsNoNumberAtRestOrInCoherenceIsLeftOut) {
   EXPECT_TRUE(says(f.notes, "data_left_out"));
   ASSERT_EQ(f.frequency_hz.size(), 2);
   EXPECT_EQ(f.frequency_hz[0], 1);
-  EXPECT_EQ(f.H(0, 0), std::complex<double>(3, 4));
+  EXPECT_EQ(f.H(0, 0), Complex(3, 4));
   ASSERT_EQ(f.coherence.rows(), 2);
   EXPECT_EQ(f.coherence(1, 0), 0.75);
 

@@ -11,8 +11,6 @@
 namespace rigfit::signal::uff_modes_test {
 namespace {
 
-using Complex = std::complex<double>;
-
 UffModes seed(const char* name) {
   return read_uff_modes(std::string(RIGFIT_FUZZ) + "/seeds/uff_modes/" + name);
 }
@@ -47,7 +45,7 @@ TEST(UffModes, OurOwnComeBackWithinTheirDigits) {
   for (int m = 0; m < 4; ++m) {
     IdentifiedMode mode;
     const double f = 10.0 * (m + 1) + normal(), zeta = 0.01 * (m + 1);
-    const double w = 2 * std::numbers::pi * f;
+    const double w = 2 * kPi * f;
     mode.frequency_hz = {f, 0.01};
     mode.damping_ratio = {zeta, 0.001};
     mode.pole_rad_s = {-zeta * w, w * std::sqrt(1 - zeta * zeta)};
@@ -78,7 +76,7 @@ TEST(UffModes, OurOwnComeBackWithinTheirDigits) {
       const auto& at = mode.shape[r / 3];
       EXPECT_EQ(at.node, model.responses[r].node);
       const double sign = model.responses[r].direction > 0 ? 1 : -1;
-      const Complex wrote = sign * model.modes[m].shape[static_cast<Eigen::Index>(r)];
+      const Complex wrote = sign * model.modes[m].shape[static_cast<Index>(r)];
       EXPECT_LE(std::abs(at.translation[r % 3] - wrote), 1.5 * kPrinted * std::abs(wrote));
     }
   }
@@ -99,7 +97,7 @@ TEST(UffModes, ComplexModesWithRotationsAndTheirConjugates) {
   const UffModes in = seed("complex_six_pairs.uff");
   ASSERT_EQ(in.modes.size(), 2u);  // the conjugate is no mode of its own
   const double modulus = std::hypot(0.1, 14.7);
-  EXPECT_NEAR(in.modes[0].frequency_hz, modulus / (2 * std::numbers::pi), 1e-12);
+  EXPECT_NEAR(in.modes[0].frequency_hz, modulus / (2 * kPi), 1e-12);
   EXPECT_NEAR(in.modes[0].damping_ratio, 0.1 / modulus, 1e-15);
   ASSERT_EQ(in.modes[0].shape.size(), 2u);
   EXPECT_EQ(in.modes[0].shape[0].translation[2], Complex(0.5, 0.2));

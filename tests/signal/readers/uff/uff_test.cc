@@ -12,7 +12,7 @@
 namespace rigfit::signal::uff_test {
 namespace {
 
-Recording made_recording(double rate, Eigen::Index n) {
+Recording made_recording(double rate, Index n) {
   Normal normal(7);
   Recording r{.sample_rate_hz = rate, .start_time_s = -0.0123456789};
   for (const auto& [name, unit, quantity] :
@@ -46,7 +46,7 @@ FrfSet made_frfs() {
   f.H.resize(33, 2);
   f.coherence.resize(33, 2);
   f.H_std.resize(33, 2);
-  for (Eigen::Index k = 0; k < f.H.size(); ++k) {
+  for (Index k = 0; k < f.H.size(); ++k) {
     f.H(k) = {normal(), normal()};
     f.coherence(k) = 1 / (1 + std::abs(normal()));
     f.H_std(k) = std::abs(normal());
@@ -87,8 +87,8 @@ TEST(Uff, RecordingsComeBackWithinTheirDigits) {
 TEST(Uff, UnevenTimesAndMissingSamplesComeBack) {
   Recording out = made_recording(100, 50);
   out.time_s = Eigen::VectorXd::LinSpaced(50, 0, 0.49);
-  for (Eigen::Index k = 25; k < 50; ++k) out.time_s[k] += 1.0 / 3.0;
-  out.channels[1].samples[4] = std::numeric_limits<double>::quiet_NaN();
+  for (Index k = 25; k < 50; ++k) out.time_s[k] += 1.0 / 3.0;
+  out.channels[1].samples[4] = kNaN;
   const Recording in = read_uff(uff_text(out, UffEncoding::binary), "x.uff");
   EXPECT_TRUE(MatricesNear(in.time_s, out.time_s, 0));
   EXPECT_EQ(in.channels[1].missing_samples, 1);
@@ -188,9 +188,8 @@ TEST(Uff, WritesModesAtPoints) {
   IdentifiedMode mode{
       .frequency_hz = {10, 0.01}, .damping_ratio = {0.01, 0.001}, .pole_rad_s = {-0.6283, 62.83}};
   mode.shape.resize(3);
-  mode.shape << std::complex<double>(1, 0.5), std::complex<double>(-2, 0),
-      std::complex<double>(3, 1);
-  mode.participation = Eigen::VectorXcd::Constant(1, std::complex<double>(0, 2));
+  mode.shape << Complex(1, 0.5), Complex(-2, 0), Complex(3, 1);
+  mode.participation = Eigen::VectorXcd::Constant(1, Complex(0, 2));
   modes.modes = {mode};
   const std::string text = uff_text(modes, {{4, {0, 0.5, 0}}, {9, {1, 0, 0}}});
   EXPECT_THAT(text, HasSubstr("         4         0         0         0  0.00000e+00"
