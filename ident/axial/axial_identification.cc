@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "ident/axial/rod_stiffness.h"
+#include "ident/statistics/root.h"
 #include "ident/statistics/uncertainty.h"
 #include "signal/estimation/groups.h"
 #include "signal/numerics/numbers.h"
@@ -18,8 +19,7 @@ namespace rigfit::ident {
 namespace {
 
 using signal::coverage_factor, signal::kNaN;
-constexpr double kLengthStd = 1e-3;  // m, stands for one that is not given; never shown as one
-constexpr double kCoverage = 0.95;
+constexpr double kLengthStd = 1e-3;     // m, stands for one that is not given; never shown as one
 constexpr double kSteelDensity = 7850;  // kg/m3
 // Of a stranded rope over its metallic area (makers give 60 to 100 GPa for 7x19), and of solid
 // steel: no steel cable is stiffer for its mass, and no aluminium one.
@@ -180,7 +180,7 @@ class Identification {
     result_.damping_ratio = {damping.mean, std::sqrt(damping.variance)};
     const double half =
         result_.damping_ratio.std *
-        coverage_factor(kCoverage, damping.degrees > 0 ? damping.degrees : repeat_zeta.degrees);
+        coverage_factor(0.95, damping.degrees > 0 ? damping.degrees : repeat_zeta.degrees);
     result_.damping_low = damping.mean - half, result_.damping_high = damping.mean + half;
   }
 
@@ -199,10 +199,10 @@ class Identification {
     result_.conditional = too_close || (!known && !told && !series);
     if (best.converged && best.degrees > 0 && !result_.conditional) {
       result_.homogeneity_p = gsl_cdf_chisq_Q(best.chi2, best.degrees);
-      if (result_.homogeneity_p < 0.05) best = with_scatter(best, series);
+      if (result_.homogeneity_p < 0.05) best = with_scatter(series);
     }
     require(best.converged, "no EA fits these frequencies: check mass and lengths");
-    const auto U = expanded(best, kCoverage);
+    const auto U = expanded(best, 0.95);
     const double EA = best.EA_N;
     result_.EA_N = {EA, EA * best.EA_relative_std};
     result_.EA_low_N = EA / (1 + U);
@@ -215,20 +215,18 @@ class Identification {
     if (!length_std_) {
       result_.EA_N.std = result_.EA_low_N = result_.EA_high_N = result_.coverage_factor = kNaN;
     }
-    if (result_.conditional) bound(EA / (1 + expanded(best, 2 * kCoverage - 1)));
+    if (result_.conditional) bound(EA / (1 + expanded(best, 0.9)));
   }
 
   // The least scatter for which chi-squared is its expectation.
-  AxialFit with_scatter(const AxialFit& without, bool series) const {
-    double low = 0, high = 1e-4;
-    AxialFit fit = without;
-    const auto at = [&](double tau) { return fit_axial(lengths_, setup_, series, tau); };
-    for (int k = 0; k < 14 && (fit = at(high)).chi2 > fit.degrees; ++k) low = high, high *= 2;
-    for (int k = 0; k < 12; ++k) {  // to 1/4096 of it
-      const double middle = 0.5 * (low + high);
-      (at(middle).chi2 > fit.degrees ? low : high) = middle;
-    }
-    return at(high);
+  AxialFit with_scatter(bool series) const {
+    const auto at = [&](double log_tau) {
+      return fit_axial(lengths_, setup_, series, std::exp(log_tau));
+    };
+    return at(root_between(std::log(1e-9), 0.5, 1e-4, [&](double log_tau) {
+      const AxialFit fit = at(log_tau);
+      return fit.chi2 - fit.degrees;
+    }));
   }
 
   // Half the interval of ln EA.

@@ -14,8 +14,6 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // D in tanh(x) / x = 1 / (1 + x^2 / D): D = 3 + x^2 / (5 + x^2 / (7 + ...)). Nine levels leave less
 // than 1e-17 at x = 1: each level k divides the remainder by about (2 k + 1)^2 / x^2.
 double lambert_denominator(double x) {
@@ -35,7 +33,7 @@ bool positive_finite(double value) { return std::isfinite(value) && value > 0; }
 // EI of one draw; 0 where it is softer than a string, infinite where it does not yield at all.
 double EI_of_draw(double compliance, double tension, double span, BeamEnds ends) {
   if (!(span > 0)) return 0;
-  if (!(compliance > 0)) return kInfinity;
+  if (!(compliance > 0)) return std::numeric_limits<double>::infinity();
   if (ends != BeamEnds::tensioned || !(tension > 0)) {
     return span * span * span / (beam_stiffness_factor(ends) * compliance);
   }

@@ -9,9 +9,6 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr double kOneSided = 1.644854;  // normal density, 95 %
-constexpr double kTwoSided = 1.959964;
-
 Eigen::Index index_of(const FittedParameters& fitted, const std::string& name) {
   for (std::size_t i = 0; i < fitted.parameters.size(); ++i) {
     if (fitted.parameters[i].name == name) return static_cast<Eigen::Index>(i);
@@ -46,10 +43,11 @@ DamageEstimate damage_estimate(const FittedParameters& fitted, const DamageQuest
   const double s = std::sqrt(std::max(0.0, variance));
   DamageEstimate estimate;
   estimate.damage = {1 - ratio, ratio * s};
-  estimate.low = 1 - ratio * std::exp(kTwoSided * s);
-  estimate.high = 1 - ratio * std::exp(-kTwoSided * s);
-  estimate.smallest_found = 2 * kOneSided * estimate.damage.std;
-  estimate.called = estimate.damage.value > kOneSided * estimate.damage.std;
+  const double two_sided = coverage_factor(0.95, 0), one_sided = coverage_factor(0.9, 0);
+  estimate.low = 1 - ratio * std::exp(two_sided * s);
+  estimate.high = 1 - ratio * std::exp(-two_sided * s);
+  estimate.smallest_found = 2 * one_sided * estimate.damage.std;
+  estimate.called = estimate.damage.value > one_sided * estimate.damage.std;
   for (Eigen::Index i = 0; i < n; ++i) {
     if (i == zone || i == reference) continue;
     const double other = fitted.covariance(i, i);

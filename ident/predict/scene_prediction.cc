@@ -18,7 +18,6 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr double kCoverage = 1.959964;  // normal density, 95 %
 // Accuracy of frequencies that are compared: a hundredth of a std of 1e-4.
 constexpr double kCompared = 1e-6;
 
@@ -146,9 +145,10 @@ Spread spread_of(const model::Scene& scene, const Selection& selection, const Ev
   Spread spread;
   spread.std = spread.below = spread.above = Eigen::ArrayXd::Zero(here.size());
   const Eigen::MatrixXd directions = directions_of(selection.covariance);
+  const double factor = coverage_factor(0.95, 0);
   for (Eigen::Index k = 0; k < directions.cols(); ++k) {
     if (!(directions.col(k).norm() > 0)) continue;
-    const Eigen::VectorXd step = kCoverage * directions.col(k);
+    const Eigen::VectorXd step = factor * directions.col(k);
     Eigen::ArrayXd up = evaluate(moved(scene, selection, step)),
                    down = evaluate(moved(scene, selection, -step));
     const bool above = up.size() == here.size(), below = down.size() == here.size();
@@ -159,7 +159,7 @@ Spread spread_of(const model::Scene& scene, const Selection& selection, const Ev
     }
     if (!above) up = 2 * here - down;
     if (!below) down = 2 * here - up;
-    spread.std += ((up - down) / (2 * kCoverage)).square();
+    spread.std += ((up - down) / (2 * factor)).square();
     spread.below += (here - up.min(down)).max(0).square();
     spread.above += (up.max(down) - here).max(0).square();
   }
@@ -403,7 +403,7 @@ std::vector<HeldAgainst> held_against(const ModePrediction& prediction,
     one.standard_units =
         (mode.frequency_hz.value - f.value) / std::hypot(mode.frequency_hz.std, std);
     // The measured value's own uncertainty is part of what the interval must hold.
-    const double reach = kCoverage * std;
+    const double reach = coverage_factor(0.95, 0) * std;
     one.inside = f.value >= std::min(mode.low_hz, mode.frequency_hz.value - reach) &&
                  f.value <= std::max(mode.high_hz, mode.frequency_hz.value + reach);
   }

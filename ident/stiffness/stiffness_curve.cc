@@ -17,7 +17,6 @@ namespace rigfit::ident {
 namespace {
 
 using signal::kNaN;
-constexpr double kNormal95 = 1.959964;
 constexpr const char* kByTension = "EI(T), tension within the bending tests";
 
 bool has_covariance(const FittedLaw& law) {
@@ -184,9 +183,9 @@ StiffnessAtTension StiffnessCurve::at(double tension) const {
   double variance = terms.empty() ? kNaN : 0;
   for (const auto& term : terms) variance += term.change_Nm2[0] * term.change_Nm2[0];
   result.std = std::sqrt(variance);
-  result.low =
-      std::isfinite(variance) ? std::max(0.0, result.EI_Nm2 - kNormal95 * result.std) : kNaN;
-  result.high = result.EI_Nm2 + kNormal95 * result.std;
+  const double half = coverage_factor(0.95, 0) * result.std;
+  result.low = std::isfinite(variance) ? std::max(0.0, result.EI_Nm2 - half) : kNaN;
+  result.high = result.EI_Nm2 + half;
   return result;
 }
 
@@ -224,7 +223,7 @@ std::vector<StiffnessTerm> StiffnessCurve::uncertainty(std::span<const double> t
       if (!(weight > 0.001)) continue;
       add(fmt::format("EI(T), choice of the {} law", name_of(law.kind)),
           each([&](double T) { return std::sqrt(weight) * (law_value(law, T) - value(T)); }));
-      const double scale = std::sqrt(weight) * law.coverage_factor / kNormal95;
+      const double scale = std::sqrt(weight) * law.coverage_factor / coverage_factor(0.95, 0);
       const Eigen::MatrixXd factor = law.covariance.llt().matrixL();
       for (Eigen::Index j = 0; j < factor.cols(); ++j) {
         add(fmt::format("EI(T), {} law, term {}", name_of(law.kind), j + 1), each([&](double T) {

@@ -480,7 +480,7 @@ std::vector<double> change_by_tension(const std::vector<StiffnessPoint>& points)
 
 double own_std(const StiffnessPoint& point) {
   const double whole = std::isfinite(point.low) && std::isfinite(point.high)
-                           ? (point.high - point.low) / (2 * 1.959964)
+                           ? (point.high - point.low) / (2 * coverage_factor(0.95, 0))
                            : point.std;
   const double shared = point.shared_relative_std * point.EI_Nm2;
   return std::sqrt(std::max(whole * whole - shared * shared, 1e-6 * whole * whole));

@@ -91,11 +91,10 @@ CandidateComparison compare_candidates(const std::vector<ModelCandidate>& candid
     comparison.candidates.push_back(std::move(one));
   }
   if (comparison.heaviest < 0) return comparison;
-  constexpr double kNone = 20;  // ln of a weight that counts as 0
   double sum = 0;
   for (auto& one : comparison.candidates) {
-    const double less = most - one.result.log_evidence;
-    one.weight = std::isfinite(less) && less < kNone ? std::exp(-less) : 0;
+    const double ln = one.result.log_evidence;
+    one.weight = std::isfinite(ln) ? std::exp(ln - most) : 0;
     sum += one.weight;
   }
   for (auto& one : comparison.candidates) one.weight /= sum;

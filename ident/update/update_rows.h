@@ -9,6 +9,7 @@
 
 #include "document/describe.h"
 #include "ident/update/model_candidates.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 
@@ -117,15 +118,14 @@ template <>
 struct Described<ident::PairRow> {
   using T = ident::PairRow;
   static constexpr std::string_view title{};
-  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   static constexpr double measured_std(const T& r) {
-    return r.pair ? r.pair->measured_std_hz : kNone;
+    return r.pair ? r.pair->measured_std_hz : signal::kNaN;
   }
   static constexpr double measured(const T& r) {
-    return r.pair ? r.pair->measured_hz : r.alone.measured ? r.alone.frequency_hz : kNone;
+    return r.pair ? r.pair->measured_hz : r.alone.measured ? r.alone.frequency_hz : signal::kNaN;
   }
   static constexpr double modelled(const T& r) {
-    return r.pair ? r.pair->model_hz : r.alone.measured ? kNone : r.alone.frequency_hz;
+    return r.pair ? r.pair->model_hz : r.alone.measured ? signal::kNaN : r.alone.frequency_hz;
   }
   static constexpr auto fields = std::tuple{
       field(
@@ -142,7 +142,7 @@ struct Described<ident::PairRow> {
       field(
           "",
           [](const T& r) {
-            return signal::Estimate{modelled(r), r.pair ? r.pair->model_std_hz : kNone};
+            return signal::Estimate{modelled(r), r.pair ? r.pair->model_std_hz : signal::kNaN};
           },
           "Hz", "model", ""),
       field("relative_error", of_pair(&ident::UpdatedPair::relative_error), "", "",
@@ -150,7 +150,7 @@ struct Described<ident::PairRow> {
       field(
           "",
           [](const T& r) {
-            if (!r.pair) return signal::Estimate{kNone, kNone};
+            if (!r.pair) return signal::Estimate{signal::kNaN, signal::kNaN};
             const auto known = [](double std) { return std::isfinite(std) ? std : 0; };
             return signal::Estimate{
                 r.pair->relative_error,

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "model/scene/actual_state.h"
+#include "signal/numerics/low_pass.h"
 
 namespace rigfit::ident {
 namespace {
@@ -216,19 +217,11 @@ model::Scene scene_with_accelerometers(model::Scene scene, double accelerometer_
 }
 
 Eigen::VectorXd decimated(const Eigen::Ref<const Eigen::VectorXd>& x, int factor) {
-  // Kaiser's formulas: 80 dB of attenuation, transition from 0.8 to 1 of the new Nyquist frequency.
-  constexpr double kBeta = 0.1102 * (80 - 8.7);
-  const double transition = 0.2 * std::numbers::pi / factor;  // rad/sample
-  const int half = static_cast<int>(std::ceil((80 - 7.95) / (2.285 * transition) / 2));
-  const double cut = 0.9 * std::numbers::pi / factor;
+  // 80 dB of attenuation, transition from 0.8 to 1 of the new Nyquist frequency.
+  const signal::LowPass filter(0.4 / factor, 0.5 / factor, 80);
+  const int half = static_cast<int>(filter.half_length());
   Eigen::VectorXd taps(half + 1);
-  for (int k = 0; k <= half; ++k) {
-    const double r = static_cast<double>(k) / (half + 1);
-    const double window =
-        std::cyl_bessel_i(0.0, kBeta * std::sqrt(1 - r * r)) / std::cyl_bessel_i(0.0, kBeta);
-    taps[k] =
-        window * (k == 0 ? cut / std::numbers::pi : std::sin(cut * k) / (std::numbers::pi * k));
-  }
+  for (int k = 0; k <= half; ++k) taps[k] = filter.at(k);
   taps /= taps[0] + 2 * taps.tail(half).sum();
 
   const Eigen::Index size = x.size();

@@ -16,7 +16,6 @@ namespace {
 // From so many tensioned cables on their lengths are unknowns among the others; fewer are solved
 // for one by one, which finds the least change where they share one condition.
 constexpr std::size_t kManyCables = 8;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 /// What of the rig acts at a stage of the continuation, 1: all of it.
 void scale_bending(Chain& chain, const Chain& whole, double part) {
@@ -66,9 +65,13 @@ class Solver {
       for (int axis = 0; axis < 3; ++axis) {
         const int i = numbering.displacement(axis, support.node);
         const double stiffness = support.translational.row(axis).cwiseAbs().sum();
-        if (i >= 0) support_rounding_[i] += 16 * kEpsilon * stiffness * coordinate;
+        if (i >= 0)
+          support_rounding_[i] +=
+              16 * std::numeric_limits<double>::epsilon() * stiffness * coordinate;
         const int r = support.rotation < 0 ? -1 : numbering.rotation(axis, support.rotation);
-        if (r >= 0) support_rounding_[r] += 16 * kEpsilon * support.rotational.maxCoeff();
+        if (r >= 0)
+          support_rounding_[r] +=
+              16 * std::numeric_limits<double>::epsilon() * support.rotational.maxCoeff();
       }
     }
   }
@@ -233,7 +236,8 @@ class Solver {
       const double k = std::max(joint.springs.about_1, joint.springs.about_2) / (l * l);
       stiffest = std::max(stiffest, 4 * k);
     }
-    rounding_ = 16 * kEpsilon * stiffest * (state.position.cwiseAbs().maxCoeff() + extent_);
+    rounding_ = 16 * std::numeric_limits<double>::epsilon() * stiffest *
+                (state.position.cwiseAbs().maxCoeff() + extent_);
   }
 
   /// Applies the step, shortened so that no segment turns by more than half a radian and no length

@@ -25,8 +25,8 @@ struct NarrowRecord {
   }
 };
 
-/// `y` in `band`. Nothing where that leaves more than every fourth sample or too few, or where
-/// there are gaps or rails.
+/// `y` in `band`. Nothing where every sample is needed or the filter is longer than the record, or
+/// where there are gaps or rails.
 [[nodiscard]] std::optional<NarrowRecord> narrow_record(const Eigen::Ref<const Eigen::VectorXd>& y,
                                                         const DecayBand& band);
 

@@ -19,8 +19,7 @@ using Eigen::Index;
 
 constexpr double kTriggerNoise = 10;  // standard deviations of the noise
 constexpr double kHitWindow =
-    0.25;                           // s around a peak, within which pulses are no hits of their own
-constexpr double kPulseEdge = 0.1;  // the pulse is where the force exceeds this part of its peak
+    0.25;  // s around a peak, within which pulses are no hits of their own
 
 std::vector<double> finite_values(const Eigen::Ref<const Eigen::VectorXd>& x) {
   std::vector<double> values;

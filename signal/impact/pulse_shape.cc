@@ -11,11 +11,9 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 PulseShape pulse_shape(const VectorXd& samples, Index first, Index length) {
-  constexpr double kEdge = 0.1;  // a pulse ends below this part of its peak
   first = std::clamp<Index>(first, 0, samples.size());
   length = std::min(length, samples.size() - first);
-  constexpr PulseShape kUnclear{0.4, 0.25};  // neither
-  if (length < 8) return kUnclear;
+  if (length < 8) return {};
   const Index quiet = std::max<Index>(4, length / 40);
   const auto level = [&](const VectorXd& part) {
     std::vector<double> values;
@@ -33,11 +31,11 @@ PulseShape pulse_shape(const VectorXd& samples, Index first, Index length) {
   });
   Index peak = 0;
   const double height = x.cwiseAbs().maxCoeff(&peak);
-  if (!(height > 6 * noise)) return kUnclear;
+  if (!(height > 6 * noise)) return {};
   const double sign = x[peak] > 0 ? 1 : -1;
   Index pulse_first = peak, pulse_last = peak;
-  while (pulse_first > 0 && sign * x[pulse_first - 1] > kEdge * height) --pulse_first;
-  while (pulse_last + 1 < length && sign * x[pulse_last + 1] > kEdge * height) ++pulse_last;
+  while (pulse_first > 0 && sign * x[pulse_first - 1] > kPulseEdge * height) --pulse_first;
+  while (pulse_last + 1 < length && sign * x[pulse_last + 1] > kPulseEdge * height) ++pulse_last;
   const Index width = pulse_last - pulse_first + 1;
   const Index inner_first = std::max<Index>(0, pulse_first - 5 * width);
   const Index inner_last = std::min(length, pulse_last + 5 * width + 1);

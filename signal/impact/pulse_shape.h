@@ -15,9 +15,13 @@
 
 namespace rigfit::signal {
 
+/// A pulse ends below this part of its peak.
+inline constexpr double kPulseEdge = 0.1;
+
+/// As it is made: neither.
 struct PulseShape {
-  double opposite = 0;  ///< largest swing to the other side, of the peak, 0..1
-  double outside = 0;   ///< energy outside of pulse and surroundings, of all, 0..1
+  double opposite = 0.4;  ///< largest swing to the other side, of the peak, 0..1
+  double outside = 0.25;  ///< energy outside of pulse and surroundings, of all, 0..1
   /// Hammers that ring in their own handle, filters and AC-coupled amplifiers stay below 0.3 in
   /// both, a mode of 10 % damping swings back by 0.73; modes damped by more leave nothing outside
   /// and are not told.

@@ -18,6 +18,9 @@ using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
+/// Share of a column outside of those before, from which it counts.
+constexpr double kPart = 1e-3;
+
 /// Orthonormal columns s^power, s^(power - 2) and, with `middle`, s^(power - 1).
 MatrixXcd powers_of_s(const VectorXcd& s, int power, bool middle) {
   MatrixXcd columns(s.size(), middle ? 3 : 2);
@@ -32,7 +35,6 @@ MatrixXcd powers_of_s(const VectorXcd& s, int power, bool middle) {
 MatrixXcd terms_between(const VectorXcd& s, const MatrixXcd& known, double first, double last) {
   const Index lines = s.size();
   if (!(last > first) || lines < 2) return MatrixXcd(lines, 0);
-  constexpr double kPart = 1e-3;
   const double low = s[0].imag(), high = s[lines - 1].imag();
   const double product = (last - first) * (high - low) / (kTwoPi);
   if (4 * (product + 4) > static_cast<double>(lines)) return MatrixXcd(lines, 0);
@@ -80,7 +82,6 @@ VectorXcd poles_between(const FrfSet& frfs, double low_hz, double high_hz,
 
 /// The part of `column` outside of the orthonormal `columns`, over its size; added where it counts.
 void add_column(VectorXcd column, MatrixXcd& columns) {
-  constexpr double kPart = 1e-3;
   column.normalize();
   for (int twice = 0; twice < 2; ++twice) column -= columns * (columns.adjoint() * column).eval();
   const double part = column.norm();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "signal/modes/mode_search.h"
 #include "signal/numerics/numbers.h"
@@ -16,8 +17,6 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
-
-constexpr double kNever = 1e300;
 
 double half_bandwidth(const ModalBand& band, Complex pole) { return band.window - pole.real(); }
 
@@ -136,7 +135,9 @@ class PointFit {
         const double hq = half_bandwidth(band, both.poles[q]);
         const double distance = std::abs(both.poles[r].imag() - both.poles[q].imag()) / (hr + hq);
         const bool alike = std::max(hr, hq) < 2 * std::min(hr, hq);
-        const double asked = !alike || distance < 0.5 ? kNever : distance < 0.8 ? 10 : 4;
+        const double asked = !alike || distance < 0.5 ? std::numeric_limits<double>::infinity()
+                             : distance < 0.8         ? 10
+                                                      : 4;
         std::vector<Complex> fewer = group;
         fewer.erase(fewer.begin() + r);
         Window window;

@@ -1,16 +1,15 @@
 #include "signal/recording/resample.h"
 
 #include <fmt/format.h>
-#include <gsl/gsl_sf_bessel.h>
 #include <gsl/gsl_spline.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <utility>
 
 #include "signal/estimation/robust.h"
+#include "signal/numerics/low_pass.h"
 #include "signal/numerics/numbers.h"
 #include "signal/recording/clipping.h"
 #include "signal/recording/recording_error.h"
@@ -106,20 +105,12 @@ Recording made_even(const Recording& recording, double rate_hz, std::vector<doub
   return even;
 }
 
-double kaiser(double x, double beta) {
-  return std::abs(x) >= 1 ? 0
-                          : gsl_sf_bessel_I0(beta * std::sqrt(1 - x * x)) / gsl_sf_bessel_I0(beta);
-}
-
 /// Even samples at another rate; returns the half width of the kernel's main lobe, s.
 double filter_to(double rate_hz, Recording& recording) {
   const double from = recording.sample_rate_hz;
   const double lower = std::min(from, rate_hz);
-  const double cut = 0.5 * (kFlat + kClosed) * lower, width = (kClosed - kFlat) * lower;
-  const double attenuation = -20 * std::log10(kStopBand);
-  const double beta = 0.1102 * (attenuation - 8.7);
-  // Kaiser's length of the design.
-  const double half_s = 0.5 * (attenuation - 7.95) / (2.285 * 2 * std::numbers::pi * width);
+  const LowPass filter(kFlat * lower, kClosed * lower, -20 * std::log10(kStopBand));
+  const double half_s = filter.half_length();
   const Index n = recording.samples();
   const auto samples =
       static_cast<Index>(std::floor(static_cast<double>(n - 1) * rate_hz / from + 1e-9)) + 1;
@@ -128,12 +119,9 @@ double filter_to(double rate_hz, Recording& recording) {
     const double t = static_cast<double>(k) / rate_hz;
     const auto first = std::max<Index>(0, static_cast<Index>(std::ceil((t - half_s) * from)));
     const auto last = std::min<Index>(n - 1, static_cast<Index>(std::floor((t + half_s) * from)));
-    const auto kernel =
-        Eigen::VectorXd::NullaryExpr(last - first + 1, [&](Index j) {
-          const double d = t - static_cast<double>(first + j) / from;
-          const double x = 2 * std::numbers::pi * cut * d;
-          return (std::abs(x) < 1e-12 ? 1 : std::sin(x) / x) * kaiser(d / half_s, beta);
-        }).eval();
+    const auto kernel = Eigen::VectorXd::NullaryExpr(last - first + 1, [&](Index j) {
+                          return filter.at(t - static_cast<double>(first + j) / from);
+                        }).eval();
     for (std::size_t c = 0; c < out.size(); ++c) {
       out[c][k] =
           kernel.dot(recording.channels[c].samples.segment(first, kernel.size())) / kernel.sum();
@@ -145,7 +133,7 @@ double filter_to(double rate_hz, Recording& recording) {
            "from {:.9g} Hz to {:.9g} Hz: kept to {:.6g} Hz, nothing above {:.6g} Hz; the "
            "first and last {:.3g} s lean on fewer samples",
            from, rate_hz, kFlat * lower, kClosed * lower, half_s);
-  return 0.5 / cut;
+  return 1 / ((kFlat + kClosed) * lower);
 }
 
 /// Takes out the values inside gaps of uneven times, longer than `gap_s`, and those within

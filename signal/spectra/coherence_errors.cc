@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "signal/estimation/robust.h"
+#include "signal/spectra/frf.h"
 #include "signal/spectra/line_means.h"
 
 namespace rigfit::signal {
@@ -63,14 +64,13 @@ void error_bars_from_coherence(FrfSet& frfs, int averages,
                           ""});
   }
   const int n = frfs.averages > 0 ? frfs.averages : 2;
-  constexpr Index kLines = 10;  // on either side, as FrfOptions::error_smoothing_lines
-  constexpr Index kNarrow = 2;
   constexpr double kSmallest = 1e-8;  // what eight digits tell from 0 and from 1
   frfs.H_std.resize(frfs.H.rows(), frfs.H.cols());
   for (Index c = 0; c < frfs.H.cols(); ++c) {
     const ArrayXd g2 = frfs.coherence.col(c).array().max(kSmallest).min(1 - kSmallest);
     const ArrayXd noise = frfs.H.col(c).array().abs2() * (1 - g2) / g2;
-    const ArrayXd wide = mean_over_lines(noise, kLines), narrow = mean_over_lines(noise, kNarrow);
+    const ArrayXd wide = mean_over_lines(noise, FrfOptions{}.error_smoothing_lines),
+                  narrow = mean_over_lines(noise, kNarrow);
     frfs.H_std.col(c) =
         (narrow_where_raised(narrow, wide, 2.0 * (n - 1) * (2 * kNarrow + 1)) / (2.0 * (n - 1)))
             .sqrt();

@@ -17,10 +17,6 @@ namespace {
 using Eigen::Index;
 using Complex = std::complex<double>;
 
-/// Lines on either side over which the power of the force's noise is averaged, at least: 21 lines
-/// times the hits make it certain to 20 % / sqrt(hits).
-constexpr Index kNoiseLines = 10;
-
 /// Window energies: noise of variance v per sample has E|N_k|^2 = v * energy in every line.
 struct Windows {
   Eigen::VectorXd shared;  ///< exponential; empty: none
@@ -168,9 +164,8 @@ class Averager {
     // Where there is no force at all nothing is known: the floor keeps H at zero over zero finite.
     gxx_ = gxx_.max(gxx_.maxCoeff() * 1e-30 + std::numeric_limits<double>::min());
     inverse_gxx_ = gxx_.inverse();
-    ForceNoise noise =
-        force_noise_power(blocks_, options_.block_samples, windows_.shared,
-                          std::max<Index>(kNoiseLines, options_.error_smoothing_lines));
+    ForceNoise noise = force_noise_power(blocks_, options_.block_samples, windows_.shared,
+                                         FrfOptions{}.error_smoothing_lines);
     result_.force_noise = std::move(noise.power);
     noise_ = result_.force_noise.array();
     if (options_.subtract_force_noise) subtracted_ = noise.broadband.array();
@@ -296,7 +291,6 @@ class Averager {
                       static_cast<Index>(
                           std::ceil(static_cast<double>(independent) * windows_.bandwidth_lines)));
     };
-    constexpr Index kNarrow = 2;
     accumulate_lines(sums.residual, sums.cumulative);
     average_lines(sums.cumulative, lines_of(options_.error_smoothing_lines), sums.residual);
     if (options_.error_smoothing_lines <= kNarrow) return;

@@ -14,6 +14,9 @@ namespace rigfit::signal {
 [[nodiscard]] Eigen::ArrayXd median_over_lines(const Eigen::Ref<const Eigen::ArrayXd>& powers,
                                                Eigen::Index half);
 
+/// Lines on either side that a line of hum or a resonance that leaks is wide.
+inline constexpr Eigen::Index kNarrow = 2;
+
 /// Compares noise power over few and over many lines: the first where it exceeds the second by more
 /// than chance (99.9 % of chi-square), as in a line of hum or at a resonance that leaks. `degrees`
 /// of freedom of `narrow`.

@@ -16,13 +16,12 @@
 #include "model/linear/modal_analysis.h"
 #include "signal/decay/decay_window.h"
 #include "signal/estimation/robust.h"
+#include "signal/numerics/numbers.h"
 #include "signal/recording/recording_error.h"
 #include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::ident {
 namespace {
-
-constexpr double kNoShare = std::numeric_limits<double>::quiet_NaN();
 
 // What one recording holds.
 struct Found {
@@ -159,15 +158,15 @@ constexpr double kLongest = 100;  // m of cable in a hanging-mass test
 // cell that was set to zero under the mass. Such a cell swings by a share of the weight about a
 // mean of next to nothing; what swings by a thousandth of it has another unit.
 double share_of_weight(const signal::Channel& channel, double weight) {
-  if (channel.unit != "N" && channel.quantity != signal::Quantity::force) return kNoShare;
+  if (channel.unit != "N" && channel.quantity != signal::Quantity::force) return signal::kNaN;
   std::vector<double> samples;
   for (const double x : channel.samples) {
     if (std::isfinite(x)) samples.push_back(x);
   }
-  if (samples.empty()) return kNoShare;
+  if (samples.empty()) return signal::kNaN;
   const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
   const double swing = (*high - *low) / weight, share = std::abs(signal::median(samples)) / weight;
-  return share < 0.05 && swing > 0.02 ? kNoShare : share;
+  return share < 0.05 && swing > 0.02 ? signal::kNaN : share;
 }
 
 // Inputs that contradict the recordings; each is refused before an EA is shown.

@@ -7,7 +7,9 @@
 #include <limits>
 
 #include "ident/bending/bending_equation.h"
+#include "ident/statistics/uncertainty.h"
 #include "ident/stiffness/stiffness_law.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
@@ -18,8 +20,9 @@ void add_values(const BendingSource& source, std::size_t index, std::vector<Bend
     one.point = source.values[i];
     auto& point = one.point;
     if (std::isfinite(point.std) && !std::isfinite(point.low)) {
-      point.low = std::max(0.0, point.EI_Nm2 - 1.959964 * point.std);
-      point.high = point.EI_Nm2 + 1.959964 * point.std;
+      const double half = coverage_factor(0.95, 0) * point.std;
+      point.low = std::max(0.0, point.EI_Nm2 - half);
+      point.high = point.EI_Nm2 + half;
     }
     points.push_back(std::move(one));
   }
@@ -222,7 +225,6 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
 
 std::vector<BendingRow> bending_rows(const BendingCampaign& campaign,
                                      const BendingCampaignResult& result) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::vector<BendingRow> rows;
   for (const auto& one : result.points) {
     const auto& point = one.point;
@@ -231,9 +233,10 @@ std::vector<BendingRow> bending_rows(const BendingCampaign& campaign,
     if (one.row > 0) row.row = one.row;
     row.refused = one.refused();
     row.tension_N = point.tension_N;
-    row.EI_Nm2 = row.refused ? describe::Bounded{kNone, kNone, kNone, kNone}
-                             : describe::Bounded{point.EI_Nm2, point.std, point.low, point.high};
-    row.stiffness_N_m = row.modulus_Pa = {kNone, kNone};
+    row.EI_Nm2 = row.refused
+                     ? describe::Bounded{signal::kNaN, signal::kNaN, signal::kNaN, signal::kNaN}
+                     : describe::Bounded{point.EI_Nm2, point.std, point.low, point.high};
+    row.stiffness_N_m = row.modulus_Pa = {signal::kNaN, signal::kNaN};
     row.shared_relative_std = point.shared_relative_std;
     row.tension_spread_N = point.tension_std_N;
     if (one.analysis) {

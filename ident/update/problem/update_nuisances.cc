@@ -19,6 +19,7 @@
 // line is bounded as the place is, by the 5 % quantile of the lines' relative uncertainties.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "ident/update/problem/update_problem.h"
@@ -57,9 +58,8 @@ UpdateProblem UpdateProblem::with_nuisances(Eigen::VectorXd& q) const {
 }
 
 void UpdateProblem::add_nuisance(UpdateCoordinate coordinate) {
-  constexpr double kMost = 6;  // standard uncertainties
   coordinate.logarithmic = false;
-  coordinate.low = -kMost, coordinate.high = kMost;
+  coordinate.high = std::numeric_limits<double>::infinity(), coordinate.low = -coordinate.high;
   coordinate.prior_std = 1;
   coordinates_.push_back(coordinate);
   ++priors_;

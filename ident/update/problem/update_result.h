@@ -11,6 +11,7 @@
 #include "ident/statistics/uncertainty.h"
 #include "ident/update/pairing/mode_assignment.h"
 #include "model/linear/modal_analysis.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 
@@ -91,15 +92,14 @@ struct UpdateAlternative : AssignmentLikelihood {
 
 /// A state predicted from the fit of the others.
 struct HeldOut {
-  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   int state = 0;
   std::string name;  ///< the state's
   UpdateStatus status = UpdateStatus::not_converged;
-  double rms_fitted = kNone;     ///< over the fitted states
-  double rms_predicted = kNone;  ///< held-out state
-  double rms_before = kNone;     ///< held-out state, at the start values
-  double frf_fitted = kNone, frf_predicted = kNone,
-         frf_before = kNone;                         ///< rms |ln FRF ratio| likewise
+  double rms_fitted = signal::kNaN;     ///< over the fitted states
+  double rms_predicted = signal::kNaN;  ///< held-out state
+  double rms_before = signal::kNaN;     ///< held-out state, at the start values
+  double frf_fitted = signal::kNaN, frf_predicted = signal::kNaN,
+         frf_before = signal::kNaN;                  ///< rms |ln FRF ratio| likewise
   std::vector<UpdatedPair> pairs;                    ///< held-out state
   std::optional<model::Scene> scene = std::nullopt;  ///< held-out state, as predicted
 };

@@ -15,7 +15,6 @@ using signal::kNaN;
 constexpr double kCurved = 0.12;    // in the root of the deviance: a quarter of the deviance
 constexpr double kStraight = 0.03;  // standard uncertainty in q below which models are linear
 constexpr double kProfiled = 0.01;  // tolerance, root of the deviance
-constexpr int kMostProfiled = 4;    // parameters that the data cannot tell, profiled all the same
 
 // How far the deviance is above the solution's, as a standard normal would have it.
 double signed_root(double cost, double least, double variance_factor) {
@@ -116,7 +115,7 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
       parameter.interval_by_profile =
           checked && (loose || is_curved(problem, matches, result, j, least));
     } else {
-      parameter.interval_by_profile = costs && n <= kMostProfiled;
+      parameter.interval_by_profile = costs;
     }
     if (parameter.interval_by_profile) {
       // What is not in the profile: errors that modes share.

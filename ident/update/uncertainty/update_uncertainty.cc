@@ -179,9 +179,7 @@ void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateResu
       const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
       if (coordinate.state == held_out && !(coordinate.prior_std > 0)) gradient[j] = 0;
     }
-    constexpr double kRounding = 1e-9;  // where no parameter moves a mode
-    const double std = result.identifiability.std_of(gradient);
-    pair.model_std_hz = std < kRounding ? 0 : pair.model_hz * std;
+    pair.model_std_hz = pair.model_hz * result.identifiability.std_of(gradient);
   }
 }
 

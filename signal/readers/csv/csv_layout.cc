@@ -14,6 +14,7 @@ namespace rigfit::signal {
 namespace {
 
 constexpr std::size_t kLongestLine = std::size_t{1} << 22;  // 4 MiB: 300,000 columns
+constexpr std::size_t kLongestMatched = 4096;  // std::regex takes some stack for each character
 constexpr std::size_t kSampledLines = 64;
 constexpr long kLastLines = 32;  // whose printed digits count
 
@@ -246,10 +247,9 @@ bool is_comment_sign(char c) { return c == '#' || c == '%' || c == '!'; }
 /// blanks or more, by a sign, or by blanks that stand before no unit in brackets, whichever gives
 /// as many titles as there are columns. Empty: none does.
 Fields titles_with_blanks(std::string_view line, std::size_t columns) {
-  constexpr std::size_t kLongestTitles = 4096;  // std::regex takes some stack for each character
   line = trim_blanks(line);
   while (!line.empty() && is_comment_sign(line[0])) line = trim_blanks(line.substr(1));
-  if (line.size() > kLongestTitles) return {};
+  if (line.size() > kLongestMatched) return {};
   for (const char* between : {"\t+", "[ \t]{2,}", ";", ",", "\\|", "[ \t]+(?![(\\[ \t])"}) {
     Fields fields;
     const std::regex parts(between);
@@ -315,14 +315,13 @@ double rate_of(const std::string& label, double number, const std::string& unit_
 /// [ms]" 2 or "fs = 1 kHz": a label, a unit in brackets or none, behind a sign or a blank a number,
 /// its unit or none.
 void find_rate(const std::vector<std::string_view>& lines, CsvLayout& layout) {
-  constexpr std::size_t kLongest = 4096;  // std::regex takes some stack for each character
   static const std::regex kStated(
       R"((?:^|[\t;,:="#%])\s*([a-z][^\t;,:="#%0-9([]*?)\s*(?:[([]([^)\]]*)[)\]])?)"  // label, unit
       R"((["\s:;,=#%]+)((?:\d+[.,]?\d*|[.,]\d+)(?:e[+-]?\d+)?)(?![.\d]))"            // number
       R"(\s*([^\s;,"0-9][^;,"]*)?)",                                                 // unit
       std::regex::icase);
   for (std::size_t k = 0; k < lines.size(); ++k) {
-    const std::string line(lines[k].substr(0, kLongest));
+    const std::string line(lines[k].substr(0, kLongestMatched));
     for (std::sregex_iterator one(line.begin(), line.end(), kStated), end; one != end; ++one) {
       const std::smatch& found = *one;
       double value = 0;

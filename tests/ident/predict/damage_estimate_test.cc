@@ -25,7 +25,7 @@ TEST(DamageEstimate, IsTheLossWithItsUncertainty) {
   EXPECT_NEAR(one.damage.value, 0.3, 1e-12);
   EXPECT_NEAR(one.damage.std, 0.7 * std::sqrt(3e-4), 1e-12);
   EXPECT_TRUE(one.called);
-  EXPECT_NEAR(one.smallest_found, 2 * 1.644854 * one.damage.std, 1e-12);
+  EXPECT_NEAR(one.smallest_found, 2 * 1.6448536269514722 * one.damage.std, 1e-12);
   EXPECT_TRUE(one.like.empty());
   EXPECT_THROW((void)damage_estimate(fit(7, 10, 1, 1, 0), {"base.GJ", "", {10, 0}, 1}),
                std::invalid_argument);

@@ -7,7 +7,7 @@ namespace rigfit::ident::stiffness_curve_test {
 namespace {
 
 StiffnessPoint point(double T, double EI, double std, double shared = 0) {
-  return {T, EI, std, EI - 1.959964 * std, EI + 1.959964 * std, shared};
+  return {T, EI, std, EI - 1.959963984540054 * std, EI + 1.959963984540054 * std, shared};
 }
 
 double sqrt_law(double T) { return 0.08 + 0.042 * std::sqrt(T); }
@@ -27,7 +27,7 @@ TEST(StiffnessCurve, ADecidedLawIsTheCurve) {
   EXPECT_NEAR(at.slope_m2, 0.021 / std::sqrt(37.0), 1e-4);
   EXPECT_FALSE(at.extrapolated);
   EXPECT_TRUE(curve.at(310).extrapolated);
-  EXPECT_NEAR(at.high - at.low, 2 * 1.959964 * at.std, 1e-12);
+  EXPECT_NEAR(at.high - at.low, 2 * 1.959963984540054 * at.std, 1e-12);
   // Terms and covariance say the same.
   const std::array<double, 3> T{25, 120, 300};
   const Eigen::MatrixXd covariance = curve.covariance(T);

@@ -51,8 +51,8 @@ TEST(NarrowRecord, IsNotMadeOfGapsOrRailsOrForABandNearTheRate) {
   const auto narrow = narrow_record(y, band);
   ASSERT_TRUE(narrow);
   EXPECT_EQ(narrow->step, 4);
-  EXPECT_FALSE(narrow_record(y, {0.003, 0.008, false}));
-  EXPECT_FALSE(narrow_record(y.head(500), band));  // too short
+  EXPECT_FALSE(narrow_record(y, {0.003, 0.02, false}));
+  EXPECT_FALSE(narrow_record(y.head(128), band));  // too short
   Eigen::VectorXd gap = y;
   gap(7) = kNaN;
   EXPECT_FALSE(narrow_record(gap, band));
