@@ -1,15 +1,9 @@
 // What tests of the program include: what all tests do, JSON, files and text, runs of the program.
 #pragma once
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "tests/apps/run_program.h"
 #include "tests/test.h"
@@ -17,4 +11,26 @@
 namespace rigfit::apps {
 /// What the program wrote as JSON, with its keys in the order of the alphabet.
 using Document = nlohmann::json;
+
+/// A scene: a cable of 2.4 m in 12 segments between pinned ends at 200 N.
+inline constexpr const char* kCableScene = R"([[node]]
+name = "left"
+position = [0.0, 0.0, 0.0]
+support = "pinned"
+[[node]]
+name = "right"
+position = [2.4, 0.0, 0.0]
+support = "pinned"
+[[member]]
+name = "cable"
+kind = "cable"
+nodes = ["left", "right"]
+segments = 12
+mass_per_length = 0.16667
+EA = 221780.0
+EI = 0.5972
+GJ = 0.1
+tension = 200.0
+)";
+
 }  // namespace rigfit::apps

@@ -1,13 +1,10 @@
 // Two campaigns side by side: virtual laboratories of one beam, and of a beam that is 20 % stiffer.
 // What was changed is named, what was not is not.
-#include <map>
-
 #include "model/scene/read_scene.h"
 #include "tests/apps/apps_test.h"
 #include "tests/scenes.h"
 
 namespace rigfit::apps::compare_campaigns_test {
-namespace {
 
 /// A beam's recordings and the campaign that fits EI, tip mass and damping ratio to them.
 std::string laboratory(const TemporaryFolder& folder, double EI_Nm2, int seed) {
@@ -86,5 +83,4 @@ TEST(TwoCampaigns, NameWhatWasChangedAndNothingElse) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::apps::compare_campaigns_test

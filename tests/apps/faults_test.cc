@@ -10,7 +10,6 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
-#include <map>
 #include <thread>
 
 #include "apps/cli/exit_code.h"
@@ -18,7 +17,7 @@
 #include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::faults_test {
-namespace {
+
 namespace fs = std::filesystem;
 
 /// Every file below a folder and its hash.
@@ -198,16 +197,8 @@ TEST_F(Faults, FoldersThatCannotBeWrittenToAreRefusedBeforeTheWork) {
 
 /// Starts a report and ends it by a signal after so long; true: it was still running.
 bool killed(const std::vector<std::string>& arguments, int signal_number, int after_ms) {
-  std::vector<std::string> words{RIGFIT_PROGRAM};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> pointers;
-  for (auto& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ::execv(pointers[0], pointers.data());
-    ::_exit(127);
-  }
+  const TemporaryFolder folder;
+  const pid_t child = start_program(arguments, folder);
   std::this_thread::sleep_for(std::chrono::milliseconds(after_ms));
   ::kill(child, signal_number);
   int status = 0;
@@ -308,5 +299,4 @@ TEST_F(Faults, ARecordingCutShortWhileItIsReadIsNoCrash) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::apps::faults_test

@@ -1,13 +1,13 @@
 // Command lines and campaigns that make no sense: each ends with its exit code and a message that
 // says what is wrong and what would be right, within a second, and writes nothing.
+#include <regex>
+
 #include "apps/campaign_file/campaign.h"
 #include "model/scene/read_scene.h"
 #include "tests/apps/apps_test.h"
-#include "tests/apps/cable_scene.h"
 #include "tests/scenes.h"
 
 namespace rigfit::apps::refusals_test {
-namespace {
 
 const std::string kRig = std::string(kCableScene) + "damping_ratio = 0.005\n";
 const char* const kHit = R"([[load]]
@@ -103,7 +103,7 @@ struct Files {
 };
 
 struct Wrong {
-  /// Words apart by blanks; "@x" is a file of the folder, "$/x" of testdata, "''" nothing.
+  /// A line as run_line takes it; "@x" is a file of the folder.
   std::string command;
   int code;
   std::string says;
@@ -112,14 +112,8 @@ struct Wrong {
 void expect_refused(const Files& files, const std::vector<Wrong>& all) {
   for (const Wrong& wrong : all) {
     SCOPED_TRACE(wrong.command);
-    std::istringstream words(wrong.command);
-    std::vector<std::string> arguments;
-    for (std::string word; words >> word;) {
-      if (word[0] == '@') word = files.folder.at(word.substr(1));
-      if (word[0] == '$') word.replace(0, 1, RIGFIT_TESTDATA);
-      arguments.push_back(word == "''" ? "" : word);
-    }
-    const auto run = run_program(arguments);
+    const std::regex file("@");
+    const auto run = run_line(std::regex_replace(wrong.command, file, files.folder.at("")));
     EXPECT_EQ(run.exit_code, wrong.code) << run.out << run.err;
     EXPECT_THAT(run.err, HasSubstr(wrong.says));
     EXPECT_FALSE(std::filesystem::exists(files.folder.path() / "out"));
@@ -480,10 +474,7 @@ TEST(Refusals, OfCampaignsWithRecordingsAndFits) {
   };
   for (const Mistake& mistake : all) {
     SCOPED_TRACE(mistake.from + " -> " + mistake.to);
-    std::string text = kCampaign;
-    const auto at = text.find(mistake.from);
-    ASSERT_NE(at, std::string::npos);
-    text.replace(at, mistake.from.size(), mistake.to);
+    const std::string text = replaced(kCampaign, mistake.from, mistake.to);
     const std::string out = (files.folder.path() / "out").string();
     const auto run =
         run_program({"report", files.folder.write("campaign.toml", text), "--out", out});
@@ -494,5 +485,4 @@ TEST(Refusals, OfCampaignsWithRecordingsAndFits) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::apps::refusals_test

@@ -4,7 +4,6 @@
 #include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::repeatable_test {
-namespace {
 
 std::vector<std::string> commands() {
   std::string hits, axial, lengths;
@@ -65,5 +64,4 @@ TEST(Repeatable, FromRunToRunAndWithOneThreadOrTwo) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::apps::repeatable_test

@@ -5,33 +5,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdlib>
-#include <fstream>
 #include <iomanip>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 
 namespace rigfit::apps {
-namespace fs = std::filesystem;
-
-namespace {
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-}  // namespace
-
 nlohmann::json parsed(const std::string& text) {
   return nlohmann::json::parse(text, nullptr, false);
 }
 
-ProgramRun run_program(const std::vector<std::string>& arguments) {
-  const TemporaryFolder folder;
-  const std::string out = (folder.path() / "out").string(), err = (folder.path() / "err").string();
+pid_t start_program(const std::vector<std::string>& arguments, const TemporaryFolder& folder) {
+  const std::string out = folder.at("out"), err = folder.at("err");
   std::vector<std::string> words{RIGFIT_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
@@ -50,9 +35,15 @@ ProgramRun run_program(const std::vector<std::string>& arguments) {
     ::execv(pointers[0], pointers.data());
     ::_exit(127);
   }
+  return child;
+}
+
+ProgramRun run_program(const std::vector<std::string>& arguments) {
+  const TemporaryFolder folder;
+  const pid_t child = start_program(arguments, folder);
   int status = 0;
   ::waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content(out), content(err)};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, folder.read("out"), folder.read("err")};
 }
 
 ProgramRun run_line(const std::string& line, const std::vector<std::string>& values) {
@@ -93,25 +84,5 @@ std::vector<std::vector<double>> columns(const std::string& csv, std::string* he
   }
   return result;
 }
-
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (fs::temp_directory_path() / "rigfit-test-XXXXXX").string();
-  if (!::mkdtemp(name.data())) throw std::runtime_error("cannot make a folder " + name);
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code error;
-  fs::remove_all(path_, error);
-}
-
-std::string TemporaryFolder::write(const std::string& name, const std::string& text) const {
-  const fs::path path = path_ / name;
-  fs::create_directories(path.parent_path());
-  std::ofstream(path, std::ios::binary) << text;
-  return path.string();
-}
-
-std::string TemporaryFolder::read(const std::string& name) const { return content(path_ / name); }
 
 }  // namespace rigfit::apps

@@ -1,17 +1,25 @@
 // Runs the program as a person does: a command line in, exit code and what it wrote out.
 #pragma once
 
-#include <filesystem>
+#include <sys/types.h>
+
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
+#include "tests/temporary_folder.h"
+
 namespace rigfit::apps {
+using testing::TemporaryFolder;
 
 struct ProgramRun {
   int exit_code = -1;  ///< -1: ended by a signal
   std::string out, err;
 };
+
+/// Starts the program with these arguments; what it writes goes to "out" and "err" in a folder.
+[[nodiscard]] pid_t start_program(const std::vector<std::string>& arguments,
+                                  const TemporaryFolder& folder);
 
 /// Arguments after the program's name, passed as they are (no shell).
 [[nodiscard]] ProgramRun run_program(const std::vector<std::string>& arguments);
@@ -30,24 +38,5 @@ struct ProgramRun {
 
 /// The columns of a table of numbers behind a line of titles.
 [[nodiscard]] std::vector<std::vector<double>> columns(const std::string& csv, std::string* header);
-
-/// A folder of this test's own, empty, removed with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// The path of a file in it.
-  [[nodiscard]] std::string at(const std::string& name) const { return (path_ / name).string(); }
-  /// Writes a file in it (folders as needed) and returns its path.
-  std::string write(const std::string& name, const std::string& content) const;
-  /// The content of a file in it; empty when there is none.
-  [[nodiscard]] std::string read(const std::string& name) const;
-
- private:
-  std::filesystem::path path_;
-};
 
 }  // namespace rigfit::apps

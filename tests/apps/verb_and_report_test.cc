@@ -1,9 +1,9 @@
 // A verb and the report of the same files give the same numbers, to the last digit.
+#include "model/scene/read_scene.h"
 #include "tests/apps/apps_test.h"
-#include "tests/apps/cable_scene.h"
+#include "tests/scenes.h"
 
 namespace rigfit::apps::verb_and_report_test {
-namespace {
 
 const std::string kLaboratory = RIGFIT_TESTDATA "/virtual_laboratory/";
 
@@ -31,8 +31,7 @@ struct VerbAndReport : ::testing::Test {
     EXPECT_TRUE(run.exit_code == 0 || run.exit_code == 4) << line << "\n" << run.err;
     return parsed(run.out);
   }
-  /// Runs both and compares these keys of the verb with the report's part, which is left in
-  /// `part`.
+  /// Runs both and compares these keys of the verb with the report's `part`, which is left there.
   void compare(const std::string& line, const std::string& test, const std::string& where,
                const std::vector<std::string>& keys) {
     SCOPED_TRACE(line);
@@ -102,8 +101,8 @@ TEST_F(VerbAndReport, OfBeamsWithoutTension) {
   ASSERT_EQ(verb["tests"].size(), 2U);
   EXPECT_EQ(verb["tests"][0]["ends"], "pinned");
   // Four decimals of newtons are 1e-5 of the load.
-  EXPECT_NEAR(verb["tests"][0]["stiffness_N_m"]["value"].get<double>(), 8400, 8.4);
-  EXPECT_NEAR(verb["specimens"]["relative_scatter"].get<double>(), 0.05 / std::sqrt(2.0), 2e-3);
+  EXPECT_NEAR(verb["tests"][0]["stiffness_N_m"]["value"], 8400, 8.4);
+  EXPECT_NEAR(verb["specimens"]["relative_scatter"], 0.05 / std::sqrt(2.0), 2e-3);
   EXPECT_EQ(part["tests"][0]["origin"], "synthetic");
 }
 
@@ -171,7 +170,7 @@ TEST_F(VerbAndReport, OfDecays) {
   ASSERT_EQ(verb["decays"].size(), 2u);
   // delta = 2 pi zeta / sqrt(1 - zeta^2)
   const double zeta = verb["modes"][0]["damping_ratio"]["value"];
-  EXPECT_NEAR(verb["modes"][0]["log_decrement"]["value"].get<double>(),
+  EXPECT_NEAR(verb["modes"][0]["log_decrement"]["value"],
               2 * kPi * zeta / std::sqrt(1 - zeta * zeta), 1e-12);
   const auto each = document_of("decay {} --each", {file});
   ASSERT_EQ(each["pooled"].size(), 1u);
@@ -228,22 +227,19 @@ TEST_F(VerbAndReport, OfHitsWithoutAScene) {
 }
 
 TEST_F(VerbAndReport, OfARigStruckAtSeveralPoints) {
-  std::string scene = kCableScene + std::string("damping_ratio = 0.005\n");
-  for (const auto& [name, place] : {std::pair{"quarter", "0.25"}, std::pair{"middle", "0.4"}}) {
-    scene += fmt::format(
-        "[[load]]\nname = \"{}\"\nposition = {}\nkind = \"impact\"\nmember = \"cable\"\n"
-        "direction = [0.0, -1.0, 0.0]\npeak = 5.0\nduration = 0.006\n",
-        name, place);
+  auto scene = model::testing::paper_cable(200, 0.5972, 12);
+  scene.members[0].damping_ratio = 0.005;
+  for (const auto& [name, place] : {std::pair{"quarter", 0.25}, {"middle", 0.4}}) {
+    scene.loads.push_back(model::testing::impact({"", "cable", place}, {0, -1, 0}, 5, 0.006, name));
   }
-  for (const auto& [name, place] : {std::pair{"a", "0.5"}, std::pair{"b", "0.33"}}) {
-    scene += fmt::format(
-        "[[sensor]]\nname = \"{}\"\nposition = {}\nmember = \"cable\"\nquantity = "
-        "\"acceleration\"\ndirection = [0.0, 1.0, 0.0]\n",
-        name, place);
+  for (const auto& [name, place] : {std::pair{"a", 0.5}, {"b", 0.33}}) {
+    scene.sensors.push_back(
+        model::testing::sensor("cable", place, model::Sensor::Quantity::acceleration));
+    scene.sensors.back().name = name;
   }
   ASSERT_EQ(
       run_line("synthesize {} --out {} --seed 3 --rate 1024 --record 4 --hits 2 --double-hits 0",
-               {folder.write("rig.toml", scene), folder.at("lab")})
+               {folder.write("rig.toml", model::scene_text(scene)), folder.at("lab")})
           .exit_code,
       0);
   compare(
@@ -262,5 +258,4 @@ TEST_F(VerbAndReport, OfARigStruckAtSeveralPoints) {
   expect_same_hits(verb, part);
 }
 
-}  // namespace
 }  // namespace rigfit::apps::verb_and_report_test

@@ -1,16 +1,6 @@
 // Modes from ambient motion: are they found, do their 95 % intervals hold, how near to the
 // Cramer-Rao bound of an isolated mode are they? A chain of five storeys and its variations, with
 // exact truth.
-#include <fmt/format.h>
-
-#include <cmath>
-#include <cstdint>
-#include <functional>
-#include <numbers>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "signal/ambient/ambient_modes.h"
 #include "signal/modes/mac.h"
 #include "tests/bench/study.h"
@@ -19,7 +9,6 @@
 namespace {
 
 using namespace rigfit;
-using Eigen::Index;
 using signal::Recording;
 
 struct Case {
@@ -71,7 +60,7 @@ std::vector<Case> cases() {
   correlated.structure.forces.diagonal().setOnes();
   add("gaps, 5 % missing").alter = [](Recording& r) {
     for (Index k = 0; k < r.samples(); ++k)
-      if (k % 2000 < 100) r.channels[static_cast<std::size_t>(k / 2000 % 5)].samples[k] = NAN;
+      if (k % 2000 < 100) r.channels[k / 2000 % 5].samples[k] = NAN;
   };
   add("two set-ups").two_setups = true;
   auto& pair = add("pair 0.5 %, 1 h");
@@ -118,7 +107,7 @@ void identify(const Case& one, std::uint64_t seed, study::Table& table) {
     table.add("modes", 1);
     table.add("lost", best < 0);
     if (best < 0) continue;
-    const auto& found = result.modes[static_cast<std::size_t>(best)];
+    const auto& found = result.modes[best];
     table.add("doubtful", found.mode.doubtful);
     if (found.mode.doubtful) continue;
     const double bound = std::sqrt(one.motion.duration_s * zeta * f * 2 * std::numbers::pi *

@@ -1,12 +1,6 @@
 // Long free decays with known truth: errors of `estimate_decay` over the Cramer-Rao bound, coverage
 // of its 95 % intervals, and what it refuses. The phase is drawn anew; an offset and a drift are on
 // every record.
-#include <cmath>
-#include <complex>
-#include <numbers>
-#include <random>
-#include <string>
-
 #include "signal/decay/decay.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "tests/bench/study.h"
@@ -15,8 +9,6 @@
 namespace {
 
 using namespace rigfit;
-using Complex = std::complex<double>;
-using Eigen::Index;
 
 constexpr double kRate = 1000;
 constexpr Index kSamples = 1 << 16;

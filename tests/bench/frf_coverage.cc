@@ -1,9 +1,6 @@
 // A beam's stiffness, tip mass and damping from FRFs, segments "auto": do the 95 % intervals hold?
 // From white noise of known size to hits that scatter in place under noise that a force window
 // leaves, one step a row.
-#include <string>
-#include <vector>
-
 #include "tests/bench/study.h"
 #include "tests/ident/update/hammered_beam.h"
 

@@ -1,13 +1,6 @@
 // Hits that are not as one wishes, from time-domain simulation to modes, over seeds: how often 95 %
 // intervals of frequency and damping hold the truth, how many modes are called doubtful, invented
 // or lost.
-#include <fmt/format.h>
-
-#include <cmath>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "signal/impact/impact_frfs.h"
 #include "signal/modal/modal_identification.h"
 #include "tests/bench/study.h"
@@ -15,7 +8,6 @@
 
 namespace rigfit {
 namespace {
-using Eigen::Index;
 
 struct Case {
   std::string name;

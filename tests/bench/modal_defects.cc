@@ -1,13 +1,6 @@
 // FRFs with the defects of measured ones (tests/reference/defective_frfs.h) over seeds: modes lost,
 // modes that are none, and how often 95 % intervals of the mean rig's frequency and damping hold
 // it, doubtful modes apart.
-#include <fmt/format.h>
-
-#include <cmath>
-#include <numbers>
-#include <string>
-#include <vector>
-
 #include "signal/modal/modal_identification.h"
 #include "tests/bench/study.h"
 #include "tests/reference/defective_frfs.h"
@@ -78,7 +71,7 @@ void identify(const Case& one, std::uint64_t seed, study::Table& table) {
         taken, reach, [&](std::size_t r) { return std::abs(modes[r].frequency_hz.value - f); });
     table.add("lost", best < 0);
     if (best < 0) continue;
-    const signal::IdentifiedMode& mode = modes[static_cast<std::size_t>(best)];
+    const signal::IdentifiedMode& mode = modes[best];
     table.add("sure modes", !mode.doubtful);
     table.add("doubtful", mode.doubtful);
     if (mode.doubtful) continue;

@@ -4,8 +4,6 @@
 // spring is unknown? The bound, the fit's own standard uncertainty of the bare mode, is that of
 // Cramer and Rao at its estimate: the frequencies are normal and the fit weighs them by their
 // variance.
-#include <cmath>
-
 #include "tests/bench/study.h"
 #include "tests/reference/damage_study.h"
 

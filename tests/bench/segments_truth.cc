@@ -1,18 +1,10 @@
 // How honest the estimate of extrapolated frequencies is, and what they cost. Random scenes: pinned
 // cables, clamped ones, cables with a mass at a node of every chain or anywhere, standing beams,
 // rigs of three members (12 modes, others 6). Truth: another sequence of chains, to 3e-9.
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "model/linear/modal_analysis.h"
 #include "model/linear/segment_extrapolation.h"
 #include "tests/bench/study.h"
-#include "tests/scenes.h"
+#include "tests/model/linear/random_scenes.h"
 
 namespace {
 
@@ -23,35 +15,6 @@ constexpr int kKinds = 6;
 constexpr const char* kKind[kKinds]{"pinned cable",  "clamped cable",  "mass at a node",
                                     "mass anywhere", "beam, tip mass", "rig, 12 modes"};
 
-Scene random_scene(int kind, unsigned seed) {
-  std::mt19937 generator(seed);
-  const auto even = [&](double low, double high) {
-    return std::uniform_real_distribution<>(low, high)(generator);
-  };
-  const auto log = [&](double low, double high) {
-    return std::exp(even(std::log(low), std::log(high)));
-  };
-  if (kind == 5) {
-    Scene scene = testing::cable_beam_rig(log(50, 500), log(0.1, 2), 0);
-    scene.nodes[1].mass = even(0, 0.1);
-    return scene;
-  }
-  if (kind == 4) {
-    Scene scene = testing::vertical_beam(even(0.3, 1), log(1, 10), log(0.1, 1), 0);
-    scene.nodes[1].mass = even(0, 0.1);
-    return scene;
-  }
-  Scene scene = testing::paper_cable(log(20, 2000), log(0.05, 5), 0);
-  scene.nodes[1].position << even(1, 4), even(0, 1), 0;
-  if (kind == 1) {
-    for (auto& node : scene.nodes) node.support.kind = Support::Kind::clamped;
-  }
-  const double place = even(0.1, 0.9), mass = log(0.002, 0.05);
-  if (kind == 2) scene.members[0].masses = {{std::round(20 * place) / 20, mass}};
-  if (kind == 3) scene.members[0].masses = {{place, mass}};
-  return scene;
-}
-
 struct Case {
   std::string name;
   int kind;
@@ -59,7 +22,7 @@ struct Case {
 };
 
 void extrapolate(const Case& one, std::uint64_t seed, study::Table& table) {
-  const Scene scene = random_scene(
+  const Scene scene = testing::random_scene(
       one.kind, static_cast<unsigned>(kKinds * seed) + static_cast<unsigned>(one.kind));
   ModesOptions options{.count = one.kind == 5 ? 12 : 6};
   options.shapes = options.damped = false;

@@ -1,10 +1,6 @@
 #include "tests/bench/study.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <numeric>

@@ -1,14 +1,31 @@
-// What the programs of this folder share: their arguments, `[SEEDS] [FIRST SEED] [PART OF A NAME]`,
-// and a Markdown table with a row a case, whose columns gather samples over the seeds.
+// What the programs of this folder share: headers of numerical code, their arguments,
+// `[SEEDS] [FIRST SEED] [PART OF A NAME]`, and a Markdown table with a row a case, whose columns
+// gather samples over the seeds.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <complex>
 #include <cstdint>
 #include <ctime>
+#include <functional>
+#include <limits>
 #include <map>
+#include <numbers>
+#include <optional>
+#include <random>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+namespace rigfit {
+using Complex = std::complex<double>;
+using Eigen::Index;
+}  // namespace rigfit
 
 namespace rigfit::study {
 
@@ -92,7 +109,7 @@ template <class Distance>
     if (taken[i] || !(distance(i) < reach)) continue;
     best = static_cast<int>(i), reach = distance(i);
   }
-  if (best >= 0) taken[static_cast<std::size_t>(best)] = true;
+  if (best >= 0) taken[best] = true;
   return best;
 }
 

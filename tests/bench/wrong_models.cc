@@ -1,18 +1,8 @@
 // Models that are wrong in one thing, fitted to four tensions of a cable: is each fit ruled out,
 // does its interval hold? Then to one tension.
-#include <fmt/format.h>
-
-#include <cmath>
-#include <functional>
-#include <limits>
-#include <random>
-#include <string>
-#include <vector>
-
 #include "ident/update/model_update.h"
-#include "model/linear/modal_analysis.h"
 #include "tests/bench/study.h"
-#include "tests/scenes.h"
+#include "tests/ident/update/fit_data.h"
 
 namespace {
 
@@ -45,19 +35,9 @@ struct Kind {
 };
 
 ident::UpdateState state_of(const Kind& kind, double tension, std::mt19937_64& random) {
-  std::normal_distribution<double> normal;
-  ident::UpdateState state{fmt::format("{} N", tension), kind.fitted(tension), {}};
-  for (const auto& mode :
-       model::analyse_modes(kind.truth(tension), {.count = 8, .plane = model::ModePlane::out})
-           .modes) {
-    if (mode.plane != model::ModePlane::out || state.measured.size() == 6) continue;
-    ident::MeasuredMode one;
-    const double f = mode.frequency_hz;
-    one.frequency_hz = {f * (1 + kStd * normal(random)), kStd * f};
-    one.damping_ratio.value = std::nan("");
-    one.plane = model::ModePlane::out;
-    state.measured.push_back(one);
-  }
+  ident::UpdateState state{
+      fmt::format("{} N", tension), kind.fitted(tension),
+      ident::testing::modes_of(kind.truth(tension), model::ModePlane::out, 6, kStd, &random)};
   model::set_parameter(state.scene, "cable.EI", 1.3 * kEI);
   return state;
 }

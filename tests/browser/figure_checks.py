@@ -141,5 +141,6 @@ class FigureChecks:
             with self.subTest(dark=dark):
                 self.at_width(1440, dark=dark)
                 paper, marks = self.browser.run(MARKS)
+                self.assertTrue(sum(paper) < 200 if dark else sum(paper) > 600)
                 self.assertGreater(len(marks), 2)
                 self.assertEqual([(m, round(contrast(m, paper), 2)) for m in marks if contrast(m, paper) < 3], [])

@@ -5,7 +5,6 @@ usage: report_test.py PROGRAM CAMPAIGN [SCREENSHOT_FOLDER]
 
 import os
 import pathlib
-import re
 import subprocess
 import sys
 import tempfile
@@ -164,16 +163,6 @@ class ReportInBrowser(PageChecks, FigureChecks, unittest.TestCase):
             "return [document.activeElement === list.children[1], list.children[1].getAttribute('aria-selected')];")
         if moved is not None:
             self.assertEqual(moved, [True, "true"])
-
-    def test_dark_and_light(self):
-        light = self.browser.run("return getComputedStyle(document.body).backgroundColor;")
-        self.browser.media("prefers-color-scheme", "dark")
-        self.browser.open(self.url)
-        dark = self.browser.run("return getComputedStyle(document.body).backgroundColor;")
-        brightness = lambda c: sum(int(v) for v in re.findall(r"\d+", c)[:3])
-        self.assertGreater(brightness(light), 600)
-        self.assertLess(brightness(dark), 200)
-        self.shot("dark.png")
 
     def test_pages_links_and_anchors_lead_somewhere(self):
         broken = self.browser.run("return [...document.querySelectorAll('a[href^=\"#\"]')]"

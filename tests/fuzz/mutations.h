@@ -1,16 +1,7 @@
 // Seeds of a reader, faults of it once found by fuzzing, and mutations of both.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <random>
-#include <sstream>
-#include <string>
-#include <vector>
+#include "tests/test.h"
 
 namespace rigfit {
 

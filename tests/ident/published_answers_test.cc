@@ -1,8 +1,4 @@
 // What others published (testdata/published) against what the model and the estimators give.
-#include <fstream>
-#include <map>
-#include <sstream>
-
 #include "ident/tension/cable_frequencies.h"
 #include "ident/tension/cable_model.h"
 #include "ident/tension/cable_tension.h"
@@ -11,7 +7,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::published_answers_test {
-namespace {
 
 /// Numbers of a table by the names of its columns, a row each; blanks and words are left out.
 std::vector<std::map<std::string, double>> table(const std::string& name) {
@@ -131,10 +126,9 @@ TEST(Published, StringOfACode) {
     const auto f = cable_frequencies({100 * inch, rho * area, T, 1e-9, 0, 0}, 3, kInf);
     for (int n = 0; n < 3; ++n) {
       const double published = row.at("f" + std::to_string(n + 1) + "_Hz");
-      EXPECT_NEAR(f.in_hz[static_cast<std::size_t>(n)] / published, 1, 3e-5);
+      EXPECT_NEAR(f.in_hz[n] / published, 1, 3e-5);
     }
   }
 }
 
-}  // namespace
 }  // namespace rigfit::ident::published_answers_test

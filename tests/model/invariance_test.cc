@@ -11,7 +11,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::invariance_test {
-namespace {
 
 constexpr double kTolerance = 1e-7;
 
@@ -108,7 +107,7 @@ class Invariance : public ::testing::TestWithParam<Rig> {
     for (std::size_t k = 0; k < found.size(); ++k) {
       const Eigen::MatrixXd error = (found[k] / factor - expected_[k]).cwiseAbs();
       ASSERT_TRUE((error.array() <= kTolerance * largest.array()).all())
-          << lines_[static_cast<Index>(k)] << " Hz, error over largest\n"
+          << lines_[k] << " Hz, error over largest\n"
           << error.cwiseQuotient(largest);
     }
   }
@@ -222,5 +221,4 @@ INSTANTIATE_TEST_SUITE_P(Rigs, Invariance,
                                            Rig{"StayedPole", stayed_pole, 40}),
                          [](const auto& rig) { return std::string(rig.param.name); });
 
-}  // namespace
 }  // namespace rigfit::model::invariance_test

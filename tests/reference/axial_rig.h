@@ -6,6 +6,8 @@
 // steps of its converter.
 #pragma once
 
+#include <vector>
+
 #include "ident/virtual_rig/sensor_model.h"
 #include "signal/recording/recording.h"
 
@@ -23,5 +25,25 @@ struct AxialRig {
 
 /// Channel "tension", N.
 [[nodiscard]] signal::Recording axial_rig_record(const AxialRig& rig, ident::Random& random);
+
+struct AxialStudy {
+  AxialRig rig;
+  std::vector<double> lengths_m;
+  int taps = 3;
+  double mass_std_kg = 0.003, length_std_m = 0.001, per_length_std = 0.001;
+  double frame_told_relative_std = 0;  ///< the rig's frame is told, drawn off by this; 0: not told
+};
+
+struct AxialCoverage {
+  int campaigns = 0;
+  int refused = 0;                    ///< no EA
+  int covered = 0;                    ///< EA within its interval
+  int silently_wrong = 0;             ///< missed, without any of the warnings about the lengths
+  int warned = 0;                     ///< with one of these warnings
+  double relative_std = 0, bias = 0;  ///< means: of std / EA, of (EA - truth) / std
+};
+
+/// How often the axial test's intervals hold the truth, over rigs drawn from their uncertainties.
+[[nodiscard]] AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned seed);
 
 }  // namespace rigfit::reference

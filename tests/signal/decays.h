@@ -1,16 +1,8 @@
 // Free decays for tests, and what tests ask of their estimates.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Core>
-#include <cmath>
-#include <complex>
-#include <numbers>
-#include <random>
-
 #include "signal/decay/decay.h"
-#include "tests/findings.h"
+#include "tests/test.h"
 
 namespace rigfit::testing {
 

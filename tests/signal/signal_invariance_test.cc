@@ -1,15 +1,12 @@
 // What must not depend on how a test is written down: the order of channels, the units of force,
 // motion and time. FRFs follow to rounding; modes follow far within their standard uncertainty,
 // which is where an iteration that ends at 1e-6 of its scale and a numerical rank leave them.
-#include <memory>
-
 #include "signal/impact/impact_frfs.h"
 #include "signal/modal/modal_identification.h"
 #include "tests/reference/ten_mode_truth.h"
 #include "tests/test.h"
 
 namespace rigfit::signal::signal_invariance_test {
-namespace {
 
 constexpr int kResponses = 5;
 
@@ -70,8 +67,7 @@ TEST_F(SignalInvariance, OfTheOrderOfChannels) {
   std::reverse(reversed.begin(), reversed.end());
   const FrfSet frfs = frfs_of(*recording_, reversed);
   for (Index k = 0; k < kResponses; ++k) {
-    EXPECT_EQ(frfs.responses[static_cast<std::size_t>(k)].name,
-              frfs_->responses[static_cast<std::size_t>(kResponses - 1 - k)].name);
+    EXPECT_EQ(frfs.responses[k].name, frfs_->responses[kResponses - 1 - k].name);
   }
   const double largest = frfs_->H.cwiseAbs().maxCoeff();
   EXPECT_LT((frfs.H.rowwise().reverse() - frfs_->H).cwiseAbs().maxCoeff(), 1e-12 * largest);
@@ -101,5 +97,4 @@ TEST_F(SignalInvariance, OfTheUnitOfTime) {
   expect_same_modes(modes_of(frfs, kFaster), kFaster);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::signal_invariance_test

@@ -2,12 +2,10 @@
 
 #include "model/scene/scene_error.h"
 #include "tests/apps/apps_test.h"
-#include "tests/apps/cable_scene.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_campaign.h"
 
 namespace rigfit::apps::campaign_test {
-namespace {
 
 // A campaign of tables, in whose text the line numbers below count, and the files that it names.
 class CampaignFiles : public ::testing::Test {
@@ -177,5 +175,4 @@ TEST(MalformedCampaign, GivesACampaignOrAReason) {
       "campaign", [&](const FuzzSeed& seed) { require_sound(parse_campaign(seed.bytes, path)); });
 }
 
-}  // namespace
 }  // namespace rigfit::apps::campaign_test

@@ -4,7 +4,6 @@
 #include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::text_table_test {
-namespace {
 
 TEST(TextTable, ReadsNumbersBlanksAndRemarks) {
   const TemporaryFolder folder;
@@ -74,5 +73,4 @@ TEST(TextTable, RefusesWhatIsNoTable) {
   EXPECT_THROW(static_cast<void>(read_text_table(folder.path())), model::SceneError);
 }
 
-}  // namespace
 }  // namespace rigfit::apps::text_table_test

@@ -4,7 +4,6 @@
 #include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::usage_test {
-namespace {
 
 using ::testing::StartsWith;
 
@@ -104,5 +103,4 @@ TEST(KeyReference, HoldsEveryKeyThatTheReadersKnow) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::apps::usage_test

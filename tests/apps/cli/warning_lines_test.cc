@@ -1,15 +1,10 @@
 // Warnings on the terminal: grouped by kind, the grave ones first, never more lines than are read.
 #include "apps/cli/warning_lines.h"
 
-#include <fmt/format.h>
-
-#include <sstream>
-
 #include "apps/cli/verb_context.h"
 #include "tests/test.h"
 
 namespace rigfit::apps::warning_lines_test {
-namespace {
 
 Finding warning(std::string code, std::string message, std::string where = "") {
   return {std::move(code), std::move(message), std::move(where), false};
@@ -52,5 +47,4 @@ TEST(WarningLines, NormalOperationIsANote) {
   EXPECT_EQ(context.notes()[0].code, "start_chosen");
 }
 
-}  // namespace
 }  // namespace rigfit::apps::warning_lines_test

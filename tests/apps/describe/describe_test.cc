@@ -1,6 +1,4 @@
 // A field or an option that is described is found wherever it is shown, without another line.
-#include <sstream>
-
 #include "apps/cli/usage.h"
 #include "apps/describe/sheet.h"
 #include "signal/numerics/estimate.h"

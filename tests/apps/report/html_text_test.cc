@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::apps::html_text_test {
-namespace {
 
 TEST(HtmlText, EscapesMarkupAndMendsBytes) {
   EXPECT_EQ(escaped("a<b>&\"c\" 'd'"), "a&lt;b&gt;&amp;&quot;c&quot; &#39;d&#39;");
@@ -49,5 +48,4 @@ TEST(ParameterWords, AreNamesAndSymbols) {
   EXPECT_EQ(state_words("200 N"), "200 N");
 }
 
-}  // namespace
 }  // namespace rigfit::apps::html_text_test

@@ -1,11 +1,10 @@
 #include "ident/axial/axial_identification.h"
 
 #include "ident/virtual_rig/virtual_bench.h"
-#include "tests/reference/axial_study.h"
+#include "tests/reference/axial_rig.h"
 #include "tests/test.h"
 
 namespace rigfit::ident::axial_identification_test {
-namespace {
 
 struct Rig {
   double EA = 221780, zeta = 0.017, mass = 2.2, per_length = 0.16667, adapter = 0;
@@ -145,7 +144,7 @@ TEST(AxialTest, WithoutTheLengthsUncertaintyThatOfEAIsNotKnown) {
   EXPECT_TRUE(std::isnan(r.EA_N.std) && std::isnan(r.EA_low_N) && std::isnan(r.EA_high_N));
   const auto said = std::ranges::find(r.notes, "length_std", &signal::Note::code);
   ASSERT_NE(said, r.notes.end());
-  EXPECT_NE(said->message.find("--length-std"), std::string::npos);
+  EXPECT_THAT(said->message, HasSubstr("--length-std"));
   // What 1 mm of each length changes: the slope's, EA / sqrt(2 * 0.3^2) * 1 mm = 523 N.
   const double effect = std::stod(said->message.substr(said->message.find(" EA by ") + 7));
   EXPECT_NEAR(effect, 523, 30) << said->message;
@@ -245,5 +244,4 @@ TEST(AxialBound, AFrameThatIsToldGivesEAFromOneLength) {
   EXPECT_LT(std::abs(told.bias), 1.0);
 }
 
-}  // namespace
 }  // namespace rigfit::ident::axial_identification_test

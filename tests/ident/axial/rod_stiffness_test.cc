@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::rod_stiffness_test {
-namespace {
 
 // Lowest frequency of mass, rod and frame by the transfer matrix of the rod, by bisection:
 // at the top the frame's force kf u0, below u' EA = kf u0; at the bottom W M u = EA u'.
@@ -59,5 +58,4 @@ TEST(RodStiffness, AnAdapterOrFrameSofterThanTheWholeHasNoAnswer) {
   EXPECT_TRUE(std::isnan(rod_stiffness({1e5, 2.2, 0.1, 1, 0, 2e5}).cable_N_m));
 }
 
-}  // namespace
 }  // namespace rigfit::ident::rod_stiffness_test

@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::beam_bending_test {
-namespace {
 
 BendingTestOptions options_of(BeamEnds ends, double span) {
   return {.span_m = {span, 0}, .ends = ends};
@@ -187,5 +186,4 @@ TEST(BeamCampaign, SpecimensModulusAndLengthsInMillimetres) {
   EXPECT_TRUE(says(analyse_bending_campaign(campaign).findings, "length_suspected"));
 }
 
-}  // namespace
 }  // namespace rigfit::ident::beam_bending_test

@@ -4,7 +4,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::decay_bound_test {
-namespace {
 
 // 16 s^2 a^3 / (fs |C|^2) of a decay that is over, 24 s^2 / (fs |C|^2 T^3) of a steady tone.
 // exp(-2 a T) T^2 = 1e-15 and 1.2 a T = 1e-6 are what the limits leave out.
@@ -50,5 +49,4 @@ TEST(DecayBound, TheImpulseOfAHalfSineIsItsFourierTransform) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::ident::decay_bound_test

@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::plan_test {
-namespace {
 
 // A pinned hanger without gravity, struck at 0.3, with an accelerometer at 0.4.
 model::Scene struck(double EI) {
@@ -142,5 +141,4 @@ TEST(Plan, ProposesNoMoreThanIsNeeded) {
   EXPECT_THAT(plan.proposals[0].what, HasSubstr("5 hits of 4 s"));
 }
 
-}  // namespace
 }  // namespace rigfit::ident::plan_test

@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::damage_estimate_test {
-namespace {
 
 FittedParameters fit(double zone, double sound, double zone_std, double sound_std,
                      double correlation) {
@@ -36,7 +35,7 @@ TEST(DamageEstimate, SaysWhenSoilAndDamageCannotBeToldApart) {
   fitted.covariance(0, 2) = fitted.covariance(2, 0) = -0.99 * 2;
   const auto one = damage_estimate(fitted, {"base.EI", "", {10, 0}, 1});
   ASSERT_EQ(one.like.size(), 1u);
-  EXPECT_NE(one.statement.find("ground.rotational_z"), std::string::npos);
+  EXPECT_THAT(one.statement, HasSubstr("ground.rotational_z"));
   EXPECT_FALSE(one.called);
 }
 
@@ -56,5 +55,4 @@ TEST(PoleDamage, IsFoundThroughTheCables) {
   EXPECT_GE(inside, 3);  // 1 % outside of 2.5 std each: two of four with 6e-4
 }
 
-}  // namespace
 }  // namespace rigfit::ident::damage_estimate_test

@@ -7,7 +7,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::scene_prediction_test {
-namespace {
 
 /// A horizontal cantilever, weightless: f goes with sqrt(EI / m).
 model::Scene cantilever() {
@@ -237,5 +236,4 @@ TEST(ResponsePrediction, RefusesAFitOfOtherParameters) {
   EXPECT_THROW((void)predict_response(struck_cantilever(), fitted, {}), std::invalid_argument);
 }
 
-}  // namespace
 }  // namespace rigfit::ident::scene_prediction_test

@@ -2,10 +2,7 @@
 
 #include "tests/test.h"
 
-#include <functional>
-
 namespace rigfit::ident::stiffness_law_test {
-namespace {
 
 std::vector<StiffnessPoint> points_of(const std::function<double(double)>& law, double relative_std,
                                       const std::vector<double>& tensions) {
@@ -86,7 +83,7 @@ TEST(StiffnessLaws, ThePapersFourPointsCannotChoose) {
   const auto laws = fit_stiffness_laws(points);
   EXPECT_FALSE(laws.weighted);
   EXPECT_FALSE(laws.decided);
-  EXPECT_NE(laws.sentence.find("too few to choose"), std::string::npos) << laws.sentence;
+  EXPECT_THAT(laws.sentence, HasSubstr("too few to choose"));
   EXPECT_EQ(laws.laws.size(), 4U);
   for (const auto& law : laws.laws) {
     EXPECT_TRUE(law.converged) << law.message;
@@ -156,5 +153,4 @@ TEST(StiffnessLaws, RefuseWhatIsNotPositive) {
   EXPECT_THROW((void)fit_stiffness_laws({{100, 0.5}, {200, NAN}}), std::invalid_argument);
 }
 
-}  // namespace
 }  // namespace rigfit::ident::stiffness_law_test

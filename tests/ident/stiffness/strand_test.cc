@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::strand_test {
-namespace {
 
 // Jalali and Rideout 2021, eq. (21): EImax = 15.5632 N m2 for the 6.35 mm strand. With E = 195 GPa
 // the formula gives 15.5630; E is printed with three digits, so 0.3 % is what can be asked.
@@ -23,5 +22,4 @@ TEST(StiffnessBounds, RefuseWhatIsNotPositive) {
   EXPECT_THROW((void)stiffness_bounds({NAN, 7, 1e-3, 1e-2}), std::invalid_argument);
 }
 
-}  // namespace
 }  // namespace rigfit::ident::strand_test

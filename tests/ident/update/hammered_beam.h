@@ -87,11 +87,10 @@ inline std::vector<MeasuredFrf> hammered_frfs(const Eigen::VectorXd& lines,
     std::vector<Eigen::VectorXcd> responses;
     for (Eigen::Index sensor = 0; sensor < 2; ++sensor) {
       Eigen::VectorXcd H(count);
-      for (Eigen::Index k = 0; k < count; ++k)
-        H[k] = exact.H[static_cast<std::size_t>(k)](sensor, 0);
+      for (Eigen::Index k = 0; k < count; ++k) H[k] = exact.H[k](sensor, 0);
       const double std =
           noise.response * std::sqrt(H.squaredNorm() / static_cast<double>(count) / 2);
-      known[static_cast<std::size_t>(sensor)] = std / std::sqrt(noise.hits);
+      known[sensor] = std / std::sqrt(noise.hits);
       const auto own = line_noise(lines, noise.decay_rate_1_s, [&] { return normal(); });
       for (Eigen::Index k = 0; k < count; ++k) H[k] = H[k] / (1.0 + force[k]) + std * own[k];
       responses.push_back(std::move(H));

@@ -7,7 +7,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::load_cell_test {
-namespace {
 
 constexpr double kScale = 1.03, kZero = -1.5;  // N
 
@@ -56,5 +55,4 @@ TEST(LoadCell, ReadingsTakenForTrueAreRuledOut) {
   EXPECT_GT(right.fit.p_value, 1e-3);
 }
 
-}  // namespace
 }  // namespace rigfit::ident::load_cell_test

@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::model_candidates_test {
-namespace {
 
 // A hanger of 1 m between two supports, stress-free, 12 segments.
 model::Scene hanger(const std::string& support, double EI) {
@@ -72,7 +71,7 @@ TEST(ModelCandidates, WeightsAreThoseOfNumericalIntegration) {
     }
     const auto found = compare_candidates(candidates, options);
     ASSERT_EQ(found.candidates.size(), 2U);
-    EXPECT_EQ(found.candidates[static_cast<std::size_t>(found.heaviest)].name, truth);
+    EXPECT_EQ(found.candidates[found.heaviest].name, truth);
     EXPECT_NEAR(found.candidates[0].weight + found.candidates[1].weight, 1, 1e-12);
     int compared = 0;
     for (const auto& one : found.candidates) {
@@ -105,5 +104,4 @@ TEST(ModelCandidates, AParameterMoreMustEarnItsPlace) {
   EXPECT_TRUE(holds(found.averaged[0], 2));
 }
 
-}  // namespace
 }  // namespace rigfit::ident::model_candidates_test

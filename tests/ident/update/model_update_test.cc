@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::model_update_test {
-namespace {
 
 using model::ModePlane;
 
@@ -190,7 +189,7 @@ TEST(UpdateModel, SharedAndPerStateParameters) {
     EXPECT_GT(result.parameters[k].std, 0);
   }
   EXPECT_EQ(result.parameters[2].state, 1);
-  EXPECT_NE(result.parameters[2].name.find("200 N"), std::string::npos);
+  EXPECT_THAT(result.parameters[2].name, HasSubstr("200 N"));
 }
 
 // One mode, none, the same one five times, one at an absurd place: an answer without uncertainty or
@@ -250,5 +249,4 @@ TEST(UpdateModel, WrongNamesAndImpossibleRigsAreSaid) {
   EXPECT_FALSE(result.message.empty());
 }
 
-}  // namespace
 }  // namespace rigfit::ident::model_update_test

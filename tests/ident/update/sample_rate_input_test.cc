@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::sample_rate_input_test {
-namespace {
 
 constexpr double kTension = 200, kRate = 3e-4, kNoise = 1e-4;
 
@@ -78,5 +77,4 @@ TEST(SampleRateInput, LinesOfFrfsAreOffTogether) {
   EXPECT_TRUE(holds(EI, testing::kBeamEI));
 }
 
-}  // namespace
 }  // namespace rigfit::ident::sample_rate_input_test

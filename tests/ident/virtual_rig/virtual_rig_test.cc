@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::virtual_rig_test {
-namespace {
 
 // A stiff spring of one degree of freedom in place of a rig: sensor i reads (i + 1) times the
 // force, the channels across its axis read nothing.
@@ -174,5 +173,4 @@ TEST(SensorModel, QuantisesClipsAndAddsTheTransverseSignal) {
   EXPECT_THROW((void)recorded(x, t.head(3), 0.01, tilted, random), std::invalid_argument);
 }
 
-}  // namespace
 }  // namespace rigfit::ident::virtual_rig_test

@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::bordered_envelope_test {
-namespace {
 
 // Twelve tensioned spans in a row, more than are solved for one by one, and six.
 TEST(BorderedEnvelope, LongLineHasItsTensions) {
@@ -30,5 +29,4 @@ TEST(BorderedEnvelope, LongLineHasItsTensions) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::model::bordered_envelope_test

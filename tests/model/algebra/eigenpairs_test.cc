@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::eigenpairs_test {
-namespace {
 
 // Fifty like spans: their first frequencies crowd within 3 %, more of them than are asked for, and
 // the spectrum is taken in slices.
@@ -43,7 +42,7 @@ TEST(Eigenpairs, EdgeOfACrowdTakesNoMoreVectorsThanElsewhere) {
   constexpr int kSize = 2000, kCount = 24;
   constexpr double kCoupling = 1e-6;
   std::vector<int> first(kSize);
-  for (int i = 0; i < kSize; ++i) first[std::size_t(i)] = std::max(0, i - 1);
+  for (int i = 0; i < kSize; ++i) first[i] = std::max(0, i - 1);
   const auto envelope = Envelope::from_rows(first);
   EnvelopeMatrix k(envelope), m(envelope);
   for (int i = 0; i < kSize; ++i) {
@@ -63,5 +62,4 @@ TEST(Eigenpairs, EdgeOfACrowdTakesNoMoreVectorsThanElsewhere) {
   EXPECT_LT(pairs.steps, 6 * kCount);
 }
 
-}  // namespace
 }  // namespace rigfit::model::eigenpairs_test

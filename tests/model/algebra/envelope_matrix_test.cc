@@ -4,7 +4,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::envelope_matrix_test {
-namespace {
 
 template <class Scalar>
 EnvelopeMatrixOf<Scalar> random_matrix(int n, std::mt19937_64& random) {
@@ -15,7 +14,7 @@ EnvelopeMatrixOf<Scalar> random_matrix(int n, std::mt19937_64& random) {
   EnvelopeMatrixOf<Scalar> matrix(Envelope::from_rows(first));
   std::normal_distribution<double> normal;
   for (int i = 0; i < n; ++i) {
-    for (int j = first[std::size_t(i)]; j <= i; ++j) {
+    for (int j = first[i]; j <= i; ++j) {
       if constexpr (std::is_same_v<Scalar, double>) {
         matrix.add(i, j, normal(random));
       } else {
@@ -56,5 +55,4 @@ TEST(EnvelopeFactor, NamesTheRowOfASingularPivot) {
   EXPECT_EQ(factor.smallest_pivot_row(), 1);
 }
 
-}  // namespace
 }  // namespace rigfit::model::envelope_matrix_test

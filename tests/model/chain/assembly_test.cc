@@ -7,7 +7,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::assembly_test {
-namespace {
 
 using testing::cable_beam_rig;
 using testing::paper_cable;
@@ -20,10 +19,10 @@ Scene rich_scene() {
   scene.members[0].polar_inertia = 1e-3;
   scene.members[0].EA = 400;  // soft, so that no energy drowns the others in rounding
   for (int m : {1, 2}) {
-    scene.members[std::size_t(m)].EA = 300;
-    scene.members[std::size_t(m)].tension.reset();
-    scene.members[std::size_t(m)].stretch = 0.02;
-    scene.members[std::size_t(m)].assembled = Member::Assembled::straight;
+    scene.members[m].EA = 300;
+    scene.members[m].tension.reset();
+    scene.members[m].stretch = 0.02;
+    scene.members[m].assembled = Member::Assembled::straight;
   }
   scene.members[1].masses = {{0.4, 0.05}};
   scene.nodes[2].support.kind = Support::Kind::elastic;
@@ -130,5 +129,4 @@ TEST(Chain, PlaneOfSymmetryIsFoundForAnInclinedCableAskew) {
   EXPECT_NEAR(chain.gravity.y(), -kStandardGravity, 1e-13);
 }
 
-}  // namespace
 }  // namespace rigfit::model::assembly_test

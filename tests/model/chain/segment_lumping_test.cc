@@ -7,7 +7,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::segment_lumping_test {
-namespace {
 
 /// Largest error of the first `count` frequencies of a plane.
 double worst(Scene scene, const std::vector<double>& truth, int n) {
@@ -61,5 +60,4 @@ TEST(SegmentLumping, AxialForceOfABeamIsWhatItBears) {
   EXPECT_NEAR(force.first, 0, 1e-12);
 }
 
-}  // namespace
 }  // namespace rigfit::model::segment_lumping_test

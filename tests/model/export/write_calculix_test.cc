@@ -2,33 +2,22 @@
 // elements, non-linear static step, then frequencies), as the paper's section 2.2 did with Ansys.
 #include "model/export/write_calculix.h"
 
-#include <unistd.h>
-
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "model/scene/scene_error.h"
 #include "tests/scenes.h"
+#include "tests/temporary_folder.h"
 #include "tests/test.h"
 
 namespace rigfit::model::write_calculix_test {
-namespace {
-namespace fs = std::filesystem;
 
 std::vector<double> solved_by_ccx(const CalculixDeck& deck) {
-  const fs::path folder =
-      fs::path(::testing::TempDir()) / ("rigfit_ccx_" + std::to_string(::getpid()));
-  fs::create_directories(folder);
-  std::ofstream(folder / "deck.inp") << deck.text;
+  const rigfit::testing::TemporaryFolder folder;
+  folder.write("deck.inp", deck.text);
   const std::string command =
-      "cd '" + folder.string() + "' && OMP_NUM_THREADS=1 ccx deck > log 2>&1";
+      "cd '" + folder.path().string() + "' && OMP_NUM_THREADS=1 ccx deck > log 2>&1";
   EXPECT_EQ(std::system(command.c_str()), 0) << "ccx failed; tests/run.sh installs it";
-  std::ifstream dat(folder / "deck.dat");
-  const std::string text{std::istreambuf_iterator<char>(dat), {}};
-  fs::remove_all(folder);
-  return calculix_frequencies(text);
+  return calculix_frequencies(folder.read("deck.dat"));
 }
 
 Scene cable(double tension, double EI) {
@@ -143,11 +132,9 @@ TEST(WriteCalculix, InclinedBeamOnAHingeAndASpringWithAMassAgrees) {
     scene.members[0].masses[0].position = 0.503;
     const auto deck = calculix_deck(scene, analyse_modes(scene, {.count = 1}).equilibrium);
     ASSERT_EQ(deck.notes.size(), inclined ? 2u : 1u);
-    EXPECT_NE(deck.notes[0].find("a mass at 0.5030 was put at the nearest node, 0.5000"),
-              std::string::npos)
-        << deck.notes[0];
+    EXPECT_THAT(deck.notes[0], HasSubstr("a mass at 0.5030 was put at the nearest node, 0.5000"));
     if (inclined) {
-      EXPECT_NE(deck.notes[1].find("foot: free to twist"), std::string::npos) << deck.notes[1];
+      EXPECT_THAT(deck.notes[1], HasSubstr("foot: free to twist"));
     }
   }
 }
@@ -171,5 +158,4 @@ TEST(WriteCalculix, SaysWhatItCannotWrite) {
       "a rotational spring");
 }
 
-}  // namespace
 }  // namespace rigfit::model::write_calculix_test

@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::frf_sensitivities_test {
-namespace {
 
 /// Largest |rate - differences| over the largest |rate| of all lines, sensors and loads.
 void expect_differences(const Scene& scene, const std::vector<std::string>& names,
@@ -123,5 +122,4 @@ TEST(FrfSensitivities, NamesAnUnknownParameter) {
                SceneError);
 }
 
-}  // namespace
 }  // namespace rigfit::model::frf_sensitivities_test

@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::frf_synthesis_test {
-namespace {
 
 Scene instrumented(Scene scene) {
   scene.sensors = {testing::sensor("cable", 0.25, Sensor::Quantity::displacement),
@@ -38,9 +37,9 @@ TEST(FrfSynthesis, IsTheSumOfAllModes) {
         const double zeta = mode.frequency_hz <= 80 ? mode.damping_ratio : 0;
         sum += mode.sensor_shape[0] * mode.load_shape[1] / (s * s + 2 * zeta * wr * s + wr * wr);
       }
-      const auto h = frfs.H[std::size_t(k)](0, 1);
+      const auto h = frfs.H[k](0, 1);
       EXPECT_LT(std::abs(h - sum), 1e-6 * std::abs(sum)) << lines[k];
-      const auto back = frfs.H[std::size_t(k)](1, 0);  // reciprocal
+      const auto back = frfs.H[k](1, 0);  // reciprocal
       EXPECT_LT(std::abs(back - s * h), 1e-8 * std::abs(back));
     }
   }
@@ -91,5 +90,4 @@ TEST(FrfSynthesis, JointDampersAndDampingRatiosSideBySide) {
   expect_finite_resonance(scene);
 }
 
-}  // namespace
 }  // namespace rigfit::model::frf_synthesis_test

@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::close_modes_test {
-namespace {
 
 /// All displacements of all members, one under the other.
 Eigen::VectorXd stacked(const NaturalMode& mode) {
@@ -199,5 +198,4 @@ TEST(CloseModes, AreFollowedWithStiffnessLevelAndInclined) {
   static_cast<void>(sweep(0.2549, 20));
 }
 
-}  // namespace
 }  // namespace rigfit::model::close_modes_test

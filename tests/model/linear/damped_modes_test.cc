@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::damped_modes_test {
-namespace {
 
 /// Poles of the whole quadratic problem, dense; the unknowns without inertia are condensed first.
 std::vector<Complex> dense_poles(const MotionModes& motion, const ChainState& state) {
@@ -60,7 +59,7 @@ TEST(DampedModes, OfUnevenDampersAgreeWithTheDenseQuadraticProblem) {
       dense = dense_poles(copy, modes.equilibrium.state);
     }
     for (Index i = 0; i < damped.poles.size(); ++i) {
-      EXPECT_TRUE(damped.converged[std::size_t(i)]);
+      EXPECT_TRUE(damped.converged[i]);
       const auto nearest =
           *std::min_element(dense.begin(), dense.end(), [&](const auto& x, const auto& y) {
             return std::abs(x - damped.poles[i]) < std::abs(y - damped.poles[i]);
@@ -102,5 +101,4 @@ TEST(DampedModes, ModalRatiosAreWeightedByStrainEnergy) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::model::damped_modes_test

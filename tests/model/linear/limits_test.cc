@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::limits_test {
-namespace {
 
 constexpr double kMass = 0.16667, kEA = 221780, kSpan = 2.4;
 constexpr double kWeight = kMass * kStandardGravity;
@@ -189,5 +188,4 @@ TEST(BeamLimits, ACantileverOfThreeSegmentsAndOfThreeThousand) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::model::limits_test

@@ -1,15 +1,13 @@
 #include "model/linear/segment_extrapolation.h"
 
 #include "model/linear/modal_analysis.h"
+#include "tests/model/linear/random_scenes.h"
 #include "tests/reference/closed_forms.h"
-#include "tests/scenes.h"
 #include "tests/test.h"
 
 namespace rigfit::model::segment_extrapolation_test {
-namespace {
-using testing::cable_beam_rig;
+
 using testing::paper_cable;
-using testing::vertical_beam;
 
 /// A sequence whose series ends is taken to its limit, and the error of less terms is seen.
 TEST(SequenceLimit, EndsAPolynomialInTheSquareOfTheLength) {
@@ -40,29 +38,15 @@ ExtrapolatedModes truth_of(const Scene& scene, const ModesOptions& options, Sequ
   return extrapolate_modes(scene, options, start, 1e-8);
 }
 
-/// Cables clamped, pinned or with a mass anywhere, beams and rigs drawn at random: the accuracy is
-/// met, and the estimate is within a factor of three of the true error (segments_truth: in 99 % of
-/// 600). Truth: another sequence, to 1e-8.
+/// Cables, beams and rigs drawn at random: the accuracy is met, and the estimate is within a factor
+/// of three of the true error (segments_truth: in 99 % of 600). Truth: another sequence, to 1e-8.
 TEST(ExtrapolatedModes, EstimateTheirErrorWithinAFactorOfThree) {
   const double accuracy = 1e-5;
   int near = 0;
   for (unsigned seed = 0; seed < 15; ++seed) {
-    std::mt19937 generator(seed);
-    const auto even = [&](double low, double high) {
-      return std::uniform_real_distribution<>(low, high)(generator);
-    };
-    const auto between = [&](double low, double high) {
-      return std::exp(even(std::log(low), std::log(high)));
-    };
-    const unsigned kind = seed % 5;
-    Scene scene = kind == 3   ? cable_beam_rig(between(50, 500), between(0.1, 2), 0)
-                  : kind == 2 ? vertical_beam(between(0.3, 1), between(1, 10), 0.3, 0)
-                              : paper_cable(between(20, 1000), between(0.05, 5), 0);
-    if (kind == 1) {
-      for (auto& node : scene.nodes) node.support.kind = Support::Kind::clamped;
-    }
-    if (kind == 4) scene.members[0].masses = {{even(0.1, 0.9), between(0.002, 0.05)}};
-    ModesOptions options{.count = kind == 3 ? 12 : 6};
+    const int kind = static_cast<int>(seed % 6);
+    const Scene scene = testing::random_scene(kind, seed);
+    ModesOptions options{.count = kind == 5 ? 12 : 6};
     options.shapes = options.damped = false;
     const ChainModes coarse =
         find_modes(scene, options, std::vector<int>(scene.members.size(), 12));
@@ -108,38 +92,30 @@ TEST(ExtrapolatedModes, HaveNodesWhereMassesStand) {
   }
 }
 
-/// Layers of bending a five hundredth of the member deep at both clamps: short chains see them.
-TEST(ExtrapolatedModes, ResolveThinLayers) {
-  Scene scene = paper_cable(2000, 0.05, 0);
-  for (auto& node : scene.nodes) node.support.kind = Support::Kind::clamped;
-  scene.accuracy = 1e-6;
-  scene.gravity.setZero();
-  ModesOptions options;
-  options.shapes = options.damped = false;
-  const ModalAnalysis found = analyse_modes(scene, options);
-  ASSERT_TRUE(found.extrapolated);
-  EXPECT_LE(found.equilibrium.members[0].segments, 100);
-  const double e = 2000 / 221780.0;
-  const auto truth = clamped_beam_frequencies({2.4, 0.16667 / (1 + e), 0.05 * (1 + e), 2000}, 3);
-  for (std::size_t i = 0; i < 6; ++i) {
-    EXPECT_NEAR(found.modes[i].frequency_hz / truth[i / 2], 1, 1e-6) << i;
-  }
-}
-
-/// 1e-6 of a closed form from short chains: the cable without weight is a beam in tension.
+/// 1e-6 of closed forms from short chains: a cable without weight is a beam in tension. Layers of
+/// bending a five hundredth of the member deep at both clamps are seen by them.
 TEST(ExtrapolatedModes, MeetAMillionth) {
-  Scene scene = paper_cable(200, 0.5972, 0);
-  scene.gravity.setZero();
-  scene.accuracy = 1e-6;
-  const ModalAnalysis found = analyse_modes(scene);
-  const double e = 200 / 221780.0;
-  const auto truth = pinned_beam_frequencies({2.4, 0.16667 / (1 + e), 0.5972 * (1 + e), 200}, 3);
-  for (std::size_t i = 0; i < 6; ++i) {
-    EXPECT_NEAR(found.modes[i].frequency_hz / truth[i / 2], 1, 1e-6) << i;
+  for (const bool layers : {false, true}) {
+    const double tension = layers ? 2000 : 200, EI = layers ? 0.05 : 0.5972;
+    Scene scene = paper_cable(tension, EI, 0);
+    for (auto& node : scene.nodes) {
+      if (layers) node.support.kind = Support::Kind::clamped;
+    }
+    scene.accuracy = 1e-6;
+    scene.gravity.setZero();
+    ModesOptions options;
+    options.shapes = options.damped = !layers;
+    const ModalAnalysis found = analyse_modes(scene, options);
+    ASSERT_TRUE(found.extrapolated);
+    EXPECT_LE(found.equilibrium.members[0].segments, 100);
+    const double e = tension / 221780;
+    const UniformBeam beam{2.4, 0.16667 / (1 + e), EI * (1 + e), tension};
+    const auto truth =
+        layers ? clamped_beam_frequencies(beam, 3) : pinned_beam_frequencies(beam, 3);
+    for (std::size_t i = 0; i < 6; ++i) {
+      EXPECT_NEAR(found.modes[i].frequency_hz / truth[i / 2], 1, 1e-6) << layers << i;
+    }
   }
-  EXPECT_TRUE(found.extrapolated);
-  EXPECT_LE(found.equilibrium.members[0].segments, 100);
 }
 
-}  // namespace
 }  // namespace rigfit::model::segment_extrapolation_test

@@ -4,7 +4,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::sensitivities_test {
-namespace {
 
 /// `relative_step` of the differences: where the rig hardly feels a number, its equilibria and
 /// eigenvalues (1e-9) want a larger one; where it moves by millimetres, a smaller one.
@@ -99,8 +98,7 @@ TEST(ModeSensitivities, OfNodesOutOfThePlane) {
       analyse_mode_sensitivities(scene, {"left.z"}, {.count = 5, .error_estimate = false});
   ASSERT_EQ(found.frequency.rows(), 5);
   for (Index i = 0; i < 5; ++i) {
-    EXPECT_LT(std::abs(found.frequency(i, 0)),
-              1e-5 * found.analysis.modes[std::size_t(i)].frequency_hz);
+    EXPECT_LT(std::abs(found.frequency(i, 0)), 1e-5 * found.analysis.modes[i].frequency_hz);
   }
 }
 
@@ -137,10 +135,9 @@ TEST(Sensitivities, ToAnAskedAccuracyNeedNoSegments) {
       // Derivatives with some forty segments, whose frequencies err by 1e-3.
       EXPECT_NEAR(found[0].frequency(i, p), truth.frequency(i, p),
                   0.02 * std::abs(truth.frequency(i, p)) + 1e-6 * hz)
-          << i << ' ' << names[std::size_t(p)];
+          << i << ' ' << names[p];
     }
   }
 }
 
-}  // namespace
 }  // namespace rigfit::model::sensitivities_test

@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::explicit_motion_test {
-namespace {
 
 using testing::node;
 using testing::sensor;
@@ -173,5 +172,4 @@ TEST(ExplicitMotion, HighestFrequencyOfAnAxialChain) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::model::explicit_motion_test

@@ -5,7 +5,6 @@
 #include <cstring>
 
 namespace rigfit::model::lane_loops_test {
-namespace {
 
 // A member of unit segments, zigzag, stretched by up to `stretch`.
 template <int D>
@@ -94,5 +93,4 @@ TEST(LaneLoops, SameBitsWithEveryVectorOfTheProcessor) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::model::lane_loops_test

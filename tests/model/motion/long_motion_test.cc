@@ -9,7 +9,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::long_motion_test {
-namespace {
 
 /// A free beam that spins, bends and flies. EA over EI / l^2 is 1e4 times a segment's share in the
 /// paper's beam: every step is one of its axial waves'. Sensors see displacement and velocity of
@@ -166,5 +165,4 @@ TEST(LoadedState, BeamBentThroughNinetyDegreesIsTheElastica) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::model::long_motion_test

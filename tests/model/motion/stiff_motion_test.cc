@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::stiff_motion_test {
-namespace {
 
 // A rig struck across its plane: torsion and a node that turns in space. What the formulas damp
 // falls with the tolerance, and so does what the samples change by.
@@ -64,5 +63,4 @@ TEST(StiffMotion, CountsIncrementsAnewWhereAChainTurnsFar) {
   EXPECT_LT(out.energy.drift(), 1e-4);
 }
 
-}  // namespace
 }  // namespace rigfit::model::stiff_motion_test

@@ -4,7 +4,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::modal_response_test {
-namespace {
 
 using Quantity = Sensor::Quantity;
 
@@ -154,5 +153,4 @@ TEST(ForceHistory, LoadsOverTime) {
   EXPECT_EQ(sampled.at(4.01), 0);
 }
 
-}  // namespace
 }  // namespace rigfit::model::modal_response_test

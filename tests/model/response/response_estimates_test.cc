@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::response_estimates_test {
-namespace {
 
 using Quantity = Sensor::Quantity;
 
@@ -146,5 +145,4 @@ TEST(ResponseEstimates, SegmentsChosenReachTheAccuracy) {
   expect_honest(chosen.resolution_error, truth(n));
 }
 
-}  // namespace
 }  // namespace rigfit::model::response_estimates_test

@@ -8,7 +8,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::actual_state_test {
-namespace {
 
 std::vector<double> frequencies(const Scene& scene) {
   std::vector<double> found;
@@ -87,5 +86,4 @@ TEST(ActualState, MassOfTheInstalledLength) {
   EXPECT_EQ(again.members[0].mass_of, Member::MassOf::installed);
 }
 
-}  // namespace
 }  // namespace rigfit::model::actual_state_test

@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::parameters_test {
-namespace {
 
 TEST(Parameters, EveryNameReadsBackWhatWasSet) {
   Scene scene = testing::cable_beam_rig(200, 0.6);
@@ -31,5 +30,4 @@ TEST(Parameters, UnknownNameListsTheKnownOnes) {
               ::testing::ThrowsMessage<SceneError>(HasSubstr("cable.tension")));
 }
 
-}  // namespace
 }  // namespace rigfit::model::parameters_test

@@ -1,15 +1,11 @@
 #include "model/scene/read_scene.h"
 
-#include <filesystem>
-#include <fstream>
-
 #include "model/scene/scene_error.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_scene.h"
 #include "tests/test.h"
 
 namespace rigfit::model::read_scene_test {
-namespace {
 
 // Line numbers below count in this text.
 constexpr const char* kScene = R"(title = "rig"
@@ -376,5 +372,4 @@ TEST(MalformedScene, GivesASceneOrAReason) {
       "scene", [](const FuzzSeed& seed) { require_sound(parse_scene(seed.bytes, seed.name)); });
 }
 
-}  // namespace
 }  // namespace rigfit::model::read_scene_test

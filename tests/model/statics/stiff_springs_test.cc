@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::model::stiff_springs_test {
-namespace {
 
 Scene cable(double length, double mass_per_length, double EA, double EI, double tension) {
   Member member =
@@ -94,5 +93,4 @@ TEST(StiffSprings, RandomScenesAreSolved) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::model::stiff_springs_test

@@ -4,12 +4,11 @@
 
 #include "signal/modes/mac.h"
 #include "signal/numerics/numbers.h"
-#include "signal/recording/recording_error.h"
 #include "tests/reference/ambient_motion.h"
+#include "tests/signal/readers/reading.h"
 #include "tests/test.h"
 
 namespace rigfit::signal::ambient_modes_test {
-namespace {
 
 AmbientOptions band(double low, double high) {
   AmbientOptions options;
@@ -41,7 +40,7 @@ void expect_chain(const std::vector<AmbientMode>& modes, int& held_f, int& held_
   const auto truth = reference::five_storeys(damping);
   ASSERT_EQ(modes.size(), 5);
   for (Index r = 0; r < 5; ++r) {
-    const auto& one = modes[static_cast<std::size_t>(r)];
+    const auto& one = modes[r];
     const double f = truth.frequency_hz[r];
     // Four standard deviations at twice the bound of the shortest record, T / tau = 134.
     EXPECT_NEAR(one.mode.frequency_hz.value, f, 4 * 2 * damping * f / std::sqrt(134.0));
@@ -60,9 +59,9 @@ TEST(AmbientModes, ChainOfFiveStoreys) {
     const auto modes = sure(result);
     ASSERT_NO_FATAL_FAILURE(expect_chain(modes, held_f, held_zeta));
     for (Index r = 0; r < 5; ++r) {
-      const auto& shape = modes[static_cast<std::size_t>(r)].mode.shape;
+      const auto& shape = modes[r].mode.shape;
       EXPECT_GT(mac(shape, Eigen::VectorXcd(truth.shapes.col(r))), 0.98);
-      EXPECT_GT(modes[static_cast<std::size_t>(r)].mode.modal_phase_collinearity, 0.95);
+      EXPECT_GT(modes[r].mode.modal_phase_collinearity, 0.95);
     }
   }
   EXPECT_GE(held_f, 41);
@@ -98,8 +97,7 @@ TEST(AmbientModes, ToneWithinAModesBandwidth) {
 TEST(AmbientModes, MissingSamplesAreMissingProducts) {
   Recording recording = chain(5);
   for (Index k = 0; k < recording.samples(); ++k)
-    if (k % 2000 < 100)
-      recording.channels[static_cast<std::size_t>(k / 2000 % 5)].samples[k] = kNaN;
+    if (k % 2000 < 100) recording.channels[k / 2000 % 5].samples[k] = kNaN;
   int held_f = 0, held_zeta = 0;
   expect_chain(sure(ambient_modes(recording, band(0.3, 8))), held_f, held_zeta);
 }
@@ -116,7 +114,7 @@ TEST(AmbientModes, PairWithinItsBandwidth) {
     ASSERT_EQ(modes.size(), 2);
     EXPECT_EQ(noted(result, "close_modes"), 1);
     for (Index r = 0; r < 2; ++r) {
-      const auto& one = modes[static_cast<std::size_t>(r)];
+      const auto& one = modes[r];
       // Shapes mix within the bandwidths, which the note says.
       const double alike = mac(one.mode.shape, Eigen::VectorXcd(truth.shapes.col(r)));
       EXPECT_GT(alike, 0.5);
@@ -167,12 +165,8 @@ TEST(AmbientModes, OneChannelGivesPolesToo) {
 TEST(AmbientModes, ConstantChannelIsRefusedByName) {
   Recording recording = chain(1, 300);
   recording.channels[2].samples.setConstant(3);
-  try {
-    (void)ambient_modes(recording, band(0.3, 8));
-    FAIL();
-  } catch (const RecordingError& error) {
-    EXPECT_EQ(error.where().channel, "c3");
-  }
+  const RecordingError error = error_of([&] { (void)ambient_modes(recording, band(0.3, 8)); });
+  EXPECT_EQ(error.where().channel, "c3");
 }
 
 /// Two set-ups with references c1 and c5; c5's sensitivity is 1.3 times as high in the second, and
@@ -199,14 +193,11 @@ TEST(MergedSetups, ShapesByReferencesAndAChangedGain) {
     ASSERT_NO_FATAL_FAILURE(expect_chain(modes, held_f, held_zeta));
     for (Index r = 0; r < 5; ++r) {
       const Eigen::VectorXcd shape = truth.shapes(std::vector<Index>{0, 4, 1, 2, 3}, r);
-      EXPECT_GT(mac(modes[static_cast<std::size_t>(r)].mode.shape, shape), 0.95);
+      EXPECT_GT(mac(modes[r].mode.shape, shape), 0.95);
     }
     ASSERT_EQ(noted(merged, "gain_changed"), 1);
-    for (const Note& note : merged.notes) {
-      if (note.code == "gain_changed") {
-        EXPECT_NE(note.message.find("c5"), std::string::npos);
-      }
-    }
+    const auto gain = std::ranges::find(merged.notes, "gain_changed", &Note::code);
+    EXPECT_THAT(gain->message, HasSubstr("c5"));
   }
   EXPECT_GE(held_f, 33);  // of 40
   EXPECT_GE(held_zeta, 33);
@@ -214,14 +205,9 @@ TEST(MergedSetups, ShapesByReferencesAndAChangedGain) {
 
 TEST(MergedSetups, MissingReferenceNamesThoseThatServe) {
   const auto setups = two_setups(1);
-  try {
-    (void)merge_setups(setups, {"c2"});
-    FAIL();
-  } catch (const RecordingError& error) {
-    EXPECT_EQ(error.where().channel, "c2");
-    EXPECT_NE(error.remedy().find("\"c1\", \"c5\""), std::string::npos) << error.remedy();
-  }
+  const RecordingError error = error_of([&] { (void)merge_setups(setups, {"c2"}); });
+  EXPECT_EQ(error.where().channel, "c2");
+  EXPECT_THAT(error.remedy(), HasSubstr("\"c1\", \"c5\""));
 }
 
-}  // namespace
 }  // namespace rigfit::signal::ambient_modes_test

@@ -2,15 +2,12 @@
 // noise, on offsets and drifts, clipped, beating, with gaps; and what is no decay. Every record has
 // a phase and noise of its own; the answer must hold the truth in 95 % of them, say a warning that
 // goes with what is wrong, or be refused for a reason that the case names.
-#include <set>
-
 #include "signal/decay/decay.h"
 #include "tests/coverage.h"
 #include "tests/signal/decays.h"
 #include "tests/test.h"
 
 namespace rigfit::signal::decay_coverage_test {
-namespace {
 
 using Mode = testing::DecayingMode;
 
@@ -257,5 +254,4 @@ TEST(DecayCoverage, OfAnything) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::signal::decay_coverage_test

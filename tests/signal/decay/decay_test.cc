@@ -8,14 +8,12 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::decay_test {
-namespace {
 
 using testing::add_decay;
 using testing::add_noise;
 using Mode = testing::DecayingMode;
 using testing::expect_mode;
 using testing::pole;
-using testing::says;
 
 /// Decays of random phases on an offset that drifts.
 Eigen::VectorXd decays(unsigned seed, const std::vector<Mode>& modes, double rate, Index n,
@@ -250,5 +248,4 @@ TEST(RecordedUntil, RestOnAnIntegerScaleIsNoStop) {
   EXPECT_EQ(recorded_until(y), 60);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::decay_test

@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::narrow_record_test {
-namespace {
 
 constexpr Index kSamples = 1 << 16;
 constexpr double kRate = 1000;
@@ -59,5 +58,4 @@ TEST(NarrowRecord, IsNotMadeOfGapsOrRailsOrForABandNearTheRate) {
   EXPECT_FALSE(narrow_record(y.cwiseMin(6), band));  // a rail
 }
 
-}  // namespace
 }  // namespace rigfit::signal::narrow_record_test

@@ -2,10 +2,7 @@
 
 #include "tests/test.h"
 
-#include <functional>
-
 namespace rigfit::document::toml_table_test {
-namespace {
 
 TEST(TomlTable, ReadsEveryKindAndFinishesWhenAllIsUsed) {
   auto table = TomlTable::parse(
@@ -76,5 +73,4 @@ TEST(TomlTable, NearestWordNeedsToBeNear) {
   EXPECT_FALSE(nearest_word("x", {"y"}).has_value());
 }
 
-}  // namespace
 }  // namespace rigfit::document::toml_table_test

@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::envelope_test {
-namespace {
 
 constexpr double kTwoPi = 2 * kPi;
 
@@ -41,8 +40,7 @@ TEST(Envelope, ExponentialIsCalledExponential) {
 }
 
 TEST(Envelope, PointsHaveTheDampingOfTheirAmplitude) {
-  // Viscous with drag: zeta(A) = (alpha + gamma A) / w at the point's own amplitude, by
-  // construction.
+  // Viscous with drag, by construction: zeta(A) = (alpha + gamma A) / w at its own amplitude.
   const auto result = estimate_decay(record(0.5, 0, 2.0, 20, 0, 0.002, 3), 1000);
   ASSERT_TRUE(result.refusal.empty()) << result.refusal;
   ASSERT_EQ(result.modes.size(), 1u);
@@ -123,5 +121,4 @@ TEST(LogDecrement, RefusesWhatItCannotSee) {
   EXPECT_FALSE(decrement_of(decay(-0.01, 500, 1), 500, 0.01).refusal.empty());
 }
 
-}  // namespace
 }  // namespace rigfit::signal::envelope_test

@@ -4,7 +4,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::groups_test {
-namespace {
 
 TEST(Groups, ThatAgreeGiveTheWeightedMean) {
   const std::vector<double> x{1.0, 1.1}, v{0.01, 0.04};
@@ -83,5 +82,4 @@ TEST(Robust, MedianQuantileAndScatter) {
   EXPECT_NEAR(robust_std({1, 2, 3, 4, 100}, 3), 1.4826, 1e-12);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::groups_test

@@ -6,7 +6,7 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::impact_test_test {
-namespace {
+
 using testing::ImpactRecordOptions;
 
 std::vector<std::string> names(Index count) {
@@ -20,8 +20,7 @@ ImpactTest analyse(const Recording& recording, Index responses, const ImpactTest
   return analyse_impact_test(std::span(&recording, 1), "force", all, options);
 }
 
-/// Largest over the responses of |H - exact| / |exact| in root mean squares over lines below 1300
-/// Hz.
+/// Largest over the responses of |H - exact| / |exact|, rms over lines below 1300 Hz.
 double error_of(const FrfSet& frfs, const Eigen::MatrixXcd& exact) {
   double worst = 0;
   for (Index c = 0; c < exact.cols(); ++c) {
@@ -178,5 +177,4 @@ TEST(ImpactTest, ForceNoiseIsMeasuredKeptOutAndSubtracted) {
   EXPECT_NEAR(mean / static_cast<double>(exact.rows() - 100), 1, 0.03);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::impact_test_test

@@ -5,7 +5,7 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::impact_hits_test {
-namespace {
+
 using testing::HammerHit;
 using testing::ImpactRecordOptions;
 
@@ -92,8 +92,7 @@ TEST(ImpactHits, DoubleHitsAreCaught) {
   }
 }
 
-// A converter of 12 bits over 1.5 times the largest value: equal neighbours at a peak are no
-// clipping.
+// A converter of 12 bits over 1.5 times the largest value: equal peak neighbours are no clipping.
 TEST(ImpactHits, CoarseQuantisationIsNotOverload) {
   Bench bench;
   bench.options.noise = 0;
@@ -132,8 +131,7 @@ TEST(ImpactHits, ForceSpectrumIsAskedForInTheBand) {
   bench.options.hits = 2;
   auto hits = testing::hammer_hits(bench.options);
   hits[0].duration_s = hits[1].duration_s = 1e-3;
-  // |cos(pi f T) / (1 - (2 f T)^2)|: 20 dB below 0 Hz at f T = 1.303, far below the filter's 2.5
-  // kHz.
+  // |cos(pi f T) / (1 - (2 f T)^2)|: 20 dB below 0 Hz at f T = 1.303, below the filter.
   const HitSearch search = bench.search(hits);
   ASSERT_EQ(search.hits.size(), 2u);
   // Lines are 2 Hz apart.
@@ -179,5 +177,4 @@ TEST(ImpactHits, AResponseNamedAsForceIsRefusedAndTheHammerNamed) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::signal::impact_hits_test

@@ -5,10 +5,8 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::roving_hammer_test {
-namespace {
 
-/// Three accelerometers, the hammer at the first, the third, and a place without one (the fifth of
-/// six).
+/// Three accelerometers, the hammer at the first, the third and a place without one.
 struct Roving : ::testing::Test {
   std::vector<Recording> of(Index struck, double noise, std::uint64_t seed,
                             Index block = 8192) const {
@@ -96,5 +94,4 @@ TEST_F(Roving, LeavesOutAPointWithoutAUsableHitAndRefusesMixedRates) {
   EXPECT_THROW((void)analyse_roving_hammer(points, "force", responses), RecordingError);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::roving_hammer_test

@@ -7,7 +7,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::cut_off_records_test {
-namespace {
 
 /// Accelerances of 8 s of a beam at 2.0924 Hz, of which `left` is left at the end.
 testing::DefectiveFrfOptions beam(double left) {
@@ -123,5 +122,4 @@ TEST(CutOffRecords, TheMisfitShowsABackgroundAndNoiseShowsNone) {
   EXPECT_LE(shown, 2);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::cut_off_records_test

@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::local_modes_test {
-namespace {
 
 testing::DefectiveFrfOptions small_set() {
   testing::DefectiveFrfOptions options;
@@ -26,7 +25,7 @@ TEST(LocalModes, AModeThatDriftsBetweenPointsIsOne) {
   ASSERT_EQ(result.model.modes.size(), 2u);
   for (std::size_t r = 0; r < 2; ++r) {
     const IdentifiedMode& mode = result.model.modes[r];
-    const double f = options.frequency_hz[static_cast<Index>(r)];
+    const double f = options.frequency_hz[r];
     const double range = 5 * 2 * options.damping_ratio * f;
     EXPECT_EQ(mode.refinement, "local");
     EXPECT_LT(std::abs(mode.frequency_hz.value - f), 4 * mode.frequency_hz.std + 1e-4 * range);
@@ -47,12 +46,11 @@ TEST(LocalModes, PointsThatAgreeAreFittedTogether) {
   ASSERT_EQ(result.model.modes.size(), 2u);
   for (std::size_t r = 0; r < 2; ++r) {
     const IdentifiedMode& mode = result.model.modes[r];
-    const double f = options.frequency_hz[static_cast<Index>(r)];
+    const double f = options.frequency_hz[r];
     EXPECT_EQ(mode.refinement, "global");
     EXPECT_LT(std::abs(mode.frequency_hz.value - f), 4 * mode.frequency_hz.std);
     EXPECT_LT(mode.between_points_std_hz, 0.1 * 2 * options.damping_ratio * f);
   }
 }
 
-}  // namespace
 }  // namespace rigfit::signal::local_modes_test

@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::modal_identification_test {
-namespace {
 
 /// Exact accelerances with white noise of `relative` of their rms.
 FrfSet noisy_truth(const testing::TenModeTruth& truth, double relative, double window,
@@ -53,18 +52,6 @@ TEST(ModalIdentification, TenModesFromHitsWithAndWithoutWindow) {
     EXPECT_LT(result.model.frf_error.maxCoeff(), 0.02);
     // Shapes are those of the truth: all real, and distinct as sines are.
     EXPECT_LT((result.auto_mac - Eigen::MatrixXd::Identity(10, 10)).cwiseAbs().maxCoeff(), 0.05);
-  }
-}
-
-TEST(ModalIdentification, CloseModesComeOutOfHeavyNoise) {
-  const auto truth = testing::ten_mode_truth();
-  const ModalResult result = identify_modes(noisy_truth(truth, 0.02, 0, 5));
-  ASSERT_EQ(result.model.modes.size(), 10u);
-  for (std::size_t r = 0; r < 10; ++r) {
-    const IdentifiedMode& mode = result.model.modes[r];
-    // Five standard deviations of 20 values.
-    EXPECT_LT(std::abs(mode.frequency_hz.value - truth.frequency_hz[static_cast<Index>(r)]),
-              5 * mode.frequency_hz.std);
   }
 }
 
@@ -120,7 +107,7 @@ TEST(ModalIdentification, TwoInputsGiveShapesAndParticipations) {
   const ModalResult result = identify_modes(set);
   ASSERT_EQ(result.model.modes.size(), 10u);
   for (Index r = 0; r < 10; ++r) {
-    const IdentifiedMode& mode = result.model.modes[static_cast<std::size_t>(r)];
+    const IdentifiedMode& mode = result.model.modes[r];
     ASSERT_EQ(mode.participation.size(), 2);
     const Complex ratio = mode.participation[1] / mode.participation[0];
     const double expected = truth.shapes(at[1], r) / truth.shapes(at[0], r);
@@ -206,5 +193,4 @@ TEST(ModalIdentification, WrongSizesAndEmptyBandsThrow) {
   EXPECT_THROW((void)identify_modes(FrfSet{}), std::invalid_argument);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::modal_identification_test

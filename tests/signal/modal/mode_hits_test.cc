@@ -1,7 +1,5 @@
 #include "signal/modal/mode_hits.h"
 
-#include <fmt/format.h>
-
 #include "signal/impact/impact_frfs.h"
 #include "signal/modal/modal_identification.h"
 #include "tests/reference/struck_structure.h"

@@ -6,7 +6,7 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::mode_warnings_test {
-namespace {
+
 using Eigen::MatrixXcd;
 
 /// One FRF that is 1 on 200 lines 0.1 Hz apart, and a mode at 10 Hz, 5 % damped: 11 lines.
@@ -81,10 +81,8 @@ TEST(ModeWarnings, AGlobalModeWithALargeMisfitIsDoubtful) {
   for (const IdentifiedMode& mode : found.model.modes) {
     EXPECT_EQ(mode.refinement, "global");
     EXPECT_TRUE(mode.doubtful);
-    EXPECT_NE(mode.doubt.find("not explained by it, nor by noise"), std::string::npos)
-        << mode.doubt;
+    EXPECT_THAT(mode.doubt, HasSubstr("not explained by it, nor by noise"));
   }
 }
 
-}  // namespace
 }  // namespace rigfit::signal::mode_warnings_test

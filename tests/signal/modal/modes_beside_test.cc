@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::modes_beside_test {
-namespace {
 
 constexpr double kDamping = 0.012;
 
@@ -105,5 +104,4 @@ TEST(ModesBeside, AFitThatDoesNotConvergeWithThemSaysSo) {
   EXPECT_GE(result.model.modes.size(), 4u);  // five are there; the diagram's poles are near them
 }
 
-}  // namespace
 }  // namespace rigfit::signal::modes_beside_test

@@ -6,7 +6,7 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::smooth_background_test {
-namespace {
+
 using Eigen::VectorXcd;
 
 /// Two accelerances with poles at 20 and 31 Hz, each line multiplied by 1 + e(f), e of echoes
@@ -50,5 +50,4 @@ TEST(SmoothBackground, NoneWithoutNoiseOrWhereItWouldTakeAQuarterOfTheLines) {
       1e-12 * 401);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::smooth_background_test

@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::mac_test {
-namespace {
 
 TEST(Mac, ProportionalShapesAreOneAndOrthogonalOnesZero) {
   Eigen::VectorXcd a(3), b(3);
@@ -31,5 +30,4 @@ TEST(Mac, PhaseCollinearityOfRealAndTravellingShapes) {
               ((xx - yy) * (xx - yy) + 4 * xy * xy) / ((xx + yy) * (xx + yy)), 1e-14);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::mac_test

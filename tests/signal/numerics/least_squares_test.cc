@@ -4,7 +4,7 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::least_squares_test {
-namespace {
+
 using Eigen::MatrixXd;
 
 /// Columns 1, t, t^2 ... on 0 .. 1: condition grows by about 6 a column.
@@ -73,5 +73,4 @@ TEST(ScaledGram, SolvesAndTellsWhenColumnsDepend) {
   EXPECT_TRUE(ScaledGram(MatrixXd(0, 0)).usable());
 }
 
-}  // namespace
 }  // namespace rigfit::signal::least_squares_test

@@ -3,7 +3,7 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::lscf_test {
-namespace {
+
 constexpr double two_pi = 2 * kPi;
 
 /// Rational functions of z of order (2 modes / inputs) exactly, on 129 lines from 50 Hz, 2 Hz
@@ -113,7 +113,7 @@ TEST(Lscf, LinesNeedNotBeUniform) {
   Eigen::VectorXd f(static_cast<Index>(rows.size()));
   Eigen::MatrixXcd H(f.size(), 3);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    f[static_cast<Index>(i)] = truth.frequency_hz[rows[i]];
+    f[i] = truth.frequency_hz[rows[i]];
     H.row(static_cast<Index>(i)) = truth.H.row(rows[i]);
   }
   // Another period of z: the FRFs are not rational in the new z, but are followed to a hundredth of
@@ -150,5 +150,4 @@ TEST(Lscf, FewLinesLimitTheOrder) {
   EXPECT_EQ(lscf(truth.frequency_hz.head(2), truth.H.topRows(2), 1).orders_solved, 0);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::lscf_test

@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::pole_clusters_test {
-namespace {
 
 /// Orders 1..40: `modes` from an order on with scatter (of their half bandwidth), and poles
 /// anywhere.
@@ -63,5 +62,4 @@ TEST(PoleClusters, BelowTheLineSpacingPolesAreNotToldApart) {
   EXPECT_EQ(clusters.size(), 1u);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::pole_clusters_test

@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::quality_test {
-namespace {
 
 Recording recording_of(Eigen::VectorXd samples, double rate) {
   return {.path = "x.csv",
@@ -142,5 +141,4 @@ TEST(Quality, ConstantAndEmptyChannels) {
               ::testing::IsEmpty());
 }
 
-}  // namespace
 }  // namespace rigfit::signal::quality_test

@@ -8,7 +8,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::malformed_test {
-namespace {
 
 void read_with_all(const std::string& bytes) {
   read_or_refuse([&] { require_sound(read_csv(bytes, "x")); });
@@ -53,5 +52,4 @@ TEST(FuzzSeeds, AreReadable) {
   read_all("uff", [](Text bytes, Text name) { return read_uff_functions(bytes, name); });
 }
 
-}  // namespace
 }  // namespace rigfit::signal::malformed_test

@@ -4,7 +4,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::plausibility_test {
-namespace {
 
 /// A channel of a file in volts with a peak of `volts`.
 Recording in_volts(double volts) {
@@ -70,5 +69,4 @@ TEST(Plausibility, ValuesAsTheFileGivesThem) {
   EXPECT_EQ(said(Quantity::force, 5e6), "");  // in a stay cable
 }
 
-}  // namespace
 }  // namespace rigfit::signal::plausibility_test

@@ -4,7 +4,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::read_lvm_test {
-namespace {
 
 /// A file of one segment: the segment's header lines, then titles and rows.
 std::string lvm(const std::string& header, const std::string& table) {
@@ -72,5 +71,4 @@ TEST(ReadLvm, ATableThatIsMostlyNothingIsRefusedBeforeMemoryIsTaken) {
   EXPECT_EQ(error.where().line, 14);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::read_lvm_test

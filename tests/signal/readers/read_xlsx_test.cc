@@ -1,23 +1,19 @@
 // Workbooks as spreadsheet programs and libraries save them, and everything in them that is
 // refused.
-#include <fmt/format.h>
 #include <minizip/zip.h>
 
 #include <cstddef>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <map>
 
 #include "signal/readers/read_recording.h"
 #include "signal/readers/recording_description.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"
 #include "tests/signal/readers/reading.h"
+#include "tests/temporary_folder.h"
 #include "tests/test.h"
 
 namespace rigfit::signal::xlsx_test {
-namespace {
+
 namespace fs = std::filesystem;
 
 // Numbers of cell styles in `kStyles`.
@@ -58,13 +54,6 @@ std::string samples(int first_row = 2, int count = 60) {
 /// A workbook of sheets by their rows, as a file.
 class Workbooks : public ::testing::Test {
  protected:
-  void SetUp() override {
-    path_ = fs::temp_directory_path() /
-            fmt::format("rigfit_xlsx_{}.xlsx",
-                        ::testing::UnitTest::GetInstance()->current_test_info()->name());
-  }
-  void TearDown() override { fs::remove(path_); }
-
   void add_sheet(const std::string& name, const std::string& rows, const std::string& tail = "") {
     const std::size_t k = ++sheets_;
     parts_[fmt::format("xl/worksheets/sheet{}.xml", k)] =
@@ -114,13 +103,11 @@ class Workbooks : public ::testing::Test {
     return refusal_of([&] { return read(sheet); });
   }
 
-  std::string bytes() const {
-    std::ifstream file(path_, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  void put(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
+  std::string bytes() const { return folder_.read("book.xlsx"); }
+  void put(const std::string& bytes) const { folder_.write("book.xlsx", bytes); }
 
-  fs::path path_;
+  testing::TemporaryFolder folder_;
+  const fs::path path_ = folder_.path() / "book.xlsx";
   std::map<std::string, std::string> parts_;
   std::string properties_;
   std::size_t sheets_ = 0;
@@ -361,5 +348,4 @@ TEST_F(Workbooks, ChangedBytesAreReadOrRefused) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::signal::xlsx_test

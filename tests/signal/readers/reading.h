@@ -1,14 +1,9 @@
 // What tests of readers ask of notes and refusals.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <string>
-#include <vector>
-
 #include "signal/recording/recording.h"
 #include "signal/recording/recording_error.h"
+#include "tests/test.h"
 
 namespace rigfit::signal {
 

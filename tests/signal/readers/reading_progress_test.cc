@@ -1,6 +1,5 @@
 // Readers tell how far they are, and what is thrown there ends the reading.
 #include <cstddef>
-#include <filesystem>
 
 #include "signal/readers/read_recording.h"
 #include "tests/test.h"

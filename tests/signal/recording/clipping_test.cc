@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::clipping_test {
-namespace {
 
 Eigen::VectorXd sine(double period, double step) {
   return Eigen::VectorXd::NullaryExpr(2000, [=](Index n) {
@@ -52,5 +51,4 @@ TEST(Clipping, TwoEqualSamplesOfASharpTop) {
   EXPECT_TRUE(clipped(pulse.cwiseMin(0.8)));
 }
 
-}  // namespace
 }  // namespace rigfit::signal::clipping_test

@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::resample_test {
-namespace {
 
 double wave(double t, double f) { return std::sin(2 * kPi * f * t + 0.3); }
 
@@ -91,5 +90,4 @@ TEST(Resample, ClippedSamplesStayInvalid) {
   EXPECT_EQ(slow.missing_samples, slow.samples.array().isNaN().count());
 }
 
-}  // namespace
 }  // namespace rigfit::signal::resample_test

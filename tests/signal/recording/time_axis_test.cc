@@ -4,7 +4,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::time_axis_test {
-namespace {
 
 Eigen::VectorXd times(Index n, double rate, double resolution) {
   Eigen::VectorXd t(n);
@@ -92,5 +91,4 @@ TEST(NumberText, AgreesWithTheLibraryToTheLastBit) {
   EXPECT_EQ(printed_decimals("3", '.'), 0);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::time_axis_test

@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::units_test {
-namespace {
 
 // Spellings of one unit share a row. A superscript may be UTF-8 read as Latin-1, Latin-1, or lost.
 TEST(Units, UsualSpellings) {
@@ -125,8 +124,7 @@ TEST(Units, TextBecomesUtf8) {
   EXPECT_EQ(to_utf8("m/s\xB2"), "m/s\u00B2");
   EXPECT_EQ(to_utf8("\x80"), "\u20AC");
   EXPECT_EQ(to_utf8("a\tb"), "a b");
-  EXPECT_EQ(to_utf8("\xED\xA0\x80").find('\xED'), std::string::npos);  // a surrogate is not UTF-8
+  EXPECT_THAT(to_utf8("\xED\xA0\x80"), Not(HasSubstr("\xED")));  // a surrogate is not UTF-8
 }
 
-}  // namespace
 }  // namespace rigfit::signal::units_test

@@ -9,7 +9,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::against_ceres_test {
-namespace {
 
 double minimised(ceres::Problem& problem) {
   ceres::Solver::Options options;
@@ -100,10 +99,8 @@ struct Line {
         }
       }
       const T* rest = linear + 2 * kModes;
-      residual[2 * c] =
-          (H[static_cast<std::size_t>(c)].real() + w * w * (re + rest[2]) - rest[0]) * scale;
-      residual[2 * c + 1] =
-          (H[static_cast<std::size_t>(c)].imag() + w * w * (im + rest[3]) - rest[1]) * scale;
+      residual[2 * c] = (H[c].real() + w * w * (re + rest[2]) - rest[0]) * scale;
+      residual[2 * c + 1] = (H[c].imag() + w * w * (im + rest[3]) - rest[1]) * scale;
     }
     return true;
   }
@@ -133,8 +130,7 @@ TEST(AgainstCeres, ModesEndAtTheSameMinimum) {
   std::array<double, 2 * kModes> pole{};
   std::array<double, kLinear> linear{};
   for (int r = 0; r < kModes; ++r) {
-    pole[static_cast<std::size_t>(2 * r)] = poles[r].real(),
-                                      pole[static_cast<std::size_t>(2 * r + 1)] = poles[r].imag();
+    pole[2 * r] = poles[r].real(), pole[2 * r + 1] = poles[r].imag();
     for (int c = 0; c < kFrfs; ++c) {
       const auto at = static_cast<std::size_t>(2 * (c * (kModes + 2) + r));
       linear[at] = residues(r, c).real(), linear[at + 1] = residues(r, c).imag();
@@ -160,12 +156,9 @@ TEST(AgainstCeres, ModesEndAtTheSameMinimum) {
   EXPECT_TRUE(
       MatricesNear(modal_covariance(data, noise, fit).poles, C, 1e-3 * C.cwiseAbs().maxCoeff()));
   for (int r = 0; r < kModes; ++r) {
-    EXPECT_NEAR(fit.poles[r].real(), pole[static_cast<std::size_t>(2 * r)],
-                2e-3 * std::sqrt(C(2 * r, 2 * r)));
-    EXPECT_NEAR(fit.poles[r].imag(), pole[static_cast<std::size_t>(2 * r + 1)],
-                2e-3 * std::sqrt(C(2 * r + 1, 2 * r + 1)));
+    EXPECT_NEAR(fit.poles[r].real(), pole[2 * r], 2e-3 * std::sqrt(C(2 * r, 2 * r)));
+    EXPECT_NEAR(fit.poles[r].imag(), pole[2 * r + 1], 2e-3 * std::sqrt(C(2 * r + 1, 2 * r + 1)));
   }
 }
 
-}  // namespace
 }  // namespace rigfit::signal::against_ceres_test

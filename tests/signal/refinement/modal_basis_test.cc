@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::modal_basis_test {
-namespace {
 
 TEST(ModalBasis, RecoversResiduesAndResidualsOfEveryForm) {
   const auto truth = testing::ten_mode_truth(4);
@@ -42,5 +41,4 @@ TEST(ModalBasis, SynthesisIsTheTruthsAccelerance) {
   EXPECT_TRUE(MatricesNear(H, exact, 1e-12 * exact.cwiseAbs().maxCoeff()));
 }
 
-}  // namespace
 }  // namespace rigfit::signal::modal_basis_test

@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::modal_noise_test {
-namespace {
 
 struct NoisyFrfs {
   Eigen::VectorXd q;
@@ -121,5 +120,4 @@ TEST(ModalNoise, CorrelationIsHermitian) {
   EXPECT_TRUE(MatricesNear(correlated(noise, rho), rho, 0));
 }
 
-}  // namespace
 }  // namespace rigfit::signal::modal_noise_test

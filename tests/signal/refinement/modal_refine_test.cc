@@ -7,7 +7,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::modal_refine_test {
-namespace {
 
 constexpr Index kLines = 600, kFrfs = 6;
 
@@ -194,14 +193,6 @@ TEST(ModalRefine, LeverageIsTheShareOfTheFreedomUsed) {
   EXPECT_LT(fit.leverage.maxCoeff(), 1);
 }
 
-TEST(ModalRefine, EqualPolesAreRankDeficient) {
-  const Problem problem;
-  const FrfLines data = problem.noisy(0.003, 0, 4);
-  Eigen::VectorXcd start(2);
-  start << problem.poles[0], problem.poles[0];
-  EXPECT_EQ(refine_modes(data, problem.noise(0.003, 0), start).end, StepsEnd::rank_deficient);
-}
-
 TEST(ModalRefine, AModeThatIsNotThereIsNotSignificant) {
   const Problem problem;
   const FrfLines data = problem.noisy(0.003, 0.002, 6);
@@ -215,5 +206,4 @@ TEST(ModalRefine, AModeThatIsNotThereIsNotSignificant) {
   EXPECT_GT(covariance.significance.head(3).minCoeff(), 1e4);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::modal_refine_test

@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::residual_noise_test {
-namespace {
 
 Eigen::VectorXd coloured(Index n, double colour, unsigned seed) {
   std::mt19937_64 generator(seed);
@@ -129,5 +128,4 @@ TEST(UnevenNoise, UncertaintiesUnderJitterAreAsStated) {
   EXPECT_LE(more, 6);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::residual_noise_test

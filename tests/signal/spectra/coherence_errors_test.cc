@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::coherence_errors_test {
-namespace {
 
 /// n averages of Y = H X + noise, white in lines: H1 and coherence of one FRF.
 FrfSet averaged(int n, double noise, std::mt19937_64& random) {
@@ -60,5 +59,4 @@ TEST(CoherenceErrors, SaysWhatIsNotKnown) {
   EXPECT_EQ(one.H_std.size(), 0);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::coherence_errors_test

@@ -5,7 +5,6 @@
 #include <thread>
 
 namespace rigfit::signal::fft_test {
-namespace {
 
 Eigen::VectorXd noise(Index n, unsigned seed) {
   Normal normal(seed);
@@ -77,5 +76,4 @@ TEST(Fft, GoodLengthsHaveSmallFactorsAndAreClosest) {
   EXPECT_EQ(good_fft_length_below(2), 2);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::fft_test

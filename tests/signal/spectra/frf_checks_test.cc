@@ -4,7 +4,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::frf_checks_test {
-namespace {
 
 const testing::TenModeTruth& truth() {
   static const testing::TenModeTruth kTruth = testing::ten_mode_truth();
@@ -63,7 +62,7 @@ TEST(Reciprocity, HoldsWithinItsErrorBars) {
   other.driving_point = 11;
   const FrfSet a = exact(), b = other.frfs(a.frequency_hz);
   FrfSet both = a;
-  both.inputs = {a.responses[static_cast<std::size_t>(truth().driving_point)], a.responses[11]};
+  both.inputs = {a.responses[truth().driving_point], a.responses[11]};
   both.H.resize(a.H.rows(), 40);
   for (Index j = 0; j < 20; ++j) {
     both.H.col(2 * j) = a.H.col(j);
@@ -85,5 +84,4 @@ TEST(Reciprocity, HoldsWithinItsErrorBars) {
   EXPECT_GT(check_reciprocity(both)[0].difference, 1);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::frf_checks_test

@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::frf_set_test {
-namespace {
 
 FrfSet accelerances(double decay_rate) {
   FrfSet set = testing::ten_mode_truth(3).frfs(Eigen::VectorXd::LinSpaced(200, 0, 199), decay_rate);
@@ -51,5 +50,4 @@ TEST(FrfSet, UnknownFormsAreNotConverted) {
   EXPECT_STREQ(name_of(set.form), "unknown");
 }
 
-}  // namespace
 }  // namespace rigfit::signal::frf_set_test

@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::frf_test {
-namespace {
 
 std::span<const double> view(const Eigen::VectorXd& x) {
   return {x.data(), static_cast<std::size_t>(x.size())};
@@ -28,8 +27,8 @@ struct GainTest {
       responses.push_back(response);
     }
     for (int i = 0; i < hits; ++i) {
-      FrfBlock block{.force = view(forces[static_cast<std::size_t>(i)]),
-                     .responses = {view(responses[static_cast<std::size_t>(i)])},
+      FrfBlock block{.force = view(forces[i]),
+                     .responses = {view(responses[i])},
                      .pulse_first = 2,
                      .pulse_last = 3,
                      .response_noise_std = {response_noise}};
@@ -88,8 +87,7 @@ TEST(Frf, EstimatorsAreBiasedWhereTheoryPutsIt) {
   // Line 4 of 64: |1 + 0.5 exp(-i 2 pi 4 / 64)|^2 = 2.174, mean square peak 1.03.
   const double power = 2.174 * 1.03;
   const double force_share = 64 * 0.05 * 0.05 / power, response_share = 64 * 0.1 * 0.1 / power / 4;
-  // 100 trials of 100 hits: noise of 2 * sqrt(0.07 / (100 * 100)) = 0.005, and terms of 2 * 0.07 /
-  // 100 left out.
+  // 100 trials of 100 hits: noise of 2 sqrt(0.07 / 1e4) = 0.005; terms of 2 * 0.07 / 100 left out.
   EXPECT_NEAR(mean_of(FrfEstimator::h1, 0.05, 0), 2 / (1 + force_share), 0.012);
   // The noise measured beside the pulse takes that off.
   EXPECT_NEAR(mean_of(FrfEstimator::h1, 0.05, 0, true), 2, 0.012);
@@ -115,5 +113,4 @@ TEST(Frf, NothingGivesZeroAndNeverNan) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::signal::frf_test

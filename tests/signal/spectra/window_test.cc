@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::window_test {
-namespace {
 
 TEST(Window, ExponentialFallsToTheLevelItWasMadeFor) {
   const double rate = decay_rate_for(0.01, 2.0);
@@ -27,5 +26,4 @@ TEST(Window, ForceIsKeptAndFadedOnBothSides) {
   EXPECT_EQ(force_window(5, 0, 5, 2), Eigen::VectorXd::Ones(5));
 }
 
-}  // namespace
 }  // namespace rigfit::signal::window_test

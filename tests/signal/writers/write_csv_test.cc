@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::write_csv_test {
-namespace {
 
 TEST(WriteCsv, WritesHeaderUnitsMissingAndQuotes) {
   Recording recording{.sample_rate_hz = 500};
@@ -17,5 +16,4 @@ TEST(WriteCsv, WritesHeaderUnitsMissingAndQuotes) {
             "Data,synthetic\nTime (s),\"acc, mid (g)\"\n0,1\n0.002,\n");
 }
 
-}  // namespace
 }  // namespace rigfit::signal::write_csv_test

@@ -1,5 +1,3 @@
-
-
 #include "ident/virtual_rig/virtual_rig.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"
@@ -10,7 +8,6 @@
 #include "tests/reference/ambient_motion.h"
 
 namespace rigfit::apps::ambient_test {
-namespace {
 
 struct AmbientVerb : ::testing::Test {
   /// The chain's channels of these numbers, 20 minutes.
@@ -36,9 +33,9 @@ TEST_F(AmbientVerb, ModesOfTwoSetups) {
   ASSERT_EQ(json["responses"].size(), 5u);
   for (std::size_t r = 0; r < 5; ++r) {
     const auto& f = json["modes"][r]["frequency_hz"];
-    const double expected = truth.frequency_hz[static_cast<Index>(r)];
+    const double expected = truth.frequency_hz[r];
     // Five standard deviations of ten values.
-    EXPECT_NEAR(f["value"].get<double>(), expected, 5 * f["std"].get<double>());
+    EXPECT_NEAR(f["value"], expected, 5 * f["std"].get<double>());
     EXPECT_LT(f["low"], f["high"]);
     EXPECT_EQ(json["modes"][r]["shape"].size(), 5u);
     EXPECT_FALSE(json["modes"][r]["doubtful"].get<bool>());
@@ -71,7 +68,7 @@ signal::Recording rig_in_ambient_motion(const std::string& laboratory) {
                                   Eigen::MatrixXd(static_cast<Index>(scene.sensors.size()), count),
                                   Eigen::MatrixXd::Identity(count, count)};
   for (Index r = 0; r < count; ++r) {
-    const auto& mode = modes[static_cast<std::size_t>(r)];
+    const auto& mode = modes[r];
     rig.frequency_hz[r] = mode.frequency_hz;
     rig.damping_ratio[r] = mode.damping_ratio;
     rig.shapes.col(r) = mode.sensor_shape;
@@ -81,8 +78,7 @@ signal::Recording rig_in_ambient_motion(const std::string& laboratory) {
   return reference::recorded(rig, motion);
 }
 
-// Two tests that share nothing but the rig: every mode that both show is the same within both
-// intervals.
+// Two tests that share nothing but the rig: modes of both are the same within both intervals.
 TEST(AmbientMotion, ModesAreThoseOfTheHammerTest) {
   const std::string laboratory = std::string(RIGFIT_TESTDATA) + "/virtual_laboratory/";
   std::vector<std::string> command{"modal"};
@@ -115,5 +111,4 @@ TEST(AmbientMotion, ModesAreThoseOfTheHammerTest) {
   EXPECT_GE(same, 5);
 }
 
-}  // namespace
 }  // namespace rigfit::apps::ambient_test

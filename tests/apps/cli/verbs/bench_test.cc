@@ -1,12 +1,8 @@
-
 #include <cstdlib>
-#include <map>
-#include <set>
 
 #include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::bench_test {
-namespace {
 
 /// One quick run of everything, shared.
 class BenchRun : public ::testing::Test {
@@ -82,5 +78,4 @@ TEST_F(BenchRun, SchemesGoTheSameWay) {
   EXPECT_TRUE(stiff);
 }
 
-}  // namespace
 }  // namespace rigfit::apps::bench_test

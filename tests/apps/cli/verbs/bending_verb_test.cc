@@ -1,11 +1,8 @@
-
-
 #include "ident/bending/bending_equation.h"
 
 #include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::bending_verb_test {
-namespace {
 
 // Loading and unloading straight from the equation, one or more tensions.
 std::string table(double EI, const std::vector<double>& tensions, double span) {
@@ -28,11 +25,11 @@ TEST(BendingVerb, TableOfRecordsGivesStiffnessAtEachTension) {
   for (const auto& test : json["tests"]) {
     // The table holds six decimals of newtons and of millimetres: 1e-6 relative, times the
     // conditioning of the equation.
-    EXPECT_NEAR(test["EI_Nm2"]["value"].get<double>(), 0.6, 1e-4);
+    EXPECT_NEAR(test["EI_Nm2"]["value"], 0.6, 1e-4);
     EXPECT_LE(test["EI_Nm2"]["low"].get<double>(), test["EI_Nm2"]["value"].get<double>());
     EXPECT_GE(test["EI_Nm2"]["high"].get<double>(), test["EI_Nm2"]["value"].get<double>());
   }
-  EXPECT_NEAR(json["tests"][2]["tension_N"].get<double>(), 300, 1e-9);
+  EXPECT_NEAR(json["tests"][2]["tension_N"], 300, 1e-9);
   EXPECT_FALSE(json["laws"].empty());
   EXPECT_TRUE(json["bounds"].is_null());
 }
@@ -53,8 +50,7 @@ TEST(BendingVerb, WrongSpanIsRefusedByName) {
   EXPECT_EQ(run.exit_code, 4) << run.err;
   const Document json = parsed(run.out);
   EXPECT_TRUE(json["tests"][0]["EI_Nm2"]["value"].is_null());
-  EXPECT_NE(run.err.find("not below 1"), std::string::npos) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("not below 1"));
 }
 
-}  // namespace
 }  // namespace rigfit::apps::bending_verb_test

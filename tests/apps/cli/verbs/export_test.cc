@@ -1,10 +1,6 @@
-
-#include <map>
-
 #include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::export_test {
-namespace {
 
 TEST(ExportVerb, WritesADeckAndRefusesWhatItCannotSay) {
   const TemporaryFolder folder;
@@ -62,5 +58,4 @@ TEST(ExportVerb, WritesCablesForMoorDyn) {
   EXPECT_THAT(beam.err, HasSubstr("is a beam"));
 }
 
-}  // namespace
 }  // namespace rigfit::apps::export_test

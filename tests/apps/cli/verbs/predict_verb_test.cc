@@ -1,9 +1,6 @@
-
-
 #include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::predict_verb_test {
-namespace {
 
 const std::string kPaper = RIGFIT_TESTDATA "/jalali2021/";
 
@@ -109,5 +106,4 @@ TEST(PredictVerb, ResponsesWithIntervals) {
   EXPECT_GT(widest, 0);
 }
 
-}  // namespace
 }  // namespace rigfit::apps::predict_verb_test

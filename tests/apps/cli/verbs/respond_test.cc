@@ -1,10 +1,8 @@
-
-
+#include "model/scene/read_scene.h"
 #include "tests/apps/apps_test.h"
-#include "tests/apps/cable_scene.h"
+#include "tests/scenes.h"
 
 namespace rigfit::apps::respond_test {
-namespace {
 
 const std::string kScenes = std::string(RIGFIT_TESTDATA) + "/scenes/";
 
@@ -16,8 +14,8 @@ TEST(Respond, ReleaseIsNonlinearAndItsEnergyBalanceCloses) {
   EXPECT_EQ(document["command"], "respond");
   EXPECT_TRUE(document["nonlinear"].get<bool>());
   EXPECT_EQ(document["solver"], "explicit");
-  EXPECT_NEAR(document["frequency_at_rest_hz"].get<double>(), 7.36, 0.01);
-  EXPECT_NEAR(document["frequency_moving_hz"].get<double>(), 7.62, 0.03);
+  EXPECT_NEAR(document["frequency_at_rest_hz"], 7.36, 0.01);
+  EXPECT_NEAR(document["frequency_moving_hz"], 7.62, 0.03);
   EXPECT_LT(document["energy_drift"].get<double>(), 1e-4);
   EXPECT_GT(document["steps"].get<long>(), 1000);
   EXPECT_EQ(document["inputs"].size(), 1u);
@@ -104,25 +102,23 @@ quantity = "displacement"
   const ProgramRun wrong =
       run_line("respond {} --duration 0.2 --rate 500 --out {}", {scene, folder.at("y.csv")});
   EXPECT_EQ(wrong.exit_code, 3);
-  EXPECT_NE(wrong.err.find("force"), std::string::npos) << wrong.err;
+  EXPECT_THAT(wrong.err, HasSubstr("force"));
 }
 
 TEST(Respond, EverySolverGivesEveryQuantity) {
   // A touch that moves the cable by 0.06 mm, 1 % of its sag: linear to that.
   const TemporaryFolder folder;
-  std::string scene = "accuracy = 1e-4\n" + std::string(kCableScene) + R"([[load]]
-kind = "impact"
-member = "cable"
-position = 0.25
-direction = [0.0, -1.0, 0.0]
-peak = 0.05
-duration = 0.02
-)";
-  for (const char* quantity : {"displacement", "velocity", "acceleration", "force"}) {
-    scene += std::string("[[sensor]]\nname = \"") + quantity + "\"\nquantity = \"" + quantity +
-             "\"\nmember = \"cable\"\nposition = 0.41\ndirection = [0.0, 1.0, 0.0]\n";
+  auto scene = model::testing::paper_cable(200, 0.5972, 12);
+  scene.loads = {model::testing::impact({"", "cable", 0.25}, {0, -1, 0}, 0.05, 0.02)};
+  using enum model::Sensor::Quantity;
+  for (const auto& [name, quantity] : {std::pair{"displacement", displacement},
+                                       {"velocity", velocity},
+                                       {"acceleration", acceleration},
+                                       {"force", force}}) {
+    scene.sensors.push_back(model::testing::sensor("cable", 0.41, quantity));
+    scene.sensors.back().name = name;
   }
-  const std::string rig = folder.write("rig.toml", scene);
+  const std::string rig = folder.write("rig.toml", model::scene_text(scene));
   std::vector<std::vector<double>> first;
   for (const std::string solver : {"explicit", "modal", "stiff"}) {
     SCOPED_TRACE(solver);
@@ -146,5 +142,4 @@ duration = 0.02
   }
 }
 
-}  // namespace
 }  // namespace rigfit::apps::respond_test

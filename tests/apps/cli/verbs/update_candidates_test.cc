@@ -1,26 +1,16 @@
 // Models of the same modes compared through the program: a hanger with end springs.
 #include "model/scene/read_scene.h"
 #include "tests/apps/apps_test.h"
-#include "tests/scenes.h"
+#include "tests/ident/update/hanger.h"
 
 namespace rigfit::apps::update_candidates_test {
-namespace {
 
 // 10 m, 30 kg/m, EI 2e5 N m2; pinned, or held by end springs.
 std::string hanger(double tension, double spring_Nm_rad = 0) {
-  using namespace model::testing;
-  constexpr double kFixed = kInf;
-  const auto kind =
-      spring_Nm_rad > 0 ? model::Support::Kind::elastic : model::Support::Kind::pinned;
-  auto scene = span(member(model::Member::Kind::cable, "h", "", "", 30, 30, 1e9, 2e5),
-                    node("a", {0, 0, 0}, kind), node("b", {10, 0, 0}, kind));
-  scene.gravity.setZero();
-  scene.members[0].GJ = 2e5;
+  using Kind = model::Support::Kind;
+  auto scene =
+      ident::testing::hanger(spring_Nm_rad > 0 ? Kind::elastic : Kind::pinned, 2e5, spring_Nm_rad);
   scene.members[0].tension = tension;
-  for (auto& end : scene.nodes) {
-    end.support.translational.setConstant(kFixed);
-    end.support.rotational = {kFixed, spring_Nm_rad, spring_Nm_rad};
-  }
   return model::scene_text(scene);
 }
 
@@ -67,10 +57,10 @@ TEST(UpdateCandidates, EndSpringsOfAHangerAreChosenAndGiveItsTension) {
   const auto& tension = named(json["averaged"], "h.tension");
   EXPECT_LE(tension["low"].get<double>(), 5e5);
   EXPECT_GE(tension["high"].get<double>(), 5e5);
-  EXPECT_NEAR(tension["value"].get<double>(), 5e5, 0.05 * 5e5);
+  EXPECT_NEAR(tension["value"], 5e5, 0.05 * 5e5);
   // The result is the heaviest's, its scene the one written.
   EXPECT_EQ(json["parameters"], springs["parameters"]);
-  EXPECT_NE(folder.read("updated.toml").find("rotational"), std::string::npos);
+  EXPECT_THAT(folder.read("updated.toml"), HasSubstr("rotational"));
 }
 
 // Two frequencies to 5 % cannot tell ends apart: what is averaged is wider than what each says.
@@ -83,7 +73,7 @@ TEST(UpdateCandidates, WhatTheDataCannotTellIsRefusedWithItsAverage) {
       run_line("update {} --measured {} --free h.tension --ends pinned clamped --out {} --json -",
                {scene, modes, folder.at("updated.toml")});
   EXPECT_EQ(run.exit_code, 4) << run.err;
-  EXPECT_NE(run.err.find("no candidate has 90 % of the weight"), std::string::npos) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("no candidate has 90 % of the weight"));
   const Document json = parsed(run.out);
   const auto& tension = named(json["averaged"], "h.tension");
   double narrowest = INFINITY;
@@ -103,7 +93,7 @@ TEST(UpdateCandidates, MistakesAreNamed) {
     const auto run = run_line("update {} --measured {} --free h.tension --candidates {} --out {}",
                               {scene, modes, file, folder.at("updated.toml")});
     EXPECT_EQ(run.exit_code, code) << run.err;
-    EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
+    EXPECT_THAT(run.err, HasSubstr(said));
   };
   const std::string one = "[[candidate]]\nname = \"one\"\n";
   fails(one, 2, "two or more");
@@ -112,5 +102,4 @@ TEST(UpdateCandidates, MistakesAreNamed) {
   fails(one + "[[candidate]]\nname = \"two\"\nsprings = 1\n", 3, "springs");
 }
 
-}  // namespace
 }  // namespace rigfit::apps::update_candidates_test

@@ -4,7 +4,6 @@
 #include "tests/test.h"
 
 namespace rigfit::apps::frf_plots_test {
-namespace {
 
 /// A delay of 40 ms: the phase falls by 14.4 degrees a Hz, through several turns.
 signal::FrfSet delayed() {
@@ -43,5 +42,4 @@ TEST(FrfFigures, PhaseHasNoJumpsAndGapsWhereItIsNotKnown) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::apps::frf_plots_test

@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::apps::palette_test {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -85,5 +84,4 @@ TEST(Palette, EveryColourIsReadableOnItsPaper) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::apps::palette_test

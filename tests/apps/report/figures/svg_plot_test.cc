@@ -2,10 +2,7 @@
 
 #include "tests/test.h"
 
-#include <fmt/format.h>
-
 namespace rigfit::apps::svg_plot_test {
-namespace {
 
 TEST(AxisTicks, AreRoundAndInside) {
   EXPECT_THAT(axis_ticks(0, 300, 6, false), ElementsAre(0, 50, 100, 150, 200, 250, 300));
@@ -15,12 +12,6 @@ TEST(AxisTicks, AreRoundAndInside) {
   EXPECT_TRUE(axis_ticks(1, 1, 6, false).empty());
   EXPECT_TRUE(axis_ticks(-1, 10, 6, true).empty());
   EXPECT_TRUE(axis_ticks(0, kInf, 6, false).empty());
-}
-
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t n = 0;
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; ++at) ++n;
-  return n;
 }
 
 TEST(SvgPlot, DrawsEverySeriesOnceAndNeverANonNumber) {
@@ -68,7 +59,7 @@ TEST(SvgPlot, LongRecordsKeepTheirExtremesAndStaySmall) {
   // The spike is the highest point; the axis leaves 5 % of the range [-1, 10] above and below it.
   const double top = 12, bottom = 440 - 72;
   const double spike = top + (bottom - top) * 0.05 / 1.1;
-  EXPECT_NE(svg.find(fmt::format(" {:.1f}L", spike)), std::string::npos);
+  EXPECT_THAT(svg, HasSubstr(fmt::format(" {:.1f}L", spike)));
 }
 
 /// The numbers of an attribute such as `y="12.5"` in all elements that begin so.
@@ -164,5 +155,4 @@ TEST(PlotCsv, HoldsEveryValueExactly) {
             "\"a,b\",modelled,0.3333333333333333,,,\n");
 }
 
-}  // namespace
 }  // namespace rigfit::apps::svg_plot_test

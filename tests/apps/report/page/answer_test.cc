@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::apps::answer_test {
-namespace {
 
 Answer stiffness(double value, double std) {
   Answer answer{.key = "fit/beam.EI_z",
@@ -145,5 +144,4 @@ TEST(Findings, AreSortedAndSaidOnce) {
   EXPECT_FALSE(list[3].note());
 }
 
-}  // namespace
 }  // namespace rigfit::apps::answer_test

@@ -2,11 +2,10 @@
 
 #include "ident/campaign/single_tests/scene_use.h"
 #include "model/linear/modal_analysis.h"
-#include "tests/reference/axial_study.h"
+#include "tests/reference/axial_rig.h"
 #include "tests/test.h"
 
 namespace rigfit::ident::axial_campaign_test {
-namespace {
 
 AxialInputs inputs_of(reference::AxialRig rig, std::vector<double> lengths, unsigned seed) {
   AxialInputs inputs{.setup = {.mass_kg = {rig.mass_kg, 0.001}}};
@@ -113,7 +112,7 @@ TEST(AxialCampaign, RecordsOfTwoLengthsGivenAsOneAreRefused) {
   const auto mixed = axial_campaign(inputs);
   EXPECT_FALSE(mixed.test);
   ASSERT_TRUE(says(mixed.findings, "lengths_mixed"));
-  EXPECT_NE(mixed.findings.back().message.find("--length"), std::string::npos);
+  EXPECT_THAT(mixed.findings.back().message, HasSubstr("--length"));
   for (auto& one : inputs.recordings) one.length_m = &one - inputs.recordings.data() < 2 ? 1 : 1.5;
   EXPECT_TRUE(axial_campaign(inputs).test);
 }
@@ -176,5 +175,4 @@ TEST(AxialCampaign, GoesIntoScenesWithItsUncertainty) {
   EXPECT_EQ(inputs[1].effects[0].change, 0.001);
 }
 
-}  // namespace
 }  // namespace rigfit::ident::axial_campaign_test

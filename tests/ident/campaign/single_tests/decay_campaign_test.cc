@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::decay_test_test {
-namespace {
 
 /// Taps of an oscillator of 7 Hz, damping 0.01, at 200 Hz; the record starts at 100 s.
 signal::Recording taps(const std::vector<std::pair<double, double>>& hits, double seconds,
@@ -94,5 +93,4 @@ TEST(DecayTest, RefusesARecordingWithoutAnEvenRate) {
   EXPECT_TRUE(test.findings[0].refused);
 }
 
-}  // namespace
 }  // namespace rigfit::ident::decay_test_test

@@ -3,7 +3,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::tension_campaign_test {
-namespace {
 
 constexpr double kTension = 1000, kLength = 10, kMass = 1;
 
@@ -120,5 +119,4 @@ TEST(TensionCampaign, FrequenciesOfShortRecordingsHold) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::ident::tension_campaign_test

@@ -4,7 +4,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::frf_coverage_test {
-namespace {
 
 const Eigen::VectorXd& lines() {
   static const Eigen::VectorXd all = Eigen::VectorXd::LinSpaced(71, 30, 65);
@@ -96,5 +95,4 @@ TEST(FrfCoverage, AnExponentialWindowBiasesNothing) {
   EXPECT_LT(std::abs(deviation), 3 / std::sqrt(kSeeds));
 }
 
-}  // namespace
 }  // namespace rigfit::ident::frf_coverage_test

@@ -5,7 +5,6 @@
 #include <numeric>
 
 namespace rigfit::ident::mode_pairing_test {
-namespace {
 
 using model::ModePlane;
 
@@ -24,7 +23,7 @@ std::vector<PairingMode> both(std::vector<PairingMode> a, const std::vector<Pair
 // Model index by measured index; -1: unpaired.
 std::vector<int> partners(const std::vector<ModePair>& pairs, std::size_t measured) {
   std::vector<int> result(measured, -1);
-  for (const auto& pair : pairs) result[static_cast<std::size_t>(pair.measured)] = pair.model;
+  for (const auto& pair : pairs) result[pair.measured] = pair.model;
   return result;
 }
 
@@ -40,15 +39,15 @@ TEST(LeastCostAssignment, EqualsTheBestOfAllPermutations) {
     double best = 1e300;
     do {
       double total = 0;
-      for (int i = 0; i < rows; ++i) total += cost(i, order[static_cast<std::size_t>(i)]);
+      for (int i = 0; i < rows; ++i) total += cost(i, order[i]);
       best = std::min(best, total);
     } while (std::next_permutation(order.begin(), order.end()));
     const auto chosen = least_cost_assignment(cost);
     double total = 0;
     std::vector<int> used;
     for (int i = 0; i < rows; ++i) {
-      total += cost(i, chosen[static_cast<std::size_t>(i)]);
-      used.push_back(chosen[static_cast<std::size_t>(i)]);
+      total += cost(i, chosen[i]);
+      used.push_back(chosen[i]);
     }
     std::sort(used.begin(), used.end());
     EXPECT_EQ(std::adjacent_find(used.begin(), used.end()), used.end());
@@ -139,8 +138,7 @@ TEST(ShapeCorrelation, IsBlindToScaleAndPhase) {
   EXPECT_TRUE(std::isnan(shape_correlation(a, Eigen::Vector3cd::Zero())));
 }
 
-// One pair, one mode in between that was not measured, one false one: the sum of the header's
-// terms.
+// One pair, one mode between that was not measured, one false one: the sum of the header's terms.
 TEST(ModeAssignment, LikelihoodIsTheSumOfItsParts) {
   const AssignmentOptions options;
   const double s = 0.01;
@@ -180,5 +178,4 @@ TEST(ModeAssignment, VisibleModesBelowTheMeasuredOnesAreCharged) {
   EXPECT_NEAR(outside.log_missed, 0, 1e-9);
 }
 
-}  // namespace
 }  // namespace rigfit::ident::mode_pairing_test

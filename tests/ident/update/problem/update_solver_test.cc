@@ -6,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::update_solver_test {
-namespace {
 
 using model::Support;
 
@@ -44,5 +43,4 @@ TEST(UpdateSolver, LeavesABoundWhereTheSlopeLeadsInwards) {
   }
 }
 
-}  // namespace
 }  // namespace rigfit::ident::update_solver_test

@@ -5,7 +5,6 @@
 #include "tests/test.h"
 
 namespace rigfit::ident::update_uncertainty_test {
-namespace {
 
 using model::ModePlane;
 
@@ -134,5 +133,4 @@ TEST(UpdateUncertainty, AMisfitThatAnInputCannotExplainStillRulesTheModelOut) {
   EXPECT_GT(fit.fit.model_std, 0);
 }
 
-}  // namespace
 }  // namespace rigfit::ident::update_uncertainty_test

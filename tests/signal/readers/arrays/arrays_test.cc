@@ -1,22 +1,19 @@
 // WAV, NumPy and MATLAB files as their programs write them, damaged ones, and formats that are
 // named and refused.
-#include <fmt/format.h>
 #include <matio.h>
-#include <unistd.h>
 
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"
 #include "tests/signal/readers/reading.h"
+#include "tests/temporary_folder.h"
 #include "tests/test.h"
 
 namespace rigfit::signal::arrays_test {
-namespace {
+
 namespace fs = std::filesystem;
 
 std::string little(std::uint64_t value, int bytes) {
@@ -38,9 +35,8 @@ std::string wav(int format, int bits, int channels, const std::string& data) {
 
 /// Puts the bytes into a file, which libsndfile reads.
 Recording read_sound(const std::string& bytes) {
-  const fs::path path = fs::temp_directory_path() / fmt::format("rigfit-{}.wav", ::getpid());
-  std::ofstream(path, std::ios::binary) << bytes;
-  return read_wav(bytes, path);
+  const testing::TemporaryFolder folder;
+  return read_wav(bytes, folder.write("sound.wav", bytes));
 }
 
 double wanted(int k) { return 0.5 * std::sin(0.1 * k); }
@@ -131,14 +127,6 @@ TEST(Npy, WhatCannotBeReadIsSaid) {
 /// A .mat file of this test's own.
 class Mat : public ::testing::Test {
  protected:
-  Mat()
-      : path_(fs::temp_directory_path() /
-              fmt::format("rigfit-mat-{}-\xC3\xA4.mat", std::random_device()())) {}
-  ~Mat() override {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-  }
-
   static matvar_t* array(const char* name, std::vector<double> values, std::size_t rows,
                          std::size_t cols) {
     std::size_t dims[2] = {rows, cols};
@@ -154,16 +142,14 @@ class Mat : public ::testing::Test {
     }
     Mat_Close(file);
   }
-  std::string content() const {
-    std::ifstream file(path_, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string content() const { return folder_.read(path_.filename()); }
 
   Recording read(const fs::path& path, const ReadOptions& options = {}) const {
     return read_mat(content(), path, options);
   }
 
-  fs::path path_;
+  testing::TemporaryFolder folder_;
+  const fs::path path_ = folder_.path() / "\xC3\xA4.mat";
 };
 
 std::vector<double> ramp(int n, double step) {
@@ -308,5 +294,4 @@ TEST(ForeignFormats, AreNamedWithTheWayOut) {
   EXPECT_EQ(name_of("Time,Force\n0,1\n"), "");
 }
 
-}  // namespace
 }  // namespace rigfit::signal::arrays_test

@@ -3,14 +3,10 @@
 #include <malloc.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
-
 #include "signal/readers/read_recording.h"
 #include "tests/test.h"
 
 namespace rigfit::signal::bounded_memory_test {
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -74,5 +70,4 @@ TEST(ReadCsv, MemoryIsThatOfTheNumbers) {
   EXPECT_GT(*peak - *before, 0.9 * numbers);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::bounded_memory_test

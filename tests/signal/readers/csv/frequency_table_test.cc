@@ -1,8 +1,4 @@
 // Tables over frequency: FRFs are read as FRFs, spectra are no recordings over time.
-#include <fmt/format.h>
-
-#include <functional>
-
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
@@ -10,7 +6,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::frequency_table_test {
-namespace {
 
 /// Accelerance of one mode at 40 Hz, 1 % damping.
 Complex accelerance(double f) {
@@ -116,5 +111,4 @@ TEST(Spectra, TimeSignalsWithWordsOfTheirsStayRecordings) {
   EXPECT_EQ(read_csv("Time (s),RMS (g)\n0,1\n0.1,2\n0.2,1\n", "a.csv").sample_rate_hz, 10);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::frequency_table_test

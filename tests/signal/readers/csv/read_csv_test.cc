@@ -4,7 +4,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::read_csv_test {
-namespace {
 
 Recording read(const std::string& text, const ReadOptions& options = {}) {
   return read_csv(text, "test.csv", options);
@@ -40,7 +39,7 @@ void expect_rows(const Recording& r, int n, int channels) {
   EXPECT_TRUE(r.time_s.size() == 0);
   ASSERT_EQ(static_cast<int>(r.channels.size()), channels);
   for (int c = 0; c < channels; ++c) {
-    const auto& samples = r.channels[static_cast<std::size_t>(c)].samples;
+    const auto& samples = r.channels[c].samples;
     ASSERT_EQ(samples.size(), n);
     for (int k = 0; k < n; ++k) EXPECT_EQ(samples[k], k + 0.25 * c);
   }
@@ -220,5 +219,4 @@ TEST(ReadCsv, UnknownChannelsAreAnsweredByThoseThereAre) {
   EXPECT_THAT(error.remedy(), HasSubstr("\"b18\", ... (30 in all)"));
 }
 
-}  // namespace
 }  // namespace rigfit::signal::read_csv_test

@@ -1,13 +1,10 @@
 // Tables as programs of testing machines write them (.dat): a header of remarks, titles that hold
 // blanks, a row of units below, columns parted by tabs or set to a width.
-#include <fmt/format.h>
-
+#include "tests/test.h"
 #include "signal/readers/files/read_formats.h"
 #include "tests/signal/readers/reading.h"
-#include "tests/test.h"
 
 namespace rigfit::signal::testing_machine_test {
-namespace {
 
 const std::string kRemarks =
     "MTS793|MPT|ENU|1|2|.|/|:|1|0|0|A\n\nData Header:\t\t\tTime:\t12.5\tSec\t05/07/2024 10:21:33 "
@@ -49,8 +46,7 @@ TEST(TestingMachine, TitlesWithBlanksAboveARowOfUnits) {
   }
 }
 
-// One blank between titles that hold blanks: which word belongs to which column is not known, their
-// units are.
+// One blank between titles that hold blanks: their units are known, not which word is whose.
 TEST(TestingMachine, TitlesThatDoNotPartKeepTheUnits) {
   const Recording read = read_csv(
       "Running Time Axial Displacement Axial Force\nSec mm N\n" + rows("{:.5f} {:.5f} {:.5f}\n"),
@@ -73,5 +69,4 @@ TEST(TestingMachine, ATableACycleIsRefusedWithTheWayOut) {
               AllOf(HasSubstr("not a number"), HasSubstr("split the file")));
 }
 
-}  // namespace
 }  // namespace rigfit::signal::testing_machine_test

@@ -1,14 +1,11 @@
 // Tables that can be taken for something else than they are: each is read rightly, asked about, or
 // left with a note, never taken wrongly without a word.
-#include <fmt/format.h>
-
 #include "signal/readers/files/read_formats.h"
 #include "signal/recording/time_axis.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"
 
 namespace rigfit::signal::wrong_readings_test {
-namespace {
 
 Recording read(const std::string& text, const ReadOptions& options = {}) {
   return read_csv(text, "test.csv", options);
@@ -91,8 +88,7 @@ TEST(Times, MassesOfAFewRowsAreNone) {
 }
 
 TEST(Times, OfACoarseClockAreRecognised) {
-  // 640 Hz seen through a clock of 1/64 s: ten equal times each; and 40 Hz: steps of one or two
-  // ticks.
+  // 640 Hz seen through a clock of 1/64 s: ten equal times each; 40 Hz: one or two ticks.
   for (const double rate : {640.0, 40.0, 37.3}) {
     std::string text;
     for (int k = 0; k < 600; ++k) {
@@ -199,5 +195,4 @@ TEST(Notes, OfVeryManyColumnsAreShort) {
   EXPECT_LT(length, 2000u);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::wrong_readings_test

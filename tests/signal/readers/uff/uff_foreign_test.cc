@@ -1,7 +1,5 @@
 // Universal files as other programs write them: every kind of function, unit and channel, and what
 // is said of those that cannot be taken.
-#include <fmt/format.h>
-
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/uff/uff58.h"
 #include "signal/writers/write_uff.h"
@@ -9,7 +7,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::uff_foreign_test {
-namespace {
 
 struct Axis {
   int type = 0;
@@ -208,5 +205,4 @@ TEST(UffForeign, WhatIsNoNumberAtRestOrInCoherenceIsLeftOut) {
   EXPECT_EQ(some.coherence.size(), 0);
 }
 
-}  // namespace
 }  // namespace rigfit::signal::uff_foreign_test

@@ -1,15 +1,11 @@
 // Fixtures are written by hand from the public description of datasets 15, 55, 164 and 2411, and by
 // our own writer.
-#include <fstream>
-#include <iterator>
-
 #include "signal/readers/uff/read_uff_modes.h"
 #include "signal/writers/write_uff.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"
 
 namespace rigfit::signal::uff_modes_test {
-namespace {
 
 UffModes seed(const char* name) {
   return read_uff_modes(std::string(RIGFIT_FUZZ) + "/seeds/uff_modes/" + name);
@@ -76,7 +72,7 @@ TEST(UffModes, OurOwnComeBackWithinTheirDigits) {
       const auto& at = mode.shape[r / 3];
       EXPECT_EQ(at.node, model.responses[r].node);
       const double sign = model.responses[r].direction > 0 ? 1 : -1;
-      const Complex wrote = sign * model.modes[m].shape[static_cast<Index>(r)];
+      const Complex wrote = sign * model.modes[m].shape[r];
       EXPECT_LE(std::abs(at.translation[r % 3] - wrote), 1.5 * kPrinted * std::abs(wrote));
     }
   }
@@ -168,5 +164,4 @@ TEST(UffModes, FaultsAreNamedWithTheirLine) {
   EXPECT_THAT(cut.remarks, ElementsAre(HasSubstr("no end mark")));
 }
 
-}  // namespace
 }  // namespace rigfit::signal::uff_modes_test

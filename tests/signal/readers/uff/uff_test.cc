@@ -1,6 +1,5 @@
 #include <bit>
 #include <cstdint>
-#include <sstream>
 
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/uff/uff58.h"
@@ -10,7 +9,6 @@
 #include "tests/test.h"
 
 namespace rigfit::signal::uff_test {
-namespace {
 
 Recording made_recording(double rate, Index n) {
   Normal normal(7);
@@ -66,7 +64,7 @@ TEST(Uff, RecordingsComeBackWithinTheirDigits) {
   for (const Case& c : cases) {
     const Recording out = made_recording(c.rate, 1001);
     const std::string text = uff_text(out, c.encoding, "synthetic");
-    EXPECT_NE(text.find("synthetic"), std::string::npos);
+    EXPECT_THAT(text, HasSubstr("synthetic"));
     const Recording in = read_uff(text, "x.uff");
     EXPECT_EQ(in.format, "uff58-binary");
     EXPECT_EQ(in.sample_rate_hz, out.sample_rate_hz);
@@ -202,5 +200,4 @@ TEST(Uff, WritesModesAtPoints) {
   EXPECT_THAT(text, HasSubstr(" -6.28300e-01  6.28300e+01  5.00000e-01 -1.50000e+00"));
 }
 
-}  // namespace
 }  // namespace rigfit::signal::uff_test
