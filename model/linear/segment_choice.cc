@@ -10,7 +10,7 @@
 namespace rigfit::model {
 namespace {
 
-constexpr int kFewest = 4, kFirst = 12, kMost = 2000, kRounds = 16;
+constexpr int kFewest = 4, kFirst = 12, kRounds = 16;
 constexpr int kAsymptotic = 6;  // from here on errors fall by their leading order
 
 double total(const std::vector<int>& segments) {
@@ -172,9 +172,10 @@ SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
     if (best.segments.empty() || trial.error.relative < best.error.relative) {
       best = std::move(trial);
     }
-    if (ratio <= 1 || n == kMost) break;
+    if (ratio <= 1 || n == kMostSegments) break;
     // Between second and fourth order.
-    n = std::min(kMost, static_cast<int>(std::ceil(n * std::clamp(std::cbrt(ratio), 1.2, 4.0))));
+    n = std::min(kMostSegments,
+                 static_cast<int>(std::ceil(n * std::clamp(std::cbrt(ratio), 1.2, 4.0))));
   }
   return best;
 }

@@ -13,6 +13,9 @@
 
 namespace rigfit::model {
 
+/// Segments that a member gets at most.
+inline constexpr int kMostSegments = 2000;
+
 struct ResolutionError {
   double relative = 0;                  ///< largest of all modes of `modes`
   std::vector<double> extrapolated_hz;  ///< by ChainModes::order

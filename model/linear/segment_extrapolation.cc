@@ -13,12 +13,9 @@ namespace rigfit::model {
 namespace {
 
 constexpr std::array<int, 15> kSequence{2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256};
-constexpr int kMostSegments = 2000;                 // segments a member
 constexpr std::size_t kSmallest = 2, kLargest = 4;  // windows: chains that a value is of
 constexpr int kForShapes = 16;       // the finest chain's factor where its shapes are asked for
 constexpr double kRounding = 1e-11;  // relative, of eigenvalues
-constexpr int kBeside = 2;           // modes followed above those asked for
-constexpr double kMargin = 0.02;     // a band's edges are moved out by while modes are followed
 
 /// Neville's value at h = 0 of the points first..last in powers of h^2.
 double neville(const std::vector<double>& h, const std::vector<double>& f, std::size_t first,
@@ -44,19 +41,12 @@ struct Track {
 class Extrapolation {
  public:
   Extrapolation(const Scene& scene, const ModesOptions& options, const SequenceStart& start)
-      : scene_(scene), options_(options), wide_(options), start_(start) {
-    if (wide_.band_hz) {
-      wide_.band_hz->first *= 1 - kMargin;
-      wide_.band_hz->second *= 1 + kMargin;
-    } else {
-      wide_.count += kBeside;
-    }
-  }
+      : scene_(scene), options_(options), start_(start) {}
 
   /// The chain of `factor` times the first numbers; false: no equilibrium.
   bool add(int factor) {
     factor_ = factor;
-    chain_ = find_chain_modes(scene_, wide_, start_.chain(factor, options_));
+    chain_ = find_chain_modes(scene_, options_, start_.chain(factor, options_));
     if (chain_.equilibrium.status != EquilibriumStatus::converged ||
         (chains_ > 0 && chain_.motions.size() != shapes_.size())) {
       return false;
@@ -181,7 +171,6 @@ class Extrapolation {
 
   const Scene& scene_;
   const ModesOptions& options_;
-  ModesOptions wide_;
   const SequenceStart& start_;
   int factor_ = 0;  // factor of SequenceStart::segments() in the last chain
   std::size_t chains_ = 0;

@@ -24,8 +24,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
-// After this many time constants of the slowest mode a record holds nothing but noise.
-constexpr double kTailTimeConstants = 10;
 // One damped sinusoid with offset and drift has 6 unknowns.
 constexpr Index kFewestSamples = 7;
 
@@ -55,7 +53,6 @@ class Estimation {
     if (!usable() || !choose_window() || !take_samples() || !find_modes()) return result_;
     if (!leave_out_clipped()) return result_;
     add_background();
-    leave_out_the_tail();
     trim_start();
     if (moved_start_) {
       result_.note("start_chosen",
@@ -249,22 +246,6 @@ class Estimation {
     if (!fit) return false;
     fit_ = std::move(fit);
     return true;
-  }
-
-  // Behind what the slowest mode has left the record only costs time and invites drift.
-  void leave_out_the_tail() {
-    double slowest = std::numeric_limits<double>::infinity();
-    for (const Complex p : fit_->poles) {
-      if (!is_tone(p) && !is_offset(p)) slowest = std::min(slowest, -p.real());
-    }
-    const double tail = kTailTimeConstants / std::max(slowest, 1e-300);
-    if (!(tail < 0.8 * static_cast<double>(fit_->samples) &&
-          tail > 4.0 * static_cast<double>(6 * fit_->poles.size()))) {
-      return;
-    }
-    result_.end = result_.start + static_cast<Index>(std::ceil(tail));
-    samples_ = samples_from(result_.start);
-    if (auto again = fit_poles(samples_, fit_->poles)) fit_ = std::move(again);
   }
 
   // Moves the start on by half a cycle of the strongest mode at a time, while the first half cycle

@@ -24,8 +24,7 @@ constexpr double kLeastFall = 1;
 /// Steady lines of samples [from, to), amplitudes those at the first.
 std::vector<KnownTone> steady_lines(const Eigen::Ref<const Eigen::VectorXd>& y, Index from,
                                     Index to, double false_alarm) {
-  constexpr Index kFewest = 32;
-  if (to - from < kFewest) return {};
+  if (to <= from) return {};
   Eigen::VectorXd left = y.segment(from, to - from);
   const auto n = static_cast<double>(to - from);
   DecaySearchOptions search;

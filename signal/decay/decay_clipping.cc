@@ -14,7 +14,6 @@ using Eigen::Index;
 
 std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DecayBand& band,
                                   const DecayModesOptions& options) {
-  constexpr Index kFewest = 12;
   Eigen::VectorXd y = samples.values;
   for (const Index j : samples.missing) y(j) = kNaN;
   const double high = y.maxCoeff<Eigen::PropagateNumbers>();
@@ -33,8 +32,7 @@ std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DecayBand& 
     if (at.size() == 1) at.clear();
     for (const Index j : at) others.missing.push_back(j), others.values(j) = 0;
   }
-  const auto left = y.size() - static_cast<Index>(others.missing.size());
-  if (others.missing.size() == samples.missing.size() || left < kFewest) return clipped;
+  if (others.missing.size() == samples.missing.size()) return clipped;
   std::sort(others.missing.begin(), others.missing.end());
   const auto fit = find_decay_modes(others, band, options);
   if (!fit || fit->degrees < 1) return clipped;

@@ -25,8 +25,6 @@ constexpr double kLeastShare = 0.05;
 constexpr Index kCycles = 10;
 // Chance that noise alone passes for an impact, for each place that is tested.
 constexpr double kFalseAlarm = 1e-6;
-// Places that are tested at most in a record.
-constexpr std::size_t kMostTested = 64;
 
 struct Jump {
   Index at = 0;
@@ -201,7 +199,6 @@ std::vector<Index> further_hits(const Eigen::VectorXd& y, const std::vector<doub
   std::vector<Index> tested, hits;
   const Index half_cycle = (cycle + 1) / 2;
   for (const Jump& jump : found) {
-    if (tested.size() >= kMostTested) break;
     if (std::any_of(tested.begin(), tested.end(),
                     [&](Index t) { return std::abs(t - jump.at) < 3 * cycle; })) {
       continue;

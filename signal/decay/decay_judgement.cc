@@ -21,9 +21,6 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
-// Mains frequency and machines keep their amplitude to a few per cent; a decay that falls by less
-// has no damping to tell, unless a few cycles give a frequency that is worth having by itself.
-constexpr double kLeastChange = 0.02, kFewCycles = 10;
 // What goes on beside a decay may be as large as this share of it.
 constexpr double kMostExcited = 0.1;
 // Energy over the largest that noise shows with probability `false_alarm`. Estimates that are
@@ -31,7 +28,7 @@ constexpr double kMostExcited = 0.1;
 // tenth of a standard uncertainty.
 constexpr double kLeastDetection = 4;
 // An amplitude that falls by less is known from its start alone.
-constexpr double kShortFall = 0.7, kShortCycles = 3;
+constexpr double kShortFall = 0.7;
 
 /// The numbers of a fit: its modes with uncertainties, in coloured noise and noise that is larger
 /// while the mode moves (residual_noise.h), the log decrement and the envelope of each.
@@ -235,16 +232,6 @@ class Judgement {
     }
     const std::size_t main = kept_.front();
     const DecayMode& mode = d_.modes[main];
-    if (std::abs(d_.fall[main]) + 2 * d_.fall_std[main] < kLeastChange &&
-        mode.cycles > kFewCycles) {
-      return refuse(
-          "no_decay",
-          fmt::format("record a free decay (a tap, a release): the oscillation at {:.6g} "
-                      "Hz keeps its amplitude within {:.0f} % over the window: a machine, "
-                      "a shaker or hum drives it, or the window is too short to show the "
-                      "decay",
-                      hz(main), 100 * kLeastChange));
-    }
     if (std::all_of(kept_.begin(), kept_.end(), [&](auto m) { return d_.modes[m].doubtful; })) {
       if (!mode.company || mode.r_squared < 0.3) {
         return refuse("too_noisy", "no oscillation stands out of the noise: " + mode.doubt);
@@ -313,11 +300,10 @@ class Judgement {
 
   /// Amplitude of what goes on at mode m through the record; 0: none that noise would not show.
   [[nodiscard]] double excitation(std::size_t m) const {
-    constexpr Index kMostBlocks = 40;
     const double w = d_.fit.poles[m].imag();
     const Index n = d_.fit.samples;
-    const Index block = std::max(averaging_cycle(w), (n + kMostBlocks - 1) / kMostBlocks);
-    const Index count = n / block, terms = std::min<Index>(7, count / 4);
+    const Index block = averaging_cycle(w), count = n / block,
+                terms = std::min<Index>(7, count / 4);
     if (terms < 1) return 0;
     const RunningAmplitude running(d_.fit.residual, w);
     Eigen::VectorXcd z(count);
@@ -343,7 +329,7 @@ class Judgement {
   void say() {
     const DecayMode& mode = result_.modes.front();
     const double fall = std::max(0.0, d_.fall[kept_.front()]);
-    if (fall < kShortFall || mode.cycles < kShortCycles) {
+    if (fall < kShortFall) {
       result_.note("record_short",
                    fmt::format("Record for longer: the amplitude falls by {:.2g} % only within the "
                                "{:.2g} cycles of the window, and the answer leans on offset and "

@@ -82,8 +82,8 @@ bool covers(const LocalMode& mode, const ModalBand& band, Complex pole) {
   return pole.imag() > low->pole.imag() - half && pole.imag() < high->pole.imag() + half;
 }
 
-/// Widest drift between points: of both, half-power bandwidths, and relative.
-constexpr double kDriftBandwidths = 20, kDriftRelative = 0.02;
+/// Widest drift between points, half-power bandwidths.
+constexpr double kDriftBandwidths = 20;
 
 /// Distance when two poles may be one mode, negative when not.
 double link_distance(const ModalBand& band, const PointPole& a, const PointPole& b) {
@@ -92,9 +92,7 @@ double link_distance(const ModalBand& band, const PointPole& a, const PointPole&
   if (apart < 1) return apart;
   const bool clear = a.explained > 0.8 && b.explained > 0.8;
   const bool alike = std::max(ha, hb) < 2.5 * std::min(ha, hb);
-  const double away = std::abs(a.pole.imag() - b.pole.imag());
-  const bool within = away < kDriftBandwidths * (ha + hb) &&
-                      away < kDriftRelative * std::min(a.pole.imag(), b.pole.imag());
+  const bool within = std::abs(a.pole.imag() - b.pole.imag()) < kDriftBandwidths * (ha + hb);
   return clear && alike && within ? apart : -1;
 }
 

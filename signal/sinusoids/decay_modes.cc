@@ -20,7 +20,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
-constexpr double kHighestDamping = 0.9;
 constexpr Index kFewDegrees = 200;
 
 class DecayModeSearch {
@@ -230,8 +229,7 @@ bool DecayBand::contains(Complex pole) const {
 
 bool plausible_decay(Complex pole, Index samples) {
   const double cycles = pole.imag() / kTwoPi * static_cast<double>(samples);
-  return damping_ratio_of(pole) < kHighestDamping && cycles > 0.3 &&
-         pole.real() * static_cast<double>(samples) < 2.9;
+  return cycles > 0.3 && pole.real() * static_cast<double>(samples) < 2.9;
 }
 
 double damping_ratio_of(Complex pole) { return -pole.real() / std::abs(pole); }

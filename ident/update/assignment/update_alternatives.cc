@@ -18,7 +18,6 @@ constexpr double kDampingErrors = 10;  // relative to those in frequency
 constexpr double kLeastStd = 2e-3;
 constexpr double kSure = 12;       // see the header
 constexpr std::size_t kSeeds = 8;  // local fits from all over the range
-constexpr std::size_t kKept = 4;   // answers of these that count
 constexpr int kRounds = 6;
 constexpr double kNegligible = 7;        // ln of the ratio of weights
 constexpr double kDampingRange = 4.605;  // ln(100): range of an unpaired damping ratio
@@ -126,7 +125,6 @@ class Search {
     }
     if (!sure) {
       std::vector<UpdateAnswer> heaviest = std::exchange(answers, {});
-      if (heaviest.size() > kKept) heaviest.resize(kKept);
       in_parallel(heaviest.size(), options_.threads, [&](std::size_t k) {
         if (!negligible(heaviest[k], heaviest)) leave_out_false(heaviest[k]);
       });

@@ -6,8 +6,9 @@
 // low-discrepancy sequence in more; positive parameters up to a factor of 100 or 10 from their
 // start), where the model is assigned, as it is and with all frequencies of a state times a factor
 // of up to 2 either way, in steps of two standard deviations of 5 %: tension and mass move them
-// alike, and neighbouring places are up to 1.8 apart in frequency, beyond the six standard
-// deviations within which modes pair. The best are fitted. The weight of an answer is its evidence
+// alike, and neighbouring places are up to 1.8 apart in frequency, beyond the some six
+// standard deviations within which modes pair. The best are fitted. The weight of an answer is its
+// evidence
 //
 //   Z = sum_tau P(tau) L(q, tau) prior(q) (2 pi)^(n/2) det(H(tau))^(-1/2)      (Laplace)
 //

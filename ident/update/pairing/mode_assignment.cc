@@ -9,7 +9,6 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr double kFarthest = 6;  // standard deviations: beyond, a pair is none
 constexpr double kTwin = 0.999;  // probability; rounding is far below, data say more
 
 // Both are known to be one of in and out, and not the same; a mode that is mixed, axial or
@@ -168,7 +167,6 @@ ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
         const auto j = static_cast<std::size_t>(c);
         const double off =
             std::log(modelled[j].frequency_hz / measured[i].frequency_hz) / relative_std[i];
-        if (std::abs(off) > kFarthest) continue;
         macs(r, c) = shape_correlation(measured[i].shape, modelled[j].shape);
         normal(r, c) = -0.5 * off * off - std::log(relative_std[i] * std::sqrt(2 * M_PI));
         const double gain = log_true + std::log(sight.probability[j]) - sight.log_missed[j] -
