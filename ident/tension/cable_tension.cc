@@ -5,14 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "ident/tension/cable_model.h"
-#include "ident/tension/tension_posterior.h"
+#include "ident/tension/cable_scene.h"
+#include "ident/update/model_candidates.h"
 #include "signal/estimation/groups.h"
 #include "signal/numerics/numbers.h"
 
@@ -23,188 +23,237 @@ namespace {
 using signal::Estimate;
 using signal::kNaN;
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
-
-constexpr double kSettled = 3e-5;  // change of ln f
 // Beyond these what was measured is no such cable: 3 % is the largest error of the model that is
 // summed over, and a sound one reaches it in few modes only.
 constexpr double kRmsRuledOut = 0.02, kWorstRuledOut = 0.05, kChanceRuledOut = 1e-6;
+// L sqrt(T / EI) of cables without EI: hardly more than beams to strings.
+constexpr double kStiffest = 2, kSlackest = 2000;
 constexpr double kSoundModel = 5e-3;  // error of the model that the chance counts, at most
-constexpr double kSameCell = 1e-3;    // change of ln T: fits of one cell from two starts
 
-/// Whether the heaviest cell of an answer is one of another answer: two starts have led to one.
-bool contained(const TensionAnswer& answer, const TensionAnswer& other) {
-  if (answer.modes != other.modes) return false;
-  const auto& cell = answer.cells[answer.best];
-  return std::any_of(other.cells.begin(), other.cells.end(), [&](const auto& one) {
-    return std::abs(one.ln_tension - cell.ln_tension) < kSameCell &&
-           one.model_std == cell.model_std && one.shape.x == cell.shape.x &&
-           one.shape.q == cell.shape.q;
-  });
+/// What is flat in its logarithm over a range, as a normal density of that mean and std.
+Estimate flat_prior(double low, double high) {
+  const double centre = std::sqrt(low * high);
+  return {centre, centre * std::log(high / low) / std::sqrt(12.0)};
 }
 
-/// Answers of all assignments, heaviest first. `best`: ln of the evidence of the best answer with
-/// other ends.
-void evaluate(EndsPosterior& one, const TensionData& data,
-              const std::vector<Assignment>& assignments, double best) {
-  one.answers.clear();
-  for (const auto& assignment : assignments) {
-    auto answer = tension_answer(one.model, data, one.ends, assignment, best);
-    if (answer.cells.empty() || !std::isfinite(answer.ln_evidence)) continue;
-    best = std::max(best, answer.ln_evidence);
-    const bool known = std::any_of(one.answers.begin(), one.answers.end(),
-                                   [&](const auto& other) { return contained(answer, other); });
-    if (known) continue;
-    std::erase_if(one.answers, [&](const auto& other) { return contained(other, answer); });
-    one.answers.push_back(std::move(answer));
-  }
-  std::stable_sort(one.answers.begin(), one.answers.end(),
-                   [](const auto& a, const auto& b) { return a.ln_evidence > b.ln_evidence; });
-  if (one.answers.empty()) return;
-  const double top = one.answers.front().ln_evidence;
-  double sum = 0;
-  for (const auto& answer : one.answers) sum += std::exp(answer.ln_evidence - top);
-  one.ln_evidence = top + std::log(sum);
-}
+/// The cable about a tension: all that is not known, as parameters and inputs of scenes.
+struct CableProblem {
+  std::vector<ModelCandidate> candidates;
+  UpdateOptions options;
+};
 
-/// The correction at the heaviest answer; returns by how much it changes ln f.
-double correct(EndsPosterior& one) {
-  if (!one.model.needs_correction(one.state().tension_N)) return 0;
-  int count = 2;
-  for (const auto& mode : one.answers.front().modes) count = std::max(count, mode.order + 1);
-  std::string why;
-  auto correction = segment_correction(one.model, one.ends, one.state(), count, why);
-  if (correction.in.empty() || correction.out.empty()) {
-    one.corrected = false;
-    return 0;
+CableProblem problem_of(const CableDescription& cable, const std::vector<MeasuredMode>& modes,
+                        const TensionOptions& asked, double tension_N) {
+  // Inputs are linear and normal in their value; what is known to less is normal in its logarithm.
+  constexpr double kLinear = 0.2;
+  const double L = cable.length_m.value, stiffest = tension_N * L * L;
+  const Estimate flexible{1e-8 * stiffest, 0};  // no frequency tells it from EI = 0
+  Estimate EI = cable.EI_Nm2 ? *cable.EI_Nm2
+                             : flat_prior(stiffest / std::pow(kSlackest, 2),
+                                          stiffest / std::pow(kStiffest, 2));
+  if (EI.value < flexible.value) EI = flexible;
+  const double EA_value = axial_rigidity(cable, tension_N);
+  const Estimate EA = cable.EA_N ? *cable.EA_N : Estimate{EA_value, kAssumedStrainStd * EA_value};
+  CableProblem problem;
+  auto& inputs = problem.options.inputs;
+  std::vector<FreeParameter> free{{.name = "cable.tension"}};
+  const auto known_to = [&](const std::string& name, std::vector<std::string> targets,
+                            const Estimate& value) {
+    if (!(value.std > 0)) return;
+    if (value.std > kLinear * value.value) {
+      free.push_back({.name = name, .targets = std::move(targets), .prior = value});
+      return;
+    }
+    inputs.push_back({name, {}});
+    for (auto& target : targets) inputs.back().effects.push_back({0, target, value.std});
+  };
+  known_to("EI", {"cable.EI_z", "cable.EI_y"}, EI);
+  if (irvine_parameter(cable, tension_N) > 1e-3) {
+    known_to(cable.EA_N ? "EA" : "EA (assumed)", {"cable.EA"}, EA);
   }
-  double change = 0;
-  for (const auto plane : {&CableCorrection::in, &CableCorrection::out}) {
-    const auto &now = correction.*plane, &before = one.model.correction().*plane;
-    for (std::size_t i = 0; i < now.size(); ++i) {
-      const double old = before.empty() ? 0 : before[std::min(i, before.size() - 1)];
-      change = std::max(change, std::abs(now[i] - old));
+  known_to("mass per length", {"cable.mass_per_length"}, cable.mass_per_length);
+  if (cable.length_m.std > 0) {
+    const double angle = cable.inclination_deg * signal::kTwoPi / 360;
+    inputs.push_back({"length",
+                      {{0, "end.x", cable.length_m.std * std::cos(angle)},
+                       {0, "end.y", cable.length_m.std * std::sin(angle)}}});
+  }
+  if (!cable.masses.empty() && cable.masses_std > 0) {
+    inputs.push_back({"attached masses", {}});
+    for (std::size_t k = 0; k < cable.masses.size(); ++k) {
+      inputs.back().effects.push_back(
+          {0, fmt::format("cable.masses{}.mass", k + 1), cable.masses_std * cable.masses[k].mass});
     }
   }
-  one.model = CableModel(one.model.cable(), std::move(correction));
-  return change;
-}
-
-CableFrequencies frequencies_of(const EndsPosterior& one, const TensionAnswer& answer,
-                                const TensionData& data) {
-  return one.model.frequencies(answer.state(), 200, 1.05 * data.highest_hz);
-}
-
-/// Order of each measured mode among those of its plane by rising frequency, from 1; 0: none.
-std::vector<int> orders(const EndsPosterior& one, const TensionAnswer& answer,
-                        const TensionData& data) {
-  const auto frequencies = frequencies_of(one, answer, data);
-  std::vector<int> found;
-  for (const auto& mode : answer.modes) {
-    const auto& list = mode.plane == model::ModePlane::in ? frequencies.in_hz : frequencies.out_hz;
-    const auto place = static_cast<std::size_t>(std::max(0, mode.order));
-    if (mode.order < 0 || place >= list.size()) {
-      found.push_back(mode.order + 1);
-    } else {
-      const auto below =
-          std::count_if(list.begin(), list.end(), [&](double hz) { return hz < list[place]; });
-      found.push_back(1 + static_cast<int>(below));
+  problem.options.profiled = 1;  // the tension
+  // Five a half wave of the modes that were measured; what is left of their error is taken off.
+  auto& segments = problem.options.auto_segments;
+  segments = std::max(segments, 5 * static_cast<int>(modes.size()) / 2);
+  auto& assignment = problem.options.assignment;
+  assignment.missed = asked.missed;
+  assignment.false_mode = asked.false_mode;
+  assignment.leaked = asked.leaked;
+  assignment.ends_at_pairs = true;
+  for (const CableEnds ends : asked.ends) {
+    ModelCandidate one{name_of(ends), std::vector<UpdateState>(1), free};
+    one.states.front().scene = cable_scene(cable, ends, tension_N, EI.value);
+    one.states.front().measured = modes;
+    one.states.front().clock_relative_std = cable.rate_relative_std;
+    if (ends == CableEnds::springs) {
+      // k = q EI (x + 4) / L, x = L sqrt(T / EI): practically pinned to practically clamped.
+      const double scale = EI.value * (std::sqrt(stiffest / EI.value) + 4) / L;
+      one.free.push_back({.name = "end springs",
+                          .targets = {"start.rotational_z", "start.rotational_y",
+                                      "end.rotational_z", "end.rotational_y"},
+                          .prior = flat_prior(0.03 * scale, 30 * scale)});
     }
+    problem.candidates.push_back(std::move(one));
   }
-  return found;
+  return problem;
 }
 
-/// Order of each measured mode, and how well it agrees.
-void list_modes(const EndsPosterior& one, const TensionData& data, TensionCandidate& candidate) {
-  const auto& answer = one.answers.front();
-  const auto frequencies = frequencies_of(one, answer, data);
-  const auto order_of = orders(one, answer, data);
-  std::vector<TensionData::Listed> listed;
-  data.list(frequencies, listed);
-  double last = -kInf;  // the highest paired frequency
-  for (std::size_t i = 0; i < data.modes.size(); ++i) {
-    TensionMode mode;
-    mode.measured_hz = data.modes[i].frequency_hz.value;
-    mode.measured_std_hz = data.modes[i].frequency_hz.std;
-    mode.model_hz = mode.relative_error = kNaN;
-    const auto& assigned = answer.modes[i];
-    if (assigned.order >= 0) {
-      const auto& list =
-          assigned.plane == model::ModePlane::in ? frequencies.in_hz : frequencies.out_hz;
-      const auto place = static_cast<std::size_t>(assigned.order);
-      last = data.ln_hz[i];
-      mode.order = order_of[i];
-      mode.plane = assigned.plane;
-      if (place < list.size()) {
-        mode.model_hz = list[place];
-        mode.relative_error = list[place] / mode.measured_hz - 1;
-      }
-    }
-    candidate.modes.push_back(mode);
+/// Fits about a string's tension, then about the tension found: what is assumed goes with it.
+CandidateComparison compare(const CableDescription& cable, const std::vector<MeasuredMode>& modes,
+                            const TensionOptions& options) {
+  double lowest = modes.front().frequency_hz.value;
+  for (const auto& mode : modes) lowest = std::min(lowest, mode.frequency_hz.value);
+  const double L = cable.length_m.value;
+  double tension = 4 * cable.mass_per_length.value * std::pow(lowest * L, 2);
+  CandidateComparison compared;
+  for (int round = 0; round < 3; ++round) {
+    const auto problem = problem_of(cable, modes, options, tension);
+    compared = compare_candidates(problem.candidates, problem.options);
+    if (compared.heaviest < 0) break;
+    const auto& best = compared.candidates[static_cast<std::size_t>(compared.heaviest)].result;
+    const double found = best.parameters.front().value / scene_tension_factor(cable);
+    const bool assumed =
+        !cable.EI_Nm2 || !cable.EA_N || cable.mass_reference == MassReference::installed;
+    if (!assumed || std::abs(std::log(found / tension)) < 0.05) break;
+    tension = found;
   }
-  for (const auto& mode : listed) {
-    const bool found =
-        std::find(answer.modes.begin(), answer.modes.end(), mode.mode) != answer.modes.end();
-    // One that is seen with a probability of more than a half.
-    candidate.missed += !found && mode.ln_hz < last && mode.ln_unseen < -0.7;
-  }
+  return compared;
 }
 
-TensionCandidate candidate_of(const EndsPosterior& one, const TensionData& data) {
-  TensionCandidate candidate;
-  candidate.ends = one.ends;
-  candidate.spring_Nm_rad = {kNaN, kNaN};
-  if (one.answers.empty()) {
-    candidate.message = "no tension fits the frequencies with these ends";
-    return candidate;
+/// A parameter in units of N of tension at mid-span.
+Estimate tension_of(const UpdatedParameter& parameter, double factor) {
+  return {parameter.value / factor, parameter.std / factor};
+}
+
+const UpdatedParameter* find(const UpdateResult& result, const std::string& name) {
+  const auto& all = result.parameters;
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+/// Each measured mode with its partner.
+void list_modes(const std::vector<MeasuredMode>& modes, const UpdateResult& result,
+                TensionCandidate& candidate) {
+  for (const auto& mode : modes) {
+    candidate.modes.push_back({.measured_hz = mode.frequency_hz.value,
+                               .measured_std_hz = mode.frequency_hz.std,
+                               .model_hz = kNaN,
+                               .relative_error = kNaN});
   }
-  candidate.solved = true;
-  if (!one.corrected) {
-    candidate.message =
-        "the segment model has no equilibrium there: deep sag or masses are not corrected for";
+  for (const auto& pair : result.pairs) {
+    auto& mode = candidate.modes[static_cast<std::size_t>(pair.measured)];
+    mode.order = pair.order + 1;
+    mode.plane = pair.plane;
+    mode.model_hz = pair.model_hz;
+    mode.relative_error = pair.relative_error;
   }
-  const auto summary = summarise_tension({&one});
-  candidate.tension_N = summary.tension;
-  candidate.low = summary.low;
-  candidate.high = summary.high;
-  const auto& cable = one.model.cable();
-  candidate.EI_Nm2 = EI_is_exact(cable) ? Estimate{cable.EI_Nm2->value, 0} : summary.EI;
-  if (one.ends == CableEnds::springs) candidate.spring_Nm_rad = summary.spring;
-  candidate.budget = summary.budget;
-  const auto& answer = one.answers.front();
-  const auto& cell = answer.cells[answer.best];
-  int pairs = 0;
-  for (const auto& mode : answer.modes) pairs += mode.order >= 0;
-  // What the frequencies have to explain: T, EI unless given, springs.
-  const int unknowns = 1 + !cable.EI_Nm2 + (one.ends == CableEnds::springs);
-  candidate.fit.stated = data.stated;
-  double chi2 = kInf;
-  for (const auto& other : answer.cells) {
-    // The least with t = 0 in the weights.
-    if (other.model_std == 0 && other.ln_weight > cell.ln_weight - 18)
-      chi2 = std::min(chi2, other.chi2_stated);
-  }
-  candidate.fit.chi2 = std::isfinite(chi2) ? chi2 : cell.chi2_stated;
-  candidate.fit.degrees_of_freedom = std::max(0, pairs - unknowns);
-  if (data.stated && candidate.fit.degrees_of_freedom > 0)
-    candidate.fit.p_value = gsl_cdf_chisq_Q(candidate.fit.chi2, candidate.fit.degrees_of_freedom);
-  candidate.fit.model_std = cell.model_std;
-  list_modes(one, data, candidate);
-  double squares = 0, weighted = 0;
+  for (const auto& one : result.unpaired) candidate.missed += one.missing;
+}
+
+/// How far the paired frequencies are off, and the chance of that with a sound model's error.
+void state_errors(TensionCandidate& candidate) {
+  const auto& fit = candidate.fit;
+  double squares = 0, weighted = 0, pairs = 0;
   for (const auto& mode : candidate.modes) {
-    if (mode.order == 0 || !std::isfinite(mode.relative_error)) continue;
+    if (mode.order == 0) continue;
     const double square = mode.relative_error * mode.relative_error;
-    const double own = data.stated ? mode.measured_std_hz / mode.measured_hz : 0;
-    const double of_model = data.stated ? std::min(cell.model_std, kSoundModel) : cell.model_std;
+    const double own = fit.stated ? mode.measured_std_hz / mode.measured_hz : 0;
+    const double of_model = fit.stated ? std::min(fit.model_std, kSoundModel) : fit.model_std;
+    ++pairs;
     squares += square;
     weighted += square / (own * own + of_model * of_model);
     candidate.worst_error = std::max(candidate.worst_error, std::sqrt(square));
   }
-  candidate.rms_error = std::sqrt(squares / std::max(1, pairs));
-  if (candidate.fit.degrees_of_freedom > 0 && weighted > 0 && std::isfinite(weighted)) {
-    candidate.p_with_model_error = gsl_cdf_chisq_Q(weighted, candidate.fit.degrees_of_freedom);
+  candidate.rms_error = std::sqrt(squares / std::max(1.0, pairs));
+  if (fit.degrees_of_freedom > 0 && weighted > 0 && std::isfinite(weighted)) {
+    candidate.p_with_model_error = gsl_cdf_chisq_Q(weighted, fit.degrees_of_freedom);
+  }
+}
+
+TensionCandidate candidate_of(const CableDescription& cable, const std::vector<MeasuredMode>& modes,
+                              const FittedCandidate& fitted) {
+  TensionCandidate candidate;
+  candidate.ends = cable_ends(fitted.name).front();
+  candidate.spring_Nm_rad = {kNaN, kNaN};
+  const auto& result = fitted.result;
+  if (result.status == UpdateStatus::no_model) {
+    candidate.message = "no tension fits the frequencies with these ends: " + result.message;
+    return candidate;
+  }
+  candidate.solved = true;
+  candidate.weight = fitted.weight;
+  const double factor = scene_tension_factor(cable);
+  const auto& tension = result.parameters.front();
+  candidate.tension_N = tension_of(tension, factor);
+  candidate.low = tension.low / factor;
+  candidate.high = tension.high / factor;
+  const auto* EI = find(result, "EI");
+  candidate.EI_Nm2 = EI != nullptr ? Estimate{EI->value, EI->std} : *cable.EI_Nm2;
+  if (const auto* spring = find(result, "end springs")) {
+    candidate.spring_Nm_rad = {spring->value, spring->std};
+  }
+  candidate.fit = result.fit;
+  list_modes(modes, result, candidate);
+  state_errors(candidate);
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    if (modes[i].order == 0 || candidate.modes[i].order > 0) continue;
+    candidate.solved = false;
+    candidate.message = fmt::format("no tension gives {:.5g} Hz order {} with these ends",
+                                    modes[i].frequency_hz.value, modes[i].order);
   }
   return candidate;
+}
+
+/// What the uncertainty of the tension comes from, by the law of total variance: within answers
+/// their budgets, between the answers of one kind of ends "assignment", between kinds "ends".
+std::vector<TensionBudgetRow> budget_of(const CandidateComparison& compared, double factor) {
+  std::map<std::string, double> variance;
+  std::map<std::string, std::pair<double, double>> of_ends;  // weight, weighted mean
+  const auto& all = compared.averaged.front();
+  const double beside = (all.high - all.low) / 2;
+  double sum = 0, between = 0;
+  for (const auto& candidate : compared.candidates) {
+    if (!(candidate.weight > 0)) continue;
+    for (const auto& answer : candidate.result.alternatives) {
+      const auto& own = answer.parameters.front();
+      if (own.value < all.low - beside || own.value > all.high + beside) continue;
+      const double weight = candidate.weight * answer.weight;
+      auto& [of_kind, mean] = of_ends[candidate.name];
+      sum += weight, of_kind += weight, mean += weight * own.value;
+      between += weight * std::pow(own.value - all.value, 2);
+      for (const auto& term : own.budget) {
+        std::string source = term.source == "data" ? "frequencies" : term.source;
+        if (source.starts_with("prior of ")) source = source.substr(9);
+        variance[source] += weight * term.std * term.std;
+      }
+    }
+  }
+  for (const auto& [name, kind] : of_ends) {
+    variance["ends"] += kind.first * std::pow(kind.second / kind.first - all.value, 2);
+  }
+  variance["assignment"] = between - variance["ends"];
+  std::vector<TensionBudgetRow> rows;
+  for (const auto& [source, part] : variance) {
+    // What rounding leaves of a difference of squares is no source.
+    if (part / sum > 1e-16 * all.value * all.value)
+      rows.push_back({source, std::sqrt(part / sum) / factor});
+  }
+  return rows;
 }
 
 /// Tension over that of a string, from C / f and the string's T L^2 / EI: each formula holds for a
@@ -218,17 +267,16 @@ double zui_factor(double ratio, double string) {
 }
 
 /// What follows from the tension: its course along the cable, sag, dimensionless numbers, formulas.
-void describe(const CableModel& model, TensionResult& result) {
+void describe(const CableDescription& cable, TensionResult& result) {
   const auto& best = result.candidates.front();
-  const auto& cable = model.cable();
   const double L = cable.length_m.value, T = result.tension_N.value,
                angle = cable.inclination_deg * signal::kTwoPi / 360;
   const double weight = cable.mass_per_length.value * cable.gravity;
-  result.sag_m = model.weight_across() * L * L / (8 * T);
+  result.sag_m = weight_across(cable) * L * L / (8 * T);
   const double rise = L * std::sin(angle), middle = rise / 2 - result.sag_m * std::cos(angle);
   result.start_N = T - weight * middle;
   result.end_N = T + weight * (rise - middle);
-  result.irvine_parameter = model.lambda_squared(T);
+  result.irvine_parameter = irvine_parameter(cable, T);
   result.bending_parameter = L * std::sqrt(T / best.EI_Nm2.value);
   const auto lowest = std::find_if(best.modes.begin(), best.modes.end(),
                                    [](const auto& mode) { return mode.order > 0; });
@@ -246,58 +294,19 @@ void describe(const CableModel& model, TensionResult& result) {
                           : kNaN;
 }
 
-/// The answers that may still be the best, as starts.
-std::vector<Assignment> surviving(const EndsPosterior& one) {
-  std::vector<Assignment> kept;
-  for (const auto& answer : one.answers) {
-    if (answer.ln_evidence < one.answers.front().ln_evidence - 20) break;
-    const auto& cell = answer.cells[answer.best];
-    kept.push_back({answer.modes, 0, cell.ln_tension, cell.state.EA, cell.shape});
-  }
-  return kept;
-}
-
-/// Repeats correction and posterior until the correction at the heaviest answer stays; how much the
-/// first one changed ln f.
-double settle(EndsPosterior& one, const TensionData& data, double best) {
-  double first = 0;
-  for (int i = 0; i < 8 && !one.answers.empty(); ++i) {
-    const double change = correct(one);
-    first = std::max(first, change);
-    if (change < kSettled) break;
-    evaluate(one, data, surviving(one), best);
-  }
-  return first;
-}
-
-/// Posteriors of all kinds of ends, the correction repeated until it stays.
-std::vector<EndsPosterior> posteriors(const CableDescription& cable, const TensionData& data,
-                                      const std::vector<CableEnds>& kinds) {
-  std::vector<EndsPosterior> all;
-  all.reserve(kinds.size());
-  for (const CableEnds ends : kinds) {
-    all.push_back({ends, CableModel(cable), {}, -kInf, true});
-  }
-  CableModel searched(cable);
-  for (int round = 0; round < 3; ++round) {
-    const auto assignments = search_assignments(searched, data);
-    double change = 0;
-    const EndsPosterior* heaviest = nullptr;
-    for (auto& one : all) {
-      const double best = heaviest != nullptr ? heaviest->ln_evidence : -kInf;
-      evaluate(one, data, assignments, best);
-      if (one.answers.empty()) continue;
-      change = std::max(change, settle(one, data, best));
-      if (!one.answers.empty() && (heaviest == nullptr || one.ln_evidence > heaviest->ln_evidence))
-        heaviest = &one;
-    }
-    // A correction beyond the search's own tolerance can hide the right assignment.
-    if (heaviest == nullptr || change < 0.005) break;
-    searched = heaviest->model;
-  }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const auto& a, const auto& b) { return a.ln_evidence > b.ln_evidence; });
-  return all;
+/// Weight of the answers in which the measured modes are what they are in the heaviest.
+double decided_weight(const CandidateComparison& compared) {
+  const auto orders_of = [](const UpdateAlternative& answer) {
+    std::vector<std::pair<int, int>> orders;
+    for (const auto& pair : answer.pairs) orders.emplace_back(pair.measured, pair.order);
+    return orders;
+  };
+  const auto answers = answers_of(compared);
+  const auto heaviest = orders_of(
+      compared.candidates[static_cast<std::size_t>(compared.heaviest)].result.alternatives.front());
+  double weight = 0;
+  for (const auto& answer : answers) weight += orders_of(answer) == heaviest ? answer.weight : 0;
+  return weight;
 }
 
 }  // namespace
@@ -351,49 +360,40 @@ TensionResult identify_tension(const CableDescription& cable,
                                const std::vector<MeasuredMode>& modes,
                                const TensionOptions& options) {
   check_cable(cable, modes);
+  const auto compared = compare(cable, modes, options);
   TensionResult result;
-  const TensionData data(modes, options);
-  const auto all = posteriors(cable, data, options.ends);
-  std::vector<const EndsPosterior*> solved;
-  for (const auto& one : all) {
-    result.candidates.push_back(candidate_of(one, data));
-    if (!one.answers.empty()) solved.push_back(&one);
+  for (const auto& one : compared.candidates) {
+    result.candidates.push_back(candidate_of(cable, modes, one));
   }
-  if (solved.empty()) {
+  std::stable_sort(result.candidates.begin(), result.candidates.end(),
+                   [](const auto& a, const auto& b) { return a.weight > b.weight; });
+  if (!result.candidates.front().solved) {
     result.message = "no tension fits the frequencies; tried with ends";
-    for (const auto& one : all) {
-      result.message += fmt::format("{} {}", &one == &all.front() ? "" : ",", name_of(one.ends));
+    for (const auto& one : result.candidates) {
+      result.message +=
+          fmt::format("{} {}", &one == &result.candidates.front() ? "" : ",", name_of(one.ends));
     }
     return result;
   }
-  double sum = 0, decided = 0;
-  for (const auto* one : solved) sum += std::exp(one->ln_evidence - solved.front()->ln_evidence);
-  const auto of_best = orders(*solved.front(), solved.front()->answers.front(), data);
-  for (std::size_t i = 0; i < solved.size(); ++i) {
-    result.candidates[i].weight =
-        std::exp(solved[i]->ln_evidence - solved.front()->ln_evidence) / sum;
-    for (const auto& answer : solved[i]->answers) {
-      if (orders(*solved[i], answer, data) == of_best) {
-        decided +=
-            result.candidates[i].weight * std::exp(answer.ln_evidence - solved[i]->ln_evidence);
-      }
-    }
+  const double factor = scene_tension_factor(cable);
+  const auto& all = compared.averaged.front();
+  result.tension_N = tension_of(all, factor);
+  result.low = all.low / factor;
+  result.high = all.high / factor;
+  result.solved = std::isfinite(result.tension_N.std) && std::isfinite(result.low) &&
+                  std::isfinite(result.high);
+  if (!result.solved) {
+    result.message = "the frequencies do not determine the tension";
+    return result;
   }
-  result.solved = true;
-  result.decided = decided >= 0.9;
+  result.decided = decided_weight(compared) >= 0.9;
   const auto& heaviest = result.candidates.front();
   result.ruled_out = heaviest.rms_error > kRmsRuledOut || heaviest.worst_error > kWorstRuledOut ||
                      heaviest.p_with_model_error < kChanceRuledOut;
-  const auto summary = summarise_tension(solved);
-  result.tension_N = summary.tension;
-  result.low = summary.low;
-  result.high = summary.high;
-  result.budget = summary.budget;
-  result.EI_Nm2 = result.candidates.front().EI_Nm2;
-  result.large_sag = !solved.front()->corrected;
-  const auto& model = solved.front()->model;
-  describe(model, result);
-  const double T = result.tension_N.value, strain = T / model.axial_rigidity(T);
+  result.budget = budget_of(compared, factor);
+  result.EI_Nm2 = heaviest.EI_Nm2;
+  describe(cable, result);
+  const double T = result.tension_N.value, strain = T / axial_rigidity(cable, T);
   result.EA_assumed = !cable.EA_N;
   result.EI_assumed = !cable.EI_Nm2 && modes.size() < 3;
   result.mass_reference_matters = !cable.mass_reference && strain * T > result.tension_N.std / 3;

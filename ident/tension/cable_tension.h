@@ -1,11 +1,10 @@
 // Tension of a cable, hanger or stay from its natural frequencies; no starting value is needed.
 //
-// The cable is a tensioned beam with sag, stretch and inclination between ends that are pinned,
-// clamped or held by equal rotational springs (cable_frequencies.h), corrected by a segment model
-// for deep sag, tension that changes along the cable and masses on it (cable_model.h). Orders and
-// planes of the measured modes are part of the estimate; modes may be missing or false
-// (tension_posterior.h). Kinds of ends and assignments are weighed by their evidence; the tension's
-// interval is that of the mixture:
+// The cable is a scene of one member (cable_scene.h) between ends that are pinned, clamped or held
+// by equal rotational springs, and its modes are fitted by `update` (ident/update): orders and
+// planes of the measured modes are part of the estimate; modes may be missing or false. Kinds of
+// ends are candidates that are weighed by their evidence; the tension's interval is that of the
+// mixture (ident/update/model_candidates.h):
 //
 //   p(T | data) = sum_e w_e p(T | data, e),   w_e = Z_e / sum Z
 //

@@ -80,7 +80,6 @@ struct TensionCandidate {
   double worst_error = 0;          ///< the largest, unsigned
   /// Probability of the misfit with a model error of up to 0.5 % beside the stated uncertainties.
   double p_with_model_error = 1;
-  std::vector<TensionBudgetRow> budget;
 };
 
 struct TensionFormulas {
@@ -90,8 +89,7 @@ struct TensionFormulas {
 struct TensionResult {
   bool solved = false;
   std::string message;  ///< why not
-  /// Tension at mid-span, over all candidates. Answers further outside the interval than half its
-  /// width are left out (other orders or ends, with less than 5 % of the probability).
+  /// Tension at mid-span, over the answers of all candidates (update/model_candidates.h).
   signal::Estimate tension_N;
   double low = 0, high = 0;       ///< 95 % of the mixture
   double start_N = 0, end_N = 0;  ///< at the first (lower) and at the second end
@@ -104,14 +102,13 @@ struct TensionResult {
   bool ruled_out = false;
   bool decided =
       true;  ///< answers with one and the same order of the modes have 90 % of the weight
-  bool EA_assumed = false;              ///< no EA given, and the sag matters
-  bool EI_assumed = false;              ///< no EI given, and fewer than three modes to fit it
-  bool mass_reference_matters = false;  ///< it is not stated, and the answers differ
-  bool large_sag = false;               ///< no equilibrium of the segment model: closed forms alone
+  bool EA_assumed = false;                   ///< no EA given, and the sag matters
+  bool EI_assumed = false;                   ///< no EI given, and fewer than three modes to fit it
+  bool mass_reference_matters = false;       ///< it is not stated, and the answers differ
   std::vector<TensionCandidate> candidates;  ///< heaviest first
   TensionFormulas formulas;                  ///< from the lowest mode of the heaviest candidate
-  /// Budget of tension_N; the squares add up: "frequencies", "model", "EI", "end springs",
-  /// "assignment", "ends", and those of kCableInputs.
+  /// Budget of tension_N; the squares add up: "frequencies", "EI", "EA", "EA (assumed)", "end
+  /// springs", "length", "mass per length", "attached masses", "sample rate", "assignment", "ends".
   std::vector<TensionBudgetRow> budget;
 };
 

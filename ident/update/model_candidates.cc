@@ -32,49 +32,66 @@ void check(const std::vector<ModelCandidate>& candidates) {
   }
 }
 
-const UpdatedParameter* find(const UpdateResult& result, const std::string& name) {
-  const auto& all = result.parameters;
+// Whether an answer has the parameter.
+const UpdatedParameter* find(const std::vector<UpdatedParameter>& all, const std::string& name) {
   const auto found =
       std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.name == name; });
   return found == all.end() ? nullptr : &*found;
 }
 
-// The parameters that all have, as alternatives of one result; then its mixture.
+// The parameters that all have, over the answers of all as alternatives of one result.
 std::vector<UpdatedParameter> averaged(const CandidateComparison& comparison) {
   const auto& best = comparison.candidates[static_cast<std::size_t>(comparison.heaviest)];
   UpdateResult mixture;
   mixture.coverage_factor = best.result.coverage_factor;
-  for (const auto& one : comparison.candidates) {
-    if (!(one.weight > 0)) continue;
+  const auto answers = answers_of(comparison);
+  for (const auto& one : answers) {
     mixture.alternatives.emplace_back();
     mixture.alternatives.back().weight = one.weight;
   }
   for (const auto& parameter : best.result.parameters) {
-    std::vector<UpdatedParameter> of_all;
-    for (const auto& one : comparison.candidates) {
-      if (!(one.weight > 0)) continue;
-      const auto* same = find(one.result, parameter.name);
-      if (same != nullptr) of_all.push_back(*same);
-    }
-    if (of_all.size() != mixture.alternatives.size()) continue;
-    double mean = 0, square = 0;
-    for (std::size_t k = 0; k < of_all.size(); ++k) {
-      const double weight = mixture.alternatives[k].weight;
-      mean += weight * of_all[k].value;
-      square += weight * (std::pow(of_all[k].value, 2) + std::pow(of_all[k].std, 2));
-      mixture.alternatives[k].parameters.push_back(of_all[k]);
-    }
+    const bool common = std::all_of(answers.begin(), answers.end(), [&](const auto& one) {
+      return find(one.parameters, parameter.name) != nullptr;
+    });
+    if (!common) continue;
     mixture.parameters.push_back(parameter);
-    auto& all = mixture.parameters.back();
-    all.value = mean;
-    all.std = std::sqrt(std::max(0.0, square - mean * mean));
-    all.budget.clear();
+    for (std::size_t k = 0; k < answers.size(); ++k) {
+      mixture.alternatives[k].parameters.push_back(*find(answers[k].parameters, parameter.name));
+    }
   }
   state_mixture(mixture);
+  for (std::size_t p = 0; p < mixture.parameters.size(); ++p) {
+    auto& all = mixture.parameters[p];
+    const double beside = (all.high - all.low) / 2;
+    double sum = 0, mean = 0, square = 0;
+    for (const auto& one : mixture.alternatives) {
+      const auto& own = one.parameters[p];
+      if (own.value < all.low - beside || own.value > all.high + beside) continue;
+      sum += one.weight;
+      mean += one.weight * own.value;
+      const double std = std::isfinite(own.std) ? own.std : std::abs(own.value);
+      square += one.weight * (own.value * own.value + std * std);
+    }
+    all.value = mean / sum;
+    all.std = std::sqrt(std::max(0.0, square / sum - all.value * all.value));
+    all.budget.clear();
+  }
   return mixture.parameters;
 }
 
 }  // namespace
+
+std::vector<UpdateAlternative> answers_of(const CandidateComparison& comparison) {
+  std::vector<UpdateAlternative> answers;
+  for (const auto& candidate : comparison.candidates) {
+    if (!(candidate.weight > 0)) continue;
+    for (auto answer : candidate.result.alternatives) {
+      answer.weight *= candidate.weight;
+      answers.push_back(std::move(answer));
+    }
+  }
+  return answers;
+}
 
 CandidateComparison compare_candidates(const std::vector<ModelCandidate>& candidates,
                                        const UpdateOptions& options) {
@@ -91,10 +108,11 @@ CandidateComparison compare_candidates(const std::vector<ModelCandidate>& candid
     comparison.candidates.push_back(std::move(one));
   }
   if (comparison.heaviest < 0) return comparison;
+  constexpr double kNone = 7;  // ln of a weight of 0.001, which counts as 0
   double sum = 0;
   for (auto& one : comparison.candidates) {
-    const double ln = one.result.log_evidence;
-    one.weight = std::isfinite(ln) ? std::exp(ln - most) : 0;
+    const double less = most - one.result.log_evidence;
+    one.weight = std::isfinite(less) && less < kNone ? std::exp(-less) : 0;
     sum += one.weight;
   }
   for (auto& one : comparison.candidates) one.weight /= sum;

@@ -36,9 +36,14 @@ struct CandidateComparison {
   std::vector<FittedCandidate> candidates;  ///< in the order given
   int heaviest = -1;                        ///< -1: no candidate could be fitted
   /// Parameters that all candidates of weight above 0 have by name: value (mean), std and 95 %
-  /// interval of the mixture. `start` is the heaviest candidate's.
+  /// interval of the mixture of all their answers. Value and std are of what lies in the interval
+  /// or within half its width beside it: an improbable answer far off would otherwise make the std
+  /// larger than the interval. `start` is the heaviest candidate's.
   std::vector<UpdatedParameter> averaged;
 };
+
+/// The answers of all candidates, weights of all together 1.
+[[nodiscard]] std::vector<UpdateAlternative> answers_of(const CandidateComparison& comparison);
 
 /// Fits of modes alone (throws std::invalid_argument for FRFs, candidates without a
 /// name of their own, other numbers of measured modes, or none).

@@ -173,7 +173,10 @@ std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions
                                      UpdateResult& result, std::string& failure) {
   std::vector<UpdateAnswer> answers;
   if (problem.has_modes()) {
-    answers = find_answers(problem.modes_alone(), options, result.starts, failure);
+    Eigen::VectorXd q = problem.start();
+    answers =
+        find_answers(problem.modes_alone().with_nuisances(q), options, result.starts, failure);
+    for (auto& answer : answers) answer.solution.q.conservativeResize(problem.size());
   } else if (problem.has_frfs()) {
     answers.resize(1);
     answers.front().solution.q = problem.start();
@@ -182,14 +185,7 @@ std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions
     failure = "no mode and no FRF was measured";
   }
   if (answers.empty()) return answers;
-  if (problem.modes_only()) {
-    double all = 0;
-    for (const auto& answer : answers) {
-      all += std::exp(answer.log_evidence - answers.front().log_evidence);
-    }
-    result.log_evidence = answers.front().log_evidence + std::log(all);
-    return answers;
-  }
+  if (problem.modes_only()) return answers;
   if (options.segment_uncertainty) {
     const auto& first = answers.front().solution;
     problem = problem.with_resolving_segments(first.matches.matches, first.q);
@@ -209,6 +205,36 @@ std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions
   return best.solution.q.size() > 0 ? std::vector<UpdateAnswer>{best} : std::vector<UpdateAnswer>{};
 }
 
+struct SettledAnswer {
+  UpdateProblem problem;  ///< with its nuisances, at its minimum
+  UpdateAnswer answer;
+  UpdateFit fit;
+};
+
+/// The answers at the minima of their likelihoods, heaviest first: their evidence is there.
+std::vector<SettledAnswer> settled_answers(const UpdateProblem& problem,
+                                           const UpdateOptions& options,
+                                           const std::vector<UpdateAnswer>& answers,
+                                           UpdateResult& result) {
+  std::vector<SettledAnswer> settled;
+  for (auto answer : answers) {
+    UpdateProblem whole = problem.with_nuisances(answer.solution.q);
+    const UpdateFit fit = settle(options, whole, answer.solution);
+    if (problem.modes_only()) (void)weigh(whole, answer);
+    settled.push_back({std::move(whole), std::move(answer), fit});
+  }
+  if (!problem.modes_only()) return settled;
+  std::stable_sort(settled.begin(), settled.end(), [](const auto& a, const auto& b) {
+    return a.answer.log_evidence > b.answer.log_evidence;
+  });
+  double all = 0;
+  const double most = settled.front().answer.log_evidence;
+  for (const auto& one : settled) all += std::exp(one.answer.log_evidence - most);
+  for (auto& one : settled) one.answer.weight = std::exp(one.answer.log_evidence - most) / all;
+  result.log_evidence = most + std::log(all);
+  return settled;
+}
+
 /// A fit with the error of the scenes' own segments taken off says what they shift.
 void state_segment_shifts(const UpdateProblem& settled, const UpdateOptions& options,
                           const UpdateSolution& answer, UpdateResult& result) {
@@ -217,7 +243,7 @@ void state_segment_shifts(const UpdateProblem& settled, const UpdateOptions& opt
     return std::any_of(state.scene.members.begin(), state.scene.members.end(),
                        [](const auto& member) { return member.segments != 0; });
   });
-  if (!given || !options.segment_uncertainty || !options.intervals || !settled.modes_only()) return;
+  if (!given || !options.segment_uncertainty || !settled.modes_only()) return;
   UpdateProblem resolved = settled.with_resolved_modes(answer.q, true);
   UpdateSolution there = answer;
   if (!move_to(resolved, options, resolved, there)) return;
@@ -263,25 +289,25 @@ UpdateResult update_model(const std::vector<UpdateState>& states,
         "Check the scene and the bounds: from no start could the model be fitted, " + failure;
     return result;
   }
-  const UpdateResult plain = result;
+  std::vector<SettledAnswer> settled = settled_answers(problem, options, answers, result);
   std::vector<UpdateAlternative> alternatives;
-  for (const auto& one : answers) {  // each with its own uncertainty; the first is the result
+  const UpdateResult plain = result;
+  for (auto& [whole, answer, fit] : settled) {  // each with its own uncertainty
     UpdateResult other = plain;
-    UpdateSolution answer = one.solution;
-    UpdateProblem settled = problem.with_nuisances(answer.q);
-    other.fit = settle(options, settled, answer);
-    state_answer(settled, options, answer, other);
-    alternatives.push_back(alternative_of(one, other));
+    other.fit = fit;
+    state_answer(whole, options, answer.solution, other);
+    alternatives.push_back(alternative_of(answer, other));
     if (alternatives.size() > 1) continue;
-    state_segment_shifts(settled, options, answer, other);
+    state_segment_shifts(whole, options, answer.solution, other);
     for (int s = 0; s < static_cast<int>(states.size()); ++s) {
-      other.scenes.push_back(settled.scene_at(s, answer.q));
-      if (options.hold_out) other.held.push_back(hold_out(settled, options, answer, other, s));
+      other.scenes.push_back(whole.scene_at(s, answer.solution.q));
+      if (options.hold_out)
+        other.held.push_back(hold_out(whole, options, answer.solution, other, s));
     }
     result = std::move(other);
-    if (!problem.modes_only() || !options.intervals) break;
+    if (!problem.modes_only()) break;
   }
-  if (problem.modes_only() && options.intervals) result.alternatives = std::move(alternatives);
+  if (problem.modes_only()) result.alternatives = std::move(alternatives);
   if (result.alternatives.size() > 1) state_mixture(result);
   if (result.message.ends_with("; ")) result.message.resize(result.message.size() - 2);
   return result;

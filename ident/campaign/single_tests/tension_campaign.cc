@@ -131,11 +131,6 @@ void add_findings(const TensionInputs& inputs, TensionCampaignResult& campaign) 
         "Give EI, or three frequencies: fewer cannot tell it, so that the interval covers L sqrt(T "
         "/ EI) anywhere in 2 to 2000");
   }
-  if (result.large_sag) {
-    warn("deep_sag_not_corrected",
-         "Check length and mass: the segment model has no equilibrium at the best tension, and the "
-         "closed forms of a shallow cable are used uncorrected");
-  }
   if (result.mass_reference_matters) {
     warn("assumed",
          "Say with mass_of whether the mass per length is that of the installed or of the "

@@ -274,9 +274,10 @@ class Search {
   // Points all over the range, at the same places whatever the start: see the header.
   std::vector<Eigen::VectorXd> places() const {
     const auto& coordinates = problem_.coordinates();
-    std::vector<int> dimension(coordinates.size());  // values of one parameter in all states: one
+    const auto parameters = static_cast<std::size_t>(problem_.parameter_count());
+    std::vector<int> dimension(parameters);  // values of one parameter in all states: one
     int dimensions = 0;
-    for (std::size_t j = 0; j < coordinates.size(); ++j) {
+    for (std::size_t j = 0; j < parameters; ++j) {
       const bool next = j == 0 || coordinates[j].parameter != coordinates[j - 1].parameter;
       if (next) ++dimensions;
       dimension[j] = dimensions - 1;
@@ -287,7 +288,7 @@ class Search {
     std::vector<Eigen::VectorXd> all;
     for (int k = 0; k < count; ++k) {
       Eigen::VectorXd q = problem_.start();
-      for (Eigen::Index j = 0; j < q.size(); ++j) {
+      for (Eigen::Index j = 0; j < problem_.parameter_count(); ++j) {
         const auto& coordinate = coordinates[static_cast<std::size_t>(j)];
         const int d = dimension[static_cast<std::size_t>(j)];
         // -1 .. 1: of a lattice, or of Kronecker's sequence with the roots of primes.
@@ -370,6 +371,15 @@ class Search {
 };
 
 }  // namespace
+
+bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
+  Evidence evidence;
+  if (!evidence_of(problem, answer.solution.matches, answer.solution.q, evidence)) return false;
+  answer.error = evidence.error;
+  answer.log_evidence = evidence.log_evidence;
+  answer.hessian = std::move(evidence.hessian);
+  return true;
+}
 
 std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem, const UpdateOptions& options,
                                        int& fits, std::string& failure) {

@@ -6,7 +6,7 @@
 // low-discrepancy sequence in more; positive parameters up to a factor of 100 or 10 from their
 // start), where the model is assigned, as it is and with all frequencies of a state times a factor
 // of up to 2 either way, in steps of two standard deviations of 5 %: tension and mass move them
-// alike, and neighbouring places are up to 1.8 apart in frequency, beyond the some six
+// alike, and neighbouring places are up to 1.8 apart in frequency, beyond some six
 // standard deviations within which modes pair. The best are fitted. The weight of an answer is its
 // evidence
 //
@@ -42,6 +42,10 @@ struct UpdateAnswer {
   Eigen::MatrixXd hessian;  ///< second derivatives of -ln(posterior), by coordinate
   double weight = 1;
 };
+
+/// Evidence, error and Hessian of an answer at its solution, such as one whose problem has the
+/// error of its segments taken off since; false where there is no model.
+[[nodiscard]] bool weigh(const UpdateProblem& problem, UpdateAnswer& answer);
 
 /// Heaviest first, weights summing to 1; empty: no start led to a model, `failure` says why.
 /// `fits` counts the local fits. For problems of modes alone.

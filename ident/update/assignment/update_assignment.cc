@@ -37,15 +37,18 @@ UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelle
   std::vector<double> stds;
   for (std::size_t m = 0; m < state.measured.size(); ++m) {
     const auto& mode = state.measured[m];
-    measured.push_back(
-        {.frequency_hz = mode.frequency_hz.value, .plane = mode.plane, .shape = mode.shape});
+    measured.push_back({.frequency_hz = mode.frequency_hz.value,
+                        .plane = mode.plane,
+                        .shape = mode.shape,
+                        .order = mode.order});
     stds.push_back(relative_std(s, static_cast<int>(m)));
   }
   for (const auto& mode : modelled.modes) {
     model.push_back({.frequency_hz = mode.frequency_hz,
                      .plane = mode.plane,
                      .shape = mode.shape,
-                     .visibility = mode.visibility});
+                     .visibility = mode.visibility,
+                     .order = mode.order + 1});
   }
   const ModeAssignment found =
       assign_modes(measured, stds, model, state.band_hz, options_.assignment);

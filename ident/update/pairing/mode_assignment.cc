@@ -9,7 +9,8 @@
 namespace rigfit::ident {
 namespace {
 
-constexpr double kTwin = 0.999;  // probability; rounding is far below, data say more
+constexpr double kOnePeak = 0.005;  // relative: half the bandwidth of a mode of 0.5 % damping
+constexpr double kTwin = 0.999;     // probability; rounding is far below, data say more
 
 // Both are known to be one of in and out, and not the same; a mode that is mixed, axial or
 // torsional may show in either test.
@@ -49,17 +50,10 @@ struct Sight {
   std::vector<char> inside;
 };
 
-Sight sight_of(const std::vector<int>& test, const std::vector<PairingMode>& measured,
+Sight sight_of(const std::optional<model::ModePlane>& plane, std::pair<double, double> band,
                const std::vector<PairingMode>& modelled, double relative_std,
-               const std::optional<std::pair<double, double>>& band,
                const AssignmentOptions& options) {
-  const auto& plane = measured[static_cast<std::size_t>(test.front())].plane;
-  double high = 0;
-  for (const int i : test) {
-    high = std::max(high, measured[static_cast<std::size_t>(i)].frequency_hz);
-  }
-  double low = 0;
-  if (band) low = band->first, high = std::min(std::max(high, band->first), band->second);
+  const auto [low, high] = band;
   double strongest = 0;
   for (const auto& mode : modelled) {
     if (!other_plane(plane, mode) && mode.frequency_hz < 1.2 * high) {
@@ -143,67 +137,105 @@ std::vector<int> least_cost_assignment(const Eigen::Ref<const Eigen::MatrixXd>& 
   return column_of;
 }
 
+namespace {
+
+// The assignment of a test that looked at a band, its modes beyond `last_hz` false.
+ModeAssignment assign_test(const std::vector<int>& test, const std::pair<double, double>& band,
+                           double last_hz, const std::vector<PairingMode>& measured,
+                           const std::vector<double>& relative_std,
+                           const std::vector<PairingMode>& modelled,
+                           const AssignmentOptions& options) {
+  ModeAssignment result;
+  const double log_false = std::log(options.false_mode), log_true = std::log1p(-options.false_mode);
+  const auto& plane = measured[static_cast<std::size_t>(test.front())].plane;
+  double mean_std = 0;
+  for (const int i : test) mean_std += relative_std[static_cast<std::size_t>(i)];
+  mean_std /= static_cast<double>(test.size());
+  const Sight sight = sight_of(plane, band, modelled, mean_std, options);
+  const auto rows = static_cast<Eigen::Index>(test.size());
+  const auto columns = static_cast<Eigen::Index>(modelled.size());
+  // What a pair gains over both unpaired; columns beyond the modelled: unpaired.
+  Eigen::MatrixXd cost = Eigen::MatrixXd::Zero(rows, columns + rows);
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(rows, columns), macs = normal;
+  for (Eigen::Index r = 0; r < rows; ++r) {
+    const auto i = static_cast<std::size_t>(test[static_cast<std::size_t>(r)]);
+    for (Eigen::Index c = 0; c < columns; ++c) {
+      const auto j = static_cast<std::size_t>(c);
+      const double off =
+          std::log(modelled[j].frequency_hz / measured[i].frequency_hz) / relative_std[i];
+      if (measured[i].frequency_hz > last_hz) continue;
+      if (measured[i].order > 0 && measured[i].order != modelled[j].order) continue;
+      macs(r, c) = shape_correlation(measured[i].shape, modelled[j].shape);
+      normal(r, c) = -0.5 * off * off - std::log(relative_std[i] * std::sqrt(2 * M_PI));
+      const double gain = log_true + std::log(sight.probability[j]) - sight.log_missed[j] -
+                          log_false + normal(r, c) + log_mac_density(macs(r, c), options.mac_scale);
+      cost(r, c) = std::min(0.0, -gain);
+    }
+  }
+  std::vector<char> taken(modelled.size(), 0);
+  const auto chosen = least_cost_assignment(cost);
+  for (Eigen::Index r = 0; r < rows; ++r) {
+    const int i = test[static_cast<std::size_t>(r)];
+    const int c = chosen[static_cast<std::size_t>(r)];
+    if (c >= columns || !(cost(r, c) < 0)) {
+      result.unpaired_measured.push_back(i);
+      result.log_false += log_false;
+      continue;
+    }
+    const auto j = static_cast<std::size_t>(c);
+    taken[j] = 1;
+    const double density = log_mac_density(macs(r, c), options.mac_scale);
+    result.log_detected += log_true + std::log(sight.probability[j]) + density;
+    result.log_likelihood += normal(r, c);
+    result.pairs.push_back({i, c, macs(r, c), plane && other_plane(plane, modelled[j])});
+  }
+  // A test that does not tell the planes apart sees modes that agree in both as one.
+  const auto is_twin = [&](std::size_t j) {
+    return std::any_of(result.pairs.begin(), result.pairs.end(), [&](const ModePair& pair) {
+      const auto& other = modelled[static_cast<std::size_t>(pair.model)];
+      return std::abs(std::log(other.frequency_hz / modelled[j].frequency_hz)) < kOnePeak;
+    });
+  };
+  for (std::size_t j = 0; j < modelled.size(); ++j) {
+    if (taken[j] || (!plane && is_twin(j))) continue;
+    result.log_missed += sight.log_missed[j];
+    if (sight.inside[j] && sight.probability[j] >= 0.5) {
+      result.missed.push_back({static_cast<int>(j), sight.probability[j]});
+    }
+  }
+  result.log_likelihood += result.without_densities();
+  return result;
+}
+
+}  // namespace
+
 ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
                             const std::vector<double>& relative_std,
                             const std::vector<PairingMode>& modelled,
                             const std::optional<std::pair<double, double>>& band_hz,
                             const AssignmentOptions& options) {
   ModeAssignment result;
-  const double log_false = std::log(options.false_mode), log_true = std::log1p(-options.false_mode);
   for (const auto& test : tests_of(measured)) {
-    const auto& plane = measured[static_cast<std::size_t>(test.front())].plane;
-    double mean_std = 0;
-    for (const int i : test) mean_std += relative_std[static_cast<std::size_t>(i)];
-    mean_std /= static_cast<double>(test.size());
-    const Sight sight = sight_of(test, measured, modelled, mean_std, band_hz, options);
-    const auto rows = static_cast<Eigen::Index>(test.size());
-    const auto columns = static_cast<Eigen::Index>(modelled.size());
-    // What a pair gains over both unpaired; columns beyond the modelled: unpaired.
-    Eigen::MatrixXd cost = Eigen::MatrixXd::Zero(rows, columns + rows);
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(rows, columns), macs = normal;
-    for (Eigen::Index r = 0; r < rows; ++r) {
-      const auto i = static_cast<std::size_t>(test[static_cast<std::size_t>(r)]);
-      for (Eigen::Index c = 0; c < columns; ++c) {
-        const auto j = static_cast<std::size_t>(c);
-        const double off =
-            std::log(modelled[j].frequency_hz / measured[i].frequency_hz) / relative_std[i];
-        macs(r, c) = shape_correlation(measured[i].shape, modelled[j].shape);
-        normal(r, c) = -0.5 * off * off - std::log(relative_std[i] * std::sqrt(2 * M_PI));
-        const double gain = log_true + std::log(sight.probability[j]) - sight.log_missed[j] -
-                            log_false + normal(r, c) +
-                            log_mac_density(macs(r, c), options.mac_scale);
-        cost(r, c) = std::min(0.0, -gain);
-      }
+    std::vector<double> ends;  // of the band
+    for (const int i : test) ends.push_back(measured[static_cast<std::size_t>(i)].frequency_hz);
+    if (!options.ends_at_pairs) ends = {*std::max_element(ends.begin(), ends.end())};
+    std::optional<ModeAssignment> best;
+    for (const double last_hz : ends) {
+      const auto band =
+          band_hz ? std::pair{band_hz->first, std::clamp(last_hz, band_hz->first, band_hz->second)}
+                  : std::pair{0.0, last_hz};
+      auto one = assign_test(test, band, last_hz, measured, relative_std, modelled, options);
+      if (!best || one.log_likelihood > best->log_likelihood) best = std::move(one);
     }
-    std::vector<char> taken(modelled.size(), 0);
-    const auto chosen = least_cost_assignment(cost);
-    for (Eigen::Index r = 0; r < rows; ++r) {
-      const int i = test[static_cast<std::size_t>(r)];
-      const int c = chosen[static_cast<std::size_t>(r)];
-      if (c >= columns || !(cost(r, c) < 0)) {
-        result.unpaired_measured.push_back(i);
-        result.log_false += log_false;
-        continue;
-      }
-      const auto j = static_cast<std::size_t>(c);
-      taken[j] = 1;
-      const double density = log_mac_density(macs(r, c), options.mac_scale);
-      result.log_detected += log_true + std::log(sight.probability[j]) + density;
-      result.log_likelihood += normal(r, c);
-      result.pairs.push_back({i, c, macs(r, c), plane && other_plane(plane, modelled[j])});
-    }
-    for (std::size_t j = 0; j < modelled.size(); ++j) {
-      if (taken[j]) continue;
-      result.log_missed += sight.log_missed[j];
-      if (sight.inside[j] && sight.probability[j] >= 0.5) {
-        result.missed.push_back({static_cast<int>(j), sight.probability[j]});
-      }
-    }
+    result.pairs.insert(result.pairs.end(), best->pairs.begin(), best->pairs.end());
+    result.unpaired_measured.insert(result.unpaired_measured.end(), best->unpaired_measured.begin(),
+                                    best->unpaired_measured.end());
+    result.missed.insert(result.missed.end(), best->missed.begin(), best->missed.end());
+    result.add(*best);
   }
   std::sort(result.pairs.begin(), result.pairs.end(),
             [](const ModePair& a, const ModePair& b) { return a.measured < b.measured; });
   std::sort(result.unpaired_measured.begin(), result.unpaired_measured.end());
-  result.log_likelihood += result.without_densities();
   return result;
 }
 

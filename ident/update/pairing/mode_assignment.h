@@ -13,10 +13,9 @@
 //
 // with p(MAC) = exp(-(1 - MAC) / m) / (m (1 - exp(-1 / m))) for the right shape and 1 for a wrong
 // one, MAC after Allemang (2003). The assignment of the largest likelihood comes from the Hungarian
-// method (Kuhn 1955). The band goes from
-// 0 (or from where the test began) to the highest measured mode: a modal test begins at the lowest
-// modes, so that a model with visible modes below all measured ones is charged for them. A model
-// that is too soft has many such modes.
+// method (Kuhn 1955). The band goes from 0 (or from where the test began) to the highest measured
+// mode: a modal test begins at the lowest modes, so that a model with visible modes below all
+// measured ones is charged for them. A model that is too soft has many such modes.
 // Sources: Bar-Shalom and Fortmann, Tracking and Data Association, 1988, ch. 9; Beck and
 // Katafygiotis, J. Eng. Mech. 124 (1998) 455.
 #pragma once
@@ -36,6 +35,7 @@ struct PairingMode {
   std::optional<model::ModePlane> plane = std::nullopt;  ///< measured: the plane of the test
   Eigen::VectorXcd shape = {};  ///< at the same points on both sides; empty: not known
   double visibility = 1;        ///< how well a modelled mode is seen
+  int order = 0;  ///< among the modes of its plane, from 1; measured: as stated, 0 where it is not
 };
 
 struct ModePair {
@@ -62,6 +62,9 @@ struct AssignmentOptions {
   /// range of 30 dB).
   double visible_ratio = 0.03;
   double mac_scale = 0.2;  ///< m above
+  /// Measured modes may lie beyond the band that was excited, such as hum: the band ends at the
+  /// highest pair, whichever makes the likelihood largest.
+  bool ends_at_pairs = false;
 };
 
 /// A modelled mode that the test should have seen if the structure had it.

@@ -128,7 +128,8 @@ struct UpdateOptions {
   /// Segments of "auto" members; FRFs get more where they need them.
   int auto_segments = 30;
   bool hold_out = false;  ///< predict each state from the others
-  bool intervals = true;  ///< by profile where needed, and over all answers; else linear
+  /// Free parameters, the first of them, whose intervals may be profiles; others are linear.
+  int profiled = std::numeric_limits<int>::max();
 };
 
 }  // namespace rigfit::ident

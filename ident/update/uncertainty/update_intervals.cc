@@ -16,9 +16,14 @@ constexpr double kCurved = 0.12;    // in the root of the deviance: a quarter of
 constexpr double kStraight = 0.03;  // standard uncertainty in q below which models are linear
 constexpr double kProfiled = 0.01;  // tolerance, root of the deviance
 
-// How far the deviance is above the solution's, as a standard normal would have it.
-double signed_root(double cost, double least, double variance_factor) {
-  return std::sqrt(std::max(0.0, 2 * (cost - least) / variance_factor));
+// The deviance at q: squared residuals of the data over their variance factor, and those of the
+// priors, which are what they say; NaN without a model there.
+double deviance_at(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                   const Eigen::VectorXd& q, double variance_factor) {
+  Eigen::VectorXd r;
+  if (!problem.residuals(q, matches, r, nullptr)) return kNaN;
+  const Eigen::Index priors = problem.prior_count();
+  return r.head(r.size() - priors).squaredNorm() / variance_factor + r.tail(priors).squaredNorm();
 }
 
 bool at_bound(const UpdateCoordinate& coordinate, double q, double reach) {
@@ -37,30 +42,31 @@ double profile_end(const UpdateProblem& problem, const UpdateOptions& given,
   const double at = solution.coordinates[j];
   const double bound = direction > 0 ? coordinate.high : coordinate.low;
   const double own = solution.identifiability.std[j];
-  // The root of the deviance is nearly a straight line in q: secants on it from the linear answer.
-  double near = 0, near_root = 0, step = std::isfinite(own) ? goal * own : 0.5;
   Eigen::VectorXd q = solution.coordinates;
-  const auto root_at = [&](double place) {
-    q[j] = place;
+  const auto above_goal = [&](double step) {  // the root of the deviance over its goal; < 0: inside
+    q[j] = at + direction * step;
     double cost = 0;
     (void)minimise(problem, matches, options, q, cost, static_cast<int>(j));
-    const bool found = cost_of(problem, matches, q, cost);
-    return found ? signed_root(cost, least, solution.variance_factor) : kNaN;
+    const double above = deviance_at(problem, matches, q, solution.variance_factor) - least;
+    return std::isnan(above) ? kNaN : std::sqrt(std::max(0.0, above)) / goal - 1;
   };
+  const double farthest = std::abs(bound - at);
   if (!std::isfinite(own) && std::isfinite(bound)) {  // often open up to the bound
-    if (root_at(bound) < goal) return kNaN;
+    if (above_goal(farthest) < 0) return kNaN;
     q = solution.coordinates;
   }
-  for (int round = 0; round < 12; ++round) {
-    if (std::abs(bound - at) < step) step = std::abs(bound - at);
-    const double root = root_at(at + direction * step);
-    if (std::isnan(root)) return kNaN;
-    if (std::abs(root - goal) < kProfiled * goal) return q[j];
-    if (root < goal && q[j] == bound) return kNaN;
-    const double slope = (root - near_root) / (step - near);
-    const double next = slope > 0 ? step + (goal - root) / slope : 2 * step;
-    near = step, near_root = root;
-    step = std::clamp(next, 0.2 * step, 3 * step);
+  // The root is nearly a straight line in q, but for a kink where another parameter ends.
+  double inside = 0, root_inside = -1, outside = kNaN, root_outside = kNaN;
+  double step = std::min(std::isfinite(own) ? goal * own : 0.5, farthest);
+  for (int round = 0; round < 20; ++round) {
+    const double here = above_goal(step);
+    if (std::isnan(here) || (here < 0 && step == farthest)) return kNaN;
+    (here < 0 ? inside : outside) = step;
+    (here < 0 ? root_inside : root_outside) = here;
+    if (std::abs(here) < kProfiled || outside - inside < kProfiled * step) return q[j];
+    const double slope = -root_inside / (root_outside - root_inside), width = outside - inside;
+    step = std::isnan(outside) ? std::min(step * std::clamp(1 / (1 + here), 1.1, 3.0), farthest)
+                               : inside + width * std::clamp(slope, 0.2, 0.8);
   }
   return kNaN;
 }
@@ -73,15 +79,13 @@ bool is_curved(const UpdateProblem& problem, const std::vector<UpdateMatch>& mat
   Eigen::VectorXd along = known.covariance.col(j) * (k / std);
   for (double& step : along) step = std::isfinite(step) ? step : 0;
   for (const double sign : {-1.0, 1.0}) {
-    Eigen::VectorXd q = result.coordinates + sign * along;
-    double cost = 0;
+    const Eigen::VectorXd q = result.coordinates + sign * along;
     for (Eigen::Index i = 0; i < q.size(); ++i) {
       const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
       if (q[i] <= coordinate.low || q[i] >= coordinate.high) return true;
     }
-    if (!cost_of(problem, matches, q, cost)) return true;
-    const double root = signed_root(cost, least, result.variance_factor);
-    if (std::abs(root / k - 1) > kCurved) return true;
+    const double above = deviance_at(problem, matches, q, result.variance_factor) - least;
+    if (!(std::abs(std::sqrt(std::max(0.0, above)) / k - 1) <= kCurved)) return true;
   }
   return false;
 }
@@ -93,9 +97,10 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
   const auto& known = result.identifiability;
   const Eigen::Index n = problem.parameter_count();
   if (known.std.size() != problem.size()) return;
-  double least = 0;
-  const bool costs = options.intervals && problem.modes_only() &&
-                     cost_of(problem, matches, result.coordinates, least);
+  const double least = problem.modes_only() ? deviance_at(problem, matches, result.coordinates,
+                                                          result.variance_factor)
+                                            : kNaN;
+  const bool costs = !std::isnan(least);
   bool loose = false;
   for (const auto& parameter : result.parameters) {
     loose = loose || parameter.at_bound || !parameter.identifiable;
@@ -110,12 +115,12 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
     if (parameter.identifiable && std::isfinite(parameter.std)) {
       const double half = result.coverage_factor * parameter.std / by;
       low = q - half, high = q + half;
-      const bool checked =
-          costs && (loose || known.std[j] > kStraight || at_bound(coordinate, q, half));
+      const bool checked = costs && j < options.profiled &&
+                           (loose || known.std[j] > kStraight || at_bound(coordinate, q, half));
       parameter.interval_by_profile =
           checked && (loose || is_curved(problem, matches, result, j, least));
     } else {
-      parameter.interval_by_profile = costs;
+      parameter.interval_by_profile = costs && j < options.profiled;
     }
     if (parameter.interval_by_profile) {
       // What is not in the profile: errors that modes share.
@@ -141,28 +146,29 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
 void state_mixture(UpdateResult& result) {
   const double k = result.coverage_factor;
   for (std::size_t p = 0; p < result.parameters.size(); ++p) {
-    // Each answer a normal distribution of its interval's own halves.
+    // Each answer is a normal distribution of its interval's own halves, the linear one where the
+    // profile is open, and as wide as its value where nothing determines it.
+    const auto half = [&](const UpdatedParameter& parameter, double end) {
+      if (std::isfinite(end)) return std::abs(end - parameter.value);
+      return std::isfinite(parameter.std) ? k * parameter.std : std::abs(parameter.value);
+    };
     const auto below = [&](double x) {
       double sum = 0;
       for (const auto& one : result.alternatives) {
         const auto& parameter = one.parameters[p];
-        const double end = x < parameter.value ? parameter.low : parameter.high;
-        const double std = std::abs(end - parameter.value) / k;
+        const double std =
+            half(parameter, x < parameter.value ? parameter.low : parameter.high) / k;
         sum += one.weight * (std > 0 ? 0.5 * std::erfc((parameter.value - x) / std / std::sqrt(2.0))
                                      : (x < parameter.value ? 0 : 1));
       }
       return sum;
     };
     double least = result.parameters[p].value, most = least;
-    bool closed = true;
     for (const auto& one : result.alternatives) {
       const auto& parameter = one.parameters[p];
-      closed = closed && std::isfinite(parameter.low) && std::isfinite(parameter.high);
-      if (!closed) break;
-      least = std::min(least, parameter.value - 2 * (parameter.value - parameter.low));
-      most = std::max(most, parameter.value + 2 * (parameter.high - parameter.value));
+      least += std::min(0.0, parameter.value - 2 * half(parameter, parameter.low) - least);
+      most += std::max(0.0, parameter.value + 2 * half(parameter, parameter.high) - most);
     }
-    if (!closed) continue;
     // Over 1 + x - least in units of the range, which is not near zero.
     const auto quantile = [&](double goal) {
       const double range = most - least;

@@ -1,9 +1,9 @@
 #include "ident/tension/cable_tension.h"
 
-#include "ident/tension/cable_frequencies.h"
-#include "ident/tension/cable_model.h"
+#include "ident/tension/cable_scene.h"
 #include "model/linear/modal_analysis.h"
 #include "tests/ident/update/fit_data.h"
+#include "tests/reference/closed_forms.h"
 #include "tests/test.h"
 
 namespace rigfit::ident::cable_tension_test {
@@ -107,13 +107,13 @@ TEST(CableTension, IntervalsHoldOverSpansAndTensions) {
     const double L = 0.5 * std::pow(2000, share), T = std::pow(1e7, uniform(random));
     const double x = 10 * std::pow(20, uniform(random)), EI = T * L * L / (x * x);
     const double m = 8e-4 * T / (9.8 * L);  // sag 1e-4 of the span
-    const double spring = i % 2 == 0 ? 0 : std::numeric_limits<double>::infinity();
-    const auto f = cable_frequencies({L, m, T, EI, spring, 0}, 7, 1e9);
+    const model::UniformBeam beam{L, m, EI, T};
+    const auto f = i % 2 == 0 ? model::pinned_beam_frequencies(beam, 7)
+                              : model::clamped_beam_frequencies(beam, 7);
     std::vector<MeasuredMode> modes;
-    for (std::size_t k = 0; k < f.in_hz.size(); ++k) {
+    for (std::size_t k = 0; k < f.size(); ++k) {
       if (k == 2) continue;
-      modes.push_back(
-          testing::mode_of(f.in_hz[k] * (1 + 5e-4 * normal(random)), 5e-4 * f.in_hz[k]));
+      modes.push_back(testing::mode_of(f[k] * (1 + 5e-4 * normal(random)), 5e-4 * f[k]));
     }
     auto cable = cable_of({L, 0}, {m, 0}, MassReference::installed, signal::Estimate{1e3 * T, 0});
     const auto result = identify_tension(cable, modes);
@@ -202,9 +202,7 @@ TEST(CableTension, PreciseFrequenciesOfAClampedCableWithoutEI) {
   for (const double x : {30.0, 60.0, 100.0}) {
     const double T = 3e4, EI = T * 400 / (x * x);
     std::vector<MeasuredMode> modes;
-    for (const double hz :
-         cable_frequencies({20, 5, T, EI, std::numeric_limits<double>::infinity(), 0}, 8, 1e9)
-             .out_hz) {
+    for (const double hz : model::clamped_beam_frequencies({20, 5, EI, T}, 8)) {
       modes.push_back(testing::mode_of(hz, 1.3e-4 * hz));
     }
     const auto result =
