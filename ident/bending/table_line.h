@@ -23,7 +23,7 @@ namespace rigfit::ident {
 
 /// Where loading and unloading lie apart, this share of a stroke's travel after its turn is not
 /// used. A transient of any of Dahl's laws then leaves at most twice the change of the slope by
-/// this (tests/bench/bending_coverage).
+/// this.
 inline constexpr double kFrictionShare = 0.35;
 
 /// Rows in the order they were taken.

@@ -112,7 +112,8 @@ CableProblem problem_of(const CableDescription& cable, const std::vector<Measure
   return problem;
 }
 
-/// Fits about a string's tension, then about the tension found: what is assumed goes with it.
+/// Fits about a string's tension, then about the tension found: what is assumed goes with it, and
+/// half of the least std of an assumed logarithm (EA's) is near enough.
 CandidateComparison compare(const CableDescription& cable, const std::vector<MeasuredMode>& modes,
                             const TensionOptions& options) {
   double lowest = modes.front().frequency_hz.value;
@@ -128,7 +129,7 @@ CandidateComparison compare(const CableDescription& cable, const std::vector<Mea
     const double found = best.parameters.front().value / scene_tension_factor(cable);
     const bool assumed =
         !cable.EI_Nm2 || !cable.EA_N || cable.mass_reference == MassReference::installed;
-    if (!assumed || std::abs(std::log(found / tension)) < 0.05) break;
+    if (!assumed || std::abs(std::log(found / tension)) < kAssumedStrainStd / 2) break;
     tension = found;
   }
   return compared;
@@ -250,9 +251,12 @@ std::vector<TensionBudgetRow> budget_of(const CandidateComparison& compared, dou
   std::vector<TensionBudgetRow> rows;
   for (const auto& [source, part] : variance) {
     // What rounding leaves of a difference of squares is no source.
-    if (part / sum > 1e-16 * all.value * all.value)
+    if (part / sum > 1e-16 * all.value * all.value) {
       rows.push_back({source, std::sqrt(part / sum) / factor});
+    }
   }
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const auto& a, const auto& b) { return a.std_N > b.std_N; });
   return rows;
 }
 
