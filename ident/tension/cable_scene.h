@@ -16,9 +16,8 @@ inline constexpr double kAssumedStrain = 1e-3, kAssumedStrainStd = 0.5;
 /// Weight per length across the chord, N/m.
 [[nodiscard]] double weight_across(const CableDescription& cable);
 
-/// Irvine's parameter (w L / T)^2 EA L / (T Le), w the weight per length across the chord, Le = L
-/// (1
-/// + (w L / T)^2 / 8). Source: T. M. Irvine, Cable Structures, 1981, ch. 3.
+/// Irvine's parameter (w L / T)^2 EA L / (T Le), w the weight per length across the chord and
+/// Le = L (1 + (w L / T)^2 / 8). Source: T. M. Irvine, Cable Structures, 1981, ch. 3.
 [[nodiscard]] double irvine_parameter(const CableDescription& cable, double tension_N);
 
 /// Nodes "start" and "end", member "cable" of "auto" segments; springs start at 10 EI / length.

@@ -44,7 +44,8 @@ struct CableProblem {
 
 CableProblem problem_of(const CableDescription& cable, const std::vector<MeasuredMode>& modes,
                         const TensionOptions& asked, double tension_N) {
-  // Inputs are linear and normal in their value; what is known to less is normal in its logarithm.
+  // Inputs are linear and normal in their value, and zero must stay five standard uncertainties
+  // away; what is known to less is normal in its logarithm.
   constexpr double kLinear = 0.2;
   const double L = cable.length_m.value, stiffest = tension_N * L * L;
   const Estimate flexible{1e-8 * stiffest, 0};  // no frequency tells it from EI = 0
@@ -68,6 +69,7 @@ CableProblem problem_of(const CableDescription& cable, const std::vector<Measure
     for (auto& target : targets) inputs.back().effects.push_back({0, target, value.std});
   };
   known_to("EI", {"cable.EI_z", "cable.EI_y"}, EI);
+  // The first symmetric frequency rises by 4 / pi^4 of Irvine's parameter, here 4e-5: less is taut.
   if (irvine_parameter(cable, tension_N) > 1e-3) {
     known_to(cable.EA_N ? "EA" : "EA (assumed)", {"cable.EA"}, EA);
   }
