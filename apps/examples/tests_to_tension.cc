@@ -33,12 +33,12 @@ int main(int argc, char** argv) try {
     }
   }
   ident::CampaignInputs campaign;
-  campaign.bending.push_back({});
-  campaign.bending[0].sources.push_back(bending);
-  campaign.modal.push_back(hits);
+  ident::BendingCampaign bent;
+  bent.sources.push_back(bending);
+  campaign.tests = {bent, hits};
 
   ident::FitInputs fit;
-  fit.tests = {0};
+  fit.tests = {1};
   fit.free.push_back({.name = "cable.tension", .prior = signal::Estimate{read_N, 0.05 * read_N}});
   fit.options.assumed_relative_std = 1e-3;
   campaign.fits.push_back(fit);

@@ -219,26 +219,22 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
   Progress progress("report", static_cast<long>(files + 2 * (tests + fits)), context.quiet);
   const auto advance = [&] { progress.advance(); };
   std::vector<std::unique_ptr<TestPart>> shown;
-  std::vector<std::size_t> modal_tests;
   for (std::size_t i = 0; i < tests; ++i) {
     shown.push_back(part_of(campaign, campaign.tests[i], context));
-    if (campaign.tests[i].is<ModalTest>()) modal_tests.push_back(i);
   }
   ident::in_parallel(tests, context.threads, [&](std::size_t i) { shown[i]->read(advance); });
 
   ident::CampaignInputs inputs;
   inputs.threads = context.threads;
   inputs.advance = advance;
-  for (auto& part : shown) part->add_to(inputs);
-  for (const auto& fit : campaign.fits) {
-    inputs.fits.push_back(fit_inputs(fit, modal_tests, context.threads));
-  }
+  for (auto& part : shown) inputs.tests.push_back(part->inputs());
+  for (const auto& fit : campaign.fits) inputs.fits.push_back(fit_inputs(fit, context.threads));
   auto result = ident::run_campaign(std::move(inputs));
 
   std::vector<std::vector<ReportPart>> pages(tests + fits);
   ident::in_parallel(pages.size(), context.threads, [&](std::size_t i) {
     if (i < tests) {
-      pages[i] = shown[i]->show(result);
+      pages[i] = shown[i]->show(result.inputs.tests[i], result.tests[i]);
     } else {
       pages[i] = {fit_part(campaign, campaign.fits[i - tests], result.fits[i - tests])};
     }

@@ -3,20 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <tuple>
 #include <utility>
 
 #include "ident/statistics/in_parallel.h"
 #include "model/scene/parameters.h"
-#include "signal/recording/recording_error.h"
 
 namespace rigfit::ident {
 namespace {
-
-using Tasks = std::vector<std::function<void()>>;
-
-void run_all(const Tasks& tasks, int threads) {
-  in_parallel(tasks.size(), threads, [&](std::size_t i) { tasks[i](); });
-}
 
 /// The measured modes of a state as a fit takes them: from its recordings where it has any. That
 /// part of their standard uncertainty that comes from the sample rate is left to the clock that
@@ -47,8 +41,8 @@ CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
   CampaignFitOutcome result;
   std::vector<StateUse> uses;
   for (const std::size_t t : fit.tests) {
-    const auto& test = so_far.inputs.modal.at(t);
-    for (const auto& modal : so_far.modal[t].model) {
+    const auto& test = std::get<ModalInputs>(so_far.inputs.tests.at(t));
+    for (const auto& modal : std::get<ModalOutcome>(so_far.tests[t]).model) {
       UpdateState state = fit_state(test, modal);
       if (state.measured.empty()) continue;
       const int index = static_cast<int>(result.states.size());
@@ -108,52 +102,56 @@ std::vector<ModelVersion> versions(const DecayInputs& test, const std::string& c
   return all;
 }
 
-void run_channel(const DecayInputs& test, const CampaignResult& so_far, int threads,
-                 const std::string& channel, DecayOutcome& outcome) {
-  const auto& [name, recording, tension_N] = test.recordings[outcome.recording];
-  DecayTestOptions options = test.options;
-  options.channels = {channel};
-  outcome.found = std::move(run_decay_test(recording, options).channels.front());
-  const auto& strongest = outcome.found.strongest;
-  if (!strongest.refusal_code.empty() || strongest.modes.empty() || !test.scene) return;
-  const auto scenes = versions(test, channel, tension_N, so_far);
-  if (scenes.empty()) return;
-  outcome.modelled = true;
-  outcome.answers = release_answers(
-      {outcome.found.samples, recording.sample_rate_hz, strongest.start, strongest.end},
-      options.decay, scenes, threads);
+/// The decays of one recording, by channel.
+DecaysOutcome run_recording(const DecayInputs& test, std::size_t index,
+                            const CampaignResult& so_far) {
+  const TestRecording& one = test.recordings[index];
+  DecayTest decays = run_decay_test(one.recording, test.options);
+  DecaysOutcome result{.channels = {}, .findings = std::move(decays.findings)};
+  for (auto& finding : result.findings) finding.where = one.name;
+  for (auto& found : decays.channels) {
+    std::vector<ReleaseAnswer> answers;
+    if (!found.strongest.modes.empty() && test.scene) {
+      const auto& [start, end] = std::tie(found.strongest.start, found.strongest.end);
+      answers = release_answers(
+          {found.samples, one.recording.sample_rate_hz, start, end}, test.options.decay,
+          versions(test, found.channel, one.tension_N, so_far), so_far.inputs.threads);
+    }
+    result.channels.push_back({index, std::move(found), std::move(answers)});
+  }
+  return result;
 }
 
 DecaysOutcome run_decays(const DecayInputs& test, const CampaignResult& so_far) {
-  DecaysOutcome result;
-  std::vector<std::string> channels;
-  for (std::size_t r = 0; r < test.recordings.size(); ++r) {
-    const auto& [name, recording, tension_N] = test.recordings[r];
-    if (auto refused = not_uniform(recording)) {
-      refused->where = name;
-      result.findings.push_back(std::move(*refused));
-      continue;
-    }
-    std::vector<std::string> names = test.options.channels;
-    if (names.empty()) {
-      for (const auto& channel : recording.channels) names.push_back(channel.name);
-    }
-    for (const auto& channel : names) {
-      try {
-        (void)recording.channel(channel);
-      } catch (const signal::RecordingError& error) {
-        result.findings.push_back({"channel", error.what(), name, true});
-        continue;
-      }
-      channels.push_back(channel);
-      result.channels.push_back({r, {}, false, {}});
-    }
+  std::vector<DecaysOutcome> each(test.recordings.size());
+  in_parallel(each.size(), so_far.inputs.threads,
+              [&](std::size_t r) { each[r] = run_recording(test, r, so_far); });
+  DecaysOutcome all;
+  for (auto& one : each) {
+    std::ranges::move(one.channels, std::back_inserter(all.channels));
+    std::ranges::move(one.findings, std::back_inserter(all.findings));
   }
-  const int threads = so_far.inputs.threads;
-  in_parallel(channels.size(), threads, [&](std::size_t i) {
-    run_channel(test, so_far, threads, channels[i], result.channels[i]);
-  });
-  return result;
+  return all;
+}
+
+// What each test gives by itself.
+TestResult analysed(const BendingCampaign& test) { return analyse_bending_campaign(test); }
+TestResult analysed(const AxialInputs& test) { return axial_campaign(test); }
+TestResult analysed(const TensionInputs& test) { return tension_campaign(test); }
+TestResult analysed(ModalInputs& test) {
+  return ModalOutcome{run_modal_test(std::exchange(test.recordings, {}), test.options), {}};
+}
+TestResult analysed(const DecayInputs&) { return DecaysOutcome(); }  // after the fits
+
+KnownValues known_values(const std::vector<TestResult>& tests) {
+  KnownValues known;
+  for (const auto& one : tests) {
+    const auto* bending = std::get_if<BendingCampaignResult>(&one);
+    if (bending && known.EI.empty()) known.EI = bending->curve;
+    const auto* axial = std::get_if<AxialCampaignResult>(&one);
+    if (axial && axial->test && !known.axial) known.axial = knowledge_of(*axial->test);
+  }
+  return known;
 }
 
 }  // namespace
@@ -162,63 +160,32 @@ CampaignResult run_campaign(CampaignInputs inputs) {
   CampaignResult result;
   result.inputs = std::move(inputs);
   auto& in = result.inputs;
-  result.bending.resize(in.bending.size());
-  result.axial.resize(in.axial.size());
-  result.tension.resize(in.tension.size());
-  result.modal.resize(in.modal.size());
+  result.tests.resize(in.tests.size());
   result.fits.resize(in.fits.size());
-  result.decays.resize(in.decays.size());
-  Tasks tasks;
-  // `work` for each of the inputs, one after the other where `threads` is 1.
-  const auto stage = [&](const auto& all, const auto& work, bool done) {
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      tasks.emplace_back([&in, work, done, i] {
-        work(i);
-        if (done && in.advance) in.advance();
-      });
-    }
+  // `work` for each of `count`, one after the other where `threads` is 1.
+  const auto stage = [&](std::size_t count, bool last, const auto& work) {
+    in_parallel(count, in.threads, [&](std::size_t i) {
+      work(i);
+      if (last && in.advance) in.advance();
+    });
   };
-  const auto finish = [&] {
-    run_all(tasks, in.threads);
-    tasks.clear();
+  const auto modelled = [&](std::size_t i) {
+    const auto* test = std::get_if<ModalInputs>(&in.tests[i]);
+    if (!test || !test->scene) return;
+    auto& outcome = std::get<ModalOutcome>(result.tests[i]);
+    outcome.model =
+        modal_states(test->setup, *test->scene, result.known, outcome.test.states, test->published);
   };
-  stage(
-      in.bending, [&](auto i) { result.bending[i] = analyse_bending_campaign(in.bending[i]); },
-      true);
-  stage(
-      in.axial, [&](auto i) { result.axial[i] = axial_campaign(in.axial[i]); }, true);
-  stage(
-      in.tension, [&](auto i) { result.tension[i] = tension_campaign(in.tension[i]); }, true);
-  stage(
-      in.modal,
-      [&](auto i) {
-        auto& test = in.modal[i];
-        result.modal[i].test = run_modal_test(std::exchange(test.recordings, {}), test.options);
-      },
-      false);
-  finish();
-  for (const auto& one : result.bending) {
-    if (result.known.EI.empty()) result.known.EI = one.curve;
-  }
-  for (const auto& one : result.axial) {
-    if (!result.known.axial && one.test) result.known.axial = knowledge_of(*one.test);
-  }
-  stage(
-      in.modal,
-      [&](auto i) {
-        const auto& test = in.modal[i];
-        if (!test.scene) return;
-        result.modal[i].model = modal_states(test.setup, *test.scene, result.known,
-                                             result.modal[i].test.states, test.published);
-      },
-      true);
-  finish();
-  stage(
-      in.fits, [&](auto i) { result.fits[i] = run_fit(in.fits[i], result); }, true);
-  finish();
-  stage(
-      in.decays, [&](auto i) { result.decays[i] = run_decays(in.decays[i], result); }, true);
-  finish();
+  stage(in.tests.size(), false, [&](std::size_t i) {
+    result.tests[i] = std::visit([](auto& test) { return analysed(test); }, in.tests[i]);
+  });
+  result.known = known_values(result.tests);
+  stage(in.tests.size(), false, modelled);
+  stage(in.fits.size(), true, [&](std::size_t i) { result.fits[i] = run_fit(in.fits[i], result); });
+  stage(in.tests.size(), true, [&](std::size_t i) {
+    const auto* test = std::get_if<DecayInputs>(&in.tests[i]);
+    if (test) result.tests[i] = run_decays(*test, result);
+  });
   return result;
 }
 

@@ -13,6 +13,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "ident/campaign/fit_campaign.h"
@@ -29,24 +30,18 @@ namespace rigfit::ident {
 
 /// A hammer test; with a scene, its modes are compared with the model's.
 struct ModalInputs {
-  std::string name;                        ///< used in the names of its states
-  std::vector<ModalRecording> recordings;  ///< may be empty: published modes only
+  std::string name;                       ///< used in the names of its states
+  std::vector<TestRecording> recordings;  ///< may be empty: published modes only
   ModalTestOptions options;
   std::vector<PublishedMode> published;
   TestSetup setup;
   std::optional<SceneUse> scene;
 };
 
-struct DecayRecording {
-  std::string name;  ///< for messages
-  signal::Recording recording;
-  std::optional<double> tension_N;
-};
-
 /// Free decays; with a scene, they are compared with the responses of the model and of `fits` to
 /// the same release or tap.
 struct DecayInputs {
-  std::vector<DecayRecording> recordings;
+  std::vector<TestRecording> recordings;
   DecayTestOptions options;
   std::optional<SceneUse> scene;
   std::map<std::string, std::string> sensors;  ///< channel -> sensor, where names differ
@@ -54,21 +49,20 @@ struct DecayInputs {
   std::vector<std::size_t> fits;               ///< indices of fits that predict these decays
 };
 
+using TestInputs =
+    std::variant<BendingCampaign, AxialInputs, TensionInputs, ModalInputs, DecayInputs>;
+
 /// A fit to the modes of modal tests that have a scene.
 struct FitInputs {
   std::string title;
-  std::vector<std::size_t> tests;  ///< indices in CampaignInputs::modal
+  std::vector<std::size_t> tests;  ///< indices in CampaignInputs::tests
   std::vector<FreeParameter> free;
   UpdateOptions options;  ///< inputs for EI, EA and damping are added
   bool hold_out = false;  ///< predict each state from the others
 };
 
 struct CampaignInputs {
-  std::vector<BendingCampaign> bending;
-  std::vector<AxialInputs> axial;
-  std::vector<TensionInputs> tension;
-  std::vector<ModalInputs> modal;
-  std::vector<DecayInputs> decays;
+  std::vector<TestInputs> tests;
   std::vector<FitInputs> fits;
   int threads = 1;
   /// Called, from any thread, as each test and fit is done; may be empty.
@@ -84,13 +78,16 @@ struct ModalOutcome {
 struct DecayOutcome {
   std::size_t recording = 0;  ///< index of the inputs' recordings
   ChannelDecays found;
-  bool modelled = false;
-  std::vector<ReleaseAnswer> answers;  ///< "as given", then by fit
+  std::vector<ReleaseAnswer> answers;  ///< "as given", then by fit; empty: not modelled
 };
 struct DecaysOutcome {
   std::vector<DecayOutcome> channels;  ///< by recording, then channel
   std::vector<Finding> findings;       ///< refused recordings and channels; `where` names them
 };
+
+/// By the kind of the inputs, in their order.
+using TestResult = std::variant<BendingCampaignResult, AxialCampaignResult, TensionCampaignResult,
+                                ModalOutcome, DecaysOutcome>;
 
 /// A state of a fit: `modal` is a state of the result's modal test `test`.
 struct FittedState {
@@ -113,20 +110,16 @@ struct CampaignResult {
   CampaignResult& operator=(CampaignResult&&) = default;
   ~CampaignResult() = default;
 
-  CampaignInputs inputs;  ///< recordings of hits are moved to `modal`
-  std::vector<BendingCampaignResult> bending;
-  std::vector<AxialCampaignResult> axial;
-  std::vector<TensionCampaignResult> tension;
-  std::vector<ModalOutcome> modal;
+  CampaignInputs inputs;          ///< recordings of hits are moved to the results
+  std::vector<TestResult> tests;  ///< as inputs.tests
   std::vector<CampaignFitOutcome> fits;
-  std::vector<DecaysOutcome> decays;
   KnownValues known;  ///< from the first bending and axial tests with a result
 };
 
 /// Works through tests and fits on `threads` threads; the numbers do not depend on their count.
 /// Throws std::invalid_argument for invalid options, std::out_of_range for an index of a missing
-/// test or fit, model::SceneError for parameters that a scene does not have. Unsuitable recordings
-/// become findings.
+/// test or fit, std::bad_variant_access for a fit to a test that is not modal, model::SceneError
+/// for parameters that a scene does not have. Unsuitable recordings become findings.
 [[nodiscard]] CampaignResult run_campaign(CampaignInputs inputs);
 
 }  // namespace rigfit::ident

@@ -1,7 +1,13 @@
 // Warnings and refusals that accompany the numbers of an analysis.
 #pragma once
 
+#include <algorithm>
+#include <initializer_list>
 #include <string>
+#include <string_view>
+#include <vector>
+
+#include "signal/recording/recording.h"
 
 namespace rigfit::ident {
 
@@ -11,5 +17,15 @@ struct Finding {
   std::string where = {};  ///< file, channel, point, mode ...; empty: the whole test
   bool refused = false;    ///< true: a result is missing because of it
 };
+
+/// Adds notes as warnings, those of `refused` codes as refusals; `where`: instead of their places.
+inline void add_notes(const std::vector<signal::Note>& notes, std::vector<Finding>& findings,
+                      const std::string& where = {},
+                      std::initializer_list<std::string_view> refused = {}) {
+  for (const auto& note : notes) {
+    findings.push_back({note.code, note.message, where.empty() ? note.where : where,
+                        std::ranges::count(refused, note.code) > 0});
+  }
+}
 
 }  // namespace rigfit::ident

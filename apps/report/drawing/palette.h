@@ -9,7 +9,7 @@
 #include <array>
 #include <string>
 
-#include "ident/campaign/single_tests/origin.h"
+#include "ident/campaign/single_tests/test_recording.h"
 
 namespace rigfit::apps {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "ident/campaign/single_tests/origin.h"
+#include "ident/campaign/single_tests/test_recording.h"
 
 namespace rigfit::apps {
 

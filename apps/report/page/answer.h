@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "document/describe.h"
-#include "ident/campaign/single_tests/origin.h"
+#include "ident/campaign/single_tests/test_recording.h"
 
 namespace rigfit::apps {
 

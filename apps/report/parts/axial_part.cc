@@ -3,16 +3,16 @@
 namespace rigfit::apps {
 namespace {
 
-class AxialPart : public TestPartOf<ident::AxialInputs> {
+class AxialPart : public TestPart {
  public:
   AxialPart(const CampaignTest& test, int threads)
-      : TestPartOf(test, "axial", test.as<AxialTest>().inputs, &ident::CampaignInputs::axial) {
-    inputs_.threads = threads;
+      : TestPart(test, "axial", test.as<AxialTest>().inputs) {
+    std::get<ident::AxialInputs>(inputs_).threads = threads;
   }
 
-  std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
-    const auto& inputs = campaign.inputs.axial[index_];
-    const auto& result = campaign.axial[index_];
+  std::vector<ReportPart> show(ident::TestInputs& given, ident::TestResult& found) override {
+    const auto& inputs = std::get<ident::AxialInputs>(given);
+    const auto& result = std::get<ident::AxialCampaignResult>(found);
     tell(result.findings);
     part_.json.update(axial_json(inputs, result));
     add(part_.blocks, axial_blocks(test_.name, inputs, result, origins_, &test_));
@@ -22,10 +22,6 @@ class AxialPart : public TestPartOf<ident::AxialInputs> {
   }
 
  private:
-  void take(LoadedRecording entry, const RecordingGroup& group) override {
-    inputs_.recordings.push_back({entry.file, std::move(*entry.recording), *group.length_m});
-  }
-
   void add_answers(const ident::AxialTestResult& r, Origin origin) {
     const std::string how = fmt::format("axial test, {} at {}", counted(r.samples.size(), "record"),
                                         counted(r.lengths.size(), "length"));

@@ -5,32 +5,31 @@
 namespace rigfit::apps {
 namespace {
 
-class BendingPart : public TestPartOf<ident::BendingCampaign> {
+class BendingPart : public TestPart {
  public:
   explicit BendingPart(const CampaignTest& test)
-      : TestPartOf(test, "bending", test.as<BendingTest>().campaign,
-                   &ident::CampaignInputs::bending),
-        kind_(test.as<BendingTest>()) {
-    part_.json["span_m"] = inputs_.test.span_m.value;
-    from_.assign(inputs_.sources.size(), Origin::published);
+      : TestPart(test, "bending", test.as<BendingTest>().campaign),
+        kind_(test.as<BendingTest>()),
+        from_(kind_.campaign.sources.size(), Origin::published) {
+    part_.json["span_m"] = kind_.campaign.test.span_m.value;
   }
 
-  std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
-    const auto& result = campaign.bending[index_];
-    inputs_ = std::move(campaign.inputs.bending[index_]);
+  std::vector<ReportPart> show(ident::TestInputs& given, ident::TestResult& found) override {
+    const auto& inputs = std::get<ident::BendingCampaign>(given);
+    const auto& result = std::get<ident::BendingCampaignResult>(found);
     const auto& laws = result.curve.laws();
-    part_.json.update(bending_json(inputs_, result));
+    part_.json.update(bending_json(inputs, result));
     part_.json["laws_decided"] = !kind_.beam() && laws.decided;
     tell(result.findings);
     for (std::size_t i = 0; i < result.points.size(); ++i) {
       part_.json["tests"][i]["origin"] = word_of(from_[result.points[i].source]);
     }
     const std::string& name = test_.name;
-    add(part_.blocks, bending_blocks(name, inputs_, result, from_));
+    add(part_.blocks, bending_blocks(name, inputs, result, from_));
     if (!kind_.beam() && !laws.laws.empty() && !laws.decided) {
       part_.warnings.push_back({"law_not_decided", result.curve.sentence(), name});
     }
-    add_answers(result);
+    add_answers(inputs, result);
     part_.brief = {kind_.beam() ? name + "-load-deflection" : name + "-EI", name + "-results"};
     return {std::move(part_)};
   }
@@ -42,7 +41,8 @@ class BendingPart : public TestPartOf<ident::BendingCampaign> {
         "name it in the campaign, channels = {{ {} = \"...\" }}",
         kind_.beam()};
     try {
-      inputs_.sources.push_back(bending_source(*entry.recording, columns, part_.warnings));
+      std::get<ident::BendingCampaign>(inputs_).sources.push_back(
+          bending_source(*entry.recording, columns, part_.warnings));
     } catch (const signal::RecordingError& error) {
       refuse(part_, "channel", error.what(), entry.file);
       return;
@@ -51,14 +51,15 @@ class BendingPart : public TestPartOf<ident::BendingCampaign> {
   }
 
   /// EI of every point on the first page; of specimens the first one.
-  void add_answers(const ident::BendingCampaignResult& result) {
+  void add_answers(const ident::BendingCampaign& inputs,
+                   const ident::BendingCampaignResult& result) {
     int found = 0;
     bool refused = false;
     for (const auto& one : result.points) {
       refused = refused || one.refused();
       if (!one.usable()) continue;
       const auto& point = one.point;
-      const std::string file = short_name(inputs_.sources[one.source].name);
+      const std::string file = short_name(inputs.sources[one.source].name);
       Answer EI = answer(fmt::format("EI/{}", ++found),
                          kind_.beam() ? fmt::format("Beam bending stiffness EI ({})", file)
                                       : fmt::format("Cable bending stiffness EI at {} N",
@@ -75,7 +76,7 @@ class BendingPart : public TestPartOf<ident::BendingCampaign> {
         EI.high = one.analysis->stiffness.high;
       }
       EI.rank = kind_.beam() && found > 1 ? 1 : 0;
-      const auto modulus = ident::bending_modulus(inputs_, one);
+      const auto modulus = ident::bending_modulus(inputs, one);
       if (kind_.beam() && std::isfinite(modulus.value)) {
         Answer E = EI;
         E.key = fmt::format("{}/modulus/{}", test_.name, found);
@@ -84,7 +85,7 @@ class BendingPart : public TestPartOf<ident::BendingCampaign> {
         E.value = modulus.value;
         E.std = modulus.std;
         // The section's uncertainty widens the interval of EI.
-        const auto& I = inputs_.second_moment_m4;
+        const auto& I = inputs.second_moment_m4;
         const double width = 1.959964 * I.std / I.value;
         E.low = modulus.value * (1 - std::hypot(1 - EI.low / EI.value, width));
         E.high = modulus.value * (1 + std::hypot(EI.high / EI.value - 1, width));

@@ -3,20 +3,21 @@
 namespace rigfit::apps {
 namespace {
 
-class DecayPart : public TestPartOf<ident::DecayInputs> {
+class DecayPart : public TestPart {
  public:
   DecayPart(const Campaign& campaign, const CampaignTest& test)
-      : TestPartOf(test, "decays", test.as<DecayTest>().inputs, &ident::CampaignInputs::decays) {
+      : TestPart(test, "decays", test.as<DecayTest>().inputs) {
+    auto& inputs = std::get<ident::DecayInputs>(inputs_);
     for (std::size_t f = 0; f < campaign.fits.size(); ++f) {
       for (const std::size_t seen : campaign.fits[f].predicts) {
-        if (&campaign.tests[seen] == &test) inputs_.fits.push_back(f);
+        if (&campaign.tests[seen] == &test) inputs.fits.push_back(f);
       }
     }
   }
 
-  std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
-    const auto& recordings = campaign.inputs.decays[index_].recordings;
-    auto& outcome = campaign.decays[index_];
+  std::vector<ReportPart> show(ident::TestInputs& inputs, ident::TestResult& result) override {
+    const auto& recordings = std::get<ident::DecayInputs>(inputs).recordings;
+    auto& outcome = std::get<ident::DecaysOutcome>(result);
     for (const auto& finding : outcome.findings) {
       refuse(part_, finding.code, finding.message, finding.where);
     }
@@ -34,7 +35,7 @@ class DecayPart : public TestPartOf<ident::DecayInputs> {
       const std::size_t r = channel.recording;
       if (last != r) group.tabs.push_back({short_name(recordings[r].name), {}});
       last = r;
-      tell_channel(channel, recordings[r], origins_[r], group.tabs.back());
+      tell_channel(channel, recordings[r], group.tabs.back());
     }
     std::erase_if(group.tabs, [](const PlotTab& tab) { return tab.plots.empty(); });
     part_.brief = {table_.id};
@@ -50,12 +51,9 @@ class DecayPart : public TestPartOf<ident::DecayInputs> {
   }
 
  private:
-  void take(LoadedRecording entry, const RecordingGroup& group) override {
-    inputs_.recordings.push_back({entry.file, std::move(*entry.recording), group.tension_N});
-  }
-
-  void tell_channel(ident::DecayOutcome& outcome, const ident::DecayRecording& recorded,
-                    Origin origin, PlotTab& tab) {
+  void tell_channel(ident::DecayOutcome& outcome, const ident::TestRecording& recorded,
+                    PlotTab& tab) {
+    const Origin origin = recorded.origin;
     AnalysedDecay decay{recorded.name,
                         outcome.found.channel,
                         outcome.found.unit,
@@ -79,7 +77,7 @@ class DecayPart : public TestPartOf<ident::DecayInputs> {
     add_answers(decay, at.empty() ? at : ", " + at);
     add_rows(table_, {short_name(decay.file), decay.channel, at, "record"},
              describe::table_of(decay.result.modes), origin);
-    if (outcome.modelled) {
+    if (!outcome.answers.empty()) {
       for (auto& plot : release_plots(id, decay, outcome.answers,
                                       test_.as<DecayTest>().inputs.options.decay.band_high_hz)) {
         tab.plots.push_back(std::move(plot));

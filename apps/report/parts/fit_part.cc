@@ -237,14 +237,8 @@ class Fit {
 
 }  // namespace
 
-ident::FitInputs fit_inputs(const CampaignFit& fit, const std::vector<std::size_t>& modal_tests,
-                            int threads) {
-  ident::FitInputs inputs;
-  inputs.title = fit.title;
-  for (const std::size_t test : fit.tests) {
-    const auto at = std::find(modal_tests.begin(), modal_tests.end(), test);
-    inputs.tests.push_back(static_cast<std::size_t>(at - modal_tests.begin()));
-  }
+ident::FitInputs fit_inputs(const CampaignFit& fit, int threads) {
+  ident::FitInputs inputs{.title = fit.title, .tests = fit.tests, .free = {}, .options = {}};
   for (const auto& parameter : fit.parameters) inputs.free.push_back(parameter.free);
   inputs.options.starts = fit.starts;
   inputs.options.threads = threads;

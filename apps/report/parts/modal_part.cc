@@ -5,20 +5,19 @@ namespace rigfit::apps {
 namespace {
 
 /// Recordings of hits and their modes, then the model's modes against them: a part each.
-class ModalPart : public TestPartOf<ident::ModalInputs> {
+class ModalPart : public TestPart {
  public:
   ModalPart(const Campaign& campaign, const CampaignTest& test)
-      : TestPartOf(test, "recorded_modal", test.as<ModalTest>().inputs,
-                   &ident::CampaignInputs::modal),
+      : TestPart(test, "recorded_modal", test.as<ModalTest>().inputs),
         campaign_(campaign),
-        sensors_(inputs_.setup.sensors) {
+        sensors_(test.as<ModalTest>().inputs.setup.sensors) {
     part_.id = test.name + "-recordings";
     part_.test = test.name;
     if (test.scene) scene_ = &campaign.scenes[*test.scene].scene;
   }
 
-  std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
-    auto& outcome = campaign.modal[index_];
+  std::vector<ReportPart> show(ident::TestInputs&, ident::TestResult& result) override {
+    auto& outcome = std::get<ident::ModalOutcome>(result);
     std::vector<ReportPart> parts;
     if (!test_.recordings.empty()) {
       show_recorded(outcome.test);
@@ -31,11 +30,6 @@ class ModalPart : public TestPartOf<ident::ModalInputs> {
   }
 
  private:
-  void take(LoadedRecording entry, const RecordingGroup& group) override {
-    inputs_.recordings.push_back(
-        {std::move(*entry.recording), group.tension_N, group.load, group.origin()});
-  }
-
   void show_recorded(ident::ModalTest& analysed) {
     for (const auto& finding : analysed.findings) {
       refuse(part_, finding.code, finding.message, finding.where);
@@ -195,8 +189,8 @@ class ModalPart : public TestPartOf<ident::ModalInputs> {
   }
 
   const Campaign& campaign_;
-  std::map<std::string, std::string> sensors_;  ///< by channel, where names differ
-  const model::Scene* scene_ = nullptr;         ///< null: points keep their numbers
+  const std::map<std::string, std::string>& sensors_;  ///< by channel, where names differ
+  const model::Scene* scene_ = nullptr;                ///< null: points keep their numbers
   ReportTable hits_, modes_;
   std::vector<PlotTab> tabs_;
 };

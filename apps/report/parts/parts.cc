@@ -118,7 +118,8 @@ Plot all_modes_plot(const std::vector<ReportPart>& parts) {
 
 }  // namespace
 
-TestPart::TestPart(const CampaignTest& test, const char* json_key) : test_(test) {
+TestPart::TestPart(const CampaignTest& test, const char* json_key, ident::TestInputs inputs)
+    : test_(test), inputs_(std::move(inputs)) {
   part_.id = test.name;
   part_.title = test.title;
   part_.json_key = json_key;
@@ -139,6 +140,18 @@ void TestPart::read(const FileRead& file_read) {
     origins_.push_back(group.origin());
     take(std::move(entry), group);
   }
+}
+
+void TestPart::take(LoadedRecording entry, const RecordingGroup& group) {
+  std::visit(
+      [&](auto& inputs) {
+        if constexpr (requires { inputs.recordings; }) {
+          inputs.recordings.push_back({entry.file, std::move(*entry.recording),
+                                       group.length_m.value_or(0), group.tension_N, group.load,
+                                       group.origin()});
+        }
+      },
+      inputs_);
 }
 
 void TestPart::tell(std::vector<ident::Finding> findings, const std::string& where) {

@@ -23,8 +23,9 @@ namespace rigfit::apps {
 
 class TestPart {
  public:
-  /// `json_key`: the list of the document that gets the test's results.
-  TestPart(const CampaignTest& test, const char* json_key);
+  /// `json_key`: the list of the document that gets the test's results. `inputs`: those of the
+  /// campaign without the recordings.
+  TestPart(const CampaignTest& test, const char* json_key, ident::TestInputs inputs);
   TestPart(const TestPart&) = delete;
   TestPart& operator=(const TestPart&) = delete;
   virtual ~TestPart() = default;
@@ -33,13 +34,14 @@ class TestPart {
   using FileRead = std::function<void()>;
   /// Reads files; may run beside that of other tests. What cannot be used is refused in its place.
   void read(const FileRead& file_read);
-  /// Hands over what was read; tests are added in the order of the campaign.
-  virtual void add_to(ident::CampaignInputs& inputs) = 0;
-  /// What is on the page; may run beside that of other tests. Called once, last.
-  virtual std::vector<ReportPart> show(ident::CampaignResult& result) = 0;
+  /// Hands over what was read.
+  ident::TestInputs inputs() { return std::move(inputs_); }
+  /// What is on the page, of those inputs and their result; may run beside that of other tests.
+  /// Called once, last.
+  virtual std::vector<ReportPart> show(ident::TestInputs& inputs, ident::TestResult& result) = 0;
 
  protected:
-  virtual void take(LoadedRecording entry, const RecordingGroup& group) = 0;
+  virtual void take(LoadedRecording entry, const RecordingGroup& group);
   /// `where`: instead of each finding's own place.
   void tell(std::vector<ident::Finding> findings, const std::string& where = {});
   /// `name`: the key within the test; `reference`: as known otherwise.
@@ -48,28 +50,10 @@ class TestPart {
                               std::optional<double> reference = std::nullopt) const;
 
   const CampaignTest& test_;
-  std::size_t index_ = 0;        ///< among the inputs of its kind
+  ident::TestInputs inputs_;
   std::size_t files_ = 0;        ///< recordings that the campaign names
   std::vector<Origin> origins_;  ///< where the usable recordings come from
   ReportPart part_;
-};
-/// With the inputs that the recordings are added to, in a list of the campaign's.
-template <class Inputs>
-class TestPartOf : public TestPart {
- public:
-  TestPartOf(const CampaignTest& test, const char* json_key, Inputs inputs,
-             std::vector<Inputs> ident::CampaignInputs::*list)
-      : TestPart(test, json_key), inputs_(std::move(inputs)), list_(list) {}
-  void add_to(ident::CampaignInputs& inputs) override {
-    index_ = (inputs.*list_).size();
-    (inputs.*list_).push_back(std::move(inputs_));
-  }
-
- protected:
-  Inputs inputs_;
-
- private:
-  std::vector<Inputs> ident::CampaignInputs::*list_;
 };
 using TestPartPtr = std::unique_ptr<TestPart>;
 
@@ -88,9 +72,7 @@ using TestPartPtr = std::unique_ptr<TestPart>;
 [[nodiscard]] ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                                     const std::vector<ident::ModalState>& states);
 
-/// `modal_tests`: the campaign's modal tests, in the order of CampaignInputs::modal.
-[[nodiscard]] ident::FitInputs fit_inputs(const CampaignFit& fit,
-                                          const std::vector<std::size_t>& modal_tests, int threads);
+[[nodiscard]] ident::FitInputs fit_inputs(const CampaignFit& fit, int threads);
 /// A fit of the campaign: what was fitted to which tests, what came out with which uncertainty,
 /// errors before, after and of states held out, FRFs laid over the test.
 [[nodiscard]] ReportPart fit_part(const Campaign& campaign, const CampaignFit& fit,

@@ -3,14 +3,13 @@
 namespace rigfit::apps {
 namespace {
 
-class TensionPart : public TestPartOf<ident::TensionInputs> {
+class TensionPart : public TestPart {
  public:
   explicit TensionPart(const CampaignTest& test)
-      : TestPartOf(test, "tension", test.as<TensionTest>().inputs,
-                   &ident::CampaignInputs::tension) {}
+      : TestPart(test, "tension", test.as<TensionTest>().inputs) {}
 
-  std::vector<ReportPart> show(ident::CampaignResult& campaign) override {
-    const auto& found = campaign.tension[index_];
+  std::vector<ReportPart> show(ident::TestInputs&, ident::TestResult& result) override {
+    const auto& found = std::get<ident::TensionCampaignResult>(result);
     tell(found.findings);
     const auto& r = found.tension;
     if (!r.solved) return {std::move(part_)};
@@ -28,11 +27,6 @@ class TensionPart : public TestPartOf<ident::TensionInputs> {
     tension.determined = r.decided;
     add_answer(part_, std::move(tension));
     return {std::move(part_)};
-  }
-
- private:
-  void take(LoadedRecording entry, const RecordingGroup&) override {
-    inputs_.recordings.push_back({entry.file, std::move(*entry.recording)});
   }
 };
 

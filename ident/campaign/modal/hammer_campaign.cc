@@ -19,10 +19,6 @@ using signal::HitFault;
 using signal::ImpactTest;
 using signal::Recording;
 
-void add_notes(const std::vector<signal::Note>& notes, std::vector<Finding>& findings) {
-  for (const auto& note : notes) findings.push_back({note.code, note.message, note.where, false});
-}
-
 bool has_channel(const Recording& recording, const std::string& name) {
   try {
     static_cast<void>(recording.channel_index(name));
@@ -90,15 +86,6 @@ Finding all_rejected(const HammerTest& test) {
           "", true};
 }
 
-/// Why a place among others gave no FRF.
-std::string left_out(const ImpactTest& test) {
-  if (test.search.hits.empty())
-    return "Repeat the hits here: none rises above the noise of the force; left out";
-  return fmt::format("Repeat the hits here: none of {} hit{} can be used; left out; first: {}",
-                     test.search.hits.size(), test.search.hits.size() == 1 ? "" : "s",
-                     test.search.hits.front().reason);
-}
-
 /// Index among the responses of the driving point that the options name.
 std::optional<Index> driving_response(const Recording& first, const HammerTestOptions& options,
                                       const std::vector<std::string>& responses) {
@@ -119,22 +106,13 @@ void analyse_places(std::span<const StruckPlace> places, const HammerTestOptions
     points.front().response =
         driving_response(places.front().recordings.front(), options, test.responses);
   }
-  signal::RovingHammer roving =
+  static_cast<signal::RovingHammer&>(test) =
       signal::analyse_roving_hammer(points, options.force, test.responses, options.impact);
-  test.tests = std::move(roving.tests);
-  test.frfs = std::move(roving.frfs);
-  test.driving_points = std::move(roving.driving_points);
-  test.reciprocity = std::move(roving.reciprocity);
-  for (const auto& note : roving.notes) {
-    Finding finding{note.code, note.message, note.where, false};
-    if (note.code == "point_left_out") {
-      if (test.frfs.averages == 0) continue;  // then none is left, which is said for all
-      for (std::size_t p = 0; p < places.size(); ++p) {
-        if (places[p].name == note.where) finding.message = left_out(test.tests[p]);
-      }
-    }
-    test.findings.push_back(std::move(finding));
+  // Where no place is left, that is said for all.
+  if (test.frfs.averages == 0) {
+    std::erase_if(test.notes, [](const auto& note) { return note.code == "point_left_out"; });
   }
+  add_notes(test.notes, test.findings);
 }
 
 }  // namespace
@@ -215,16 +193,10 @@ IdentifiedModes identify(const signal::FrfSet& frfs,
   auto& result = *found.modal;
   const double rate_relative_std = frfs.sample_rate_relative_std;
   if (rate_relative_std > 0 && !result.model.modes.empty()) {
-    const auto first = result.model.modes.front().frequency_hz;
+    tell_rate(rate_relative_std, result.model.modes.front().frequency_hz, "", found.findings);
     add_rate_uncertainty(rate_relative_std, result.model);
-    if (auto said = rate_finding(rate_relative_std, first.value, first.std, "")) {
-      found.findings.push_back(std::move(*said));
-    }
   }
-  for (const auto& note : result.model.notes) {
-    const bool refused = note.code == "no_modes" || note.code == "rank_deficient";
-    found.findings.push_back({note.code, note.message, note.where, refused});
-  }
+  add_notes(result.model.notes, found.findings, "", {"no_modes", "rank_deficient"});
   for (const auto& mode : result.model.modes) {
     const std::string where = fmt::format("{:.4g} Hz", mode.frequency_hz.value);
     if (mode.damping_dominated_by_window) {

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "ident/statistics/finding.h"
-#include "signal/impact/impact_frfs.h"
 #include "signal/impact/roving_hammer.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/recording/recording.h"
@@ -35,15 +34,11 @@ struct HammerTestOptions {
   signal::ImpactTestOptions impact;
 };
 
-struct HammerTest {
-  std::string force, force_unit;          ///< the channel's name and unit
-  std::vector<std::string> responses;     ///< names, or "#k" where a name occurs twice
-  std::vector<signal::ImpactTest> tests;  ///< one per place, in the given order
-  signal::FrfSet frfs;     ///< all places with an accepted hit; no lines when there is none
+struct HammerTest : signal::RovingHammer {
+  std::string force, force_unit;       ///< the channel's name and unit
+  std::vector<std::string> responses;  ///< names, or "#k" where a name occurs twice
   bool amplitudes = true;  ///< false: pulses not resolved, so only frequencies are valid
   double usable_hz = 0;    ///< smallest of the accepted hits; 0 without any
-  std::vector<signal::DrivingPoint> driving_points;
-  std::vector<signal::ReciprocityCheck> reciprocity;
   /// Refused: "no_response", "no_hit", "no_hit_accepted", "pulse_not_resolved" (then there are no
   /// FRFs). Warnings: "data_left_out", "point_left_out", and those of the hits and FRFs.
   std::vector<Finding> findings;

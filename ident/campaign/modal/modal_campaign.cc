@@ -58,7 +58,7 @@ std::string unusable(const Recording& recording, const ModalTestOptions& options
   return "";
 }
 
-double usual_rate(const std::vector<ModalRecording>& recordings) {
+double usual_rate(const std::vector<TestRecording>& recordings) {
   std::map<double, int> count;
   for (const auto& one : recordings) ++count[one.recording.sample_rate_hz];
   double best = 0;
@@ -70,7 +70,7 @@ double usual_rate(const std::vector<ModalRecording>& recordings) {
 }
 
 /// Usable recordings by state, tensions rising, and place struck.
-std::vector<ModalTestState> sorted(std::vector<ModalRecording>& recordings,
+std::vector<ModalTestState> sorted(std::vector<TestRecording>& recordings,
                                    const ModalTestOptions& options,
                                    std::vector<Finding>& findings) {
   std::vector<ModalTestState> states;
@@ -165,9 +165,7 @@ void analyse_ambient(ModalTestState& state, const ModalTestOptions& options) {
     state.findings.push_back({"recording", error.what(), "", true});
     return;
   }
-  for (const auto& note : found.notes) {
-    state.findings.push_back({note.code, note.message, note.where, note.code == "no_modes"});
-  }
+  add_notes(found.notes, state.findings, "", {"no_modes"});
   state.channels = found.channels;
   auto& modal = state.modal.emplace();
   modal.low_hz = found.low_hz, modal.high_hz = found.high_hz;
@@ -180,7 +178,7 @@ void analyse_ambient(ModalTestState& state, const ModalTestOptions& options) {
 
 }  // namespace
 
-ModalTest run_modal_test(std::vector<ModalRecording> recordings, const ModalTestOptions& options) {
+ModalTest run_modal_test(std::vector<TestRecording> recordings, const ModalTestOptions& options) {
   ModalTest test;
   test.states = sorted(recordings, options, test.findings);
   for (auto& state : test.states) {

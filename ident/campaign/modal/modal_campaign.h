@@ -10,17 +10,10 @@
 #include <vector>
 
 #include "ident/campaign/modal/hammer_campaign.h"
-#include "ident/campaign/single_tests/origin.h"
+#include "ident/campaign/single_tests/test_recording.h"
 #include "ident/statistics/finding.h"
 
 namespace rigfit::ident {
-
-struct ModalRecording {
-  signal::Recording recording;
-  std::optional<double> tension_N;  ///< tension of its state; empty: the rig has one state only
-  std::string place;                ///< excitation point; empty: the only one
-  Origin origin = Origin::measured;
-};
 
 struct ModalTestOptions {
   HammerTestOptions hammer;  ///< its band of hits is also the band of the modes
@@ -50,7 +43,7 @@ struct ModalTest {
 
 /// Recordings must be evenly sampled, at the rate that most have, with the requested channels and
 /// the force in N (or without a unit); others are refused without an exception.
-[[nodiscard]] ModalTest run_modal_test(std::vector<ModalRecording> recordings,
+[[nodiscard]] ModalTest run_modal_test(std::vector<TestRecording> recordings,
                                        const ModalTestOptions& options);
 
 }  // namespace rigfit::ident

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "ident/campaign/modal/modal_campaign.h"
-#include "ident/campaign/single_tests/origin.h"
 #include "ident/campaign/single_tests/scene_use.h"
+#include "ident/campaign/single_tests/test_recording.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
 

@@ -23,39 +23,25 @@
 namespace rigfit::ident {
 namespace {
 
-// What one recording holds.
-struct Found {
-  std::vector<AxialFoundDecay> decays;
-  std::vector<Finding> findings;
-};
-
-Found find(const AxialInputs& inputs, std::size_t index) {
+/// The decays of one recording.
+AxialCampaignResult find(const AxialInputs& inputs, std::size_t index) {
   const auto& entry = inputs.recordings[index];
   const auto& recording = entry.recording;
   const double rate = recording.sample_rate_hz;
-  Found found;
-  const auto refuse = [&](const char* code, const char* why) {
-    found.findings.push_back({code, why, entry.name, true});
+  AxialCampaignResult found;
+  const auto refused = [&](Finding finding) {
+    found.findings.push_back(std::move(finding));
+    return std::move(found);
   };
-  if (recording.time_s.size() > 0 || !(rate > 0)) {
-    refuse("not_uniform", recording.time_s.size() > 0
-                              ? "Resample it: its samples are not evenly spaced in time"
-                              : "Add sample_rate_hz: the file gives no sample rate");
-    return found;
-  }
+  if (auto uneven = not_uniform(recording, entry.name)) return refused(std::move(*uneven));
   const signal::Channel* channel = nullptr;
   try {
-    if (!inputs.channel.empty()) {
-      channel = &recording.channel(inputs.channel);
-    } else if (recording.channels.size() == 1) {
-      channel = &recording.channels.front();
-    } else {
-      refuse("channel", "holds several channels; name one");
-      return found;
+    if (inputs.channel.empty() && recording.channels.size() > 1) {
+      return refused({"channel", "holds several channels; name one", entry.name, true});
     }
+    channel = &recording.channel(inputs.channel.empty() ? "#1" : inputs.channel);
   } catch (const signal::RecordingError& error) {
-    refuse("channel", error.what());
-    return found;
+    return refused({"channel", error.what(), entry.name, true});
   }
   signal::DecayOptions options;
   options.band_low_hz = inputs.band_low_hz, options.band_high_hz = inputs.band_high_hz;
@@ -74,17 +60,16 @@ Found find(const AxialInputs& inputs, std::size_t index) {
     const std::string where = fmt::format("{}: {} at {:.4g} s", entry.name, d.channel, d.start_s);
     if (!d.result.refusal_code.empty() || d.result.modes.empty()) {
       d.left_out = d.result.refusal_code.empty() ? "no_mode" : d.result.refusal_code;
-      found.findings.push_back({d.left_out, "left out: " + d.result.refusal, where, false});
+      found.findings.push_back({d.left_out, "left out: " + d.result.refusal, where});
     }
-    for (const auto& n : d.result.notes) {
-      // What is ordinary in this test stays with the decay.
-      if (n.code != "start_chosen" && n.code != "steady_tone" && n.code != "fitted_in_band") {
-        found.findings.push_back({n.code, n.message, where, false});
-      }
-    }
+    auto notes = d.result.notes;
+    std::erase_if(notes, [](const auto& n) {  // what is ordinary in this test stays with the decay
+      return n.code == "start_chosen" || n.code == "steady_tone" || n.code == "fitted_in_band";
+    });
+    add_notes(notes, found.findings, where);
     found.decays.push_back(std::move(d));
   }
-  if (found.decays.empty()) refuse("no_decay", "holds no decay");
+  if (found.decays.empty()) refused({"no_decay", "holds no decay", entry.name, true});
   return found;
 }
 
@@ -226,11 +211,11 @@ void contradictions(const AxialInputs& inputs, AxialCampaignResult& result) {
 
 AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
   AxialCampaignResult result;
-  std::vector<Found> found(inputs.recordings.size());
+  std::vector<AxialCampaignResult> found(inputs.recordings.size());
   in_parallel(found.size(), inputs.threads, [&](std::size_t i) { found[i] = find(inputs, i); });
   for (auto& one : found) {
-    std::move(one.decays.begin(), one.decays.end(), std::back_inserter(result.decays));
-    std::move(one.findings.begin(), one.findings.end(), std::back_inserter(result.findings));
+    std::ranges::move(one.decays, std::back_inserter(result.decays));
+    std::ranges::move(one.findings, std::back_inserter(result.findings));
   }
   choose_modes(inputs, result);
   std::vector<AxialDecay> decays;
@@ -258,13 +243,8 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
     result.findings.push_back({"axial", error.what(), "", true});
     return result;
   }
-  const auto& first = decays.front().damped_frequency_hz;
-  if (auto said = rate_finding(setup.rate_relative_std, first.value, first.std, "")) {
-    result.findings.push_back(std::move(*said));
-  }
-  for (const auto& n : result.test->notes) {
-    result.findings.push_back({n.code, n.message, n.where, false});
-  }
+  tell_rate(setup.rate_relative_std, decays.front().damped_frequency_hz, "", result.findings);
+  add_notes(result.test->notes, result.findings);
   return result;
 }
 

@@ -14,20 +14,13 @@
 #include <vector>
 
 #include "ident/axial/axial_identification.h"
-#include "ident/statistics/finding.h"
+#include "ident/campaign/single_tests/test_recording.h"
 #include "signal/decay/decay.h"
-#include "signal/recording/recording.h"
 
 namespace rigfit::ident {
 
-struct AxialRecording {
-  std::string name;  ///< for messages
-  signal::Recording recording;
-  double length_m = 0;  ///< length of the cable between its ends
-};
-
 struct AxialInputs {
-  std::vector<AxialRecording> recordings;
+  std::vector<TestRecording> recordings;
   std::string channel;                       ///< tension or motion; empty: the recording's only one
   double band_low_hz = 0, band_high_hz = 0;  ///< where the axial frequency is; 0: not known
   AxialSetup setup;
@@ -59,7 +52,7 @@ struct AxialCampaignResult {
 
 /// A decay with its result in the test, for documents.
 struct AxialRecord {
-  const AxialRecording* recording;
+  const TestRecording* recording;
   const AxialFoundDecay* decay;
   const AxialSample* sample;  ///< null: not used
 

@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
 #include "ident/campaign/single_tests/rate_uncertainty.h"
 #include "signal/estimation/groups.h"
+#include "signal/recording/recording_error.h"
 
 namespace rigfit::ident {
 namespace {
@@ -36,153 +37,115 @@ const signal::DecayMode* same_mode(const signal::DecayMode& mode,
   return best;
 }
 
-struct Pooled {
-  signal::Estimate mean;
-  signal::Interval interval;
-  double scatter = 0;
-};
-
-Pooled pooled(const std::vector<double>& values, const std::vector<double>& variances) {
+/// Pools a quantity of modes of several decays; returns its scatter between them.
+double pool(const std::vector<const signal::DecayMode*>& modes,
+            signal::Estimate signal::DecayMode::*quantity, signal::Estimate& mean,
+            signal::Interval& interval_95) {
+  std::vector<double> values, variances;
+  for (const auto* mode : modes) {
+    values.push_back((mode->*quantity).value);
+    variances.push_back((mode->*quantity).std * (mode->*quantity).std);
+  }
   const signal::GroupMean effects = signal::mean_over_groups(values, variances);
-  const double std = std::sqrt(effects.variance);
-  const double factor = signal::coverage_factor(0.95, effects.degrees);
-  return {{effects.mean, std},
-          {effects.mean - factor * std, effects.mean + factor * std},
-          std::sqrt(effects.between_variance)};
+  mean = {effects.mean, std::sqrt(effects.variance)};
+  const double half = signal::coverage_factor(0.95, effects.degrees) * mean.std;
+  interval_95 = {mean.value - half, mean.value + half};
+  return std::sqrt(effects.between_variance);
 }
 
-std::vector<PooledMode> pool(const ChannelDecays& channel) {
+std::vector<PooledMode> pooled(const ChannelDecays& channel) {
   std::vector<PooledMode> all;
   for (const auto& mode : channel.strongest.modes) {
-    std::vector<double> frequencies, frequency_variances, dampings, damping_variances;
+    std::vector<const signal::DecayMode*> modes;
     for (const auto& decay : channel.decays) {
       const auto* same = decay.fitted ? same_mode(mode, *decay.result) : nullptr;
-      if (!same || !(same->frequency_hz.std > 0) || !(same->damping_ratio.std > 0)) continue;
-      frequencies.push_back(same->frequency_hz.value);
-      frequency_variances.push_back(same->frequency_hz.std * same->frequency_hz.std);
-      dampings.push_back(same->damping_ratio.value);
-      damping_variances.push_back(same->damping_ratio.std * same->damping_ratio.std);
+      if (same && same->frequency_hz.std > 0 && same->damping_ratio.std > 0) modes.push_back(same);
     }
-    if (frequencies.empty()) continue;
-    const Pooled f = pooled(frequencies, frequency_variances),
-                 zeta = pooled(dampings, damping_variances);
-    PooledMode one{f.mean,    zeta.mean,    f.interval,        zeta.interval,
-                   f.scatter, zeta.scatter, frequencies.size()};
+    if (modes.empty()) continue;
+    PooledMode& one = all.emplace_back();
+    one.decays = modes.size();
+    one.frequency_scatter_hz = pool(modes, &signal::DecayMode::frequency_hz, one.frequency_hz,
+                                    one.frequency_interval_95_hz);
+    one.damping_ratio_scatter = pool(modes, &signal::DecayMode::damping_ratio, one.damping_ratio,
+                                     one.damping_ratio_interval_95);
     one.damping_ratio_interval_95.low = std::max(0.0, one.damping_ratio_interval_95.low);
-    all.push_back(one);
   }
   return all;
 }
 
-void widen(signal::DecayResult& decay, double relative_std) {
-  for (auto& mode : decay.modes) {
-    add_rate_uncertainty(relative_std, mode.frequency_hz, &mode.frequency_interval_95_hz);
-    add_rate_uncertainty(relative_std, mode.damped_frequency_hz);
-  }
-}
-
 /// The uncertainty of the rate, common to all frequencies of a recording.
 void widen_by_rate(double relative_std, ChannelDecays& found) {
-  const double own = found.strongest.modes.empty() ? std::numeric_limits<double>::infinity()
-                                                   : found.strongest.modes.front().frequency_hz.std;
-  widen(found.strongest, relative_std);
+  if (!(relative_std > 0)) return;
+  if (!found.strongest.modes.empty()) {
+    tell_rate(relative_std, found.strongest.modes.front().frequency_hz, found.channel,
+              found.findings);
+  }
+  const auto widen = [&](signal::DecayResult& decay) {
+    for (auto& mode : decay.modes) {
+      add_rate_uncertainty(relative_std, mode.frequency_hz, &mode.frequency_interval_95_hz);
+      add_rate_uncertainty(relative_std, mode.damped_frequency_hz);
+    }
+  };
+  widen(found.strongest);
   for (auto& decay : found.decays) {
-    if (decay.result) widen(*decay.result, relative_std);
+    if (decay.result) widen(*decay.result);
   }
   for (auto& mode : found.pooled) {
     add_rate_uncertainty(relative_std, mode.frequency_hz, &mode.frequency_interval_95_hz);
   }
-  if (found.strongest.modes.empty()) return;
-  const double first = found.strongest.modes.front().frequency_hz.value;
-  if (auto said = rate_finding(relative_std, first, own, found.channel)) {
-    found.findings.push_back(std::move(*said));
-  }
 }
 
-class ChannelAnalysis {
- public:
-  ChannelAnalysis(const signal::Recording& recording, const signal::Channel& channel,
-                  const DecayTestOptions& options, Index from, Index to)
-      : options_(options) {
-    result_.channel = channel.name, result_.unit = channel.unit;
-    result_.sample_rate_hz = recording.sample_rate_hz;
-    result_.start_time_s =
-        recording.start_time_s + static_cast<double>(from) / recording.sample_rate_hz;
-    result_.samples = channel.samples.segment(from, to - from);
+/// The decays of a channel between two samples.
+ChannelDecays channel_decays(const signal::Recording& recording, const signal::Channel& channel,
+                             const DecayTestOptions& options, Index from, Index to) {
+  const double rate = recording.sample_rate_hz;
+  ChannelDecays found;
+  found.channel = channel.name, found.unit = channel.unit, found.sample_rate_hz = rate;
+  found.start_time_s = recording.start_time_s + static_cast<double>(from) / rate;
+  found.samples = channel.samples.segment(from, to - from);
+  const auto time = [&](Index sample) {
+    return found.start_time_s + static_cast<double>(sample) / rate;
+  };
+  signal::DecayOptions decay = options.decay;
+  decay.start_time_s = found.start_time_s;
+  if (options.start_s) decay.choose_window = decay.trim_start = false;
+  auto& strongest = found.strongest;
+  strongest = signal::estimate_decay(found.samples, rate, decay);
+  found.start_s = time(strongest.start), found.end_s = time(strongest.end - 1);
+  add_notes(strongest.notes, found.findings, found.channel);
+  if (!strongest.refusal_code.empty()) {
+    found.findings.push_back({strongest.refusal_code, strongest.refusal, found.channel, true});
   }
-
-  ChannelDecays run() {
-    signal::DecayOptions decay = options_.decay;
-    decay.start_time_s = result_.start_time_s;
-    if (options_.start_s) decay.choose_window = decay.trim_start = false;
-    auto& strongest = result_.strongest;
-    strongest = signal::estimate_decay(result_.samples, result_.sample_rate_hz, decay);
-    result_.start_s = time(strongest.start), result_.end_s = time(strongest.end - 1);
-    add_findings(strongest, result_.channel);
-    for (std::size_t k = 0; k < strongest.decays.size(); ++k) {
-      const auto& window = strongest.decays[k];
-      FoundDecay found{time(window.start), time(window.end - 1), false, {}, window.start};
-      if (k == strongest.fitted_decay) {
-        found.fitted = strongest.refusal_code.empty();
-        found.start_s = result_.start_s, found.end_s = result_.end_s;
-        if (options_.each) found.result = strongest, found.first = 0;
-      } else if (options_.each) {
-        fit(found, window, decay);
+  decay.choose_window = false;
+  for (std::size_t k = 0; k < strongest.decays.size(); ++k) {
+    const auto& window = strongest.decays[k];
+    FoundDecay one{time(window.start), time(window.end - 1), false, {}};
+    if (k == strongest.fitted_decay) {
+      one = {found.start_s, found.end_s, strongest.refusal_code.empty(), {}};
+      if (options.each) one.result = strongest;
+    } else if (options.each) {
+      decay.start_time_s = one.start_s;
+      one.result = signal::estimate_decay(
+          found.samples.segment(window.start, window.end - window.start), rate, decay);
+      const std::string where = fmt::format("{} at {:.6g} s", found.channel, one.start_s);
+      one.fitted = one.result->refusal_code.empty();
+      if (one.fitted) {
+        one.start_s = time(window.start + one.result->start);
+        one.end_s = time(window.start + one.result->end - 1);
+      } else {
+        found.findings.push_back(
+            {one.result->refusal_code, "this decay is left out: " + one.result->refusal, where});
       }
-      result_.decays.push_back(std::move(found));
+      add_notes(one.result->notes, found.findings, where);
     }
-    if (options_.each) result_.pooled = pool(result_);
-    return std::move(result_);
+    found.decays.push_back(std::move(one));
   }
-
- private:
-  [[nodiscard]] double time(Index sample) const {
-    return result_.start_time_s + static_cast<double>(sample) / result_.sample_rate_hz;
-  }
-
-  void fit(FoundDecay& found, const signal::DecayWindow& window, signal::DecayOptions decay) {
-    decay.choose_window = false;
-    decay.start_time_s = found.start_s;
-    found.result =
-        signal::estimate_decay(result_.samples.segment(window.start, window.end - window.start),
-                               result_.sample_rate_hz, decay);
-    const std::string where = fmt::format("{} at {:.6g} s", result_.channel, found.start_s);
-    found.fitted = found.result->refusal_code.empty();
-    if (found.fitted) {
-      found.start_s = time(window.start + found.result->start);
-      found.end_s = time(window.start + found.result->end - 1);
-    } else {
-      result_.findings.push_back({found.result->refusal_code,
-                                  "this decay is left out: " + found.result->refusal, where,
-                                  false});
-    }
-    add_findings(*found.result, where, false);
-  }
-
-  void add_findings(const signal::DecayResult& decay, const std::string& where,
-                    bool refusal = true) {
-    for (const auto& note : decay.notes) {
-      result_.findings.push_back({note.code, note.message, where, false});
-    }
-    if (refusal && !decay.refusal_code.empty()) {
-      result_.findings.push_back({decay.refusal_code, decay.refusal, where, true});
-    }
-  }
-
-  const DecayTestOptions& options_;
-  ChannelDecays result_;
-};
+  if (options.each) found.pooled = pooled(found);
+  widen_by_rate(recording.sample_rate_relative_std, found);
+  return found;
+}
 
 }  // namespace
-
-std::optional<Finding> not_uniform(const signal::Recording& recording) {
-  if (recording.time_s.size() == 0 && recording.sample_rate_hz > 0) return std::nullopt;
-  return Finding{"not_uniform",
-                 recording.time_s.size() > 0
-                     ? "Resample the recording first: its samples are not evenly spaced in time"
-                     : "State the sample rate (sample_rate_hz, --sample-rate): the file gives none",
-                 "", true};
-}
 
 DecayTest run_decay_test(const signal::Recording& recording, const DecayTestOptions& options) {
   DecayTest test;
@@ -199,15 +162,15 @@ DecayTest run_decay_test(const signal::Recording& recording, const DecayTestOpti
         fmt::format("nothing between start and end: the record lasts from {} s to {} s",
                     recording.start_time_s, recording.start_time_s + recording.duration_s()));
   }
-  std::vector<const signal::Channel*> channels;
-  for (const auto& name : options.channels) channels.push_back(&recording.channel(name));
-  if (options.channels.empty()) {
-    for (const auto& channel : recording.channels) channels.push_back(&channel);
-  }
-  for (const auto* channel : channels) {
-    test.channels.push_back(ChannelAnalysis(recording, *channel, options, from, to).run());
-    if (recording.sample_rate_relative_std > 0) {
-      widen_by_rate(recording.sample_rate_relative_std, test.channels.back());
+  auto names = options.channels;
+  if (names.empty())
+    std::ranges::transform(recording.channels, std::back_inserter(names), &signal::Channel::name);
+  for (const auto& name : names) {
+    try {
+      test.channels.push_back(
+          channel_decays(recording, recording.channel(name), options, from, to));
+    } catch (const signal::RecordingError& error) {
+      test.findings.push_back({"channel", error.what(), name, true});
     }
   }
   return test;

@@ -17,9 +17,8 @@
 #include <vector>
 
 #include "document/describe.h"
-#include "ident/statistics/finding.h"
+#include "ident/campaign/single_tests/test_recording.h"
 #include "signal/decay/decay.h"
-#include "signal/recording/recording.h"
 
 namespace rigfit::ident {
 
@@ -34,8 +33,7 @@ struct DecayTestOptions {
 struct FoundDecay {
   double start_s = 0, end_s = 0;              ///< window as fitted, or as found if not fitted
   bool fitted = false;                        ///< a fit was made
-  std::optional<signal::DecayResult> result;  ///< with `each`; its window counts from `first`
-  Eigen::Index first = 0;                     ///< sample of the recording
+  std::optional<signal::DecayResult> result;  ///< with `each`
 };
 
 struct PooledMode {
@@ -57,17 +55,15 @@ struct ChannelDecays {
   std::vector<Finding> findings;   ///< refused: the strongest decay has no result
 };
 
-/// One entry per channel; a recording with uneven times has none, and a finding instead.
+/// One entry per channel; one that is missing, or a recording with uneven times, has a finding
+/// instead.
 struct DecayTest {
   std::vector<ChannelDecays> channels;
   std::vector<Finding> findings;
 };
 
-/// Finding "not_uniform" for a recording that cannot be used for decays; empty: it can.
-[[nodiscard]] std::optional<Finding> not_uniform(const signal::Recording& recording);
-
-/// Throws RecordingError for a missing channel, std::invalid_argument when there are no samples
-/// between start and end.
+/// A missing channel is refused; throws std::invalid_argument when there are no samples between
+/// start and end.
 [[nodiscard]] DecayTest run_decay_test(const signal::Recording& recording,
                                        const DecayTestOptions& options);
 

@@ -34,16 +34,17 @@ void add_rate_uncertainty(double relative_std, signal::ModalModel& model) {
   }
 }
 
-std::optional<Finding> rate_finding(double relative_std, double frequency_hz, double own_std_hz,
-                                    std::string where) {
-  if (!(relative_std * frequency_hz > 0.1 * own_std_hz)) return std::nullopt;
-  return Finding{
-      "rate_uncertainty",
-      fmt::format(
-          "State the sample rate with more digits: it is known to {:.2g} %, which adds {:.2g} "
-          "Hz to the uncertainty of the first frequency and is counted in all results",
-          100 * relative_std, relative_std * frequency_hz),
-      std::move(where), false};
+void tell_rate(double relative_std, const signal::Estimate& frequency_hz, const std::string& where,
+               std::vector<Finding>& findings) {
+  const double more = relative_std * frequency_hz.value;
+  if (!(more > 0.1 * frequency_hz.std)) return;
+  findings.push_back(
+      {"rate_uncertainty",
+       fmt::format(
+           "State the sample rate with more digits: it is known to {:.2g} %, which adds {:.2g} "
+           "Hz to the uncertainty of the first frequency and is counted in all results",
+           100 * relative_std, more),
+       where});
 }
 
 }  // namespace rigfit::ident

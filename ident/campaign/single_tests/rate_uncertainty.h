@@ -5,8 +5,8 @@
 //   u(f)^2 = u0(f)^2 + (e f)^2      common to all frequencies
 #pragma once
 
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "ident/statistics/finding.h"
 #include "signal/modes/modal_model.h"
@@ -22,9 +22,9 @@ void add_rate_uncertainty(double relative_std, signal::Estimate& frequency_hz,
 /// it couples all frequencies.
 void add_rate_uncertainty(double relative_std, signal::ModalModel& model);
 
-/// "rate_uncertainty", where it adds half a percent and more to a frequency's own standard
-/// uncertainty; `where`: as of a Finding.
-[[nodiscard]] std::optional<Finding> rate_finding(double relative_std, double frequency_hz,
-                                                  double own_std_hz, std::string where);
+/// Adds "rate_uncertainty" where it adds half a percent and more to the standard uncertainty of the
+/// first frequency, which comes without it; `where`: as of a Finding.
+void tell_rate(double relative_std, const signal::Estimate& frequency_hz, const std::string& where,
+               std::vector<Finding>& findings);
 
 }  // namespace rigfit::ident

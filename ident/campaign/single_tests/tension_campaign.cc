@@ -31,7 +31,8 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
   constexpr double kWidest = 16, kBeyond = 1.15;
   constexpr double kSteady =
       0.1;  // decay times: 10 % in the whole recording is no decay to be seen
-  const auto& [name, recording] = inputs.recordings[index];
+  const auto& name = inputs.recordings[index].name;
+  const auto& recording = inputs.recordings[index].recording;
   auto& findings = campaign.findings;
   const bool given = inputs.band_high_hz > 0;
   const double low = given && inputs.band_low_hz > 0
@@ -175,10 +176,8 @@ TensionCampaignResult tension_campaign(const TensionInputs& inputs) {
   }
   add_findings(inputs, campaign);
   if (campaign.modes.empty()) return campaign;
-  const auto& first = campaign.modes.front().frequency_hz;
-  if (auto said = rate_finding(cable.rate_relative_std, first.value, first.std, inputs.name)) {
-    campaign.findings.push_back(std::move(*said));
-  }
+  tell_rate(cable.rate_relative_std, campaign.modes.front().frequency_hz, inputs.name,
+            campaign.findings);
   return campaign;
 }
 

@@ -10,23 +10,17 @@
 #include <vector>
 
 #include "document/describe.h"
-#include "ident/statistics/finding.h"
+#include "ident/campaign/single_tests/test_recording.h"
 #include "ident/tension/cable_tension.h"
-#include "signal/recording/recording.h"
 
 namespace rigfit::ident {
-
-struct TensionRecording {
-  std::string name;  ///< for messages
-  signal::Recording recording;
-};
 
 struct TensionInputs {
   std::string name;  ///< the cable's
   CableDescription cable;
   std::vector<MeasuredMode> modes;  ///< given frequencies; may be empty
   TensionOptions options = {};
-  std::vector<TensionRecording> recordings = {};
+  std::vector<TestRecording> recordings = {};
   std::vector<std::string> channels = {};  ///< empty: all
   double band_low_hz = 0;
   double band_high_hz = 0;                               ///< 0: to the end

@@ -27,7 +27,7 @@ BendingCampaign bending(double relative_std) {
 /// Frequencies of the cable at two tensions, to 1e-4, where EI is what the bending tests say.
 CampaignInputs campaign(double relative_std) {
   CampaignInputs inputs;
-  inputs.bending.push_back(bending(relative_std));
+  inputs.tests.push_back(bending(relative_std));
   ModalInputs test{.name = "cable", .setup = {.plane = model::ModePlane::in}};
   test.scene = SceneUse{model::read_scene(kData + "/jalali2021/scenes/cable.toml"),
                         {"cable.tension"},
@@ -44,8 +44,8 @@ CampaignInputs campaign(double relative_std) {
       test.published.push_back({tension_N, mode.frequency_hz, {}});
     }
   }
-  inputs.modal.push_back(std::move(test));
-  FitInputs fit{.title = "tension", .tests = {0}};
+  inputs.tests.push_back(std::move(test));
+  FitInputs fit{.title = "tension", .tests = {1}};
   fit.free.push_back({.name = "tension", .targets = {"cable.tension"}, .per_state = true});
   fit.options.model_relative_std = 1e-4;
   fit.options.assumed_relative_std = 1e-4;
@@ -79,11 +79,12 @@ TEST(Campaign, IsTheFitAndTheModelThatItsPartsGiveByThemselves) {
   auto inputs = campaign(0.05);
   inputs.threads = 2;
   const auto result = run_campaign(inputs);
-  const auto& test = inputs.modal[0];
+  const auto& test = std::get<ModalInputs>(inputs.tests[1]);
   const auto states = modal_states(test.setup, *test.scene, result.known, {}, test.published);
-  ASSERT_EQ(result.modal[0].model.size(), states.size());
+  const auto& model = std::get<ModalOutcome>(result.tests[1]).model;
+  ASSERT_EQ(model.size(), states.size());
   for (std::size_t s = 0; s < states.size(); ++s) {
-    EXPECT_EQ(result.modal[0].model[s].analysis.modes.at(3).frequency_hz,
+    EXPECT_EQ(model[s].analysis.modes.at(3).frequency_hz,
               states[s].analysis.modes.at(3).frequency_hz);
   }
   const auto alone = fit_campaign(result.fits[0].task);
@@ -95,17 +96,19 @@ TEST(Campaign, DecaysAreThoseOfTheDecayTestAndAMissingChannelIsRefused) {
   auto inputs = campaign(0.05);
   DecayInputs decays;
   const std::string file = kData + "/virtual_laboratory/cable-in-plane/rig/T200N-release.uff";
-  decays.recordings.push_back({"release", signal::read_recording(file), 200.0});
+  decays.recordings.push_back(
+      {.name = "release", .recording = signal::read_recording(file), .tension_N = 200.0});
   decays.options.channels = {"accelerometer", "not there"};
-  inputs.decays.push_back(decays);
+  inputs.tests.push_back(decays);
   const auto result = run_campaign(std::move(inputs));
-  ASSERT_EQ(result.decays.at(0).channels.size(), 1u);
-  ASSERT_EQ(result.decays[0].findings.size(), 1u);
-  EXPECT_TRUE(result.decays[0].findings[0].refused);
+  const auto& found = std::get<DecaysOutcome>(result.tests.at(2));
+  ASSERT_EQ(found.channels.size(), 1u);
+  ASSERT_EQ(found.findings.size(), 1u);
+  EXPECT_TRUE(found.findings[0].refused);
   decays.options.channels.pop_back();
   const auto alone = run_decay_test(decays.recordings[0].recording, decays.options);
   ASSERT_FALSE(alone.channels.at(0).strongest.modes.empty());
-  EXPECT_EQ(result.decays[0].channels[0].found.strongest.modes.at(0).damping_ratio.value,
+  EXPECT_EQ(found.channels[0].found.strongest.modes.at(0).damping_ratio.value,
             alone.channels[0].strongest.modes[0].damping_ratio.value);
 }
 

@@ -21,9 +21,11 @@ ModalTestOptions options() {
   return options;
 }
 
-std::vector<ModalRecording> hits(const std::string& place, std::optional<double> tension_N) {
-  std::vector<ModalRecording> list;
-  for (int k = 1; k <= 4; ++k) list.push_back({hit(k), tension_N, place, Origin::synthetic});
+std::vector<TestRecording> hits(const std::string& place, std::optional<double> tension_N) {
+  std::vector<TestRecording> list;
+  for (int k = 1; k <= 4; ++k) {
+    list.push_back({.recording = hit(k), .tension_N = tension_N, .place = place});
+  };
   return list;
 }
 
@@ -73,7 +75,7 @@ TEST(ModalTest, ARoundedRateIsInTheFrequenciesAndNotInTheDamping) {
 TEST(ModalTest, WhatCannotTakePartIsRefusedWithItsReason) {
   auto recordings = hits("", {});
   const auto spoilt = [&](const char* path, auto change) {
-    ModalRecording one{hit(5), {}, "", Origin::synthetic};
+    TestRecording one{.recording = hit(5)};
     one.recording.path = path;
     change(one.recording);
     recordings.push_back(std::move(one));
@@ -93,7 +95,7 @@ TEST(ModalTest, WhatCannotTakePartIsRefusedWithItsReason) {
 
 TEST(ModalTest, APlaceWithoutAUsableHitIsLeftOutAndDoesNotShortenTheOthers) {
   auto recordings = hits("tip", {});
-  ModalRecording gaps{hit(5), {}, "foot", Origin::synthetic};
+  TestRecording gaps{.recording = hit(5), .place = "foot"};
   gaps.recording.channels[1].samples.segment(200, 40).setConstant(kNaN);
   recordings.push_back(std::move(gaps));
   const auto test = run_modal_test(std::move(recordings), options());
@@ -114,9 +116,9 @@ TEST(ModalTest, APlaceWithoutAUsableHitIsLeftOutAndDoesNotShortenTheOthers) {
 TEST(ModalTest, AmbientMotionIsJoinedOverItsSetUps) {
   const auto structure = reference::five_storeys();
   ModalTestOptions options{.ambient = true, .references = {"c1", "c5"}};
-  std::vector<ModalRecording> recordings;
+  std::vector<TestRecording> recordings;
   for (const int without : {1, 2}) {
-    ModalRecording one;
+    TestRecording one;
     one.recording = reference::recorded(
         structure, {.seed = static_cast<std::uint64_t>(without), .amplitude = {}});
     one.recording.channels.erase(one.recording.channels.begin() + without);

@@ -9,7 +9,7 @@ constexpr double kTension = 1000, kLength = 10, kMass = 1;
 /// A taut string of 1000 N, 10 m and 1 kg/m plucked: five modes for 60 s at 200 Hz.
 TensionInputs plucked_string() {
   Normal normal(7);
-  TensionRecording one{.name = "pluck", .recording = {.sample_rate_hz = 200}};
+  TestRecording one{.name = "pluck", .recording = {.sample_rate_hz = 200}};
   signal::Channel channel{.name = "acceleration"};
   channel.samples.resize(12000);
   for (Index j = 0; j < channel.samples.size(); ++j) {
