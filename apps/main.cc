@@ -13,10 +13,10 @@
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/usage.h"
 #include "apps/cli/verb.h"
-#include "apps/cli/verbs/common_options.h"
 
 namespace rigfit::apps {
 namespace {
@@ -56,7 +56,7 @@ int run(int argc, char** argv) {
 
   context.command.assign(argv, argv + argc);
 
-  prepare_plots(context, shared.plots);
+  prepare_plots(context, shared.plot);
   std::optional<Progress> progress(std::in_place, verb.name, 1, context.quiet);
   Json result = Json::object();
   const auto print = [&] {
@@ -75,7 +75,7 @@ int run(int argc, char** argv) {
     throw;
   }
   print();
-  write_plots(context, shared.plots, verb.name);
+  write_plots(context, shared.plot, verb.name);
   print();
   const Json document = json_document(context, verb.name, std::move(result));
   if (shared.json == "-") {

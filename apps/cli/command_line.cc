@@ -44,17 +44,23 @@ void take(const Verb& verb, const Option& option, CLI::results_t texts, Json& gi
   given[option.name] = option.is_list() ? std::move(numbers) : std::move(numbers[0]);
 }
 
-/// Refuses two outputs that are one file. Devices and pipes may take several.
+/// Refuses outputs that have no folder or lie in one file. Devices and pipes may take several.
 void check_outputs(const Verb& verb, const Json& given) {
   std::map<fs::path, std::string> taken;
   for (const auto& option : verb.options) {
     if (!option.is_written || !given.contains(option.name)) continue;
     const std::string file = given[option.name];
+    if (file.empty() || file == "-") continue;
     std::error_code none;
-    const auto kind = fs::status(file, none).type();
-    const bool regular = kind == fs::file_type::not_found || kind == fs::file_type::regular;
-    if (file.empty() || file == "-" || !regular) continue;
     const auto path = fs::weakly_canonical(fs::absolute(file), none);
+    const auto kind = fs::status(file, none).type();
+    const bool folder = kind == fs::file_type::directory;
+    if (folder || !fs::is_directory(path.parent_path(), none)) {
+      throw OutputError(fmt::format(
+          "cannot write {}: {}; name another file", file,
+          folder ? "it is a folder" : "there is no folder " + path.parent_path().string()));
+    }
+    if (kind != fs::file_type::not_found && kind != fs::file_type::regular) continue;
     if (const auto [at, is_new] = taken.emplace(path, option.name); !is_new) {
       throw UsageError(at->second + " and " + option.name + " name one file, " + file +
                        "; give each its own");

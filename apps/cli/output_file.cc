@@ -95,14 +95,7 @@ void write_whole_file(const fs::path& named, std::string_view content) {
 void make_output_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (!error && fs::is_directory(folder)) return;
-  const std::string text = "cannot make the output folder " + folder.string() + ": " +
-                           (error ? error.message() : "a file of that name exists") +
-                           "; name another with --out";
-  if (error && error != std::errc::not_a_directory && error != std::errc::file_exists) {
-    throw OutputError(text);
-  }
-  throw UsageError(text);
+  if (error) cannot_write(folder, error.value());
 }
 
 }  // namespace rigfit::apps

@@ -11,8 +11,7 @@ namespace rigfit::apps {
 /// OutputError (exit_code.h) with path, reason and remedy; a regular target is then as it was.
 void write_whole_file(const std::filesystem::path& path, std::string_view content);
 
-/// Creates the folder (and parents); throws UsageError when the path is a file, OutputError when it
-/// cannot be made.
+/// Creates the folder (and parents). Throws OutputError.
 void make_output_folder(const std::filesystem::path& folder);
 
 }  // namespace rigfit::apps

@@ -42,6 +42,18 @@ template <class Command>
           reads};
 }
 
+/// What a person says of every recording of a run, as in the TOML file beside it.
+[[nodiscard]] describe::Options options_of(signal::ReadOptions& reading);
+
+/// What stands beside a verb's own options; most of it goes straight into the context of the run.
+struct SharedOptions {
+  std::string json;
+  std::string plot;  ///< ends with .html, .svg or .png; empty: no figures
+
+  /// For a verb that reads recordings, that draws.
+  [[nodiscard]] describe::Options options(VerbContext& context, bool reads, bool draws);
+};
+
 /// Every verb, in the order in which a person goes from recordings to a report.
 [[nodiscard]] Verbs all_verbs();
 

@@ -99,6 +99,14 @@ template <class M>
   }
 }
 
+/// What `row` makes of each of a list.
+template <class List, class Row>
+[[nodiscard]] Json json_list(const List& list, Row row) {
+  Json all = Json::array();
+  for (const auto& one : list) all.push_back(row(one));
+  return all;
+}
+
 /// The type's JSON schema, with meanings and units.
 template <class M>
 [[nodiscard]] Json schema_of() {

@@ -11,7 +11,6 @@
 #include "model/scene/toml_table.h"
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/files/mapped_file.h"
-#include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::apps {
@@ -42,19 +41,16 @@ bool is_number(const std::string& cell, char decimal) {
 /// Lines that hold something and are no remark, in cells; blank ones at the end are left out.
 std::vector<TextTable::Row> lines_of(std::string_view bytes) {
   std::vector<std::pair<long, std::string_view>> lines;
-  long number = 1;
+  for (long number = 1; !bytes.empty(); ++number) {
+    const auto text = signal::take_line(bytes), words = signal::trim_blanks(text);
+    if (!words.empty() && words.front() != '#') lines.emplace_back(number, text);
+  }
   signal::CsvDialect dialect{' ', '.'};
-  for (std::size_t at = 0; at < bytes.size(); ++number) {
-    const std::size_t end = signal::line_end(bytes, at);
-    const auto text = bytes.substr(at, end - at), words = signal::trim_blanks(text);
-    at = signal::next_line(bytes, end);
-    if (words.empty() || words.front() == '#') continue;
-    lines.emplace_back(number, text);
-    for (const char separator : {',', '\t', ';'}) {  // the last one found wins
-      const bool stronger = dialect.separator == ' ' || dialect.separator == ',' ||
-                            (dialect.separator == '\t' && separator == ';');
-      if (stronger && text.find(separator) != text.npos) dialect.separator = separator;
-    }
+  for (const char separator : {',', '\t', ';'}) {  // the last one found wins
+    const auto has = [&](const auto& line) {
+      return line.second.find(separator) != line.second.npos;
+    };
+    if (std::ranges::any_of(lines, has)) dialect.separator = separator;
   }
   // One column may have a title with blanks.
   const bool one_column =
@@ -163,20 +159,16 @@ void fill_row(const TextTable& table, const TextTable::Row& row, const describe:
   }
 }
 
-TextTable parse_text_table(std::string_view bytes, const std::string& file) {
+TextTable read_text_table(const std::filesystem::path& path) {
+  const signal::MappedFile mapped(path);
   TextTable table;
-  table.file = file;
+  table.file = path.string();
   const auto error = [&](long line, const std::string& problem, const char* remedy) {
-    return model::SceneError({file, line, 0, ""}, problem, remedy);
+    return model::SceneError({table.file, line, 0, ""}, problem, remedy);
   };
   constexpr const char* kRemedy = "give a header line and rows of numbers";
   std::string converted;
-  std::vector<TextTable::Row> lines;
-  try {
-    lines = lines_of(signal::text_without_mark(bytes, converted, file));
-  } catch (const signal::RecordingError&) {
-    throw error(0, "is no table of text", "give a CSV table");
-  }
+  const auto lines = lines_of(signal::text_without_mark(mapped.bytes(), converted, table.file));
   for (const auto& line : lines) {
     for (const auto& cell : line.cells) {
       if (!is_number(cell, '.') && is_number(cell, ',')) table.decimal = ',';
@@ -219,25 +211,10 @@ TextTable parse_text_table(std::string_view bytes, const std::string& file) {
                   fmt::format("has {} values, the header {}", count, table.columns.size()),
                   "give every row a value or a blank for each column");
     }
-    body->cells.resize(table.columns.size());
-    table.rows.push_back(std::move(*body));
+    table.rows.push_back(*body);
+    table.rows.back().cells.resize(table.columns.size());
   }
   return table;
-}
-
-TextTable read_text_table(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
-    throw model::SceneError({path.string(), 0, 0, ""}, "there is no such file",
-                            "check the path (in a campaign it starts at its folder)");
-  }
-  if (std::filesystem::file_size(path, error) == 0) return parse_text_table("", path.string());
-  try {
-    const signal::MappedFile file(path);
-    return parse_text_table(file.bytes(), path.string());
-  } catch (const signal::RecordingError&) {
-    throw model::SceneError({path.string(), 0, 0, ""}, "cannot be read", "check its permissions");
-  }
 }
 
 }  // namespace rigfit::apps

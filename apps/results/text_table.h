@@ -55,8 +55,7 @@ void fill_row(const TextTable& table, const TextTable::Row& row, const describe:
               const std::map<std::string, std::vector<std::size_t>>& more = {});
 
 /// Every row has a cell for each column; what is absent at its end is blank. Throws
-/// model::SceneError for what is no such table.
+/// model::SceneError for what is no such table, signal::RecordingError for no file of text.
 [[nodiscard]] TextTable read_text_table(const std::filesystem::path& path);
-[[nodiscard]] TextTable parse_text_table(std::string_view bytes, const std::string& file);
 
 }  // namespace rigfit::apps

@@ -15,25 +15,10 @@ extern char** environ;
 namespace rigfit::apps {
 namespace fs = std::filesystem;
 
-fs::path find_program(const std::vector<std::string>& names) {
-  const char* path = std::getenv("PATH");
-  for (const auto& name : names) {
-    std::istringstream folders(path ? path : "");
-    for (std::string folder; std::getline(folders, folder, ':');) {
-      if (folder.empty()) continue;
-      const fs::path file = fs::path(folder) / name;
-      std::error_code error;
-      if (fs::is_regular_file(file, error) && ::access(file.c_str(), X_OK) == 0) return file;
-    }
-  }
-  return {};
-}
+namespace {
 
-fs::path find_chromium() {
-  return find_program({"chromium", "chromium-browser", "google-chrome", "google-chrome-stable",
-                       "chrome", "microsoft-edge"});
-}
-
+/// Runs a program with arguments, silently, and waits for it: its exit code; -1 when it cannot be
+/// started, 128 + signal when one ended it.
 int run_silently(const fs::path& program, const std::vector<std::string>& arguments) {
   std::vector<std::string> words{program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -55,6 +40,22 @@ int run_silently(const fs::path& program, const std::vector<std::string>& argume
     if (errno != EINTR) return -1;
   }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+}  // namespace
+
+fs::path find_chromium() {
+  const char* path = std::getenv("PATH");
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable",
+                           "chrome", "microsoft-edge"}) {
+    std::istringstream folders(path ? path : "");
+    for (std::string folder; std::getline(folders, folder, ':');) {
+      const fs::path file = fs::path(folder) / name;
+      std::error_code error;
+      if (fs::is_regular_file(file, error) && ::access(file.c_str(), X_OK) == 0) return file;
+    }
+  }
+  return {};
 }
 
 bool run_chromium(const fs::path& chromium, const std::vector<std::string>& options,

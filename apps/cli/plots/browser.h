@@ -1,5 +1,5 @@
-// Programs of the machine that turn a page into a picture or show it: looked for on the PATH, run
-// without a shell.
+// The machine's Chromium, which turns a page into a picture: looked for on the PATH, run without a
+// shell.
 #pragma once
 
 #include <filesystem>
@@ -8,15 +8,8 @@
 
 namespace rigfit::apps {
 
-/// The first of the names that is on the PATH and can be run; empty: none.
-[[nodiscard]] std::filesystem::path find_program(const std::vector<std::string>& names);
-
 /// Chromium or a browser that takes its options; empty: none.
 [[nodiscard]] std::filesystem::path find_chromium();
-
-/// Runs a program with arguments, silently, and waits for it: its exit code; -1 when it cannot be
-/// started, 128 + signal when one ended it.
-int run_silently(const std::filesystem::path& program, const std::vector<std::string>& arguments);
 
 /// Runs headless Chromium on a local file with further options, such as --screenshot=F. False when
 /// it fails.

@@ -7,20 +7,13 @@
 #include <vector>
 
 #include "apps/cli/verb_context.h"
-#include "apps/describe/option.h"
 #include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {
 
-/// As typed.
-struct PlotCommand {
-  std::string file;  ///< ends with .html, .svg or .png; empty: no figures
-};
-
 /// The figures of a run. A verb adds to it when VerbContext::plots is set.
 struct PlotSheet {
   std::vector<Block> blocks;
-  std::size_t sources = 0;  ///< recordings met so far, where a verb draws only the first
 
   /// A block, or a list of them.
   template <class Any>
@@ -29,16 +22,14 @@ struct PlotSheet {
   }
 };
 
-[[nodiscard]] describe::Options options_of(PlotCommand& command);
-
 /// The command line as one types it in a shell.
 [[nodiscard]] std::string repeat_command(const VerbContext& context);
 
 /// Before the run: throws UsageError when the file cannot be written or its kind cannot be made
 /// here; sets `context.plots` when figures are asked for.
-void prepare_plots(VerbContext& context, const PlotCommand& command);
+void prepare_plots(VerbContext& context, const std::string& file);
 
 /// After the run: writes the file. Without any figure it writes nothing and warns.
-void write_plots(VerbContext& context, const PlotCommand& command, const std::string& verb);
+void write_plots(VerbContext& context, const std::string& file, const std::string& verb);
 
 }  // namespace rigfit::apps

@@ -29,6 +29,10 @@
 #include "model/scene/scene.h"
 #include "signal/recording/recording.h"
 
+namespace rigfit::ident {
+struct FittedParameters;
+}
+
 namespace rigfit::apps {
 
 Verb axial_verb();
@@ -60,6 +64,14 @@ void warn_of_mass(const model::Scene& scene, const std::string& file, VerbContex
 /// The parts of a mode's kinetic energy.
 [[nodiscard]] describe::ByName energy_by_member(const model::NaturalMode& mode,
                                                 const model::Scene& scene);
+
+/// Values and covariance of the parameters that a fit's JSON result identifies; warns of the others
+/// and of a fit with several answers, carries its findings on, and refuses where it ended with 4 or
+/// 5 and is not `accepted`. `lines`, where given, gets a line of each with its 95 % interval.
+/// Throws model::SceneError where the file is no such result.
+[[nodiscard]] ident::FittedParameters read_fit(const std::string& path, bool accepted,
+                                               VerbContext& context,
+                                               std::vector<std::string>* lines = nullptr);
 
 /// Adds a column to a table that is written as CSV.
 void add_column(signal::Recording& table, std::string name, const std::string& unit,

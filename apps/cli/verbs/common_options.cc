@@ -1,8 +1,9 @@
-#include "apps/cli/verbs/common_options.h"
+// Options of every verb, and of those that read recordings.
 
 #include <algorithm>
 #include <thread>
 
+#include "apps/cli/verb.h"
 #include "signal/readers/recording_description.h"
 #include "signal/recording/units.h"
 
@@ -46,7 +47,12 @@ describe::Options SharedOptions::options(VerbContext& context, bool reads, bool 
               "Threads to use (all processors); the numbers do not depend on it")
            .within(1, 1024),
        option("--seed", context.seed, "Seed of every random number").from_zero()});
-  if (draws) add("Common", options_of(plots));
+  if (draws) {
+    add("Common", {option("--plot", plot,
+                          "Draw the result: an interactive page (.html) or a picture (.svg, .png)")
+                       .writes()
+                       .type("F.html|svg|png")});
+  }
   return all;
 }
 

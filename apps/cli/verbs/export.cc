@@ -2,7 +2,7 @@
 
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/fit_file.h"
+#include "ident/predict/scene_prediction.h"
 #include "model/export/write_calculix.h"
 #include "model/export/write_moordyn.h"
 #include "model/linear/modal_analysis.h"
@@ -65,16 +65,14 @@ Json run(ExportOptions& options, VerbContext& context) {
   const auto deck = model::calculix_deck(scene, analysis.equilibrium, options.deck);
   write_deck(path(options.calculix, ".inp"), deck, "**", comments, options.scene, result, context);
   context.out << fmt::format("run it there with: ccx {}\n", stem);
-  Json members = Json::array();
-  for (const auto& member : deck.members) {
+  result["members"] = describe::json_list(deck.members, [&](const auto& member) {
     context.out << fmt::format("{}: {:.6g} N at rest in the deck, {:.6g} N in the scene\n",
                                member.name, member.tension_N, member.scene_tension_N);
-    members.push_back({{"member", member.name},
-                       {"deck_tension_N", member.tension_N},
-                       {"scene_tension_N", member.scene_tension_N},
-                       {"axial_stiffness_ratio", member.axial_stiffness_ratio}});
-  }
-  result["members"] = std::move(members);
+    return Json{{"member", member.name},
+                {"deck_tension_N", member.tension_N},
+                {"scene_tension_N", member.scene_tension_N},
+                {"axial_stiffness_ratio", member.axial_stiffness_ratio}};
+  });
   return result;
 }
 

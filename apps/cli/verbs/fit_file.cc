@@ -1,14 +1,8 @@
-#include "apps/cli/verbs/fit_file.h"
+// The JSON result of `rigfit update` as what another verb starts from.
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
-#include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
-#include "apps/cli/named_numbers.h"
+#include "apps/cli/verbs/all.h"
+#include "ident/predict/scene_prediction.h"
 #include "model/scene/scene_error.h"
 
 namespace rigfit::apps {
@@ -90,18 +84,6 @@ ident::FittedParameters read_fit(const std::string& path, bool accepted, VerbCon
     throw model::SceneError({path, 0, 0, "parameters"},
                             std::string("is no whole result of a fit: ") + error.what(),
                             std::string("give what ") + kWrittenBy + " wrote");
-  }
-}
-
-void apply_maps(const std::vector<std::string>& maps, ident::FittedParameters& fitted) {
-  for (const auto& text : maps) {
-    const auto [name, list] = named_text("--map", text, "NAME=TARGET[,-TARGET...]");
-    const auto known = std::ranges::find(fitted.parameters, name, &ident::KnownParameter::name);
-    if (known == fitted.parameters.end())
-      throw UsageError("--map: the fit has no parameter " + name);
-    auto targets = signed_names("--map", list);
-    known->targets = std::move(targets.names);
-    known->factors = std::move(targets.signs);
   }
 }
 

@@ -3,28 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 
 #include "apps/campaign_file/recording_description.h"
 #include "apps/results/results_json.h"
-#include "signal/readers/csv/csv_fields.h"
 
 namespace rigfit::apps {
 namespace {
-
-/// By the noise, off (0), of the pulse (-1), or in seconds.
-std::optional<double> force_window_of(const std::string& text) {
-  double seconds = 0;
-  if (text == "by-noise") return std::nullopt;
-  if (text == "off") return 0;
-  if (text == "auto") return -1;
-  if (signal::parse_whole_number(text, '.', seconds) && seconds > 0 && std::isfinite(seconds)) {
-    return seconds;
-  }
-  throw UsageError("--force-window is by-noise, off, auto or a time in seconds, not \"" + text +
-                   "\"");
-}
 
 /// The recordings by the place struck, in the order of the files.
 std::vector<ident::StruckPlace> read_places(VerbContext& context, const ImpactCommand& command) {
@@ -43,21 +27,28 @@ std::vector<ident::StruckPlace> read_places(VerbContext& context, const ImpactCo
 describe::Options options_of(ImpactCommand& c) {
   auto& impact = c.hammer.impact;
   auto& hits = impact.hits;
+  auto window =
+      option("--force-window", impact.force_window_s,
+             "Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or "
+             "by-noise: auto where the noise on the force matters, else off (default)")
+          .positive()
+          .one_of({"auto", "off", "by-noise"})
+          .type("S|auto|off|by-noise");
+  window.set = [&impact](const Json& given) {
+    if (given == "by-noise") return impact.force_window_s.reset();
+    impact.force_window_s = given == "auto" ? -1 : given == "off" ? 0 : given.get<double>();
+  };
   return {
       option("--force", c.hammer.force, "Force channel: name or #k"),
       option("--response", c.hammer.responses, "Response channels [every other]"),
-      option("--driving-point", c.hammer.driving_point, "The response at the point struck"),
+      option("--driving-point", c.hammer.driving_point, "The response at the point struck")
+          .excludes("--struck"),
       option("--struck", c.struck,
              "Point struck in each file, one a file (roving hammer): a response's name where it "
              "was struck, else any name"),
       choice("--estimator", impact.estimator, {"h1", "h2", "hv"},
              "h1: noise on responses, h2: on force, hv: both"),
-      converted(
-          "--force-window",
-          [&impact](const auto& text) { impact.force_window_s = force_window_of(text); },
-          "Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or "
-          "by-noise: auto where the noise on the force matters, else off (default)")
-          .type("S|auto|off|by-noise"),
+      std::move(window),
       option("--exponential-window", impact.exponential_decay_rate_1_s,
              "Decay rate of a window on force and responses, 1/s; its damping is carried along and "
              "taken off the poles again")
@@ -77,9 +68,6 @@ ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
   if (!command.struck.empty() && command.struck.size() != command.files.size()) {
     throw UsageError(fmt::format("--struck names {} points for {} files: one a file",
                                  command.struck.size(), command.files.size()));
-  }
-  if (!command.struck.empty() && !command.hammer.driving_point.empty()) {
-    throw UsageError("--driving-point is for one point; --struck names every file's point");
   }
   ImpactRun run{read_places(context, command), {}};
   ident::HammerTestOptions options = command.hammer;

@@ -12,8 +12,6 @@ struct InspectCommand {
   std::vector<std::string> files;
 };
 
-constexpr std::size_t kMostDrawn = 20;  // recordings, so that a page opens at once
-
 constexpr const char* kInspectExample = R"(Example:
   rigfit inspect hits.csv
   rigfit inspect --json report.json hits.csv decay.uff run.lvm
@@ -59,7 +57,7 @@ Json inspected(const signal::Recording& recording, VerbContext& context) {
       context.warn(finding.code, finding.message, path + ": " + channel.channel);
     }
   }
-  if (context.plots && context.plots->sources++ < kMostDrawn) {
+  if (context.plots) {
     const auto id = fmt::format("recording-{}", context.plots->blocks.size() + 1);
     context.plots->add(recording_plots(id, recording, quality));
   }
@@ -77,15 +75,9 @@ Json inspected(const signal::Recording& recording, VerbContext& context) {
 }
 
 Json run(InspectCommand& options, VerbContext& context) {
-  Json recordings = Json::array();
-  for (const auto& path : options.files) {
-    recordings.push_back(inspected(load(path, context), context));
-  }
-  if (context.plots && options.files.size() > kMostDrawn) {
-    context.warn("left_out", fmt::format("the first {} of {} recordings are drawn", kMostDrawn,
-                                         options.files.size()));
-  }
-  return {{"recordings", std::move(recordings)}};
+  return {{"recordings", describe::json_list(options.files, [&](const auto& path) {
+             return inspected(load(path, context), context);
+           })}};
 }
 
 describe::Options options_of(InspectCommand& c) {

@@ -21,7 +21,6 @@ struct ModalCommand {
   int order = signal::LscfOptions().max_order;
   int averages = 0;  ///< behind the coherence of FRFs from a file; 0: as the file says
   std::string out, synthesis;
-  bool all = false;                     ///< print uncertain modes as well
   bool ambient = false;                 ///< motion under unknown forces: no FRFs, no hits
   std::vector<std::string> references;  ///< stay in place in all set-ups of ambient motion
 
@@ -31,41 +30,31 @@ struct ModalCommand {
 bool doubtful(const signal::IdentifiedMode& mode) { return mode.doubtful; }
 bool doubtful(const signal::AmbientMode& one) { return one.mode.doubtful; }
 
-/// The modes as a table: the sure ones, and how many others there are; `all`: those too.
+/// The modes as a table: the sure ones, and how many others there are.
 template <class Mode>
-void print_modes(std::ostream& out, std::vector<Mode> modes, bool all) {
-  const auto others = std::erase_if(modes, [&](const Mode& one) { return !all && doubtful(one); });
-  describe::print(out, describe::table_of(modes));
-  if (others > 0) out << fmt::format("and {} uncertain: --all lists them\n", others);
+void print_modes(VerbContext& context, std::vector<Mode> modes) {
+  const auto others =
+      std::erase_if(modes, [&](const Mode& one) { return !context.verbose && doubtful(one); });
+  describe::print(context.out, describe::table_of(modes));
+  if (others > 0) context.out << fmt::format("and {} uncertain: --verbose lists them\n", others);
 }
 
 // Modes from motion under unknown forces, one or several set-ups.
 
-/// Set-ups that have a reference, or an error that names the channels that would serve.
 signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context) {
   signal::AmbientOptions options;
   options.channels = command.impact.hammer.responses;
+  options.references = command.references;
   if (const auto& band = command.band()) std::tie(options.low_hz, options.high_hz) = *band;
   // The usual order of FRFs is not that of half spectra.
   if (command.order != ModalCommand().order) options.max_order = command.order;
   options.threads = context.threads;
   std::vector<signal::AmbientResult> setups;
   for (const auto& file : command.files) {
-    // One recording is held at a time: a day of many channels fills the memory. A reference that
-    // it lacks is refused below, with the channels that would serve.
-    const signal::Recording recording = load_recording(file, context);
-    options.references.clear();
-    for (const auto& name : command.references) {
-      const auto there = std::ranges::find(recording.channels, name, &signal::Channel::name);
-      if (there != recording.channels.end() || command.files.size() == 1) {
-        options.references.push_back(name);
-      }
-    }
-    setups.push_back(signal::ambient_modes(recording, options));
-    for (auto& note : setups.back().notes) {
-      if (command.files.size() > 1)
-        note.where = file + (note.where.empty() ? "" : ", ") + note.where;
-    }
+    // One recording is held at a time: a day of many channels fills the memory.
+    setups.push_back(signal::ambient_modes(load_recording(file, context), options));
+    if (command.files.size() == 1) continue;
+    for (auto& note : setups.back().notes) note.where.insert(0, file + ": ");
   }
   return signal::merge_setups(setups, command.references);
 }
@@ -122,7 +111,7 @@ Json ambient_result(const ModalCommand& command, VerbContext& context) {
   result["input_points"] = Json::array();
   result["ambient"] = true;
   result["amplitudes"] = false;  // shapes have no scale
-  print_modes(context.out, found.modes, command.all);
+  print_modes(context, found.modes);
   if (!found.tones.empty()) describe::print(context.out, describe::table_of(found.tones));
   context.out << fmt::format("{:.4g} to {:.4g} Hz, {:.0f} s, correlations to {:.3g} s\n",
                              found.low_hz, found.high_hz, found.duration_s, found.lag_s);
@@ -150,14 +139,6 @@ void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
         frfs.exponential_decay_rate_1_s));
   }
   frfs.exponential_decay_rate_1_s = rate;
-}
-
-ident::IdentifiedModes identify(const MeasuredFrfs& measured, const ModalCommand& options) {
-  signal::ModalOptions modal;
-  modal.lscf.max_order = options.order;
-  auto found = ident::identify(measured.frfs, options.band(), measured.usable_hz, modal);
-  if (!found.modal) throw Refused(found.findings.front().message, found.findings.front().code);
-  return found;
 }
 
 /// FRFs of another analyser: takes off its window, and makes error bars from the coherence where
@@ -203,13 +184,17 @@ Json run(ModalCommand& options, VerbContext& context) {
   if (measured.run) result["hits"] = hits_json(*measured.run);
   if (measured.frfs.frequency_hz.size() == 0) return result;  // refused, and said why
 
-  const ident::IdentifiedModes identified = identify(measured, options);
+  signal::ModalOptions modal;
+  modal.lscf.max_order = options.order;
+  const auto identified = ident::identify(measured.frfs, options.band(), measured.usable_hz, modal);
+  const auto& findings = identified.findings;
+  if (!identified.modal) throw Refused(findings.front().message, findings.front().code);
   const signal::ModalResult& found = *identified.modal;
   const signal::ModalModel& model = found.model;
-  context.tell(identified.findings);
+  context.tell(findings);
   if (!identified.converged()) context.exit_code = ExitCode::not_converged;
   result.update(describe::json_of(found));
-  print_modes(context.out, model.modes, options.all);
+  print_modes(context, model.modes);
   context.out << fmt::format("{:.4g} to {:.4g} Hz, {} lines, model orders to {}", found.low_hz,
                              found.high_hz, found.lines_used, found.stabilisation.orders_solved);
   if (found.misfit_over_error_bars) {
@@ -256,7 +241,6 @@ describe::Options options_of(ModalCommand& c) {
       option("--reference", c.references,
              "Channels that stay in place in all set-ups [those that all files have]")
           .needs("--ambient"),
-      option("--all", c.all, "List uncertain modes as well"),
       option("--averages", c.averages,
              "Averages behind the coherence of FRFs from a file [as the file says]")
           .within(1, 1000000)

@@ -1,12 +1,12 @@
 // rigfit new: a campaign to start from, of one's own recordings or as a commented example.
 
+#include <exception>
 #include <system_error>
 
 #include "apps/campaign_file/bending_files.h"
 #include "apps/cli/assets.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
-#include "document/document_error.h"
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/recording/recording_error.h"
 
@@ -14,26 +14,31 @@ namespace rigfit::apps {
 namespace fs = std::filesystem;
 namespace {
 
+/// A number that tests of these kinds need and no file tells.
+struct Needed {
+  const char *key, *kinds, *unit;
+};
+constexpr Needed kNeeded[] = {{"span", "bending", "m between the clamps or supports"},
+                              {"length", "axial, tension", "m of cable"},
+                              {"mass", "axial", "kg, adapter included"},
+                              {"mass_per_length", "tension", "kg/m"}};
+
 struct NewCommand {
   std::string folder;
   bool example = false;
   std::vector<std::string> from;
-  std::string kind;                                     ///< shared by all tests; empty: guessed
-  double span_m = 0, mass_kg = 0, mass_per_length = 0;  ///< 0: not given
-  double length_m = 0;          ///< the length for the file that is looked at
-  std::vector<double> lengths;  ///< m, of axial and tension tests: for all files, or one each
+  std::string kind;                                                     ///< empty: guessed
+  std::map<std::string, double> numbers;                                ///< by key; 0: not given
   std::map<std::string, std::pair<double, std::string>> sensitivities;  ///< by channel, with unit
 };
 
 /// "CHANNEL=2.27 mV/N"
 void add_sensitivity(const std::string& text, NewCommand& command) {
   const auto [name, value] = named_text("--sensitivity", text, "\"CHANNEL=2.27 mV/N\"");
-  const auto blank = value.find(' ');
+  const auto blank = std::min(value.find(' '), value.size());
   double number = 0;
-  if (blank == std::string::npos ||
-      !signal::parse_whole_number(value.substr(0, blank), '.', number)) {
-    throw UsageError(fmt::format(
-        "--sensitivity {}: write it with its unit, such as \"{}=2.27 mV/N\"", text, name));
+  if (!signal::parse_whole_number(value.substr(0, blank), '.', number) || blank == value.size()) {
+    throw UsageError("--sensitivity " + text + ": write it with its unit, \"CHANNEL=2.27 mV/N\"");
   }
   command.sensitivities[name] = {number, value.substr(blank + 1)};
 }
@@ -49,34 +54,31 @@ std::string toml_text(const Json& value) {
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Short pulses over a quiet record: the largest sample stands far above the root mean square (a
-/// sine has a crest factor of 1.4, noise of 4 to 5, a decay that fills the record of some 5). What
-/// `swings` as a response does goes to both sides; the force of a hammer goes to one.
-bool has_pulses(const Eigen::VectorXd& samples, bool& swings) {
+/// Short pulses to one side over a quiet record: the largest sample stands far above the root mean
+/// square (a sine has a crest factor of 1.4, noise of 4 to 5, a decay that fills the record of some
+/// 5); a response goes to both sides.
+bool has_pulses(const Eigen::VectorXd& samples) {
   Eigen::ArrayXd x = samples.unaryExpr([](double y) { return std::isfinite(y) ? y : 0.0; });
   if (x.size() < 64) return false;
   x -= x.mean();
   const double up = x.maxCoeff(), down = -x.minCoeff(), rms = std::sqrt(x.square().mean());
-  swings = std::min(up, down) > 0.2 * std::max(up, down);
-  return rms > 0 && std::max(up, down) > 8 * rms;
+  return std::max(up, down) > 8 * rms && std::min(up, down) < 0.2 * std::max(up, down);
 }
 
-/// The channel of the hammer: by its name, as a force with pulses, or as the only channel that
-/// looks like one and is no motion by its unit; null: there is none.
+/// The channel of the hammer: by its name, or as the only one, a force before others, that has its
+/// pulses and is no motion by its unit; null: there is none.
 const signal::Channel* hammer_of(const signal::Recording& recording) {
   if (const auto* named = channel_like(recording, {"hammer", "impact"})) return named;
-  std::vector<const signal::Channel*> alike;
-  for (const auto& channel : recording.channels) {
-    bool swings = false;
-    if (!has_pulses(channel.samples, swings)) continue;
-    const bool force = channel.quantity == signal::Quantity::force ||
-                       signal::lower_case(channel.name).starts_with("force");
-    if (force) return &channel;
-    const bool could_be_force = channel.quantity == signal::Quantity::unknown ||
-                                channel.quantity == signal::Quantity::voltage;
-    if (could_be_force && !swings) alike.push_back(&channel);
+  using enum signal::Quantity;
+  for (const auto& wanted : {std::vector{force}, {unknown, voltage}}) {
+    std::vector<const signal::Channel*> alike;
+    for (const auto& channel : recording.channels) {
+      const bool could_be = std::ranges::find(wanted, channel.quantity) != wanted.end();
+      if (could_be && has_pulses(channel.samples)) alike.push_back(&channel);
+    }
+    if (alike.size() == 1) return alike.front();
   }
-  return alike.size() == 1 ? alike.front() : nullptr;
+  return nullptr;
 }
 
 signal::RecordingError unusable(const signal::Recording& recording, const char* problem,
@@ -112,17 +114,11 @@ std::pair<std::string, std::string> kind_of(const signal::Recording& recording,
           "to rigfit axial for EA"};
 }
 
-/// A number that tests of a kind need.
-struct Needed {
-  const char *kind, *key, *unit, *option;
-  double NewCommand::*given;
-};
-constexpr Needed kNeeded[] = {
-    {"bending", "span", "m between the clamps or supports", "--span", &NewCommand::span_m},
-    {"axial", "length", "m of cable", "--length", &NewCommand::length_m},
-    {"tension", "length", "m of cable", "--length", &NewCommand::length_m},
-    {"axial", "mass", "kg, adapter included", "--mass", &NewCommand::mass_kg},
-    {"tension", "mass_per_length", "kg/m", "--mass-per-length", &NewCommand::mass_per_length}};
+/// "--mass-per-length" of "mass_per_length".
+std::string option_of(std::string key) {
+  std::ranges::replace(key, '_', '-');
+  return "--" + key;
+}
 
 /// The channels of a test, as keys.
 std::string channel_keys(const std::string& kind, const signal::Recording& recording,
@@ -168,15 +164,15 @@ GuessedTest test_of(const signal::Recording& recording, const NewCommand& comman
   const auto bent = load_deflection(recording);
   GuessedTest test;
   std::tie(test.kind, test.why) = kind_of(recording, command, hammer, bent);
-  for (const auto& one : kNeeded) {
-    if (test.kind != one.kind) continue;
-    const double value = command.*one.given;
-    if (!(value > 0)) {
+  for (const auto& [key, kinds, unit] : kNeeded) {
+    if (std::string_view(kinds).find(test.kind) == std::string_view::npos) continue;
+    const double value = command.numbers.at(key);
+    if (value == 0) {
       throw UsageError(fmt::format("{}: a test of kind {}: give the {}, {}",
-                                   recording.path.string(), test.kind, one.key, one.option));
+                                   recording.path.string(), test.kind, key, option_of(key)));
     }
-    const bool each = test.kind == "axial" && one.given == &NewCommand::length_m;
-    (each ? of_recording : test.keys) += fmt::format("{} = {}  # {}\n", one.key, value, one.unit);
+    auto& keys = test.kind == "axial" && key == std::string("length") ? of_recording : test.keys;
+    keys += fmt::format("{} = {}  # {}\n", key, value, unit);
   }
   test.keys += channel_keys(test.kind, recording, hammer, bent);
   return test;
@@ -201,17 +197,15 @@ std::string channels_text(const signal::Recording& recording, const NewCommand& 
   return text.empty() ? text : "channel = [\n" + text + "]\n";
 }
 
-/// Files, and those in folders, which describe nothing and are none of ours.
-std::vector<std::string> files_in(const std::vector<std::string>& given, const fs::path& folder) {
+/// Files, and those in folders, which describe nothing.
+std::vector<std::string> files_in(const std::vector<std::string>& given) {
   std::vector<std::string> files;
-  const std::string ours = fs::weakly_canonical(fs::absolute(folder)).string() + "/";
   for (const auto& one : given) {
     std::error_code none;
     std::vector<std::string> inside;
     for (const auto& entry : fs::recursive_directory_iterator(one, none)) {
       const bool hidden = entry.path().filename().string().starts_with(".");
-      const bool own = fs::weakly_canonical(fs::absolute(entry.path())).string().starts_with(ours);
-      if (entry.is_regular_file(none) && !hidden && !own) inside.push_back(entry.path().string());
+      if (entry.is_regular_file(none) && !hidden) inside.push_back(entry.path().string());
     }
     if (!fs::is_directory(one, none)) inside.push_back(one);
     std::ranges::sort(inside);
@@ -221,15 +215,14 @@ std::vector<std::string> files_in(const std::vector<std::string>& given, const f
   return files;
 }
 
-/// Options that no test of the campaign takes, and channels that no recording has.
+/// Refuses options that no test of the campaign takes, and channels that no recording has.
 void check_options(const std::string& text, const std::vector<std::string>& channels,
                    const NewCommand& command) {
-  for (const auto& one : kNeeded) {
-    if (!(command.*one.given > 0)) continue;
-    if (text.find(fmt::format("\n{} = ", one.key)) != std::string::npos) continue;
-    throw UsageError(fmt::format(
-        "{} belongs to none of these tests: give the files of such a test alone, with --kind",
-        one.option));
+  for (const auto& [key, value] : command.numbers) {
+    if (value == 0 || text.find(fmt::format("\n{} = ", key)) != std::string::npos) continue;
+    throw UsageError(
+        option_of(key) +
+        " belongs to none of these tests: give the files of such a test alone, with --kind");
   }
   for (const auto& [name, value] : command.sensitivities) {
     if (std::ranges::find(channels, name) != channels.end()) continue;
@@ -242,18 +235,11 @@ void check_options(const std::string& text, const std::vector<std::string>& chan
 /// decay. What cannot be used is warned of ("data_left_out"). Throws UsageError where a test needs
 /// a number that is not given or a number is given that no test takes, signal::RecordingError where
 /// no file can be read.
-std::string guessed_campaign(NewCommand& command, VerbContext& context) {
+std::string guessed_campaign(const NewCommand& command, VerbContext& context) {
   std::vector<GuessedTest> tests;
   std::vector<std::string> channels;
-  const std::vector<std::string> files = files_in(command.from, command.folder);
-  const auto& lengths = command.lengths;
-  if (lengths.size() > 1 && lengths.size() != files.size()) {
-    throw UsageError(fmt::format("--length gives {} lengths for {} files: one for all, or one each",
-                                 lengths.size(), files.size()));
-  }
-  std::optional<signal::RecordingError> first_error;
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const auto& file = files[i];
+  std::exception_ptr first_error;
+  for (const auto& file : files_in(command.from)) {
     try {
       context.input(file);
       if (context.reading.format.empty() && over_frequency(file, context.reading)) {
@@ -266,7 +252,6 @@ std::string guessed_campaign(NewCommand& command, VerbContext& context) {
       auto table = document::TomlTable::parse(said, file);
       signal::apply_description(signal::read_description(table), recording);
       std::string of_recording;
-      if (!lengths.empty()) command.length_m = lengths[lengths.size() == 1 ? 0 : i];
       GuessedTest test = test_of(recording, command, of_recording);
       if (test.kind == "bending") drop_time_notes(recording);
       tell_notes(recording, context);
@@ -277,14 +262,13 @@ std::string guessed_campaign(NewCommand& command, VerbContext& context) {
       if (same == tests.end()) same = tests.insert(tests.end(), std::move(test));
       const auto path = fs::proximate(fs::absolute(file), fs::absolute(command.folder));
       same->recordings[of_recording + said].push_back(path.string());
-    } catch (const signal::RecordingError& error) {
-      if (!first_error) first_error = error;
-      context.warn("data_left_out", std::string("is left out: ") + error.what(), file);
-    } catch (const document::DocumentError& error) {
+    } catch (const std::exception& error) {
+      if (exit_code_of(error) != ExitCode::bad_input) throw;
+      if (!first_error) first_error = std::current_exception();
       context.warn("data_left_out", std::string("is left out: ") + error.what(), file);
     }
   }
-  if (tests.empty() && first_error) throw *first_error;
+  if (tests.empty() && first_error) std::rethrow_exception(first_error);
   if (tests.empty()) throw UsageError("none of the files is a recording over time or a table");
   std::string text =
       "# A campaign of your own recordings. Run it: rigfit report campaign.toml\n"
@@ -327,7 +311,7 @@ Json run(NewCommand& command, VerbContext& context) {
   Json files = Json::array();
   for (const auto& [name, content] : texts) {
     const fs::path path = root / name;
-    make_output_folder(path.parent_path().empty() ? fs::path(".") : path.parent_path());
+    make_output_folder(path.parent_path());
     write_whole_file(path, content);
     files.push_back(path.string());
     context.out << "wrote " << path.string() << '\n';
@@ -342,19 +326,18 @@ describe::Options options_of(NewCommand& c) {
       option("--from", c.from, "Recordings, or folders of them, to make a campaign of"),
       option("--example", c.example,
              "The commented example with published values (also without --from)")};
-  for (auto& one :
-       {option("--kind", c.kind, "What the recordings are [guessed]").one_of(kinds_of_tests()),
-        option("--span", c.span_m, "Of bending tests", "m").positive(),
-        option("--mass", c.mass_kg, "Of axial tests", "kg").positive(),
-        option("--mass-per-length", c.mass_per_length, "Of tension tests", "kg/m").positive(),
-        option("--length", c.lengths, "Of axial and tension tests, m: one for all, or one a file")
-            .positive(),
-        converted(
-            "--sensitivity", [&c](const auto& text) { add_sensitivity(text, c); },
-            "Of a channel's transducer", describe::Kind::texts)
-            .type("\"CHANNEL=2.27 mV/N\"")}) {
-    options.push_back(describe::Option(one).needs("--from"));
+  describe::Options said{
+      option("--kind", c.kind, "What the recordings are [guessed]").one_of(kinds_of_tests()),
+      converted(
+          "--sensitivity", [&c](const auto& text) { add_sensitivity(text, c); },
+          "Of a channel's transducer", describe::Kind::texts)
+          .type("\"CHANNEL=2.27 mV/N\"")};
+  for (const auto& [key, kinds, unit] : kNeeded) {
+    said.push_back(
+        option(option_of(key), c.numbers[key], fmt::format("Of tests of kind {}", kinds), unit)
+            .positive());
   }
+  for (auto& one : said) options.push_back(std::move(one).needs("--from"));
   return options;
 }
 

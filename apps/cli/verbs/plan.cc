@@ -53,57 +53,48 @@ void print_plan(const ident::PlanResult& plan, VerbContext& context) {
   }
 }
 
-Json std_json(const std::string& name, double std, double value) {
-  return {{"name", name},
-          {"std", std},
-          {"relative_std", value != 0 ? std / std::abs(value) : std::nan("")}};
+Json std_json(const ident::PlannedParameter& one, double std) {
+  return {{"name", one.name}, {"std", std}, {"relative_std", std / std::abs(one.value)}};
 }
 
 Json plan_json(const ident::PlanResult& plan, const std::vector<ident::UpdateState>& states) {
-  Json json{{"goals", Json::array()},
-            {"parameters", Json::array()},
-            {"proposals", Json::array()},
-            {"modes", Json::array()},
-            {"not_identifiable", Json::array()}};
-  for (const auto& goal : plan.goals) {
-    json["goals"].push_back({{"name", goal.goal.parameter},
-                             {"std", goal.wanted_std},
-                             {"reached", goal.reached},
-                             {"takes", goal.takes}});
-  }
-  for (const auto& one : plan.parameters) {
-    Json row = std_json(one.name, one.std, one.value);
-    row["value"] = one.value;
-    row["std_before"] = one.std_before;
-    row["best_std"] = one.best_std;
-    json["parameters"].push_back(std::move(row));
-  }
-  for (const auto& proposal : plan.proposals) {
-    Json row{{"what", proposal.what}, {"cost", proposal.cost_s}, {"parameters", Json::array()}};
-    for (std::size_t p = 0; p < plan.parameters.size(); ++p) {
-      const auto& one = plan.parameters[p];
-      row["parameters"].push_back(std_json(one.name, proposal.std[p], one.value));
-    }
-    json["proposals"].push_back(std::move(row));
-  }
-  for (const auto& mode : plan.modes) {
-    json["modes"].push_back(
-        {{"state", states[mode.state].name},
-         {"plane", model::name_of(mode.plane)},
-         {"order", mode.order + 1},
-         {"frequency_hz", describe::json_of(signal::Estimate{
-                              mode.frequency_hz, mode.frequency_std * mode.frequency_hz})},
-         {"damping_ratio", describe::json_of(signal::Estimate{
-                               mode.damping_ratio, mode.damping_std * mode.damping_ratio})}});
-  }
-  for (const auto& open : plan.not_identifiable) {
-    Json row{{"parameters", Json::array()}, {"message", open.message}};
-    for (const int p : open.parameters) {
-      row["parameters"].push_back(plan.parameters[static_cast<std::size_t>(p)].name);
-    }
-    json["not_identifiable"].push_back(std::move(row));
-  }
-  return json;
+  using describe::json_list, describe::json_of, signal::Estimate;
+  const auto goal = [](const ident::PlannedGoal& one) -> Json {
+    return {{"name", one.goal.parameter},
+            {"std", one.wanted_std},
+            {"reached", one.reached},
+            {"takes", one.takes}};
+  };
+  const auto parameter = [](const ident::PlannedParameter& one) {
+    Json row = std_json(one, one.std);
+    row.update({{"value", one.value}, {"std_before", one.std_before}, {"best_std", one.best_std}});
+    return row;
+  };
+  const auto proposal = [&](const ident::PlanProposal& one) -> Json {
+    std::size_t p = 0;
+    return {{"what", one.what},
+            {"cost", one.cost_s},
+            {"parameters", json_list(plan.parameters, [&](const auto& parameter_of) {
+               return std_json(parameter_of, one.std[p++]);
+             })}};
+  };
+  const auto mode = [&](const ident::PlannedMode& one) -> Json {
+    const double f = one.frequency_hz, zeta = one.damping_ratio;
+    return {{"state", states[one.state].name},
+            {"plane", model::name_of(one.plane)},
+            {"order", one.order + 1},
+            {"frequency_hz", json_of(Estimate{f, one.frequency_std * f})},
+            {"damping_ratio", json_of(Estimate{zeta, one.damping_std * zeta})}};
+  };
+  const auto open = [&](const ident::OpenDirection& one) -> Json {
+    const auto name = [&](int p) { return plan.parameters[static_cast<std::size_t>(p)].name; };
+    return {{"parameters", json_list(one.parameters, name)}, {"message", one.message}};
+  };
+  return {{"goals", json_list(plan.goals, goal)},
+          {"parameters", json_list(plan.parameters, parameter)},
+          {"proposals", json_list(plan.proposals, proposal)},
+          {"modes", json_list(plan.modes, mode)},
+          {"not_identifiable", json_list(plan.not_identifiable, open)}};
 }
 
 void tell_plan(const ident::PlanResult& plan, VerbContext& context) {

@@ -5,7 +5,6 @@
 
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/fit_file.h"
 #include "ident/predict/damage_estimate.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/scene/sensor_quantity.h"
@@ -33,6 +32,19 @@ constexpr const char* kPredictExample =
     "Example: the beam of a rig, fitted with its cables on, by itself\n"
     "  rigfit update rig.toml --measured rig.csv --free beam.EI_z --json fit.json\n"
     "  rigfit predict beam.toml --from fit.json --count 5 --measured beam.csv";
+
+/// "NAME=TARGET[,-TARGET...]": what a parameter of the fit is called in the scene.
+void apply_maps(const std::vector<std::string>& maps, ident::FittedParameters& fitted) {
+  for (const auto& text : maps) {
+    const auto [name, list] = named_text("--map", text, "NAME=TARGET[,-TARGET...]");
+    const auto known = std::ranges::find(fitted.parameters, name, &ident::KnownParameter::name);
+    if (known == fitted.parameters.end())
+      throw UsageError("--map: the fit has no parameter " + name);
+    auto targets = signed_names("--map", list);
+    known->targets = std::move(targets.names);
+    known->factors = std::move(targets.signs);
+  }
+}
 
 /// Adds the inputs of `--input` and says what became of each.
 std::vector<ident::AddedInput> add_inputs(const model::Scene& scene, const PredictCommand& command,

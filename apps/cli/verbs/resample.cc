@@ -21,18 +21,17 @@ Json run(ResampleCommand& command, VerbContext& context) {
   for (std::size_t k = known; k < result.recording.notes.size(); ++k) {
     context.out << result.recording.notes[k].message << '\n';
   }
-  Json channels = Json::array();
-  for (std::size_t c = 0; c < result.error_rms.size(); ++c) {
-    const auto& channel = result.recording.channels[c];
-    channels.push_back(
-        {{"name", channel.name}, {"unit", channel.unit}, {"error_rms", result.error_rms[c]}});
-    context.out << fmt::format("{}: error at most {:.2g} {} rms\n", channel.name,
-                               result.error_rms[c], channel.unit);
-  }
+  std::size_t c = 0;
+  const auto error = [&](const signal::Channel& channel) -> Json {
+    const double rms = result.error_rms[c++];
+    context.out << fmt::format("{}: error at most {:.2g} {} rms\n", channel.name, rms,
+                               channel.unit);
+    return {{"name", channel.name}, {"unit", channel.unit}, {"error_rms", rms}};
+  };
   Json json{{"from_hz", result.from_hz},
             {"sample_rate_hz", result.recording.sample_rate_hz},
             {"samples", result.recording.samples()},
-            {"channels", std::move(channels)}};
+            {"channels", describe::json_list(result.recording.channels, error)}};
   if (context.at_hand) {
     context.at_hand->resampled = std::make_shared<signal::Recording>(result.recording);
   }

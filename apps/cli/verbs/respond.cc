@@ -4,7 +4,6 @@
 #include "model/response/response.h"
 #include "model/scene/scene_error.h"
 #include "model/scene/sensor_quantity.h"
-#include "signal/readers/read_recording.h"
 #include "signal/writers/write_csv.h"
 
 namespace rigfit::describe {
@@ -43,31 +42,26 @@ struct RespondCommand {
   RespondCommand() { response.sampling = {.duration_s = 0, .rate_hz = 0}; }
 };
 
-/// The force of a recorded load: the file's only channel, or the one that is a force.
-model::ForceHistory read_force(const model::Scene& scene, std::size_t index) {
-  const model::Load& load = scene.loads[index];
-  const auto error = [&](const std::string& problem, const std::string& remedy) {
-    return model::SceneError({scene.file, 0, 0, fmt::format("load[{}].file", index)},
-                             load.file + ": " + problem, remedy);
-  };
-  const signal::Recording recording = signal::read_recording(load.file);
-  const signal::Channel* force = nullptr;
-  for (const signal::Channel& channel : recording.channels) {
-    // A channel alone without a unit is in N; one in another unit is no force.
-    const bool alone =
-        recording.channels.size() == 1 && channel.quantity == signal::Quantity::unknown;
-    if (channel.quantity != signal::Quantity::force && !alone) continue;
-    if (force) throw error("has more than one force", "leave one channel in the file");
-    force = &channel;
-  }
-  if (!force) throw error("has no force channel", "give one channel a force unit such as (N)");
-  if (!force->samples.allFinite()) throw error("has missing samples", "fill or cut them");
+/// The force of a recorded load, its file's only channel; without a unit it is in N.
+model::ForceHistory read_force(const model::Load& load, const std::string& scene_file,
+                               VerbContext& context) {
+  const signal::Recording recording = load_recording(load.file, context);
   const auto& times = recording.time_s;
-  if (times.size() == 0 && !(recording.sample_rate_hz > 0)) {
-    throw error("has neither a time column nor a rate", "add a time column");
+  const auto& force = recording.channels.front();
+  const bool is_force =
+      force.quantity == signal::Quantity::force || force.quantity == signal::Quantity::unknown;
+  const bool timed = times.size() > 0 || recording.sample_rate_hz > 0;
+  for (const auto& [there, problem] :
+       {std::pair{recording.channels.size() > 1, "has more than one channel"},
+        {!is_force, "has no force channel"},
+        {!force.samples.allFinite(), "has missing samples"},
+        {!timed, "has neither a time column nor a rate"}}) {
+    if (!there) continue;
+    throw model::SceneError({scene_file, 0, 0, "load.file"}, load.file + ": " + problem,
+                            "give it columns of time (s) and force (N) without gaps");
   }
-  model::ForceHistory history{{}, {force->samples.begin(), force->samples.end()}};
-  for (Eigen::Index i = 0; i < force->samples.size(); ++i) {
+  model::ForceHistory history{{}, {force.samples.begin(), force.samples.end()}};
+  for (Eigen::Index i = 0; i < force.samples.size(); ++i) {
     const double even = static_cast<double>(i) / recording.sample_rate_hz;
     history.time_s.push_back(times.size() > 0 ? times(i) : recording.start_time_s + even);
   }
@@ -100,8 +94,7 @@ Json run(RespondCommand& options, VerbContext& context) {
   wanted.records.resize(scene.loads.size());
   for (std::size_t l = 0; l < scene.loads.size(); ++l) {
     if (scene.loads[l].kind != model::Load::Kind::record) continue;
-    context.input(scene.loads[l].file);
-    wanted.records[l] = read_force(scene, l);
+    wanted.records[l] = read_force(scene.loads[l], scene.file, context);
   }
   if (scene.loads.empty()) {
     context.warn("no-load", "the scene has no load: it stays at rest", options.scene);
@@ -121,27 +114,28 @@ Json run(RespondCommand& options, VerbContext& context) {
         options.scene);
   }
 
-  Json segments = Json::array();
-  for (std::size_t m = 0; m < response.segments.size(); ++m) {
-    segments.push_back({{"member", response.members[m]}, {"segments", response.segments[m]}});
-  }
-  Json sensors = Json::array();
-  for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
-    const auto column = response.samples.col(static_cast<Eigen::Index>(s));
-    sensors.push_back(
-        {{"name", response.sensors[s]},
-         {"unit", model::described(scene.sensors[s].quantity).unit},
-         {"min", column.minCoeff()},
-         {"max", column.maxCoeff()},
-         {"rms", std::sqrt(column.squaredNorm() / static_cast<double>(column.size()))}});
-  }
+  std::size_t m = 0;
   Json result = describe::json_of(response);
   result["samples"] = response.samples.rows();
-  result["sensors"] = std::move(sensors);
+  result["sensors"] = describe::json_list(recording_of(scene, response).channels, [](auto& one) {
+    const auto& x = one.samples;
+    return Json{{"name", one.name},
+                {"unit", one.unit},
+                {"min", x.minCoeff()},
+                {"max", x.maxCoeff()},
+                {"rms", x.norm() / std::sqrt(x.size())}};
+  });
   result["modelled"] = {
-      {"motion", response.motion},       {"unknowns", response.unknowns},
-      {"segments", std::move(segments)}, {"resolution_error", response.resolution_error},
-      {"kept", response.kept},           {"left_out", describe::json_of(response.left_out)}};
+      {"motion", response.motion},
+      {"unknowns", response.unknowns},
+      {"segments",
+       describe::json_list(response.segments,
+                           [&](int segments) {
+                             return Json{{"member", response.members[m++]}, {"segments", segments}};
+                           })},
+      {"resolution_error", response.resolution_error},
+      {"kept", response.kept},
+      {"left_out", describe::json_of(response.left_out)}};
   context.out << scene.title << '\n';
   describe::print(context.out, describe::sheet_of(response));
   if (context.plots) context.plots->add(response_plots("response", scene, response));

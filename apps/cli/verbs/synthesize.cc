@@ -19,6 +19,8 @@
 namespace rigfit::apps {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct SynthesizeOptions {
   std::string scene;
   std::string out;
@@ -36,24 +38,28 @@ struct SynthesizeOptions {
   SynthesizeOptions() { axial.hung_mass_kg = 2.2, axial.damping_ratio = 0.017; }
 };
 
-constexpr double kMostSamples = 5e6;  // per record: some minutes of simulation
-namespace fs = std::filesystem;
-
-// The rig as it was set up for one row of tests.
+/// The rig as it was set up for one row of tests.
 struct State {
   model::Scene scene;
-  std::string prefix;        // begins the file names: "T100N-", or nothing
-  std::uint64_t stream = 0;  // added to the seed
+  std::uint64_t stream = 0;  ///< added to the seed
   std::optional<double> meant_N;
 };
 
-/// What is asked for, and the files written so far.
+/// Makes the recordings, writes them and says what is true of them.
 struct Laboratory {
   const SynthesizeOptions& options;
   const model::Scene& scene;
   VerbContext& context;
   std::vector<std::string> files = {};
 
+  [[nodiscard]] const model::Member& cable_of(const model::Scene& rig) const {
+    const auto cable =
+        std::ranges::find(rig.members, model::Member::Kind::cable, &model::Member::kind);
+    if (cable != rig.members.end()) return *cable;
+    throw model::SceneError({options.scene, 0, 0, "member"},
+                            "has no cable to tension, to bend or to hang a mass on",
+                            "leave out --tension, --bending-span and --axial-length");
+  }
   void write_text(const std::string& name, const std::string& text) {
     const fs::path path = fs::path(options.out) / name;
     make_output_folder(path.parent_path());
@@ -75,146 +81,133 @@ struct Laboratory {
                                                  fmt::format("{:g}", recording.sample_rate_hz)}}));
     return name;
   }
-};
 
-const model::Member& cable_of(const model::Scene& scene, const std::string& file) {
-  for (const auto& member : scene.members) {
-    if (member.kind == model::Member::Kind::cable) return member;
+  std::vector<State> states() {
+    if (options.tensions.empty()) return {{scene, 0, std::nullopt}};
+    (void)cable_of(scene);
+    ident::StiffnessCurve stiffness;
+    if (!options.stiffness.empty()) stiffness = read_stiffness_curve(options.stiffness, context);
+    std::vector<State> states;
+    for (const double tension : options.tensions) {
+      State state{cables_at(scene, tension, stiffness, options.stiffness, context),
+                  10'000'019 * states.size(), tension};
+      ident::Random random = ident::random_stream(context.seed + state.stream, 4'000'000);
+      // Cables that meet pull alike: one error for all of them.
+      const double error = options.tension_std * std::normal_distribution<double>()(random);
+      for (const auto& name : use_of_cables(scene).tension_of) {
+        model::set_parameter(state.scene, name, tension * (1 + error));
+      }
+      states.push_back(std::move(state));
+    }
+    return states;
   }
-  throw model::SceneError({file, 0, 0, "member"}, "has no cable to bend or to hang a mass on",
-                          "leave out --bending-span and --axial-length");
-}
 
-Json truth_of_rig(const model::Scene& scene, const ident::VirtualRigOptions& options) {
-  const model::Scene fine = ident::finer_scene(
-      ident::scene_with_accelerometers(scene, options.accelerometer_mass_kg), options.finer);
-  model::ModesOptions modes;
-  modes.count = 12;
-  modes.shapes = false;
-  const auto analysis = model::analyse_modes(fine, modes);
-  if (analysis.equilibrium.status != model::EquilibriumStatus::converged) {
-    throw NotConverged("no equilibrium to test: " + analysis.equilibrium.reason);
+  /// Parameters and modes of the rig that is tested, finer than its scene.
+  [[nodiscard]] Json truth_of(const State& state) const {
+    const auto& rig = options.rig;
+    model::ModesOptions modes;
+    modes.count = 12;
+    modes.shapes = false;
+    const auto analysis = model::analyse_modes(
+        ident::finer_scene(ident::scene_with_accelerometers(state.scene, rig.accelerometer_mass_kg),
+                           rig.finer),
+        modes);
+    if (analysis.equilibrium.status != model::EquilibriumStatus::converged) {
+      throw NotConverged("no equilibrium to test: " + analysis.equilibrium.reason);
+    }
+    Json parameters;
+    for (const auto& name : model::parameter_names(state.scene)) {
+      parameters[name] = model::parameter(state.scene, name);
+    }
+    return {{"parameters", std::move(parameters)},
+            {"segments_times", rig.finer},
+            {"accelerometer_mass_kg", rig.accelerometer_mass_kg},
+            {"modes", describe::json_of(analysis.modes)}};
   }
-  Json parameters;
-  for (const auto& name : model::parameter_names(scene)) {
-    parameters[name] = model::parameter(scene, name);
-  }
-  return {{"parameters", std::move(parameters)},
-          {"segments_times", options.finer},
-          {"accelerometer_mass_kg", options.accelerometer_mass_kg},
-          {"modes", describe::json_of(analysis.modes)}};
-}
 
-// Tests of one state; appends to `records`.
-Json synthesize_rig(Laboratory& lab, const State& state, Progress& progress) {
-  const auto& options = lab.options;
-  const ident::Simulate simulate = [&](const model::Scene& tested, double duration, double rate) {
-    model::ResponseOptions response;
-    response.sampling.duration_s = duration;
-    response.sampling.rate_hz = rate;
-    auto result = model::simulate_response(tested, response);
-    if (!result.completed) throw NotConverged("virtual rig: " + result.reason);
-    return std::move(result.samples);
-  };
-  const auto records =
-      ident::virtual_rig_records(state.scene, options.rig, simulate,
-                                 lab.context.seed + state.stream, [&] { progress.advance(); });
-  Json list = Json::array();
-  for (const auto& record : records) {
-    const std::string name = lab.write(
-        record.hit > 0 ? fmt::format("rig/{}{}-hit{}", state.prefix, record.load, record.hit)
-                       : fmt::format("rig/{}{}", state.prefix, record.load),
-        record.hit > 0 ? "hammer" : "release", record.recording, options.uff);
-    Json entry{{"file", name}, {"load", record.load}};
-    if (record.hit > 0) {
-      entry["peak_N"] = record.peak_N;
-      entry["double_hit"] = record.double_hit;
+  Json rig(const State& state, Progress& progress) {
+    const ident::Simulate simulate = [&](const model::Scene& tested, double duration, double rate) {
+      model::ResponseOptions response;
+      response.sampling.duration_s = duration;
+      response.sampling.rate_hz = rate;
+      auto result = model::simulate_response(tested, response);
+      if (!result.completed) throw NotConverged("virtual rig: " + result.reason);
+      return std::move(result.samples);
+    };
+    const auto write_record = [&](const ident::VirtualRigRecord& record) {
+      const bool hit = record.hit > 0;
+      std::string name = "rig/" + (state.meant_N ? fmt::format("T{:g}N-", *state.meant_N) : "");
+      name += record.load + (hit ? fmt::format("-hit{}", record.hit) : "");
+      Json entry{{"file", write(name, hit ? "hammer" : "release", record.recording, options.uff)},
+                 {"load", record.load}};
+      if (hit) entry.update({{"peak_N", record.peak_N}, {"double_hit", record.double_hit}});
       if (record.double_hit) {
         entry["second_peak_N"] = record.second_peak_N;
         entry["second_after_s"] = record.second_after_s;
       }
-    }
-    list.push_back(std::move(entry));
+      return entry;
+    };
+    Json truth = truth_of(state);
+    if (state.meant_N) truth["tension_meant_N"] = *state.meant_N;
+    truth["records"] = describe::json_list(
+        ident::virtual_rig_records(state.scene, options.rig, simulate, context.seed + state.stream,
+                                   [&] { progress.advance(); }),
+        write_record);
+    return truth;
   }
-  return list;
-}
 
-Json synthesize_bending(Laboratory& lab, const State& state) {
-  const auto& options = lab.options;
-  const model::Member& cable = cable_of(state.scene, options.scene);
-  ident::VirtualBendingTest test = options.bending;
-  test.EI_Nm2 = cable.EI[0];
-  test.tension_N = cable.tension.value_or(0);
-  test.tension_cell = options.rig.instruments.tension_cell;
-  test.load_cell = options.rig.instruments.load_cell;
-  test.lvdt = options.rig.instruments.lvdt;
-  ident::Random random = ident::random_stream(lab.context.seed + state.stream, 2'000'000);
-  const std::string name =
-      lab.write(fmt::format("bending/T{:g}N", state.meant_N.value_or(test.tension_N)),
-                fmt::format("bending, span {:g} m", test.span_m),
-                ident::virtual_bending_record(test, random));
-  return {{"file", name},
-          {"EI_Nm2", test.EI_Nm2},
-          {"span_m", test.span_m},
-          {"tension_N", test.tension_N},
-          {"friction_load_N", test.friction_load_N},
-          {"friction_travel_m", test.friction_travel_m}};
-}
+  Json bending(const State& state) {
+    const auto& cable = cable_of(state.scene);
+    const auto& instruments = options.rig.instruments;
+    ident::VirtualBendingTest test = options.bending;
+    test.EI_Nm2 = cable.EI[0];
+    test.tension_N = cable.tension.value_or(0);
+    test.tension_cell = instruments.tension_cell;
+    test.load_cell = instruments.load_cell;
+    test.lvdt = instruments.lvdt;
+    ident::Random random = ident::random_stream(context.seed + state.stream, 2'000'000);
+    return {{"file", write(fmt::format("bending/T{:g}N", state.meant_N.value_or(test.tension_N)),
+                           fmt::format("bending, span {:g} m", test.span_m),
+                           ident::virtual_bending_record(test, random))},
+            {"EI_Nm2", test.EI_Nm2},
+            {"span_m", test.span_m},
+            {"tension_N", test.tension_N},
+            {"friction_load_N", test.friction_load_N},
+            {"friction_travel_m", test.friction_travel_m}};
+  }
 
-Json synthesize_axial(Laboratory& lab) {
-  const auto& options = lab.options;
-  const model::Member& cable = cable_of(lab.scene, options.scene);
-  Json list = Json::array();
-  for (std::size_t i = 0; i < options.axial_lengths.size(); ++i) {
+  Json axial() {
+    const auto& cable = cable_of(scene);
     ident::VirtualAxialTest test = options.axial;
     test.EA_N = cable.EA;
     test.mass_per_length_kg_m = cable.mass_per_length;
-    ident::Random cut = ident::random_stream(lab.context.seed, 2'900'000 + i);
-    test.length_m = options.axial_lengths[i] +
-                    options.axial_length_std * std::normal_distribution<double>()(cut);
     test.load_cell = options.rig.instruments.tension_cell;
-    const auto truth = ident::axial_truth(test);
-    for (int tap = 1; tap <= options.taps; ++tap) {
-      ident::Random random =
-          ident::random_stream(lab.context.seed, 3'000'000 + 1000 * i + static_cast<unsigned>(tap));
-      const std::string name =
-          lab.write(fmt::format("axial/L{:g}m-{}", options.axial_lengths[i], tap),
-                    fmt::format("axial, length {:g} m, mass {:g} kg", options.axial_lengths[i],
-                                test.hung_mass_kg),
-                    ident::virtual_axial_record(test, random));
-      list.push_back({{"file", name},
-                      {"length_m", test.length_m},
-                      {"mass_kg", test.hung_mass_kg},
-                      {"EA_N", test.EA_N},
-                      {"frequency_hz", truth.frequency_hz},
-                      {"damping_ratio", truth.damping_ratio}});
+    Json list = Json::array();
+    for (std::size_t i = 0; i < options.axial_lengths.size(); ++i) {
+      const double meant_m = options.axial_lengths[i];
+      ident::Random cut = ident::random_stream(context.seed, 2'900'000 + i);
+      test.length_m = meant_m + options.axial_length_std * std::normal_distribution<double>()(cut);
+      const auto truth = ident::axial_truth(test);
+      for (int tap = 1; tap <= options.taps; ++tap) {
+        ident::Random random =
+            ident::random_stream(context.seed, 3'000'000 + 1000 * i + static_cast<unsigned>(tap));
+        list.push_back({{"file", write(fmt::format("axial/L{:g}m-{}", meant_m, tap),
+                                       fmt::format("axial, length {:g} m, mass {:g} kg", meant_m,
+                                                   test.hung_mass_kg),
+                                       ident::virtual_axial_record(test, random))},
+                        {"length_m", test.length_m},
+                        {"mass_kg", test.hung_mass_kg},
+                        {"EA_N", test.EA_N},
+                        {"frequency_hz", truth.frequency_hz},
+                        {"damping_ratio", truth.damping_ratio}});
+      }
     }
+    return list;
   }
-  return list;
-}
-
-std::vector<State> states_of(const SynthesizeOptions& options, const model::Scene& scene,
-                             VerbContext& context) {
-  if (options.tensions.empty()) return {{scene, "", 0, std::nullopt}};
-  (void)cable_of(scene, options.scene);
-  ident::StiffnessCurve stiffness;
-  if (!options.stiffness.empty()) stiffness = read_stiffness_curve(options.stiffness, context);
-  std::vector<State> states;
-  for (const double tension : options.tensions) {
-    State state{{}, fmt::format("T{:g}N-", tension), 10'000'019 * states.size(), tension};
-    ident::Random random = ident::random_stream(context.seed + state.stream, 4'000'000);
-    // Cables that meet pull alike: one error for all of them.
-    const double error = options.tension_std * std::normal_distribution<double>()(random);
-    state.scene = cables_at(scene, tension, stiffness, options.stiffness, context);
-    for (const auto& name : use_of_cables(scene).tension_of) {
-      model::set_parameter(state.scene, name, tension * (1 + error));
-    }
-    states.push_back(std::move(state));
-  }
-  return states;
-}
+};
 
 Json run(SynthesizeOptions& options, VerbContext& context) {
+  constexpr double kMostSamples = 5e6;  // per record: some minutes of simulation
   const model::Scene scene = scene_of(options.scene, context);
   const bool rig = !scene.loads.empty() && !scene.sensors.empty();
   if (!rig && options.bending.span_m <= 0 && options.axial_lengths.empty()) {
@@ -222,15 +215,12 @@ Json run(SynthesizeOptions& options, VerbContext& context) {
                      ": nothing to test: give the scene a load and a sensor, or ask for "
                      "--bending-span or --axial-length");
   }
-  if (!options.stiffness.empty() && options.tensions.empty()) {
-    throw UsageError("--stiffness goes by tension: give --tension");
-  }
   if (!(options.rig.record_s * options.rig.sample_rate_hz <= kMostSamples)) {
     throw UsageError("more than 5 million samples a record: lower --rate or --record");
   }
-  const auto states = states_of(options, scene, context);
-  make_output_folder(options.out);
   Laboratory lab{options, scene, context};
+  const auto states = lab.states();
+  make_output_folder(options.out);
   Json truth{{"data", "synthetic"},
              {"scene", scene.title},
              {"command", repeat_command(context)},
@@ -241,24 +231,12 @@ Json run(SynthesizeOptions& options, VerbContext& context) {
       total += load.kind == model::Load::Kind::impact ? options.rig.hits : 1;
     }
     Progress progress("Virtual rig", total * static_cast<long>(states.size()), context.quiet);
-    Json tested = Json::array();
-    for (const auto& state : states) {
-      Json entry = truth_of_rig(state.scene, options.rig);
-      if (state.meant_N) entry["tension_meant_N"] = *state.meant_N;
-      entry["records"] = synthesize_rig(lab, state, progress);
-      tested.push_back(std::move(entry));
-    }
-    truth["rig"] = std::move(tested);
+    truth["rig"] = describe::json_list(states, [&](auto& one) { return lab.rig(one, progress); });
   }
   if (options.bending.span_m > 0) {
-    truth["bending"] = Json::array();
-    for (const auto& state : states) {
-      truth["bending"].push_back(synthesize_bending(lab, state));
-    }
+    truth["bending"] = describe::json_list(states, [&](auto& one) { return lab.bending(one); });
   }
-  if (!options.axial_lengths.empty()) {
-    truth["axial"] = synthesize_axial(lab);
-  }
+  if (!options.axial_lengths.empty()) truth["axial"] = lab.axial();
   // The scene as it was tested, and what is true of it, beside the recordings.
   if (options.tensions.empty()) {
     lab.write_text("scene.toml", model::scene_text(ident::scene_with_accelerometers(
@@ -286,7 +264,8 @@ describe::Options options_of(SynthesizeOptions& c) {
           .within(0.0, 0.5),
       option("--stiffness", c.stiffness,
              "Table of tension_N, EI_Nm2: the cables' EI at each of them")
-          .file(),
+          .file()
+          .needs("--tension"),
       choice("--format", c.uff, {"csv", "uff"},
              "Of hammer and release recordings: csv, or uff (58, binary, single precision)"),
       option("--bending-span", c.bending.span_m,

@@ -17,76 +17,56 @@ struct UpdateCommand {
   UpdateData data;
   std::vector<std::string> free, priors, inputs;
   std::string candidates;         ///< file; empty: none
-  std::vector<std::string> ends;  ///< "pinned", "clamped", "springs", "own springs": the same
+  std::vector<std::string> ends;  ///< "pinned", "clamped", "springs": candidates as well
   std::string out, axial;
   bool hold_out = false;
   ident::UpdateOptions fit;
 };
 
-// `--candidates FILE` and `--ends WORD...`: several models of the same measured modes, each
-// fitted, weighed by its evidence, their parameters averaged (ident/update/model_candidates.h).
-//
-// FILE is TOML, one table [[candidate]] each: `scene`, relative to the file, takes the place of
-// SCENE; `free` and `prior` stand beside --free and --prior.
-
-/// A candidate with what is fitted in it: names as for --free and --prior.
+/// One of several models of the same measured modes, each fitted and weighed by its evidence
+/// (ident/update/model_candidates.h), with what is fitted in it beside --free and --prior.
 struct NamedModel {
   std::string name;
   UpdateStates states;
   std::vector<std::string> free, priors;
 };
 
-// Rotational springs across the member, started at 10 EI / L: between what a member takes for
-// pinned and for clamped. Returns their parameters.
-std::vector<std::string> put_springs(const model::Scene& scene, model::SceneNode& node) {
-  constexpr double kStart = 10;
-  const auto end = std::ranges::find_if(scene.members, [&](const auto& one) {
-    return one.nodes[0] == node.name || one.nodes[1] == node.name;
-  });
-  Eigen::Vector3d along = Eigen::Vector3d::Zero();
-  if (end != scene.members.end()) along = model::chord_of(scene, *end);
-  Eigen::Index axis = 0;
-  const double length = along.norm();
-  if (!(along.cwiseAbs().maxCoeff(&axis) > 0.95 * length)) {
-    throw UsageError("springs at node " + node.name +
-                     ": its member must lie along an axis; give the candidate a scene of its own");
-  }
-  constexpr double kFixed = std::numeric_limits<double>::infinity();
-  auto& support = node.support;
-  if (support.kind != model::Support::Kind::elastic) support.translational.setConstant(kFixed);
-  support.kind = model::Support::Kind::elastic;
-  support.rotational.setConstant(kStart * std::max(end->EI[0], end->EI[1]) / length);
-  support.rotational[axis] = kFixed;
-  std::vector<std::string> targets;
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    if (i == axis) continue;
-    targets.push_back(fmt::format("{}.rotational_{}", node.name, "xyz"[i]));
-  }
-  return targets;
-}
-
-// Every node that is held, as the word says: "pinned", "clamped", on "springs" that share one
-// rotational stiffness about both axes across the member (the parameter "springs"), or on "own
-// springs", a stiffness NODE.springs each. Returns the parameters of the springs.
+/// Holds every node that is held as the word says. "springs": by one rotational stiffness about the
+/// axes across the members, started between what a member takes for pinned and for clamped. Returns
+/// the parameter of the springs.
 std::vector<std::string> put_ends(const std::string& word, model::Scene& scene) {
-  std::vector<std::string> free, shared;
+  using Kind = model::Support::Kind;
+  constexpr double kFixed = std::numeric_limits<double>::infinity(), kStart = 10;  // EI / L
+  std::vector<std::string> springs;
   for (auto& node : scene.nodes) {
-    using Kind = model::Support::Kind;
-    if (node.support.kind == Kind::free) continue;
-    if (word == "pinned" || word == "clamped") {
-      node.support = {};
-      node.support.kind = word == "pinned" ? Kind::pinned : Kind::clamped;
+    auto& support = node.support;
+    if (support.kind == Kind::free) continue;
+    if (word != "springs") {
+      support = {};
+      support.kind = word == "pinned" ? Kind::pinned : Kind::clamped;
       continue;
     }
-    const auto targets = put_springs(scene, node);
-    if (word == "springs") {
-      shared.insert(shared.end(), targets.begin(), targets.end());
-    } else {
-      free.push_back(fmt::format("{}.springs={}", node.name, fmt::join(targets, ",")));
+    const auto end = std::ranges::find_if(scene.members, [&](const auto& one) {
+      return one.nodes[0] == node.name || one.nodes[1] == node.name;
+    });
+    Eigen::Vector3d along = Eigen::Vector3d::Zero();
+    if (end != scene.members.end()) along = model::chord_of(scene, *end);
+    Eigen::Index axis = 0;
+    if (!(along.cwiseAbs().maxCoeff(&axis) > 0.95 * along.norm())) {
+      throw UsageError("springs at node " + node.name +
+                       ": its member must lie along an axis; write a scene with them, and "
+                       "--candidates");
+    }
+    if (support.kind != Kind::elastic) support.translational.setConstant(kFixed);
+    support.kind = Kind::elastic;
+    support.rotational.setConstant(kStart * std::max(end->EI[0], end->EI[1]) / along.norm());
+    support.rotational[axis] = kFixed;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      if (i != axis) springs.push_back(fmt::format("{}.rotational_{}", node.name, "xyz"[i]));
     }
   }
-  if (!shared.empty()) free.push_back(fmt::format("springs={}", fmt::join(shared, ",")));
-  return free;
+  if (springs.empty()) return {};
+  return {fmt::format("springs={}", fmt::join(springs, ","))};
 }
 
 NamedModel read_candidate(document::TomlTable& table, const UpdateCommand& command,
@@ -183,23 +163,20 @@ std::vector<model::Scene> updated_scenes(const UpdateStates& states,
   return scenes;
 }
 
+/// The files written: of several states FILE-1-100N.toml, by number and tension where they differ.
 Json write_scenes(const UpdateCommand& options, const UpdateStates& states,
-                  const ident::UpdateResult& result, VerbContext& context) {
+                  const std::vector<model::Scene>& scenes, VerbContext& context) {
   Json files = Json::array();
   if (options.out.empty()) {
     context.out << "--out FILE writes the updated scene\n";
     return files;
   }
-  const auto scenes = updated_scenes(states, result);
   for (std::size_t s = 0; s < scenes.size(); ++s) {
     std::filesystem::path path(options.out);
-    if (scenes.size() > 1) {
-      const std::string tension =
-          states.tension[s] ? fmt::format("-{:g}N", *states.tension[s]) : "";
-      const std::string number = options.data.scenes.size() > 1 ? fmt::format("-{}", s + 1) : "";
-      path.replace_filename(fmt::format("{}{}{}{}", path.stem().string(), number, tension,
-                                        path.extension().string()));
-    }
+    std::string name = path.stem().string();
+    if (options.data.scenes.size() > 1) name += fmt::format("-{}", s + 1);
+    if (scenes.size() > 1 && states.tension[s]) name += fmt::format("-{:g}N", *states.tension[s]);
+    path.replace_filename(name + path.extension().string());
     context.write(path, model::scene_text(scenes[s]));
     context.out << "updated scene: " << path.string() << '\n';
     files.push_back(path.string());
@@ -294,11 +271,12 @@ Json run(UpdateCommand& options, VerbContext& context) {
   UpdateStates states = read_update_states(options.data, context);
   ident::UpdateResult result;
   Json json = fitted_json(states, options, context, result);
+  const auto scenes = updated_scenes(states, result);
   if (context.at_hand) {
     context.at_hand->covariance = result.covariance;
-    context.at_hand->fitted_scenes = updated_scenes(states, result);
+    context.at_hand->fitted_scenes = scenes;
   } else {
-    json["scenes"] = write_scenes(options, states, result, context);
+    json["scenes"] = write_scenes(options, states, scenes, context);
   }
   return json;
 }
@@ -338,10 +316,11 @@ describe::Options options_of(UpdateCommand& c) {
           "\"FILE\", free = [...], prior = [...]: weights by evidence, averaged parameters; exit "
           "code 4 when none has 90 % of the weight")
           .file(),
-      option("--ends", c.ends,
-             "The usual candidates: all nodes that are held \"pinned\", \"clamped\", with "
-             "\"springs\" (one rotational stiffness, fitted), with \"own springs\" (one a node)")
-          .one_of({"pinned", "clamped", "springs", "own springs"}),
+      option(
+          "--ends", c.ends,
+          "The usual candidates: all nodes that are held \"pinned\", \"clamped\" or by \"springs\" "
+          "(one rotational stiffness, fitted)")
+          .one_of({"pinned", "clamped", "springs"}),
       option("--column", c.data.column, "Name of the frequency column"),
       option("--plane", c.data.planes, "Plane of each file: in, out or any")
           .one_of({"in", "out", "any"}),

@@ -16,8 +16,8 @@
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/json_document.h"
+#include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
-#include "apps/cli/verbs/common_options.h"
 #include "document/document_error.h"
 #include "signal/recording/recording_error.h"
 
@@ -169,9 +169,9 @@ py::tuple run_work(const char* name, const py::dict& given,
   context.silent = true;
   context.command = {"rigfit", name, "(from Python)"};
   run_unlocked([state, name, work = std::move(work)] {
-    prepare_plots(state->context, state->shared.plots);
+    prepare_plots(state->context, state->shared.plot);
     Json result = work(state->context);
-    write_plots(state->context, state->shared.plots, name);
+    write_plots(state->context, state->shared.plot, name);
     state->document = apps::json_document(state->context, name, std::move(result));
   });
   return py::make_tuple(to_python(state->document), static_cast<int>(context.exit_code),

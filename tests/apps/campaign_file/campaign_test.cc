@@ -160,7 +160,7 @@ TEST_F(CampaignFiles, MistakesInWhatItNamesAreRefusedInTheirFile) {
               HasSubstr("is not positive"));
   EXPECT_THAT(message("modes.csv", "tension_N,test_Hz,fe_Hz\n,5.2,5.3\n"), HasSubstr("line 2"));
   EXPECT_THAT(message("EI.csv", "tension_N,EI_Nm2\n25,0\n"), HasSubstr("not positive"));
-  EXPECT_THAT(message("EI.csv", ""), HasSubstr("no rows"));
+  EXPECT_THAT(message("EI.csv", "\n"), HasSubstr("no rows"));
   EXPECT_EQ(message("EI.csv", folder_.read("EI.csv")), "accepted");
 }
 

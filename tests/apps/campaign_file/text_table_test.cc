@@ -1,6 +1,7 @@
 #include "apps/results/text_table.h"
 
 #include "model/scene/scene_error.h"
+#include "signal/recording/recording_error.h"
 #include "tests/apps/apps_test.h"
 
 namespace rigfit::apps::text_table_test {
@@ -67,10 +68,12 @@ TEST(TextTable, RefusesWhatIsNoTable) {
   EXPECT_THAT(message("a;test_Hz\n1,5;3,5\n2;x\n"), HasSubstr("t.csv:3:2: \"x\" in column"));
   EXPECT_THAT(message("a,test_Hz\n1,3\n2,y y\n"), HasSubstr("t.csv:3:2: \"y y\" in column"));
   EXPECT_THAT(message("a,test_Hz\n"), HasSubstr("no rows"));
-  EXPECT_THAT(message(""), HasSubstr("no rows"));
   EXPECT_THAT(message("a,tset_Hz\n1,2\n"), HasSubstr("did you mean \"tset_Hz\"?"));
-  EXPECT_THROW(static_cast<void>(read_text_table(folder.path() / "none.csv")), model::SceneError);
-  EXPECT_THROW(static_cast<void>(read_text_table(folder.path())), model::SceneError);
+  EXPECT_THROW(static_cast<void>(read_text_table(folder.write("empty.csv", ""))),
+               signal::RecordingError);
+  EXPECT_THROW(static_cast<void>(read_text_table(folder.path() / "none.csv")),
+               signal::RecordingError);
+  EXPECT_THROW(static_cast<void>(read_text_table(folder.path())), signal::RecordingError);
 }
 
 }  // namespace rigfit::apps::text_table_test

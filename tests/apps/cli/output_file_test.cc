@@ -21,7 +21,7 @@ TEST(OutputFile, ReplacesWholeAndLeavesNothingElse) {
   write_whole_file(path, "new");
   EXPECT_EQ(temporary.read("a/b/x.json"), "new");
   EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1);
-  EXPECT_THROW(make_output_folder(path), UsageError);
+  EXPECT_THROW(make_output_folder(path), OutputError);
   EXPECT_THROW(write_whole_file(folder / "none" / "x", "y"), OutputError);
   EXPECT_THROW(write_whole_file(folder, "y"), OutputError);
 }

@@ -56,8 +56,7 @@ TEST(New, AFolderOfMixedFiles) {
   for (const auto& [options, message] :
        {std::pair{"--from {}/swing.csv --span 1", "--span belongs to none of these tests"},
         {"--example --mass 2", "--mass: is given without --from"},
-        {"--from {}/swing.csv --kind tension", "give the length"},
-        {"--from {}/swing.csv --kind axial --length 1 2", "2 lengths"}}) {
+        {"--from {}/swing.csv --kind tension", "give the length"}}) {
     std::vector<std::string> values{rig + "2"};
     if (std::string(options).starts_with("--from")) values.push_back(data);
     const auto refused = run_line(std::string("new {} ") + options, values);
