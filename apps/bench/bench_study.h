@@ -72,8 +72,7 @@ struct BenchStudy {
     return std::tuple{
         field("task", &T::task),           field("study", &T::study),
         field("scene", &T::scene),         field("error_of", &T::error_of),
-        field("reference", &T::reference), field("reference_error", &T::reference_error),
-        field("skipped", &T::skipped)};
+        field("reference", &T::reference), field("reference_error", &T::reference_error)};
   }
 };
 

@@ -9,22 +9,6 @@
 #include "model/scene/scene_error.h"
 
 namespace rigfit::apps {
-namespace {
-
-/// Why the run ends with another exit code than 0: the finding that ended it.
-Json error_json(const VerbContext& context) {
-  const bool refused = context.exit_code == ExitCode::refused;
-  const auto& all = context.warnings();
-  const auto why = std::find_if(all.begin(), all.end(), [&](const Finding& one) {
-    return refused ? one.refused : one.code == "not_converged";
-  });
-  Json error{{"exit_code", static_cast<int>(context.exit_code)}};
-  error.update(describe::json_of(
-      why != all.end() ? *why : Finding{refused ? "refused" : "not_converged", ""}));
-  return error;
-}
-
-}  // namespace
 
 Json json_document(const VerbContext& context, const std::string& verb, Json result) {
   context.check_inputs();
@@ -34,7 +18,10 @@ Json json_document(const VerbContext& context, const std::string& verb, Json res
   }
   document["warnings"] = describe::json_of(context.warnings());
   document["notes"] = describe::json_of(context.notes());
-  if (context.exit_code != ExitCode::done) document["error"] = error_json(context);
+  if (context.exit_code != ExitCode::done) {
+    document["error"] = {{"exit_code", static_cast<int>(context.exit_code)}};
+    document["error"].update(describe::json_of(context.ended_by()));
+  }
   document.update(result);
   return document;
 }

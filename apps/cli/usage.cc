@@ -108,11 +108,11 @@ std::string options_text(const describe::Options& options, bool keys, std::size_
 describe::Json result_schema() {
   auto axial = describe::schema_of<ident::AxialTestResult>();
   axial["properties"]["samples"] = describe::schema_of<std::vector<ident::AxialRecord>>();
-  auto tension = describe::schema_of<ident::TensionResult>();
-  tension["properties"]["peaks"] = describe::schema_of<std::vector<ident::TensionPeak>>();
   return {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
           {"title", "results of rigfit, schema version 2"},
-          {"$defs", {{"axial", std::move(axial)}, {"tension", std::move(tension)}}}};
+          {"$defs",
+           {{"axial", std::move(axial)},
+            {"tension", describe::schema_of<ident::TensionCampaignResult>()}}}};
 }
 
 /// A row "| a | b | c | d |" of a reference, without backticks: `names` cells name, the others

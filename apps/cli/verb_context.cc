@@ -63,6 +63,7 @@ void VerbContext::end(ExitCode code, const char* word, Finding why) {
     Progress::erase();
     std::cerr << word << ' ' << (why.where.empty() ? "" : why.where + ": ") << why.message << '\n';
   }
+  if (exit_code != code) ended_by_ = why;
   warnings_.push_back(std::move(why));
   exit_code = code;
 }
@@ -90,6 +91,8 @@ void VerbContext::tell(const std::vector<ident::Finding>& findings) {
   for (const auto& finding : findings) {
     if (finding.refused) {
       refuse(finding.code, finding.message, finding.where);
+    } else if (finding.code == "not_converged") {
+      fail(finding.message, finding.where);
     } else {
       warn(finding.code, finding.message, finding.where);
     }

@@ -61,7 +61,7 @@ class VerbContext {
   void refuse(std::string code, std::string message, std::string where = "");
   /// A warning that ends the run with exit code 5: it did not converge.
   void fail(std::string message, std::string where = "");
-  /// What an analysis found: refusals refused, the others warned of.
+  /// What an analysis found: refused, failed ("not_converged") or warned of.
   void tell(const std::vector<Finding>& findings);
   /// Names a file as an input of this run, before it is read: hashed now, and again at the end if
   /// it was touched meanwhile.
@@ -74,12 +74,15 @@ class VerbContext {
   const std::vector<Finding>& warnings() const { return warnings_; }
   const std::vector<Finding>& notes() const { return notes_; }
   const std::vector<Input>& inputs() const { return inputs_; }
+  /// The first finding that gave the run its exit code.
+  const Finding& ended_by() const { return ended_by_; }
 
  private:
   void end(ExitCode code, const char* word, Finding why);
   void say_warnings() const;
 
   std::vector<Finding> warnings_, notes_;
+  Finding ended_by_;
   std::vector<Finding> unsaid_;  ///< warnings to be said at the end
   std::vector<Input> inputs_;
   std::unordered_set<std::string> known_;

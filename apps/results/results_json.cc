@@ -45,12 +45,6 @@ Json bending_json(const ident::BendingCampaign& campaign,
   return json;
 }
 
-Json tension_json(const ident::TensionCampaignResult& campaign) {
-  Json json = describe::json_of(campaign.tension);
-  if (!campaign.peaks.empty()) json["peaks"] = describe::json_of(campaign.peaks);
-  return json;
-}
-
 Json hits_json(const ident::StruckPlace& place, const signal::ImpactTest& test) {
   Json hits = Json::array();
   for (const signal::Hit& hit : test.search.hits) {

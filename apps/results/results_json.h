@@ -11,7 +11,6 @@
 #include "ident/campaign/modal/hammer_campaign.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
-#include "ident/campaign/single_tests/tension_campaign.h"
 
 namespace rigfit::apps {
 
@@ -22,9 +21,6 @@ namespace rigfit::apps {
 /// `tests[], laws[], law_choice, curve, bounds`.
 [[nodiscard]] Json bending_json(const ident::BendingCampaign& campaign,
                                 const ident::BendingCampaignResult& result);
-
-/// A solved tension with the peaks of the recordings it is found from.
-[[nodiscard]] Json tension_json(const ident::TensionCampaignResult& campaign);
 
 /// The hits of one place struck, accepted and rejected.
 [[nodiscard]] Json hits_json(const ident::StruckPlace& place, const signal::ImpactTest& test);

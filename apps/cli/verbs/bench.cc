@@ -33,17 +33,14 @@ Json run(BenchCommand& options, VerbContext& context) {
   budget.quick = options.quick;
   if (options.quick) budget.repeats = 7, budget.row_s = 0.01;
   const double duration_s = options.quick ? std::min(options.duration_s, 0.1) : options.duration_s;
-  Json result{{"rows", Json::array()}, {"studies", Json::array()}};
+  Json rows = Json::array();
   bool any = false;
   for (const BenchStudy& study : response_studies(scene, duration_s, budget)) {
     print(context.out, study);
     for (const BenchRow& row : study.rows) {
-      Json one{{"task", study.task}, {"study", study.study}, {"scene", study.scene}};
-      one.update(describe::json_of(row));
-      one["reference_error"] = study.reference_error;
-      result["rows"].push_back(std::move(one));
+      rows.push_back(describe::json_of(study));
+      rows.back().update(describe::json_of(row));
     }
-    result["studies"].push_back(describe::json_of(study));
     any = any || study.skipped.empty();
     if (!study.skipped.empty()) {
       context.warn("not_done", study.task + ": " + study.skipped, options.scene);
@@ -51,7 +48,7 @@ Json run(BenchCommand& options, VerbContext& context) {
     if (context.plots) context.plots->add(bench_plot(study));
   }
   if (!any) context.refuse("nothing_done", "no study can be done", options.scene);
-  return result;
+  return {{"rows", std::move(rows)}};
 }
 
 describe::Options options_of(BenchCommand& c) {

@@ -77,18 +77,16 @@ Json run(ExportOptions& options, VerbContext& context) {
 }
 
 describe::Options options_of(ExportOptions& c) {
-  return {
-      option("scene", c.scene, "Scene file (TOML)").required(),
-      option("--calculix", c.calculix,
-             "Write a CalculiX deck (prestress, sag, frequencies) to this folder"),
-      option("--moordyn", c.moordyn,
-             "Write the cables as a MoorDyn (version 2) input file to this folder"),
-      option("--from", c.from,
-             "JSON result of an update: its values, with their intervals in comments"),
-      option("--accept-fit", c.accept_fit,
-             "Export a fit that was refused or did not converge (exit code 4 or 5)"),
-      option("--elements", c.deck.elements_per_member, "Beam elements a member").within(2, 2000),
-      option("--count", c.deck.frequencies, "Natural frequencies to ask for").within(1, 1000)};
+  return {option("scene", c.scene, "Scene file (TOML)").required(),
+          option("--calculix", c.calculix,
+                 "Write a CalculiX deck (prestress, sag, frequencies) to this folder"),
+          option("--moordyn", c.moordyn,
+                 "Write the cables as a MoorDyn (version 2) input file to this folder"),
+          option("--from", c.from,
+                 "JSON result of an update: its values, with their intervals in comments"),
+          option("--accept-fit", c.accept_fit,
+                 "Export a fit that was refused or did not converge (exit code 4 or 5)"),
+          option("--count", c.deck.frequencies, "Natural frequencies to ask for").within(1, 1000)};
 }
 }  // namespace
 

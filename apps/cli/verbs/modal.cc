@@ -192,7 +192,6 @@ Json run(ModalCommand& options, VerbContext& context) {
   const signal::ModalResult& found = *identified.modal;
   const signal::ModalModel& model = found.model;
   context.tell(findings);
-  if (!identified.converged()) context.exit_code = ExitCode::not_converged;
   result.update(describe::json_of(found));
   print_modes(context, model.modes);
   context.out << fmt::format("{:.4g} to {:.4g} Hz, {} lines, model orders to {}", found.low_hz,

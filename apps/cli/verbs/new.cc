@@ -102,13 +102,11 @@ std::pair<std::string, std::string> kind_of(const signal::Recording& recording,
                 (volts ? fmt::format(", in V: say --sensitivity \"{}=X mV/N\"", hammer->name)
                        : std::string())};
   }
-  if (bent && signal::lower_case(bent->deflection).starts_with("exten")) {
-    throw unusable(
-        recording, "has load over extension: bent or pulled",
-        "if a beam was bent, give it alone with --kind bending; if a cable was pulled, EA is its "
-        "length times the slope that rigfit bending --span LENGTH --tension 0 prints");
+  if (bent) {
+    return {"bending",
+            "load over deflection, no tension; how it is held is assumed; of a pulled cable EA is "
+            "the slope times the length"};
   }
-  if (bent) return {"bending", "load over deflection, no tension; how it is held is assumed"};
   return {"decay",
           "no hammer and no load-deflection pair: taken as free vibration; of a hung mass: give it "
           "to rigfit axial for EA"};

@@ -227,16 +227,13 @@ Json run(PredictCommand& command, VerbContext& context) {
   ident::ModePrediction prediction;
   try {
     prediction = ident::predict_modes(scene, fitted, command.modes);
+    for (const auto& one : inputs) std::erase(prediction.used, one.name);
+    if (prediction.used.empty()) {
+      throw std::invalid_argument("no parameter of the fit is one of this scene's");
+    }
   } catch (const std::invalid_argument& error) {
     throw Refused(std::string(error.what()) + "; --map NAME=TARGET says what one is called here",
                   "parameter_not_in_scene");
-  }
-  for (const auto& one : inputs) std::erase(prediction.used, one.name);
-  if (prediction.used.empty()) {
-    throw Refused(
-        "no parameter of the fit is one of this scene's; --map NAME=TARGET says what one "
-        "is called here",
-        "parameter_not_in_scene");
   }
   Json json{{"title", scene.title},
             {"parameters_used", prediction.used},

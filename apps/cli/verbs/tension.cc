@@ -164,7 +164,7 @@ Json one_cable(TensionCommand command, VerbContext& context) {
   }
   describe::print(context.out, describe::sheet_of(result));
   if (context.plots) context.plots->add(tension_blocks("tension", result));
-  return tension_json(campaign);
+  return describe::json_of(campaign);
 }
 
 Json run(TensionCommand& command, VerbContext& context) {

@@ -13,7 +13,7 @@ class TensionPart : public TestPart {
     tell(found.findings);
     const auto& r = found.tension;
     if (!r.solved) return {std::move(part_)};
-    part_.json.update(tension_json(found));
+    part_.json.update(describe::json_of(found));
     const std::string ends = ident::name_of(r.candidates.front().ends);
     add(part_.blocks, tension_blocks(test_.name, r));
     part_.brief = {test_.name + "-frequencies", test_.name + "-ends"};

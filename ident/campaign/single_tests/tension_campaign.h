@@ -58,4 +58,10 @@ struct Described<ident::TensionPeak> {
                  field("damping_ratio", &T::damping_ratio, "", "", "")};
 };
 
+template <>
+struct Described<ident::TensionCampaignResult> {
+  using T = ident::TensionCampaignResult;
+  static constexpr auto fields = std::tuple{part(&T::tension), field("peaks", &T::peaks)};
+};
+
 }  // namespace rigfit::describe
