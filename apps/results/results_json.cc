@@ -8,16 +8,15 @@ namespace {
 // EI(T) as a model takes it, at the tensions of the tests.
 Json curve_json(const ident::StiffnessCurve& curve) {
   const bool one_law = curve.source() == ident::StiffnessSource::law;
-  Json json{{"source", ident::name_of(curve.source())},
-            {"sentence", curve.sentence()},
-            {"law", one_law ? Json(ident::name_of(curve.laws().laws.front().kind)) : Json(nullptr)},
-            {"points", Json::array()}};
-  for (const auto& point : curve.points()) {
-    const auto at = curve.at(point.tension_N);
+  const auto point = [&](const auto& one) -> Json {
+    const auto at = curve.at(one.tension_N);
     const describe::Bounded EI{at.EI_Nm2, at.std, at.low, at.high};
-    json["points"].push_back({{"tension_N", point.tension_N}, {"EI_Nm2", describe::json_of(EI)}});
-  }
-  return json;
+    return {{"tension_N", one.tension_N}, {"EI_Nm2", describe::json_of(EI)}};
+  };
+  return {{"source", ident::name_of(curve.source())},
+          {"sentence", curve.sentence()},
+          {"law", one_law ? Json(ident::name_of(curve.laws().laws.front().kind)) : Json(nullptr)},
+          {"points", describe::json_list(curve.points(), point)}};
 }
 
 }  // namespace

@@ -59,25 +59,22 @@ ident::FittedParameters read_fit(const std::string& path, bool accepted, VerbCon
             fmt::format("{} = {:.6g}, 95 %: {:.6g} to {:.6g}", name, value, low, high));
       }
     }
-    const Json correlation = json.value("correlation", Json());
+    const Json given = json.value("correlation", Json());
     const auto n = static_cast<Eigen::Index>(kept.size());
-    fitted.covariance.resize(n, n);
+    Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n);
     for (Eigen::Index i = 0; i < n; ++i) {
-      const auto row = static_cast<std::size_t>(i);
-      for (Eigen::Index j = 0; j < n; ++j) {
-        const auto column = static_cast<std::size_t>(j);
-        const double with = i == j ? 1
-                            : correlation.is_null()
-                                ? 0
-                                : correlation.at(kept[row]).at(kept[column]).get<double>();
-        fitted.covariance(i, j) = with * std[row] * std[column];
+      const auto row = kept[static_cast<std::size_t>(i)];
+      for (Eigen::Index j = 0; j < n && !given.is_null(); ++j) {
+        if (i != j) correlation(i, j) = given.at(row).at(kept[static_cast<std::size_t>(j)]);
       }
       // What the fit's own inputs do to its parameters, from their budgets.
-      for (const auto& term : rows[kept[row]].value("budget", Json::array())) {
+      for (const auto& term : rows[row].value("budget", Json::array())) {
         const double change = number_in(term, "change");
         if (std::isfinite(change)) ident::add_effect(term.value("source", ""), i, change, fitted);
       }
     }
+    const auto stds = Eigen::Map<const Eigen::VectorXd>(std.data(), n).asDiagonal();
+    fitted.covariance = stds * correlation * stds;
     tell_outcome(json, path, accepted, context);
     return fitted;
   } catch (const Json::exception& error) {

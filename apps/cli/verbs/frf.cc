@@ -1,7 +1,6 @@
 // rigfit frf: hammer hits to averaged FRFs with coherence and error bars.
 
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/impact_command.h"
 #include "signal/writers/write_csv.h"
 #include "signal/writers/write_uff.h"
 
@@ -96,14 +95,12 @@ Json run(FrfCommand& options, VerbContext& context) {
   if (frfs.averages == 0) return result;
   result["usable_hz"] = hammer.usable_hz;
   if (roving) {
-    Json points = Json::array(), struck = Json::array();
-    for (const auto& input : frfs.inputs) struck.push_back(input.name);
-    for (const signal::DrivingPoint& driving : hammer.driving_points) {
-      points.push_back(describe::json_of(driving.check));
-      points.back()["point"] = frfs.inputs[static_cast<std::size_t>(driving.input)].name;
-    }
-    result["struck"] = std::move(struck);
-    result["driving_points"] = std::move(points);
+    result["struck"] = describe::json_list(frfs.inputs, [](auto& one) { return one.name; });
+    result["driving_points"] = describe::json_list(hammer.driving_points, [&](auto& driving) {
+      Json point = describe::json_of(driving.check);
+      point["point"] = frfs.inputs[static_cast<std::size_t>(driving.input)].name;
+      return point;
+    });
     result["reciprocity"] = describe::json_of(hammer.reciprocity);
   } else if (!hammer.driving_points.empty()) {
     result["driving_point"] = describe::json_of(hammer.driving_points.front().check);

@@ -1,11 +1,7 @@
-#include "apps/cli/verbs/impact_command.h"
+// A hammer test on the command line, shared by the verbs that begin with one: its options and its
+// analysis (ident/campaign/modal/hammer_campaign.h).
 
-#include <fmt/format.h>
-
-#include <algorithm>
-
-#include "apps/campaign_file/recording_description.h"
-#include "apps/results/results_json.h"
+#include "apps/cli/verbs/all.h"
 
 namespace rigfit::apps {
 namespace {

@@ -2,11 +2,9 @@
 // from ambient motion.
 
 #include "apps/cli/verbs/all.h"
-#include "apps/cli/verbs/impact_command.h"
 #include "signal/ambient/ambient_modes.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/modes/modal_synthesis.h"
-#include "signal/readers/files/mapped_file.h"
 #include "signal/readers/read_recording.h"
 #include "signal/spectra/coherence_errors.h"
 #include "signal/writers/write_uff.h"
@@ -141,15 +139,6 @@ void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
   frfs.exponential_decay_rate_1_s = rate;
 }
 
-/// FRFs of another analyser: takes off its window, and makes error bars from the coherence where
-/// the file has none.
-MeasuredFrfs completed(signal::FrfSet frfs, const ModalCommand& options, VerbContext& context) {
-  take_off_window(options, frfs);
-  signal::error_bars_from_coherence(frfs, options.averages, options.band());
-  for (const auto& note : frfs.notes) context.warn(note.code, note.message, note.where);
-  return {.frfs = std::move(frfs), .run = std::nullopt};
-}
-
 /// FRFs at hand, of one UFF file or of text tables; or those of hits.
 MeasuredFrfs frfs_of(ModalCommand& options, VerbContext& context) {
   if (!options.impact.hammer.force.empty()) {
@@ -160,20 +149,18 @@ MeasuredFrfs frfs_of(ModalCommand& options, VerbContext& context) {
   if (!options.impact.hammer.responses.empty()) {
     throw UsageError("--response is for recordings: give --force or --ambient");
   }
+  // FRFs of another analyser, whose error bars may have to come from the coherence.
+  signal::FrfSet frfs;
   if (context.at_hand && context.at_hand->frfs) {
-    return completed(*context.at_hand->frfs, options, context);
+    frfs = *context.at_hand->frfs;
+  } else {
+    for (const auto& file : options.files) context.input(file);
+    frfs = signal::read_frfs({options.files.begin(), options.files.end()}, context.reading);
   }
-  for (const auto& file : options.files) {
-    context.input(file);
-    if (options.files.size() == 1) break;
-    const signal::MappedFile mapped(file);
-    if (signal::format_of(mapped.bytes()) == signal::RecordingFormat::uff) {
-      throw UsageError(
-          "FRFs come from one UFF file, or from text tables; recordings of hits need --force C");
-    }
-  }
-  return completed(signal::read_frfs({options.files.begin(), options.files.end()}, context.reading),
-                   options, context);
+  take_off_window(options, frfs);
+  signal::error_bars_from_coherence(frfs, options.averages, options.band());
+  for (const auto& note : frfs.notes) context.warn(note.code, note.message, note.where);
+  return {.frfs = std::move(frfs), .run = std::nullopt};
 }
 
 Json run(ModalCommand& options, VerbContext& context) {

@@ -210,7 +210,6 @@ Json told(const UpdateStates& states, const ident::UpdateResult& result,
 // Several models of the same modes: the heaviest as a fit by itself, and all beside each other.
 Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbContext& context,
                     ident::UpdateResult& result) {
-  if (options.hold_out) throw UsageError("--hold-out is for a fit of one model, not of candidates");
   auto models = candidate_models(options, states, context);
   std::vector<ident::ModelCandidate> candidates;
   ident::UpdateOptions update;
@@ -351,7 +350,9 @@ describe::Options options_of(UpdateCommand& c) {
              "1: only the answer near the scene's own values is looked for")
           .within(1, 1000),
       option("--hold-out", c.hold_out,
-             "Also leave out each state in turn and predict it from the others"),
+             "Also leave out each state in turn and predict it from the others")
+          .excludes("--candidates")
+          .excludes("--ends"),
       option("--out", c.out, "Updated scene").writes()};
 }
 
