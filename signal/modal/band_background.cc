@@ -199,19 +199,39 @@ bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const VectorXcd>& po
                        double max_work, ModalBand& band) {
   double most = 0;
   for (const Complex pole : poles) {
+    // Two poles on one line are no tones: together they imitate a mode that is cut off.
+    const bool alone = ((poles.array() - pole).abs() < kTwoPi * band.spacing_hz).count() == 1;
     const double left = left_at_the_end(band, pole - band.window);
-    if (left < kTone) most = std::max(most, left);
+    if (left < kTone || !alone) most = std::max(most, left);
   }
   if (!(most > kLeft)) return false;
   const double width = band.frequency_hz[band.frequency_hz.size() - 1] - band.frequency_hz[0];
   const double terms = affordable_terms(band, poles.size(), max_work);
-  const double unknown = std::min(kLongestLead / band.spacing_hz, terms / width);
-  const double before = frfs.pre_trigger_s > 0        ? frfs.pre_trigger_s
-                        : most > kLeftWhereHitMatters ? unknown
-                                                      : 0;
-  const double span = frfs.force_noise_span_s;
+  const double lead = frfs.pre_trigger_s, span = frfs.force_noise_span_s;
+  const bool by_pole = lead * width > terms;
+  const double before = by_pole    ? 0
+                        : lead > 0 ? lead
+                        : most < kLeftWhereHitMatters
+                            ? 0
+                            : std::min(kLongestLead / band.spacing_hz, terms / width);
   MatrixXcd background =
       cut_off_background(band.lines.s, band.lines.power, std::max(before, span), span);
+  if (by_pole) {
+    MatrixXcd columns = powers_of_s(band.lines.s, band.lines.power, false);
+    const Index residuals = columns.cols();
+    columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
+    columns.rightCols(background.cols()) = background;
+    for (const Complex pole : poles) {
+      const double left = left_at_the_end(band, pole - band.window);
+      if (left < kLeft || left > kTone) continue;
+      for (const Complex p : {pole, std::conj(pole)}) {
+        const Eigen::ArrayXcd s = band.lines.s.array();
+        const Eigen::ArrayXcd turned = ((s - band.window) * lead).exp();
+        add_column((turned - std::exp((p - band.window) * lead)) / (s - p), columns);
+      }
+    }
+    background = columns.rightCols(columns.cols() - residuals);
+  }
   if (!(span > 0) && misfit.size() > 0 && !misfit_shows(background, misfit, noise.line, kSure)) {
     background = cut_off_background(band.lines.s, band.lines.power, 0, 0);
     if (!misfit_shows(background, misfit, noise.line, kLikely)) return false;

@@ -67,9 +67,10 @@ void set_background(const Eigen::Ref<const Eigen::MatrixXcd>& background, ModalB
 [[nodiscard]] double left_at_the_end(const ModalBand& band, std::complex<double> raw);
 
 /// Sets `band.lines.background` where one of `poles` (window removed) leaves 0.1 to 90 %; more is a
-/// steady tone. Where the set does not say how long before the hit its records begin and more than
-/// 1 % is left, an eighth of their length is allowed for, or what can be fitted within `max_work`
-/// multiplications. Whether it was set.
+/// steady tone. Where the set does not say how long before the hit its records begin, t0, and more
+/// than 1 % is left, an eighth of their length is allowed for, or what can be fitted within
+/// `max_work` multiplications. Where t0 is known and its span takes more, each such pole p (window
+/// included) adds (exp(i w t0) - exp(p t0)) / (i w - p), held there. Whether it was set.
 ///
 /// FRFs without noise of a force window get what the misfit of the fit without it shows
 /// (`misfit_shows`): all of it, s^(n-1) alone, or none, as where FRFs are no transform of cut-off

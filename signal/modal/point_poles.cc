@@ -246,18 +246,17 @@ PointPole described(const PointFit& point, const LocalFit& fit, const Window& wi
   // The fit's weights are relative: mean misfit over (misfit + a tenth of it).
   const double mean = fit.misfit.mean();
   const double variance = inflation * 1.1 * mean / freedom;
-  const double own = 0.5 * variance * std::max(0.0, fit.covariance(r, r).real());
+  const double own = 0.5 * std::max({0.0, variance * fit.covariance(r, r).real(),
+                                     inflation * fit.robust_covariance(r, r).real()});
   pole.std_re = pole.std_im = std::sqrt(own + 0.5 * moved * moved);
   const Complex power = std::pow(pole.pole, point.band.lines.power);
   pole.residues = (fit.amplitudes.row(r) / power).transpose();
   pole.residue_std.resize(pole.residues.size());
   for (Index c = 0; c < pole.residues.size(); ++c) {
     const double norm = fit.gain(r, c) > 0 ? std::norm(fit.amplitudes(r, c)) / fit.gain(r, c) : 0;
-    const double relative = std::sqrt(0.5 * fit.covariance(r, r).real() * variance) /
-                            half_bandwidth(point.band, pole.pole);
     pole.residue_std[c] =
         std::sqrt(0.5 * inflation * norm * fit.misfit[c] / freedom / std::norm(power)) +
-        relative * std::abs(pole.residues[c]);
+        std::sqrt(own) / half_bandwidth(point.band, pole.pole) * std::abs(pole.residues[c]);
   }
   const double gain = fit.gain.row(r).sum(), left = fit.misfit.sum();
   pole.explained = gain > 0 ? gain / (gain + left) : 0;

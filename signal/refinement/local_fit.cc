@@ -21,6 +21,7 @@ using Eigen::VectorXd;
 struct State : PoleStage {
   MatrixXcd coefficients;  ///< free poles x columns
   MatrixXcd residual;
+  MatrixXcd outside;  ///< D: derivatives of the free poles' columns outside the model's
   MatrixXcd analytic_information;  ///< sum_c w_c conj(a_rc) a_qc (D_r' D_q)
 };
 
@@ -56,8 +57,8 @@ State state_at(const VectorXcd& s, const MatrixXcd& H, const VectorXd& weight,
       length.head(poles.size()).cwiseInverse().asDiagonal() * all.topRows(poles.size());
   state.residual = H - qr.Q * moments;
   state.cost = state.residual.colwise().squaredNorm().transpose().dot(weight);
-  // Derivatives of the free poles' columns outside the model's columns.
-  MatrixXcd D(s.size(), poles.size());
+  MatrixXcd& D = state.outside;
+  D.resize(s.size(), poles.size());
   for (Index r = 0; r < D.cols(); ++r) D.col(r) = (s.array() - poles[r]).square().inverse();
   D -= qr.Q * (qr.Q.adjoint() * D);
   const MatrixXcd conjugate = state.coefficients.conjugate();
@@ -100,6 +101,12 @@ LocalFit fit_locally(const Eigen::Ref<const VectorXcd>& s, const Eigen::Ref<cons
   fit.residual = state.residual;
   fit.misfit = state.residual.colwise().squaredNorm().transpose();
   fit.covariance = hermitian_eigen(state.analytic_information).pseudo_inverse();
+  // Score of each line: sum_c w_c conj(a_rc D_kr) times what is left.
+  const MatrixXcd score = state.outside.conjugate().cwiseProduct(
+      state.residual * weight.asDiagonal() * fit.amplitudes.adjoint());
+  fit.robust_covariance = fit.covariance * (score.transpose() * score.conjugate()) *
+                          fit.covariance *
+                          (static_cast<double>(s.size()) / static_cast<double>(fit.freedom));
   // |a|^2 over its unit variance: what a column of the model adds to the fit.
   const MatrixXcd basis = columns_of(s, state.poles, fixed, order);
   const MatrixXcd inverse = hermitian_eigen(basis.adjoint() * basis).pseudo_inverse();

@@ -27,6 +27,10 @@ struct LocalFit {
   /// Covariance of the free poles for w_c = 1 / variance of a column's complex noise, white over
   /// lines.
   Eigen::MatrixXcd covariance;
+  /// The same from what the fit leaves at each line of all columns together (White, Econometrica 48
+  /// (1980) 817): for noise that goes with |H| and is common to columns. Scatters when lines are
+  /// few.
+  Eigen::MatrixXcd robust_covariance;
   Eigen::Index freedom = 0;  ///< complex values a column less unknowns: lines - poles - d - 1
   bool usable = false;       ///< false: too few lines, or columns of the model that depend
 };

@@ -95,6 +95,38 @@ TEST(CutOffRecords, NoBackgroundForModesThatHaveDecayedOrSteadyTones) {
   EXPECT_LT(band.lines.background.cols(), unknown);
 }
 
+// Acceleration a p^2 exp(p t) and its conjugate from the hit to 0.08 s before a period of the lines
+// has passed, transformed by hand: with poles, residual terms and background nothing is left.
+TEST(CutOffRecords, WhereTheSpanOfAKnownLeadTakesTooMuchEachPoleAddsTwoFunctions) {
+  constexpr double kLead = 0.08;
+  FrfSet set;
+  set.pre_trigger_s = kLead;
+  ModalBand band{.spacing_hz = 0.125};
+  band.frequency_hz = Eigen::VectorXd::LinSpaced(160, 0.125, 20);
+  const Eigen::VectorXcd s = Complex(0, kTwoPi) * band.frequency_hz.cast<Complex>();
+  band.lines.s = s, band.lines.power = 2, band.lines.H = Eigen::MatrixXcd::Zero(160, 1);
+  const Complex pole(-0.4, 30), residue(0.3, 1);
+  ASSERT_TRUE(allow_for_cut_off(set, Eigen::VectorXcd::Constant(1, pole), Eigen::MatrixXcd(),
+                                FrfNoise(), 0, band));  // no work for what t0 spans
+  Eigen::VectorXcd H = Eigen::VectorXcd::Zero(160);
+  Eigen::MatrixXcd columns(160, 7);
+  for (int k = 0; k < 2; ++k) {
+    const Complex p = k == 0 ? pole : std::conj(pole), a = k == 0 ? residue : std::conj(residue);
+    H.array() +=
+        a * p * p * (1 - ((p - s.array()) * (1 / band.spacing_hz - kLead)).exp()) / (s.array() - p);
+    columns.col(k) = s.array().square() / (s.array() - p);
+  }
+  columns.col(2) = s.array().square();
+  columns.col(3).setOnes();
+  columns.rightCols(3) = band.lines.background;
+  const auto left = [&](Index used) {
+    const Eigen::MatrixXcd X = columns.leftCols(used).colwise().normalized();
+    return (H - X * X.householderQr().solve(H)).norm() / H.norm();
+  };
+  EXPECT_LT(left(7), 1e-9);
+  EXPECT_GT(left(5), 1e-4);
+}
+
 // 400 sets of noise, whose variance rises sixteenfold along the lines: chance is below 1 in 1e4
 // each.
 TEST(CutOffRecords, TheMisfitShowsABackgroundAndNoiseShowsNone) {
