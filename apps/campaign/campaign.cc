@@ -297,11 +297,12 @@ Options keys_of(FitParameter& p) {
           option("factors", free.factors, "From the value to each of them; default: 1"),
           option("per_state", free.per_state, "A value in every state"),
           option("start", free.start, "Default: the scene's value"),
-          option("prior", p.prior, "From an earlier test"),
-          option("prior_std", p.prior_std, "Its standard uncertainty").positive(),
+          option("prior", p.prior, "From an earlier test").needs("prior_std"),
+          option("prior_std", p.prior_std, "Its standard uncertainty").positive().needs("prior"),
           option("prior_std_percent", p.prior_std_percent,
                  "Instead: of each state's own value, such as a load cell's reading", "%")
-              .from_zero(),
+              .from_zero()
+              .excludes("prior"),
           option("low", free.low, "Bound"),
           option("high", free.high, "Bound"),
           option("reference", p.reference, "An earlier value, shown beside the one found")};

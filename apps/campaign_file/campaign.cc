@@ -414,32 +414,28 @@ class Reader {
   static void check_tensions(const TomlTable& table, const CampaignTest& test,
                              const std::optional<ident::SceneUse>& use,
                              std::optional<bool> by_table) {
-    std::size_t with = 0;
-    for (const auto& group : test.recordings) with += group.tension_N.has_value();
-    if (with > 0 && with < test.recordings.size()) {
+    const auto with = std::ranges::count_if(
+        test.recordings, [](const auto& group) { return group.tension_N.has_value(); });
+    if (with > 0 && with < std::ssize(test.recordings)) {
       throw table.error("recording", "some recordings have a tension and some have none",
                         "give every [[test.recording]] its tension, or none");
     }
     if (!use) return;
-    const bool by_tension = by_table.value_or(false) || with > 0;
-    const bool records = with > 0 || !by_table;
-    const std::string go = records ? "recordings go" : "table goes";
-    const std::string none = records ? "recordings have no tension" : "table has no tension column";
-    if (by_tension == use->tension_of.empty()) {
-      throw table.error(
-          "tension_of",
-          by_tension ? "is missing although the " + go + " by tension"
-                     : "is given although the " + none,
-          "name the scene's parameters that take it, such as \"cable.tension\", and "
-          "give the tension of the table and of every [[test.recording]]; or neither");
-    }
     if (by_table && !test.recordings.empty() && *by_table != (with > 0)) {
       throw table.error("table", "only one of table and recordings goes by tension",
                         "give both their tensions, or neither");
     }
+    const bool by_tension = by_table.value_or(false) || with > 0;
+    const char* const none =
+        "is given although there is no tension column and no recording with a tension";
+    if (by_tension == use->tension_of.empty()) {
+      throw table.error(
+          "tension_of", by_tension ? "is missing although the test goes by tension" : none,
+          "name the scene's parameters that take it, such as \"cable.tension\", and "
+          "give the tension of the table and of every [[test.recording]]; or neither");
+    }
     if (!use->EI_of.empty() && !by_tension) {
-      throw table.error("EI_of", "is given although the " + none,
-                        "EI follows the tension; leave EI_of out");
+      throw table.error("EI_of", none, "EI follows the tension; leave EI_of out");
     }
   }
 
@@ -498,17 +494,8 @@ class Reader {
       throw table.error("factors", fmt::format("has {} values", free.factors.size()),
                         "give one for each parameter");
     }
-    if (parameter.prior.has_value() != parameter.prior_std.has_value()) {
-      throw table.error(parameter.prior ? "prior" : "prior_std", "stands alone",
-                        "give prior and prior_std together");
-    }
     if (parameter.prior) free.prior = signal::Estimate{*parameter.prior, *parameter.prior_std};
     free.prior_relative_std = parameter.prior_std_percent / 100;
-    if (parameter.prior && free.prior_relative_std > 0) {
-      throw table.error("prior_std_percent", "stands beside prior",
-                        "give prior and prior_std, or prior_std_percent alone: of each state's own "
-                        "value, such as a load cell's reading");
-    }
     if (!(free.low < free.high)) {
       throw table.error("high", "is not above low", "give a lower and a higher bound");
     }

@@ -21,16 +21,16 @@ Json curve_json(const ident::StiffnessCurve& curve) {
 
 }  // namespace
 
-Json axial_json(const ident::AxialInputs& inputs, const ident::AxialCampaignResult& result) {
+Json axial_json(const ident::AxialCampaignResult& result) {
   Json out = result.test ? describe::json_of(*result.test) : Json::object();
-  out["samples"] = describe::json_of(ident::axial_records(inputs, result));
+  out["samples"] = describe::json_of(result.decays);
   return out;
 }
 
 Json bending_json(const ident::BendingCampaign& campaign,
                   const ident::BendingCampaignResult& result) {
   const auto& laws = result.curve.laws();
-  Json json{{"tests", describe::json_of(bending_rows(campaign, result))},
+  Json json{{"tests", describe::json_of(result.points)},
             {"laws", describe::json_of(laws.laws)},
             {"bounds", describe::json_of(result.bounds)}};
   if (!laws.laws.empty() || !laws.sentence.empty()) {

@@ -15,8 +15,7 @@
 namespace rigfit::apps {
 
 /// The test's fields and `samples`; of a test without a result the samples only.
-[[nodiscard]] Json axial_json(const ident::AxialInputs& inputs,
-                              const ident::AxialCampaignResult& result);
+[[nodiscard]] Json axial_json(const ident::AxialCampaignResult& result);
 
 /// `tests[], laws[], law_choice, curve, bounds`.
 [[nodiscard]] Json bending_json(const ident::BendingCampaign& campaign,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <tuple>
 #include <utility>
 
 #include "ident/statistics/in_parallel.h"
@@ -47,7 +46,7 @@ CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
       if (state.measured.empty()) continue;
       const int index = static_cast<int>(result.states.size());
       uses.push_back({index, &*test.scene, modal.tension_N});
-      result.states.push_back({t, &modal});
+      result.states.push_back(&modal);
       result.task.states.push_back(std::move(state));
     }
   }
@@ -71,7 +70,7 @@ bool apply_fit(const CampaignFitOutcome& fit, std::optional<double> tension_N,
   std::size_t from = 0;
   bool own = false;
   for (std::size_t s = 0; s < fit.states.size(); ++s) {
-    if (fit.states[s].modal->tension_N == tension_N) from = s, own = true;
+    if (fit.states[s]->tension_N == tension_N) from = s, own = true;
   }
   for (const auto& parameter : fit.task.free) {
     if (!own && parameter.per_state) continue;
@@ -112,10 +111,9 @@ DecaysOutcome run_recording(const DecayInputs& test, std::size_t index,
   for (auto& found : decays.channels) {
     std::vector<ReleaseAnswer> answers;
     if (!found.strongest.modes.empty() && test.scene) {
-      const auto& [start, end] = std::tie(found.strongest.start, found.strongest.end);
-      answers = release_answers(
-          {found.samples, one.recording.sample_rate_hz, start, end}, test.options.decay,
-          versions(test, found.channel, one.tension_N, so_far), so_far.inputs.threads);
+      answers = release_answers(found, test.options.decay,
+                                versions(test, found.channel, one.tension_N, so_far),
+                                so_far.inputs.threads);
     }
     result.channels.push_back({index, std::move(found), std::move(answers)});
   }

@@ -89,16 +89,10 @@ struct DecaysOutcome {
 using TestResult = std::variant<BendingCampaignResult, AxialCampaignResult, TensionCampaignResult,
                                 ModalOutcome, DecaysOutcome>;
 
-/// A state of a fit: `modal` is a state of the result's modal test `test`.
-struct FittedState {
-  std::size_t test = 0;
-  const ModalState* modal = nullptr;
-};
-
 struct CampaignFitOutcome {
-  std::vector<FittedState> states;
-  FitTask task;        ///< its states have the names and the order of `states`
-  FitOutcome outcome;  ///< without states: nothing was fitted
+  std::vector<const ModalState*> states;  ///< of the result's modal tests
+  FitTask task;                           ///< its states have the names and the order of `states`
+  FitOutcome outcome;                     ///< without states: nothing was fitted
 };
 
 /// Contains its inputs. Its parts point to each other, so it can be moved but not copied.

@@ -12,10 +12,8 @@
 namespace rigfit::ident {
 namespace {
 
-int missed_of(const UpdateAlternative& one) {
-  return static_cast<int>(std::count_if(one.unpaired.begin(), one.unpaired.end(),
-                                        [](const auto& lone) { return lone.missing; }));
-}
+// A model that is off by more in its FRFs is another structure's.
+constexpr double kFrfErrorRuledOut = 0.03;
 
 std::string percent(double ratio) {
   return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100 * ratio) : "-";
@@ -53,64 +51,58 @@ std::vector<std::string> alternative_texts(const UpdateResult& result) {
         "over "
         "the first's {:+.1f}: {:+.1f} by modes missed, {:+.1f} by modes seen and false, {:+.1f} by "
         "the frequencies",
-        one.weight, values, percent(one.rms_relative_error), missed_of(one), total, missed,
-        assigned, total - missed - assigned));
+        one.weight, values, percent(one.rms_relative_error),
+        std::ranges::count_if(one.unpaired, &UpdatedUnpaired::missing), total, missed, assigned,
+        total - missed - assigned));
   }
   return texts;
 }
 
-namespace {
-
-// A model that is off by more in its FRFs is another structure's.
-constexpr double kFrfErrorRuledOut = 0.03;
-}  // namespace
-
 std::vector<Finding> fit_findings(const UpdateResult& result) {
   std::vector<Finding> findings;
+  const auto warn = [&](const char* code, std::string message, const std::string& where = "") {
+    findings.push_back({code, std::move(message), where});
+  };
+  const auto refuse = [&](const char* code, std::string message) {
+    findings.push_back({code, std::move(message), "", true});
+  };
   if (result.fit.ruled_out()) {
-    findings.push_back({"model_ruled_out",
-                        "Check end conditions, masses, lengths, pairs and stated uncertainties: "
-                        "the data rule this model out (" +
-                            fit_text(result.fit) +
-                            "), and the intervals hold only as far as its error is random",
-                        "", false});
+    warn(
+        "model_ruled_out",
+        "Check end conditions, masses, lengths, pairs and stated uncertainties: the data rule this "
+        "model out (" +
+            fit_text(result.fit) + "), and the intervals hold only as far as its error is random");
   }
   if (result.fit.frf_model_std > kFrfErrorRuledOut) {
-    findings.push_back(
-        {"model_ruled_out",
-         fmt::format("Check the scene, the units and the places of hammer and "
-                     "sensors: the model misses the FRFs by {} in every line beyond "
-                     "their noise, more than the {} up to which parameters are given",
-                     percent(result.fit.frf_model_std), percent(kFrfErrorRuledOut)),
-         "", true});
+    refuse(
+        "model_ruled_out",
+        fmt::format("Check the scene, the units and the places of hammer and sensors: the model "
+                    "misses the FRFs by {} in every line beyond their noise, more than the {} up "
+                    "to which parameters are given",
+                    percent(result.fit.frf_model_std), percent(kFrfErrorRuledOut)));
   }
   if (!result.alternatives.empty() && result.alternatives.front().weight < 0.9) {
-    findings.push_back(
-        {"several_answers",
-         fmt::format("Give more modes, their planes or shapes, or a prior: the data support {} "
-                     "answers, the heaviest with a weight of {:.2f} (see alternatives)",
-                     result.alternatives.size(), result.alternatives.front().weight),
-         "", true});
+    refuse("several_answers",
+           fmt::format("Give more modes, their planes or shapes, or a prior: the data support {} "
+                       "answers, the heaviest with a weight of {:.2f} (see alternatives)",
+                       result.alternatives.size(), result.alternatives.front().weight));
   }
   if (!result.message.empty() && result.status != UpdateStatus::not_converged) {
-    findings.push_back({"doubtful", result.message, "", false});
+    warn("doubtful", result.message);
   }
-  for (const auto& open : result.open) findings.push_back({"not_identifiable", open, "", true});
+  for (const auto& open : result.open) refuse("not_identifiable", open);
   for (const auto& p : result.parameters) {
-    if (p.at_bound)
-      findings.push_back({"at_bound", "Check its bound, at which the fit ended", p.name, false});
+    if (p.at_bound) warn("at_bound", "Check its bound, at which the fit ended", p.name);
     if (p.identifiable && std::abs(p.segment_shift) > 0.5 * p.std) {
-      findings.push_back(
-          {"segments",
+      warn("segments",
            fmt::format("Take more segments, or \"auto\": too few make the value about {:.2g} off, "
                        "which is most of its uncertainty",
                        p.segment_shift),
-           p.name, false});
+           p.name);
     }
     if (p.identifiable && !std::isfinite(p.std_from_data)) {
-      findings.push_back({"from_prior",
-                          "Add data that depend on it, or hold it: it is known from its prior only",
-                          p.name, false});
+      warn("from_prior", "Add data that depend on it, or hold it: it is known from its prior only",
+           p.name);
     }
   }
   return findings;

@@ -1,6 +1,6 @@
 #include "ident/plan/plan.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +39,7 @@ struct Move {
 
 // All hammers in all states with all sensors at once, as often and as long as allowed.
 Tests all_tests(const PlanCandidates& candidates, const PlanOptions& options) {
-  PlanTest test{0, 0, {}, options.modes, options.hits.size() - 1, options.durations_s.size() - 1};
+  PlanTest test{0, 0, {}, options.hits.size() - 1, options.durations_s.size() - 1};
   for (std::size_t k = 0; k < candidates.sensors.size(); ++k) test.sensors.push_back(k);
   Tests tests;
   for (test.state = 0; test.state < candidates.states.size(); ++test.state) {
@@ -113,14 +113,13 @@ class Planner {
       const auto add = [&](const auto& change) {
         list.push_back({now, at});
         if (here == now.end()) {
-          list.back().tests.push_back({limit.state, limit.load, {}, limit.modes, 0, 0});
+          list.back().tests.push_back({limit.state, limit.load, {}, 0, 0});
         }
         change(list.back().tests[at]);
       };
       for (const auto sensor : limit.sensors) {
-        if (here != now.end() &&
-            (static_cast<int>(here->sensors.size()) >= options_.sensors ||
-             std::count(here->sensors.begin(), here->sensors.end(), sensor) > 0)) {
+        if (here != now.end() && (std::ssize(here->sensors) >= options_.sensors ||
+                                  std::ranges::count(here->sensors, sensor) > 0)) {
           continue;
         }
         add([&](PlanTest& test) { test.sensors.push_back(sensor); });
@@ -139,16 +138,14 @@ class Planner {
 
 std::string text_of(const PlanTest& test, const PlanCandidates& candidates,
                     const PlanOptions& options) {
-  std::string sensors;
-  for (const auto sensor : test.sensors) {
-    sensors += (sensors.empty() ? "" : " + ") + candidates.sensors[sensor].name;
-  }
+  std::vector<std::string> sensors;
+  for (const auto sensor : test.sensors) sensors.push_back(candidates.sensors[sensor].name);
   const auto modes = planned_modes(candidates, options, {test});
   double highest = 0;
   for (const auto& mode : modes) highest = std::max(highest, mode.frequency_hz);
   return fmt::format("{}: {}, read {}, {} mode{} to {:.4g} Hz, {} hits of {:g} s",
                      candidates.problem.states()[test.state].name, candidates.loads[test.load].name,
-                     sensors, modes.size(), modes.size() == 1 ? "" : "s", highest,
+                     fmt::join(sensors, " + "), modes.size(), modes.size() == 1 ? "" : "s", highest,
                      options.hits[test.hits], options.durations_s[test.duration]);
 }
 
@@ -157,7 +154,7 @@ void part_by_state(const std::vector<UpdateState>& states, std::vector<FreeParam
   for (auto& parameter : free) {
     const auto& target = parameter.targets.empty() ? parameter.name : parameter.targets.front();
     const double own = model::parameter(states.front().scene, target);
-    if (std::all_of(states.begin(), states.end(), [&](const auto& state) {
+    if (std::ranges::all_of(states, [&](const auto& state) {
           return model::parameter(state.scene, target) == own;
         })) {
       continue;
@@ -208,9 +205,8 @@ std::vector<OpenDirection> open_directions(const PlanCandidates& candidates,
   limits.relative_rank_tolerance = kRankTolerance;
   auto names = candidates.problem.names();
   names.resize(static_cast<std::size_t>(n));
-  return identifiability(plan_rows(candidates, modes).leftCols(n), Eigen::VectorXd::Ones(n), names,
-                         limits)
-      .open;
+  const Eigen::MatrixXd rows = plan_rows(candidates, modes).leftCols(n);
+  return identifiability(rows, Eigen::VectorXd::Ones(n), names, limits).open;
 }
 
 // What would reach a goal that the plan misses. `least`: covariance with everything measured.

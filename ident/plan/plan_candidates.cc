@@ -98,8 +98,8 @@ PlanStateModes state_modes(int state, const PlanCandidates& candidates,
       continue;
     }
     frequency.row(count) = mode.dlog_frequency;
-    damping.row(count++) = mode.dlog_damping;
-    result.modes.push_back({static_cast<std::size_t>(state), mode.plane, mode.order,
+    damping.row(count) = mode.dlog_damping;
+    result.modes.push_back({static_cast<std::size_t>(state), count++, mode.plane, mode.order,
                             mode.frequency_hz, natural.damping_ratio});
     result.amplitude.push_back(decay_amplitudes(natural, candidates, options));
   }
@@ -175,7 +175,7 @@ std::vector<PlannedMode> planned_modes(const PlanCandidates& candidates, const P
       const double omega = 2 * M_PI * mode.frequency_hz, rate = mode.damping_ratio * omega;
       double pole = 0;
       for (const auto& test : tests) {
-        if (test.state != mode.state || mode.order >= test.modes) continue;
+        if (test.state != mode.state) continue;
         for (const auto sensor : test.sensors) {
           const auto information =
               decay_information(state.amplitude[i](static_cast<Eigen::Index>(test.load),
@@ -204,13 +204,8 @@ Eigen::MatrixXd plan_rows(const PlanCandidates& candidates, const std::vector<Pl
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto& mode = modes[static_cast<std::size_t>(i)];
     const auto& state = candidates.states[mode.state];
-    const auto at = std::find_if(state.modes.begin(), state.modes.end(),
-                                 [&](const auto& one) {
-                                   return one.plane == mode.plane && one.order == mode.order;
-                                 }) -
-                    state.modes.begin();
-    const auto damping = at + static_cast<Eigen::Index>(state.modes.size());
-    rows.row(2 * i) = state.by_coordinate.row(at) / mode.frequency_std;
+    const auto damping = mode.row + static_cast<Eigen::Index>(state.modes.size());
+    rows.row(2 * i) = state.by_coordinate.row(mode.row) / mode.frequency_std;
     if (!(mode.damping_std > 0) || !candidates.damping_free) continue;
     rows.row(2 * i + 1) = state.by_coordinate.row(damping) / mode.damping_std;
   }

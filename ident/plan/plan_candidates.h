@@ -48,7 +48,6 @@ struct DecayInformation {
 struct PlanTest {
   std::size_t state = 0, load = 0;
   std::vector<std::size_t> sensors;
-  int modes = 0;  ///< the first of each plane
   std::size_t hits = 0, duration = 0;
 };
 

@@ -50,6 +50,7 @@ struct PlanOptions {
 /// A mode that the plan measures, as an update will get it.
 struct PlannedMode {
   std::size_t state = 0;
+  Eigen::Index row = 0;  ///< among the modes of its state
   model::ModePlane plane = model::ModePlane::in;
   int order = 0;  ///< among the modes of its plane, from 0
   double frequency_hz = 0, damping_ratio = 0;

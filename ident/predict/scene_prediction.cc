@@ -1,5 +1,6 @@
 #include "ident/predict/scene_prediction.h"
 
+#include <fmt/ranges.h>
 #include <gsl/gsl_statistics_double.h>
 
 #include <Eigen/Eigenvalues>
@@ -21,45 +22,36 @@ namespace {
 // Accuracy of frequencies that are compared: a hundredth of a std of 1e-4.
 constexpr double kCompared = 1e-6;
 
-bool has(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
+/// The targets of a parameter that a scene has, each with the factor from the value to it.
+using Targets = std::vector<std::pair<std::string, double>>;
 
-/// What a parameter sets in a scene: its targets that are there.
-struct Mapped {
-  std::vector<std::string> targets;
-  std::vector<double> factors;
-};
-
-Mapped mapped(const KnownParameter& parameter, const std::vector<std::string>& names) {
-  Mapped found;
-  if (!parameter.targets.empty()) {
-    for (std::size_t i = 0; i < parameter.targets.size(); ++i) {
-      if (!has(names, parameter.targets[i])) continue;
-      found.targets.push_back(parameter.targets[i]);
-      found.factors.push_back(i < parameter.factors.size() ? parameter.factors[i] : 1);
-    }
-    if (!found.targets.empty()) return found;
+Targets targets_in(const std::vector<std::string>& names, const KnownParameter& parameter) {
+  const auto has = [&](const auto& name) { return std::ranges::count(names, name) > 0; };
+  Targets found;
+  for (std::size_t i = 0; i < parameter.targets.size(); ++i) {
+    if (!has(parameter.targets[i])) continue;
+    found.emplace_back(parameter.targets[i],
+                       i < parameter.factors.size() ? parameter.factors[i] : 1);
   }
+  if (!found.empty()) return found;
   std::string name = parameter.name;
-  if (!has(names, name) && name.ends_with(".EI_z")) name.resize(name.size() - 2);
-  if (!has(names, name) && name.ends_with(".EI")) name += "_z";
-  if (has(names, name)) found = {{name}, {1}};
+  if (!has(name) && name.ends_with(".EI_z")) name.resize(name.size() - 2);
+  if (!has(name) && name.ends_with(".EI")) name += "_z";
+  if (has(name)) found.emplace_back(name, 1);
   return found;
 }
 
 /// The parameters that a scene has, with the targets that each moves.
 struct Selection {
-  std::vector<Mapped> maps;
+  std::vector<Targets> targets;
   Eigen::VectorXd value;
   Eigen::MatrixXd covariance;
   std::vector<std::string> used, not_used;
 
   [[nodiscard]] model::Scene scene(model::Scene base, const Eigen::VectorXd& values) const {
-    for (std::size_t p = 0; p < maps.size(); ++p) {
-      for (std::size_t t = 0; t < maps[p].targets.size(); ++t) {
-        model::set_parameter(base, maps[p].targets[t],
-                             maps[p].factors[t] * values[static_cast<Eigen::Index>(p)]);
+    for (Eigen::Index p = 0; p < values.size(); ++p) {
+      for (const auto& [target, factor] : targets[static_cast<std::size_t>(p)]) {
+        model::set_parameter(base, target, factor * values[p]);
       }
     }
     return base;
@@ -69,35 +61,26 @@ struct Selection {
 Selection select(const model::Scene& scene, const FittedParameters& fitted) {
   const auto names = model::parameter_names(scene);
   Selection selection;
-  std::vector<Eigen::Index> kept;
+  std::vector<double> values;
+  std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < fitted.parameters.size(); ++i) {
     const auto& parameter = fitted.parameters[i];
-    auto map = mapped(parameter, names);
-    if (map.targets.empty()) {
-      selection.not_used.push_back(parameter.name);
-      continue;
-    }
-    selection.used.push_back(parameter.name);
-    selection.maps.push_back(std::move(map));
-    kept.push_back(static_cast<Eigen::Index>(i));
+    auto targets = targets_in(names, parameter);
+    (targets.empty() ? selection.not_used : selection.used).push_back(parameter.name);
+    if (targets.empty()) continue;
+    selection.targets.push_back(std::move(targets));
+    values.push_back(parameter.value);
+    kept.push_back(i);
   }
   if (kept.empty()) {
-    std::string said = "no parameter of the fit is one of this scene's: the fit has";
-    for (const auto& parameter : fitted.parameters) said += " \"" + parameter.name + "\"";
-    said += "; the scene has";
-    for (const auto& name : names) said += " \"" + name + "\"";
-    throw std::invalid_argument(said);
+    throw std::invalid_argument(
+        fmt::format("no parameter of the fit is one of this scene's: the fit has \"{}\"; the scene "
+                    "has \"{}\"",
+                    fmt::join(selection.not_used, "\" \""), fmt::join(names, "\" \"")));
   }
-  const auto n = static_cast<Eigen::Index>(kept.size());
-  selection.value.resize(n);
-  selection.covariance.resize(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto from = kept[static_cast<std::size_t>(i)];
-    selection.value[i] = fitted.parameters[static_cast<std::size_t>(from)].value;
-    for (Eigen::Index j = 0; j < n; ++j) {
-      selection.covariance(i, j) = fitted.covariance(from, kept[static_cast<std::size_t>(j)]);
-    }
-  }
+  selection.value =
+      Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  selection.covariance = fitted.covariance(kept, kept);
   return selection;
 }
 
@@ -116,21 +99,6 @@ model::Scene moved(const model::Scene& base, const Selection& selection,
   }
   return selection.scene(base, values);
 }
-
-/// Vectors of independent standard normal numbers.
-class NormalDraws {
- public:
-  explicit NormalDraws(std::uint64_t seed) : random_(seed) {}
-  Eigen::VectorXd operator()(Eigen::Index size) {
-    Eigen::VectorXd unit(size);
-    for (auto& value : unit) value = normal_(random_);
-    return unit;
-  }
-
- private:
-  std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
-};
 
 /// Changes of quantities by the parameters' uncertainty: see the header.
 struct Spread {
@@ -192,18 +160,13 @@ Eigen::ArrayXd modes_of(const model::Scene& scene, const std::vector<model::Natu
 void add_effect(const std::string& input, Eigen::Index parameter, double change,
                 FittedParameters& fitted) {
   const auto size = static_cast<Eigen::Index>(fitted.parameters.size());
-  auto at = std::find_if(fitted.inputs.begin(), fitted.inputs.end(),
-                         [&](const InputEffect& one) { return one.name == input; });
-  if (at == fitted.inputs.end()) {
-    at = fitted.inputs.insert(at, {input, Eigen::VectorXd::Zero(size)});
-  }
-  at->change[parameter] = change;
+  fitted.inputs.try_emplace(input, Eigen::VectorXd::Zero(size)).first->second[parameter] = change;
 }
 
 FittedParameters fitted_parameters(const UpdateResult& fit,
                                    const std::vector<FreeParameter>& free) {
   FittedParameters fitted;
-  std::vector<Eigen::Index> kept;
+  std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
     const auto& parameter = fit.parameters[i];
     if (!parameter.identifiable || parameter.state > 0) continue;
@@ -214,21 +177,15 @@ FittedParameters fitted_parameters(const UpdateResult& fit,
       known.factors = one.factors;
     }
     fitted.parameters.push_back(std::move(known));
-    kept.push_back(static_cast<Eigen::Index>(i));
+    kept.push_back(i);
   }
-  const auto n = static_cast<Eigen::Index>(kept.size());
-  fitted.covariance.resize(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const double value =
-          fit.covariance(kept[static_cast<std::size_t>(i)], kept[static_cast<std::size_t>(j)]);
-      fitted.covariance(i, j) = std::isfinite(value) ? value : 0;
-    }
-  }
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (const auto& term :
-         fit.parameters[static_cast<std::size_t>(kept[static_cast<std::size_t>(i)])].budget) {
-      if (std::isfinite(term.change)) add_effect(term.source, i, term.change, fitted);
+  fitted.covariance = fit.covariance(kept, kept).unaryExpr([](double value) {
+    return std::isfinite(value) ? value : 0;
+  });
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    for (const auto& term : fit.parameters[kept[i]].budget) {
+      if (!std::isfinite(term.change)) continue;
+      add_effect(term.source, static_cast<Eigen::Index>(i), term.change, fitted);
     }
   }
   return fitted;
@@ -249,8 +206,8 @@ std::vector<AddedInput> add_scene_inputs(const model::Scene& scene,
     }
     for (const auto& parameter : fitted.parameters) {
       const auto& targets = parameter.targets;
-      one.fitted = one.fitted || parameter.name == input.name ||
-                   std::find(targets.begin(), targets.end(), input.name) != targets.end();
+      one.fitted =
+          one.fitted || parameter.name == input.name || std::ranges::count(targets, input.name) > 0;
     }
     if (!one.fitted) {
       const auto n = static_cast<Eigen::Index>(fitted.parameters.size());
@@ -259,10 +216,9 @@ std::vector<AddedInput> add_scene_inputs(const model::Scene& scene,
       fitted.covariance.row(n).setZero();
       fitted.covariance.col(n).setZero();
       fitted.covariance(n, n) = one.std * one.std;
-      for (const auto& effect : fitted.inputs) {
-        if (effect.name != input.name) continue;
+      if (const auto effect = fitted.inputs.find(input.name); effect != fitted.inputs.end()) {
         one.of_fit = true;
-        fitted.covariance.col(n).head(of_fit) = one.std * effect.change.head(of_fit);
+        fitted.covariance.col(n).head(of_fit) = one.std * effect->second.head(of_fit);
         fitted.covariance.row(n) = fitted.covariance.col(n).transpose();
       }
     }
@@ -350,10 +306,13 @@ ResponsePrediction predict_response(const model::Scene& scene, const FittedParam
   auto wanted = options.response;
   wanted.solver = prediction.response.solver;
   const auto& at_fit = prediction.response.samples;
-  NormalDraws draw(options.seed);
+  std::mt19937_64 random(options.seed);
+  std::normal_distribution<double> normal;
   std::vector<Eigen::MatrixXd> all;
   for (int s = 0; s < options.samples; ++s) {
-    const Eigen::VectorXd change = directions * draw(directions.cols());
+    Eigen::VectorXd unit(directions.cols());
+    for (auto& value : unit) value = normal(random);
+    const Eigen::VectorXd change = directions * unit;
     auto one = model::simulate_response(moved(scene, selection, change), wanted);
     if (one.completed && one.samples.rows() == at_fit.rows() && one.samples.allFinite()) {
       all.push_back(std::move(one.samples));
@@ -379,17 +338,9 @@ ResponsePrediction predict_response(const model::Scene& scene, const FittedParam
 std::vector<HeldAgainst> held_against(const ModePrediction& prediction,
                                       const std::vector<MeasuredMode>& measured) {
   std::vector<PairingMode> tested, modelled;
-  for (const auto& mode : measured) {
-    PairingMode one;
-    one.frequency_hz = mode.frequency_hz.value;
-    one.plane = mode.plane;
-    tested.push_back(std::move(one));
-  }
+  for (const auto& mode : measured) tested.push_back({mode.frequency_hz.value, mode.plane});
   for (const auto& mode : prediction.modes) {
-    PairingMode one;
-    one.frequency_hz = mode.frequency_hz.value;
-    one.plane = mode.mode.plane;
-    modelled.push_back(std::move(one));
+    modelled.push_back({mode.frequency_hz.value, mode.mode.plane});
   }
   std::vector<HeldAgainst> all(measured.size());
   for (std::size_t i = 0; i < measured.size(); ++i) all[i].measured = i;

@@ -17,6 +17,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -42,17 +43,12 @@ struct KnownParameter {
   std::vector<double> factors = {};  ///< one per target; empty: 1
 };
 
-/// Change of each parameter of a fit when an input of the fit is larger by one standard
-/// uncertainty.
-struct InputEffect {
-  std::string name;
-  Eigen::VectorXd change;  ///< one per parameter
-};
-
 struct FittedParameters {
   std::vector<KnownParameter> parameters;
   Eigen::MatrixXd covariance;  ///< parameters x parameters, finite
-  std::vector<InputEffect> inputs = {};
+  /// Change of each parameter when an input of the fit, by its name, is larger by one standard
+  /// uncertainty.
+  std::map<std::string, Eigen::VectorXd> inputs = {};
 };
 
 /// Sets the effect of an input on a parameter, which is counted from 0.

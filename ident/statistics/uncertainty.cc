@@ -63,7 +63,6 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
   result.singular_values = s;
   result.scales = scales;
   result.null_below = floor;
-  result.condition = s[n - 1] > 0 ? s[0] / s[n - 1] : std::numeric_limits<double>::infinity();
 
   // A direction that is zero to the Jacobian's accuracy keeps the floor, which makes every
   // parameter in it hopeless without spoiling those that merely touch it by rounding.
@@ -73,13 +72,9 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
       V * inverse.array().square().matrix().asDiagonal() * V.transpose();
 
   for (Eigen::Index i = n - 1; i >= 0; --i) {
-    if (inverse[i] <= options.max_relative_std) {
-      ++result.rank;
-      continue;
-    }
+    if (inverse[i] <= options.max_relative_std) continue;
     OpenDirection open;
     open.direction = V.col(i);
-    open.relative_std = s[i] > floor ? inverse[i] : std::numeric_limits<double>::infinity();
     std::vector<int> order(static_cast<std::size_t>(n));
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) {

@@ -1,5 +1,5 @@
-// Uncertainty of the parameters of a least-squares fit: covariance, correlations, rank, and the
-// names of parameters that the data cannot separate.
+// Uncertainty of the parameters of a least-squares fit: covariance, and the names of parameters
+// that the data cannot separate.
 //
 // With J the Jacobian of residuals already divided by their standard deviations and S a diagonal
 // matrix of the parameters' scales, J S = U diag(s) V'. A direction v_i of relative change is known
@@ -32,13 +32,10 @@ struct IdentifiabilityOptions {
 struct OpenDirection {
   std::vector<int> parameters;  ///< those that take part, the strongest first
   Eigen::VectorXd direction;    ///< relative change of all, unit length
-  double relative_std = 0;      ///< 1 / s; infinite for an exact null direction
   std::string message;          ///< for a person, with the names
 };
 
 struct Identifiability {
-  int rank = 0;          ///< directions that are determined
-  double condition = 0;  ///< largest over smallest singular value of J S
   std::vector<bool> identifiable;
   Eigen::VectorXd std;         ///< NaN where not identifiable
   Eigen::MatrixXd covariance;  ///< rows and columns of unidentifiable parameters are NaN
@@ -51,7 +48,6 @@ struct Identifiability {
   /// Standard uncertainty of a quantity with this gradient by the parameters. It may be determined
   /// even where the parameters are not; NaN when it is not.
   [[nodiscard]] double std_of(const Eigen::Ref<const Eigen::VectorXd>& gradient) const;
-  [[nodiscard]] bool complete() const { return open.empty(); }
 };
 
 /// `jacobian` residuals x parameters, whitened; `scales` (> 0): parameters' change that counts

@@ -47,12 +47,9 @@ Json run(AxialCommand& command, VerbContext& context) {
   }
   const auto result = ident::axial_campaign(inputs);
   context.tell(result.findings);
-  if (context.plots) {
-    const std::vector<Origin> origins(inputs.recordings.size(), Origin::measured);
-    context.plots->add(axial_blocks("axial", inputs, result, origins));
-  }
+  if (context.plots) context.plots->add(axial_blocks("axial", inputs, result));
   if (result.test) describe::print(context.out, describe::sheet_of(*result.test));
-  return axial_json(inputs, result);
+  return axial_json(result);
 }
 
 describe::Options options_of(AxialCommand& c) {

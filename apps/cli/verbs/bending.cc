@@ -55,7 +55,7 @@ Json run(BendingCommand& command, VerbContext& context) {
   }
   const bool beams = campaign.test.ends != ident::BeamEnds::tensioned;
   auto& out = context.out;
-  describe::print(out, describe::table_of(bending_rows(campaign, found)));
+  describe::print(out, describe::table_of(found.points));
   if (found.specimens) describe::print(out, describe::sheet_of(*found.specimens));
   if (found.bounds) describe::print(out, describe::sheet_of(*found.bounds));
   if (const auto& laws = found.curve.laws().laws; !laws.empty()) {

@@ -116,12 +116,11 @@ struct HammerFigures {
 
 /// EA at each length, of each record, and the result with its 95 % band (beside it what `test`
 /// knows otherwise); tables; the first decay of each length with its fit and residual, a tab a
-/// length, and damping over amplitude. `origins` by recording. Ids are `id` with "-EA", "-lengths",
+/// length, and damping over amplitude. Ids are `id` with "-EA", "-lengths",
 /// "-decays", "-decay-0.7m" ...
 [[nodiscard]] std::vector<Block> axial_blocks(const std::string& id,
                                               const ident::AxialInputs& inputs,
                                               const ident::AxialCampaignResult& result,
-                                              const std::vector<Origin>& origins,
                                               const CampaignTest* test = nullptr);
 
 /// EI of the usable points with 95 % intervals, laws that converged (the closest with its 95 %

@@ -198,7 +198,7 @@ Plot stiffness_plot(const std::string& id, const std::vector<Origin>& origins,
 
 std::vector<Block> axial_blocks(const std::string& id, const ident::AxialInputs& inputs,
                                 const ident::AxialCampaignResult& result,
-                                const std::vector<Origin>& origins, const CampaignTest* test) {
+                                const CampaignTest* test) {
   PlotGroup group{id + "-decays", "Decays", {}};
   std::vector<AnalysedDecay> decays;
   double last = -1;
@@ -206,7 +206,7 @@ std::vector<Block> axial_blocks(const std::string& id, const ident::AxialInputs&
     const auto& recording = inputs.recordings[d.recording];
     if (!d.mode || recording.length_m == last) continue;  // the first of each length
     last = recording.length_m;
-    decays.push_back({recording.name, d.channel, d.unit, origins[d.recording], d.rate_hz,
+    decays.push_back({recording.name, d.channel, d.unit, recording.origin, d.rate_hz,
                       d.samples_start_s, d.samples, d.result});
     group.tabs.push_back({fmt::format("{:g} m", last),
                           {decay_plot(fmt::format("{}-decay-{:g}m", id, last), decays.back())}});
@@ -238,7 +238,7 @@ std::vector<Block> bending_blocks(const std::string& id, const ident::BendingCam
   std::vector<Block> blocks;
   if (result.points.empty()) return blocks;
   if (tensioned) add(blocks, stiffness_plot(id + "-EI", origins, result));
-  auto rows = ident::bending_rows(campaign, result);
+  auto rows = result.points;
   for (auto& row : rows) row.file = short_name(row.file);
   add(blocks,
       described_table(id + "-results", "EI with its standard uncertainty and 95 % interval.",

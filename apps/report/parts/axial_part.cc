@@ -14,10 +14,11 @@ class AxialPart : public TestPart {
     const auto& inputs = std::get<ident::AxialInputs>(given);
     const auto& result = std::get<ident::AxialCampaignResult>(found);
     tell(result.findings);
-    part_.json.update(axial_json(inputs, result));
-    add(part_.blocks, axial_blocks(test_.name, inputs, result, origins_, &test_));
+    part_.json.update(axial_json(result));
+    add(part_.blocks, axial_blocks(test_.name, inputs, result, &test_));
     part_.brief = {test_.name + "-EA", test_.name + "-lengths"};
-    if (result.test) add_answers(*result.test, origins_[result.decays.front().recording]);
+    if (result.test)
+      add_answers(*result.test, inputs.recordings[result.decays.front().recording].origin);
     return {std::move(part_)};
   }
 

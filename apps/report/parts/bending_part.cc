@@ -59,7 +59,7 @@ class BendingPart : public TestPart {
       refused = refused || one.refused();
       if (!one.usable()) continue;
       const auto& point = one.point;
-      const std::string file = short_name(inputs.sources[one.source].name);
+      const std::string file = short_name(one.file);
       Answer EI = answer(fmt::format("EI/{}", ++found),
                          kind_.beam() ? fmt::format("Beam bending stiffness EI ({})", file)
                                       : fmt::format("Cable bending stiffness EI at {} N",
@@ -76,7 +76,7 @@ class BendingPart : public TestPart {
         EI.high = one.analysis->stiffness.high;
       }
       EI.rank = kind_.beam() && found > 1 ? 1 : 0;
-      const auto modulus = ident::bending_modulus(inputs, one);
+      const auto& modulus = one.modulus_Pa;
       if (kind_.beam() && std::isfinite(modulus.value)) {
         Answer E = EI;
         E.key = fmt::format("{}/modulus/{}", test_.name, found);

@@ -205,7 +205,7 @@ class Fit {
   void add_overlays() {
     PlotGroup group{fit_.name + "-overlays", "Test and model, overlaid", {}};
     for (std::size_t s = 0; s < answer_.states.size(); ++s) {
-      const auto& modal = *answer_.states[s].modal;
+      const auto& modal = *answer_.states[s];
       if (!modal.recorded || modal.rig.response.empty() || modal.rig.input.empty() ||
           !modal.recorded->hammer.amplitudes) {
         continue;

@@ -137,7 +137,6 @@ void TestPart::read(const FileRead& file_read) {
   for (auto& entry : loaded) {
     if (!entry.recording) continue;
     const auto& group = test_.recordings[entry.group];
-    origins_.push_back(group.origin());
     take(std::move(entry), group);
   }
 }

@@ -51,8 +51,7 @@ class TestPart {
 
   const CampaignTest& test_;
   ident::TestInputs inputs_;
-  std::size_t files_ = 0;        ///< recordings that the campaign names
-  std::vector<Origin> origins_;  ///< where the usable recordings come from
+  std::size_t files_ = 0;  ///< recordings that the campaign names
   ReportPart part_;
 };
 using TestPartPtr = std::unique_ptr<TestPart>;

@@ -19,15 +19,6 @@ using signal::HitFault;
 using signal::ImpactTest;
 using signal::Recording;
 
-bool has_channel(const Recording& recording, const std::string& name) {
-  try {
-    static_cast<void>(recording.channel_index(name));
-  } catch (const signal::RecordingError&) {
-    return false;
-  }
-  return true;
-}
-
 /// The responses asked for, else every channel besides the force that all recordings have.
 std::vector<std::string> response_names(std::span<const StruckPlace> places,
                                         const HammerTestOptions& options, Index force,
@@ -45,21 +36,18 @@ std::vector<std::string> response_names(std::span<const StruckPlace> places,
     const std::string& title = first.channels[static_cast<std::size_t>(c)].name;
     const bool own = first.channel_index(title) == c;
     const std::string name = own ? title : "#" + std::to_string(c + 1);
-    const Recording* without = nullptr;
-    for (const auto& place : places) {
-      for (const auto& recording : place.recordings) {
-        if (!without && !has_channel(recording, name)) without = &recording;
+    try {
+      for (const auto& place : places) {
+        for (const auto& recording : place.recordings) (void)recording.channel_index(name);
       }
-    }
-    if (!without) {
       names.push_back(name);
-    } else {
+    } catch (const signal::RecordingError& error) {
       findings.push_back(
           {"data_left_out",
-           fmt::format("Name the channel alike in all recordings: {} has no \"{}\", which is "
-                       "left out of the responses",
-                       without->path.string(), title),
-           title, false});
+           fmt::format("Name the channel alike in all recordings: {}; it is left out "
+                       "of the responses",
+                       error.what()),
+           title});
     }
   }
   return names;

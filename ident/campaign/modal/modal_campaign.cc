@@ -13,7 +13,6 @@
 namespace rigfit::ident {
 namespace {
 
-using Eigen::Index;
 using signal::Recording;
 
 const char* kRenameRemedy =
@@ -61,12 +60,8 @@ std::string unusable(const Recording& recording, const ModalTestOptions& options
 double usual_rate(const std::vector<TestRecording>& recordings) {
   std::map<double, int> count;
   for (const auto& one : recordings) ++count[one.recording.sample_rate_hz];
-  double best = 0;
-  int most = 0;
-  for (const auto& [rate, n] : count) {
-    if (n > most) best = rate, most = n;
-  }
-  return best;
+  const auto most = std::ranges::max_element(count, {}, [](const auto& one) { return one.second; });
+  return most == count.end() ? 0 : most->first;
 }
 
 /// Usable recordings by state, tensions rising, and place struck.
@@ -80,29 +75,24 @@ std::vector<ModalTestState> sorted(std::vector<TestRecording>& recordings,
       findings.push_back({"recording", why, one.recording.path.string(), true});
       continue;
     }
-    auto state = std::find_if(states.begin(), states.end(), [&](const ModalTestState& known) {
-      return known.tension_N == one.tension_N;
-    });
+    auto state = std::ranges::find(states, one.tension_N, &ModalTestState::tension_N);
     if (state == states.end()) {
       state = states.insert(states.end(), ModalTestState{});
       state->tension_N = one.tension_N;
       state->origin = one.origin;
     }
-    auto place = std::find_if(state->places.begin(), state->places.end(),
-                              [&](const StruckPlace& known) { return known.name == one.place; });
+    auto place = std::ranges::find(state->places, one.place, &StruckPlace::name);
     if (place == state->places.end()) {
       place = state->places.insert(state->places.end(), StruckPlace{one.place, {}});
     }
     place->recordings.push_back(std::move(one.recording));
   }
-  std::stable_sort(
-      states.begin(), states.end(),
-      [](const ModalTestState& a, const ModalTestState& b) { return a.tension_N < b.tension_N; });
+  std::ranges::stable_sort(states, {}, &ModalTestState::tension_N);
   return states;
 }
 
 Eigen::Vector3d direction_of(const signal::Channel& channel) {
-  return {channel.direction[0], channel.direction[1], channel.direction[2]};
+  return Eigen::Vector3d(channel.direction.data());
 }
 
 void analyse(ModalTestState& state, const ModalTestOptions& options) {
@@ -113,10 +103,7 @@ void analyse(ModalTestState& state, const ModalTestOptions& options) {
   }
   try {
     state.hammer = analyse_hammer_test(state.places, options.hammer);
-  } catch (const signal::RecordingError& error) {
-    state.findings.push_back({"recording", error.what(), "", true});
-    return;
-  } catch (const std::invalid_argument& error) {
+  } catch (const std::exception& error) {  // RecordingError, std::invalid_argument
     state.findings.push_back({"recording", error.what(), "", true});
     return;
   }
@@ -128,10 +115,9 @@ void analyse(ModalTestState& state, const ModalTestOptions& options) {
     state.directions.push_back(direction_of(state.places.front().recordings.front().channel(name)));
   }
   for (std::size_t p = 0; p < state.places.size(); ++p) {
-    const auto& place = state.places[p];
     if (state.hammer.tests[p].frfs.averages == 0) continue;
-    state.force_directions.push_back(
-        direction_of(place.recordings.front().channel(options.hammer.force)));
+    const Recording& first = state.places[p].recordings.front();
+    state.force_directions.push_back(direction_of(first.channel(options.hammer.force)));
   }
   auto modes = identify(state.hammer.frfs, options.hammer.impact.hits.band_hz,
                         state.hammer.usable_hz, options.modal);

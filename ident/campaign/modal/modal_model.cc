@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <type_traits>
 
 #include "ident/update/pairing/mode_assignment.h"
 #include "signal/estimation/robust.h"
@@ -15,7 +15,20 @@ namespace {
 
 using signal::kNaN;
 
-RmsError rms(double sum, int rows) { return {rows > 0 ? std::sqrt(sum / rows) : kNaN, rows}; }
+/// Over all rows, of their relative errors; NaN: none.
+template <class Error>
+RmsError rms_of(const std::vector<ModalState>& states, const Error& error) {
+  double sum = 0;
+  RmsError rms;
+  for (const auto& state : states) {
+    for (const auto& row : state.rows) {
+      const double e = error(state, row);
+      if (std::isfinite(e)) sum += e * e, ++rms.rows;
+    }
+  }
+  rms.value = rms.rows > 0 ? std::sqrt(sum / rms.rows) : kNaN;
+  return rms;
+}
 
 /// The state of that tension, made when there is none; tensions that agree to a part in 200 are
 /// one.
@@ -62,10 +75,6 @@ double typical_segments_error(const model::ModalAnalysis& analysis) {
     if (std::isfinite(error)) errors.push_back(error);
   }
   return signal::median(errors);
-}
-
-bool own(const ModalState& state, const MeasuredRow& row) {
-  return !state.recorded || row.origin == state.recorded->origin;
 }
 
 }  // namespace
@@ -122,29 +131,29 @@ Instrumented instrumented(model::Scene scene, const TestSetup& test,
       direction = sign * *test.direction;
     }
   };
-  std::vector<model::Sensor> sensors;
-  for (std::size_t r = 0; r < recorded.channels.size(); ++r) {
-    const auto other = test.sensors.find(recorded.channels[r]);
-    const auto& name = other == test.sensors.end() ? recorded.channels[r] : other->second;
-    for (const auto& sensor : scene.sensors) {
-      if (sensor.name != name) continue;
-      sensors.push_back(sensor);
-      sensors.back().quantity = quantity;
-      oriented(sensors.back().direction, recorded.directions[r]);
-      rig.response.push_back(static_cast<Eigen::Index>(r));
+  // The scene's `all` of these names, in their order, and the index of each name.
+  const auto taken = [&](auto& all, const auto& names, const auto& directions, auto& indices) {
+    std::vector<std::decay_t<decltype(all[0])>> kept;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      for (const auto& one : all) {
+        if (one.name != names[i]) continue;
+        kept.push_back(one);
+        oriented(kept.back().direction, directions[i]);
+        indices.push_back(static_cast<Eigen::Index>(i));
+      }
     }
+    all = std::move(kept);
+  };
+  auto sensors = recorded.channels;
+  for (auto& name : sensors) {
+    const auto other = test.sensors.find(name);
+    if (other != test.sensors.end()) name = other->second;
   }
-  std::vector<model::Load> loads;
-  for (std::size_t i = 0; i < recorded.hammer.frfs.inputs.size(); ++i) {
-    for (const auto& load : scene.loads) {
-      if (load.name != recorded.hammer.frfs.inputs[i].name) continue;
-      loads.push_back(load);
-      oriented(loads.back().direction, recorded.force_directions[i]);
-      rig.input.push_back(static_cast<Eigen::Index>(i));
-    }
-  }
-  scene.sensors = std::move(sensors);
-  scene.loads = std::move(loads);
+  std::vector<std::string> loads;
+  for (const auto& input : recorded.hammer.frfs.inputs) loads.push_back(input.name);
+  taken(scene.sensors, sensors, recorded.directions, rig.response);
+  taken(scene.loads, loads, recorded.force_directions, rig.input);
+  for (auto& sensor : scene.sensors) sensor.quantity = quantity;
   rig.scene = std::move(scene);
   return rig;
 }
@@ -173,11 +182,7 @@ std::vector<ModalState> modal_states(const TestSetup& test, const SceneUse& use,
       state.rig = instrumented(std::move(state.rig.scene), test, *state.recorded);
       for (auto& row : state.rows) {
         if (row.shape.size() == 0) continue;
-        Eigen::VectorXcd shape(static_cast<Eigen::Index>(state.rig.response.size()));
-        for (std::size_t s = 0; s < state.rig.response.size(); ++s) {
-          shape[static_cast<Eigen::Index>(s)] = row.shape[state.rig.response[s]];
-        }
-        row.shape = shape;
+        row.shape = Eigen::VectorXcd(row.shape(state.rig.response));
       }
     }
     double highest = 0;
@@ -195,32 +200,16 @@ std::vector<ModalState> modal_states(const TestSetup& test, const SceneUse& use,
 }
 
 RmsError rms_of_model(const std::vector<ModalState>& states) {
-  double sum = 0;
-  int rows = 0;
-  for (const auto& state : states) {
-    for (const auto& row : state.rows) {
-      if (!row.mode || !own(state, row)) continue;
-      const double error = state.analysis.modes[*row.mode].frequency_hz / row.measured_hz - 1;
-      sum += error * error;
-      ++rows;
-    }
-  }
-  return rms(sum, rows);
+  return rms_of(states, [](const ModalState& state, const MeasuredRow& row) {
+    if (!row.mode || (state.recorded && row.origin != state.recorded->origin)) return kNaN;
+    return state.analysis.modes[*row.mode].frequency_hz / row.measured_hz - 1;
+  });
 }
 
 RmsError rms_of_published(const std::vector<ModalState>& states, std::size_t model) {
-  double sum = 0;
-  int rows = 0;
-  for (const auto& state : states) {
-    for (const auto& row : state.rows) {
-      if (row.models_hz.size() <= model) continue;
-      const double error = row.models_hz[model] / row.measured_hz - 1;
-      if (!std::isfinite(error)) continue;
-      sum += error * error;
-      ++rows;
-    }
-  }
-  return rms(sum, rows);
+  return rms_of(states, [&](const ModalState&, const MeasuredRow& row) {
+    return row.models_hz.size() > model ? row.models_hz[model] / row.measured_hz - 1 : kNaN;
+  });
 }
 
 }  // namespace rigfit::ident

@@ -76,17 +76,17 @@ Eigen::VectorXd filled(const Eigen::VectorXd& samples) {
   return samples.unaryExpr([&](double v) { return std::isfinite(v) ? v : sum / count; });
 }
 
-std::vector<ReleaseAnswer> release_answers(const RecordedDecay& decay,
+std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
                                            const signal::DecayOptions& options,
                                            const std::vector<ModelVersion>& versions, int threads) {
-  const Eigen::VectorXd record = filled(decay.samples);
+  const Eigen::VectorXd record = filled(decays.samples);
+  const double rate = decays.sample_rate_hz;
   std::vector<ReleaseAnswer> answers(versions.size());
   in_parallel(versions.size(), threads, [&](std::size_t k) {
     const auto& version = versions[k];
     model::ResponseOptions response;
-    response.sampling.rate_hz = decay.rate_hz;
-    response.sampling.duration_s =
-        std::min(kLongest_s, static_cast<double>(record.size()) / decay.rate_hz);
+    response.sampling.rate_hz = rate;
+    response.sampling.duration_s = std::min(kLongest_s, static_cast<double>(record.size()) / rate);
     ReleaseAnswer& answer = answers[k];
     answer.label = version.label;
     answer.response = model::simulate_response(version.scene, response);
@@ -95,18 +95,17 @@ std::vector<ReleaseAnswer> release_answers(const RecordedDecay& decay,
       return;
     }
     const Eigen::VectorXd model = answer.response.samples.col(0);
-    answer.start =
-        best_shift(record, model, static_cast<Index>(std::lround(kAlike_s * decay.rate_hz)));
+    answer.start = best_shift(record, model, static_cast<Index>(std::lround(kAlike_s * rate)));
     // The same stretch of the motion as in the record: a large motion's frequency falls with it.
-    const Index first = std::max<Index>(0, decay.start - answer.start);
-    const Index last = std::min(model.size(), decay.end - answer.start);
+    const Index first = std::max<Index>(0, decays.strongest.start - answer.start);
+    const Index last = std::min(model.size(), decays.strongest.end - answer.start);
     if (last - first < 16) {
       answer.failure = "the record was analysed where the model has ended";
       return;
     }
     signal::DecayOptions same = options;
     same.choose_window = same.trim_start = false;
-    answer.found = signal::estimate_decay(model.segment(first, last - first), decay.rate_hz, same);
+    answer.found = signal::estimate_decay(model.segment(first, last - first), rate, same);
   });
   return answers;
 }

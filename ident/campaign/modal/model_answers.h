@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "ident/campaign/modal/modal_model.h"
+#include "ident/campaign/single_tests/decay_campaign.h"
 #include "model/frfs/frf_synthesis.h"
 #include "model/response/response.h"
-#include "signal/decay/decay.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::ident {
@@ -41,16 +41,9 @@ struct ReleaseAnswer {
   std::string failure;        ///< why there is no answer; empty: there is one
 };
 
-/// A recorded decay: its samples and the window that its estimator used.
-struct RecordedDecay {
-  Eigen::VectorXd samples;  ///< NaN where missing
-  double rate_hz = 0;
-  Eigen::Index start = 0, end = 0;
-};
-
 /// Simulates every version, whose scenes have one load and one sensor, for as long as the record
 /// lasts, at most 10 s, and shifts each in time to best match the record.
-[[nodiscard]] std::vector<ReleaseAnswer> release_answers(const RecordedDecay& decay,
+[[nodiscard]] std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
                                                          const signal::DecayOptions& options,
                                                          const std::vector<ModelVersion>& versions,
                                                          int threads);

@@ -51,8 +51,9 @@ AxialCampaignResult find(const AxialInputs& inputs, std::size_t index) {
       inputs.band_low_hz / rate,
       inputs.band_high_hz > 0 ? std::min(inputs.band_high_hz / rate, 0.5) : 0.5, !banded};
   for (const auto& window : signal::find_decays(channel->samples, band)) {
-    AxialFoundDecay d;
-    d.recording = index, d.channel = channel->name, d.unit = channel->unit, d.rate_hz = rate;
+    AxialRecord d;
+    d.recording = index, d.file = entry.name, d.length_m = entry.length_m;
+    d.channel = channel->name, d.unit = channel->unit, d.rate_hz = rate;
     d.samples = channel->samples.segment(window.start, window.end - window.start);
     d.result = signal::estimate_decay(d.samples, rate, options);
     d.samples_start_s = recording.start_time_s + static_cast<double>(window.start) / rate;
@@ -79,23 +80,22 @@ struct ModeOfDecay {
 };
 
 std::vector<ModeOfDecay> possible_modes(const AxialInputs& inputs,
-                                        const std::vector<AxialFoundDecay>& decays) {
+                                        const std::vector<AxialRecord>& decays) {
   std::vector<ModeOfDecay> all;
   const auto& setup = inputs.setup;
   for (std::size_t k = 0; k < decays.size(); ++k) {
     const auto& d = decays[k];
     if (!d.left_out.empty()) continue;
-    const double length = inputs.recordings[d.recording].length_m;
     double energy = 0;
     for (const auto& mode : d.result.modes) energy += mode.energy;
     for (std::size_t m = 0; m < d.result.modes.size(); ++m) {
       const auto& mode = d.result.modes[m];
       const double omega = 2 * std::numbers::pi * mode.frequency_hz.value;
-      const bool swings = model::kStandardGravity > 0.1 * omega * omega * length;
+      const bool swings = model::kStandardGravity > 0.1 * omega * omega * d.length_m;
       if (swings && inputs.band_high_hz == 0 && inputs.band_low_hz == 0) continue;
       const auto rod = rod_stiffness(
-          {omega * omega, setup.mass_kg.value, setup.mass_per_length_kg_m.value, length, 0});
-      all.push_back({k, m, std::log(rod.cable_N_m * length), mode.energy / energy});
+          {omega * omega, setup.mass_kg.value, setup.mass_per_length_kg_m.value, d.length_m, 0});
+      all.push_back({k, m, std::log(rod.cable_N_m * d.length_m), mode.energy / energy});
     }
   }
   return all;
@@ -131,9 +131,7 @@ void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
              "Give a band: the strongest mode, {:.4g} Hz, is not the axial one of the other "
              "records; left out",
              d.result.modes.front().frequency_hz.value),
-         fmt::format("{}: {} at {:.4g} s", inputs.recordings[d.recording].name, d.channel,
-                     d.start_s),
-         false});
+         fmt::format("{}: {} at {:.4g} s", d.file, d.channel, d.start_s)});
   }
 }
 
@@ -167,15 +165,15 @@ void contradictions(const AxialInputs& inputs, AxialCampaignResult& result) {
   std::vector<double> shares;
   for (const auto& d : result.decays) {
     if (!d.mode) continue;
-    const auto& one = inputs.recordings[d.recording];
-    const double f = d.result.modes[*d.mode].damped_frequency_hz.value;
-    auto& seen = by_length[one.length_m];
-    if (f < seen.low) seen.low = f, seen.lowest = one.name;
-    if (f > seen.high) seen.high = f, seen.highest = one.name;
+    const double f = d.axial().damped_frequency_hz.value;
+    auto& seen = by_length[d.length_m];
+    if (f < seen.low) seen.low = f, seen.lowest = d.file;
+    if (f > seen.high) seen.high = f, seen.highest = d.file;
     const double weight =
         model::kStandardGravity *
-        (inputs.setup.mass_kg.value + 0.5 * inputs.setup.mass_per_length_kg_m.value * one.length_m);
-    const double share = share_of_weight(one.recording.channel(d.channel), weight);
+        (inputs.setup.mass_kg.value + 0.5 * inputs.setup.mass_per_length_kg_m.value * d.length_m);
+    const double share =
+        share_of_weight(inputs.recordings[d.recording].recording.channel(d.channel), weight);
     if (std::isfinite(share)) shares.push_back(share);
   }
   for (const auto& [length, seen] : by_length) {
@@ -222,12 +220,10 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
   AxialSetup setup = inputs.setup;
   for (const auto& d : result.decays) {
     if (!d.mode) continue;
-    const auto& mode = d.result.modes[*d.mode];
-    const auto& recording = inputs.recordings[d.recording];
-    setup.rate_relative_std =
-        std::max(setup.rate_relative_std, recording.recording.sample_rate_relative_std);
-    decays.push_back({fmt::format("{} at {:.4g} s", recording.name, d.start_s), recording.length_m,
-                      mode.damped_frequency_hz, mode.damping_ratio});
+    setup.rate_relative_std = std::max(
+        setup.rate_relative_std, inputs.recordings[d.recording].recording.sample_rate_relative_std);
+    decays.push_back({fmt::format("{} at {:.4g} s", d.file, d.start_s), d.length_m,
+                      d.axial().damped_frequency_hz, d.axial().damping_ratio});
   }
   if (decays.empty()) {
     result.findings.push_back(
@@ -243,6 +239,10 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
     result.findings.push_back({"axial", error.what(), "", true});
     return result;
   }
+  std::size_t next = 0;
+  for (auto& d : result.decays) {
+    if (d.mode) d.sample = result.test->samples[next++];
+  }
   tell_rate(setup.rate_relative_std, decays.front().damped_frequency_hz, "", result.findings);
   add_notes(result.test->notes, result.findings);
   return result;
@@ -253,18 +253,6 @@ AxialKnowledge knowledge_of(const AxialTestResult& result) {
   // A bound without an upper end is no value for a scene.
   if (std::isinf(EA.std)) EA.value = EA.std = std::numeric_limits<double>::quiet_NaN();
   return {EA, result.damping_ratio};
-}
-
-std::vector<AxialRecord> axial_records(const AxialInputs& inputs,
-                                       const AxialCampaignResult& result) {
-  std::vector<AxialRecord> records;
-  std::size_t k = 0;
-  for (const auto& decay : result.decays) {
-    const bool used = decay.mode && result.test;
-    records.push_back(
-        {&inputs.recordings[decay.recording], &decay, used ? &result.test->samples[k++] : nullptr});
-  }
-  return records;
 }
 
 }  // namespace rigfit::ident

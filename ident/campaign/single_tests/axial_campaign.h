@@ -27,8 +27,11 @@ struct AxialInputs {
   int threads = 1;
 };
 
-struct AxialFoundDecay {
+/// One decay of a recording.
+struct AxialRecord {
   std::size_t recording = 0;  ///< index of the inputs' recordings
+  std::string file;           ///< its name
+  double length_m = 0;
   std::string channel, unit;
   double rate_hz = 0;
   double start_s = 0;          ///< start of the fitted window on the recording's time axis
@@ -37,32 +40,22 @@ struct AxialFoundDecay {
   signal::DecayResult result;
   /// Index of the axial mode in `result`; empty: refused or none found, see the findings.
   std::optional<std::size_t> mode;
-  std::string left_out;  ///< code of the reason; empty: used
+  std::string left_out;               ///< code of the reason; empty: used
+  std::optional<AxialSample> sample;  ///< what the test found of it; empty: not used
+
+  [[nodiscard]] const signal::DecayMode& axial() const { return result.modes[*mode]; }
+  [[nodiscard]] bool used() const { return sample.has_value(); }
+  [[nodiscard]] std::string refused() const { return left_out.empty() ? "axial" : left_out; }
 };
 
 struct AxialCampaignResult {
-  std::vector<AxialFoundDecay> decays;  ///< in the order of recordings, then of time
-  /// Empty: see `findings`. Its samples are the decays that have a mode, in order.
-  std::optional<AxialTestResult> test;
+  std::vector<AxialRecord> decays;      ///< in the order of recordings, then of time
+  std::optional<AxialTestResult> test;  ///< empty: see `findings`
   /// Refused: "not_uniform", "channel", "no_decay" (a recording, or all of them), "axial",
   /// "lengths_mixed", "length_suspected", "force_mismatch" (inputs that contradict the recordings).
   /// Warnings: "other_mode", and those of the decays and of the test.
   std::vector<Finding> findings;
 };
-
-/// A decay with its result in the test, for documents.
-struct AxialRecord {
-  const TestRecording* recording;
-  const AxialFoundDecay* decay;
-  const AxialSample* sample;  ///< null: not used
-
-  [[nodiscard]] const signal::DecayMode& mode() const { return decay->result.modes[*decay->mode]; }
-  [[nodiscard]] std::string refused() const {
-    return decay->left_out.empty() ? "axial" : decay->left_out;
-  }
-};
-[[nodiscard]] std::vector<AxialRecord> axial_records(const AxialInputs& inputs,
-                                                     const AxialCampaignResult& result);
 
 /// Unsuitable recordings become findings; throws std::invalid_argument for an invalid band.
 [[nodiscard]] AxialCampaignResult axial_campaign(const AxialInputs& inputs);
@@ -80,35 +73,35 @@ namespace rigfit::describe {
 template <>
 struct Described<ident::AxialRecord> {
   using T = ident::AxialRecord;
-  static constexpr auto used = [](const T& r) { return r.sample != nullptr; };
+  /// A field of the axial mode, of the sample of a decay that is used.
+  static constexpr auto of_mode = [](auto part) {
+    return where(&T::used, [part](const T& r) { return std::invoke(part, r.axial()); });
+  };
+  static constexpr auto of_sample = [](auto part) {
+    return where(&T::used, [part](const T& r) { return std::invoke(part, *r.sample); });
+  };
+  using Mode = signal::DecayMode;
+  using Sample = ident::AxialSample;
   static constexpr std::string_view title = "decays";
   static constexpr auto fields = std::tuple{
-      field(
-          "file", [](const T& r) { return r.recording->name; }, "", "file", "recording"),
-      field(
-          "length_m", [](const T& r) { return r.recording->length_m; }, "m", "length",
-          "between the ends"),
-      field(
-          "start_s", [](const T& r) { return r.decay->start_s; }, "s", "start", "fitted from here"),
-      field("refused", where([](const T& r) { return r.sample == nullptr; }, &T::refused), "",
-            "left out", "code of why it takes no part"),
-      field("damped_frequency_hz",
-            where(used, [](const T& r) { return r.mode().damped_frequency_hz; }), "Hz", "frequency",
+      field("file", &T::file, "", "file", "recording"),
+      field("length_m", &T::length_m, "m", "length", "between the ends"),
+      field("start_s", &T::start_s, "s", "start", "fitted from here"),
+      field("refused", where([](const T& r) { return !r.used(); }, &T::refused), "", "left out",
+            "code of why it takes no part"),
+      field("damped_frequency_hz", of_mode(&Mode::damped_frequency_hz), "Hz", "frequency",
             "of the axial mode, damped"),
-      field("damping_ratio", where(used, [](const T& r) { return r.mode().damping_ratio; }), "%",
-            "damping ratio", "of the axial mode"),
-      field("r_squared", where(used, [](const T& r) { return r.mode().r_squared; }), "", "",
-            "of the fitted decay"),
-      field("cycles", where(used, [](const T& r) { return r.mode().cycles; }), "", "", "fitted"),
-      field("stiffness_N_m", where(used, [](const T& r) { return r.sample->stiffness_N_m; }), "N/m",
-            "", "static, adapter included"),
-      field("cable_stiffness_N_m",
-            where(used, [](const T& r) { return r.sample->cable_stiffness_N_m; }), "N/m", "",
+      field("damping_ratio", of_mode(&Mode::damping_ratio), "%", "damping ratio",
+            "of the axial mode"),
+      field("r_squared", of_mode(&Mode::r_squared), "", "", "of the fitted decay"),
+      field("cycles", of_mode(&Mode::cycles), "", "", "fitted"),
+      field("stiffness_N_m", of_sample(&Sample::stiffness_N_m), "N/m", "",
+            "static, adapter included"),
+      field("cable_stiffness_N_m", of_sample(&Sample::cable_stiffness_N_m), "N/m", "",
             "static, of the cable"),
-      field("EA_N", where(used, [](const T& r) { return r.sample->EA_N; }), "N", "EA",
-            "of this record, with the cable alone"),
-      field("damping_Ns_m", where(used, [](const T& r) { return r.sample->damping_Ns_m; }), "N s/m",
-            "damper", "equivalent viscous damper")};
+      field("EA_N", of_sample(&Sample::EA_N), "N", "EA", "of this record, with the cable alone"),
+      field("damping_Ns_m", of_sample(&Sample::damping_Ns_m), "N s/m", "damper",
+            "equivalent viscous damper")};
 };
 
 }  // namespace rigfit::describe

@@ -1,6 +1,7 @@
 #include "ident/campaign/single_tests/bending_campaign.h"
 
 #include <fmt/format.h>
+#include <gsl/gsl_statistics_double.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,41 +15,50 @@
 namespace rigfit::ident {
 namespace {
 
-void add_values(const BendingSource& source, std::size_t index, std::vector<BendingPoint>& points) {
+void add_values(const BendingSource& source, BendingPoint one, std::vector<BendingPoint>& points) {
   for (std::size_t i = 0; i < source.values.size(); ++i) {
-    BendingPoint one{.source = index, .row = i + 1, .record = {}, .analysis = {}, .point = {}};
-    one.point = source.values[i];
-    auto& point = one.point;
+    one.row = i + 1;
+    auto& point = one.point = source.values[i];
     if (std::isfinite(point.std) && !std::isfinite(point.low)) {
       const double half = coverage_factor(0.95, 0) * point.std;
       point.low = std::max(0.0, point.EI_Nm2 - half);
       point.high = point.EI_Nm2 + half;
     }
-    points.push_back(std::move(one));
+    points.push_back(one);
   }
 }
 
-void add_record(const BendingSource& source, std::size_t index, const BendingTestOptions& options,
+void add_record(const BendingSource& source, BendingPoint one, const BendingCampaign& campaign,
                 std::vector<BendingPoint>& points) {
+  const auto& options = campaign.test;
   std::vector<BendingRecord> records;
   if (options.ends == BeamEnds::tensioned && source.record.load_N.size() <= kLongestBendingTable) {
     records = split_by_tension(source.record);
   }
   if (records.empty()) records = {source.record};
   for (auto& record : records) {
-    BendingPoint one{
-        .source = index, .row = 0, .record = std::move(record), .analysis = {}, .point = {}};
-    one.analysis = analyse_bending_test(one.record, options);
-    const auto& result = *one.analysis;
-    const auto& EI = result.stiffness;
-    one.point = {result.tension_N.value,
-                 EI.EI_Nm2.value,
-                 EI.EI_Nm2.std,
-                 EI.low,
-                 EI.high,
-                 shared_relative_std(result, options),
-                 result.tension_spread_N};
-    points.push_back(std::move(one));
+    one.record = std::move(record);
+    const auto& result = one.analysis.emplace(analyse_bending_test(one.record, options));
+    one.point = {.tension_N = result.tension_N.value,
+                 .EI_Nm2 = signal::kNaN,
+                 .shared_relative_std = shared_relative_std(result, options),
+                 .tension_std_N = result.tension_spread_N};
+    one.slope_N_m = one.modulus_Pa = {};
+    if (!result.refused) {
+      const auto& [EI, low, high] =
+          std::tie(result.stiffness.EI_Nm2, result.stiffness.low, result.stiffness.high);
+      one.point.EI_Nm2 = EI.value, one.point.std = EI.std;
+      one.point.low = low, one.point.high = high;
+      const auto &slope = result.compliance_m_N, &I = campaign.second_moment_m4;
+      if (one.beam()) one.slope_N_m = {1 / slope.value, slope.std / slope.value / slope.value};
+      if (one.beam() && I.value > 0 && EI.value > 0) {
+        const double modulus = EI.value / I.value;
+        one.modulus_Pa = {
+            modulus,
+            modulus * std::hypot(EI.std / EI.value, std::isfinite(I.std) ? I.std / I.value : 0)};
+      }
+    }
+    points.push_back(one);
   }
 }
 
@@ -99,62 +109,30 @@ void suspect_lengths(const BendingCampaign& campaign, BendingCampaignResult& res
     if (high > low) deflection = std::max(deflection, high - low);
   }
   const double span = campaign.test.span_m.value;
-  if (!(deflection > 0 && span > 0)) return;
-  constexpr double kLongestSpan = 20;        // m, of a bench
-  constexpr double kLeastDeflection = 1e-6;  // relative to the span
-  if (span > kLongestSpan || deflection < kLeastDeflection * span) {
-    result.findings.push_back(
-        {"length_suspected",
-         fmt::format("Give the span in m: {:.4g} m with deflections up to {:.3g} mm is no bending "
-                     "test (as mm: {:.4g} m); EI goes with about the cube of the span",
-                     span, 1e3 * deflection, 1e-3 * span),
-         "", false});
-  } else if (deflection > 0.5 * span) {
-    result.findings.push_back(
-        {"length_suspected",
-         fmt::format("Give the unit of the deflection in the title or in a TOML file beside the "
-                     "recording: {:.3g} m on a span of {:.3g} m may be millimetres",
-                     deflection, span),
-         "", false});
-  } else if (deflection > 0.1 * span) {
-    result.findings.push_back(
-        {"large_deflection",
-         fmt::format("Deflect less: {:.0f} % of the span is much for the equation of small "
-                     "deflections, whose error is about its square, {:.1g} %",
-                     100 * deflection / span, 100 * deflection * deflection / span / span),
-         "", false});
-  }
+  constexpr double kLongestSpan = 20;  // m, of a bench
+  if (!(deflection > 0 && span > 0) || (span < kLongestSpan && deflection < 0.5 * span)) return;
+  result.findings.push_back(
+      {"length_suspected",
+       fmt::format("Give the span in m, and the deflection's unit in its title or in a TOML file "
+                   "beside the recording: {:.4g} m with deflections up to {:.4g} m is no bending "
+                   "test; EI goes with about the cube of the span",
+                   span, deflection)});
 }
 
-void gather_specimens(const BendingCampaign& campaign, BendingCampaignResult& result) {
-  BeamSpecimens all;
-  double squares = 0;
-  all.modulus_Pa = 0;
+void gather_specimens(BendingCampaignResult& result) {
+  std::vector<double> EI, modulus;
   for (const auto& one : result.points) {
     if (!one.usable()) continue;
-    ++all.count;
-    all.EI_Nm2 += one.point.EI_Nm2;
-    all.modulus_Pa += bending_modulus(campaign, one).value;
+    EI.push_back(one.point.EI_Nm2);
+    modulus.push_back(one.modulus_Pa.value);
   }
-  if (all.count < 2) return;
-  const auto count = static_cast<double>(all.count);
-  all.EI_Nm2 /= count, all.modulus_Pa /= count;
-  for (const auto& one : result.points) {
-    if (one.usable()) squares += std::pow(one.point.EI_Nm2 / all.EI_Nm2 - 1, 2);
-  }
-  all.relative_scatter = std::sqrt(squares / (count - 1));
-  result.specimens = all;
+  if (EI.size() < 2) return;
+  const double mean = gsl_stats_mean(EI.data(), 1, EI.size());
+  result.specimens = {EI.size(), mean, gsl_stats_mean(modulus.data(), 1, modulus.size()),
+                      gsl_stats_sd_m(EI.data(), 1, EI.size(), mean) / mean};
 }
 
 }  // namespace
-
-signal::Estimate bending_modulus(const BendingCampaign& campaign, const BendingPoint& point) {
-  const auto& I = campaign.second_moment_m4;
-  if (!(I.value > 0) || !point.usable() || !(point.point.EI_Nm2 > 0)) return {};
-  const double modulus = point.point.EI_Nm2 / I.value;
-  return {modulus, modulus * std::hypot(point.point.std / point.point.EI_Nm2,
-                                        std::isfinite(I.std) ? I.std / I.value : 0)};
-}
 
 double shared_relative_std(const BendingTestResult& test, const BendingTestOptions& options) {
   if (test.refused) return 0;
@@ -173,10 +151,12 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
   BendingCampaignResult result;
   for (std::size_t k = 0; k < campaign.sources.size(); ++k) {
     const auto& source = campaign.sources[k];
+    BendingPoint point;
+    point.source = k, point.file = source.name;
     if (source.values.empty()) {
-      add_record(source, k, campaign.test, result.points);
+      add_record(source, point, campaign, result.points);
     } else {
-      add_values(source, k, result.points);
+      add_values(source, point, result.points);
     }
   }
   std::stable_sort(result.points.begin(), result.points.end(), [](const auto& a, const auto& b) {
@@ -186,17 +166,17 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
   });
   for (const auto& one : result.points) {
     if (!one.analysis) continue;
-    const auto& file = campaign.sources[one.source].name;
     for (Finding finding : one.analysis->findings) {
-      finding.where =
-          one.point.tension_N > 0 ? fmt::format("{} at {:.4g} N", file, one.point.tension_N) : file;
+      finding.where = one.file;
+      if (one.point.tension_N > 0)
+        finding.where += fmt::format(" at {:.4g} N", one.point.tension_N);
       result.findings.push_back(std::move(finding));
     }
   }
   name_exact_inputs(campaign.test, result);
   suspect_lengths(campaign, result);
   if (campaign.test.ends != BeamEnds::tensioned) {
-    gather_specimens(campaign, result);
+    gather_specimens(result);
     return result;
   }
   std::vector<StiffnessPoint> points;
@@ -221,39 +201,6 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
   }
   result.curve = StiffnessCurve(std::move(points), options);
   return result;
-}
-
-std::vector<BendingRow> bending_rows(const BendingCampaign& campaign,
-                                     const BendingCampaignResult& result) {
-  std::vector<BendingRow> rows;
-  for (const auto& one : result.points) {
-    const auto& point = one.point;
-    BendingRow row;
-    row.file = campaign.sources[one.source].name;
-    if (one.row > 0) row.row = one.row;
-    row.refused = one.refused();
-    row.tension_N = point.tension_N;
-    row.EI_Nm2 = row.refused
-                     ? describe::Bounded{signal::kNaN, signal::kNaN, signal::kNaN, signal::kNaN}
-                     : describe::Bounded{point.EI_Nm2, point.std, point.low, point.high};
-    row.stiffness_N_m = row.modulus_Pa = {signal::kNaN, signal::kNaN};
-    row.shared_relative_std = point.shared_relative_std;
-    row.tension_spread_N = point.tension_std_N;
-    if (one.analysis) {
-      const auto& analysis = *one.analysis;
-      row.hysteresis_N = analysis.hysteresis_N;
-      if (analysis.ends != BeamEnds::tensioned) {
-        row.ends = name_of(analysis.ends);
-        const auto& slope = analysis.compliance_m_N;
-        if (!row.refused) {
-          row.stiffness_N_m = {1 / slope.value, slope.std / slope.value / slope.value};
-        }
-        row.modulus_Pa = bending_modulus(campaign, one);
-      }
-    }
-    rows.push_back(std::move(row));
-  }
-  return rows;
 }
 
 }  // namespace rigfit::ident

@@ -65,17 +65,20 @@ struct BendingCampaign {
   double assumed_relative_std = 0;  ///< for EI values without an uncertainty; 0: unknown
 };
 
-/// One tension of one source.
+/// One tension of one source, as it is printed and written.
 struct BendingPoint {
   std::size_t source = 0;
-  std::size_t row = 0;   ///< row of EI values, from 1; 0: from a record
-  BendingRecord record;  ///< the rows at this tension; empty: EI values
+  std::string file;                ///< name of the source
+  std::optional<std::size_t> row;  ///< of EI values, from 1; empty: from a record
+  BendingRecord record;            ///< the rows at this tension; empty: EI values
   std::optional<BendingTestResult> analysis;
-  StiffnessPoint point;  ///< NaN where refused
+  StiffnessPoint point;                    ///< NaN where refused
+  signal::Estimate slope_N_m, modulus_Pa;  ///< of a beam without tension; NaN: not known
 
   [[nodiscard]] bool refused() const { return analysis && analysis->refused; }
   /// Whether laws and curve use this EI.
   [[nodiscard]] bool usable() const { return !refused() && point.EI_Nm2 > 0; }
+  [[nodiscard]] bool beam() const { return analysis && analysis->ends != BeamEnds::tensioned; }
 };
 
 /// Specimens of one kind, bent without tension, with plain means, as each is one draw of the kind.
@@ -91,7 +94,7 @@ struct BendingCampaignResult {
   std::optional<StiffnessBounds> bounds;
   std::optional<BeamSpecimens> specimens;  ///< if two or more gave an EI without tension
   /// Those of the points, then on all together: "taken_as_exact", "outside_bounds",
-  /// "length_suspected", "large_deflection".
+  /// "length_suspected".
   std::vector<Finding> findings;
 };
 
@@ -100,24 +103,6 @@ inline constexpr Eigen::Index kLongestBendingTable = 400;
 
 /// Throws std::invalid_argument like analyse_bending_test, stiffness_bounds and fit_stiffness_laws.
 [[nodiscard]] BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign);
-
-/// Young's modulus in bending of a test without tension, Pa; NaN without a second moment.
-[[nodiscard]] signal::Estimate bending_modulus(const BendingCampaign& campaign,
-                                               const BendingPoint& point);
-
-/// A point as it is printed and written.
-struct BendingRow {
-  std::string file, ends;  ///< ends: empty of a test under tension
-  std::optional<std::size_t> row;
-  bool refused = false;
-  double tension_N = 0;
-  describe::Bounded EI_Nm2{};                  ///< NaN where refused
-  signal::Estimate stiffness_N_m, modulus_Pa;  ///< without tension; NaN: not known
-  double shared_relative_std = 0, tension_spread_N = 0;
-  double hysteresis_N = 0;  ///< for a record
-};
-[[nodiscard]] std::vector<BendingRow> bending_rows(const BendingCampaign& campaign,
-                                                   const BendingCampaignResult& result);
 
 /// Uncertainty of a test's EI that it shares with others of the same span and instruments, relative
 /// to EI: root of the sum of squares.
@@ -129,30 +114,40 @@ struct BendingRow {
 namespace rigfit::describe {
 
 template <>
-struct Described<ident::BendingRow> {
-  using T = ident::BendingRow;
+struct Described<ident::BendingPoint> {
+  using T = ident::BendingPoint;
+  using Point = ident::StiffnessPoint;
+  static Bounded EI(const T& p) { return {p.point.EI_Nm2, p.point.std, p.point.low, p.point.high}; }
   static constexpr std::string_view title{};
   static constexpr auto fields = std::tuple{
-      field("tension_N", &T::tension_N, "N", "", "mean over the samples used; 0 without tension"),
-      field("", where([](const T& r) { return r.ends.empty(); }, &T::tension_N), "N", "tension", "",
-            5),
-      field("stiffness_N_m", &T::stiffness_N_m, "N/m", "slope", "load over deflection"),
-      field("EI_Nm2", &T::EI_Nm2, "N m2", "EI", "flexural rigidity"),
+      field("tension_N", within(&T::point, &Point::tension_N), "N", "",
+            "mean over the samples used; 0 without tension"),
+      field("", where([](const T& p) { return !p.beam(); }, within(&T::point, &Point::tension_N)),
+            "N", "tension", "", 5),
+      field("stiffness_N_m", &T::slope_N_m, "N/m", "slope", "load over deflection"),
+      field("EI_Nm2", EI, "N m2", "EI", "flexural rigidity"),
       field(
           "",
-          [](const T& r) {
-            return Ends{r.EI_Nm2.low, r.EI_Nm2.high, r.EI_Nm2.std};
+          [](const T& p) {
+            return Ends{p.point.low, p.point.high, p.point.std};
           },
           "", "95 % interval", ""),
       field("modulus_Pa", &T::modulus_Pa, "Pa", "modulus", "EI over the second moment"),
       field("refused", &T::refused, "", "", "see the warnings"),
       field(
-          "", [](const T& r) { return std::string(r.refused ? "refused" : ""); }, "", "remark", ""),
-      field("ends", &T::ends, "", "", "clamped, pinned or cantilever, without tension"),
+          "", [](const T& p) { return std::string(p.refused() ? "refused" : ""); }, "", "remark",
+          ""),
+      field(
+          "ends", [](const T& p) { return std::string(p.beam() ? name_of(p.analysis->ends) : ""); },
+          "", "", "clamped, pinned or cantilever, without tension"),
       field("row", &T::row, "", "", "of a table of EI, from 1"),
-      field("shared_relative_std", &T::shared_relative_std, "", "", "common to all tests"),
-      field("tension_spread_N", &T::tension_spread_N, "N", "", "std of the tension within a test"),
-      field("hysteresis_N", &T::hysteresis_N, "N", "", "half between loading and unloading"),
+      field("shared_relative_std", within(&T::point, &Point::shared_relative_std), "", "",
+            "common to all tests"),
+      field("tension_spread_N", within(&T::point, &Point::tension_std_N), "N", "",
+            "std of the tension within a test"),
+      field(
+          "hysteresis_N", [](const T& p) { return p.analysis ? p.analysis->hysteresis_N : 0; }, "N",
+          "", "half between loading and unloading"),
       field("file", &T::file, "", "from", "")};
 };
 

@@ -74,37 +74,30 @@ namespace rigfit::describe {
 template <>
 struct Described<ident::FoundDecay> {
   using T = ident::FoundDecay;
-  static constexpr auto strongest = [](const T& d) {
-    const bool any = d.result && !d.result->modes.empty();
-    return any ? std::optional(d.result->modes.front()) : std::nullopt;
+  static constexpr auto of_strongest = [](auto part) {
+    return [part](const T& d) {
+      const bool any = d.result && !d.result->modes.empty();
+      return any ? std::optional(std::invoke(part, d.result->modes.front())) : std::nullopt;
+    };
+  };
+  static constexpr auto of_result = [](auto part) {
+    return
+        [part](const T& d) { return std::invoke(part, d.result.value_or(signal::DecayResult())); };
   };
   static bool shown(const T& d) { return d.result.has_value(); }
   static constexpr std::string_view title = "decays of the record";
-  static constexpr auto fields = std::tuple{
-      field("start_s", &T::start_s, "s", "start", "of the window"),
-      field("end_s", &T::end_s, "s", "end", "of the window"),
-      field("fitted", &T::fitted, "", "fitted", "a fit was made"),
-      field(
-          "frequency_hz",
-          [](const T& d) {
-            const auto mode = strongest(d);
-            return mode ? std::optional(mode->frequency_hz) : std::nullopt;
-          },
-          "Hz", "frequency", "of the strongest mode"),
-      field(
-          "damping_ratio",
-          [](const T& d) {
-            const auto mode = strongest(d);
-            return mode ? std::optional(mode->damping_ratio) : std::nullopt;
-          },
-          "%", "damping", "of the strongest mode"),
-      field(
-          "modes",
-          [](const T& d) { return d.result ? d.result->modes : std::vector<signal::DecayMode>{}; },
-          "", "", "of each decay, where each was fitted"),
-      field(
-          "refusal", [](const T& d) { return d.result ? d.result->refusal : std::string(); }, "",
-          "remark", "why it has no modes")};
+  static constexpr auto fields =
+      std::tuple{field("start_s", &T::start_s, "s", "start", "of the window"),
+                 field("end_s", &T::end_s, "s", "end", "of the window"),
+                 field("fitted", &T::fitted, "", "fitted", "a fit was made"),
+                 field("frequency_hz", of_strongest(&signal::DecayMode::frequency_hz), "Hz",
+                       "frequency", "of the strongest mode"),
+                 field("damping_ratio", of_strongest(&signal::DecayMode::damping_ratio), "%",
+                       "damping", "of the strongest mode"),
+                 field("modes", of_result(&signal::DecayResult::modes), "", "",
+                       "of each decay, where each was fitted"),
+                 field("refusal", of_result(&signal::DecayResult::refusal), "", "remark",
+                       "why it has no modes")};
 };
 
 template <>
@@ -125,14 +118,17 @@ struct Described<ident::PooledMode> {
 template <>
 struct Described<ident::ChannelDecays> {
   using T = ident::ChannelDecays;
-  static constexpr auto solved = [](const T& c) { return c.strongest.refusal_code.empty(); };
+  using Decay = signal::DecayResult;
+  static constexpr auto of_solved = [](auto part) {
+    return where([](const T& c) { return c.strongest.refusal_code.empty(); },
+                 within(&T::strongest, part));
+  };
   static constexpr auto fields = std::tuple{
       field("channel", &T::channel, "", "", "name"),
       field("unit", &T::unit, "", "", "of the channel"),
       field("sample_rate_hz", &T::sample_rate_hz, "Hz", "", "of the recording"),
-      field(
-          "modes", [](const T& c) { return c.strongest.modes; }, "", "modes",
-          "of the strongest decay, strongest first"),
+      field("modes", within(&T::strongest, &Decay::modes), "", "modes",
+            "of the strongest decay, strongest first"),
       field("start_s", &T::start_s, "s", "", "of the window fitted"),
       field("end_s", &T::end_s, "s", "", "of the window fitted"),
       field(
@@ -141,11 +137,11 @@ struct Described<ident::ChannelDecays> {
       field("decays", &T::decays, "", "decays", "of the record, in time"),
       field("pooled", &T::pooled, "", "pooled", "modes over the decays, where each was fitted"),
       field("frequency_drift_hz",
-            where(solved, [](const T& c) { return c.strongest.envelope.frequency_drift_hz.value; }),
-            "Hz", "", "of the strongest, from the first span to the last"),
+            of_solved([](const Decay& d) { return d.envelope.frequency_drift_hz.value; }), "Hz", "",
+            "of the strongest, from the first span to the last"),
       field("frequency_drift_std_hz",
-            where(solved, [](const T& c) { return c.strongest.envelope.frequency_drift_hz.std; }),
-            "Hz", "", "standard uncertainty"),
+            of_solved([](const Decay& d) { return d.envelope.frequency_drift_hz.std; }), "Hz", "",
+            "standard uncertainty"),
       field(
           "amplitude_dependence",
           [](const T& c) {
@@ -164,16 +160,12 @@ struct Described<ident::ChannelDecays> {
             return tones;
           },
           "Hz", "", "hum that does not decay"),
-      field("noise_std", where(solved, [](const T& c) { return c.strongest.noise_std; }), "",
-            "noise", "rms, channel's unit", 3),
-      field("signal_to_noise_db",
-            where(solved, [](const T& c) { return c.strongest.signal_to_noise_db; }), "dB",
-            "signal to noise", "of the strongest mode at the start", 3),
-      field("residual_order", where(solved, [](const T& c) { return c.strongest.residual_order; }),
-            "", "", "of the noise's autoregression"),
-      field("degrees_of_freedom",
-            where(solved, [](const T& c) { return c.strongest.degrees_of_freedom; }), "", "",
-            "of the fit")};
+      field("noise_std", of_solved(&Decay::noise_std), "", "noise", "rms, channel's unit", 3),
+      field("signal_to_noise_db", of_solved(&Decay::signal_to_noise_db), "dB", "signal to noise",
+            "of the strongest mode at the start", 3),
+      field("residual_order", of_solved(&Decay::residual_order), "", "",
+            "of the noise's autoregression"),
+      field("degrees_of_freedom", of_solved(&Decay::degrees_of_freedom), "", "", "of the fit")};
 };
 
 }  // namespace rigfit::describe

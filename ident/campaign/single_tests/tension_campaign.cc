@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -121,26 +122,22 @@ void add_findings(const TensionInputs& inputs, TensionCampaignResult& campaign) 
                      "its order (--order) if it is one",
                      mode.measured_hz));
   }
-  if (result.EA_assumed) {
-    warn("EA_assumed",
-         "Give EA: a strain of 0.001 is taken, within a factor of 2 or so; this matters where the "
-         "cable sags");
-  }
-  if (result.EI_assumed) {
-    warn(
-        "EI_assumed",
-        "Give EI, or three frequencies: fewer cannot tell it, so that the interval covers L sqrt(T "
-        "/ EI) anywhere in 2 to 2000");
-  }
-  if (result.mass_reference_matters) {
-    warn("assumed",
-         "Say with mass_of whether the mass per length is that of the installed or of the "
-         "unstretched cable: here the answers differ");
-  }
-  if (cable.length_m.std == 0 || cable.mass_per_length.std == 0) {
-    warn("taken_as_exact",
-         "Give the standard uncertainty of length and mass per length: without it they count as "
-         "exact (1 % of length is 2 % of tension)");
+  const bool exact = cable.length_m.std == 0 || cable.mass_per_length.std == 0;
+  for (const auto& [is, code, message] : {
+           std::tuple{result.EA_assumed, "EA_assumed",
+                      "Give EA: a strain of 0.001 is taken, within a factor of 2 or so; this "
+                      "matters where the cable sags"},
+           {result.EI_assumed, "EI_assumed",
+            "Give EI, or three frequencies: fewer cannot tell it, so that the interval covers L "
+            "sqrt(T / EI) anywhere in 2 to 2000"},
+           {result.mass_reference_matters, "assumed",
+            "Say with mass_of whether the mass per length is that of the installed or of the "
+            "unstretched cable: here the answers differ"},
+           {exact, "taken_as_exact",
+            "Give the standard uncertainty of length and mass per length: without it they count as "
+            "exact (1 % of length is 2 % of tension)"},
+       }) {
+    if (is) warn(code, message);
   }
   if (!result.decided) {
     refuse("not_decided",

@@ -112,7 +112,7 @@ TEST(PlanCoverage, OfNoisyRecords) {
   const double kModelStd = states[0].scene.accuracy;
   // At a tenth of the span, along y: sees all modes but the fourth, whose node the hammer strikes.
   constexpr std::size_t kSensor = 2;
-  const PlanTest test{0, 0, {kSensor}, options.modes, 0, 0};
+  const PlanTest test{0, 0, {kSensor}, 0, 0};
   const auto modes = planned_modes(candidates, options, {test});
   ASSERT_EQ(modes.size(), 5u);
   const Eigen::MatrixXd C = plan_covariance(candidates, modes);

@@ -164,7 +164,7 @@ TEST(SceneInputs, CountOnceWhereTheFitHadThem) {
   const auto fit = update_model({state}, {EI}, options);
   const auto fitted = fitted_parameters(fit, {EI});
   ASSERT_EQ(fitted.inputs.size(), 1u);
-  EXPECT_NEAR(fitted.inputs[0].change[0] / fitted.parameters[0].value, 0.03, 1e-3);
+  EXPECT_NEAR(fitted.inputs.at(kMass)[0] / fitted.parameters[0].value, 0.03, 1e-3);
   auto once = fitted;
   const auto added = add_scene_inputs(cantilever(), {{kMass, {}, 0.06}}, once);
   EXPECT_TRUE(added.front().of_fit);

@@ -12,8 +12,7 @@ Eigen::MatrixXd random_matrix(int rows, int columns) {
 TEST(Identifiability, IsTheInverseNormalMatrixWhenAllIsDetermined) {
   const Eigen::MatrixXd J = random_matrix(12, 3);
   const auto known = identifiability(J, Eigen::Vector3d(1, 2, 0.5), {"a", "b", "c"});
-  EXPECT_TRUE(known.complete());
-  EXPECT_EQ(known.rank, 3);
+  EXPECT_TRUE(known.open.empty());
   const Eigen::MatrixXd expected = (J.transpose() * J).inverse();
   // Condition of J is below 10: rounding only.
   EXPECT_TRUE(MatricesNear(known.covariance, expected, 1e-13 * expected.norm()));
@@ -24,7 +23,6 @@ TEST(Identifiability, NamesTwoThatOnlyActTogether) {
   J.col(2) = -2 * J.col(0);  // p0 up by 2 and p2 up by 1: nothing changes
   const auto known = identifiability(J, Eigen::Vector3d(1, 1, 1), {"EI", "tension", "span"});
   ASSERT_EQ(known.open.size(), 1U);
-  EXPECT_EQ(known.rank, 2);
   EXPECT_THAT(known.open[0].message, HasSubstr("EI and span"));
   EXPECT_THAT(known.open[0].message, Not(HasSubstr("tension")));
   EXPECT_FALSE(known.identifiable[0]);
@@ -44,13 +42,13 @@ TEST(Identifiability, VagueIsNotDetermined) {
   EXPECT_TRUE(known.identifiable[0]);
   EXPECT_FALSE(known.identifiable[1]);
   EXPECT_NEAR(known.std[0], 0.1, 1e-14);
-  EXPECT_NEAR(known.open[0].relative_std, 10, 1e-12);
+  EXPECT_EQ(known.open.size(), 1U);
 }
 
 TEST(Identifiability, NothingFiniteDeterminesNothing) {
   const auto known =
       identifiability(Eigen::MatrixXd::Constant(3, 2, NAN), Eigen::Vector2d(1, 1), {"a", "b"});
-  EXPECT_EQ(known.rank, 0);
+  EXPECT_EQ(known.open.size(), 2U);
   EXPECT_FALSE(known.identifiable[0]);
 }
 
