@@ -19,6 +19,7 @@ struct ModalCommand {
   int order = signal::LscfOptions().max_order;
   int averages = 0;  ///< behind the coherence of FRFs from a file; 0: as the file says
   std::string out, synthesis;
+  bool all = false;                     ///< print uncertain modes as well
   bool ambient = false;                 ///< motion under unknown forces: no FRFs, no hits
   std::vector<std::string> references;  ///< stay in place in all set-ups of ambient motion
 
@@ -28,13 +29,12 @@ struct ModalCommand {
 bool doubtful(const signal::IdentifiedMode& mode) { return mode.doubtful; }
 bool doubtful(const signal::AmbientMode& one) { return one.mode.doubtful; }
 
-/// The modes as a table: the sure ones, and how many others there are.
+/// The modes as a table: the sure ones, and how many others there are; `all`: those too.
 template <class Mode>
-void print_modes(VerbContext& context, std::vector<Mode> modes) {
-  const auto others =
-      std::erase_if(modes, [&](const Mode& one) { return !context.verbose && doubtful(one); });
+void print_modes(VerbContext& context, std::vector<Mode> modes, bool all) {
+  const auto others = std::erase_if(modes, [&](const Mode& one) { return !all && doubtful(one); });
   describe::print(context.out, describe::table_of(modes));
-  if (others > 0) context.out << fmt::format("and {} uncertain: --verbose lists them\n", others);
+  if (others > 0) context.out << fmt::format("and {} uncertain: --all lists them\n", others);
 }
 
 // Modes from motion under unknown forces, one or several set-ups.
@@ -109,7 +109,7 @@ Json ambient_result(const ModalCommand& command, VerbContext& context) {
   result["input_points"] = Json::array();
   result["ambient"] = true;
   result["amplitudes"] = false;  // shapes have no scale
-  print_modes(context, found.modes);
+  print_modes(context, found.modes, command.all);
   if (!found.tones.empty()) describe::print(context.out, describe::table_of(found.tones));
   context.out << fmt::format("{:.4g} to {:.4g} Hz, {:.0f} s, correlations to {:.3g} s\n",
                              found.low_hz, found.high_hz, found.duration_s, found.lag_s);
@@ -180,7 +180,7 @@ Json run(ModalCommand& options, VerbContext& context) {
   const signal::ModalModel& model = found.model;
   context.tell(findings);
   result.update(describe::json_of(found));
-  print_modes(context, model.modes);
+  print_modes(context, model.modes, options.all);
   context.out << fmt::format("{:.4g} to {:.4g} Hz, {} lines, model orders to {}", found.low_hz,
                              found.high_hz, found.lines_used, found.stabilisation.orders_solved);
   if (found.misfit_over_error_bars) {
@@ -227,6 +227,7 @@ describe::Options options_of(ModalCommand& c) {
       option("--reference", c.references,
              "Channels that stay in place in all set-ups [those that all files have]")
           .needs("--ambient"),
+      option("--all", c.all, "List uncertain modes as well"),
       option("--averages", c.averages,
              "Averages behind the coherence of FRFs from a file [as the file says]")
           .within(1, 1000000)
