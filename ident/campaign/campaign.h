@@ -90,7 +90,7 @@ using TestResult = std::variant<BendingCampaignResult, AxialCampaignResult, Tens
                                 ModalOutcome, DecaysOutcome>;
 
 struct CampaignFitOutcome {
-  std::vector<const ModalState*> states;  ///< of the result's modal tests
+  std::vector<const ModalState*> states;  ///< in the result's modal tests
   FitTask task;                           ///< its states have the names and the order of `states`
   FitOutcome outcome;                     ///< without states: nothing was fitted
 };

@@ -96,8 +96,8 @@ void name_exact_inputs(const BendingTestOptions& options, BendingCampaignResult&
                              "", false});
 }
 
-/// Lengths that hardly any bending test has: most often millimetres given as metres, or the
-/// reverse.
+/// Lengths that hardly any bending test has, most often millimetres given as metres, or the
+/// reverse; and deflections beyond small ones.
 void suspect_lengths(const BendingCampaign& campaign, BendingCampaignResult& result) {
   double deflection = 0;
   for (const auto& one : result.points) {
@@ -110,7 +110,17 @@ void suspect_lengths(const BendingCampaign& campaign, BendingCampaignResult& res
   }
   const double span = campaign.test.span_m.value;
   constexpr double kLongestSpan = 20;  // m, of a bench
-  if (!(deflection > 0 && span > 0) || (span < kLongestSpan && deflection < 0.5 * span)) return;
+  if (!(deflection > 0 && span > 0)) return;
+  const double part = deflection / span;
+  if (span < kLongestSpan && part < 0.5) {
+    if (part < 0.1) return;
+    result.findings.push_back(
+        {"large_deflection",
+         fmt::format("Deflect less: {:.0f} % of the span is much for the equation of small "
+                     "deflections, whose error is about its square, {:.1g} %",
+                     100 * part, 100 * part * part)});
+    return;
+  }
   result.findings.push_back(
       {"length_suspected",
        fmt::format("Give the span in m, and the deflection's unit in its title or in a TOML file "

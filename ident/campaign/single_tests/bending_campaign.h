@@ -73,7 +73,7 @@ struct BendingPoint {
   BendingRecord record;            ///< the rows at this tension; empty: EI values
   std::optional<BendingTestResult> analysis;
   StiffnessPoint point;                    ///< NaN where refused
-  signal::Estimate slope_N_m, modulus_Pa;  ///< of a beam without tension; NaN: not known
+  signal::Estimate slope_N_m, modulus_Pa;  ///< NaN: not known, or with tension
 
   [[nodiscard]] bool refused() const { return analysis && analysis->refused; }
   /// Whether laws and curve use this EI.
@@ -94,7 +94,7 @@ struct BendingCampaignResult {
   std::optional<StiffnessBounds> bounds;
   std::optional<BeamSpecimens> specimens;  ///< if two or more gave an EI without tension
   /// Those of the points, then on all together: "taken_as_exact", "outside_bounds",
-  /// "length_suspected".
+  /// "length_suspected", "large_deflection".
   std::vector<Finding> findings;
 };
 

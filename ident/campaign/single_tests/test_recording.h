@@ -20,8 +20,8 @@ enum class Origin {
 struct TestRecording {
   std::string name;  ///< for messages
   signal::Recording recording;
-  double length_m = 0;                   ///< of the cable between its ends, in axial tests
-  std::optional<double> tension_N = {};  ///< of its state; empty: the rig has one state only
+  double length_m = 0;                   ///< in axial tests, between the cable's ends
+  std::optional<double> tension_N = {};  ///< its state's; empty: the rig has one state
   std::string place = {};                ///< excitation point; empty: the only one
   Origin origin = Origin::measured;
 };

@@ -53,4 +53,17 @@ TEST(BendingVerb, WrongSpanIsRefusedByName) {
   EXPECT_THAT(run.err, HasSubstr("not below 1"));
 }
 
+// 1 mm is 12.5 % of the first span and 8 % of the second.
+TEST(BendingVerb, DeflectionsThatAreNotSmallAreSaid) {
+  const TemporaryFolder folder;
+  const auto said = [&](double span) {
+    const auto file = folder.write("bend.csv", table(0.6, {50}, span));
+    const Document json = document_of(fmt::format("bending {{}} --span {}", span), {file});
+    return (json["warnings"].dump() + json["notes"].dump()).find("large_deflection") !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(said(0.008));
+  EXPECT_FALSE(said(0.0125));
+}
+
 }  // namespace rigfit::apps::bending_verb_test
