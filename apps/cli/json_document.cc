@@ -10,7 +10,7 @@
 
 namespace rigfit::apps {
 
-Json json_document(const VerbContext& context, const std::string& verb, Json result) {
+Json json_document(const VerbContext& context, const std::string& verb, const Json& result) {
   context.check_inputs();
   Json document{{"rigfit", RIGFIT_VERSION}, {"command", verb}, {"inputs", Json::array()}};
   for (const auto& input : context.inputs()) {

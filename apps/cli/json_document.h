@@ -11,7 +11,8 @@ namespace rigfit::apps {
 /// code, message, where}`, is there when the run ends with another exit code than 0: the first
 /// warning that refused or that says what did not converge. Non-finite numbers are null where it is
 /// written.
-[[nodiscard]] Json json_document(const VerbContext& context, const std::string& verb, Json result);
+[[nodiscard]] Json json_document(const VerbContext& context, const std::string& verb,
+                                 const Json& result);
 
 /// A document that the program wrote, with that key. `by`: the command that writes one.
 /// Throws model::SceneError for another file.

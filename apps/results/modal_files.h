@@ -3,10 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <string>
 
-#include "model/scene/actual_state.h"
 #include "model/scene/scene.h"
 #include "signal/modes/modal_model.h"
 
@@ -26,14 +24,19 @@ namespace rigfit::apps {
 /// Where a sensor or load of the scene is, m, along straight members.
 [[nodiscard]] inline Eigen::Vector3d position_of(const model::Scene& scene,
                                                  const model::Place& place) {
-  const bool at_node = !place.node.empty();
-  const auto member = std::ranges::find(scene.members, place.member, &model::Member::name);
-  const bool on_member = !at_node && member != scene.members.end();
-  const auto node = std::ranges::find(scene.nodes, on_member ? member->nodes[0] : place.node,
-                                      &model::SceneNode::name);
-  if (node == scene.nodes.end()) return Eigen::Vector3d::Zero();
-  if (!on_member) return node->position;
-  return node->position + place.position * model::chord_of(scene, *member);
+  const auto node = [&](const std::string& name) -> Eigen::Vector3d {
+    for (const auto& one : scene.nodes) {
+      if (one.name == name) return one.position;
+    }
+    return Eigen::Vector3d::Zero();
+  };
+  if (!place.node.empty()) return node(place.node);
+  for (const auto& member : scene.members) {
+    if (member.name != place.member) continue;
+    const Eigen::Vector3d from = node(member.nodes[0]), to = node(member.nodes[1]);
+    return from + place.position * (to - from);
+  }
+  return Eigen::Vector3d::Zero();
 }
 
 }  // namespace rigfit::apps
