@@ -32,8 +32,14 @@ struct Line {
 /// Leaves the spectrum in `fft`: of a day of samples a copy is large.
 void hann_spectrum(const AmbientSignals& signals, Index channel, RealFft& fft) {
   signals.read(channel, 0, fft.time());
-  const double turn = kTwoPi / static_cast<double>(fft.length());
-  fft.time().array() *= 0.5 - 0.5 * powers({0, turn}, fft.length()).real();
+  const Index n = fft.length(), block = std::min<Index>(n, 1 << 16);
+  const double turn = kTwoPi / static_cast<double>(n);
+  const VectorXcd turns = powers({0, turn}, block);
+  for (Index k = 0; k < n; k += block) {
+    const Index count = std::min(block, n - k);
+    const Complex first = std::polar(0.5, turn * static_cast<double>(k));
+    fft.time().segment(k, count).array() *= 0.5 - (first * turns.head(count)).real().array();
+  }
   fft.forward();
 }
 

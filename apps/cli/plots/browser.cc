@@ -10,8 +10,6 @@
 #include <sstream>
 #include <system_error>
 
-extern char** environ;
-
 namespace rigfit::apps {
 namespace fs = std::filesystem;
 

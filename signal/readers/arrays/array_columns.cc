@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
@@ -32,20 +33,29 @@ Eigen::MatrixXd matrix_of(char kind, std::size_t size, const void* data, Eigen::
   return numbers;
 }
 
-void add_array(const Eigen::Ref<const Eigen::MatrixXd>& values, const std::string& name,
-               bool single, CsvTable& table) {
+void add_array(Eigen::MatrixXd values, const std::string& name, bool single, CsvTable& table) {
   const bool wide = values.cols() > values.rows();
   const Eigen::Index count = wide ? values.rows() : values.cols();
   if (wide && count > 1) {
     add_note(table.notes, "read_as", name, "an array of {} x {}: its rows are taken as channels",
              values.rows(), values.cols());
   }
-  for (Eigen::Index k = 0; k < count; ++k) {
-    Eigen::VectorXd numbers =
-        wide ? Eigen::VectorXd(values.row(k)) : Eigen::VectorXd(values.col(k));
+  std::vector<Eigen::VectorXd> columns(static_cast<std::size_t>(count));
+  for (Eigen::Index k = count; k-- > 0;) {
+    Eigen::VectorXd& numbers = columns[static_cast<std::size_t>(k)];
+    if (wide) {
+      numbers = values.row(k);
+    } else {  // a large array takes its memory once
+      numbers = values.col(k);
+      values.conservativeResize(Eigen::NoChange, k);
+    }
+  }
+  for (Eigen::VectorXd& numbers : columns) {
     const std::size_t place = table.channels.size();
-    const std::string own = name.empty() ? "column " + std::to_string(place + 1)
-                                         : (count == 1 ? name : name + " " + std::to_string(k + 1));
+    const std::string own =
+        name.empty()
+            ? "column " + std::to_string(place + 1)
+            : (count == 1 ? name : name + " " + std::to_string(&numbers - columns.data() + 1));
     TitledUnit titled = split_title(to_utf8(own));
     CsvColumn column{std::move(titled.name), std::move(titled.unit)};
     const double largest = numbers.array().isFinite().select(numbers.array().abs(), 0).maxCoeff();

@@ -94,19 +94,33 @@ Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
   }
   const auto rows = static_cast<Eigen::Index>(header.shape[0]);
   const auto cols = static_cast<Eigen::Index>(header.shape.size() > 1 ? header.shape[1] : 1);
-  std::string numbers(data.substr(0, static_cast<std::size_t>(items) * item));  // aligned
-  for (std::size_t at = 0; header.swapped && at < numbers.size(); at += item) {
-    std::reverse(numbers.data() + at, numbers.data() + at + item);
+  // Parts of the array, so that numbers and file are in memory once.
+  Eigen::MatrixXd values(rows, cols);
+  const Eigen::Index length_of_run = header.fortran ? rows : cols;
+  const Eigen::Index runs = values.size() / length_of_run;
+  const auto run_bytes = static_cast<std::size_t>(length_of_run) * item;
+  const Eigen::Index most = std::max<Eigen::Index>(1, (1 << 20) / length_of_run);
+  for (Eigen::Index run = 0; run < runs; run += most) {
+    const Eigen::Index count = std::min(most, runs - run);
+    const std::size_t at = static_cast<std::size_t>(run) * run_bytes;
+    std::string numbers(data.substr(at, static_cast<std::size_t>(count) * run_bytes));  // aligned
+    for (std::size_t k = 0; header.swapped && k < numbers.size(); k += item) {
+      std::reverse(numbers.data() + k, numbers.data() + k + item);
+    }
+    const Eigen::MatrixXd part = matrix_of(header.kind, item, numbers.data(), length_of_run, count);
+    if (part.size() == 0) {
+      throw file_error(file, "holds numbers of half precision, which are not read",
+                       "save them as float32 or float64");
+    }
+    if (header.fortran) {
+      values.middleCols(run, count) = part;
+    } else {
+      values.middleRows(run, count) = part.transpose();
+    }
+    if (options.done_with) options.done_with(begin + length + at + numbers.size());
   }
-  Eigen::MatrixXd values = matrix_of(header.kind, item, numbers.data(),
-                                     header.fortran ? rows : cols, header.fortran ? cols : rows);
-  if (values.size() == 0) {
-    throw file_error(file, "holds numbers of half precision, which are not read",
-                     "save them as float32 or float64");
-  }
-  if (!header.fortran) values.transposeInPlace();
   CsvTable table;
-  add_array(values, "", header.kind == 'f' && item == 4, table);
+  add_array(std::move(values), "", header.kind == 'f' && item == 4, table);
   return recording_of_arrays(std::move(table), path, "npy", options, 0);
 }
 
