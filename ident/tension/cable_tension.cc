@@ -142,13 +142,6 @@ Estimate tension_of(const UpdatedParameter& parameter, double factor) {
   return {parameter.value / factor, parameter.std / factor};
 }
 
-const UpdatedParameter* find(const UpdateResult& result, const std::string& name) {
-  const auto& all = result.parameters;
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.name == name; });
-  return found == all.end() ? nullptr : &*found;
-}
-
 /// Each measured mode with its partner.
 void list_modes(const std::vector<MeasuredMode>& modes, const UpdateResult& result,
                 TensionCandidate& candidate) {
@@ -205,9 +198,9 @@ TensionCandidate candidate_of(const CableDescription& cable, const std::vector<M
   candidate.tension_N = tension_of(tension, factor);
   candidate.low = tension.low / factor;
   candidate.high = tension.high / factor;
-  const auto* EI = find(result, "EI");
+  const auto* EI = find(result.parameters, "EI");
   candidate.EI_Nm2 = EI != nullptr ? Estimate{EI->value, EI->std} : *cable.EI_Nm2;
-  if (const auto* spring = find(result, "end springs")) {
+  if (const auto* spring = find(result.parameters, "end springs")) {
     candidate.spring_Nm_rad = {spring->value, spring->std};
   }
   candidate.fit = result.fit;

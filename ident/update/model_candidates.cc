@@ -32,13 +32,6 @@ void check(const std::vector<ModelCandidate>& candidates) {
   }
 }
 
-// Whether an answer has the parameter.
-const UpdatedParameter* find(const std::vector<UpdatedParameter>& all, const std::string& name) {
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.name == name; });
-  return found == all.end() ? nullptr : &*found;
-}
-
 // The parameters that all have, over the answers of all as alternatives of one result.
 std::vector<UpdatedParameter> averaged(const CandidateComparison& comparison) {
   const auto& best = comparison.candidates[static_cast<std::size_t>(comparison.heaviest)];
@@ -118,6 +111,11 @@ CandidateComparison compare_candidates(const std::vector<ModelCandidate>& candid
   for (auto& one : comparison.candidates) one.weight /= sum;
   comparison.averaged = averaged(comparison);
   return comparison;
+}
+
+const UpdatedParameter* find(const std::vector<UpdatedParameter>& all, const std::string& name) {
+  const auto found = std::ranges::find(all, name, &UpdatedParameter::name);
+  return found == all.end() ? nullptr : &*found;
 }
 
 }  // namespace rigfit::ident

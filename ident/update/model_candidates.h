@@ -50,4 +50,8 @@ struct CandidateComparison {
 [[nodiscard]] CandidateComparison compare_candidates(const std::vector<ModelCandidate>& candidates,
                                                      const UpdateOptions& options);
 
+/// The parameter of that name; null: there is none.
+[[nodiscard]] const UpdatedParameter* find(const std::vector<UpdatedParameter>& all,
+                                           const std::string& name);
+
 }  // namespace rigfit::ident

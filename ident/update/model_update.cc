@@ -220,6 +220,7 @@ std::vector<SettledAnswer> settled_answers(const UpdateProblem& problem,
   for (auto answer : answers) {
     UpdateProblem whole = problem.with_nuisances(answer.solution.q);
     const UpdateFit fit = settle(options, whole, answer.solution);
+    // Where the model cannot be solved the evidence of the search stands.
     if (problem.modes_only()) (void)weigh(whole, answer);
     settled.push_back({std::move(whole), std::move(answer), fit});
   }

@@ -1,6 +1,7 @@
 // rigfit update: a scene's uncertain parameters fitted to measured modes.
 
 #include <Eigen/Core>
+#include <cmath>
 
 #include "apps/campaign_file/update_data.h"
 #include "apps/cli/verbs/all.h"
@@ -135,8 +136,10 @@ void print_update(std::ostream& out, const ident::UpdateResult& result) {
   }
   describe::print(out, describe::table_of(ident::pair_rows(result.pairs, result.unpaired)));
   if (!result.pairs.empty()) {
-    out << fmt::format("rms of the paired errors: {:.2f} % before, {:.2f} % fitted\n",
-                       100 * result.rms_relative_error_before, 100 * result.rms_relative_error);
+    const double before = 100 * result.rms_relative_error_before;
+    out << fmt::format("rms of the paired errors: {} before, {:.2f} % fitted\n",
+                       std::isfinite(before) ? fmt::format("{:.2f} %", before) : "no pairs",
+                       100 * result.rms_relative_error);
   }
   out << "fit: " << ident::fit_text(result.fit) << '\n';
   if (result.alternatives.size() > 1) {
