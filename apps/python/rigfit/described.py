@@ -43,7 +43,7 @@ def options_of(verb):
 
 def _number_too(option):
     """Whether a text may be a number: S|auto."""
-    return option["type"][:1].isupper() and option["type"][1:2] == "|"
+    return option["kind"] == "text" and option["type"][:1].isupper() and option["type"][1:2] == "|"
 
 
 def parted(argument, value):
