@@ -41,11 +41,6 @@ def options_of(verb):
     return found
 
 
-def _number_too(option):
-    """Whether a text may be a number: S|auto."""
-    return option["kind"] == "text" and option["type"][:1].isupper() and option["type"][1:2] == "|"
-
-
 def parted(argument, value):
     """Value and std of a pair, an Estimate or a ufloat; of anything else itself and None."""
     if isinstance(value, Estimate):
@@ -72,10 +67,10 @@ def plain(argument, option, value):
     if isinstance(value, str):
         return checks.text(argument, value)
     if isinstance(value, int):
-        return repr(value) if _number_too(option) else value
+        return value
     if not isinstance(value, numbers.Real):
         checks.fail(argument, f"must be {_type_of(option)[0]}, not {checks.kind(value)}")
-    return repr(float(value)) if _number_too(option) else checks.number(argument, value)
+    return checks.number(argument, value)
 
 
 def _type_of(option):
@@ -97,7 +92,7 @@ def _type_of(option):
         return ("{" + ", ".join(words).replace("'", '"') + "}", f"Literal[{', '.join(words)}]")
     if option["written"]:
         return ("path", "_Path")
-    return ("float or str", "float | str") if _number_too(option) else ("str", "str")
+    return ("str", "str")
 
 
 def _text_of(option):
