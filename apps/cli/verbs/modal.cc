@@ -3,6 +3,7 @@
 
 #include "apps/cli/verbs/all.h"
 #include "signal/ambient/ambient_modes.h"
+#include "signal/estimation/groups.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/modes/modal_synthesis.h"
 #include "signal/readers/read_recording.h"
@@ -67,7 +68,29 @@ signal::ModalModel sure_modes(const signal::AmbientResult& found) {
   return sure;
 }
 
-/// Singular values of the spectral matrix with the modes, stabilisation diagram.
+/// Shapes of the sure modes over the channels, whose places ambient recordings seldom give.
+Plot shapes_plot(const signal::AmbientResult& found) {
+  Plot plot{"ambient-shapes", "Mode shapes",
+            "Real part of each mode's shape at the channels, numbered as the modes' results list "
+            "them; the largest is 1. Bars: 95 % intervals.",
+            "channel", "shape"};
+  plot.link = plot.id;
+  for (const auto& one : found.modes) {
+    if (doubtful(one)) continue;
+    const auto& mode = one.mode;
+    const double factor = signal::coverage_factor(0.95, one.degrees);
+    PlotSeries series{fmt::format("{:.4g} Hz", mode.frequency_hz.value), Origin::measured,
+                      static_cast<int>(plot.series.size()), PlotSeries::Style::line_and_points};
+    for (Eigen::Index c = 0; c < mode.shape.size(); ++c) {
+      const double at = mode.shape[c].real(), half = factor * mode.shape_std(c, 0);
+      series.add(static_cast<double>(c + 1), at, at - half, at + half);
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+/// Singular values of the spectral matrix with the modes, shapes, stabilisation diagram.
 void draw(PlotSheet& sheet, const signal::AmbientResult& found) {
   Plot plot{"ambient-spectrum",
             "Singular values of the spectral matrix",
@@ -92,6 +115,7 @@ void draw(PlotSheet& sheet, const signal::AmbientResult& found) {
     plot.series.push_back(std::move(series));
   }
   sheet.add(std::move(plot));
+  if (found.channels.size() > 1) sheet.add(shapes_plot(found));
   if (found.stabilisation.poles.empty()) return;
   signal::ModalResult poles;
   poles.model = sure_modes(found), poles.stabilisation = found.stabilisation;

@@ -46,7 +46,8 @@ TEST_F(AmbientVerb, FigureMarksTheModes) {
   (void)document_of("modal {} --ambient --band 0.3 8 --plot {}",
                     {setup("a.csv", 1, {0, 4, 1}), folder.at("modes.svg")});
   EXPECT_THAT(folder.read("modes.svg"),
-              AllOf(HasSubstr("singular value 1"), HasSubstr("Stabilisation diagram")));
+              AllOf(HasSubstr("singular value 1"), HasSubstr("Mode shapes"),
+                    HasSubstr("Stabilisation diagram")));
 }
 
 // The rig of the virtual laboratory in the state that was struck, moved by unknown forces: its own
