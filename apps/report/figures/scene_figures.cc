@@ -499,7 +499,8 @@ std::vector<Picture> shapes_pictures(const std::string& id, const std::string& s
     picture.title = measured.empty() ? "Mode shapes" : "Mode shapes, test over model";
     if (!state.empty()) picture.title += ": " + state;
     if (drawn.size() > kModes) {
-      picture.title += fmt::format(", {} to {}", drawn[from] + 1, drawn[from + count - 1] + 1);
+      picture.title += fmt::format(fmt::runtime(count > 1 ? ", {} to {}" : ", {}"), drawn[from] + 1,
+                                   drawn[from + count - 1] + 1);
     }
     picture.caption = caption;
     picture.csv = "mode,frequency_hz,member,x_m,y_m,z_m,dx,dy,dz\n";
@@ -513,7 +514,7 @@ std::vector<Picture> shapes_pictures(const std::string& id, const std::string& s
           mode_panel(view, scene, analysis, mode, at == measured.end() ? nullptr : &*at));
       add_csv(picture.csv, analysis, mode);
     }
-    picture.width = kPanelWidth * static_cast<double>(std::min(kColumns, count));
+    picture.width = kPanelWidth * kColumns;
     const std::size_t rows = (count + kColumns - 1) / kColumns;
     picture.height = kPanelHeight * static_cast<double>(rows);
     picture.svg = svg_of(picture, "shapes", 14, body);
