@@ -123,13 +123,11 @@ class Search {
       fits += static_cast<int>(seeds.size());
       merge(std::move(found), answers);
     }
-    if (!sure) {
-      std::vector<UpdateAnswer> heaviest = std::exchange(answers, {});
-      in_parallel(heaviest.size(), options_.threads, [&](std::size_t k) {
-        if (!negligible(heaviest[k], heaviest)) leave_out_false(heaviest[k]);
-      });
-      merge(std::move(heaviest), answers);
-    }
+    std::vector<UpdateAnswer> heaviest = std::exchange(answers, {});
+    in_parallel(heaviest.size(), options_.threads, [&](std::size_t k) {
+      if (!negligible(heaviest[k], heaviest)) leave_out_false(heaviest[k]);
+    });
+    merge(std::move(heaviest), answers);
     std::erase_if(answers, [&](const UpdateAnswer& one) { return negligible(one, answers); });
     double all = -std::numeric_limits<double>::infinity();
     for (const auto& answer : answers) all = log_sum(all, answer.log_evidence);

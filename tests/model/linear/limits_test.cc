@@ -28,6 +28,7 @@ void compare(const Scene& scene, const std::vector<double>& in, const std::vecto
   const ModalAnalysis found = analyse_modes(scene, {.count = count});
   ASSERT_EQ(found.equilibrium.status, EquilibriumStatus::converged) << found.equilibrium.reason;
   ASSERT_TRUE(found.complete);
+  ASSERT_EQ(std::ssize(found.modes), count);
   if (scene.members[0].segments == 0) {
     EXPECT_LE(found.relative_error_estimate, scene.accuracy);
   }
