@@ -1,7 +1,6 @@
 // Scenes that tests and benchmarks share, built in memory.
 #pragma once
 
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -164,43 +163,6 @@ inline Scene utility_line(int poles, int cable_segments = 40, int pole_segments 
     pole.GJ = 1e5;
     pole.taper = 0.7;
     scene.members.push_back(pole);
-  }
-  return scene;
-}
-
-struct DamagedRig {
-  double loss = 0;     ///< of EI in the lowest 15 % of the beam
-  bool cables = true;  ///< false: the bare beam
-  double foot_Nm_rad = std::numeric_limits<double>::infinity();  ///< rotational spring of the foot
-};
-
-/// A beam whose foot has lost part of its flexural rigidity, by itself and with a cable to each
-/// side at its tip. Members "base", "shaft", "left cable", "right cable"; nodes "foot", "zone",
-/// "tip". 0.75 m, 2.1 N m2, 0.295 kg/m; cables of 1.195 m, 200 N.
-inline Scene damaged_rig(const DamagedRig& rig) {
-  constexpr double kEI = 2.1, kZone = 0.1125, kFixed = std::numeric_limits<double>::infinity();
-  Scene scene;
-  scene.nodes = {node("foot", {0, -0.75, 0}, Support::Kind::elastic),
-                 node("zone", {0, -0.75 + kZone, 0}), node("tip", {0, 0, 0})};
-  scene.nodes[0].support.translational.setConstant(kFixed);
-  scene.nodes[0].support.rotational = {kFixed, kFixed, rig.foot_Nm_rad};
-  scene.nodes[2].mass = 0.02;
-  const auto beam = [&](const char* name, const char* from, const char* to, double EI,
-                        int segments) {
-    scene.members.push_back(member(Member::Kind::beam, name, from, to, segments, 0.295, 7.5e6, EI));
-    scene.members.back().EI[1] = 260;
-    scene.members.back().GJ = 3.2;
-  };
-  beam("base", "foot", "zone", kEI * (1 - rig.loss), 4);
-  beam("shaft", "zone", "tip", kEI, 16);
-  if (!rig.cables) return scene;
-  for (const bool left : {true, false}) {
-    const std::string side = left ? "left" : "right", frame = side + " frame";
-    scene.nodes.push_back(node(frame, {left ? -1.195 : 1.195, 0, 0}, Support::Kind::pinned));
-    Member cable = paper_cable(200, 0.5972, 14).members[0];
-    cable.name = side + " cable";
-    cable.nodes = {left ? frame : "tip", left ? "tip" : frame};
-    scene.members.push_back(cable);
   }
   return scene;
 }

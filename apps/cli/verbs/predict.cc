@@ -5,11 +5,9 @@
 
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/cli/verbs/all.h"
-#include "ident/predict/damage_estimate.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/scene/sensor_quantity.h"
 #include "signal/numerics/numbers.h"
-#include "signal/readers/csv/csv_fields.h"
 #include "signal/writers/write_csv.h"
 
 namespace rigfit::apps {
@@ -18,7 +16,7 @@ namespace {
 struct PredictCommand {
   std::string scene;
   std::string from, measured, column, plane = "any", frf, response;
-  std::vector<std::string> maps, damage, inputs;
+  std::vector<std::string> maps, inputs;
   describe::Band band_hz;
   ident::PredictionOptions modes;
   ident::ResponsePredictionOptions motion;
@@ -188,41 +186,12 @@ Json write_response(PredictCommand& command, const model::Scene& scene,
           {"draws", prediction.samples}};
 }
 
-/// "ZONE=SOUND[,RATIO]", SOUND a parameter of the fit or a number.
-Json damage_json(const std::string& text, const ident::FittedParameters& fitted,
-                 VerbContext& context) {
-  const auto [zone, list] = named_text("--damage", text, "ZONE=SOUND[,RATIO]");
-  const auto comma = list.find(',');
-  const std::string sound = list.substr(0, comma);
-  ident::DamageQuestion question;
-  question.zone = zone;
-  if (double EI = 0; signal::parse_whole_number(sound, '.', EI)) {
-    question.sound_EI = {EI, 0};
-  } else {
-    question.sound = sound;
-  }
-  if (comma != std::string::npos &&
-      !signal::parse_whole_number(list.substr(comma + 1), '.', question.sound_ratio)) {
-    throw UsageError("--damage: the ratio in \"" + text + "\" is no number");
-  }
-  try {
-    const auto one = ident::damage_estimate(fitted, question);
-    context.out << fmt::format("\n{}: {}\n", question.zone, one.statement);
-    Json json{{"zone", question.zone}};
-    json.update(describe::json_of(one));
-    return json;
-  } catch (const std::invalid_argument& error) {
-    throw Refused(std::string("--damage: ") + error.what(), "damage");
-  }
-}
-
 Json run(PredictCommand& command, VerbContext& context) {
   const model::Scene scene = scene_of(command.scene, context);
   context.input(command.from);
   auto fitted = read_fit(command.from, command.accept_fit, context);
   apply_maps(command.maps, fitted);
   if (fitted.parameters.empty()) throw Refused("the fit identifies no parameter", "no_parameter");
-  const ident::FittedParameters of_fit = fitted;
   const auto inputs = add_inputs(scene, command, context, fitted);
   ident::ModePrediction prediction;
   try {
@@ -256,8 +225,6 @@ Json run(PredictCommand& command, VerbContext& context) {
                              fmt::join(prediction.used, " "));
   describe::print(context.out, describe::table_of(prediction.modes));
   if (!command.measured.empty()) json["measured"] = compared_json(command, prediction, context);
-  for (const auto& text : command.damage)
-    json["damage"].push_back(damage_json(text, of_fit, context));
   const bool moves = !command.frf.empty() || !command.response.empty();
   if (moves && (scene.loads.empty() || scene.sensors.empty())) {
     throw UsageError("--frf and --response: the scene has no load or no sensor");
@@ -288,10 +255,6 @@ describe::Options options_of(PredictCommand& c) {
              "Table of measured frequencies, or universal file of modes (UFF 55), to compare with"),
       option("--column", c.column, "Column of the frequencies in the table"),
       option("--plane", c.plane, "Plane of the measured modes").one_of({"in", "out", "any"}),
-      option("--damage", c.damage,
-             "Loss of EI of a zone against its sound part: ZONE=SOUND[,RATIO], SOUND a parameter "
-             "of the fit or N m2")
-          .type("ZONE=SOUND"),
       option("--frf", c.frf, "FRFs with their 95 % intervals as a table").writes(),
       option("--band", c.band_hz, "Band of the FRFs"),
       option("--lines", c.lines, "Frequency lines of the FRFs").within(2, 100000),
