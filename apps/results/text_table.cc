@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "model/scene/toml_table.h"
 #include "signal/readers/csv/csv_fields.h"
@@ -128,30 +127,17 @@ double TextTable::number(const Row& row, std::size_t column) const {
   return value * of.si_per_number + of.si_offset;
 }
 
-void fill_row(const TextTable& table, const TextTable::Row& row, const describe::Options& options,
-              const std::map<std::string, std::vector<std::size_t>>& more) {
+void fill_row(const TextTable& table, const TextTable::Row& row, const describe::Options& options) {
   using describe::Json, describe::Kind;
   Json given = Json::object();
   for (const auto& option : options) {
-    const std::string cell = table.text(row, option.name);
-    Json values = Json::array();
-    const auto add = [&](double x) {
+    if (option.kind == Kind::text) {
+      const std::string cell = table.text(row, option.name);
+      if (!cell.empty()) given[option.name] = cell;
+    } else if (const double x = table.number(row, option.name); std::isfinite(x)) {
       const bool whole = option.kind == Kind::integer && x == std::round(x) && std::abs(x) < 1e9;
-      if (std::isfinite(x)) values.push_back(whole ? Json(std::lround(x)) : Json(x));
-    };
-    if (option.is_list()) {
-      std::istringstream words(cell);
-      for (double x = 0; words >> x;) add(x);
-      if (!words.eof()) values.push_back(cell);  // which is refused
-    } else if (option.kind == Kind::text) {
-      if (!cell.empty()) values.push_back(cell);
-    } else {
-      add(table.number(row, option.name));
+      given[option.name] = whole ? Json(std::lround(x)) : Json(x);
     }
-    if (const auto also = more.find(option.name); also != more.end()) {
-      for (const std::size_t column : also->second) add(table.number(row, column));
-    }
-    if (!values.empty()) given[option.name] = option.is_list() ? values : values[0];
   }
   if (const auto misfit = describe::fill(options, given)) {
     throw model::SceneError({table.file, row.line, 0, misfit->name}, misfit->problem,

@@ -9,7 +9,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,11 +47,9 @@ struct TextTable {
   [[nodiscard]] std::string text(const Row& row, const std::string& title) const;
 };
 
-/// Fills options from the cells of a row, by their names as titles; a blank keeps the default. A
-/// list is the numbers or words of a cell, and of the cells under `more`. Throws model::SceneError
-/// with line and title.
-void fill_row(const TextTable& table, const TextTable::Row& row, const describe::Options& options,
-              const std::map<std::string, std::vector<std::size_t>>& more = {});
+/// Fills options from the cells of a row, by their names as titles; a blank keeps the default.
+/// Throws model::SceneError with line and title.
+void fill_row(const TextTable& table, const TextTable::Row& row, const describe::Options& options);
 
 /// Every row has a cell for each column; what is absent at its end is blank. Throws
 /// model::SceneError for what is no such table, signal::RecordingError for no file of text.

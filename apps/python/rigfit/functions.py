@@ -167,7 +167,7 @@ def _measured(options, folder):
         options["measured"] = checks.path("measured", given) if is_path(given) else write_modes("measured", given, folder)
 
 
-@verb("tension", TensionResult, raw={"measured": _MODES}, without=("table", "out"))
+@verb("tension", TensionResult, raw={"measured": _MODES})
 @_with_folder
 def tension(recordings=None, options=None, folder=None):
     """Tension of a cable, hanger or stay from its natural frequencies: of recordings of its motion, ``frequencies`` or ``measured``."""

@@ -134,38 +134,5 @@ TEST(TensionVerb, AModelThatIsRuledOutIsSaidOnTheFirstPageOfTheReport) {
   EXPECT_TRUE(said) << document["warnings"].dump(1);
 }
 
-TEST(TensionVerb, ManyCablesInOneTable) {
-  // One good row twice (the second by a frequencies cell), one with a blank length, one without a
-  // frequency: the good ones are computed, the bad ones named with their line; exit code 4.
-  const TemporaryFolder folder;
-  std::ostringstream table;
-  table << "name,length,length_std,mass_per_length,EI,EI_std,EA,ends,plane,mass_of,frequency_std,"
-           "f1,f2,f3,f4,"
-           "frequencies\n";
-  table << "A1,20,0.002,5,200,10,2e7,pinned,out,installed,0.004";
-  for (int n = 1; n <= 4; ++n) table << ',' << frequency(n);
-  table << ",\nA2,20,0.002,5,200,10,2e7,pinned,out,installed,0.004,,,,,";
-  for (int n = 1; n <= 4; ++n) table << (n > 1 ? " " : "") << frequency(n);
-  table << "\nA3,,0.002,5,200,10,2e7,pinned,out,installed,0.004,1,2,3,4,\n"
-           "A4,20,0.002,5,200,10,2e7,welded,out,installed,0.004,1,2,3,4,\n";
-  const auto out = folder.at("out.csv");
-  const auto run = run_line("tension --table {} --out {} --json -",
-                            {folder.write("cables.csv", table.str()), out});
-  ASSERT_EQ(run.exit_code, 4) << run.err;
-  const auto json = parsed(run.out);
-  ASSERT_EQ(json["cables"].size(), 4u);
-  for (const std::size_t i : {0u, 1u}) {
-    const auto& T = json["cables"][i]["tension_N"];
-    EXPECT_NEAR(T["value"].get<double>() / kTension, 1, 3e-3) << i;
-    EXPECT_EQ(json["cables"][i]["ends"], "pinned");
-  }
-  EXPECT_EQ(json["cables"][0]["tension_N"], json["cables"][1]["tension_N"]);
-  EXPECT_EQ(json["cables"][2]["line"], 4);
-  EXPECT_THAT(json["cables"][2]["error"].get<std::string>(), HasSubstr("length"));
-  EXPECT_THAT(json["cables"][3]["error"].get<std::string>(), HasSubstr("welded"));
-  EXPECT_THAT(run.err, HasSubstr("cables.csv:5"));
-  EXPECT_THAT(folder.read("out.csv"), HasSubstr("\"A2\""));
-}
-
 }  // namespace
 }  // namespace rigfit::apps::tension_verb_test
