@@ -178,8 +178,10 @@ class SameNumbers(unittest.TestCase):
                                                   "".join(f"{f!r},{1e-3 * f!r},in\n" for f in modes))
         words = ["--measured", "measured.csv", "--free", "cable.tension"]
         options = dict(measured=self.folder / "measured.csv", free="cable.tension")
-        document = self.program("update", CABLE, *words, "--ends", "pinned", "clamped")
-        result = rigfit.update(CABLE, ends=["pinned", "clamped"], **options)
+        (self.folder / "clamped.toml").write_text(pathlib.Path(CABLE).read_text().replace('"pinned"', '"clamped"'))
+        (self.folder / "ends.toml").write_text('[[candidate]]\nname = "pinned"\n[[candidate]]\nname = "clamped"\nscene = "clamped.toml"\n')
+        document = self.program("update", CABLE, *words, "--candidates", "ends.toml")
+        result = rigfit.update(CABLE, candidates=self.folder / "ends.toml", **options)
         self.same(document, result, ["inputs", "scenes"])
         self.assertEqual([c.name for c in result.candidates], [c["name"] for c in document["candidates"]])
         self.assertAlmostEqual(sum(c.weight for c in result.candidates), 1, delta=1e-9)

@@ -8,7 +8,6 @@
 #include "ident/campaign/fit_campaign.h"
 #include "ident/update/model_candidates.h"
 #include "ident/update/update_rows.h"
-#include "model/scene/actual_state.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
@@ -17,8 +16,7 @@ namespace {
 struct UpdateCommand {
   UpdateData data;
   std::vector<std::string> free, priors, inputs;
-  std::string candidates;         ///< file; empty: none
-  std::vector<std::string> ends;  ///< "pinned", "clamped", "springs": candidates as well
+  std::string candidates;  ///< file; empty: none
   std::string out, axial;
   bool hold_out = false;
   ident::UpdateOptions fit;
@@ -31,44 +29,6 @@ struct NamedModel {
   UpdateStates states;
   std::vector<std::string> free, priors;
 };
-
-/// Holds every node that is held as the word says. "springs": by one rotational stiffness about the
-/// axes across the members, started between what a member takes for pinned and for clamped. Returns
-/// the parameter of the springs.
-std::vector<std::string> put_ends(const std::string& word, model::Scene& scene) {
-  using Kind = model::Support::Kind;
-  constexpr double kFixed = std::numeric_limits<double>::infinity(), kStart = 10;  // EI / L
-  std::vector<std::string> springs;
-  for (auto& node : scene.nodes) {
-    auto& support = node.support;
-    if (support.kind == Kind::free) continue;
-    if (word != "springs") {
-      support = {};
-      support.kind = word == "pinned" ? Kind::pinned : Kind::clamped;
-      continue;
-    }
-    const auto end = std::ranges::find_if(scene.members, [&](const auto& one) {
-      return one.nodes[0] == node.name || one.nodes[1] == node.name;
-    });
-    Eigen::Vector3d along = Eigen::Vector3d::Zero();
-    if (end != scene.members.end()) along = model::chord_of(scene, *end);
-    Eigen::Index axis = 0;
-    if (!(along.cwiseAbs().maxCoeff(&axis) > 0.95 * along.norm())) {
-      throw UsageError("springs at node " + node.name +
-                       ": its member must lie along an axis; write a scene with them, and "
-                       "--candidates");
-    }
-    if (support.kind != Kind::elastic) support.translational.setConstant(kFixed);
-    support.kind = Kind::elastic;
-    support.rotational.setConstant(kStart * std::max(end->EI[0], end->EI[1]) / along.norm());
-    support.rotational[axis] = kFixed;
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      if (i != axis) springs.push_back(fmt::format("{}.rotational_{}", node.name, "xyz"[i]));
-    }
-  }
-  if (springs.empty()) return {};
-  return {fmt::format("springs={}", fmt::join(springs, ","))};
-}
 
 NamedModel read_candidate(document::TomlTable& table, const UpdateCommand& command,
                           const UpdateStates& states, VerbContext& context) {
@@ -86,22 +46,16 @@ NamedModel read_candidate(document::TomlTable& table, const UpdateCommand& comma
   return one;
 }
 
-/// The candidates of `command.candidates` or `command.ends`. `states`: as the command gives them.
+/// The candidates of `command.candidates`. `states`: as the command gives them.
 std::vector<NamedModel> candidate_models(const UpdateCommand& command, const UpdateStates& states,
                                          VerbContext& context) {
   std::vector<NamedModel> models;
-  for (const auto& word : command.ends) {
-    auto& one = models.emplace_back(NamedModel{word, states, {}, {}});
-    for (auto& state : one.states.states) one.free = put_ends(word, state.scene);
+  context.input(command.candidates);
+  auto root = document::TomlTable::read_file(command.candidates);
+  for (auto& table : root.tables_or_empty("candidate")) {
+    models.push_back(read_candidate(table, command, states, context));
   }
-  if (!command.candidates.empty()) {
-    context.input(command.candidates);
-    auto root = document::TomlTable::read_file(command.candidates);
-    for (auto& table : root.tables_or_empty("candidate")) {
-      models.push_back(read_candidate(table, command, states, context));
-    }
-    root.finish();
-  }
+  root.finish();
   if (models.size() < 2) throw UsageError("candidates: two or more are needed to compare");
   return models;
 }
@@ -245,9 +199,7 @@ Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbCont
 
 Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext& context,
                  ident::UpdateResult& result) {
-  if (!options.candidates.empty() || !options.ends.empty()) {
-    return compare_models(states, options, context, result);
-  }
+  if (!options.candidates.empty()) return compare_models(states, options, context, result);
   if (options.hold_out && states.states.size() < 2) {
     throw UsageError("--hold-out needs several states: a tension_N column or several scenes");
   }
@@ -318,11 +270,6 @@ describe::Options options_of(UpdateCommand& c) {
           "\"FILE\", free = [...], prior = [...]: weights by evidence, averaged parameters; exit "
           "code 4 when none has 90 % of the weight")
           .file(),
-      option(
-          "--ends", c.ends,
-          "The usual candidates: all nodes that are held \"pinned\", \"clamped\" or by \"springs\" "
-          "(one rotational stiffness, fitted)")
-          .one_of({"pinned", "clamped", "springs"}),
       option("--column", c.data.column, "Name of the frequency column"),
       option("--plane", c.data.planes, "Plane of each file: in, out or any")
           .one_of({"in", "out", "any"}),
@@ -354,8 +301,7 @@ describe::Options options_of(UpdateCommand& c) {
           .within(1, 1000),
       option("--hold-out", c.hold_out,
              "Also leave out each state in turn and predict it from the others")
-          .excludes("--candidates")
-          .excludes("--ends"),
+          .excludes("--candidates"),
       option("--out", c.out, "Updated scene").writes()};
 }
 

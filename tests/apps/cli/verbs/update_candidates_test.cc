@@ -5,18 +5,18 @@
 
 namespace rigfit::apps::update_candidates_test {
 
-// 10 m, 30 kg/m, EI 2e5 N m2; pinned, or held by end springs.
-std::string hanger(double tension, double spring_Nm_rad = 0) {
-  using Kind = model::Support::Kind;
-  auto scene =
-      ident::testing::hanger(spring_Nm_rad > 0 ? Kind::elastic : Kind::pinned, 2e5, spring_Nm_rad);
+using Kind = model::Support::Kind;
+
+// 10 m, 30 kg/m, EI 2e5 N m2; with elastic ends held by springs.
+std::string hanger(double tension, Kind ends = Kind::pinned, double spring_Nm_rad = 0) {
+  auto scene = ident::testing::hanger(ends, 2e5, spring_Nm_rad);
   scene.members[0].tension = tension;
   return model::scene_text(scene);
 }
 
 // Six frequencies to 0.05 %, 500 kN and end springs of 30 EI / L.
 std::string six_frequencies(const TemporaryFolder& folder, double relative_std) {
-  const auto truth = folder.write("truth.toml", hanger(5e5, 6e5));
+  const auto truth = folder.write("truth.toml", hanger(5e5, Kind::elastic, 6e5));
   std::mt19937_64 random(4);
   std::normal_distribution<double> normal;
   std::string text = "frequency_hz,std,plane\n";
@@ -29,6 +29,21 @@ std::string six_frequencies(const TemporaryFolder& folder, double relative_std) 
             std::to_string(relative_std * f) + ",in\n";
   }
   return text;
+}
+
+// Pinned, clamped and, where asked for, springs started at 10 EI / L. Returns the file's path.
+std::string candidates(const TemporaryFolder& folder, bool springs) {
+  folder.write("clamped.toml", hanger(4e5, Kind::clamped));
+  folder.write("springs.toml", hanger(4e5, Kind::elastic, 2e5));
+  std::string text =
+      "[[candidate]]\nname = \"pinned\"\n"
+      "[[candidate]]\nname = \"clamped\"\nscene = \"clamped.toml\"\n";
+  if (springs) {
+    text +=
+        "[[candidate]]\nname = \"springs\"\nscene = \"springs.toml\"\n"
+        "free = [\"springs=a.rotational_y,a.rotational_z,b.rotational_y,b.rotational_z\"]\n";
+  }
+  return folder.write("candidates.toml", text);
 }
 
 const Document& named(const Document& list, const std::string& name) {
@@ -44,8 +59,8 @@ TEST(UpdateCandidates, EndSpringsOfAHangerAreChosenAndGiveItsTension) {
   const auto modes = folder.write("modes.csv", six_frequencies(folder, 5e-4));
   const auto scene = folder.write("hanger.toml", hanger(4e5));
   const Document json =
-      document_of("update {} --measured {} --free h.tension --ends pinned clamped springs --out {}",
-                  {scene, modes, folder.at("updated.toml")});
+      document_of("update {} --measured {} --free h.tension --candidates {} --out {}",
+                  {scene, modes, candidates(folder, true), folder.at("updated.toml")});
   ASSERT_EQ(json["candidates"].size(), 3U);
   const auto& springs = named(json["candidates"], "springs");
   EXPECT_GT(springs["weight"].get<double>(), 0.99);
@@ -70,8 +85,8 @@ TEST(UpdateCandidates, WhatTheDataCannotTellIsRefusedWithItsAverage) {
       folder.write("modes.csv", "frequency_hz,std,plane\n7.17,0.36,in\n15.0,0.75,in\n");
   const auto scene = folder.write("hanger.toml", hanger(4e5));
   const auto run =
-      run_line("update {} --measured {} --free h.tension --ends pinned clamped --out {} --json -",
-               {scene, modes, folder.at("updated.toml")});
+      run_line("update {} --measured {} --free h.tension --candidates {} --out {} --json -",
+               {scene, modes, candidates(folder, false), folder.at("updated.toml")});
   EXPECT_EQ(run.exit_code, 4) << run.err;
   EXPECT_THAT(run.err, HasSubstr("no candidate has 90 % of the weight"));
   const Document json = parsed(run.out);
