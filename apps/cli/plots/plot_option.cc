@@ -23,8 +23,8 @@ std::string kind_of(const std::string& file) {
 
 /// The picture as PNG, twice as fine as the screen's pixels.
 std::string png_of(const FiguresSvg& figures) {
-  const ScratchFolder folder;
-  const fs::path svg = folder.path() / "figures.svg", png = folder.path() / "figures.png";
+  const auto folder = scratch_folder();
+  const fs::path svg = *folder / "figures.svg", png = *folder / "figures.png";
   write_whole_file(svg, figures.svg);
   const bool made = run_chromium(find_chromium(),
                                  {"--force-device-scale-factor=2",
@@ -45,13 +45,7 @@ std::string png_of(const FiguresSvg& figures) {
 std::string repeat_command(const VerbContext& context) {
   std::string text = "rigfit";
   for (std::size_t i = 1; i < context.command.size(); ++i) {
-    std::string word = context.command[i];
-    if (word.find_first_of(" \t'\"$&;()<>|*?[]\\") != std::string::npos) {
-      std::string quoted = "'";
-      for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-      word = quoted + "'";
-    }
-    text += " " + word;
+    text += " " + shell_word(context.command[i]);
   }
   return text;
 }
