@@ -107,6 +107,18 @@ template <class List, class Row>
   return all;
 }
 
+/// The JSON schema of what is like `sample`; numbers that are not whole may be null.
+[[nodiscard]] inline Json schema_like(const Json& sample) {
+  if (sample.is_number_float() || sample.is_null()) return {{"type", {"number", "null"}}};
+  Json all{{"type", sample.is_number() ? "integer" : sample.type_name()}};
+  if (!sample.is_object()) return all;
+  for (const auto& [key, value] : sample.items()) {
+    all["properties"][key] = schema_like(value);
+    all["required"].push_back(key);
+  }
+  return all;
+}
+
 /// The type's JSON schema, with meanings and units.
 template <class M>
 [[nodiscard]] Json schema_of() {
@@ -125,33 +137,12 @@ template <class M>
     return all;
   } else if constexpr (requires(M m) { m.has_value(); }) {
     return {{"anyOf", {schema_of<typename M::value_type>(), Json{{"type", "null"}}}}};
-  } else if constexpr (estimate<M>) {
-    const Json number{{"type", {"number", "null"}}};
-    Json one{{"type", "object"},
-             {"properties", {{"value", number}, {"std", number}}},
-             {"required", {"value", "std"}}};
-    if constexpr (requires(const M& m) { m.low; }) {
-      one["properties"]["low"] = number, one["properties"]["high"] = number;
-    }
-    return one;
-  } else if constexpr (std::is_base_of_v<Ends, M>) {
-    return {{"type", "array"}, {"items", Json{{"type", {"number", "null"}}}}};
-  } else if constexpr (std::is_same_v<M, bool>) {
-    return {{"type", "boolean"}};
-  } else if constexpr (std::is_integral_v<M>) {
-    return {{"type", "integer"}};
-  } else if constexpr (std::is_floating_point_v<M>) {
-    return {{"type", {"number", "null"}}};
-  } else if constexpr (std::is_same_v<M, std::complex<double>>) {
-    return {{"type", "object"}, {"required", {"re", "im"}}};
-  } else if constexpr (std::is_same_v<M, ByName>) {
-    return {{"type", "object"}};
-  } else if constexpr (matrix<M>) {
-    return {{"type", "array"}, {"items", Json{{"type", "array"}}}};
-  } else if constexpr (list<M>) {
+  } else if constexpr (list<M> && !matrix<M>) {
     return {{"type", "array"}, {"items", schema_of<typename M::value_type>()}};
-  } else {
+  } else if constexpr (std::is_convertible_v<M, std::string_view>) {
     return {{"type", "string"}};
+  } else {
+    return schema_like(json_of(M{}));
   }
 }
 

@@ -98,22 +98,17 @@ std::optional<Misfit> fill(const Options& options, const Json& given,
 }
 
 Options as_command_line(Options keys) {
-  const auto rename = [](std::string& name) {
+  const auto on_command_line = [](std::string name) {
     std::replace(name.begin(), name.end(), '_', '-');
-    name.insert(0, "--");
+    return "--" + name;
   };
-  std::vector<std::string> names;
-  for (auto& key : keys) {
-    rename(key.name);
-    names.push_back(key.name);
-  }
-  const auto unknown = [&](const std::string& name) {
-    return std::find(names.begin(), names.end(), name) == names.end();
-  };
+  for (auto& key : keys) key.name = on_command_line(key.name);
   for (auto& key : keys) {
     for (auto* others : {&key.not_with, &key.only_with}) {
-      for (auto& other : *others) rename(other);
-      std::erase_if(*others, unknown);
+      for (auto& other : *others) other = on_command_line(other);
+      std::erase_if(*others, [&](const std::string& name) {
+        return std::ranges::find(keys, name, &Option::name) == keys.end();
+      });
     }
   }
   return keys;

@@ -51,12 +51,7 @@ namespace {
 bool blank(const std::string& cell) { return cell.empty() || cell == "-"; }
 
 std::string padded(const std::string& text, std::size_t width, bool right) {
-  // Letters beyond ASCII take one column each.
-  const auto letters = static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
-  }));
-  const std::string blanks(width > letters ? width - letters : 0, ' ');
-  return right ? blanks + text : text + blanks;
+  return right ? fmt::format("{:>{}}", text, width) : fmt::format("{:<{}}", text, width);
 }
 
 }  // namespace
