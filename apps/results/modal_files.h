@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <string>
 
 #include "model/scene/scene.h"
@@ -25,18 +26,13 @@ namespace rigfit::apps {
 [[nodiscard]] inline Eigen::Vector3d position_of(const model::Scene& scene,
                                                  const model::Place& place) {
   const auto node = [&](const std::string& name) -> Eigen::Vector3d {
-    for (const auto& one : scene.nodes) {
-      if (one.name == name) return one.position;
-    }
-    return Eigen::Vector3d::Zero();
+    const auto at = std::ranges::find(scene.nodes, name, &model::SceneNode::name);
+    return at == scene.nodes.end() ? Eigen::Vector3d(0, 0, 0) : at->position;
   };
-  if (!place.node.empty()) return node(place.node);
-  for (const auto& member : scene.members) {
-    if (member.name != place.member) continue;
-    const Eigen::Vector3d from = node(member.nodes[0]), to = node(member.nodes[1]);
-    return from + place.position * (to - from);
-  }
-  return Eigen::Vector3d::Zero();
+  const auto member = std::ranges::find(scene.members, place.member, &model::Member::name);
+  if (!place.node.empty() || member == scene.members.end()) return node(place.node);
+  const Eigen::Vector3d from = node(member->nodes[0]), to = node(member->nodes[1]);
+  return from + place.position * (to - from);
 }
 
 }  // namespace rigfit::apps

@@ -59,42 +59,38 @@ Json std_json(const ident::PlannedParameter& one, double std) {
 
 Json plan_json(const ident::PlanResult& plan, const std::vector<ident::UpdateState>& states) {
   using describe::json_list, describe::json_of, signal::Estimate;
-  const auto goal = [](const ident::PlannedGoal& one) -> Json {
+  Json json;
+  json["goals"] = json_list(plan.goals, [](const ident::PlannedGoal& one) -> Json {
     return {{"name", one.goal.parameter},
             {"std", one.wanted_std},
             {"reached", one.reached},
             {"takes", one.takes}};
-  };
-  const auto parameter = [](const ident::PlannedParameter& one) {
+  });
+  json["parameters"] = json_list(plan.parameters, [](const ident::PlannedParameter& one) {
     Json row = std_json(one, one.std);
     row.update({{"value", one.value}, {"std_before", one.std_before}, {"best_std", one.best_std}});
     return row;
-  };
-  const auto proposal = [&](const ident::PlanProposal& one) -> Json {
+  });
+  json["proposals"] = json_list(plan.proposals, [&](const ident::PlanProposal& one) -> Json {
     std::size_t p = 0;
+    const auto known = [&](const auto& parameter) { return std_json(parameter, one.std[p++]); };
     return {{"what", one.what},
             {"cost", one.cost_s},
-            {"parameters", json_list(plan.parameters, [&](const auto& parameter_of) {
-               return std_json(parameter_of, one.std[p++]);
-             })}};
-  };
-  const auto mode = [&](const ident::PlannedMode& one) -> Json {
+            {"parameters", json_list(plan.parameters, known)}};
+  });
+  json["modes"] = json_list(plan.modes, [&](const ident::PlannedMode& one) -> Json {
     const double f = one.frequency_hz, zeta = one.damping_ratio;
     return {{"state", states[one.state].name},
             {"plane", model::name_of(one.plane)},
             {"order", one.order + 1},
             {"frequency_hz", json_of(Estimate{f, one.frequency_std * f})},
             {"damping_ratio", json_of(Estimate{zeta, one.damping_std * zeta})}};
-  };
-  const auto open = [&](const ident::OpenDirection& one) -> Json {
+  });
+  json["not_identifiable"] = json_list(plan.not_identifiable, [&](const auto& one) -> Json {
     const auto name = [&](int p) { return plan.parameters[static_cast<std::size_t>(p)].name; };
     return {{"parameters", json_list(one.parameters, name)}, {"message", one.message}};
-  };
-  return {{"goals", json_list(plan.goals, goal)},
-          {"parameters", json_list(plan.parameters, parameter)},
-          {"proposals", json_list(plan.proposals, proposal)},
-          {"modes", json_list(plan.modes, mode)},
-          {"not_identifiable", json_list(plan.not_identifiable, open)}};
+  });
+  return json;
 }
 
 void tell_plan(const ident::PlanResult& plan, VerbContext& context) {
