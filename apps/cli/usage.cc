@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <regex>
 #include <sstream>
 #include <string_view>
 
@@ -115,21 +116,6 @@ describe::Json result_schema() {
             {"tension", describe::schema_of<ident::TensionCampaignResult>()}}}};
 }
 
-/// A row "| a | b | c | d |" of a reference, without backticks: `names` cells name, the others
-/// mean.
-void add_table_row(std::string& text, const std::string& line, int names, std::size_t width) {
-  std::string sides[2];
-  std::istringstream cells(line.substr(1));
-  int number = 0;
-  for (std::string cell; std::getline(cells, cell, '|'); ++number) {
-    cell.erase(0, cell.find_first_not_of(' '));
-    cell.erase(cell.find_last_not_of(' ') + 1);
-    std::string& side = sides[number < names ? 0 : 1];
-    if (!cell.empty()) side += (side.empty() ? "" : number < names ? " " : "; ") + cell;
-  }
-  add_row(text, sides[0], sides[1], width);
-}
-
 }  // namespace
 
 std::string key_reference(const std::string& document) {
@@ -148,10 +134,16 @@ std::string key_reference(const std::string& document) {
   std::erase(page, '`');
   std::istringstream lines(page.substr(0, page.find("\n## ")));
   std::string text;
+  const std::regex row(R"(\| *(.*?) *\| *(.*?) *\| *(.*?) *\| *(.*?) *\|)");
+  std::smatch cells;  // table, key, unit, meaning
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("|---") || line == "toml") continue;  // rules and fences
-    if (line.starts_with("|")) {
-      add_table_row(text, line, document == "scene" ? 2 : 1, width);
+    if (std::regex_match(line, cells, row)) {
+      const auto both = [&](int first, const char* between) {
+        const bool two = cells[first].length() > 0 && cells[first + 1].length() > 0;
+        return cells[first].str() + (two ? between : "") + cells[first + 1].str();
+      };
+      add_row(text, both(1, " "), both(3, "; "), width);
     } else if (!line.empty() || !text.empty()) {
       text += line + '\n';
     }
