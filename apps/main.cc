@@ -12,7 +12,6 @@
 #include <sstream>
 
 #include "apps/cli/exit_code.h"
-#include "apps/cli/json_document.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/usage.h"
@@ -77,7 +76,7 @@ int run(int argc, char** argv) {
   print();
   write_plots(context, shared.plot, verb.name);
   print();
-  const Json document = json_document(context, verb.name, std::move(result));
+  const Json document = context.document(verb.name, result);
   if (shared.json == "-") {
     std::cout << document.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   } else if (!shared.json.empty()) {

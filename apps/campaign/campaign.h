@@ -1,12 +1,17 @@
-// What a campaign file says, in plain structs, and its keys, described once: the reader
-// (apps/campaign_file/campaign.h), its messages and `rigfit help campaign` are walks over the
+// A campaign: what was tested on a rig, how, which scenes stand for it, what to fit and which
+// published or earlier results to compare with. One TOML file; paths in it are relative to it.
+//
+// Here is what it says, in plain structs, and its keys, described once: the reader
+// (apps/campaign_file/campaign.cc), its messages and `rigfit help campaign` are walks over the
 // tables that `keys_of` gives. To add a key: a member of the struct, a line in its table.
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <variant>
@@ -165,6 +170,12 @@ struct Campaign {
   std::vector<CampaignFit> fits;
   std::vector<std::string> inputs;  ///< every file read
 };
+
+/// Reads a campaign, and what it names: every key is checked like a scene's; scenes and tables are
+/// read and checked too. Throws model::SceneError.
+[[nodiscard]] Campaign read_campaign(const std::filesystem::path& path);
+/// The same from text; `path` is named in messages, and what the text names lies beside it.
+[[nodiscard]] Campaign parse_campaign(std::string_view text, const std::filesystem::path& path);
 
 // Keys of each table, into the struct.
 [[nodiscard]] describe::Options keys_of(Campaign& campaign);

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cli/at_hand.h"
+#include "apps/campaign_file/recordings.h"
 #include "apps/cli/exit_code.h"
-#include "apps/cli/json_document.h"
+#include "apps/results/results_json.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 #include "signal/readers/csv/csv_fields.h"

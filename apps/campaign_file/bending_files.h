@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/campaign_file/recording_description.h"
+#include "apps/campaign_file/recordings.h"
 #include "apps/cli/verb_context.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 #include "ident/campaign/single_tests/scene_use.h"

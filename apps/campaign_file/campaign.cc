@@ -1,4 +1,4 @@
-#include "apps/campaign_file/campaign.h"
+#include "apps/campaign/campaign.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "apps/campaign_file/measured_modes.h"
-#include "apps/campaign_file/recording_group.h"
+#include "apps/campaign_file/recordings.h"
 #include "apps/results/text_table.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"

@@ -12,11 +12,10 @@
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/measured_modes.h"
-#include "apps/campaign_file/recording_description.h"
-#include "apps/cli/at_hand.h"
+#include "apps/campaign_file/recordings.h"
 #include "apps/cli/exit_code.h"
-#include "apps/cli/json_document.h"
 #include "apps/cli/named_numbers.h"
+#include "apps/results/results_json.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/scene_use.h"
 #include "model/scene/scene.h"
@@ -266,26 +265,6 @@ class StateReader {
 
 using Effect = ident::UncertainInput::Effect;
 
-struct InputText {
-  std::string name;
-  SignedNames targets;
-  double std = 0;
-  bool relative = false, each = false;
-};
-
-InputText parsed(std::string text) {
-  InputText input;
-  input.each = text.ends_with("@each");
-  if (input.each) text.resize(text.size() - 5);
-  const auto given =
-      named_numbers("--input", text,
-                    "TARGET=STD, TARGET=0.5% or TARGET,-TARGET=STD (@each at the end)", 1, 1, true);
-  input.name = given.name;
-  input.targets = signed_names("--input", given.name);
-  input.std = given.numbers[0], input.relative = given.relative;
-  return input;
-}
-
 bool has_parameter(const model::Scene& scene, const std::string& name) {
   const auto names = model::parameter_names(scene);
   return std::ranges::find(names, name) != names.end();
@@ -304,15 +283,16 @@ std::vector<ident::UncertainInput> known_inputs(const ident::KnownValues& known,
 }
 
 /// What an input changes in a state.
-void add_effects(const InputText& input, const UpdateStates& states, std::size_t state,
-                 std::vector<Effect>& effects) {
+void add_effects(const SignedNames& targets, const NamedNumbers& input, const UpdateStates& states,
+                 std::size_t state, std::vector<Effect>& effects) {
   const auto& scene = states.states[state].scene;
   const int index = static_cast<int>(state);
-  if (input.targets.names[0] == "tension") {
+  const double std = input.numbers[0];
+  if (targets.names[0] == "tension") {
     const auto& tension = states.tension[state];
     for (const auto& member : scene.members) {
       if (member.kind != model::Member::Kind::cable || !member.tension) continue;
-      const double change = input.std * (input.relative ? *member.tension : 1);
+      const double change = std * (input.relative ? *member.tension : 1);
       effects.push_back({index, member.name + ".tension", change});
       if (states.stiffness.empty() || !tension) continue;
       const double slope = states.stiffness.at(*tension).slope_m2;
@@ -320,11 +300,11 @@ void add_effects(const InputText& input, const UpdateStates& states, std::size_t
     }
     return;
   }
-  for (std::size_t t = 0; t < input.targets.names.size(); ++t) {
-    const auto& name = input.targets.names[t];
+  for (std::size_t t = 0; t < targets.names.size(); ++t) {
+    const auto& name = targets.names[t];
     if (!has_parameter(scene, name)) continue;
     const double size = input.relative ? std::abs(model::parameter(scene, name)) : 1;
-    effects.push_back({index, name, input.targets.signs[t] * input.std * size});
+    effects.push_back({index, name, targets.signs[t] * std * size});
   }
 }
 
@@ -337,9 +317,14 @@ UpdateStates read_update_states(const UpdateData& data, VerbContext& context) {
 std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::string>& texts,
                                                     const UpdateStates& states) {
   std::vector<ident::UncertainInput> inputs;
-  for (const auto& text : texts) {
-    const InputText input = parsed(text);
-    for (const auto& target : input.targets.names) {
+  for (std::string text : texts) {
+    const bool each = text.ends_with("@each");
+    if (each) text.resize(text.size() - 5);
+    const auto input = named_numbers(
+        "--input", text, "TARGET=STD, TARGET=0.5% or TARGET,-TARGET=STD (@each at the end)", 1, 1,
+        true);
+    const auto targets = signed_names("--input", input.name);
+    for (const auto& target : targets.names) {
       const bool somewhere =
           target == "tension" || std::ranges::any_of(states.states, [&](const auto& state) {
             return has_parameter(state.scene, target);
@@ -348,12 +333,12 @@ std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::strin
       if (!somewhere) (void)model::parameter(states.states.front().scene, target);
     }
     for (std::size_t s = 0; s < states.states.size(); ++s) {
-      if (input.each) {
+      if (each) {
         inputs.push_back({fmt::format("{} [{}]", input.name, states.states[s].name), {}});
       } else if (s == 0) {
         inputs.push_back({input.name, {}});
       }
-      add_effects(input, states, s, inputs.back().effects);
+      add_effects(targets, input, states, s, inputs.back().effects);
     }
   }
   std::erase_if(inputs, [](const auto& one) { return one.effects.empty(); });

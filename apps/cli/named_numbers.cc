@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 
 #include "apps/cli/exit_code.h"
+#include "signal/readers/csv/csv_fields.h"
 
 namespace rigfit::apps {
 namespace {
@@ -37,10 +37,8 @@ NamedNumbers named_numbers(const std::string& option, const std::string& text,
   bool good = true;
   for (std::string part : parts_of(list)) {
     if (percent && part.ends_with('%')) part.pop_back(), found.relative = true;
-    const char* last = part.data() + part.size();
     double number = 0;
-    const auto [end, error] = std::from_chars(part.data(), last, number);
-    good = good && error == std::errc() && end == last && std::isfinite(number);
+    good = good && signal::parse_whole_number(part, '.', number) && std::isfinite(number);
     found.numbers.push_back(found.relative ? number / 100 : number);
   }
   const auto count = found.numbers.size();

@@ -13,8 +13,6 @@
 
 namespace rigfit::apps {
 
-using Json = nlohmann::ordered_json;
-
 struct Verb {
   std::string name, does;
   std::string example;  ///< below the options in its help

@@ -9,6 +9,7 @@
 
 #include "apps/cli/output_file.h"
 #include "apps/cli/progress.h"
+#include "apps/describe/json_of.h"
 #include "document/document_error.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/recording/recording_error.h"
@@ -126,6 +127,22 @@ void VerbContext::write(const fs::path& path, std::string_view content) const {
     }
   }
   write_whole_file(path, content);
+}
+
+Json VerbContext::document(const std::string& verb, const Json& result) const {
+  check_inputs();
+  Json document{{"rigfit", RIGFIT_VERSION}, {"command", verb}, {"inputs", Json::array()}};
+  for (const auto& input : inputs_) {
+    document["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
+  }
+  document["warnings"] = describe::json_of(warnings_);
+  document["notes"] = describe::json_of(notes_);
+  if (exit_code != ExitCode::done) {
+    document["error"] = {{"exit_code", static_cast<int>(exit_code)}};
+    document["error"].update(describe::json_of(ended_by_));
+  }
+  document.update(result);
+  return document;
 }
 
 }  // namespace rigfit::apps

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -17,8 +18,10 @@
 
 namespace rigfit::apps {
 
+using Json = nlohmann::ordered_json;
+
 struct PlotSheet;  // apps/cli/plots/plot_option.h
-struct AtHand;     // apps/cli/at_hand.h
+struct AtHand;     // apps/campaign_file/recordings.h
 
 /// A file read by a run, as it was when the run met it.
 struct Input {
@@ -71,18 +74,22 @@ class VerbContext {
   /// A file of results, whole or not at all; none from inputs that changed.
   void write(const std::filesystem::path& path, std::string_view content) const;
 
+  /// The document of a run: `{rigfit, command, inputs[], warnings[], notes[], error, ...result}`.
+  /// `error`, `{exit_code, code, message, where}`, is there when the run ends with another exit
+  /// code than 0: the first finding that refused or that says what did not converge. Non-finite
+  /// numbers are null where it is written.
+  [[nodiscard]] Json document(const std::string& verb, const Json& result) const;
+
   const std::vector<Finding>& warnings() const { return warnings_; }
   const std::vector<Finding>& notes() const { return notes_; }
   const std::vector<Input>& inputs() const { return inputs_; }
-  /// The first finding that gave the run its exit code.
-  const Finding& ended_by() const { return ended_by_; }
 
  private:
   void end(ExitCode code, const char* word, Finding why);
   void say_warnings() const;
 
   std::vector<Finding> warnings_, notes_;
-  Finding ended_by_;
+  Finding ended_by_;             ///< the first finding that gave the run its exit code
   std::vector<Finding> unsaid_;  ///< warnings to be said at the end
   std::vector<Input> inputs_;
   std::unordered_set<std::string> known_;

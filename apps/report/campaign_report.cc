@@ -9,7 +9,6 @@
 #include <memory>
 #include <span>
 
-#include "apps/cli/json_document.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/plots/browser.h"
 #include "apps/cli/plots/plot_option.h"
@@ -175,7 +174,7 @@ void finish(const fs::path& folder, PageFrame frame, const std::vector<ReportPar
   context.check_inputs();
   write_report_files(
       folder, frame, parts, options,
-      [&] { return json_document(context, "report", result).dump(2) + "\n"; }, context);
+      [&] { return context.document("report", result).dump(2) + "\n"; }, context);
   context.out << fmt::format("report: {}\n", (folder / "report.html").string());
 }
 

@@ -1,6 +1,10 @@
 #include "apps/results/results_json.h"
 
+#include <cmath>
+#include <fstream>
+
 #include "apps/describe/json_of.h"
+#include "model/scene/scene_error.h"
 
 namespace rigfit::apps {
 namespace {
@@ -51,6 +55,19 @@ Json hits_json(const ident::StruckPlace& place, const signal::ImpactTest& test) 
     hits.back().update(describe::json_of(hit));
   }
   return hits;
+}
+
+Json read_document(const std::filesystem::path& path, const char* key, const char* by) {
+  std::ifstream file(path, std::ios::binary);
+  Json json = Json::parse(file, nullptr, false);
+  if (json.is_object() && json.contains(key)) return json;
+  throw model::SceneError({path.string(), 0, 0, key}, "is no such result",
+                          std::string("give what ") + by + " wrote");
+}
+
+double number_in(const Json& object, const char* key) {
+  const bool there = object.is_object() && object.contains(key) && object[key].is_number();
+  return there ? object[key].get<double>() : std::nan("");
 }
 
 }  // namespace rigfit::apps

@@ -1,13 +1,10 @@
 // What tests and fits found, as JSON: walks over the descriptions of the results. The verbs and the
-// report's document hold the same.
+// report's document hold the same. And such documents read again.
 #pragma once
 
-#include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
+#include <filesystem>
 
-#include "apps/cli/json_document.h"
-#include "apps/cli/verb.h"
+#include "apps/cli/verb_context.h"
 #include "ident/campaign/modal/hammer_campaign.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
@@ -23,5 +20,12 @@ namespace rigfit::apps {
 
 /// The hits of one place struck, accepted and rejected.
 [[nodiscard]] Json hits_json(const ident::StruckPlace& place, const signal::ImpactTest& test);
+
+/// A document that the program wrote, with that key. `by`: the command that writes one.
+/// Throws model::SceneError for another file.
+[[nodiscard]] Json read_document(const std::filesystem::path& path, const char* key,
+                                 const char* by);
+/// A number of an object; NaN where there is none.
+[[nodiscard]] double number_in(const Json& object, const char* key);
 
 }  // namespace rigfit::apps

@@ -78,7 +78,8 @@ struct PredictedMode {
         field("", &T::interval, "Hz", "95 % interval", ""),
         field("damping_ratio", &T::damping_ratio),
         field("plane", describe::within(&T::mode, &model::NaturalMode::plane), "", "plane", ""),
-        field("family", describe::within(&T::mode, &model::NaturalMode::family), "", "family", "")};
+        field("family", describe::within(&T::mode, &model::NaturalMode::family), "", "family", ""),
+        field("kinetic_energy", describe::within(&T::mode, &model::NaturalMode::kinetic_energy))};
   }
 };
 

@@ -44,7 +44,7 @@ double section_cost(const Scene& scene, const std::vector<NaturalMode>& modes) {
       const double EI = mode.plane == ModePlane::out  ? beam.EI[1]
                         : mode.plane == ModePlane::in ? beam.EI[0]
                                                       : std::max(beam.EI[0], beam.EI[1]);
-      own += mode.kinetic_energy[m] * kInertiaAndShear * 2 * M_PI * mode.frequency_hz *
+      own += mode.kinetic_energy.all[m].second * kInertiaAndShear * 2 * M_PI * mode.frequency_hz *
              std::sqrt(beam.mass_per_length * EI) / beam.EA;
     }
     cost = std::max(cost, own);

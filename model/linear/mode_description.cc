@@ -143,10 +143,10 @@ std::vector<NaturalMode> natural_modes(const ChainModes& modes, const Scene& sce
       mode.damping_ratio = damping_ratio_of(prepared[k].damped.poles[which.mode]);
     }
     const Motions share_of = motions_of(chain, state, *motion.assembly, q);
-    mode.kinetic_energy = share_of.member;
     double beams = 0, all = 0;
     for (std::size_t m = 0; m < share_of.member.size(); ++m) {
       const double part = share_of.member[m];
+      mode.kinetic_energy.all.emplace_back(scene.members[m].name, part);
       all += part;
       if (!chain.members[m].cable) beams += part;
     }

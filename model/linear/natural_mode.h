@@ -47,9 +47,9 @@ struct NaturalMode {
   double damping_ratio = 0;
   ModePlane plane = ModePlane::in;
   ModeFamily family = ModeFamily::cable;
-  std::vector<double> kinetic_energy;  ///< fraction by member, in the scene's order; sums to one
-                                       ///< less that of node masses
-  std::vector<ModeShape> shape;        ///< by member
+  describe::ByName kinetic_energy;  ///< fraction by member, in the scene's order; sums to one less
+                                    ///< that of node masses
+  std::vector<ModeShape> shape;     ///< by member
   Eigen::VectorXd
       sensor_shape;  ///< modal displacement at each of the scene's sensors along its direction; at
                      ///< a force sensor the change of axial force, N kg^-1/2
@@ -57,10 +57,13 @@ struct NaturalMode {
 
   static constexpr auto fields() {
     using T = NaturalMode;
-    return std::tuple{field("frequency_hz", &T::frequency_hz, "Hz", "frequency", "undamped", 7),
-                      field("damping_ratio", &T::damping_ratio, "%", "damping", "", 4),
-                      field("plane", &T::plane, "", "plane", "in, out, mixed, axial or torsion"),
-                      field("family", &T::family, "", "family", "cable, beam or hybrid")};
+    return std::tuple{
+        field("frequency_hz", &T::frequency_hz, "Hz", "frequency", "undamped", 7),
+        field("damping_ratio", &T::damping_ratio, "%", "damping", "", 4),
+        field("plane", &T::plane, "", "plane", "in, out, mixed, axial or torsion"),
+        field("family", &T::family, "", "family", "cable, beam or hybrid"),
+        field("kinetic_energy", &T::kinetic_energy, "", "kinetic energy", "by member"),
+        field("extrapolated_hz", &T::extrapolated_hz)};
   }
 };
 

@@ -2,7 +2,7 @@
 // says what is wrong and what would be right, within a second, and writes nothing.
 #include <regex>
 
-#include "apps/campaign_file/campaign.h"
+#include "apps/campaign/campaign.h"
 #include "model/scene/read_scene.h"
 #include "tests/apps/apps_test.h"
 #include "tests/scenes.h"

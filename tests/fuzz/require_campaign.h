@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "apps/campaign_file/campaign.h"
+#include "apps/campaign/campaign.h"
 #include "tests/fuzz/require_scene.h"
 
 namespace rigfit::apps {

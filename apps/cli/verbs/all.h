@@ -17,8 +17,7 @@
 #include <vector>
 
 #include "apps/campaign/campaign.h"
-#include "apps/campaign_file/recording_description.h"
-#include "apps/cli/at_hand.h"
+#include "apps/campaign_file/recordings.h"
 #include "apps/cli/named_numbers.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verb.h"
@@ -60,10 +59,6 @@ void write_result(const std::string& file, const std::function<std::string()>& c
 
 /// Warns where the cables' mass per length may be that of two states that differ.
 void warn_of_mass(const model::Scene& scene, const std::string& file, VerbContext& context);
-
-/// The parts of a mode's kinetic energy.
-[[nodiscard]] describe::ByName energy_by_member(const model::NaturalMode& mode,
-                                                const model::Scene& scene);
 
 /// Values and covariance of the parameters that a fit's JSON result identifies; warns of the others
 /// and of a fit with several answers, carries its findings on, and refuses where it ended with 4 or

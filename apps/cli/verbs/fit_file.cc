@@ -1,6 +1,5 @@
 // The JSON result of `rigfit update` as what another verb starts from.
 
-#include "apps/cli/json_document.h"
 #include "apps/cli/verbs/all.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/scene/scene_error.h"

@@ -12,34 +12,6 @@ struct ModesCommand {
   bool shapes = false;
 };
 
-/// A mode beside the names of what moves.
-struct ShownMode {
-  model::NaturalMode mode;
-  describe::ByName energy, sensors;
-
-  static constexpr auto fields() {
-    using T = ShownMode;
-    return std::tuple{
-        describe::part(&T::mode),
-        field("kinetic_energy", &T::energy, "", "kinetic energy", "by member"),
-        field("extrapolated_hz", describe::within(&T::mode, &model::NaturalMode::extrapolated_hz)),
-        field("sensors", &T::sensors, "", "", "modal displacement along each sensor")};
-  }
-};
-
-std::vector<ShownMode> shown(const std::vector<model::NaturalMode>& modes,
-                             const model::Scene& scene) {
-  std::vector<ShownMode> rows;
-  for (const auto& mode : modes) {
-    rows.push_back({mode, energy_by_member(mode, scene), {}});
-    for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
-      rows.back().sensors.all.emplace_back(scene.sensors[i].name,
-                                           mode.sensor_shape[static_cast<Eigen::Index>(i)]);
-    }
-  }
-  return rows;
-}
-
 Json run(ModesCommand& options, VerbContext& context) {
   const model::Scene scene = scene_of(options.scene, context);
   options.modes.shapes = options.shapes || context.plots;
@@ -52,10 +24,15 @@ Json run(ModesCommand& options, VerbContext& context) {
     context.fail(analysis.equilibrium.reason, options.scene);
     return result;
   }
-  const auto rows = shown(analysis.modes, scene);
-  result["modes"] = describe::json_of(rows);
-  for (std::size_t i = 0; options.shapes && i < rows.size(); ++i) {
-    result["modes"][i]["shape"] = describe::json_of(rows[i].mode.shape);
+  for (const auto& mode : analysis.modes) {
+    Json& json = result["modes"].emplace_back(describe::json_of(mode));
+    describe::ByName sensors;
+    for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
+      sensors.all.emplace_back(scene.sensors[s].name,
+                               mode.sensor_shape[static_cast<Eigen::Index>(s)]);
+    }
+    json["sensors"] = describe::json_of(sensors);
+    if (options.shapes) json["shape"] = describe::json_of(mode.shape);
   }
   result["relative_error_estimate"] = analysis.relative_error_estimate;
   result["frequencies"] = analysis.extrapolated ? "extrapolated" : "chain";
@@ -93,7 +70,7 @@ Json run(ModesCommand& options, VerbContext& context) {
   auto& out = context.out;
   describe::print(out, describe::sheet_of(analysis.equilibrium));
   out << '\n';
-  describe::print(out, describe::table_of(rows));
+  describe::print(out, describe::table_of(analysis.modes));
   if (analysis.extrapolated) {
     out << "\nfrequencies extrapolated to vanishing segments; shapes of the segments above\n";
   }

@@ -209,10 +209,6 @@ Json run(PredictCommand& command, VerbContext& context) {
             {"parameters_not_used", prediction.not_used}};
   if (!inputs.empty()) json["uncertain_inputs"] = describe::json_of(inputs);
   json["modes"] = describe::json_of(prediction.modes);
-  for (std::size_t i = 0; i < prediction.modes.size(); ++i) {
-    json["modes"][i]["kinetic_energy"] =
-        describe::json_of(energy_by_member(prediction.modes[i].mode, prediction.scene));
-  }
   if (prediction.modes.empty()) {
     context.fail(prediction.equilibrium.reason, command.scene);
     return json;

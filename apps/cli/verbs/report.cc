@@ -1,4 +1,4 @@
-#include "apps/campaign_file/campaign.h"
+#include "apps/campaign/campaign.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/report/campaign_report.h"
 

@@ -37,8 +37,7 @@ void add_mass(const std::string& text, ident::CableDescription& cable) {
 Json run(TensionCommand& command, VerbContext& context) {
   auto& inputs = command.test.inputs;
   if (const auto& file = command.test.measured; !file.empty()) {
-    context.input(file);
-    for (auto& row : read_measured_modes(file, command.test.column, inputs.plane, {})) {
+    for (auto& row : measured_modes(file, command.test.column, inputs.plane, {}, context)) {
       inputs.modes.push_back(std::move(row.mode));
     }
   }

@@ -22,44 +22,6 @@ struct UpdateCommand {
   ident::UpdateOptions fit;
 };
 
-/// One of several models of the same measured modes, each fitted and weighed by its evidence
-/// (ident/update/model_candidates.h), with what is fitted in it beside --free and --prior.
-struct NamedModel {
-  std::string name;
-  UpdateStates states;
-  std::vector<std::string> free, priors;
-};
-
-NamedModel read_candidate(document::TomlTable& table, const UpdateCommand& command,
-                          const UpdateStates& states, VerbContext& context) {
-  NamedModel one{"", states, {}, {}};
-  std::string scene;
-  read_keys(table, {option("name", one.name, "Of the candidate").required(),
-                    option("scene", scene, "In place of SCENE, relative to this file"),
-                    option("free", one.free, "Beside --free"),
-                    option("prior", one.priors, "Beside --prior")});
-  table.finish();
-  if (scene.empty()) return one;
-  UpdateData data = command.data;
-  data.scenes = {(std::filesystem::path(command.candidates).parent_path() / scene).string()};
-  one.states = read_update_states(data, context);
-  return one;
-}
-
-/// The candidates of `command.candidates`. `states`: as the command gives them.
-std::vector<NamedModel> candidate_models(const UpdateCommand& command, const UpdateStates& states,
-                                         VerbContext& context) {
-  std::vector<NamedModel> models;
-  context.input(command.candidates);
-  auto root = document::TomlTable::read_file(command.candidates);
-  for (auto& table : root.tables_or_empty("candidate")) {
-    models.push_back(read_candidate(table, command, states, context));
-  }
-  root.finish();
-  if (models.size() < 2) throw UsageError("candidates: two or more are needed to compare");
-  return models;
-}
-
 Json candidates_json(const ident::CandidateComparison& comparison, VerbContext& context) {
   auto& out = context.out;
   out << '\n';
@@ -164,25 +126,42 @@ Json told(const UpdateStates& states, const ident::UpdateResult& result,
   return describe::json_of(result);
 }
 
-// Several models of the same modes: the heaviest as a fit by itself, and all beside each other.
+/// The models of `--candidates`, each with what is fitted in it beside --free and --prior, weighed
+/// by their evidence (ident/update/model_candidates.h): the heaviest as a fit by itself, and all
+/// beside each other. `states`: as the command gives them; then those of the heaviest.
 Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbContext& context,
                     ident::UpdateResult& result) {
-  auto models = candidate_models(options, states, context);
+  std::vector<UpdateStates> models;
   std::vector<ident::ModelCandidate> candidates;
   ident::UpdateOptions update;
-  for (auto& one : models) {
-    auto own = fit_options(options, one.states, context);
-    if (candidates.empty()) update = std::move(own);
-    auto priors = options.priors;
-    priors.insert(priors.end(), one.priors.begin(), one.priors.end());
-    const auto& scene = one.states.states.front().scene;
-    std::vector<std::string> names = options.free;
+  context.input(options.candidates);
+  auto root = document::TomlTable::read_file(options.candidates);
+  for (auto& table : root.tables_or_empty("candidate")) {
+    std::string name, file;
+    std::vector<std::string> free, priors, names = options.free, all_priors = options.priors;
+    read_keys(table,
+              {option("name", name, "Of the candidate").required(),
+               option("scene", file, "In place of SCENE, relative to this file"),
+               option("free", free, "Beside --free"), option("prior", priors, "Beside --prior")});
+    table.finish();
+    auto& own = models.emplace_back(states);
+    if (!file.empty()) {
+      UpdateData data = options.data;
+      data.scenes = {(std::filesystem::path(options.candidates).parent_path() / file).string()};
+      own = read_update_states(data, context);
+    }
+    const auto own_options = fit_options(options, own, context);
+    if (candidates.empty()) update = own_options;
+    const auto& scene = own.states.front().scene;
     if (names.empty()) {
       for (const auto& parameter : free_parameters({}, {}, scene)) names.push_back(parameter.name);
     }
-    names.insert(names.end(), one.free.begin(), one.free.end());
-    candidates.push_back({one.name, one.states.states, free_parameters(names, priors, scene)});
+    names.insert(names.end(), free.begin(), free.end());
+    all_priors.insert(all_priors.end(), priors.begin(), priors.end());
+    candidates.push_back({name, own.states, free_parameters(names, all_priors, scene)});
   }
+  root.finish();
+  if (models.size() < 2) throw UsageError("candidates: two or more are needed to compare");
   const auto comparison = ident::compare_candidates(candidates, update);
   if (comparison.heaviest < 0) {
     throw NotConverged("none of the candidates could be fitted: " +
@@ -190,7 +169,7 @@ Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbCont
   }
   const auto best = static_cast<std::size_t>(comparison.heaviest);
   result = comparison.candidates[best].result;
-  states = std::move(models[best].states);
+  states = std::move(models[best]);
   context.out << "the heaviest candidate: " << comparison.candidates[best].name << '\n';
   Json json = told(states, result, ident::fit_findings(result), context);
   json.update(candidates_json(comparison, context));

@@ -15,7 +15,6 @@
 #include <utility>
 
 #include "apps/cli/exit_code.h"
-#include "apps/cli/json_document.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "document/document_error.h"
@@ -170,9 +169,9 @@ py::tuple run_work(const char* name, const py::dict& given,
   context.command = {"rigfit", name, "(from Python)"};
   run_unlocked([state, name, work = std::move(work)] {
     prepare_plots(state->context, state->shared.plot);
-    Json result = work(state->context);
+    const Json result = work(state->context);
     write_plots(state->context, state->shared.plot, name);
-    state->document = apps::json_document(state->context, name, std::move(result));
+    state->document = state->context.document(name, result);
   });
   return py::make_tuple(to_python(state->document), static_cast<int>(context.exit_code),
                         state->out.str());

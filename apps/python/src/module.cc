@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "apps/cli/at_hand.h"
+#include "apps/campaign_file/recordings.h"
 #include "apps/python/src/call.h"
 
 namespace rigfit::python {

@@ -11,9 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/campaign_file/recording_description.h"
+#include "apps/campaign_file/recordings.h"
 #include "apps/cli/exit_code.h"
-#include "apps/cli/json_document.h"
 #include "apps/python/src/call.h"
 #include "model/frfs/frf_synthesis.h"
 #include "model/scene/parameters.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "apps/campaign/campaign.h"
-#include "apps/campaign_file/recording_group.h"
+#include "apps/campaign_file/recordings.h"
 #include "apps/report/figures/figures.h"
 #include "apps/results/modal_files.h"
 #include "apps/results/results_json.h"

@@ -1,4 +1,4 @@
-#include "apps/campaign_file/campaign.h"
+#include "apps/campaign/campaign.h"
 
 #include "model/scene/scene_error.h"
 #include "tests/apps/apps_test.h"

@@ -1,20 +1,65 @@
-#include "apps/campaign_file/recording_description.h"
+#include "apps/campaign_file/recordings.h"
 
 #include <fmt/format.h>
+#include <glob.h>
 
+#include <ostream>
 #include <system_error>
-#include <vector>
+#include <unordered_set>
+#include <utility>
 
-#include "apps/cli/at_hand.h"
 #include "apps/cli/progress.h"
+#include "model/scene/read_scene.h"
+#include "model/scene/scene_error.h"
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/mapped_file.h"
 #include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
+#include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
+namespace {
+
+/// Files a pattern names, sorted; of a folder none.
+std::vector<std::string> matches(const fs::path& pattern) {
+  std::vector<std::string> files;
+  glob_t found{};
+  if (::glob(pattern.c_str(), 0, nullptr, &found) == 0) {
+    for (std::size_t i = 0; i < found.gl_pathc; ++i) {
+      std::error_code error;
+      if (fs::is_regular_file(found.gl_pathv[i], error)) files.emplace_back(found.gl_pathv[i]);
+    }
+  }
+  ::globfree(&found);
+  return files;
+}
+
+}  // namespace
+
+std::shared_ptr<const signal::Recording> recording_at_hand(const std::string& key,
+                                                           const VerbContext& context) {
+  if (!context.at_hand) return nullptr;
+  const auto known = context.at_hand->recordings.find(key);
+  return known == context.at_hand->recordings.end() ? nullptr : known->second;
+}
+
+model::Scene scene_of(const std::string& key, VerbContext& context) {
+  if (context.at_hand) {
+    const auto known = context.at_hand->scenes.find(key);
+    if (known != context.at_hand->scenes.end()) return *known->second;
+  }
+  context.input(key);
+  return model::read_scene(key);
+}
+
+void tell_notes(const signal::Recording& recording, VerbContext& context) {
+  const std::string file = recording.path.string();
+  for (const auto& note : recording.notes) {
+    context.warn(note.code, note.message, note.where.empty() ? file : file + ": " + note.where);
+  }
+}
 
 signal::Recording load_untold(const fs::path& path, VerbContext& context,
                               const RecordingDescription& given) {
@@ -92,6 +137,58 @@ const signal::Channel& chosen_channel(const signal::Recording& recording, const 
   if (recording.channels.size() == 1) return recording.channels.front();
   throw UsageError(recording.path.string() + ": name the channel with --channel; there are: " +
                    signal::listed_names(recording.channels));
+}
+
+std::vector<RecordingGroup> read_recording_groups(document::TomlTable& test,
+                                                  const fs::path& folder) {
+  std::vector<RecordingGroup> groups;
+  for (document::TomlTable& table : test.tables_or_empty("recording")) {
+    RecordingGroup group;
+    read_keys(table, keys_of(group));
+    std::unordered_set<std::string> taken;
+    for (const auto& name : std::exchange(group.files, {})) {
+      const auto found = matches(folder / name);
+      if (found.empty()) group.missing.push_back((folder / name).string());
+      for (const auto& file : found) {
+        // The TOML file beside a recording describes it and is none itself.
+        if (fs::path(file).extension() == ".toml") continue;
+        if (taken.insert(file).second) group.files.push_back(file);
+      }
+    }
+    group.description = signal::read_description(table);
+    table.finish();
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+std::vector<LoadedRecording> load_recordings(const std::vector<RecordingGroup>& groups,
+                                             const std::function<void()>& file_read) {
+  std::vector<LoadedRecording> loaded;
+  std::ostream nothing(nullptr);
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    for (const auto& name : groups[k].missing) {
+      loaded.push_back(
+          {name, k, std::nullopt,
+           "there is no such file; check the path, it starts at the campaign's folder"});
+    }
+    for (const auto& file : groups[k].files) {
+      LoadedRecording entry{file, k, std::nullopt, ""};
+      VerbContext context(nothing);  // its warnings are the recording's notes, which come along
+      context.quiet = true;
+      context.hashes_inputs = false;
+      try {
+        entry.recording = load_recording(file, context, groups[k].description);
+      } catch (const signal::RecordingError& error) {
+        entry.error = error.what();
+      } catch (const model::SceneError& error) {
+        entry.error = error.what();
+      }
+      loaded.push_back(std::move(entry));
+      if (file_read) file_read();
+    }
+  }
+  return loaded;
 }
 
 }  // namespace rigfit::apps
