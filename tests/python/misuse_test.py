@@ -115,7 +115,7 @@ class Misuse(unittest.TestCase):
         self.wrong("frequency_hz", "negative", rigfit.frf_of, CABLE, [-1.0])
         self.wrong("measured[0].plane", "in, out, any", rigfit.update, CABLE,
                    measured=[{"frequency_hz": 7.0, "plane": "up"}])
-        self.wrong("ends", "pinned, clamped", rigfit.update, CABLE, measured=[7.4], ends=["pinned", "free"])
+        self.wrong("plane", "in, out, any", rigfit.update, CABLE, measured=[7.4], plane=["in", "up"])
         self.wrong("response", "path", rigfit.predict, CABLE, "fit.json", response=True)
         self.wrong("duration", "to 3600", rigfit.predict, CABLE, "fit.json", response="r.csv", duration=1e9)
         self.wrong("out", "no folder no/such", rigfit.resample, GOOD, 32.0, out="no/such/file.csv")

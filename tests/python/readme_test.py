@@ -44,6 +44,10 @@ class Readme(unittest.TestCase):
         warnings.simplefilter("ignore")
         shutil.copy(DATA / "jalali2021/scenes/cable.toml", "cable.toml")
         rigfit.Scene("cable.toml").with_parameters({"right.x": 3.0}).write("longer.toml")
+        text = pathlib.Path("cable.toml").read_text()
+        pathlib.Path("clamped.toml").write_text(text.replace('"pinned"', '"clamped"'))
+        pathlib.Path("ends.toml").write_text(
+            '[[candidate]]\nname = "pinned"\n[[candidate]]\nname = "clamped"\nscene = "clamped.toml"\n')
         shutil.copy(DATA / "virtual_laboratory/bench/axial/L0.7m-1.csv", "a.csv")
         shutil.copy(DATA / "virtual_laboratory/bench/axial/L1m-1.csv", "b.csv")
         hits("cable.toml")
