@@ -23,9 +23,13 @@ std::string to_place(double value, int decimals) {
 
 }  // namespace
 
+bool is_known_to(double value, double std) {
+  return std::isfinite(value) && std::isfinite(std) && std > 1e-8 * std::abs(value);
+}
+
 std::string value_digits(double value, double std) {
   if (!std::isfinite(value)) return "-";
-  if (!(std > 0) || !std::isfinite(std)) return fmt::format("{:.6g}", value);
+  if (!is_known_to(value, std)) return fmt::format("{:.6g}", value);
   const int decimals = decimals_of_std(std);
   if (decimals <= 10 && std::abs(value) < 1e9 && std < 1e9) return to_place(value, decimals);
   // So small or large that digits would be counted: an exponent, to the same place.
@@ -44,7 +48,7 @@ std::string std_digits(double std) {
 }  // namespace rigfit::apps
 
 namespace rigfit::describe {
-using apps::std_digits, apps::value_digits;
+using apps::is_known_to, apps::std_digits, apps::value_digits;
 namespace {
 
 /// Cells that show nothing: no number, or a share that rounds to none.
@@ -77,8 +81,7 @@ std::string number_text(double value, std::string_view unit, int digits) {
 std::string estimate_text(double value, double std, std::string_view unit) {
   const double scale = shown_unit(unit).per_si;
   const std::string text = value_digits(scale * value, scale * std);
-  const bool known = std::isfinite(std) && std > 0 && std::isfinite(value);
-  return known ? text + " +- " + std_digits(scale * std) : text;
+  return is_known_to(value, std) ? text + " +- " + std_digits(scale * std) : text;
 }
 
 std::string interval_text(const Bounded& x, std::string_view unit) {

@@ -14,7 +14,11 @@ namespace rigfit::apps {
 // Digits that are known: two of the standard uncertainty, and the value to the same place, both
 // without exponents where that stays readable.
 
-/// "205190" for 205188 known to 340; six digits where `std` is not a positive number; "-" for NaN.
+/// Whether `std` says how far the value is known: 1e-8 of it and less is the rounding of a
+/// computation, to which nothing is measured.
+[[nodiscard]] bool is_known_to(double value, double std);
+
+/// "205190" for 205188 known to 340; six digits where `std` says nothing; "-" for NaN.
 [[nodiscard]] std::string value_digits(double value, double std);
 
 /// Two digits: "340", "0.0041", "0.00000077"; "0" for zero, "-" for what is not finite.

@@ -55,7 +55,7 @@ std::string shown_percent(double ratio) {
 
 std::string shown_estimate(double value, double std, int digits) {
   if (!std::isfinite(value)) return "–";
-  if (!(std::isfinite(std) && std > 0)) return shown(value, digits);
+  if (!is_known_to(value, std)) return shown(value, digits);
   return with_minus(value_digits(value, std)) + " ± " + std_digits(std);
 }
 
@@ -70,7 +70,7 @@ std::string counted(std::size_t number, std::string_view what) {
 }
 
 std::string shown_bound(double value, double std) {
-  if (!std::isfinite(value) || !(std::isfinite(std) && std > 0)) return shown(value);
+  if (!is_known_to(value, std)) return shown(value);
   return with_minus(value_digits(value, std));
 }
 

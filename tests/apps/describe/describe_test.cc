@@ -87,6 +87,8 @@ TEST(Describe, NumbersHaveNoExponentsWhereTheyStayReadable) {
   EXPECT_EQ(describe::estimate_text(3.2e-14, 1.1e-15, ""), "3.20e-14 +- 1.1e-15");
   EXPECT_EQ(describe::estimate_text(0.5, 0.0996, ""), "0.50 +- 0.10");
   EXPECT_EQ(describe::estimate_text(1.23456789, NAN, ""), "1.23457");
+  EXPECT_EQ(describe::estimate_text(42.4567980499, 1.4e-10, "Hz"), "42.4568");
+  EXPECT_EQ(describe::estimate_text(42.4567980499, 1.4e-6, "Hz"), "42.4567980 +- 0.0000014");
 }
 
 TEST(Describe, AnOptionIsOnTheCommandLineAndInItsHelp) {
