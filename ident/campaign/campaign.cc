@@ -105,12 +105,11 @@ std::vector<ModelVersion> versions(const DecayInputs& test, const std::string& c
 DecaysOutcome run_recording(const DecayInputs& test, std::size_t index,
                             const CampaignResult& so_far) {
   const TestRecording& one = test.recordings[index];
-  DecayTest decays = run_decay_test(one.recording, test.options);
+  DecayTest decays = run_decay_test(one, test.options);
   DecaysOutcome result{.channels = {}, .findings = std::move(decays.findings)};
-  for (auto& finding : result.findings) finding.where = one.name;
   for (auto& found : decays.channels) {
     std::vector<ReleaseAnswer> answers;
-    if (!found.strongest.modes.empty() && test.scene) {
+    if (!found.result.modes.empty() && test.scene) {
       answers = release_answers(found, test.options.decay,
                                 versions(test, found.channel, one.tension_N, so_far),
                                 so_far.inputs.threads);

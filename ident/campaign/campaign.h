@@ -82,7 +82,7 @@ struct DecayOutcome {
 };
 struct DecaysOutcome {
   std::vector<DecayOutcome> channels;  ///< by recording, then channel
-  std::vector<Finding> findings;       ///< refused recordings and channels; `where` names them
+  std::vector<Finding> findings;       ///< of the decay tests
 };
 
 /// By the kind of the inputs, in their order.

@@ -47,7 +47,7 @@ Json run(AxialCommand& command, VerbContext& context) {
   }
   const auto result = ident::axial_campaign(inputs);
   context.tell(result.findings);
-  if (context.plots) context.plots->add(axial_blocks("axial", inputs, result));
+  if (context.plots) context.plots->add(axial_blocks("axial", result));
   if (result.test) describe::print(context.out, describe::sheet_of(*result.test));
   return axial_json(result);
 }

@@ -25,25 +25,17 @@ Json run(DecayCommand& command, VerbContext& context) {
   const signal::Recording recording = load_recording(command.file, context);
   command.file = recording.path.string();
   const auto& channel = chosen_channel(recording, command.channel);
-  signal::Recording one = recording;
-  one.channels = {channel};
+  ident::TestRecording one{command.file, recording};
+  one.recording.channels = {channel};
   const auto test = ident::run_decay_test(one, command.options);
-  const auto tell = [&](std::vector<ident::Finding> findings) {
-    for (auto& f : findings) f.where = command.file + (f.where.empty() ? "" : ": " + f.where);
-    context.tell(findings);
-  };
-  tell(test.findings);
+  context.tell(test.findings);
   if (test.channels.empty()) return {{"channel", channel.name}, {"modes", Json::array()}};
   const auto& found = test.channels.front();
-  tell(found.findings);
   if (context.plots) {
-    const AnalysedDecay drawn{command.file,     found.channel,        found.unit,
-                              Origin::measured, found.sample_rate_hz, found.start_time_s,
-                              found.samples,    found.strongest};
-    context.plots->add(decay_plot("decay", drawn));
-    context.plots->add(damping_plot("damping", {drawn}));
+    context.plots->add(decay_plot("decay", found));
+    context.plots->add(damping_plot("damping", {found}));
   }
-  if (found.strongest.refusal_code.empty()) {
+  if (found.result.refusal_code.empty()) {
     context.out << fmt::format("{}: channel {}{}, fitted from {:.6g} s to {:.6g} s\n", command.file,
                                channel.name, channel.unit.empty() ? "" : " in " + channel.unit,
                                found.start_s, found.end_s);

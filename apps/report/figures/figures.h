@@ -55,26 +55,18 @@ inline constexpr double kNormal95 = 1.959963984540054;
 
 // Free decays
 
-/// A decay of a record, as it was analysed.
-struct AnalysedDecay {
-  std::string file, channel, unit;
-  Origin origin = Origin::measured;
-  double rate_hz = 0;
-  double start_s = 0;       ///< time of the first sample given
-  Eigen::VectorXd samples;  ///< as given to the estimator
-  signal::DecayResult result;
-};
-
 /// The record, the fitted decay over its window, and the residual.
-[[nodiscard]] Plot decay_plot(const std::string& id, const AnalysedDecay& decay);
+[[nodiscard]] Plot decay_plot(const std::string& id, const ident::RecordedDecay& decay);
 
 /// Damping ratio of the strongest mode against amplitude, a series a decay, with 95 % bars. Empty
 /// series when no decay has two points.
-[[nodiscard]] Plot damping_plot(const std::string& id, const std::vector<AnalysedDecay>& decays);
+[[nodiscard]] Plot damping_plot(const std::string& id,
+                                const std::vector<ident::RecordedDecay>& decays);
 
 /// The model's response to the same release or tap: record and responses over the first half
 /// second, and their spectra up to `high_hz` (0: all). Empty where nothing could be computed.
-[[nodiscard]] std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& decay,
+[[nodiscard]] std::vector<Plot> release_plots(const std::string& id,
+                                              const ident::RecordedDecay& decay,
                                               const std::vector<ident::ReleaseAnswer>& answers,
                                               double high_hz);
 
@@ -119,7 +111,6 @@ struct HammerFigures {
 /// length, and damping over amplitude. Ids are `id` with "-EA", "-lengths",
 /// "-decays", "-decay-0.7m" ...
 [[nodiscard]] std::vector<Block> axial_blocks(const std::string& id,
-                                              const ident::AxialInputs& inputs,
                                               const ident::AxialCampaignResult& result,
                                               const CampaignTest* test = nullptr);
 

@@ -1,4 +1,5 @@
 #include "apps/report/figures/figures.h"
+#include "model/frfs/frf_synthesis.h"
 #include "signal/modes/modal_synthesis.h"
 
 namespace rigfit::apps {
@@ -232,12 +233,22 @@ std::vector<Plot> hammer_plots(const HammerFigures& of) {
 Plot frf_overlay_plot(const std::string& id, const ident::ModalTestState& recorded,
                       const ident::Instrumented& rig,
                       const std::vector<ident::ModelVersion>& versions) {
-  const auto compared = ident::compare_frfs(recorded, versions);
-  const auto& frfs = compared.test;
+  constexpr Index kMostLines = 1500;  // computed of each version
+  const auto& found = *recorded.modal;
+  const auto* frfs = &recorded.hammer.frfs;
+  LineRange range = lines_between(*frfs, found.low_hz, found.high_hz);
+  Eigen::VectorXd lines = frfs->frequency_hz.segment(range.first, range.last - range.first + 1);
   // An exponential window lowers every peak of the measured FRFs; the model has none. Then the test
   // is shown by its identified modes, from which the window's damping has been taken.
-  const bool windowed = compared.rebuilt;
-  Plot plot = magnitude_plot(id, frfs, {0, frfs.frequency_hz.size() - 1}, recorded.origin);
+  const bool windowed =
+      frfs->exponential_decay_rate_1_s > 0 && recorded.has_modes() && lines.size() > 0;
+  signal::FrfSet rebuilt;
+  if (windowed) {
+    rebuilt = signal::synthesised(found.model, lines, frfs->form, 0);
+    rebuilt.unit = frfs->unit;
+    frfs = &rebuilt, range = {0, lines.size() - 1};
+  }
+  Plot plot = magnitude_plot(id, *frfs, range, recorded.origin);
   plot.title = "Frequency response, test and model";
   plot.caption = std::string(windowed ? "The test, rebuilt from its modes without the damping of "
                                         "the exponential window,"
@@ -245,21 +256,23 @@ Plot frf_overlay_plot(const std::string& id, const ident::ModalTestState& record
                  " and the model's response to the same force.";
   for (auto& series : plot.series) series.name += windowed ? ", test (no window)" : ", test";
   const std::size_t columns = rig.response.size() * rig.input.size();
+  const Index every = 1 + lines.size() / kMostLines;
+  lines = lines(Eigen::seq(0, Eigen::last, every)).eval();
   for (std::size_t v = 0; v < versions.size(); ++v) {
-    const auto& model = compared.versions[v];
+    const auto model = model::synthesize_frfs(versions[v].scene, lines);
     if (model.H.empty()) continue;
     for (std::size_t c = 0; c < columns; ++c) {
       const auto s = static_cast<Index>(c / rig.input.size()),
                  l = static_cast<Index>(c % rig.input.size());
       // Sensors have a colour each; a single one leaves the colours to the versions. The last
       // version is what the report stands for; those before it are broken lines.
-      PlotSeries series{frf_name(frfs, rig.response[static_cast<std::size_t>(s)],
+      PlotSeries series{frf_name(*frfs, rig.response[static_cast<std::size_t>(s)],
                                  rig.input[static_cast<std::size_t>(l)]) +
                             ", " + versions[v].label,
                         Origin::modelled, static_cast<int>(columns > 1 ? c : v + 1),
                         v + 1 < versions.size() ? Style::dashed : Style::line, versions[v].label};
-      for (Index k = 0; k < compared.lines_hz.size(); ++k) {
-        series.add(compared.lines_hz[k], std::abs(model.H[static_cast<std::size_t>(k)](s, l)));
+      for (Index k = 0; k < lines.size(); ++k) {
+        series.add(lines[k], std::abs(model.H[static_cast<std::size_t>(k)](s, l)));
       }
       plot.series.push_back(std::move(series));
     }

@@ -65,7 +65,7 @@ std::vector<Plot> response_plots(const std::string& id, const model::Scene& scen
   return plots;
 }
 
-std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& decay,
+std::vector<Plot> release_plots(const std::string& id, const ident::RecordedDecay& decay,
                                 const std::vector<ident::ReleaseAnswer>& answers, double high_hz) {
   constexpr double kBefore_s = 0.02, kFirst_s = 0.5;
   const bool large =
@@ -87,10 +87,10 @@ std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& deca
   const Eigen::VectorXd record = ident::filled(decay.samples);
   Index first = -1, common = 0;
   const auto add = [&](PlotSeries series, const auto& samples, Index start) {
-    const double t0 = static_cast<double>(first) / decay.rate_hz;
+    const double t0 = static_cast<double>(first) / decay.sample_rate_hz;
     for (Index i = 0; i < samples.size() && start + i < record.size(); ++i) {
-      const double t = static_cast<double>(start + i) / decay.rate_hz;
-      if (t >= t0 - kBefore_s && t <= t0 + kFirst_s) series.add(decay.start_s + t, samples[i]);
+      const double t = static_cast<double>(start + i) / decay.sample_rate_hz;
+      if (t >= t0 - kBefore_s && t <= t0 + kFirst_s) series.add(decay.start_time_s + t, samples[i]);
     }
     plot.add(std::move(series));
   };
@@ -107,11 +107,12 @@ std::vector<Plot> release_plots(const std::string& id, const AnalysedDecay& deca
     if (first < 0) {
       first = answer.start, common = length;
       add(test, decay.samples, 0);
-      spectra.add(amplitude_spectrum(record.segment(first, common), decay.rate_hz, high_hz, test));
+      spectra.add(
+          amplitude_spectrum(record.segment(first, common), decay.sample_rate_hz, high_hz, test));
     }
     add(series, model, answer.start);
-    spectra.add(
-        amplitude_spectrum(model.head(std::min(common, length)), decay.rate_hz, high_hz, series));
+    spectra.add(amplitude_spectrum(model.head(std::min(common, length)), decay.sample_rate_hz,
+                                   high_hz, series));
   }
   if (first < 0) return {};
   return {std::move(plot), std::move(spectra)};

@@ -21,13 +21,13 @@ std::string unit_words(const std::string& unit) {
 
 // Decays ------------------------------------------------------------------------------------------
 
-Plot decay_plot(const std::string& id, const AnalysedDecay& decay) {
+Plot decay_plot(const std::string& id, const ident::RecordedDecay& decay) {
   Plot plot{id, "Decay and fit: " + short_name(decay.file),
             "The record, the damped oscillations fitted to it, and the residual. A residual that "
             "looks like noise means that the fit is complete.",
             "time, s", fmt::format("{}, {}", decay.channel, unit_words(decay.unit))};
   const auto time = [&](Eigen::Index i) {
-    return decay.start_s + static_cast<double>(i) / decay.rate_hz;
+    return decay.start_time_s + static_cast<double>(i) / decay.sample_rate_hz;
   };
   PlotSeries record{"record", decay.origin, 0}, fit{"fit", Origin::modelled, 1},
       residual{"residual", decay.origin, 2};
@@ -43,7 +43,7 @@ Plot decay_plot(const std::string& id, const AnalysedDecay& decay) {
   return plot;
 }
 
-Plot damping_plot(const std::string& id, const std::vector<AnalysedDecay>& decays) {
+Plot damping_plot(const std::string& id, const std::vector<ident::RecordedDecay>& decays) {
   Plot plot{id,
             "Damping against amplitude",
             "Damping of the strongest mode along each decay. Level: viscous, the same at every "
@@ -196,18 +196,15 @@ Plot stiffness_plot(const std::string& id, const std::vector<Origin>& origins,
 
 // Axial tests -------------------------------------------------------------------------------------
 
-std::vector<Block> axial_blocks(const std::string& id, const ident::AxialInputs& inputs,
-                                const ident::AxialCampaignResult& result,
+std::vector<Block> axial_blocks(const std::string& id, const ident::AxialCampaignResult& result,
                                 const CampaignTest* test) {
   PlotGroup group{id + "-decays", "Decays", {}};
-  std::vector<AnalysedDecay> decays;
+  std::vector<ident::RecordedDecay> decays;
   double last = -1;
   for (const auto& d : result.decays) {
-    const auto& recording = inputs.recordings[d.recording];
-    if (!d.mode || recording.length_m == last) continue;  // the first of each length
-    last = recording.length_m;
-    decays.push_back({recording.name, d.channel, d.unit, recording.origin, d.rate_hz,
-                      d.samples_start_s, d.samples, d.result});
+    if (!d.mode || d.length_m == last) continue;  // the first of each length
+    last = d.length_m;
+    decays.push_back(d);
     group.tabs.push_back({fmt::format("{:g} m", last),
                           {decay_plot(fmt::format("{}-decay-{:g}m", id, last), decays.back())}});
   }

@@ -10,15 +10,13 @@ class AxialPart : public TestPart {
     std::get<ident::AxialInputs>(inputs_).threads = threads;
   }
 
-  std::vector<ReportPart> show(ident::TestInputs& given, ident::TestResult& found) override {
-    const auto& inputs = std::get<ident::AxialInputs>(given);
+  std::vector<ReportPart> show(ident::TestInputs&, ident::TestResult& found) override {
     const auto& result = std::get<ident::AxialCampaignResult>(found);
     tell(result.findings);
     part_.json.update(axial_json(result));
-    add(part_.blocks, axial_blocks(test_.name, inputs, result, &test_));
+    add(part_.blocks, axial_blocks(test_.name, result, &test_));
     part_.brief = {test_.name + "-EA", test_.name + "-lengths"};
-    if (result.test)
-      add_answers(*result.test, inputs.recordings[result.decays.front().recording].origin);
+    if (result.test) add_answers(*result.test, result.decays.front().origin);
     return {std::move(part_)};
   }
 

@@ -18,9 +18,7 @@ class DecayPart : public TestPart {
   std::vector<ReportPart> show(ident::TestInputs& inputs, ident::TestResult& result) override {
     const auto& recordings = std::get<ident::DecayInputs>(inputs).recordings;
     auto& outcome = std::get<ident::DecaysOutcome>(result);
-    for (const auto& finding : outcome.findings) {
-      refuse(part_, finding.code, finding.message, finding.where);
-    }
+    tell(outcome.findings);
     table_ = {test_.name + "-modes",
               "Oscillations found in each record, strongest first; those of the model by the same "
               "estimator over the same time.",
@@ -53,22 +51,13 @@ class DecayPart : public TestPart {
  private:
   void tell_channel(ident::DecayOutcome& outcome, const ident::TestRecording& recorded,
                     PlotTab& tab) {
-    const Origin origin = recorded.origin;
-    AnalysedDecay decay{recorded.name,
-                        outcome.found.channel,
-                        outcome.found.unit,
-                        origin,
-                        recorded.recording.sample_rate_hz,
-                        recorded.recording.start_time_s,
-                        std::move(outcome.found.samples),
-                        outcome.found.strongest};
-    tell(outcome.found.findings, decay.file + ": " + decay.channel);
+    ident::RecordedDecay& decay = outcome.found;
     if (decay.result.modes.empty()) return;
     const std::string id = fmt::format("{}-{}", test_.name, decays_.size() + 1);
     tab.plots.push_back(decay_plot(id, decay));
     Json json{{"file", decay.file},
               {"channel", decay.channel},
-              {"origin", word_of(origin)},
+              {"origin", word_of(decay.origin)},
               {"tension_N", recorded.tension_N ? Json(*recorded.tension_N) : Json(nullptr)},
               {"modes", describe::json_of(decay.result.modes)},
               {"decays", describe::json_of(outcome.found.decays)},
@@ -76,7 +65,7 @@ class DecayPart : public TestPart {
     const std::string at = recorded.tension_N ? fmt::format("{:g} N", *recorded.tension_N) : "";
     add_answers(decay, at.empty() ? at : ", " + at);
     add_rows(table_, {short_name(decay.file), decay.channel, at, "record"},
-             describe::table_of(decay.result.modes), origin);
+             describe::table_of(decay.result.modes), decay.origin);
     if (!outcome.answers.empty()) {
       for (auto& plot : release_plots(id, decay, outcome.answers,
                                       test_.as<DecayTest>().inputs.options.decay.band_high_hz)) {
@@ -101,7 +90,7 @@ class DecayPart : public TestPart {
   }
 
   /// Adds frequency and damping of the strongest oscillation.
-  void add_answers(const AnalysedDecay& decay, const std::string& at) {
+  void add_answers(const ident::RecordedDecay& decay, const std::string& at) {
     const auto& mode = decay.result.modes.front();
     const std::string how = "decay of " + decay.channel;
     for (auto one : {answer("frequency", test_.title + at + ": frequency", how, "Hz",
@@ -115,7 +104,7 @@ class DecayPart : public TestPart {
   }
 
   /// The model's oscillations that are those of the record.
-  void list_model(const AnalysedDecay& decay, const ident::ReleaseAnswer& model) {
+  void list_model(const ident::RecordedDecay& decay, const ident::ReleaseAnswer& model) {
     std::vector<signal::DecayMode> modes;
     for (const auto& mode : decay.result.modes) {
       const auto* same = ident::same_oscillation(mode, model);
@@ -130,7 +119,7 @@ class DecayPart : public TestPart {
   }
 
   ReportTable table_;
-  std::vector<AnalysedDecay> decays_;
+  std::vector<ident::RecordedDecay> decays_;
   std::string best_;  ///< the last model against the strongest oscillation of the last record
 };
 

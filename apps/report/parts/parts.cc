@@ -153,9 +153,9 @@ void TestPart::take(LoadedRecording entry, const RecordingGroup& group) {
       inputs_);
 }
 
-void TestPart::tell(std::vector<ident::Finding> findings, const std::string& where) {
+void TestPart::tell(std::vector<ident::Finding> findings) {
   for (auto& one : findings) {
-    if (!where.empty() || one.where.empty()) one.where = where.empty() ? test_.name : where;
+    if (one.where.empty()) one.where = test_.name;
     part_.warnings.push_back(std::move(one));
   }
 }

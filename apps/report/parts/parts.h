@@ -42,8 +42,7 @@ class TestPart {
 
  protected:
   virtual void take(LoadedRecording entry, const RecordingGroup& group);
-  /// `where`: instead of each finding's own place.
-  void tell(std::vector<ident::Finding> findings, const std::string& where = {});
+  void tell(std::vector<ident::Finding> findings);
   /// `name`: the key within the test; `reference`: as known otherwise.
   [[nodiscard]] Answer answer(const std::string& name, std::string quantity, std::string how,
                               std::string unit, const signal::Estimate& value, Origin origin,

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "ident/statistics/in_parallel.h"
-#include "signal/modes/modal_synthesis.h"
 
 namespace rigfit::ident {
 namespace {
@@ -12,17 +11,6 @@ namespace {
 using Eigen::Index;
 constexpr double kLongest_s = 10;  // longest simulated answer
 constexpr double kAlike_s = 0.5;   // over which record and answer are brought together
-
-/// The columns of a set at its lines from `first` to `last`.
-signal::FrfSet part_of(const signal::FrfSet& frfs, Index first, Index last) {
-  signal::FrfSet part = frfs;
-  const Index n = last - first + 1;
-  part.frequency_hz = frfs.frequency_hz.segment(first, n);
-  part.H = frfs.H.middleRows(first, n);
-  if (frfs.H_std.size() > 0) part.H_std = frfs.H_std.middleRows(first, n);
-  if (frfs.coherence.size() > 0) part.coherence = frfs.coherence.middleRows(first, n);
-  return part;
-}
 
 /// Where the model's answer starts in the record: the shift at which they are most alike over the
 /// model's first `length` samples.
@@ -41,32 +29,6 @@ Index best_shift(const Eigen::VectorXd& record, const Eigen::VectorXd& model, In
 }
 
 }  // namespace
-
-FrfComparison compare_frfs(const ModalTestState& recorded,
-                           const std::vector<ModelVersion>& versions, Index most_lines) {
-  const auto& frfs = recorded.hammer.frfs;
-  const auto& f = frfs.frequency_hz;
-  Index first = 0;
-  while (first < f.size() && (f[first] < recorded.modal->low_hz || f[first] <= 0)) ++first;
-  Index last = first - 1;
-  while (last + 1 < f.size() && f[last + 1] <= recorded.modal->high_hz) ++last;
-
-  FrfComparison result;
-  result.test = part_of(frfs, first, last);
-  const Eigen::VectorXd lines = result.test.frequency_hz;
-  if (frfs.exponential_decay_rate_1_s > 0 && recorded.has_modes() && lines.size() > 0) {
-    result.rebuilt = true;
-    result.test = signal::synthesised(recorded.modal->model, lines, frfs.form, 0);
-    result.test.unit = frfs.unit;
-  }
-  const Index every = 1 + lines.size() / most_lines;
-  result.lines_hz.resize((lines.size() + every - 1) / every);
-  for (Index k = 0; k < result.lines_hz.size(); ++k) result.lines_hz[k] = lines[k * every];
-  for (const auto& version : versions) {
-    result.versions.push_back(model::synthesize_frfs(version.scene, result.lines_hz));
-  }
-  return result;
-}
 
 Eigen::VectorXd filled(const Eigen::VectorXd& samples) {
   double sum = 0, count = 0;
@@ -97,8 +59,8 @@ std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
     const Eigen::VectorXd model = answer.response.samples.col(0);
     answer.start = best_shift(record, model, static_cast<Index>(std::lround(kAlike_s * rate)));
     // The same stretch of the motion as in the record: a large motion's frequency falls with it.
-    const Index first = std::max<Index>(0, decays.strongest.start - answer.start);
-    const Index last = std::min(model.size(), decays.strongest.end - answer.start);
+    const Index first = std::max<Index>(0, decays.result.start - answer.start);
+    const Index last = std::min(model.size(), decays.result.end - answer.start);
     if (last - first < 16) {
       answer.failure = "the record was analysed where the model has ended";
       return;

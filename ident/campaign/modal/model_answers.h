@@ -1,5 +1,4 @@
-// Responses of versions of a model to the excitation of the rig: FRFs, and the response to a
-// release or tap overlaid on a recorded decay.
+// Responses of versions of a model to the release or tap of a recorded decay.
 #pragma once
 
 #include <string>
@@ -7,9 +6,7 @@
 
 #include "ident/campaign/modal/modal_model.h"
 #include "ident/campaign/single_tests/decay_campaign.h"
-#include "model/frfs/frf_synthesis.h"
 #include "model/response/response.h"
-#include "signal/spectra/frf_set.h"
 
 namespace rigfit::ident {
 
@@ -18,19 +15,6 @@ struct ModelVersion {
   std::string label;
   model::Scene scene;  ///< instrumented as the test was
 };
-
-/// FRFs of a test within its band, and those of the model's versions.
-struct FrfComparison {
-  signal::FrfSet test;
-  /// The test is rebuilt from its modes without the exponential window, which lowers every peak of
-  /// the measured FRFs and which no model has.
-  bool rebuilt = false;
-  Eigen::VectorXd lines_hz;                      ///< the models' lines: a part of the test's
-  std::vector<model::SynthesizedFrfs> versions;  ///< sensors x loads of each scene; may be empty
-};
-[[nodiscard]] FrfComparison compare_frfs(const ModalTestState& recorded,
-                                         const std::vector<ModelVersion>& versions,
-                                         Eigen::Index most_lines = 1500);
 
 /// Response of one version to a release or tap.
 struct ReleaseAnswer {

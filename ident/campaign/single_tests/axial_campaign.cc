@@ -51,13 +51,9 @@ AxialCampaignResult find(const AxialInputs& inputs, std::size_t index) {
       inputs.band_low_hz / rate,
       inputs.band_high_hz > 0 ? std::min(inputs.band_high_hz / rate, 0.5) : 0.5, !banded};
   for (const auto& window : signal::find_decays(channel->samples, band)) {
-    AxialRecord d;
-    d.recording = index, d.file = entry.name, d.length_m = entry.length_m;
-    d.channel = channel->name, d.unit = channel->unit, d.rate_hz = rate;
-    d.samples = channel->samples.segment(window.start, window.end - window.start);
-    d.result = signal::estimate_decay(d.samples, rate, options);
-    d.samples_start_s = recording.start_time_s + static_cast<double>(window.start) / rate;
-    d.start_s = d.samples_start_s + static_cast<double>(d.result.start) / rate;
+    AxialRecord d{estimated_decay(entry, *channel, window.start, window.end, options)};
+    d.recording = index, d.length_m = entry.length_m;
+    d.start_s = d.start_time_s + static_cast<double>(d.result.start) / rate;
     const std::string where = fmt::format("{}: {} at {:.4g} s", entry.name, d.channel, d.start_s);
     if (!d.result.refusal_code.empty() || d.result.modes.empty()) {
       d.left_out = d.result.refusal_code.empty() ? "no_mode" : d.result.refusal_code;

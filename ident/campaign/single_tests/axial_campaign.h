@@ -14,8 +14,7 @@
 #include <vector>
 
 #include "ident/axial/axial_identification.h"
-#include "ident/campaign/single_tests/test_recording.h"
-#include "signal/decay/decay.h"
+#include "ident/campaign/single_tests/decay_campaign.h"
 
 namespace rigfit::ident {
 
@@ -28,20 +27,14 @@ struct AxialInputs {
 };
 
 /// One decay of a recording.
-struct AxialRecord {
+struct AxialRecord : RecordedDecay {
   std::size_t recording = 0;  ///< index of the inputs' recordings
-  std::string file;           ///< its name
   double length_m = 0;
-  std::string channel, unit;
-  double rate_hz = 0;
-  double start_s = 0;          ///< start of the fitted window on the recording's time axis
-  double samples_start_s = 0;  ///< time of samples[0], s
-  Eigen::VectorXd samples;     ///< input of the estimator
-  signal::DecayResult result;
+  double start_s = 0;  ///< start of the fitted window on the recording's time axis
   /// Index of the axial mode in `result`; empty: refused or none found, see the findings.
-  std::optional<std::size_t> mode;
-  std::string left_out;               ///< code of the reason; empty: used
-  std::optional<AxialSample> sample;  ///< what the test found of it; empty: not used
+  std::optional<std::size_t> mode = {};
+  std::string left_out = {};               ///< code of the reason; empty: used
+  std::optional<AxialSample> sample = {};  ///< what the test found of it; empty: not used
 
   [[nodiscard]] const signal::DecayMode& axial() const { return result.modes[*mode]; }
   [[nodiscard]] bool used() const { return sample.has_value(); }

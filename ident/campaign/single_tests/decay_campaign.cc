@@ -55,7 +55,7 @@ double pool(const std::vector<const signal::DecayMode*>& modes,
 
 std::vector<PooledMode> pooled(const ChannelDecays& channel) {
   std::vector<PooledMode> all;
-  for (const auto& mode : channel.strongest.modes) {
+  for (const auto& mode : channel.result.modes) {
     std::vector<const signal::DecayMode*> modes;
     for (const auto& decay : channel.decays) {
       const auto* same = decay.fitted ? same_mode(mode, *decay.result) : nullptr;
@@ -75,18 +75,13 @@ std::vector<PooledMode> pooled(const ChannelDecays& channel) {
 
 /// The uncertainty of the rate, common to all frequencies of a recording.
 void widen_by_rate(double relative_std, ChannelDecays& found) {
-  if (!(relative_std > 0)) return;
-  if (!found.strongest.modes.empty()) {
-    tell_rate(relative_std, found.strongest.modes.front().frequency_hz, found.channel,
-              found.findings);
-  }
   const auto widen = [&](signal::DecayResult& decay) {
     for (auto& mode : decay.modes) {
       add_rate_uncertainty(relative_std, mode.frequency_hz, &mode.frequency_interval_95_hz);
       add_rate_uncertainty(relative_std, mode.damped_frequency_hz);
     }
   };
-  widen(found.strongest);
+  widen(found.result);
   for (auto& decay : found.decays) {
     if (decay.result) widen(*decay.result);
   }
@@ -96,60 +91,72 @@ void widen_by_rate(double relative_std, ChannelDecays& found) {
 }
 
 /// The decays of a channel between two samples.
-ChannelDecays channel_decays(const signal::Recording& recording, const signal::Channel& channel,
-                             const DecayTestOptions& options, Index from, Index to) {
-  const double rate = recording.sample_rate_hz;
-  ChannelDecays found;
-  found.channel = channel.name, found.unit = channel.unit, found.sample_rate_hz = rate;
-  found.start_time_s = recording.start_time_s + static_cast<double>(from) / rate;
-  found.samples = channel.samples.segment(from, to - from);
-  const auto time = [&](Index sample) {
-    return found.start_time_s + static_cast<double>(sample) / rate;
-  };
+ChannelDecays channel_decays(const TestRecording& recorded, const signal::Channel& channel,
+                             const DecayTestOptions& options, Index from, Index to,
+                             std::vector<Finding>& findings) {
   signal::DecayOptions decay = options.decay;
-  decay.start_time_s = found.start_time_s;
   if (options.start_s) decay.choose_window = decay.trim_start = false;
-  auto& strongest = found.strongest;
-  strongest = signal::estimate_decay(found.samples, rate, decay);
-  found.start_s = time(strongest.start), found.end_s = time(strongest.end - 1);
-  add_notes(strongest.notes, found.findings, found.channel);
+  ChannelDecays found{estimated_decay(recorded, channel, from, to, decay)};
+  const std::string where = recorded.name + ": " + channel.name;
+  const auto time = [](const RecordedDecay& one, Index sample) {
+    return one.start_time_s + static_cast<double>(sample) / one.sample_rate_hz;
+  };
+  const auto& strongest = found.result;
+  found.start_s = time(found, strongest.start), found.end_s = time(found, strongest.end - 1);
+  add_notes(strongest.notes, findings, where);
   if (!strongest.refusal_code.empty()) {
-    found.findings.push_back({strongest.refusal_code, strongest.refusal, found.channel, true});
+    findings.push_back({strongest.refusal_code, strongest.refusal, where, true});
   }
   decay.choose_window = false;
   for (std::size_t k = 0; k < strongest.decays.size(); ++k) {
     const auto& window = strongest.decays[k];
-    FoundDecay one{time(window.start), time(window.end - 1), false, {}};
+    FoundDecay one{time(found, window.start), time(found, window.end - 1), false, {}};
     if (k == strongest.fitted_decay) {
       one = {found.start_s, found.end_s, strongest.refusal_code.empty(), {}};
       if (options.each) one.result = strongest;
     } else if (options.each) {
-      decay.start_time_s = one.start_s;
-      one.result = signal::estimate_decay(
-          found.samples.segment(window.start, window.end - window.start), rate, decay);
-      const std::string where = fmt::format("{} at {:.6g} s", found.channel, one.start_s);
-      one.fitted = one.result->refusal_code.empty();
+      const auto own =
+          estimated_decay(recorded, channel, from + window.start, from + window.end, decay);
+      one.result = own.result;
+      const std::string at = fmt::format("{} at {:.6g} s", where, one.start_s);
+      one.fitted = own.result.refusal_code.empty();
       if (one.fitted) {
-        one.start_s = time(window.start + one.result->start);
-        one.end_s = time(window.start + one.result->end - 1);
+        one.start_s = time(own, own.result.start), one.end_s = time(own, own.result.end - 1);
       } else {
-        found.findings.push_back(
-            {one.result->refusal_code, "this decay is left out: " + one.result->refusal, where});
+        findings.push_back(
+            {own.result.refusal_code, "this decay is left out: " + own.result.refusal, at});
       }
-      add_notes(one.result->notes, found.findings, where);
+      add_notes(own.result.notes, findings, at);
     }
     found.decays.push_back(std::move(one));
   }
   if (options.each) found.pooled = pooled(found);
-  widen_by_rate(recording.sample_rate_relative_std, found);
+  if (const double rate_std = recorded.recording.sample_rate_relative_std; rate_std > 0) {
+    if (!strongest.modes.empty()) {
+      tell_rate(rate_std, strongest.modes.front().frequency_hz, where, findings);
+    }
+    widen_by_rate(rate_std, found);
+  }
   return found;
 }
 
 }  // namespace
 
-DecayTest run_decay_test(const signal::Recording& recording, const DecayTestOptions& options) {
+RecordedDecay estimated_decay(const TestRecording& recorded, const signal::Channel& channel,
+                              Index from, Index to, signal::DecayOptions options) {
+  const double rate = recorded.recording.sample_rate_hz;
+  options.start_time_s = recorded.recording.start_time_s + static_cast<double>(from) / rate;
+  RecordedDecay decay{recorded.name, channel.name,         channel.unit, recorded.origin,
+                      rate,          options.start_time_s, {},           {}};
+  decay.samples = channel.samples.segment(from, to - from);
+  decay.result = signal::estimate_decay(decay.samples, rate, options);
+  return decay;
+}
+
+DecayTest run_decay_test(const TestRecording& recorded, const DecayTestOptions& options) {
   DecayTest test;
-  if (auto refused = not_uniform(recording)) {
+  const auto& recording = recorded.recording;
+  if (auto refused = not_uniform(recording, recorded.name)) {
     test.findings.push_back(std::move(*refused));
     return test;
   }
@@ -168,9 +175,9 @@ DecayTest run_decay_test(const signal::Recording& recording, const DecayTestOpti
   for (const auto& name : names) {
     try {
       test.channels.push_back(
-          channel_decays(recording, recording.channel(name), options, from, to));
+          channel_decays(recorded, recording.channel(name), options, from, to, test.findings));
     } catch (const signal::RecordingError& error) {
-      test.findings.push_back({"channel", error.what(), name, true});
+      test.findings.push_back({"channel", error.what(), recorded.name + ": " + name, true});
     }
   }
   return test;

@@ -43,20 +43,31 @@ struct PooledMode {
   std::size_t decays = 0;                                      ///< number that show the mode
 };
 
-struct ChannelDecays {
-  std::string channel, unit;
+/// Samples of a recording as they were given to the estimator, and what came of them.
+struct RecordedDecay {
+  std::string file, channel, unit;
+  Origin origin = Origin::measured;
   double sample_rate_hz = 0;
-  double start_time_s = 0;         ///< time of samples[0], s
-  Eigen::VectorXd samples;         ///< between start and end
-  double start_s = 0, end_s = 0;   ///< window of `strongest`
-  signal::DecayResult strongest;   ///< see signal/decay/decay.h
-  std::vector<FoundDecay> decays;  ///< in time, one at least
-  std::vector<PooledMode> pooled;  ///< with `each`, in the order of the strongest decay's modes
-  std::vector<Finding> findings;   ///< refused: the strongest decay has no result
+  double start_time_s = 0;  ///< time of samples[0], s
+  Eigen::VectorXd samples;
+  signal::DecayResult result;  ///< of the strongest decay; see signal/decay/decay.h
+};
+/// `samples`: of the channel, the first of them sample `from` of the recording.
+[[nodiscard]] RecordedDecay estimated_decay(const TestRecording& recorded,
+                                            const signal::Channel& channel, Eigen::Index from,
+                                            Eigen::Index to, signal::DecayOptions options);
+
+/// The samples between start and end.
+struct ChannelDecays : RecordedDecay {
+  double start_s = 0, end_s = 0;        ///< window of `result`
+  std::vector<FoundDecay> decays = {};  ///< in time, one at least
+  std::vector<PooledMode> pooled =
+      {};  ///< with `each`, in the order of the strongest decay's modes
 };
 
-/// One entry per channel; one that is missing, or a recording with uneven times, has a finding
-/// instead.
+/// One entry per channel, but for one that is missing and for recordings with uneven times. `where`
+/// of a finding: "recording", "recording: channel", "recording: channel at 1.5 s". Refused: there
+/// is no such channel, or its strongest decay has no result.
 struct DecayTest {
   std::vector<ChannelDecays> channels;
   std::vector<Finding> findings;
@@ -64,7 +75,7 @@ struct DecayTest {
 
 /// A missing channel is refused; throws std::invalid_argument when there are no samples between
 /// start and end.
-[[nodiscard]] DecayTest run_decay_test(const signal::Recording& recording,
+[[nodiscard]] DecayTest run_decay_test(const TestRecording& recorded,
                                        const DecayTestOptions& options);
 
 }  // namespace rigfit::ident
@@ -120,19 +131,19 @@ struct Described<ident::ChannelDecays> {
   using T = ident::ChannelDecays;
   using Decay = signal::DecayResult;
   static constexpr auto of_solved = [](auto part) {
-    return where([](const T& c) { return c.strongest.refusal_code.empty(); },
-                 within(&T::strongest, part));
+    return where([](const T& c) { return c.result.refusal_code.empty(); },
+                 within(&T::result, part));
   };
   static constexpr auto fields = std::tuple{
       field("channel", &T::channel, "", "", "name"),
       field("unit", &T::unit, "", "", "of the channel"),
       field("sample_rate_hz", &T::sample_rate_hz, "Hz", "", "of the recording"),
-      field("modes", within(&T::strongest, &Decay::modes), "", "modes",
+      field("modes", within(&T::result, &Decay::modes), "", "modes",
             "of the strongest decay, strongest first"),
       field("start_s", &T::start_s, "s", "", "of the window fitted"),
       field("end_s", &T::end_s, "s", "", "of the window fitted"),
       field(
-          "samples", [](const T& c) { return c.strongest.end - c.strongest.start; }, "", "",
+          "samples", [](const T& c) { return c.result.end - c.result.start; }, "", "",
           "of the window fitted"),
       field("decays", &T::decays, "", "decays", "of the record, in time"),
       field("pooled", &T::pooled, "", "pooled", "modes over the decays, where each was fitted"),
@@ -145,7 +156,7 @@ struct Described<ident::ChannelDecays> {
       field(
           "amplitude_dependence",
           [](const T& c) {
-            auto envelope = c.strongest.envelope;
+            auto envelope = c.result.envelope;
             for (auto& point : envelope.points) point.time_s += c.start_s;
             return envelope;
           },
@@ -154,7 +165,7 @@ struct Described<ident::ChannelDecays> {
           "steady_tones",
           [](const T& c) {
             std::vector<double> tones;
-            for (const auto& one : c.strongest.steady_tones) {
+            for (const auto& one : c.result.steady_tones) {
               tones.push_back(one.damped_frequency_hz.value);
             }
             return tones;

@@ -106,10 +106,10 @@ TEST(Campaign, DecaysAreThoseOfTheDecayTestAndAMissingChannelIsRefused) {
   ASSERT_EQ(found.findings.size(), 1u);
   EXPECT_TRUE(found.findings[0].refused);
   decays.options.channels.pop_back();
-  const auto alone = run_decay_test(decays.recordings[0].recording, decays.options);
-  ASSERT_FALSE(alone.channels.at(0).strongest.modes.empty());
-  EXPECT_EQ(found.channels[0].found.strongest.modes.at(0).damping_ratio.value,
-            alone.channels[0].strongest.modes[0].damping_ratio.value);
+  const auto alone = run_decay_test(decays.recordings[0], decays.options);
+  ASSERT_FALSE(alone.channels.at(0).result.modes.empty());
+  EXPECT_EQ(found.channels[0].found.result.modes.at(0).damping_ratio.value,
+            alone.channels[0].result.modes[0].damping_ratio.value);
 }
 
 TEST(Campaign, WithoutTestsHasNoResults) {
