@@ -35,15 +35,25 @@ Eigen::VectorXd recorded(const Eigen::Ref<const Eigen::VectorXd>& signal,
   return out;
 }
 
-signal::Channel virtual_channel(std::string name, const char* unit, signal::Quantity quantity,
-                                Eigen::VectorXd samples, const Eigen::Vector3d& direction) {
-  signal::Channel channel;
+signal::Recording virtual_recording(double sample_rate_hz) {
+  signal::Recording recording;
+  recording.format = "synthetic";
+  recording.sample_rate_hz = sample_rate_hz;
+  return recording;
+}
+
+void add_channel(signal::Recording& recording, std::string name, signal::Quantity quantity,
+                 const Eigen::Ref<const Eigen::VectorXd>& signal, const SensorModel* sensor,
+                 Random& random, const Eigen::Vector3d& direction,
+                 const Eigen::Ref<const Eigen::VectorXd>& transverse) {
+  auto& channel = recording.channels.emplace_back();
   channel.name = std::move(name);
-  channel.unit = channel.source_unit = unit;
+  channel.unit = channel.source_unit = signal::si_of(quantity);
   channel.quantity = quantity;
   channel.direction = {direction.x(), direction.y(), direction.z()};
-  channel.samples = std::move(samples);
-  return channel;
+  channel.samples = signal;
+  if (!sensor) return;
+  channel.samples = recorded(signal, transverse, 1 / recording.sample_rate_hz, *sensor, random);
 }
 
 Random random_stream(std::uint64_t seed, std::uint64_t stream) {

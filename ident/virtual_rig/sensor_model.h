@@ -68,10 +68,15 @@ using Random = std::mt19937_64;
                                        const Eigen::Ref<const Eigen::VectorXd>& transverse,
                                        double dt_s, const SensorModel& sensor, Random& random);
 
-/// A channel of a virtual recording.
-[[nodiscard]] signal::Channel virtual_channel(std::string name, const char* unit,
-                                              signal::Quantity quantity, Eigen::VectorXd samples,
-                                              const Eigen::Vector3d& direction = {0, 0, 0});
+/// A virtual recording without channels.
+[[nodiscard]] signal::Recording virtual_recording(double sample_rate_hz);
+
+/// Adds what the logger writes for `signal` to a recording; the other arguments as of `recorded`,
+/// null: `signal` itself.
+void add_channel(signal::Recording& recording, std::string name, signal::Quantity quantity,
+                 const Eigen::Ref<const Eigen::VectorXd>& signal, const SensorModel* sensor,
+                 Random& random, const Eigen::Vector3d& direction = {0, 0, 0},
+                 const Eigen::Ref<const Eigen::VectorXd>& transverse = Eigen::VectorXd());
 
 /// A generator for one part of a laboratory, independent of the others for the same seed.
 [[nodiscard]] Random random_stream(std::uint64_t seed, std::uint64_t stream);

@@ -2,57 +2,51 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
+#include <initializer_list>
 #include <numbers>
 #include <stdexcept>
+#include <string>
 
+#include "ident/axial/rod_stiffness.h"
 #include "ident/bending/bending_equation.h"
 #include "ident/statistics/root.h"
 
 namespace rigfit::ident {
 namespace {
 
-void demand(bool good, const char* what) {
-  if (!good) throw std::invalid_argument(what);
-}
-
-void check(const VirtualAxialTest& test) {
-  for (double value : {test.EA_N, test.mass_per_length_kg_m, test.length_m, test.hung_mass_kg,
-                       test.sample_rate_hz, test.after_s, test.gravity_m_s2}) {
-    demand(std::isfinite(value) && value > 0, "axial test: values must be positive and finite");
+/// Throws for a value that is not positive and finite, or else where `good` is false.
+void check(const std::string& test, std::initializer_list<double> positive, bool good,
+           const char* what) {
+  for (const double value : positive) {
+    if (!(std::isfinite(value) && value > 0)) {
+      throw std::invalid_argument(test + ": values must be positive and finite");
+    }
   }
-  demand(test.adapter_stiffness_N_m >= 0 && test.before_s >= 0, "axial test: negative value");
-  demand(test.damping_ratio >= 0 && test.damping_ratio < 1, "axial test: damping ratio in [0, 1)");
+  if (!good) throw std::invalid_argument(test + ": " + what);
 }
 
-// w^2 M - k(w) for the undamped system, k the dynamic stiffness that the mass sees: the rod's end
-// stiffness EA b cot(b L) in series with the adapter, which is taken as massless.
-double frequency_equation(const VirtualAxialTest& test, double omega) {
-  const double b = omega * std::sqrt(test.mass_per_length_kg_m / test.EA_N);
-  const double rod = test.EA_N * b / std::tan(b * test.length_m);
-  const double series = test.adapter_stiffness_N_m > 0
-                            ? rod * test.adapter_stiffness_N_m / (rod + test.adapter_stiffness_N_m)
-                            : rod;
-  return omega * omega * test.hung_mass_kg - series;
-}
-
-// Undamped circular frequency: the root lies below the one without the cable's mass.
+// Undamped circular frequency; the root lies below those without the cable's mass and without the
+// mass that hangs on it.
 double natural_omega(const VirtualAxialTest& test) {
-  double k = test.EA_N / test.length_m;
-  if (test.adapter_stiffness_N_m > 0) {
-    k = k * test.adapter_stiffness_N_m / (k + test.adapter_stiffness_N_m);
-  }
-  const double clamped_rod =
-      std::numbers::pi / 2 / test.length_m * std::sqrt(test.EA_N / test.mass_per_length_kg_m);
-  const double high = std::min(std::sqrt(k / test.hung_mass_kg), clamped_rod);
-  return root_between(1e-6 * high, (1 + 1e-9) * high, 1e-15,
-                      [&](double omega) { return frequency_equation(test, omega); });
+  check("axial test",
+        {test.EA_N, test.mass_per_length_kg_m, test.length_m, test.hung_mass_kg,
+         test.sample_rate_hz, test.after_s, test.gravity_m_s2},
+        test.adapter_stiffness_N_m >= 0 && test.before_s >= 0 && test.damping_ratio >= 0 &&
+            test.damping_ratio < 1,
+        "a negative value, or a damping ratio outside [0, 1)");
+  const double k = test.EA_N / test.length_m, inertia = test.mass_per_length_kg_m * test.length_m,
+               adapter = test.adapter_stiffness_N_m > 0 ? 1 / test.adapter_stiffness_N_m : 0;
+  const double high = std::min(1 / std::sqrt((1 / k + adapter) * test.hung_mass_kg),
+                               std::numbers::pi / 2 * std::sqrt(k / inertia));
+  return root_between(1e-6 * high, (1 + 1e-9) * high, 1e-15, [&](double omega) {
+    const double W = omega * omega;
+    return W * test.hung_mass_kg - 1 / (rod_compliance(k, W * inertia, 0.0) + adapter);
+  });
 }
 
 }  // namespace
 
 AxialTruth axial_truth(const VirtualAxialTest& test) {
-  check(test);
   const double omega = natural_omega(test);
   return {.frequency_hz = omega * std::sqrt(1 - test.damping_ratio * test.damping_ratio) /
                           (2 * std::numbers::pi),
@@ -60,7 +54,6 @@ AxialTruth axial_truth(const VirtualAxialTest& test) {
 }
 
 signal::Recording virtual_axial_record(const VirtualAxialTest& test, Random& random) {
-  check(test);
   const double omega = natural_omega(test);
   const double decay = test.damping_ratio * omega;
   const double omega_d = omega * std::sqrt(1 - test.damping_ratio * test.damping_ratio);
@@ -91,12 +84,8 @@ signal::Recording virtual_axial_record(const VirtualAxialTest& test, Random& ran
       tension[i] -= test.hung_mass_kg * acceleration;
     }
   }
-  signal::Recording recording;
-  recording.format = "synthetic";
-  recording.sample_rate_hz = test.sample_rate_hz;
-  recording.channels.push_back(
-      virtual_channel("tension", "N", signal::Quantity::force,
-                      recorded(tension, Eigen::VectorXd(), dt, test.load_cell, random)));
+  auto recording = virtual_recording(test.sample_rate_hz);
+  add_channel(recording, "tension", signal::Quantity::force, tension, &test.load_cell, random);
   return recording;
 }
 
@@ -121,16 +110,12 @@ double after(double friction, double step, const VirtualBendingTest& test) {
 }  // namespace
 
 signal::Recording virtual_bending_record(const VirtualBendingTest& test, Random& random) {
-  for (double value : {test.EI_Nm2, test.span_m, test.tension_N, test.peak_load_N,
-                       test.friction_travel_m, test.cycle_s, test.sample_rate_hz}) {
-    if (!(std::isfinite(value) && value > 0)) {
-      throw std::invalid_argument("bending test: values must be positive and finite");
-    }
-  }
-  if (test.cycles < 1 || test.frame_stiffness_N_m < 0 || test.friction_load_N < 0 ||
-      !(test.friction_exponent >= 0 && test.friction_exponent <= 3)) {
-    throw std::invalid_argument("bending test: negative value or no cycle");
-  }
+  check("bending test",
+        {test.EI_Nm2, test.span_m, test.tension_N, test.peak_load_N, test.friction_travel_m,
+         test.cycle_s, test.sample_rate_hz},
+        test.cycles >= 1 && test.frame_stiffness_N_m >= 0 && test.friction_load_N >= 0 &&
+            test.friction_exponent >= 0 && test.friction_exponent <= 3,
+        "negative value or no cycle");
   const double dt = 1 / test.sample_rate_hz;
   const auto samples = static_cast<Eigen::Index>(std::floor(test.cycles * test.cycle_s / dt)) + 1;
   const double peak_deflection =
@@ -150,17 +135,11 @@ signal::Recording virtual_bending_record(const VirtualBendingTest& test, Random&
     truth.row(i) << tension, d / midspan_compliance(EI, tension, test.span_m) + friction, d;
     before = d;
   }
-  signal::Recording recording;
-  recording.format = "synthetic";
-  recording.sample_rate_hz = test.sample_rate_hz;
-  const auto add = [&](const char* name, const char* unit, signal::Quantity quantity, int column,
-                       const SensorModel& sensor) {
-    recording.channels.push_back(virtual_channel(
-        name, unit, quantity, recorded(truth.col(column), Eigen::VectorXd(), dt, sensor, random)));
-  };
-  add("tension", "N", signal::Quantity::force, 0, test.tension_cell);
-  add("load", "N", signal::Quantity::force, 1, test.load_cell);
-  add("deflection", "m", signal::Quantity::displacement, 2, test.lvdt);
+  auto recording = virtual_recording(test.sample_rate_hz);
+  using signal::Quantity;
+  add_channel(recording, "tension", Quantity::force, truth.col(0), &test.tension_cell, random);
+  add_channel(recording, "load", Quantity::force, truth.col(1), &test.load_cell, random);
+  add_channel(recording, "deflection", Quantity::displacement, truth.col(2), &test.lvdt, random);
   recording.channels.back().source_unit = "mm";  // as its logger writes it
   recording.channels.back().si_per_source = 1e-3;
   return recording;

@@ -1,11 +1,8 @@
 // Simulates a hanging-mass test: the recorded tension of a cable with a mass after a tap.
 //
 // The simulation is finer than the lumped M + mc/3 of textbooks: the cable is a continuous elastic
-// rod with a massless adapter in series, and the mass also swings as a pendulum. The undamped
-// frequency is the first root of
-//   w^2 M = k(w),  1/k(w) = 1/km + 1/(EA b cot(b L)),  b = w sqrt(m / EA),
-// EA b cot(b L) being the dynamic stiffness of a rod fixed at its other end (Meirovitch,
-// Fundamentals of Vibrations, sec. 8.3).
+// rod with a massless adapter in series (rod_stiffness.h), and the mass also swings as a pendulum.
+// The undamped frequency is the first root of w^2 M = K(w).
 //
 // Simulates a bending test: a clamped cable under tension, loaded at mid-span and unloaded again,
 // with load cells for tension and load and an LVDT for the deflection.

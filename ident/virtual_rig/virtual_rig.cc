@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "model/scene/actual_state.h"
+#include "model/scene/force_history.h"
 #include "signal/numerics/low_pass.h"
 
 namespace rigfit::ident {
@@ -63,18 +64,15 @@ model::Load struck(const model::Scene& scene, const model::Load& meant,
   return load;
 }
 
-// Half-sine pulses of the loads, sampled.
+// What the hammer's load cell reads, which sits along the hammer, whatever the blow's direction.
 Eigen::VectorXd hammer_force(const std::vector<model::Load>& loads, const Eigen::Vector3d& meant,
                              double dt, Eigen::Index rows) {
   Eigen::VectorXd force = Eigen::VectorXd::Zero(rows);
   for (const auto& load : loads) {
-    // The load cell sits along the hammer: it reads the blow, whatever its direction.
     const double sign = load.direction.dot(meant) < 0 ? -1 : 1;
+    const model::LoadForce pulse(load, nullptr);
     for (Eigen::Index i = 0; i < rows; ++i) {
-      const double t = static_cast<double>(i) * dt - load.start;
-      if (t > 0 && t < load.duration) {
-        force[i] += sign * load.peak * std::sin(std::numbers::pi * t / load.duration);
-      }
+      force[i] += sign * pulse.at(static_cast<double>(i) * dt);
     }
   }
   return force;
@@ -104,13 +102,19 @@ class Laboratory {
     }
   }
 
-  VirtualRigRecord impact(const model::Load& meant, int number, int hit, bool twice) {
-    Random random = stream(number, hit);
+  /// `hit`: from 1 on; 0: a release.
+  VirtualRigRecord record(const model::Load& load, int number, int hit, bool twice) {
+    Random random = random_stream(
+        seed_, 1000ull * static_cast<std::uint64_t>(number) + static_cast<std::uint64_t>(hit) + 1);
     VirtualRigRecord record;
+    record.load = load.name.empty() ? fmt::format("load{}", number) : load.name;
     record.hit = hit;
     record.double_hit = twice;
-    scene_.loads = {struck(scene_, meant, options_, random)};
-    record.peak_N = scene_.loads[0].peak;
+    scene_.loads = {load};
+    if (hit > 0) {
+      scene_.loads = {struck(scene_, load, options_, random)};
+      record.peak_N = scene_.loads[0].peak;
+    }
     if (twice) {
       model::Load bounce = scene_.loads[0];
       record.second_after_s = std::uniform_real_distribution<>(0.008, 0.03)(random);
@@ -119,66 +123,42 @@ class Laboratory {
       record.second_peak_N = bounce.peak;
       scene_.loads.push_back(std::move(bounce));
     }
-    run(record, &meant, random);
-    return record;
-  }
-
-  VirtualRigRecord release(const model::Load& load, int number) {
-    Random random = stream(number, 0);
-    VirtualRigRecord record;
-    scene_.loads = {load};
-    run(record, nullptr, random);
+    const int oversampled = oversampling(scene_, options_.sample_rate_hz);
+    const double rate = options_.sample_rate_hz * oversampled;
+    const Eigen::MatrixXd response = simulate_(scene_, options_.record_s, rate);
+    record.recording = virtual_recording(options_.sample_rate_hz);
+    if (hit > 0) {
+      add_channel(record.recording, "force", signal::Quantity::force,
+                  decimated(hammer_force(scene_.loads, load.direction, 1 / rate, response.rows()),
+                            oversampled),
+                  &options_.instruments.hammer, random, load.direction);
+    }
+    for (std::size_t i = 0; i < sensors_.size(); ++i) {
+      const auto column = static_cast<Eigen::Index>(2 * i);
+      const auto [quantity, sees] = instrument_of(sensors_[i].quantity);
+      add_channel(record.recording, sensors_[i].name, quantity,
+                  decimated(response.col(column), oversampled), sees, random, sensors_[i].direction,
+                  decimated(response.col(column + 1), oversampled));
+    }
     return record;
   }
 
  private:
-  Random stream(int number, int hit) const {
-    return random_stream(
-        seed_, 1000ull * static_cast<std::uint64_t>(number) + static_cast<std::uint64_t>(hit) + 1);
-  }
-
-  void run(VirtualRigRecord& record, const model::Load* hammer, Random& random) {
-    const int oversampled = oversampling(scene_, options_.sample_rate_hz);
-    const double rate = options_.sample_rate_hz * oversampled;
-    const double dt = 1 / options_.sample_rate_hz;
-    const Eigen::MatrixXd response = simulate_(scene_, options_.record_s, rate);
-    auto& recording = record.recording;
-    recording.format = "synthetic";
-    recording.sample_rate_hz = options_.sample_rate_hz;
-    if (hammer) {
-      const Eigen::VectorXd force = decimated(
-          hammer_force(scene_.loads, hammer->direction, 1 / rate, response.rows()), oversampled);
-      recording.channels.push_back(virtual_channel(
-          "force", "N", signal::Quantity::force,
-          recorded(force, Eigen::VectorXd(), dt, options_.instruments.hammer, random),
-          hammer->direction));
-    }
-    for (std::size_t i = 0; i < sensors_.size(); ++i) {
-      const auto column = static_cast<Eigen::Index>(2 * i);
-      add_sensor(recording, sensors_[i], decimated(response.col(column), oversampled),
-                 decimated(response.col(column + 1), oversampled), random);
-    }
-  }
-
-  void add_sensor(signal::Recording& recording, const model::Sensor& sensor,
-                  const Eigen::VectorXd& along, const Eigen::VectorXd& across,
-                  Random& random) const {
+  /// Velocities are read as they are.
+  [[nodiscard]] std::pair<signal::Quantity, const SensorModel*> instrument_of(
+      model::Sensor::Quantity quantity) const {
     using Quantity = model::Sensor::Quantity;
     const auto& instruments = options_.instruments;
-    const SensorModel* sees = nullptr;
-    const char* unit = "m/s";
-    auto quantity = signal::Quantity::velocity;
-    if (sensor.quantity == Quantity::acceleration) {
-      sees = &instruments.accelerometer, unit = "m/s^2", quantity = signal::Quantity::acceleration;
-    } else if (sensor.quantity == Quantity::force) {
-      sees = &instruments.tension_cell, unit = "N", quantity = signal::Quantity::force;
-    } else if (sensor.quantity == Quantity::displacement) {
-      sees = &instruments.lvdt, unit = "m", quantity = signal::Quantity::displacement;
+    switch (quantity) {
+      case Quantity::acceleration:
+        return {signal::Quantity::acceleration, &instruments.accelerometer};
+      case Quantity::force:
+        return {signal::Quantity::force, &instruments.tension_cell};
+      case Quantity::displacement:
+        return {signal::Quantity::displacement, &instruments.lvdt};
+      default:
+        return {signal::Quantity::velocity, nullptr};
     }
-    recording.channels.push_back(virtual_channel(
-        sensor.name, unit, quantity,
-        sees ? recorded(along, across, 1 / options_.sample_rate_hz, *sees, random) : along,
-        sensor.direction));
   }
 
   model::Scene scene_;
@@ -253,23 +233,19 @@ std::vector<VirtualRigRecord> virtual_rig_records(const model::Scene& scene,
   std::vector<VirtualRigRecord> records;
   for (std::size_t i = 0; i < scene.loads.size(); ++i) {
     const auto& load = scene.loads[i];
-    const int number = static_cast<int>(i) + 1;
-    const auto keep = [&](VirtualRigRecord record) {
-      record.load = load.name.empty() ? fmt::format("load{}", number) : load.name;
-      records.push_back(std::move(record));
-      if (advance) advance();
-    };
-    if (load.kind == model::Load::Kind::release) {
-      keep(laboratory.release(load, number));
-    } else if (load.kind == model::Load::Kind::impact) {
-      // Which of the hits bounce is the seed's choice.
+    const bool impact = load.kind == model::Load::Kind::impact;
+    if (!impact && load.kind != model::Load::Kind::release) continue;
+    // Which of the hits bounce is the seed's choice.
+    std::vector<bool> twice(impact ? static_cast<std::size_t>(options.hits) : 1, false);
+    if (impact) {
       Random random = random_stream(seed, 500'000ull + i);
-      std::vector<bool> twice(static_cast<std::size_t>(options.hits), false);
       std::fill_n(twice.begin(), options.double_hits, true);
       std::shuffle(twice.begin(), twice.end(), random);
-      for (int hit = 1; hit <= options.hits; ++hit) {
-        keep(laboratory.impact(load, number, hit, twice[static_cast<std::size_t>(hit - 1)]));
-      }
+    }
+    for (std::size_t k = 0; k < twice.size(); ++k) {
+      records.push_back(laboratory.record(load, static_cast<int>(i) + 1,
+                                          impact ? static_cast<int>(k) + 1 : 0, twice[k]));
+      if (advance) advance();
     }
   }
   return records;
