@@ -26,7 +26,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/plan/plan_data.h"
+#include "ident/plan/plan.h"
 #include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
@@ -55,7 +55,6 @@ struct PlanTest {
 struct PlanStateModes {
   std::string failure;                     ///< empty: there are modes
   std::vector<PlannedMode> modes;          ///< no standard uncertainties
-  Eigen::MatrixXd by_coordinate;           ///< d ln(f) of each mode, then d ln(zeta) of each
   std::vector<Eigen::MatrixXd> amplitude;  ///< by mode: loads x sensors, over the noise
 };
 
