@@ -23,15 +23,11 @@ UpdateState fit_state(const ModalInputs& test, const ModalState& modal) {
     state.clock_relative_std = modal.recorded->hammer.frfs.sample_rate_relative_std;
   }
   for (const auto& row : modal.rows) {
-    if (!std::isfinite(row.measured_hz) || row.origin != origin) continue;
-    MeasuredMode mode;
-    const double by_rate = state.clock_relative_std * row.measured_hz;
-    const double own = std::sqrt(std::max(0.0, row.std_hz * row.std_hz - by_rate * by_rate));
-    mode.frequency_hz = {row.measured_hz, by_rate > 0 && own > 0 ? own : row.std_hz};
-    mode.damping_ratio = {row.damping, row.damping_std};
-    mode.plane = test.setup.plane;
-    mode.shape = row.shape;
-    state.measured.push_back(std::move(mode));
+    if (!std::isfinite(row.frequency_hz.value) || row.origin != origin) continue;
+    auto& [frequency, std] = state.measured.emplace_back(row).frequency_hz;
+    const double by_rate = state.clock_relative_std * frequency;
+    const double own = std::sqrt(std::max(0.0, std * std - by_rate * by_rate));
+    if (by_rate > 0 && own > 0) std = own;
   }
   return state;
 }

@@ -28,7 +28,7 @@ Plot frequency_plot(const CampaignTest& test, const ModalStates& states) {
   double highest = 0;
   for (const auto& state : states) {
     for (const auto& row : state.rows) {
-      if (row.measured_hz > highest) highest = row.measured_hz;
+      if (row.frequency_hz.value > highest) highest = row.frequency_hz.value;
     }
   }
   for (const auto& state : states) {
@@ -49,7 +49,7 @@ Plot frequency_plot(const CampaignTest& test, const ModalStates& states) {
     const bool recorded = series.origin == Origin::measured || series.origin == Origin::synthetic;
     for (const auto& state : states) {
       for (const auto& row : state.rows) {
-        const double hz = value(row), half = recorded ? 1.96 * row.std_hz : Answer::kNone;
+        const double hz = value(row), half = recorded ? 1.96 * row.frequency_hz.std : Answer::kNone;
         if (std::isfinite(hz)) series.add(*state.tension_N, hz, hz - half, hz + half);
       }
     }
@@ -66,7 +66,7 @@ Plot frequency_plot(const CampaignTest& test, const ModalStates& states) {
     points({fmt::format("test ({})", origin == Origin::published ? "published" : name_of(origin)),
             origin, 1},
            [&](const MeasuredRow& row) {
-             return row.origin == origin ? row.measured_hz : Answer::kNone;
+             return row.origin == origin ? row.frequency_hz.value : Answer::kNone;
            });
   }
   return plot;
@@ -91,13 +91,15 @@ ReportTable pairs_table(const CampaignTest& test, const ModalStates& states) {
   for (const auto& state : states) {
     std::string label = label_of(state.tension_N);
     for (const auto& row : state.rows) {
-      const bool of_table = row.origin == Origin::published, known = std::isfinite(row.measured_hz);
+      const bool of_table = row.origin == Origin::published,
+                 known = std::isfinite(row.frequency_hz.value);
       if (of_table && state.recorded && !known && row.models_hz.empty()) continue;
-      std::vector<Cell> cells{std::exchange(label, ""),
-                              Cell(shown_estimate(row.measured_hz, row.std_hz, 4), row.origin)};
+      std::vector<Cell> cells{
+          std::exchange(label, ""),
+          Cell(shown_estimate(row.frequency_hz.value, row.frequency_hz.std, 4), row.origin)};
       const auto add = [&](double hz) {
         cells.emplace_back(shown(hz, 4));
-        cells.emplace_back(shown_percent(hz / row.measured_hz - 1));
+        cells.emplace_back(shown_percent(hz / row.frequency_hz.value - 1));
       };
       const auto* mode = row.mode ? &state.analysis.modes[*row.mode] : nullptr;
       add(mode ? mode->frequency_hz : Answer::kNone);
@@ -147,14 +149,14 @@ Json state_json(const ModalState& state, const std::vector<std::string>& publish
   Json pairs = Json::array();
   for (const auto& row : state.rows) {
     Json pair{{"origin", word_of(row.origin)},
-              {"measured_hz", row.measured_hz},
-              {"measured_std_hz", row.std_hz},
+              {"measured_hz", row.frequency_hz.value},
+              {"measured_std_hz", row.frequency_hz.std},
               {"model_hz", nullptr},
               {"relative_error", nullptr}};
     if (row.mode) {
       const auto& mode = analysis.modes[*row.mode];
       pair["model_hz"] = mode.frequency_hz;
-      pair["relative_error"] = mode.frequency_hz / row.measured_hz - 1;
+      pair["relative_error"] = mode.frequency_hz / row.frequency_hz.value - 1;
       pair["other_plane"] = row.other_plane;
       pair["mac"] = row.mac;
       pair["plane"] = name_of(mode.plane);
@@ -186,10 +188,10 @@ void tell(ReportPart& part, const CampaignTest& test, const ModalStates& states)
     }
     worst = std::max(worst, state.segments_error);
     for (const auto& row : state.rows) {
-      if (!std::isfinite(row.measured_hz) || (row.mode && !row.other_plane)) continue;
+      if (!std::isfinite(row.frequency_hz.value) || (row.mode && !row.other_plane)) continue;
       std::string& list = row.mode ? leaked : lonely;
-      list += fmt::format("{}{} Hz ({})", list.empty() ? "" : ", ", shown(row.measured_hz, 4),
-                          ident::state_label(state.tension_N));
+      list += fmt::format("{}{} Hz ({})", list.empty() ? "" : ", ",
+                          shown(row.frequency_hz.value, 4), ident::state_label(state.tension_N));
     }
   }
   // A tenth of what a good test resolves (about 1 %) is all that segments may cost.
@@ -248,17 +250,17 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
     const std::string label = label_of(state.tension_N);
     std::vector<MeasuredShape> measured;
     for (const auto& row : state.rows) {
-      if (row.mode && std::isfinite(row.measured_hz)) {
-        measured.push_back({*row.mode, row.measured_hz, row.shape, row.mac, row.origin});
+      if (row.mode && std::isfinite(row.frequency_hz.value)) {
+        measured.push_back({*row.mode, row.frequency_hz.value, row.shape, row.mac, row.origin});
       }
       if (row.other_plane) continue;
       if (row.mode) {
-        part.modes.push_back({"model as given", Origin::modelled, row.measured_hz,
+        part.modes.push_back({"model as given", Origin::modelled, row.frequency_hz.value,
                               state.analysis.modes[*row.mode].frequency_hz});
       }
       for (std::size_t k = 0; k < row.models_hz.size(); ++k) {
         part.modes.push_back({"published model, " + published[k], Origin::published_model,
-                              row.measured_hz, row.models_hz[k]});
+                              row.frequency_hz.value, row.models_hz[k]});
       }
     }
     add(part.blocks, shapes_pictures(fmt::format("{}-shapes-{}", test.name,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <type_traits>
 
 #include "ident/update/pairing/mode_assignment.h"
@@ -48,11 +49,8 @@ void add_recorded(std::vector<ModalState>& states, const ModalTestState& recorde
   state.recorded = &recorded;
   for (const auto& mode : recorded.modal->model.modes) {
     MeasuredRow row;
-    row.measured_hz = mode.frequency_hz.value;
-    row.std_hz = mode.frequency_hz.std;
-    const bool damping = !mode.damping_dominated_by_window;
-    row.damping = damping ? mode.damping_ratio.value : kNaN;
-    row.damping_std = damping ? mode.damping_ratio.std : kNaN;
+    row.frequency_hz = mode.frequency_hz;
+    if (!mode.damping_dominated_by_window) row.damping_ratio = mode.damping_ratio;
     row.origin = recorded.origin;
     row.shape = mode.shape;
     row.models_hz.assign(published_models, kNaN);
@@ -62,8 +60,7 @@ void add_recorded(std::vector<ModalState>& states, const ModalTestState& recorde
 
 void add_published(std::vector<ModalState>& states, const PublishedMode& published) {
   MeasuredRow row;
-  row.measured_hz = published.measured_hz;
-  row.std_hz = row.damping = row.damping_std = kNaN;
+  row.frequency_hz.value = published.measured_hz;
   row.models_hz = published.models_hz;
   state_of(states, published.tension_N).rows.push_back(std::move(row));
 }
@@ -77,19 +74,15 @@ double typical_segments_error(const model::ModalAnalysis& analysis) {
   return signal::median(errors);
 }
 
-}  // namespace
-
-void pair_rows(const TestSetup& test, const model::ModalAnalysis& analysis,
-               std::vector<MeasuredRow>& rows) {
+/// Pairs rows with modes of an analysis of the instrumented scene.
+void pair_rows(const model::ModalAnalysis& analysis, std::vector<MeasuredRow>& rows) {
   // Recorded and published rows are two tests: the same mode may be seen by both.
-  std::vector<Origin> origins;
+  std::set<Origin> origins;
   for (auto& row : rows) {
     row.mode.reset();
     row.mac = kNaN;
     row.other_plane = false;
-    if (std::find(origins.begin(), origins.end(), row.origin) == origins.end()) {
-      origins.push_back(row.origin);
-    }
+    origins.insert(row.origin);
   }
   std::vector<PairingMode> modelled;
   for (const auto& mode : analysis.modes) {
@@ -102,8 +95,9 @@ void pair_rows(const TestSetup& test, const model::ModalAnalysis& analysis,
     std::vector<PairingMode> measured;
     std::vector<std::size_t> row_of;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (rows[i].origin != origin || !std::isfinite(rows[i].measured_hz)) continue;
-      measured.push_back({rows[i].measured_hz, test.plane, rows[i].shape, 1});
+      const auto& row = rows[i];
+      if (row.origin != origin || !std::isfinite(row.frequency_hz.value)) continue;
+      measured.push_back({row.frequency_hz.value, row.plane, row.shape, 1});
       row_of.push_back(i);
     }
     if (measured.empty() || modelled.empty()) continue;
@@ -115,6 +109,8 @@ void pair_rows(const TestSetup& test, const model::ModalAnalysis& analysis,
     }
   }
 }
+
+}  // namespace
 
 Instrumented instrumented(model::Scene scene, const TestSetup& test,
                           const ModalTestState& recorded) {
@@ -180,21 +176,19 @@ std::vector<ModalState> modal_states(const TestSetup& test, const SceneUse& use,
     state.rig.scene = std::move(at.scene);
     if (state.recorded) {
       state.rig = instrumented(std::move(state.rig.scene), test, *state.recorded);
-      for (auto& row : state.rows) {
-        if (row.shape.size() == 0) continue;
-        row.shape = Eigen::VectorXcd(row.shape(state.rig.response));
-      }
     }
     double highest = 0;
-    for (const auto& row : state.rows) {
-      if (row.measured_hz > highest) highest = row.measured_hz;
+    for (auto& row : state.rows) {
+      row.plane = test.plane;
+      if (row.shape.size() > 0) row.shape = row.shape(state.rig.response).eval();
+      if (row.frequency_hz.value > highest) highest = row.frequency_hz.value;
     }
     model::ModesOptions options;
     // A third above the highest measured frequency: beyond that no pair would be accepted.
     options.band_hz = {{0.0, 1.35 * highest}};
     state.analysis = model::analyse_modes(state.rig.scene, options);
     state.segments_error = typical_segments_error(state.analysis);
-    pair_rows(test, state.analysis, state.rows);
+    pair_rows(state.analysis, state.rows);
   }
   return states;
 }
@@ -202,13 +196,13 @@ std::vector<ModalState> modal_states(const TestSetup& test, const SceneUse& use,
 RmsError rms_of_model(const std::vector<ModalState>& states) {
   return rms_of(states, [](const ModalState& state, const MeasuredRow& row) {
     if (!row.mode || (state.recorded && row.origin != state.recorded->origin)) return kNaN;
-    return state.analysis.modes[*row.mode].frequency_hz / row.measured_hz - 1;
+    return state.analysis.modes[*row.mode].frequency_hz / row.frequency_hz.value - 1;
   });
 }
 
 RmsError rms_of_published(const std::vector<ModalState>& states, std::size_t model) {
   return rms_of(states, [&](const ModalState&, const MeasuredRow& row) {
-    return row.models_hz.size() > model ? row.models_hz[model] / row.measured_hz - 1 : kNaN;
+    return row.models_hz.size() > model ? row.models_hz[model] / row.frequency_hz.value - 1 : kNaN;
   });
 }
 

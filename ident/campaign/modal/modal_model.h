@@ -41,12 +41,9 @@ struct PublishedMode {
   std::vector<double> models_hz;  ///< by published model; NaN: dash
 };
 
-struct MeasuredRow {
-  double measured_hz = 0;               ///< NaN: dash
-  double std_hz = 0;                    ///< NaN: not known
-  double damping = 0, damping_std = 0;  ///< NaN: not measured
+/// A measured mode, its shape at the instrumented scene's sensors; a frequency of NaN is a dash.
+struct MeasuredRow : MeasuredMode {
   Origin origin = Origin::published;
-  Eigen::VectorXcd shape;           ///< at the instrumented scene's sensors; empty: not measured
   std::vector<double> models_hz;    ///< by published model; NaN: dash
   std::optional<std::size_t> mode;  ///< index of the modelled mode paired with it
   double mac = 0;                   ///< MAC of that pair; NaN: fewer than two sensors
@@ -75,10 +72,6 @@ struct ModalState {
                                                    const std::vector<ModalTestState>& recorded,
                                                    const std::vector<PublishedMode>& published);
 
-/// Pairs rows with modes of an analysis of the instrumented scene: fills mode, mac, other_plane.
-void pair_rows(const TestSetup& test, const model::ModalAnalysis& analysis,
-               std::vector<MeasuredRow>& rows);
-
 struct RmsError {
   double value = 0;  ///< rms relative error; NaN without rows
   int rows = 0;
@@ -86,6 +79,7 @@ struct RmsError {
 /// Rms error over the rows from the test's own recordings, or else over the published ones; leakage
 /// from the other plane counts as paired.
 [[nodiscard]] RmsError rms_of_model(const std::vector<ModalState>& states);
+/// The same of a published model, over all rows that it has a frequency of.
 [[nodiscard]] RmsError rms_of_published(const std::vector<ModalState>& states, std::size_t model);
 
 }  // namespace rigfit::ident
