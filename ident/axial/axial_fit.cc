@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ident/axial/rod_stiffness.h"
-
 namespace rigfit::ident {
 namespace {
 
@@ -125,6 +123,12 @@ void add_shares(const Residuals& model, const Eigen::VectorXd& gain, AxialFit& f
 
 }  // namespace
 
+RodStiffness rod_of(const AxialSetup& setup, double omega_squared, double length) {
+  return rod_stiffness({omega_squared, setup.mass_kg.value, setup.mass_per_length_kg_m.value,
+                        length, setup.adapter_stiffness_N_m.value,
+                        setup.frame_stiffness_N_m.value});
+}
+
 AxialFit fit_axial(std::span<const AxialLengthData> data, const AxialSetup& setup, bool series,
                    double between_std) {
   std::vector<Length> lengths;
@@ -133,9 +137,7 @@ AxialFit fit_axial(std::span<const AxialLengthData> data, const AxialSetup& setu
   for (const auto& one : data) {
     Length length{one};
     length.W = std::exp(one.log_omega_squared);
-    const auto rod = rod_stiffness({length.W, setup.mass_kg.value, setup.mass_per_length_kg_m.value,
-                                    one.length_m, setup.adapter_stiffness_N_m.value,
-                                    setup.frame_stiffness_N_m.value});
+    const auto rod = rod_of(setup, length.W, one.length_m);
     length.scatter = between_std / rod.by_omega_squared;
     length.std = std::hypot(std::max(one.log_omega_squared_std, kLeastStd), length.scatter);
     constexpr double kStep = 1.0001;

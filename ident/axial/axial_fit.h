@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "ident/axial/rod_stiffness.h"
 #include "signal/numerics/estimate.h"
 
 namespace rigfit::ident {
@@ -67,6 +68,9 @@ struct AxialFit {
   double between_std = 0;          ///< relative
   std::vector<AxialShare> shares;  ///< frequency, between lengths, then the inputs
 };
+
+/// The cable as a rod, by its frequency under what is told of mass, adapter and frame.
+[[nodiscard]] RodStiffness rod_of(const AxialSetup& setup, double omega_squared, double length_m);
 
 /// `series`: with a compliance in series.
 [[nodiscard]] AxialFit fit_axial(std::span<const AxialLengthData> lengths, const AxialSetup& setup,

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "ident/axial/rod_stiffness.h"
 #include "ident/statistics/root.h"
 #include "ident/statistics/uncertainty.h"
 #include "signal/estimation/groups.h"
@@ -39,12 +38,6 @@ bool not_negative(const signal::Estimate& x) {
 double omega_squared(const AxialDecay& d) {
   const double wd = 2 * std::numbers::pi * d.damped_frequency_hz.value;
   return wd * wd / (1 - d.damping_ratio.value * d.damping_ratio.value);
-}
-
-RodStiffness rod_of(const AxialSetup& setup, double omega_squared, double length) {
-  return rod_stiffness({omega_squared, setup.mass_kg.value, setup.mass_per_length_kg_m.value,
-                        length, setup.adapter_stiffness_N_m.value,
-                        setup.frame_stiffness_N_m.value});
 }
 
 double told_compliance(const AxialSetup& setup) {

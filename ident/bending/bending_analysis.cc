@@ -234,7 +234,10 @@ class Analysis {
         return false;
       }
       take_line();
-      EI = EI_of_slope();
+      // What is softer than a string has 0: its changing tension is then that of a string.
+      EI = beam() ? 0
+                  : EI_of_compliance(result_.compliance_m_N.value, mean_tension_,
+                                     options_.span_m.value, options_.ends);
       if (std::abs(EI - before) <= 1e-7 * EI) break;
       before = EI;
     }
@@ -364,15 +367,6 @@ class Analysis {
       refuse(status == BendingStatus::string_like ? "string_like" : "no_EI",
              result_.stiffness.reason);
     }
-  }
-
-  // 0 for what is softer than a string: its changing tension is then that of a string.
-  double EI_of_slope() const {
-    if (beam()) return 0;
-    const double ratio = 4 * mean_tension_ * result_.compliance_m_N.value / options_.span_m.value;
-    if (!(ratio > 0 && ratio < 1)) return 0;
-    const double lambda = lambda_from_bending_ratio(ratio);
-    return mean_tension_ * std::pow(options_.span_m.value / lambda, 2) / 4;
   }
 
   /// The slope with what it shares with all rows; Welch and Satterthwaite's degrees of freedom.

@@ -28,20 +28,18 @@ double tension_factor(double lambda) {
   return 12 * bending_ratio(lambda) / lambda / lambda;
 }
 
-bool positive_finite(double value) { return std::isfinite(value) && value > 0; }
-
-// EI of one draw; 0 where it is softer than a string, infinite where it does not yield at all.
-double EI_of_draw(double compliance, double tension, double span, BeamEnds ends) {
-  if (!(span > 0)) return 0;
-  if (!(compliance > 0)) return std::numeric_limits<double>::infinity();
-  if (ends != BeamEnds::tensioned || !(tension > 0)) {
-    return span * span * span / (beam_stiffness_factor(ends) * compliance);
+// d F / d ln(lambda) = tanh(x)/x - 1 + tanh^2 x = tanh^2 x - F, x = lambda/2; for large x rather
+// tanh(x)/x - 1/cosh^2 x. Neither cancels more than a factor of two.
+double bending_ratio_log_derivative(double lambda) {
+  if (lambda < 2) {
+    const double tanh = std::tanh(lambda / 2);
+    return tanh * tanh - bending_ratio(lambda);
   }
-  const double ratio = 4 * tension * compliance / span;
-  if (ratio >= 1) return 0;
-  const double lambda = lambda_from_bending_ratio(ratio);
-  return tension * span * span / (4 * lambda * lambda);
+  const double decay = std::exp(-lambda);
+  return bending_ratio_complement(lambda) - 4 * decay / ((1 + decay) * (1 + decay));
 }
+
+bool positive_finite(double value) { return std::isfinite(value) && value > 0; }
 
 // `turning`: relative change of the compliance by one standard uncertainty of the clamps.
 std::vector<double> sorted_draws(const ComplianceMeasurement& measured, double turning) {
@@ -56,7 +54,7 @@ std::vector<double> sorted_draws(const ComplianceMeasurement& measured, double t
                                    ? gsl_cdf_tdist_Pinv(u[0], measured.degrees_of_freedom)
                                    : gsl_cdf_ugaussian_Pinv(u[0]);
     const double clamps = std::exp(-turning * gsl_cdf_ugaussian_Pinv(u[3]));
-    draw = EI_of_draw(
+    draw = EI_of_compliance(
         clamps * (measured.compliance_m_N.value + measured.compliance_m_N.std * slope_score),
         measured.tension_N.value + measured.tension_N.std * gsl_cdf_ugaussian_Pinv(u[1]),
         measured.span_m.value + measured.span_m.std * gsl_cdf_ugaussian_Pinv(u[2]), measured.ends);
@@ -75,11 +73,6 @@ double quantile(const std::vector<double>& sorted, double p) {
 }
 
 }  // namespace
-
-const char* name_of(BendingStatus status) {
-  constexpr std::array names{"solved", "not positive", "string-like", "upper bound only"};
-  return names[static_cast<std::size_t>(status)];
-}
 
 const char* name_of(BeamEnds ends) {
   constexpr std::array names{"tensioned", "clamped", "pinned", "cantilever"};
@@ -101,17 +94,6 @@ double bending_ratio_complement(double lambda) {
   }
   // tanh(lambda/2) = (1 - e^-lambda) / (1 + e^-lambda)
   return -std::expm1(-lambda) / (1 + std::exp(-lambda)) * 2 / lambda;
-}
-
-// d F / d ln x = tanh(x)/x - 1 + tanh^2 x = tanh^2 x - F, x = lambda/2; for large x rather
-// tanh(x)/x - 1/cosh^2 x. Neither cancels more than a factor of two.
-double bending_ratio_log_derivative(double lambda) {
-  if (lambda < 2) {
-    const double tanh = std::tanh(lambda / 2);
-    return tanh * tanh - bending_ratio(lambda);
-  }
-  const double decay = std::exp(-lambda);
-  return bending_ratio_complement(lambda) - 4 * decay / ((1 + decay) * (1 + decay));
 }
 
 double lambda_from_bending_ratio(double ratio) {
@@ -145,6 +127,18 @@ double midspan_compliance(double EI_Nm2, double tension_N, double span_m) {
   }
   const double lambda = span_m / 2 * std::sqrt(tension_N / EI_Nm2);
   return span_m * span_m * span_m / (192 * EI_Nm2) * tension_factor(lambda);
+}
+
+double EI_of_compliance(double compliance, double tension, double span, BeamEnds ends) {
+  if (!(span > 0)) return 0;
+  if (!(compliance > 0)) return std::numeric_limits<double>::infinity();
+  if (ends != BeamEnds::tensioned || !(tension > 0)) {
+    return span * span * span / (beam_stiffness_factor(ends) * compliance);
+  }
+  const double ratio = 4 * tension * compliance / span;
+  if (ratio >= 1) return 0;
+  const double lambda = lambda_from_bending_ratio(ratio);
+  return tension * span * span / (4 * lambda * lambda);
 }
 
 double clamp_compliance(double EI_Nm2, double tension_N, double span_m, BeamEnds ends) {
@@ -196,12 +190,11 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
   double k = 1;  // 2 F / (dF / d ln lambda)
   if (result.ratio > 0) {
     result.lambda = lambda_from_bending_ratio(result.ratio);
-    result.EI_Nm2.value = tension * span * span / (4 * result.lambda * result.lambda);
     k = 2 * result.ratio / bending_ratio_log_derivative(result.lambda);
   } else {
     result.lambda = 0;
-    result.EI_Nm2.value = span * span * span / (beam_stiffness_factor(measured.ends) * slope);
   }
+  result.EI_Nm2.value = EI_of_compliance(slope, tension, span, measured.ends);
   result.log_sensitivity_compliance = -k;
   result.log_sensitivity_tension = 1 - k;
   result.log_sensitivity_span = 2 + k;

@@ -42,8 +42,6 @@ enum class BeamEnds {
 [[nodiscard]] double bending_ratio(double lambda);
 /// 1 - F(lambda) without cancellation for large lambda.
 [[nodiscard]] double bending_ratio_complement(double lambda);
-/// d F / d ln(lambda).
-[[nodiscard]] double bending_ratio_log_derivative(double lambda);
 
 /// Inverts F for a ratio in (0, 1) (throws std::invalid_argument otherwise): Newton on
 /// ln(F / (1 - F)) over ln(lambda), which is nearly straight, inside the bracket
@@ -53,6 +51,11 @@ enum class BeamEnds {
 /// Deflection at mid-span per unit load, m/N. Tension zero is allowed. Throws
 /// std::invalid_argument for EI or span not positive, a negative tension, or a value not finite.
 [[nodiscard]] double midspan_compliance(double EI_Nm2, double tension_N, double span_m);
+
+/// EI of a compliance at a tension (of `tensioned` ends); 0 where it is softer than a string,
+/// infinite where it does not yield at all.
+[[nodiscard]] double EI_of_compliance(double compliance_m_N, double tension_N, double span_m,
+                                      BeamEnds ends);
 
 /// k times the relative increase of the compliance by clamps of rotational stiffness k (each, N
 /// m/rad), to first order in 1/k: 2 EI tanh^2(lambda / 2) / (l F); without tension 6 EI / l; for a
@@ -80,7 +83,6 @@ enum class BendingStatus {
   string_like,       ///< 4 P d / (Q l) >= 1: softer than a string without any EI
   upper_bound_only,  ///< solved, but the 95 % interval reaches EI = 0
 };
-[[nodiscard]] const char* name_of(BendingStatus status);
 
 struct StiffnessFromBending {
   BendingStatus status = BendingStatus::not_positive;

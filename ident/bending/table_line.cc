@@ -240,7 +240,6 @@ class Table {
     if (!best.usable || best.freedom < 1 || !(best.slope > 0)) return;
     const double noise2 = variance(best.squares, best.freedom);
     line_.degrees_of_freedom = best.freedom;
-    line_.offsets_N = best.offsets;
     double chi = 0;
     std::vector<double> slopes, variances;
     for (std::size_t s = 0; s < strokes_.size(); ++s) {

@@ -38,7 +38,6 @@ struct TableLine {
   bool usable = false;  ///< three rows and one degree of freedom at least, K positive
   double slope_N_m = 0, slope_std_N_m = 0;  ///< K
   double degrees_of_freedom = 0;
-  std::vector<double> offsets_N;
   std::vector<std::vector<char>> used;  ///< by stroke and row
   bool strokes_differ = false;          ///< slopes of strokes, at 5 %
   int left_out = 0;                     ///< rows off the line

@@ -48,7 +48,6 @@ CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
   }
   result.task.free = fit.free;
   result.task.options = fit.options;
-  result.task.hold_out = fit.hold_out;
   for (auto& input : known_inputs(so_far.known, uses)) {
     result.task.options.inputs.push_back(std::move(input));
   }

@@ -58,7 +58,6 @@ struct FitInputs {
   std::vector<std::size_t> tests;  ///< indices in CampaignInputs::tests
   std::vector<FreeParameter> free;
   UpdateOptions options;  ///< inputs for EI, EA and damping are added
-  bool hold_out = false;  ///< predict each state from the others
 };
 
 struct CampaignInputs {

@@ -111,7 +111,7 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
 FitOutcome fit_campaign(const FitTask& task) {
   FitOutcome outcome;
   UpdateOptions options = task.options;
-  options.hold_out = task.hold_out && task.states.size() > 1;
+  options.hold_out = options.hold_out && task.states.size() > 1;
   outcome.result = update_model(task.states, task.free, options);
   outcome.rms_held_out = signal::kNaN;
   if (outcome.result.status == UpdateStatus::no_model) return outcome;

@@ -14,8 +14,7 @@ namespace rigfit::ident {
 struct FitTask {
   std::vector<UpdateState> states;
   std::vector<FreeParameter> free;
-  UpdateOptions options;
-  bool hold_out = false;  ///< hold out each of two or more states
+  UpdateOptions options;  ///< states are held out where there are two or more
 };
 
 struct FitOutcome {

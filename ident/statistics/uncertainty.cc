@@ -45,9 +45,7 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
     throw std::invalid_argument("identifiability: one positive scale and one name a parameter");
   }
   Identifiability result;
-  result.identifiable.assign(static_cast<std::size_t>(n), false);
-  result.std = Eigen::VectorXd::Constant(n, kNaN);
-  result.covariance = Eigen::MatrixXd::Constant(n, n, kNaN);
+  result.identifiable.resize(static_cast<std::size_t>(n));
   if (n == 0) return result;
 
   Eigen::MatrixXd scaled = jacobian * scales.asDiagonal();
@@ -90,18 +88,12 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
     result.open.push_back(std::move(open));
   }
 
-  for (Eigen::Index j = 0; j < n; ++j) {
-    result.identifiable[static_cast<std::size_t>(j)] =
-        std::sqrt(relative(j, j)) <= options.max_relative_std;
-  }
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (!result.identifiable[static_cast<std::size_t>(i)]) continue;
-    result.std[i] = scales[i] * std::sqrt(relative(i, i));
-    for (Eigen::Index j = 0; j < n; ++j) {
-      if (!result.identifiable[static_cast<std::size_t>(j)]) continue;
-      result.covariance(i, j) = scales[i] * scales[j] * relative(i, j);
-    }
-  }
+  const Eigen::VectorXd own = relative.diagonal().cwiseSqrt();
+  const auto kept = own.array() <= options.max_relative_std;
+  const Eigen::VectorXd unit = kept.select(scales, kNaN);  // of what is determined
+  for (Eigen::Index j = 0; j < n; ++j) result.identifiable[static_cast<std::size_t>(j)] = kept[j];
+  result.std = unit.cwiseProduct(own);
+  result.covariance = unit.asDiagonal() * relative * unit.asDiagonal();
   return result;
 }
 

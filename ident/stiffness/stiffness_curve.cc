@@ -167,17 +167,8 @@ StiffnessAtTension StiffnessCurve::at(double tension) const {
   StiffnessAtTension result;
   result.EI_Nm2 = value(tension);
   result.extrapolated = tension < lowest_tension_N() || tension > highest_tension_N();
-  if (source_ == StiffnessSource::interpolation) {
-    for (std::size_t k = 1; k < knots_.size(); ++k) {
-      const auto &a = knots_[k - 1], &b = knots_[k];
-      if (tension < a.tension_N || tension > b.tension_N) continue;
-      result.slope_m2 = (b.EI_Nm2 - a.EI_Nm2) / (b.tension_N - a.tension_N);
-      break;
-    }
-  } else {
-    const double step = 1e-4 * highest_tension_N(), below = std::max(0.0, tension - step);
-    result.slope_m2 = (value(tension + step) - value(below)) / (tension + step - below);
-  }
+  const double step = 1e-4 * highest_tension_N(), below = std::max(0.0, tension - step);
+  result.slope_m2 = (value(tension + step) - value(below)) / (tension + step - below);
   const std::array<double, 1> here{tension};
   const auto terms = uncertainty(here);
   double variance = terms.empty() ? kNaN : 0;
@@ -237,15 +228,6 @@ std::vector<StiffnessTerm> StiffnessCurve::uncertainty(std::span<const double> t
         each([&](double T) { return shared_relative_std_ * value(T); }));
   }
   return terms;
-}
-
-Eigen::MatrixXd StiffnessCurve::covariance(std::span<const double> tensions) const {
-  const auto n = static_cast<Eigen::Index>(tensions.size());
-  const auto terms = uncertainty(tensions);
-  if (terms.empty()) return Eigen::MatrixXd::Constant(n, n, kNaN);
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
-  for (const auto& term : terms) sum += term.change_Nm2 * term.change_Nm2.transpose();
-  return sum;
 }
 
 }  // namespace rigfit::ident

@@ -67,8 +67,6 @@ class StiffnessCurve {
   [[nodiscard]] StiffnessAtTension at(double tension_N) const;
   /// The terms above at these tensions; empty where no uncertainty is known.
   [[nodiscard]] std::vector<StiffnessTerm> uncertainty(std::span<const double> tensions_N) const;
-  /// Covariance of EI at the tensions, N^2 m^4; NaN where no uncertainty is known.
-  [[nodiscard]] Eigen::MatrixXd covariance(std::span<const double> tensions_N) const;
 
  private:
   struct Knot {

@@ -78,6 +78,27 @@ Eigen::VectorXd hammer_force(const std::vector<model::Load>& loads, const Eigen:
   return force;
 }
 
+// Every `factor`-th sample of a zero-phase low-pass of x (stop band -80 dB from the new Nyquist
+// frequency on, pass band up to 0.8 of it); the ends repeat their last value.
+Eigen::VectorXd decimated(const Eigen::Ref<const Eigen::VectorXd>& x, int factor) {
+  const signal::LowPass filter(0.4 / factor, 0.5 / factor, 80);
+  const int half = static_cast<int>(filter.half_length());
+  Eigen::VectorXd taps(half + 1);
+  for (int k = 0; k <= half; ++k) taps[k] = filter.at(k);
+  taps /= taps[0] + 2 * taps.tail(half).sum();
+
+  const Eigen::Index size = x.size();
+  const auto sample = [&](Eigen::Index i) { return x[std::clamp<Eigen::Index>(i, 0, size - 1)]; };
+  Eigen::VectorXd out((size + factor - 1) / factor);
+  for (Eigen::Index j = 0; j < out.size(); ++j) {
+    const Eigen::Index i = j * factor;
+    double sum = taps[0] * sample(i);
+    for (int k = 1; k <= half; ++k) sum += taps[k] * (sample(i - k) + sample(i + k));
+    out[j] = sum;
+  }
+  return out;
+}
+
 class Laboratory {
  public:
   Laboratory(const model::Scene& scene, const VirtualRigOptions& options, const Simulate& simulate,
@@ -194,26 +215,6 @@ model::Scene scene_with_accelerometers(model::Scene scene, double accelerometer_
     }
   }
   return scene;
-}
-
-Eigen::VectorXd decimated(const Eigen::Ref<const Eigen::VectorXd>& x, int factor) {
-  // 80 dB of attenuation, transition from 0.8 to 1 of the new Nyquist frequency.
-  const signal::LowPass filter(0.4 / factor, 0.5 / factor, 80);
-  const int half = static_cast<int>(filter.half_length());
-  Eigen::VectorXd taps(half + 1);
-  for (int k = 0; k <= half; ++k) taps[k] = filter.at(k);
-  taps /= taps[0] + 2 * taps.tail(half).sum();
-
-  const Eigen::Index size = x.size();
-  const auto sample = [&](Eigen::Index i) { return x[std::clamp<Eigen::Index>(i, 0, size - 1)]; };
-  Eigen::VectorXd out((size + factor - 1) / factor);
-  for (Eigen::Index j = 0; j < out.size(); ++j) {
-    const Eigen::Index i = j * factor;
-    double sum = taps[0] * sample(i);
-    for (int k = 1; k <= half; ++k) sum += taps[k] * (sample(i - k) + sample(i + k));
-    out[j] = sum;
-  }
-  return out;
 }
 
 std::vector<VirtualRigRecord> virtual_rig_records(const model::Scene& scene,

@@ -62,8 +62,4 @@ using Simulate =
 [[nodiscard]] model::Scene scene_with_accelerometers(model::Scene scene,
                                                      double accelerometer_mass_kg);
 
-/// Every `factor`-th sample of a zero-phase low-pass of x (Kaiser window, stop band -80 dB from the
-/// new Nyquist frequency on, pass band up to 0.8 of it); the ends repeat their last value.
-[[nodiscard]] Eigen::VectorXd decimated(const Eigen::Ref<const Eigen::VectorXd>& x, int factor);
-
 }  // namespace rigfit::ident

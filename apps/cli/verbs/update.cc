@@ -183,8 +183,9 @@ Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext
     throw UsageError("--hold-out needs several states: a tension_N column or several scenes");
   }
   const auto free = free_parameters(options.free, options.priors, states.states.front().scene);
-  const auto update = fit_options(options, states, context);
-  auto outcome = ident::fit_campaign({states.states, free, update, options.hold_out});
+  auto update = fit_options(options, states, context);
+  update.hold_out = options.hold_out;
+  auto outcome = ident::fit_campaign({states.states, free, std::move(update)});
   result = std::move(outcome.result);
   if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
 

@@ -243,7 +243,7 @@ ident::FitInputs fit_inputs(const CampaignFit& fit, int threads) {
   inputs.options.starts = fit.starts;
   inputs.options.threads = threads;
   inputs.options.model_relative_std = fit.model_std;
-  inputs.hold_out = fit.hold_out;
+  inputs.options.hold_out = fit.hold_out;
   return inputs;
 }
 

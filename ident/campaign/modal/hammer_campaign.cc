@@ -7,7 +7,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "ident/campaign/single_tests/rate_uncertainty.h"
+#include "ident/campaign/single_tests/test_recording.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::ident {

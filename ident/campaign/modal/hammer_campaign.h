@@ -64,7 +64,7 @@ struct IdentifiedModes {
 
 /// Modes of FRFs. The band is `band_hz`, or else ends at `usable_hz` (0: the last line);
 /// `options.low_hz` and `high_hz` are ignored. The uncertainty of the FRFs' sample rate goes into
-/// the frequencies' uncertainty and their covariance (rate_uncertainty.h).
+/// the frequencies' uncertainty and their covariance (test_recording.h).
 [[nodiscard]] IdentifiedModes identify(const signal::FrfSet& frfs,
                                        const std::optional<std::pair<double, double>>& band_hz,
                                        double usable_hz, signal::ModalOptions options = {});

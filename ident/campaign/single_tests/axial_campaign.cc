@@ -11,7 +11,6 @@
 #include <stdexcept>
 
 #include "ident/axial/rod_stiffness.h"
-#include "ident/campaign/single_tests/rate_uncertainty.h"
 #include "ident/statistics/in_parallel.h"
 #include "model/linear/modal_analysis.h"
 #include "signal/decay/decay_window.h"

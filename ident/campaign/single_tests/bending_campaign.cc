@@ -15,6 +15,24 @@
 namespace rigfit::ident {
 namespace {
 
+// A table of at most this many rows is split by tension; a longer one is a record of one test.
+constexpr Eigen::Index kLongestTable = 400;
+
+/// Uncertainty of a test's EI that it shares with others of the same span and instruments, relative
+/// to EI: root of the sum of squares.
+double shared_relative_std(const BendingTestResult& test, const BendingTestOptions& options) {
+  if (test.refused) return 0;
+  const auto& EI = test.stiffness;
+  const double span = options.span_m.value > 0 ? options.span_m.std / options.span_m.value : 0;
+  const double shared =
+      std::sqrt(std::pow(EI.log_sensitivity_span * span, 2) +
+                std::pow(EI.log_sensitivity_compliance, 2) *
+                    (std::pow(options.load_calibration_std, 2) +
+                     std::pow(options.deflection_calibration_std, 2)) +
+                std::pow(EI.log_sensitivity_tension * options.tension_calibration_std, 2));
+  return std::isfinite(shared) ? shared : 0;
+}
+
 void add_values(const BendingSource& source, BendingPoint one, std::vector<BendingPoint>& points) {
   for (std::size_t i = 0; i < source.values.size(); ++i) {
     one.row = i + 1;
@@ -32,7 +50,7 @@ void add_record(const BendingSource& source, BendingPoint one, const BendingCamp
                 std::vector<BendingPoint>& points) {
   const auto& options = campaign.test;
   std::vector<BendingRecord> records;
-  if (options.ends == BeamEnds::tensioned && source.record.load_N.size() <= kLongestBendingTable) {
+  if (options.ends == BeamEnds::tensioned && source.record.load_N.size() <= kLongestTable) {
     records = split_by_tension(source.record);
   }
   if (records.empty()) records = {source.record};
@@ -143,19 +161,6 @@ void gather_specimens(BendingCampaignResult& result) {
 }
 
 }  // namespace
-
-double shared_relative_std(const BendingTestResult& test, const BendingTestOptions& options) {
-  if (test.refused) return 0;
-  const auto& EI = test.stiffness;
-  const double span = options.span_m.value > 0 ? options.span_m.std / options.span_m.value : 0;
-  const double shared =
-      std::sqrt(std::pow(EI.log_sensitivity_span * span, 2) +
-                std::pow(EI.log_sensitivity_compliance, 2) *
-                    (std::pow(options.load_calibration_std, 2) +
-                     std::pow(options.deflection_calibration_std, 2)) +
-                std::pow(EI.log_sensitivity_tension * options.tension_calibration_std, 2));
-  return std::isfinite(shared) ? shared : 0;
-}
 
 BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) {
   BendingCampaignResult result;

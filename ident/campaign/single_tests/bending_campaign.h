@@ -98,16 +98,8 @@ struct BendingCampaignResult {
   std::vector<Finding> findings;
 };
 
-/// A table of at most this many rows is split by tension; a longer one is a record of one test.
-inline constexpr Eigen::Index kLongestBendingTable = 400;
-
 /// Throws std::invalid_argument like analyse_bending_test, stiffness_bounds and fit_stiffness_laws.
 [[nodiscard]] BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign);
-
-/// Uncertainty of a test's EI that it shares with others of the same span and instruments, relative
-/// to EI: root of the sum of squares.
-[[nodiscard]] double shared_relative_std(const BendingTestResult& test,
-                                         const BendingTestOptions& options);
 
 }  // namespace rigfit::ident
 

@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "ident/campaign/single_tests/rate_uncertainty.h"
 #include "signal/estimation/groups.h"
 #include "signal/recording/recording_error.h"
 

@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "ident/campaign/single_tests/rate_uncertainty.h"
 #include "ident/statistics/uncertainty.h"
 #include "signal/ambient/ambient_modes.h"
 #include "signal/recording/recording_error.h"

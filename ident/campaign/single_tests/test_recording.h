@@ -1,10 +1,19 @@
 // A recording of a test, with the state of the rig that it was taken at and where it comes from.
+//
+// What a sample rate known only to a relative standard uncertainty e (signal::Recording::
+// sample_rate_relative_std: its step is printed with few digits) means for what follows from it.
+// The rate scales every frequency of its recordings alike:
+//
+//   u(f)^2 = u0(f)^2 + (e f)^2      common to all frequencies
 #pragma once
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "ident/statistics/finding.h"
+#include "signal/modes/modal_model.h"
+#include "signal/numerics/estimate.h"
 
 namespace rigfit::ident {
 
@@ -27,14 +36,20 @@ struct TestRecording {
 };
 
 /// Refusal "not_uniform" of a recording whose samples are not evenly spaced in time.
-[[nodiscard]] inline std::optional<Finding> not_uniform(const signal::Recording& recording,
-                                                        const std::string& where = {}) {
-  if (recording.time_s.size() == 0 && recording.sample_rate_hz > 0) return std::nullopt;
-  return Finding{"not_uniform",
-                 recording.time_s.size() > 0
-                     ? "Resample the recording first: its samples are not evenly spaced in time"
-                     : "State the sample rate (sample_rate_hz, --sample-rate): the file gives none",
-                 where, true};
-}
+[[nodiscard]] std::optional<Finding> not_uniform(const signal::Recording& recording,
+                                                 const std::string& where = {});
+
+/// Adds e to a frequency and, half by half, to its 95 % interval; null: none.
+void add_rate_uncertainty(double relative_std, signal::Estimate& frequency_hz,
+                          signal::Interval* interval_95_hz = nullptr);
+
+/// The same of the modes' frequencies, those at their points and the covariance of the poles, where
+/// it couples all frequencies.
+void add_rate_uncertainty(double relative_std, signal::ModalModel& model);
+
+/// Adds "rate_uncertainty" where it adds half a percent and more to the standard uncertainty of the
+/// first frequency, which comes without it; `where`: as of a Finding.
+void tell_rate(double relative_std, const signal::Estimate& frequency_hz, const std::string& where,
+               std::vector<Finding>& findings);
 
 }  // namespace rigfit::ident

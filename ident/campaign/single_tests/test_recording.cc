@@ -1,4 +1,4 @@
-#include "ident/campaign/single_tests/rate_uncertainty.h"
+#include "ident/campaign/single_tests/test_recording.h"
 
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
@@ -7,6 +7,15 @@
 #include <cmath>
 
 namespace rigfit::ident {
+
+std::optional<Finding> not_uniform(const signal::Recording& recording, const std::string& where) {
+  if (recording.time_s.size() == 0 && recording.sample_rate_hz > 0) return std::nullopt;
+  return Finding{"not_uniform",
+                 recording.time_s.size() > 0
+                     ? "Resample the recording first: its samples are not evenly spaced in time"
+                     : "State the sample rate (sample_rate_hz, --sample-rate): the file gives none",
+                 where, true};
+}
 
 void add_rate_uncertainty(double relative_std, signal::Estimate& frequency_hz,
                           signal::Interval* interval_95_hz) {
