@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <chrono>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -209,7 +210,14 @@ std::unique_ptr<TestPart> part_of(const Campaign& campaign, const CampaignTest& 
 
 /// Reads the recordings, works out the campaign, shows what came of it: the parts in the order of
 /// the page.
-std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbContext& context) {
+std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbContext& context,
+                                       std::vector<StageTime>& times) {
+  auto begin = std::chrono::steady_clock::now();
+  const auto took = [&](const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    times.push_back({stage, std::chrono::duration<double>(now - begin).count()});
+    begin = now;
+  };
   const std::size_t tests = campaign.tests.size(), fits = campaign.fits.size();
   std::size_t files = 0;
   for (const auto& test : campaign.tests) {
@@ -222,6 +230,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
     shown.push_back(part_of(campaign, campaign.tests[i], context));
   }
   ident::in_parallel(tests, context.threads, [&](std::size_t i) { shown[i]->read(advance); });
+  took("recordings read");
 
   ident::CampaignInputs inputs;
   inputs.threads = context.threads;
@@ -229,6 +238,10 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
   for (auto& part : shown) inputs.tests.push_back(part->inputs());
   for (const auto& fit : campaign.fits) inputs.fits.push_back(fit_inputs(fit, context.threads));
   auto result = ident::run_campaign(std::move(inputs));
+  for (std::size_t i = 0; i < tests; ++i)
+    times.push_back({campaign.tests[i].title, result.test_s[i]});
+  for (std::size_t i = 0; i < fits; ++i) times.push_back({campaign.fits[i].title, result.fit_s[i]});
+  begin = std::chrono::steady_clock::now();
 
   std::vector<std::vector<ReportPart>> pages(tests + fits);
   ident::in_parallel(pages.size(), context.threads, [&](std::size_t i) {
@@ -239,6 +252,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
     }
     advance();
   });
+  took("figures and tables");
   std::vector<ReportPart> parts;
   for (auto& page : pages) std::ranges::move(page, std::back_inserter(parts));
   parts.push_back(scenes_part(campaign));
@@ -251,7 +265,8 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
                      VerbContext& context, std::vector<Answer>* given) {
   begin_folder(folder, campaign.title, options);
   take_inputs(campaign, context);
-  std::vector<ReportPart> parts = campaign_parts(campaign, context);
+  std::vector<StageTime> times;
+  std::vector<ReportPart> parts = campaign_parts(campaign, context, times);
   std::vector<Answer*> found;
   for (auto& part : parts) {
     for (auto& answer : part.answers) found.push_back(&answer);
@@ -266,6 +281,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
   result["summary"] = summary_json(parts, context);
   const auto answers = all_answers(parts);
   result["answers"] = describe::json_of(answers);
+  result["times"] = describe::json_of(times);
   if (given) *given = answers;
   for (const auto& part : parts) {
     if (part.json_key.empty()) continue;
@@ -277,6 +293,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
   }
   PageFrame frame{campaign.title, campaign.source, campaign.description, campaign.report,
                   options.style};
+  frame.times = std::move(times);
   finish(folder, std::move(frame), parts, options, result, context);
   return result;
 }

@@ -383,6 +383,10 @@ class PageWriter {
                       counted(frame_.inputs.size(), "input file") + " and their SHA-256"};
     for (const auto& [path, hash] : frame_.inputs) table.rows.push_back({path, hash});
     blocks_.add(table);
+    if (frame_.style == ReportStyle::lab && !frame_.times.empty()) {
+      blocks_.add(described_table("times", "Time of each stage of this report.",
+                                  describe::table_of(frame_.times), std::nullopt));
+    }
     html_ += blocks_.taken() + "</section>\n";
   }
 
