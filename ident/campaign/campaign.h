@@ -81,7 +81,7 @@ struct DecayOutcome {
 };
 struct DecaysOutcome {
   std::vector<DecayOutcome> channels;  ///< by recording, then channel
-  std::vector<Finding> findings;       ///< of the decay tests
+  std::vector<Finding> findings;       ///< what the decay tests found
 };
 
 /// By the kind of the inputs, in their order.

@@ -90,7 +90,7 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
 
   const Eigen::VectorXd own = relative.diagonal().cwiseSqrt();
   const auto kept = own.array() <= options.max_relative_std;
-  const Eigen::VectorXd unit = kept.select(scales, kNaN);  // of what is determined
+  const Eigen::VectorXd unit = kept.select(scales, kNaN);  // NaN for what is not determined
   for (Eigen::Index j = 0; j < n; ++j) result.identifiable[static_cast<std::size_t>(j)] = kept[j];
   result.std = unit.cwiseProduct(own);
   result.covariance = unit.asDiagonal() * relative * unit.asDiagonal();

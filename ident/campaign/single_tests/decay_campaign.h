@@ -50,7 +50,7 @@ struct RecordedDecay {
   double sample_rate_hz = 0;
   double start_time_s = 0;  ///< time of samples[0], s
   Eigen::VectorXd samples;
-  signal::DecayResult result;  ///< of the strongest decay; see signal/decay/decay.h
+  signal::DecayResult result;  ///< the strongest decay (signal/decay/decay.h)
 };
 /// `samples`: of the channel, the first of them sample `from` of the recording.
 [[nodiscard]] RecordedDecay estimated_decay(const TestRecording& recorded,
