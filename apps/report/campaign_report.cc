@@ -281,7 +281,6 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
   result["summary"] = summary_json(parts, context);
   const auto answers = all_answers(parts);
   result["answers"] = describe::json_of(answers);
-  result["times"] = describe::json_of(times);
   if (given) *given = answers;
   for (const auto& part : parts) {
     if (part.json_key.empty()) continue;
