@@ -167,8 +167,17 @@ StiffnessAtTension StiffnessCurve::at(double tension) const {
   StiffnessAtTension result;
   result.EI_Nm2 = value(tension);
   result.extrapolated = tension < lowest_tension_N() || tension > highest_tension_N();
-  const double step = 1e-4 * highest_tension_N(), below = std::max(0.0, tension - step);
-  result.slope_m2 = (value(tension + step) - value(below)) / (tension + step - below);
+  if (source_ == StiffnessSource::interpolation) {
+    for (std::size_t k = 1; k < knots_.size(); ++k) {
+      const auto &a = knots_[k - 1], &b = knots_[k];
+      if (tension < a.tension_N || tension > b.tension_N) continue;
+      result.slope_m2 = (b.EI_Nm2 - a.EI_Nm2) / (b.tension_N - a.tension_N);
+      break;
+    }
+  } else {
+    const double step = 1e-4 * highest_tension_N(), below = std::max(0.0, tension - step);
+    result.slope_m2 = (value(tension + step) - value(below)) / (tension + step - below);
+  }
   const std::array<double, 1> here{tension};
   const auto terms = uncertainty(here);
   double variance = terms.empty() ? kNaN : 0;
