@@ -26,14 +26,8 @@ from .results import (AxialResult, BendingResult, DecayResult, Estimate, FrfResu
 
 __version__ = _core.version
 
-__all__ = [
-    "ArgumentError", "AxialResult", "BendingResult", "Channel", "DataWarning", "DecayResult", "Error", "Estimate",
-    "FrfResult", "FrfSet", "InputError", "InspectResult", "InternalError", "ModalResult", "ModesResult", "NotConverged",
-    "PredictResult", "Record", "Recording", "Records", "Refused", "ReportResult", "ResampleResult", "RespondResult", "Result", "Scene", "SceneFrfs",
-    "SynthesizeResult", "TensionResult", "UpdateResult", "UsageError", "axial", "bending", "decay", "frf", "frf_of",
-    "inspect", "modal", "modes", "predict", "read", "report", "resample", "respond", "synthesize", "tension",
-    "update",
-]
+__all__ = sorted(name for name, one in globals().items()
+                 if not name.startswith("_") and getattr(one, "__module__", "").startswith(__name__))
 
 
 def __dir__():

@@ -22,8 +22,8 @@ def kind(value):
     return f"{text if len(text) <= 40 else text[:37] + '...'} ({type(value).__name__})"
 
 
-def number(argument, value, low=None, high=None, positive=False):
-    """A finite float, at least ``low``, at most ``high``, above zero where ``positive``."""
+def number(argument, value, low=None, positive=False):
+    """A finite float, at least ``low``, above zero where ``positive``."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (_numbers.Real, np.number)) \
@@ -39,18 +39,6 @@ def number(argument, value, low=None, high=None, positive=False):
         fail(argument, f"must be positive, not {value:g}")
     if low is not None and value < low:
         fail(argument, f"must be at least {low:g}, not {value:g}")
-    if high is not None and value > high:
-        fail(argument, f"must be at most {high:g}, not {value:g}")
-    return value
-
-
-def integer(argument, value, low, high):
-    """An int between two."""
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (_numbers.Integral, np.integer)):
-        fail(argument, f"must be a whole number, not {kind(value)}")
-    value = int(value)
-    if not low <= value <= high:
-        fail(argument, f"must be between {low} and {high}, not {value}")
     return value
 
 

@@ -29,18 +29,14 @@ class Error(Exception):
 
     code = "fault"
     exit_code = 1
+    argument = file = channel = key = value = remedy = where = ""
+    line = column = 0
+    result = None
 
-    def __init__(self, message, *, code=None, argument="", file="", line=0, column=0, channel="", key="", value="",
-                 problem="", remedy="", where="", result=None):
+    def __init__(self, message, **fields):
         super().__init__(message)
-        self.message = message
-        if code is not None:
-            self.code = code
-        self.argument = argument
-        self.file, self.line, self.column = file, line, column
-        self.channel, self.key, self.value = channel, key, value
-        self.problem, self.remedy, self.where = problem or message, remedy, where
-        self.result = result
+        self.message = self.problem = message
+        self.__dict__.update(fields)
 
 
 class ArgumentError(Error, ValueError, TypeError):

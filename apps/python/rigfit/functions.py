@@ -190,13 +190,13 @@ def respond(scene, *, duration, rate, out=None, options):
     return *answer, {"response": samples, "time_s": np.arange(len(samples)) / options["rate"]}
 
 
-def _write_result(argument, options, kind, folder):
-    value = options.get(argument)
-    if isinstance(value, kind):
-        options[argument] = str(pathlib.Path(folder) / f"{argument}.json")
-        pathlib.Path(options[argument]).write_text(json.dumps(value.to_dict()))
-    elif value is not None:
-        options[argument] = checks.document(argument, value)
+def _document(argument, value, kind, folder):
+    """Path of a JSON document; that of a result at hand is written."""
+    if not isinstance(value, kind):
+        return checks.document(argument, value)
+    file = pathlib.Path(folder) / f"{argument}.json"
+    file.write_text(json.dumps(value.to_dict()))
+    return str(file)
 
 
 def _files(argument, value, write=None):
@@ -234,8 +234,9 @@ def update(scene, options, folder=None):
         options["measured"] = _files("measured", options["measured"], lambda name, one: write_modes(name, one, folder))
     for name in {"frf", "decay"} & set(options):
         options[name] = _files(name, options[name])
-    _write_result("stiffness", options, BendingResult, folder)
-    _write_result("axial", options, AxialResult, folder)
+    for name, kind in (("stiffness", BendingResult), ("axial", AxialResult)):
+        if name in options:
+            options[name] = _document(name, options[name], kind, folder)
     *answer, more = _run("update", options, scenes)
     covariance = more["covariance"]
     covariance.setflags(write=False)
@@ -248,16 +249,12 @@ def update(scene, options, folder=None):
 def predict(scene, fit, options=None, folder=None):
     """Modes of another scene with the parameters of a fit, with intervals from their covariance. ``map`` is a dict of the fit's
     names to names here: ``{"cable.EI": "left.EI,right.EI"}``."""
-    options["fit"] = options.pop("from", None)
     if "map" in options:
         if not isinstance(options["map"], Mapping):
             checks.fail("map", f"must be a dict of name to name, not {checks.kind(options['map'])}")
         options["map"] = [f"{checks.text('map', name)}={checks.text(f'map[{name!r}]', target)}"
                           for name, target in options["map"].items()]
-    if options["fit"] is None:
-        checks.fail("fit", "must be a path or an UpdateResult, not None")
-    _write_result("fit", options, UpdateResult, folder)
-    options["from"] = options.pop("fit")
+    options["from"] = _document("fit", fit, UpdateResult, folder)
     _measured(options, folder)
     return _run("predict", options, scene_or_path(scene))
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 import pathlib
 
 from . import _core, checks
-from .described import call, finish, is_path
+from .described import call, is_path, verb
 from .results import SceneFrfs
 
 
@@ -74,31 +74,12 @@ def scene_or_path(scene):
     return Scene(scene)._core
 
 
-def frf_of(scene, frequency_hz, *, segments=None, exponential_window=None):
-    """FRFs of a scene from its loads to its sensors, no mode left out.
-
-    Parameters
-    ----------
-    scene : Scene, path or TOML text
-    frequency_hz : array, shape (lines,)
-        Not negative, Hz.
-    segments : int, optional
-        Of every member, instead of the scene's.
-    exponential_window : float, optional
-        Decay rate of a window that measured FRFs were averaged under, 1/s.
-
-    Returns
-    -------
-    SceneFrfs
-        ``frequency_hz`` and ``H``, complex, shape (lines, sensors, loads), in ``units``; ``sensors``, ``loads``.
-    """
-    options = {}
+@verb("frf_of", SceneFrfs, raw={"frequency_hz": "ArrayLike"}, without=("threads", "seed"))
+def frf_of(scene, frequency_hz, *, options):
+    """FRFs of a scene from its loads to its sensors at lines in Hz, no mode left out: ``H``, complex, shape (lines, sensors, loads),
+    in ``units``."""
     lines = checks.array("frequency_hz", frequency_hz)
     if lines.min() < 0:
         checks.fail("frequency_hz", f"must not be negative, not {lines.min():g}")
-    if segments is not None:
-        options["segments"] = checks.integer("segments", segments, 2, 100000)
-    if exponential_window is not None:
-        options["exponential_window"] = checks.number("exponential_window", exponential_window, 0, 1e6)
     *answer, H = call(_core.frf_of, (scene if isinstance(scene, Scene) else Scene(scene))._core, lines, options)
-    return finish(SceneFrfs, *answer, frequency_hz=lines, H=H)
+    return *answer, {"frequency_hz": lines, "H": H}

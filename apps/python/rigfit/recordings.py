@@ -28,10 +28,7 @@ class Channel:
     """
 
     def __init__(self, fields, fs):
-        self.name, self.unit = fields["name"], fields["unit"]
-        self.source_unit, self.quantity = fields["source_unit"], fields["quantity"]
-        self.data, self.missing_samples = fields["data"], fields["missing_samples"]
-        self.direction, self.fs = fields["direction"], fs
+        self.__dict__.update(fields, fs=fs)
 
     def to_sep005(self):
         """The channel as a dict ``{name, data, fs, unit_str}`` (SDyPy proposal SEP005), data not copied."""
@@ -66,12 +63,7 @@ class Recording(Sequence):
         start = checks.number("start_time_s", start_time_s)
         if isinstance(channels, Mapping):
             channels = [{"name": key, "data": data} for key, data in channels.items()]
-        if isinstance(channels, Channel):
-            channels = [channels]
-        if not isinstance(channels, (list, tuple)):
-            checks.fail("channels", f"must be a list of dicts with name and data, not {checks.kind(channels)}")
-        if not channels:
-            checks.fail("channels", "is empty")
+        channels = checks.sequence("channels", [channels] if isinstance(channels, Channel) else channels)
         if units is not None and not isinstance(units, Mapping):
             checks.fail("units", f"must be a dict of channel name to unit, not {checks.kind(units)}")
         rates, given = set(), []
@@ -95,7 +87,7 @@ class Recording(Sequence):
             data = checks.array(f"channels[{i}].data", channel["data"], missing=True)
             if np.isinf(data).any():
                 checks.fail(f"channels[{i}].data", f"holds {np.isinf(data).sum()} infinite values (missing samples are NaN)")
-            one = {"name": title, "unit": unit.replace("\0", ""), "data": data, "missing": int(np.isnan(data).sum())}
+            one = {"name": title, "unit": unit.replace("\0", ""), "data": data}
             if channel.get("direction") is not None:
                 direction = checks.numbers(f"channels[{i}].direction", channel["direction"])
                 if len(direction) != 3:
@@ -127,8 +119,9 @@ class Recording(Sequence):
     @property
     def time_s(self):
         """Times of the samples, s."""
-        if not self._core.uniform:
-            return self._core.time_s
+        uneven = self._core.time_s
+        if len(uneven):
+            return uneven
         if not self.fs > 0:
             checks.fail("fs", f"{self.name} gives no sample rate")
         return self.start_time_s + np.arange(len(self._channels[0]) if self._channels else 0) / self.fs
@@ -166,7 +159,7 @@ class Recording(Sequence):
 
     def to_frame(self):
         """A pandas.DataFrame, a column a channel over time in s (or over the sample number)."""
-        index = self.time_s if self.fs > 0 or not self._core.uniform else None
+        index = self.time_s if self.fs > 0 or len(self._core.time_s) else None
         return pandas().DataFrame({c.name: c.data for c in self._channels}, index)
 
     def __repr__(self):

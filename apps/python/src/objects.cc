@@ -1,11 +1,11 @@
 // Recordings, FRFs and scenes as Python holds them.
 #include <pybind11/complex.h>
+#include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include <array>
-#include <complex>
-#include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -19,7 +19,7 @@
 #include "model/scene/read_scene.h"
 #include "model/scene/sensor_quantity.h"
 #include "signal/recording/recording.h"
-#include "signal/recording/units.h"
+#include "signal/recording/recording_time.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::python {
@@ -45,55 +45,35 @@ using Shared = std::shared_ptr<signal::Recording>;
 
 /// Samples are views that keep the recording alive.
 py::list channels_of(const Shared& recording) {
+  using namespace py::literals;
   py::list list;
   for (const auto& channel : recording->channels) {
-    const auto& d = channel.direction;
-    py::dict one;
-    one["name"] = channel.name;
-    one["unit"] = channel.unit;
-    one["source_unit"] = channel.source_unit;
-    one["quantity"] = signal::name_of(channel.quantity);
-    one["direction"] = py::make_tuple(d[0], d[1], d[2]);
-    one["missing_samples"] = channel.missing_samples;
-    one["data"] = view<double>(py::cast(recording), channel.samples.data(),
-                               {channel.samples.size()}, {sizeof(double)});
-    list.append(std::move(one));
+    list.append(py::dict("name"_a = channel.name, "unit"_a = channel.unit,
+                         "source_unit"_a = channel.source_unit,
+                         "quantity"_a = signal::name_of(channel.quantity),
+                         "direction"_a = py::tuple(py::cast(channel.direction)),
+                         "missing_samples"_a = channel.missing_samples,
+                         "data"_a = view<double>(py::cast(recording), channel.samples.data(),
+                                                 {channel.samples.size()}, {sizeof(double)})));
   }
   return list;
 }
 
-py::list notes_of(const signal::Recording& recording) {
-  Json list = Json::array();
-  for (const auto& note : recording.notes) {
-    list.push_back({{"code", note.code}, {"message", note.message}, {"where", note.where}});
-  }
-  return to_python(list);
+py::object notes_of(const signal::Recording& recording) {
+  return to_python(describe::json_list(recording.notes, [](const signal::Note& note) {
+    return describe::json_of(apps::Finding{note.code, note.message, note.where});
+  }));
 }
 
 /// A channel in its own unit: a copy of its numbers, in SI.
 void add_channel(signal::Recording& recording, const py::dict& given) {
-  const auto text = given["unit"].cast<std::string>();
-  const auto unit = signal::parse_unit(text);
   signal::Channel channel;
   channel.name = given["name"].cast<std::string>();
-  channel.source_unit = text;
-  channel.missing_samples = given["missing"].cast<long>();
   if (given.contains("direction")) {
     channel.direction = given["direction"].cast<std::array<double, 3>>();
   }
-  const auto array = given["data"].cast<py::array_t<double, py::array::c_style>>();
-  channel.samples = Eigen::Map<const Eigen::VectorXd>(array.data(), array.size());
-  if (unit) {
-    channel.unit = unit->si;
-    channel.quantity = unit->quantity;
-    channel.si_per_source = unit->factor;
-    channel.si_offset = unit->offset;
-    channel.samples = channel.samples.array() * unit->factor + unit->offset;
-  } else if (!text.empty()) {
-    recording.notes.push_back(
-        {"unknown_unit", "unit \"" + text + "\" is not known: its numbers are kept as they are",
-         channel.name});
-  }
+  signal::take_unit(given["unit"].cast<std::string>(), channel, recording.notes);
+  signal::take_samples(given["data"].cast<Eigen::VectorXd>(), channel);
   recording.channels.push_back(std::move(channel));
 }
 
@@ -132,22 +112,26 @@ py::object layers(const SharedFrfs& frfs,
 
 using SharedScene = std::shared_ptr<model::Scene>;
 
-SharedScene parse_scene(const std::string& text, const std::string& name) {
+/// The scene that `make` gives, made without the interpreter's lock.
+SharedScene made(std::function<model::Scene()> make) {
   auto scene = std::make_shared<model::Scene>();
-  run_unlocked([scene, text, name] { *scene = model::parse_scene(text, name); });
+  run_unlocked([scene, make = std::move(make)] { *scene = make(); });
   return scene;
+}
+
+SharedScene parse_scene(const std::string& text, const std::string& name) {
+  return made([=] { return model::parse_scene(text, name); });
 }
 
 SharedScene read_scene(const std::string& path) {
-  auto scene = std::make_shared<model::Scene>();
-  run_unlocked([scene, path] { *scene = model::read_scene(path); });
-  return scene;
+  return made([=] { return model::read_scene(path); });
 }
 
 SharedScene with_parameter(const model::Scene& scene, const std::string& name, double value) {
-  auto changed = std::make_shared<model::Scene>(scene);
-  run_unlocked([changed, name, value] { model::set_parameter(*changed, name, value); });
-  return changed;
+  return made([=, changed = scene]() mutable {
+    model::set_parameter(changed, name, value);
+    return changed;
+  });
 }
 
 py::dict parameters_of(const model::Scene& scene) {
@@ -159,48 +143,41 @@ py::dict parameters_of(const model::Scene& scene) {
 }
 
 /// H: lines x sensors x loads.
-py::tuple frf_of(const SharedScene& scene, const py::array_t<double, py::array::c_style>& lines,
-                 const py::dict& options) {
+py::tuple frf_of(const SharedScene& scene, const Eigen::VectorXd& lines, const py::dict& options) {
   struct State {
-    Eigen::VectorXd frequency_hz;
-    model::ModesOptions modes;
-    double decay_rate_1_s = 0;
+    FrfsOfScene wanted;
     model::SynthesizedFrfs frfs;
   };
   auto state = std::make_shared<State>();
-  state->frequency_hz = Eigen::Map<const Eigen::VectorXd>(lines.data(), lines.size());
-  if (options.contains("segments")) state->modes.segments = options["segments"].cast<int>();
-  if (options.contains("exponential_window")) {
-    state->decay_rate_1_s = options["exponential_window"].cast<double>();
-  }
-  const py::tuple answer = run_work("frf_of", options, [scene, state](apps::VerbContext&) {
-    state->frfs =
-        model::synthesize_frfs(*scene, state->frequency_hz, state->modes, state->decay_rate_1_s);
+  take(options_of(state->wanted), options);
+  const py::tuple answer = run_work("frf_of", options, [scene, state, lines](apps::VerbContext&) {
+    const auto& [modes, decay_rate_1_s] = state->wanted;
+    state->frfs = model::synthesize_frfs(*scene, lines, modes, decay_rate_1_s);
     if (state->frfs.equilibrium.status != model::EquilibriumStatus::converged) {
       throw apps::NotConverged(scene->file + ": " + state->frfs.equilibrium.reason);
     }
-    Json units = Json::array(), sensors = Json::array(), loads = Json::array();
-    for (const auto& sensor : scene->sensors) {
-      sensors.push_back(sensor.name);
-      units.push_back("(" + std::string(model::described(sensor.quantity).unit) + ")/N");
-    }
-    for (const auto& load : scene->loads) loads.push_back(load.name);
-    return Json{{"sensors", std::move(sensors)}, {"loads", std::move(loads)}, {"units", units}};
+    const auto name = [](const auto& one) { return one.name; };
+    const auto unit = [](const model::Sensor& sensor) {
+      return "(" + std::string(model::described(sensor.quantity).unit) + ")/N";
+    };
+    return Json{{"sensors", describe::json_list(scene->sensors, name)},
+                {"loads", describe::json_list(scene->loads, name)},
+                {"units", describe::json_list(scene->sensors, unit)}};
   });
-  const auto sensors = static_cast<py::ssize_t>(scene->sensors.size());
-  const auto loads = static_cast<py::ssize_t>(scene->loads.size());
-  py::array_t<std::complex<double>> H({lines.size(), sensors, loads});
-  auto values = H.mutable_unchecked<3>();
-  for (py::ssize_t k = 0; k < lines.size(); ++k) {
-    for (py::ssize_t s = 0; s < sensors; ++s) {
-      for (py::ssize_t l = 0; l < loads; ++l) {
-        values(k, s, l) = state->frfs.H[static_cast<std::size_t>(k)](s, l);
-      }
-    }
-  }
-  return py::make_tuple(answer[0], answer[1], answer[2], H);
+  return py::tuple(answer +
+                   py::make_tuple(py::module_::import("numpy").attr("array")(state->frfs.H)));
 }
+
 }  // namespace
+
+describe::Options options_of(FrfsOfScene& wanted) {
+  return {describe::option("--segments", wanted.modes.segments,
+                           "Of every member, instead of the scene's")
+              .within(2, 100000),
+          describe::option("--exponential-window", wanted.decay_rate_1_s,
+                           "Decay rate of a window that measured FRFs were averaged under", "1/s")
+              .within(0, 1e6)};
+}
 
 void bind_objects(py::module_& module) {
   py::class_<signal::Recording, Shared>(module, "Recording")
@@ -208,12 +185,7 @@ void bind_objects(py::module_& module) {
       .def_readonly("format", &signal::Recording::format)
       .def_readonly("fs", &signal::Recording::sample_rate_hz)
       .def_readonly("start_time_s", &signal::Recording::start_time_s)
-      .def_property_readonly("uniform",
-                             [](const signal::Recording& r) { return r.time_s.size() == 0; })
-      .def_property_readonly("time_s",
-                             [](const signal::Recording& r) {
-                               return py::array_t<double>(r.time_s.size(), r.time_s.data());
-                             })
+      .def_property_readonly("time_s", [](const signal::Recording& r) { return r.time_s; })
       .def("notes", &notes_of)
       .def("channels", &channels_of);
   module.def("read", &read);
@@ -249,8 +221,6 @@ void bind_objects(py::module_& module) {
           "unit", [](const signal::FrfSet& f) { return f.unit; }, "Of H.");
   py::class_<model::Scene, SharedScene>(module, "Scene")
       .def_readonly("title", &model::Scene::title)
-      .def_readonly("file", &model::Scene::file)
-      .def_readonly("accuracy", &model::Scene::accuracy)
       .def("text", [](const model::Scene& scene) { return model::scene_text(scene); })
       .def("parameters", &parameters_of)
       .def("with_parameter", &with_parameter)
