@@ -107,8 +107,6 @@ std::string ends_text(const Ends& x, std::string_view unit) {
          value_digits(scale * x.high, scale * x.std);
 }
 
-std::string flag_text(bool flag) { return flag ? "yes" : "no"; }
-
 std::string shares_text(const ByName& shares) {
   std::string text;
   for (const auto& [name, share] : shares.all) {

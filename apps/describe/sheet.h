@@ -58,7 +58,6 @@ struct ShownUnit {
 [[nodiscard]] std::string interval_text(const Bounded& x, std::string_view unit);
 /// "204330 to 206040".
 [[nodiscard]] std::string ends_text(const Ends& x, std::string_view unit);
-[[nodiscard]] std::string flag_text(bool flag);
 /// "cable 99 %, beam 1 %".
 [[nodiscard]] std::string shares_text(const ByName& shares);
 /// "EA, N".
@@ -91,7 +90,7 @@ template <class M>
   } else if constexpr (estimate<M>) {
     return with_unit(estimate_text(x.value, x.std, unit));
   } else if constexpr (std::is_same_v<M, bool>) {
-    return flag_text(x);
+    return x ? "yes" : "no";
   } else if constexpr (std::is_same_v<M, ByName>) {
     return shares_text(x);
   } else if constexpr (std::is_floating_point_v<M>) {

@@ -9,8 +9,6 @@
 namespace rigfit::apps {
 namespace {
 
-using Eigen::Index;
-
 /// UFF's direction (1 x, 2 y, 3 z, with sign) of a unit vector along an axis; 0 for any other.
 int uff_direction(const Eigen::Vector3d& direction) {
   for (int k = 0; k < 3; ++k) {
@@ -19,52 +17,48 @@ int uff_direction(const Eigen::Vector3d& direction) {
   return 0;
 }
 
-/// The node of a place; a new one where none is near.
-int node_at(const Eigen::Vector3d& at, std::vector<signal::NodePosition>& nodes) {
-  for (const auto& known : nodes) {
-    if ((Eigen::Vector3d(known.position_m.data()) - at).norm() < 1e-9) return known.node;
-  }
-  nodes.push_back({static_cast<int>(nodes.size()) + 1, {at[0], at[1], at[2]}});
-  return nodes.back().node;
-}
-
-/// Every place of a sensor or load once, numbered in the scene's order.
-std::vector<signal::NodePosition> nodes_of(const model::Scene& scene) {
-  std::vector<signal::NodePosition> nodes;
-  for (const auto& sensor : scene.sensors) node_at(position_of(scene, sensor.place), nodes);
-  for (const auto& load : scene.loads) node_at(position_of(scene, load.place), nodes);
-  return nodes;
+/// The scene's sensors, then its loads, and the nodes of their places: each once, numbered in this
+/// order.
+std::vector<signal::MeasuredPoint> points_of(const model::Scene& scene,
+                                             std::vector<signal::NodePosition>& nodes) {
+  std::vector<signal::MeasuredPoint> points;
+  const auto add = [&](const auto& all) {
+    for (const auto& one : all) {
+      const Eigen::Vector3d at = position_of(scene, one.place);
+      auto node = std::ranges::find_if(nodes, [&](const auto& known) {
+        return (Eigen::Vector3d(known.position_m.data()) - at).norm() < 1e-9;
+      });
+      if (node == nodes.end()) {
+        node = nodes.insert(node, {static_cast<int>(nodes.size()) + 1, {at[0], at[1], at[2]}});
+      }
+      points.push_back({one.name, node->node, uff_direction(one.direction)});
+    }
+  };
+  add(scene.sensors);
+  add(scene.loads);
+  return points;
 }
 
 }  // namespace
 
-std::string file_word(const std::string& label) {
-  std::string word;
-  for (const char c : label) {
-    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-';
-    if (plain) word += c;
-  }
-  return word.empty() ? "state" : word;
+std::string file_word(std::string label) {
+  std::erase_if(label, [](unsigned char c) { return !std::isalnum(c) && c != '.' && c != '-'; });
+  return label.empty() ? "state" : label;
 }
 
 signal::MeasuredPoint uff_point(const model::Scene& scene, const std::string& name,
                                 const std::string& shown_name) {
-  signal::MeasuredPoint point{shown_name, 0, 0};
-  auto nodes = nodes_of(scene);
-  const auto look = [&](const auto& all) {
-    for (const auto& one : all) {
-      if (one.name != name || point.node > 0) continue;
-      point = {shown_name, node_at(position_of(scene, one.place), nodes),
-               uff_direction(one.direction)};
-    }
-  };
-  look(scene.sensors);
-  look(scene.loads);
-  return point;
+  std::vector<signal::NodePosition> nodes;
+  const auto points = points_of(scene, nodes);
+  const auto at = std::ranges::find(points, name, &signal::MeasuredPoint::name);
+  if (at == points.end()) return {shown_name, 0, 0};
+  return {shown_name, at->node, at->direction};
 }
 
 std::string mode_file(const model::Scene* scene, const signal::ModalModel& modes) {
-  return scene ? signal::uff_text(modes, nodes_of(*scene)) : signal::uff_text(modes);
+  std::vector<signal::NodePosition> nodes;
+  if (scene) (void)points_of(*scene, nodes);
+  return signal::uff_text(modes, nodes);
 }
 
 }  // namespace rigfit::apps

@@ -20,7 +20,7 @@ namespace rigfit::apps {
 [[nodiscard]] std::string mode_file(const model::Scene* scene, const signal::ModalModel& modes);
 
 /// A label as a part of a file's name: "200 N" -> "200N".
-[[nodiscard]] std::string file_word(const std::string& label);
+[[nodiscard]] std::string file_word(std::string label);
 
 /// Where a sensor or load of the scene is, m, along straight members.
 [[nodiscard]] inline Eigen::Vector3d position_of(const model::Scene& scene,

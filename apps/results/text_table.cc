@@ -98,9 +98,7 @@ double TextTable::number(const Row& row, const std::string& title) const {
 std::string TextTable::text(const Row& row, const std::string& title) const {
   const auto index = find(title);
   if (index < 0) return {};
-  const auto& cell = row.cells[static_cast<std::size_t>(index)];
-  const auto begin = cell.find_first_not_of(" \t"), end = cell.find_last_not_of(" \t");
-  return begin == std::string::npos ? std::string() : cell.substr(begin, end - begin + 1);
+  return std::string(signal::trim_blanks(row.cells[static_cast<std::size_t>(index)]));
 }
 
 double TextTable::number(const Row& row, std::size_t column) const {

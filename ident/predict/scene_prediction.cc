@@ -343,12 +343,13 @@ std::vector<HeldAgainst> held_against(const ModePrediction& prediction,
     modelled.push_back({mode.frequency_hz.value, mode.mode.plane});
   }
   std::vector<HeldAgainst> all(measured.size());
-  for (std::size_t i = 0; i < measured.size(); ++i) all[i].measured = i;
+  for (std::size_t i = 0; i < measured.size(); ++i) all[i].measured_hz = measured[i].frequency_hz;
   for (const auto& pair : pair_modes(tested, modelled)) {
     auto& one = all[static_cast<std::size_t>(pair.measured)];
     const auto& mode = prediction.modes[static_cast<std::size_t>(pair.model)];
-    const auto& f = measured[static_cast<std::size_t>(pair.measured)].frequency_hz;
+    const auto& f = one.measured_hz;
     one.mode = pair.model;
+    one.predicted_hz = mode.frequency_hz;
     one.relative_error = mode.frequency_hz.value / f.value - 1;
     const double std = std::isfinite(f.std) ? f.std : 0;
     one.standard_units =

@@ -15,8 +15,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -30,6 +30,7 @@
 #include "model/linear/modal_analysis.h"
 #include "model/response/response.h"
 #include "model/scene/scene.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 
@@ -162,16 +163,37 @@ struct ResponsePrediction {
 
 /// A measured frequency compared with a prediction.
 struct HeldAgainst {
-  std::size_t measured = 0;
-  int mode = -1;  ///< index in the prediction; -1: not paired
-  double relative_error =
-      std::numeric_limits<double>::quiet_NaN();  ///< predicted over measured - 1
-  /// Difference over the standard uncertainty of both together.
-  double standard_units = std::numeric_limits<double>::quiet_NaN();
-  bool inside = false;  ///< the measured frequency in the predicted 95 % interval
+  signal::Estimate measured_hz;
+  int mode = -1;  ///< index in the prediction; -1: not paired, and what follows is NaN
+  signal::Estimate predicted_hz{signal::kNaN, signal::kNaN};
+  double relative_error = signal::kNaN;  ///< predicted over measured - 1
+  double standard_units = signal::kNaN;  ///< difference over the std of both together
+  bool inside = false;                   ///< the measured frequency in the predicted 95 % interval
+
+  [[nodiscard]] bool paired() const { return mode >= 0; }
+  [[nodiscard]] int number() const { return mode + 1; }
+  [[nodiscard]] signal::Estimate error() const {
+    const double std = std::isfinite(measured_hz.std) ? measured_hz.std : 0;
+    return {relative_error, std::hypot(std, predicted_hz.std) / measured_hz.value};
+  }
+  static constexpr auto fields() {
+    using T = HeldAgainst;
+    using signal::Estimate, describe::where, describe::within;
+    return std::tuple{field("", &T::measured_hz, "Hz", "measured", ""),
+                      field("", &T::predicted_hz, "Hz", "predicted", ""),
+                      field("measured_hz", within(&T::measured_hz, &Estimate::value)),
+                      field("measured_std_hz", within(&T::measured_hz, &Estimate::std)),
+                      field("mode", where(&T::paired, &T::number)),
+                      field("predicted_hz", within(&T::predicted_hz, &Estimate::value)),
+                      field("", where(&T::paired, &T::error), "%", "error", ""),
+                      field("relative_error", &T::relative_error),
+                      field("standard_units", &T::standard_units, "", "over std", "", 3),
+                      field("inside", where(&T::paired, &T::inside), "", "in 95 %", "")};
+  }
 };
 
-/// Pairs by frequency, and plane where the test names one (mode_assignment.h).
+/// In the order of `measured`. Pairs by frequency, and plane where the test names one
+/// (mode_assignment.h).
 [[nodiscard]] std::vector<HeldAgainst> held_against(const ModePrediction& prediction,
                                                     const std::vector<MeasuredMode>& measured);
 

@@ -36,11 +36,8 @@ void warn_of_mass(const model::Scene& scene, const std::string& file, VerbContex
 
 void add_column(signal::Recording& table, std::string name, const std::string& unit,
                 Eigen::VectorXd samples) {
-  signal::Channel column;
-  column.name = std::move(name);
-  column.unit = column.source_unit = unit;
-  column.samples = std::move(samples);
-  table.channels.push_back(std::move(column));
+  table.channels.push_back(
+      {.name = std::move(name), .unit = unit, .source_unit = unit, .samples = std::move(samples)});
 }
 
 describe::Options options_of(signal::ReadOptions& c) {

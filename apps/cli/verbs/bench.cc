@@ -25,10 +25,8 @@ void print(std::ostream& out, const BenchStudy& study) {
 }
 
 Json run(BenchCommand& options, VerbContext& context) {
-  model::Scene scene = bench_released_cable();
-  if (!options.scene.empty()) {
-    scene = scene_of(options.scene, context);
-  }
+  const model::Scene scene =
+      options.scene.empty() ? bench_released_cable() : scene_of(options.scene, context);
   BenchBudget budget;
   budget.quick = options.quick;
   if (options.quick) budget.repeats = 7, budget.row_s = 0.01;

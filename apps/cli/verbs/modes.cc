@@ -26,12 +26,10 @@ Json run(ModesCommand& options, VerbContext& context) {
   }
   for (const auto& mode : analysis.modes) {
     Json& json = result["modes"].emplace_back(describe::json_of(mode));
-    describe::ByName sensors;
-    for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
-      sensors.all.emplace_back(scene.sensors[s].name,
-                               mode.sensor_shape[static_cast<Eigen::Index>(s)]);
+    json["sensors"] = Json::object();
+    for (Eigen::Index s = 0; s < mode.sensor_shape.size(); ++s) {
+      json["sensors"][scene.sensors[static_cast<std::size_t>(s)].name] = mode.sensor_shape[s];
     }
-    json["sensors"] = describe::json_of(sensors);
     if (options.shapes) json["shape"] = describe::json_of(mode.shape);
   }
   result["relative_error_estimate"] = analysis.relative_error_estimate;

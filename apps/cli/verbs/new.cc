@@ -287,9 +287,6 @@ std::string guessed_campaign(const NewCommand& command, VerbContext& context) {
 }
 
 Json run(NewCommand& command, VerbContext& context) {
-  if (command.example && !command.from.empty()) {
-    throw UsageError("--example and --from: one of the two");
-  }
   std::vector<std::pair<std::string, std::string>> texts;  // name below the folder, content
   if (command.from.empty()) {
     texts = {{"campaign.toml", std::string(assets::new_campaign_toml)},
@@ -323,19 +320,22 @@ describe::Options options_of(NewCommand& c) {
       option("DIR", c.folder, "Folder to make").required(),
       option("--from", c.from, "Recordings, or folders of them, to make a campaign of"),
       option("--example", c.example,
-             "The commented example with published values (also without --from)")};
-  describe::Options said{
-      option("--kind", c.kind, "What the recordings are [guessed]").one_of(kinds_of_tests()),
+             "The commented example with published values (also without --from)")
+          .excludes("--from"),
+      option("--kind", c.kind, "What the recordings are [guessed]")
+          .one_of(kinds_of_tests())
+          .needs("--from"),
       converted(
           "--sensitivity", [&c](const auto& text) { add_sensitivity(text, c); },
           "Of a channel's transducer", describe::Kind::texts)
-          .type("\"CHANNEL=2.27 mV/N\"")};
+          .type("\"CHANNEL=2.27 mV/N\"")
+          .needs("--from")};
   for (const auto& [key, kinds, unit] : kNeeded) {
-    said.push_back(
+    options.push_back(
         option(option_of(key), c.numbers[key], fmt::format("Of tests of kind {}", kinds), unit)
-            .positive());
+            .positive()
+            .needs("--from"));
   }
-  for (auto& one : said) options.push_back(std::move(one).needs("--from"));
   return options;
 }
 

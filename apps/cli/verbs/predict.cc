@@ -68,36 +68,6 @@ std::vector<ident::AddedInput> add_inputs(const model::Scene& scene, const Predi
   return added;
 }
 
-/// A measured frequency beside the prediction; none where the model has none near it.
-struct ComparedMode {
-  signal::Estimate measured, predicted;
-  ident::HeldAgainst found;
-
-  [[nodiscard]] bool paired() const { return found.mode >= 0; }
-  [[nodiscard]] int number() const { return found.mode + 1; }
-  [[nodiscard]] signal::Estimate error() const {
-    const double std = std::hypot(std::isfinite(measured.std) ? measured.std : 0, predicted.std);
-    return {found.relative_error, std / measured.value};
-  }
-  static constexpr auto fields() {
-    using T = ComparedMode;
-    using Found = ident::HeldAgainst;
-    constexpr auto of_pair = [](auto get) { return describe::where(&T::paired, get); };
-    return std::tuple{
-        field("", &T::measured, "Hz", "measured", ""),
-        field("", &T::predicted, "Hz", "predicted", ""),
-        field("measured_hz", describe::within(&T::measured, &signal::Estimate::value)),
-        field("measured_std_hz", describe::within(&T::measured, &signal::Estimate::std)),
-        field("mode", of_pair(&T::number)),
-        field("predicted_hz", describe::within(&T::predicted, &signal::Estimate::value)),
-        field("", of_pair(&T::error), "%", "error", ""),
-        field("relative_error", describe::within(&T::found, &Found::relative_error)),
-        field("standard_units", describe::within(&T::found, &Found::standard_units), "", "over std",
-              "", 3),
-        field("inside", of_pair(describe::within(&T::found, &Found::inside)), "", "in 95 %", "")};
-  }
-};
-
 Json compared_json(const PredictCommand& command, const ident::ModePrediction& prediction,
                    VerbContext& context) {
   std::vector<ident::MeasuredMode> measured;
@@ -105,12 +75,7 @@ Json compared_json(const PredictCommand& command, const ident::ModePrediction& p
                                   prediction.scene, context)) {
     measured.push_back(std::move(row.mode));
   }
-  std::vector<ComparedMode> compared;
-  for (const auto& one : ident::held_against(prediction, measured)) {
-    compared.push_back({measured[one.measured].frequency_hz, {signal::kNaN, signal::kNaN}, one});
-    if (one.mode < 0) continue;
-    compared.back().predicted = prediction.modes[static_cast<std::size_t>(one.mode)].frequency_hz;
-  }
+  const auto compared = ident::held_against(prediction, measured);
   context.out << '\n';
   describe::print(context.out, describe::table_of(compared));
   return describe::json_of(compared);

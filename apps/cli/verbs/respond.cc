@@ -114,7 +114,6 @@ Json run(RespondCommand& options, VerbContext& context) {
         options.scene);
   }
 
-  std::size_t m = 0;
   Json result = describe::json_of(response);
   result["samples"] = response.samples.rows();
   result["sensors"] = describe::json_list(recording_of(scene, response).channels, [](auto& one) {
@@ -125,17 +124,14 @@ Json run(RespondCommand& options, VerbContext& context) {
                 {"max", x.maxCoeff()},
                 {"rms", x.norm() / std::sqrt(x.size())}};
   });
+  Json segments = Json::array();
+  for (std::size_t m = 0; m < response.segments.size(); ++m) {
+    segments.push_back({{"member", response.members[m]}, {"segments", response.segments[m]}});
+  }
   result["modelled"] = {
-      {"motion", response.motion},
-      {"unknowns", response.unknowns},
-      {"segments",
-       describe::json_list(response.segments,
-                           [&](int segments) {
-                             return Json{{"member", response.members[m++]}, {"segments", segments}};
-                           })},
-      {"resolution_error", response.resolution_error},
-      {"kept", response.kept},
-      {"left_out", describe::json_of(response.left_out)}};
+      {"motion", response.motion},       {"unknowns", response.unknowns},
+      {"segments", std::move(segments)}, {"resolution_error", response.resolution_error},
+      {"kept", response.kept},           {"left_out", describe::json_of(response.left_out)}};
   context.out << scene.title << '\n';
   describe::print(context.out, describe::sheet_of(response));
   if (context.plots) context.plots->add(response_plots("response", scene, response));

@@ -70,18 +70,6 @@ void print_update(std::ostream& out, const ident::UpdateResult& result) {
   }
 }
 
-/// The fitted scene of each state, with the segments that its file asks for.
-std::vector<model::Scene> updated_scenes(const UpdateStates& states,
-                                         const ident::UpdateResult& result) {
-  std::vector<model::Scene> scenes = result.scenes;
-  for (std::size_t s = 0; s < scenes.size(); ++s) {
-    for (std::size_t m = 0; m < scenes[s].members.size(); ++m) {
-      scenes[s].members[m].segments = states.segments[s][m];
-    }
-  }
-  return scenes;
-}
-
 /// The files written: of several states FILE-1-100N.toml, by number and tension where they differ.
 Json write_scenes(const UpdateCommand& options, const UpdateStates& states,
                   const std::vector<model::Scene>& scenes, VerbContext& context) {
@@ -205,7 +193,12 @@ Json run(UpdateCommand& options, VerbContext& context) {
   UpdateStates states = read_update_states(options.data, context);
   ident::UpdateResult result;
   Json json = fitted_json(states, options, context, result);
-  const auto scenes = updated_scenes(states, result);
+  auto& scenes = result.scenes;
+  for (std::size_t s = 0; s < scenes.size(); ++s) {
+    for (std::size_t m = 0; m < scenes[s].members.size(); ++m) {
+      scenes[s].members[m].segments = states.segments[s][m];  // as its file asks for
+    }
+  }
   if (context.at_hand) {
     context.at_hand->covariance = result.covariance;
     context.at_hand->fitted_scenes = scenes;
