@@ -32,7 +32,7 @@ int run(int argc, char** argv) {
 
   std::vector<std::string> arguments(argv + 1, argv + argc);
   if (arguments.empty()) {
-    std::cerr << program_help(verbs, text_width());
+    help(verbs, {}, std::cerr);
     return static_cast<int>(ExitCode::wrong_usage);
   }
   const auto asks = [](const std::string& text) { return text == "--help" || text == "-h"; };
@@ -48,7 +48,7 @@ int run(int argc, char** argv) {
   }
   const Verb& verb = verb_named(verbs, word);
   if (std::any_of(arguments.begin(), arguments.end(), asks)) {
-    std::cout << verb_help(verb, text_width());
+    help(verbs, {verb.name}, std::cout);
     return 0;
   }
   parse_options(verb, arguments);

@@ -32,6 +32,33 @@ std::vector<std::string> names_of(const Verbs& verbs) {
   return names;
 }
 
+/// Columns of the terminal that standard output is; 80 elsewhere.
+std::size_t text_width() {
+  winsize size{};
+  const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col >= 40;
+  return known ? size.ws_col : 80;
+}
+
+/// `text` broken at blanks to `width` columns, every line but the first begun with `indent` blanks;
+/// lines that begin with a blank (commands) stay as they are.
+std::string wrapped(const std::string& text, std::size_t indent, std::size_t width) {
+  std::string result;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (!result.empty()) result += '\n';
+    while (line.size() > width && (indent > 0 || !line.starts_with(' '))) {
+      // What stands before the indentation is never parted from its text.
+      std::size_t cut = line.rfind(' ', width);
+      if (cut == std::string::npos || cut <= indent) cut = line.find(' ', indent + 1);
+      if (cut == std::string::npos) break;
+      result += line.substr(0, cut) + '\n';
+      line = std::string(indent, ' ') + line.substr(cut + 1);
+    }
+    result += line;
+  }
+  return result;
+}
+
 bool by_place(const Option& option) { return !option.name.starts_with("--"); }
 
 /// "--length L ...", "FILE ...", "--band X X", "--frame-stiffness X|rigid".
@@ -104,6 +131,19 @@ std::string options_text(const describe::Options& options, bool keys, std::size_
   return text;
 }
 
+std::string program_help(const Verbs& verbs, std::size_t width) {
+  std::string text = wrapped(kDoes, 0, width) + "\n\nUsage: rigfit VERB ...\n\nVerbs:\n";
+  for (const auto& verb : verbs) {
+    text += wrapped(fmt::format("  {:<12}{}", verb.name, verb.does), 14, width) + "\n";
+  }
+  return text + '\n' +
+         wrapped(
+             "rigfit help VERB: options and an example. rigfit help scene|campaign|sidecar: "
+             "every key of these files. rigfit help schema: JSON schema of results.\n",
+             0, width) +
+         "\n";
+}
+
 /// The JSON schema of described results, built from their descriptions; under `$defs` what each
 /// verb of that name gives. A report's document has lists of the same objects by kind of test.
 describe::Json result_schema() {
@@ -171,19 +211,6 @@ const Verb& verb_named(const Verbs& verbs, const std::string& name) {
                                did_you_mean(name, names_of(verbs))));
 }
 
-std::string program_help(const Verbs& verbs, std::size_t width) {
-  std::string text = wrapped(kDoes, 0, width) + "\n\nUsage: rigfit VERB ...\n\nVerbs:\n";
-  for (const auto& verb : verbs) {
-    text += wrapped(fmt::format("  {:<12}{}", verb.name, verb.does), 14, width) + "\n";
-  }
-  return text + '\n' +
-         wrapped(
-             "rigfit help VERB: options and an example. rigfit help scene|campaign|sidecar: "
-             "every key of these files. rigfit help schema: JSON schema of results.\n",
-             0, width) +
-         "\n";
-}
-
 std::string verb_help(const Verb& verb, std::size_t width) {
   std::string usage = "Usage: rigfit " + verb.name;
   for (const auto& option : verb.options) {
@@ -212,30 +239,6 @@ void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::os
     }
     out << verb_help(verb_named(verbs, word), text_width());
   }
-}
-
-std::size_t text_width() {
-  winsize size{};
-  const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col >= 40;
-  return known ? size.ws_col : 80;
-}
-
-std::string wrapped(const std::string& text, std::size_t indent, std::size_t width) {
-  std::string result;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    if (!result.empty()) result += '\n';
-    while (line.size() > width && (indent > 0 || !line.starts_with(' '))) {
-      // What stands before the indentation is never parted from its text.
-      std::size_t cut = line.rfind(' ', width);
-      if (cut == std::string::npos || cut <= indent) cut = line.find(' ', indent + 1);
-      if (cut == std::string::npos) break;
-      result += line.substr(0, cut) + '\n';
-      line = std::string(indent, ' ') + line.substr(cut + 1);
-    }
-    result += line;
-  }
-  return result;
 }
 
 }  // namespace rigfit::apps

@@ -11,16 +11,10 @@
 
 namespace rigfit::apps {
 
-/// Columns of the terminal that standard output is; 80 elsewhere.
-[[nodiscard]] std::size_t text_width();
-/// `text` broken at blanks to `width` columns, every line but the first begun with `indent` blanks;
-/// lines that begin with a blank (commands) stay as they are.
-[[nodiscard]] std::string wrapped(const std::string& text, std::size_t indent, std::size_t width);
-
-[[nodiscard]] std::string program_help(const Verbs& verbs, std::size_t width);
 [[nodiscard]] std::string verb_help(const Verb& verb, std::size_t width);
 
-/// Answers `rigfit help ...` (`arguments`: what stands behind "help"). Throws UsageError.
+/// Answers `rigfit help ...` (`arguments`: what stands behind "help"), as wide as the terminal.
+/// Throws UsageError.
 void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::ostream& out);
 
 /// Every key of a "scene", a "campaign" or a "sidecar", for a terminal: of campaigns from their

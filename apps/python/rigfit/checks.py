@@ -26,8 +26,7 @@ def number(argument, value, low=None, positive=False):
     """A finite float, at least ``low``, above zero where ``positive``."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (_numbers.Real, np.number)) \
-            or isinstance(value, np.complexfloating):
+    if isinstance(value, bool) or not isinstance(value, _numbers.Real):
         fail(argument, f"must be a number, not {kind(value)}")
     try:
         value = float(value)
@@ -104,11 +103,6 @@ def sequence(argument, value):
             fail(argument, "is empty")
         return list(value)
     fail(argument, f"must be one or a list of them, not {kind(value)}")
-
-
-def paths(argument, value):
-    """One path or several."""
-    return [path(argument, one) for one in sequence(argument, value)]
 
 
 def numbers(argument, value, **limits):

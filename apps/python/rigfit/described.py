@@ -21,7 +21,7 @@ _RENAMED = {"from": "fit", "false": "false_mode"}
 _FIRST = {"recordings": ("path, Recording, list of channels, or list of these", "_Sources"),
           "recording": ("path, Recording or list of channels", "_Source"),
           "frfs": ("FrfResult, FrfSet, path of a file of FRFs, or recordings of hits (then with ``force``)", "FrfResult | FrfSet | _Sources"),
-          "scene": ("Scene, path or TOML text, or a list of these", "_SceneLike | Sequence[_SceneLike]"),
+          "scene": ("Scene, path or TOML text, in `update` also a list of these", "_SceneLike | Sequence[_SceneLike]"),
           "campaign": ("path, or (path, path) to be compared", "_Path | Sequence[_Path]")}
 #: Options of the command line that a call has in another way.
 _LEFT_OUT = {"json", "quiet", "verbose"}

@@ -124,10 +124,11 @@ _MODES = "_Path | ModalResult | ArrayLike | Sequence[Any]"
 
 def write_modes(argument, given, folder):
     """Measured modes as a table that the program reads: its path. ``given``: path, ModalResult, frequencies, or dicts."""
+    if is_path(given):
+        return checks.path(argument, given)
     if isinstance(given, ModalResult):
-        rows = [{"frequency_hz": mode["frequency_hz"]["value"], "std": mode["frequency_hz"]["std"],
-                 "damping_ratio": mode["damping_ratio"]["value"], "damping_std": mode["damping_ratio"]["std"]}
-                for mode in given._fields["modes"]]
+        rows = [{"frequency_hz": mode.frequency_hz.value, "std": mode.frequency_hz.std,
+                 "damping_ratio": mode.damping_ratio.value, "damping_std": mode.damping_ratio.std} for mode in given.modes]
     elif isinstance(given, np.ndarray) or (isinstance(given, (list, tuple)) and
                                            not any(isinstance(one, Mapping) for one in given)):
         rows = [{"frequency_hz": f} for f in checks.numbers(argument, given, positive=True)]
@@ -161,17 +162,12 @@ def write_modes(argument, given, folder):
     return str(file)
 
 
-def _measured(options, folder):
-    if "measured" in options:
-        given = options["measured"]
-        options["measured"] = checks.path("measured", given) if is_path(given) else write_modes("measured", given, folder)
-
-
 @verb("tension", TensionResult, raw={"measured": _MODES})
 @_with_folder
 def tension(recordings=None, options=None, folder=None):
     """Tension of a cable, hanger or stay from its natural frequencies: of recordings of its motion, ``frequencies`` or ``measured``."""
-    _measured(options, folder)
+    if "measured" in options:
+        options["measured"] = write_modes("measured", options["measured"], folder)
     return _run("tension", options, None if recordings is None else sources("recordings", recordings))
 
 
@@ -199,14 +195,12 @@ def _document(argument, value, kind, folder):
     return str(file)
 
 
-def _files(argument, value, write=None):
-    """Paths of what may be one or several, files or objects."""
+def _files(argument, value, take=checks.path):
+    """Paths of what may be one or several, files or objects that ``take`` writes."""
     several = list(value) if isinstance(value, (list, tuple)) and value and \
         all(is_path(one) or not isinstance(one, (Mapping, int, float, np.number)) for one in value) else [value]
     named = [argument] if len(several) == 1 else [f"{argument}[{i}]" for i in range(len(several))]
-    if write is None:
-        return [checks.path(name, one) for name, one in zip(named, several)]
-    return [checks.path(name, one) if is_path(one) else write(name, one) for name, one in zip(named, several)]
+    return [take(name, one) for name, one in zip(named, several)]
 
 
 _PATHS = "_Path | Sequence[_Path]"
@@ -255,7 +249,8 @@ def predict(scene, fit, options=None, folder=None):
         options["map"] = [f"{checks.text('map', name)}={checks.text(f'map[{name!r}]', target)}"
                           for name, target in options["map"].items()]
     options["from"] = _document("fit", fit, UpdateResult, folder)
-    _measured(options, folder)
+    if "measured" in options:
+        options["measured"] = write_modes("measured", options["measured"], folder)
     return _run("predict", options, scene_or_path(scene))
 
 
@@ -270,4 +265,4 @@ def synthesize(scene, out, *, options):
 def report(campaign, out, *, options):
     """Everything a campaign names, from recordings to model against test; two campaigns are compared value by value."""
     options["out"] = checks.path("out", options["out"])
-    return _run("report", options, checks.paths("campaign", campaign))
+    return _run("report", options, _files("campaign", campaign))

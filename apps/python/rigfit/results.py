@@ -2,19 +2,23 @@
 
 from collections.abc import Mapping
 import copy
+import importlib
 
 import numpy as np
 
 from .errors import Error
 
 
+def _package(name, use):
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise Error(f"{use} needs the package {name} (Debian: python3-{name})", code="not_installed") from error
+
+
 def pandas():
     """The package, where it is installed."""
-    try:
-        import pandas as package
-    except ImportError as error:
-        raise Error("to_frame() needs pandas (Debian: python3-pandas)", code="not_installed") from error
-    return package
+    return _package("pandas", "to_frame()")
 
 
 class Numbers(np.ndarray):
@@ -134,11 +138,7 @@ class Estimate(Record):
 
     def to_ufloat(self):
         """``uncertainties.ufloat(value, std)``, where that package is installed."""
-        try:
-            import uncertainties
-        except ImportError as error:
-            raise Error("to_ufloat() needs the package uncertainties (Debian: python3-uncertainties)",
-                        code="not_installed") from error
+        uncertainties = _package("uncertainties", "to_ufloat()")
         if self.std is None:
             raise Error("there is no standard uncertainty", code="no_value")
         return uncertainties.ufloat(float(self), self.std)
