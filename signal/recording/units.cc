@@ -58,7 +58,8 @@ constexpr std::string_view kNames =
     "eps=strain|ueps=ustrain|%=0.01 "
     "1|metre=m|meter=m|millimetre=mm|millimeter=mm|centimetre=cm|centimeter=cm|gram=gram|micron=um|"
     "micrometer=um|newton=N|kilonewton=kN|newtonmeter=Nm|volt=V|millivolt=mV|microvolt=uV|second=s|"
-    "msec=ms|millisecond=ms|usec=us|microsecond=us|min=60 s|minute=60 s|h=3600 s|hr=3600 s|"
+    "msec=ms|millis=ms|micros=us|millisecond=ms|usec=us|microsecond=us|min=60 s|minute=60 s|h=3600 "
+    "s|hr=3600 s|"
     "hour=3600 s|hertz=Hz|pascal=Pa|kilopascal=kPa|megapascal=MPa|radian=rad|degree=deg|c=degC|"
     "celsius=degC|centigrade=degC|fahrenheit=degF|kelvin=K|kilogram=kg|joule=J|microstrain=ustrain|"
     "ue=ustrain|g's=g|g0=g|grav=g|gal=0.01 m/s2|mps=m/s|mps2=m/s2|ips=0.0254 m/s|in=0.0254 m|"
@@ -128,6 +129,9 @@ std::string plain(std::string_view text) {
       ((s.front() == '[' && s.back() == ']') || (s.front() == '{' && s.back() == '}') ||
        (s.front() == '(' && s.find(')') == s.size() - 1))) {
     s = trimmed(std::string_view(s).substr(1, s.size() - 2));
+  }
+  for (const char c : {'C', 'F'}) {  // as LabVIEW writes them: "Deg C"
+    if (lower_case(s) == std::string("deg ") + lower_case({&c, 1})) s = std::string("deg") + c;
   }
   for (const char* power : {"**", "^"}) replace_all(s, power, "");
   for (const char* power : {"-1", "-2"}) replace_all(s, "(" + std::string(power) + ")", power);

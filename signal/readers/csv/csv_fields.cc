@@ -56,8 +56,17 @@ std::size_t parse_number(std::string_view text, char decimal, double& value) {
 }
 
 bool parse_whole_number(std::string_view text, char decimal, double& value) {
-  const std::size_t length = parse_number(text, decimal, value);
-  return length > 0 && length == text.size();
+  const std::size_t length = parse_number(text, decimal, value), point = text.find(decimal);
+  if (length == 0 || length == text.size()) return length > 0;
+  // "1,234.5": signs before groups of three digits, where the decimal sign follows.
+  if (point == text.npos || point < length || (point - length) % 4 != 0) return false;
+  std::string joined(text.substr(0, length));
+  for (std::size_t at = length; at < point; at += 4) {
+    if (text[at] != (decimal == '.' ? ',' : '.')) return false;
+    joined += text.substr(at + 1, 3);
+  }
+  joined += text.substr(point);
+  return parse_number(joined, decimal, value) == joined.size();
 }
 
 int printed_decimals(std::string_view text, char decimal) {
@@ -101,7 +110,7 @@ bool is_missing_word(std::string_view field) {
   if (word.front() == '-' || word.front() == '+') word.erase(0, 1);
   static constexpr std::string_view kWords =
       "|nan|na|n/a|#n/a|null|none|nil|inf|infinity|1.#inf|1.#qnan|1.#ind|1.#snan|nan(ind)|"
-      "missing|invalid|ovl|overload|#value!|#div/0!|#num!|#ref!|?|ovr|over|err|";
+      "missing|invalid|ovl|overload|#value!|#div/0!|#num!|#ref!|?|ovr|over|err|\u221E|";
   return is_listed(kWords, word);
 }
 
@@ -131,7 +140,7 @@ bool parse_clock(std::string_view field, double& seconds, int& decimals) {
     a = digits_at(field, at, 4);
   }
   if (a < 0 || a > 999 || sign() != ':') return false;
-  const int hours = a;
+  int hours = a;
   ++at;
   const int minutes = digits_at(field, at, 2);
   if (minutes < 0 || minutes > 59) return false;
@@ -147,7 +156,12 @@ bool parse_clock(std::string_view field, double& seconds, int& decimals) {
       for (++at; is_digit(sign()); ++at, ++decimals, unit /= 10) fraction += unit * (sign() - '0');
     }
   }
-  if (at < field.size() && field[at] != 'Z') return false;
+  const std::string rest = lower_case(trim_blanks(field.substr(at)));
+  if (const bool after_noon = rest == "pm"; after_noon || rest == "am") {
+    hours = hours % 12 + (after_noon ? 12 : 0);
+  } else if (!rest.empty() && field[at] != 'Z') {
+    return false;
+  }
   seconds = day_seconds + 3600.0 * hours + 60.0 * minutes + whole + fraction;
   return true;
 }

@@ -48,7 +48,7 @@ void split_fields(std::string_view line, const CsvDialect& dialect, std::vector<
 /// the range of double gives +-inf (or 0).
 [[nodiscard]] std::size_t parse_number(std::string_view text, char decimal, double& value);
 
-/// The whole of `text` (no blanks around) as a number.
+/// The whole of `text` (no blanks around) as a number, also with its thousands parted ("1,234.5").
 [[nodiscard]] bool parse_whole_number(std::string_view text, char decimal, double& value);
 
 /// Digits behind the decimal sign less the exponent: 3 for "0.250", 7 for "1.50E-5"; the printed

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <regex>
+#include <set>
 #include <utility>
 
 #include "signal/recording/recording_error.h"
@@ -84,8 +85,8 @@ std::vector<Row> rows_of(const std::vector<std::string_view>& sample, const CsvD
   return rows;
 }
 
-/// Rows of the dialect by which most of the lines are rows, and of those the one that reads more of
-/// their text as numbers and leaves less of it as words. Empty: none reads a row.
+/// Rows of the dialect that reads most of the text as numbers and leaves least of it as words, and
+/// of those the one by which most lines are rows. Empty: none reads a row.
 std::vector<Row> rows_of_best_dialect(const std::vector<std::string_view>& sample,
                                       const ReadOptions& options, CsvDialect& best) {
   std::vector<CsvDialect> dialects = {{'\t', '.'}, {'\t', ','}, {';', '.'}, {';', ','},
@@ -103,8 +104,8 @@ std::vector<Row> rows_of_best_dialect(const std::vector<std::string_view>& sampl
     }
     auto rows = rows_of(sample, dialect);
     long worth = 0;
-    for (const auto& row : rows) worth += row.numbers - 2 * row.words;
-    if (std::pair(rows.size(), worth) > std::pair(best_rows.size(), most_worth)) {
+    for (const auto& row : rows) worth += row.numbers - row.words;
+    if (std::pair(worth, rows.size()) > std::pair(most_worth, best_rows.size())) {
       best_rows = std::move(rows);
       most_worth = worth;
       best = dialect;
@@ -124,32 +125,23 @@ std::vector<CsvColumn> columns_of(const std::vector<Row>& rows) {
     const long some = count(FieldKind::number) + count(FieldKind::missing);
     const long clock = count(FieldKind::clock), text = count(FieldKind::text);
     const long all = std::ssize(rows);
-    columns[c].filled = static_cast<double>(some) / static_cast<double>(all);
+    columns[c].filled = static_cast<double>(some + clock) / static_cast<double>(all);
     columns[c].kind = clock > some && clock >= text                ? ColumnKind::clock
                       : some > 0 && (2 * some >= all || text == 0) ? ColumnKind::numbers
                       : text > 0                                   ? ColumnKind::text
                                                                    : ColumnKind::empty;
-  }
-  return columns;
-}
-
-/// Most decimals printed in the last lines of the table that hold a number, in each column.
-void find_decimals(const std::vector<std::string_view>& sample, const char* body,
-                   CsvLayout& layout) {
-  std::vector<long> looked_at(layout.columns.size());
-  for (std::size_t k = sample.size(); k-- > 0 && sample[k].data() >= body;) {
-    const Row row(sample[k], layout.dialect);
-    for (std::size_t c = 0; c < std::min(row.fields.size(), looked_at.size()); ++c) {
+    if (columns[c].kind != ColumnKind::text) continue;
+    for (const auto& row : rows) {
+      double value = 0;
       int decimals = 0;
-      double seconds = 0;
-      const bool is_number = row.kinds[c] == FieldKind::number;
-      if (is_number) decimals = printed_decimals(row.fields[c].text, layout.dialect.decimal);
-      if (!is_number && !parse_clock(row.fields[c].text, seconds, decimals)) continue;
-      int& most = layout.columns[c].decimals;
-      if (looked_at[c] < kLastLines) most = looked_at[c] == 0 ? decimals : std::max(most, decimals);
-      ++looked_at[c];
+      if (row.kind(c) != FieldKind::text) continue;
+      const std::string words(row.fields[c].text.substr(0, 40));
+      if (parse_number(words, '.', value) > 0 && !parse_clock(words + " 0:0", value, decimals)) {
+        columns[c].unread = to_utf8(words);
+      }
     }
   }
+  return columns;
 }
 
 // ---- The comma in a table of whole numbers
@@ -228,20 +220,20 @@ constexpr std::string_view kRateLabels =
 constexpr std::string_view kIntervalLabels =
     "|sampling interval|sample interval|sampling period|sample period|time step|"
     "time increment|dt|delta t|delta x|interval|abtastintervall|messintervall|timestep|"
-    "sampling time|sample time|time interval|delta|";
+    "sampling time|sample time|time interval|delta|increment|x axis delta|sampling interval s|";
 
 /// What a row of the header gives for each column.
 enum RowUse : std::size_t { kUnits, kRanges, kCoefficients, kNumbers, kNames, kUses };
 /// The labels in front of rows, by their use.
 constexpr std::array<std::string_view, kUses> kRowLabels = {
     "|unit|units|eu|einheit|y unit label|channel unit|channel units|unité|eng unit|"
-    "engineering units|engineering unit|unit label|",
+    "engineering units|engineering unit|unit label|vertical units|y axis unit|sequence|ts|",
     "|range|full scale|input range|messbereich|measuring range|", "|calibration coefficient|",
     "|ch no|channel no|channel number|ch|ch number|kanal|no|",
     "|ch name|channel name|channel names|name|names|signal|signals|label|labels|sensor|"
-    "sensors|signal name|kanalname|channel|channels|"};
+    "sensors|signal name|kanalname|channel|channels|headers|"};
 
-bool is_comment_sign(char c) { return c == '#' || c == '%' || c == '!'; }
+bool is_comment_sign(char c) { return c == '#' || c == '%' || c == '!' || c == ';'; }
 
 /// Titles above a table parted by blanks, which may hold blanks themselves: parted by tabs, by two
 /// blanks or more, by a sign, or by blanks that stand before no unit in brackets, whichever gives
@@ -317,16 +309,33 @@ double rate_of(const std::string& label, double number, const std::string& unit_
 void find_rate(const std::vector<std::string_view>& lines, CsvLayout& layout) {
   static const std::regex kStated(
       R"((?:^|[\t;,:="#%])\s*([a-z][^\t;,:="#%0-9([]*?)\s*(?:[([]([^)\]]*)[)\]])?)"  // label, unit
-      R"((["\s:;,=#%]+)((?:\d+[.,]?\d*|[.,]\d+)(?:e[+-]?\d+)?)(?![.\d]))"            // number
+      R"((["\s:;,=#%]+)((?:\d+(?:\.\d*|,\d+)?|[.,]\d+)(?:e[+-]?\d+)?)(?![.\d]))"     // number
       R"(\s*([^\s;,"0-9][^;,"]*)?)",                                                 // unit
       std::regex::icase);
+  const auto found = [&](double rate, std::size_t k) {
+    layout.stated_rate_hz = rate;
+    layout.rate_line = static_cast<long>(k) + 1;
+    layout.rate_text = to_utf8(lines[k].substr(0, 80));
+  };
   for (std::size_t k = 0; k < lines.size(); ++k) {
+    // "Increment" above its number.
+    const Row labels(lines[k], layout.dialect),
+        below(k + 1 < lines.size() ? lines[k + 1] : "", layout.dialect);
+    for (std::size_t c = 0; c < std::min(labels.fields.size(), below.fields.size()); ++c) {
+      double step = 0;
+      if (labels.kinds[c] != FieldKind::text ||
+          !parse_whole_number(below.fields[c].text, layout.dialect.decimal, step)) {
+        continue;
+      }
+      const double rate = rate_of(normal_label(labels.fields[c].text), step, "");
+      if (rate > 0) return found(rate, k + 1);
+    }
     const std::string line(lines[k].substr(0, kLongestMatched));
     for (std::sregex_iterator one(line.begin(), line.end(), kStated), end; one != end; ++one) {
-      const std::smatch& found = *one;
+      const std::smatch& match = *one;
       double value = 0;
-      const std::string between = found[3], unit = found[found[5].length() > 0 ? 5 : 2];
-      std::string digits = found[4];
+      const std::string between = match[3], unit = match[match[5].length() > 0 ? 5 : 2];
+      std::string digits = match[4];
       // A comma is a decimal sign unless it parts the fields of this line.
       if (layout.dialect.separator == ',' && between.find(',') != std::string::npos) {
         digits.resize(std::min(digits.find(','), digits.size()));
@@ -335,12 +344,8 @@ void find_rate(const std::vector<std::string_view>& lines, CsvLayout& layout) {
         continue;
       }
       const double rate =
-          rate_of(normal_label(found[1].str()), value, std::string(trim_blanks(unit)));
-      if (rate == 0) continue;
-      layout.stated_rate_hz = rate;
-      layout.rate_line = static_cast<long>(k) + 1;
-      layout.rate_text = to_utf8(line.substr(0, 80));
-      return;
+          rate_of(normal_label(match[1].str()), value, std::string(trim_blanks(unit)));
+      if (rate > 0) return found(rate, k);
     }
   }
 }
@@ -369,14 +374,16 @@ class HeaderReader {
 
   void read_line(std::string_view line) {
     Fields row = Row(trim_blanks(line), layout_.dialect).fields;
-    if (!row.empty() && !row[0].text.empty() && is_comment_sign(row[0].text[0])) {
-      // A comment sign in front of the titles is not part of the first.
+    const bool by_blanks = layout_.dialect.separator == ' ';
+    if (!row.empty() && row[0].text.size() > (by_blanks ? 0 : 1) &&
+        is_comment_sign(row[0].text[0])) {
+      // A comment sign in front of the titles is not part of the first; "%" alone is a unit.
       row[0].text = trim_blanks(row[0].text.substr(1));
-      if (row[0].text.empty() && layout_.dialect.separator == ' ') row.erase(row.begin());
+      if (row[0].text.empty()) row.erase(row.begin());
     }
     drop_empty_end(row);
     if (row.empty()) return;
-    bool unmatched = layout_.dialect.separator == ' ' && columns_ > 1 && row.size() != columns_;
+    bool unmatched = by_blanks && columns_ > 1 && row.size() != columns_;
     if (unmatched) {
       auto titles = titles_with_blanks(line, columns_);
       unmatched = titles.empty();
@@ -386,7 +393,7 @@ class HeaderReader {
     if (const auto sign = line.find_first_of(";:=,\t"); sign != line.npos && columns_ != 2) {
       const auto value = trim_quotes(trim_blanks(line.substr(sign + 1)));
       if (is_listed(kRowLabels[kUnits], normal_label(line.substr(0, sign))) &&
-          is_unit_text(value)) {
+          value.find(layout_.dialect.separator) == value.npos && is_unit_text(value)) {
         if (common_unit_.empty()) common_unit_ = bare_unit(value);
         return;
       }
@@ -411,10 +418,18 @@ class HeaderReader {
           (titles && words + figures <= 1 && columns_ > 2)) {
         continue;
       }
-      return copy(row, 1, use);
+      // ";Headers, time, Ax": a label beside as many names as there are columns.
+      const bool beside = titles && row.size() == columns_ + 1;
+      if (beside) row.erase(row.begin());
+      return copy(row, beside ? 0 : 1, use);
     }
     // A line without a label: titles, or units where every field is one.
     if (2 * words < data_columns || words < figures || words == 0) return;
+    // "Y-Axis Unit: m" is no row of titles.
+    const auto is_label = [](const CsvField& field) {
+      return field.text.ends_with(':') || field.text.ends_with('=');
+    };
+    if (row.size() > 1 && is_label(row[0]) && !is_label(row[1])) return;
     const bool only_units = unit_words == filled;
     const bool untitled = !have_[kNames] && layout_.unmatched_titles.empty();
     if (unmatched) {
@@ -423,8 +438,15 @@ class HeaderReader {
       }
     } else if (only_units && !have_[kUnits]) {
       copy(row, 0, kUnits);
-    } else if (untitled && !have_[kNumbers]) {
+    } else if ((untitled || same_names_) && !have_[kNumbers]) {
+      // "Smp", "Smp" tells columns apart only where no row above does.
+      std::set<std::string_view> names;
+      for (std::size_t c = 0; c < columns_ && c < row.size(); ++c) names.insert(row[c].text);
+      const bool same = names.size() < columns_ && line.find_first_of("([") == line.npos;
+      if (!untitled && names.size() < columns_) return;
       layout_.more_titles = row.size() > columns_;
+      same_names_ = same;
+      have_[kNames] = false;
       copy(row, 0, kNames);
     }
   }
@@ -448,6 +470,10 @@ class HeaderReader {
       const bool may_be_time = c == 0 && columns_ > 1 && name.empty();
       const bool takes_common = !may_be_time && !is_time_name(name);
       if (!given_[kUnits][c].empty()) unit = given_[kUnits][c];
+      if (unit.empty() && is_time_name(name)) {  // "millis" and "ms" name their unit
+        const auto parsed = parse_unit(name);
+        if (parsed && parsed->quantity == Quantity::time) unit = name;
+      }
       column.unit = unit.empty() && takes_common ? common_unit_ : unit;
       column.name = std::move(name);
     }
@@ -459,6 +485,7 @@ class HeaderReader {
   std::array<bool, kUses> have_{};
   std::array<std::vector<std::string>, kUses> given_;
   std::string common_unit_;
+  bool same_names_ = false;
 };
 
 /// Whether the line is one of numbers, as the columns hold them.
@@ -491,7 +518,7 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
   };
   const std::vector<std::string_view> sample = sample_lines(bytes);
   CsvLayout layout;
-  const std::vector<Row> rows = rows_of_best_dialect(sample, options, layout.dialect);
+  std::vector<Row> rows = rows_of_best_dialect(sample, options, layout.dialect);
   if (rows.empty()) throw no_table("no table of numbers in this text");
   layout.columns = columns_of(rows);
 
@@ -516,12 +543,15 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
   }
   if (count == 0) throw no_table("no lines of numbers that follow each other");
   header.resize(header_size);
+  // What the columns hold, lines of the header that look like rows do not say.
+  rows = rows_of(sample_lines(bytes.substr(layout.body)), layout.dialect);
+  layout.columns = columns_of(rows);
   layout.body_line = static_cast<long>(header_size) + 1;
   if (layout.dialect.separator == ',' && layout.dialect.decimal == '.' && options.decimal == 0 &&
       options.separator == 0 && has_decimal_commas(rows, header, file, layout.dialect)) {
     return find_csv_layout(bytes, file, {.decimal = ',', .separator = ';'});
   }
-  find_decimals(sample, bytes.data() + layout.body, layout);
+  find_csv_decimals(bytes, layout);
   for (const auto& line : header) {
     if (layout.heading.size() < 4096) layout.heading += lower_case(to_utf8(line)) + '\n';
   }
@@ -531,7 +561,21 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
 }
 
 void find_csv_decimals(std::string_view bytes, CsvLayout& layout) {
-  find_decimals(sample_lines(bytes.substr(layout.body)), bytes.data() + layout.body, layout);
+  const std::vector<std::string_view> sample = sample_lines(bytes.substr(layout.body));
+  std::vector<long> looked_at(layout.columns.size());
+  for (std::size_t k = sample.size(); k-- > 0;) {
+    const Row row(sample[k], layout.dialect);
+    for (std::size_t c = 0; c < std::min(row.fields.size(), looked_at.size()); ++c) {
+      int decimals = 0;
+      double seconds = 0;
+      const bool is_number = row.kinds[c] == FieldKind::number;
+      if (is_number) decimals = printed_decimals(row.fields[c].text, layout.dialect.decimal);
+      if (!is_number && !parse_clock(row.fields[c].text, seconds, decimals)) continue;
+      int& most = layout.columns[c].decimals;
+      if (looked_at[c] < kLastLines) most = looked_at[c] == 0 ? decimals : std::max(most, decimals);
+      ++looked_at[c];
+    }
+  }
 }
 
 bool is_time_name(const std::string& name) {
@@ -539,7 +583,8 @@ bool is_time_name(const std::string& name) {
   static constexpr std::string_view kWords =
       "|t|time|zeit|temps|tiempo|tempo|tid|sec|secs|second|seconds|s|ms|msec|elapsed|"
       "timestamp|clock|uhrzeit|datetime|date/time|date time|x_value|x value|time_s|"
-      "elapsed time|t_s|relative time|time stamp|rel time|time_ms|";
+      "elapsed time|t_s|relative time|time stamp|rel time|time_ms|millis|micros|milliseconds|"
+      "microseconds|";
   static constexpr std::array<std::string_view, 4> kStems = {"time", "zeit", "elapsed",
                                                              "timestamp"};
   const bool begins_so =

@@ -32,6 +32,8 @@ struct CsvColumn {
   /// Most digits behind the decimal sign in the last lines looked at that hold a number; 400: none.
   int decimals = 400;
 
+  std::string unread{};  ///< a text of it that begins as a number, UTF-8; empty: none
+
   [[nodiscard]] bool has_data() const {
     return kind == ColumnKind::numbers || kind == ColumnKind::clock;
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 #include <utility>
 
 #include "signal/numerics/numbers.h"
@@ -217,6 +218,41 @@ void note_body(const CsvBody& body, std::vector<Note>& notes) {
   note(body.empty_rows_at_end, "left_out", "{} rows without any number at the end left out");
 }
 
+/// Joins a series that is written several values a line, as the number of them shows which the
+/// header states, or their duration beside a rate ("NPTS= 4000" above lines of five).
+bool join_lines(CsvTable& table, CsvBody& body) {
+  CsvLayout& layout = table.layout;
+  const auto width = std::ssize(body.columns);
+  const auto is_short = [&](const auto& column) { return column.size() != body.rows; };
+  if (layout.dialect.separator != ' ' || width < 2 || std::ranges::any_of(body.columns, is_short)) {
+    return false;
+  }
+  Eigen::VectorXd series(width * body.rows);
+  for (Eigen::Index c = 0; c < width; ++c) {
+    series(Eigen::seqN(c, body.rows, width)) = body.columns[static_cast<std::size_t>(c)];
+  }
+  Eigen::Index size = series.size();
+  while (std::isnan(series[size - 1])) --size;
+  static const std::regex kNumber(R"(\d*\.?\d+)");
+  const std::sregex_iterator first(layout.heading.begin(), layout.heading.end(), kNumber), end;
+  const bool stated = std::any_of(first, end, [&](const std::smatch& number) {
+    double value = 0;
+    return parse_whole_number(number.str(), '.', value) &&
+           (value == size || value * layout.stated_rate_hz == size);
+  });
+  if (!stated) return false;
+  add_note(table.notes, "read_as", "",
+           "lines of {} values are joined to one series of {}, as the header states", width, size);
+  layout.unmatched_titles.clear();
+  layout.has_names = false;
+  layout.columns.resize(1);
+  layout.columns[0].name.clear();
+  layout.columns[0].unit.clear();
+  body.columns = {series.head(size)};
+  body.short_rows = 0;
+  return true;
+}
+
 }  // namespace
 
 CsvBody parse_csv_body(std::string_view bytes, const CsvLayout& layout,
@@ -265,20 +301,21 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
   table.file = file;
   table.layout = find_csv_layout(bytes, file, options);
   const CsvLayout& layout = table.layout;
-  const std::size_t n = layout.columns.size();
-  std::vector<bool> wanted(n, false);
-  for (std::size_t c = 0; c < n; ++c) {
-    const CsvColumn& column = layout.columns[c];
+  std::vector<bool> wanted;
+  for (const CsvColumn& column : layout.columns) {
     const bool named = !column.name.empty();
     // Without a name among named ones, and mostly empty: somebody's side calculation.
-    wanted[c] = column.has_data() ? named || !layout.has_names || column.filled >= 0.5
-                                  : named && column.kind == ColumnKind::empty;
+    wanted.push_back(column.has_data()
+                         ? named || !layout.has_names || column.filled >= 0.5
+                         : named && column.kind == ColumnKind::empty && !layout.more_titles);
   }
   CsvBody body = parse_csv_body(bytes, layout, wanted, file, options.done_with);
   if (body.rows == 0) {
     throw RecordingError({file, layout.body_line, 0, "", ""}, "the table holds no numbers",
                          "check the recording");
   }
+  if (join_lines(table, body)) wanted = {true};
+  const std::size_t n = layout.columns.size();
 
   if (!layout.unmatched_titles.empty()) {
     add_note(table.notes, "titles_not_matched", "",
@@ -289,11 +326,15 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
   std::vector<std::size_t> unnamed;
   for (std::size_t c = 0; c < n; ++c) {
     if (wanted[c]) continue;
-    if (layout.columns[c].name.empty()) {
+    const CsvColumn& column = layout.columns[c];
+    if (!column.unread.empty()) {
+      add_note(table.notes, "data_left_out", column.name,
+               "column {} is left out: \"{}\" is no number; rewrite or part it if it holds data",
+               c + 1, column.unread);
+    } else if (column.name.empty()) {
       unnamed.push_back(c + 1);
     } else {
-      add_note(table.notes, "left_out", layout.columns[c].name, "left out: words in column {}",
-               c + 1);
+      add_note(table.notes, "left_out", column.name, "left out: words in column {}", c + 1);
     }
   }
   if (!unnamed.empty()) {

@@ -20,7 +20,7 @@ namespace {
 bool is_index_name(const std::string& name) {
   static constexpr std::string_view kWords =
       "|sample|samples|index|no|no.|nr|nr.|#|n|scan|point|row|record|sample no|sample no.|"
-      "sample number|count|";
+      "sample number|count|packetcounter|";
   return is_listed(kWords, lower_case(name));
 }
 
@@ -78,23 +78,35 @@ class TimeTaker {
       if (kind(k) == ColumnKind::clock || (named && kind(k) != ColumnKind::empty)) time_ = k;
     }
     refuse_shifted_titles();
-    if (time_ || table_.channels.size() < 2) return;
-    const Channel& first = table_.channels[0];
-    const bool unnamed = table_.columns[0].name.empty() && table_.places[0] == 0;
+    const std::size_t channels = table_.channels.size();
+    if (channels < 2) return;
+    const auto unnamed = [&](std::size_t k) {
+      return table_.columns[k].name.empty() && (!layout_.has_names || table_.places[k] == k);
+    };
+    const auto counts = [&](std::size_t k) { return counts_samples(table_.channels[k].samples); };
+    std::size_t at = 0;
+    const std::string& first = table_.channels[0].name;
+    const bool is_x = lower_case(first) == "x" && table_.channels[0].samples.size() >= kLeastTimes;
+    if (time_ != 0 && (unnamed(0) || is_index_name(first) || is_x) && counts(0)) {
+      left_out_.push_back(at++);
+      add_note(recording_.notes, "left_out", first, "ignored: it is a row counter");
+    }
+    if (time_ || at + 1 >= channels) return;
     const bool given = options_.time_unit_s > 0;
-    if ((unnamed || is_index_name(first.name)) && counts_samples(first.samples)) {
-      left_out_.push_back(0);
-      add_note(recording_.notes, "left_out", first.name, "ignored: it is a row counter");
-    } else if ((unnamed || first.quantity == Quantity::time) && (given || rises_evenly(0))) {
-      time_ = 0;
-      if (!first.source_unit.empty() || layout_.has_names) return;
-      add_note(recording_.notes, "read_as", "", "column 1 {}",
+    for (std::size_t k = at; k < channels && !time_; ++k) {
+      const bool is_time = table_.channels[k].quantity == Quantity::time;
+      if ((is_time || (k == at && unnamed(k))) && ((given && k == 0) || rises_evenly(k))) time_ = k;
+    }
+    const Channel& channel = table_.channels[time_.value_or(at)];
+    if (time_) {
+      if (!channel.source_unit.empty() || layout_.has_names) return;
+      add_note(recording_.notes, "read_as", "", "column {} {}", table_.places[*time_] + 1,
                given ? "is taken as time in the unit given"
                      : "rises in equal steps: taken as time in seconds");
-    } else if (unnamed && first.samples.size() > 2 && first.samples.allFinite() &&
-               steps_of(first.samples).minCoeff() > 0) {
+    } else if (at == 0 && unnamed(0) && channel.samples.size() > 2 && channel.samples.allFinite() &&
+               steps_of(channel.samples).minCoeff() > 0) {
       add_note(
-          recording_.notes, "assumed", first.name,
+          recording_.notes, "assumed", channel.name,
           "Give titles or --time-unit s if column 1 is time: it rises but has no title, and is "
           "kept as a channel (loads, masses?)");
     }
@@ -151,15 +163,18 @@ class TimeTaker {
       // The unit in which the times give the stated rate.
       constexpr std::pair<double, const char*> kUnits[] = {
           {1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}, {60, "min"}};
+      // Since 1970, by clocks of the years 2001 to 2286.
+      const bool is_epoch = axis.start_s > 1e12;
       const auto* const unit = std::ranges::find_if(kUnits, [&](const auto& one) {
-        return std::abs(axis.rate_hz / one.first / layout_.stated_rate_hz - 1) < 1e-2;
+        const double start_s = axis.start_s * one.first;
+        return is_epoch ? start_s > 1e9 && start_s < 1e10
+                        : std::abs(axis.rate_hz / one.first / layout_.stated_rate_hz - 1) < 1e-2;
       });
       if (unit != std::end(kUnits)) {
         axis = axis_in(unit->first);
         add_note(recording_.notes, "assumed", column.name,
-                 "the times have no unit; in {} they give the rate that the header "
-                 "states: so taken",
-                 unit->second);
+                 "the times have no unit; in {} they {}: so taken", unit->second,
+                 is_epoch ? "count from 1970" : "give the rate that the header states");
       } else if (decimals <= 0 && column.samples.size() >= 20 && axis.rate_hz <= 1) {
         // Whole numbers in steps of one or more are seldom seconds.
         const auto& [seconds, name] = kUnits[axis.rate_hz >= 0.01 ? 0 : 1];

@@ -76,7 +76,7 @@ TEST(Units, TemperaturesHaveAnOffset) {
   for (const char* text : {"degC", "\u00B0C",
                            "\xB0"
                            "C",
-                           "Celsius", "\u2103"}) {
+                           "Celsius", "Deg C", "\u2103"}) {
     const auto unit = parse_unit(text);
     ASSERT_TRUE(unit) << text;
     EXPECT_EQ(unit->offset, 273.15) << text;
