@@ -18,8 +18,8 @@ void take_stated_rate(double rate_hz, Recording& recording) {
   recording.sample_rate_hz = rate_hz > 0 ? rate_hz : of_file;
   if (!(recording.sample_rate_hz > 0)) {
     add_note(recording.notes, "no_sample_rate", "",
-             "neither times nor a sample rate in the file: give the rate (option "
-             "or sample_rate_hz in the TOML file beside the recording)");
+             "neither times nor a sample rate in the file: give it (--sample-rate, or "
+             "sample_rate_hz in the TOML file beside the recording)");
   }
   if (!(rate_hz > 0)) return;
   recording.sample_rate_relative_std = 0;

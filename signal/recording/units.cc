@@ -122,16 +122,14 @@ std::string plain(std::string_view text) {
                                        {"\u2013", "-"},        {"\u00B9", "1"},
                                        {"\u00B2", "2"},        {"\u00B3", "3"},
                                        {"\u2044", "/"},        {"/s\uFFFD", "/s2"},
-                                       {"/s?", "/s2"}}) {
+                                       {"/s?", "/s2"},         {"eg C", "egC"},
+                                       {"eg F", "egF"}}) {
     replace_all(s, written, meant);
   }
   if (s.size() >= 2 &&
       ((s.front() == '[' && s.back() == ']') || (s.front() == '{' && s.back() == '}') ||
        (s.front() == '(' && s.find(')') == s.size() - 1))) {
     s = trimmed(std::string_view(s).substr(1, s.size() - 2));
-  }
-  for (const char c : {'C', 'F'}) {  // as LabVIEW writes them: "Deg C"
-    if (lower_case(s) == std::string("deg ") + lower_case({&c, 1})) s = std::string("deg") + c;
   }
   for (const char* power : {"**", "^"}) replace_all(s, power, "");
   for (const char* power : {"-1", "-2"}) replace_all(s, "(" + std::string(power) + ")", power);

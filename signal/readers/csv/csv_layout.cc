@@ -319,8 +319,9 @@ void find_rate(const std::vector<std::string_view>& lines, CsvLayout& layout) {
   };
   for (std::size_t k = 0; k < lines.size(); ++k) {
     // "Increment" above its number.
-    const Row labels(lines[k], layout.dialect),
-        below(k + 1 < lines.size() ? lines[k + 1] : "", layout.dialect);
+    const auto line_at = [&](std::size_t at) { return lines[at].substr(0, kLongestMatched); };
+    const Row labels(line_at(k), layout.dialect);
+    const Row below(line_at(std::min(k + 1, lines.size() - 1)), layout.dialect);
     for (std::size_t c = 0; c < std::min(labels.fields.size(), below.fields.size()); ++c) {
       double step = 0;
       if (labels.kinds[c] != FieldKind::text ||
@@ -330,7 +331,7 @@ void find_rate(const std::vector<std::string_view>& lines, CsvLayout& layout) {
       const double rate = rate_of(normal_label(labels.fields[c].text), step, "");
       if (rate > 0) return found(rate, k + 1);
     }
-    const std::string line(lines[k].substr(0, kLongestMatched));
+    const std::string line(line_at(k));
     for (std::sregex_iterator one(line.begin(), line.end(), kStated), end; one != end; ++one) {
       const std::smatch& match = *one;
       double value = 0;
@@ -415,7 +416,8 @@ class HeaderReader {
       // A label in front of names stands above the times: it names that column only if it is one.
       const bool titles = use == kNumbers || use == kNames;
       if (label.empty() || !is_listed(kRowLabels[use], label) ||
-          (titles && words + figures <= 1 && columns_ > 2)) {
+          (titles && words + figures <= 1 && columns_ > 2) ||
+          (is_listed("|sequence|ts|", label) && unit_words == 0)) {
         continue;
       }
       // ";Headers, time, Ax": a label beside as many names as there are columns.
@@ -441,11 +443,13 @@ class HeaderReader {
     } else if ((untitled || same_names_) && !have_[kNumbers]) {
       // "Smp", "Smp" tells columns apart only where no row above does.
       std::set<std::string_view> names;
-      for (std::size_t c = 0; c < columns_ && c < row.size(); ++c) names.insert(row[c].text);
-      const bool same = names.size() < columns_ && line.find_first_of("([") == line.npos;
-      if (!untitled && names.size() < columns_) return;
+      for (std::size_t c = 0; c < std::min(columns_, row.size()); ++c) {
+        if (layout_.columns[c].has_data() && !row[c].text.empty()) names.insert(row[c].text);
+      }
+      const bool same = std::ssize(names) < filled;
+      if (!untitled && (same || filled < data_columns)) return;
       layout_.more_titles = row.size() > columns_;
-      same_names_ = same;
+      same_names_ = same && line.find_first_of("([") == line.npos;
       have_[kNames] = false;
       copy(row, 0, kNames);
     }

@@ -145,6 +145,9 @@ TEST(Headers, RepeatedTitlesGiveWayToTheOnesAbove) {
       "\"TS\",\"RN\",\"g\",\"g\"\n\"\",\"\",\"Smp\",\"Smp\"\n";
   text += lines("\"2021-05-06 12:01:{1:05.2f}\",10{0:02},{2:.4f},{2:.3f}", 0.02);
   expect_channels(read(text), {"RECORD", "Ax", "Ay"}, {"", "m/s^2", "m/s^2"}, 50);
+  // A row that begins like the one of units is one of titles where it holds none.
+  expect_channels(read("Sequence,Load,Way\n" + lines("{0},{2:.4f},{2:.3f}")),
+                  {"Sequence", "Load", "Way"}, {"", "", ""}, 0);
   // With a unit each they are the channels' own.
   expect_channels(read("P 1,P 2,P 3\nTime [s],A [g],A [g]\n" + lines("{1:.3f},{2:.4f},{2:.3f}")),
                   {"A", "A_2"}, {"m/s^2", "m/s^2"}, 100);
