@@ -21,12 +21,6 @@ void solve(MotionModes& motion, int count) {
   motion.complete = pairs.complete;
 }
 
-std::optional<Motion> only_motion(const ModesOptions& options) {
-  if (options.plane == ModePlane::in) return Motion::in_plane;
-  if (options.plane == ModePlane::out) return Motion::out_of_plane;
-  return std::nullopt;
-}
-
 }  // namespace
 
 double ChainModes::frequency_hz(std::size_t i) const {
@@ -94,10 +88,11 @@ ChainModes find_chain_modes(const Scene& scene, const ModesOptions& options,
     }
   } else if (out.motions.size() == 1) {
     solve(out.motions[0], options.count);
-  } else if (const auto only = only_motion(options)) {
+  } else if (options.by_plane) {
     for (MotionModes& motion : out.motions) {
-      if (motion.motion == *only) {
-        solve(motion, options.count);
+      const int count = (*options.by_plane)[motion.motion == Motion::in_plane ? 0 : 1];
+      if (count > 0) {
+        solve(motion, count);
       } else {
         motion.shapes.resize(motion.assembly->size(), 0);
         motion.complete = true;
@@ -138,8 +133,9 @@ ChainModes find_chain_modes(const Scene& scene, const ModesOptions& options,
                      return out.motions[std::size_t(a.motion)].omega2[a.mode] <
                             out.motions[std::size_t(b.motion)].omega2[b.mode];
                    });
-  if (!options.band_hz && out.order.size() > static_cast<std::size_t>(options.count)) {
-    out.order.resize(static_cast<std::size_t>(options.count));
+  const bool by_plane = options.by_plane && out.motions.size() > 1;
+  if (!options.band_hz && !by_plane) {
+    out.order.resize(std::min(out.order.size(), static_cast<std::size_t>(options.count)));
   }
   return out;
 }

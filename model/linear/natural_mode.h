@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -75,9 +76,9 @@ struct ModesOptions {
   bool damped = true;          ///< also compute damping ratios
   bool shapes = true;          ///< false: frequencies, planes and sensors only
   bool error_estimate = true;  ///< solves two finer chains as well, for 3.5 times the time
-  /// `in` or `out`: only the motion in or out of the plane of symmetry, where the scene has one;
-  /// `count` then refers to its modes. Other values: both.
-  std::optional<ModePlane> plane;
+  /// In place of `count`, where the scene has a plane of symmetry: modes of the motion in it and of
+  /// that out of it.
+  std::optional<std::array<int, 2>> by_plane;
   std::optional<int> segments;  ///< overrides every member's number
   /// Relative accuracy of frequencies, which are extrapolated to vanishing segments; numbers of
   /// segments are then ignored. `relative_error_estimate` gives the remaining error.

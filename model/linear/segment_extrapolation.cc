@@ -131,12 +131,17 @@ class Extrapolation {
     for (const std::size_t i : order) {
       if (options_.band_hz) {
         if (rough[i] < options_.band_hz->first || rough[i] > options_.band_hz->second) continue;
-      } else if (asked.size() == static_cast<std::size_t>(options_.count)) {
+      } else if (asked.size() == asked_count()) {
         break;
       }
       asked.push_back(&tracks_[i]);
     }
     return asked;
+  }
+
+  [[nodiscard]] std::size_t asked_count() const {
+    const bool by_plane = options_.by_plane && shapes_.size() > 1;
+    return by_plane ? tracks_.size() : static_cast<std::size_t>(options_.count);
   }
 
   void follow(double h) {

@@ -46,7 +46,7 @@ Case draw(std::uint64_t seed, bool imperfect, Ends ends) {
   h.tension = h.EI * std::pow(slenderness / h.length, 2);
   h.spring = between(0.1, 300) * h.EI / h.length;
   const double noise = between(5e-4, 1e-2);
-  model::ModesOptions options{.count = 9, .plane = model::ModePlane::in};
+  model::ModesOptions options{.by_plane = {{9, 0}}};
   options.error_estimate = true;
   std::vector<double> f;
   for (const auto& mode : model::analyse_modes(scene_of(h, ends), options).modes) {

@@ -43,7 +43,7 @@ std::vector<double> true_frequencies(const ident::CableDescription& cable, ident
   if (ends == ident::CableEnds::springs) {
     for (auto& node : scene.nodes) node.support.rotational.setConstant(spring);
   }
-  model::ModesOptions options{.count = 9, .plane = model::ModePlane::in, .segments = 400};
+  model::ModesOptions options{.by_plane = {{9, 0}}, .segments = 400};
   options.damped = options.shapes = options.error_estimate = false;
   options.torsion = false;
   std::vector<double> frequencies;

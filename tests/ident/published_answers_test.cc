@@ -37,7 +37,7 @@ TEST(Published, CantileverWithATipMass) {
     auto scene = model::testing::level_cantilever(1, 1, 0);
     scene.nodes[1].mass = row.at("mass_ratio");
     scene.members[0].EA = 1e8;
-    model::ModesOptions options{.count = 5, .plane = model::ModePlane::in, .accuracy = 1e-8};
+    model::ModesOptions options{.by_plane = {{5, 0}}, .accuracy = 1e-8};
     options.rotary_inertia = model::RotaryInertia::accurate;
     const auto modes = model::analyse_modes(scene, options).modes;
     ASSERT_EQ(modes.size(), 5u);
@@ -56,9 +56,8 @@ TEST(Published, SymmetricModesOfASaggingString) {
     const signal::Estimate EA{row.at("lambda2") / (kSlope * kSlope), 0};
     const CableDescription cable{
         .length_m = {1, 0}, .mass_per_length = {1, 0}, .EA_N = EA, .gravity = kSlope};
-    const auto modes =
-        model::analyse_modes(cable_scene(cable, CableEnds::pinned, 1, 1e-9),
-                             {.count = 5, .plane = model::ModePlane::in, .accuracy = 1e-6});
+    const auto modes = model::analyse_modes(cable_scene(cable, CableEnds::pinned, 1, 1e-9),
+                                            {.by_plane = {{5, 0}}, .accuracy = 1e-6});
     const auto off = [&](double root) {
       double least = INFINITY;
       for (const auto& mode : modes.modes) {
@@ -85,7 +84,7 @@ TEST(Published, ShallowTheoryErrsWhereTheSagIsDeep) {
                            .EA_N = signal::Estimate{row.at("E_Pa") * row.at("A_m2"), 0},
                            .gravity = 9.8};
     const double EI = row.at("E_Pa") * row.at("I_m4");
-    model::ModesOptions options{.count = 4, .plane = model::ModePlane::in, .accuracy = 1e-5};
+    model::ModesOptions options{.by_plane = {{4, 0}}, .accuracy = 1e-5};
     const auto modes =
         model::analyse_modes(cable_scene(cable, CableEnds::clamped, row.at("H_N"), EI), options)
             .modes;

@@ -381,7 +381,9 @@ bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
 
 std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem, const UpdateOptions& options,
                                        int& fits, std::string& failure) {
-  return Search(problem, options).run(fits, failure);
+  // What a coarser chain errs by is little beside the 5 % that the search allows the model.
+  const UpdateProblem coarse = problem.with(&UpdateVariant::coarse, true);
+  return Search(coarse, options).run(fits, failure);
 }
 
 }  // namespace rigfit::ident

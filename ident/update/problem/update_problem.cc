@@ -190,6 +190,9 @@ bool UpdateProblem::fixed_scene(int state, const Eigen::VectorXd& q, model::Scen
     if (member.segments == 0) member.segments = options_.auto_segments;
     member.segments = std::max(std::min(member.segments, 8),
                                static_cast<int>(std::lround(factor * member.segments)));
+    if (variant_.coarse)
+      member.segments =
+          std::min(member.segments, std::max(options_.auto_segments, mode_count(state)));
   }
   return true;
 }
@@ -230,11 +233,9 @@ UpdateProblem::ModeNeed UpdateProblem::need_of(int state,
   for (const auto& match : *matches) {
     if (match.state != state || match.cross_plane) continue;
     int& most = match.plane == ModePlane::in ? in : match.plane == ModePlane::out ? out : other;
-    most = std::max(most, match.order + 1);
+    most = std::max(most, match.order + 3);  // two more: axial or torsional ones may lie between
   }
-  if (other > 0 || (in > 0) == (out > 0)) return {};
-  // Two more, as axial or torsional modes may lie between.
-  return {in > 0 ? ModePlane::in : ModePlane::out, std::max(in, out) + 2};
+  return other > 0 ? ModeNeed{} : ModeNeed{in, out};
 }
 
 int UpdateProblem::mode_count(int state) const {
@@ -246,7 +247,7 @@ UpdateStateModes UpdateProblem::modes(int state, const Eigen::VectorXd& q, bool 
                                       const std::vector<UpdateMatch>* matches) const {
   const ModeNeed need = need_of(state, matches);
   UpdateStateModes result = modes_asked(state, q, derivatives, need);
-  if (need.count == 0 || !result.failure.empty()) return result;
+  if (need == ModeNeed{} || !result.failure.empty()) return result;
   for (const auto& match : *matches) {
     if (match.state != state || match.cross_plane) continue;
     if (result.find(match.plane, match.order) != nullptr) continue;
@@ -279,8 +280,8 @@ UpdateStateModes UpdateProblem::solved_modes(int state, const Eigen::VectorXd& q
   if (!fixed_scene(state, q, scene, result.failure)) return result;
   const auto [targets, owner] = derivatives ? targets_of(state) : Targets{};
   model::ModesOptions modes;
-  modes.count = need.count > 0 ? need.count : mode_count(state);
-  modes.plane = need.plane;
+  modes.count = mode_count(state);
+  if (need != ModeNeed{}) modes.by_plane = {need.in, need.out}, modes.count = need.in + need.out;
   modes.damped = damping_;
   modes.shapes = false;
   modes.error_estimate = false;

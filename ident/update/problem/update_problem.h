@@ -74,6 +74,7 @@ struct UpdateVariant {
   int held_out = -1;  ///< a state that takes no part; -1: none
   /// Times the segments of the scenes (at least 8, where there are as many).
   double segment_factor = 1;
+  bool coarse = false;  ///< no member has more segments than "auto" gives, or modes may pair
   double model_std = 0, damping_model_std = 0;  ///< see with_model_std
   double frf_model_std = 0;                     ///< a further relative error of the model in FRFs
   /// Noisy lines of FRFs by their difference instead of its logarithm (update_frfs.cc).
@@ -200,10 +201,9 @@ class UpdateProblem {
     std::vector<std::pair<Eigen::Index, double>> owner;  // coordinate, factor
   };
 
-  // Asked of the model for fixed pairs; `plane` empty and count 0: everything.
+  // Modes asked of the model for fixed pairs, by plane; none: all that may pair.
   struct ModeNeed {
-    std::optional<model::ModePlane> plane;
-    int count = 0;
+    int in = 0, out = 0;
     bool operator==(const ModeNeed&) const = default;
   };
   struct LastModes {

@@ -179,7 +179,9 @@ void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateResu
       const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
       if (coordinate.state == held_out && !(coordinate.prior_std > 0)) gradient[j] = 0;
     }
-    pair.model_std_hz = pair.model_hz * result.identifiability.std_of(gradient);
+    const double relative = result.identifiability.std_of(gradient);
+    // Less is what rounding leaves of a sensitivity that is none.
+    pair.model_std_hz = relative > 1e-7 ? pair.model_hz * relative : 0;
   }
 }
 

@@ -22,8 +22,7 @@ CableDescription cable_of(signal::Estimate length, signal::Estimate mass, MassRe
 /// In-plane frequencies of a cable of 200 segments: finer than what is fitted.
 std::vector<MeasuredMode> frequencies(const CableDescription& cable, CableEnds ends,
                                       double tension_N, double EI, int count, double relative_std) {
-  model::ModesOptions options{.count = count, .segments = 200};
-  options.plane = model::ModePlane::in;
+  model::ModesOptions options{.by_plane = {{count, 0}}, .segments = 200};
   options.damped = options.shapes = options.error_estimate = false;
   std::vector<MeasuredMode> modes;
   for (const auto& mode :

@@ -42,9 +42,8 @@ TEST(Modes, OfOnePlaneAreThoseOfAll) {
   const Scene scene = testing::paper_cable(100, 0.4948, 12);
   ModesOptions options{.count = 14, .error_estimate = false};
   const auto all = analyse_modes(scene, options).modes;
-  options.count = 5;
   for (const ModePlane plane : {ModePlane::in, ModePlane::out}) {
-    options.plane = plane;
+    options.by_plane = plane == ModePlane::in ? std::array{5, 0} : std::array{0, 5};
     const auto some = analyse_modes(scene, options);
     const auto rates = analyse_mode_sensitivities(scene, {"cable.EI"}, options);
     ASSERT_EQ(some.modes.size(), 5U);
@@ -59,6 +58,12 @@ TEST(Modes, OfOnePlaneAreThoseOfAll) {
     }
     EXPECT_EQ(next, 5U);
   }
+  // With "auto" segments as well: 4 of one plane and 2 of the other, in their order.
+  options.by_plane = {{4, 2}};
+  options.accuracy = 1e-6;
+  const auto both = analyse_modes(scene, options).modes;
+  ASSERT_EQ(both.size(), 6U);
+  EXPECT_EQ(std::ranges::count(both, ModePlane::out, &NaturalMode::plane), 2);
 }
 
 TEST(Modes, ThirtySegmentsOfTheAccurateInertiaAreFourthOrderForACable) {
@@ -199,7 +204,7 @@ TEST(ModalAnalysis, SaysWhatInertiaAndShearOfASectionTakeOff) {
   for (auto& node : scene.nodes) node.support.kind = Support::Kind::pinned;
   scene.members[0].EA = EA;
   scene.members[0].EI = {EI, EI};
-  ModesOptions options{.count = 3, .plane = ModePlane::in};
+  ModesOptions options{.by_plane = {{3, 0}}};
   const ModalAnalysis found = analyse_modes(scene, options);
   ASSERT_EQ(found.modes.size(), 3U);
   const double k = 3 * kPi / length, x = k * k * r2;
