@@ -381,7 +381,8 @@ bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
 
 std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem, const UpdateOptions& options,
                                        int& fits, std::string& failure) {
-  // What a coarser chain errs by is little beside the 5 % that the search allows the model.
+  // Finer chains change no pairing; with half of these segments high modes lie so low that wrong
+  // pairs fit.
   const UpdateProblem coarse = problem.with(&UpdateVariant::coarse, true);
   return Search(coarse, options).run(fits, failure);
 }

@@ -192,7 +192,7 @@ bool UpdateProblem::fixed_scene(int state, const Eigen::VectorXd& q, model::Scen
                                static_cast<int>(std::lround(factor * member.segments)));
     if (variant_.coarse)
       member.segments =
-          std::min(member.segments, std::max(options_.auto_segments, mode_count(state)));
+          std::min(member.segments, 2 * std::max(options_.auto_segments, mode_count(state)));
   }
   return true;
 }

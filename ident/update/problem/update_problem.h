@@ -74,7 +74,8 @@ struct UpdateVariant {
   int held_out = -1;  ///< a state that takes no part; -1: none
   /// Times the segments of the scenes (at least 8, where there are as many).
   double segment_factor = 1;
-  bool coarse = false;  ///< no member has more segments than "auto" gives, or modes may pair
+  /// No member has more than twice the segments of "auto", or of the modes that may pair.
+  bool coarse = false;
   double model_std = 0, damping_model_std = 0;  ///< see with_model_std
   double frf_model_std = 0;                     ///< a further relative error of the model in FRFs
   /// Noisy lines of FRFs by their difference instead of its logarithm (update_frfs.cc).
