@@ -76,9 +76,9 @@ std::vector<std::string> tick_labels(const SvgAxis& axis) {
   for (const double tick : axis.ticks) {
     double step = std::numeric_limits<double>::infinity();
     if (!axis.logarithmic && axis.ticks.size() > 1) step = axis.ticks[1] - axis.ticks[0];
-    const int decimals = static_cast<int>(-std::floor(std::log10(step) + 1e-9));
-    std::string label = std::isfinite(step) && decimals >= 0 && decimals < 7 && std::abs(tick) < 1e6
-                            ? fmt::format("{:.{}f}", tick, decimals)
+    const double decimals = -std::floor(std::log10(step) + 1e-9);  // -inf without a step
+    std::string label = decimals >= 0 && decimals < 7 && std::abs(tick) < 1e6
+                            ? fmt::format("{:.{}f}", tick, static_cast<int>(decimals))
                             : fmt::format("{:g}", tick);
     if (label.starts_with('-')) label.replace(0, 1, "\u2212");
     labels.push_back(std::move(label));
