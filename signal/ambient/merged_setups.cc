@@ -60,14 +60,16 @@ Setups setups_of(std::span<const AmbientResult> results, std::vector<std::string
       common.empty() ? "no channel is in all set-ups: give common channels the same names"
                      : "channels in all set-ups: " + listed(common);
   if (references.empty()) references = common;
-  if (references.empty()) throw RecordingError({}, "the set-ups have no channel in common", remedy);
+  if (references.empty()) {
+    throw RecordingError({"set-ups"}, "they have no channel in common", remedy);
+  }
   for (std::size_t k = 0; k < results.size(); ++k) {
     all.references.emplace_back();
     for (const auto& name : references) {
       const Index at = place(results[k].channels, name);
       if (at == std::ssize(results[k].channels)) {
-        throw RecordingError({{}, 0, 0, name},
-                             fmt::format("the reference is missing in set-up {}", k + 1), remedy);
+        throw RecordingError({fmt::format("set-up {}", k + 1), 0, 0, name},
+                             "the reference is missing", remedy);
       }
       all.references.back().push_back(at);
     }
