@@ -381,8 +381,9 @@ bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
 
 std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem, const UpdateOptions& options,
                                        int& fits, std::string& failure) {
-  // Finer chains change no pairing; with half of these segments high modes lie so low that wrong
-  // pairs fit.
+  // Pairs are sought on chains of fewer segments where a scene gives more; with half of these, high
+  // modes lie so low that wrong pairs fit (a test of FindAnswers). Values are those of the full
+  // chain, at whose minimum an answer is settled and weighed.
   const UpdateProblem coarse = problem.with(&UpdateVariant::coarse, true);
   return Search(coarse, options).run(fits, failure);
 }
