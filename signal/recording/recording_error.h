@@ -18,8 +18,7 @@ struct RecordingPlace {
   std::string value{};    ///< the offending text, empty: none
 
   [[nodiscard]] std::string before() const {
-    const std::string place = document::place_text(file, line, column);
-    return (place.empty() ? ": " : place) +
+    return document::place_text(file, line, column) +
            (channel.empty() ? "" : "channel \"" + channel + "\": ");
   }
   [[nodiscard]] std::string behind() const { return value.empty() ? "" : " (\"" + value + "\")"; }

@@ -71,10 +71,13 @@ signal::ModalModel sure_modes(const signal::AmbientResult& found) {
 /// Shapes of the sure modes over the channels, whose places ambient recordings seldom give.
 Plot shapes_plot(const signal::AmbientResult& found) {
   Plot plot{"ambient-shapes", "Mode shapes",
-            "Real part of each mode's shape at the channels, numbered as the modes' results list "
-            "them; the largest is 1. Bars: 95 % intervals.",
+            "Real part of each mode's shape at the channels in the order of the results, named on "
+            "top; the largest is 1. Bars: 95 % intervals.",
             "channel", "shape"};
   plot.link = plot.id;
+  for (const auto& channel : found.channels) {
+    plot.marks.push_back({static_cast<double>(plot.marks.size() + 1), channel, false});
+  }
   for (const auto& one : found.modes) {
     if (doubtful(one)) continue;
     const auto& mode = one.mode;

@@ -30,7 +30,7 @@ bool reset_peak() {
 }
 
 TEST(ReadCsv, MemoryIsThatOfTheNumbers) {
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef RIGFIT_SANITIZED
   GTEST_SKIP() << "the sanitizer's own memory would be measured";
 #endif
   constexpr int kColumns = 3, kLines = 2000;
