@@ -4,12 +4,12 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <numbers>
+#include <tuple>
+#include <utility>
 
 #include "signal/decay/decay_hits.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/decay_search.h"
-#include "signal/spectra/fft.h"
 
 namespace rigfit::signal {
 namespace {
@@ -45,11 +45,13 @@ Onset best_onset(const Eigen::VectorXd& y, double w) {
   return onset;
 }
 
-// Whether what lies before an onset is small beside what follows: a beat that swells is not.
+// Whether what lies before an onset is small beside what follows: a beat that swells is not. Other
+// modes may shift the onset by a cycle, which is left out where there are three more before it.
 bool quiet_before(const Eigen::VectorXd& y, double w, Index start, Index cycle) {
   const RunningAmplitude running(y, w);
   const double after = std::abs(running.over(start, start + cycle));
-  for (Index j = 0; j + cycle <= start; j += std::max<Index>(1, cycle / 2)) {
+  const Index until = start < 4 * cycle ? start : start - cycle;
+  for (Index j = 0; j + cycle <= until; j += std::max<Index>(1, cycle / 2)) {
     if (std::abs(running.over(j, j + cycle)) > 0.3 * after) return false;
   }
   return true;
@@ -127,34 +129,36 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
   if (candidates.empty()) return {whole};
 
   // The candidate that gains most by starting later tells where the event is; hum gains nothing.
-  Onset chosen;
-  double gain = 0, noise = candidates.front().noise_variance;
-  double w = candidates.front().pole.imag();
+  // Where many modes sum, the onset of some is found late: those that are quiet before come first.
+  Index onset = 0;
+  bool quiet = false;
+  double gain = 0, w = candidates.front().pole.imag();
   std::vector<double> strong;
   for (const auto& c : candidates) {
     if (c.energy < 0.05 * candidates.front().energy) break;
-    strong.push_back(c.pole.imag());
-    const Onset onset = best_onset(x, c.pole.imag());
-    const double now = onset.energy - onset.from_first;
-    if (now > gain) gain = now, chosen = onset, noise = c.noise_variance, w = c.pole.imag();
+    const double each = c.pole.imag();
+    strong.push_back(each);
+    const Onset best = best_onset(x, each);
+    const double now = best.energy - best.from_first;
+    const Index cycle = averaging_cycle(each);
+    const bool late = now > detection_threshold(n, 1e-6) * c.noise_variance &&
+                      now > 0.1 * best.energy && best.start > cycle && n - best.start > 3 * cycle;
+    const std::pair found(late && quiet_before(x, each, best.start, cycle), now);
+    if (found > std::pair(quiet, gain)) std::tie(quiet, gain) = found, onset = best.start, w = each;
   }
   const Index cycle = averaging_cycle(w);
-  const bool late = gain > detection_threshold(n, 1e-6) * noise && gain > 0.1 * chosen.energy &&
-                    chosen.start > cycle && n - chosen.start > 3 * cycle;
-  const bool quiet = late && quiet_before(x, w, chosen.start, cycle);
   std::erase(strong, w);
   strong.insert(strong.begin(), w);
 
   std::vector<Index> starts = further_hits(x, strong, missing_before);
   std::erase_if(starts, [&](Index start) { return leaves_rail(y, start, cycle); });
-  const bool known = std::any_of(starts.begin(), starts.end(), [&](Index start) {
-    return std::abs(start - chosen.start) < 4 * cycle;
-  });
-  if (quiet && !known) starts.push_back(chosen.start);
+  const bool known = std::any_of(starts.begin(), starts.end(),
+                                 [&](Index start) { return std::abs(start - onset) < 4 * cycle; });
+  if (quiet && !known) starts.push_back(onset);
   std::sort(starts.begin(), starts.end());
   // A decay that the record begins with.
   if (starts.empty() ||
-      (starts.front() > 4 * cycle && !(quiet && starts.front() >= chosen.start - 4 * cycle) &&
+      (starts.front() > 4 * cycle && !(quiet && starts.front() >= onset - 4 * cycle) &&
        decays_before(x, w, starts.front(), cycle))) {
     starts.insert(starts.begin(), 0);
   }
