@@ -90,7 +90,7 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
     lscf_options.participation = true;
     lscf_options.max_order = options.max_order > 0
                                  ? options.max_order
-                                 : static_cast<int>(std::clamp<Index>(60 / Ni, 8, 40));
+                                 : static_cast<int>(std::clamp<Index>(120 / Ni, 8, 40));
     result.stabilisation = lscf(hz, H, Ni, {}, weight, lscf_options);
     clusters = cluster_poles(result.stabilisation, hz[1] - hz[0]);
     for (auto& cluster : clusters) {

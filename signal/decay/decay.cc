@@ -67,6 +67,12 @@ class Estimation {
       if (auto fit = fit_poles(samples_, poles)) fit_ = std::move(fit);
     }
     judge_decay(*fit_, band_, rate_, options_.false_alarm, result_);
+    if (std::ssize(result_.modes) >= options_.max_modes) {
+      result_.note("more_modes",
+                   fmt::format("Give a band: {} modes are fitted at once, and what is left of more "
+                               "adds to their errors",
+                               options_.max_modes));
+    }
     return result_;
   }
 

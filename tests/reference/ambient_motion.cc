@@ -39,16 +39,19 @@ MatrixXd covariance(const VectorXcd& poles, const MatrixXd& C, double step) {
 
 }  // namespace
 
-AmbientStructure five_storeys(double damping_ratio) {
-  AmbientStructure chain{VectorXd(5), VectorXd::Constant(5, damping_ratio), MatrixXd(5, 5),
-                         MatrixXd::Identity(5, 5)};
-  for (Index r = 0; r < 5; ++r) {
-    const double angle = static_cast<double>(2 * r + 1) * std::numbers::pi / 11;
-    chain.frequency_hz[r] = 0.89 * std::sin(angle / 2) / std::sin(std::numbers::pi / 22);
-    for (Index i = 0; i < 5; ++i) chain.shapes(i, r) = std::sin(static_cast<double>(i + 1) * angle);
+AmbientStructure storeys(Index n, double first_hz, double damping_ratio) {
+  AmbientStructure chain{VectorXd(n), VectorXd::Constant(n, damping_ratio), MatrixXd(n, n),
+                         MatrixXd::Identity(n, n)};
+  const double first = std::numbers::pi / static_cast<double>(2 * n + 1);
+  for (Index r = 0; r < n; ++r) {
+    const double angle = static_cast<double>(2 * r + 1) * first;
+    chain.frequency_hz[r] = first_hz * std::sin(angle / 2) / std::sin(first / 2);
+    for (Index i = 0; i < n; ++i) chain.shapes(i, r) = std::sin(static_cast<double>(i + 1) * angle);
   }
   return chain;
 }
+
+AmbientStructure five_storeys(double damping_ratio) { return storeys(5, 0.89, damping_ratio); }
 
 AmbientStructure close_pair(double apart, Index channels) {
   AmbientStructure pair{VectorXd(2), VectorXd::Constant(2, 0.01), MatrixXd(channels, 2),

@@ -21,7 +21,9 @@ struct AmbientStructure {
   Eigen::MatrixXd forces;  ///< covariance of the modal forces
 };
 
-/// Five equal storeys: 0.8900, 2.5979, 4.0953, 5.2610, 6.0004 Hz.
+/// Equal storeys; a sensor on each.
+[[nodiscard]] AmbientStructure storeys(Eigen::Index count, double first_hz, double damping_ratio);
+/// Five of them: 0.8900, 2.5979, 4.0953, 5.2610, 6.0004 Hz.
 [[nodiscard]] AmbientStructure five_storeys(double damping_ratio = 0.02);
 /// Two modes about 2 Hz so far apart (relatively) with orthogonal shapes, damped by 1 %.
 [[nodiscard]] AmbientStructure close_pair(double apart, Eigen::Index channels);

@@ -68,6 +68,20 @@ TEST(AmbientModes, ChainOfFiveStoreys) {
   EXPECT_GE(held_zeta, 41);
 }
 
+// No band is asked for: nine tenths of the lines hold noise. Half the order finds five modes.
+TEST(AmbientModes, TenModesInAFifthOfTheBand) {
+  const auto truth = reference::storeys(10, 0.419, 0.01);
+  reference::AmbientMotion motion;
+  motion.rate_hz = 50;
+  const auto modes = sure(ambient_modes(reference::recorded(truth, motion), {}));
+  EXPECT_GE(modes.size(), 9);
+  for (const auto& one : modes) {
+    const double f = one.mode.frequency_hz.value;
+    // A quarter of the half bandwidth.
+    EXPECT_LT((truth.frequency_hz.array() / f - 1).abs().minCoeff(), 0.25 * 0.01) << f;
+  }
+}
+
 TEST(AmbientModes, SameNumbersFromSeveralThreads) {
   auto options = band(0.3, 8);
   const auto one = ambient_modes(chain(3), options);

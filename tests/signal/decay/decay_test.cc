@@ -94,6 +94,21 @@ TEST(Decay, PairsThatBeatTooSlowlyAreSaid) {
   EXPECT_FALSE(says(one.notes, "not_one_decay"));
 }
 
+TEST(Decay, TenModesAndWithMoreTheBandIsAskedFor) {
+  std::vector<Mode> modes;
+  for (int k = 0; k < 10; ++k) modes.push_back({20.0 + 17 * k, 0.004, 1 / (1 + 0.2 * k)});
+  const auto ten = estimate_decay(decays(5, modes, 1000, 2000, 0.01), 1000);
+  ASSERT_EQ(ten.modes.size(), 10u) << ten.refusal;
+  for (const auto& mode : ten.modes) {
+    const double k = std::round((mode.frequency_hz.value - 20) / 17);
+    expect_mode(mode, 20 + 17 * k, 0.004);
+  }
+  EXPECT_FALSE(says(ten.notes, "more_modes"));
+  for (int k = 10; k < 14; ++k) modes.push_back({20.0 + 17 * k, 0.004, 0.3});
+  const auto most = estimate_decay(decays(5, modes, 1000, 2000, 0.01), 1000);
+  EXPECT_TRUE(says(most.notes, "more_modes"));
+}
+
 TEST(Decay, StartsAfterTheImpactAndTheQuietBefore) {
   std::mt19937_64 random(6);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(1500);
