@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "signal/numerics/numbers.h"
 #include "signal/numerics/scaled_gram.h"
 #include "signal/refinement/modal_basis.h"
 
@@ -70,8 +71,7 @@ VectorXd leverage_of(const Stage& stage, const FrfNoise& noise, const VectorXd& 
   VectorXd leverage = 0.5 * (both.head(lines) + both.tail(lines));
 
   const ScaledGram information(stage.information);
-  if (!information.usable()) return leverage;
-  if (size == 0) return leverage;
+  if (!information.usable() || size == 0) return leverage;
   const MatrixXd outside = stage.derivatives - stage.basis * factor.solve(stage.cross);
   // T covariance T' is the turn T' of the conjugate residues.
   const MatrixXd turned_sum =
@@ -128,7 +128,13 @@ ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
   // What the columns leave of |y|^2: the rounding of a sum grows with the root of its terms.
   steps.rounding = std::sqrt(static_cast<double>(y.rows())) *
                    std::numeric_limits<double>::epsilon() * inverse_variance.dot(y_squared);
-  steps.undamped = lines > 0 ? data.s[0].real() : 0;
+  if (lines > 1) {
+    steps.undamped = data.s[0].real();
+    // A steady tone on a line would draw its pole towards the axis for ever. A thousandth lost over
+    // records as long as lines can tell, 1 / spacing, is as good as nothing.
+    const double spacing = (data.s.tail(lines - 1) - data.s.head(lines - 1)).imag().minCoeff();
+    steps.slowest = steps.undamped - 1e-3 * spacing / kTwoPi;
+  }
 
   const auto at = [&](const VectorXcd& poles) {
     return stage_at(data, weight, y, y_squared, inverse_variance, poles);

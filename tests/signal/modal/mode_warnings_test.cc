@@ -69,6 +69,26 @@ TEST(ModeWarnings, ModesUnderMuchNoiseOnTheForceAreDoubtful) {
   }
 }
 
+// A tone has a line to itself, so that the least damping fits best: no step would be the last.
+TEST(ModeWarnings, ASteadyToneOnALineIsDoubtfulAndLeavesTheModesAlone) {
+  FrfSet set = six_sensors(0);
+  const ModalResult without = identify_modes(set);
+  const Index line = 4 * (120 - 20);
+  ASSERT_EQ(set.frequency_hz[line], 120);
+  set.H.row(line).array() += 20;
+  const ModalResult found = identify_modes(set);
+  EXPECT_EQ(found.end, StepsEnd::converged) << name_of(found.end);
+  ASSERT_EQ(without.model.modes.size(), 3u);
+  ASSERT_EQ(found.model.modes.size(), 4u);
+  EXPECT_THAT(found.model.modes[1].doubt, HasSubstr("a steady tone such as mains hum"));
+  for (const std::size_t r : {0, 1, 2}) {
+    const IdentifiedMode &mode = found.model.modes[r + (r > 0)], &was = without.model.modes[r];
+    EXPECT_FALSE(mode.doubtful) << mode.doubt;
+    EXPECT_NEAR(mode.frequency_hz.value, was.frequency_hz.value, was.frequency_hz.std);
+    EXPECT_NEAR(mode.damping_ratio.value, was.damping_ratio.value, was.damping_ratio.std);
+  }
+}
+
 // White misfit of 40 % at each line and FRF, error bars of 1 %: poles of all FRFs hold, the error
 // bars do not.
 TEST(ModeWarnings, AGlobalModeWithALargeMisfitIsDoubtful) {
