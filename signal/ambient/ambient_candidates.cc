@@ -88,9 +88,11 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
     }
     LscfOptions lscf_options;
     lscf_options.participation = true;
+    // Noise takes its share of the poles: one to 15 lines. Twice as many lose one of close pairs.
+    const Index poles_asked = std::clamp<Index>(hz.size() / 15, 60, 120);
     lscf_options.max_order = options.max_order > 0
                                  ? options.max_order
-                                 : static_cast<int>(std::clamp<Index>(120 / Ni, 8, 40));
+                                 : static_cast<int>(std::clamp<Index>(poles_asked / Ni, 8, 40));
     result.stabilisation = lscf(hz, H, Ni, {}, weight, lscf_options);
     clusters = cluster_poles(result.stabilisation, hz[1] - hz[0]);
     for (auto& cluster : clusters) {

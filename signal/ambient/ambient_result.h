@@ -22,7 +22,7 @@ struct AmbientOptions {
   std::vector<std::string> references;
   double low_hz = 0;   ///< 0: 100 over the length, where 5 % of damping is the least to be decided
   double high_hz = 0;  ///< 0: 0.4 times the sample rate
-  int max_order = 0;   ///< highest in the stabilisation diagram; 0: 120 / references, 8 to 40
+  int max_order = 0;  ///< highest in the stabilisation diagram; 0: by lines and references, 8 to 40
   double max_damping_ratio = 0.2;  ///< above it a pole describes the forces
   int groups = 24;                 ///< that the jackknife takes: 12 lower the coverage by 1 %
   int threads = 1;
