@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <sstream>
 
 #include "model/scene/actual_state.h"
 #include "model/scene/scene_error.h"
@@ -295,21 +294,6 @@ CalculixDeck calculix_deck(const Scene& scene, const Equilibrium& equilibrium,
                            const CalculixOptions& options) {
   const Scene actual = actual_state(scene);
   return DeckWriter(actual, equilibrium, options).write();
-}
-
-std::vector<double> calculix_frequencies(const std::string& dat_text) {
-  std::vector<double> frequencies;
-  const auto table = dat_text.find("E I G E N V A L U E   O U T P U T");
-  if (table == std::string::npos) return frequencies;
-  std::istringstream lines(dat_text.substr(table));
-  std::string text;
-  while (std::getline(lines, text) && text.find("P A R T I C I P A T I O N") == std::string::npos) {
-    std::istringstream row(text);
-    int mode = 0;
-    double eigenvalue = 0, omega = 0, hertz = 0;
-    if (row >> mode >> eigenvalue >> omega >> hertz) frequencies.push_back(hertz);
-  }
-  return frequencies;
 }
 
 }  // namespace rigfit::model

@@ -53,7 +53,4 @@ struct CalculixDeck {
 [[nodiscard]] CalculixDeck calculix_deck(const Scene& scene, const Equilibrium& equilibrium,
                                          const CalculixOptions& options = {});
 
-/// Natural frequencies in Hz from the text of ccx's .dat file, in its order.
-[[nodiscard]] std::vector<double> calculix_frequencies(const std::string& dat_text);
-
 }  // namespace rigfit::model
