@@ -97,9 +97,9 @@ class DeckWriter {
       for (int k = 1; k < steps; ++k) line_nodes.push_back(add_node(from + span * k / steps));
       line_nodes.push_back(node_number(member.nodes[1]));
       elements += fmt::format("*ELEMENT,TYPE=B32R,ELSET=M{}\n", i + 1);
-      for (int k = 0; k < options_.elements_per_member; ++k) {
-        elements += fmt::format("{},{},{},{}\n", next_element_++, line_nodes[2 * k],
-                                line_nodes[2 * k + 1], line_nodes[2 * k + 2]);
+      for (std::size_t k = 0; k + 2 < line_nodes.size(); k += 2) {
+        elements += fmt::format("{},{},{},{}\n", next_element_++, line_nodes[k], line_nodes[k + 1],
+                                line_nodes[k + 2]);
       }
       sections += section(member, i, span);
       add_point_masses(member, line_nodes, elements);

@@ -88,8 +88,10 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
     }
     LscfOptions lscf_options;
     lscf_options.participation = true;
-    // Noise takes its share of the poles: one to 15 lines. Twice as many lose one of close pairs.
-    const Index poles_asked = std::clamp<Index>(hz.size() / 15, 60, 120);
+    // Noise takes its share of the poles: one to 15 lines. Twice as many lose one of close pairs,
+    // and double the work of a record of which a part is searched.
+    const Index most = search_share(signals) < 1 ? 60 : 120;
+    const Index poles_asked = std::clamp<Index>(hz.size() / 15, 60, most);
     lscf_options.max_order = options.max_order > 0
                                  ? options.max_order
                                  : static_cast<int>(std::clamp<Index>(poles_asked / Ni, 8, 40));
