@@ -88,8 +88,8 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
     }
     LscfOptions lscf_options;
     lscf_options.participation = true;
-    // Noise takes its share of the poles: one to 15 lines. Twice as many lose one of close pairs,
-    // and double the work of a record of which a part is searched.
+    // Noise takes its share of the poles: one to 15 lines. In a narrow band 120 lose modes of close
+    // pairs, and they lengthen the work of a record of which a part is searched.
     const Index most = search_share(signals) < 1 ? 60 : 120;
     const Index poles_asked = std::clamp<Index>(hz.size() / 15, 60, most);
     lscf_options.max_order = options.max_order > 0
