@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -42,8 +43,36 @@ struct CableProblem {
   UpdateOptions options;
 };
 
+/// Where a search begins: a pinned beam's (f / n)^2 = (T + EI (n pi / L)^2) / (4 m L^2), a line
+/// over n^2. With every second mode of a stiff beam a soft one of a quarter of the tension agrees.
+struct PinnedBeam {
+  double tension_N;
+  std::optional<double> EI_Nm2 = {};  ///< none where the frequencies are no such line's
+};
+
+PinnedBeam pinned_beam(const CableDescription& cable, const std::vector<MeasuredMode>& modes) {
+  Eigen::Matrix2d gram = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double lowest = modes.front().frequency_hz.value;
+  for (const auto& mode : modes) {
+    const double f = mode.frequency_hz.value;
+    lowest = std::min(lowest, f);
+    const auto below = std::count_if(modes.begin(), modes.end(), [&](const auto& other) {
+      return other.plane == mode.plane && other.frequency_hz.value < f;
+    });
+    const double n = mode.order > 0 ? mode.order : static_cast<double>(below) + 1;
+    const Eigen::Vector2d row = Eigen::Vector2d(1, n * n) * (n * n / (f * f));  // relative errors
+    gram += row * row.transpose(), sum += row;
+  }
+  const double L = cable.length_m.value, scale = 4 * cable.mass_per_length.value * L * L;
+  const Eigen::Vector2d line = gram.inverse() * sum;
+  if (modes.size() < 3 || !(line.minCoeff() > 0)) return {scale * lowest * lowest};
+  return {scale * line(0), scale * line(1) * std::pow(L / std::numbers::pi, 2)};
+}
+
 CableProblem problem_of(const CableDescription& cable, const std::vector<MeasuredMode>& modes,
-                        const TensionOptions& asked, double tension_N) {
+                        const TensionOptions& asked, const PinnedBeam& start) {
+  const double tension_N = start.tension_N;
   // Inputs are linear and normal in their value, and zero must stay five standard uncertainties
   // away; what is known to less is normal in its logarithm.
   constexpr double kLinear = 0.2;
@@ -63,6 +92,7 @@ CableProblem problem_of(const CableDescription& cable, const std::vector<Measure
     if (!(value.std > 0)) return;
     if (value.std > kLinear * value.value) {
       free.push_back({.name = name, .targets = std::move(targets), .prior = value});
+      if (name == "EI") free.back().start = start.EI_Nm2;
       return;
     }
     inputs.push_back({name, {}});
@@ -114,25 +144,22 @@ CableProblem problem_of(const CableDescription& cable, const std::vector<Measure
   return problem;
 }
 
-/// Fits about a string's tension, then about the tension found: what is assumed goes with it, and
+/// Fits about a beam's tension, then about the tension found: what is assumed goes with it, and
 /// half of the least std of an assumed logarithm (EA's) is near enough.
 CandidateComparison compare(const CableDescription& cable, const std::vector<MeasuredMode>& modes,
                             const TensionOptions& options) {
-  double lowest = modes.front().frequency_hz.value;
-  for (const auto& mode : modes) lowest = std::min(lowest, mode.frequency_hz.value);
-  const double L = cable.length_m.value;
-  double tension = 4 * cable.mass_per_length.value * std::pow(lowest * L, 2);
+  PinnedBeam start = pinned_beam(cable, modes);
   CandidateComparison compared;
   for (int round = 0; round < 3; ++round) {
-    const auto problem = problem_of(cable, modes, options, tension);
+    const auto problem = problem_of(cable, modes, options, start);
     compared = compare_candidates(problem.candidates, problem.options);
     if (compared.heaviest < 0) break;
     const auto& best = compared.candidates[static_cast<std::size_t>(compared.heaviest)].result;
     const double found = best.parameters.front().value / scene_tension_factor(cable);
     const bool assumed =
         !cable.EI_Nm2 || !cable.EA_N || cable.mass_reference == MassReference::installed;
-    if (!assumed || std::abs(std::log(found / tension)) < kAssumedStrainStd / 2) break;
-    tension = found;
+    if (!assumed || std::abs(std::log(found / start.tension_N)) < kAssumedStrainStd / 2) break;
+    start.tension_N = found;
   }
   return compared;
 }

@@ -24,6 +24,7 @@ using Eigen::VectorXd;
 // The window then widens a mode by a third; with 4, of pairs 0.5 % apart 5 % more are lost.
 constexpr double kDecayTimesOfLags = 12;
 constexpr Index kSearchSamples = 1 << 21;  // candidates and filters need no more
+constexpr double kMostValues = 1 << 23;    // 128 MiB of spectra
 
 /// The six channels that tell most: pivots of the QR of the spectral matrices over their traces.
 std::vector<Index> telling_channels(const MatrixXcd& half, Index n) {
@@ -62,7 +63,9 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
   const double duration = static_cast<double>(signals.samples()) / signals.rate_hz();
   const double rate = signals.rate_hz(), low = result.low_hz, high = result.high_hz;
   const Index No = signals.channels();
-  double lag = std::min(duration / 16, 60 / low);
+  const double longest =
+      std::min(duration / 8, kMostValues / (2 * high * static_cast<double>(No * No)));
+  double lag = std::min({duration / 16, 60 / low, longest});
   std::vector<PoleCluster> clusters;
   for (int round = 0; round < 3; ++round) {
     const auto lags = static_cast<Index>(lag * rate);
@@ -108,7 +111,7 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
     if (clusters.empty()) return found;
     double slowest = -clusters.front().pole_rad_s.real();
     for (const auto& c : clusters) slowest = std::min(slowest, -c.pole_rad_s.real());
-    const double wanted = std::clamp(kDecayTimesOfLags / slowest, 20 / high, duration / 8);
+    const double wanted = std::min(std::max(kDecayTimesOfLags / slowest, 20 / high), longest);
     if (wanted > 0.6 * lag && wanted < 1.6 * lag) break;
     if (round < 2) lag = wanted;
   }

@@ -100,20 +100,16 @@ Side fitted(const Eigen::VectorXd& y, Index from, Index to, Index gap_from, Inde
   return side;
 }
 
-std::size_t nearest(const DampedSinusoidsFit& fit, double w) {
-  const auto& poles = fit.poles;
-  const auto apart = [w](Complex p) { return std::abs(p.imag() - w); };
-  return static_cast<std::size_t>(std::ranges::min_element(poles, {}, apart) - poles.begin());
-}
-
-// Complex amplitude of a fit's mode nearest to `pole` at sample `at` of it; 0: has none there.
-Complex amplitude_near(const Side& side, Complex pole, double at) {
-  if (!side.fit) return 0;
-  const auto& poles = side.fit->poles;
-  const std::size_t best = nearest(*side.fit, pole.imag());
-  const double width = kTwoPi / static_cast<double>(side.samples) - pole.real();
-  if (std::abs(poles[best].imag() - pole.imag()) > 2 * width) return 0;
-  return side.fit->amplitudes[best] * std::exp(poles[best] * at);
+// Complex amplitude of what a fit has within a tenth of w, at sample `at` of it: several modes
+// there may be what one that changes looks like.
+Complex amplitude_near(const Side& side, double w, Index at) {
+  Complex sum = 0;
+  for (std::size_t m = 0; side.fit && m < side.fit->poles.size(); ++m) {
+    const Complex pole = side.fit->poles[m];
+    if (std::abs(pole.imag() - w) > 0.1 * w) continue;
+    sum += side.fit->amplitudes[m] * std::exp(pole * static_cast<double>(at));
+  }
+  return sum;
 }
 
 // Whether two decays, the second behind the jump, explain the samples of [from, to) better than
@@ -138,12 +134,13 @@ bool is_impact(const Eigen::VectorXd& y, const Jump& place, Index from, Index to
   const auto noise = residual_noise(behind.fit->residual, behind.fit->degrees);
   const auto noise_before =
       before.fit ? residual_noise(before.fit->residual, before.fit->degrees) : noise;
-  const Complex pole = behind.fit->poles[nearest(*behind.fit, place.w)];
-  if (std::abs(pole.imag() - place.w) > 0.1 * place.w) return false;
-  const Complex now = behind.fit->amplitudes[nearest(*behind.fit, place.w)] *
-                      std::exp(-pole * static_cast<double>(half_cycle));
-  const Complex then = amplitude_near(before, pole, static_cast<double>(at - from));
-  const double jump = std::norm(now - then), f = pole.imag() / kTwoPi;
+  const Complex now = amplitude_near(behind, place.w, -half_cycle);
+  const Complex then = amplitude_near(before, place.w, at - from);
+  if (now == 0.0) return false;
+  // What friction takes leaves the phase as it is.
+  const Complex kept = then == 0.0 ? 1.0 : now / then;
+  const double lost = std::clamp(kept.real(), 0.0, 1.0), f = place.w / kTwoPi;
+  const double jump = std::norm(now - lost * then);
   // The end of a line through n amplitudes has 4 times the variance of their mean, 4 s^2 / n.
   const double variance =
       16 * (noise.white_equivalent(f) / static_cast<double>(behind.samples) +

@@ -326,6 +326,16 @@ class Judgement {
     return goes_on ? std::sqrt(std::max(0.0, sum / (0.5 * degrees) - expected)) : 0;
   }
 
+  /// Whether resonances touch: a third of a beat a time constant tells two modes from one that
+  /// changes no better than what is left of one does.
+  [[nodiscard]] bool overlapped(std::size_t m) const {
+    const auto& poles = d_.fit.poles;
+    return std::ranges::any_of(kept_, [&](std::size_t other) {
+      return other != m && std::abs(poles[other].imag() - poles[m].imag()) <
+                               -poles[other].real() - poles[m].real();
+    });
+  }
+
   void say() {
     const DecayMode& mode = result_.modes.front();
     const double fall = std::max(0.0, d_.fall[kept_.front()]);
@@ -345,14 +355,15 @@ class Judgement {
     for (const DecayMode& each : result_.modes) {
       if (each.doubtful) result_.note("doubtful_mode", each.doubt);
     }
-    for (const DecayMode& each : result_.modes) {
-      const bool excited = &each == &mode && excitation_ > 0.01;
-      if (!each.company && !excited) continue;
+    for (const std::size_t m : kept_) {
+      const DecayMode& each = d_.modes[m];
+      const bool excited = m == kept_.front() && excitation_ > 0.01;
+      if (!each.company && !excited && !overlapped(m)) continue;
       result_.note(
           "not_one_decay",
-          fmt::format("Record for longer, or look for a change during the decay: the "
-                      "residual near {:.4g} Hz is not noise but a mode close by that beats "
-                      "too slowly for this record, one that changes as it decays, or "
+          fmt::format("Record for longer, or look for a change during the decay: one exponential "
+                      "does not hold all that decays near {:.4g} Hz: there is a mode close by that "
+                      "beats too slowly for this record, one that changes as it decays, or "
                       "excitation that goes on",
                       each.damped_frequency_hz.value));
     }
@@ -402,7 +413,6 @@ void judge_decay(const DampedSinusoidsFit& fit, const DecayBand& band, double sa
   result.offset = fit.offset;
   result.drift_per_s = fit.drift / static_cast<double>(fit.samples) * sample_rate_hz;
   result.noise_std = std::sqrt(described.noise.variance);
-  result.residual_order = described.noise.coefficients.size();
   result.degrees_of_freedom = fit.degrees;
   result.coverage_factor_95 = gsl_cdf_tdist_Pinv(0.975, static_cast<double>(fit.degrees));
   result.residual = fit.residual;

@@ -67,7 +67,6 @@ struct DecayResult {
   double offset = 0, drift_per_s = 0;   ///< background at the start of the window
   double noise_std = 0;                 ///< standard deviation of the residual
   double signal_to_noise_db = 0;        ///< strongest mode's power at the start over the noise's
-  Eigen::Index residual_order = 0;      ///< order of the autoregression; 0: white
   Eigen::Index degrees_of_freedom = 0;
   /// Factor on a standard uncertainty for a 95 % interval (Student).
   double coverage_factor_95 = 1.96;

@@ -1,12 +1,12 @@
 #include "signal/envelope/envelope.h"
 
 #include <gsl/gsl_fit.h>
-#include <gsl/gsl_statistics_double.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
@@ -20,7 +20,7 @@ constexpr double kFewestForEnvelope = 8;
 // The decay ends where a cycle's amplitude is below so many standard deviations of its noise: the
 // bias of ln|C|, half the relative variance, is then 3 %.
 constexpr double kLeastAmplitude = 4;
-constexpr std::size_t kPoints = 8, kLeastCycles = 3;
+constexpr std::size_t kPoints = 8, kLeastCycles = 2;
 // Drop in chi-squared that a law of one coefficient more must bring: five standard uncertainties.
 constexpr double kLawGain = 25;
 
@@ -42,21 +42,18 @@ double widened_variance(const FittedLine& line, std::size_t n) {
   return line.slope_variance * (n > 2 ? std::max(1.0, line.chi2 / static_cast<double>(n - 2)) : 1);
 }
 
-DecayLaw law_of(const std::vector<double>& amplitude, const std::vector<double>& rate,
-                const std::vector<double>& weight) {
-  const std::size_t n = rate.size();
-  std::vector<double> inverse;
-  inverse.reserve(amplitude.size());
-  for (const double a : amplitude) inverse.push_back(1 / a);
-  const double mean = gsl_stats_wmean(weight.data(), 1, rate.data(), 1, n);
-  const double constant = gsl_stats_wtss_m(weight.data(), 1, rate.data(), 1, n, mean);
-  const auto gain = [&](const std::vector<double>& x) {
-    const FittedLine line = weighted_line(x.data(), weight.data(), rate.data(), n);
-    return line.slope > 0 ? constant - line.chi2 : 0;
-  };
-  const double friction = gain(inverse), drag = gain(amplitude);
-  if (!(std::max(friction, drag) > kLawGain)) return DecayLaw::exponential;
-  return friction >= drag ? DecayLaw::friction : DecayLaw::drag;
+/// By the curve of ln|C| over time: under friction damping rises as the motion dies.
+DecayLaw law_of(const CycleAmplitudes& cycles) {
+  const auto n = static_cast<Index>(cycles.time_s.size());
+  const Eigen::Map<const Eigen::ArrayXd> time(cycles.time_s.data(), n),
+      weight(cycles.weight.data(), n), log_size(cycles.log_size.data(), n);
+  const Eigen::ArrayXd std = weight.sqrt(), t = time / time(n - 1);
+  Eigen::MatrixXd X(n, 3);
+  X << std, std * t, std * t.square();
+  const auto qr = thin_qr(X);
+  const double curve = qr.Q.col(2).dot((std * log_size).matrix()) * (qr.R(2, 2) > 0 ? 1 : -1);
+  if (!(curve * curve > kLawGain)) return DecayLaw::exponential;
+  return curve < 0 ? DecayLaw::friction : DecayLaw::drag;
 }
 
 }  // namespace
@@ -128,8 +125,7 @@ EnvelopeResult envelope_of(const CycleAmplitudes& cycles) {
   EnvelopeResult result;
   const std::size_t count = cycles.time_s.size(), spans = std::min(kPoints, count / kLeastCycles);
   const double omega = cycles.pole.imag() * cycles.sample_rate_hz;
-  std::vector<double> times, logs, amplitudes, rates, rate_weights, frequencies, frequency_weights,
-      zetas, zeta_weights;
+  std::vector<double> times, frequencies, frequency_weights;
   for (std::size_t s = 0; s < spans; ++s) {
     const std::size_t from = count * s / spans, n = count * (s + 1) / spans - from;
     const double* time = cycles.time_s.data() + from;
@@ -144,10 +140,8 @@ EnvelopeResult envelope_of(const CycleAmplitudes& cycles) {
     point.frequency_hz = {w / kTwoPi, std / kTwoPi};
     point.damping_ratio = {rate / modulus, std / modulus};
     result.points.push_back(point);
-    times.push_back(middle), logs.push_back(size.at(middle)), amplitudes.push_back(point.amplitude);
-    rates.push_back(rate), rate_weights.push_back(1 / (std * std));
+    times.push_back(middle);
     frequencies.push_back(w / kTwoPi), frequency_weights.push_back(kTwoPi * kTwoPi / (std * std));
-    zetas.push_back(rate / modulus), zeta_weights.push_back(modulus * modulus / (std * std));
   }
   if (spans < 2) return result;
   const FittedLine drift =
@@ -155,10 +149,7 @@ EnvelopeResult envelope_of(const CycleAmplitudes& cycles) {
   const double lasted = times.back() - times.front();
   result.frequency_drift_hz = {drift.slope * lasted,
                                std::sqrt(widened_variance(drift, spans)) * lasted};
-  if (spans < 3) return result;
-  const FittedLine trend = weighted_line(logs.data(), zeta_weights.data(), zetas.data(), spans);
-  result.damping_per_log_amplitude = {trend.slope, std::sqrt(widened_variance(trend, spans))};
-  result.law = law_of(amplitudes, rates, rate_weights);
+  result.law = law_of(cycles);
   // As in the modes: no free oscillation takes energy in.
   for (auto& p : result.points) p.damping_ratio.value = std::max(0.0, p.damping_ratio.value);
   return result;

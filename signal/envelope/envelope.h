@@ -7,10 +7,9 @@
 // decrement, delta = -T d ln|C| / dt = 2 pi zeta / sqrt(1 - zeta^2), and over spans of several
 // cycles damping and frequency at that amplitude,
 //   decay rate r = -d ln|C| / dt,   zeta = r / sqrt(r^2 + (2 pi f_d)^2).
-// The law of the decay is chosen among
-//   exponential r = alpha,   friction r = alpha + beta / A,   drag r = alpha + gamma A
-// (viscous; plus Coulomb: linear envelope; plus quadratic).
-// Source: Inman, Engineering Vibration, sections 1.6 (decrement) and 1.10 (friction and drag).
+// The law of the decay is exponential where ln|C| is a straight line over all cycles (r = alpha),
+// friction where it bends down (r = alpha + beta / A), drag where it bends up (r = alpha + gamma
+// A). Source: Inman, Engineering Vibration, sections 1.6 (decrement) and 1.10 (friction and drag).
 #pragma once
 
 #include <Eigen/Core>
@@ -59,8 +58,6 @@ struct EnvelopePoint {
 struct EnvelopeResult {
   std::vector<EnvelopePoint> points;  ///< eight spans of equal duration, fewer in few cycles
   DecayLaw law = DecayLaw::exponential;
-  /// d zeta / d ln A over the points, weighted line; NaN with fewer than three points.
-  Estimate damping_per_log_amplitude;
   /// Change of the damped frequency from the first point to the last, weighted line in time.
   Estimate frequency_drift_hz;
 };
@@ -89,8 +86,6 @@ struct Described<signal::EnvelopeResult> {
   static constexpr auto fields = std::tuple{
       field("law", where(followed, &T::law), "", "law of the decay",
             "exponential, friction or drag"),
-      field("damping_per_log_amplitude", &T::damping_per_log_amplitude, "", "",
-            "change of the damping ratio over that of ln(amplitude)"),
       field("points", where(followed, &T::points), "", "points", "amplitude, frequency, damping")};
 };
 

@@ -277,10 +277,10 @@ void judge_block(const Recording& recording, Index force, std::span<const Index>
 }
 
 Index median_width(const std::vector<Hit>& hits) {
-  std::vector<double> widths;
-  for (const Hit& hit : hits) {
-    widths.push_back(static_cast<double>(hit.pulse_last - hit.pulse_first + 1));
-  }
+  std::vector<double> widths(hits.size());
+  std::ranges::transform(hits, widths.begin(), [](const Hit& hit) {
+    return static_cast<double>(hit.pulse_last - hit.pulse_first + 1);
+  });
   return static_cast<Index>(median(widths));
 }
 

@@ -80,7 +80,6 @@ struct Hit {
   [[nodiscard]] bool has(HitFault fault) const;
   void reject(HitFault fault, const std::string& why);
 
-  [[nodiscard]] Eigen::Index pulse_samples() const { return pulse_last - pulse_first + 1; }
   [[nodiscard]] std::optional<describe::ByName> second() const {
     if (!(second_hit > 0)) return {};
     return describe::ByName{{{"ratio", second_hit}, {"delay_s", second_hit_delay_s}}};
@@ -99,7 +98,6 @@ struct Hit {
         field("accepted", &T::accepted),
         field("reason", &T::reason),
         field("faults", &T::faults),
-        field("pulse_samples", &T::pulse_samples),
         field("pulse_duration_s", &T::pulse_duration_s, "s", "pulse", "", 3),
         field("usable_hz", &T::usable_hz, "Hz", "usable to", "of the force spectrum", 3),
         field("end_level", &T::end_level),

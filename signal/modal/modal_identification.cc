@@ -135,9 +135,7 @@ void fill_shape(const ModalRefineResult& fit, const ModalCovariance& covariance,
 /// A mode as the points show it, and how it varies between them.
 void fill_points(const FrfSet& frfs, const ModalBand& band, const LocalMode& local,
                  IdentifiedMode& mode) {
-  const double w = std::abs(mode.pole_rad_s);
   mode.between_points_std_hz = local.frequency.between_std / kTwoPi;
-  mode.between_points_std_damping = local.decay.between_std / w;
   if (columns_of_points(band).size() < 2) return;
   const bool by_input = points_are_inputs(band);
   for (const PointPole& found : local.points) {

@@ -242,17 +242,22 @@ void judge_modes(ModalResult& result, const ModalBand& band,
         doubts.push_back(
             fmt::format("complex shape: phase collinearity {:.2f}", mode.modal_phase_collinearity));
       }
-      for (const std::size_t other : {r - 1, r + 1}) {  // r - 1 wraps below 0 and is left out
-        if (other >= model.modes.size()) continue;
-        const double likeness = result.auto_mac(static_cast<Index>(r), static_cast<Index>(other));
-        const double apart = std::abs(mode.pole_rad_s - model.modes[other].pole_rad_s) /
-                             (measured + band.window - model.modes[other].pole_rad_s.real());
-        if (likeness > 0.9 && apart < 2) {
-          doubts.push_back(fmt::format(
-              "same shape as the mode at {:.4g} Hz (MAC {:.2f}), resonances overlap: "
-              "one mode that changed between hits, or a non-linear one, looks like this",
-              model.modes[other].frequency_hz.value, likeness));
-        }
+    }
+    for (const std::size_t other : {r - 1, r + 1}) {  // r - 1 wraps below 0 and is left out
+      if (other >= model.modes.size()) continue;
+      const double likeness = result.auto_mac(static_cast<Index>(r), static_cast<Index>(other));
+      const double others = band.window - model.modes[other].pole_rad_s.real(),
+                   apart = std::abs(mode.pole_rad_s - model.modes[other].pole_rad_s) /
+                           (measured + others);
+      // Where shapes do not tell: a cubic spring adds poles that decay 3, 5, ... times as fast.
+      const bool shapes = mode.shape.size() >= 3;
+      if (shapes ? likeness > 0.9 && apart < 2 : measured > 2 * others && apart < 1) {
+        doubts.push_back(
+            fmt::format("{} the mode at {:.4g} Hz{}, resonances overlap: "
+                        "one mode that changed between hits, or a non-linear one, looks like this",
+                        shapes ? "same shape as" : "more than twice as wide as",
+                        model.modes[other].frequency_hz.value,
+                        shapes ? fmt::format(" (MAC {:.2f})", likeness) : ""));
       }
     }
     mode.doubtful = !doubts.empty();

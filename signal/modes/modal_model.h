@@ -85,7 +85,6 @@ struct IdentifiedMode {
   std::string refinement = "global";
   /// Scatter of the frequency between points beyond the points' own errors (tau).
   double between_points_std_hz = 0;
-  double between_points_std_damping = 0;
   std::vector<ModeAtPoint> points;  ///< by measured point; empty for a single one
   BetweenHits between_hits;
   bool doubtful = false;
@@ -127,7 +126,6 @@ struct IdentifiedMode {
         field("significance", &T::significance),
         field("refinement", &T::refinement),
         field("between_points_std_hz", &T::between_points_std_hz),
-        field("between_points_std_damping", &T::between_points_std_damping),
         field("points", &T::points),
         field("between_hits", describe::where(&T::from_hits, &T::between_hits)),
         field("doubtful", &T::doubtful),

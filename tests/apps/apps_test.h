@@ -12,6 +12,20 @@ namespace rigfit::apps {
 /// What the program wrote as JSON, with its keys in the order of the alphabet.
 using Document = nlohmann::json;
 
+/// The report of `Own::kCampaign` in testdata/, made once for all tests of a fixture.
+template <class Own>
+struct ReportOfACampaign : ::testing::Test {
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    run_ = run_line("report $/{} --out {} --threads 2", {Own::kCampaign, folder_->path().string()});
+    document_ = parsed(folder_->read("report.json"));
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  static inline std::unique_ptr<TemporaryFolder> folder_;
+  static inline ProgramRun run_;
+  static inline Document document_;
+};
+
 /// A scene: a cable of 2.4 m in 12 segments between pinned ends at 200 N.
 inline constexpr const char* kCableScene = R"([[node]]
 name = "left"

@@ -18,18 +18,8 @@ const Document& entry(const Document& document, const std::string& key, const st
   throw std::out_of_range(key + " " + name.dump());
 }
 
-/// The campaign's report, made once for all tests below.
-struct LaboratoryReport : ::testing::Test {
-  static void SetUpTestSuite() {
-    folder_ = std::make_unique<TemporaryFolder>();
-    run_ = run_line("report $/virtual_laboratory/campaign.toml --out {} --threads 2",
-                    {folder_->path().string()});
-    document_ = parsed(folder_->read("report.json"));
-  }
-  static void TearDownTestSuite() { folder_.reset(); }
-  static inline std::unique_ptr<TemporaryFolder> folder_;
-  static inline ProgramRun run_;
-  static inline Document document_;
+struct LaboratoryReport : ReportOfACampaign<LaboratoryReport> {
+  static constexpr const char* kCampaign = "virtual_laboratory/campaign.toml";
 };
 
 /// Whether a value lies within `k` standard uncertainties of the truth.

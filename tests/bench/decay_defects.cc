@@ -9,44 +9,41 @@ namespace {
 using namespace rigfit;
 using rigfit::testing::add_decay, rigfit::testing::add_noise;
 
-struct Record {
-  Eigen::VectorXd samples;
-  double rate_hz = 0;
-  double frequency_hz = 0, damping_ratio = 0;
-};
-
 using Random = std::mt19937_64;
+
+double uniform(Random& draw, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(draw);
+}
+
+/// A decay that begins after `quiet_s`; without that, of any phase.
+struct Record {
+  Record(double f, double zeta, double rate, double seconds, Random& draw, double quiet_s = 0)
+      : rate_hz(rate), frequency_hz(f), damping_ratio(zeta) {
+    samples = Eigen::VectorXd::Zero(std::lround((quiet_s + seconds) * rate));
+    add_decay(samples, {f, zeta}, rate, quiet_s > 0 ? -kPi / 2 : uniform(draw, 0, 2 * kPi),
+              std::lround(rate * quiet_s));
+  }
+  Eigen::VectorXd samples;
+  double rate_hz = 0, frequency_hz = 0, damping_ratio = 0;
+};
 
 struct Kind {
   std::string name;
   std::function<Record(Random&)> make;
 };
 
-double uniform(Random& draw, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(draw);
-}
-
-Record plain(double f, double zeta, double rate, double seconds) {
-  Record record;
-  record.rate_hz = rate, record.frequency_hz = f, record.damping_ratio = zeta;
-  record.samples = Eigen::VectorXd::Zero(static_cast<Index>(std::lround(seconds * rate)));
-  return record;
-}
-
-Record with_hum(double zeta, double seconds, double quiet_s, Random& draw) {
-  const double f = 50 + (uniform(draw, 0, 1) < 0.5 ? -1 : 1) * uniform(draw, 0.2, 1.0);
-  Record record = plain(f, zeta, 1000, quiet_s + seconds);
-  const double phase = uniform(draw, 0, 2 * std::numbers::pi);
-  const auto first = static_cast<Index>(1000 * quiet_s);
-  add_decay(record.samples, {f, zeta}, 1000, quiet_s > 0 ? -std::numbers::pi / 2 : phase, first);
-  add_decay(record.samples, {50, 0, 0.05}, 1000, uniform(draw, 0, 2 * std::numbers::pi));
-  add_noise(record.samples, 0.007, draw);
-  return record;
+auto with_hum(double zeta, double seconds, double quiet_s) {
+  return [=](Random& draw) {
+    const double f = 50 + (uniform(draw, 0, 1) < 0.5 ? -1 : 1) * uniform(draw, 0.2, 1.0);
+    Record record(f, zeta, 1000, seconds, draw, quiet_s);
+    add_decay(record.samples, {50, 0, 0.05}, 1000, uniform(draw, 0, 2 * kPi));
+    add_noise(record.samples, 0.007, draw);
+    return record;
+  };
 }
 
 Record quantised(Random& draw) {
-  Record record = plain(50, 0.01, 517, 6);
-  add_decay(record.samples, {50, 0.01}, 517, uniform(draw, 0, 2 * std::numbers::pi));
+  Record record(50, 0.01, 517, 6, draw);
   const double step = 1.0 / uniform(draw, 90, 127);
   record.samples.array() += uniform(draw, -0.5, 0.5) * step;
   add_noise(record.samples, 0.1 * step, draw);
@@ -55,8 +52,8 @@ Record quantised(Random& draw) {
 }
 
 Record jittered(Random& draw) {
-  Record record = plain(50, 0.01, 1000, 1);
-  const double w = 2 * std::numbers::pi * 50, phase = uniform(draw, 0, 6.28);
+  Record record(50, 0.01, 1000, 1, draw);
+  const double w = 100 * kPi, phase = uniform(draw, 0, 6.28);
   std::normal_distribution<double> normal(0, 2e-5);
   for (Index j = 0; j < record.samples.size(); ++j) {
     const double t = static_cast<double>(j) / 1000 + normal(draw);
@@ -64,22 +61,6 @@ Record jittered(Random& draw) {
   }
   add_noise(record.samples, 0.001, draw);
   return record;
-}
-
-const std::vector<Kind>& kinds() {
-  static const std::vector<Kind> all = {
-      {"hum within 1 Hz, damping 0.002, 1 s after 0.5 s of quiet",
-       [](Random& r) { return with_hum(0.002, 1, 0.5, r); }},
-      {"hum within 1 Hz, damping 0.017, 0.4 s after 0.5 s",
-       [](Random& r) { return with_hum(0.017, 0.4, 0.5, r); }},
-      {"hum within 1 Hz, damping 0.017, 3 s, no quiet",
-       [](Random& r) { return with_hum(0.017, 3, 0, r); }},
-      {"hum within 1 Hz, damping 0.005, 1 s, no quiet",
-       [](Random& r) { return with_hum(0.005, 1, 0, r); }},
-      {"8 bits, 10 samples a cycle, long", quantised},
-      {"sampling jitter of 20 us", jittered},
-  };
-  return all;
 }
 
 void decay(const Kind& kind, std::uint64_t seed, study::Table& table) {
@@ -110,6 +91,14 @@ void decay(const Kind& kind, std::uint64_t seed, study::Table& table) {
 
 int main(int argc, char** argv) {
   using enum study::Of;
+  const Kind kinds[] = {
+      {"hum within 1 Hz, damping 0.002, 1 s after 0.5 s of quiet", with_hum(0.002, 1, 0.5)},
+      {"hum within 1 Hz, damping 0.017, 0.4 s after 0.5 s", with_hum(0.017, 0.4, 0.5)},
+      {"hum within 1 Hz, damping 0.017, 3 s, no quiet", with_hum(0.017, 3, 0)},
+      {"hum within 1 Hz, damping 0.005, 1 s, no quiet", with_hum(0.005, 1, 0)},
+      {"8 bits, 10 samples a cycle, long", quantised},
+      {"sampling jitter of 20 us", jittered},
+  };
   study::run(study::arguments(argc, argv, 100),
              {"record",
               {{"f held, %"},
@@ -119,5 +108,5 @@ int main(int argc, char** argv) {
                {"warned", codes},
                {"too many modes", sum},
                {"median ms", median}}},
-             kinds(), decay);
+             kinds, decay);
 }

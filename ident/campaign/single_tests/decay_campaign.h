@@ -174,8 +174,6 @@ struct Described<ident::ChannelDecays> {
       field("noise_std", of_solved(&Decay::noise_std), "", "noise", "rms, channel's unit", 3),
       field("signal_to_noise_db", of_solved(&Decay::signal_to_noise_db), "dB", "signal to noise",
             "of the strongest mode at the start", 3),
-      field("residual_order", of_solved(&Decay::residual_order), "", "",
-            "of the noise's autoregression"),
       field("degrees_of_freedom", of_solved(&Decay::degrees_of_freedom), "", "", "of the fit")};
 };
 

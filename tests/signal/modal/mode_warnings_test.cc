@@ -89,6 +89,28 @@ TEST(ModeWarnings, ASteadyToneOnALineIsDoubtfulAndLeavesTheModesAlone) {
   }
 }
 
+// One FRF: what a cubic spring makes of a mode is a second pole that decays some three times as
+// fast.
+TEST(ModeWarnings, APoleWithinANarrowerOneIsNoSureMode) {
+  for (const double wide : {1.0, 3.0}) {
+    FrfSet set = six_sensors(0);
+    set.H.conservativeResize(Eigen::NoChange, 1), set.responses.resize(1);
+    Normal normal(1);
+    for (Index l = 0; l < set.H.rows(); ++l) {
+      const Complex s(0, kTwoPi * set.frequency_hz[l]);
+      const auto mode = [&](double hz, double decay) {
+        return 1.0 / ((s + decay) * (s + decay) + std::pow(kTwoPi * hz, 2));
+      };
+      set.H(l, 0) = mode(100, 6) + 0.5 * mode(102.5, 6 * wide);
+      set.H(l, 0) += 1e-3 * std::abs(set.H(l, 0)) * Complex(normal(), normal());
+    }
+    const ModalResult found = identify_modes(set);
+    ASSERT_EQ(found.model.modes.size(), 2u);
+    EXPECT_FALSE(found.model.modes[0].doubtful) << found.model.modes[0].doubt;
+    EXPECT_EQ(found.model.modes[1].doubtful, wide > 1) << found.model.modes[1].doubt;
+  }
+}
+
 // White misfit of 40 % at each line and FRF, error bars of 1 %: poles of all FRFs hold, the error
 // bars do not.
 TEST(ModeWarnings, AGlobalModeWithALargeMisfitIsDoubtful) {

@@ -9,18 +9,8 @@ const Document& part(const Document& document, const std::string& key, const std
   throw std::out_of_range(test);
 }
 
-/// The published tables' report, made once for all tests below.
-struct PublishedTables : ::testing::Test {
-  static void SetUpTestSuite() {
-    folder_ = std::make_unique<TemporaryFolder>();
-    run_ = run_line("report $/jalali2021/campaign.toml --out {} --threads 2",
-                    {folder_->path().string()});
-    document_ = parsed(folder_->read("report.json"));
-  }
-  static void TearDownTestSuite() { folder_.reset(); }
-  static inline std::unique_ptr<TemporaryFolder> folder_;
-  static inline ProgramRun run_;
-  static inline Document document_;
+struct PublishedTables : ReportOfACampaign<PublishedTables> {
+  static constexpr const char* kCampaign = "jalali2021/campaign.toml";
 };
 
 TEST_F(PublishedTables, WritesPageDocumentDataAndFigures) {
