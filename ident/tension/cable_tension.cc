@@ -98,7 +98,7 @@ CableProblem problem_of(const CableDescription& cable, const std::vector<Measure
     inputs.push_back({name, {}});
     for (auto& target : targets) inputs.back().effects.push_back({0, target, value.std});
   };
-  known_to("EI", {"cable.EI_z", "cable.EI_y"}, EI);
+  known_to("EI", {"cable.EI_z", "cable.EI_y", "cable.GJ"}, EI);  // curved, bending twists
   // The first symmetric frequency rises by 4 / pi^4 of Irvine's parameter, here 4e-5: less is taut.
   if (irvine_parameter(cable, tension_N) > 1e-3) {
     known_to(cable.EA_N ? "EA" : "EA (assumed)", {"cable.EA"}, EA);
@@ -133,11 +133,13 @@ CableProblem problem_of(const CableDescription& cable, const std::vector<Measure
     one.states.front().clock_relative_std = cable.rate_relative_std;
     if (ends == CableEnds::springs) {
       // k = q EI (x + 4) / L, x = L sqrt(T / EI): practically pinned to practically clamped.
-      const double scale = EI.value * (std::sqrt(stiffest / EI.value) + 4) / L;
-      one.free.push_back({.name = "end springs",
-                          .targets = {"start.rotational_z", "start.rotational_y",
-                                      "end.rotational_z", "end.rotational_y"},
-                          .prior = flat_prior(0.03 * scale, 30 * scale)});
+      const double likely = cable.EI_Nm2 ? EI.value : start.EI_Nm2.value_or(EI.value);
+      const double scale = likely * (std::sqrt(stiffest / likely) + 4) / L;
+      one.free.push_back(
+          {.name = "end springs",
+           .targets = {"start.rotational_z", "start.rotational_y", "start.rotational_x",
+                       "end.rotational_z", "end.rotational_y", "end.rotational_x"},
+           .prior = flat_prior(0.03 * scale, 30 * scale)});
     }
     problem.candidates.push_back(std::move(one));
   }
