@@ -132,7 +132,8 @@ RodStiffness rod_of(const AxialSetup& setup, double omega_squared, double length
 AxialFit fit_axial(std::span<const AxialLengthData> data, const AxialSetup& setup, bool series,
                    double between_std) {
   std::vector<Length> lengths;
-  double unit = 0;
+  double unit = 0, squares = 0;                       // m/N; of lengths, m2
+  Eigen::Vector4d moments = Eigen::Vector4d::Zero();  // sums of 1, L, 1 / k, L / k
   Eigen::VectorXd z = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(kShared + data.size()));
   for (const auto& one : data) {
     Length length{one};
@@ -148,6 +149,16 @@ AxialFit fit_axial(std::span<const AxialLengthData> data, const AxialSetup& setu
     length.residual_std = by_W * length.std;
     if (lengths.empty()) unit = 1 / rod.cable_N_m, z[kLogEA] = std::log(one.length_m / unit);
     lengths.push_back(length);
+    moments += Eigen::Vector4d(1, one.length_m, 1 / rod.cable_N_m, one.length_m / rod.cable_N_m);
+    squares += one.length_m * one.length_m;
+  }
+  // From the straight line of compliance over length: far from it the compliance's place would run
+  // to one of the ends and stay.
+  const double slope = (moments[0] * moments[3] - moments[1] * moments[2]) /
+                       (moments[0] * squares - moments[1] * moments[1]);
+  if (series && slope > 0) {
+    z[kLogEA] = -std::log(slope);
+    z[kSeries] = (moments[2] - slope * moments[1]) / (moments[0] * unit);
   }
   AxialFit fit;
   fit.between_std = between_std;
