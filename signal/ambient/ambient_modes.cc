@@ -160,12 +160,22 @@ VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& poles) const {
   const auto& band = bands_[static_cast<std::size_t>(mode)];
   const double s = spectrum_->decay, low = spectrum_->omega[band.from] - s,
                high = spectrum_->omega[band.from + band.count - 1] + s;
+  // Those in the band, and on either side the nearest: tails bend more than a straight line does.
   std::vector<Complex> used{poles[mode]};
+  std::optional<Complex> beside[2];
   for (Index j = 0; j < size(); ++j) {
-    const bool silent = band.nulled[static_cast<std::size_t>(j)] && gap_(mode, j) < 1;
-    if (j != mode && !silent && poles[j].imag() > low && poles[j].imag() < high) {
-      used.push_back(poles[j]);
+    const Complex pole = poles[j];
+    const double w = pole.imag();
+    if (j == mode || (band.nulled[static_cast<std::size_t>(j)] && gap_(mode, j) < 1)) continue;
+    auto& nearest = beside[w > high];
+    if (w > low && w < high) {
+      used.push_back(pole);
+    } else if (!nearest || (w > high) == (w < nearest->imag())) {
+      nearest = pole;
     }
+  }
+  for (const auto& pole : beside) {
+    if (pole) used.push_back(*pole);
   }
   const auto n = static_cast<Index>(used.size());
   const VectorXd weight = band.S0.cwiseSqrt().cwiseInverse();

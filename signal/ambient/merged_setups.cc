@@ -183,6 +183,18 @@ AmbientMode merged_mode(const Setups& setups, const Matched& set, std::vector<No
                      hz.differ ? "the frequency" : "the damping", set.size()),
          fmt::format("{:.4g} Hz", hz.value)});
   }
+  if (set.size() < setups.results.size()) {
+    std::vector<std::string> without;
+    for (std::size_t k = 0; k < setups.results.size(); ++k) {
+      if (!set.contains(k)) without.push_back(fmt::format("{}", k + 1));
+    }
+    notes.push_back(
+        {"setup_lacks_mode",
+         fmt::format("check references (direction, place) and what changed between set-ups: set-up "
+                     "{} has no such mode, and the shape is 0 where that alone has a channel",
+                     listed(without)),
+         fmt::format("{:.4g} Hz", hz.value)});
+  }
   const VectorXcd shape = joined_shape(setups, shapes);
   Index top = 0;
   shape.cwiseAbs().maxCoeff(&top);

@@ -169,6 +169,26 @@ TEST(AmbientModes, NoModesInNoise) {
   }
 }
 
+// Fewer channels than modes: no filter silences all neighbours of a mode.
+TEST(AmbientModes, ShapesOfThreeChannels) {
+  auto options = band(0.3, 8);
+  options.channels = {"c1", "c3", "c5"};
+  double squares = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    for (Index r = 0; const auto& one : sure(ambient_modes(chain(seed, 3600, 0.01), options))) {
+      const Eigen::VectorXd real = one.mode.shape.real(),
+                            truth = reference::five_storeys().shapes({0, 2, 4}, r++);
+      Index top = 0;
+      one.mode.shape.cwiseAbs().maxCoeff(&top);
+      for (const Index c : {0, 1, 2}) {
+        if (c == top) continue;
+        squares += std::pow((real[c] - truth[c] / truth[top]) / one.mode.shape_std(c, 0), 2) / 60;
+      }
+    }
+  }
+  EXPECT_LT(squares, 2);
+}
+
 TEST(AmbientModes, OneChannelGivesPolesToo) {
   auto options = band(0.3, 8);
   options.channels = {"c5"};
@@ -209,6 +229,7 @@ TEST(MergedSetups, ShapesByReferencesAndAChangedGain) {
       const Eigen::VectorXcd shape = truth.shapes(std::vector<Index>{0, 4, 1, 2, 3}, r);
       EXPECT_GT(mac(modes[r].mode.shape, shape), 0.95);
     }
+    EXPECT_EQ(noted(merged, "setup_lacks_mode"), 0);
     ASSERT_EQ(noted(merged, "gain_changed"), 1);
     const auto gain = std::ranges::find(merged.notes, "gain_changed", &Note::code);
     EXPECT_THAT(gain->message, HasSubstr("c5"));
@@ -218,10 +239,12 @@ TEST(MergedSetups, ShapesByReferencesAndAChangedGain) {
 }
 
 TEST(MergedSetups, MissingReferenceNamesThoseThatServe) {
-  const auto setups = two_setups(1);
+  auto setups = two_setups(1);
   const RecordingError error = error_of([&] { (void)merge_setups(setups, {"c2"}); });
   EXPECT_THAT(error.what(), HasSubstr("set-up 2: channel \"c2\": the reference is missing"));
   EXPECT_THAT(error.remedy(), HasSubstr("\"c1\", \"c5\""));
+  for (auto& one : setups[1].modes) one.mode.shape[1] *= -1;  // c5 turned round
+  EXPECT_GE(noted(merge_setups(setups), "setup_lacks_mode"), 5);
 }
 
 }  // namespace rigfit::signal::ambient_modes_test
