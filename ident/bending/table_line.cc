@@ -29,6 +29,19 @@ struct Fit {
   Eigen::VectorXd residual, leverage;
 };
 
+/// The largest power of ten of which all values are multiples, as they were written; 0: none.
+double written_step(const std::vector<TableStroke>& strokes, Eigen::VectorXd TableStroke::*which) {
+  for (double step = 1e3; step > 1e-11; step /= 10) {
+    if (std::ranges::all_of(strokes, [&](const TableStroke& stroke) {
+          const Eigen::ArrayXd steps = (stroke.*which).array() / step;
+          return (steps - steps.round()).abs().maxCoeff() <= 1e-9 * steps.abs().maxCoeff();
+        })) {
+      return step;
+    }
+  }
+  return 0;
+}
+
 class Table {
  public:
   Table(const std::vector<TableStroke>& strokes, bool averaged)
@@ -42,6 +55,10 @@ class Table {
       most = std::max(most, stroke.load_N.maxCoeff());
     }
     low_ = low, range_ = high - low, least_ = least, load_range_ = most - least;
+    // What was set is round; what was read is no finer than it was written.
+    rounding_ = std::min(written_step(strokes, &TableStroke::load_N),
+                         written_step(strokes, &TableStroke::x_m) * load_range_ / range_) /
+                std::sqrt(12.0);
   }
 
   TableLine run() {
@@ -115,7 +132,7 @@ class Table {
 
   /// Variance of the noise by a fit; hardly any numbers are good to more than six digits.
   [[nodiscard]] double variance(double squares, double freedom) const {
-    return freedom > 0 ? squares / freedom : 0;
+    return freedom > 0 ? std::max(squares / freedom, rounding_ * rounding_) : 0;
   }
   [[nodiscard]] double tested(double squares, double freedom) const {
     return std::max(variance(squares, freedom), std::pow(1e-6 * load_range_, 2));
@@ -282,7 +299,7 @@ class Table {
 
   const std::vector<TableStroke>& strokes_;
   bool averaged_ = false, both_ways_ = false;
-  double low_ = 0, range_ = 0, least_ = 0, load_range_ = 0;
+  double low_ = 0, range_ = 0, least_ = 0, load_range_ = 0, rounding_ = 0;
   TableLine line_;
 };
 

@@ -66,7 +66,7 @@ class AmbientAnalysis {
   void set_bands();
   MatrixXd filters();
   void fit_pass(const GroupOptions& options);
-  VectorXcd shape_row(Index mode, const VectorXcd& poles) const;
+  VectorXcd shape_row(Index mode, const VectorXcd& poles, bool last) const;
   void judge();
   [[nodiscard]] Index size() const { return poles_.size(); }
 
@@ -156,11 +156,12 @@ MatrixXd AmbientAnalysis::filters() {
 }
 
 /// The row that takes a mode's residue from half spectra on the lines of its band.
-VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& poles) const {
+VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& poles, bool last) const {
   const auto& band = bands_[static_cast<std::size_t>(mode)];
   const double s = spectrum_->decay, low = spectrum_->omega[band.from] - s,
                high = spectrum_->omega[band.from + band.count - 1] + s;
-  // Those in the band, and on either side the nearest: tails bend more than a straight line does.
+  // Those in the band, and of the modes that are left in the last pass on either side the nearest,
+  // whose tails bend more than a straight line does. (Noise beside a mode would spoil its filter.)
   std::vector<Complex> used{poles[mode]};
   std::optional<Complex> beside[2];
   for (Index j = 0; j < size(); ++j) {
@@ -175,7 +176,7 @@ VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& poles) const {
     }
   }
   for (const auto& pole : beside) {
-    if (pole) used.push_back(*pole);
+    if (last && pole && std::ssize(used) + 3 < band.count) used.push_back(*pole);
   }
   const auto n = static_cast<Index>(used.size());
   const VectorXd weight = band.S0.cwiseSqrt().cwiseInverse();
@@ -226,8 +227,8 @@ void AmbientAnalysis::fit_pass(const GroupOptions& options) {
   fit_ = fit_resonances(*spectrum_, bands_, poles_);
   poles_ = fit_.poles;
   for (Index i = 0; i < n; ++i) {
-    shapes_.col(i) =
-        phase_real(whole[static_cast<std::size_t>(i)].half.transpose() * shape_row(i, poles_));
+    shapes_.col(i) = phase_real(whole[static_cast<std::size_t>(i)].half.transpose() *
+                                shape_row(i, poles_, G > 1));
   }
   if (G == 1) return;
   // A group's part of the whole is left out; scales are eliminated in the fit and of no shape.
@@ -243,7 +244,7 @@ void AmbientAnalysis::fit_pass(const GroupOptions& options) {
     for (Index i = 0; i < n; ++i) {
       const auto mode = static_cast<std::size_t>(i);
       shapes_without_[mode].col(g) =
-          (whole[mode].half - group[mode].half).transpose() * shape_row(i, poles);
+          (whole[mode].half - group[mode].half).transpose() * shape_row(i, poles, true);
     }
     poles_without_.col(g) = poles;
   }

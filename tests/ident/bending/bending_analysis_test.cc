@@ -1,5 +1,6 @@
 #include "ident/bending/bending_analysis.h"
 
+#include "ident/bending/table_line.h"
 #include "ident/virtual_rig/virtual_bench.h"
 #include "tests/coverage.h"
 #include "tests/test.h"
@@ -351,6 +352,15 @@ TEST(BendingTest, FrictionIsInTheIntervalOrRefused) {
   EXPECT_GE(given, 36);
   EXPECT_GE(covered, given - 6);   // 95 % of 40: 38 +- 1.4, three of these
   EXPECT_GE(held_or_refused, 36);  // as many of 40
+}
+
+// 0.7 mm at each 0.1 N: as straight as 0.1 mm lets one see.
+TEST(TableLine, ReadingsAreNoFinerThanTheyAreWritten) {
+  const TableStroke dial{.x_m = Eigen::VectorXd::LinSpaced(6, 0, 3.5e-3),
+                         .load_N = Eigen::VectorXd::LinSpaced(6, 0, 0.5),
+                         .used = std::vector<char>(6, 1)};
+  const TableLine line = fit_table_line({dial}, false);
+  EXPECT_NEAR(line.slope_std_N_m / line.slope_N_m, 1e-4 / 7e-4 / std::sqrt(12 * 17.5), 1e-9);
 }
 
 }  // namespace rigfit::ident::bending_analysis_test
