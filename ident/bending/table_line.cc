@@ -29,7 +29,8 @@ struct Fit {
   Eigen::VectorXd residual, leverage;
 };
 
-/// The largest power of ten of which all values are multiples, as they were written; 0: none.
+/// The largest power of ten of which all values are multiples (to what units round), as they were
+/// written; 0: none.
 double written_step(const std::vector<TableStroke>& strokes, Eigen::VectorXd TableStroke::*which) {
   for (double step = 1e3; step > 1e-11; step /= 10) {
     if (std::ranges::all_of(strokes, [&](const TableStroke& stroke) {

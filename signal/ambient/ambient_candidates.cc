@@ -63,8 +63,8 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
   const double duration = static_cast<double>(signals.samples()) / signals.rate_hz();
   const double rate = signals.rate_hz(), low = result.low_hz, high = result.high_hz;
   const Index No = signals.channels();
-  const double longest =
-      std::min(duration / 8, kMostValues / (2 * high * static_cast<double>(No * No)));
+  const double pairs_of_lines = 2 * high * static_cast<double>(No * No);  // of a second of lags
+  const double longest = std::min(duration / 8, std::max(20 / high, kMostValues / pairs_of_lines));
   double lag = std::min({duration / 16, 60 / low, longest});
   std::vector<PoleCluster> clusters;
   for (int round = 0; round < 3; ++round) {

@@ -191,7 +191,8 @@ AmbientMode merged_mode(const Setups& setups, const Matched& set, std::vector<No
     notes.push_back(
         {"setup_lacks_mode",
          fmt::format("check references (direction, place) and what changed between set-ups: set-up "
-                     "{} has no such mode, and the shape is 0 where that alone has a channel",
+                     "{} has no such mode free of doubt, and the shape is 0 where that alone has "
+                     "a channel",
                      listed(without)),
          fmt::format("{:.4g} Hz", hz.value)});
   }

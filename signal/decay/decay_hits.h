@@ -7,7 +7,7 @@
 // which for z = exp(-a t) is of third order in a L. Where |J| stands out, the damped sinusoids of
 // a ten cycles before and behind are fitted apart and together. It is an impact when two fits
 // explain more than one (Fisher's test) and the amplitudes of both, taken to t, differ by more than
-// a twentieth of the record's largest.
+// a twentieth of the record's largest, a loss that leaves the phase as it is (friction) aside.
 #pragma once
 
 #include <Eigen/Core>

@@ -9,7 +9,8 @@
 //   decay rate r = -d ln|C| / dt,   zeta = r / sqrt(r^2 + (2 pi f_d)^2).
 // The law of the decay is exponential where ln|C| is a straight line over all cycles (r = alpha),
 // friction where it bends down (r = alpha + beta / A), drag where it bends up (r = alpha + gamma
-// A). Source: Inman, Engineering Vibration, sections 1.6 (decrement) and 1.10 (friction and drag).
+// A): a parabola over the line, beyond noise.
+// Source: Inman, Engineering Vibration, sections 1.6 (decrement) and 1.10 (friction and drag).
 #pragma once
 
 #include <Eigen/Core>
