@@ -361,13 +361,11 @@ void AmbientAnalysis::run(std::vector<Index> references) {
   shapes_ = std::move(found.shapes);
   if (pairs_.rows() > 0) {
     const Index No = signals_.channels(), lines = spectrum_->omega.size();
-    result_.spectrum_hz = spectrum_->omega / kTwoPi;
-    result_.singular_values.resize(lines, No);
+    auto& shown = result_.spectra.emplace_back(spectrum_->omega / kTwoPi, MatrixXd(lines, No));
     for (Index l = 0; l < lines; ++l) {
       const VectorXcd row = pairs_.row(l);
       const MatrixXcd S = row.reshaped(No, No);
-      result_.singular_values.row(l) =
-          hermitian_eigen(S + S.adjoint()).values.reverse().transpose();
+      shown.singular_values.row(l) = hermitian_eigen(S + S.adjoint()).values.reverse().transpose();
     }
   }
   if (size() > 0) {

@@ -42,8 +42,8 @@ namespace rigfit::signal {
 /// over set-ups where they agree, else random effects (groups.h) and a note "groups_differ". Shapes
 /// are scaled by the references in the least-squares sense. A note "gain_changed" names a reference
 /// whose ratio to the first one changed alike in all modes, "setup_lacks_mode" a mode that is not
-/// matched in all set-ups. Throws RecordingError when a reference
-/// is missing in a set-up.
+/// matched in all set-ups; where one of these alone has a channel, the mode's shape is empty.
+/// Throws RecordingError when a reference is missing in a set-up.
 [[nodiscard]] AmbientResult merge_setups(std::span<const AmbientResult> setups,
                                          std::vector<std::string> references = {});
 

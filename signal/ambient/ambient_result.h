@@ -43,7 +43,8 @@ struct AmbientTone {
 };
 
 struct AmbientMode {
-  /// Shape: largest component 1, unscaled otherwise; participation is empty.
+  /// Shape: largest component 1, unscaled otherwise, empty where a merged set-up lacks the mode;
+  /// participation is empty.
   IdentifiedMode mode;
   Interval frequency_95, damping_95;  ///< Hz and 1; the damping's on the scale of its logarithm
   double degrees = 0;                 ///< of freedom of both standard deviations
@@ -74,24 +75,36 @@ struct AmbientMode {
   }
 };
 
+struct AmbientSpectrum {
+  Eigen::VectorXd frequency_hz;
+  /// Of the spectral matrix of the channels over their standard deviations, lines x channels.
+  Eigen::MatrixXd singular_values;
+};
+
 struct AmbientResult {
   std::vector<AmbientMode> modes;  ///< by rising frequency, doubtful ones as well
   std::vector<std::string> channels;
   std::vector<AmbientTone> tones;
   std::vector<Note> notes;
   double low_hz = 0, high_hz = 0;
-  double lag_s = 0;          ///< longest lag of the correlations
-  double duration_s = 0;     ///< all set-ups together
-  LscfResult stabilisation;  ///< window included
-  /// Singular values of the spectral matrix of the channels over their standard deviations, lines x
-  /// channels, for figures. Empty after merging.
-  Eigen::VectorXd spectrum_hz;
-  Eigen::MatrixXd singular_values;
+  double lag_s = 0;                      ///< longest lag of the correlations
+  double duration_s = 0;                 ///< all set-ups together
+  LscfResult stabilisation;              ///< window included
+  std::vector<AmbientSpectrum> spectra;  ///< by set-up, for figures
 
   [[nodiscard]] std::vector<MeasuredPoint> responses() const {
     std::vector<MeasuredPoint> points;
     for (const auto& name : channels) points.push_back({name, 0, 0});
     return points;
+  }
+  /// The modes that are not doubtful.
+  [[nodiscard]] ModalModel sure_modes() const {
+    ModalModel sure;
+    sure.responses = responses();
+    for (const auto& one : modes) {
+      if (!one.mode.doubtful) sure.modes.push_back(one.mode);
+    }
+    return sure;
   }
 
   static constexpr auto fields() {

@@ -5,6 +5,7 @@
 #include <complex>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "signal/ambient/ambient_modes.h"
@@ -183,17 +184,19 @@ AmbientMode merged_mode(const Setups& setups, const Matched& set, std::vector<No
                      hz.differ ? "the frequency" : "the damping", set.size()),
          fmt::format("{:.4g} Hz", hz.value)});
   }
-  if (set.size() < setups.results.size()) {
-    std::vector<std::string> without;
-    for (std::size_t k = 0; k < setups.results.size(); ++k) {
-      if (!set.contains(k)) without.push_back(fmt::format("{}", k + 1));
-    }
+  std::vector<std::string> lacking;
+  std::set<Index> known;
+  for (std::size_t k = 0; k < setups.results.size(); ++k) {
+    if (!set.contains(k)) lacking.push_back(fmt::format("{}", k + 1));
+    if (set.contains(k)) known.insert(setups.places[k].begin(), setups.places[k].end());
+  }
+  const bool whole = known.size() == setups.channels.size();
+  if (!lacking.empty()) {
     notes.push_back(
         {"setup_lacks_mode",
          fmt::format("check references (direction, place) and what changed between set-ups: set-up "
-                     "{} has no such mode free of doubt, and the shape is 0 where that alone has "
-                     "a channel",
-                     listed(without)),
+                     "{} has no such mode free of doubt{}",
+                     listed(lacking), whole ? "" : "; the mode is listed without a shape"),
          fmt::format("{:.4g} Hz", hz.value)});
   }
   const VectorXcd shape = joined_shape(setups, shapes);
@@ -217,6 +220,8 @@ AmbientMode merged_mode(const Setups& setups, const Matched& set, std::vector<No
   }
   mode.shape_std = mode.shape_std.cwiseSqrt();
   mode.modal_phase_collinearity = modal_phase_collinearity(mode.shape);
+  // A part of a shape is no shape: what is not known is not 0.
+  if (!whole) mode.shape.resize(0), mode.shape_std.resize(0, 2);
   return merged;
 }
 
@@ -267,6 +272,11 @@ AmbientResult merge_setups(std::span<const AmbientResult> results,
     merged.duration_s += result.duration_s;
     merged.tones.insert(merged.tones.end(), result.tones.begin(), result.tones.end());
     merged.notes.insert(merged.notes.end(), result.notes.begin(), result.notes.end());
+    merged.spectra.insert(merged.spectra.end(), result.spectra.begin(), result.spectra.end());
+    auto& diagram = merged.stabilisation;
+    const auto& poles = result.stabilisation.poles;
+    diagram.poles.insert(diagram.poles.end(), poles.begin(), poles.end());
+    diagram.orders_solved = std::max(diagram.orders_solved, result.stabilisation.orders_solved);
   }
   const std::vector<Matched> sets = matched_modes(setups);
   for (const Matched& set : sets) merged.modes.push_back(merged_mode(setups, set, merged.notes));

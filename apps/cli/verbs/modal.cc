@@ -3,7 +3,6 @@
 
 #include "apps/cli/verbs/all.h"
 #include "signal/ambient/ambient_modes.h"
-#include "signal/estimation/groups.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/modes/modal_synthesis.h"
 #include "signal/readers/read_recording.h"
@@ -58,75 +57,6 @@ signal::AmbientResult analysed(const ModalCommand& command, VerbContext& context
   return signal::merge_setups(setups, command.references);
 }
 
-/// The modes that are not doubtful.
-signal::ModalModel sure_modes(const signal::AmbientResult& found) {
-  signal::ModalModel sure;
-  for (const auto& one : found.modes) {
-    if (!doubtful(one)) sure.modes.push_back(one.mode);
-  }
-  sure.responses = found.responses();
-  return sure;
-}
-
-/// Shapes of the sure modes over the channels, whose places ambient recordings seldom give.
-Plot shapes_plot(const signal::AmbientResult& found) {
-  Plot plot{"ambient-shapes", "Mode shapes",
-            "Real part of each mode's shape at the channels in the order of the results, named on "
-            "top; the largest is 1. Bars: 95 % intervals.",
-            "channel", "shape"};
-  plot.link = plot.id;
-  for (const auto& channel : found.channels) {
-    plot.marks.push_back({static_cast<double>(plot.marks.size() + 1), channel, false});
-  }
-  for (const auto& one : found.modes) {
-    if (doubtful(one)) continue;
-    const auto& mode = one.mode;
-    const double factor = signal::coverage_factor(0.95, one.degrees);
-    PlotSeries series{fmt::format("{:.4g} Hz", mode.frequency_hz.value), Origin::measured,
-                      static_cast<int>(plot.series.size()), PlotSeries::Style::line_and_points};
-    for (Eigen::Index c = 0; c < mode.shape.size(); ++c) {
-      const double at = mode.shape[c].real(), half = factor * mode.shape_std(c, 0);
-      series.add(static_cast<double>(c + 1), at, at - half, at + half);
-    }
-    plot.series.push_back(std::move(series));
-  }
-  return plot;
-}
-
-/// Singular values of the spectral matrix with the modes, shapes, stabilisation diagram.
-void draw(PlotSheet& sheet, const signal::AmbientResult& found) {
-  Plot plot{"ambient-spectrum",
-            "Singular values of the spectral matrix",
-            "Motion of all channels together, each over its standard deviation. A mode is a peak "
-            "of the first singular value; where the second rises with it, two modes are close. "
-            "Lines: modes, broken where they are uncertain.",
-            "frequency, Hz",
-            "singular value",
-            false,
-            true};
-  plot.link = plot.id;
-  for (const auto& one : found.modes) {
-    const double f = one.mode.frequency_hz.value;
-    plot.marks.push_back({f, fmt::format("{:.4g}", f), doubtful(one)});
-  }
-  for (Eigen::Index k = 0; k < std::min<Eigen::Index>(3, found.singular_values.cols()); ++k) {
-    PlotSeries series{fmt::format("singular value {}", k + 1), Origin::measured,
-                      static_cast<int>(k)};
-    for (Eigen::Index i = 0; i < found.spectrum_hz.size(); ++i) {
-      series.add(found.spectrum_hz[i], found.singular_values(i, k));
-    }
-    plot.series.push_back(std::move(series));
-  }
-  sheet.add(std::move(plot));
-  if (found.channels.size() > 1) sheet.add(shapes_plot(found));
-  if (found.stabilisation.poles.empty()) return;
-  signal::ModalResult poles;
-  poles.model = sure_modes(found), poles.stabilisation = found.stabilisation;
-  Plot diagram = stabilisation_plot("ambient-stabilisation", poles, Origin::measured);
-  diagram.link = "ambient-spectrum";
-  sheet.add(std::move(diagram));
-}
-
 Json ambient_result(const ModalCommand& command, VerbContext& context) {
   const signal::AmbientResult found = analysed(command, context);
   for (const auto& note : found.notes) {
@@ -140,8 +70,8 @@ Json ambient_result(const ModalCommand& command, VerbContext& context) {
   if (!found.tones.empty()) describe::print(context.out, describe::table_of(found.tones));
   context.out << fmt::format("{:.4g} to {:.4g} Hz, {:.0f} s, correlations to {:.3g} s\n",
                              found.low_hz, found.high_hz, found.duration_s, found.lag_s);
-  if (context.plots) draw(*context.plots, found);
-  const auto modes = [&] { return signal::uff_text(sure_modes(found)); };  // no place for doubts
+  if (context.plots) context.plots->add(ambient_plots("ambient", found, Origin::measured));
+  const auto modes = [&] { return signal::uff_text(found.sure_modes()); };  // no place for doubts
   write_result(command.out, modes, "modes (UFF 55)", "out", result, context);
   return result;
 }
@@ -217,8 +147,10 @@ Json run(ModalCommand& options, VerbContext& context) {
   context.out << '\n';
   if (context.plots) {
     const auto& run = measured.run;
-    context.plots->add(hammer_plots({run ? &run->places : nullptr, run ? &run->test : nullptr,
-                                     measured.frfs, found.low_hz, found.high_hz, &found}));
+    context.plots->add(hammer_plots({.places = run ? &run->places : nullptr,
+                                     .test = run ? &run->test : nullptr,
+                                     .frfs = measured.frfs,
+                                     .modal = &found}));
   }
 
   result["amplitudes"] = measured.amplitudes;

@@ -31,6 +31,7 @@
 #include "model/linear/modal_analysis.h"
 #include "model/response/response.h"
 #include "model/scene/scene.h"
+#include "signal/ambient/ambient_result.h"
 #include "signal/decay/decay.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/quality/quality.h"
@@ -81,15 +82,13 @@ struct LineRange {
 /// Unwrapped along the lines whose phase is known to about 20 degrees; the others are gaps.
 [[nodiscard]] Plot phase_plot(const std::string& id, const signal::FrfSet& frfs,
                               const LineRange& range, Origin origin);
-[[nodiscard]] Plot stabilisation_plot(const std::string& id, const signal::ModalResult& found,
-                                      Origin origin);
 
 struct HammerFigures {
   const std::vector<ident::StruckPlace>* places = nullptr;  ///< null: FRFs from a file
   const ident::HammerTest* test = nullptr;                  ///< null: FRFs from a file
   const signal::FrfSet& frfs;
-  double low_hz = 0, high_hz = 0;              ///< 0: to the last line
-  const signal::ModalResult* modal = nullptr;  ///< null: no modes
+  double low_hz = 0, high_hz = 0;              ///< without modes; 0: to the last line
+  const signal::ModalResult* modal = nullptr;  ///< shown in their band; null: no modes
   std::string name = "test", state = {};       ///< parts of the ids: "cable-frf-200N"
   Origin origin = Origin::measured;
 };
@@ -97,6 +96,11 @@ struct HammerFigures {
 /// abscissa, with the identified modes marked; stabilisation diagram. Ids are `name` and `state`
 /// with "-hits", "-frf", "-phase", "-coherence", "-stabilisation" in between.
 [[nodiscard]] std::vector<Plot> hammer_plots(const HammerFigures& of);
+
+/// Ambient motion: singular values of the spectral matrix with the modes, stabilisation diagram,
+/// shapes of the sure modes. Ids are `id` with "-spectrum", "-stabilisation", "-shapes".
+[[nodiscard]] std::vector<Plot> ambient_plots(const std::string& id,
+                                              const signal::AmbientResult& found, Origin origin);
 
 /// Magnitudes of the test with their band, and of every version; empty series when nothing could be
 /// computed.

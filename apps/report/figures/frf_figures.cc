@@ -1,5 +1,6 @@
 #include "apps/report/figures/figures.h"
 #include "model/frfs/frf_synthesis.h"
+#include "signal/estimation/groups.h"
 #include "signal/modes/modal_synthesis.h"
 
 namespace rigfit::apps {
@@ -143,27 +144,9 @@ Plot coherence_plot(const std::string& id, const signal::FrfSet& frfs, const Lin
   return plot;
 }
 
-}  // namespace
-
-LineRange lines_between(const signal::FrfSet& frfs, double low_hz, double high_hz) {
-  LineRange range;
-  const auto& f = frfs.frequency_hz;
-  while (range.first < f.size() && (f[range.first] < low_hz || f[range.first] <= 0)) ++range.first;
-  range.last = range.first - 1;
-  while (range.last + 1 < f.size() && f[range.last + 1] <= high_hz) ++range.last;
-  return range;
-}
-
-Plot phase_plot(const std::string& id, const signal::FrfSet& frfs, const LineRange& range,
-                Origin origin) {
-  Plot plot{id, "Frequency response, phase",
-            "By how much the response leads the force, without jumps of a whole turn. It falls by "
-            "180° at every mode and rises by as much at every antiresonance. Lines whose phase is "
-            "not known to 20° are left out.",
-            "frequency, Hz", "phase, degrees"};
-  add_frfs(plot, frfs, range, origin, [](Index, Index) { return 0.0; });
-  for (auto& series : plot.series) series.y = unwrapped(frfs, range, series.variant);
-  return plot;
+void mark(Plot& plot, const signal::IdentifiedMode& mode) {
+  const double f = mode.frequency_hz.value;
+  plot.marks.push_back({f, fmt::format("{:.4g}", f), mode.doubtful});
 }
 
 Plot stabilisation_plot(const std::string& id, const signal::ModalResult& found, Origin origin) {
@@ -190,6 +173,82 @@ Plot stabilisation_plot(const std::string& id, const signal::ModalResult& found,
   return plot;
 }
 
+/// Singular values of the spectral matrix with the modes: the first three of one record, the first
+/// of each of several set-ups.
+Plot spectra_plot(const std::string& id, const signal::AmbientResult& found, Origin origin) {
+  Plot plot{id,
+            "Singular values of the spectral matrix",
+            "Motion of all channels together, each over its standard deviation. A mode is a peak "
+            "of the first singular value; where the second rises with it, two modes are close. "
+            "Lines: modes, broken where they are uncertain.",
+            "frequency, Hz",
+            "singular value",
+            false,
+            true};
+  for (const auto& one : found.modes) mark(plot, one.mode);
+  const bool one = found.spectra.size() == 1;
+  for (const auto& spectrum : found.spectra) {
+    const auto shown = std::min<Index>(one ? 3 : 1, spectrum.singular_values.cols());
+    for (Index k = 0; k < shown; ++k) {
+      const auto number = plot.series.size();
+      PlotSeries series{fmt::format("{} {}", one ? "singular value" : "set-up", number + 1), origin,
+                        static_cast<int>(number)};
+      for (Index i = 0; i < spectrum.frequency_hz.size(); ++i) {
+        series.add(spectrum.frequency_hz[i], spectrum.singular_values(i, k));
+      }
+      plot.add(std::move(series));
+    }
+  }
+  return plot;
+}
+
+/// Shapes of the sure modes over the channels, whose places ambient recordings seldom give.
+Plot channel_shapes_plot(const std::string& id, const signal::AmbientResult& found, Origin origin) {
+  Plot plot{id, "Mode shapes",
+            "Real part of each mode's shape at the channels in the order of the results, named on "
+            "top; the largest is 1. Bars: 95 % intervals.",
+            "channel", "shape"};
+  for (const auto& channel : found.channels) {
+    plot.marks.push_back({static_cast<double>(plot.marks.size() + 1), channel, false});
+  }
+  for (const auto& one : found.modes) {
+    const auto& mode = one.mode;
+    if (mode.doubtful) continue;
+    const double factor = signal::coverage_factor(0.95, one.degrees);
+    PlotSeries series{fmt::format("{:.4g} Hz", mode.frequency_hz.value), origin,
+                      static_cast<int>(plot.series.size()), Style::line_and_points};
+    for (Index c = 0; c < mode.shape.size(); ++c) {
+      const double at = mode.shape[c].real(), half = factor * mode.shape_std(c, 0);
+      series.add(static_cast<double>(c + 1), at, at - half, at + half);
+    }
+    plot.add(std::move(series));
+  }
+  return plot;
+}
+
+}  // namespace
+
+LineRange lines_between(const signal::FrfSet& frfs, double low_hz, double high_hz) {
+  LineRange range;
+  const auto& f = frfs.frequency_hz;
+  while (range.first < f.size() && (f[range.first] < low_hz || f[range.first] <= 0)) ++range.first;
+  range.last = range.first - 1;
+  while (range.last + 1 < f.size() && f[range.last + 1] <= high_hz) ++range.last;
+  return range;
+}
+
+Plot phase_plot(const std::string& id, const signal::FrfSet& frfs, const LineRange& range,
+                Origin origin) {
+  Plot plot{id, "Frequency response, phase",
+            "By how much the response leads the force, without jumps of a whole turn. It falls by "
+            "180° at every mode and rises by as much at every antiresonance. Lines whose phase is "
+            "not known to 20° are left out.",
+            "frequency, Hz", "phase, degrees"};
+  add_frfs(plot, frfs, range, origin, [](Index, Index) { return 0.0; });
+  for (auto& series : plot.series) series.y = unwrapped(frfs, range, series.variant);
+  return plot;
+}
+
 std::vector<Plot> hammer_plots(const HammerFigures& of) {
   const auto id = [&](const char* what) {
     return fmt::format("{}-{}{}{}", of.name, what, of.state.empty() ? "" : "-", of.state);
@@ -201,7 +260,9 @@ std::vector<Plot> hammer_plots(const HammerFigures& of) {
   const auto& frfs = of.frfs;
   if (frfs.frequency_hz.size() == 0) return plots;
   const double last = frfs.frequency_hz[frfs.frequency_hz.size() - 1];
-  const auto range = lines_between(frfs, of.low_hz, of.high_hz > 0 ? of.high_hz : last);
+  const auto [low, high] = of.modal ? std::pair(of.modal->low_hz, of.modal->high_hz)
+                                    : std::pair(of.low_hz, of.high_hz > 0 ? of.high_hz : last);
+  const auto range = lines_between(frfs, low, high);
   if (range.last < range.first) return plots;
   const auto first = static_cast<std::ptrdiff_t>(plots.size());
   plots.push_back(magnitude_plot(id("frf"), frfs, range, of.origin));
@@ -217,16 +278,26 @@ std::vector<Plot> hammer_plots(const HammerFigures& of) {
   }
   if (of.modal) {
     for (auto plot = plots.begin() + first; plot != plots.end(); ++plot) {
-      for (const auto& mode : of.modal->model.modes) {
-        plot->marks.push_back({mode.frequency_hz.value,
-                               fmt::format("{:.4g}", mode.frequency_hz.value), mode.doubtful});
-      }
+      for (const auto& mode : of.modal->model.modes) mark(*plot, mode);
     }
     if (!of.modal->stabilisation.poles.empty()) {
       plots.push_back(stabilisation_plot(id("stabilisation"), *of.modal, of.origin));
     }
   }
   for (auto plot = plots.begin() + first; plot != plots.end(); ++plot) plot->link = id("frf");
+  return plots;
+}
+
+std::vector<Plot> ambient_plots(const std::string& id, const signal::AmbientResult& found,
+                                Origin origin) {
+  std::vector<Plot> plots{spectra_plot(id + "-spectrum", found, origin)};
+  signal::ModalResult sure;
+  sure.model = found.sure_modes(), sure.stabilisation = found.stabilisation;
+  plots.push_back(stabilisation_plot(id + "-stabilisation", sure, origin));
+  for (auto& plot : plots) plot.link = id + "-spectrum";
+  plots.push_back(channel_shapes_plot(id + "-shapes", found, origin));
+  plots.back().link = plots.back().id;
+  std::erase_if(plots, [](const Plot& plot) { return plot.series.empty(); });
   return plots;
 }
 

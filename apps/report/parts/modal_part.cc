@@ -38,10 +38,11 @@ class ModalPart : public TestPart {
     hits_ = {test_.name + "-hits",
              "Every hit, kept or rejected.",
              {{"state", {}, false}, {"recording", {}, false}}};
-    modes_ = {test_.name + "-identified",
-              "Modes identified from the frequency responses, with standard uncertainties. MPC: 1 "
-              "for a shape whose points move in phase; misfit: residual near the mode.",
-              {{"state", {}, false}}};
+    modes_ = {
+        test_.name + "-identified",
+        "Modes identified, with standard uncertainties. MPC: 1 for a shape whose points move in "
+        "phase; misfit: residual near the mode.",
+        {{"state", {}, false}}};
     std::optional<Origin> origin;
     std::size_t states = 0, hits = 0, rejected = 0;
     for (auto& state : analysed.states) {
@@ -53,8 +54,7 @@ class ModalPart : public TestPart {
       hits_.fold = fmt::format("All {} hits, {} rejected", hits, rejected);
     add(part_.blocks, std::move(hits_));
     if (!scene_) short_report();
-    add(part_.blocks,
-        PlotGroup{test_.name + "-frfs", "Frequency responses and poles", std::move(tabs_)});
+    add(part_.blocks, PlotGroup{test_.name + "-frfs", "Spectra and poles", std::move(tabs_)});
     part_.json["hits"] = hits;
     part_.json["hits_rejected"] = rejected;
     part_.summary.push_back(
@@ -66,12 +66,12 @@ class ModalPart : public TestPart {
     add(part_.blocks, std::move(modes_));
   }
 
-  /// Hits alone: the first state's response and the modes.
+  /// Without a model: the first state's response or spectrum and the modes.
   void short_report() {
     part_.brief = {modes_.id};
     if (tabs_.empty()) return;
     auto& plots = tabs_.front().plots;
-    const auto frf = std::ranges::find(plots, "Frequency response, magnitude", &Plot::title);
+    const auto frf = std::ranges::find_if(plots, [](const Plot& one) { return one.log_y; });
     if (frf == plots.end()) return;
     part_.brief.push_back(frf->id);
     part_.blocks.push_back(std::move(*frf));
@@ -91,10 +91,16 @@ class ModalPart : public TestPart {
       name_points(state.hammer.frfs.responses, state.hammer.frfs.inputs);
       name_points(state.modal->model.responses, state.modal->model.inputs);
     }
-    auto plots = hammer_plots(
-        {&state.places, &state.hammer, state.hammer.frfs, state.modal ? state.modal->low_hz : 0,
-         state.modal ? state.modal->high_hz : 0, state.modal ? &*state.modal : nullptr, test_.name,
-         file_word(label), state.origin});
+    const std::string word = file_word(label);
+    auto plots = state.ambient
+                     ? ambient_plots(test_.name + "-" + word, *state.ambient, state.origin)
+                     : hammer_plots({.places = &state.places,
+                                     .test = &state.hammer,
+                                     .frfs = state.hammer.frfs,
+                                     .modal = state.modal ? &*state.modal : nullptr,
+                                     .name = test_.name,
+                                     .state = word,
+                                     .origin = state.origin});
     if (!plots.empty()) tabs_.push_back({label, std::move(plots)});
     for (auto& place : state.places) place.recordings.clear();  // not needed any more
     if (!state.modal) return;

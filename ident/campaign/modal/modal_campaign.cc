@@ -133,7 +133,7 @@ void analyse_ambient(ModalTestState& state, const ModalTestOptions& options) {
     ambient.low_hz = band->first, ambient.high_hz = band->second;
   }
   std::map<std::string, Eigen::Vector3d> directions;
-  signal::AmbientResult found;
+  auto& found = state.ambient.emplace();
   try {
     std::vector<signal::AmbientResult> setups;
     for (const auto& place : state.places) {
@@ -159,7 +159,7 @@ void analyse_ambient(ModalTestState& state, const ModalTestOptions& options) {
     state.directions.push_back(directions[name]);
     modal.model.responses.push_back({name, 0, 0});
   }
-  for (auto& one : found.modes) modal.model.modes.push_back(std::move(one.mode));
+  for (const auto& one : found.modes) modal.model.modes.push_back(one.mode);
 }
 
 }  // namespace

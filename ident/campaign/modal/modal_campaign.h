@@ -12,6 +12,7 @@
 #include "ident/campaign/modal/hammer_campaign.h"
 #include "ident/campaign/single_tests/test_recording.h"
 #include "ident/statistics/finding.h"
+#include "signal/ambient/ambient_result.h"
 
 namespace rigfit::ident {
 
@@ -27,8 +28,9 @@ struct ModalTestState {
   Origin origin = Origin::measured;
   std::vector<StruckPlace> places;
   HammerTest hammer;  ///< empty for ambient motion; inputs named by the places; "hammer" without
-  std::optional<signal::ModalResult> modal;  ///< empty: no FRFs, or too few lines
-  std::vector<std::string> channels;         ///< responses, in the order of the FRFs
+  std::optional<signal::ModalResult> modal;      ///< empty: no FRFs, or too few lines
+  std::optional<signal::AmbientResult> ambient;  ///< of ambient motion; its modes are `modal`'s
+  std::vector<std::string> channels;             ///< responses, in the order of the FRFs
   /// Axes of positive values from the recordings, by response and by input; zero if not stated.
   std::vector<Eigen::Vector3d> directions, force_directions;
   std::vector<Finding> findings;  ///< findings on hits, FRFs and modes

@@ -50,6 +50,23 @@ TEST_F(AmbientVerb, FigureMarksTheModes) {
                     HasSubstr("Stabilisation diagram")));
 }
 
+TEST_F(AmbientVerb, ReportShowsSpectraPolesAndShapes) {
+  (void)setup("a.csv", 1, {0, 4, 1}), (void)setup("b.csv", 2, {0, 4, 2, 3});
+  const auto campaign = folder.write("wind.toml", R"(title = "Chain in wind"
+[[test]]
+name = "chain"
+kind = "modal"
+ambient = true
+[[test.recording]]
+files = ["a.csv", "b.csv"]
+)");
+  ASSERT_EQ(run_program({"report", campaign, "--out", folder.at("report")}).exit_code, 0);
+  EXPECT_THAT(folder.read("report/report.html"),
+              AllOf(HasSubstr("Singular values of the spectral matrix"), HasSubstr("set-up 2"),
+                    HasSubstr("Stabilisation diagram"), HasSubstr("Mode shapes"),
+                    Not(HasSubstr("hammer"))));
+}
+
 // The rig of the virtual laboratory in the state that was struck, moved by unknown forces: its own
 // modes with 120 segments a member, sensors and accelerometers where the hammer test had them.
 signal::Recording rig_in_ambient_motion(const std::string& laboratory) {
