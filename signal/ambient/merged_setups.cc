@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -184,10 +185,10 @@ AmbientMode merged_mode(const Setups& setups, const Matched& set, std::vector<No
                      hz.differ ? "the frequency" : "the damping", set.size()),
          fmt::format("{:.4g} Hz", hz.value)});
   }
-  std::vector<std::string> lacking;
+  std::vector<std::size_t> lacking;
   std::set<Index> known;
   for (std::size_t k = 0; k < setups.results.size(); ++k) {
-    if (!set.contains(k)) lacking.push_back(fmt::format("{}", k + 1));
+    if (!set.contains(k)) lacking.push_back(k + 1);
     if (set.contains(k)) known.insert(setups.places[k].begin(), setups.places[k].end());
   }
   const bool whole = known.size() == setups.channels.size();
@@ -196,7 +197,7 @@ AmbientMode merged_mode(const Setups& setups, const Matched& set, std::vector<No
         {"setup_lacks_mode",
          fmt::format("check references (direction, place) and what changed between set-ups: set-up "
                      "{} has no such mode free of doubt{}",
-                     listed(lacking), whole ? "" : "; the mode is listed without a shape"),
+                     fmt::join(lacking, ", "), whole ? "" : "; the mode is listed without a shape"),
          fmt::format("{:.4g} Hz", hz.value)});
   }
   const VectorXcd shape = joined_shape(setups, shapes);
