@@ -74,15 +74,17 @@ Eigen::MatrixXd mode_jacobian(const DampedSinusoidsFit& fit, double rate) {
   return jacobian;
 }
 
-/// Whether what one damped sinusoid leaves has a line beside it that noise would not show.
-bool leaves_company(const LineSpectrum& residual, Complex pole, double false_alarm) {
-  const double f = pole.imag() / kTwoPi, n = static_cast<double>(residual.samples);
-  const double reach = 2 / n - 2 * pole.real() / kTwoPi;
-  DecaySearchOptions beside;
-  beside.candidates = 1;
-  beside.lowest = std::max(0.0, f - reach), beside.highest = std::min(0.5, f + reach);
-  beside.energy_over_noise = detection_threshold(residual.samples, false_alarm);
-  return !search_lines(residual, beside).empty();
+/// Whether mode m leaves what an amplitude and a phase that depart from an exponential, with t^2
+/// and t^3, take out, and noise would not (four unknowns; noise may be larger while the mode
+/// lasts).
+bool leaves_company(const DampedSinusoidsFit& fit, std::size_t m, double noise_variance,
+                    const FitUncertainty& uncertainty) {
+  double widening = 1;
+  for (Index k = 0; k < 4; ++k) {
+    widening = std::max(widening, uncertainty.widening(4 * static_cast<Index>(m) + k));
+  }
+  const double left = departing_residual(fit, {}, std::span(&m, 1));
+  return fit.residual_sum_squares - left > gsl_cdf_chisq_Qinv(1e-4, 4) * widening * noise_variance;
 }
 
 /// Whether coloured noise passes for the mode: `alone`, what the other modes leave, is as well
@@ -110,7 +112,8 @@ DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate, double fal
   DescribedFit out{fit, {}, {}, {}, {}, {}, {}, {}};
   out.noise = residual_noise(fit.residual, fit.degrees);
   out.residual = line_spectrum(fit.residual);
-  const Eigen::MatrixXd covariance = fit_uncertainty(fit, out.noise).widened();
+  const FitUncertainty uncertainty = fit_uncertainty(fit, out.noise);
+  const Eigen::MatrixXd covariance = uncertainty.widened();
   const Eigen::MatrixXd jacobian = mode_jacobian(fit, rate);
   out.covariance = jacobian * covariance * jacobian.transpose();
   const double factor = gsl_cdf_tdist_Pinv(0.975, static_cast<double>(fit.degrees));
@@ -164,7 +167,7 @@ DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate, double fal
     out.envelopes.push_back(envelope_of(cycles));
     mode.doubt = doubt_of(mode, alone, fit.residual, out.noise.coefficients.size(), false_alarm);
     mode.doubtful = !mode.doubt.empty();
-    mode.company = leaves_company(out.residual, p, false_alarm);
+    mode.company = leaves_company(fit, m, out.noise_beside(p.imag()), uncertainty);
     out.modes.push_back(std::move(mode));
   }
   return out;
