@@ -44,8 +44,8 @@ struct DecayMode {
   Estimate log_decrement;                ///< 2 pi zeta / sqrt(1 - zeta^2), per cycle, from the fit
   Estimate damping_ratio_log_decrement;  ///< cycle by cycle (envelope.h); NaN when refused
   std::string log_decrement_refusal;     ///< why; empty when there is one
-  /// The residual has a line beside the mode's that noise does not explain: a second mode that
-  /// beats too slowly for the record, or a mode that changes as it decays.
+  /// One exponential leaves more than noise here: a second mode that beats too slowly for the
+  /// record, or a mode that changes as it decays.
   bool company = false;
   /// Noise could look like this mode; `doubt` says why.
   bool doubtful = false;
