@@ -345,7 +345,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     }
     result.misfit_over_error_bars = std::sqrt(sum / static_cast<double>(count));
   }
-  check_misfit(result, H - found.model);
+  check_misfit(result, band, H - found.model);
   allow_for_hits(frfs, band, found, search.local, options, model);
   judge_modes(result, band, H - found.model);
   return result;

@@ -70,8 +70,49 @@ MisfitCorrelation misfit_correlation(const FrfNoise& noise,
   return result;
 }
 
-void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise, const IdentifiedMode& mode,
+                           const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+  const auto [first, count] = lines_around(band, mode.pole_rad_s, 2.5);
+  if (count < 2) return 0;
+  const auto left = misfit.middleRows(first, count);
+  const double around = band.lines.H.middleRows(first, count).squaredNorm();
+  const double power = left.squaredNorm();
+  if (!(around > 0) || !(power > 0)) return 0;
+  const auto values = static_cast<double>(left.size());
+  const double known = line_correlation(noise, 1).real();
+  if (known > 0.9) return 0;      // a window as short as this makes all misfit alike
+  double beyond = 0, chance = 0;  // of `power`
+  if (band.H_std.size() > 0) {
+    const double expected = 2 * band.H_std.middleRows(first, count).squaredNorm();
+    beyond = power - expected;
+    chance = expected / std::sqrt(values) * std::sqrt((1 + known * known) / (1 - known * known));
+  } else {
+    const double pairs = values * static_cast<double>(count - 1) / static_cast<double>(count);
+    const double product =
+        (left.topRows(count - 1).conjugate().cwiseProduct(left.bottomRows(count - 1)))
+            .sum()
+            .real() *
+        values / pairs;
+    beyond = (product - known * power) / (1 - known);
+    chance = power / std::sqrt(2 * pairs) / (1 - known);
+  }
+  return beyond > 4 * chance ? std::sqrt(beyond / around) : 0;
+}
+
+void check_misfit(ModalResult& result, const ModalBand& band,
+                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
   const MisfitCorrelation found = misfit_correlation(result.noise, misfit);
+  for (const IdentifiedMode& mode : result.model.modes) {
+    const double part = misfit_beyond_noise(band, result.noise, mode, misfit);
+    if (found.systematic || part == 0) continue;
+    result.model.notes.push_back(
+        {"systematic_misfit",
+         fmt::format("Measure longer records and more points, or look for a change between hits: "
+                     "{:.2g} % of the FRFs around the mode are neither its own nor noise, as where "
+                     "a second mode lies within its resonance; error bars do not allow for it",
+                     100 * part),
+         fmt::format("{:.4g} Hz", mode.frequency_hz.value)});
+  }
   if (!found.systematic) return;
   result.model.notes.push_back(
       {"systematic_misfit",
@@ -131,35 +172,6 @@ SharedNoise shared_noise(const IdentifiedMode& mode, const ModalBand& band, cons
 }
 
 }  // namespace
-
-double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise, const IdentifiedMode& mode,
-                           const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
-  const auto [first, count] = lines_around(band, mode.pole_rad_s, 2.5);
-  if (count < 2) return 0;
-  const auto left = misfit.middleRows(first, count);
-  const double around = band.lines.H.middleRows(first, count).squaredNorm();
-  const double power = left.squaredNorm();
-  if (!(around > 0) || !(power > 0)) return 0;
-  const auto values = static_cast<double>(left.size());
-  double beyond = 0, chance = 0;  // of `power`
-  if (band.H_std.size() > 0) {
-    const double expected = 2 * band.H_std.middleRows(first, count).squaredNorm();
-    beyond = power - expected;
-    chance = expected / std::sqrt(values);
-  } else {
-    const double known = line_correlation(noise, 1).real();
-    const double pairs = values * static_cast<double>(count - 1) / static_cast<double>(count);
-    const double product =
-        (left.topRows(count - 1).conjugate().cwiseProduct(left.bottomRows(count - 1)))
-            .sum()
-            .real() *
-        values / pairs;
-    if (known > 0.9) return 0;  // a window as short as this makes all misfit alike
-    beyond = (product - known * power) / (1 - known);
-    chance = power / std::sqrt(2 * pairs) / (1 - known);
-  }
-  return beyond > 4 * chance ? std::sqrt(beyond / around) : 0;
-}
 
 void judge_modes(ModalResult& result, const ModalBand& band,
                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {

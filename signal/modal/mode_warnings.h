@@ -22,10 +22,6 @@ struct MisfitCorrelation {
 [[nodiscard]] MisfitCorrelation misfit_correlation(
     const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
-/// Notes a misfit that correlates between lines beyond chance and enough to matter for the error
-/// bars. `misfit`: lines x FRFs.
-void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
-
 /// Rms of what a model leaves of the FRFs around a mode beyond noise, over the rms of the FRFs.
 ///
 /// Lines within its half bandwidth, two on either side at least. What noise leaves: the error bars'
@@ -35,6 +31,12 @@ void check_misfit(ModalResult& result, const Eigen::Ref<const Eigen::MatrixXcd>&
 [[nodiscard]] double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise,
                                          const IdentifiedMode& mode,
                                          const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+
+/// Notes a misfit that correlates between lines beyond chance and enough to matter for the error
+/// bars; where there is none, modes around which the model leaves more than noise. `misfit`: lines
+/// x FRFs.
+void check_misfit(ModalResult& result, const ModalBand& band,
+                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
 /// Fills `doubtful` and adds to `doubt` of every mode; what the record's length costs the residues
 /// is noted. `misfit`: lines x FRFs.

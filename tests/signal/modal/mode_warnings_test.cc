@@ -109,6 +109,31 @@ TEST(ModeWarnings, APoleWithinANarrowerOneIsNoSureMode) {
   }
 }
 
+// One FRF, two modes within a half bandwidth: one mode is found, and that it leaves more than noise
+// is said.
+TEST(ModeWarnings, AModeThatHidesWithinAnotherIsSaid) {
+  int said = 0, alone = 0;
+  for (int seed = 1; seed <= 10; ++seed) {
+    for (const double hidden : {0.0, 0.7}) {
+      FrfSet set = six_sensors(0);
+      set.responses.resize(1);
+      const Eigen::ArrayXcd s = Complex(0, kTwoPi) * set.frequency_hz.array();
+      const auto mode = [&](double hz) -> Eigen::ArrayXcd {
+        return ((s + 6.0).square() + std::pow(kTwoPi * hz, 2)).inverse();
+      };
+      set.H = (mode(100) + hidden * mode(100.7)).matrix();
+      set.H_std = Eigen::MatrixXd::Constant(set.H.rows(), 1, 0.01 * set.H.cwiseAbs().maxCoeff());
+      Normal normal(seed);
+      for (Complex& h : set.H.reshaped()) h += set.H_std(0, 0) * Complex(normal(), normal());
+      const ModalResult found = identify_modes(set);
+      const bool one = found.model.modes.size() == 1;
+      (hidden > 0 ? said : alone) += one && says(found.model.notes, "systematic_misfit");
+    }
+  }
+  EXPECT_GE(said, 9);
+  EXPECT_LE(alone, 0);
+}
+
 // White misfit of 40 % at each line and FRF, error bars of 1 %: poles of all FRFs hold, the error
 // bars do not.
 TEST(ModeWarnings, AGlobalModeWithALargeMisfitIsDoubtful) {
