@@ -1,6 +1,7 @@
 #include "signal/decay/decay.h"
 
 #include <fmt/format.h>
+#include <gsl/gsl_cdf.h>
 
 #include <algorithm>
 #include <cmath>
@@ -255,7 +256,8 @@ class Estimation {
   }
 
   // Moves the start on by half a cycle of the strongest mode at a time, while the first half cycle
-  // leaves three times the rms of what comes later, by three cycles or 0.35 time constants at most.
+  // leaves more than noise of what comes later would, by three cycles or 0.35 time constants at
+  // most.
   void trim_start() {
     if (!options_.trim_start) return;
     const Complex pole = fit_->poles[strongest_mode(*fit_, band_)];
@@ -283,7 +285,7 @@ class Estimation {
     const auto rest = fit_->residual.tail(fit_->samples - rest_from);
     const double level = rest.squaredNorm() / static_cast<double>(rest.size());
     const double first = fit_->residual.head(half).squaredNorm();
-    return first > 9 * level * static_cast<double>(half) ? half : 0;
+    return first > level * gsl_cdf_chisq_Qinv(1e-6, static_cast<double>(half)) ? half : 0;
   }
 
   [[nodiscard]] double time_of(Index sample) const {

@@ -152,9 +152,10 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
 
   std::vector<Index> starts = further_hits(x, strong, missing_before);
   std::erase_if(starts, [&](Index start) { return leaves_rail(y, start, cycle); });
-  const bool known = std::any_of(starts.begin(), starts.end(),
-                                 [&](Index start) { return std::abs(start - onset) < 4 * cycle; });
-  if (quiet && !known) starts.push_back(onset);
+  if (quiet) {  // better placed than a jump is
+    std::erase_if(starts, [&](Index start) { return std::abs(start - onset) < 4 * cycle; });
+    starts.push_back(onset);
+  }
   std::sort(starts.begin(), starts.end());
   // A decay that the record begins with.
   if (starts.empty() ||
