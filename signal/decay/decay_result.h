@@ -22,7 +22,7 @@ struct DecayOptions {
   bool trim_start = true;
   double band_low_hz = 0;     ///< modes below are not reported; 0: no limit
   double band_high_hz = 0;    ///< modes above are not reported; 0: no limit
-  int max_modes = 12;         ///< in the band; as many outside it are fitted as well
+  int max_modes = 12;         ///< in the band; outside it up to as many
   double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
   double start_time_s = 0;    ///< time of the first sample, for messages
 };

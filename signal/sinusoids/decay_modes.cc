@@ -250,7 +250,7 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
   auto fit = known.empty() ? search.first() : fit_poles(samples, known);
   if (!fit) return fit;
   const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
-  while (fit->poles.size() < limit * (band.all ? 1 : 2)) {
+  while (fit->poles.size() < limit) {
     auto more = search.next(*fit, 0, 0.5);
     if (!more) break;
     fit = std::move(more);
@@ -259,7 +259,7 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
     return static_cast<std::size_t>(
         std::ranges::count_if(fit->poles, [&](Complex p) { return in.contains(p); }));
   };
-  while (!band.all && count(band) < limit && fit->poles.size() < 3 * limit) {
+  while (!band.all && count(band) < limit && fit->poles.size() < 2 * limit) {
     auto more = search.next(*fit, band.low, band.high);
     if (!more) break;
     fit = std::move(more);

@@ -37,7 +37,7 @@ struct DecayBand {
 };
 
 struct DecayModesOptions {
-  int max_modes = 12;         ///< in the band; as many outside it are fitted as well
+  int max_modes = 12;         ///< in the band; outside it up to as many
   double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
 };
 

@@ -132,6 +132,23 @@ TEST(Decay, StartsAfterTheImpactAndTheQuietBefore) {
   expect_mode(result.modes[0], 50, 0.017);
 }
 
+// One decay of many modes would imitate the second blow.
+TEST(Decay, ASecondBlowOfATenthIsADecayOfItsOwn) {
+  int found = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    const Mode mode{10.0 + seed, 0.003 + 0.001 * seed};
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(3000);
+    add_decay(y, mode, 500, -kPi / 2, 150);
+    Eigen::VectorXd second = Eigen::VectorXd::Zero(3000);
+    add_decay(second, mode, 500, -kPi / 2, 400 + 150 * static_cast<Index>(seed));
+    y += 0.1 * second;
+    add_noise(y, 0.01, random);
+    found += estimate_decay(y, 500).decays.size() == 2;
+  }
+  EXPECT_GE(found, 8);
+}
+
 // Ten modes set off at once shift each other's onset: for some it is found cycles late.
 TEST(Decay, StartsAfterTheQuietBeforeTenModes) {
   for (unsigned seed = 11; seed <= 20; ++seed) {
