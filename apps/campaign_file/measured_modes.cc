@@ -118,7 +118,7 @@ bool is_universal_file(const std::filesystem::path& path) {
   std::string head(1024, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
-  return signal::format_of(head) == signal::RecordingFormat::uff;
+  return signal::format_of(head) == "uff";
 }
 
 std::vector<MeasuredTableRow> measured_modes(const std::string& path, const std::string& column,

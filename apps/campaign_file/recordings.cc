@@ -109,17 +109,18 @@ std::optional<signal::Recording> over_frequency(const std::string& path,
   const signal::MappedFile file(path);
   signal::Recording functions;
   const auto format = signal::format_of(file.bytes());
-  if (format == signal::RecordingFormat::uff) {
+  if (format == "uff") {
     functions = signal::read_uff_functions(file.bytes(), path);
     if (functions.sample_rate_hz > 0 || functions.time_s.size() > 0) return std::nullopt;
-  } else if (format == signal::RecordingFormat::csv && !signal::foreign_format(file.bytes())) {
+  } else if (format == "csv" && !signal::foreign_format(file.bytes())) {
     auto table = signal::frequency_table_in(file.bytes(), path, reading);
     if (!table) return std::nullopt;
     functions.path = path;
     functions.format = "csv";
-    functions.channels = std::move(table->functions);
+    const Eigen::VectorXd f = std::move(table->channels.front().samples);
+    table->channels.erase(table->channels.begin());
+    functions.channels = std::move(table->channels);
     functions.notes = std::move(table->notes);
-    const auto& f = table->frequency_hz;
     functions.notes.push_back({"not_a_time_history",
                                fmt::format("spectra or FRFs, {:.6g} to {:.6g} Hz in {} lines", f[0],
                                            f[f.size() - 1], f.size()),

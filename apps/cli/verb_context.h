@@ -14,7 +14,7 @@
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/warning_lines.h"
-#include "signal/readers/files/read_options.h"
+#include "signal/readers/recording_description.h"
 
 namespace rigfit::apps {
 

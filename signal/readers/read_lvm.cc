@@ -9,12 +9,10 @@
 
 #include "signal/numerics/numbers.h"
 #include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/csv/csv_layout.h"
 #include "signal/readers/csv/csv_table.h"
 #include "signal/readers/files/read_formats.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
-#include "signal/recording/time_axis.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {

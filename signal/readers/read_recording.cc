@@ -12,77 +12,156 @@
 #include "signal/recording/recording_time.h"
 
 namespace rigfit::signal {
+namespace {
 
-RecordingFormat format_of(std::string_view bytes) {
+using namespace std::string_view_literals;
+
+struct Signature {
+  std::string_view bytes;
+  ForeignFormat format;
+};
+
+constexpr const char* kUnpack = "unpack it and give the recording itself";
+
+const Signature kSignatures[] = {
+    {"TDSm"sv,
+     {"a National Instruments TDMS file",
+      "export it as LVM, CSV or UFF 58: in LabVIEW or DIAdem, or in Python by nptdms "
+      "(TdmsFile.read(F).as_dataframe().to_csv)"}},
+    {"MDF     "sv,
+     {"an ASAM MDF (MF4) file",
+      "export it as MAT or CSV, in Python by asammdf: MDF(F).export('mat') or export('csv')"}},
+    {"\x89HDF\r\n\x1a\n"sv,
+     {"an HDF5 file", "export the arrays as .npy, .mat or CSV, in Python by h5py and numpy.save"}},
+    {"\x1F\x8B"sv, {"a gzip file", kUnpack}},
+    {"%PDF"sv, {"a PDF document", "give the recording, not its plot or report"}},
+    {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"sv,
+     {"an old Excel workbook (.xls), or one with a password",
+      "open it in a spreadsheet program and save it as .xlsx without a password, or as CSV"}},
+};
+
+/// What stands somewhere in the names of the parts of a zip archive.
+const Signature kArchives[] = {
+    {"opendocument.spreadsheet"sv,
+     {"an OpenDocument spreadsheet (.ods)", "save the sheet as .xlsx or CSV"}},
+    {".npy"sv, {"a NumPy archive (.npz)", "unpack it (unzip) and give the .npy file of one array"}},
+    {""sv, {"a zip archive", kUnpack}},
+};
+
+struct Reader {
+  std::string_view format;
+  Recording (*read)(std::string_view, const std::filesystem::path&, const ReadOptions&);
+};
+constexpr Reader kReaders[] = {{"csv", read_csv},  {"lvm", read_lvm}, {"uff", read_uff},
+                               {"wav", read_wav},  {"npy", read_npy}, {"mat", read_mat},
+                               {"xlsx", read_xlsx}};
+
+void refuse_foreign(std::string_view bytes, const std::filesystem::path& path) {
+  if (const auto foreign = foreign_format(bytes)) {
+    throw file_error(path, "is " + foreign->name, foreign->remedy);
+  }
+}
+
+constexpr auto kZipPart = "PK\x03\x04"sv;  // a part of a zip archive: 30 bytes, then its name
+
+}  // namespace
+
+bool is_excel_workbook(std::string_view bytes) {
+  const auto head = bytes.substr(0, 1 << 16);
+  if (!head.starts_with(kZipPart)) return false;
+  bool office = false;  // a workbook, a text or slides
+  for (std::size_t at = 0; at != std::string_view::npos && at + 30 < head.size();
+       at = head.find(kZipPart, at + 1)) {
+    const auto name = head.substr(at + 30);
+    if (name.starts_with("xl/")) return true;
+    if (name.starts_with("word/") || name.starts_with("ppt/")) return false;
+    office |= name.starts_with("[Content_Types].xml");
+  }
+  return office;
+}
+
+std::optional<ForeignFormat> foreign_format(std::string_view bytes) {
+  for (const auto& [begin, format] : kSignatures) {
+    if (bytes.starts_with(begin)) return format;
+  }
+  if (bytes.starts_with(kZipPart) && !is_excel_workbook(bytes)) {
+    for (const auto& [part, format] : kArchives) {
+      if (bytes.substr(0, 1 << 16).find(part) != std::string_view::npos) return format;
+    }
+  }
+  auto text = bytes.substr(0, 512);
+  text.remove_prefix(std::min(text.find_first_not_of("\xEF\xBB\xBF \t\r\n"), text.size()));
+  for (const char* begin :
+       {"<?xml", "<!doctype", "<!DOCTYPE", "<html", "<HTML", "{\"", "{\n", "[{"}) {
+    if (text.starts_with(begin)) {
+      return ForeignFormat{"a web page, XML or JSON document",
+                           "export the recording itself as CSV, LVM or UFF 58"};
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const Reader& reader : kReaders) names.emplace_back(reader.format);
+  return names;
+}
+
+std::string format_of(std::string_view bytes) {
   const auto magic = bytes.substr(0, 4);
   if ((magic == "RIFF" || magic == "RIFX" || magic == "RF64") && bytes.size() >= 12 &&
       bytes.substr(8, 4) == "WAVE") {
-    return RecordingFormat::wav;
+    return "wav";
   }
-  if (bytes.substr(0, 6) == "\x93NUMPY") return RecordingFormat::npy;
+  if (bytes.substr(0, 6) == "\x93NUMPY") return "npy";
   if (bytes.substr(0, 6) == "MATLAB" && bytes.size() >= 128 &&
       (bytes.substr(126, 2) == "IM" || bytes.substr(126, 2) == "MI")) {
-    return RecordingFormat::mat;
+    return "mat";
   }
-  if (is_excel_workbook(bytes)) return RecordingFormat::xlsx;
+  if (is_excel_workbook(bytes)) return "xlsx";
   auto head = bytes.substr(0, 1024);
   if (head.substr(0, 3) == "\xEF\xBB\xBF") head.remove_prefix(3);
-  std::size_t at = 0;
-  while (at < head.size()) {
-    const std::size_t end = line_end(head, at);
-    const auto line = trim_blanks(head.substr(at, end - at));
-    if (line == "-1") return RecordingFormat::uff;
-    if (line.substr(0, 19) == "LabVIEW Measurement") return RecordingFormat::lvm;
+  while (!head.empty()) {
+    const auto line = trim_blanks(take_line(head));
+    if (line == "-1") return "uff";
+    if (line.substr(0, 19) == "LabVIEW Measurement") return "lvm";
     if (!line.empty()) break;
-    at = next_line(head, end);
   }
-  return RecordingFormat::csv;
+  return "csv";
 }
 
 Recording read_recording(const std::filesystem::path& path, const ReadOptions& options) {
-  /// In the order of RecordingFormat, as format_names() gives them.
-  constexpr decltype(&read_csv) kReaders[] = {read_csv, read_lvm, read_uff, read_wav,
-                                              read_npy, read_mat, read_xlsx};
   const MappedFile file(path);
-  auto format = static_cast<std::size_t>(format_of(file.bytes()));
-  if (!options.format.empty()) {
-    const auto names = format_names();
-    const auto at = std::find(names.begin(), names.end(), options.format);
-    if (at == names.end()) {
-      throw file_error(path, "no format of that name is read",
-                       "csv (any table of text), lvm, uff, wav, npy, mat or xlsx", options.format);
-    }
-    format = static_cast<std::size_t>(at - names.begin());
-  } else if (const auto foreign = foreign_format(file.bytes())) {
-    throw file_error(path, "is " + foreign->name, foreign->remedy);
+  const std::string format = options.format.empty() ? format_of(file.bytes()) : options.format;
+  const auto* const reader = std::ranges::find(kReaders, format, &Reader::format);
+  if (reader == std::end(kReaders)) {
+    throw file_error(path, "no format of that name is read",
+                     "csv (any table of text), lvm, uff, wav, npy, mat or xlsx", format);
   }
+  if (options.format.empty()) refuse_foreign(file.bytes(), path);
   ReadOptions releasing = options;
   releasing.done_with = [&](std::size_t offset) {
     file.release_before(offset);
     if (options.done_with) options.done_with(offset);
   };
-  Recording recording = kReaders[format](file.bytes(), path, releasing);
+  Recording recording = reader->read(file.bytes(), path, releasing);
   shorten(recording.notes);
   return recording;
 }
 
 FrfSet read_frfs(const std::vector<std::filesystem::path>& files, const ReadOptions& options) {
-  std::vector<FrequencyTable> tables;
+  std::vector<CsvTable> tables;
   for (const auto& path : files) {
     const MappedFile file(path);
-    if (const auto foreign = foreign_format(file.bytes())) {
-      throw file_error(path, "is " + foreign->name, foreign->remedy);
-    }
-    const RecordingFormat format = format_of(file.bytes());
-    if (format == RecordingFormat::uff && files.size() == 1)
-      return read_uff_frfs(file.bytes(), path);
-    if (format == RecordingFormat::mat && files.size() == 1)
-      return read_mat_frfs(file.bytes(), path, options);
-    std::optional<FrequencyTable> table = frequency_table_in(file.bytes(), path, options);
+    refuse_foreign(file.bytes(), path);
+    const std::string format = format_of(file.bytes());
+    if (format == "uff" && files.size() == 1) return read_uff_frfs(file.bytes(), path);
+    if (format == "mat" && files.size() == 1) return read_mat_frfs(file.bytes(), path, options);
+    std::optional<CsvTable> table = frequency_table_in(file.bytes(), path, options);
     if (!table) {
       throw file_error(path,
-                       format == RecordingFormat::uff ? "is one of several universal files"
-                                                      : "is no table of FRFs over frequency",
+                       format == "uff" ? "is one of several universal files"
+                                       : "is no table of FRFs over frequency",
                        "give one UFF file, text tables with frequency, real and imaginary "
                        "part; or recordings of hits, with --force CHANNEL");
     }
@@ -91,18 +170,16 @@ FrfSet read_frfs(const std::vector<std::filesystem::path>& files, const ReadOpti
   return frfs_of(tables);
 }
 
-std::optional<FrequencyTable> frequency_table_in(std::string_view bytes,
-                                                 const std::filesystem::path& path,
-                                                 const ReadOptions& options) {
-  const RecordingFormat format = format_of(bytes);
-  if (format == RecordingFormat::xlsx) {
-    return frequency_table_of(read_xlsx_columns(path, options), path);
-  }
-  if (format != RecordingFormat::csv) return std::nullopt;
+std::optional<CsvTable> frequency_table_in(std::string_view bytes,
+                                           const std::filesystem::path& path,
+                                           const ReadOptions& options) {
+  const std::string format = format_of(bytes);
+  if (format == "xlsx") return frequency_table_of(read_xlsx_columns(path, options));
+  if (format != "csv") return std::nullopt;
   std::string converted;
   const std::string file = path.string();
   return frequency_table_of(
-      read_csv_columns(text_without_mark(bytes, converted, file), file, options), path);
+      read_csv_columns(text_without_mark(bytes, converted, file), file, options));
 }
 
 }  // namespace rigfit::signal

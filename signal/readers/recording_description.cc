@@ -197,10 +197,6 @@ RecordingDescription read_description(document::TomlTable& table) {
   return description;
 }
 
-std::vector<std::string> format_names() {
-  return {"csv", "lvm", "uff", "wav", "npy", "mat", "xlsx"};
-}
-
 char sign_named(const std::string& text) {
   if (text.size() == 1 && std::string(",;.\t ").find(text[0]) != std::string::npos) return text[0];
   static const std::map<std::string, char> kNames = {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "document/describe.h"
-#include "signal/recording/quantity.h"
+#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 

@@ -1,7 +1,8 @@
-// What readers do alike: sampling, units, names, notes.
+// What readers do alike: times and rates, units, names, notes.
 #pragma once
 
 #include <fmt/format.h>
+#include <Eigen/Core>
 
 #include <set>
 #include <string>
@@ -9,7 +10,6 @@
 #include <vector>
 
 #include "signal/recording/recording.h"
-#include "signal/recording/time_axis.h"
 
 namespace rigfit::signal {
 
@@ -42,19 +42,55 @@ void note_unitless(Recording& recording);
 /// Leaves the first 20 notes of each code and says in the last of them how many there were.
 void shorten(std::vector<Note>& notes);
 
-/// A file's column of times.
-struct ReadTimes {
-  Eigen::VectorXd time_s;
+struct TimeAxis {
+  double rate_hz = 0;  ///< 0: not to be had (fewer than two times, or they do not rise)
+  double start_s = 0;
+  double jitter_s = 0;  ///< rms departure from uniform sampling
+  bool uniform = false;
   double printed_resolution_s = 0;  ///< one unit of the last printed digit; 0: full precision
-  std::string stated;               ///< "the header says 100 Hz", for people
-  std::string stated_where;         ///< such as "line 3"
-  std::string name;                 ///< as the column has it
-  long first_line = 0;              ///< line of the first time; 0: none
+  bool agrees_with_stated = true;   ///< true also when nothing is stated
+  long missing = 0;                 ///< NaN among the times
+  long repeated = 0;                ///< steps of zero that printing does not explain
+  long backward = 0;
+  long gaps = 0;                  ///< steps over 1.5 of the usual one
+  Eigen::Index first_fault = -1;  /// sample after the first repeated, backward or long step
+  Eigen::Index longest_gap_at = -1;
+  double longest_gap_s = 0;
 };
 
-/// Takes rate, start and jitter of the recording from its times, which are kept where sampling is
-/// not uniform, and notes what is wrong with them. Throws RecordingError when sampling is not
+/// The sample rate that a column of times shows, and how far the column departs from it.
+///
+/// t_k = start + k / rate, by least squares over all samples: the rounding of printed times
+/// averages out, where the median of their differences would keep it. Departures that printing
+/// explains (half of the last digit) and those below a hundredth of a step leave the sampling
+/// uniform. `stated_rate_hz`: by a header; taken when the times agree with it; 0: none.
+[[nodiscard]] TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
+                                 double printed_resolution_s = 0, double stated_rate_hz = 0);
+
+/// Tick of a clock that is coarser than its times are printed and coarser than or near the sampling
+/// step: the steps are all k or k + 1 ticks, evenly mixed. 0: the times show no such clock.
+[[nodiscard]] double clock_tick(const Eigen::Ref<const Eigen::VectorXd>& time_s,
+                                double printed_resolution_s);
+
+/// A rate from a step printed with few digits.
+struct RateOfStep {
+  double rate_hz = 0;
+  double relative_std = 0;  ///< rounding, uniform; 0: the step is a rate's own decimal fraction
+};
+
+/// `half_digit`: half a unit of the step's last printed digit. A step that is the exact decimal of
+/// one over a round rate (0.001) gives that rate. Else the one rate that prints as this step and is
+/// a power of two or has two digits is taken, if there is exactly one; else one over the step.
+[[nodiscard]] RateOfStep rate_of_step(double step_s, double half_digit);
+
+/// The roundest rate within `tolerance` (relative) of `rate_hz`: 65535.95 -> 65536 at 1e-5.
+[[nodiscard]] double round_rate(double rate_hz, double tolerance);
+
+/// Takes rate, start and jitter of the recording from a file's column of times, which are kept
+/// where sampling is not uniform, and notes what is wrong with them. `name`: as the column has it;
+/// `first_line`: line of the first time, 0: none. Throws RecordingError when sampling is not
 /// uniform and times are missing.
-void take_times(const TimeAxis& axis, const ReadTimes& times, Recording& recording);
+void take_times(const TimeAxis& axis, const Eigen::VectorXd& time_s, const std::string& name,
+                long first_line, Recording& recording);
 
 }  // namespace rigfit::signal

@@ -14,7 +14,6 @@
 #include "signal/recording/clipping.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
-#include "signal/recording/time_axis.h"
 
 namespace rigfit::signal {
 namespace {

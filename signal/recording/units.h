@@ -11,9 +11,30 @@
 #include <string>
 #include <string_view>
 
-#include "signal/recording/quantity.h"
-
 namespace rigfit::signal {
+
+/// The physical quantity that a channel, a unit or a sensor stands for.
+enum class Quantity {
+  unknown,
+  time,
+  force,
+  acceleration,
+  velocity,
+  displacement,
+  angle,
+  angular_velocity,
+  angular_acceleration,
+  torque,
+  strain,
+  pressure,
+  temperature,
+  voltage,
+};
+
+/// The word used in JSON and messages, such as "acceleration".
+[[nodiscard]] const char* name_of(Quantity quantity);
+/// Its SI symbol, such as "m/s^2"; empty for `unknown`.
+[[nodiscard]] const char* si_of(Quantity quantity);
 
 /// value in SI = factor * number + offset.
 struct Unit {

@@ -77,7 +77,7 @@ void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
   for (const auto& line : f.id) out += id_line(line);
   out += fmt::format("{:5d}{:10d}{:5d}{:10d}", f.function_type, 0, 0, 0);
   for (const auto& at : {f.response, f.reference}) {
-    out += fmt::format(" {}{:10d}{:4d}", padded(at.entity, 10), at.node, at.direction);
+    out += fmt::format(" {}{:10d}{:4d}", padded(at.name, 10), at.node, at.direction);
   }
   out += '\n';
   out += fmt::format("{:10d}{:10d}{:10d}{}{}{}\n",
@@ -147,7 +147,7 @@ std::string uff_text(const Recording& recording, UffEncoding encoding, const std
                     recording.channels.size(),
                     channel.nominal_range > 0 ? fmt::format(" range={}", channel.nominal_range)
                                               : std::string());
-    f.response.entity = channel.name;
+    f.response.name = channel.name;
     f.response.direction = direction_code(channel.direction);
     f.abscissa = {17, "Time", "s"};
     f.ordinate = {uff58_data_type(channel.quantity), name_of(channel.quantity), channel.unit};
@@ -181,8 +181,8 @@ std::string uff_text(const FrfSet& frfs, UffEncoding encoding) {
       common.abscissa_start = start;
       common.abscissa_step = step;
       if (!even) common.x = frfs.frequency_hz;
-      common.response = {response.name, response.node, response.direction};
-      common.reference = {input.name, input.node, input.direction};
+      common.response = response;
+      common.reference = input;
       common.id[0] = response.name;
       common.id[1] = input.name;
       // A line holds 80 characters.

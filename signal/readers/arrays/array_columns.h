@@ -2,21 +2,33 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <bit>
 #include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
 #include "signal/readers/csv/csv_table.h"
-#include "signal/readers/files/read_options.h"
+#include "signal/readers/recording_description.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
 
-/// The numbers at `data`, column after column, as doubles: `kind` 'f' floating point, 'i' whole,
-/// 'u' whole without sign, of `size` bytes each. Empty: there is no such type.
-[[nodiscard]] Eigen::MatrixXd matrix_of(char kind, std::size_t size, const void* data,
-                                        Eigen::Index rows, Eigen::Index cols);
+/// How numbers stand in a file.
+struct NumberType {
+  char kind = 'f';       ///< 'f' floating point, 'i' whole, 'u' whole without sign
+  std::size_t size = 8;  ///< bytes
+  bool swapped = false;  ///< in the other byte order than here
+};
+/// Whether numbers of this byte order have the other one than here.
+[[nodiscard]] constexpr bool is_swapped(bool big_endian) {
+  return big_endian != (std::endian::native == std::endian::big);
+}
+
+/// The numbers at `bytes`, column after column or, `by_rows`, row after row, as doubles. Empty:
+/// there is no such type.
+[[nodiscard]] Eigen::MatrixXd matrix_of(const NumberType& type, const char* bytes,
+                                        Eigen::Index rows, Eigen::Index cols, bool by_rows = false);
 
 /// Adds an array's columns or, where it is wide, its rows to the table, with a note: its longer
 /// side is time. `name`, as titles of CSV have it ("Force [N]"), stands in front of their numbers.
@@ -31,11 +43,8 @@ void add_array(Eigen::MatrixXd values, const std::string& name, bool single, Csv
 
 /// Walks the headers of a MATLAB file of version 5 before libmatio, which reserves memory by the
 /// sizes that they state and loops over them. Throws RecordingError when the file is of another
-/// version than 5 to 7.3, when a struct, cell or function handle cannot hold as many elements as
-/// its header states, or when a name or a list of dimensions is longer than its variable. Of
-/// version 7.3 (HDF5) only the version is looked at.
-///
-/// Each element of a struct or cell takes 8 bytes at least (its own tag).
+/// version than 5 to 7.3, breaks off, or has a struct, cell or function handle of fewer elements
+/// than its header states. Of version 7.3 (HDF5) only the version is looked at.
 void check_mat_headers(std::string_view bytes, const std::filesystem::path& path);
 
 }  // namespace rigfit::signal

@@ -1,6 +1,5 @@
 #include "signal/readers/arrays/array_columns.h"
 
-#include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "signal/recording/recording_error.h"
 
@@ -41,72 +41,68 @@ std::string unpacked(std::string_view packed) {
   return out;
 }
 
-/// Walks the elements of a file or of a variable.
-class MatWalk {
+/// An element of a file or of a variable.
+struct Element {
+  std::uint32_t type = 0;
+  std::string_view data;  ///< without tag and padding
+};
+
+/// Reads the elements of a file's byte order.
+class Elements {
  public:
-  MatWalk(std::string_view bytes, bool swapped) : rest_(bytes), swapped_(swapped) {}
+  explicit Elements(bool swapped) : swapped_(swapped) {}
 
-  struct Element {
-    std::uint32_t type = 0;
-    std::size_t stated = 0;  ///< bytes behind the tag, padding included
-    bool is_whole = false;   ///< they are all there
-    std::string_view data;   ///< without padding
-  };
-
-  [[nodiscard]] std::string_view rest() const { return rest_; }
-
-  /// The next element; false: there is none, or its tag is damaged.
-  [[nodiscard]] bool next(Element& element) {
-    if (rest_.size() < kTagBytes) return false;
-    const std::uint32_t first = word(rest_, 0);
-    std::size_t bytes = word(rest_, 1);
-    if (first >> 16 != 0) {  // up to four bytes of data in the tag itself
-      bytes = first >> 16;
-      element = {first & 0xffffU, 0, true, rest_.substr(4, bytes)};
-      rest_.remove_prefix(kTagBytes);
-      return bytes <= 4;
+  /// Those that stand behind each other in `rest`; none where one of them breaks off.
+  [[nodiscard]] std::vector<Element> in(std::string_view rest) const {
+    std::vector<Element> found;
+    while (rest.size() >= kTagBytes) {
+      const std::uint32_t type = word(rest, 0);
+      const std::size_t small = type >> 16;  // bytes of data in the tag itself, up to four
+      const std::size_t size = small > 0 ? small : word(rest, 1);
+      const bool is_padded = type != kMatrix && type != kCompressed;
+      const std::size_t stated = small > 0 ? 0 : is_padded ? (size + 7) / 8 * 8 : size;
+      if (small > 4 || stated > rest.size() - kTagBytes) return {};
+      found.push_back({type & 0xffffU, rest.substr(small > 0 ? 4 : kTagBytes, size)});
+      rest.remove_prefix(kTagBytes + stated);
     }
-    rest_.remove_prefix(kTagBytes);
-    const bool is_padded = first != kMatrix && first != kCompressed;
-    element.type = first;
-    element.stated = is_padded ? (bytes + 7) / 8 * 8 : bytes;
-    element.is_whole = element.stated <= rest_.size();
-    element.data = rest_.substr(0, bytes);
-    rest_.remove_prefix(std::min(element.stated, rest_.size()));
-    return true;
+    return found;
   }
 
-  /// Whether a variable can hold what its header states, and so can the variables that it is made
-  /// of.
-  [[nodiscard]] bool variable(int depth) {
-    if (rest_.empty()) return depth > 0;  // an empty element
-    if (depth > kDeepestHeader) return false;
-    Element flags, part;
-    if (!next_of(kUint32, flags) || flags.data.size() != 8) return false;
-    const std::uint32_t array_class = word(flags.data, 0) & 0xffU;
+  /// Whether a variable, packed or not, can hold what its header states, and so can the variables
+  /// that it is made of.
+  [[nodiscard]] bool can_hold(const Element& variable, int depth = 0) const {
+    if (variable.type == kCompressed) {
+      const std::string text = unpacked(variable.data);
+      const auto inside = in(text);
+      return !inside.empty() && inside[0].type == kMatrix && can_hold(inside[0], depth);
+    }
+    if (variable.type != kMatrix) return true;
+    if (variable.data.empty()) return depth > 0;
+    const auto parts = in(variable.data);
+    const auto is = [&](std::size_t k, std::uint32_t type) {
+      return k < parts.size() && parts[k].type == type;
+    };
+    if (depth > kDeepestHeader || !is(0, kUint32) || parts[0].data.size() != 8) return false;
+    const std::uint32_t array_class = word(parts[0].data, 0) & 0xffU;
     if (array_class == kOpaque) return true;  // without dimensions
-    if (!next_of(kInt32, part) || part.data.size() > 4 * kMostDimensions) return false;
-    double count = 1;
-    for (std::size_t d = 0; d < part.data.size() / 4; ++d) count *= word(part.data, d);
-    if (!next_of(kInt8, part)) return false;  // name
     const bool has_fields = array_class == kStruct || array_class == kObject;
-    if (array_class == kFunction) return count * kTagBytes <= static_cast<double>(rest_.size());
-    if (!has_fields && array_class != kCell) return true;
-    if (array_class == kObject && !next_of(kInt8, part)) return false;  // name of its class
+    if (!is(1, kInt32) || parts[1].data.size() > 4 * kMostDimensions || !is(2, kInt8)) return false;
+    if (!has_fields && array_class != kCell && array_class != kFunction) return true;
+    double count = 1;
+    for (std::size_t d = 0; d < parts[1].data.size() / 4; ++d) count *= word(parts[1].data, d);
+    std::size_t first = 3;  // of the parts that are variables
+    if (array_class == kObject && !is(first++, kInt8)) return false;  // name of its class
     if (has_fields) {
-      if (!next_of(kInt32, part) || part.data.size() != 4) return false;
-      const std::size_t length = word(part.data, 0);  // a field's name has so many bytes
-      if (length == 0 || !next_of(kInt8, part)) return false;
-      count *= static_cast<double>(part.data.size() / length);
-    }
-    if (count * kTagBytes > static_cast<double>(rest_.size())) return false;
-    while (rest_.size() >= kTagBytes) {
-      if (!next(part) || !part.is_whole) return false;
-      if (part.type == kMatrix && !MatWalk(part.data, swapped_).variable(depth + 1)) {
+      if (!is(first, kInt32) || parts[first].data.size() != 4 || !is(first + 1, kInt8))
         return false;
-      }
+      const std::size_t length = word(parts[first].data, 0);  // a field's name has so many bytes
+      if (length == 0) return false;
+      count *= static_cast<double>(parts[first + 1].data.size() / length);
+      first += 2;
     }
-    return true;
+    return count <= static_cast<double>(parts.size() - first) &&
+           std::all_of(parts.begin() + static_cast<std::ptrdiff_t>(first), parts.end(),
+                       [&](const Element& part) { return can_hold(part, depth + 1); });
   }
 
  private:
@@ -115,25 +111,9 @@ class MatWalk {
     std::memcpy(&value, data.data() + 4 * k, 4);
     return swapped_ ? __builtin_bswap32(value) : value;
   }
-  /// The next element, which is of this type and whole.
-  [[nodiscard]] bool next_of(std::uint32_t type, Element& element) {
-    return next(element) && element.type == type && element.is_whole;
-  }
 
-  std::string_view rest_;
   bool swapped_;
 };
-
-bool can_be_held(const MatWalk::Element& element, bool swapped) {
-  if (element.type == kCompressed) {
-    const std::string text = unpacked(element.data);
-    MatWalk walk(text, swapped);
-    MatWalk::Element variable;
-    return walk.next(variable) && variable.type == kMatrix && variable.is_whole &&
-           can_be_held(variable, swapped);
-  }
-  return element.type != kMatrix || MatWalk(element.data, swapped).variable(0);
-}
 
 }  // namespace
 
@@ -146,21 +126,12 @@ void check_mat_headers(std::string_view bytes, const std::filesystem::path& path
     throw file_error(path, "is no MATLAB file of version 5 to 7.3",
                      "save it again, by save(F, '-v7')");
   }
-  MatWalk walk(bytes.substr(128), swapped);
-  MatWalk::Element element;
-  for (std::size_t held = walk.rest().size(); walk.next(element); held = walk.rest().size()) {
-    held -= kTagBytes;
-    if (!element.is_whole) {
-      throw file_error(path,
-                       fmt::format("breaks off: its last variable states {} bytes, of which {} are "
-                                   "missing",
-                                   element.stated, element.stated - held),
-                       "copy the file again");
-    }
-    if (!can_be_held(element, swapped)) {
-      throw file_error(path, "breaks off, or states more elements than it can hold",
-                       "copy the file again");
-    }
+  const Elements elements(swapped);
+  const auto variables = elements.in(bytes.substr(128));
+  if (variables.empty() ||
+      !std::ranges::all_of(variables, [&](const Element& one) { return elements.can_hold(one); })) {
+    throw file_error(path, "breaks off, or states more elements than it can hold",
+                     "copy the file again");
   }
 }
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "signal/readers/arrays/array_columns.h"
-#include "signal/readers/csv/csv_layout.h"
+#include "signal/readers/csv/csv_table.h"
 #include "signal/readers/files/frf_parts.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
@@ -51,7 +51,11 @@ Eigen::MatrixXd numbers_of(matio_classes type, const void* data, Eigen::Index ro
   const bool is_float = type == MAT_C_DOUBLE || type == MAT_C_SINGLE;
   const bool is_signed =
       type == MAT_C_INT8 || type == MAT_C_INT16 || type == MAT_C_INT32 || type == MAT_C_INT64;
-  return matrix_of(is_float ? 'f' : is_signed ? 'i' : 'u', Mat_SizeOfClass(type), data, rows, cols);
+  return matrix_of({is_float    ? 'f'
+                    : is_signed ? 'i'
+                                : 'u',
+                    Mat_SizeOfClass(type)},
+                   static_cast<const char*>(data), rows, cols);
 }
 
 /// Elements of an array by its dimensions; more than `most`: most + 1.

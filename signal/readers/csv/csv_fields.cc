@@ -5,8 +5,8 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
-#include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
@@ -209,6 +209,16 @@ long line_number(std::string_view bytes, std::size_t offset) {
   return line;
 }
 
+RecordingError text_error(std::string_view bytes, const std::string& file, std::string_view value,
+                          std::string problem, std::string remedy, const std::string& channel) {
+  const auto at = static_cast<std::size_t>(value.data() - bytes.data());
+  const std::size_t line = bytes.substr(0, at).find_last_of("\r\n") + 1;
+  return {{file, line_number(bytes, at), value.empty() ? 0 : static_cast<long>(at - line) + 1,
+           channel, to_utf8(value.substr(0, 60))},
+          std::move(problem),
+          std::move(remedy)};
+}
+
 std::string_view take_line(std::string_view& rest) {
   const std::size_t end = line_end(rest, 0);
   const std::string_view line = rest.substr(0, end);
@@ -224,9 +234,8 @@ std::string_view text_without_mark(std::string_view bytes, std::string& converte
   }
   if (bytes.substr(0, 3) == "\xEF\xBB\xBF") bytes.remove_prefix(3);
   if (const auto nul = bytes.substr(0, 4096).find('\0'); nul != std::string_view::npos) {
-    throw RecordingError({file, line_number(bytes, nul), 0, "", ""},
-                         "holds binary data where text was expected",
-                         "export the recording as CSV, UFF 58 or LVM");
+    throw text_error(bytes, file, bytes.substr(nul, 0), "holds binary data where text was expected",
+                     "export the recording as CSV, UFF 58 or LVM");
   }
   return bytes;
 }

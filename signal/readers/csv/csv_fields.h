@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
@@ -61,6 +62,12 @@ void split_fields(std::string_view line, const CsvDialect& dialect, std::vector<
 [[nodiscard]] std::size_t next_line(std::string_view bytes, std::size_t end);
 /// 1-based number of the line that `offset` is in.
 [[nodiscard]] long line_number(std::string_view bytes, std::size_t offset);
+
+/// An error about `value`, a part of `bytes`, with its line and column; where it is empty, with the
+/// line alone.
+[[nodiscard]] RecordingError text_error(std::string_view bytes, const std::string& file,
+                                        std::string_view value, std::string problem,
+                                        std::string remedy, const std::string& channel = "");
 
 /// Takes the first line off `rest` and returns it without its end; of empty text, empty.
 [[nodiscard]] std::string_view take_line(std::string_view& rest);

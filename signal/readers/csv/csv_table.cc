@@ -186,13 +186,8 @@ class BodyParser {
             "give a table whose lines all have the same columns"};
   }
   [[nodiscard]] RecordingError refusal(const BadField& bad) const {
-    const auto at = static_cast<std::size_t>(bad.text.data() - bytes_.data());
-    const std::size_t line = bytes_.substr(0, at).find_last_of("\r\n") + 1;
-    return {{file_, line_number(bytes_, at), static_cast<long>(at - line) + 1,
-             bad.column < wanted_.size() ? layout_.columns[bad.column].name : "",
-             to_utf8(bad.text.substr(0, 60))},
-            bad.problem,
-            bad.remedy};
+    return text_error(bytes_, file_, bad.text, bad.problem, bad.remedy,
+                      bad.column < wanted_.size() ? layout_.columns[bad.column].name : "");
   }
 
   const std::string_view bytes_;

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <complex>
 #include <numbers>
+#include <ranges>
 #include <span>
 #include <utility>
 
@@ -124,7 +125,7 @@ struct Columns {
   const Channel *first = nullptr, *second = nullptr, *coherence = nullptr;
 };
 
-std::vector<Columns> pairs_of(const FrequencyTable& table) {
+std::vector<Columns> pairs_of(const CsvTable& table) {
   std::vector<Columns> found;
   const auto take = [&](const Channel* Columns::*place, const Channel& function,
                         const PartOfFrf& of, bool polar) {
@@ -135,7 +136,7 @@ std::vector<Columns> pairs_of(const FrequencyTable& table) {
     auto& pair = one != found.end() ? *one : found.emplace_back(Columns{of.base, polar});
     pair.*place = &function;
   };
-  for (const auto& function : table.functions) {
+  for (const auto& function : table.channels | std::views::drop(1)) {
     const PartOfFrf part = part_of(function.name);
     const bool polar = part.part == Part::magnitude || part.part == Part::phase;
     if (part.part == Part::real || part.part == Part::magnitude) {
@@ -182,13 +183,13 @@ Eigen::VectorXcd values_of(const Columns& columns, FrfSet& set, const std::strin
 
 /// Form and unit by the first FRF's columns; their numbers are in SI already where the unit is
 /// known.
-void set_form(const FrequencyTable& table, const Columns& columns, FrfSet& set) {
+void set_form(const CsvTable& table, const Columns& columns, FrfSet& set) {
   if (const auto unit = parse_frf_unit(columns.first->source_unit)) {
     set.form = unit->form;
     set.unit = unit->unit;
     return;
   }
-  add_note(set.notes, "no_unit", table.path.string(),
+  add_note(set.notes, "no_unit", table.file,
            "the FRFs have no unit that is known: the numbers are kept as they are; "
            "frequencies and damping do not depend on it");
 }
@@ -229,29 +230,26 @@ std::string spectrum_without_frequencies(const CsvTable& table) {
   return is_dated ? std::string() : std::string(word_in(table.layout.heading, kSpectrumWords));
 }
 
-std::optional<FrequencyTable> frequency_table_of(CsvTable csv, const std::filesystem::path& path) {
-  const auto at = frequency_column(csv);
+std::optional<CsvTable> frequency_table_of(CsvTable table) {
+  const auto at = frequency_column(table);
   if (!at) return std::nullopt;
-  FrequencyTable table;
-  table.path = path;
-  table.heading = csv.layout.heading;
-  table.notes = std::move(csv.notes);
-  table.frequency_hz = csv.channels[*at].samples;
-  for (std::size_t k = *at + 1; k < csv.channels.size(); ++k) {
-    const auto kind = csv.columns[k].kind;
-    if (kind == ColumnKind::numbers) table.functions.push_back(std::move(csv.channels[k]));
+  std::vector<Channel> kept;
+  for (std::size_t k = *at; k < table.channels.size(); ++k) {
+    if (k > *at && table.columns[k].kind != ColumnKind::numbers) continue;
+    kept.push_back(std::move(table.channels[k]));
   }
+  table.channels = std::move(kept);
   return table;
 }
 
-FrfSet frfs_of(const std::vector<FrequencyTable>& tables) {
+FrfSet frfs_of(const std::vector<CsvTable>& tables) {
   FrfSet about;  // form, unit and notes
   std::vector<FrfPart> parts;
   for (const auto& table : tables) {
-    const std::string path = table.path.string(), stem = table.path.stem().string();
+    const std::string stem = std::filesystem::path(table.file).stem().string();
     const auto pairs = pairs_of(table);
     if (pairs.empty()) {
-      throw file_error(path, "is a spectrum without phase, not an FRF",
+      throw file_error(table.file, "is a spectrum without phase, not an FRF",
                        "export frequency, real and imaginary part (or magnitude and phase)");
     }
     if (parts.empty()) set_form(table, pairs.front(), about);
@@ -263,11 +261,11 @@ FrfSet frfs_of(const std::vector<FrequencyTable>& tables) {
       FrfPart part{{name, static_cast<int>(parts.size()) + 1, 0},
                    {"force", 0, 0},
                    about.form,
-                   table.frequency_hz,
-                   values_of(columns, about, path),
+                   table.channels[0].samples,
+                   values_of(columns, about, table.file),
                    {},
                    {},
-                   path};
+                   table.file};
       if (columns.coherence != nullptr) part.coherence = columns.coherence->samples;
       parts.push_back(std::move(part));
     }

@@ -8,27 +8,14 @@
 // function is told by its title.
 #pragma once
 
-#include <Eigen/Core>
-
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "signal/readers/csv/csv_table.h"
-#include "signal/recording/recording.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
-
-/// Functions over frequency.
-struct FrequencyTable {
-  std::filesystem::path path;
-  Eigen::VectorXd frequency_hz;    ///< rising
-  std::vector<Channel> functions;  ///< each as long as the frequencies
-  std::string heading;             ///< the header's text, lower case
-  std::vector<Note> notes;
-};
 
 /// The column that holds the frequencies; empty: the table is none over frequency.
 [[nodiscard]] std::optional<std::size_t> frequency_column(const CsvTable& table);
@@ -38,13 +25,13 @@ struct FrequencyTable {
 /// none.
 [[nodiscard]] std::string spectrum_without_frequencies(const CsvTable& table);
 
-/// The functions of a table that is over frequency. Empty when it is none. Throws RecordingError.
-[[nodiscard]] std::optional<FrequencyTable> frequency_table_of(CsvTable csv,
-                                                               const std::filesystem::path& path);
+/// The table with the frequencies, which rise, as its first channel and functions of numbers behind
+/// them. Empty when it is none over frequency. Throws RecordingError.
+[[nodiscard]] std::optional<CsvTable> frequency_table_of(CsvTable table);
 
-/// FRFs of one input: each pair of columns of each table is a response. Magnitudes may be in dB.
-/// Throws RecordingError for tables without phase, of different lines, or with values that are no
-/// numbers.
-[[nodiscard]] FrfSet frfs_of(const std::vector<FrequencyTable>& tables);
+/// FRFs of one input, of tables over frequency: each pair of columns of each table is a response.
+/// Magnitudes may be in dB. Throws RecordingError for tables without phase, of different lines, or
+/// with values that are no numbers.
+[[nodiscard]] FrfSet frfs_of(const std::vector<CsvTable>& tables);
 
 }  // namespace rigfit::signal

@@ -12,7 +12,6 @@
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
-#include "signal/recording/time_axis.h"
 
 namespace rigfit::signal {
 namespace {
@@ -40,13 +39,8 @@ bool counts_samples(const Eigen::VectorXd& values) {
 constexpr Eigen::Index kLeastTimes = 24;
 
 /// Rate of the channel's times, which are printed with steps of `printed`.
-TimeAxis axis_of(const Eigen::VectorXd& times, double& printed, double stated_rate_hz) {
-  TimeAxisOptions options;
-  options.stated_rate_hz = stated_rate_hz;
-  options.printed_resolution_s = std::max(printed, clock_tick(times, printed));
-  TimeAxis axis = time_axis(times, options);
-  printed = options.printed_resolution_s;
-  return axis;
+TimeAxis axis_of(const Eigen::VectorXd& times, double printed, double stated_rate_hz) {
+  return time_axis(times, std::max(printed, clock_tick(times, printed)), stated_rate_hz);
 }
 
 /// Which channels of a table are its times, and what these say.
@@ -139,12 +133,10 @@ class TimeTaker {
     const bool is_clock = kind(*time_) == ColumnKind::clock;
     const int decimals = table_.columns[*time_].decimals;
     double printed = std::pow(10.0, -decimals) * std::abs(column.si_per_source);
-    double resolution = 0;
     const auto axis_in = [&](double unit_s) {
       column.samples *= unit_s;
       printed *= unit_s;
-      resolution = printed;
-      return axis_of(column.samples, resolution, layout_.stated_rate_hz);
+      return axis_of(column.samples, printed, layout_.stated_rate_hz);
     };
     double unit_s = 1;
     if (is_clock) {
@@ -185,13 +177,13 @@ class TimeTaker {
                  name, axis.rate_hz, name, axis.rate_hz / seconds);
       }
     }
-    signal::take_times(axis,
-                       {column.samples, resolution,
-                        fmt::format("the header says {:.9g} Hz (\"{}\")", layout_.stated_rate_hz,
-                                    layout_.rate_text),
-                        layout_.rate_line > 0 ? fmt::format("line {}", layout_.rate_line) : "",
-                        column.name, layout_.body_line},
-                       recording_);
+    signal::take_times(axis, column.samples, column.name, layout_.body_line, recording_);
+    if (axis.rate_hz > 0 && !axis.agrees_with_stated) {
+      add_note(recording_.notes, "rates_disagree",
+               layout_.rate_line > 0 ? fmt::format("line {}", layout_.rate_line) : "",
+               "the times give {:.9g} Hz, the header says {:.9g} Hz (\"{}\"): the times are taken",
+               axis.rate_hz, layout_.stated_rate_hz, layout_.rate_text);
+    }
     left_out_.push_back(*time_);
   }
 
@@ -208,8 +200,7 @@ class TimeTaker {
 bool looks_like_time(const Eigen::VectorXd& values, int decimals) {
   const Eigen::Index n = values.size();
   if (n < kLeastTimes || !values.allFinite() || !(values[n - 1] > values[0])) return false;
-  double printed = std::pow(10.0, -decimals);
-  const TimeAxis axis = axis_of(values, printed, 0);
+  const TimeAxis axis = axis_of(values, std::pow(10.0, -decimals), 0);
   return axis.uniform && axis.rate_hz > 0 && axis.backward == 0;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "signal/readers/files/read_options.h"
+#include "signal/readers/recording_description.h"
 #include "signal/recording/recording.h"
 #include "signal/spectra/frf_set.h"
 

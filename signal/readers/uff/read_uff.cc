@@ -14,7 +14,6 @@
 #include "signal/readers/uff/uff58.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
-#include "signal/recording/time_axis.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
@@ -29,13 +28,13 @@ bool is_time_history(const Uff58& f) {
           (f.function_type == uff58_function::kGeneral && f.abscissa.data_type == kTimeAxis));
 }
 
-std::string point_text(const Uff58Point& point) {
+std::string point_text(const MeasuredPoint& point) {
   return std::to_string(point.node) + uff58_direction(point.direction);
 }
 
 std::string name_of_response(const Uff58& f) {
   if (!f.remark.empty() && !f.id[0].empty()) return f.id[0];
-  for (const std::string& name : {f.response.entity, f.id[0], f.ordinate.label}) {
+  for (const std::string& name : {f.response.name, f.id[0], f.ordinate.label}) {
     if (!name.empty()) return name;
   }
   return f.response.node != 0 ? point_text(f.response) : "channel";
@@ -113,7 +112,7 @@ void take_channels(const Uff58File& file, const Functions& functions, Recording&
   for (std::size_t k = 0; k < taken.size(); ++k) {
     std::string& name = recording.channels[k].name;
     // Several channels of one name are told apart by their node and direction, where these differ.
-    const Uff58Point& point = taken[k]->response;
+    const MeasuredPoint& point = taken[k]->response;
     if (times[name] > 1 && point.node != 0) name += " " + point_text(point);
     name = unused_name(name, used);
   }
@@ -140,14 +139,11 @@ void take_abscissa(const Uff58& first, Recording& recording) {
     return;
   }
   const Eigen::VectorXd time = first.x * to_seconds;
-  TimeAxisOptions options;
   // Single-precision times carry seven digits of the latest one.
   const double latest = time.cwiseAbs().maxCoeff();
-  options.printed_resolution_s =
-      std::isfinite(latest) ? latest * (first.binary && !first.single_precision ? 1e-15 : 1e-5) : 0;
-  const TimeAxis axis = time_axis(time, options);
-  take_times(axis, {time, options.printed_resolution_s, "", "", first.abscissa.label, 0},
-             recording);
+  const double digits = first.binary && !first.single_precision ? 1e-15 : 1e-5;
+  take_times(time_axis(time, std::isfinite(latest) ? latest * digits : 0), time,
+             first.abscissa.label, 0, recording);
   recording.sample_rate_hz = first.noted("rate", recording.sample_rate_hz);
 }
 
@@ -163,8 +159,8 @@ FrfUnit scale_of(const Uff58& f) {
 }
 
 /// `full_name`: of our own files.
-MeasuredPoint measured_point(const Uff58Point& point, const std::string& full_name) {
-  std::string name = full_name.empty() ? point.entity : full_name;
+MeasuredPoint measured_point(const MeasuredPoint& point, const std::string& full_name) {
+  std::string name = full_name.empty() ? point.name : full_name;
   if (full_name.empty() && (point.node != 0 || name.empty())) {
     name += (name.empty() ? "" : " ") + point_text(point);
   }

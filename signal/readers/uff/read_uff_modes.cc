@@ -11,7 +11,7 @@
 
 #include "signal/numerics/numbers.h"
 #include "signal/readers/files/mapped_file.h"
-#include "signal/readers/uff/uff_text.h"
+#include "signal/readers/uff/uff58.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 
@@ -26,11 +26,11 @@ constexpr int kTranslations = 2, kTranslationsAndRotations = 3;
 class UffModesReader {
  public:
   UffModesReader(std::string_view bytes, std::string file)
-      : bytes_(bytes), file_(std::move(file)), text_(bytes, file_) {}
+      : file_(std::move(file)), text_(bytes, file_) {}
 
   UffModes read() {
     while (const auto type = text_.next_dataset()) {
-      const long line = text_.line_of(text_.head().at);
+      const long line = text_.line_of(text_.head());
       if (*type == 15) read_points(false);
       if (*type == 2411) read_points(true);
       if (*type == 55) read_shape(line);
@@ -45,17 +45,16 @@ class UffModesReader {
 
  private:
   /// Refuses a line unless it is `good`.
-  void require(bool good, const UffLine& line, std::string problem,
+  void require(bool good, std::string_view line, std::string problem,
                const char* remedy = "export the file again") const {
-    if (!good) throw text_.error(line.at, 0, trim_blanks(line.text), std::move(problem), remedy);
+    if (!good) throw text_.error(trim_blanks(line), std::move(problem), remedy);
   }
 
   /// The numbers of a line, which may stand without blanks between them (E13.5), `whole` whole ones
   /// first.
-  std::vector<double> numbers(const UffLine& line, std::size_t whole, const char* what) const {
+  std::vector<double> numbers(std::string_view line, std::size_t whole, const char* what) const {
     std::vector<double> values;
-    std::size_t at = line.at;
-    while (const auto value = text_.next_number(at, line.at + line.text.size())) {
+    for (std::string_view rest = line; const auto value = text_.next_number(rest);) {
       require(!std::isnan(*value), line, "not a number");
       values.push_back(*value);
     }
@@ -69,7 +68,7 @@ class UffModesReader {
   /// Dataset 15, or with the coordinates in lines of their own, 2411.
   void read_points(bool apart) {
     while (const auto line = text_.line()) {
-      if (trim_blanks(line->text).empty()) continue;
+      if (trim_blanks(*line).empty()) continue;
       std::vector<double> values = numbers(*line, 4, "a point");
       if (apart) values.resize(4);
       for (const double x : apart ? numbers(text_.needed_line(), 0, "") : std::vector<double>()) {
@@ -85,7 +84,7 @@ class UffModesReader {
 
   void read_units() {
     text_.needed_line();
-    const UffLine line = text_.needed_line();
+    const std::string_view line = text_.needed_line();
     const std::vector<double> factors = numbers(line, 0, "");
     require(!factors.empty() && factors[0] > 0, line, "the factor of lengths must be positive");
     per_metre_ = factors[0];
@@ -93,7 +92,7 @@ class UffModesReader {
 
   void read_shape(long dataset_line) {
     for (int k = 0; k < 5; ++k) text_.needed_line();  // identification
-    UffLine line = text_.needed_line();
+    std::string_view line = text_.needed_line();
     const auto form = numbers(line, 6, "the sixth record of dataset 55");
     const double analysis = form[1], characteristic = form[2], data_type = form[4];
     const bool complex_mode = analysis == kComplexFirstOrder || analysis == kComplexSecondOrder;
@@ -137,7 +136,7 @@ class UffModesReader {
     if (!directed) ++left_out_["shapes without directions (their frequencies are taken)"];
     const std::size_t step = complex_values ? 2 : 1;
     while (const auto at_line = text_.line()) {
-      if (trim_blanks(at_line->text).empty()) continue;
+      if (trim_blanks(*at_line).empty()) continue;
       const auto first = numbers(*at_line, 1, "the line of a node");
       require(first.size() == 1, *at_line, "a node's number stands alone in its line");
       UffNodeShape node;
@@ -201,7 +200,6 @@ class UffModesReader {
     return std::move(out_);
   }
 
-  std::string_view bytes_;
   const std::string file_;
   UffText text_;
   double per_metre_ = 1;

@@ -1,6 +1,6 @@
-// Dataset 58 of the Universal File Format ("function at nodal degree of freedom"), as it stands in
-// the file. Layout: SDRC Universal File Datasets, dataset 58; binary form 58b by the University of
-// Cincinnati's Structural Dynamics Research Laboratory.
+// Universal files: their lines and numbers, and dataset 58 ("function at nodal degree of freedom")
+// as it stands in the file. Layout: SDRC Universal File Datasets, dataset 58; binary form 58b by
+// the University of Cincinnati's Structural Dynamics Research Laboratory.
 //
 // Records of 80 columns: five identification lines, the degree of freedom, the data form, then the
 // abscissa, ordinate, ordinate-denominator and z axes; then the numbers, in text (6E13.5 single,
@@ -9,16 +9,82 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <climits>
 #include <cstddef>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "signal/recording/quantity.h"
+#include "signal/recording/recording_error.h"
+#include "signal/recording/units.h"
+#include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
+
+/// The lines of a universal file, dataset by dataset: marks of -1, fixed
+/// columns, numbers. Lines and fields are views of the file's bytes.
+class UffText {
+ public:
+  UffText(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+
+  /// Goes behind the line with the number of the next dataset, which it
+  /// returns; nothing at the end of the file. Throws RecordingError for a mark
+  /// without a number behind it.
+  [[nodiscard]] std::optional<int> next_dataset();
+  /// The line with the dataset's number.
+  [[nodiscard]] std::string_view head() const { return head_; }
+  [[nodiscard]] bool any() const { return head_.data() != nullptr; }
+
+  /// The dataset's next line; nothing at its end mark, and at the end of the
+  /// file.
+  [[nodiscard]] std::optional<std::string_view> line();
+  /// The same; throws RecordingError where the dataset ends.
+  std::string_view needed_line();
+  /// Goes behind the dataset's end mark; false where there is none.
+  bool skip_to_end();
+
+  /// What comes next up to the file's end, and going behind `bytes` of it.
+  [[nodiscard]] std::string_view rest() const { return bytes_.substr(next_); }
+  void skip(std::size_t bytes) { next_ += bytes; }
+  /// Offset of what comes next.
+  [[nodiscard]] std::size_t next() const { return next_; }
+  /// Offset of the next line that holds "-1" and nothing else, at or behind the
+  /// line start `from`.
+  [[nodiscard]] std::optional<std::size_t> mark(std::size_t from) const;
+
+  /// 1-based line of a part of the file; lines behind binary values are counted
+  /// as their bytes have it.
+  [[nodiscard]] long line_of(std::string_view part) const;
+  /// About `value`, a part of the file; where it is empty, about its line.
+  [[nodiscard]] RecordingError error(std::string_view value, std::string problem,
+                                     std::string remedy) const;
+
+  /// Columns `from` .. `from + width` of a line without blanks, as text and as
+  /// numbers; 0 where they are blank. Throws RecordingError for what is no
+  /// number, or no whole one from `low` to `high`.
+  [[nodiscard]] static std::string_view columns(std::string_view line, std::size_t from,
+                                                std::size_t width);
+  [[nodiscard]] double number(std::string_view line, std::size_t from, std::size_t width) const;
+  int integer(std::string_view line, std::size_t from, std::size_t width,
+              const char* problem = "not a whole number", int low = INT_MIN,
+              int high = INT_MAX) const;
+
+  /// The number behind blanks that `rest`, a part of the file, begins with;
+  /// `rest` then begins behind it. Nothing at its end. A word for no value is
+  /// NaN. Throws RecordingError for other text.
+  [[nodiscard]] std::optional<double> next_number(std::string_view& rest) const;
+
+ private:
+  std::string_view bytes_;
+  const std::string& file_;
+  std::size_t next_ = 0;
+  std::string_view head_;
+  mutable std::size_t counted_to_ = 0;  // start of line `counted_`
+  mutable long counted_ = 1;
+};
 
 /// Function types (record 6, field 1) that we name.
 namespace uff58_function {
@@ -34,18 +100,14 @@ struct Uff58Axis {
   std::string label, unit;  ///< as written, UTF-8; empty: NONE
 };
 
-struct Uff58Point {
-  std::string entity;  ///< empty: NONE
-  int node = 0;
-  int direction = 0;  ///< +-1 x, +-2 y, +-3 z, +-4.. rotations, 0 scalar
-};
-
 struct Uff58 {
   long line = 0;  ///< line of the dataset's number in the file
   bool binary = false;
   std::array<std::string, 5> id;  ///< UTF-8, no blanks at the end
   int function_type = 0;
-  Uff58Point response, reference;
+  /// Direction: +-1 x, +-2 y, +-3 z, +-4.. rotations, 0 scalar. Name: the
+  /// entity; empty: NONE.
+  MeasuredPoint response, reference;
   bool complex = false;
   bool single_precision = false;
   bool even = true;

@@ -1,4 +1,4 @@
-#include "signal/recording/time_axis.h"
+#include "signal/recording/recording_time.h"
 
 #include "signal/readers/csv/csv_fields.h"
 #include "tests/test.h"
@@ -17,7 +17,7 @@ Eigen::VectorXd times(Index n, double rate, double resolution) {
 TEST(TimeAxis, RoundedTimesGiveTheExactRate) {
   // 51.2 kHz printed to microseconds, to 10 us (half a step), 100 Hz printed to seconds.
   for (const auto& [rate, resolution] : {std::pair{51200.0, 1e-6}, {51200.0, 1e-5}, {100.0, 1.0}}) {
-    const TimeAxis axis = time_axis(times(20000, rate, resolution), {resolution, 0});
+    const TimeAxis axis = time_axis(times(20000, rate, resolution), resolution);
     EXPECT_EQ(axis.rate_hz, rate) << resolution;
     EXPECT_TRUE(axis.uniform) << resolution;
     // Rounding is spread evenly over one digit: resolution / sqrt(12).
@@ -26,15 +26,15 @@ TEST(TimeAxis, RoundedTimesGiveTheExactRate) {
 }
 
 TEST(TimeAxis, StatedRateIsCheckedAndTakenWhenTimesCannotTell) {
-  EXPECT_TRUE(time_axis(times(100, 50, 0.01), {0.01, 50}).agrees_with_stated);
-  EXPECT_FALSE(time_axis(times(100, 50, 0.01), {0.01, 100}).agrees_with_stated);
-  EXPECT_EQ(time_axis(times(100, 48000, 1e-4), {1e-4, 48000}).rate_hz, 48000);
+  EXPECT_TRUE(time_axis(times(100, 50, 0.01), 0.01, 50).agrees_with_stated);
+  EXPECT_FALSE(time_axis(times(100, 50, 0.01), 0.01, 100).agrees_with_stated);
+  EXPECT_EQ(time_axis(times(100, 48000, 1e-4), 1e-4, 48000).rate_hz, 48000);
 }
 
 TEST(TimeAxis, GapsRepeatsAndSteps) {
   Eigen::VectorXd t = times(1000, 1000, 1e-3);
   t.tail(500).array() += 0.25;
-  TimeAxis axis = time_axis(t, {1e-3, 0});
+  TimeAxis axis = time_axis(t, 1e-3);
   EXPECT_FALSE(axis.uniform);
   EXPECT_EQ(axis.gaps, 1);
   EXPECT_EQ(axis.longest_gap_at, 500);
@@ -43,7 +43,7 @@ TEST(TimeAxis, GapsRepeatsAndSteps) {
   t = times(1000, 1000, 1e-3);
   t[300] = t[299];
   t[700] = t[600];
-  axis = time_axis(t, {1e-3, 0});
+  axis = time_axis(t, 1e-3);
   EXPECT_EQ(axis.repeated, 1);
   EXPECT_EQ(axis.backward, 1);
   EXPECT_EQ(axis.first_fault, 300);

@@ -1,7 +1,7 @@
 // Tables that can be taken for something else than they are: each is read rightly, asked about, or
 // left with a note, never taken wrongly without a word.
 #include "signal/readers/files/read_formats.h"
-#include "signal/recording/time_axis.h"
+#include "signal/recording/recording_time.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"
 
@@ -110,7 +110,7 @@ TEST(Times, LostSamplesAreNoCoarseClock) {
     t += 0.01 * (k == 20 || k == 31 || k == 50 || k == 77 || k == 300 || k == 301 ? 2 : 1);
   }
   EXPECT_EQ(clock_tick(times, 1e-6), 0);
-  EXPECT_FALSE(time_axis(times, {1e-6, 0}).uniform);
+  EXPECT_FALSE(time_axis(times, 1e-6).uniform);
 }
 
 TEST(Times, WithoutAUnitInWholeNumbersAreSuspected) {

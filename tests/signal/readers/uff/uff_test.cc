@@ -171,7 +171,7 @@ TEST(Uff, TruncatedAndWrongFilesSayWhere) {
   };
   std::string text = foreign_binary(false, 40, "");
   text.resize(text.size() - 9);
-  EXPECT_THAT(message(text), HasSubstr("x.uff:9:11"));
+  EXPECT_THAT(message(text), HasSubstr("x.uff:9:19"));
   // Cut at the end of a dataset.
   const std::string whole = uff_text(made_recording(100, 9), UffEncoding::binary);
   EXPECT_THAT(message(whole.substr(0, whole.find("    -1\n", 10) + 7)), HasSubstr("and holds 1"));
