@@ -13,7 +13,6 @@
 #include "model/scene/scene_error.h"
 #include "signal/readers/csv/frequency_table.h"
 #include "signal/readers/files/mapped_file.h"
-#include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"

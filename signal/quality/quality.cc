@@ -209,7 +209,7 @@ bool rests_at_zero(Quantity quantity) {
 
 ChannelQuality check_channel(const Recording& recording, const Channel& channel) {
   ChannelQuality q;
-  q.channel = channel.name;
+  q.channel = &channel;
   const Eigen::VectorXd& x = channel.samples;
   const Eigen::Index n = x.size();
   const auto is_finite = [](double value) { return std::isfinite(value); };
@@ -330,13 +330,10 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
 
 }  // namespace
 
-QualityResult check_quality(const Recording& recording) {
-  QualityResult result;
-  result.channels.reserve(recording.channels.size());
-  for (const auto& channel : recording.channels) {
-    result.channels.push_back(check_channel(recording, channel));
-  }
-  return result;
+std::vector<ChannelQuality> check_quality(const Recording& recording) {
+  std::vector<ChannelQuality> channels;
+  for (const auto& one : recording.channels) channels.push_back(check_channel(recording, one));
+  return channels;
 }
 
 }  // namespace rigfit::signal

@@ -4,8 +4,7 @@
 // `clipped` (flat tops at the extremes, at or below the nominal range), `missing` (NaN, empty),
 // `dropouts` (runs of exactly the same value, mostly zero, inside a moving signal), `stuck` (no
 // motion at all, or only in a part), `offset`, `drift`, `noise_floor`, `mains_hum` (50 or 60 Hz and
-// harmonics), `one_bit`, `coarse_quantisation`. The readers check the times, and `inspect`
-// repeats their notes.
+// harmonics), `one_bit`, `coarse_quantisation`. The readers check the times.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,7 +33,7 @@ struct QualityFinding {
 
 /// Figures and findings of one channel.
 struct ChannelQuality {
-  std::string channel;
+  const Channel* channel = nullptr;  ///< of the recording
   double min = 0, max = 0, mean = 0,
          rms = 0;  ///< SI, without missing samples; NaN when there are none
   long missing_samples = 0;
@@ -51,6 +50,7 @@ struct ChannelQuality {
   static constexpr auto fields() {
     using T = ChannelQuality;
     return std::tuple{
+        describe::part([](const T& q) -> const Channel& { return *q.channel; }),
         field("min", &T::min, "", "min", "without missing samples", 4),
         field("max", &T::max, "", "max", "", 4),
         field("mean", &T::mean, "", "mean", "", 4),
@@ -67,32 +67,7 @@ struct ChannelQuality {
   }
 };
 
-/// One entry per channel, in the recording's order.
-struct QualityResult {
-  std::vector<ChannelQuality> channels;
-};
-
-/// Checks every channel of a recording.
-[[nodiscard]] QualityResult check_quality(const Recording& recording);
-
-/// A channel, which it points to, beside its quality: a row of a list.
-struct CheckedChannel {
-  const Channel* channel;
-  ChannelQuality quality;
-
-  static constexpr auto fields() {
-    using T = CheckedChannel;
-    return std::tuple{describe::part([](const T& c) -> const Channel& { return *c.channel; }),
-                      describe::part(&T::quality)};
-  }
-};
-[[nodiscard]] inline std::vector<CheckedChannel> checked_channels(const Recording& recording,
-                                                                  const QualityResult& quality) {
-  std::vector<CheckedChannel> rows;
-  for (std::size_t k = 0; k < recording.channels.size(); ++k) {
-    rows.push_back({&recording.channels[k], quality.channels[k]});
-  }
-  return rows;
-}
+/// Checks every channel of a recording, in its order.
+[[nodiscard]] std::vector<ChannelQuality> check_quality(const Recording& recording);
 
 }  // namespace rigfit::signal

@@ -10,8 +10,7 @@
 #include "signal/numerics/numbers.h"
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_table.h"
-#include "signal/readers/files/read_formats.h"
-#include "signal/recording/recording_error.h"
+#include "signal/readers/read_recording.h"
 #include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
 
@@ -68,17 +67,16 @@ class LvmReader {
     if (file.text("Separator", 1) == "Comma") dialect_.separator = ',';
     if (file.text("Decimal_Separator", 1) == ",") dialect_.decimal = ',';
     for (; skip_blank_lines(); ++segments_) read_segment();
-    if (segments_ == 0) throw error(line(), "holds a header but no measurement", "record again");
+    if (segments_ == 0) throw error(rest_, "holds a header but no measurement", "record again");
     return joined();
   }
 
  private:
-  /// Number of the next line.
-  [[nodiscard]] long line() const {
-    return line_number(bytes_, std::min(bytes_.size() - rest_.size(), bytes_.size() - 1));
-  }
-  [[nodiscard]] RecordingError error(long line, std::string problem, std::string remedy) const {
-    return {{table_.file, line, 0, "", ""}, std::move(problem), std::move(remedy)};
+  /// About the line that a part of the file begins in.
+  [[nodiscard]] RecordingError error(std::string_view part, std::string problem,
+                                     std::string remedy) const {
+    return text_error(bytes_, table_.file, part.substr(0, 0), std::move(problem),
+                      std::move(remedy));
   }
   [[nodiscard]] static bool has_numbers(const Eigen::VectorXd& column) {
     return !column.array().isNaN().all();
@@ -95,7 +93,7 @@ class LvmReader {
   LvmHeader read_header() {
     LvmHeader header;
     std::vector<CsvField> fields;
-    const long first = line();
+    const std::string_view first = rest_;
     while (!rest_.empty()) {
       const auto text = take_line(rest_);
       if (text.starts_with(kEndOfHeader)) return header;
@@ -119,9 +117,9 @@ class LvmReader {
   void read_segment() {
     LvmHeader header = read_header();
     skip_blank_lines();
-    const long titles_line = line();
+    const std::string_view titles_line = take_line(rest_);
     std::vector<CsvField> titles;
-    split_fields(take_line(rest_), dialect_, titles);
+    split_fields(titles_line, dialect_, titles);
     if (titles.size() < 2 || (titles[0].text != "X_Value" && titles[0].text != "X")) {
       throw error(titles_line, "the titles of a table, X_Value first, are missing",
                   "keep the titles that LabVIEW writes");
@@ -134,7 +132,7 @@ class LvmReader {
     CsvLayout layout;
     layout.dialect = dialect_;
     layout.body = begin;
-    layout.body_line = titles_line + 1;
+    layout.body_line = line_number(bytes_, begin);
     layout.has_names = true;
     std::vector<bool> wanted;
     std::vector<std::size_t> values, x_columns;
@@ -151,16 +149,12 @@ class LvmReader {
       }
       layout.columns.push_back(std::move(column));
     }
-    CsvBody body;
-    if (begin < text.size() && !values.empty()) {
-      find_csv_decimals(text, layout);
-      body = parse_csv_body(text, layout, wanted, table_.file, options_.done_with);
+    if (begin >= text.size() || values.empty()) {
+      throw error(titles_line, "the table holds no numbers", "record again");
     }
-    if (body.rows == 0) {
-      throw error(begin < text.size() ? layout.body_line : titles_line,
-                  "the table holds no numbers", "record again");
-    }
-    incomplete_last_ = body.incomplete_last;
+    find_csv_decimals(text, layout);
+    auto columns =
+        parse_csv_body(text, layout, wanted, table_.file, table_.notes, options_.done_with);
     const auto is_same = [](const CsvColumn& a, const CsvColumn& b) {
       return a.name == b.name && a.unit == b.unit;
     };
@@ -169,26 +163,26 @@ class LvmReader {
       first_ = header;
       values_ = values;
       const auto filled =
-          std::ranges::find_if(values, [&](std::size_t c) { return has_numbers(body.columns[c]); });
+          std::ranges::find_if(values, [&](std::size_t c) { return has_numbers(columns[c]); });
       reference_ = filled == values.end() ? values.front() : *filled;
       columns_.resize(titles.size());
       stated_.resize(titles.size());
     } else if (!std::ranges::equal(layout.columns, table_.layout.columns, is_same)) {
-      throw error(layout.body_line,
+      throw error(bytes_.substr(begin),
                   fmt::format("segment {} has other channels than the first", segments_ + 1),
                   "split the file into one for each kind of segment");
     }
     // The column of X values in front of the channel, or the only one.
     const auto x = std::find_if(x_columns.rbegin(), x_columns.rend(), [&](std::size_t c) {
-      return c <= reference_ && has_numbers(body.columns[c]);
+      return c <= reference_ && has_numbers(columns[c]);
     });
     const bool has_x = x != x_columns.rend();
-    append_times(header, has_x ? body.columns[*x] : Eigen::VectorXd(), body.rows);
+    append_times(header, has_x ? columns[*x] : Eigen::VectorXd(), columns[reference_].size());
     if (segments_ == 0 && has_x) decimals_ = layout.columns[*x].decimals;
     if (!has_x) decimals_ = kAllDigits;
     has_x_ |= has_x;
     for (const std::size_t c : values_) {
-      append(body.columns[c], columns_[c]);
+      append(columns[c], columns_[c]);
       stated_[c] += header.number("Samples", c, 0);
     }
   }
@@ -239,18 +233,14 @@ class LvmReader {
   Recording joined() {
     const std::string dimension = first_.text("X_Dimension", 1);
     if (!dimension.empty() && dimension != "Time") {
-      throw RecordingError(
-          {table_.file, line_number(bytes_, bytes_.find("X_Dimension")), 0, "", dimension},
-          "is no recording over time", "give a file whose X_Dimension is Time");
+      throw error(bytes_.substr(bytes_.find("X_Dimension")),
+                  "is a recording over " + dimension + ", not over time",
+                  "give a file whose X_Dimension is Time");
     }
     const std::string delta = first_.text("Delta_X", reference_);
     const RateOfStep stated = first_.rate(reference_);
     table_.layout.stated_rate_hz = stated.rate_hz;
     table_.layout.rate_text = "Delta_X = " + delta;
-    if (incomplete_last_) {
-      add_note(table_.notes, "incomplete", "",
-               "the last line broke off before its end and is left out");
-    }
     if (segments_ > 1) {
       table_.layout.body_line = 0;
       add_note(table_.notes, "read_as", "", "{} segments are joined into one recording", segments_);
@@ -291,7 +281,7 @@ class LvmReader {
   std::size_t reference_ = 0;
   Eigen::VectorXd times_;
   int decimals_ = kAllDigits;
-  bool has_x_ = false, incomplete_last_ = false;
+  bool has_x_ = false;
   std::vector<Eigen::VectorXd> columns_;
   std::vector<double> stated_;
 };

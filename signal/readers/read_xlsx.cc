@@ -1,7 +1,9 @@
 // A sheet as a table of text: one line a row, so that line 7 is row 7, its fields parted by
 // semicolons, numbers with as many digits as give them back exactly; then the rules of tables of
 // text.
+#include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <minizip/unzip.h>
 
 #include <algorithm>
@@ -18,7 +20,7 @@
 
 #include "signal/readers/csv/csv_fields.h"
 #include "signal/readers/csv/csv_table.h"
-#include "signal/readers/files/read_formats.h"
+#include "signal/readers/read_recording.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 
@@ -32,49 +34,6 @@ constexpr long kSheetRows = 1 << 20, kSheetColumns = 1 << 14;  // Excel's
 constexpr long kMostFields = 1L << 27;
 // Numbers of days from here on are dates, below hours passed.
 constexpr double kFirstDay = 61, kDayAfter9999 = 2958466;
-
-/// The parts of the archive.
-class Archive {
- public:
-  explicit Archive(const std::filesystem::path& path)
-      : file_(path.string()), zip_(::unzOpen64(path.c_str()), ::unzClose) {
-    if (zip_ == nullptr) throw damaged("list of parts");
-  }
-
-  [[nodiscard]] RecordingError damaged(const std::string& part) const {
-    return file_error(file_, "is a workbook (.xlsx) with a damaged, encrypted or missing part",
-                      "copy the file again, or open it in a spreadsheet program and save it as "
-                      ".xlsx without a password",
-                      part);
-  }
-
-  [[nodiscard]] pugi::xml_document document(const std::string& part) const {
-    unz_file_info64 info{};
-    if (::unzLocateFile(zip_.get(), part.c_str(), 1) != UNZ_OK ||
-        ::unzGetCurrentFileInfo64(zip_.get(), &info, nullptr, 0, nullptr, 0, nullptr, 0) !=
-            UNZ_OK) {
-      throw damaged(part);
-    }
-    if (info.uncompressed_size > kLargestPart) {
-      throw file_error(file_, "is a workbook (.xlsx) that unpacks to more than is read (128 MiB)",
-                       "save the sheet as CSV, or split it", part);
-    }
-    std::string text(info.uncompressed_size, '\0');
-    const auto size = static_cast<unsigned>(text.size());
-    // The check sum is looked at when a part that was read to its stated end is closed.
-    const bool whole =
-        (info.flag & 1U) == 0 && ::unzOpenCurrentFile(zip_.get()) == UNZ_OK &&
-        ::unzReadCurrentFile(zip_.get(), text.data(), size) == static_cast<int>(size) &&
-        ::unzCloseCurrentFile(zip_.get()) == UNZ_OK;
-    pugi::xml_document parsed;
-    if (!whole || !parsed.load_buffer(text.data(), text.size())) throw damaged(part);
-    return parsed;
-  }
-
- private:
-  std::string file_;
-  std::unique_ptr<void, int (*)(void*)> zip_;
-};
 
 /// Without namespace prefixes: "x:row" is a "row".
 bool is_called(const pugi::xml_node& node, std::string_view name) {
@@ -119,9 +78,7 @@ std::string clock_text(double days, bool from_1904) {
                   seconds / 60 % 60, seconds % 60, ticks % per_second, digits);
   if (!is_date) return clock;
   const std::chrono::days day(seconds / 86400 - 25569 + (from_1904 ? 1462 : 0));
-  const std::chrono::year_month_day date{std::chrono::sys_days{day}};
-  return fmt::format("{:04}-{:02}-{:02} {}", static_cast<int>(date.year()),
-                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()), clock);
+  return fmt::format("{:%Y-%m-%d} {}", std::chrono::sys_days(day), clock);
 }
 
 /// Text as a field: in quotes where it would end there or be taken as a remark.
@@ -168,22 +125,24 @@ const Sheet& chosen(const std::vector<Sheet>& sheets, const std::string& wanted,
 
 class Workbook {
  public:
-  explicit Workbook(const std::filesystem::path& path) : file_(path.string()), archive_(path) {
+  explicit Workbook(const std::filesystem::path& path)
+      : file_(path.string()), zip_(::unzOpen64(path.c_str()), ::unzClose) {
+    if (zip_ == nullptr) throw damaged("list of parts");
     std::map<std::string, std::string> parts;  // sheets by the identifiers of their relations
-    const auto relations = archive_.document("xl/_rels/workbook.xml.rels");
+    const auto relations = document("xl/_rels/workbook.xml.rels");
     for (const auto& one : relations.document_element().children()) {
       const std::string_view type = one.attribute("Type").as_string();
       const std::string target = one.attribute("Target").as_string();
       const std::string part = target.starts_with('/') ? target.substr(1) : "xl/" + target;
       if (type.ends_with("/worksheet")) parts[one.attribute("Id").as_string()] = part;
-      if (type.ends_with("/styles")) read_styles(archive_.document(part).document_element());
+      if (type.ends_with("/styles")) read_styles(document(part).document_element());
       if (!type.ends_with("/sharedStrings")) continue;
-      const auto strings = archive_.document(part);
+      const auto strings = document(part);
       for (const auto& item : strings.document_element().children()) {
         if (is_called(item, "si")) strings_.push_back(string_of(item));
       }
     }
-    const auto book = archive_.document("xl/workbook.xml");
+    const auto book = document("xl/workbook.xml");
     const pugi::xml_node root = book.document_element();
     from_1904_ = child(root, "workbookPr").attribute("date1904").as_bool();
     for (const auto& one : child(root, "sheets").children()) {
@@ -217,24 +176,20 @@ class Workbook {
                     "delete what stands far from the table");
     }
     std::string text;
-    long row = 1, column = 0;  // of the last field written; column 0: none in this row
-    const auto fill_to = [&](long to) {
-      text.append(static_cast<std::size_t>(std::max(0L, to - std::max(column, first))), ';');
-      column = to;
-    };
-    const auto end_row = [&] {
+    auto cell = cells.begin();
+    for (long row = 1; row <= cells.back().row; ++row) {
+      std::vector<std::string> fields;
+      for (; cell != cells.end() && cell->row == row; ++cell) {
+        fields.resize(static_cast<std::size_t>(cell->column - first + 1));
+        fields.back() = cell->text;
+      }
       // An empty row above the numbers is nothing, among them it is a sample without values.
-      if (column == 0 && row > first_row) text += "\"\"";
-      if (column != 0 || row > first_row) fill_to(last);
-      text += '\n';
-      ++row, column = 0;
-    };
-    for (const Cell& cell : cells) {
-      while (row < cell.row) end_row();
-      fill_to(cell.column);
-      text += cell.text;
+      if (fields.empty() && row > first_row) fields = {"\"\""};
+      if (!fields.empty()) {
+        fields.resize(std::max(fields.size(), static_cast<std::size_t>(last - first + 1)));
+      }
+      text += fmt::format("{}\n", fmt::join(fields, ";"));
     }
-    end_row();
     return text;
   }
 
@@ -244,6 +199,37 @@ class Workbook {
     std::string name, text;
     bool is_number = false;
   };
+
+  [[nodiscard]] RecordingError damaged(const std::string& part) const {
+    return file_error(file_, "is a workbook (.xlsx) with a damaged, encrypted or missing part",
+                      "copy the file again, or open it in a spreadsheet program and save it as "
+                      ".xlsx without a password",
+                      part);
+  }
+
+  /// A part of the archive.
+  [[nodiscard]] pugi::xml_document document(const std::string& part) const {
+    unz_file_info64 info{};
+    if (::unzLocateFile(zip_.get(), part.c_str(), 1) != UNZ_OK ||
+        ::unzGetCurrentFileInfo64(zip_.get(), &info, nullptr, 0, nullptr, 0, nullptr, 0) !=
+            UNZ_OK) {
+      throw damaged(part);
+    }
+    if (info.uncompressed_size > kLargestPart) {
+      throw file_error(file_, "is a workbook (.xlsx) that unpacks to more than is read (128 MiB)",
+                       "save the sheet as CSV, or split it", part);
+    }
+    std::string text(info.uncompressed_size, '\0');
+    const auto size = static_cast<unsigned>(text.size());
+    // The check sum is looked at when a part that was read to its stated end is closed.
+    const bool whole =
+        (info.flag & 1U) == 0 && ::unzOpenCurrentFile(zip_.get()) == UNZ_OK &&
+        ::unzReadCurrentFile(zip_.get(), text.data(), size) == static_cast<int>(size) &&
+        ::unzCloseCurrentFile(zip_.get()) == UNZ_OK;
+    pugi::xml_document parsed;
+    if (!whole || !parsed.load_buffer(text.data(), text.size())) throw damaged(part);
+    return parsed;
+  }
 
   void read_styles(const pugi::xml_node& styles) {
     std::map<unsigned, bool> codes;
@@ -269,12 +255,12 @@ class Workbook {
 
   /// The cells that hold something, row by row.
   [[nodiscard]] std::vector<Cell> cells_of(const Sheet& sheet) const {
-    const auto document = archive_.document(sheet.part);
+    const auto parsed = document(sheet.part);
     std::vector<Cell> cells;
     long row = 0;
-    for (const auto& line : child(document.document_element(), "sheetData").children()) {
+    for (const auto& line : child(parsed.document_element(), "sheetData").children()) {
       const long number = line.attribute("r") ? line.attribute("r").as_llong() : row + 1;
-      if (number <= row || number > kSheetRows) throw archive_.damaged(sheet.part);
+      if (number <= row || number > kSheetRows) throw damaged(sheet.part);
       row = number;
       long column = 0;
       for (const auto& one : line.children()) {
@@ -291,10 +277,10 @@ class Workbook {
           cell.name = fmt::format("R{}C{}", row, cell.column);
         } else if (letters == std::string::npos ||
                    cell.name.substr(letters) != std::to_string(row)) {
-          throw archive_.damaged(sheet.part);
+          throw damaged(sheet.part);
         }
         if (cell.column <= column || cell.column > kSheetColumns) {
-          throw archive_.damaged(sheet.part);
+          throw damaged(sheet.part);
         }
         column = cell.column;
         read_cell(sheet, one, cell);
@@ -344,7 +330,7 @@ class Workbook {
   }
 
   std::string file_;
-  Archive archive_;
+  std::unique_ptr<void, int (*)(void*)> zip_;  ///< the archive of parts
   std::vector<Sheet> sheets_;
   std::vector<std::string> strings_;
   std::vector<bool> clocks_;  ///< by the number that cells give as their style: shows a time

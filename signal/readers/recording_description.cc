@@ -177,16 +177,10 @@ RecordingDescription read_description(document::TomlTable& table) {
     }
     reading.time_unit_s = unit->factor;
   }
-  const auto sign = [&](const char* key, const std::string& allowed, const char* remedy) {
-    const char found = sign_named(table.string_or(key, ""));
-    if (table.has(key) && (found == 0 || allowed.find(found) == std::string::npos)) {
-      throw table.error(key, "does not know \"" + table.string(key) + "\"", remedy);
-    }
-    return found;
-  };
-  reading.decimal = sign("decimal", ".,", "write \".\" or \",\"");
-  reading.separator = sign("separator", ",;\t ",
-                           "write \"comma\", \"semicolon\", \"tab\" or \"blank\", or the sign");
+  reading.decimal = sign_named(table.choice_or("decimal", {".", ",", "point", "comma"}, ""));
+  reading.separator = sign_named(table.choice_or(
+      "separator", {"comma", "semicolon", "tab", "blank", "space", ",", ";", "\t", "\\t", " "},
+      ""));
   reading.format = table.choice_or("format", format_names(), "");
   if (table.has("variables")) reading.variables = table.string_or_strings("variables");
   reading.sheet = table.string_or("sheet", "");

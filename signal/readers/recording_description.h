@@ -1,7 +1,6 @@
 // Adds to a recording what its file does not say: names, scales and directions of channels, the
 // sample rate. It is a TOML file beside the recording (`name.csv` -> `name.toml`) or a table of a
-// campaign.
-// Its keys are those of `rigfit help sidecar` (apps/README.md).
+// campaign, with the keys of `rigfit help sidecar` (apps/README.md).
 #pragma once
 
 #include <array>
@@ -79,9 +78,9 @@ struct RecordingDescription {
 [[nodiscard]] RecordingDescription read_description(document::TomlTable& table);
 
 /// Renames, rescales and orients the recording's channels as described; its notes of missing units
-/// follow. Values that hardly any laboratory measures are noted
-/// ("unit_suspected"). Throws RecordingError for a channel that is not there (unless the
-/// description is of the folder) or a unit that does not fit.
+/// follow. Notes values that hardly any laboratory measures ("unit_suspected"). Throws
+/// RecordingError for a unit that does not fit, or a channel that is not there, unless the
+/// description is of the folder.
 void apply_description(const RecordingDescription& description, Recording& recording);
 
 }  // namespace rigfit::signal

@@ -1,12 +1,11 @@
-// Clipping seen in the samples themselves: flat tops at a channel's extremes, below the nominal
-// range too.
+// Clipping seen in the samples themselves: flat tops at a channel's extremes, also below the
+// nominal range.
 //
-// A run of n >= 3 equal samples at an extreme is clipped when the signal comes there by a step that
-// quantisation does not explain: the top of a smooth signal quantised in steps q is a parabola that
-// falls by q at most over n / 2 samples, so it leaves them by less than 3 q. Two samples that are
-// equal there are clipped when they are left by more than 100 q: the slope of a top as sharp puts
-// them within a quantum of each other once in a hundred records. A level within 10 % of the span of
-// the value at rest is no clipping.
+// A run of n >= 3 equal samples at an extreme is clipped when the signal leaves it by 3 quanta q or
+// more: the top of a smooth signal in steps of q is a parabola that falls by q at most over n / 2
+// samples. Two equal samples are clipped when they are left by more than 100 q: the slope of a top
+// as sharp puts them within a quantum of each other once in a hundred records. A level within 10 %
+// of the span of the value at rest is no clipping.
 #pragma once
 
 #include <Eigen/Core>

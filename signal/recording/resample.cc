@@ -24,39 +24,25 @@ constexpr double kStopBand = 1e-4;  // 80 dB
 // Pass band's and stop band's edges over the lower rate.
 constexpr double kFlat = 0.4, kClosed = 0.5;
 
-RecordingError refusal(const Recording& recording, std::string channel, std::string problem,
-                       std::string remedy) {
-  return {{recording.path.string(), 0, 0, std::move(channel), ""},
-          std::move(problem),
-          std::move(remedy)};
-}
-
 void check_size(const Recording& recording, double duration_s, double rate_hz) {
   constexpr double kMostSamples = 1e9;
   if (const double samples = duration_s * rate_hz; samples > kMostSamples) {
-    throw refusal(recording, "", fmt::format("would have {:.3g} samples at that rate", samples),
-                  "ask for a lower rate");
+    throw file_error(recording.path, fmt::format("would have {:.3g} samples at that rate", samples),
+                     "ask for a lower rate");
   }
 }
 
-/// A cubic spline of natural ends.
-class Spline {
- public:
-  Spline(const Eigen::VectorXd& x, const Eigen::VectorXd& y)
-      : spline_(gsl_spline_alloc(gsl_interp_cspline, static_cast<std::size_t>(x.size())),
-                &gsl_spline_free),
-        first_(x[0]),
-        last_(x[x.size() - 1]) {
-    gsl_spline_init(spline_.get(), x.data(), y.data(), static_cast<std::size_t>(x.size()));
-  }
-  double at(double t) const {
-    return gsl_spline_eval(spline_.get(), std::clamp(t, first_, last_), nullptr);
-  }
-
- private:
-  std::unique_ptr<gsl_spline, void (*)(gsl_spline*)> spline_;
-  double first_, last_;
-};
+/// The cubic spline of natural ends through y(x) at other places; beyond the ends as there.
+Eigen::VectorXd splined(const Eigen::VectorXd& x, const Eigen::VectorXd& y,
+                        const Eigen::VectorXd& at) {
+  const auto n = static_cast<std::size_t>(x.size());
+  const std::unique_ptr<gsl_spline, void (*)(gsl_spline*)> spline(
+      gsl_spline_alloc(gsl_interp_cspline, n), &gsl_spline_free);
+  gsl_spline_init(spline.get(), x.data(), y.data(), n);
+  return at.unaryExpr([&](double t) {
+    return gsl_spline_eval(spline.get(), std::clamp(t, x[0], x[x.size() - 1]), nullptr);
+  });
+}
 
 /// rms of the odd samples against the spline through the even ones, and the other way round.
 double left_out_error(const Eigen::VectorXd& t, const Eigen::VectorXd& y) {
@@ -67,11 +53,10 @@ double left_out_error(const Eigen::VectorXd& t, const Eigen::VectorXd& y) {
     if (kept < 4) continue;
     const Eigen::VectorXd t_kept = t(Eigen::seqN(parity, kept, 2));
     const Eigen::VectorXd y_kept = y(Eigen::seqN(parity, kept, 2));
-    const Spline spline(t_kept, y_kept);
+    const Eigen::VectorXd between = splined(t_kept, y_kept, t);
     for (Index k = 1 - parity; k < t.size(); k += 2) {
       if (t[k] <= t_kept[0] || t[k] >= t_kept[kept - 1]) continue;
-      const double e = y[k] - spline.at(t[k]);
-      sum += e * e;
+      sum += (y[k] - between[k]) * (y[k] - between[k]);
       ++count;
     }
   }
@@ -83,8 +68,8 @@ Recording made_even(const Recording& recording, double rate_hz, std::vector<doub
   const Eigen::VectorXd& t = recording.time_s;
   const Index n = t.size();
   if (!t.allFinite() || !(t.tail(n - 1).array() > t.head(n - 1).array()).all()) {
-    throw refusal(recording, "", "the times do not rise throughout",
-                  "take out samples whose time goes back or repeats");
+    throw file_error(recording.path, "the times do not rise throughout",
+                     "take out samples whose time goes back or repeats");
   }
   const double span = t[n - 1] - t[0];
   check_size(recording, span, rate_hz);
@@ -94,12 +79,12 @@ Recording made_even(const Recording& recording, double rate_hz, std::vector<doub
   even.start_time_s = t[0];
   even.time_jitter_s = 0;
   const auto samples = static_cast<Index>(std::floor(span * rate_hz + 1e-9)) + 1;
+  const auto at = Eigen::VectorXd::NullaryExpr(samples, [&](Index k) {
+                    return t[0] + static_cast<double>(k) / rate_hz;
+                  }).eval();
   for (auto& channel : even.channels) {
-    const Eigen::VectorXd y = channel.samples;
-    const Spline spline(t, y);
-    channel.samples = Eigen::VectorXd::NullaryExpr(
-        samples, [&](Index k) { return spline.at(t[0] + static_cast<double>(k) / rate_hz); });
-    errors.push_back(left_out_error(t, y));
+    errors.push_back(left_out_error(t, channel.samples));
+    channel.samples = splined(t, channel.samples, at);
   }
   return even;
 }
@@ -174,16 +159,16 @@ void hide_unknown(const Recording& from, double gap_s, double reach_s, Recording
 
 ResampleResult resampled(const Recording& recording, double rate_hz) {
   if (!(recording.sample_rate_hz > 0)) {
-    throw refusal(recording, "", "gives no sample rate", "give it: --sample-rate");
+    throw file_error(recording.path, "gives no sample rate", "give it: --sample-rate");
   }
   if (recording.samples() < 8) {
-    throw refusal(recording, "", "has fewer than 8 samples", "give a longer recording");
+    throw file_error(recording.path, "has fewer than 8 samples", "give a longer recording");
   }
   for (const auto& channel : recording.channels) {
     if (!channel.samples.allFinite()) {
-      throw refusal(recording, channel.name,
-                    fmt::format("{} samples are missing", channel.missing_samples),
-                    "take the channel or those lines out");
+      throw RecordingError({recording.path.string(), 0, 0, channel.name, ""},
+                           fmt::format("{} samples are missing", channel.missing_samples),
+                           "take the channel or those lines out");
     }
   }
   ResampleResult result{recording, recording.sample_rate_hz, {}};
@@ -202,8 +187,8 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
              usual, even);
     if (rate_hz == 0) rate_hz = even;
     if (rate_hz != even && steps.maxCoeff() > gap_s) {
-      throw refusal(recording, "", "has gaps, across which nothing can be filtered",
-                    "resample the parts between the gaps, or ask for the rate of the times");
+      throw file_error(recording.path, "has gaps, across which nothing can be filtered",
+                       "resample the parts between the gaps, or ask for the rate of the times");
     }
   } else {
     result.error_rms.assign(recording.channels.size(), 0);
@@ -213,8 +198,8 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
   if (rate_hz != result.recording.sample_rate_hz) {
     if (static_cast<double>(result.recording.samples() - 1) * rate_hz <
         7 * result.recording.sample_rate_hz) {
-      throw refusal(recording, "", "would have fewer than 8 samples at that rate",
-                    "ask for a higher rate");
+      throw file_error(recording.path, "would have fewer than 8 samples at that rate",
+                       "ask for a higher rate");
     }
     for (std::size_t c = 0; c < recording.channels.size(); ++c) {
       const auto& x = result.recording.channels[c].samples;

@@ -1,9 +1,9 @@
 // Universal files that other programs read: recordings and FRFs as dataset 58 (binary, 58b: IEEE
 // numbers), mode shapes as dataset 55, points as dataset 15.
 //
-// Columns are those of the format; lines end with '\n'. Data for which the format
-// has no exact place (long names, the exact rate, averages, the decay rate of a window) go to
-// identification lines 1, 2, 4 and 5, so that files written here are read back without loss.
+// Data for which the format has no exact place (long names, the exact rate, averages, the decay
+// rate of a window) go to identification lines 1, 2, 4 and 5, so that files written here are read
+// back without loss.
 #pragma once
 
 #include <array>

@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "signal/readers/csv/frequency_table.h"
-#include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff/read_uff_modes.h"
 #include "tests/fuzz/require_sound.h"

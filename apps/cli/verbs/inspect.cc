@@ -46,22 +46,21 @@ signal::Recording load(const std::string& path, VerbContext& context) {
 /// One entry of `recordings[]`.
 Json inspected(const signal::Recording& recording, VerbContext& context) {
   const std::string path = recording.path.string();
-  const signal::QualityResult quality = signal::check_quality(recording);
+  const auto channels = signal::check_quality(recording);
   const auto& notes = recording.notes;
   const bool over_time =
       std::ranges::find(notes, "not_a_time_history", &signal::Note::code) == notes.end();
-  for (const auto& channel : quality.channels) {
+  for (const auto& channel : channels) {
     for (const auto& finding : channel.findings) {
       // Spectra neither drift nor clip; what is missing there is missing all the same.
       if (!over_time && finding.code != "missing") continue;
-      context.warn(finding.code, finding.message, path + ": " + channel.channel);
+      context.warn(finding.code, finding.message, path + ": " + channel.channel->name);
     }
   }
   if (context.plots) {
     const auto id = fmt::format("recording-{}", context.plots->blocks.size() + 1);
-    context.plots->add(recording_plots(id, recording, quality));
+    context.plots->add(recording_plots(id, recording, channels));
   }
-  const auto channels = signal::checked_channels(recording, quality);
   auto& out = context.out;
   out << fmt::format("{} ({}): {} samples", path, recording.format, recording.samples());
   if (recording.sample_rate_hz > 0) {

@@ -52,7 +52,7 @@ inline constexpr double kNormal95 = 1.959963984540054;
 /// where they begin and words in the caption. Empty for what is not over time.
 [[nodiscard]] std::vector<Plot> recording_plots(const std::string& id,
                                                 const signal::Recording& recording,
-                                                const signal::QualityResult& quality);
+                                                const std::vector<signal::ChannelQuality>& quality);
 
 // Free decays
 

@@ -119,7 +119,7 @@ std::vector<Plot> release_plots(const std::string& id, const ident::RecordedDeca
 }
 
 std::vector<Plot> recording_plots(const std::string& id, const signal::Recording& recording,
-                                  const signal::QualityResult& quality) {
+                                  const std::vector<signal::ChannelQuality>& quality) {
   constexpr std::size_t kMostClipped = 1000;  // points drawn of clipped samples
   std::vector<Plot> plots;
   if (!(recording.sample_rate_hz > 0) && recording.time_s.size() == 0) return plots;
@@ -130,7 +130,7 @@ std::vector<Plot> recording_plots(const std::string& id, const signal::Recording
   };
   for (std::size_t k = 0; k < recording.channels.size(); ++k) {
     const auto& channel = recording.channels[k];
-    const auto& found = quality.channels[k];
+    const auto& found = quality[k];
     Plot plot{fmt::format("{}-{}", id, k + 1),
               fmt::format("{}: {}", short_name(recording.path.string()), channel.name),
               found.findings.empty() ? "Nothing was found wrong with this channel." : "Found:",

@@ -51,20 +51,21 @@ void add_recordings(ReportPart& part, const CampaignTest& test,
     }
     front.emplace_back(shown(recording.sample_rate_hz, 5));
     front.emplace_back(shown(recording.duration_s(), 3));
-    const auto channels = signal::checked_channels(recording, signal::check_quality(recording));
+    const auto channels = signal::check_quality(recording);
     add_rows(table, std::move(front), describe::table_of(channels), std::nullopt);
     json.update(describe::json_of(recording));
     json["remarks"] = said;
     json["channels"] = describe::json_of(channels);
     list.push_back(std::move(json));
-    for (const auto& [channel, quality] : channels) {
+    for (const auto& quality : channels) {
       bool bad = !said.empty();
       for (const auto& finding : quality.findings) {
         said += (said.empty() ? "" : "; ") + finding.message;
         ++found;
         if (!serious(finding.code)) continue;
         bad = true;
-        part.warnings.push_back({finding.code, finding.message, entry.file + ": " + channel->name});
+        part.warnings.push_back(
+            {finding.code, finding.message, entry.file + ": " + quality.channel->name});
       }
       remarks.emplace_back(std::exchange(said, "")).doubtful = bad;
     }

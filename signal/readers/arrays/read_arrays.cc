@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "signal/readers/files/read_formats.h"
+#include "signal/readers/read_recording.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"

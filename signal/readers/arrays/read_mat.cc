@@ -1,10 +1,11 @@
-#include "signal/readers/files/read_formats.h"
+#include "signal/readers/read_recording.h"
 
 #include <fmt/format.h>
 #include <matio.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -12,7 +13,7 @@
 
 #include "signal/readers/arrays/array_columns.h"
 #include "signal/readers/csv/csv_table.h"
-#include "signal/readers/files/frf_parts.h"
+#include "signal/readers/csv/frequency_table.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"
@@ -48,14 +49,10 @@ struct MatArray {
 Eigen::MatrixXd numbers_of(matio_classes type, const void* data, Eigen::Index rows,
                            Eigen::Index cols) {
   if (type < MAT_C_DOUBLE || type > MAT_C_UINT64) return {};
-  const bool is_float = type == MAT_C_DOUBLE || type == MAT_C_SINGLE;
   const bool is_signed =
       type == MAT_C_INT8 || type == MAT_C_INT16 || type == MAT_C_INT32 || type == MAT_C_INT64;
-  return matrix_of({is_float    ? 'f'
-                    : is_signed ? 'i'
-                                : 'u',
-                    Mat_SizeOfClass(type)},
-                   static_cast<const char*>(data), rows, cols);
+  const char kind = type <= MAT_C_SINGLE ? 'f' : is_signed ? 'i' : 'u';
+  return matrix_of({kind, Mat_SizeOfClass(type)}, static_cast<const char*>(data), rows, cols);
 }
 
 /// Elements of an array by its dimensions; more than `most`: most + 1.
@@ -87,89 +84,82 @@ void each_element(matvar_t& variable, std::size_t count, Take&& take) {
   }
 }
 
-/// Reads the numeric arrays of a file. What is too large for the file is refused before it is read.
-class MatReader {
- public:
-  MatReader(std::string_view bytes, const std::filesystem::path& path)
-      : path_(path), held_(bytes.size()) {
-    check_mat_headers(bytes, path);
-  }
+/// Whether a file can hold so many numbers as a variable states, its elements included. A byte is a
+/// number at least, plain; deflate packs at most a thousand to one.
+bool is_held(matvar_t& variable, std::size_t file_bytes, bool packed, int depth) {
+  const std::size_t most = packed ? file_bytes * 1100 + 4096 : file_bytes;
+  const std::size_t count = elements_of(variable, most);
+  if (count > most) return false;
+  if (depth >= kDeepest) return true;
+  // Elements of structs and cells are variables of their own, of some bytes each.
+  bool held = true;
+  each_element(variable, count, [&](matvar_t& element, const std::string&) {
+    held = held && is_held(element, file_bytes, packed, depth + 1);
+  });
+  return held;
+}
 
-  std::vector<MatArray> read() {
-    const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path_.c_str(), MAT_ACC_RDONLY),
-                                                       &Mat_Close);
-    if (!file) {
-      throw file_error(path_, "is no MATLAB file that can be read",
-                       "save it again, by save(F, '-v7')");
+/// Adds the numeric arrays of a variable that was read.
+void collect(matvar_t& variable, const std::string& name, int depth,
+             std::vector<MatArray>& arrays) {
+  if (depth > kDeepest) return;
+  const std::size_t count = elements_of(variable, SIZE_MAX / 2);  // held, as is_held says
+  if (count == 0 || variable.data == nullptr) return;
+  each_element(variable, count, [&](matvar_t& element, const std::string& own) {
+    collect(element, name + own, depth + 1, arrays);
+  });
+  if (variable.class_type == MAT_C_STRUCT || variable.class_type == MAT_C_CELL) return;
+  if (variable.isLogical != 0 || variable.rank != 2) return;
+  const auto rows = static_cast<Eigen::Index>(variable.dims[0]);
+  const auto cols = static_cast<Eigen::Index>(variable.dims[1]);
+  // The data must be as many numbers of the class's own size.
+  const std::size_t bytes = count * Mat_SizeOfClass(variable.class_type);
+  if (bytes == 0 || variable.nbytes < bytes) return;
+  const void *re = variable.data, *im = nullptr;
+  if (variable.isComplex != 0) {
+    const auto* const split = static_cast<const mat_complex_split_t*>(variable.data);
+    re = split->Re, im = split->Im;
+    if (re == nullptr || im == nullptr) return;
+  }
+  MatArray array{name,
+                 numbers_of(variable.class_type, re, rows, cols),
+                 {},
+                 variable.class_type == MAT_C_SINGLE};
+  if (array.real.size() == 0) return;
+  if (im != nullptr) array.imaginary = numbers_of(variable.class_type, im, rows, cols);
+  arrays.push_back(std::move(array));
+}
+
+/// The numeric arrays of a file. What is too large for the file is refused before it is read.
+std::vector<MatArray> arrays_in(std::string_view bytes, const std::filesystem::path& path) {
+  check_mat_headers(bytes, path);
+  const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
+                                                     &Mat_Close);
+  if (!file) {
+    throw file_error(path, "is no MATLAB file that can be read",
+                     "save it again, by save(F, '-v7')");
+  }
+  std::vector<MatArray> arrays;
+  const bool hdf5 = Mat_GetVersion(file.get()) == MAT_FT_MAT73;
+  while (matvar_t* const next = Mat_VarReadNextInfo(file.get())) {
+    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(next, &Mat_VarFree);
+    const std::string name = next->name == nullptr ? "" : to_utf8(next->name);
+    if (name.empty() || name.starts_with("__") || name.starts_with("#")) continue;
+    const bool packed = hdf5 || next->compression == MAT_COMPRESSION_ZLIB;
+    if (!is_held(*next, bytes.size(), packed, 0)) {
+      throw file_error(path, "states more numbers than the file can hold", "copy the file again",
+                       name);
     }
-    const bool hdf5 = Mat_GetVersion(file.get()) == MAT_FT_MAT73;
-    while (matvar_t* const next = Mat_VarReadNextInfo(file.get())) {
-      const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(next, &Mat_VarFree);
-      const std::string name = next->name == nullptr ? "" : to_utf8(next->name);
-      if (name.empty() || name.starts_with("__") || name.starts_with("#")) continue;
-      if (!is_held(*next, hdf5 || next->compression == MAT_COMPRESSION_ZLIB, 0)) {
-        throw file_error(path_, "states more numbers than the file can hold", "copy the file again",
-                         name);
-      }
-      const bool numeric = next->class_type == MAT_C_STRUCT || next->class_type == MAT_C_CELL ||
-                           (next->class_type >= MAT_C_DOUBLE && next->class_type <= MAT_C_UINT64);
-      if (!numeric) continue;
-      if (Mat_VarReadDataAll(file.get(), next) != 0) {
-        throw file_error(path_, "breaks off inside a variable", "copy the file again", name);
-      }
-      collect(*next, name, 0);
+    const bool numeric = next->class_type == MAT_C_STRUCT || next->class_type == MAT_C_CELL ||
+                         (next->class_type >= MAT_C_DOUBLE && next->class_type <= MAT_C_UINT64);
+    if (!numeric) continue;
+    if (Mat_VarReadDataAll(file.get(), next) != 0) {
+      throw file_error(path, "breaks off inside a variable", "copy the file again", name);
     }
-    return std::move(arrays_);
+    collect(*next, name, 0, arrays);
   }
-
- private:
-  [[nodiscard]] bool is_held(matvar_t& variable, bool packed, int depth) const {
-    const std::size_t count = elements_of(variable, most_);
-    if (count > (packed ? most_ : held_)) return false;
-    if (depth >= kDeepest) return true;
-    // Elements of structs and cells are variables of their own, of some bytes each.
-    bool held = true;
-    each_element(variable, count, [&](matvar_t& element, const std::string&) {
-      held = held && is_held(element, packed, depth + 1);
-    });
-    return held;
-  }
-
-  void collect(matvar_t& variable, const std::string& name, int depth) {
-    if (depth > kDeepest) return;
-    const std::size_t count = elements_of(variable, most_);
-    if (count == 0 || variable.data == nullptr) return;
-    each_element(variable, count, [&](matvar_t& element, const std::string& own) {
-      collect(element, name + own, depth + 1);
-    });
-    if (variable.class_type == MAT_C_STRUCT || variable.class_type == MAT_C_CELL) return;
-    if (variable.isLogical != 0 || variable.rank != 2) return;
-    const auto rows = static_cast<Eigen::Index>(variable.dims[0]);
-    const auto cols = static_cast<Eigen::Index>(variable.dims[1]);
-    // The data must be as many numbers of the class's own size.
-    const std::size_t bytes = count * Mat_SizeOfClass(variable.class_type);
-    if (bytes == 0 || variable.nbytes < bytes) return;
-    const void *re = variable.data, *im = nullptr;
-    if (variable.isComplex != 0) {
-      const auto* const split = static_cast<const mat_complex_split_t*>(variable.data);
-      re = split->Re, im = split->Im;
-      if (re == nullptr || im == nullptr) return;
-    }
-    MatArray array{name,
-                   numbers_of(variable.class_type, re, rows, cols),
-                   {},
-                   variable.class_type == MAT_C_SINGLE};
-    if (array.real.size() == 0) return;
-    if (im != nullptr) array.imaginary = numbers_of(variable.class_type, im, rows, cols);
-    arrays_.push_back(std::move(array));
-  }
-
-  const std::filesystem::path& path_;
-  /// Numbers that the file can hold, plain and packed: a byte is an element at least; deflate packs
-  /// at most a thousand to one.
-  const std::size_t held_, most_ = held_ * 1100 + 4096;
-  std::vector<MatArray> arrays_;
-};
+  return arrays;
+}
 
 using Arrays = std::vector<const MatArray*>;
 
@@ -330,7 +320,7 @@ void check_times(const Arrays& taken, const std::filesystem::path& path) {
 
 Recording read_mat(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options) {
-  const std::vector<MatArray> arrays = MatReader(bytes, path).read();
+  const std::vector<MatArray> arrays = arrays_in(bytes, path);
   const auto taken = chosen(arrays, path, options.variables);
   check_times(taken, path);
   CsvTable table;
@@ -351,7 +341,7 @@ Recording read_mat(std::string_view bytes, const std::filesystem::path& path,
 
 FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
                      const ReadOptions& options) {
-  const std::vector<MatArray> arrays = MatReader(bytes, path).read();
+  const std::vector<MatArray> arrays = arrays_in(bytes, path);
   const auto& asked = options.variables;
   const Arrays complex = those(arrays, [&](const MatArray& array) {
     return array.imaginary.size() > 0 && array.longer() >= kShortest &&

@@ -126,11 +126,11 @@ std::vector<CsvColumn> columns_of(const std::vector<Row>& rows) {
     const long clock = count(FieldKind::clock), text = count(FieldKind::text);
     const long all = std::ssize(rows);
     columns[c].filled = static_cast<double>(some + clock) / static_cast<double>(all);
-    columns[c].kind = clock > some && clock >= text                ? ColumnKind::clock
-                      : some > 0 && (2 * some >= all || text == 0) ? ColumnKind::numbers
-                      : text > 0                                   ? ColumnKind::text
-                                                                   : ColumnKind::empty;
-    if (columns[c].kind != ColumnKind::text) continue;
+    columns[c].kind = clock > some && clock >= text                ? FieldKind::clock
+                      : some > 0 && (2 * some >= all || text == 0) ? FieldKind::number
+                      : text > 0                                   ? FieldKind::text
+                                                                   : FieldKind::empty;
+    if (columns[c].kind != FieldKind::text) continue;
     for (const auto& row : rows) {
       double value = 0;
       int decimals = 0;
@@ -200,16 +200,11 @@ bool has_decimal_commas(const std::vector<Row>& rows, const std::vector<std::str
 
 /// Lower case, words parted by one blank, no colon at the end, no bracketed unit.
 std::string normal_label(std::string_view text) {
-  std::string label = lower_case(to_utf8(text)), out;
-  label.resize(std::min(label.find_first_of("([{"), label.size()));
-  for (char c : label) {
-    if (c == ':' || c == '=') continue;
-    if (std::string_view("_-.#%").find(c) != std::string_view::npos) c = ' ';
-    if (c == ' ' && (out.empty() || out.back() == ' ')) continue;
-    out += c;
-  }
-  while (!out.empty() && out.back() == ' ') out.pop_back();
-  return out;
+  constexpr std::size_t kLongest = 200;
+  static const std::regex kNoWord(R"([(\[{].*|[:=])"), kBetween("[-_.#% ]+");
+  std::string label = lower_case(to_utf8(text.substr(0, kLongest)));
+  label = std::regex_replace(std::regex_replace(label, kNoWord, ""), kBetween, " ");
+  return std::string(trim_blanks(label));
 }
 
 constexpr std::string_view kRateLabels =
@@ -264,14 +259,6 @@ std::string unquoted(std::string_view text) {
 
 bool is_unit_text(std::string_view text) {
   return parse_unit(text) || is_listed("|-|none|counts|eu|[-]|(-)|", lower_case(to_utf8(text)));
-}
-
-std::string_view trim_quotes(std::string_view text) {
-  while (!text.empty() && (text.back() == ';' || text.back() == ',')) text.remove_suffix(1);
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
-    text = text.substr(1, text.size() - 2);
-  }
-  return trim_blanks(text);
 }
 
 std::string bare_unit(std::string_view text) {
@@ -391,10 +378,15 @@ class HeaderReader {
       if (!unmatched) row = std::move(titles);
     }
     // "Unit;V" or "Unit: V" above a table of other columns: of all channels.
-    if (const auto sign = line.find_first_of(";:=,\t"); sign != line.npos && columns_ != 2) {
-      const auto value = trim_quotes(trim_blanks(line.substr(sign + 1)));
-      if (is_listed(kRowLabels[kUnits], normal_label(line.substr(0, sign))) &&
-          value.find(layout_.dialect.separator) == value.npos && is_unit_text(value)) {
+    static const std::regex kCommon(R"(([^;:=,\t]*)[;:=,\t]\t*([^;,\t]*)[;,\t]*)");
+    const std::string text(trim_blanks(line.substr(0, kLongestMatched)));
+    std::smatch common;
+    if (columns_ != 2 && std::regex_match(text, common, kCommon)) {
+      std::string value = common[2];
+      std::erase(value, '"');
+      value = trim_blanks(value);
+      if (is_listed(kRowLabels[kUnits], normal_label(common[1].str())) &&
+          (!by_blanks || value.find(' ') == value.npos) && is_unit_text(value)) {
         if (common_unit_.empty()) common_unit_ = bare_unit(value);
         return;
       }
@@ -497,14 +489,14 @@ bool is_body(const Row& row, const CsvLayout& layout) {
   long numbers = 0, columns = 0;
   for (std::size_t c = 0; c < layout.columns.size(); ++c) {
     const FieldKind kind = row.kind(c);
-    const ColumnKind expected = layout.columns[c].kind;
-    if (expected == ColumnKind::numbers) {
+    const FieldKind expected = layout.columns[c].kind;
+    if (expected == FieldKind::number) {
       if (kind == FieldKind::text || kind == FieldKind::clock) return false;
       ++columns;
       numbers += kind == FieldKind::number ? 1 : 0;
     } else if (c < row.fields.size() &&
-               ((expected == ColumnKind::clock && kind != FieldKind::clock) ||
-                (expected == ColumnKind::empty && c == 0 && kind != FieldKind::empty))) {
+               ((expected == FieldKind::clock && kind != FieldKind::clock) ||
+                (expected == FieldKind::empty && c == 0 && kind != FieldKind::empty))) {
       return false;
     }
   }
@@ -589,14 +581,9 @@ bool is_time_name(const std::string& name) {
       "timestamp|clock|uhrzeit|datetime|date/time|date time|x_value|x value|time_s|"
       "elapsed time|t_s|relative time|time stamp|rel time|time_ms|millis|micros|milliseconds|"
       "microseconds|";
-  static constexpr std::array<std::string_view, 4> kStems = {"time", "zeit", "elapsed",
-                                                             "timestamp"};
-  const bool begins_so =
-      std::any_of(std::begin(kStems), std::end(kStems), [&](std::string_view stem) {
-        return word.starts_with(stem) && word.size() > stem.size() &&
-               std::isalpha(static_cast<unsigned char>(word[stem.size()])) == 0;
-      });
-  return begins_so || is_listed(kWords, word) || word.ends_with(" time");
+  static const std::regex kBeginning("^(time|zeit|elapsed|timestamp)[^a-z]");
+  return std::regex_search(word.substr(0, 16), kBeginning) || is_listed(kWords, word) ||
+         word.ends_with(" time");
 }
 
 }  // namespace rigfit::signal

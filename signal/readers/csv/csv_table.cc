@@ -48,38 +48,39 @@ class BodyParser {
     const std::size_t size = bytes.size() - layout.body;
     const auto stored = std::count(wanted.begin(), wanted.end(), true);
     most_rows_ = static_cast<long>(2 * size + 4096) / std::max<long>(stored, 1);
-    body_.columns.resize(layout.columns.size());
+    columns_.resize(layout.columns.size());
     target_.resize(layout.columns.size(), nullptr);
     const long rows = likely_rows(bytes.substr(layout.body));
     if (rows > most_rows_) throw ragged();
     reserve(rows);
   }
 
-  CsvBody parse(const std::function<void(std::size_t)>& progress) {
+  std::vector<Eigen::VectorXd> parse(std::vector<Note>& notes,
+                                     const std::function<void(std::size_t)>& progress) {
     std::size_t told = layout_.body;
     for (std::string_view rest = bytes_.substr(layout_.body); !rest.empty();) {
       const std::size_t at = bytes_.size() - rest.size();
       const std::string_view line = take_line(rest);
       const bool has_end = at + line.size() < bytes_.size();
-      const Eigen::Index rows = body_.rows;
-      const long short_rows = body_.short_rows;
+      const Eigen::Index rows = rows_;
+      const long short_rows = short_rows_;
       try {
         parse_line(line);
-        body_.incomplete_last = !has_end && body_.short_rows > short_rows && rows > 0;
+        incomplete_last_ = !has_end && short_rows_ > short_rows && rows > 0;
       } catch (const BadField& bad) {
-        body_.incomplete_last = !has_end && rows > 0;
+        incomplete_last_ = !has_end && rows > 0;
         if (has_end && ends_table(at, bad)) break;
-        if (!body_.incomplete_last) throw refusal(bad);
+        if (!incomplete_last_) throw refusal(bad);
       }
       // A logger that lost its power: the line is not whole.
-      if (body_.incomplete_last) body_.rows = rows, body_.short_rows = short_rows;
+      if (incomplete_last_) rows_ = rows, short_rows_ = short_rows;
       if (progress && at - told > kStride) {
         progress(at);
         told = at;
       }
     }
-    trim();
-    return std::move(body_);
+    trim(notes);
+    return std::move(columns_);
   }
 
  private:
@@ -88,8 +89,8 @@ class BodyParser {
     capacity_ = std::min<Eigen::Index>(rows, most_rows_);
     for (std::size_t c = 0; c < target_.size(); ++c) {
       if (!wanted_[c]) continue;
-      body_.columns[c].conservativeResize(capacity_);
-      target_[c] = body_.columns[c].data();
+      columns_[c].conservativeResize(capacity_);
+      target_[c] = columns_[c].data();
     }
   }
 
@@ -99,10 +100,10 @@ class BodyParser {
     const std::size_t first = line.find_first_not_of(by_tabs ? " " : " \t");
     if (first == std::string_view::npos) return;
     if (line[first] == '#' || line[first] == '%') {
-      ++body_.comment_lines;
+      ++comment_lines_;
       return;
     }
-    if (body_.rows == capacity_) reserve(capacity_ + capacity_ / 2 + 16);
+    if (rows_ == capacity_) reserve(capacity_ + capacity_ / 2 + 16);
     split_fields(line, layout_.dialect, fields_);
     for (std::size_t c = 0; c < fields_.size(); ++c) {
       const std::string_view text = fields_[c].text;
@@ -110,29 +111,29 @@ class BodyParser {
         throw BadField{text, c, "more fields than the table has columns",
                        "check for decimal commas, or for a separator inside a field"};
       }
-      if (c < target_.size() && target_[c] != nullptr) target_[c][body_.rows] = value_of(text, c);
+      if (c < target_.size() && target_[c] != nullptr) target_[c][rows_] = value_of(text, c);
     }
     // What is not there is missing.
     bool lacking = false;
     for (std::size_t c = fields_.size(); c < target_.size(); ++c) {
       if (target_[c] == nullptr) continue;
-      target_[c][body_.rows] = kNaN;
+      target_[c][rows_] = kNaN;
       lacking = true;
     }
-    body_.short_rows += lacking ? 1 : 0;
-    ++body_.rows;
+    short_rows_ += lacking ? 1 : 0;
+    ++rows_;
   }
 
   [[nodiscard]] double value_of(std::string_view text, std::size_t c) const {
     double value = 0;
     int decimals = 0;
-    const ColumnKind kind = layout_.columns[c].kind;
+    const FieldKind kind = layout_.columns[c].kind;
     if (parse_whole_number(text, layout_.dialect.decimal, value)) {
       if (std::isfinite(value)) return value;
       throw BadField{text, c, "a number too large for a double", "check the value"};
     }
-    if (kind == ColumnKind::clock && parse_clock(text, value, decimals)) return value;
-    if (text.empty() || is_missing_word(text) || kind == ColumnKind::empty) return kNaN;
+    if (kind == FieldKind::clock && parse_clock(text, value, decimals)) return value;
+    if (text.empty() || is_missing_word(text) || kind == FieldKind::empty) return kNaN;
     throw BadField{text, c, "not a number",
                    "fix or delete the line, or leave the field empty where there is no value; "
                    "where a second table begins, split the file",
@@ -142,11 +143,11 @@ class BodyParser {
   /// Whether the line at `at`, with its bad field, stands behind the table.
   bool ends_table(std::size_t at, const BadField& bad) {
     const std::size_t behind = next_line(bytes_, line_end(bytes_, at));
-    if (!bad.is_word || bytes_.size() - behind >= kLongestFooter || body_.rows == 0 ||
+    if (!bad.is_word || bytes_.size() - behind >= kLongestFooter || rows_ == 0 ||
         holds_rows(behind)) {
       return false;
     }
-    body_.footer_line = line_number(bytes_, at);
+    footer_line_ = line_number(bytes_, at);
     return true;
   }
 
@@ -166,17 +167,33 @@ class BodyParser {
     return false;
   }
 
-  /// Leaves out rows of nothing at the end (spreadsheets have them), and room that is not used.
-  void trim() {
+  /// Leaves out rows of nothing at the end (spreadsheets have them) and room that is not used, and
+  /// notes what is not read.
+  void trim(std::vector<Note>& notes) {
     const auto is_empty = [&](Eigen::Index row) {
       return std::none_of(target_.begin(), target_.end(), [&](const double* column) {
         return column != nullptr && !std::isnan(column[row]);
       });
     };
-    for (; body_.rows > 0 && is_empty(body_.rows - 1); --body_.rows) ++body_.empty_rows_at_end;
-    for (std::size_t c = 0; c < target_.size(); ++c) {
-      if (wanted_[c]) body_.columns[c].conservativeResize(body_.rows);
+    const Eigen::Index all = rows_;
+    while (rows_ > 0 && is_empty(rows_ - 1)) --rows_;
+    if (rows_ == 0) {
+      throw RecordingError({file_, layout_.body_line, 0, "", ""}, "the table holds no numbers",
+                           "check the recording, or record again");
     }
+    for (std::size_t c = 0; c < target_.size(); ++c) {
+      if (wanted_[c]) columns_[c].conservativeResize(rows_);
+    }
+    const auto note = [&](long count, const char* code, const char* message) {
+      if (count > 0) add_note(notes, code, "", fmt::runtime(message), count);
+    };
+    note(short_rows_, "incomplete",
+         "{} lines have fewer fields than the table has columns; what is absent counts as missing");
+    note(comment_lines_, "left_out", "{} comment lines inside the table skipped");
+    note(footer_line_, "left_out", "text behind the table skipped, from line {}");
+    note(incomplete_last_ ? 1 : 0, "incomplete",
+         "the last line broke off before its end and is left out");
+    note(all - rows_, "left_out", "{} rows without any number at the end left out");
   }
 
   [[nodiscard]] RecordingError ragged() const {
@@ -194,66 +211,48 @@ class BodyParser {
   const CsvLayout& layout_;
   const std::vector<bool>& wanted_;
   const std::string& file_;
-  CsvBody body_;
+  std::vector<Eigen::VectorXd> columns_;
   std::vector<double*> target_;  ///< of the columns that are wanted; null: of another
   std::vector<CsvField> fields_;
-  Eigen::Index capacity_ = 0, most_rows_ = 0;
+  Eigen::Index rows_ = 0, capacity_ = 0, most_rows_ = 0;
+  long short_rows_ = 0, comment_lines_ = 0, footer_line_ = 0;  ///< rows and lines; line or 0
+  bool incomplete_last_ = false;
 };
 
-void note_body(const CsvBody& body, std::vector<Note>& notes) {
-  const auto note = [&](long count, const char* code, const char* message) {
-    if (count > 0) add_note(notes, code, "", fmt::runtime(message), count);
-  };
-  note(body.short_rows, "incomplete",
-       "{} lines have fewer fields than the table has columns; what is absent counts as missing");
-  note(body.comment_lines, "left_out", "{} comment lines inside the table skipped");
-  note(body.footer_line, "left_out", "text behind the table skipped, from line {}");
-  note(body.incomplete_last ? 1 : 0, "incomplete",
-       "the last line broke off before its end and is left out");
-  note(body.empty_rows_at_end, "left_out", "{} rows without any number at the end left out");
-}
-
-/// Joins a series that is written several values a line, as the number of them shows which the
+/// Refuses a series that is written several values a line, as the number of them shows which the
 /// header states, or their duration beside a rate ("NPTS= 4000" above lines of five).
-bool join_lines(CsvTable& table, CsvBody& body) {
-  CsvLayout& layout = table.layout;
-  const auto width = std::ssize(body.columns);
-  const auto is_short = [&](const auto& column) { return column.size() != body.rows; };
-  if (layout.dialect.separator != ' ' || width < 2 || std::ranges::any_of(body.columns, is_short)) {
-    return false;
+void refuse_series(const CsvTable& table, const std::vector<Eigen::VectorXd>& columns) {
+  const auto width = std::ssize(columns);
+  const Eigen::Index rows = columns.front().size();
+  const auto is_other = [&](const auto& column) { return column.size() != rows; };
+  if (table.layout.dialect.separator != ' ' || width < 2 || rows == 0 ||
+      std::ranges::any_of(columns, is_other)) {
+    return;
   }
-  Eigen::VectorXd series(width * body.rows);
-  for (Eigen::Index c = 0; c < width; ++c) {
-    series(Eigen::seqN(c, body.rows, width)) = body.columns[static_cast<std::size_t>(c)];
-  }
-  Eigen::Index size = series.size();
-  while (std::isnan(series[size - 1])) --size;
+  const auto absent = std::ranges::count_if(
+      columns, [&](const auto& column) { return std::isnan(column[rows - 1]); });
+  const auto size = static_cast<double>(width * rows - absent);
   static const std::regex kNumber(R"(\d*\.?\d+)");
-  const std::sregex_iterator first(layout.heading.begin(), layout.heading.end(), kNumber), end;
-  const bool stated = std::any_of(first, end, [&](const std::smatch& number) {
+  const std::string& heading = table.layout.heading;
+  for (std::sregex_iterator one(heading.begin(), heading.end(), kNumber), end; one != end; ++one) {
     double value = 0;
-    return parse_whole_number(number.str(), '.', value) &&
-           (value == size || value * layout.stated_rate_hz == size);
-  });
-  if (!stated) return false;
-  add_note(table.notes, "read_as", "",
-           "lines of {} values are joined to one series of {}, as the header states", width, size);
-  layout.unmatched_titles.clear();
-  layout.has_names = false;
-  layout.columns.resize(1);
-  layout.columns[0].name.clear();
-  layout.columns[0].unit.clear();
-  body.columns = {series.head(size)};
-  body.short_rows = 0;
-  return true;
+    if (!parse_whole_number(one->str(), '.', value)) continue;
+    if (value != size && value * table.layout.stated_rate_hz != size) continue;
+    throw RecordingError(
+        {table.file, table.layout.body_line, 0, "", one->str()},
+        fmt::format("lines of {} values seem to be one series of {}, as the header states", width,
+                    size),
+        "write one value a line");
+  }
 }
 
 }  // namespace
 
-CsvBody parse_csv_body(std::string_view bytes, const CsvLayout& layout,
-                       const std::vector<bool>& wanted, const std::string& file,
-                       const std::function<void(std::size_t)>& progress) {
-  return BodyParser(bytes, layout, wanted, file).parse(progress);
+std::vector<Eigen::VectorXd> parse_csv_body(std::string_view bytes, const CsvLayout& layout,
+                                            const std::vector<bool>& wanted,
+                                            const std::string& file, std::vector<Note>& notes,
+                                            const std::function<void(std::size_t)>& progress) {
+  return BodyParser(bytes, layout, wanted, file).parse(notes, progress);
 }
 
 void CsvTable::add(CsvColumn description, std::size_t place, Eigen::VectorXd numbers) {
@@ -265,7 +264,7 @@ void CsvTable::add(CsvColumn description, std::size_t place, Eigen::VectorXd num
     add_note(notes, "duplicate_name", channel.name,
              "a second column named \"{}\" is called \"{}\" here", first, channel.name);
   }
-  if (description.kind == ColumnKind::clock) {
+  if (description.kind == FieldKind::clock) {
     channel.source_unit = description.unit;
     channel.unit = "s";
     channel.quantity = Quantity::time;
@@ -302,14 +301,11 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
     // Without a name among named ones, and mostly empty: somebody's side calculation.
     wanted.push_back(column.has_data()
                          ? named || !layout.has_names || column.filled >= 0.5
-                         : named && column.kind == ColumnKind::empty && !layout.more_titles);
+                         : named && column.kind == FieldKind::empty && !layout.more_titles);
   }
-  CsvBody body = parse_csv_body(bytes, layout, wanted, file, options.done_with);
-  if (body.rows == 0) {
-    throw RecordingError({file, layout.body_line, 0, "", ""}, "the table holds no numbers",
-                         "check the recording");
-  }
-  if (join_lines(table, body)) wanted = {true};
+  std::vector<Note> of_body;
+  auto columns = parse_csv_body(bytes, layout, wanted, file, of_body, options.done_with);
+  refuse_series(table, columns);
   const std::size_t n = layout.columns.size();
 
   if (!layout.unmatched_titles.empty()) {
@@ -336,9 +332,9 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
     add_note(table.notes, "left_out", "",
              "left out, without a title and with few numbers: column {}", fmt::join(unnamed, ", "));
   }
-  note_body(body, table.notes);
+  table.notes.insert(table.notes.end(), of_body.begin(), of_body.end());
   for (std::size_t c = 0; c < n; ++c) {
-    if (wanted[c]) table.add(layout.columns[c], c, std::move(body.columns[c]));
+    if (wanted[c]) table.add(layout.columns[c], c, std::move(columns[c]));
   }
   return table;
 }

@@ -1,6 +1,6 @@
-// How a table of text is laid out: separator, decimal sign, where its numbers begin, what each
-// column is called and holds. Then from its lines to columns, and from columns, of text or of
-// arrays, to a recording with its times and rate.
+// From the text of a table to its layout (separator, decimal sign, where its numbers begin, what
+// each column is called and holds), to columns, and from columns, of text or of arrays, to a
+// recording with its times and rate.
 //
 // Names, units, ranges and a sample rate stand above the numbers, in rows with or without a label
 // in front ("Sampling Rate(Hz)" 50, "Sample interval [ms]" 2, "Einheit;V"). The comma in a table of
@@ -23,18 +23,12 @@
 
 namespace rigfit::signal {
 
-enum class ColumnKind {
-  numbers,
-  clock,  ///< times of day
-  text,   ///< words in most lines
-  empty,  ///< nothing, or now and then something
-};
-
 struct CsvColumn {
   std::string name;  ///< UTF-8; empty: the file gives none
   std::string unit;  ///< as written, UTF-8; empty: none
   double range = 0;  ///< full scale as written in the header, in `unit`; 0: none
-  ColumnKind kind = ColumnKind::numbers;
+  /// What most fields hold; text: words in most lines; empty: nothing, or now and then something.
+  FieldKind kind = FieldKind::number;
   double filled = 0;  ///< share of the lines looked at that hold a number or a word for none
   /// Most digits behind the decimal sign in the last lines looked at that hold a number; 400: none.
   int decimals = 400;
@@ -42,7 +36,7 @@ struct CsvColumn {
   std::string unread{};  ///< a text of it that begins as a number, UTF-8; empty: none
 
   [[nodiscard]] bool has_data() const {
-    return kind == ColumnKind::numbers || kind == ColumnKind::clock;
+    return kind == FieldKind::number || kind == FieldKind::clock;
   }
 };
 
@@ -71,25 +65,15 @@ void find_csv_decimals(std::string_view bytes, CsvLayout& layout);
 /// Whether a column of this name holds times.
 [[nodiscard]] bool is_time_name(const std::string& name);
 
-/// The lines of a table of numbers, parsed straight into columns.
-struct CsvBody {
-  /// One per column of the layout; those not asked for are empty. NaN where there is no number.
-  std::vector<Eigen::VectorXd> columns;
-  Eigen::Index rows = 0;
-  long short_rows = 0;  ///< rows with fewer fields than columns
-  long comment_lines = 0;
-  long footer_line = 0;          ///< first line of text behind the table; 0: none
-  bool incomplete_last = false;  ///< the last line broke off and was left out
-  long empty_rows_at_end = 0;    ///< left out
-};
-
-/// Parses the columns that `wanted` marks. Throws RecordingError with line and column for a field
-/// that is neither a number nor a word for none, for too many fields, and for a table so ragged
-/// that most of it would be empty. `progress`, when given, is told now and then how many bytes are
-/// done with.
-[[nodiscard]] CsvBody parse_csv_body(std::string_view bytes, const CsvLayout& layout,
-                                     const std::vector<bool>& wanted, const std::string& file,
-                                     const std::function<void(std::size_t)>& progress = {});
+/// Parses the lines of a table of numbers straight into columns: one per column of the layout,
+/// those that `wanted` does not mark empty, NaN where there is no number. Notes what is left out or
+/// missing. Throws RecordingError with line and column for a field that is neither a number nor a
+/// word for none, for too many fields, for a table without numbers, and for one so ragged that most
+/// of it would be empty. `progress`, when given, is told now and then how many bytes are done with.
+[[nodiscard]] std::vector<Eigen::VectorXd> parse_csv_body(
+    std::string_view bytes, const CsvLayout& layout, const std::vector<bool>& wanted,
+    const std::string& file, std::vector<Note>& notes,
+    const std::function<void(std::size_t)>& progress = {});
 
 /// A table of columns, of text or of arrays, as channels: which are taken, under which names and in
 /// which units, and what is left out.
@@ -106,7 +90,7 @@ struct CsvTable {
   void add(CsvColumn description, std::size_t place, Eigen::VectorXd numbers);
   /// By its clock times, unit or name.
   [[nodiscard]] bool is_time(std::size_t channel) const {
-    return columns[channel].kind == ColumnKind::clock ||
+    return columns[channel].kind == FieldKind::clock ||
            channels[channel].quantity == Quantity::time || is_time_name(columns[channel].name);
   }
 

@@ -3,61 +3,76 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
+#include <cmath>
 #include <complex>
+#include <map>
 #include <numbers>
 #include <ranges>
-#include <span>
+#include <regex>
 #include <utility>
 
-#include "signal/readers/files/frf_parts.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
+#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 
 namespace {
+using Eigen::Index;
 
-/// Whether `text` (lower case) holds the word by itself.
-bool has_word(std::string_view text, std::string_view word) {
-  const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
-  for (std::size_t at = text.find(word); at != std::string_view::npos;
-       at = text.find(word, at + 1)) {
-    const std::size_t end = at + word.size();
-    if ((at == 0 || !is_letter(text[at - 1])) && (end >= text.size() || !is_letter(text[end]))) {
-      return true;
-    }
+RecordingError refused_frf(const FrfPart& part, std::string problem, std::string remedy) {
+  return {{part.file, part.line, 0, "", ""}, std::move(problem), std::move(remedy)};
+}
+
+/// Place of the point in the list, added when it is new.
+Index place(std::vector<MeasuredPoint>& points, const MeasuredPoint& point) {
+  const Index at = std::ranges::find(points, point) - points.begin();
+  if (at == std::ssize(points)) points.push_back(point);
+  return at;
+}
+
+void check_lines(const FrfPart& part, const FrfPart& first) {
+  const auto& f = part.frequency_hz;
+  const Index n = f.size();
+  if (!f.allFinite() || f[0] < 0 || !(f.tail(n - 1).array() > f.head(n - 1).array()).all()) {
+    throw refused_frf(part, "the frequencies do not rise", "export the FRFs again");
   }
-  return false;
+  if (!same_lines(f, first.frequency_hz)) {
+    throw refused_frf(part, "has other frequencies than the first FRF",
+                      "give functions over the same lines");
+  }
+  if (part.form != first.form) {
+    throw refused_frf(part, "is of another form (receptance, mobility, accelerance) than the first",
+                      "convert all FRFs to one form first");
+  }
+}
+
+/// One of the words, parted by '|', that stands by itself in lower case.
+std::regex word_of(const std::string& words) {
+  return std::regex("(?:^|[^a-z])(" + words + ")(?![a-z])");
+}
+const std::regex kDecibel = word_of("db"), kLevel = word_of("db|rms|magnitude");
+const std::regex kSpectrum = word_of(
+    "fft|spectrum|spectra|spektrum|psd|asd|autopower|autospectrum|frf|cpsd|coherence|crosspower|"
+    "octave|periodogram|accelerance|inertance|receptance|mobility|transfer function");
+
+/// The first such word in the text; empty: none.
+std::string word_in(const std::string& text, const std::regex& word) {
+  std::smatch found;
+  return std::regex_search(text, found, word) ? found[1].str() : "";
 }
 
 bool is_hertz(const std::string& unit) { return is_listed("|hz|khz|hertz|", lower_case(unit)); }
 
 bool is_frequency_name(const std::string& name) {
+  static const std::regex kBeginning("^(freq|frek|fréq|frec|f_hz|hz)");
   const std::string word = lower_case(name);
-  if (word.find("response") != std::string::npos) return false;
-  return std::ranges::any_of(
-      std::to_array<std::string_view>({"freq", "frek", "fréq", "frec", "f_hz", "hz"}),
-      [&](std::string_view beginning) { return word.starts_with(beginning); });
-}
-
-constexpr std::string_view kSpectrumWords[] = {
-    "fft",        "spectrum",    "spectra",          "spektrum",
-    "psd",        "asd",         "autopower",        "autospectrum",
-    "frf",        "cpsd",        "coherence",        "crosspower",
-    "octave",     "periodogram", "accelerance",      "inertance",
-    "receptance", "mobility",    "transfer function"};
-
-/// The first of the words in the text (lower case); empty: none.
-std::string_view word_in(const std::string& text, std::span<const std::string_view> words) {
-  const auto found =
-      std::ranges::find_if(words, [&](std::string_view word) { return has_word(text, word); });
-  return found == words.end() ? std::string_view{} : *found;
+  return word.find("response") == std::string::npos && std::regex_search(word, kBeginning);
 }
 
 bool speaks_of_spectra(const std::string& text) {
-  return !word_in(text, kSpectrumWords).empty() || has_word(text, "db");
+  return std::regex_search(text, kSpectrum) || std::regex_search(text, kDecibel);
 }
 
 /// Finite, rising and not negative.
@@ -97,10 +112,8 @@ PartOfFrf part_of(const std::string& title) {
       {"|phase|angle|arg|", Part::phase},
       {"|coherence|coh|gamma2|kohaerenz|kohärenz|", Part::coherence},
   };
-  std::string lower = lower_case(title);
-  for (char& c : lower) {
-    if (c == '_' || c == '(' || c == ')' || c == '[' || c == ']' || c == '-' || c == ':') c = ' ';
-  }
+  static const std::regex kSign("[_()\\[\\]:-]");
+  const std::string lower = std::regex_replace(lower_case(title), kSign, " ");
   PartOfFrf result;
   std::vector<CsvField> words;
   split_fields(lower, {' ', '.'}, words);
@@ -127,22 +140,17 @@ struct Columns {
 
 std::vector<Columns> pairs_of(const CsvTable& table) {
   std::vector<Columns> found;
-  const auto take = [&](const Channel* Columns::*place, const Channel& function,
-                        const PartOfFrf& of, bool polar) {
-    // A pair of this name that lacks its second part, or a new one.
-    const auto one = std::ranges::find_if(found, [&](const Columns& c) {
-      return c.base == of.base && c.polar == polar && c.second == nullptr;
-    });
-    auto& pair = one != found.end() ? *one : found.emplace_back(Columns{of.base, polar});
-    pair.*place = &function;
-  };
   for (const auto& function : table.channels | std::views::drop(1)) {
     const PartOfFrf part = part_of(function.name);
     const bool polar = part.part == Part::magnitude || part.part == Part::phase;
     if (part.part == Part::real || part.part == Part::magnitude) {
-      take(&Columns::first, function, part, polar);
+      found.push_back({part.base, polar, &function});
     } else if (part.part == Part::imaginary || part.part == Part::phase) {
-      take(&Columns::second, function, part, polar);
+      // A pair of this name that lacks its second part.
+      const auto one = std::ranges::find_if(found, [&](const Columns& c) {
+        return c.base == part.base && c.polar == polar && c.second == nullptr;
+      });
+      if (one != found.end()) one->second = &function;
     } else if (part.part == Part::coherence) {
       const auto one = std::ranges::find_if(found, [&](const Columns& c) {
         return c.coherence == nullptr && (c.base == part.base || found.size() == 1);
@@ -150,7 +158,7 @@ std::vector<Columns> pairs_of(const CsvTable& table) {
       if (one != found.end()) one->coherence = &function;
     }
   }
-  std::erase_if(found, [](const Columns& c) { return c.first == nullptr || c.second == nullptr; });
+  std::erase_if(found, [](const Columns& c) { return c.second == nullptr; });
   return found;
 }
 
@@ -173,7 +181,7 @@ Eigen::VectorXcd values_of(const Columns& columns, FrfSet& set, const std::strin
   const Eigen::ArrayXd phase =
       phase_factor(*columns.second, set, where) * columns.second->samples.array();
   Eigen::ArrayXd magnitude = first.samples;
-  if (has_word(lower_case(first.source_unit + " " + first.name), "db")) {
+  if (std::regex_search(lower_case(first.source_unit + " " + first.name), kDecibel)) {
     magnitude = Eigen::pow(10.0, magnitude / 20);
     add_note(set.notes, "assumed", where,
              "magnitudes in dB are taken over 1 of the FRF's unit: 10^(dB/20)");
@@ -195,6 +203,86 @@ void set_form(const CsvTable& table, const Columns& columns, FrfSet& set) {
 }
 
 }  // namespace
+
+std::optional<FrfUnit> parse_frf_unit(const std::string& text) {
+  const auto q = parse_quotient(text, Quantity::force);
+  if (!q) return std::nullopt;
+  return FrfUnit{q->over.factor / q->under.factor, form_of(q->over.quantity),
+                 "(" + q->over.si + ")/" + q->under.si};
+}
+
+bool same_lines(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return a.size() == b.size() && a.allFinite() &&
+         (a - b).cwiseAbs().maxCoeff() <= 1e-6 * std::max(1e-300, b.cwiseAbs().maxCoeff());
+}
+
+FrfSet set_of_parts(const std::vector<FrfPart>& parts) {
+  FrfSet set;
+  const FrfPart& first = parts.front();
+  set.form = first.form;
+  std::map<std::pair<Index, Index>, const FrfPart*> placed;
+  for (const auto& part : parts) {
+    check_lines(part, first);
+    const std::pair at(place(set.responses, part.response), place(set.inputs, part.input));
+    if (placed.emplace(at, &part).second) continue;
+    throw refused_frf(
+        part,
+        fmt::format("is a second FRF from \"{}\" to \"{}\"", part.input.name, part.response.name),
+        "keep one of the two");
+  }
+  const auto responses = static_cast<Index>(set.responses.size());
+  const auto inputs = static_cast<Index>(set.inputs.size());
+  for (Index r = 0; r < responses; ++r) {
+    for (Index i = 0; i < inputs; ++i) {
+      if (placed.contains({r, i})) continue;
+      throw refused_frf(
+          first,
+          fmt::format("no FRF from \"{}\" to \"{}\"", set.inputs[static_cast<std::size_t>(i)].name,
+                      set.responses[static_cast<std::size_t>(r)].name),
+          "give FRFs of all responses to all inputs");
+    }
+  }
+  const auto note = [&](const char* code, const std::string& message) {
+    set.notes.push_back({code, message, ""});
+  };
+  const Index lines = first.frequency_hz.size();
+  const auto is_number = [&](Index line) {
+    return std::all_of(parts.begin(), parts.end(),
+                       [&](const FrfPart& part) { return std::isfinite(std::abs(part.H[line])); });
+  };
+  const Index begin = lines > 1 && !is_number(0) ? 1 : 0;
+  const Index end = lines > 2 && !is_number(lines - 1) ? lines - 1 : lines;
+  if (const Index left = lines - (end - begin); left > 0) {
+    note("data_left_out", fmt::format("lines without numbers at the ends are left out: {}", left));
+  }
+  const Index kept = end - begin, columns = responses * inputs;
+  set.frequency_hz = first.frequency_hz.segment(begin, kept);
+  set.H.resize(kept, columns);
+  for (const auto& [at, part] : placed) {
+    set.H.col(set.column(at.first, at.second)) = part->H.segment(begin, kept);
+    if (!part->H.segment(begin, kept).allFinite()) {
+      throw refused_frf(*part, "an FRF holds values that are no numbers", "export the FRFs again");
+    }
+  }
+  const auto fill = [&](Eigen::VectorXd FrfPart::*values, Eigen::MatrixXd& into,
+                        const std::string& what) {
+    const auto known = std::count_if(parts.begin(), parts.end(), [&](const FrfPart& part) {
+      return (part.*values).size() == lines;
+    });
+    if (known == 0) return;
+    if (known < columns) return note("incomplete", what + " of some FRFs only: left out");
+    into.resize(kept, columns);
+    for (const auto& [at, part] : placed) {
+      into.col(set.column(at.first, at.second)) = (part->*values).segment(begin, kept);
+    }
+    if (into.allFinite()) return;
+    note("not_a_number", what + " holds values that are no numbers: left out");
+    into.resize(0, 0);
+  };
+  fill(&FrfPart::coherence, set.coherence, "coherence");
+  fill(&FrfPart::H_std, set.H_std, "standard deviation");
+  return set;
+}
 
 std::optional<std::size_t> frequency_column(const CsvTable& table) {
   std::string titles = table.layout.heading;
@@ -222,12 +310,11 @@ std::string spectrum_without_frequencies(const CsvTable& table) {
   for (std::size_t k = 0; k < table.channels.size(); ++k) is_dated |= table.is_time(k);
   for (const CsvColumn& column : table.columns) {
     const std::string title = lower_case(column.name + " " + column.unit);
-    std::string_view word = word_in(title, kSpectrumWords);
-    constexpr std::string_view kLevels[] = {"db", "rms", "magnitude"};
-    if (word.empty() && !is_dated) word = word_in(title, kLevels);
-    if (!word.empty()) return column.name.empty() ? std::string(word) : column.name;
+    std::string word = word_in(title, kSpectrum);
+    if (word.empty() && !is_dated) word = word_in(title, kLevel);
+    if (!word.empty()) return column.name.empty() ? word : column.name;
   }
-  return is_dated ? std::string() : std::string(word_in(table.layout.heading, kSpectrumWords));
+  return is_dated ? "" : word_in(table.layout.heading, kSpectrum);
 }
 
 std::optional<CsvTable> frequency_table_of(CsvTable table) {
@@ -235,7 +322,7 @@ std::optional<CsvTable> frequency_table_of(CsvTable table) {
   if (!at) return std::nullopt;
   std::vector<Channel> kept;
   for (std::size_t k = *at; k < table.channels.size(); ++k) {
-    if (k > *at && table.columns[k].kind != ColumnKind::numbers) continue;
+    if (k > *at && table.columns[k].kind != FieldKind::number) continue;
     kept.push_back(std::move(table.channels[k]));
   }
   table.channels = std::move(kept);

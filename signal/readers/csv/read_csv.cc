@@ -1,4 +1,4 @@
-#include "signal/readers/files/read_formats.h"
+#include "signal/readers/read_recording.h"
 
 #include <fmt/format.h>
 
@@ -43,157 +43,142 @@ TimeAxis axis_of(const Eigen::VectorXd& times, double printed, double stated_rat
   return time_axis(times, std::max(printed, clock_tick(times, printed)), stated_rate_hz);
 }
 
-/// Which channels of a table are its times, and what these say.
-class TimeTaker {
- public:
-  TimeTaker(CsvTable& table, const ReadOptions& options, Recording& recording)
-      : table_(table), layout_(table.layout), options_(options), recording_(recording) {}
+bool rises_evenly(const CsvTable& table, std::size_t k) {
+  return looks_like_time(table.channels[k].samples, table.columns[k].decimals);
+}
 
-  /// Returns the channels that are no channels of the recording. Rate, start, jitter and notes on
-  /// the times go to the recording. Throws RecordingError when sampling is not uniform and times
-  /// are missing.
-  std::vector<std::size_t> take() {
-    find();
-    if (time_) take_times();
-    return left_out_;
+/// Titles that stand a column beside their numbers: there is one more or one less than columns,
+/// and the times stand beside the column that is called so.
+void refuse_shifted_titles(const CsvTable& table, std::optional<std::size_t> time) {
+  const bool fewer = table.layout.has_names && !table.layout.columns.empty() &&
+                     table.layout.columns.back().name.empty() &&
+                     table.layout.columns.back().filled >= 0.5;
+  if (!fewer && !table.layout.more_titles) return;
+  const auto is_time = [&](std::size_t k) {
+    return k < table.channels.size() && !counts_samples(table.channels[k].samples) &&
+           rises_evenly(table, k);
+  };
+  const std::size_t at = time.value_or(0);
+  const bool beside = time ? !is_time(at) && (is_time(at + 1) || (at > 0 && is_time(at - 1)))
+                           : is_time(0) && !table.columns[0].name.empty();
+  if (!beside) return;
+  throw RecordingError({table.file, table.layout.body_line, 0, table.channels[at].name, ""},
+                       fmt::format("the titles seem to stand a column beside their numbers: "
+                                   "there are {} of them than columns, and the times are under {}",
+                                   fewer ? "fewer" : "more", time ? "another" : "this one"),
+                       "give each column its title");
+}
+
+/// The channel that holds the times; empty: none does. Of the others those that are no channels of
+/// the recording go to `left_out`.
+std::optional<std::size_t> find_times(const CsvTable& table, const ReadOptions& options,
+                                      std::vector<Note>& notes,
+                                      std::vector<std::size_t>& left_out) {
+  std::optional<std::size_t> time;
+  for (std::size_t k = 0; k < table.channels.size() && !time; ++k) {
+    const Channel& channel = table.channels[k];
+    const bool named = is_time_name(channel.name) &&
+                       (channel.source_unit.empty() || channel.quantity == Quantity::time);
+    if (table.columns[k].kind == FieldKind::clock ||
+        (named && table.columns[k].kind != FieldKind::empty))
+      time = k;
   }
-
- private:
-  [[nodiscard]] ColumnKind kind(std::size_t k) const { return table_.columns[k].kind; }
-  [[nodiscard]] bool rises_evenly(std::size_t k) const {
-    return looks_like_time(table_.channels[k].samples, table_.columns[k].decimals);
+  refuse_shifted_titles(table, time);
+  const std::size_t channels = table.channels.size();
+  if (channels < 2) return time;
+  const auto unnamed = [&](std::size_t k) {
+    return table.columns[k].name.empty() && (!table.layout.has_names || table.places[k] == k);
+  };
+  const auto counts = [&](std::size_t k) { return counts_samples(table.channels[k].samples); };
+  std::size_t at = 0;
+  const std::string& first = table.channels[0].name;
+  const bool is_x = lower_case(first) == "x" && table.channels[0].samples.size() >= kLeastTimes;
+  if (time != 0 && (unnamed(0) || is_index_name(first) || is_x) && counts(0)) {
+    left_out.push_back(at++);
+    add_note(notes, "left_out", first, "ignored: it is a row counter");
   }
+  if (time || at + 1 >= channels) return time;
+  const bool given = options.time_unit_s > 0;
+  for (std::size_t k = at; k < channels && !time; ++k) {
+    const bool is_time = table.channels[k].quantity == Quantity::time;
+    if ((is_time || (k == at && unnamed(k))) && ((given && k == 0) || rises_evenly(table, k)))
+      time = k;
+  }
+  const Channel& channel = table.channels[time.value_or(at)];
+  if (time) {
+    if (!channel.source_unit.empty() || table.layout.has_names) return time;
+    add_note(notes, "read_as", "", "column {} {}", table.places[*time] + 1,
+             given ? "is taken as time in the unit given"
+                   : "rises in equal steps: taken as time in seconds");
+  } else if (at == 0 && unnamed(0) && channel.samples.size() > 2 && channel.samples.allFinite() &&
+             steps_of(channel.samples).minCoeff() > 0) {
+    add_note(notes, "assumed", channel.name,
+             "Give titles or --time-unit s if column 1 is time: it rises but has no title, and is "
+             "kept as a channel (loads, masses?)");
+  }
+  return time;
+}
 
-  void find() {
-    for (std::size_t k = 0; k < table_.channels.size() && !time_; ++k) {
-      const Channel& channel = table_.channels[k];
-      const bool named = is_time_name(channel.name) &&
-                         (channel.source_unit.empty() || channel.quantity == Quantity::time);
-      if (kind(k) == ColumnKind::clock || (named && kind(k) != ColumnKind::empty)) time_ = k;
-    }
-    refuse_shifted_titles();
-    const std::size_t channels = table_.channels.size();
-    if (channels < 2) return;
-    const auto unnamed = [&](std::size_t k) {
-      return table_.columns[k].name.empty() && (!layout_.has_names || table_.places[k] == k);
-    };
-    const auto counts = [&](std::size_t k) { return counts_samples(table_.channels[k].samples); };
-    std::size_t at = 0;
-    const std::string& first = table_.channels[0].name;
-    const bool is_x = lower_case(first) == "x" && table_.channels[0].samples.size() >= kLeastTimes;
-    if (time_ != 0 && (unnamed(0) || is_index_name(first) || is_x) && counts(0)) {
-      left_out_.push_back(at++);
-      add_note(recording_.notes, "left_out", first, "ignored: it is a row counter");
-    }
-    if (time_ || at + 1 >= channels) return;
-    const bool given = options_.time_unit_s > 0;
-    for (std::size_t k = at; k < channels && !time_; ++k) {
-      const bool is_time = table_.channels[k].quantity == Quantity::time;
-      if ((is_time || (k == at && unnamed(k))) && ((given && k == 0) || rises_evenly(k))) time_ = k;
-    }
-    const Channel& channel = table_.channels[time_.value_or(at)];
-    if (time_) {
-      if (!channel.source_unit.empty() || layout_.has_names) return;
-      add_note(recording_.notes, "read_as", "", "column {} {}", table_.places[*time_] + 1,
-               given ? "is taken as time in the unit given"
-                     : "rises in equal steps: taken as time in seconds");
-    } else if (at == 0 && unnamed(0) && channel.samples.size() > 2 && channel.samples.allFinite() &&
-               steps_of(channel.samples).minCoeff() > 0) {
-      add_note(
-          recording_.notes, "assumed", channel.name,
-          "Give titles or --time-unit s if column 1 is time: it rises but has no title, and is "
-          "kept as a channel (loads, masses?)");
+/// Takes rate, start, jitter and notes from the times in a channel. Throws RecordingError when
+/// sampling is not uniform and times are missing.
+void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table,
+                   Recording& recording) {
+  Channel& column = table.channels[time];
+  const bool is_clock = table.columns[time].kind == FieldKind::clock;
+  const int decimals = table.columns[time].decimals;
+  double printed = std::pow(10.0, -decimals) * std::abs(column.si_per_source);
+  const auto axis_in = [&](double unit_s) {
+    column.samples *= unit_s;
+    printed *= unit_s;
+    return axis_of(column.samples, printed, table.layout.stated_rate_hz);
+  };
+  double unit_s = 1;
+  if (is_clock) {
+    const double start = column.samples[0];
+    if (std::isfinite(start)) column.samples.array() -= start;
+  } else if (options.time_unit_s > 0) {
+    unit_s = options.time_unit_s / column.si_per_source;
+    if (unit_s != 1 && !column.source_unit.empty()) {
+      add_note(recording.notes, "read_as", column.name,
+               "the file says \"{}\" of the times; the unit asked for is taken",
+               column.source_unit);
     }
   }
-
-  /// Titles that stand a column beside their numbers: there is one more or one less than columns,
-  /// and the times stand beside the column that is called so.
-  void refuse_shifted_titles() const {
-    const bool fewer = layout_.has_names && !layout_.columns.empty() &&
-                       layout_.columns.back().name.empty() && layout_.columns.back().filled >= 0.5;
-    if (!fewer && !layout_.more_titles) return;
-    const auto is_time = [&](std::size_t k) {
-      return k < table_.channels.size() && !counts_samples(table_.channels[k].samples) &&
-             rises_evenly(k);
-    };
-    const std::size_t at = time_.value_or(0);
-    const bool beside = time_ ? !is_time(at) && (is_time(at + 1) || (at > 0 && is_time(at - 1)))
-                              : is_time(0) && !table_.columns[0].name.empty();
-    if (!beside) return;
-    throw RecordingError(
-        {table_.file, layout_.body_line, 0, table_.channels[at].name, ""},
-        fmt::format("the titles seem to stand a column beside their numbers: "
-                    "there are {} of them than columns, and the times are under {}",
-                    fewer ? "fewer" : "more", time_ ? "another" : "this one"),
-        "give each column its title");
+  TimeAxis axis = axis_in(unit_s);
+  if (options.time_unit_s == 0 && column.source_unit.empty() && !is_clock && axis.rate_hz > 0) {
+    // The unit in which the times give the stated rate.
+    constexpr std::pair<double, const char*> kUnits[] = {
+        {1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}, {60, "min"}};
+    // Since 1970, by clocks of the years 2001 to 2286.
+    const bool is_epoch = axis.start_s > 1e12;
+    const auto* const unit = std::ranges::find_if(kUnits, [&](const auto& one) {
+      const double start_s = axis.start_s * one.first;
+      return is_epoch ? start_s > 1e9 && start_s < 1e10
+                      : std::abs(axis.rate_hz / one.first / table.layout.stated_rate_hz - 1) < 1e-2;
+    });
+    if (unit != std::end(kUnits)) {
+      axis = axis_in(unit->first);
+      add_note(recording.notes, "assumed", column.name,
+               "the times have no unit; in {} they {}: so taken", unit->second,
+               is_epoch ? "count from 1970" : "give the rate that the header states");
+    } else if (decimals <= 0 && column.samples.size() >= 20 && axis.rate_hz <= 1) {
+      // Whole numbers in steps of one or more are seldom seconds.
+      const auto& [seconds, name] = kUnits[axis.rate_hz >= 0.01 ? 0 : 1];
+      add_note(recording.notes, "time_axis", column.name,
+               "Give --time-unit {} (key time_unit) if the times are not in seconds: "
+               "they are whole numbers without a unit; in seconds the rate is {:.9g} "
+               "Hz, in {} {:.9g} Hz",
+               name, axis.rate_hz, name, axis.rate_hz / seconds);
+    }
   }
-
-  void take_times() {
-    Channel& column = table_.channels[*time_];
-    const bool is_clock = kind(*time_) == ColumnKind::clock;
-    const int decimals = table_.columns[*time_].decimals;
-    double printed = std::pow(10.0, -decimals) * std::abs(column.si_per_source);
-    const auto axis_in = [&](double unit_s) {
-      column.samples *= unit_s;
-      printed *= unit_s;
-      return axis_of(column.samples, printed, layout_.stated_rate_hz);
-    };
-    double unit_s = 1;
-    if (is_clock) {
-      const double start = column.samples[0];
-      if (std::isfinite(start)) column.samples.array() -= start;
-    } else if (options_.time_unit_s > 0) {
-      unit_s = options_.time_unit_s / column.si_per_source;
-      if (unit_s != 1 && !column.source_unit.empty()) {
-        add_note(recording_.notes, "read_as", column.name,
-                 "the file says \"{}\" of the times; the unit asked for is taken",
-                 column.source_unit);
-      }
-    }
-    TimeAxis axis = axis_in(unit_s);
-    if (options_.time_unit_s == 0 && column.source_unit.empty() && !is_clock && axis.rate_hz > 0) {
-      // The unit in which the times give the stated rate.
-      constexpr std::pair<double, const char*> kUnits[] = {
-          {1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}, {60, "min"}};
-      // Since 1970, by clocks of the years 2001 to 2286.
-      const bool is_epoch = axis.start_s > 1e12;
-      const auto* const unit = std::ranges::find_if(kUnits, [&](const auto& one) {
-        const double start_s = axis.start_s * one.first;
-        return is_epoch ? start_s > 1e9 && start_s < 1e10
-                        : std::abs(axis.rate_hz / one.first / layout_.stated_rate_hz - 1) < 1e-2;
-      });
-      if (unit != std::end(kUnits)) {
-        axis = axis_in(unit->first);
-        add_note(recording_.notes, "assumed", column.name,
-                 "the times have no unit; in {} they {}: so taken", unit->second,
-                 is_epoch ? "count from 1970" : "give the rate that the header states");
-      } else if (decimals <= 0 && column.samples.size() >= 20 && axis.rate_hz <= 1) {
-        // Whole numbers in steps of one or more are seldom seconds.
-        const auto& [seconds, name] = kUnits[axis.rate_hz >= 0.01 ? 0 : 1];
-        add_note(recording_.notes, "time_axis", column.name,
-                 "Give --time-unit {} (key time_unit) if the times are not in seconds: "
-                 "they are whole numbers without a unit; in seconds the rate is {:.9g} "
-                 "Hz, in {} {:.9g} Hz",
-                 name, axis.rate_hz, name, axis.rate_hz / seconds);
-      }
-    }
-    signal::take_times(axis, column.samples, column.name, layout_.body_line, recording_);
-    if (axis.rate_hz > 0 && !axis.agrees_with_stated) {
-      add_note(recording_.notes, "rates_disagree",
-               layout_.rate_line > 0 ? fmt::format("line {}", layout_.rate_line) : "",
-               "the times give {:.9g} Hz, the header says {:.9g} Hz (\"{}\"): the times are taken",
-               axis.rate_hz, layout_.stated_rate_hz, layout_.rate_text);
-    }
-    left_out_.push_back(*time_);
+  take_times(axis, column.samples, column.name, table.layout.body_line, recording);
+  if (axis.rate_hz > 0 && !axis.agrees_with_stated) {
+    add_note(recording.notes, "rates_disagree",
+             table.layout.rate_line > 0 ? fmt::format("line {}", table.layout.rate_line) : "",
+             "the times give {:.9g} Hz, the header says {:.9g} Hz (\"{}\"): the times are taken",
+             axis.rate_hz, table.layout.stated_rate_hz, table.layout.rate_text);
   }
-
-  CsvTable& table_;
-  const CsvLayout& layout_;
-  const ReadOptions& options_;
-  Recording& recording_;
-  std::optional<std::size_t> time_;
-  std::vector<std::size_t> left_out_;
-};
+}
 
 }  // namespace
 
@@ -231,7 +216,11 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
   recording.path = path;
   recording.format = format;
   recording.notes = std::move(table.notes);
-  const std::vector<std::size_t> left_out = TimeTaker(table, options, recording).take();
+  std::vector<std::size_t> left_out;
+  if (const auto time = find_times(table, options, recording.notes, left_out)) {
+    take_times_in(*time, options, table, recording);
+    left_out.push_back(*time);
+  }
   if (recording.sample_rate_hz == 0) recording.sample_rate_hz = layout.stated_rate_hz;
   take_stated_rate(options.sample_rate_hz, recording);
   for (std::size_t k = 0; k < table.channels.size(); ++k) {

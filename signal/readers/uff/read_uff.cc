@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "signal/readers/files/frf_parts.h"
-#include "signal/readers/files/read_formats.h"
+#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/read_recording.h"
 #include "signal/readers/uff/uff58.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"

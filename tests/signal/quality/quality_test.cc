@@ -30,7 +30,7 @@ std::vector<std::string> codes(const ChannelQuality& q) {
   return out;
 }
 
-ChannelQuality check(const Recording& r) { return check_quality(r).channels[0]; }
+ChannelQuality check(const Recording& r) { return check_quality(r)[0]; }
 
 TEST(Quality, CleanDecayAndNoiseHaveNoFindings) {
   // 40 seeds of a decaying mode near the mains frequency with noise: a finding would be false.

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 
-#include "signal/readers/files/read_formats.h"
 #include "signal/readers/read_recording.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"

@@ -1,4 +1,4 @@
-#include "signal/readers/files/read_formats.h"
+#include "signal/readers/read_recording.h"
 
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"

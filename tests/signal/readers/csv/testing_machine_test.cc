@@ -1,7 +1,7 @@
 // Tables as programs of testing machines write them (.dat): a header of remarks, titles that hold
 // blanks, a row of units below, columns parted by tabs or set to a width.
 #include "tests/test.h"
-#include "signal/readers/files/read_formats.h"
+#include "signal/readers/read_recording.h"
 #include "tests/signal/readers/reading.h"
 
 namespace rigfit::signal::testing_machine_test {

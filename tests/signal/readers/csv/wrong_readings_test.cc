@@ -1,6 +1,6 @@
 // Tables that can be taken for something else than they are: each is read rightly, asked about, or
 // left with a note, never taken wrongly without a word.
-#include "signal/readers/files/read_formats.h"
+#include "signal/readers/read_recording.h"
 #include "signal/recording/recording_time.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"

@@ -1,7 +1,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "signal/readers/files/read_formats.h"
+#include "signal/readers/read_recording.h"
 #include "signal/readers/uff/uff58.h"
 #include "signal/writers/write_uff.h"
 #include "tests/fuzz/mutations.h"
