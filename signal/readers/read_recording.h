@@ -97,8 +97,8 @@ struct CsvTable;  // csv/csv_table.h
 
 /// A sheet of an Excel workbook (.xlsx, ECMA-376) as a table: by the rules of tables of text
 /// (csv/csv_table.h), on its numbers as they are saved; cells with dates are times, empty ones and
-/// \#N/A missing. Without `options.sheet` a note names the other sheets. Refused, with the cell, are
-/// other errors and a formula saved without its value.
+/// \#N/A missing. Without `options.sheet` a note names the other sheets. Refused, with the cell,
+/// are other errors and a formula saved without its value.
 [[nodiscard]] Recording read_xlsx(std::string_view bytes, const std::filesystem::path& path,
                                   const ReadOptions& options = {});
 /// The columns of the sheet, whatever they are over.
