@@ -53,7 +53,6 @@ FrfSolver::FrfSolver(const FrfEquations& equations, const Eigen::MatrixXd& right
   right_.leftCols(wanted_) = right.cast<Complex>();
   right_.rightCols(dampers) = equations.dampers.cast<Complex>();
   solution_.resize(right.rows(), wanted_);
-  real_dynamic_ = equations.motion->stiffness;
   if (dampers == 0) return;
   modal_ = equations.motion->shapes.transpose() * right;
   outside_ -= equations.dampers * modal_;
@@ -64,6 +63,9 @@ const Eigen::MatrixXcd& FrfSolver::solve(Complex s) {
   for (Eigen::Index r = 0; r < gain_.size(); ++r) {
     gain_[r] = 2 * equations_.zeta[r] * std::sqrt(motion.omega2[r]) * s;
   }
+  dynamic_.values() = motion.stiffness.values().cast<Complex>() + s * s * motion.mass.values();
+  if (joint_) dynamic_.values() += s * equations_.damping.values();
+  factor_.factor(dynamic_);
   if (joint_ || s == Complex(0)) {
     solve_jointly(s);
   } else {
@@ -73,13 +75,6 @@ const Eigen::MatrixXcd& FrfSolver::solve(Complex s) {
 }
 
 void FrfSolver::solve_jointly(Complex s) {
-  const MotionModes& motion = *equations_.motion;
-  const Complex s2 = s * s;
-  for (Eigen::Index e = 0; e < dynamic_.values().size(); ++e) {
-    dynamic_.values()[e] = motion.stiffness.values()[e] + s2 * motion.mass.values()[e] +
-                           s * equations_.damping.values()[e];
-  }
-  factor_.factor(dynamic_);
   Eigen::MatrixXcd all = right_;
   factor_.solve_in_place(all);
   solution_ = all.leftCols(wanted_);
@@ -96,31 +91,15 @@ void FrfSolver::solve_jointly(Complex s) {
 
 void FrfSolver::solve_by_modes(Complex s) {
   const MotionModes& motion = *equations_.motion;
-  const Complex s2 = s * s;
-  const auto dampers = gain_.size();
-  if (s.real() == 0) {
-    real_dynamic_.values() = motion.stiffness.values() + s2.real() * motion.mass.values();
-    real_factor_.factor(real_dynamic_);
-    answer_ = outside_;
-    real_factor_.solve_in_place(answer_);
-    // Near a damped mode's frequency the matrix is nearly singular along it: rounding is taken out.
-    if (dampers > 0) answer_ -= motion.shapes * (equations_.dampers.transpose() * answer_);
-    solution_ = answer_.cast<Complex>();
-  } else {
-    dynamic_.values() = motion.stiffness.values().cast<Complex>() + s2 * motion.mass.values();
-    factor_.factor(dynamic_);
-    solution_ = outside_.cast<Complex>();
-    factor_.solve_in_place(solution_);
-    if (dampers > 0) {
-      small_.noalias() = equations_.dampers.transpose().cast<Complex>() * solution_;
-      solution_.noalias() -= motion.shapes.cast<Complex>() * small_;
-    }
-  }
-  if (dampers == 0) return;
+  solution_ = outside_.cast<Complex>();
+  factor_.solve_in_place(solution_);
+  if (gain_.size() == 0) return;
+  // Near a damped mode's frequency the matrix is nearly singular along it: rounding is taken out.
   small_ = modal_.cast<Complex>();
-  for (Eigen::Index r = 0; r < dampers; ++r) {
-    small_.row(r) /= motion.omega2[r] + s2 + gain_[r];
+  for (Eigen::Index r = 0; r < gain_.size(); ++r) {
+    small_.row(r) /= motion.omega2[r] + s * s + gain_[r];
   }
+  small_.noalias() -= equations_.dampers.transpose().cast<Complex>() * solution_;
   solution_.noalias() += motion.shapes.cast<Complex>() * small_;
 }
 

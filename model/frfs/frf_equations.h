@@ -6,8 +6,7 @@
 // s = i omega + a, a the decay rate of an exponential window shared by force and response (0:
 // none); the sum (modal damping ratios) over the modes the motion carries. Without joint dampers
 // these modes answer each for itself, by 1 / (s^2 + s g_r + omega_r^2), and what lies outside of
-// them without damping, of real matrices where a = 0; with joint dampers the sum is inverted by
-// Woodbury's formula.
+// them without damping; with joint dampers the sum is inverted by Woodbury's formula.
 #pragma once
 
 #include <Eigen/Core>
@@ -48,9 +47,7 @@ class FrfSolver {
   ComplexEnvelopeFactor factor_;
   Eigen::VectorXcd gain_;
   // The right sides' part along the damped modes, and the rest.
-  Eigen::MatrixXd modal_, outside_, answer_;
-  EnvelopeMatrix real_dynamic_;
-  EnvelopeFactor real_factor_;
+  Eigen::MatrixXd modal_, outside_;
 };
 
 /// The rig at rest with what its FRFs at these lines need: its motions' matrices and, where a
