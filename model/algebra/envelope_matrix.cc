@@ -92,15 +92,6 @@ Eigen::SparseMatrix<Scalar> EnvelopeMatrixOf<Scalar>::sparse() const {
 }
 
 template <class Scalar>
-Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> EnvelopeMatrixOf<Scalar>::dense() const {
-  Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> matrix(size(), size());
-  for (int i = 0; i < size(); ++i) {
-    for (int j = 0; j <= i; ++j) matrix(i, j) = matrix(j, i) = at(i, j);
-  }
-  return matrix;
-}
-
-template <class Scalar>
 bool EnvelopeFactorOf<Scalar>::factor(const EnvelopeMatrixOf<Scalar>& matrix, double singular) {
   factors_ = matrix;
   const Envelope& envelope = *factors_.envelope();

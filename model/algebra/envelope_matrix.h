@@ -51,7 +51,6 @@ class EnvelopeMatrixOf {
   [[nodiscard]] Vector operator*(const Vector& x) const;
   /// Without zeros: products cost less.
   [[nodiscard]] Eigen::SparseMatrix<Scalar> sparse() const;
-  [[nodiscard]] Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> dense() const;
 
  private:
   std::shared_ptr<const Envelope> envelope_;

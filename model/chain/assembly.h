@@ -8,7 +8,7 @@
 // parallel transport of its frame; the rotation vector of a node (spatial). It is symmetric.
 //
 // An Assembly is const while states are evaluated; it holds a reference to the chain, whose lengths
-// and rest directors may change in between. Evaluation allocates nothing.
+// and rest directors may change in between.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,8 +22,7 @@ namespace rigfit::model {
 
 class Assembly {
  public:
-  /// `like`: as of `number_unknowns`.
-  Assembly(const Chain& chain, Motion motion, const Numbering* like = nullptr);
+  Assembly(const Chain& chain, Motion motion);
 
   [[nodiscard]] const Chain& chain() const { return *chain_; }
   [[nodiscard]] const Numbering& numbering() const { return numbering_; }
@@ -47,6 +46,8 @@ class Assembly {
   void advance(const ChainState& state, const Eigen::VectorXd& increment, double factor,
                ChainState& out) const;
 
+  /// Gravity's forces, N.
+  [[nodiscard]] Eigen::VectorXd weight() const;
   /// Elastic and gravity energy, J.
   [[nodiscard]] double potential(const ChainState& state) const;
   /// q_r' K_m q_r / 2 of each member m (rows; the last: supports) and each column q_r: the tangent
@@ -57,21 +58,16 @@ class Assembly {
   /// EA/l (|e| - l) of every segment, N.
   void axial_forces(const ChainState& state, Eigen::VectorXd& forces) const;
   /// d force / d (unstretched length of a member), at fixed state.
-  void length_derivative(const ChainState& state, int member, Eigen::VectorXd& derivative) const;
-  /// The same added to what is there: only the member's unknowns are touched.
-  void add_length_derivative(const ChainState& state, int member,
-                             Eigen::VectorXd& derivative) const;
+  void length_derivative(const ChainState& state, int member,
+                         Eigen::Ref<Eigen::VectorXd> derivative) const;
   /// The member's tension, N: component along its tension direction of the internal force (axial
   /// and shear) of its middle segment; and its derivatives.
   [[nodiscard]] double tension(const ChainState& state, int member) const;
   /// `gradient` by the unknowns (skipped unless it has their size), `by_length` by the member's
-  /// unstretched length; `value` may be null. Exact for
-  /// members without a frame; with one the product of torque and curvature is left out.
-  void tension_gradient(const ChainState& state, int member, Eigen::VectorXd& gradient,
-                        double& by_length, double* value = nullptr) const;
-  /// The same, the gradient added to what is there.
-  void add_tension_gradient(const ChainState& state, int member, Eigen::VectorXd& gradient,
-                            double& by_length, double* value = nullptr) const;
+  /// unstretched length. Exact for members without a frame; with one the product of torque and
+  /// curvature is left out. Returns the tension.
+  double tension_gradient(const ChainState& state, int member, Eigen::Ref<Eigen::VectorXd> gradient,
+                          double& by_length) const;
 
   /// Weights of a point's motion along a direction: displacement = row . q. Also the generalised
   /// force of a unit load there.

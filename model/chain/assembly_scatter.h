@@ -7,39 +7,46 @@
 
 namespace rigfit::model {
 
-using Vector2 = Eigen::Vector2d;
-using Matrix2 = Eigen::Matrix2d;
 using Matrix4 = Eigen::Matrix4d;
 using Vector4 = Eigen::Vector4d;
 
-/// Where derivatives go: to a force vector and an envelope matrix.
-struct MatrixSink {
-  static constexpr bool tangent = true;
-  Eigen::VectorXd* force = nullptr;
-  EnvelopeMatrix* matrix = nullptr;
+/// Where the energy and its derivatives go: nowhere.
+struct NoSink {
+  static constexpr bool tangent = false;
   void member(int) {}
+  void add_energy(double) {}
+  void add_force(int, double) {}
+  void add(int, int, double) {}
+};
+
+struct EnergySink : NoSink {
+  double energy = 0;
+  void add_energy(double value) { energy += value; }
+};
+
+/// To a force vector and an envelope matrix.
+struct MatrixSink : NoSink {
+  static constexpr bool tangent = true;
+  double* force = nullptr;
+  EnvelopeMatrix* matrix = nullptr;
   void add_force(int i, double value) {
-    if (force) (*force)[i] += value;
+    if (force) force[i] += value;
   }
   void add(int i, int j, double value) { matrix->add(i, j, value); }
 };
 
-struct ForceSink {
-  static constexpr bool tangent = false;
-  Eigen::VectorXd* force = nullptr;
-  void member(int) {}
-  void add_force(int i, double value) { (*force)[i] += value; }
-  void add(int, int, double) {}
+struct ForceSink : NoSink {
+  double* force = nullptr;
+  void add_force(int i, double value) { force[i] += value; }
 };
 
 /// The tangent's quadratic form of each column of q, by member.
-struct QuadraticSink {
+struct QuadraticSink : NoSink {
   static constexpr bool tangent = true;
   const Eigen::MatrixXd* q = nullptr;
   Eigen::MatrixXd* energy = nullptr;
   int row = 0;
   void member(int m) { row = m < 0 ? static_cast<int>(energy->rows()) - 1 : m; }
-  void add_force(int, double) {}
   void add(int i, int j, double value) {
     const double factor = i == j ? 0.5 * value : value;
     for (Eigen::Index c = 0; c < q->cols(); ++c) {
@@ -56,54 +63,53 @@ class Scatter {
       : chain_(chain), numbering_(numbering), sink_(sink) {}
 
   /// A block between nodes p and q (p == q: symmetric).
-  template <int D>
-  void nodes(int p, int q, const Eigen::Matrix<double, D, D>& block) {
-    for (int i = 0; i < D; ++i) {
+  void nodes(int p, int q, const Eigen::Matrix3d& block) {
+    for (int i = 0; i < 3; ++i) {
       const int row = numbering_.displacement(i, p);
       if (row < 0) continue;
-      for (int j = p == q ? i : 0; j < D; ++j) {
+      for (int j = p == q ? i : 0; j < 3; ++j) {
         const int col = numbering_.displacement(j, q);
         if (col >= 0) sink_.add(row, col, block(i, j));
       }
     }
   }
-  template <int D>
-  void node_force(int p, const Eigen::Matrix<double, D, 1>& f) {
-    for (int i = 0; i < D; ++i) {
+  void node_force(int p, const Eigen::Vector3d& f) {
+    for (int i = 0; i < 3; ++i) {
       const int row = numbering_.displacement(i, p);
       if (row >= 0) sink_.add_force(row, f[i]);
     }
   }
-  template <int D>
-  void node_single(int p, int other, const Eigen::Matrix<double, D, 1>& column) {
+  void node_single(int p, int other, const Eigen::Vector3d& column) {
     if (other < 0) return;
-    for (int i = 0; i < D; ++i) {
+    for (int i = 0; i < 3; ++i) {
       const int row = numbering_.displacement(i, p);
       if (row >= 0) sink_.add(row, other, column[i]);
     }
   }
   /// d2/de2 of one edge.
-  template <int D>
-  void edge(const Segment& s, const Eigen::Matrix<double, D, D>& block) {
-    nodes<D>(s.a, s.a, block);
-    nodes<D>(s.b, s.b, block);
-    nodes<D>(s.a, s.b, -block);
+  void edge(const Segment& s, const Eigen::Matrix3d& block) {
+    nodes(s.a, s.a, block);
+    nodes(s.b, s.b, block);
+    nodes(s.a, s.b, -block);
   }
-  template <int D>
-  void edge_force(const Segment& s, const Eigen::Matrix<double, D, 1>& g) {
-    node_force<D>(s.b, g);
-    node_force<D>(s.a, -g);
+  void edge_force(const Segment& s, const Eigen::Vector3d& g) {
+    node_force(s.b, g);
+    node_force(s.a, -g);
   }
   /// Two successive edges (s.b == r.a): their own and mixed blocks.
-  template <int D>
-  void two_edges(const Segment& s, const Segment& r, const Eigen::Matrix<double, D, D>& ss,
-                 const Eigen::Matrix<double, D, D>& sr, const Eigen::Matrix<double, D, D>& rr) {
-    nodes<D>(s.a, s.a, ss);
-    nodes<D>(r.b, r.b, rr);
-    nodes<D>(s.b, s.b, ss + rr - sr - sr.transpose());
-    nodes<D>(s.a, s.b, sr - ss);
-    nodes<D>(s.a, r.b, -sr);
-    nodes<D>(s.b, r.b, sr - rr);
+  void two_edges(const Segment& s, const Segment& r, const Eigen::Matrix3d& ss,
+                 const Eigen::Matrix3d& sr, const Eigen::Matrix3d& rr) {
+    nodes(s.a, s.a, ss);
+    nodes(r.b, r.b, rr);
+    nodes(s.b, s.b, ss + rr - sr - sr.transpose());
+    nodes(s.a, s.b, sr - ss);
+    nodes(s.a, r.b, -sr);
+    nodes(s.b, r.b, sr - rr);
+  }
+  /// By a segment's (edge, twist).
+  void segment_force(int segment, const Vector4& g) {
+    edge_force(chain_.segments[static_cast<std::size_t>(segment)], g.head<3>());
+    single_force(numbering_.twist[segment], g[3]);
   }
   void pair(int i, int j, double value) {
     if (i >= 0 && j >= 0) sink_.add(i, j, value);
@@ -117,19 +123,18 @@ class Scatter {
                     const Matrix4& bb) {
     const Segment& s = chain_.segments[static_cast<std::size_t>(joint.segment[0])];
     const Segment& r = chain_.segments[static_cast<std::size_t>(joint.segment[1])];
-    two_edges<3>(s, r, aa.topLeftCorner<3, 3>(), ab.topLeftCorner<3, 3>(),
-                 bb.topLeftCorner<3, 3>());
+    two_edges(s, r, aa.topLeftCorner<3, 3>(), ab.topLeftCorner<3, 3>(), bb.topLeftCorner<3, 3>());
     const int ts = numbering_.twist[joint.segment[0]], tr = numbering_.twist[joint.segment[1]];
     if (ts < 0 && tr < 0) return;
     const Eigen::Vector3d s_ts = aa.topRightCorner<3, 1>(), s_tr = ab.topRightCorner<3, 1>();
     const Eigen::Vector3d r_ts = ab.bottomLeftCorner<1, 3>().transpose();
     const Eigen::Vector3d r_tr = bb.topRightCorner<3, 1>();
-    node_single<3>(s.a, ts, -s_ts);
-    node_single<3>(s.b, ts, s_ts - r_ts);
-    node_single<3>(r.b, ts, r_ts);
-    node_single<3>(s.a, tr, -s_tr);
-    node_single<3>(s.b, tr, s_tr - r_tr);
-    node_single<3>(r.b, tr, r_tr);
+    node_single(s.a, ts, -s_ts);
+    node_single(s.b, ts, s_ts - r_ts);
+    node_single(r.b, ts, r_ts);
+    node_single(s.a, tr, -s_tr);
+    node_single(s.b, tr, s_tr - r_tr);
+    node_single(r.b, tr, r_tr);
     pair(ts, ts, aa(3, 3));
     pair(tr, tr, bb(3, 3));
     pair(ts, tr, ab(3, 3));
@@ -139,10 +144,10 @@ class Scatter {
                     const Eigen::Matrix<double, 3, 4>& ns, const Matrix4& ss) {
     const Segment& s = chain_.segments[static_cast<std::size_t>(segment)];
     const int twist = numbering_.twist[segment];
-    edge<3>(s, ss.topLeftCorner<3, 3>());
+    edge(s, ss.topLeftCorner<3, 3>());
     const Eigen::Vector3d edge_twist = ss.topRightCorner<3, 1>();
-    node_single<3>(s.a, twist, -edge_twist);
-    node_single<3>(s.b, twist, edge_twist);
+    node_single(s.a, twist, -edge_twist);
+    node_single(s.b, twist, edge_twist);
     pair(twist, twist, ss(3, 3));
     if (rotation < 0) return;
     const Eigen::Matrix3d& basis = chain_.rotation_basis[static_cast<std::size_t>(rotation)];
@@ -153,8 +158,8 @@ class Scatter {
       if (row < 0) continue;
       for (int j = i; j < 3; ++j) pair(row, numbering_.rotation(j, rotation), local(i, j));
       const Eigen::Vector3d e = mixed.row(i).head<3>().transpose();
-      node_single<3>(s.a, row, -e);
-      node_single<3>(s.b, row, e);
+      node_single(s.a, row, -e);
+      node_single(s.b, row, e);
       pair(row, twist, mixed(i, 3));
     }
   }
@@ -183,22 +188,53 @@ inline Eigen::Matrix3d node_side(const EndJoint& joint, const ChainState& state)
   return state.rotation[static_cast<std::size_t>(joint.rotation)] * joint.directors;
 }
 
-/// Bending stiffness about the plane's normal.
-inline double in_plane_stiffness(const Segment& s, const ChainState& state,
-                                 const JointSprings& springs) {
-  if (s.frame < 0) return springs.about_1;
-  return std::abs(state.director(2, s.frame)) > 0.5 ? springs.about_1 : springs.about_2;
-}
-
-struct Directed {
-  Eigen::Matrix3d directors;
-  double length = 0;
-};
-
-inline Directed directed(const Chain& chain, const ChainState& state, int segment) {
-  Directed d;
-  directors_of(chain, state, segment, d.directors, d.length);
-  return d;
+/// A member's joints, those at its ends included, `factor` times as stiff as they are.
+template <class Sink>
+void member_joints(const Chain& chain, const ChainState& state, const ChainMember& member,
+                   double factor, Scatter<Sink>& scatter, Sink& sink) {
+  const auto weights = [factor](const JointSprings& k) {
+    return Eigen::Vector3d(factor * director_weights(k.about_1, k.about_2, k.torsion));
+  };
+  for (int i = 1; i < member.segments; ++i) {
+    const InnerJoint& joint =
+        chain.inner_joints[static_cast<std::size_t>(member.first_joint + i - 1)];
+    const Eigen::Vector3d w = weights(joint.springs);
+    if (w.isZero(0)) continue;
+    const Directed a = directed(chain, state, joint.segment[0]);
+    const Directed b = directed(chain, state, joint.segment[1]);
+    const Eigen::Vector3d ta = a.directors.col(0), tb = b.directors.col(0);
+    const RotationDerivatives d = joint_derivatives(a.directors, b.directors, w);
+    const Eigen::Matrix<double, 3, 4> ja = segment_rotation(ta, a.length);
+    const Eigen::Matrix<double, 3, 4> jb = segment_rotation(tb, b.length);
+    sink.add_energy(joint_energy(a.directors, b.directors, w));
+    scatter.segment_force(joint.segment[0], -ja.transpose() * d.gradient_b);
+    scatter.segment_force(joint.segment[1], jb.transpose() * d.gradient_b);
+    if constexpr (Sink::tangent) {
+      Matrix4 aa = ja.transpose() * d.same * ja, bb = jb.transpose() * d.same * jb;
+      add_second_order(-d.gradient_b, ta, a.length, aa);
+      add_second_order(d.gradient_b, tb, b.length, bb);
+      scatter.two_segments(joint, aa, ja.transpose() * d.cross * jb, bb);
+    }
+  }
+  for (const int index : member.end_joint) {
+    if (index < 0) continue;
+    const EndJoint& joint = chain.end_joints[static_cast<std::size_t>(index)];
+    const Eigen::Vector3d w = weights(acting(chain, joint));
+    if (w.isZero(0)) continue;
+    const Eigen::Matrix3d node = node_side(joint, state);
+    const Directed b = directed(chain, state, joint.segment);
+    const Eigen::Vector3d t = b.directors.col(0);
+    const RotationDerivatives d = joint_derivatives(node, b.directors, w);
+    const Eigen::Matrix<double, 3, 4> j = segment_rotation(t, b.length);
+    sink.add_energy(joint_energy(node, b.directors, w));
+    scatter.segment_force(joint.segment, j.transpose() * d.gradient_b);
+    scatter.rotation_force(joint.rotation, -d.gradient_b);
+    if constexpr (Sink::tangent) {
+      Matrix4 ss = j.transpose() * d.same * j;
+      add_second_order(d.gradient_b, t, b.length, ss);
+      scatter.node_segment(joint.rotation, joint.segment, d.same, d.cross * j, ss);
+    }
+  }
 }
 
 }  // namespace rigfit::model

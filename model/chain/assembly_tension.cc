@@ -6,76 +6,34 @@
 namespace rigfit::model {
 
 void Assembly::length_derivative(const ChainState& state, int index,
-                                 Eigen::VectorXd& derivative) const {
-  derivative.setZero(size());
-  add_length_derivative(state, index, derivative);
-}
-
-void Assembly::add_length_derivative(const ChainState& state, int index,
-                                     Eigen::VectorXd& derivative) const {
+                                 Eigen::Ref<Eigen::VectorXd> derivative) const {
+  derivative.setZero();
   // Axial force EA (|e| / l - 1): -EA |e| / l^2 by l = L / n; joints go with 1 / L, gravity with L.
   const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
   const double by_length = 1 / member.unstretched_length;
-  ForceSink sink{&derivative};
+  ForceSink sink{{}, derivative.data()};
   Scatter<ForceSink> scatter(*chain_, numbering_, sink);
   for (int i = 0; i < member.segments; ++i) {
     const int k = member.first_segment + i;
     const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
     const Directed here = directed(*chain_, state, k);
     const Eigen::Vector3d t = here.directors.col(0);
-    scatter.edge_force<3>(s, -s.EA * here.length / s.length * by_length * t);
+    scatter.edge_force(s, -s.EA * here.length / s.length * by_length * t);
     const Eigen::Vector3d weight = -s.mass / 2 * by_length * chain_->gravity;
-    scatter.node_force<3>(s.a, weight);
-    scatter.node_force<3>(s.b, weight);
-    if (i == 0) continue;
-    const JointSprings& springs =
-        chain_->inner_joints[static_cast<std::size_t>(member.first_joint + i - 1)].springs;
-    const Directed before = directed(*chain_, state, k - 1);
-    const Eigen::Vector3d g =
-        -by_length *
-        joint_derivatives(before.directors, here.directors,
-                          director_weights(springs.about_1, springs.about_2, springs.torsion))
-            .gradient_b;
-    const Vector4 ga = -segment_rotation(before.directors.col(0), before.length).transpose() * g;
-    const Vector4 gb = segment_rotation(t, here.length).transpose() * g;
-    scatter.edge_force<3>(chain_->segments[static_cast<std::size_t>(k - 1)], ga.head<3>());
-    scatter.edge_force<3>(s, gb.head<3>());
-    scatter.single_force(numbering_.twist[k - 1], ga[3]);
-    scatter.single_force(numbering_.twist[k], gb[3]);
+    scatter.node_force(s.a, weight);
+    scatter.node_force(s.b, weight);
   }
-  for (const int e : member.end_joint) {
-    if (e < 0) continue;
-    const EndJoint& joint = chain_->end_joints[static_cast<std::size_t>(e)];
-    const JointSprings springs = acting(*chain_, joint);
-    const Directed b = directed(*chain_, state, joint.segment);
-    const Eigen::Vector3d g =
-        -by_length *
-        joint_derivatives(node_side(joint, state), b.directors,
-                          director_weights(springs.about_1, springs.about_2, springs.torsion))
-            .gradient_b;
-    const Vector4 gb = segment_rotation(b.directors.col(0), b.length).transpose() * g;
-    scatter.edge_force<3>(chain_->segments[static_cast<std::size_t>(joint.segment)], gb.head<3>());
-    scatter.single_force(numbering_.twist[joint.segment], gb[3]);
-    scatter.rotation_force(joint.rotation, -g);
-  }
+  member_joints(*chain_, state, member, -by_length, scatter, sink);
 }
 
 double Assembly::tension(const ChainState& state, int member) const {
   Eigen::VectorXd unused;
   double by_length = 0;
-  double value = 0;
-  tension_gradient(state, member, unused, by_length, &value);
-  return value;
+  return tension_gradient(state, member, unused, by_length);
 }
 
-void Assembly::tension_gradient(const ChainState& state, int index, Eigen::VectorXd& gradient,
-                                double& by_length, double* value) const {
-  if (gradient.size() == size()) gradient.setZero();
-  add_tension_gradient(state, index, gradient, by_length, value);
-}
-
-void Assembly::add_tension_gradient(const ChainState& state, int index, Eigen::VectorXd& gradient,
-                                    double& by_length, double* value) const {
+double Assembly::tension_gradient(const ChainState& state, int index,
+                                  Eigen::Ref<Eigen::VectorXd> gradient, double& by_length) const {
   const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
   const Eigen::Vector3d h = member.tension_direction;
   int middle = member.segments / 2;
@@ -92,7 +50,8 @@ void Assembly::add_tension_gradient(const ChainState& state, int index, Eigen::V
   Eigen::Vector3d own =
       h * (force / here.length) + t * (t.dot(h) * (s.EA / s.length - force / here.length));
   const bool wanted = gradient.size() == size();
-  ForceSink sink{&gradient};
+  gradient.setZero();
+  ForceSink sink{{}, gradient.data()};
   Scatter<ForceSink> scatter(*chain_, numbering_, sink);
   for (int side = 0; side < 2; ++side) {
     const int joint_index = middle - 1 + side;  // inner joint before, after
@@ -115,11 +74,12 @@ void Assembly::add_tension_gradient(const ChainState& state, int index, Eigen::V
     const Matrix4 ab = ja.transpose() * d.cross * jb;
     own += bb.topLeftCorner<3, 3>() * h;
     scatter.single_force(numbering_.twist[k], bb.bottomLeftCorner<1, 3>().dot(h.transpose()));
-    scatter.edge_force<3>(chain_->segments[static_cast<std::size_t>(other)],
-                          ab.topLeftCorner<3, 3>() * h);
+    scatter.edge_force(chain_->segments[static_cast<std::size_t>(other)],
+                       ab.topLeftCorner<3, 3>() * h);
     scatter.single_force(numbering_.twist[other], ab.bottomLeftCorner<1, 3>().dot(h.transpose()));
   }
-  if (wanted) scatter.edge_force<3>(s, own);
-  if (value) *value = tension;
+  if (wanted) scatter.edge_force(s, own);
+  return tension;
 }
+
 }  // namespace rigfit::model

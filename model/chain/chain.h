@@ -163,9 +163,16 @@ struct ChainState {
 /// Sets the directors of all joints stress-free at equilibrium to the given equilibrium, and
 /// `settled`.
 void settle(Chain& chain, const ChainState& state);
-/// Columns tangent, axis 1, axis 2 of a segment (axes zero where it has no frame), and |e|.
-void directors_of(const Chain& chain, const ChainState& state, int segment,
-                  Eigen::Matrix3d& directors, double& length);
+/// A segment's direction: columns tangent, axis 1, axis 2 (axes zero where it has no frame), and
+/// |e|.
+struct Directed {
+  Eigen::Matrix3d directors;
+  double length = 0;
+};
+[[nodiscard]] Directed directed(const Chain& chain, const ChainState& state, int segment);
+/// A vector normal to the unit vector `from`, after parallel transport normal to `to`.
+[[nodiscard]] Eigen::Vector3d transported(const Eigen::Vector3d& d, const Eigen::Vector3d& from,
+                                          const Eigen::Vector3d& to);
 
 /// As drawn: members straight, nothing turned.
 [[nodiscard]] ChainState drawn_state(const Chain& chain);

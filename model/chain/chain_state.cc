@@ -8,29 +8,33 @@ namespace rigfit::model {
 void settle(Chain& chain, const ChainState& state) {
   for (EndJoint& joint : chain.end_joints) {
     if (!joint.stress_free_at_equilibrium) continue;
-    Eigen::Matrix3d directors;
-    double length = 0;
-    directors_of(chain, state, joint.segment, directors, length);
+    joint.directors = directed(chain, state, joint.segment).directors;
     if (joint.rotation >= 0) {
-      directors = state.rotation[static_cast<std::size_t>(joint.rotation)].transpose() * directors;
+      const Eigen::Matrix3d& turn = state.rotation[static_cast<std::size_t>(joint.rotation)];
+      joint.directors = (turn.transpose() * joint.directors).eval();
     }
-    joint.directors = directors;
   }
   chain.settled = true;
 }
 
-void directors_of(const Chain& chain, const ChainState& state, int segment,
-                  Eigen::Matrix3d& directors, double& length) {
+Directed directed(const Chain& chain, const ChainState& state, int segment) {
   const Segment& s = chain.segments[static_cast<std::size_t>(segment)];
   const Eigen::Vector3d e = state.position.col(s.b) - state.position.col(s.a);
-  length = e.norm();
-  directors.col(0) = e / length;
+  Directed out;
+  out.length = e.norm();
+  out.directors.col(0) = e / out.length;
   if (s.frame >= 0) {
-    directors.col(1) = state.director.col(s.frame);
-    directors.col(2) = directors.col(0).cross(directors.col(1));
+    out.directors.col(1) = state.director.col(s.frame);
+    out.directors.col(2) = out.directors.col(0).cross(out.directors.col(1));
   } else {
-    directors.rightCols<2>().setZero();
+    out.directors.rightCols<2>().setZero();
   }
+  return out;
+}
+
+Eigen::Vector3d transported(const Eigen::Vector3d& d, const Eigen::Vector3d& from,
+                            const Eigen::Vector3d& to) {
+  return d - d.dot(to) / (1 + from.dot(to)) * (from + to);
 }
 
 ChainState drawn_state(const Chain& chain) {

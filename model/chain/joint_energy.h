@@ -21,6 +21,12 @@ inline Eigen::Vector3d director_weights(double about_1, double about_2, double t
                                about_1 + torsion - about_2);
 }
 
+/// 1 - a . b = |a - b|^2 / 2 of unit vectors, without cancellation.
+inline double joint_energy(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b,
+                           const Eigen::Vector3d& w) {
+  return 0.5 * w.dot((a - b).colwise().squaredNorm().transpose());
+}
+
 struct RotationDerivatives {
   Eigen::Vector3d gradient_b;   ///< gradient with respect to side B; that of side A is its negative
   Eigen::Matrix3d same, cross;  ///< d2/dA2 = d2/dB2; d2/dA dB (rows A)

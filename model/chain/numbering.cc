@@ -130,7 +130,7 @@ std::vector<bool> borne_rotations(const Chain& chain) {
 
 }  // namespace
 
-Numbering number_unknowns(const Chain& chain, Motion motion, const Numbering* like) {
+Numbering number_unknowns(const Chain& chain, Motion motion) {
   Numbering out;
   out.motion = motion;
   const auto segments = static_cast<Eigen::Index>(chain.segments.size());
@@ -176,13 +176,6 @@ Numbering number_unknowns(const Chain& chain, Motion motion, const Numbering* li
       const Segment& segment = chain.segments[static_cast<std::size_t>(s)];
       if (segment.frame >= 0) add(segment.a, segment.b, 3, out.twist[s]);
     }
-  }
-  const auto same = [](const auto& numbers, const auto& others) {
-    return numbers.size() == others.size() && ((numbers.array() < 0) == (others.array() < 0)).all();
-  };
-  if (like != nullptr && like->motion == motion && same(out.displacement, like->displacement) &&
-      same(out.twist, like->twist) && same(out.rotation, like->rotation)) {
-    return *like;
   }
   const std::vector<int> rank = walk(chain);
   const auto rank_of = [&](int node) { return rank[static_cast<std::size_t>(node)]; };

@@ -22,9 +22,7 @@ struct Numbering {
   std::shared_ptr<const Envelope> envelope;
 };
 
-/// Unknowns of a motion of a chain, numbered along it. `like` is of a chain that differs in numbers
-/// only (the same members and segments): it is taken where the unknowns are the same.
-[[nodiscard]] Numbering number_unknowns(const Chain& chain, Motion motion,
-                                        const Numbering* like = nullptr);
+/// Unknowns of a motion of a chain, numbered along it.
+[[nodiscard]] Numbering number_unknowns(const Chain& chain, Motion motion);
 
 }  // namespace rigfit::model

@@ -36,15 +36,11 @@ Eigen::VectorXd modal_ratios(const Assembly& assembly, const Eigen::MatrixXd& sh
                              const ChainState& state, const Scene& scene) {
   const Eigen::Index modes = shapes.cols();
   Eigen::VectorXd ratios = Eigen::VectorXd::Zero(modes);
-  double first = -1;
-  bool any = false, same = true;
-  for (const Member& member : scene.members) {
-    const double ratio = member.damping_ratio.value_or(0);
-    any = any || ratio > 0;
-    if (first < 0) first = ratio;
-    same = same && ratio == first;
-  }
-  if (!any || modes == 0) return ratios;
+  const auto ratio_of = [](const Member& member) { return member.damping_ratio.value_or(0); };
+  const double first = scene.members.empty() ? 0 : ratio_of(scene.members[0]);
+  const bool same = std::all_of(scene.members.begin(), scene.members.end(),
+                                [&](const Member& member) { return ratio_of(member) == first; });
+  if (same && (first == 0 || assembly.chain().supports.empty())) return ratios.setConstant(first);
   const Eigen::MatrixXd energy = assembly.stiffness_energy(state, shapes);
   for (Eigen::Index i = 0; i < modes; ++i) {
     double sum = 0, weighted = 0;
@@ -53,7 +49,7 @@ Eigen::VectorXd modal_ratios(const Assembly& assembly, const Eigen::MatrixXd& sh
       const double part = std::max(0.0, energy(m, i));
       sum += part;
       if (m + 1 < energy.rows()) {
-        weighted += part * scene.members[static_cast<std::size_t>(m)].damping_ratio.value_or(0);
+        weighted += part * ratio_of(scene.members[static_cast<std::size_t>(m)]);
       }
     }
     ratios[i] = sum > 0 ? weighted / sum : 0;

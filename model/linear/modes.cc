@@ -47,7 +47,7 @@ ChainModes prepare(const Scene& scene, const ChainOptions& chain_options) {
   ChainModes out;
   out.chain = std::make_unique<Chain>(Chain::from_scene(scene, chain_options));
   std::vector<RestMotion> rest;
-  out.equilibrium = find_equilibrium(*out.chain, scene, {}, &rest);
+  out.equilibrium = find_equilibrium(*out.chain, scene, &rest);
   if (out.equilibrium.status != EquilibriumStatus::converged) return out;
   for (RestMotion& at_rest : rest) {
     MotionModes motion;

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "model/algebra/least_change.h"
-
 namespace rigfit::model {
 namespace {
 
@@ -30,8 +28,7 @@ void place(const ChainState& rest, PerturbedEquilibrium& rig) {
     const Eigen::Vector3d t = (rest.position.col(s.b) - rest.position.col(s.a)).normalized();
     const Eigen::Vector3d after =
         (rig.state.position.col(s.b) - rig.state.position.col(s.a)).normalized();
-    const Eigen::Vector3d d = rest.director.col(s.frame);
-    rig.state.director.col(s.frame) = d - d.dot(after) / (1 + t.dot(after)) * (t + after);
+    rig.state.director.col(s.frame) = transported(rest.director.col(s.frame), t, after);
   }
 }
 
@@ -59,59 +56,30 @@ ParameterStep parameter_step(const ParameterAccess& access, const Scene& scene, 
   return step;
 }
 
-/// The tangent of displacements bordered by the unknown lengths.
-struct EquilibriumPerturber::Bordered {
-  std::vector<int> targets;  // members whose tension is given
-  EnvelopeFactor factor;
-  Eigen::MatrixXd border, gradient;
-  LeastChange small;
-
-  /// Displacements and lengths that undo an unbalanced force and a mismatch of tension.
-  void solve(Eigen::VectorXd& q, Eigen::VectorXd& lengths) const {
-    q = -q;
-    factor.solve_in_place(q);
-    if (lengths.size() == 0) return;
-    lengths = small.solve(-lengths - gradient.transpose() * q);
-    q -= border * lengths;
-  }
-};
-
 EquilibriumPerturber::EquilibriumPerturber(const Scene& scene, const ChainModes& modes)
-    : scene_(scene), modes_(modes), loose_(*modes.chain), bordered_(std::make_unique<Bordered>()) {
+    : scene_(scene), modes_(modes), loose_(*modes.chain) {
   loose_.settled = false;
   assembly_ = std::make_unique<Assembly>(loose_, loose_.planar ? Motion::in_plane : Motion::space);
   const int n = assembly_->size();
-  std::vector<int>& targets = bordered_->targets;
   for (std::size_t m = 0; m < loose_.members.size(); ++m) {
-    if (loose_.members[m].target_tension) targets.push_back(static_cast<int>(m));
+    if (loose_.members[m].target_tension) targets_.push_back(static_cast<int>(m));
   }
-  const auto k = static_cast<Eigen::Index>(targets.size());
-  Eigen::VectorXd force(n), column(n);
+  const auto k = static_cast<Eigen::Index>(targets_.size());
+  Eigen::VectorXd force(n), diagonal(k);
   EnvelopeMatrix tangent = assembly_->matrix();
   assembly_->force_and_tangent(modes.equilibrium.state, force, tangent);
   // Rotations that nothing bears while the joints are not settled keep their place.
   for (int i = 0; i < n; ++i) {
     if (tangent.at(i, i) == 0) tangent.add(i, i, 1);
   }
-  bordered_->factor.factor(tangent);
-  bordered_->border.resize(n, k);
-  bordered_->gradient.resize(n, k);
-  Eigen::MatrixXd small = Eigen::MatrixXd::Zero(k, k);
+  Eigen::MatrixXd border(n, k), gradient(n, k);
   for (Eigen::Index i = 0; i < k; ++i) {
-    double by_length = 0;
-    assembly_->tension_gradient(modes.equilibrium.state, targets[std::size_t(i)], column,
-                                by_length);
-    bordered_->gradient.col(i) = column;
-    small(i, i) = by_length;
-    assembly_->length_derivative(modes.equilibrium.state, targets[std::size_t(i)], column);
-    bordered_->border.col(i) = column;
+    const int m = targets_[std::size_t(i)];
+    assembly_->tension_gradient(modes.equilibrium.state, m, gradient.col(i), diagonal[i]);
+    assembly_->length_derivative(modes.equilibrium.state, m, border.col(i));
   }
-  bordered_->factor.solve_in_place(bordered_->border);
-  small -= bordered_->gradient.transpose() * bordered_->border;
-  if (k > 0) bordered_->small.compute(small);
+  bordered_.factor(tangent, std::move(border), gradient, diagonal);
 }
-
-EquilibriumPerturber::~EquilibriumPerturber() = default;
 
 bool EquilibriumPerturber::beside(const ParameterAccess& access,
                                   const std::array<double, 2>& points,
@@ -134,12 +102,11 @@ bool EquilibriumPerturber::beside(const ParameterAccess& access,
         rig.chain.rotating_node != loose_.rotating_node) {
       return false;
     }
-    for (const int m : bordered_->targets) {
+    for (const int m : targets_) {
       rig.chain.set_unstretched_length(m, modes_.chain->members[std::size_t(m)].unstretched_length);
     }
     place(modes_.equilibrium.state, rig);
-    const Numbering& like = assembly_->numbering();
-    rig.assembly = std::make_unique<Assembly>(rig.chain, like.motion, &like);
+    rig.assembly = std::make_unique<Assembly>(rig.chain, assembly_->numbering().motion);
     if (rig.assembly->size() != assembly_->size()) return false;
   }
   return true;
@@ -147,14 +114,14 @@ bool EquilibriumPerturber::beside(const ParameterAccess& access,
 
 void EquilibriumPerturber::unbalanced(const PerturbedEquilibrium& rig, Eigen::VectorXd& force,
                                       Eigen::VectorXd& tension) const {
-  const std::vector<int>& targets = bordered_->targets;
   const Assembly& assembly = *rig.assembly;
   force.resize(assembly.size());
   assembly.force(rig.state, force);
-  tension.resize(static_cast<Eigen::Index>(targets.size()));
+  force = -force;
+  tension.resize(static_cast<Eigen::Index>(targets_.size()));
   for (Eigen::Index i = 0; i < tension.size(); ++i) {
-    const int m = targets[std::size_t(i)];
-    tension[i] = assembly.tension(rig.state, m) - *rig.chain.members[std::size_t(m)].target_tension;
+    const int m = targets_[std::size_t(i)];
+    tension[i] = *rig.chain.members[std::size_t(m)].target_tension - assembly.tension(rig.state, m);
   }
 }
 
@@ -162,7 +129,7 @@ void EquilibriumPerturber::advance(PerturbedEquilibrium& rig, const Eigen::Vecto
                                    const Eigen::VectorXd& by_length, double factor) const {
   rig.assembly->advance(rig.state, by, factor, rig.state);
   for (Eigen::Index i = 0; i < by_length.size(); ++i) {
-    const int m = bordered_->targets[std::size_t(i)];
+    const int m = targets_[std::size_t(i)];
     rig.chain.set_unstretched_length(
         m, rig.chain.members[std::size_t(m)].unstretched_length + factor * by_length[i]);
   }
@@ -182,7 +149,7 @@ bool EquilibriumPerturber::move(const ParameterAccess& access, ParameterStep& st
     for (std::size_t s = 0; s < 2; ++s) unbalanced(rigs[s], force[s], tension[s]);
     q = (force[1] - force[0]) / step.width();
     lengths = (tension[1] - tension[0]) / step.width();
-    bordered_->solve(q, lengths);
+    bordered_.solve_in_place(q, lengths);
     const double moves = step.width() / 2 * q.cwiseAbs().maxCoeff();
     if (!(moves > 1.5 * kFarthest * extent)) break;
     const double part = kFarthest * extent / moves;
@@ -199,7 +166,7 @@ bool EquilibriumPerturber::move(const ParameterAccess& access, ParameterStep& st
     for (int correction = 0; correction < kCorrections; ++correction) {
       Eigen::VectorXd by, by_length;
       unbalanced(rig, by, by_length);
-      bordered_->solve(by, by_length);
+      bordered_.solve_in_place(by, by_length);
       const double size = by.cwiseAbs().maxCoeff();
       if (!(size < 0.5 * last) || !(size > 1e-12 * first)) break;  // what rounding leaves
       last = size;
@@ -214,7 +181,7 @@ bool EquilibriumPerturber::move(const ParameterAccess& access, ParameterStep& st
 MotionModes motion_of(const PerturbedEquilibrium& rig, const MotionModes& like) {
   MotionModes out;
   out.motion = like.motion;
-  out.assembly = std::make_unique<Assembly>(rig.chain, like.motion, &like.assembly->numbering());
+  out.assembly = std::make_unique<Assembly>(rig.chain, like.motion);
   out.stiffness = out.assembly->matrix();
   out.mass = out.assembly->matrix();
   Eigen::VectorXd force(out.assembly->size());

@@ -12,6 +12,7 @@
 #include <array>
 #include <memory>
 
+#include "model/algebra/bordered_solver.h"
 #include "model/linear/modes.h"
 #include "model/scene/parameters.h"
 
@@ -39,7 +40,6 @@ class EquilibriumPerturber {
  public:
   /// `modes` (its equilibrium converged) and `scene` must outlive this.
   EquilibriumPerturber(const Scene& scene, const ChainModes& modes);
-  ~EquilibriumPerturber();
   /// The rig at `step.low` and `step.high`, which come closer where the rig moves far. False: a
   /// scene beside this one has other unknowns (a plane of symmetry is lost), so that its matrices
   /// do not compare.
@@ -47,9 +47,9 @@ class EquilibriumPerturber {
                           std::array<PerturbedEquilibrium, 2>& rigs) const;
 
  private:
-  struct Bordered;
   [[nodiscard]] bool beside(const ParameterAccess& access, const std::array<double, 2>& points,
                             std::array<PerturbedEquilibrium, 2>& rigs) const;
+  /// The force and the tensions that are lacking.
   void unbalanced(const PerturbedEquilibrium& rig, Eigen::VectorXd& force,
                   Eigen::VectorXd& tension) const;
   void advance(PerturbedEquilibrium& rig, const Eigen::VectorXd& by,
@@ -58,7 +58,8 @@ class EquilibriumPerturber {
   const ChainModes& modes_;
   Chain loose_;
   std::unique_ptr<Assembly> assembly_;
-  std::unique_ptr<Bordered> bordered_;
+  std::vector<int> targets_;  // members whose tension is given
+  BorderedSolver bordered_;
 };
 
 /// Stiffness and mass of a perturbed equilibrium in the motion `like` of the rig itself, without

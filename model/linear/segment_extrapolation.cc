@@ -204,27 +204,18 @@ SequenceLimit sequence_limit(const std::vector<double>& h, const std::vector<dou
 
 ExtrapolatedModes extrapolate_modes(const Scene& scene, const ModesOptions& options,
                                     const SequenceStart& start, double accuracy) {
-  SequenceStart from = start;
-  for (int attempt = 0;; ++attempt) {
-    Extrapolation extrapolation(scene, options, from);
-    const std::vector<int> least = from.segments(1);
-    const int most = *std::max_element(least.begin(), least.end());
-    bool stands = true;
-    for (std::size_t level = 0; level < kSequence.size() && stands; ++level) {
-      if (level > kSmallest + 2 && kSequence[level] * most > kMostSegments) break;
-      stands = extrapolation.add(kSequence[level]);
-      if (!stands || !extrapolation.meets(accuracy)) continue;
-      if (kSequence[level] >= kForShapes || !(options.shapes || options.damped)) break;
-      stands = extrapolation.add(kForShapes);
-      if (stands && extrapolation.meets(accuracy)) break;
-      while (level + 1 < kSequence.size() && kSequence[level + 1] <= kForShapes) ++level;
-    }
-    // What stands only just may have buckled when cut coarsely.
-    if (stands || attempt == 2) return extrapolation.take();
-    for (auto& stretches : from.stretches) {
-      for (Stretch& stretch : stretches) stretch.segments *= 4;
-    }
+  Extrapolation extrapolation(scene, options, start);
+  const std::vector<int> least = start.segments(1);
+  const int most = *std::max_element(least.begin(), least.end());
+  for (std::size_t level = 0; level < kSequence.size(); ++level) {
+    if (level > kSmallest + 2 && kSequence[level] * most > kMostSegments) break;
+    if (!extrapolation.add(kSequence[level])) break;
+    if (!extrapolation.meets(accuracy)) continue;
+    if (kSequence[level] >= kForShapes || !(options.shapes || options.damped)) break;
+    if (!extrapolation.add(kForShapes) || extrapolation.meets(accuracy)) break;
+    while (level + 1 < kSequence.size() && kSequence[level + 1] <= kForShapes) ++level;
   }
+  return extrapolation.take();
 }
 
 void ResolvedModes::put_frequencies(std::vector<NaturalMode>& described) const {

@@ -39,10 +39,8 @@ class ExplicitRun {
     q_ = kernel_.positions(problem.start);
     rest_ = kernel_.positions(problem.rest);
     if (kappa > 0) kernel_.slow_axial(kappa, rest_);
-    v_ = problem.start_velocity.size() > 0
-             ? kernel_.entry_values(problem.start_velocity,
-                                    number_unknowns(*problem.chain, problem.motion))
-             : Eigen::VectorXd::Zero(kernel_.size());
+    v_ = problem.start_velocity.size() > 0 ? kernel_.entry_values(problem.start_velocity)
+                                           : Eigen::VectorXd::Zero(kernel_.size());
     const Chain& chain = *problem.chain;
     for (std::size_t l = 0; l < chain.loads.size(); ++l) {
       load_rows_.push_back(kernel_.row(chain.loads[l], chain.load_direction[l]));
@@ -116,7 +114,6 @@ class ExplicitRun {
       }
       out.steps += substeps_;
     }
-    out.evaluations = evaluations_;
     out.completed = out.samples.allFinite();
     if (!out.completed) out.reason = "the motion is not finite";
     return out;
@@ -140,7 +137,6 @@ class ExplicitRun {
     kernel_.acceleration(q_.data(), external, first_.data());
     add_multiple(kernel_.size(), q_.data(), h_ * h_ / 12, first_.data(), ahead_.data());
     kernel_.acceleration(ahead_.data(), external, a_.data());
-    evaluations_ += 2;
   }
 
   void load(const StepForces& forces, long step) {
@@ -185,7 +181,6 @@ class ExplicitRun {
     add_multiple(n, q_.data(), -h_, v_.data(), scratch_.data());
     kernel_.acceleration(scratch_.data(), nullptr, other_.data());
     rate_ = (rate_ - other_) / (2 * h_);
-    evaluations_ += 2;
   }
   void processed_velocity() {
     acceleration_rate();
@@ -211,7 +206,6 @@ class ExplicitRun {
     const int n = kernel_.size();
     add_multiple(n, q_.data(), h_, w.data(), scratch_.data());
     kernel_.acceleration(scratch_.data(), external, other_.data());
-    ++evaluations_;
     add_multiple(n, other_.data(), -1, first_.data(), other_.data());
     add_multiple(n, w.data(), -h_ / 12, other_.data(), w.data());
   }
@@ -246,7 +240,6 @@ class ExplicitRun {
   MotionDamper<D> damper_;
   double h_;
   long substeps_, piece_;
-  long evaluations_ = 0;
   double supplied_ = 0, dissipated_ = 0;
   bool loaded_ = false, damped_ = false, velocity_wanted_ = false;
   // Arrays of entries, each on the boundary of a cache line.

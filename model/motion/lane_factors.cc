@@ -1,17 +1,8 @@
-#include <Eigen/Cholesky>
-
+#include "model/algebra/envelope_matrix.h"
 #include "model/chain/index.h"
 #include "model/motion/lane_loops.h"
 
 namespace rigfit::model {
-namespace {
-
-// A lane's rows but the last: pivots, and the corners of their inverse.
-struct LaneCorners {
-  double first = 0, last = 0, across = 0;
-};
-
-}  // namespace
 
 LaneFactors lane_factors(const std::vector<double>& diagonal, const std::vector<double>& off,
                          int first, int last, int rows) {
@@ -20,15 +11,11 @@ LaneFactors lane_factors(const std::vector<double>& diagonal, const std::vector<
   for (LaneVector* all : {&out.toward, &out.inverse, &out.from_before, &out.from_behind}) {
     all->assign(at(kLanes * rows), 0);
   }
-  // Off-diagonals between a lane's last row but one and its last, the last and the next lane's
-  // first.
-  double before[kLanes] = {}, behind[kLanes] = {};
   const auto inside = [&](int node) { return node >= first && node <= last; };
   const auto coupling = [&](int node) {  // to the node behind
     return inside(node) && inside(node + 1) ? off[at(node)] : 0;
   };
   const int rest = rows - 1;  // rows that are eliminated in each lane
-  LaneCorners corner[kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
     const int node = lane * rows;
     const auto slot = [&](int row) { return at(kLanes * row + lane); };
@@ -53,38 +40,29 @@ LaneFactors lane_factors(const std::vector<double>& diagonal, const std::vector<
       }
     }
     const double from_before = lane > 0 && rest > 0 ? coupling(node - 1) : 0;
-    if (rest > 0) before[lane] = coupling(node + rest - 1);
-    behind[lane] = coupling(node + rest);
     for (int r = 0; r < rest; ++r) {
       out.from_before[slot(r)] = from_before * of_first[at(r)];
-      out.from_behind[slot(r)] = before[lane] * of_last[at(r)];
+      out.from_behind[slot(r)] = coupling(node + rest - 1) * of_last[at(r)];
     }
-    if (rest > 0) corner[lane] = {of_first.front(), of_last.back(), of_first.back()};
   }
-  Eigen::Matrix<double, kLanes, kLanes> schur = Eigen::Matrix<double, kLanes, kLanes>::Zero();
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const int node = lane * rows + rest;
-    schur(lane, lane) = 1;
-    if (!inside(node)) continue;
-    schur(lane, lane) = diagonal[at(node)] - before[lane] * before[lane] * corner[lane].last;
-    if (lane + 1 == kLanes || behind[lane] == 0) continue;
-    if (rest == 0) {
-      schur(lane, lane + 1) = schur(lane + 1, lane) = behind[lane];
-      continue;
-    }
-    schur(lane, lane) -= behind[lane] * behind[lane] * corner[lane + 1].first;
-    schur(lane, lane + 1) = schur(lane + 1, lane) =
-        -behind[lane] * corner[lane + 1].across * before[lane + 1];
+  // The inverse of the separators' Schur complement is their part of the whole inverse.
+  std::vector<int> begin(at(kLanes * rows), 0);
+  for (int node = 1; node < kLanes * rows; ++node) begin[at(node)] = node - 1;
+  EnvelopeMatrix whole(Envelope::from_rows(std::move(begin)));
+  for (int node = 0; node < kLanes * rows; ++node) {
+    whole.add(node, node, inside(node) ? diagonal[at(node)] : 1);
+    if (node > 0) whole.add(node, node - 1, coupling(node - 1));
   }
-  const Eigen::Matrix<double, kLanes, kLanes> inverse =
-      schur.llt().solve(Eigen::Matrix<double, kLanes, kLanes>::Identity());
+  EnvelopeFactor factor;
+  factor.factor(whole);
   out.separators.assign(at(kLanes * kLanes), 0);
   for (int lane = 0; lane < kLanes; ++lane) {
+    const int own = lane * rows + rest;
+    Eigen::VectorXd column = Eigen::VectorXd::Unit(kLanes * rows, own);
+    factor.solve_in_place(column);
     for (int k = 0; k < kLanes; ++k) {
-      const int other = (lane + k) % kLanes;
-      if (inside(lane * rows + rest) && inside(other * rows + rest)) {
-        out.separators[at(kLanes * k + lane)] = inverse(lane, other);
-      }
+      const int other = (lane + k) % kLanes * rows + rest;
+      if (inside(own) && inside(other)) out.separators[at(kLanes * k + lane)] = column(other);
     }
   }
   return out;

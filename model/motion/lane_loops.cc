@@ -138,18 +138,19 @@ RIGFIT_INLINE void tangents(const LaneMember& member, std::ptrdiff_t stride,
     const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(r) * kLanes;
     L e[D];
     const L square = edges<D, W>(r, rows, stride, positions, e);
-    const L q = square * L::load(member.inverse_square + at) + L::load(member.pad + at);
+    const L q =
+        square * L::load(member.inverse_square.data() + at) + L::load(member.pad.data() + at);
     const L u = one - q;
     const auto pair = [&](int k)
                           RIGFIT_ALWAYS { return L::load(kRoot[k]) + L::load(kRoot[k + 1]) * u; };
     const L u2 = u * u, u4 = u2 * u2;
     largest = largest + u4;
     const L g = (pair(0) + u2 * pair(2)) + u4 * (pair(4) + u2 * L::load(kRoot[6]));
-    const L inverse = L::load(member.inverse_length + at) * (one + u * g);
-    (L::load(member.axial + at) * (u * (g * q - one))).store(scratch.tension + at);
+    const L inverse = L::load(member.inverse_length.data() + at) * (one + u * g);
+    (L::load(member.axial.data() + at) * (u * (g * q - one))).store(scratch.tension + at);
     inverse.store(scratch.inverse + at);
     for (int c = 0; c < D; ++c) {
-      (e[c] * inverse + L::load(member.fill[c] + at)).store(scratch.direction[c] + at);
+      (e[c] * inverse + L::load(member.fill[c].data() + at)).store(scratch.direction[c] + at);
     }
   }
   double sum[kLanes];
@@ -162,13 +163,13 @@ RIGFIT_INLINE void tangents(const LaneMember& member, std::ptrdiff_t stride,
     const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(r) * kLanes;
     L e[D];
     const L square = edges<D, W>(r, rows, stride, positions, e);
-    const L ratio =
-        root<W>(square * L::load(member.inverse_square + at) + L::load(member.pad + at));
-    const L inverse = L::load(member.inverse_length + at) / ratio;
-    (L::load(member.axial + at) * (ratio - one)).store(scratch.tension + at);
+    const L ratio = root<W>(square * L::load(member.inverse_square.data() + at) +
+                            L::load(member.pad.data() + at));
+    const L inverse = L::load(member.inverse_length.data() + at) / ratio;
+    (L::load(member.axial.data() + at) * (ratio - one)).store(scratch.tension + at);
     inverse.store(scratch.inverse + at);
     for (int c = 0; c < D; ++c) {
-      (e[c] * inverse + L::load(member.fill[c] + at)).store(scratch.direction[c] + at);
+      (e[c] * inverse + L::load(member.fill[c].data() + at)).store(scratch.direction[c] + at);
     }
   }
 }
@@ -183,7 +184,8 @@ RIGFIT_INLINE void forces(const LaneMember& member, std::ptrdiff_t stride,
   for (int c = 0; c < D; ++c) last[c] = L::zero();
   for (int r = 0; r < rows; ++r) {
     const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(r) * kLanes;
-    const L in = L::load(member.joint_before + at), out = L::load(member.joint_behind + at);
+    const L in = L::load(member.joint_before.data() + at),
+            out = L::load(member.joint_behind.data() + at);
     const L inverse = L::load(scratch.inverse + at);
     L g[D], along;
     for (int c = 0; c < D; ++c) {

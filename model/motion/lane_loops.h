@@ -46,13 +46,13 @@ inline constexpr int kLanes = 8;
 /// A member's constants, 8 rows of each: zero where there is no segment, but for `pad`.
 struct LaneMember {
   int rows = 0;
-  const double* axial = nullptr;           ///< EA, N
-  const double* inverse_length = nullptr;  ///< 1/l of the unstretched segment
-  const double* inverse_square = nullptr;  ///< 1/l^2
-  const double* pad = nullptr;             ///< 1 where there is no segment, else 0
-  const double* joint_before = nullptr;    ///< N m of the joint at the segment's first node
-  const double* joint_behind = nullptr;    ///< and at its second
-  const double* fill[3] = {};              ///< directions of padding slots, else 0
+  LaneVector axial;           ///< EA, N
+  LaneVector inverse_length;  ///< 1/l of the unstretched segment
+  LaneVector inverse_square;  ///< 1/l^2
+  LaneVector pad;             ///< 1 where there is no segment, else 0
+  LaneVector joint_before;    ///< N m of the joint at the segment's first node
+  LaneVector joint_behind;    ///< and at its second
+  LaneVector fill[3];         ///< directions of padding slots, else 0
 };
 
 /// What `lane_tangents` leaves, 8 rows of each.

@@ -18,7 +18,7 @@ template <int D>
 MotionDamper<D>::MotionDamper(const MotionProblem& problem, const MotionKernel<D>& kernel)
     : problem_(problem),
       kernel_(kernel),
-      assembly_(*problem.chain, problem.motion),
+      assembly_(kernel.assembly()),
       mass_(assembly_.matrix()),
       joints_(problem.joint_damping),
       modal_(!problem.modal_damping.none()) {
@@ -54,12 +54,12 @@ template <int D>
 void MotionDamper<D>::apply(double time, const Entries& positions,
                             Eigen::Ref<Eigen::VectorXd> velocities) {
   if (modal_) {
-    u_ = kernel_.unknowns(velocities, assembly_.numbering());
+    u_ = kernel_.unknowns(velocities);
     const Eigen::MatrixXd& matrix = decay(time);
     w_ = u_;
     add_product(static_cast<int>(matrix.rows()), static_cast<int>(matrix.cols()), matrix.data(),
                 u_.data(), w_.data());
-    velocities = kernel_.entry_values(w_, assembly_.numbering());
+    velocities = kernel_.entry_values(w_);
   }
   if (joints_) damp_joints(time, positions, velocities);
 }
@@ -111,14 +111,14 @@ void MotionDamper<D>::damp_joints(double time, const Entries& positions,
     factors_.back().factor.factor(system_);
     factor = &factors_.back().factor;
   }
-  u_ = kernel_.unknowns(velocities, assembly_.numbering());
+  u_ = kernel_.unknowns(velocities);
   mass_.multiply(u_, w_);
   factor->solve_in_place(w_);
   // (w - v)/(gamma time) is the first stage's slope.
   u_ += (1 - kGamma) / kGamma * (w_ - u_);
   mass_.multiply(u_, w_);
   factor->solve_in_place(w_);
-  velocities = kernel_.entry_values(w_, assembly_.numbering());
+  velocities = kernel_.entry_values(w_);
 }
 
 template class MotionDamper<2>;

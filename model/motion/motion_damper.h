@@ -30,7 +30,7 @@ class MotionDamper {
 
   const MotionProblem& problem_;
   const MotionKernel<D>& kernel_;
-  Assembly assembly_;
+  const Assembly& assembly_;
   EnvelopeMatrix mass_;
   bool joints_, modal_;
   Eigen::VectorXd u_, w_;

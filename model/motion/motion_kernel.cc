@@ -3,7 +3,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "model/chain/index.h"
 #include "model/motion/vector_loops.h"
 
 namespace rigfit::model {
@@ -25,7 +24,8 @@ bool kernel_supports(const Chain& chain, int dimensions) {
 }
 
 template <int D>
-MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
+MotionKernel<D>::MotionKernel(const Chain& chain)
+    : chain_(&chain), assembly_(chain, D == 2 ? Motion::in_plane : Motion::space) {
   assert(kernel_supports(chain, D));
   entry_of_node_.assign(at(chain.nodes), -1);
   segment_entries_.resize(chain.segments.size());
@@ -35,9 +35,7 @@ MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
       turning_[r].held = chain.rotation_fixed(2, static_cast<Eigen::Index>(r));
     }
   }
-  std::vector<typename NodeMass<D>::Member> masses;
-  make_members(masses);
-  add_masses(masses);
+  make_members();
   for (const NodeSupport& support : chain.supports) {
     for (SharedNode& node : shared_) {
       if (node.node != support.node) continue;
@@ -48,31 +46,46 @@ MotionKernel<D>::MotionKernel(const Chain& chain) : chain_(&chain) {
     if (support.rotation >= 0) turning_[at(support.rotation)].spring += support.rotational(2);
   }
   std::vector<typename NodeMass<D>::Shared> shared;
-  for (SharedNode& node : shared_) {
+  gravity_ = entry_values(assembly_.weight());
+  for (const SharedNode& node : shared_) {
     shared.push_back({node.entries, {node.held[0], node.held[1], node.held[2]}});
-    for (int c = 0; c < D; ++c) node.free = node.free || !node.held[c];
+    // A shared node's weight is in its first entry.
+    for (std::size_t k = 1; k < node.entries.size(); ++k) {
+      for (int c = 0; c < D; ++c) gravity_(c * entries_ + node.entries[k]) = 0;
+    }
   }
-  mass_ = NodeMass<D>(std::move(masses), std::move(shared), entries_);
+  mass_ = NodeMass<D>({members_.begin(), members_.end()}, std::move(shared), entries_);
 }
 
 template <int D>
-void MotionKernel<D>::make_members(std::vector<typename NodeMass<D>::Member>& masses) {
+void MotionKernel<D>::make_members() {
   const Chain& chain = *chain_;
+  const Numbering& numbering = assembly_.numbering();
+  EnvelopeMatrix masses = assembly_.matrix();
+  assembly_.mass(masses);
+  // Along an axis in which both nodes are free.
+  const auto mass_between = [&](int a, int b) {
+    for (int c = 0; c < D; ++c) {
+      const int i = numbering.displacement(c, a), j = numbering.displacement(c, b);
+      if (i >= 0 && j >= 0) return masses.at(i, j);
+    }
+    return 0.0;
+  };
   std::vector<int> shared_of_node(at(chain.nodes), -1);
   for (const ChainMember& member : chain.members) {
     MemberPlan plan;
-    typename NodeMass<D>::Member mass;
-    plan.offset = mass.offset = entries_;
-    plan.segments = mass.segments = member.segments;
-    plan.rows = lane_rows(plan.segments);
-    mass.diagonal.assign(at(plan.segments + 1), 0);
-    mass.off.assign(at(plan.segments), 0);
+    plan.offset = entries_;
+    plan.segments = member.segments;
+    plan.rows = plan.lanes.rows = lane_rows(plan.segments);
     plan.joint.assign(at(plan.segments + 1), 0);
     plan.end_direction.setZero();
     for (int i = 0; i <= plan.segments; ++i) {
       const int node = member.nodes[at(i)], entry = entries_ + lane_slot(i, plan.rows);
+      const bool met = entry_of_node_[at(node)] >= 0;
       plan.entry.push_back(entry);
-      if (entry_of_node_[at(node)] < 0) entry_of_node_[at(node)] = entry;
+      plan.diagonal.push_back(met ? 0 : mass_between(node, node));
+      if (i > 0) plan.off.push_back(mass_between(member.nodes[at(i - 1)], node));
+      if (!met) entry_of_node_[at(node)] = entry;
       if (i > 0 && i < plan.segments) continue;
       if (shared_of_node[at(node)] < 0) {
         shared_of_node[at(node)] = static_cast<int>(shared_.size());
@@ -80,19 +93,9 @@ void MotionKernel<D>::make_members(std::vector<typename NodeMass<D>::Member>& ma
         shared_.back().node = node;
         for (int c = 0; c < 3; ++c) shared_.back().held[c] = chain.fixed(c, node);
       }
-      mass.shared[i == 0 ? 0 : 1] = shared_of_node[at(node)];
+      plan.shared[i == 0 ? 0 : 1] = shared_of_node[at(node)];
       shared_[at(shared_of_node[at(node)])].entries.push_back(entry);
     }
-    for (int i = 0; i < plan.segments; ++i) {
-      const Segment& segment = chain.segments[at(member.first_segment + i)];
-      segment_entries_[at(member.first_segment + i)] = {plan.entry[at(i)], plan.entry[at(i + 1)]};
-      plan.axial.push_back(segment.EA / segment.length);
-      const double own = segment.mass * (0.5 - segment.coupling);
-      mass.diagonal[at(i)] += own;
-      mass.diagonal[at(i + 1)] += own;
-      mass.off[at(i)] += segment.mass * segment.coupling;
-    }
-    mass.axial = plan.axial;
     for (int i = 1; i < plan.segments; ++i) {
       const InnerJoint& joint = chain.inner_joints[at(member.first_joint + i - 1)];
       plan.joint[at(i)] = in_plane_stiffness(chain, joint.springs, joint.segment[0]);
@@ -109,100 +112,42 @@ void MotionKernel<D>::make_members(std::vector<typename NodeMass<D>::Member>& ma
             {static_cast<int>(members_.size()), end, stiffness});
       }
     }
-    set_lanes(plan);
-    for (int i = 0; i < plan.segments; ++i) {
-      const Segment& segment = chain.segments[at(member.first_segment + i)];
-      const std::size_t slot = at(plan.entry[at(i)] - plan.offset);
-      plan.lane_axial[slot] = segment.EA;
-      plan.inverse_length[slot] = 1 / segment.length;
-      plan.inverse_square[slot] = 1 / (segment.length * segment.length);
-    }
+    set_lanes(member, plan);
     entries_ += kLanes * plan.rows;
     members_.push_back(std::move(plan));
-    masses.push_back(std::move(mass));
   }
   for (int c = 0; c < D; ++c) direction_[c].assign(at(entries_), 0);
   inverse_length_.assign(at(entries_), 0);
   axial_force_.assign(at(entries_), 0);
 }
 
-// A member's joints and padding in lane order, room for what else its segments have.
+// What a member's segments, joints and padding have, in lane order.
 template <int D>
-void MotionKernel<D>::set_lanes(MemberPlan& plan) const {
+void MotionKernel<D>::set_lanes(const ChainMember& member, MemberPlan& plan) {
+  LaneMember& lanes = plan.lanes;
   const std::size_t slots = at(kLanes * plan.rows);
-  for (LaneVector* all : {&plan.lane_axial, &plan.inverse_length, &plan.inverse_square,
-                          &plan.joint_before, &plan.joint_behind}) {
+  for (LaneVector* all :
+       {&lanes.axial, &lanes.inverse_length, &lanes.inverse_square, &lanes.joint_before,
+        &lanes.joint_behind, &lanes.fill[0], &lanes.fill[1], &lanes.fill[2]}) {
     all->assign(slots, 0);
   }
-  plan.pad.assign(slots, 1);
+  lanes.pad.assign(slots, 1);
   for (int i = 0; i < plan.segments; ++i) {
+    const int index = member.first_segment + i;
+    const Segment& segment = chain_->segments[at(index)];
+    segment_entries_[at(index)] = {plan.entry[at(i)], plan.entry[at(i + 1)]};
+    plan.axial.push_back(segment.EA / segment.length);
     const std::size_t slot = at(plan.entry[at(i)] - plan.offset);
-    plan.pad[slot] = 0;
-    plan.joint_before[slot] = plan.joint[at(i)];
-    plan.joint_behind[slot] = plan.joint[at(i + 1)];
+    lanes.axial[slot] = segment.EA;
+    lanes.inverse_length[slot] = 1 / segment.length;
+    lanes.inverse_square[slot] = 1 / (segment.length * segment.length);
+    lanes.pad[slot] = 0;
+    lanes.joint_before[slot] = plan.joint[at(i)];
+    lanes.joint_behind[slot] = plan.joint[at(i + 1)];
   }
-  for (int c = 0; c < D; ++c) {
-    plan.fill[c].assign(slots, 0);
-    for (int end = 0; end < 2; ++end) {
-      plan.fill[c][at(plan.end_side(end) - plan.offset)] = plan.end_direction(c, end);
-    }
-  }
-}
-
-// Point masses, in the mass and in gravity (each node's share of what lies beside it).
-template <int D>
-void MotionKernel<D>::add_masses(std::vector<typename NodeMass<D>::Member>& masses) {
-  const Chain& chain = *chain_;
-  std::vector<double> weight(at(entries_), 0);
-  for (const auto& member : masses) {
-    for (int i = 0; i <= member.segments; ++i) {
-      double sum = member.diagonal[at(i)];
-      if (i > 0) sum += member.off[at(i - 1)];
-      if (i < member.segments) sum += member.off[at(i)];
-      weight[at(member.entry(i))] = sum;
-    }
-  }
-  for (const PointMass& mass : chain.masses) {
-    const double f = mass.fraction;
-    if (f == 0 || mass.member < 0) {
-      const int entry = entry_of_node_[at(mass.node[0])];
-      if (entry < 0) continue;
-      weight[at(entry)] += mass.mass;
-      for (auto& member : masses) {
-        for (int i = 0; i <= member.segments; ++i) {
-          if (entry == member.entry(i)) member.diagonal[at(i)] += mass.mass;
-        }
-      }
-      continue;
-    }
-    for (std::size_t m = 0; m < masses.size(); ++m) {
-      const ChainMember& place = chain.members[m];
-      auto& member = masses[m];
-      for (int i = 0; i < member.segments; ++i) {
-        if (place.nodes[at(i)] != mass.node[0] || place.nodes[at(i + 1)] != mass.node[1]) continue;
-        member.diagonal[at(i)] += (1 - f) * (1 - f) * mass.mass;
-        member.diagonal[at(i + 1)] += f * f * mass.mass;
-        member.off[at(i)] += f * (1 - f) * mass.mass;
-        weight[at(member.entry(i))] += (1 - f) * mass.mass;
-        weight[at(member.entry(i + 1))] += f * mass.mass;
-      }
-    }
-  }
-  gravity_.assign(at(size()), 0);
-  for (const MemberPlan& plan : members_) {
-    for (const int entry : plan.entry) {
-      for (int c = 0; c < D; ++c) {
-        gravity_[at(c * entries_ + entry)] = weight[at(entry)] * chain.gravity(c);
-      }
-    }
-  }
-  for (const SharedNode& node : shared_) {
-    for (std::size_t k = 1; k < node.entries.size(); ++k) {
-      for (int c = 0; c < D; ++c) {
-        double& own = gravity_[at(c * entries_ + node.entries[k])];
-        gravity_[at(c * entries_ + node.entries[0])] += own;
-        own = 0;
-      }
+  for (int end = 0; end < 2; ++end) {
+    for (int c = 0; c < D; ++c) {
+      lanes.fill[c][at(plan.end_side(end) - plan.offset)] = plan.end_direction(c, end);
     }
   }
 }
@@ -219,7 +164,7 @@ LaneScratch MotionKernel<D>::scratch(const MemberPlan& plan) {
 template <int D>
 void MotionKernel<D>::tangents(const double* positions) {
   for (const MemberPlan& plan : members_) {
-    loops_->tangents(plan.lanes(), entries_, positions + plan.offset, scratch(plan));
+    loops_->tangents(plan.lanes, entries_, positions + plan.offset, scratch(plan));
   }
 }
 
@@ -260,7 +205,7 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
   if (!turning_.empty()) turn_nodes();
 
   for (const MemberPlan& plan : members_) {
-    loops_->forces(plan.lanes(), entries_, scratch(plan), gravity_.data() + plan.offset,
+    loops_->forces(plan.lanes, entries_, scratch(plan), gravity_.data() + plan.offset,
                    acceleration + plan.offset);
   }
   if (external) add_multiple(size(), acceleration, 1, external, acceleration);
@@ -299,7 +244,7 @@ double MotionKernel<D>::potential(const Entries& positions) {
       sum += plan.joint[at(i)] * square / 2;
     }
   }
-  for (int i = 0; i < size(); ++i) sum -= gravity_[at(i)] * positions(i);
+  sum -= gravity_.dot(positions);
   for (const SharedNode& node : shared_) {
     Eigen::Vector3d away = -node.anchor;
     for (int c = 0; c < D; ++c) away(c) += positions(c * entries_ + node.entries[0]);
@@ -331,14 +276,7 @@ Eigen::VectorXd MotionKernel<D>::positions(const ChainState& state) const {
 template <int D>
 ChainState MotionKernel<D>::state(const Entries& positions) const {
   ChainState result = drawn_state(*chain_);
-  for (std::size_t m = 0; m < members_.size(); ++m) {
-    for (int i = 0; i <= members_[m].segments; ++i) {
-      const int node = chain_->members[m].nodes[at(i)];
-      for (int c = 0; c < D; ++c) {
-        result.position(c, node) = positions(c * entries_ + members_[m].entry[at(i)]);
-      }
-    }
-  }
+  assembly_.advance(result, unknowns(positions - this->positions(result)), 1, result);
   if constexpr (D == 2) {
     MotionKernel copy = *this;
     copy.tangents(positions.data());
@@ -347,26 +285,13 @@ ChainState MotionKernel<D>::state(const Entries& positions) const {
       const double c = copy.turning_[r].cosine, s = copy.turning_[r].sine;
       result.rotation[r] << c, -s, 0, s, c, 0, 0, 0, 1;
     }
-    // Frames of an in-plane motion stay as drawn (normal to the plane) or turn with the tangent.
-    for (const Segment& segment : chain_->segments) {
-      if (segment.frame < 0) continue;
-      const Eigen::Vector3d drawn = chain_->drawn_director.col(segment.frame);
-      if (std::abs(drawn(2)) > 0.5) continue;
-      const Eigen::Vector3d t =
-          (result.position.col(segment.b) - result.position.col(segment.a)).normalized();
-      const Eigen::Vector3d t0 =
-          (chain_->drawn.col(segment.b) - chain_->drawn.col(segment.a)).normalized();
-      const double side = t0(0) * drawn(1) - t0(1) * drawn(0);
-      result.director.col(segment.frame) =
-          std::copysign(1.0, side) * Eigen::Vector3d(-t(1), t(0), 0);
-    }
   }
   return result;
 }
 
 template <int D>
-Eigen::VectorXd MotionKernel<D>::unknowns(const Entries& entries,
-                                          const Numbering& numbering) const {
+Eigen::VectorXd MotionKernel<D>::unknowns(const Entries& entries) const {
+  const Numbering& numbering = assembly_.numbering();
   Eigen::VectorXd result = Eigen::VectorXd::Zero(numbering.size);
   for (int node = 0; node < chain_->nodes; ++node) {
     const int entry = entry_of_node_[at(node)];
@@ -380,8 +305,8 @@ Eigen::VectorXd MotionKernel<D>::unknowns(const Entries& entries,
 }
 
 template <int D>
-Eigen::VectorXd MotionKernel<D>::entry_values(const Eigen::VectorXd& unknowns,
-                                              const Numbering& numbering) const {
+Eigen::VectorXd MotionKernel<D>::entry_values(const Eigen::VectorXd& unknowns) const {
+  const Numbering& numbering = assembly_.numbering();
   Eigen::VectorXd result = Eigen::VectorXd::Zero(size());
   for (std::size_t m = 0; m < members_.size(); ++m) {
     for (int i = 0; i <= members_[m].segments; ++i) {

@@ -17,6 +17,7 @@
 
 #include "model/chain/assembly.h"
 #include "model/chain/chain.h"
+#include "model/chain/index.h"
 #include "model/motion/lane_loops.h"
 #include "model/motion/node_mass.h"
 #include "model/scene/sensor_quantity.h"
@@ -47,11 +48,12 @@ class MotionKernel {
   [[nodiscard]] Eigen::VectorXd positions(const ChainState& state) const;
   /// The state with these positions; rotations as they follow.
   [[nodiscard]] ChainState state(const Entries& positions) const;
-  /// Rates of Assembly's unknowns for velocities of the entries (those of turning nodes zero).
-  [[nodiscard]] Eigen::VectorXd unknowns(const Entries& entries, const Numbering& numbering) const;
-  /// The way back: entries from Assembly's unknowns.
-  [[nodiscard]] Eigen::VectorXd entry_values(const Eigen::VectorXd& unknowns,
-                                             const Numbering& numbering) const;
+  /// The same energies in the unknowns of the motion.
+  [[nodiscard]] const Assembly& assembly() const { return assembly_; }
+  /// Rates of its unknowns for velocities of the entries (those of turning nodes zero).
+  [[nodiscard]] Eigen::VectorXd unknowns(const Entries& entries) const;
+  /// The way back: entries from the unknowns.
+  [[nodiscard]] Eigen::VectorXd entry_values(const Eigen::VectorXd& unknowns) const;
 
   /// acceleration = M^-1 (external - dV/dx), zero where held. Entries' arrays; `external` (N, may
   /// be null) is given in any one of a shared node's entries or split among them. Not thread-safe:
@@ -68,7 +70,7 @@ class MotionKernel {
     mass_.slow_axial(kappa, positions.data());
   }
   [[nodiscard]] const NodeMass<D>& mass() const { return mass_; }
-  /// Potential energy, J; its zero is that of Assembly.
+  /// Potential energy, J, up to a constant: without the weight of what is held.
   [[nodiscard]] double potential(const Entries& positions);
 
   /// Sparse weights of a point's motion along a direction: displacement = sum weight * x[index].
@@ -94,36 +96,22 @@ class MotionKernel {
   }
 
  private:
-  struct MemberPlan {
-    int offset = 0, segments = 0, rows = 0;
-    std::vector<int> entry;     // entry of each node
-    std::vector<double> axial;  // EA / l, N/m
+  struct MemberPlan : NodeMass<D>::Member {
+    LaneMember lanes;
     std::vector<double> joint;  // segments + 1: N m / rad, the first and last are end joints
     Eigen::Matrix<double, 3, 2> end_direction;  // the node's side of the end joints, unturned
-    // The same in lane order.
-    LaneVector lane_axial, inverse_length, inverse_square, pad, joint_before, joint_behind, fill[3];
-    [[nodiscard]] LaneMember lanes() const {
-      return {rows,
-              lane_axial.data(),
-              inverse_length.data(),
-              inverse_square.data(),
-              pad.data(),
-              joint_before.data(),
-              joint_behind.data(),
-              {fill[0].data(), fill[1].data(), fill[2].data()}};
-    }
     // Where the directions of an end's segment and of its joint's other side stand.
-    [[nodiscard]] int end_segment(int end) const { return entry[end == 0 ? 0 : entry.size() - 2]; }
+    [[nodiscard]] int end_segment(int end) const {
+      return this->entry[end == 0 ? 0 : at(this->segments - 1)];
+    }
     [[nodiscard]] int end_side(int end) const {
-      return end == 0 ? offset + kLanes * rows - 1 : entry.back();
+      return end == 0 ? this->offset + kLanes * this->rows - 1 : this->entry.back();
     }
   };
   struct SharedNode {
     int node = 0;
     std::vector<int> entries;
     bool held[3] = {false, false, false};
-    bool free = false;  // in some component
-    Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
     Eigen::Matrix3d spring = Eigen::Matrix3d::Zero();  // to the ground
     Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
   };
@@ -138,21 +126,21 @@ class MotionKernel {
     double cosine = 1, sine = 0;  // cosine and sine of the node's angle
   };
 
-  void make_members(std::vector<typename NodeMass<D>::Member>& masses);
-  void add_masses(std::vector<typename NodeMass<D>::Member>& masses);
-  void set_lanes(MemberPlan& plan) const;
+  void make_members();
+  void set_lanes(const ChainMember& member, MemberPlan& plan);
   void tangents(const double* positions);
   [[nodiscard]] LaneScratch scratch(const MemberPlan& plan);
   void turn_nodes();
 
   const Chain* chain_;
+  Assembly assembly_;
   int entries_ = 0;
   std::vector<MemberPlan> members_;
   std::vector<SharedNode> shared_;
   std::vector<Turning> turning_;
   std::vector<int> entry_of_node_;
   std::vector<std::array<int, 2>> segment_entries_;
-  LaneVector gravity_;  // D x entries, that of a shared node in its first
+  Eigen::VectorXd gravity_;  // D x entries
   NodeMass<D> mass_;
   bool springs_ = false;
   const LaneLoops<D>* loops_ = &lane_loops<D>();

@@ -7,18 +7,6 @@
 
 namespace rigfit::model {
 
-bool any_joint_damping(const Chain& chain) {
-  const auto damped = [](const JointSprings& springs) {
-    return springs.bending_damping > 0 || springs.torsion_damping > 0;
-  };
-  return std::any_of(chain.segments.begin(), chain.segments.end(),
-                     [](const Segment& s) { return s.axial_damping > 0; }) ||
-         std::any_of(chain.inner_joints.begin(), chain.inner_joints.end(),
-                     [&](const InnerJoint& j) { return damped(j.springs); }) ||
-         std::any_of(chain.end_joints.begin(), chain.end_joints.end(),
-                     [&](const EndJoint& j) { return damped(j.springs); });
-}
-
 bool joints_overdamp(const Chain& chain) {
   const auto mass = [](const Segment& s) { return s.mass * std::max(0.0, 1 - 4 * s.coupling); };
   const auto axial = [&](const Segment& s) {

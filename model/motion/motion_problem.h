@@ -40,13 +40,9 @@ struct MotionOutput {
   double step_s = 0;
   double axial_slowing_s2 = 0;  ///< kappa of node_mass.h; 0: axial waves at their own speed
   long steps = 0;
-  long evaluations = 0;    ///< number of evaluations of the forces
   bool completed = false;  ///< false: diverged or did not converge, samples are not to be used
   std::string reason;      ///< for a person, when not completed
 };
-
-/// Whether any segment or joint has a damper.
-[[nodiscard]] bool any_joint_damping(const Chain& chain);
 
 /// Whether joint dampers overdamp some wave of a chain of such segments: d omega / (2 k) > 1 for
 /// the fastest axial wave, omega^2 = 4 k / m, or bending wave, omega^2 = 16 k / (m l^2), of

@@ -15,9 +15,6 @@ NodeMass<D>::NodeMass(std::vector<Member> members, std::vector<Shared> shared, i
   plans_.resize(members_.size());
   for (std::size_t m = 0; m < members_.size(); ++m) {
     plans_[m].plain = factor(members_[m], 0);
-    for (int i = 0; i <= members_[m].segments; ++i) {
-      plans_[m].entry.push_back(members_[m].entry(i));
-    }
   }
   first_free_.assign(shared_.size(), -1);
   for (std::size_t k = 0; k < shared_.size(); ++k) {
@@ -47,28 +44,22 @@ typename NodeMass<D>::Inner NodeMass<D>::factor(const Member& member, double kap
   out.last_off = off.back();
   out.own_first = diagonal.front();
   out.own_last = diagonal.back();
-  const int rows = member.rows();
+  const int rows = member.rows;
   out.factors = lane_factors(diagonal, off, 1, n - 1, rows);
-  out.from_first.assign(at(kLanes * rows), 0);
-  out.from_last.assign(at(kLanes * rows), 0);
   const std::size_t first = at(lane_slot(0, rows)), last = at(lane_slot(n, rows));
-  if (n == 1) {
-    out.both = off[0];
-  } else {
-    const std::size_t second = at(lane_slot(1, rows)), before_last = at(lane_slot(n - 1, rows));
-    // Two right-hand sides, as components.
-    LaneVector both(at(2 * kLanes * rows), 0);
-    both[second] = out.first_off;
-    both[at(kLanes * rows) + before_last] = out.last_off;
-    const LaneFactors* const factors[2] = {&out.factors, &out.factors};
-    lane_loops<2>().solve(factors, std::ptrdiff_t{kLanes} * rows, both.data());
-    const std::ptrdiff_t slots = std::ptrdiff_t{kLanes} * rows;
-    std::copy_n(both.begin(), slots, out.from_first.begin());
-    std::copy_n(both.begin() + slots, slots, out.from_last.begin());
-    out.own_first -= out.first_off * out.from_first[second];
-    out.own_last -= out.last_off * out.from_last[before_last];
-    out.both = -out.first_off * out.from_last[second];
-  }
+  const std::size_t second = at(lane_slot(1, rows)), before_last = at(lane_slot(n - 1, rows));
+  // Two right-hand sides, as components.
+  const std::ptrdiff_t slots = std::ptrdiff_t{kLanes} * rows;
+  LaneVector both(at(2 * slots), 0);
+  both[second] = out.first_off;
+  both[at(slots) + before_last] = out.last_off;
+  const LaneFactors* const factors[2] = {&out.factors, &out.factors};
+  lane_loops<2>().solve(factors, slots, both.data());
+  out.from_first.assign(both.begin(), both.begin() + slots);
+  out.from_last.assign(both.begin() + slots, both.end());
+  out.own_first -= out.first_off * out.from_first[second];
+  out.own_last -= out.last_off * out.from_last[before_last];
+  out.both = -out.first_off * out.from_last[second];
   out.from_first[first] = -1;
   out.from_last[last] = -1;
   return out;
@@ -83,12 +74,13 @@ void NodeMass<D>::slow_axial(double kappa, const double* positions) {
     const Member& member = members_[m];
     plan.along = -1;
     plan.rotated = false;
+    plan.axes.setIdentity();
     if (!(kappa > 0)) continue;
     plan.slowed = factor(member, kappa);
     Eigen::Matrix<double, D, 1> chord;
     for (int c = 0; c < D; ++c) {
       const double* x = positions + std::ptrdiff_t{c} * entries_;
-      chord(c) = x[plan.entry.back()] - x[plan.entry.front()];
+      chord(c) = x[member.entry.back()] - x[member.entry.front()];
     }
     chord.normalize();
     for (int c = 0; c < D; ++c) {
@@ -128,8 +120,7 @@ void NodeMass<D>::reduce() {
       block[part].setIdentity();
       block[part] *= value(plan.plain);
       if (plan.along < 0) continue;
-      Eigen::Matrix<double, D, 1> axis = Eigen::Matrix<double, D, 1>::Unit(plan.along);
-      if (plan.rotated) axis = plan.axes.col(0);
+      const Eigen::Matrix<double, D, 1> axis = plan.axes.col(plan.along);
       block[part] += (value(plan.slowed) - value(plan.plain)) * axis * axis.transpose();
     }
     for (int c = 0; c < D; ++c) {
@@ -152,7 +143,7 @@ template <int D>
 void NodeMass<D>::rotate(const Plan& plan, const Member& member, bool back, double* values) const {
   Eigen::Matrix<double, D, D> turn = plan.axes;
   if (!back) turn.transposeInPlace();
-  const int slots = kLanes * member.rows();
+  const int slots = kLanes * member.rows;
   double* a[D];
   for (int c = 0; c < D; ++c) a[c] = values + std::ptrdiff_t{c} * entries_ + member.offset;
   for (int i = 0; i < slots; ++i) {
@@ -203,11 +194,10 @@ void NodeMass<D>::solve_ends(double* values) {
   for (std::size_t m = 0; m < members_.size(); ++m) {
     const Plan& plan = plans_[m];
     const Member& member = members_[m];
-    if (member.segments < 2) continue;
     for (int end = 0; end < 2; ++end) {
       const int node = member.shared[end], first = first_free_[at(node)];
       if (first < 0) continue;
-      const int entry = plan.entry[end == 0 ? 1 : at(member.segments - 1)];
+      const int entry = member.entry[end == 0 ? 1 : at(member.segments - 1)];
       Eigen::Matrix<double, D, 1> pull;
       for (int c = 0; c < D; ++c) {
         const Inner& inner = c == plan.along ? plan.slowed : plan.plain;
@@ -241,7 +231,7 @@ void NodeMass<D>::solve_ends(double* values) {
         const Inner& inner = c == plan.along ? plan.slowed : plan.plain;
         const LaneVector& from = end == 0 ? inner.from_first : inner.from_last;
         double* a = values + std::ptrdiff_t{c} * entries_ + member.offset;
-        add_multiple(kLanes * member.rows(), a, -own(c), from.data(), a);
+        add_multiple(kLanes * member.rows, a, -own(c), from.data(), a);
       }
     }
   }
@@ -252,7 +242,7 @@ double NodeMass<D>::product(const double* x, const double* y) const {
   double sum = 0;
   for (std::size_t m = 0; m < members_.size(); ++m) {
     const Member& member = members_[m];
-    const int* entry = plans_[m].entry.data();
+    const int* entry = member.entry.data();
     for (int c = 0; c < D; ++c) {
       const double* a = x + std::ptrdiff_t{c} * entries_;
       const double* b = y + std::ptrdiff_t{c} * entries_;
@@ -273,10 +263,9 @@ double NodeMass<D>::slowed_product(const double* x, const double* y) const {
   for (std::size_t m = 0; kappa_ > 0 && m < members_.size(); ++m) {
     const Plan& plan = plans_[m];
     const Member& member = members_[m];
-    Eigen::Matrix<double, D, 1> axis = Eigen::Matrix<double, D, 1>::Unit(plan.along);
-    if (plan.rotated) axis = plan.axes.col(0);
+    const Eigen::Matrix<double, D, 1> axis = plan.axes.col(plan.along);
     for (int i = 0; i < member.segments; ++i) {
-      const int a = plan.entry[at(i)], b = plan.entry[at(i + 1)];
+      const int a = member.entry[at(i)], b = member.entry[at(i + 1)];
       double dx = 0, dy = 0;
       for (int c = 0; c < D; ++c) {
         dx += axis(c) * (x[c * entries_ + b] - x[c * entries_ + a]);

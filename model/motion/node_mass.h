@@ -23,13 +23,13 @@ template <int D>
 class NodeMass {
  public:
   struct Member {
-    int offset = 0, segments = 0;
+    int offset = 0, segments = 0, rows = 0;
+    std::vector<int> entry;    ///< of each node
     int shared[2] = {-1, -1};  ///< index of the end nodes
-    /// Masses at segments + 1 nodes and couplings between them, kg.
+    /// Masses at segments + 1 nodes and couplings between them, kg. That of a shared node is in one
+    /// member alone.
     std::vector<double> diagonal, off;
     std::vector<double> axial;  ///< EA / l of the segments, N / m
-    [[nodiscard]] int rows() const { return lane_rows(segments); }
-    [[nodiscard]] int entry(int node) const { return offset + lane_slot(node, rows()); }
   };
   struct Shared {
     std::vector<int> entries;
@@ -66,7 +66,6 @@ class NodeMass {
     int along = -1;        // component that takes the slowed mass; -1: none
     bool rotated = false;  // solved in `axes`, whose first column is the chord
     Eigen::Matrix<double, D, D> axes;
-    std::vector<int> entry;  // entry of each node
   };
   struct Free {
     int node, component;

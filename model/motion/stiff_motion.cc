@@ -139,7 +139,6 @@ class StiffRun {
       }
     }
     out.steps = finished_ + steps_so_far();
-    out.evaluations = evaluations_;
     out.step_s = options_.sampling.duration_s / static_cast<double>(std::max(1L, out.steps));
     out.completed = out.samples.allFinite();
     if (!out.completed) out.reason = "the motion is not finite";
@@ -289,7 +288,6 @@ class StiffRun {
   // force_ = dV/dq + C w + D w - f at the present state, drag_ its damping; the loads' power.
   double forces(double t) {
     assembly_.force(state_, force_);
-    ++evaluations_;
     drag_.setZero();
     if (problem_.joint_damping) {
       assembly_.damping(state_, damping_);
@@ -408,7 +406,7 @@ class StiffRun {
   Eigen::VectorXd u_, w_, force_, drag_, full_, rest_, axial_;
   bool acceleration_wanted_ = false;
   void* memory_ = nullptr;
-  long evaluations_ = 0, finished_ = 0, factored_step_ = -1;
+  long finished_ = 0, factored_step_ = -1;
   double factored_cj_ = 0;
 };
 

@@ -4,7 +4,6 @@
 
 #include "model/algebra/general_eigen.h"
 #include "model/linear/damped_modes.h"
-#include "model/motion/motion_problem.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
@@ -80,7 +79,7 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
   out.omega.resize(count);
   out.ratio.resize(count);
   Eigen::MatrixXd sensor_shape(sensors, count), load_shape(count, loads);
-  out.coupled = any_joint_damping(*modes.chain);
+  out.coupled = has_joint_dampers(scene);
   Eigen::MatrixXd damping = Eigen::MatrixXd::Zero(out.coupled ? count : 0, out.coupled ? count : 0);
 
   Eigen::MatrixXd direct = Eigen::MatrixXd::Zero(sensors, loads);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "model/linear/damped_modes.h"
 #include "model/motion/explicit_motion.h"
 #include "model/motion/motion_kernel.h"
 #include "model/motion/stiff_motion.h"
@@ -199,7 +200,7 @@ class Simulation {
     problem_.rest = problem_.start = rest;
     problem_.loads = scene_.loads;
     problem_.records = records_;
-    problem_.joint_damping = any_joint_damping(chain);
+    problem_.joint_damping = has_joint_dampers(scene_);
     problem_.modal_damping = modal_damping(modes_, answer_, *assembly_);
     Eigen::VectorXd weight = Eigen::VectorXd::Zero(assembly_->size());
     for (std::size_t l = 0; l < scene_.loads.size(); ++l) {

@@ -1,4 +1,4 @@
-// Options and state of an equilibrium that is sought (equilibrium.h).
+// State of an equilibrium that is sought (equilibrium.h).
 #pragma once
 
 #include <memory>
@@ -12,19 +12,11 @@
 
 namespace rigfit::model {
 
-struct EquilibriumOptions {
-  int max_iterations = 40;  ///< Newton iterations of each continuation step
-  double residual = 1e-9;   ///< largest unbalanced force over the largest member force
-  double step = 1e-9;       ///< largest last displacement over the rig's extent
-  int max_continuation_steps = 60;
-};
-
 struct ChainEquilibrium {
   EquilibriumStatus status = EquilibriumStatus::not_converged;
   std::string reason;
   double residual = 0;  ///< largest unbalanced force over the largest member force
   int iterations = 0;
-  bool continued = false;  ///< continuation was needed
   ChainState state;
 };
 

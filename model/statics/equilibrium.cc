@@ -3,19 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
-#include "model/algebra/bordered_envelope.h"
-#include "model/algebra/least_change.h"
+#include "model/algebra/bordered_solver.h"
 #include "model/statics/equilibrium_check.h"
 #include "model/statics/hanging_chain.h"
 
 namespace rigfit::model {
 namespace {
 
-// From so many tensioned cables on their lengths are unknowns among the others; fewer are solved
-// for one by one, which finds the least change where they share one condition.
-constexpr std::size_t kManyCables = 8;
+constexpr int kMostIterations = 40;  // Newton iterations of each continuation step
+constexpr double kResidual = 1e-9;   // largest unbalanced force over the largest member force
+constexpr double kSmallStep = 1e-9;  // largest last displacement over the rig's extent
+constexpr int kMostContinuationSteps = 60;
 
 /// What of the rig acts at a stage of the continuation, 1: all of it.
 void scale_bending(Chain& chain, const Chain& whole, double part) {
@@ -42,9 +41,8 @@ void scale_bending(Chain& chain, const Chain& whole, double part) {
 
 class Solver {
  public:
-  Solver(Chain& chain, const EquilibriumOptions& options)
+  explicit Solver(Chain& chain)
       : chain_(chain),
-        options_(options),
         assembly_(chain, chain.planar ? Motion::in_plane : Motion::space),
         tangent_(assembly_.matrix()),
         force_(assembly_.size()) {
@@ -54,9 +52,9 @@ class Solver {
     const auto n = assembly_.size();
     const auto k = static_cast<Eigen::Index>(targets_.size());
     mismatch_.resize(k);
-    column_.resize(n);
-    row_.setZero(n);
-    for (const int target : targets_) runs_.push_back(run_of(chain.members[std::size_t(target)]));
+    diagonal_.resize(k);
+    gradient_.resize(n, k);
+    border_.resize(n, k);
     extent_ = (chain.drawn.rowwise().maxCoeff() - chain.drawn.rowwise().minCoeff()).norm();
     support_rounding_.setZero(n);
     const Numbering& numbering = assembly_.numbering();
@@ -81,35 +79,32 @@ class Solver {
     const auto k = static_cast<Eigen::Index>(targets_.size());
     assembly_.axial_forces(state, axial_);
     double last_step = std::numeric_limits<double>::infinity();
-    for (int iteration = 0; iteration <= options_.max_iterations; ++iteration) {
+    for (int iteration = 0; iteration <= kMostIterations; ++iteration) {
       assembly_.force_and_tangent(state, force_, tangent_, &axial_);
       if (hold > 0) add_hold(state, hold);
       if (!chain_.settled) stiffen_idle_rotations();
       measure(state);
       for (Eigen::Index i = 0; i < k; ++i) {
         const int target = targets_[std::size_t(i)];
-        BorderRun& run = runs_[std::size_t(i)];
-        double value = 0;
-        assembly_.add_tension_gradient(state, target, row_, run.diagonal, &value);
-        take(row_, run.first, run.row);
+        const double value =
+            assembly_.tension_gradient(state, target, gradient_.col(i), diagonal_[i]);
         mismatch_[i] = *chain_.members[std::size_t(target)].target_tension - value;
         unbalanced_ = std::max(unbalanced_, std::abs(mismatch_[i]));
       }
       residual = scale_ > 0 ? unbalanced_ / scale_ : unbalanced_;
       if (!std::isfinite(residual)) return false;
-      if ((last_step <= options_.step * extent_ && residual <= options_.residual) ||
-          (last_step <= 1e3 * options_.step * extent_ && unbalanced_ <= rounding_)) {
+      if ((last_step <= kSmallStep * extent_ && residual <= kResidual) ||
+          (last_step <= 1e3 * kSmallStep * extent_ && unbalanced_ <= rounding_)) {
         return true;
       }
-      if (iteration == options_.max_iterations) return false;
+      if (iteration == kMostIterations) return false;
       for (Eigen::Index i = 0; i < k; ++i) {
-        BorderRun& run = runs_[std::size_t(i)];
-        assembly_.add_length_derivative(state, targets_[std::size_t(i)], row_);
-        take(row_, run.first, run.column);
+        assembly_.length_derivative(state, targets_[std::size_t(i)], border_.col(i));
       }
       column_ = -force_;
       lengths_ = mismatch_;
-      if (!together()) one_by_one();
+      bordered_.factor(tangent_, border_, gradient_, diagonal_);
+      bordered_.solve_in_place(column_, lengths_);
       if (!column_.allFinite() || !lengths_.allFinite()) return false;
       step(state, last_step);
       ++iterations;
@@ -132,77 +127,6 @@ class Solver {
     for (Eigen::Index i = 0; i < rotation.size(); ++i) {
       if (rotation(i) >= 0) tangent_.add(rotation(i), rotation(i), 1e-10 * largest);
     }
-  }
-
-  /// The unknowns that a cable's length and tension are coupled to: those of its nodes and
-  /// segments.
-  [[nodiscard]] BorderRun run_of(const ChainMember& member) const {
-    const Numbering& numbering = assembly_.numbering();
-    int first = numbering.size, last = -1;
-    const auto hold = [&](int i) {
-      if (i >= 0) first = std::min(first, i), last = std::max(last, i);
-    };
-    for (const int node : member.nodes) {
-      for (int axis = 0; axis < 3; ++axis) hold(numbering.displacement(axis, node));
-    }
-    for (int i = 0; i < member.segments; ++i) hold(numbering.twist[member.first_segment + i]);
-    for (const int e : member.end_joint) {
-      const int rotation = e < 0 ? -1 : chain_.end_joints[std::size_t(e)].rotation;
-      for (int axis = 0; rotation >= 0 && axis < 3; ++axis) {
-        hold(numbering.rotation(axis, rotation));
-      }
-    }
-    BorderRun run;
-    run.first = last < 0 ? 0 : first;
-    run.row.setZero(last < 0 ? 0 : last - first + 1);
-    run.column = run.row;
-    return run;
-  }
-
-  /// A run out of a vector that is zero elsewhere, which then is zero again.
-  static void take(Eigen::VectorXd& from, int first, Eigen::VectorXd& run) {
-    run = from.segment(first, run.size());
-    from.segment(first, run.size()).setZero();
-  }
-
-  /// column_, lengths_: from right sides to the step. False, and untouched, where they are few or
-  /// share a condition.
-  bool together() {
-    if (runs_.size() < kManyCables) return false;
-    if (!bordered_) bordered_.emplace(tangent_.envelope(), runs_);
-    if (!bordered_->factor(tangent_, runs_, 1e-9)) return false;
-    bordered_->solve_in_place(column_, lengths_);
-    return true;
-  }
-
-  /// The same through the inverse of the tangent for every length.
-  void one_by_one() {
-    factor_.factor(tangent_);
-    factor_.solve_in_place(column_);
-    const auto k = static_cast<Eigen::Index>(runs_.size());
-    if (k == 0) return;
-    border_.setZero(column_.size(), k);
-    small_.resize(k, k);
-    for (Eigen::Index i = 0; i < k; ++i) {
-      const BorderRun& run = runs_[std::size_t(i)];
-      border_.col(i).segment(run.first, run.column.size()) = run.column;
-    }
-    factor_.solve_in_place(border_);
-    for (Eigen::Index i = 0; i < k; ++i) {
-      const BorderRun& run = runs_[std::size_t(i)];
-      Eigen::Index first = 0, last = run.row.size() - 1;  // few of them are not zero
-      while (first < last && run.row[first] == 0) ++first;
-      while (last > first && run.row[last] == 0) --last;
-      const Eigen::Index size = last - first + 1;
-      const auto gradient = run.row.segment(first, size).transpose();
-      small_.row(i).noalias() = -gradient * border_.middleRows(run.first + first, size);
-      small_(i, i) += run.diagonal;
-      lengths_[i] -= gradient * column_.segment(run.first + first, size);
-    }
-    LeastChange least_change;
-    least_change.compute(small_);
-    lengths_ = least_change.solve(lengths_);
-    column_.noalias() -= border_ * lengths_;
   }
 
   void add_hold(const ChainState& state, double hold) {
@@ -302,31 +226,15 @@ class Solver {
   }
 
   Chain& chain_;
-  const EquilibriumOptions& options_;
   Assembly assembly_;
   EnvelopeMatrix tangent_;
-  EnvelopeFactor factor_;
   std::vector<int> targets_;
-  Eigen::VectorXd force_, column_, row_, axial_, mismatch_, lengths_;
-  Eigen::VectorXd support_rounding_;  ///< rounding of the supports' spring forces
-  std::vector<BorderRun> runs_;       // range of each target in the bordered matrix
-  std::optional<BorderedEnvelope> bordered_;
-  Eigen::MatrixXd border_, small_;
+  Eigen::VectorXd force_, column_, axial_, mismatch_, lengths_, diagonal_;
+  Eigen::VectorXd support_rounding_;   ///< rounding of the supports' spring forces
+  Eigen::MatrixXd gradient_, border_;  // of the targets' tensions, and by their lengths
+  BorderedSolver bordered_;
   double extent_ = 0, unbalanced_ = 0, scale_ = 0, rounding_ = 0;
 };
-
-/// A state whose joints fold back is no equilibrium of a rod.
-bool folded(const Chain& chain, const ChainState& state) {
-  for (const InnerJoint& joint : chain.inner_joints) {
-    if (!(joint.springs.about_1 > 0)) continue;
-    const Segment& a = chain.segments[static_cast<std::size_t>(joint.segment[0])];
-    const Segment& b = chain.segments[static_cast<std::size_t>(joint.segment[1])];
-    const Eigen::Vector3d ea = state.position.col(a.b) - state.position.col(a.a);
-    const Eigen::Vector3d eb = state.position.col(b.b) - state.position.col(b.a);
-    if (ea.dot(eb) < -0.5 * ea.norm() * eb.norm()) return true;
-  }
-  return false;
-}
 
 }  // namespace
 
@@ -347,7 +255,6 @@ const char* name_of(EquilibriumStatus status) {
 }
 
 ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
-                                  const EquilibriumOptions& options,
                                   std::vector<RestMotion>* motions) {
   ChainEquilibrium result;
   const auto judge = [&] {
@@ -362,8 +269,8 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
   for (const bool with_bending : {true, false}) {
     chain = drawn;
     if (!hang_cables(chain, scene, with_bending, result)) return result;
-    Solver solver(chain, options);
-    const bool converged = solver.solve(state, 0) && !folded(chain, state);
+    Solver solver(chain);
+    const bool converged = solver.solve(state, 0);
     result.iterations += solver.iterations;
     result.residual = solver.residual;
     if (!converged) continue;
@@ -377,7 +284,6 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
   }
 
   // From limp cables between held nodes to the whole rig; each step half as long when it fails.
-  result.continued = true;
   chain = drawn;
   if (!hang_cables(chain, scene, false, result)) return result;
   const ChainState start = state;
@@ -388,9 +294,9 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
   for (const ChainMember& member : chain.members) {
     if (member.target_tension) force_scale = std::max(force_scale, *member.target_tension);
   }
-  Solver solver(chain, options);
+  Solver solver(chain);
   double done = 0, step = 0.25;
-  for (int k = 0; k < options.max_continuation_steps && done < 1; ++k) {
+  for (int k = 0; k < kMostContinuationSteps && done < 1; ++k) {
     const double part = std::min(1.0, done + step);
     const Chain chain_before = chain;
     const ChainState state_before = state;
@@ -399,7 +305,7 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
     const double hold =
         part < 1 ? std::pow(10.0, 6 * (1 - part)) * force_scale / chain.drawn.norm() * (1 - part)
                  : 0;
-    if (solver.solve(state, hold) && !folded(chain, state)) {
+    if (solver.solve(state, hold)) {
       done = part;
       step *= 1.6;
     } else {

@@ -19,7 +19,6 @@ namespace rigfit::model {
 /// Sets the chain's unstretched lengths, settles its joints stress-free at equilibrium. `scene`
 /// gives names. `motions`, if not null: those about a converged equilibrium (equilibrium_check.h).
 [[nodiscard]] ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
-                                                const EquilibriumOptions& options = {},
                                                 std::vector<RestMotion>* motions = nullptr);
 
 /// What a user sees of it, in the scene's axes.

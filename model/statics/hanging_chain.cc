@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "model/statics/equilibrium_check.h"
 
@@ -98,8 +100,15 @@ bool catenary(const Problem& p, double h, double& v0, double& length) {
   return true;
 }
 
-}  // namespace
+struct HangingChain {
+  bool found = false;
+  std::string reason;                      // when not found
+  double unstretched_length = 0;           // m
+  std::vector<Eigen::Vector3d> positions;  // of the member's nodes, ends included
+};
 
+/// Between the given ends, for the member's target tension (and `extra` N more, which stands for
+/// what bending carries) or its unstretched length.
 HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
                   const Eigen::Vector3d& to, double extra) {
   HangingChain out;
@@ -154,7 +163,6 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
       return out;
     }
     out.found = true;
-    out.horizontal = tension;
     out.unstretched_length = length;
     for (std::size_t i = 0; i <= n; ++i)
       out.positions.push_back(from + t * (chord.norm() * member.places[i]));
@@ -217,7 +225,6 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
   }
 
   out.found = true;
-  out.horizontal = horizontal;
   out.unstretched_length = length;
   double v = v0;
   Eigen::Vector3d x = from;
@@ -232,6 +239,8 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
   out.positions.back() = to;
   return out;
 }
+
+}  // namespace
 
 bool hang_cables(Chain& chain, const Scene& scene, bool with_bending, ChainEquilibrium& result) {
   ChainState& state = result.state;
@@ -267,8 +276,7 @@ bool hang_cables(Chain& chain, const Scene& scene, bool with_bending, ChainEquil
       const Eigen::Vector3d t = (chain.drawn.col(s.b) - chain.drawn.col(s.a)).normalized();
       const Eigen::Vector3d after =
           (state.position.col(s.b) - state.position.col(s.a)).normalized();
-      const Eigen::Vector3d d = state.director.col(s.frame);
-      state.director.col(s.frame) = d - d.dot(after) / (1 + t.dot(after)) * (t + after);
+      state.director.col(s.frame) = transported(state.director.col(s.frame), t, after);
     }
   }
   return true;

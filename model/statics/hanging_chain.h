@@ -7,28 +7,11 @@
 // given). Started from the catenary: H. M. Irvine, Cable Structures, 1981, ch. 1.
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-#include <vector>
-
 #include "model/chain/chain.h"
 #include "model/scene/scene.h"
 #include "model/statics/chain_equilibrium.h"
 
 namespace rigfit::model {
-
-struct HangingChain {
-  bool found = false;
-  std::string reason;                      ///< when not found
-  double horizontal = 0;                   ///< N (along the chord when that is steep or weightless)
-  double unstretched_length = 0;           ///< m
-  std::vector<Eigen::Vector3d> positions;  ///< positions of the member's nodes, ends included
-};
-
-/// Between the given ends, for the member's target tension (and `extra` N more, which stands for
-/// what bending carries) or its unstretched length.
-[[nodiscard]] HangingChain hang(const Chain& chain, int member, const Eigen::Vector3d& from,
-                                const Eigen::Vector3d& to, double extra = 0);
 
 /// Every cable in the shape it hangs in between its drawn ends: `result.state` and the chain's
 /// unstretched lengths. `with_bending`: tensions hold what bending carries. False: one is slack,

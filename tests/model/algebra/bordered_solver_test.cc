@@ -1,13 +1,13 @@
-#include "model/algebra/bordered_envelope.h"
+#include "model/algebra/bordered_solver.h"
 
 #include "model/linear/modes.h"
 #include "tests/scenes.h"
 #include "tests/test.h"
 
-namespace rigfit::model::bordered_envelope_test {
+namespace rigfit::model::bordered_solver_test {
 
-// Twelve tensioned spans in a row, more than are solved for one by one, and six.
-TEST(BorderedEnvelope, LongLineHasItsTensions) {
+// Twelve tensioned spans in a row, and six.
+TEST(BorderedSolver, LongLineHasItsTensions) {
   for (const int poles : {5, 11}) {
     Scene line = testing::utility_line(poles, 20, 6);
     std::vector<double> tension;
@@ -29,4 +29,4 @@ TEST(BorderedEnvelope, LongLineHasItsTensions) {
   }
 }
 
-}  // namespace rigfit::model::bordered_envelope_test
+}  // namespace rigfit::model::bordered_solver_test

@@ -1,0 +1,31 @@
+// Displacements q and a few lengths l from
+//   K q + B l = f,   G' q + D l = t
+// through the inverse of K for every length. Few equations remain, which may depend on each other:
+// they are solved with the least norm (complete orthogonal decomposition). Lengths of cables in
+// line over a node that nothing else holds share one condition; the change is then shared among
+// them.
+#pragma once
+
+#include <Eigen/QR>
+#include <Eigen/SparseCore>
+
+#include "model/algebra/envelope_matrix.h"
+
+namespace rigfit::model {
+
+class BorderedSolver {
+ public:
+  /// `border` B and `gradient` G: unknowns x lengths. `diagonal`: that of D, which has no others.
+  void factor(const EnvelopeMatrix& k, Eigen::MatrixXd border, const Eigen::MatrixXd& gradient,
+              const Eigen::VectorXd& diagonal);
+  /// From right sides f, t to q, l.
+  void solve_in_place(Eigen::VectorXd& q, Eigen::VectorXd& l) const;
+
+ private:
+  EnvelopeFactor factor_;
+  Eigen::MatrixXd border_;
+  Eigen::SparseMatrix<double> gradient_;  // few are not zero
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> small_;
+};
+
+}  // namespace rigfit::model
