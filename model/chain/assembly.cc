@@ -124,9 +124,10 @@ void Assembly::force_and_tangent(const ChainState& state, Eigen::VectorXd& force
 
 Eigen::MatrixXd Assembly::stiffness_energy(const ChainState& state,
                                            const Eigen::MatrixXd& q) const {
-  Eigen::MatrixXd energy =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(chain_->members.size()) + 1, q.cols());
-  QuadraticSink sink{{}, &q, &energy};
+  const QuadraticSink::Rows rows = q;
+  QuadraticSink::Rows energy =
+      QuadraticSink::Rows::Zero(static_cast<Eigen::Index>(chain_->members.size()) + 1, q.cols());
+  QuadraticSink sink{{}, &rows, &energy};
   evaluate(*chain_, numbering_, state, nullptr, sink);
   return energy;
 }

@@ -42,16 +42,14 @@ struct ForceSink : NoSink {
 
 /// The tangent's quadratic form of each column of q, by member.
 struct QuadraticSink : NoSink {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   static constexpr bool tangent = true;
-  const Eigen::MatrixXd* q = nullptr;
-  Eigen::MatrixXd* energy = nullptr;
+  const Rows* q = nullptr;
+  Rows* energy = nullptr;
   int row = 0;
   void member(int m) { row = m < 0 ? static_cast<int>(energy->rows()) - 1 : m; }
   void add(int i, int j, double value) {
-    const double factor = i == j ? 0.5 * value : value;
-    for (Eigen::Index c = 0; c < q->cols(); ++c) {
-      (*energy)(row, c) += factor * (*q)(i, c) * (*q)(j, c);
-    }
+    energy->row(row) += (i == j ? 0.5 * value : value) * q->row(i).cwiseProduct(q->row(j));
   }
 };
 
@@ -106,10 +104,11 @@ class Scatter {
     nodes(s.a, r.b, -sr);
     nodes(s.b, r.b, sr - rr);
   }
-  /// By a segment's (edge, twist).
-  void segment_force(int segment, const Vector4& g) {
-    edge_force(chain_.segments[static_cast<std::size_t>(segment)], g.head<3>());
-    single_force(numbering_.twist[segment], g[3]);
+  /// From the moment on a segment: psi = t x de / |e| + theta t.
+  void segment_force(int segment, const Directed& at, const Eigen::Vector3d& moment) {
+    const Eigen::Vector3d t = at.directors.col(0);
+    edge_force(chain_.segments[static_cast<std::size_t>(segment)], moment.cross(t) / at.length);
+    single_force(numbering_.twist[segment], t.dot(moment));
   }
   void pair(int i, int j, double value) {
     if (i >= 0 && j >= 0) sink_.add(i, j, value);
@@ -202,14 +201,14 @@ void member_joints(const Chain& chain, const ChainState& state, const ChainMembe
     if (w.isZero(0)) continue;
     const Directed a = directed(chain, state, joint.segment[0]);
     const Directed b = directed(chain, state, joint.segment[1]);
-    const Eigen::Vector3d ta = a.directors.col(0), tb = b.directors.col(0);
     const RotationDerivatives d = joint_derivatives(a.directors, b.directors, w);
-    const Eigen::Matrix<double, 3, 4> ja = segment_rotation(ta, a.length);
-    const Eigen::Matrix<double, 3, 4> jb = segment_rotation(tb, b.length);
     sink.add_energy(joint_energy(a.directors, b.directors, w));
-    scatter.segment_force(joint.segment[0], -ja.transpose() * d.gradient_b);
-    scatter.segment_force(joint.segment[1], jb.transpose() * d.gradient_b);
+    scatter.segment_force(joint.segment[0], a, -d.gradient_b);
+    scatter.segment_force(joint.segment[1], b, d.gradient_b);
     if constexpr (Sink::tangent) {
+      const Eigen::Vector3d ta = a.directors.col(0), tb = b.directors.col(0);
+      const Eigen::Matrix<double, 3, 4> ja = segment_rotation(ta, a.length);
+      const Eigen::Matrix<double, 3, 4> jb = segment_rotation(tb, b.length);
       Matrix4 aa = ja.transpose() * d.same * ja, bb = jb.transpose() * d.same * jb;
       add_second_order(-d.gradient_b, ta, a.length, aa);
       add_second_order(d.gradient_b, tb, b.length, bb);
@@ -223,13 +222,13 @@ void member_joints(const Chain& chain, const ChainState& state, const ChainMembe
     if (w.isZero(0)) continue;
     const Eigen::Matrix3d node = node_side(joint, state);
     const Directed b = directed(chain, state, joint.segment);
-    const Eigen::Vector3d t = b.directors.col(0);
     const RotationDerivatives d = joint_derivatives(node, b.directors, w);
-    const Eigen::Matrix<double, 3, 4> j = segment_rotation(t, b.length);
     sink.add_energy(joint_energy(node, b.directors, w));
-    scatter.segment_force(joint.segment, j.transpose() * d.gradient_b);
+    scatter.segment_force(joint.segment, b, d.gradient_b);
     scatter.rotation_force(joint.rotation, -d.gradient_b);
     if constexpr (Sink::tangent) {
+      const Eigen::Vector3d t = b.directors.col(0);
+      const Eigen::Matrix<double, 3, 4> j = segment_rotation(t, b.length);
       Matrix4 ss = j.transpose() * d.same * j;
       add_second_order(d.gradient_b, t, b.length, ss);
       scatter.node_segment(joint.rotation, joint.segment, d.same, d.cross * j, ss);

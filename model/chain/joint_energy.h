@@ -46,19 +46,11 @@ inline RotationDerivatives joint_derivatives(const Eigen::Matrix3d& a, const Eig
   return d;
 }
 
-/// Rotation vector by edge increment: t x de / |e| = [t] de / |e|.
-inline Eigen::Matrix3d edge_rotation(const Eigen::Vector3d& t, double length) {
-  const double f = 1 / length;
-  Eigen::Matrix3d j;
-  j << 0, -f * t.z(), f * t.y(), f * t.z(), 0, -f * t.x(), -f * t.y(), f * t.x(), 0;
-  return j;
-}
-
-/// Columns de (3) and twist of d psi.
+/// Columns de (3), as t x de / |e| = [t] de / |e|, and twist of d psi.
 inline Eigen::Matrix<double, 3, 4> segment_rotation(const Eigen::Vector3d& t, double length) {
+  const Eigen::Vector3d f = t / length;
   Eigen::Matrix<double, 3, 4> j;
-  j.leftCols<3>() = edge_rotation(t, length);
-  j.col(3) = t;
+  j << 0, -f.z(), f.y(), t.x(), f.z(), 0, -f.x(), t.y(), -f.y(), f.x(), 0, t.z();
   return j;
 }
 

@@ -24,7 +24,7 @@ class NodeMass {
  public:
   struct Member {
     int offset = 0, segments = 0, rows = 0;
-    std::vector<int> entry;    ///< of each node
+    std::vector<int> entry;    ///< entry of each node
     int shared[2] = {-1, -1};  ///< index of the end nodes
     /// Masses at segments + 1 nodes and couplings between them, kg. That of a shared node is in one
     /// member alone.

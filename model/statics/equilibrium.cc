@@ -230,8 +230,9 @@ class Solver {
   EnvelopeMatrix tangent_;
   std::vector<int> targets_;
   Eigen::VectorXd force_, column_, axial_, mismatch_, lengths_, diagonal_;
-  Eigen::VectorXd support_rounding_;   ///< rounding of the supports' spring forces
-  Eigen::MatrixXd gradient_, border_;  // of the targets' tensions, and by their lengths
+  Eigen::VectorXd support_rounding_;  ///< rounding of the supports' spring forces
+  Eigen::MatrixXd gradient_,
+      border_;  // gradients of the targets' tensions, forces by their lengths
   BorderedSolver bordered_;
   double extent_ = 0, unbalanced_ = 0, scale_ = 0, rounding_ = 0;
 };

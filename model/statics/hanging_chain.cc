@@ -104,7 +104,7 @@ struct HangingChain {
   bool found = false;
   std::string reason;                      // when not found
   double unstretched_length = 0;           // m
-  std::vector<Eigen::Vector3d> positions;  // of the member's nodes, ends included
+  std::vector<Eigen::Vector3d> positions;  // positions of the nodes, ends included
 };
 
 /// Between the given ends, for the member's target tension (and `extra` N more, which stands for

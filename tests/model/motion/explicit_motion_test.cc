@@ -1,6 +1,5 @@
 #include "model/motion/explicit_motion.h"
 
-#include "model/linear/damped_modes.h"
 #include "model/motion/motion_kernel.h"
 #include "tests/scenes.h"
 #include "tests/test.h"
@@ -17,7 +16,7 @@ MotionProblem let_go(const Chain& chain, const Scene& scene, Motion motion) {
   problem.loads = scene.loads;
   problem.records.assign(scene.loads.size(), nullptr);
   for (const Sensor& s : scene.sensors) problem.quantities.push_back(s.quantity);
-  problem.joint_damping = has_joint_dampers(scene);
+  problem.joint_damping = scene.members[0].damping.axial > 0;
   return problem;
 }
 

@@ -46,7 +46,6 @@ void expect_same_forces(Chain chain, unsigned seed) {
   const ChainState drawn = drawn_state(chain);
   const double change = assembly.potential(kernel.state(x)) - assembly.potential(drawn);
   EXPECT_NEAR((kernel.potential(x) - kernel.potential(kernel.positions(drawn))) / change, 1, 1e-10);
-  // The way there and back.
   EXPECT_TRUE(MatricesNear(kernel.entry_values(kernel.unknowns(a)), a, 0));
 }
 
