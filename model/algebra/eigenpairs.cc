@@ -9,49 +9,41 @@
 namespace rigfit::model {
 namespace {
 
-constexpr int kGrowth = 60;   // fourfold: beyond every frequency of a double
 constexpr int kLarge = 1500;  // unknowns, from which on long Lanczos spaces cost more than factors
+
+EnvelopeMatrix shifted(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double mu) {
+  EnvelopeMatrix out = k;
+  out.values() -= mu * m.values();
+  return out;
+}
 
 class Lanczos {
  public:
   /// For `wanted` pairs: with room for what they need.
   Lanczos(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double shift, int wanted)
-      : m_(m.sparse()), shifted_(k), shift_(shift), random_(20210101), coupled_(true) {
-    shifted_.values() -= shift * m.values();
-    factor_.factor(shifted_);
+      : m_(m.sparse()), shift_(shift), random_(20210101), coupled_(true) {
+    if (shift == 0) {
+      factor_.factor(k);
+    } else {
+      factor_.factor(shifted(k, m, shift));
+    }
     work_.resize(m.size());
     reserve(3 * wanted + 16);
   }
 
   /// One vector more; false when the space is exhausted.
   bool extend() {
-    if ((size_ == 0 || renew_) && !random_start()) return false;
+    if (size_ == 0 || renew_) {
+      if (!random_start()) return false;
+      renew_ = false;
+    }
     const int j = size_ - 1;  // the vector to apply the operator to
     work_ = mv_.col(j);
     factor_.solve_in_place(work_);
-    if (shift_ != 0) {  // an indefinite matrix: its factors grow, one refinement
-      shifted_.multiply(work_, product_);
-      product_ = mv_.col(j) - product_;
-      factor_.solve_in_place(product_);
-      work_ += product_;
-    }
-    coefficients_.setZero(size_);
-    orthogonalise(&coefficients_);
-    projected_.col(j).head(size_) = coefficients_;
-    done_ = size_;
-    beta_ = norm();
-    // Against the length before it was orthogonalised.
-    renew_ = !(beta_ > 1e-13 * std::hypot(coefficients_.norm(), beta_));
-    if (renew_) {
-      beta_ = 0;
-    } else {
-      append(beta_);
-      projected_(j + 1, j) = beta_;
-    }
-    return true;
+    return finish_step(j);
   }
 
-  /// Ritz values nu = 1 / (lambda - shift) with error bounds.
+  /// Ritz values nu = 1 / (lambda - shift) of largest magnitude first, with error bounds.
   void ritz() {
     const int s = done_;
     Eigen::MatrixXd h = projected_.topLeftCorner(s, s);
@@ -61,22 +53,24 @@ class Lanczos {
     } else {
       eigen_.compute(h);
     }
+    order_.resize(std::size_t(s));
+    for (int i = 0; i < s; ++i) order_[std::size_t(i)] = i;
+    std::sort(order_.begin(), order_.end(), [&](int a, int b) {
+      return std::abs(eigen_.eigenvalues()[a]) > std::abs(eigen_.eigenvalues()[b]);
+    });
   }
 
-  double lambda(int i) const { return shift_ + 1 / eigen_.eigenvalues()[i]; }
-  bool converged(int i) const {
-    return beta_ * std::abs(eigen_.eigenvectors()(done_ - 1, i)) <=
-           1e-10 * std::abs(eigen_.eigenvalues()[i]);
+  double nu(int i) const { return eigen_.eigenvalues()[order_[std::size_t(i)]]; }
+  double lambda(int i) const { return shift_ + 1 / nu(i); }
+  double bound(int i) const {
+    return beta_ * std::abs(eigen_.eigenvectors()(done_ - 1, order_[std::size_t(i)]));
   }
-  /// Its first large entry is positive.
+  bool converged(int i) const { return bound(i) <= 1e-10 * std::abs(nu(i)); }
   Eigen::VectorXd vector(int i) const {
-    const Eigen::VectorXd x = v_.leftCols(done_) * eigen_.eigenvectors().col(i);
-    const double large = 0.5 * x.cwiseAbs().maxCoeff();
-    Eigen::Index first = 0;
-    while (first + 1 < x.size() && std::abs(x[first]) < large) ++first;
-    return x[first] < 0 ? Eigen::VectorXd(-x) : x;
+    return v_.leftCols(done_) * eigen_.eigenvectors().col(order_[std::size_t(i)]);
   }
   int done() const { return done_; }
+  Eigen::Index rows() const { return v_.rows(); }
   bool exhausted() const { return exhausted_; }
   /// Continue from a random vector: finds what the first start could not see.
   void renew() { renew_ = true; }
@@ -108,11 +102,12 @@ class Lanczos {
     }
   }
 
-  void append(double norm) {
+  bool append(double norm) {
     if (size_ == v_.cols()) reserve(2 * size_);
     v_.col(size_) = work_ / norm;
     mv_.col(size_) = product_ / norm;
     ++size_;
+    return true;
   }
 
   double norm() {
@@ -137,12 +132,28 @@ class Lanczos {
       after = norm();
       coupled_ = false;
     }
-    append(after);
+    return append(after);
+  }
+
+  bool finish_step(int j) {
+    coefficients_.setZero(size_);
+    orthogonalise(&coefficients_);
+    projected_.col(j).head(size_) = coefficients_;
+    done_ = size_;
+    beta_ = norm();
+    // Length before it was orthogonalised.
+    const double before = std::hypot(coefficients_.norm(), beta_);
+    if (!(beta_ > 1e-13 * before)) {
+      beta_ = 0;
+      renew_ = true;
+      return true;
+    }
+    append(beta_);
+    projected_(j + 1, j) = beta_;
     return true;
   }
 
   Eigen::SparseMatrix<double> m_;
-  EnvelopeMatrix shifted_;
   double shift_;
   std::mt19937_64 random_;
   bool coupled_;  // projected_ is tridiagonal
@@ -151,9 +162,31 @@ class Lanczos {
   Eigen::MatrixXd v_, mv_, projected_;
   Eigen::VectorXd work_, product_, small_, coefficients_;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_;
+  std::vector<int> order_;
   int size_ = 0, done_ = 0;
   double beta_ = 0;
 };
+
+Eigenpairs collect(const Lanczos& lanczos, std::vector<int> chosen) {
+  std::sort(chosen.begin(), chosen.end(),
+            [&](int a, int b) { return lanczos.lambda(a) < lanczos.lambda(b); });
+  Eigenpairs out;
+  const auto n = static_cast<Eigen::Index>(chosen.size());
+  out.values.resize(n);
+  out.vectors.resize(lanczos.rows(), n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int k = chosen[std::size_t(i)];
+    out.values[i] = lanczos.lambda(k);
+    const Eigen::VectorXd x = lanczos.vector(k);
+    // The sign: first large entry positive.
+    const double large = 0.5 * x.cwiseAbs().maxCoeff();
+    Eigen::Index first = 0;
+    while (first + 1 < x.size() && std::abs(x[first]) < large) ++first;
+    out.vectors.col(i) = x[first] < 0 ? Eigen::VectorXd(-x) : x;
+  }
+  out.steps = lanczos.done();
+  return out;
+}
 
 /// All eigenvalues in an interval, by slices with few of them in each: as many Lanczos vectors as
 /// a slice needs, and a shift amid them that tells even crowded ones apart.
@@ -171,7 +204,7 @@ class Slices {
   double bound_above(int count, double high) {
     double low = 0;
     int number = below(high);
-    const int enough = count + 1 + count / 8;
+    const int enough = count + std::max(2, count / 8);
     for (int i = 0; i < kBisections && number > enough; ++i) {
       const double middle = 0.5 * (low + high);
       const int here = below(middle);
@@ -214,39 +247,6 @@ class Slices {
     solve(low, high, shift, n_high - n_low);
   }
 
-  /// All `wanted` eigenpairs between two bounds by one shift.
-  void solve(double low, double high, double shift, int wanted) {
-    Lanczos lanczos(k_, m_, shift, wanted);
-    // Far more than such a slice needs: what is lacking then is said, not sought for ever.
-    const int n = std::min(k_.size(), 10 * wanted + 200);
-    int next_check = std::min(n, 2 * wanted + 6), stalled = 0;
-    std::vector<int> inside;
-    while (lanczos.done() < n) {
-      const bool grew = lanczos.extend();
-      if (grew && lanczos.done() < next_check && lanczos.done() < n) continue;
-      lanczos.ritz();
-      inside.clear();
-      bool pending = false;
-      for (int i = 0; i < lanczos.done(); ++i) {
-        if (!(lanczos.lambda(i) >= low && lanczos.lambda(i) < high)) continue;
-        if (lanczos.converged(i) || lanczos.done() == k_.size()) {
-          inside.push_back(i);
-        } else {
-          pending = true;
-        }
-      }
-      if (static_cast<int>(inside.size()) >= wanted || !grew || lanczos.exhausted()) break;
-      if (!pending && ++stalled > 2) {  // equal ones, which this start cannot see
-        lanczos.renew();
-        stalled = 0;
-      }
-      next_check = lanczos.done() + std::max(4, wanted / 4);
-    }
-    steps_ += lanczos.done();
-    complete_ = complete_ && static_cast<int>(inside.size()) == wanted;
-    for (const int i : inside) found_.emplace_back(lanczos.lambda(i), lanczos.vector(i));
-  }
-
   Eigenpairs take(int count) {
     std::sort(found_.begin(), found_.end(),
               [](const auto& x, const auto& y) { return x.first < y.first; });
@@ -267,6 +267,41 @@ class Slices {
   static constexpr int kMostInSlice = 32, kBisections = 60;
   static constexpr int kFew = 8;  ///< so many are no crowd
 
+  void solve(double low, double high, double shift, int wanted) {
+    Lanczos lanczos(k_, m_, shift, wanted);
+    // Far more than such a slice needs: what is lacking then is said, not sought for ever.
+    const int n = std::min(k_.size(), 10 * wanted + 200);
+    int next_check = std::min(n, 2 * wanted + 10), stalled = 0;
+    std::vector<int> inside;
+    while (lanczos.done() < n) {
+      const bool grew = lanczos.extend();
+      if (grew && lanczos.done() < next_check && lanczos.done() < n) continue;
+      lanczos.ritz();
+      inside.clear();
+      bool pending = false;
+      for (int i = 0; i < lanczos.done(); ++i) {
+        if (!(lanczos.lambda(i) >= low && lanczos.lambda(i) < high)) continue;
+        if (lanczos.converged(i)) {
+          inside.push_back(i);
+        } else {
+          pending = true;
+        }
+      }
+      if (static_cast<int>(inside.size()) >= wanted || !grew || lanczos.exhausted()) break;
+      if (!pending && ++stalled > 2) {  // equal ones, which this start cannot see
+        lanczos.renew();
+        stalled = 0;
+      }
+      next_check = lanczos.done() + std::max(4, wanted / 4);
+    }
+    steps_ += lanczos.done();
+    complete_ = complete_ && static_cast<int>(inside.size()) == wanted;
+    const Eigenpairs pairs = collect(lanczos, inside);
+    for (Eigen::Index i = 0; i < pairs.values.size(); ++i) {
+      found_.emplace_back(pairs.values[i], pairs.vectors.col(i));
+    }
+  }
+
   const EnvelopeMatrix& k_;
   const EnvelopeMatrix& m_;
   EnvelopeMatrix shifted_;
@@ -279,40 +314,96 @@ class Slices {
 }  // namespace
 
 int count_below(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double mu) {
-  return Slices(k, m).below(mu);
+  EnvelopeFactor factor;
+  factor.factor(shifted(k, m, mu));
+  return factor.negative_pivots();
 }
 
 Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, int count) {
-  int finite = 0;   // eigenvalues: one for each unknown with inertia
-  double high = 0;  // first the least Rayleigh quotient of a single unknown, and more
-  for (int i = 0; i < k.size(); ++i) {
-    if (!(m.at(i, i) > 0)) continue;
-    const double quotient = k.at(i, i) / m.at(i, i);
-    high = finite++ > 0 ? std::min(high, quotient) : quotient;
-  }
-  high *= 1.1;  // where no pivot vanishes
-  count = std::min(count, finite);
-  Slices slices(k, m);
-  if (count > 0) {
-    for (int i = 0; i < kGrowth && slices.below(high) < count; ++i) high *= 4;
-    high = slices.bound_above(count, high);
-    const int number = slices.below(high);
-    if (k.size() < kLarge) {
-      slices.solve(0, high, 0, number);
+  Eigenpairs none;
+  none.vectors.resize(k.size(), 0);
+  none.complete = none.exhausted = true;
+  if (k.size() == 0 || count <= 0) return none;
+  Lanczos lanczos(k, m, 0, count);
+  const int n = k.size();
+  int next_check = std::min(n, 2 * count + 6);
+  int verified_at = -1;
+  bool may_slice = true;
+  for (int guard = 0; guard < 20 * n + 100; ++guard) {
+    const bool grew = lanczos.extend();
+    if (grew && lanczos.done() < next_check && lanczos.done() < n) continue;
+    lanczos.ritz();
+    const bool all = !grew || lanczos.exhausted() || lanczos.done() >= n;
+    int good = 0;
+    while (good < lanczos.done() && good < count && lanczos.converged(good)) ++good;
+    // One more than wanted, at least roughly, to place the count between two.
+    const bool beyond = lanczos.done() > count;
+    if (may_slice && good < count && !all && n > kLarge &&
+        lanczos.done() >= std::max(60, 2 * count + 6) && lanczos.nu(count - 1) > 0) {
+      // Crowded: one space for all would grow with the crowd. Ritz values lie above the
+      // eigenvalues, so that there are at least as many below.
+      Slices slices(k, m);
+      const double high = slices.bound_above(count, lanczos.lambda(count - 1) * (1 + 1e-9));
+      slices.find(0, 0, high, slices.below(high));
+      Eigenpairs out = slices.take(count);
+      if (out.complete && out.values.size() == count) return out;
+      may_slice = false;
+    }
+    if ((good == count && beyond) || all) {
+      const int found = all ? lanczos.done() : count;
+      std::vector<int> chosen;
+      for (int i = 0; i < std::min(found, count); ++i) {
+        if (lanczos.nu(i) > 0) chosen.push_back(i);
+      }
+      // Count just above the last wanted that has a gap behind it.
+      int last = static_cast<int>(chosen.size()) - 1;
+      bool complete = true;
+      if (last >= 0 && verified_at != lanczos.done()) {
+        int edge = last;
+        const auto gap_after = [&](int i) {
+          return i + 1 >= lanczos.done() ||
+                 lanczos.lambda(i + 1) - lanczos.lambda(i) > 1e-7 * std::abs(lanczos.lambda(i));
+        };
+        while (edge > 0 && !gap_after(edge)) --edge;
+        const double above = edge + 1 < lanczos.done() && lanczos.nu(edge + 1) > 0
+                                 ? lanczos.lambda(edge + 1)
+                                 : 1.01 * lanczos.lambda(edge);
+        const double here = lanczos.lambda(edge);
+        const double mu = here + std::min(0.5 * (above - here), 0.01 * here);
+        complete = gap_after(edge) ? count_below(k, m, mu) == edge + 1 : all;
+      }
+      if (complete || all) {
+        Eigenpairs out = collect(lanczos, chosen);
+        out.complete = complete;
+        out.exhausted = all;
+        return out;
+      }
+      lanczos.renew();
+      next_check = lanczos.done() + std::max(6, count / 2);
     } else {
-      slices.find(0, 0, high, number);
+      next_check = lanczos.done() + std::max(4, count / 3);
     }
   }
-  return slices.take(count);
+  lanczos.ritz();
+  std::vector<int> chosen;
+  for (int i = 0; i < std::min(count, lanczos.done()); ++i) {
+    if (lanczos.converged(i)) chosen.push_back(i);
+  }
+  return collect(lanczos, chosen);
 }
 
 Eigenpairs eigenpairs_between(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double low,
                               double high) {
+  Eigenpairs none;
+  none.vectors.resize(k.size(), 0);
+  none.complete = none.exhausted = true;
+  if (k.size() == 0) return none;
   Slices slices(k, m);
   low = low > 0 ? low * (1 - 1e-12) : 0, high *= 1 + 1e-12;
   const int first = low > 0 ? slices.below(low) : 0, last = slices.below(high);
+  if (last <= first) return none;
   slices.find(low, first, high, last);
-  return slices.take(std::max(0, last - first));
+  return slices.take(last - first);
 }
 
 }  // namespace rigfit::model

@@ -3,12 +3,12 @@
 //
 // Lanczos on (K - sigma M)^-1 M in the M inner product with full reorthogonalisation (T. Ericsson
 // and A. Ruhe, Math. Comp. 35, 1980). Unknowns without inertia are eliminated exactly: they belong
-// to infinite eigenvalues, which the operator maps to zero. Sturm counts (negative pivots of
-// K - mu M) cut the range into slices of at most a few dozen eigenvalues with a shift in each, and
-// prove that none was missed (R. G. Grimes, J. G. Lewis, H. D. Simon, SIAM J. Matrix Anal. Appl.
-// 15, 1994): time grows with the number of unknowns, also where eigenvalues crowd together, as in a
-// long line of like spans. Equal eigenvalues, which one start cannot see, are found from another
-// random vector.
+// to infinite eigenvalues, which the operator maps to zero. A Sturm count (negative pivots of
+// K - mu M) proves that none was missed; where one was, as happens with equal eigenvalues, the
+// space is extended by a new random vector until the count agrees. Where many eigenvalues crowd
+// together, as in a long line of like spans, the range is cut by Sturm counts into slices of a few
+// dozen with a shift in each (R. G. Grimes, J. G. Lewis, H. D. Simon, SIAM J. Matrix Anal. Appl.
+// 15, 1994), so that time grows with the number of unknowns and not with the crowd.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,6 +21,7 @@ struct Eigenpairs {
   Eigen::VectorXd values;   ///< rising
   Eigen::MatrixXd vectors;  ///< unknowns x pairs, x' M x = 1
   bool complete = false;    ///< a Sturm count agrees
+  bool exhausted = false;   ///< there are no more finite ones
   int steps = 0;
 };
 
