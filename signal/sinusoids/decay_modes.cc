@@ -28,13 +28,13 @@ class DecayModeSearch {
       : samples_(samples), options_(options), n_(samples.values.size()) {}
 
   // The first mode, from several starts; nothing when no peak stands out of the noise.
-  std::optional<DampedSinusoidsFit> first() {
+  std::optional<DampedSinusoidsFit> first(double lowest, double highest) {
     const Eigen::VectorXd x = trendless();
     DecaySearchOptions search;
-    search.candidates = 3;
+    search.lowest = lowest, search.highest = highest, search.candidates = 3;
     // Half of what noise may show: Fisher's test of the fit decides.
     search.energy_over_noise = 0.5 * threshold();
-    const auto found = distinct_decays(decay_peaks(x), n_, search);
+    const auto found = distinct_decays(decay_peaks(x, search), n_, search);
     std::vector<DecayCandidate> starts;
     for (const auto& c : found) {
       if (c.energy > 0.3 * found.front().energy) starts.push_back(c);
@@ -247,7 +247,9 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
                                                    const DecayModesOptions& options,
                                                    const std::vector<Complex>& known) {
   DecayModeSearch search(samples, options);
-  auto fit = known.empty() ? search.first() : fit_poles(samples, known);
+  auto fit = known.empty() ? search.first(0, 0.5) : fit_poles(samples, known);
+  // A slow sway may be no oscillation, and larger than what is asked for.
+  if (!fit && !band.all) fit = search.first(band.low, band.high);
   if (!fit) return fit;
   const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
   while (fit->poles.size() < limit) {
