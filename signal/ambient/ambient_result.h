@@ -77,7 +77,7 @@ struct AmbientMode {
 
 struct AmbientSpectrum {
   Eigen::VectorXd frequency_hz;
-  /// Of the spectral matrix of the channels over their standard deviations, lines x channels.
+  /// Spectral matrix of the channels over their standard deviations, lines x channels.
   Eigen::MatrixXd singular_values;
 };
 

@@ -33,7 +33,7 @@ struct QualityFinding {
 
 /// Figures and findings of one channel.
 struct ChannelQuality {
-  const Channel* channel = nullptr;  ///< of the recording
+  const Channel* channel = nullptr;  ///< in the recording
   double min = 0, max = 0, mean = 0,
          rms = 0;  ///< SI, without missing samples; NaN when there are none
   long missing_samples = 0;

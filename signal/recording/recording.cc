@@ -122,7 +122,7 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double print
   TimeAxis axis;
   axis.printed_resolution_s = printed_resolution_s;
   const Eigen::Index n = time_s.size();
-  Eigen::ArrayXd place(n), t(n);  // of the times that are there
+  Eigen::ArrayXd place(n), t(n);  // at the times that are there
   Eigen::Index count = 0;
   for (Eigen::Index k = 0; k < n; ++k) {
     if (std::isfinite(time_s[k])) place[count] = static_cast<double>(k), t[count++] = time_s[k];

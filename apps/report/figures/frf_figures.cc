@@ -173,8 +173,8 @@ Plot stabilisation_plot(const std::string& id, const signal::ModalResult& found,
   return plot;
 }
 
-/// Singular values of the spectral matrix with the modes: the first three of one record, the first
-/// of each of several set-ups.
+/// Singular values of the spectral matrix with the modes: three for one record, the first one for
+/// each set-up where there are several.
 Plot spectra_plot(const std::string& id, const signal::AmbientResult& found, Origin origin) {
   Plot plot{id,
             "Singular values of the spectral matrix",

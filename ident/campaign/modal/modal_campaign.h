@@ -29,7 +29,7 @@ struct ModalTestState {
   std::vector<StruckPlace> places;
   HammerTest hammer;  ///< empty for ambient motion; inputs named by the places; "hammer" without
   std::optional<signal::ModalResult> modal;      ///< empty: no FRFs, or too few lines
-  std::optional<signal::AmbientResult> ambient;  ///< of ambient motion; its modes are `modal`'s
+  std::optional<signal::AmbientResult> ambient;  ///< its modes are `modal`'s
   std::vector<std::string> channels;             ///< responses, in the order of the FRFs
   /// Axes of positive values from the recordings, by response and by input; zero if not stated.
   std::vector<Eigen::Vector3d> directions, force_directions;

@@ -90,7 +90,7 @@ class Elements {
     if (!has_fields && array_class != kCell && array_class != kFunction) return true;
     double count = 1;
     for (std::size_t d = 0; d < parts[1].data.size() / 4; ++d) count *= word(parts[1].data, d);
-    std::size_t first = 3;  // of the parts that are variables
+    std::size_t first = 3;  // first of the parts that are variables
     if (array_class == kObject && !is(first++, kInt8)) return false;  // name of its class
     if (has_fields) {
       if (!is(first, kInt32) || parts[first].data.size() != 4 || !is(first + 1, kInt8))

@@ -33,7 +33,7 @@ struct FrfPart {
   FrfForm form = FrfForm::unknown;
   Eigen::VectorXd frequency_hz;
   Eigen::VectorXcd H;
-  Eigen::VectorXd coherence, H_std;  ///< of as many lines; empty: not known
+  Eigen::VectorXd coherence, H_std;  ///< as many lines; empty: not known
   std::string file;                  ///< for messages
   long line = 0;
 };
