@@ -10,7 +10,7 @@
 #include "apps/results/results_json.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
-#include "signal/readers/csv/csv_fields.h"
+#include "signal/readers/csv_fields.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 

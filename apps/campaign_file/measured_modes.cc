@@ -13,7 +13,7 @@
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 #include "signal/readers/read_recording.h"
-#include "signal/readers/uff/read_uff_modes.h"
+#include "signal/readers/read_uff_modes.h"
 
 namespace rigfit::apps {
 namespace {

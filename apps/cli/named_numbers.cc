@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "apps/cli/exit_code.h"
-#include "signal/readers/csv/csv_fields.h"
+#include "signal/readers/csv_fields.h"
 
 namespace rigfit::apps {
 namespace {

@@ -11,7 +11,7 @@
 #include "apps/cli/progress.h"
 #include "apps/describe/json_of.h"
 #include "document/document_error.h"
-#include "signal/readers/files/mapped_file.h"
+#include "signal/readers/mapped_file.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {

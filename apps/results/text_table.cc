@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "model/scene/toml_table.h"
-#include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/files/mapped_file.h"
+#include "signal/readers/csv_fields.h"
+#include "signal/readers/mapped_file.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::apps {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "signal/numerics/numbers.h"
-#include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/csv/csv_table.h"
+#include "signal/readers/csv_fields.h"
+#include "signal/readers/csv_table.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"

@@ -10,9 +10,9 @@
 #include <cstring>
 #include <utility>
 
-#include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/csv/frequency_table.h"
-#include "signal/readers/files/mapped_file.h"
+#include "signal/readers/csv_fields.h"
+#include "signal/readers/frequency_table.h"
+#include "signal/readers/mapped_file.h"
 #include "signal/readers/recording_description.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"

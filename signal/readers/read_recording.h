@@ -14,7 +14,7 @@
 
 namespace rigfit::signal {
 
-struct CsvTable;  // csv/csv_table.h
+struct CsvTable;  // csv_table.h
 
 /// The name of the format (format_names) by the first bytes: "    -1" begins UFF, "LabVIEW
 /// Measurement" LVM, "RIFF" WAV, "\x93NUMPY" a NumPy array, "MATLAB" with its version mark a .mat
@@ -33,7 +33,7 @@ struct CsvTable;  // csv/csv_table.h
 [[nodiscard]] FrfSet read_frfs(const std::vector<std::filesystem::path>& files,
                                const ReadOptions& options = {});
 
-/// Functions over frequency, FRFs or spectra, as csv/frequency_table.h has them. `bytes` are those
+/// Functions over frequency, FRFs or spectra, as frequency_table.h has them. `bytes` are those
 /// of the file at `path`. Empty when it is no table, or none over frequency. Throws RecordingError.
 [[nodiscard]] std::optional<CsvTable> frequency_table_in(std::string_view bytes,
                                                          const std::filesystem::path& path,
@@ -96,7 +96,7 @@ struct CsvTable;  // csv/csv_table.h
                                    const ReadOptions& options = {});
 
 /// A sheet of an Excel workbook (.xlsx, ECMA-376) as a table: by the rules of tables of text
-/// (csv/csv_table.h), on its numbers as they are saved; cells with dates are times, empty ones and
+/// (csv_table.h), on its numbers as they are saved; cells with dates are times, empty ones and
 /// \#N/A missing. Without `options.sheet` a note names the other sheets. Refused, with the cell,
 /// are other errors and a formula saved without its value.
 [[nodiscard]] Recording read_xlsx(std::string_view bytes, const std::filesystem::path& path,

@@ -18,8 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include "signal/readers/csv/csv_fields.h"
-#include "signal/readers/csv/csv_table.h"
+#include "signal/readers/csv_fields.h"
+#include "signal/readers/csv_table.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"

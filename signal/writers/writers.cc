@@ -9,7 +9,7 @@
 #include <iterator>
 #include <map>
 
-#include "signal/readers/uff/uff58.h"
+#include "signal/readers/uff58.h"
 #include "signal/recording/units.h"
 #include "signal/writers/write_csv.h"
 #include "signal/writers/write_uff.h"

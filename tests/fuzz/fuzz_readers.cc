@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
-#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/frequency_table.h"
 #include "signal/readers/read_recording.h"
-#include "signal/readers/uff/read_uff_modes.h"
+#include "signal/readers/read_uff_modes.h"
 #include "tests/fuzz/require_sound.h"
 
 namespace rigfit::signal::fuzzed {

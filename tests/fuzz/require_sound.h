@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "signal/readers/uff/read_uff_modes.h"
+#include "signal/readers/read_uff_modes.h"
 #include "signal/recording/recording.h"
 #include "signal/recording/recording_error.h"
 

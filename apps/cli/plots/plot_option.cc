@@ -11,7 +11,7 @@
 #include "apps/cli/output_file.h"
 #include "apps/cli/plots/browser.h"
 #include "apps/report/page/block_html.h"
-#include "signal/readers/csv/csv_fields.h"
+#include "signal/readers/csv_fields.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;

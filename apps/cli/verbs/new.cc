@@ -7,7 +7,7 @@
 #include "apps/cli/assets.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
-#include "signal/readers/csv/csv_fields.h"
+#include "signal/readers/csv_fields.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::apps {

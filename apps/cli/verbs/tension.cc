@@ -3,7 +3,7 @@
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/cli/verbs/all.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
-#include "signal/readers/csv/csv_fields.h"
+#include "signal/readers/csv_fields.h"
 
 namespace rigfit::apps {
 namespace {

@@ -1,6 +1,6 @@
 #include "signal/recording/recording_time.h"
 
-#include "signal/readers/csv/csv_fields.h"
+#include "signal/readers/csv_fields.h"
 #include "tests/test.h"
 
 namespace rigfit::signal::time_axis_test {

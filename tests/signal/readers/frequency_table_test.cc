@@ -1,5 +1,5 @@
 // Tables over frequency: FRFs are read as FRFs, spectra are no recordings over time.
-#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/frequency_table.h"
 #include "signal/readers/read_recording.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"

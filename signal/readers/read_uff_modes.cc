@@ -1,4 +1,4 @@
-#include "signal/readers/uff/read_uff_modes.h"
+#include "signal/readers/read_uff_modes.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,8 +10,8 @@
 #include <set>
 
 #include "signal/numerics/numbers.h"
-#include "signal/readers/files/mapped_file.h"
-#include "signal/readers/uff/uff58.h"
+#include "signal/readers/mapped_file.h"
+#include "signal/readers/uff58.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/units.h"
 

@@ -1,7 +1,7 @@
 // Universal files as other programs write them: every kind of function, unit and channel, and what
 // is said of those that cannot be taken.
 #include "signal/readers/read_recording.h"
-#include "signal/readers/uff/uff58.h"
+#include "signal/readers/uff58.h"
 #include "signal/writers/write_uff.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"

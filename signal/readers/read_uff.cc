@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/frequency_table.h"
 #include "signal/readers/read_recording.h"
-#include "signal/readers/uff/uff58.h"
+#include "signal/readers/uff58.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"

@@ -1,4 +1,4 @@
-#include "signal/readers/arrays/array_columns.h"
+#include "signal/readers/array_columns.h"
 
 #include <zlib.h>
 

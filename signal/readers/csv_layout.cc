@@ -1,4 +1,4 @@
-#include "signal/readers/csv/csv_table.h"
+#include "signal/readers/csv_table.h"
 
 #include <algorithm>
 #include <array>

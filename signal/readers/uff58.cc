@@ -1,4 +1,4 @@
-#include "signal/readers/uff/uff58.h"
+#include "signal/readers/uff58.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "signal/numerics/numbers.h"
-#include "signal/readers/arrays/array_columns.h"
-#include "signal/readers/csv/csv_fields.h"
+#include "signal/readers/array_columns.h"
+#include "signal/readers/csv_fields.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {

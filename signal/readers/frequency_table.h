@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/readers/csv/csv_table.h"
+#include "signal/readers/csv_table.h"
 #include "signal/recording/recording.h"
 #include "signal/spectra/frf_set.h"
 

@@ -1,4 +1,4 @@
-#include "signal/readers/arrays/array_columns.h"
+#include "signal/readers/array_columns.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

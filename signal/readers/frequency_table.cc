@@ -1,4 +1,4 @@
-#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/frequency_table.h"
 
 #include <fmt/format.h>
 

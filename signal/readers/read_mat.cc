@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "signal/readers/arrays/array_columns.h"
-#include "signal/readers/csv/csv_table.h"
-#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/array_columns.h"
+#include "signal/readers/csv_table.h"
+#include "signal/readers/frequency_table.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 #include "signal/recording/units.h"

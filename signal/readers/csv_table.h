@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-#include "signal/readers/csv/csv_fields.h"
+#include "signal/readers/csv_fields.h"
 #include "signal/readers/recording_description.h"
 #include "signal/recording/recording.h"
 

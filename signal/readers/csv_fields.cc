@@ -1,4 +1,4 @@
-#include "signal/readers/csv/csv_fields.h"
+#include "signal/readers/csv_fields.h"
 
 #include <algorithm>
 #include <charconv>

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "signal/readers/csv/csv_table.h"
+#include "signal/readers/csv_table.h"
 #include "signal/readers/recording_description.h"
 #include "signal/recording/recording.h"
 

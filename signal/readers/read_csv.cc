@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "signal/readers/csv/csv_table.h"
-#include "signal/readers/csv/frequency_table.h"
+#include "signal/readers/csv_table.h"
+#include "signal/readers/frequency_table.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 

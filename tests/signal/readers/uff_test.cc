@@ -2,7 +2,7 @@
 #include <cstdint>
 
 #include "signal/readers/read_recording.h"
-#include "signal/readers/uff/uff58.h"
+#include "signal/readers/uff58.h"
 #include "signal/writers/write_uff.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/signal/readers/reading.h"

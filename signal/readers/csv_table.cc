@@ -1,4 +1,4 @@
-#include "signal/readers/csv/csv_table.h"
+#include "signal/readers/csv_table.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,0 +1,268 @@
+#include "signal/recording/recording_time.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "signal/estimation/robust.h"
+#include "signal/numerics/numbers.h"
+#include "signal/recording/recording_error.h"
+#include "signal/recording/units.h"
+
+namespace rigfit::signal {
+
+void take_stated_rate(double rate_hz, Recording& recording) {
+  const double of_file = std::isfinite(recording.sample_rate_hz) ? recording.sample_rate_hz : 0;
+  recording.sample_rate_hz = rate_hz > 0 ? rate_hz : of_file;
+  if (!(recording.sample_rate_hz > 0)) {
+    add_note(recording.notes, "no_sample_rate", "",
+             "neither times nor a sample rate in the file: give it (--sample-rate, or "
+             "sample_rate_hz in the TOML file beside the recording)");
+  }
+  if (!(rate_hz > 0)) return;
+  recording.sample_rate_relative_std = 0;
+  if (of_file > 0 && std::abs(of_file / rate_hz - 1) > 1e-4) {
+    add_note(recording.notes, "read_as", "",
+             "the file gives {:.9g} Hz; {:.9g} Hz is taken as asked", of_file, rate_hz);
+    recording.time_s.resize(0);
+  }
+}
+
+void take_unit(const std::string& text, Channel& channel, std::vector<Note>& notes) {
+  channel.source_unit = text;
+  if (const auto unit = parse_unit(text)) {
+    channel.unit = unit->si;
+    channel.si_per_source = unit->factor;
+    channel.si_offset = unit->offset;
+    if (unit->quantity != Quantity::unknown) channel.quantity = unit->quantity;
+  } else if (!text.empty()) {
+    add_note(notes, "unknown_unit", channel.name,
+             "unit \"{}\" is not known: the numbers are kept as they are", text);
+  }
+}
+
+void take_samples(Eigen::VectorXd numbers, Channel& channel) {
+  channel.samples = std::move(numbers);
+  channel.samples.array() = channel.samples.array() * channel.si_per_source + channel.si_offset;
+  for (double& x : channel.samples) x = std::isfinite(x) ? x : kNaN;
+  channel.missing_samples = channel.samples.array().isNaN().count();
+}
+
+std::string unused_name(const std::string& name, std::set<std::string>& used) {
+  std::string own = name;
+  for (int k = 2; !used.insert(own).second; ++k) own = name + "_" + std::to_string(k);
+  return own;
+}
+
+double round_rate(double rate_hz, double tolerance) {
+  if (!(rate_hz > 0) || !std::isfinite(rate_hz)) return rate_hz;
+  const double decade = std::floor(std::log10(rate_hz));
+  for (int digits = 0; digits < 9; ++digits) {
+    const double unit = std::pow(10.0, decade - digits);
+    // A multiple of a negative power of ten is formed by dividing: 0.1 has no exact double.
+    const double rounded = unit >= 1 ? std::round(rate_hz / unit) * unit
+                                     : std::round(rate_hz / unit) / std::round(1 / unit);
+    if (std::abs(rounded - rate_hz) <= tolerance * rate_hz) return rounded;
+  }
+  return rate_hz;
+}
+
+TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double printed_resolution_s,
+                   double stated_rate_hz) {
+  TimeAxis axis;
+  axis.printed_resolution_s = printed_resolution_s;
+  const Eigen::Index n = time_s.size();
+  Eigen::ArrayXd place(n), t(n);  // at the times that are there
+  Eigen::Index count = 0;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (std::isfinite(time_s[k])) place[count] = static_cast<double>(k), t[count++] = time_s[k];
+  }
+  axis.missing = n - count;
+  if (count < 2) return axis;
+  place.conservativeResize(count);
+  t.conservativeResize(count);
+  // Centred sums: times of 1e9 s (clocks) keep their digits.
+  const double k_mean = place.mean(), t_mean = t[0] + (t - t[0]).mean();
+  place -= k_mean;
+  double step = (place * (t - t_mean)).sum() / place.square().sum();
+
+  const double resolution = printed_resolution_s;
+  axis.uniform =
+      step > 0 && (t - t_mean - step * place).abs().maxCoeff() <= 0.75 * resolution + 0.01 * step;
+  if (!axis.uniform) {
+    const Eigen::ArrayXd all = time_s.tail(n - 1) - time_s.head(n - 1);  // NaN beside missing times
+    std::vector<double> steps;
+    std::ranges::copy_if(all, std::back_inserter(steps), [](double h) { return std::isfinite(h); });
+    if (steps.empty()) return axis;
+    const double usual = median(steps);
+    // Gaps bias the line. The mean of the steps that are no gaps does not see them, and printing,
+    // which may make most steps zero, averages out of it.
+    const double near = std::max(1.5 * resolution, 0.5 * std::abs(usual));
+    const Eigen::Array<bool, Eigen::Dynamic, 1> regular = (all - usual).abs() <= near;
+    step = regular.select(all, 0.0).sum() / std::max(1.0, static_cast<double>(regular.count()));
+    // Printed steps differ by a digit, unless the step is a whole number of them.
+    const double digits = resolution > 0 ? step / resolution : 1;
+    const bool whole = digits > 0.5 && std::abs(digits - std::round(digits)) < 1e-3;
+    const double slack = whole ? 0 : resolution;
+    double worst_step = 0;
+    for (Eigen::Index k = 1; k < n; ++k) {
+      const double h = all[k - 1];
+      if (!std::isfinite(h)) continue;
+      const bool back = h < 0, again = h == 0 && !(resolution > 1.01 * step);
+      const bool gap = step > 0 && h > 1.5 * step + slack;
+      axis.backward += back ? 1 : 0;
+      axis.repeated += again ? 1 : 0;
+      axis.gaps += gap ? 1 : 0;
+      if ((back || again || gap) && axis.first_fault < 0) axis.first_fault = k;
+      if (gap && h > worst_step) worst_step = h, axis.longest_gap_at = k, axis.longest_gap_s = h;
+    }
+  }
+  if (!(step > 0) || !std::isfinite(1 / step)) return axis;
+
+  const double span = std::max(1.0, static_cast<double>(n - 1));
+  // The step is known to about one printed digit over the whole record.
+  const double tolerance = resolution / (span * step) + 1e-9;
+  axis.rate_hz = 1 / step;
+  axis.start_s = time_s[0];
+  if (stated_rate_hz > 0) {
+    // "Agrees": not further off than the clock errors of ordinary loggers (100 ppm) and printing.
+    axis.agrees_with_stated =
+        std::abs(axis.rate_hz / stated_rate_hz - 1) <= std::max(tolerance, 1e-4);
+    if (std::abs(axis.rate_hz / stated_rate_hz - 1) <= tolerance) axis.rate_hz = stated_rate_hz;
+  }
+  if (axis.rate_hz != stated_rate_hz) axis.rate_hz = round_rate(axis.rate_hz, tolerance);
+  if (axis.uniform && !std::isfinite(axis.start_s)) axis.start_s = t_mean - step * k_mean;
+  const Eigen::ArrayXd departure = t - t_mean - (axis.uniform ? 1 / axis.rate_hz : step) * place;
+  axis.jitter_s = std::sqrt((departure - departure.mean()).square().mean());
+  // Times near the largest double: sums over them are no numbers, nor is a rate from them.
+  if (!std::isfinite(axis.jitter_s) || !std::isfinite(axis.start_s) ||
+      !std::isfinite(axis.rate_hz)) {
+    TimeAxis none;
+    none.missing = axis.missing;
+    return none;
+  }
+  return axis;
+}
+
+double clock_tick(const Eigen::Ref<const Eigen::VectorXd>& time_s, double printed_resolution_s) {
+  const Eigen::Index n = time_s.size();
+  if (n < 16 || !time_s.allFinite()) return 0;
+  // Differences of printed times are off by one digit, and by rounding of the doubles themselves.
+  const double slack = 1.01 * printed_resolution_s + 4e-16 * time_s.cwiseAbs().maxCoeff();
+  const Eigen::ArrayXd steps = time_s.tail(n - 1) - time_s.head(n - 1);
+  const double least = steps.minCoeff(), tick = steps.maxCoeff() - least;
+  if (least < -slack || tick < 4 * slack || !std::isfinite(tick)) return 0;
+  const Eigen::ArrayXd more = (steps - least) / tick;  // 0 or 1
+  const auto ones = (more > 0.5).count();
+  const double whole = std::round(least / tick);
+  if (((more - more.round()).abs() * tick > 2 * slack).any() || std::min(ones, n - 1 - ones) < 4 ||
+      std::abs(least - whole * tick) > slack * (1 + 2 * whole)) {
+    return 0;
+  }
+  // Even samples seen through the clock stay within one tick of a line; lost samples do not.
+  return time_axis(time_s, 0.74 * tick).uniform ? tick : 0;
+}
+
+RateOfStep rate_of_step(double step_s, double half_digit) {
+  RateOfStep result;
+  if (!(step_s > 0) || !std::isfinite(1 / step_s)) return result;
+  result.rate_hz = 1 / step_s;
+  const double tolerance = std::min(0.1, half_digit / step_s);
+  // A round rate (four digits or fewer) whose step is this very decimal: printed in full.
+  const double round = round_rate(result.rate_hz, 1e-12);
+  const double four = std::pow(10.0, std::floor(std::log10(round)) - 3);
+  if (std::abs(round / four - std::round(round / four)) < 1e-9) {
+    result.rate_hz = round;
+    return result;
+  }
+  result.relative_std = tolerance / std::sqrt(3.0);
+  std::vector<double> usual;
+  const double power = std::exp2(std::round(std::log2(result.rate_hz)));
+  const double decade = std::pow(10.0, std::floor(std::log10(result.rate_hz)) - 1);
+  // Powers of two, those times 25 (51200 Hz and its parts), and rates of two digits.
+  const double times25 = 25 * std::exp2(std::round(std::log2(result.rate_hz / 25)));
+  for (const double rate : {power, times25, std::round(result.rate_hz / decade) * decade}) {
+    if (std::abs(1 / rate - step_s) > half_digit * (1 + 1e-9)) continue;
+    if (std::find(usual.begin(), usual.end(), rate) == usual.end()) usual.push_back(rate);
+  }
+  if (usual.size() == 1) result.rate_hz = usual.front();
+  return result;
+}
+
+void take_times(const TimeAxis& axis, const Eigen::VectorXd& time_s, const std::string& name,
+                long first_line, Recording& recording) {
+  auto& notes = recording.notes;
+  const auto line = [&](Eigen::Index sample) {
+    return first_line == 0 ? fmt::format("near sample {}", sample + 1)
+                           : fmt::format("near line {}", first_line + sample);
+  };
+  recording.sample_rate_hz = axis.rate_hz;
+  recording.start_time_s = std::isfinite(axis.start_s) ? axis.start_s : 0;
+  recording.time_jitter_s = axis.jitter_s;
+  const bool is_known = axis.rate_hz > 0, is_uneven = is_known && !axis.uniform;
+  if (axis.backward > 0 || axis.repeated > 0) {
+    add_note(notes, "time_axis", line(axis.first_fault),
+             "times go back {} times and repeat {} times", axis.backward, axis.repeated);
+  }
+  if (axis.gaps > 0) {
+    add_note(notes, "time_axis", line(axis.longest_gap_at),
+             "{} gaps in the times, the longest {:.9g} s", axis.gaps, axis.longest_gap_s);
+  }
+  if (axis.missing > 0) add_note(notes, "time_missing", "", "{} times are missing", axis.missing);
+  if (is_uneven) {
+    add_note(notes, "time_axis", "", "sampling is not uniform (rms departure {:.9g} s)",
+             axis.jitter_s);
+  } else if (is_known && axis.printed_resolution_s * axis.rate_hz > 1) {
+    add_note(notes, "read_as", "",
+             "times are rounded to {:.9g} s, coarser than the sampling step; "
+             "the rate is that of the whole record",
+             axis.printed_resolution_s);
+  }
+  if (is_uneven && axis.missing > 0) {
+    Eigen::Index at = 0;
+    while (std::isfinite(time_s[at])) ++at;
+    const bool by_line = first_line > 0;
+    throw RecordingError({recording.path.string(), by_line ? first_line + at : 0, 0, name,
+                          by_line ? "" : fmt::format("sample {}", at + 1)},
+                         "the time is missing and sampling is not uniform",
+                         "fix the times, or delete that column and give the sample rate");
+  }
+  if (is_uneven) recording.time_s = time_s;
+  if (!is_known && time_s.size() > 1) {
+    add_note(notes, "time_axis", name, "Give the sample rate: the times do not rise");
+  }
+}
+
+void note_unitless(Recording& recording) {
+  std::vector<std::string> names;
+  for (const auto& channel : recording.channels) {
+    if (channel.source_unit.empty() && channel.unit.empty()) names.push_back(channel.name);
+  }
+  const auto known = std::ranges::find(recording.notes, "no_unit", &Note::code);
+  if (known != recording.notes.end()) {
+    known->where = listed(names);
+    if (names.empty()) recording.notes.erase(known);
+  } else if (!names.empty()) {
+    add_note(recording.notes, "no_unit", listed(names),
+             "no unit in the file: the numbers are kept as they are");
+  }
+}
+
+void shorten(std::vector<Note>& notes) {
+  std::map<std::string, std::size_t> count, seen;
+  for (const auto& note : notes) ++count[note.code];
+  std::erase_if(notes, [&](Note& note) {
+    const std::size_t place = ++seen[note.code], all = count[note.code];
+    if (place == kMostListed && all > kMostListed) {
+      note.message += " (and " + std::to_string(all - kMostListed) + " more of this kind)";
+    }
+    return place > kMostListed;
+  });
+}
+
+}  // namespace rigfit::signal
