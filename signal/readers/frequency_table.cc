@@ -8,7 +8,6 @@
 #include <complex>
 #include <map>
 #include <numbers>
-#include <ranges>
 #include <regex>
 #include <utility>
 
@@ -140,7 +139,8 @@ struct Columns {
 
 std::vector<Columns> pairs_of(const CsvTable& table) {
   std::vector<Columns> found;
-  for (const auto& function : table.channels | std::views::drop(1)) {
+  for (std::size_t k = 1; k < table.channels.size(); ++k) {
+    const Channel& function = table.channels[k];
     const PartOfFrf part = part_of(function.name);
     const bool polar = part.part == Part::magnitude || part.part == Part::phase;
     if (part.part == Part::real || part.part == Part::magnitude) {

@@ -19,6 +19,7 @@ constexpr double kLeastStd = 2e-3;
 constexpr double kSure = 12;       // see the header
 constexpr std::size_t kSeeds = 8;  // local fits from all over the range
 constexpr int kRounds = 6;
+constexpr double kApart = 0.1;           // in ln(value): what parts two parameters that start alike
 constexpr double kNegligible = 7;        // ln of the ratio of weights
 constexpr double kDampingRange = 4.605;  // ln(100): range of an unpaired damping ratio
 
@@ -108,7 +109,12 @@ class Search {
 
   std::vector<UpdateAnswer> run(int& fits, std::string& failure) {
     std::vector<UpdateAnswer> answers;
-    for (auto& seed : seeds_at(problem_.start(), failure)) {
+    Eigen::VectorXd start = problem_.start();
+    // Two that start alike would stay so: their difference has no slope there.
+    for (const auto& [i, j] : exchangeable()) {
+      if (start[i] == start[j]) start[i] -= kApart, start[j] += kApart;
+    }
+    for (auto& seed : seeds_at(start, failure)) {
       std::vector<UpdateAnswer> one{settled(std::move(seed))};
       ++fits;
       failure = one.front().solution.failure;
@@ -129,6 +135,7 @@ class Search {
     });
     merge(std::move(heaviest), answers);
     std::erase_if(answers, [&](const UpdateAnswer& one) { return negligible(one, answers); });
+    add_exchanged(answers);
     double all = -std::numeric_limits<double>::infinity();
     for (const auto& answer : answers) all = log_sum(all, answer.log_evidence);
     for (auto& answer : answers) answer.weight = std::exp(answer.log_evidence - all);
@@ -167,6 +174,39 @@ class Search {
   static bool near(const UpdateAnswer& heavier, const UpdateAnswer& other) {
     const Eigen::VectorXd d = heavier.solution.q - other.solution.q;
     return d.dot(heavier.hessian * d) < 9;
+  }
+
+  // Pairs of parameters of one quantity, such as the springs at both ends.
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> exchangeable() const {
+    const auto& coordinates = problem_.coordinates();
+    const auto names = problem_.names();
+    const auto quantity = [&](Eigen::Index i) {
+      const auto& name = names[static_cast<std::size_t>(i)];
+      return name.substr(name.rfind('.') + 1);
+    };
+    std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs;
+    for (Eigen::Index i = 0; i < problem_.parameter_count(); ++i) {
+      for (Eigen::Index j = 0; j < i; ++j) {
+        const bool one = coordinates[static_cast<std::size_t>(i)].parameter ==
+                         coordinates[static_cast<std::size_t>(j)].parameter;
+        if (!one && quantity(i) == quantity(j)) pairs.emplace_back(j, i);
+      }
+    }
+    return pairs;
+  }
+
+  // Frequencies alone do not tell which end has which spring.
+  void add_exchanged(std::vector<UpdateAnswer>& answers) const {
+    for (std::size_t k = 0, found = answers.size(); k < found; ++k) {
+      for (const auto& [i, j] : exchangeable()) {
+        Seed seed{answers[k].solution.q, answers[k].solution.matches};
+        std::swap(seed.q[i], seed.q[j]);
+        UpdateAnswer other = settled(std::move(seed));
+        if (other.solution.q.size() == 0 || negligible(other, answers)) continue;
+        const auto same = [&](const UpdateAnswer& one) { return near(one, other); };
+        if (std::none_of(answers.begin(), answers.end(), same)) answers.push_back(std::move(other));
+      }
+    }
   }
 
   // A positive parameter that the data leave free stays near q: the prior of the evidence.

@@ -104,6 +104,28 @@ TEST(FindAnswers, LooksNoFurtherWhereTheAnswerNearTheStartCannotBeChance) {
   EXPECT_NEAR(result.parameters[0].value, testing::kTension, 1e-4 * testing::kTension);
 }
 
+// Frequencies do not tell which end has which spring: both answers, with half of the weight each,
+// though the ends start alike.
+TEST(FindAnswers, SpringsOfTheTwoEndsMayBeExchanged) {
+  const FreeHanger hanger;
+  auto truth = hanger.truth;
+  truth.nodes[0].support.rotational[2] = 0.3 * hanger.half;
+  truth.nodes[1].support.rotational[2] = 2 * hanger.half;
+  UpdateOptions options;
+  options.segment_uncertainty = false;
+  const auto result =
+      update_model({{"hanger", hanger.truth, testing::measured(truth, 9, 1e-4)}},
+                   {{"h.tension"}, {"a.rotational_z"}, {"b.rotational_z"}}, options);
+  ASSERT_EQ(result.alternatives.size(), 2U);
+  const auto& one = result.alternatives[0].parameters;
+  const auto& other = result.alternatives[1].parameters;
+  EXPECT_NEAR(result.alternatives[0].weight, 0.5, 0.01);
+  EXPECT_NEAR(one[1].value * one[2].value, 0.6 * hanger.half * hanger.half,
+              0.1 * hanger.half * hanger.half);
+  EXPECT_NEAR(one[1].value, other[2].value, 0.01 * one[1].value);
+  EXPECT_NEAR(one[2].value, other[1].value, 0.01 * one[2].value);
+}
+
 // Without a prior about the start the spring runs to its bound: pinned ends, 14 % off.
 TEST(FindAnswers, WhatTheDataHardlyTellStaysNearItsStart) {
   const auto result = FreeHanger().from(1.1);
