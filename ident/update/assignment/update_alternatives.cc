@@ -176,7 +176,7 @@ class Search {
     return d.dot(heavier.hessian * d) < 9;
   }
 
-  // Pairs of parameters of one quantity, such as the springs at both ends.
+  // Pairs of positive parameters of one quantity, such as the springs at both ends.
   std::vector<std::pair<Eigen::Index, Eigen::Index>> exchangeable() const {
     const auto& coordinates = problem_.coordinates();
     const auto names = problem_.names();
@@ -187,9 +187,9 @@ class Search {
     std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs;
     for (Eigen::Index i = 0; i < problem_.parameter_count(); ++i) {
       for (Eigen::Index j = 0; j < i; ++j) {
-        const bool one = coordinates[static_cast<std::size_t>(i)].parameter ==
-                         coordinates[static_cast<std::size_t>(j)].parameter;
-        if (!one && quantity(i) == quantity(j)) pairs.emplace_back(j, i);
+        const auto& one = coordinates[static_cast<std::size_t>(i)];
+        const bool apart = one.parameter != coordinates[static_cast<std::size_t>(j)].parameter;
+        if (apart && one.logarithmic && quantity(i) == quantity(j)) pairs.emplace_back(j, i);
       }
     }
     return pairs;
