@@ -361,7 +361,8 @@ void AmbientAnalysis::run(std::vector<Index> references) {
   shapes_ = std::move(found.shapes);
   if (pairs_.rows() > 0) {
     const Index No = signals_.channels(), lines = spectrum_->omega.size();
-    auto& shown = result_.spectra.emplace_back(spectrum_->omega / kTwoPi, MatrixXd(lines, No));
+    result_.spectra.push_back({spectrum_->omega / kTwoPi, MatrixXd(lines, No)});
+    auto& shown = result_.spectra.back();
     for (Index l = 0; l < lines; ++l) {
       const VectorXcd row = pairs_.row(l);
       const MatrixXcd S = row.reshaped(No, No);
