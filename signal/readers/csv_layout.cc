@@ -296,8 +296,8 @@ double rate_of(const std::string& label, double number, const std::string& unit_
 void find_rate(const std::vector<std::string_view>& lines, CsvLayout& layout) {
   static const std::regex kStated(
       R"((?:^|[\t;,:="#%])\s*([a-z][^\t;,:="#%0-9([]*?)\s*(?:[([]([^)\]]*)[)\]])?)"  // label, unit
-      R"((["\s:;,=#%]+)((?:\d+(?:\.\d*|,\d+)?|[.,]\d+)(?:e[+-]?\d+)?)(?![.\d]))"     // number
-      R"(\s*([^\s;,"0-9][^;,"]*)?)",                                                 // unit
+      R"((["\s:;,=#%]+)((?:\d+(?:\.\d*|,\d+)?|[.,]\d+)(?:e[+-]?\d+)?)(?![.\d]|\s\d{3}))"  // number
+      R"(\s*([^\s;,"0-9][^;,"]*)?)",                                                      // unit
       std::regex::icase);
   const auto found = [&](double rate, std::size_t k) {
     layout.stated_rate_hz = rate;
@@ -327,6 +327,11 @@ void find_rate(const std::vector<std::string_view>& lines, CsvLayout& layout) {
       // A comma is a decimal sign unless it parts the fields of this line.
       if (layout.dialect.separator == ',' && between.find(',') != std::string::npos) {
         digits.resize(std::min(digits.find(','), digits.size()));
+      }
+      // The sign that is not the table's and stands before three digits parts thousands.
+      const char thousands = layout.dialect.decimal == '.' ? ',' : '.';
+      if (digits.size() > 4 && digits[0] != '0' && digits[digits.size() - 4] == thousands) {
+        digits.erase(digits.size() - 4, 1);
       }
       if (!parse_whole_number(digits, '.', value) && !parse_whole_number(digits, ',', value)) {
         continue;

@@ -113,7 +113,11 @@ class BodyParser {
       }
       if (c < target_.size() && target_[c] != nullptr) target_[c][rows_] = value_of(text, c);
     }
-    // What is not there is missing.
+    // What is not there is missing; between blanks nobody can say which it is.
+    if (fields_.size() < target_.size() && layout_.dialect.separator == ' ') {
+      throw BadField{line, fields_.size(), "fewer fields than the table has columns",
+                     "write \"nan\" where nothing was measured, or put commas between columns"};
+    }
     bool lacking = false;
     for (std::size_t c = fields_.size(); c < target_.size(); ++c) {
       if (target_[c] == nullptr) continue;

@@ -72,6 +72,11 @@ double round_rate(double rate_hz, double tolerance) {
   return rate_hz;
 }
 
+namespace {
+// Rates known worse may be near several round ones.
+constexpr double kRounded = 3e-4;
+}  // namespace
+
 TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double printed_resolution_s,
                    double stated_rate_hz) {
   TimeAxis axis;
@@ -125,8 +130,15 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double print
   if (!(step > 0) || !std::isfinite(1 / step)) return axis;
 
   const double span = std::max(1.0, static_cast<double>(n - 1));
-  // The step is known to about one printed digit over the whole record.
-  const double tolerance = resolution / (span * step) + 1e-9;
+  // The step is known to about one printed digit over the whole record, and exactly where it is a
+  // whole number of them throughout.
+  const double whole = resolution > 0 ? std::round(step / resolution) * resolution : 0;
+  const bool exact = axis.uniform && whole > 0 &&
+                     (t - t_mean - whole * place).abs().maxCoeff() <= 1e-3 * resolution;
+  if (exact) step = whole;
+  // Where samples share a stamp their rounding is spread evenly and averages: three deviations.
+  const double share = resolution > step ? 3 / std::sqrt(span) : 1;
+  const double tolerance = (exact ? 0 : share * resolution / (span * step)) + 1e-9;
   axis.rate_hz = 1 / step;
   axis.start_s = time_s[0];
   if (stated_rate_hz > 0) {
@@ -135,7 +147,11 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double print
         std::abs(axis.rate_hz / stated_rate_hz - 1) <= std::max(tolerance, 1e-4);
     if (std::abs(axis.rate_hz / stated_rate_hz - 1) <= tolerance) axis.rate_hz = stated_rate_hz;
   }
-  if (axis.rate_hz != stated_rate_hz) axis.rate_hz = round_rate(axis.rate_hz, tolerance);
+  if (axis.rate_hz != stated_rate_hz && tolerance < kRounded) {
+    axis.rate_hz = round_rate(axis.rate_hz, tolerance);
+  } else if (axis.rate_hz != stated_rate_hz) {
+    axis.rate_relative_std = tolerance / std::sqrt(12.0);
+  }
   if (axis.uniform && !std::isfinite(axis.start_s)) axis.start_s = t_mean - step * k_mean;
   const Eigen::ArrayXd departure = t - t_mean - (axis.uniform ? 1 / axis.rate_hz : step) * place;
   axis.jitter_s = std::sqrt((departure - departure.mean()).square().mean());
@@ -202,6 +218,7 @@ void take_times(const TimeAxis& axis, const Eigen::VectorXd& time_s, const std::
                            : fmt::format("near line {}", first_line + sample);
   };
   recording.sample_rate_hz = axis.rate_hz;
+  recording.sample_rate_relative_std = axis.rate_relative_std;
   recording.start_time_s = std::isfinite(axis.start_s) ? axis.start_s : 0;
   recording.time_jitter_s = axis.jitter_s;
   const bool is_known = axis.rate_hz > 0, is_uneven = is_known && !axis.uniform;

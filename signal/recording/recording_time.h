@@ -43,7 +43,8 @@ void note_unitless(Recording& recording);
 void shorten(std::vector<Note>& notes);
 
 struct TimeAxis {
-  double rate_hz = 0;  ///< 0: not to be had (fewer than two times, or they do not rise)
+  double rate_hz = 0;            ///< 0: not to be had (fewer than two times, or they do not rise)
+  double rate_relative_std = 0;  ///< rounding of the printed times; 0: an exact or a round rate
   double start_s = 0;
   double jitter_s = 0;  ///< rms departure from uniform sampling
   bool uniform = false;
@@ -63,7 +64,9 @@ struct TimeAxis {
 /// t_k = start + k / rate, by least squares over all samples: the rounding of printed times
 /// averages out, where the median of their differences would keep it. Departures that printing
 /// explains (half of the last digit) and those below a hundredth of a step leave the sampling
-/// uniform. `stated_rate_hz`: by a header; taken when the times agree with it; 0: none.
+/// uniform. `stated_rate_hz`: by a header; taken when the times agree with it; 0: none. A step that
+/// is a whole number of printed digits throughout is exact; else the roundest rate is taken where
+/// the times leave 3e-4 at most.
 [[nodiscard]] TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
                                  double printed_resolution_s = 0, double stated_rate_hz = 0);
 

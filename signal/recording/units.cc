@@ -340,13 +340,20 @@ TitledUnit split_title(std::string_view title) {
     if (parse_unit(inside) || open == '[' || lower_case(inside) == "counts") return {name, inside};
     break;
   }
-  for (const std::string_view sign : {" / ", ", ", ": ", " in ", "/", "_", " "}) {
+  for (const std::string_view sign : {" / ", ", ", ": ", " in "}) {
     const std::size_t at = s.rfind(sign);
     if (at == std::string::npos || at == 0) continue;
-    const std::string name = trimmed(std::string_view(s).substr(0, at));
     const std::string unit = trimmed(std::string_view(s).substr(at + sign.size()));
+    if (parse_unit(unit)) return {trimmed(std::string_view(s).substr(0, at)), unit};
+  }
+  // From the left, so that the unit is the longest: "Acc m/s^2" is no "Acc m" in s^2.
+  for (std::size_t at = s.find_first_of("/_ ", 1); at != std::string::npos;
+       at = s.find_first_of("/_ ", at + 1)) {
+    const char sign = s[at];
+    const std::string name = trimmed(std::string_view(s).substr(0, at));
+    const std::string unit = trimmed(std::string_view(s).substr(at + 1));
     // "accel_m_s2", "gyro_rad_s": two parts as a quotient.
-    const std::size_t before = sign == "_" ? name.rfind('_') : std::string::npos;
+    const std::size_t before = sign == '_' ? name.rfind('_') : std::string::npos;
     if (before != std::string::npos && before > 0 && unit.starts_with('s')) {
       const std::string quotient = name.substr(before + 1) + '/' + unit;
       const auto parsed = parse_unit(quotient);
@@ -354,12 +361,12 @@ TitledUnit split_title(std::string_view title) {
     }
     if (!parse_unit(unit)) continue;
     // "C", "K", "h", "1" and the like at the end of a name are letters more often than units.
-    if (sign.size() == 1 && (is_listed("|C|K|h|J|c|k|H|j|n|M|S|G|in|v|", unit) ||
-                             std::isdigit(static_cast<unsigned char>(unit[0])) != 0)) {
+    if (is_listed("|C|K|h|J|c|k|H|j|n|M|S|G|in|v|", unit) ||
+        std::isdigit(static_cast<unsigned char>(unit[0])) != 0) {
       continue;
     }
-    if (sign == " " && unit.size() < 2 && !is_listed("|N|V|g|s|", unit)) continue;
-    return {sign == "_" ? s : name, unit};
+    if (sign == ' ' && unit.size() < 2 && !is_listed("|N|V|g|s|", unit)) continue;
+    return {sign == '_' ? s : name, unit};
   }
   return {s, ""};
 }

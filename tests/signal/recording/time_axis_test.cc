@@ -25,6 +25,15 @@ TEST(TimeAxis, RoundedTimesGiveTheExactRate) {
   }
 }
 
+// A step of 3 ms is what was printed, whatever rounder rate the digits would leave; of 4096 Hz to
+// 0.1 ms 24 samples leave 4000 and 4100 Hz as well.
+TEST(TimeAxis, FewTimesAreNotRounded) {
+  EXPECT_NEAR(time_axis(times(24, 1 / 0.003, 0.001), 0.001).rate_hz, 1 / 0.003, 1e-6);
+  const TimeAxis axis = time_axis(times(24, 4096, 1e-4), 1e-4);
+  EXPECT_NEAR(axis.rate_hz, 4096, 3 * axis.rate_relative_std * 4096);
+  EXPECT_GT(axis.rate_relative_std, 1e-3);
+}
+
 TEST(TimeAxis, StatedRateIsCheckedAndTakenWhenTimesCannotTell) {
   EXPECT_TRUE(time_axis(times(100, 50, 0.01), 0.01, 50).agrees_with_stated);
   EXPECT_FALSE(time_axis(times(100, 50, 0.01), 0.01, 100).agrees_with_stated);
