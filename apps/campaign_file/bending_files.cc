@@ -308,7 +308,7 @@ model::Scene cables_at(const model::Scene& scene, double tension,
                         : ident::name_of(curve.source())),
         file);
   }
-  return ident::scene_at(use_of_cables(scene), {curve, {}}, tension).scene;
+  return ident::scene_at(use_of_cables(scene), {curve, {}, {}}, tension);
 }
 
 }  // namespace rigfit::apps

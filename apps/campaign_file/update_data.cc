@@ -343,7 +343,7 @@ std::vector<ident::UncertainInput> uncertain_inputs(const std::vector<std::strin
   }
   std::erase_if(inputs, [](const auto& one) { return one.effects.empty(); });
   if (!states.stiffness.empty()) {
-    std::ranges::move(known_inputs({states.stiffness, {}}, states), std::back_inserter(inputs));
+    std::ranges::move(known_inputs({states.stiffness, {}, {}}, states), std::back_inserter(inputs));
   }
   return inputs;
 }
@@ -357,9 +357,9 @@ std::vector<ident::UncertainInput> axial_inputs(const std::string& path, UpdateS
     throw model::SceneError({path, 0, 0, "EA_N"}, "has no std: it cannot be weighed",
                             "give --length-std and --mass-std to rigfit axial");
   }
-  const ident::KnownValues known{{}, ident::AxialKnowledge{EA_N, {}}};
+  const ident::KnownValues known{{}, EA_N, {}};
   for (auto& state : states.states) {
-    state.scene = ident::scene_at(use_of_cables(state.scene), known, {}).scene;
+    state.scene = ident::scene_at(use_of_cables(state.scene), known, {});
   }
   return known_inputs(known, states);
 }

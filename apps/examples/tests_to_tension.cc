@@ -46,14 +46,14 @@ int main(int argc, char** argv) try {
   const ident::CampaignResult result = ident::run_campaign(campaign);
   std::printf("EI at %g N: %.4f N m2 (%s)\n", read_N, result.known.EI.at(read_N).EI_Nm2,
               result.known.EI.sentence().c_str());
-  const ident::UpdateResult& found = result.fits[0].outcome.result;
+  const ident::UpdateResult& found = result.fits[0].result;
   for (const auto& parameter : found.parameters) {
     std::printf("%s: %.2f N (std %.2g)\n", parameter.name.c_str(), parameter.value, parameter.std);
     for (const auto& term : parameter.budget) {
       std::printf("  of it %.2g by %s\n", term.std, term.source.c_str());
     }
   }
-  for (const auto& finding : result.fits[0].outcome.findings) {
+  for (const auto& finding : result.fits[0].findings) {
     std::printf("%s\n", finding.message.c_str());
   }
   return found.status == ident::UpdateStatus::converged ? 0 : 5;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ident/statistics/in_parallel.h"
+#include "ident/update/model_update.h"
 #include "model/scene/parameters.h"
 
 namespace rigfit::ident {
@@ -44,31 +45,30 @@ CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
       const int index = static_cast<int>(result.states.size());
       uses.push_back({index, &*test.scene, modal.tension_N});
       result.states.push_back(&modal);
-      result.task.states.push_back(std::move(state));
+      result.given.push_back(std::move(state));
     }
   }
-  result.task.free = fit.free;
-  result.task.options = fit.options;
-  for (auto& input : known_inputs(so_far.known, uses)) {
-    result.task.options.inputs.push_back(std::move(input));
-  }
   if (result.states.empty()) return result;
-  result.outcome = fit_campaign(result.task);
+  UpdateOptions options = fit.options;
+  std::ranges::move(known_inputs(so_far.known, uses), std::back_inserter(options.inputs));
+  result.result = update_model(result.given, fit.free, options);
+  result.findings = fit_findings(result.result);
   return result;
 }
 
 /// `scene` with what a fit found of the state at that tension, else with what its states share;
 /// false: the fit has found nothing.
-bool apply_fit(const CampaignFitOutcome& fit, std::optional<double> tension_N,
+bool apply_fit(const CampaignResult& so_far, std::size_t index, std::optional<double> tension_N,
                model::Scene& scene) {
-  const auto& result = fit.outcome.result;
+  const auto& fit = so_far.fits.at(index);
+  const auto& result = fit.result;
   if (fit.states.empty() || result.status != UpdateStatus::converged) return false;
   std::size_t from = 0;
   bool own = false;
   for (std::size_t s = 0; s < fit.states.size(); ++s) {
     if (fit.states[s]->tension_N == tension_N) from = s, own = true;
   }
-  for (const auto& parameter : fit.task.free) {
+  for (const auto& parameter : so_far.inputs.fits[index].free) {
     if (!own && parameter.per_state) continue;
     const auto& targets = parameter.targets;
     for (const auto& name : targets.empty() ? std::vector{parameter.name} : targets) {
@@ -81,7 +81,7 @@ bool apply_fit(const CampaignFitOutcome& fit, std::optional<double> tension_N,
 /// The scene as given and as fitted, with the load and the sensor alone; empty: it lacks one.
 std::vector<ModelVersion> versions(const DecayInputs& test, const std::string& channel,
                                    std::optional<double> tension_N, const CampaignResult& so_far) {
-  model::Scene scene = scene_at(*test.scene, so_far.known, tension_N).scene;
+  model::Scene scene = scene_at(*test.scene, so_far.known, tension_N);
   const auto other = test.sensors.find(channel);
   const std::string& sensor = other == test.sensors.end() ? channel : other->second;
   std::erase_if(scene.sensors, [&](const auto& one) { return one.name != sensor; });
@@ -90,7 +90,7 @@ std::vector<ModelVersion> versions(const DecayInputs& test, const std::string& c
   std::vector<ModelVersion> all{{"as given", scene}};
   for (const std::size_t f : test.fits) {
     model::Scene fitted = scene;
-    if (apply_fit(so_far.fits.at(f), tension_N, fitted)) {
+    if (apply_fit(so_far, f, tension_N, fitted)) {
       all.push_back({so_far.inputs.fits[f].title, std::move(fitted)});
     }
   }
@@ -101,16 +101,14 @@ std::vector<ModelVersion> versions(const DecayInputs& test, const std::string& c
 DecaysOutcome run_recording(const DecayInputs& test, std::size_t index,
                             const CampaignResult& so_far) {
   const TestRecording& one = test.recordings[index];
-  DecayTest decays = run_decay_test(one, test.options);
-  DecaysOutcome result{.channels = {}, .findings = std::move(decays.findings)};
-  for (auto& found : decays.channels) {
-    std::vector<ReleaseAnswer> answers;
-    if (!found.result.modes.empty() && test.scene) {
-      answers = release_answers(found, test.options.decay,
-                                versions(test, found.channel, one.tension_N, so_far),
-                                so_far.inputs.threads);
-    }
-    result.channels.push_back({index, std::move(found), std::move(answers)});
+  DecaysOutcome result{run_decay_test(one, test.options), {}};
+  for (auto& found : result.channels) {
+    found.recording = index;
+    auto& answers = result.answers.emplace_back();
+    if (found.result.modes.empty() || !test.scene) continue;
+    answers = release_answers(found, test.options.decay,
+                              versions(test, found.channel, one.tension_N, so_far),
+                              so_far.inputs.threads);
   }
   return result;
 }
@@ -122,6 +120,7 @@ DecaysOutcome run_decays(const DecayInputs& test, const CampaignResult& so_far) 
   DecaysOutcome all;
   for (auto& one : each) {
     std::ranges::move(one.channels, std::back_inserter(all.channels));
+    std::ranges::move(one.answers, std::back_inserter(all.answers));
     std::ranges::move(one.findings, std::back_inserter(all.findings));
   }
   return all;
@@ -138,12 +137,17 @@ TestResult analysed(const DecayInputs&) { return DecaysOutcome(); }  // after th
 
 KnownValues known_values(const std::vector<TestResult>& tests) {
   KnownValues known;
+  const AxialTestResult* axial = nullptr;
   for (const auto& one : tests) {
     const auto* bending = std::get_if<BendingCampaignResult>(&one);
     if (bending && known.EI.empty()) known.EI = bending->curve;
-    const auto* axial = std::get_if<AxialCampaignResult>(&one);
-    if (axial && axial->test && !known.axial) known.axial = knowledge_of(*axial->test);
+    const auto* hung = std::get_if<AxialCampaignResult>(&one);
+    if (hung && hung->test && !axial) axial = &*hung->test;
   }
+  if (!axial) return known;
+  known.damping_ratio = axial->damping_ratio;
+  // A bound without an upper end is no value for a scene.
+  if (!std::isinf(axial->EA_N.std)) known.EA_N = axial->EA_N;
   return known;
 }
 

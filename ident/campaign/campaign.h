@@ -16,10 +16,9 @@
 #include <variant>
 #include <vector>
 
-#include "ident/campaign/fit_campaign.h"
+#include "ident/campaign/fit_findings.h"
 #include "ident/campaign/modal/modal_campaign.h"
 #include "ident/campaign/modal/modal_model.h"
-#include "ident/campaign/modal/model_answers.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 #include "ident/campaign/single_tests/decay_campaign.h"
@@ -73,15 +72,10 @@ struct ModalOutcome {
   std::vector<ModalState> model;  ///< by rising tension; empty: no scene
 };
 
-/// One channel of one recording of decays.
-struct DecayOutcome {
-  std::size_t recording = 0;  ///< index of the inputs' recordings
-  ChannelDecays found;
-  std::vector<ReleaseAnswer> answers;  ///< "as given", then by fit; empty: not modelled
-};
-struct DecaysOutcome {
-  std::vector<DecayOutcome> channels;  ///< by recording, then channel
-  std::vector<Finding> findings;       ///< what the decay tests found
+/// The channels of all recordings.
+struct DecaysOutcome : DecayTest {
+  /// By channel: "as given", then by fit; empty: not modelled.
+  std::vector<std::vector<ReleaseAnswer>> answers;
 };
 
 /// By the kind of the inputs, in their order.
@@ -90,8 +84,9 @@ using TestResult = std::variant<BendingCampaignResult, AxialCampaignResult, Tens
 
 struct CampaignFitOutcome {
   std::vector<const ModalState*> states;  ///< in the result's modal tests
-  FitTask task;                           ///< its states have the names and the order of `states`
-  FitOutcome outcome;                     ///< without states: nothing was fitted
+  std::vector<UpdateState> given;         ///< to the fit, in the order of `states`
+  UpdateResult result;                    ///< without states: nothing was fitted
+  std::vector<Finding> findings;
 };
 
 /// Contains its inputs. Its parts point to each other, so it can be moved but not copied.

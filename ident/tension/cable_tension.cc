@@ -192,7 +192,7 @@ void list_modes(const std::vector<MeasuredMode>& modes, const UpdateResult& resu
     mode.model_hz = pair.model_hz;
     mode.relative_error = pair.relative_error;
   }
-  for (const auto& one : result.unpaired) candidate.missed += one.missing;
+  for (const auto& one : result.unpaired) candidate.missed += one.missing();
 }
 
 /// How far the paired frequencies are off, and the chance of that with a sound model's error.

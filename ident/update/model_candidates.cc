@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "ident/update/model_update.h"
-#include "ident/update/uncertainty/update_intervals.h"
+#include "ident/update/uncertainty/update_uncertainty.h"
 
 namespace rigfit::ident {
 namespace {

@@ -9,8 +9,6 @@
 #include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/problem/update_problem.h"
 #include "ident/update/problem/update_solver.h"
-#include "ident/update/uncertainty/update_intervals.h"
-#include "ident/update/uncertainty/update_misfit.h"
 #include "ident/update/uncertainty/update_uncertainty.h"
 #include "signal/numerics/numbers.h"
 
@@ -93,19 +91,6 @@ UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateSol
     allowed = tau;
   }
   return fit;
-}
-
-UpdateAlternative alternative_of(const UpdateAnswer& answer, const UpdateResult& result) {
-  UpdateAlternative alternative;
-  alternative.weight = answer.weight;
-  alternative.log_evidence = answer.log_evidence;
-  alternative.add(answer.solution.matches);
-  alternative.parameters = result.parameters;
-  alternative.pairs = result.pairs;
-  alternative.unpaired = result.unpaired;
-  alternative.rms_relative_error = result.rms_relative_error;
-  alternative.model_std = result.fit.model_std;
-  return alternative;
 }
 
 // The prediction of a state from the fit of the others, whose minimum is sought from that of all,
@@ -297,17 +282,21 @@ UpdateResult update_model(const std::vector<UpdateState>& states,
     UpdateResult other = plain;
     other.fit = fit;
     state_answer(whole, options, answer.solution, other);
-    alternatives.push_back(alternative_of(answer, other));
+    alternatives.push_back(
+        {answer.solution.matches, other, answer.weight, answer.log_evidence, fit.model_std});
     if (alternatives.size() > 1) continue;
     state_segment_shifts(whole, options, answer.solution, other);
     for (int s = 0; s < static_cast<int>(states.size()); ++s) {
       other.scenes.push_back(whole.scene_at(s, answer.solution.q));
-      if (options.hold_out)
-        other.held.push_back(hold_out(whole, options, answer.solution, other, s));
+      if (!options.hold_out || states.size() < 2) continue;
+      other.held.push_back(hold_out(whole, options, answer.solution, other, s));
     }
     result = std::move(other);
     if (!problem.modes_only()) break;
   }
+  std::vector<UpdatedPair> held;
+  for (const auto& one : result.held) held.insert(held.end(), one.pairs.begin(), one.pairs.end());
+  result.rms_held_out = rms_of_pairs(held);
   if (problem.modes_only()) result.alternatives = std::move(alternatives);
   if (result.alternatives.size() > 1) state_mixture(result);
   if (result.message.ends_with("; ")) result.message.resize(result.message.size() - 2);

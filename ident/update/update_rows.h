@@ -13,19 +13,11 @@
 
 namespace rigfit::ident {
 
-/// A measured mode with its partner in the model, or one of either that has none.
-struct PairRow {
-  std::optional<UpdatedPair> pair;
-  UpdatedUnpaired alone;  ///< without a pair
-};
-
-[[nodiscard]] inline std::vector<PairRow> pair_rows(const std::vector<UpdatedPair>& pairs,
-                                                    const std::vector<UpdatedUnpaired>& unpaired) {
-  std::vector<PairRow> rows;
-  rows.reserve(pairs.size() + unpaired.size());
-  for (const auto& pair : pairs) rows.push_back({pair, {}});
-  for (const auto& alone : unpaired) rows.push_back({std::nullopt, alone});
-  return rows;
+/// The pairs, then what has no partner.
+[[nodiscard]] inline std::vector<UpdatedPair> pair_rows(std::vector<UpdatedPair> pairs,
+                                                        const std::vector<UpdatedPair>& unpaired) {
+  pairs.insert(pairs.end(), unpaired.begin(), unpaired.end());
+  return pairs;
 }
 
 /// Shares of a parameter's variance by source.
@@ -105,76 +97,46 @@ struct Described<ident::UpdateFit> {
       field("frf_model_std", &T::frf_model_std, "", "", "the same of FRFs")};
 };
 
-/// A member of the pair; nothing without one.
-template <class Get>
-constexpr auto of_pair(Get get) {
-  return where([](const ident::PairRow& r) { return r.pair.has_value(); },
-               [=](const ident::PairRow& r) {
-                 return std::invoke(get, r.pair ? *r.pair : ident::UpdatedPair{});
-               });
-}
-
 template <>
-struct Described<ident::PairRow> {
-  using T = ident::PairRow;
+struct Described<ident::UpdatedPair> {
+  using T = ident::UpdatedPair;
   static constexpr std::string_view title{};
-  static constexpr double measured_std(const T& r) {
-    return r.pair ? r.pair->measured_std_hz : signal::kNaN;
-  }
-  static constexpr double measured(const T& r) {
-    return r.pair ? r.pair->measured_hz : r.alone.measured ? r.alone.frequency_hz : signal::kNaN;
-  }
-  static constexpr double modelled(const T& r) {
-    return r.pair ? r.pair->model_hz : r.alone.measured ? signal::kNaN : r.alone.frequency_hz;
+  /// A member of a pair; nothing without one.
+  static constexpr auto of_pair = [](auto get) { return where(&T::is_pair, get); };
+  static signal::Estimate error(const T& p) {
+    const auto known = [](double std) { return std::isfinite(std) ? std : 0; };
+    return {p.relative_error,
+            std::hypot(known(p.measured_std_hz), known(p.model_std_hz)) / p.measured_hz};
   }
   static constexpr auto fields = std::tuple{
-      field(
-          "state", [](const T& r) { return r.pair ? r.pair->state_name : r.alone.state_name; }, "",
-          "state", "of the rig"),
-      field("measured_hz", &measured, "", "", "null: no partner"),
-      field("model_hz", &modelled, "", "", "null: no partner"),
+      field("state", &T::state_name, "", "state", "of the rig"),
+      field("measured_hz", &T::measured_hz, "", "", "null: no partner"),
+      field("model_hz", &T::model_hz, "", "", "null: no partner"),
       field(
           "",
-          [](const T& r) {
-            return signal::Estimate{measured(r), measured_std(r)};
+          [](const T& p) {
+            return signal::Estimate{p.measured_hz, p.measured_std_hz};
           },
           "Hz", "measured", ""),
       field(
           "",
-          [](const T& r) {
-            return signal::Estimate{modelled(r), r.pair ? r.pair->model_std_hz : signal::kNaN};
+          [](const T& p) {
+            return signal::Estimate{p.model_hz, p.model_std_hz};
           },
           "Hz", "model", ""),
-      field("relative_error", of_pair(&ident::UpdatedPair::relative_error), "", "",
-            "model over measured, less 1"),
-      field(
-          "",
-          [](const T& r) {
-            if (!r.pair) return signal::Estimate{signal::kNaN, signal::kNaN};
-            const auto known = [](double std) { return std::isfinite(std) ? std : 0; };
-            return signal::Estimate{
-                r.pair->relative_error,
-                std::hypot(known(measured_std(r)), known(r.pair->model_std_hz)) /
-                    r.pair->measured_hz};
-          },
-          "%", "error", ""),
-      field("plane", of_pair(&ident::UpdatedPair::plane), "", "plane", "in, out ..."),
-      field("order", of_pair([](const ident::UpdatedPair& p) { return p.order + 1; }), "", "order",
+      field("relative_error", of_pair(&T::relative_error), "", "", "model over measured, less 1"),
+      field("", &error, "%", "error", ""),
+      field("plane", of_pair(&T::plane), "", "plane", "in, out ..."),
+      field("order", of_pair([](const T& p) { return p.order + 1; }), "", "order",
             "among the modes of its plane"),
-      field("mac", of_pair(&ident::UpdatedPair::mac), "", "", "of the shapes"),
-      field("measured_damping_ratio", of_pair(&ident::UpdatedPair::measured_damping), "", "", ""),
-      field("model_damping_ratio", of_pair(&ident::UpdatedPair::model_damping), "", "", ""),
-      field("model_std_hz", of_pair(&ident::UpdatedPair::model_std_hz), "Hz", "", ""),
-      field(
-          "leakage", [](const T& r) { return r.pair && r.pair->cross_plane; }, "", "",
-          "not fitted"),
+      field("mac", of_pair(&T::mac), "", "", "of the shapes"),
+      field("measured_damping_ratio", of_pair(&T::measured_damping), "", "", ""),
+      field("model_damping_ratio", of_pair(&T::model_damping), "", "", ""),
+      field("model_std_hz", of_pair(&T::model_std_hz), "Hz", "", ""),
+      field("leakage", &T::cross_plane, "", "", "not fitted"),
       field(
           "reason",
-          [](const T& r) {
-            return !r.pair               ? r.alone.reason
-                   : r.pair->cross_plane ? std::string("leakage, not fitted")
-                                         : std::string();
-          },
+          [](const T& p) { return p.cross_plane ? std::string("leakage, not fitted") : p.reason; },
           "", "remark", "why it has no partner")};
 };
 
@@ -226,7 +188,7 @@ struct Described<ident::HeldOut> {
                  field("rms_log_frf_error_before", &T::frf_before),
                  field("rms_log_frf_error_fitted", &T::frf_fitted),
                  field("rms_log_frf_error_predicted", &T::frf_predicted),
-                 field("pairs", [](const T& h) { return ident::pair_rows(h.pairs, {}); })};
+                 field("pairs", &T::pairs)};
 };
 
 /// A member of the fit; nothing without one.

@@ -5,8 +5,9 @@
 
 #include "apps/campaign_file/update_data.h"
 #include "apps/cli/verbs/all.h"
-#include "ident/campaign/fit_campaign.h"
+#include "ident/campaign/fit_findings.h"
 #include "ident/update/model_candidates.h"
+#include "ident/update/model_update.h"
 #include "ident/update/update_rows.h"
 #include "model/scene/read_scene.h"
 
@@ -105,11 +106,10 @@ ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& sta
 }
 
 /// Text, figures, findings and JSON of a fit.
-Json told(const UpdateStates& states, const ident::UpdateResult& result,
-          const std::vector<ident::Finding>& findings, VerbContext& context) {
+Json told(const UpdateStates& states, const ident::UpdateResult& result, VerbContext& context) {
   print_update(context.out, result);
   if (context.plots) context.plots->add(fit_blocks("fit", states.states, result));
-  context.tell(findings);
+  context.tell(ident::fit_findings(result));
   if (result.status == ident::UpdateStatus::not_converged) context.fail(result.message);
   return describe::json_of(result);
 }
@@ -159,7 +159,7 @@ Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbCont
   result = comparison.candidates[best].result;
   states = std::move(models[best]);
   context.out << "the heaviest candidate: " << comparison.candidates[best].name << '\n';
-  Json json = told(states, result, ident::fit_findings(result), context);
+  Json json = told(states, result, context);
   json.update(candidates_json(comparison, context));
   return json;
 }
@@ -173,15 +173,14 @@ Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext
   const auto free = free_parameters(options.free, options.priors, states.states.front().scene);
   auto update = fit_options(options, states, context);
   update.hold_out = options.hold_out;
-  auto outcome = ident::fit_campaign({states.states, free, std::move(update)});
-  result = std::move(outcome.result);
+  result = ident::update_model(states.states, free, update);
   if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
 
-  Json json = told(states, result, outcome.findings, context);
+  Json json = told(states, result, context);
   if (options.hold_out) {
     describe::print(context.out, describe::table_of(result.held));
     json["hold_out"] = describe::json_of(result.held);
-    json["rms_relative_error_held_out"] = outcome.rms_held_out;
+    json["rms_relative_error_held_out"] = result.rms_held_out;
   }
   return json;
 }

@@ -22,7 +22,6 @@
 #include "apps/report/drawing/plot.h"
 #include "apps/report/page/tables.h"
 #include "ident/campaign/modal/hammer_campaign.h"
-#include "ident/campaign/modal/model_answers.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 #include "ident/tension/cable_tension.h"

@@ -29,11 +29,12 @@ class DecayPart : public TestPart {
     part_.json["records"] = Json::array();
     PlotGroup group{test_.name + "-decays", "Decays", {}};
     std::optional<std::size_t> last;
-    for (auto& channel : outcome.channels) {
+    for (std::size_t c = 0; c < outcome.channels.size(); ++c) {
+      auto& channel = outcome.channels[c];
       const std::size_t r = channel.recording;
       if (last != r) group.tabs.push_back({short_name(recordings[r].name), {}});
       last = r;
-      tell_channel(channel, recordings[r], group.tabs.back());
+      tell_channel(channel, outcome.answers[c], recordings[r], group.tabs.back());
     }
     std::erase_if(group.tabs, [](const PlotTab& tab) { return tab.plots.empty(); });
     part_.brief = {table_.id};
@@ -49,9 +50,8 @@ class DecayPart : public TestPart {
   }
 
  private:
-  void tell_channel(ident::DecayOutcome& outcome, const ident::TestRecording& recorded,
-                    PlotTab& tab) {
-    ident::RecordedDecay& decay = outcome.found;
+  void tell_channel(ident::ChannelDecays& decay, const std::vector<ident::ReleaseAnswer>& answers,
+                    const ident::TestRecording& recorded, PlotTab& tab) {
     if (decay.result.modes.empty()) return;
     const std::string id = fmt::format("{}-{}", test_.name, decays_.size() + 1);
     tab.plots.push_back(decay_plot(id, decay));
@@ -60,19 +60,19 @@ class DecayPart : public TestPart {
               {"origin", word_of(decay.origin)},
               {"tension_N", recorded.tension_N ? Json(*recorded.tension_N) : Json(nullptr)},
               {"modes", describe::json_of(decay.result.modes)},
-              {"decays", describe::json_of(outcome.found.decays)},
+              {"decays", describe::json_of(decay.decays)},
               {"law", name_of(decay.result.envelope.law)}};
     const std::string at = recorded.tension_N ? fmt::format("{:g} N", *recorded.tension_N) : "";
     add_answers(decay, at.empty() ? at : ", " + at);
     add_rows(table_, {short_name(decay.file), decay.channel, at, "record"},
              describe::table_of(decay.result.modes), decay.origin);
-    if (!outcome.answers.empty()) {
-      for (auto& plot : release_plots(id, decay, outcome.answers,
+    if (!answers.empty()) {
+      for (auto& plot : release_plots(id, decay, answers,
                                       test_.as<DecayTest>().inputs.options.decay.band_high_hz)) {
         tab.plots.push_back(std::move(plot));
       }
       json["models"] = Json::array();
-      for (const auto& answer : outcome.answers) {
+      for (const auto& answer : answers) {
         if (!answer.failure.empty()) {
           refuse(part_, "no_model", answer.failure,
                  fmt::format("{}: {}, {}", test_.title, short_name(decay.file), answer.label));

@@ -1,5 +1,5 @@
 #include "apps/report/parts/parts.h"
-#include "ident/campaign/fit_campaign.h"
+#include "ident/campaign/fit_findings.h"
 #include "ident/update/update_rows.h"
 #include "model/scene/parameters.h"
 
@@ -34,7 +34,7 @@ class Fit {
     part_.json["misfit"] = part_.json["fit"];  // "fit" is its name here
     part_.json["fit"] = fit_.name;
     if (!held_.empty()) part_.json["hold_out"] = describe::json_of(held_);
-    for (const auto& finding : answer_.outcome.findings) {
+    for (const auto& finding : answer_.findings) {
       part_.warnings.push_back(
           {finding.code, finding.message,
            finding.where.empty() ? fit_.name : parameter_words(finding.where)});
@@ -57,7 +57,7 @@ class Fit {
     for (const std::size_t test : fit_.tests) {
       tests += (tests.empty() ? "" : "; ") + campaign_.tests[test].title;
     }
-    const double allowed = answer_.task.options.model_relative_std;
+    const double allowed = fit_.model_std;
     return fmt::format("Fitted to {} in {} of: {}{}.", counted(measured_, "mode"),
                        counted(answer_.states.size(), "state"), tests,
                        allowed < 1e-5 ? std::string()
@@ -143,7 +143,7 @@ class Fit {
 
   /// Errors before, fitted and held out.
   void add_errors() {
-    const double held_rms = answer_.outcome.rms_held_out;
+    const double held_rms = result_.rms_held_out;
     const bool held = std::isfinite(held_rms);
     const std::string before = percent_words(result_.rms_relative_error_before),
                       fitted = percent_words(result_.rms_relative_error);
@@ -175,12 +175,12 @@ class Fit {
 
   /// Every measured mode and the model's; one without a partner is always a warning.
   void add_pairs() {
-    std::vector<ident::UpdatedUnpaired> alone;
+    std::vector<ident::UpdatedPair> alone;
     std::string lonely;
     for (const auto& one : result_.unpaired) {
-      if (!one.measured) continue;
+      if (one.missing()) continue;
       alone.push_back(one);
-      lonely += fmt::format("{}{} Hz ({})", lonely.empty() ? "" : ", ", shown(one.frequency_hz, 5),
+      lonely += fmt::format("{}{} Hz ({})", lonely.empty() ? "" : ", ", shown(one.measured_hz, 5),
                             state_words(state_of(one.state)));
     }
     for (const auto& pair : result_.pairs) {
@@ -228,9 +228,9 @@ class Fit {
   const Campaign& campaign_;
   const CampaignFit& fit_;
   const ident::CampaignFitOutcome& answer_;
-  const std::vector<ident::UpdateState>& updates_ = answer_.task.states;
-  const ident::UpdateResult& result_ = answer_.outcome.result;
-  const std::vector<ident::HeldOut>& held_ = answer_.outcome.result.held;  ///< may be empty
+  const std::vector<ident::UpdateState>& updates_ = answer_.given;
+  const ident::UpdateResult& result_ = answer_.result;
+  const std::vector<ident::HeldOut>& held_ = answer_.result.held;  ///< may be empty
   ReportPart part_;
   std::size_t measured_ = 0;
 };

@@ -171,9 +171,10 @@ std::vector<ModalState> modal_states(const TestSetup& test, const SceneUse& use,
   std::sort(states.begin(), states.end(),
             [](const ModalState& a, const ModalState& b) { return a.tension_N < b.tension_N; });
   for (auto& state : states) {
-    SceneOfState at = scene_at(use, known, state.tension_N);
-    state.EI_Nm2 = at.EI_Nm2;
-    state.rig.scene = std::move(at.scene);
+    state.rig.scene = scene_at(use, known, state.tension_N);
+    if (state.tension_N && !known.EI.empty() && !use.EI_of.empty()) {
+      state.EI_Nm2 = known.EI.at(*state.tension_N).EI_Nm2;
+    }
     if (state.recorded) {
       state.rig = instrumented(std::move(state.rig.scene), test, *state.recorded);
     }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <stdexcept>
@@ -241,13 +240,6 @@ AxialCampaignResult axial_campaign(const AxialInputs& inputs) {
   tell_rate(setup.rate_relative_std, decays.front().damped_frequency_hz, "", result.findings);
   add_notes(result.test->notes, result.findings);
   return result;
-}
-
-AxialKnowledge knowledge_of(const AxialTestResult& result) {
-  auto EA = result.EA_N;
-  // A bound without an upper end is no value for a scene.
-  if (std::isinf(EA.std)) EA.value = EA.std = std::numeric_limits<double>::quiet_NaN();
-  return {EA, result.damping_ratio};
 }
 
 }  // namespace rigfit::ident

@@ -28,7 +28,6 @@ struct AxialInputs {
 
 /// One decay of a recording.
 struct AxialRecord : RecordedDecay {
-  std::size_t recording = 0;  ///< index of the inputs' recordings
   double length_m = 0;
   double start_s = 0;  ///< start of the fitted window on the recording's time axis
   /// Index of the axial mode in `result`; empty: refused or none found, see the findings.
@@ -52,12 +51,6 @@ struct AxialCampaignResult {
 
 /// Unsuitable recordings become findings; throws std::invalid_argument for an invalid band.
 [[nodiscard]] AxialCampaignResult axial_campaign(const AxialInputs& inputs);
-
-/// Results of the axial test that scenes use.
-struct AxialKnowledge {
-  signal::Estimate EA_N, damping_ratio;
-};
-[[nodiscard]] AxialKnowledge knowledge_of(const AxialTestResult& result);
 
 }  // namespace rigfit::ident
 

@@ -1,5 +1,6 @@
 // Evaluates the free decays of one recording: finds every decay of a channel and fits the
-// strongest, or fits each and pools their modes.
+// strongest, or fits each and pools their modes. Versions of a model answer the same release or
+// tap.
 //
 // Pooled over decays, a mode's frequency (and likewise its damping ratio) is x_i = mu + u_i + e_i
 // with var e_i from the fit and var u_i = tau^2 between decays
@@ -18,6 +19,7 @@
 
 #include "document/describe.h"
 #include "ident/campaign/single_tests/test_recording.h"
+#include "model/response/response.h"
 #include "signal/decay/decay.h"
 
 namespace rigfit::ident {
@@ -51,6 +53,7 @@ struct RecordedDecay {
   double start_time_s = 0;  ///< time of samples[0], s
   Eigen::VectorXd samples;
   signal::DecayResult result;  ///< the strongest decay (signal/decay/decay.h)
+  std::size_t recording = 0;   ///< index of a test's recordings
 };
 /// `samples`: of the channel, the first of them sample `from` of the recording.
 [[nodiscard]] RecordedDecay estimated_decay(const TestRecording& recorded,
@@ -77,6 +80,36 @@ struct DecayTest {
 /// start and end.
 [[nodiscard]] DecayTest run_decay_test(const TestRecording& recorded,
                                        const DecayTestOptions& options);
+
+/// One version of the model: as given, fitted, ...
+struct ModelVersion {
+  std::string label;
+  model::Scene scene;  ///< instrumented as the test was
+};
+
+/// Response of one version to a release or tap.
+struct ReleaseAnswer {
+  std::string label;
+  model::ResponseResult response;  ///< first sensor only
+  Eigen::Index start = 0;          ///< sample of the record where it begins
+  signal::DecayResult found;  ///< decay of the response, from the record's estimator and window
+  std::string failure;        ///< why there is no answer; empty: there is one
+};
+
+/// Simulates every version, whose scenes have one load and one sensor, for as long as the record
+/// lasts, at most 10 s, and shifts each in time to best match the record.
+[[nodiscard]] std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
+                                                         const signal::DecayOptions& options,
+                                                         const std::vector<ModelVersion>& versions,
+                                                         int threads);
+
+/// The oscillation of an answer that corresponds to `mode`: the nearest in frequency within 15 %;
+/// null when there is none.
+[[nodiscard]] const signal::DecayMode* same_oscillation(const signal::DecayMode& mode,
+                                                        const ReleaseAnswer& answer);
+
+/// `samples` with the mean in place of missing ones.
+[[nodiscard]] Eigen::VectorXd filled(const Eigen::VectorXd& samples);
 
 }  // namespace rigfit::ident
 

@@ -7,24 +7,20 @@
 
 namespace rigfit::ident {
 
-SceneOfState scene_at(const SceneUse& use, const KnownValues& known,
+model::Scene scene_at(const SceneUse& use, const KnownValues& known,
                       std::optional<double> tension_N) {
-  SceneOfState state{use.scene, {}};
+  model::Scene scene = use.scene;
   const auto set = [&](const std::vector<std::string>& names, double value) {
     for (const auto& name : names) {
-      if (std::isfinite(value)) model::set_parameter(state.scene, name, value);
+      if (std::isfinite(value)) model::set_parameter(scene, name, value);
     }
   };
-  if (known.axial) {
-    set(use.EA_of, known.axial->EA_N.value);
-    set(use.damping_of, known.axial->damping_ratio.value);
-  }
-  if (!tension_N) return state;
+  set(use.EA_of, known.EA_N.value);
+  set(use.damping_of, known.damping_ratio.value);
+  if (!tension_N) return scene;
   set(use.tension_of, *tension_N);
-  if (known.EI.empty() || use.EI_of.empty()) return state;
-  state.EI_Nm2 = known.EI.at(*tension_N).EI_Nm2;
-  set(use.EI_of, *state.EI_Nm2);
-  return state;
+  if (!known.EI.empty()) set(use.EI_of, known.EI.at(*tension_N).EI_Nm2);
+  return scene;
 }
 
 std::vector<UncertainInput> known_inputs(const KnownValues& known,
@@ -49,10 +45,9 @@ std::vector<UncertainInput> known_inputs(const KnownValues& known,
       return one.tension_N ? term.change_Nm2[&one - states.data()] : 0;
     });
   }
-  if (!known.axial) return inputs;
-  add("EA (axial test)", &SceneUse::EA_of, [&](const auto&) { return known.axial->EA_N.std; });
+  add("EA (axial test)", &SceneUse::EA_of, [&](const auto&) { return known.EA_N.std; });
   add("damping ratio (axial test)", &SceneUse::damping_of,
-      [&](const auto&) { return known.axial->damping_ratio.std; });
+      [&](const auto&) { return known.damping_ratio.std; });
   return inputs;
 }
 

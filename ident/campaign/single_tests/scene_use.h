@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/stiffness/stiffness_curve.h"
 #include "ident/update/problem/update_data.h"
 #include "model/scene/scene.h"
@@ -14,8 +13,8 @@
 namespace rigfit::ident {
 
 struct KnownValues {
-  StiffnessCurve EI;  ///< empty: no bending test
-  std::optional<AxialKnowledge> axial;
+  StiffnessCurve EI;                     ///< empty: no bending test
+  signal::Estimate EA_N, damping_ratio;  ///< of the axial test; NaN: none
 };
 
 /// A scene and its parameters (such as "cable.EI") that take a state's tension and known values.
@@ -24,13 +23,9 @@ struct SceneUse {
   std::vector<std::string> tension_of, EI_of, EA_of, damping_of;
 };
 
-/// The scene that stands for the rig at a tension (empty: as built).
-struct SceneOfState {
-  model::Scene scene;
-  std::optional<double> EI_Nm2;  ///< if a bending test gave it
-};
-/// Throws model::SceneError for a parameter that the scene does not have.
-[[nodiscard]] SceneOfState scene_at(const SceneUse& use, const KnownValues& known,
+/// The scene that stands for the rig at a tension (empty: as built). Throws model::SceneError for a
+/// parameter that the scene does not have.
+[[nodiscard]] model::Scene scene_at(const SceneUse& use, const KnownValues& known,
                                     std::optional<double> tension_N);
 
 /// State `state` of a fit, at that tension.

@@ -60,15 +60,16 @@ UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelle
         {s, pair.measured, mode.plane, mode.order, pair.mac, pair.cross_plane});
   }
   for (const int index : found.unpaired_measured) {
-    const double hz = measured[static_cast<std::size_t>(index)].frequency_hz;
-    result.unpaired.push_back({s, hz, true, false, "no mode of the model explains it", state.name});
+    UpdatedPair& alone = result.unpaired.emplace_back(UpdatedPair{{s, index}, state.name});
+    alone.measured_hz = measured[static_cast<std::size_t>(index)].frequency_hz;
+    alone.reason = "no mode of the model explains it";
   }
   for (const auto& missed : found.missed) {
     const auto& mode = modelled.modes[static_cast<std::size_t>(missed.model)];
-    result.unpaired.push_back({s, mode.frequency_hz, false, true,
-                               fmt::format("{} {}: the test should have seen it",
-                                           model::name_of(mode.plane), mode.order + 1),
-                               state.name});
+    UpdatedPair& alone = result.unpaired.emplace_back(UpdatedPair{{s}, state.name});
+    alone.model_hz = mode.frequency_hz;
+    alone.reason = fmt::format("{} {}: the test should have seen it", model::name_of(mode.plane),
+                               mode.order + 1);
   }
   return result;
 }

@@ -127,7 +127,7 @@ struct UpdateOptions {
   std::vector<UncertainInput> inputs = {};  ///< independent of each other
   /// Segments of "auto" members; FRFs get more where they need them.
   int auto_segments = 30;
-  bool hold_out = false;  ///< predict each state from the others
+  bool hold_out = false;  ///< predict each state from the others, where there are several
   /// Free parameters, the first of them, whose intervals may be profiles; others are linear.
   int profiled = std::numeric_limits<int>::max();
 };

@@ -7,11 +7,46 @@
 #include <map>
 #include <stdexcept>
 
+#include "model/scene/actual_state.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 using signal::kNaN;
+
+double UpdateCoordinate::value(double q) const { return logarithmic ? std::exp(q) : q * scale; }
+double UpdateCoordinate::derivative(double q) const { return logarithmic ? std::exp(q) : scale; }
+double UpdateCoordinate::coordinate(double v) const {
+  return logarithmic ? std::log(v) : v / scale;
+}
+
+bool may_be_negative(const std::string& name) {
+  if (name == "load_cell.zero" || name == "temperature_change") return true;
+  const auto dot = name.rfind('.');
+  if (dot == std::string::npos) return false;
+  const std::string last = name.substr(dot + 1);
+  return last == "x" || last == "y" || last == "z" || last == "stretch" ||
+         last.starts_with("direction_");
+}
+
+bool is_joint_damper(const std::string& name) {
+  return name.ends_with(".damping_axial") || name.ends_with(".damping_bending") ||
+         name.ends_with(".damping_torsion");
+}
+
+double scale_at_zero(const model::Scene& scene, const std::string& name) {
+  if (name == "load_cell.zero") {
+    double tension = 0;
+    for (const auto& member : scene.members)
+      tension = std::max(tension, member.tension.value_or(0));
+    return 0.01 * tension;
+  }
+  double mass = 0;
+  for (const auto& member : scene.members) {
+    mass += member.mass_per_length * model::chord_of(scene, member).norm();
+  }
+  return name.ends_with(".mass") && mass > 0 ? 0.01 * mass : 1;
+}
 
 const UpdateModelMode* UpdateStateModes::find(model::ModePlane plane, int order) const {
   for (const auto& mode : modes) {
@@ -394,20 +429,12 @@ std::vector<UpdatedPair> UpdateProblem::pairs(const Eigen::VectorXd& q,
     if (mode == nullptr) continue;
     const auto& state = states_[static_cast<std::size_t>(match.state)];
     const auto& measured = state.measured[static_cast<std::size_t>(match.measured)];
-    result.push_back({.state = match.state,
-                      .measured = match.measured,
-                      .plane = match.plane,
-                      .order = match.order,
-                      .measured_hz = measured.frequency_hz.value,
-                      .model_hz = mode->frequency_hz,
-                      .relative_error = mode->frequency_hz / measured.frequency_hz.value - 1,
-                      .mac = match.mac,
-                      .measured_damping =
-                          known(measured.damping_ratio.value) ? measured.damping_ratio.value : kNaN,
-                      .model_damping = damping_ ? mode->damping_ratio : kNaN,
-                      .cross_plane = match.cross_plane,
-                      .state_name = state.name,
-                      .measured_std_hz = measured.frequency_hz.std});
+    UpdatedPair pair{match, state.name, measured.frequency_hz.value, mode->frequency_hz};
+    pair.relative_error = pair.model_hz / pair.measured_hz - 1;
+    if (known(measured.damping_ratio.value)) pair.measured_damping = measured.damping_ratio.value;
+    if (damping_) pair.model_damping = mode->damping_ratio;
+    pair.measured_std_hz = measured.frequency_hz.std;
+    result.push_back(std::move(pair));
   }
   return result;
 }

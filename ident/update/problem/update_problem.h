@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "ident/update/problem/update_coordinate.h"
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"
 
@@ -21,6 +20,32 @@ namespace rigfit::ident {
 
 /// A frequency, damping ratio or standard uncertainty that was given.
 [[nodiscard]] inline bool known(double value) { return std::isfinite(value) && value > 0; }
+
+/// One unknown as it is fitted: q = ln(value) where the value is positive by nature, else
+/// value / scale.
+struct UpdateCoordinate {
+  int parameter = 0;  ///< index into the free parameters
+  /// What is known to its standard uncertainty, q in units of it: index into the inputs, or into
+  /// the forces that lines of FRFs share (update_nuisances.cc); -1: neither.
+  int input = -1, force = -1;
+  int state = -1;  ///< -1: shared
+  bool logarithmic = true;
+  double scale = 1;
+  double start = 0, low = 0, high = 0;  ///< q
+  double prior = 0, prior_std = 0;      ///< q; prior_std 0: none
+
+  [[nodiscard]] double value(double q) const;
+  [[nodiscard]] double derivative(double q) const;  ///< d value / d q
+  [[nodiscard]] double coordinate(double value) const;
+};
+
+/// Whether a parameter may have any sign: coordinates of nodes, a load cell's zero, a change of
+/// temperature. Everything else in a scene is positive or zero.
+[[nodiscard]] bool may_be_negative(const std::string& name);
+[[nodiscard]] bool is_joint_damper(const std::string& name);
+/// Scale of a quantity that starts at zero: 1 % of the scene's mass for masses, 1 % of the largest
+/// tension for a load cell's zero, else 1.
+[[nodiscard]] double scale_at_zero(const model::Scene& scene, const std::string& name);
 
 struct UpdateModelMode {
   double frequency_hz = 0, damping_ratio = 0;
@@ -37,22 +62,9 @@ struct UpdateStateModes {
   [[nodiscard]] const UpdateModelMode* find(model::ModePlane plane, int order) const;
 };
 
-/// A measured mode and the modelled one it is fitted to.
-struct UpdateMatch {
-  int state = 0, measured = 0;
-  model::ModePlane plane = model::ModePlane::in;
-  int order = 0;
-  double mac = 0;
-  bool cross_plane = false;  ///< listed, not fitted
-  bool operator==(const UpdateMatch& other) const {
-    return state == other.state && measured == other.measured && plane == other.plane &&
-           order == other.order && cross_plane == other.cross_plane;
-  }
-};
-
 struct UpdateMatches : AssignmentLikelihood {
   std::vector<UpdateMatch> matches;
-  std::vector<UpdatedUnpaired> unpaired;
+  std::vector<UpdatedPair> unpaired;
 
   /// Those of another state.
   void append(const UpdateMatches& other) {

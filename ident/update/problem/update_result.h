@@ -43,25 +43,32 @@ struct UpdatedParameter {
   std::vector<UpdateBudgetTerm> budget = {};  ///< empty when not identifiable
 };
 
-struct UpdatedPair {
+/// A measured mode and the modelled one it is fitted to.
+struct UpdateMatch {
   int state = 0, measured = 0;
   model::ModePlane plane = model::ModePlane::in;
   int order = 0;  ///< among the modelled modes of that plane, from 0
-  double measured_hz = 0, model_hz = 0, relative_error = 0, mac = 0;
-  double measured_damping = 0, model_damping = 0;  ///< NaN when not measured
-  bool cross_plane = false;
-  std::string state_name = {};
-  double measured_std_hz = std::numeric_limits<double>::quiet_NaN();
-  /// Standard uncertainty of model_hz from parameters and inputs; NaN: unknown.
-  double model_std_hz = std::numeric_limits<double>::quiet_NaN();
+  double mac = 0;
+  bool cross_plane = false;  ///< listed, not fitted
+  bool operator==(const UpdateMatch& other) const {
+    return state == other.state && measured == other.measured && plane == other.plane &&
+           order == other.order && cross_plane == other.cross_plane;
+  }
 };
 
-struct UpdatedUnpaired {
-  int state = 0;
-  double frequency_hz = 0;
-  bool measured = true;  ///< else modelled
-  bool missing = false;
-  std::string reason, state_name;
+/// A measured mode with its partner in the model, or one of either that has none.
+struct UpdatedPair : UpdateMatch {
+  std::string state_name = {};
+  double measured_hz = signal::kNaN, model_hz = signal::kNaN;  ///< NaN: there is none
+  double relative_error = signal::kNaN;
+  double measured_damping = signal::kNaN, model_damping = signal::kNaN;  ///< NaN: not measured
+  double measured_std_hz = signal::kNaN;
+  double model_std_hz = signal::kNaN;  ///< from parameters and inputs; NaN: unknown
+  std::string reason = {};             ///< why it has no partner
+
+  [[nodiscard]] bool is_pair() const { return measured_hz > 0 && model_hz > 0; }
+  /// A modelled mode that the test should have seen.
+  [[nodiscard]] bool missing() const { return !(measured_hz > 0); }
 };
 
 /// Agreement of the fit with the stated uncertainties of its data. If the probability of the misfit
@@ -79,14 +86,18 @@ struct UpdateFit {
   [[nodiscard]] bool ruled_out() const { return stated && p_value < 0.01; }
 };
 
-/// One of the answers that the data support, with the likelihood of its assignment.
-struct UpdateAlternative : AssignmentLikelihood {
-  double weight = 1;  ///< probability, all alternatives together 1
-  double log_evidence = 0;
+/// Values of an answer.
+struct FittedValues {
   std::vector<UpdatedParameter> parameters;
   std::vector<UpdatedPair> pairs;
-  std::vector<UpdatedUnpaired> unpaired;
-  double rms_relative_error = 0;
+  std::vector<UpdatedPair> unpaired;
+  double rms_relative_error = 0;  ///< NaN without pairs
+};
+
+/// One of the answers that the data support, with the likelihood of its assignment.
+struct UpdateAlternative : AssignmentLikelihood, FittedValues {
+  double weight = 1;  ///< probability, all alternatives together 1
+  double log_evidence = 0;
   double model_std = 0;  ///< as in UpdateFit
 };
 
@@ -104,21 +115,19 @@ struct HeldOut {
   std::optional<model::Scene> scene = std::nullopt;  ///< held-out state, as predicted
 };
 
-struct UpdateResult {
+struct UpdateResult : FittedValues {
   UpdateStatus status = UpdateStatus::not_converged;
   std::string message;  ///< for a person, when not converged or doubtful
-  std::vector<UpdatedParameter> parameters;
   /// By data and priors, in the fitted coordinates (relative): the parameters, then what is known
   /// to an uncertainty.
   Identifiability identifiability;
-  Eigen::MatrixXd covariance;     ///< parameters' values, all sources; NaN where not
-                                  ///< identifiable
-  Eigen::MatrixXd correlation;    ///< NaN like the covariance
-  std::vector<std::string> open;  ///< what the data cannot separate, in words
-  std::vector<UpdatedPair> pairs;
-  std::vector<UpdatedUnpaired> unpaired;
-  std::vector<UpdatedPair> pairs_before;                         ///< at the start values
-  double rms_relative_error = 0, rms_relative_error_before = 0;  ///< NaN without pairs
+  Eigen::MatrixXd covariance;             ///< parameters' values, all sources; NaN where not
+                                          ///< identifiable
+  Eigen::MatrixXd correlation;            ///< NaN like the covariance
+  std::vector<std::string> open;          ///< what the data cannot separate, in words
+  std::vector<UpdatedPair> pairs_before;  ///< at the start values
+  double rms_relative_error_before = 0;   ///< likewise; NaN without pairs
+  double rms_held_out = signal::kNaN;     ///< over all pairs that were held out; NaN without
   /// Rms of |ln(H_model / H_measured)| over the lines that are fitted; NaN without FRFs.
   double rms_log_frf_error = std::numeric_limits<double>::quiet_NaN();
   double rms_log_frf_error_before = std::numeric_limits<double>::quiet_NaN();

@@ -1,4 +1,4 @@
-#include "ident/update/uncertainty/update_intervals.h"
+#include "ident/update/uncertainty/update_uncertainty.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ident/update/uncertainty/update_misfit.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -158,12 +157,7 @@ void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateResu
                                   const Eigen::VectorXd& q, int held_out,
                                   std::vector<UpdatedPair>& pairs) {
   if (result.identifiability.directions.size() == 0) return;
-  std::vector<UpdateMatch> matches;
-  matches.reserve(pairs.size());
-  for (const auto& pair : pairs) {
-    matches.push_back(
-        {pair.state, pair.measured, pair.plane, pair.order, pair.mac, pair.cross_plane});
-  }
+  const std::vector<UpdateMatch> matches(pairs.begin(), pairs.end());
   int state = -1;
   UpdateStateModes modelled;
   for (auto& pair : pairs) {

@@ -160,7 +160,7 @@ TEST(UpdateModel, EvenModesDoNotDecideEA) {
 
 std::size_t unpaired_measured(const UpdateResult& result) {
   return static_cast<std::size_t>(std::count_if(result.unpaired.begin(), result.unpaired.end(),
-                                                [](const auto& lone) { return lone.measured; }));
+                                                [](const auto& lone) { return !lone.missing(); }));
 }
 
 std::vector<UpdateState> cable_states(double EI_off, double tension_off, double std,

@@ -35,7 +35,7 @@ double std_of_truth(const std::vector<UpdateState>& states, const UpdateOptions&
   const auto& answer = answers.front();
   const double std = std::sqrt(answer.hessian.inverse()(0, 0));
   EXPECT_NEAR(answer.solution.q[0], std::log(testing::kLaboratoryEI), 4 * std);
-  for (const auto& lone : answer.solution.matches.unpaired) EXPECT_FALSE(lone.measured);
+  for (const auto& lone : answer.solution.matches.unpaired) EXPECT_TRUE(lone.missing());
   EXPECT_TRUE(answer.solution.converged);
   return std;
 }

@@ -161,8 +161,8 @@ TEST(AxialCampaign, GoesIntoScenesWithItsUncertainty) {
   auto& cable = use.scene.members[0];
   cable.name = "cable", cable.EA = 1, cable.damping_ratio = 0.1, cable.tension = 100;
   use.EA_of = {"cable.EA"}, use.damping_of = {"cable.damping_ratio"};
-  const KnownValues known{{}, AxialKnowledge{{2e5, 500}, {0.017, 0.001}}};
-  const auto scene = scene_at(use, known, {}).scene;
+  const KnownValues known{{}, {2e5, 500}, {0.017, 0.001}};
+  const auto scene = scene_at(use, known, {});
   EXPECT_EQ(scene.members[0].EA, 2e5);
   EXPECT_EQ(*scene.members[0].damping_ratio, 0.017);
   const auto inputs = known_inputs(known, {{2, &use, {}}});

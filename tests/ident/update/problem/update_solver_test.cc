@@ -1,7 +1,6 @@
 // The minimiser of an update: coordinates that come to their bounds, steps of springs in fixity.
 #include "ident/update/problem/update_solver.h"
 
-#include "ident/update/problem/update_coordinate.h"
 #include "tests/ident/update/hanger.h"
 #include "tests/test.h"
 

@@ -1,4 +1,4 @@
-#include "ident/campaign/fit_campaign.h"
+#include "ident/campaign/fit_findings.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,6 @@
 #include <cmath>
 
 #include "ident/statistics/uncertainty.h"
-#include "ident/update/problem/update_problem.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
@@ -52,7 +50,7 @@ std::vector<std::string> alternative_texts(const UpdateResult& result) {
         "the first's {:+.1f}: {:+.1f} by modes missed, {:+.1f} by modes seen and false, {:+.1f} by "
         "the frequencies",
         one.weight, values, percent(one.rms_relative_error),
-        std::ranges::count_if(one.unpaired, &UpdatedUnpaired::missing), total, missed, assigned,
+        std::ranges::count_if(one.unpaired, &UpdatedPair::missing), total, missed, assigned,
         total - missed - assigned));
   }
   return texts;
@@ -60,6 +58,7 @@ std::vector<std::string> alternative_texts(const UpdateResult& result) {
 
 std::vector<Finding> fit_findings(const UpdateResult& result) {
   std::vector<Finding> findings;
+  if (result.status == UpdateStatus::no_model) return findings;
   const auto warn = [&](const char* code, std::string message, const std::string& where = "") {
     findings.push_back({code, std::move(message), where});
   };
@@ -106,22 +105,6 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
     }
   }
   return findings;
-}
-
-FitOutcome fit_campaign(const FitTask& task) {
-  FitOutcome outcome;
-  UpdateOptions options = task.options;
-  options.hold_out = options.hold_out && task.states.size() > 1;
-  outcome.result = update_model(task.states, task.free, options);
-  outcome.rms_held_out = signal::kNaN;
-  if (outcome.result.status == UpdateStatus::no_model) return outcome;
-  outcome.findings = fit_findings(outcome.result);
-  std::vector<UpdatedPair> all;
-  for (const auto& one : outcome.result.held) {
-    all.insert(all.end(), one.pairs.begin(), one.pairs.end());
-  }
-  outcome.rms_held_out = rms_of_pairs(all);
-  return outcome;
 }
 
 }  // namespace rigfit::ident
