@@ -132,10 +132,6 @@ PlanCandidates plan_candidates(const std::vector<UpdateState>& states,
   PlanCandidates candidates{UpdateProblem(asked, free, update)};
   candidates.q = candidates.problem.start();
   candidates.problem = candidates.problem.with_nuisances(candidates.q);
-  const auto is_damping = [](const auto& name) { return name.find("damping") != name.npos; };
-  candidates.damping_free = std::any_of(free.begin(), free.end(), [&](const auto& one) {
-    return is_damping(one.name) || std::any_of(one.targets.begin(), one.targets.end(), is_damping);
-  });
   place_candidates(states.front().scene, options, candidates);
   candidates.states.resize(states.size());
   in_parallel(states.size(), options.threads, [&](std::size_t s) {
@@ -184,8 +180,7 @@ Eigen::MatrixXd plan_rows(const PlanCandidates& candidates, const std::vector<Pl
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto& mode = modes[static_cast<std::size_t>(i)];
     rows.row(2 * i) = mode.dlog_frequency / mode.frequency_std;
-    if (!(mode.damping_std > 0) || !candidates.damping_free) continue;
-    rows.row(2 * i + 1) = mode.dlog_damping / mode.damping_std;
+    if (mode.damping_std > 0) rows.row(2 * i + 1) = mode.dlog_damping / mode.damping_std;
   }
   return rows;
 }

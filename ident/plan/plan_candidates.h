@@ -61,7 +61,6 @@ struct PlanStateModes {
 struct PlanCandidates {
   UpdateProblem problem;   ///< with the inputs as coordinates
   Eigen::VectorXd q = {};  ///< the scenes' own values
-  bool damping_free = false;
   std::vector<PlanStateModes> states = {};
   std::vector<model::Load> loads = {};
   std::vector<model::Sensor> sensors = {};
@@ -77,8 +76,8 @@ struct PlanCandidates {
                                                      const PlanOptions& options,
                                                      const std::vector<PlanTest>& tests);
 
-/// Derivatives over standard uncertainties: a row for each frequency, and for each damping ratio
-/// where a damping is free, by coordinate.
+/// Derivatives over standard uncertainties, by coordinate: a row for each frequency and damping
+/// ratio, zero where no damping is free.
 [[nodiscard]] Eigen::MatrixXd plan_rows(const PlanCandidates& candidates,
                                         const std::vector<PlannedMode>& modes);
 

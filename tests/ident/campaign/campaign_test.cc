@@ -30,11 +30,9 @@ CampaignInputs campaign(double relative_std) {
   CampaignInputs inputs;
   inputs.tests.push_back(bending(relative_std));
   ModalInputs test{.name = "cable", .setup = {.plane = model::ModePlane::in}};
-  test.scene = SceneUse{model::read_scene(kData + "/jalali2021/scenes/cable.toml"),
-                        {"cable.tension"},
-                        {"cable.EI"},
-                        {},
-                        {}};
+  test.scene = SceneUse{.scene = model::read_scene(kData + "/jalali2021/scenes/cable.toml"),
+                        .tension_of = {"cable.tension"},
+                        .EI_of = {"cable.EI"}};
   for (const double tension_N : {100.0, 300.0}) {
     model::Scene scene = test.scene->scene;
     model::set_parameter(scene, "cable.tension", 1.01 * tension_N);
@@ -97,15 +95,13 @@ TEST(Campaign, IsTheFitAndTheModelThatItsPartsGiveByThemselves) {
 }
 
 TEST(Campaign, DecaysAreThoseOfTheDecayTestAndAMissingChannelIsRefused) {
-  auto inputs = campaign(0.05);
   DecayInputs decays;
   const std::string file = kData + "/virtual_laboratory/cable-in-plane/rig/T200N-release.uff";
   decays.recordings.push_back(
       {.name = "release", .recording = signal::read_recording(file), .tension_N = 200.0});
   decays.options.channels = {"accelerometer", "not there"};
-  inputs.tests.push_back(decays);
-  const auto result = run_campaign(std::move(inputs));
-  const auto& found = std::get<DecaysOutcome>(result.tests.at(2));
+  const auto result = run_campaign({.tests = {decays}});
+  const auto& found = std::get<DecaysOutcome>(result.tests.at(0));
   ASSERT_EQ(found.channels.size(), 1u);
   EXPECT_EQ(std::ranges::count(found.findings, true, &Finding::refused), 1);
   decays.options.channels.pop_back();
