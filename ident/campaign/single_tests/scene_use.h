@@ -14,7 +14,7 @@ namespace rigfit::ident {
 
 struct KnownValues {
   StiffnessCurve EI;                     ///< empty: no bending test
-  signal::Estimate EA_N, damping_ratio;  ///< of the axial test; NaN: none
+  signal::Estimate EA_N, damping_ratio;  ///< from the axial test; NaN: none
 };
 
 /// A scene and its parameters (such as "cable.EI") that take a state's tension and known values.
