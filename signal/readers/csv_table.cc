@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <regex>
 #include <utility>
 
@@ -113,10 +114,12 @@ class BodyParser {
       }
       if (c < target_.size() && target_[c] != nullptr) target_[c][rows_] = value_of(text, c);
     }
-    // What is not there is missing; between blanks nobody can say which it is.
+    // What is not there is missing. Between blanks nobody can say which it is, but in the last
+    // line.
+    if (short_) throw BadField(*short_);
     if (fields_.size() < target_.size() && layout_.dialect.separator == ' ') {
-      throw BadField{line, fields_.size(), "fewer fields than the table has columns",
-                     "write \"nan\" where nothing was measured, or put commas between columns"};
+      short_ = {line, fields_.size(), "fewer fields than the table has columns",
+                "write \"nan\" where nothing was measured, or put commas between columns"};
     }
     bool lacking = false;
     for (std::size_t c = fields_.size(); c < target_.size(); ++c) {
@@ -219,6 +222,7 @@ class BodyParser {
   std::vector<double*> target_;  ///< of the columns that are wanted; null: of another
   std::vector<CsvField> fields_;
   Eigen::Index rows_ = 0, capacity_ = 0, most_rows_ = 0;
+  std::optional<BadField> short_;                              ///< the line before, between blanks
   long short_rows_ = 0, comment_lines_ = 0, footer_line_ = 0;  ///< rows and lines; line or 0
   bool incomplete_last_ = false;
 };

@@ -186,4 +186,9 @@ TEST(Accelerograms, SeriesOfSeveralValuesALineAreRefused) {
   EXPECT_EQ(read(title + "NPTS= 60, DT= .005 SEC\n" + numbers + "\n").channels.size(), 5u);
 }
 
+TEST(BlankSeparated, ALineWithoutOneOfItsValuesIsRefused) {
+  EXPECT_THAT(refusal_of([] { return read("t F a\n0.0 1 2\n0.1 3\n0.2 5 6\n0.3 7 8\n"); }),
+              HasSubstr("test.csv:3:1"));
+}
+
 }  // namespace rigfit::signal::loggers_test
