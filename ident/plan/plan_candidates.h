@@ -26,7 +26,7 @@
 #include <string>
 #include <vector>
 
-#include "ident/plan/plan.h"
+#include "ident/plan/plan_data.h"
 #include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
