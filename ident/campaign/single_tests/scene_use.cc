@@ -39,6 +39,7 @@ std::vector<UncertainInput> known_inputs(const KnownValues& known,
     if (!input.effects.empty()) inputs.push_back(std::move(input));
   };
   std::vector<double> tensions;
+  tensions.reserve(states.size());
   for (const auto& one : states) tensions.push_back(one.tension_N.value_or(1));
   for (const auto& term : known.EI.uncertainty(tensions)) {
     add(term.name, &SceneUse::EI_of, [&](const StateUse& one) {
