@@ -49,6 +49,7 @@ std::string listed(const std::vector<std::string>& names) {
 
 std::string listed_names(const std::vector<Channel>& channels) {
   std::vector<std::string> names;
+  names.reserve(channels.size());
   for (const auto& channel : channels) names.push_back(channel.name);
   return listed(names);
 }
