@@ -54,7 +54,7 @@ SignedNames signed_names(const std::string& option, const std::string& text) {
   for (auto& name : parts_of(text)) {
     found.signs.push_back(name.starts_with('-') ? -1 : 1);
     if (name.starts_with('-')) name.erase(0, 1);
-    if (name.empty()) throw UsageError(option + ": an empty name in \"" + text + "\"");
+    if (name.empty()) throw UsageError(fmt::format("{}: an empty name in \"{}\"", option, text));
     found.names.push_back(std::move(name));
   }
   return found;
