@@ -23,8 +23,7 @@ using Eigen::Index;
 constexpr double kLeastShare = 0.05;
 // Cycles on either side of an impact that are fitted.
 constexpr Index kCycles = 10;
-// Modes that such a stretch is given: with twelve one decay imitates a blow (13 of 40 records with
-// a second tap were refused).
+// Modes that such a stretch is given: with twelve one decay imitates a blow.
 constexpr int kModes = 6;
 // Chance that noise alone passes for an impact, for each place that is tested.
 constexpr double kFalseAlarm = 1e-6;

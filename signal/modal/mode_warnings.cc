@@ -103,8 +103,9 @@ void check_misfit(ModalResult& result, const ModalBand& band,
                   const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
   const MisfitCorrelation found = misfit_correlation(result.noise, misfit);
   for (const IdentifiedMode& mode : result.model.modes) {
-    const double part = misfit_beyond_noise(band, result.noise, mode, misfit);
-    if (found.systematic || part == 0) continue;
+    const double part =
+        found.systematic ? 0 : misfit_beyond_noise(band, result.noise, mode, misfit);
+    if (part == 0) continue;
     result.model.notes.push_back(
         {"systematic_misfit",
          fmt::format("Measure longer records and more points, or look for a change between hits: "

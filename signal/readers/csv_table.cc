@@ -116,7 +116,7 @@ class BodyParser {
     }
     // What is not there is missing. Between blanks nobody can say which it is, but in the last
     // line.
-    if (short_) throw BadField(*short_);
+    if (short_) throw refusal(*short_);
     if (fields_.size() < target_.size() && layout_.dialect.separator == ' ') {
       short_ = {line, fields_.size(), "fewer fields than the table has columns",
                 "write \"nan\" where nothing was measured, or put commas between columns"};

@@ -295,8 +295,10 @@ std::vector<Plot> ambient_plots(const std::string& id, const signal::AmbientResu
   sure.model = found.sure_modes(), sure.stabilisation = found.stabilisation;
   plots.push_back(stabilisation_plot(id + "-stabilisation", sure, origin));
   for (auto& plot : plots) plot.link = id + "-spectrum";
-  plots.push_back(channel_shapes_plot(id + "-shapes", found, origin));
-  plots.back().link = plots.back().id;
+  if (found.channels.size() > 1) {
+    plots.push_back(channel_shapes_plot(id + "-shapes", found, origin));
+    plots.back().link = plots.back().id;
+  }
   std::erase_if(plots, [](const Plot& plot) { return plot.series.empty(); });
   return plots;
 }

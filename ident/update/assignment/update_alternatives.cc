@@ -114,6 +114,7 @@ class Search {
     for (const auto& [i, j] : exchangeable()) {
       if (start[i] == start[j]) start[i] -= kApart, start[j] += kApart;
     }
+    start = within_bounds(std::move(start));
     for (auto& seed : seeds_at(start, failure)) {
       std::vector<UpdateAnswer> one{settled(std::move(seed))};
       ++fits;
@@ -176,6 +177,14 @@ class Search {
     return d.dot(heavier.hessian * d) < 9;
   }
 
+  Eigen::VectorXd within_bounds(Eigen::VectorXd q) const {
+    for (Eigen::Index j = 0; j < q.size(); ++j) {
+      const auto& coordinate = problem_.coordinates()[static_cast<std::size_t>(j)];
+      q[j] = std::clamp(q[j], coordinate.low, coordinate.high);
+    }
+    return q;
+  }
+
   // Pairs of positive parameters of one quantity, such as the springs at both ends.
   std::vector<std::pair<Eigen::Index, Eigen::Index>> exchangeable() const {
     const auto& coordinates = problem_.coordinates();
@@ -201,6 +210,7 @@ class Search {
       for (const auto& [i, j] : exchangeable()) {
         Seed seed{answers[k].solution.q, answers[k].solution.matches};
         std::swap(seed.q[i], seed.q[j]);
+        seed.q = within_bounds(std::move(seed.q));
         UpdateAnswer other = settled(std::move(seed));
         if (other.solution.q.size() == 0 || negligible(other, answers)) continue;
         const auto same = [&](const UpdateAnswer& one) { return near(one, other); };

@@ -19,7 +19,8 @@
 // Parameters without a prior get a normal one about the answer, of ln(10) in ln(value) and of a
 // tenth for coordinates: the same for all answers, wherever the search began; while looking for one
 // it is about the place where the search began, so that what the data leave free stays there.
-// Answers closer to each other than three standard deviations are one.
+// Answers closer to each other than three standard deviations are one. Each answer is fitted again
+// with two positive parameters of one quantity exchanged, such as the springs of both ends.
 //
 // The search is skipped where the answer near the start explains the measured modes and could not
 // do so by chance: the degrees of freedom times ln(0.1 / error), less the ln(likelihood) that
