@@ -60,9 +60,10 @@ bool parse_whole_number(std::string_view text, char decimal, double& value) {
   if (length == 0 || length == text.size()) return length > 0;
   // "1,234.5": signs before groups of three digits, where the decimal sign follows.
   if (point == text.npos || point < length || (point - length) % 4 != 0) return false;
+  const std::string_view signs = decimal == '.' ? ",' " : ".' ";
   std::string joined(text.substr(0, length));
   for (std::size_t at = length; at < point; at += 4) {
-    if (text[at] != (decimal == '.' ? ',' : '.')) return false;
+    if (signs.find(text[at]) == signs.npos) return false;
     joined += text.substr(at + 1, 3);
   }
   joined += text.substr(point);
@@ -86,17 +87,23 @@ void split_fields(std::string_view line, const CsvDialect& dialect, std::vector<
   for (std::size_t at = 0;; ++at) {
     while (at < line.size() && is_blank(line[at]) && (by_blanks || !ends_field(line[at]))) ++at;
     if (by_blanks && at >= line.size()) return;
-    std::size_t first = at, end = at + 1;
+    const std::size_t first = at;
+    std::size_t end = at + 1;
     bool quoted = at < line.size() && line[at] == '"';
     if (quoted) {
       while (end < line.size() && (line[end] != '"' || line.substr(end, 2) == "\"\"")) {
         end += line[end] == '"' ? 2 : 1;
       }
-      quoted = end < line.size();  // else the quote belongs to the text
-      if (quoted) first = at + 1, at = end + 1;
+      quoted = end < line.size();
+      if (quoted) at = end + 1;
     }
+    const std::size_t behind = at;
     while (at < line.size() && !ends_field(line[at])) ++at;
-    fields.push_back({trim_blanks(line.substr(first, (quoted ? end : at) - first)), quoted});
+    // A quote that is not closed, or closed within the field, belongs to the text.
+    quoted = quoted && trim_blanks(line.substr(behind, at - behind)).empty();
+    const auto text =
+        quoted ? line.substr(first + 1, end - first - 1) : line.substr(first, at - first);
+    fields.push_back({trim_blanks(text), quoted});
     if (at >= line.size()) return;
   }
 }
@@ -110,7 +117,7 @@ bool is_missing_word(std::string_view field) {
   if (word.front() == '-' || word.front() == '+') word.erase(0, 1);
   static constexpr std::string_view kWords =
       "|nan|na|n/a|#n/a|null|none|nil|inf|infinity|1.#inf|1.#qnan|1.#ind|1.#snan|nan(ind)|"
-      "missing|invalid|ovl|overload|#value!|#div/0!|#num!|#ref!|?|ovr|over|err|\u221E|";
+      "missing|invalid|ol|ovl|overload|#value!|#div/0!|#num!|#ref!|?|ovr|over|err|\u221E|";
   return is_listed(kWords, word);
 }
 

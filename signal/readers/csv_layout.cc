@@ -1,5 +1,7 @@
 #include "signal/readers/csv_table.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -89,8 +91,8 @@ std::vector<Row> rows_of(const std::vector<std::string_view>& sample, const CsvD
 /// of those the one by which most lines are rows. Empty: none reads a row.
 std::vector<Row> rows_of_best_dialect(const std::vector<std::string_view>& sample,
                                       const ReadOptions& options, CsvDialect& best) {
-  std::vector<CsvDialect> dialects = {{'\t', '.'}, {'\t', ','}, {';', '.'}, {';', ','},
-                                      {',', '.'},  {' ', '.'},  {' ', ','}};
+  std::vector<CsvDialect> dialects = {{'\t', '.'}, {'\t', ','}, {';', '.'}, {';', ','}, {'|', '.'},
+                                      {'|', ','},  {',', '.'},  {' ', '.'}, {' ', ','}};
   // "1,5","2,5": a comma inside quotes is the decimal sign of a table separated by commas.
   if (std::ranges::any_of(sample, [](auto line) { return line.find('"') != line.npos; })) {
     dialects.push_back({',', ','});
@@ -135,10 +137,10 @@ std::vector<CsvColumn> columns_of(const std::vector<Row>& rows) {
       double value = 0;
       int decimals = 0;
       if (row.kind(c) != FieldKind::text) continue;
-      const std::string words(row.fields[c].text.substr(0, 40));
-      if (parse_number(words, '.', value) > 0 && !parse_clock(words + " 0:0", value, decimals)) {
-        columns[c].unread = to_utf8(words);
-      }
+      const auto words = row.fields[c].text.substr(0, 40);
+      const bool is_date = parse_clock(std::string(words) + " 0:0", value, decimals);
+      const bool is_data = some > 0 || (parse_number(words, '.', value) > 0 && !is_date);
+      if (is_data && columns[c].unread.empty()) columns[c].unread = words;
     }
   }
   return columns;
@@ -290,19 +292,30 @@ double rate_of(const std::string& label, double number, const std::string& unit_
   return rate > 0 && std::isfinite(rate) ? rate : 0;
 }
 
-/// The first line of the header that states a rate, as "Sampling Rate(Hz)" 50, "Sample interval
-/// [ms]" 2 or "fs = 1 kHz": a label, a unit in brackets or none, behind a sign or a blank a number,
-/// its unit or none.
-void find_rate(const std::vector<std::string_view>& lines, CsvLayout& layout) {
+/// The rate that lines of the header state, as "Sampling Rate(Hz)" 50, "Sample interval [ms]" 2 or
+/// "fs = 1 kHz": a label, a unit in brackets or none, behind a sign or a blank a number, its unit
+/// or none. Throws where two of them differ.
+void find_rate(const std::vector<std::string_view>& lines, const std::string& file, bool is_given,
+               CsvLayout& layout) {
   static const std::regex kStated(
       R"((?:^|[\t;,:="#%])\s*([a-z][^\t;,:="#%0-9([]*?)\s*(?:[([]([^)\]]*)[)\]])?)"  // label, unit
       R"((["\s:;,=#%]+)((?:\d+(?:\.\d*|,\d+)?|[.,]\d+)(?:e[+-]?\d+)?)(?![.\d]|\s\d{3}))"  // number
       R"(\s*([^\s;,"0-9][^;,"]*)?)",                                                      // unit
       std::regex::icase);
-  const auto found = [&](double rate, std::size_t k) {
-    layout.stated_rate_hz = rate;
-    layout.rate_line = static_cast<long>(k) + 1;
-    layout.rate_text = to_utf8(lines[k].substr(0, 80));
+  const auto take = [&](double rate, std::size_t k) {
+    if (rate == 0) return;
+    const std::string text = to_utf8(lines[k].substr(0, 80));
+    const auto line = static_cast<long>(k) + 1;
+    if (layout.stated_rate_hz == 0) {
+      layout.stated_rate_hz = rate;
+      layout.rate_line = line;
+      layout.rate_text = text;
+    } else if (!is_given && std::abs(rate / layout.stated_rate_hz - 1) > 1e-2) {
+      throw RecordingError({file, line, 0, "", text},
+                           fmt::format("gives {:.9g} Hz, but \"{}\" gives {:.9g} Hz", rate,
+                                       layout.rate_text, layout.stated_rate_hz),
+                           "correct the header, or give the sample rate: --sample-rate");
+    }
   };
   for (std::size_t k = 0; k < lines.size(); ++k) {
     // "Increment" above its number.
@@ -315,8 +328,7 @@ void find_rate(const std::vector<std::string_view>& lines, CsvLayout& layout) {
           !parse_whole_number(below.fields[c].text, layout.dialect.decimal, step)) {
         continue;
       }
-      const double rate = rate_of(normal_label(labels.fields[c].text), step, "");
-      if (rate > 0) return found(rate, k + 1);
+      take(rate_of(normal_label(labels.fields[c].text), step, ""), k + 1);
     }
     const std::string line(line_at(k));
     for (std::sregex_iterator one(line.begin(), line.end(), kStated), end; one != end; ++one) {
@@ -336,9 +348,7 @@ void find_rate(const std::vector<std::string_view>& lines, CsvLayout& layout) {
       if (!parse_whole_number(digits, '.', value) && !parse_whole_number(digits, ',', value)) {
         continue;
       }
-      const double rate =
-          rate_of(normal_label(match[1].str()), value, std::string(trim_blanks(unit)));
-      if (rate > 0) return found(rate, k);
+      take(rate_of(normal_label(match[1].str()), value, std::string(trim_blanks(unit))), k);
     }
   }
 }
@@ -360,6 +370,7 @@ class HeaderReader {
   void copy(const Fields& row, std::size_t first, RowUse use) {
     if (have_[use]) return;
     have_[use] = true;
+    if (use == kNames || use == kNumbers) titles_ = std::max(titles_, fields_);
     for (std::size_t c = first; c < std::min(columns_, row.size()); ++c) {
       given_[use][c] = use == kUnits ? bare_unit(row[c].text) : unquoted(row[c].text);
     }
@@ -374,6 +385,7 @@ class HeaderReader {
       row[0].text = trim_blanks(row[0].text.substr(1));
       if (row[0].text.empty()) row.erase(row.begin());
     }
+    fields_ = row.size();
     drop_empty_end(row);
     if (row.empty()) return;
     bool unmatched = by_blanks && columns_ > 1 && row.size() != columns_;
@@ -381,6 +393,7 @@ class HeaderReader {
       auto titles = titles_with_blanks(line, columns_);
       unmatched = titles.empty();
       if (!unmatched) row = std::move(titles);
+      fields_ = std::max(fields_, row.size());
     }
     // "Unit;V" or "Unit: V" above a table of other columns: of all channels.
     static const std::regex kCommon(R"(([^;:=,\t]*)[;:=,\t]\t*([^;,\t]*)[;,\t]*)");
@@ -479,6 +492,10 @@ class HeaderReader {
       column.name = std::move(name);
     }
     layout_.has_names = have_[kNames] || have_[kNumbers];
+    // What now and then stands behind the last title is no column: the lines are refused.
+    while (titles_ > 0 && layout_.columns.size() > titles_ && layout_.columns.back().filled < 0.5) {
+      layout_.columns.pop_back();
+    }
   }
 
   CsvLayout& layout_;
@@ -487,6 +504,7 @@ class HeaderReader {
   std::array<std::vector<std::string>, kUses> given_;
   std::string common_unit_;
   bool same_names_ = false;
+  std::size_t fields_ = 0, titles_ = 0;  ///< of this line; of the widest line of titles
 };
 
 /// Whether the line is one of numbers, as the columns hold them.
@@ -506,6 +524,62 @@ bool is_body(const Row& row, const CsvLayout& layout) {
     }
   }
   return 2 * numbers >= columns && numbers > 0;
+}
+
+/// Begins the table at the lines directly above it that hold less than half of their numbers.
+/// Throws for one with words among its numbers or another separator than the others.
+void take_rows_above(std::string_view bytes, const std::string& file,
+                     std::vector<std::string_view>& header, CsvLayout& layout) {
+  const std::size_t columns = layout.columns.size();
+  for (; columns > 1 && !header.empty(); header.pop_back()) {
+    const auto line = header.back();
+    double value = 0;
+    if (parse_number(trim_blanks(line), '.', value) == 0) return;
+    const auto refuse = [&](std::string_view text, const char* problem) {
+      throw text_error(bytes, file, text, problem,
+                       "correct the line, or delete it where it is none of the table");
+    };
+    for (const char separator : {';', '\t', '|', ',', ' '}) {
+      if (separator == layout.dialect.separator) continue;
+      if (Row(line, {separator, layout.dialect.decimal}).numbers == std::ssize(layout.columns)) {
+        refuse(line, "is separated by another sign than the lines below");
+      }
+    }
+    const Row row(line, layout.dialect);
+    if (row.fields.size() != columns) return;
+    for (std::size_t c = 0; c < columns; ++c) {
+      const auto text = row.fields[c].text;
+      if (row.kind(c) == FieldKind::text && layout.columns[c].kind == FieldKind::number &&
+          !is_unit_text(text)) {
+        refuse(text, "is no number, in a line that seems to be one of the table");
+      }
+    }
+    if (row.words > 0) return;
+    layout.body = static_cast<std::size_t>(line.data() - bytes.data());
+  }
+}
+
+/// Titles with line breaks inside their quotes, each line of them as one.
+void join_titles(const CsvDialect& dialect, std::vector<std::string_view>& header) {
+  Fields fields;
+  const auto is_open = [&](std::string_view line) {
+    split_fields(line, dialect, fields);
+    return !fields.empty() && !fields.back().quoted && fields.back().text.starts_with('"');
+  };
+  for (std::size_t k = 0, last = 0; k < header.size(); last = ++k) {
+    std::string_view line = header[k];
+    while (is_open(line) && last + 1 < header.size() && line.size() < kLongestMatched) {
+      const auto next = header[++last];
+      line = {line.data(), static_cast<std::size_t>(next.data() + next.size() - line.data())};
+    }
+    if (is_open(line)) {
+      k = last;
+    } else if (last > k) {
+      header[k] = line;
+      header.erase(header.begin() + static_cast<std::ptrdiff_t>(k) + 1,
+                   header.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+    }
+  }
 }
 
 }  // namespace
@@ -547,7 +621,8 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
   // What the columns hold, lines of the header that look like rows do not say.
   rows = rows_of(sample_lines(bytes.substr(layout.body)), layout.dialect);
   layout.columns = columns_of(rows);
-  layout.body_line = static_cast<long>(header_size) + 1;
+  take_rows_above(bytes, file, header, layout);
+  layout.body_line = static_cast<long>(header.size()) + 1;
   if (layout.dialect.separator == ',' && layout.dialect.decimal == '.' && options.decimal == 0 &&
       options.separator == 0 && has_decimal_commas(rows, header, file, layout.dialect)) {
     return find_csv_layout(bytes, file, {.decimal = ',', .separator = ';'});
@@ -556,7 +631,8 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
   for (const auto& line : header) {
     if (layout.heading.size() < 4096) layout.heading += lower_case(to_utf8(line)) + '\n';
   }
-  find_rate(header, layout);
+  find_rate(header, file, options.sample_rate_hz > 0, layout);
+  join_titles(layout.dialect, header);
   HeaderReader(layout).read(header);
   return layout;
 }

@@ -18,7 +18,6 @@ namespace rigfit::signal {
 namespace {
 
 constexpr std::size_t kStride = std::size_t{1} << 24;  // bytes between calls of `progress`
-constexpr std::size_t kLongestFooter = 1 << 16;
 
 /// A field that makes a line no row of the table.
 struct BadField {
@@ -149,21 +148,23 @@ class BodyParser {
 
   /// Whether the line at `at`, with its bad field, stands behind the table.
   bool ends_table(std::size_t at, const BadField& bad) {
-    const std::size_t behind = next_line(bytes_, line_end(bytes_, at));
-    if (!bad.is_word || bytes_.size() - behind >= kLongestFooter || rows_ == 0 ||
-        holds_rows(behind)) {
-      return false;
-    }
+    if (!bad.is_word || rows_ == 0 || holds_rows(at)) return false;
     footer_line_ = line_number(bytes_, at);
     return true;
   }
 
-  /// Whether some line from `at` on looks like a row: numbers in at least half of the columns.
+  /// Whether some line from `at` on looks like a row: it begins as a number, with any sign behind
+  /// the first digits, or lines behind the first one have numbers in at least half of the columns.
   [[nodiscard]] bool holds_rows(std::size_t at) const {
     const auto columns = std::count(wanted_.begin(), wanted_.end(), true);
     std::vector<CsvField> fields;
-    for (std::string_view rest = bytes_.substr(at); !rest.empty();) {
-      split_fields(take_line(rest), layout_.dialect, fields);
+    std::string_view rest = bytes_.substr(at);
+    for (bool first = true; !rest.empty(); first = false) {
+      const auto line = take_line(rest);
+      double value = 0;
+      if (parse_number(trim_blanks(line), '.', value) > 0) return true;
+      if (first) continue;
+      split_fields(line, layout_.dialect, fields);
       long numbers = 0;
       for (std::size_t c = 0; c < std::min(fields.size(), wanted_.size()); ++c) {
         const FieldKind kind = kind_of(fields[c].text, layout_.dialect.decimal);
@@ -226,6 +227,29 @@ class BodyParser {
   long short_rows_ = 0, comment_lines_ = 0, footer_line_ = 0;  ///< rows and lines; line or 0
   bool incomplete_last_ = false;
 };
+
+/// 1-based line of a part of the text.
+long line_of(std::string_view bytes, std::string_view part) {
+  return line_number(bytes, static_cast<std::size_t>(part.data() - bytes.data()));
+}
+
+/// Refuses "1,023", "1|5" or "0;3" in a column of texts: numbers with another decimal sign, whole
+/// ones with their thousands parted, or lines parted by another sign.
+void refuse_other_writing(std::string_view bytes, const std::string& file, const CsvColumn& column,
+                          char decimal) {
+  double value = 0;
+  const auto rest = column.unread.substr(parse_number(column.unread, decimal, value));
+  const std::string_view signs = ",.;|'\t ";
+  if (rest.size() == column.unread.size() || rest.size() < 2 || signs.find(rest[0]) == signs.npos ||
+      rest[1] < '0' || rest[1] > '9') {
+    return;
+  }
+  throw text_error(bytes, file, column.unread,
+                   "may be a number with another decimal sign, with its thousands parted, or two",
+                   "write numbers without signs between thousands and with one decimal sign, or "
+                   "say what separates columns: --separator, --decimal",
+                   column.name);
+}
 
 /// Refuses a series that is written several values a line, as the number of them shows which the
 /// header states, or their duration beside a rate ("NPTS= 4000" above lines of five).
@@ -327,9 +351,13 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
     if (wanted[c]) continue;
     const CsvColumn& column = layout.columns[c];
     if (!column.unread.empty()) {
+      refuse_other_writing(bytes, file, column, layout.dialect.decimal);
       add_note(table.notes, "data_left_out", column.name,
-               "column {} is left out: \"{}\" is no number; rewrite or part it if it holds data",
-               c + 1, column.unread);
+               "column {} is left out: \"{}\"{} is no number; rewrite or part it if it holds data",
+               c + 1, to_utf8(column.unread),
+               table.notes.size() < kMostListed
+                   ? fmt::format(" (line {})", line_of(bytes, column.unread))
+                   : "");
     } else if (column.name.empty()) {
       unnamed.push_back(c + 1);
     } else {

@@ -33,7 +33,9 @@ struct CsvColumn {
   /// Most digits behind the decimal sign in the last lines looked at that hold a number; 400: none.
   int decimals = 400;
 
-  std::string unread{};  ///< a text of it that begins as a number, UTF-8; empty: none
+  /// The first text of a column of words that also holds numbers, or texts that begin as numbers: a
+  /// part of the file; empty: none.
+  std::string_view unread{};
 
   [[nodiscard]] bool has_data() const {
     return kind == FieldKind::number || kind == FieldKind::clock;

@@ -18,9 +18,15 @@ using namespace std::string_view_literals;
 // Types of elements and classes of arrays (MAT-File Format, The MathWorks, version 5).
 constexpr std::uint32_t kInt8 = 1, kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15;
 constexpr std::uint32_t kCell = 1, kStruct = 2, kObject = 3, kFunction = 16, kOpaque = 17;
+constexpr std::uint32_t kDouble = 6, kUint64Array = 15;  // and between them the other numbers
 constexpr std::size_t kTagBytes = 8, kMostDimensions = 32;
 constexpr int kDeepestHeader = 64;
 constexpr std::size_t kPiece = 1 << 16;  // bytes unpacked at once
+
+/// Bytes of a number of a type of elements.
+std::size_t bytes_of(std::uint32_t type) {
+  return type <= 2 ? 1 : type <= 4 ? 2 : type <= 7 ? 4 : 8;
+}
 
 /// What `packed` unpacks to; up to where it breaks off.
 std::string unpacked(std::string_view packed) {
@@ -87,9 +93,16 @@ class Elements {
     if (array_class == kOpaque) return true;  // without dimensions
     const bool has_fields = array_class == kStruct || array_class == kObject;
     if (!is(1, kInt32) || parts[1].data.size() > 4 * kMostDimensions || !is(2, kInt8)) return false;
-    if (!has_fields && array_class != kCell && array_class != kFunction) return true;
     double count = 1;
     for (std::size_t d = 0; d < parts[1].data.size() / 4; ++d) count *= word(parts[1].data, d);
+    if (array_class >= kDouble && array_class <= kUint64Array) {
+      // Real parts, and where there are some the imaginary ones.
+      return std::all_of(parts.begin() + 3, parts.end(), [&](const Element& part) {
+        return count * static_cast<double>(bytes_of(part.type)) ==
+               static_cast<double>(part.data.size());
+      });
+    }
+    if (!has_fields && array_class != kCell && array_class != kFunction) return true;
     std::size_t first = 3;  // first of the parts that are variables
     if (array_class == kObject && !is(first++, kInt8)) return false;  // name of its class
     if (has_fields) {

@@ -166,7 +166,7 @@ Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
     throw file_error(file, "holds no samples", "record again");
   }
   const std::string shape = fmt::format("{}", fmt::join(header.shape, " x "));
-  if (!(items * static_cast<double>(item) <= static_cast<double>(data.size()))) {
+  if (items * static_cast<double>(item) != static_cast<double>(data.size())) {
     throw file_error(file,
                      fmt::format("states an array of {}, {} bytes each, but holds {} bytes", shape,
                                  item, data.size()),
@@ -214,18 +214,19 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
   if (frames <= 0) throw file_error(path, "holds no samples", "record again");
 
   CsvTable table;
-  // The size that the file states of its data, chunk "data" behind "fmt ".
-  const std::size_t chunk = bytes.substr(0, 1 << 16).find("data");
-  if (chunk != std::string_view::npos && chunk + 8 <= bytes.size() &&
-      bytes.substr(0, 4) == "RIFF") {
-    const double stated =
-        matrix_of({'u', 4, is_swapped(false)}, bytes.data() + chunk + 4, 1, 1)(0, 0);
-    const auto behind = static_cast<double>(bytes.size() - chunk - 8);
-    if (stated > behind && stated < 0xFFFFFF00u) {
-      add_note(table.notes, "incomplete", "",
-               "the file states {} bytes of samples and holds {}: cut short, or a wrong size",
-               stated, behind);
-    }
+  // Parts of their stated sizes follow each other up to the end of the file; a recorder that wrote
+  // to a pipe states the largest size.
+  std::size_t end = 12;
+  while (bytes.starts_with("RIFF") && end + 8 <= bytes.size()) {
+    const auto stated = static_cast<std::size_t>(
+        matrix_of({'u', 4, is_swapped(false)}, bytes.data() + end + 4, 1, 1)(0, 0));
+    end = stated >= 0xFFFFFF00U ? bytes.size() : end + 8 + stated + stated % 2;
+  }
+  if (bytes.starts_with("RIFF") && end != bytes.size() && end != bytes.size() + bytes.size() % 2) {
+    add_note(table.notes, "incomplete", "",
+             "the file states {} bytes and holds {}: cut short, or samples behind those stated are "
+             "left out",
+             end, bytes.size());
   }
   for (Eigen::Index c = 0; c < data.rows(); ++c) {
     add_array(data.row(c).head(frames).transpose(), fmt::format("channel {}", c + 1), false, table);

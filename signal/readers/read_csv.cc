@@ -119,6 +119,25 @@ std::optional<std::size_t> find_times(const CsvTable& table, const ReadOptions& 
   return time;
 }
 
+/// Notes columns of other times than those taken, which rise as well.
+void note_other_times(const CsvTable& table, std::size_t time, std::vector<Note>& notes) {
+  const auto since = [&](std::size_t k) {
+    const Eigen::ArrayXd times = table.channels[k].samples;
+    return Eigen::ArrayXd(times - (table.columns[k].kind == FieldKind::clock ? times[0] : 0));
+  };
+  for (std::size_t k = 0; k < table.channels.size(); ++k) {
+    if (k == time || !table.is_time(k) || since(k).size() < 2) continue;
+    const Eigen::ArrayXd steps = steps_of(since(k)), apart = (since(k) - since(time)).abs();
+    const double least = steps.isNaN().select(1, steps).minCoeff();
+    const double most = apart.isNaN().select(0, apart).maxCoeff();
+    if (!(least > 0 && most > 0.01 * least)) continue;
+    add_note(notes, "time_axis", table.channels[k].name,
+             "Split the file if channels have these times: they differ from those of \"{}\", which "
+             "are taken for all, by up to {:.6g} s",
+             table.channels[time].name, most);
+  }
+}
+
 /// Takes rate, start, jitter and notes from the times in a channel. Throws RecordingError when
 /// sampling is not uniform and times are missing.
 void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table,
@@ -218,6 +237,7 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
   recording.notes = std::move(table.notes);
   std::vector<std::size_t> left_out;
   if (const auto time = find_times(table, options, recording.notes, left_out)) {
+    note_other_times(table, *time, recording.notes);
     take_times_in(*time, options, table, recording);
     left_out.push_back(*time);
   }
@@ -226,7 +246,8 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
   for (std::size_t k = 0; k < table.channels.size(); ++k) {
     if (std::find(left_out.begin(), left_out.end(), k) != left_out.end()) continue;
     if (layout.has_names && table.columns[k].name.empty()) {
-      add_note(recording.notes, "read_as", table.channels[k].name, "has no title in the header");
+      add_note(recording.notes, "titles_not_matched", table.channels[k].name,
+               "Give it a title: the header has none for column {}", table.places[k] + 1);
     }
     recording.channels.push_back(std::move(table.channels[k]));
   }

@@ -166,19 +166,28 @@ class LvmReader {
           std::ranges::find_if(values, [&](std::size_t c) { return has_numbers(columns[c]); });
       reference_ = filled == values.end() ? values.front() : *filled;
       columns_.resize(titles.size());
+      has_other_times_.resize(titles.size());
       stated_.resize(titles.size());
     } else if (!std::ranges::equal(layout.columns, table_.layout.columns, is_same)) {
       throw error(bytes_.substr(begin),
                   fmt::format("segment {} has other channels than the first", segments_ + 1),
                   "split the file into one for each kind of segment");
     }
-    // The column of X values in front of the channel, or the only one.
-    const auto x = std::find_if(x_columns.rbegin(), x_columns.rend(), [&](std::size_t c) {
-      return c <= reference_ && has_numbers(columns[c]);
-    });
+    // The column of X values in front of a channel, or the only one.
+    const auto x_of = [&](std::size_t channel) {
+      return std::find_if(x_columns.rbegin(), x_columns.rend(),
+                          [&](std::size_t c) { return c <= channel && has_numbers(columns[c]); });
+    };
+    const auto x = x_of(reference_);
     const bool has_x = x != x_columns.rend();
     append_times(header, has_x ? columns[*x] : Eigen::VectorXd(), columns[reference_].size());
     if (segments_ == 0 && has_x) decimals_ = layout.columns[*x].decimals;
+    for (const std::size_t c : values) {
+      if (const auto own = x_of(c); has_x && own != x_columns.rend() && own != x) {
+        const Eigen::ArrayXd apart = (columns[*own] - columns[*x]).array().abs();
+        has_other_times_[c] = has_other_times_[c] || (apart > kSameTimes * delta_x(c)).any();
+      }
+    }
     if (!has_x) decimals_ = kAllDigits;
     has_x_ |= has_x;
     for (const std::size_t c : values_) {
@@ -190,6 +199,10 @@ class LvmReader {
   static void append(const Eigen::VectorXd& more, Eigen::VectorXd& all) {
     all.conservativeResize(all.size() + more.size());
     all.tail(more.size()) = more;
+  }
+
+  [[nodiscard]] double delta_x(std::size_t column) const {
+    return first_.number("Delta_X", column, 0);
   }
 
   /// Times of every segment on one axis: `x`, or from X0 in steps of Delta_X.
@@ -212,12 +225,16 @@ class LvmReader {
   /// A channel's numbers in all segments; the header's number of them is compared with the table's.
   void take_channel(std::size_t c) {
     const auto& names = table_.layout.columns;
-    const double delta = first_.number("Delta_X", c, 0);
-    const double usual = first_.number("Delta_X", reference_, 0);
-    if (has_numbers(columns_[c]) && delta > 0 && usual > 0 && std::abs(delta / usual - 1) > 1e-6) {
-      add_note(table_.notes, "data_left_out", names[c].name,
-               "is sampled at another rate than \"{}\" (Delta_X {} s): left out",
-               names[reference_].name, first_.text("Delta_X", c));
+    const double late = first_.number("X0", c, 0) - first_.number("X0", reference_, 0);
+    const double usual = delta_x(reference_);
+    const bool other_rate = delta_x(c) > 0 && usual > 0 && std::abs(delta_x(c) / usual - 1) > 1e-6;
+    const bool other_start = usual > 0 && std::abs(late) > kSameTimes * usual;
+    if (has_numbers(columns_[c]) && (other_rate || other_start || has_other_times_[c])) {
+      add_note(
+          table_.notes, "data_left_out", names[c].name,
+          "is sampled at other times than \"{}\" (X0 {}, Delta_X {}): left out; export it to a "
+          "file of its own",
+          names[reference_].name, first_.text("X0", c), first_.text("Delta_X", c));
       return;
     }
     table_.add(names[c], c, std::move(columns_[c]));
@@ -268,6 +285,7 @@ class LvmReader {
   }
 
   static constexpr int kAllDigits = 400;
+  static constexpr double kSameTimes = 0.01;  // steps, as TimeAxis takes sampling as uniform
   std::string_view bytes_, rest_;
   const std::filesystem::path& path_;
   const ReadOptions& options_;
@@ -284,6 +302,7 @@ class LvmReader {
   bool has_x_ = false;
   std::vector<Eigen::VectorXd> columns_;
   std::vector<double> stated_;
+  std::vector<bool> has_other_times_;  ///< by column
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -60,17 +61,20 @@ ChannelDescription read_channel(document::TomlTable& table) {
   return channel;
 }
 
-void apply_channel(const ChannelDescription& given, Recording& recording) {
-  Channel& channel =
-      recording.channels[static_cast<std::size_t>(recording.channel_index(given.source))];
+RecordingError refused(const Recording& recording, const std::string& channel, std::string problem,
+                       std::string remedy, const std::string& value = "") {
+  return {{recording.path.string(), 0, 0, channel, value}, std::move(problem), std::move(remedy)};
+}
+
+void apply_channel(const ChannelDescription& given, const Recording& recording, Channel& channel) {
   // Back to the file's numbers: x = a * file + b is replaced as a whole.
   double a = channel.si_per_source, b = channel.si_offset;
   if (given.sensitivity) {
     const UnitQuotient by = *parse_quotient(given.sensitivity_unit);
     const auto file_unit = parse_unit(given.unit.empty() ? channel.source_unit : given.unit);
     const auto refuse = [&](std::string problem, std::string remedy) {
-      throw RecordingError({recording.path.string(), 0, 0, channel.name, channel.source_unit},
-                           std::move(problem), std::move(remedy));
+      throw refused(recording, channel.name, std::move(problem), std::move(remedy),
+                    channel.source_unit);
     };
     if (!file_unit) {
       const std::string milli = by.over_text == by.over.si ? "m" + by.over_text : by.over_text;
@@ -220,18 +224,33 @@ void apply_description(const RecordingDescription& description, Recording& recor
   if (description.of_folder) {
     for (const auto& channel : recording.channels) left.push_back(channel.name);
   }
+  // All by the names in the file, before any is renamed.
+  std::map<Eigen::Index, const ChannelDescription*> described;
   for (const auto& channel : description.channels) {
-    if (description.of_folder) {
-      try {
-        std::erase(left, recording.channel(channel.source).name);
-      } catch (const RecordingError&) {
-        absent.push_back(channel.source);
-        continue;
-      }
+    Eigen::Index at = 0;
+    try {
+      at = recording.channel_index(channel.source);
+    } catch (const RecordingError&) {
+      if (!description.of_folder) throw;
+      absent.push_back(channel.source);
+      continue;
     }
-    apply_channel(channel, recording);
-    judge_values(recording.channel(channel.name.empty() ? channel.source : channel.name), &channel,
-                 recording);
+    std::erase(left, recording.channels[static_cast<std::size_t>(at)].name);
+    if (!described.emplace(at, &channel).second) {
+      throw refused(recording, channel.source, "is described twice", "keep one of the two");
+    }
+  }
+  for (const auto& [at, given] : described) {
+    Channel& channel = recording.channels[static_cast<std::size_t>(at)];
+    apply_channel(*given, recording, channel);
+    judge_values(channel, given, recording);
+  }
+  std::set<std::string> names;
+  for (const auto& channel : recording.channels) {
+    if (!names.insert(channel.name).second) {
+      throw refused(recording, channel.name, "is the name of two channels",
+                    "give each a name of its own, in the description");
+    }
   }
   for (const auto& channel : recording.channels) judge_values(channel, nullptr, recording);
   note_absent(absent, left, absent.size() == description.channels.size(), recording);

@@ -167,6 +167,7 @@ class Uff58Reader {
       f.real[k] = take(k);
       if (f.complex) f.imag[k] = take(k);
     }
+    if (rest.empty() && end == begin + text_.rest().size()) throw text_.broken_off(rest);
     if (text_.next_number(rest)) {
       remark(f, fmt::format(" holds more values than the {} it states; the rest is left out",
                             f.real.size()));
@@ -213,15 +214,14 @@ std::optional<std::string_view> UffText::line() {
   const std::size_t end = line_end(bytes_, next_);
   const auto line = bytes_.substr(next_, end - next_);
   if (is_mark(line)) return std::nullopt;
+  if (end == bytes_.size()) throw broken_off(line);
   next_ = next_line(bytes_, end);
   return line;
 }
 
 std::string_view UffText::needed_line() {
   if (const auto found = line()) return *found;
-  throw error(bytes_.substr(next_, 0),
-              "the dataset of line " + std::to_string(line_of(head_)) + " breaks off",
-              "copy or export the file again");
+  throw broken_off(bytes_.substr(next_, 0));
 }
 
 bool UffText::skip_to_end() {
@@ -264,6 +264,11 @@ long UffText::line_of(std::string_view part) const {
     counted_to_ = next;
     ++counted_;
   }
+}
+
+RecordingError UffText::broken_off(std::string_view at) const {
+  return error(at, "the dataset of line " + std::to_string(line_of(head_)) + " breaks off",
+               "copy or export the file again");
 }
 
 RecordingError UffText::error(std::string_view value, std::string problem,

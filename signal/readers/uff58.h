@@ -39,7 +39,7 @@ class UffText {
   [[nodiscard]] bool any() const { return head_.data() != nullptr; }
 
   /// The dataset's next line; nothing at its end mark, and at the end of the
-  /// file.
+  /// file. Throws RecordingError for a line that the file breaks off in.
   [[nodiscard]] std::optional<std::string_view> line();
   /// The same; throws RecordingError where the dataset ends.
   std::string_view needed_line();
@@ -58,6 +58,8 @@ class UffText {
   /// 1-based line of a part of the file; lines behind binary values are counted
   /// as their bytes have it.
   [[nodiscard]] long line_of(std::string_view part) const;
+  /// The dataset breaks off at this part of the file.
+  [[nodiscard]] RecordingError broken_off(std::string_view at) const;
   /// About `value`, a part of the file; where it is empty, about its line.
   [[nodiscard]] RecordingError error(std::string_view value, std::string problem,
                                      std::string remedy) const;

@@ -75,6 +75,30 @@ double round_rate(double rate_hz, double tolerance) {
 namespace {
 // Rates known worse may be near several round ones.
 constexpr double kRounded = 3e-4;
+
+/// Whether stamps of whole digits that resolve about one step show rows that are lost or doubled:
+/// they get ahead of the rows or fall behind, not for one row only (jitter). Many times are those
+/// of a step that is not a whole digit where they go one way at even distances, but for ties of
+/// rounding, or concern a fiftieth of the rows; jitter where they go both ways.
+bool has_slips(const Eigen::ArrayXd& t, const Eigen::ArrayXd& place, double digit) {
+  const Eigen::ArrayXd exact = (t - t[0]) / digit - (place - place[0]), ahead = exact.round();
+  if ((exact - ahead).abs().maxCoeff() > 1e-3) return false;
+  const Eigen::Index n = t.size();
+  std::vector<Eigen::Index> at, apart;
+  for (Eigen::Index k = 1; k < n; ++k) {
+    if (ahead[k] == ahead[k - 1]) continue;
+    if (k + 1 < n && ahead[k + 1] == ahead[k - 1]) {
+      ++k;
+      continue;
+    }
+    if (!at.empty()) apart.push_back(k - at.back());
+    at.push_back(k);
+  }
+  if (at.size() < 3) return !at.empty();
+  const auto [least, most] = std::ranges::minmax(apart);
+  const auto slips = static_cast<double>(at.size());
+  return most - least > 2 && std::abs(ahead[n - 1]) == slips && 50 * slips < static_cast<double>(n);
+}
 }  // namespace
 
 TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double printed_resolution_s,
@@ -99,7 +123,8 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double print
   const double resolution = printed_resolution_s;
   axis.uniform =
       step > 0 && (t - t_mean - step * place).abs().maxCoeff() <= 0.75 * resolution + 0.01 * step;
-  if (!axis.uniform) {
+  const bool slips = std::round(step / resolution) == 1 && has_slips(t, place, resolution);
+  if (!axis.uniform || slips) {
     const Eigen::ArrayXd all = time_s.tail(n - 1) - time_s.head(n - 1);  // NaN beside missing times
     std::vector<double> steps;
     std::ranges::copy_if(all, std::back_inserter(steps), [](double h) { return std::isfinite(h); });
@@ -107,7 +132,7 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double print
     const double usual = median(steps);
     // Gaps bias the line. The mean of the steps that are no gaps does not see them, and printing,
     // which may make most steps zero, averages out of it.
-    const double near = std::max(1.5 * resolution, 0.5 * std::abs(usual));
+    const double near = std::max(slips ? 0 : 1.5 * resolution, 0.5 * std::abs(usual));
     const Eigen::Array<bool, Eigen::Dynamic, 1> regular = (all - usual).abs() <= near;
     step = regular.select(all, 0.0).sum() / std::max(1.0, static_cast<double>(regular.count()));
     // Printed steps differ by a digit, unless the step is a whole number of them.

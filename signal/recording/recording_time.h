@@ -64,9 +64,10 @@ struct TimeAxis {
 /// t_k = start + k / rate, by least squares over all samples: the rounding of printed times
 /// averages out, where the median of their differences would keep it. Departures that printing
 /// explains (half of the last digit) and those below a hundredth of a step leave the sampling
-/// uniform. `stated_rate_hz`: by a header; taken when the times agree with it; 0: none. A step that
-/// is a whole number of printed digits throughout is exact; else the roundest rate is taken where
-/// the times leave 3e-4 at most.
+/// uniform; a row that is lost or doubled where one digit is about a step counts as a gap or as
+/// repeated all the same. `stated_rate_hz`: by a header; taken when the times agree with it; 0:
+/// none. A step that is a whole number of printed digits throughout is exact; else the roundest
+/// rate is taken where the times leave 3e-4 at most.
 [[nodiscard]] TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
                                  double printed_resolution_s = 0, double stated_rate_hz = 0);
 

@@ -79,6 +79,9 @@ TEST(Wav, CutShortIsReadAsFarAsItGoesAndSaid) {
   EXPECT_EQ(recording.samples(), 500);
   EXPECT_TRUE(says(recording.notes, "incomplete"));
   EXPECT_THAT(refusal_of([&] { return read_sound(whole.substr(0, 20)); }), HasSubstr("WAV"));
+  // Samples behind those that the file states; a part of another kind is none.
+  EXPECT_TRUE(says(read_sound(whole + "samples behind").notes, "incomplete"));
+  EXPECT_FALSE(says(read_sound(whole + "LIST" + little(4, 4) + "INFO").notes, "incomplete"));
 }
 
 std::string npy(const std::string& header, const std::string& data) {
@@ -115,6 +118,7 @@ TEST(Npy, WhatCannotBeReadIsSaid) {
                                           {"'<c16'", "(1,)", "complex"},
                                           {"'<f8'", "(99999999999, 99999999999)", "holds 8 bytes"},
                                           {"'<f8'", "(1, 1, 1)", "1 x 1 x 1"},
+                                          {"'<i4'", "(1,)", "holds 8 bytes"},
                                           {"'<f8'", "(0,)", "no samples"}}) {
     const std::string header =
         fmt::format("{{'descr': {}, 'fortran_order': False, 'shape': {}, }}", type, shape);
@@ -237,6 +241,18 @@ TEST_F(Mat, DamagedOnesAreRefusedOrRead) {
       EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read(path_)); })) << k;
     }
     fs::remove(path_);
+  }
+}
+
+TEST_F(Mat, ArraysThatStateOtherSizesThanTheyHoldAreRefused) {
+  write({array("acc", ramp(40, 0.5), 40, 1), array("fs", {2000}, 1, 1)}, MAT_FT_MAT5,
+        MAT_COMPRESSION_NONE);
+  const std::string whole = content(), size = little(40, 4) + little(1, 4);
+  for (const std::uint64_t rows : {39ULL, 48ULL}) {
+    std::string bytes = whole;
+    bytes.replace(bytes.find(size), 4, little(rows, 4));
+    std::ofstream(path_, std::ios::binary) << bytes;
+    EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("than it can hold")) << rows;
   }
 }
 

@@ -69,4 +69,17 @@ TEST(Plausibility, ValuesAsTheFileGivesThem) {
   EXPECT_EQ(said(Quantity::force, 5e6), "");  // in a stay cable
 }
 
+TEST(Descriptions, NamesAreThoseOfTheFileAndOnesOwn) {
+  const auto described = [](std::vector<ChannelDescription> channels) {
+    Recording recording = in_volts(1);
+    recording.channels.push_back(in_volts(2).channels[0]);
+    recording.channels[1].name = "a";
+    apply_description({.channels = std::move(channels)}, recording);
+    return recording.channel("a").samples.maxCoeff();
+  };
+  EXPECT_EQ(described({{.source = "hammer", .name = "a"}, {.source = "a", .name = "hammer"}}), 1);
+  EXPECT_THROW(described({{.source = "hammer", .name = "a"}}), RecordingError);
+  EXPECT_THROW(described({{.source = "a", .name = "b"}, {.source = "#2"}}), RecordingError);
+}
+
 }  // namespace rigfit::signal::plausibility_test

@@ -30,7 +30,22 @@ TEST(ReadLvm, ChannelsOfOneNameAreToldApartAndThoseOfAnotherRateLeftOut) {
   EXPECT_EQ(r.channels[1].samples[2], 8);
   ASSERT_THAT(codes(r.notes), ElementsAre("duplicate_name", "data_left_out"));
   EXPECT_EQ(r.notes[1].where, "slow");
-  EXPECT_THAT(r.notes[1].message, HasSubstr("Delta_X 0.002 s"));
+  EXPECT_THAT(r.notes[1].message, HasSubstr("Delta_X 0.002"));
+}
+
+TEST(ReadLvm, ChannelsOfOtherTimesAreLeftOut) {
+  for (const char* start : {"0.5", "0"}) {
+    const Recording r = read_lvm(
+        lvm("Channels\t2\nX0\t0\t\t" + std::string(start) + "\nDelta_X\t0.001\t\t0.001\n",
+            "X_Value\tF\tX_Value\ta\n0.000\t1\t0.5\t2\n0.001\t3\t0.501\t4\n0.002\t5\t0.502\t6\n"),
+        "x.lvm");
+    EXPECT_EQ(r.channels.size(), 1u);
+    EXPECT_TRUE(says(r.notes, "data_left_out"));
+  }
+  const Recording started = read_lvm(lvm("Channels\t2\nX0\t0\t0.5\nDelta_X\t0.001\t0.001\n",
+                                         "X_Value\tF\ta\n\t1\t2\n\t3\t4\n\t5\t6\n"),
+                                     "x.lvm");
+  EXPECT_EQ(started.channels.size(), 1u);
 }
 
 TEST(ReadLvm, XThatIsUnevenIsKeptAndXThatIsMissingThereRefused) {

@@ -52,6 +52,14 @@ FrfSet made_frfs() {
   return f;
 }
 
+TEST(Uff, ATextThatBreaksOffInsideANumberIsRefused) {
+  for (const auto& [name, text] : seeds_of("uff")) {
+    if (!name.ends_with("ascii_single.uff")) continue;
+    const std::string cut = text.substr(0, text.find_last_of("eE"));
+    EXPECT_THAT(refusal_of([&] { return read_uff(cut, "x"); }), HasSubstr("breaks off"));
+  }
+}
+
 TEST(Uff, RecordingsComeBackWithinTheirDigits) {
   struct Case {
     UffEncoding encoding;

@@ -113,6 +113,42 @@ TEST(Times, LostSamplesAreNoCoarseClock) {
   EXPECT_FALSE(time_axis(times, 1e-6).uniform);
 }
 
+TEST(Times, InWholeStepsShowRowsThatAreLostOrDoubled) {
+  const auto table = [](double step, const std::vector<int>& lost, int doubled) {
+    std::string text = "Time (ms);a (N)\n";
+    for (int k = 0; k < 1000; ++k) {
+      const std::string row = fmt::format("{:.0f};{}.5\n", k * step, k % 7);
+      if (std::ranges::count(lost, k) == 0) text += row + (k == doubled ? row : "");
+    }
+    return read(text);
+  };
+  for (const auto& [lost, doubled] :
+       {std::pair{std::vector{500}, -1}, {{300, 700}, -1}, {{100, 120, 700}, -1}, {{}, 500}}) {
+    const auto recording = table(1, lost, doubled);
+    EXPECT_TRUE(says(recording.notes, "time_axis")) << lost.size();
+    EXPECT_NEAR(recording.sample_rate_hz, 1000, 0.01);
+  }
+  EXPECT_THAT(table(1, {500}, -1).notes[0].where, HasSubstr("line 502"));
+  // No loss, also at a rate that whole milliseconds do not give.
+  for (const double step : {1.0, 1 / 1.2, 1 / 0.97}) {
+    const auto recording = table(step, {}, -1);
+    EXPECT_FALSE(says(recording.notes, "time_axis")) << step;
+    EXPECT_NEAR(recording.sample_rate_hz * step, 1000, 1) << step;
+  }
+}
+
+TEST(Times, OfOtherChannelsAreNotTakenForAll) {
+  const auto table = [](double step, double start) {
+    std::string text = "Time 1 (s);a (N);Time 2 (s);b (N)\n";
+    for (int k = 0; k < 30; ++k)
+      text += fmt::format("{:.3f};{}.5;{:.3f};1.5\n", 0.01 * k, k % 7, start + step * k);
+    return read(text);
+  };
+  EXPECT_TRUE(says(table(0.02, 0).notes, "time_axis"));
+  EXPECT_TRUE(says(table(0.01, 0.5).notes, "time_axis"));
+  EXPECT_FALSE(says(table(0.01, 0).notes, "time_axis"));
+}
+
 TEST(Times, WithoutAUnitInWholeNumbersAreSuspected) {
   std::string text = "t;a\n";
   for (int k = 0; k < 50; ++k) text += fmt::format("{};{}.5\n", 2000 * k, k % 5);
@@ -152,6 +188,62 @@ std::string rows(int count, bool numbered) {
             fmt::format("{:.2f},{:.4f}\n", 0.01 * k, std::sin(0.3 * k));
   }
   return text;
+}
+
+TEST(Rows, AtTheBeginningThatHoldFewNumbersAreRows) {
+  const std::string text = "Time (s),F (N),A (V)\n0.0,n/a,OL\n0.1,,\n" + rows(40, true);
+  const auto recording = read(text);
+  EXPECT_EQ(recording.samples(), 42);
+  EXPECT_EQ(recording.channels[1].missing_samples, 2);
+  EXPECT_THAT(refusal_of("Time (s),F (N),A (V)\n0,1.5,start\n" + rows(40, true)),
+              AllOf(HasSubstr("test.csv:2:7"), HasSubstr("start")));
+}
+
+TEST(Rows, BehindAChangeOfSignsAreRefused) {
+  const std::string titles = "Nr;Time (s);F (N)\n";
+  std::string commas = rows(8, true), points = rows(40, true);
+  std::ranges::replace(points, ',', ';');
+  EXPECT_THAT(refusal_of(titles + points + commas), HasSubstr("test.csv:42"));
+  EXPECT_THAT(refusal_of(titles + commas + points), HasSubstr("test.csv:9"));
+  EXPECT_THAT(refusal_of(titles + points + "9;0,09;1,5\n"), HasSubstr("test.csv:42"));
+  const auto footer = read(titles + points + "End of the recording;;\nPeak;;2\n");
+  EXPECT_EQ(footer.samples(), 40);
+  EXPECT_TRUE(says(footer.notes, "left_out"));
+}
+
+TEST(Rows, OfMoreFieldsThanTitlesAreRefused) {
+  EXPECT_THAT(refusal_of("Time (s),F (N)\n" + rows(9, false) + "0.09,1.5,7\n0.10,2.5\n"),
+              AllOf(HasSubstr("test.csv:11"), HasSubstr("(\"7\")")));
+  EXPECT_TRUE(says(read("Time (s),F (N)\n0,1,2\n1,1,3\n2,1,4\n").notes, "titles_not_matched"));
+}
+
+TEST(Columns, OfWordsAndNumbersAreWarnedOf) {
+  const auto recording = read("Time (s),F (N),A (V)\n0,1,bad\n1,2,bad\n2,3,4.5\n3,4,bad\n");
+  const auto lost = std::ranges::find(recording.notes, "data_left_out", &Note::code);
+  ASSERT_NE(lost, recording.notes.end());
+  EXPECT_THAT(lost->message, HasSubstr("\"bad\" (line 2)"));
+}
+
+TEST(Columns, InAnotherWritingAreReadOrRefused) {
+  EXPECT_EQ(read("a|b\n1,5|2\n2,5|3\n3,5|4\n").channels[1].samples[2], 4);
+  EXPECT_EQ(read("t;F\n0,1;1 234,5\n0,2;1'235,5\n").channels[0].samples[1], 1235.5);
+  EXPECT_THAT(refusal_of("t (s),F (N)\n0.1,\"1,234\"\n0.2,\"1,235\"\n0.3,\"1,236\"\n"),
+              HasSubstr("thousands"));
+  EXPECT_THAT(refusal_of("t (s),F (N)\n0.1,\"1\"2\n0.2,2\n0.3,3\n0.4,4\n"),
+              HasSubstr("test.csv:2:5"));
+}
+
+TEST(Titles, WithLineBreaksInsideQuotesAreOne) {
+  const auto recording = read("\"Time\n(s)\",\"Force\n1\n(N)\"\n" + rows(40, false));
+  EXPECT_EQ(recording.channels[0].name, "Force 1");
+  EXPECT_EQ(recording.channels[0].unit, "N");
+  EXPECT_EQ(recording.sample_rate_hz, 100);
+}
+
+TEST(Rates, ThatContradictEachOtherAreRefused) {
+  const std::string text = "Sampling interval: 10 ms\nSample rate: 200 Hz\nF (N)\n1\n2\n3\n";
+  EXPECT_THAT(refusal_of(text), HasSubstr("test.csv:2"));
+  EXPECT_EQ(read(text, {.sample_rate_hz = 100}).sample_rate_hz, 100);
 }
 
 TEST(Titles, AColumnBesideTheirNumbersAreRefused) {
