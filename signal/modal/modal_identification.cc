@@ -245,6 +245,20 @@ void list_rejected(const ModalBand& band, const ModalOptions& options,
             [](const auto& a, const auto& b) { return a.frequency_hz < b.frequency_hz; });
 }
 
+/// Modes left out whose resonance reaches into the band.
+void tell_modes_at_ends(const ModalBand& band, ModalResult& result) {
+  for (const Complex pole : band.beside) {
+    const double at = pole.imag() / kTwoPi, half = (band.window - pole.real()) / kTwoPi;
+    if (at - half > result.high_hz || at + half < result.low_hz) continue;
+    result.model.notes.push_back(
+        {"modes_beside",
+         fmt::format("a mode at {:.4g} Hz, just outside of the band, reaches into it and is left "
+                     "out: a wider band holds it",
+                     at),
+         ""});
+  }
+}
+
 }  // namespace
 
 ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
@@ -326,6 +340,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     result.background_hz = band.frequency_hz;
   }
   list_rejected(band, options, found.dropped, result);
+  tell_modes_at_ends(band, result);
   if (model.modes.empty()) {
     model.notes.push_back(
         {"no_modes", "nothing in the band stands out of the noise as a resonance", ""});

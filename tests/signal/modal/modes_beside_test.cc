@@ -95,6 +95,15 @@ TEST(ModesBeside, ColumnsAreOrthonormalAndOnlyWhatIsNew) {
             1e-12 * band.lines.s.array().square().matrix().norm());
 }
 
+// The mode at 56.9 Hz has a half bandwidth of 0.68 Hz.
+TEST(ModesBeside, OneWhoseResonanceReachesIntoTheBandIsNamed) {
+  const FrfSet set = struck_cable(1e-4);
+  const ModalResult cut = identify_modes(set, {.low_hz = 2, .high_hz = 56.5});
+  EXPECT_TRUE(says(cut.model.notes, "modes_beside"));
+  const ModalResult far = identify_modes(set, {.low_hz = 2, .high_hz = 56});
+  EXPECT_FALSE(says(far.model.notes, "modes_beside"));
+}
+
 TEST(ModesBeside, AFitThatDoesNotConvergeWithThemSaysSo) {
   ModalOptions options = to_50_hz();
   options.refine.max_iterations = 1;  // no fit settles
