@@ -2,7 +2,6 @@
 
 #include <gsl/gsl_cdf.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +10,7 @@
 #include "signal/estimation/robust.h"
 #include "signal/numerics/estimate.h"
 #include "signal/numerics/numbers.h"
+#include "signal/numerics/scaled_gram.h"
 
 namespace rigfit::ident {
 namespace {
@@ -109,12 +109,13 @@ class Table {
       if (parabola) A(r, offsets + 1) = sign * (u - 0.5) * (u - 0.5);
       y[r] = over_load ? x * load_range_ : Q;
     }
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
-    if (qr.rank() < parameters) return fit;
-    const Eigen::VectorXd p = qr.solve(y);
+    const signal::ScaledGram gram(A.transpose() * A);
+    if (!gram.usable()) return fit;
+    const Eigen::MatrixXd inverse = gram.inverse();
+    Eigen::VectorXd p = gram.solve_vector(A.transpose() * y);
+    p += gram.solve_vector(A.transpose() * (y - A * p));  // takes off what rounding left
     fit.residual = y - A * p;
     fit.squares = fit.residual.squaredNorm();
-    const Eigen::MatrixXd inverse = (A.transpose() * A).inverse();
     fit.leverage = (A * inverse).cwiseProduct(A).rowwise().sum();
     fit.slope = p[offsets] / range_;
     fit.slope_variance_factor = inverse(offsets, offsets) / (range_ * range_);

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "ident/statistics/uncertainty.h"
+#include "signal/numerics/least_squares.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -65,8 +66,8 @@ std::vector<double> regression(const Data& data, double (*g)(double)) {
     const auto& point = data.points[static_cast<std::size_t>(i)];
     A.row(i) << 1 / point.EI_Nm2, g(point.tension_N) / point.EI_Nm2;
   }
-  const Eigen::Vector2d line = A.colPivHouseholderQr().solve(Eigen::VectorXd::Ones(n));
-  return {line[0], line[1]};
+  const Eigen::MatrixXd line = signal::least_squares(A, Eigen::VectorXd::Ones(n)).x;
+  return {line(0), line(1)};
 }
 
 Starts saturating_starts(const Data& data, const Bounds& bounds) {

@@ -1,13 +1,13 @@
 #include "ident/update/assignment/update_alternatives.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "ident/statistics/in_parallel.h"
+#include "signal/numerics/factorisations.h"
 
 namespace rigfit::ident {
 namespace {
@@ -397,12 +397,13 @@ class Search {
       Eigen::VectorXd r;
       Eigen::MatrixXd J;
       const auto& all = solution.matches.matches;
-      if (!here.residuals(solution.q, all, r, &J)) return;
-      const Eigen::MatrixXd hat = J * J.completeOrthogonalDecomposition().pseudoInverse();
+      if (!here.residuals(solution.q, all, r, &J) || J.rows() < J.cols()) return;
+      const Eigen::MatrixXd Q = signal::thin_qr(J).Q;
       double most = 0;
       std::size_t worst = all.size();
       for (const auto& row : here.frequency_rows(all)) {
-        const double gained = r[row.row] * r[row.row] / std::max(1 - hat(row.row, row.row), 1e-6);
+        const double free = 1 - Q.row(row.row).squaredNorm();
+        const double gained = r[row.row] * r[row.row] / std::max(free, 1e-6);
         if (gained > most) most = gained, worst = row.match;
       }
       if (worst == all.size()) return;

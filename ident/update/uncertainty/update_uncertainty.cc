@@ -2,12 +2,14 @@
 
 #include <gsl/gsl_cdf.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <map>
 
 #include "ident/statistics/root.h"
+#include "signal/numerics/factorisations.h"
+#include "signal/numerics/least_squares.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -110,12 +112,7 @@ double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
     for (Eigen::Index i = 0; i < r.size(); ++i) {
       if (own[i] > 0) w[i] = own[i] / std::hypot(own[i], std::exp(log_tau));
     }
-    const Eigen::MatrixXd A = w.asDiagonal() * J;
-    const Eigen::VectorXd b = w.cwiseProduct(r);
-    const Eigen::MatrixXd normal = A.transpose() * A;
-    return (b - A * normal.completeOrthogonalDecomposition().solve(A.transpose() * b))
-               .squaredNorm() -
-           dof;
+    return signal::least_squares(w.asDiagonal() * J, w.cwiseProduct(r)).left_sum_squares[0] - dof;
   };
   const double low = std::log(1e-9), high = 0;
   if (dof <= 0 || excess(low) <= 0 || excess(high) > 0) return 0;
@@ -140,8 +137,8 @@ Eigen::VectorXd clustered_variance(const UpdateProblem& problem,
       *sum += score;
     }
   }
-  const Eigen::MatrixXd bread =
-      (J.transpose() * J).completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXcd normal = (J.transpose() * J).cast<std::complex<double>>();
+  const Eigen::MatrixXd bread = signal::hermitian_eigen(normal).pseudo_inverse().real();
   const auto widen = [&](const auto& clusters) {
     const double count = static_cast<double>(clusters.size());
     if (count < 3) return;
