@@ -194,18 +194,21 @@ void judge_pulse(const Recording& recording, const Channel& force, const Channel
                            force.name, force.samples[hit.peak_sample]));
   }
   const Index width = hit.pulse_last - hit.pulse_first + 1;
-  if (width < options.min_pulse_samples) {
-    const std::string why = fmt::format(
+  std::string why;
+  if (hit.pulse_first == 0) {
+    why = "pulse not resolved: the record begins within it; record from before the hit";
+  } else if (width < options.min_pulse_samples) {
+    why = fmt::format(
         "pulse not resolved: {} sample{} above {:.0f} % of the peak at {:g} Hz, {} needed; "
         "sample at {:.3g} Hz or more, or use a softer tip",
         width, width == 1 ? "" : "s", 100 * kPulseEdge, rate, options.min_pulse_samples,
         rate * (options.min_pulse_samples + 1) / static_cast<double>(width));
-    if (options.accept_unresolved) {
-      hit.faults.push_back(HitFault::unresolved_pulse);
-      hit.reason = why;
-    } else {
-      hit.reject(HitFault::unresolved_pulse, why);
-    }
+  }
+  if (!why.empty() && options.accept_unresolved) {
+    hit.faults.push_back(HitFault::unresolved_pulse);
+    hit.reason = why;
+  } else if (!why.empty()) {
+    hit.reject(HitFault::unresolved_pulse, why);
   }
 }
 

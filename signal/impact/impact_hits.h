@@ -22,10 +22,11 @@
 namespace rigfit::signal {
 
 enum class HitFault {
-  rings,             ///< the force swings to both sides and rings on: it is a response
-  missing_samples,   ///< NaN in the force or a response within the block
-  overload,          ///< clipped force or response
-  unresolved_pulse,  ///< too few samples in the pulse: its area depends on the logger's filters
+  rings,            ///< the force swings to both sides and rings on: it is a response
+  missing_samples,  ///< NaN in the force or a response within the block
+  overload,         ///< clipped force or response
+  /// Too few samples in the pulse, so that its area depends on the logger's filters, or not all.
+  unresolved_pulse,
   double_hit,
   cut_off,         ///< the next hit or the end of the record comes before the ring-down ends
   force_spectrum,  ///< too little force somewhere in the band

@@ -16,6 +16,7 @@
 #include "signal/modes/mode_search.h"
 #include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
+#include "signal/refinement/modal_basis.h"
 
 namespace rigfit::signal {
 namespace {
@@ -200,6 +201,27 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& searc
   result.auto_mac = auto_mac(shapes);
 }
 
+/// The fit with each mode's residues as the one shape that is exported: where two modes share a
+/// frequency, residues of several inputs are of no single one.
+MatrixXcd with_one_shape_each(const ModalBand& band, const FoundModes& found,
+                              const ModalModel& model) {
+  const Index inputs = band.lines.inputs, count = std::ssize(model.modes);
+  VectorXcd poles(count);
+  MatrixXcd residues(count, band.lines.H.cols());
+  for (Index r = 0; r < count; ++r) {
+    const IdentifiedMode& mode = model.modes[static_cast<std::size_t>(r)];
+    poles[r] = mode.pole_rad_s + band.window;
+    for (Index c = 0; c < residues.cols(); ++c) {
+      residues(r, c) = mode.shape[c / inputs] * mode.participation[c % inputs];
+    }
+  }
+  const VectorXcd none = VectorXcd::Zero(residues.cols());
+  const auto sum_of = [&](const VectorXcd& of, const MatrixXcd& with) {
+    return synthesise(band.lines.s, band.lines.power, of, with, none, none);
+  };
+  return found.model + sum_of(poles, residues) - sum_of(found.fit.poles, found.fit.residues);
+}
+
 /// Rms misfit over rms FRF: of each FRF, and within half a bandwidth of each mode (three lines at
 /// least); where points have their own poles, that of their fits.
 void measure_errors(const ModalBand& band, const MatrixXcd& fitted, ModalModel& model) {
@@ -345,7 +367,9 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     model.notes.push_back(
         {"no_modes", "nothing in the band stands out of the noise as a resonance", ""});
   }
-  measure_errors(band, found.model, model);
+  const MatrixXcd fitted =
+      inputs == 1 || search.local ? found.model : with_one_shape_each(band, found, model);
+  measure_errors(band, fitted, model);
   if (has_error_bars) {
     const MatrixXcd& m = found.model;
     double sum = 0;
@@ -360,7 +384,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     }
     result.misfit_over_error_bars = std::sqrt(sum / static_cast<double>(count));
   }
-  check_misfit(result, band, H - found.model);
+  check_misfit(result, band, H - found.model, H - fitted);
   allow_for_hits(frfs, band, found, search.local, options, model);
   judge_modes(result, band, H - found.model);
   return result;

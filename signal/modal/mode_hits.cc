@@ -105,8 +105,19 @@ void add_jackknife(const HitsOnInput& hits, Index r, Complex pole, ModeOfHits& m
   }
 }
 
+/// Whether the resonance of another mode touches that of mode r. A single hit, which is of one
+/// reference, may show both as one.
+bool is_touched(const ModalBand& band, const VectorXcd& poles, Index r) {
+  for (Index q = 0; q < poles.size(); ++q) {
+    const double halves = 2 * band.window - poles[r].real() - poles[q].real();
+    if (q != r && std::abs(poles[r].imag() - poles[q].imag()) < halves) return true;
+  }
+  return false;
+}
+
 std::vector<ModeOfHits> modes_of_hits(const ModalBand& band, const std::vector<HitsOnInput>& all,
-                                      const VectorXcd& poles, const ModalOptions& options) {
+                                      const VectorXcd& poles, bool local,
+                                      const ModalOptions& options) {
   std::vector<ModeOfHits> modes(static_cast<std::size_t>(poles.size()));
   std::vector<MatrixXcd> every;
   for (const HitsOnInput& hits : all) {
@@ -117,10 +128,11 @@ std::vector<ModeOfHits> modes_of_hits(const ModalBand& band, const std::vector<H
     }
   }
   std::vector<LocalMode> own = check_groups(band, every, poles, options);
-  join_split_modes(band, poles, own);
+  if (local || all.size() == 1) join_split_modes(band, poles, own);
   for (std::size_t r = 0; r < modes.size(); ++r) {
     ModeOfHits& mode = modes[r];
     const Complex pole = poles[static_cast<Index>(r)];
+    if (!local && all.size() > 1 && is_touched(band, poles, static_cast<Index>(r))) continue;
     mode.fits = static_cast<double>(every.size());
     mode.shown = static_cast<double>(
         std::count_if(own[r].points.begin(), own[r].points.end(), [&](const PointPole& hit) {
@@ -148,6 +160,55 @@ void widen(double f_std, double z_std, std::size_t r, ModalModel& model) {
   if (std::isfinite(most)) mode.shape_std *= most;
 }
 
+/// Raises the standard deviations of the shapes where the hits' FRFs around a mode scatter in size
+/// and phase by more than noise, all lines together (a gain, a place that is not met): jackknife of
+/// their parts of the average's fit.
+void widen_shapes(const ModalBand& band, const std::vector<HitsOnInput>& all,
+                  const FoundModes& found, ModalModel& model) {
+  if (band.H_std.size() == 0 || found.model.size() == 0) return;
+  for (IdentifiedMode& mode : model.modes) {
+    Index input = 0;
+    mode.participation.cwiseAbs().maxCoeff(&input);
+    const HitsOnInput& hits = all[static_cast<std::size_t>(input)];
+    const auto count = std::ssize(hits.H);
+    const auto [first, lines] = lines_around(band, mode.pole_rad_s, 1);
+    if (count < 2 || lines < 1) continue;
+    double squares = 0;
+    const Index responses = mode.shape.size();
+    MatrixXd variance(responses, 2);
+    for (Index o = 0; o < responses; ++o) {
+      const Index c = o * band.lines.inputs + input;
+      const VectorXcd fit = found.model.col(c).segment(first, lines);
+      const double size = std::max(fit.squaredNorm(), 1e-300);
+      Eigen::ArrayXcd part(count);
+      for (Index h = 0; h < count; ++h) {
+        const auto at = static_cast<std::size_t>(h);
+        part[h] = fit.dot(hits.H[at].col(o).segment(first, lines)) / size;
+      }
+      const Eigen::ArrayXcd weighted = part * hits.weight.array();
+      const Eigen::ArrayXcd without = (weighted.sum() - weighted) / (1 - hits.weight.array());
+      const Eigen::ArrayXd re = without.real(), im = without.imag();
+      variance(o, 0) = jackknife_variance({re.data(), hits.H.size()}).variance;
+      variance(o, 1) = jackknife_variance({im.data(), hits.H.size()}).variance;
+      const double noise =
+          fit.cwiseAbs().cwiseProduct(band.H_std.col(c).segment(first, lines)).squaredNorm();
+      squares += variance.row(o).sum() * size * size / std::max(noise, 1e-300);
+    }
+    const auto degrees = static_cast<double>(count - 1);
+    if (!(gsl_cdf_chisq_Q(degrees * squares, degrees * 2 * static_cast<double>(responses)) <
+          kAll)) {
+      continue;
+    }
+    variance *= std::pow(coverage_factor(0.95, degrees) / coverage_factor(0.95, 0), 2);
+    for (Index o = 0; o < responses; ++o) {
+      const double re = std::norm(mode.shape[o].real()), im = std::norm(mode.shape[o].imag());
+      auto std = mode.shape_std.row(o);
+      std[0] = std::sqrt(std[0] * std[0] + re * variance(o, 0) + im * variance(o, 1));
+      std[1] = std::sqrt(std[1] * std[1] + im * variance(o, 0) + re * variance(o, 1));
+    }
+  }
+}
+
 }  // namespace
 
 void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes& found, bool local,
@@ -159,8 +220,9 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
     const Complex pole = poles[static_cast<Index>(r)] = model.modes[r].pole_rad_s;
     (found.fit.poles.array() - pole).abs().minCoeff(&order[r]);
   }
-  const std::vector<ModeOfHits> hits =
-      modes_of_hits(band, hits_of(frfs, band, found, order, local), poles, options);
+  const std::vector<HitsOnInput> all = hits_of(frfs, band, found, order, local);
+  widen_shapes(band, all, found, model);
+  const std::vector<ModeOfHits> hits = modes_of_hits(band, all, poles, local, options);
 
   // Chi-square of the scatter between hits over what noise gives, and its degrees of freedom.
   std::vector<std::pair<double, double>> scatter;

@@ -100,11 +100,14 @@ double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise, const I
 }
 
 void check_misfit(ModalResult& result, const ModalBand& band,
-                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
+                  const Eigen::Ref<const Eigen::MatrixXcd>& of_one_shape_each) {
   const MisfitCorrelation found = misfit_correlation(result.noise, misfit);
   for (const IdentifiedMode& mode : result.model.modes) {
-    const double part =
-        found.systematic ? 0 : misfit_beyond_noise(band, result.noise, mode, misfit);
+    double part = found.systematic ? 0 : misfit_beyond_noise(band, result.noise, mode, misfit);
+    // As prominent as a mode has to be (judge_modes).
+    const double beside = misfit_beyond_noise(band, result.noise, mode, of_one_shape_each);
+    if (band.lines.inputs > 1 && beside > 0.1) part = beside;
     if (part == 0) continue;
     result.model.notes.push_back(
         {"systematic_misfit",

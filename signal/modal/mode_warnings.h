@@ -33,10 +33,12 @@ struct MisfitCorrelation {
                                          const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
 /// Notes a misfit that correlates between lines beyond chance and enough to matter for the error
-/// bars; where there is none, modes around which the model leaves more than noise. `misfit`: lines
-/// x FRFs.
+/// bars; where there is none, modes around which the model leaves more than noise; and modes whose
+/// residues of several inputs are of more than one shape. `misfit`: lines x FRFs;
+/// `of_one_shape_each`: that of the modes as they are given, each with one shape.
 void check_misfit(ModalResult& result, const ModalBand& band,
-                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
+                  const Eigen::Ref<const Eigen::MatrixXcd>& of_one_shape_each);
 
 /// Fills `doubtful` and adds to `doubt` of every mode; what the record's length costs the residues
 /// is noted. `misfit`: lines x FRFs.

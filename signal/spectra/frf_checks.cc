@@ -68,7 +68,8 @@ DrivingPointCheck check_driving_point(const FrfSet& frfs, Index response, Index 
   const double sign = check.verdict == DrivingPointVerdict::inverted ? -1 : 1;
   // At a 25th of the power of both resonances each is 78 degrees or more past its own, so that the
   // turn shows; closer ones may merge.
-  const std::vector<Index> peaks = prominent_peaks(Y.abs2(), 25);
+  // What is below three standard deviations is a dip of no depth.
+  const std::vector<Index> peaks = prominent_peaks(Y.abs2().max((3 * std).square()), 25);
   check.resonances = static_cast<int>(peaks.size());
   for (std::size_t i = 1; i < peaks.size(); ++i) {
     const Index first = peaks[i - 1], last = peaks[i];

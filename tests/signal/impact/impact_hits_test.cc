@@ -93,6 +93,23 @@ TEST(ImpactHits, DoubleHitsAreCaught) {
 }
 
 // A converter of 12 bits over 1.5 times the largest value: equal peak neighbours are no clipping.
+TEST(ImpactHits, ARecordThatBeginsWithinThePulseHoldsNoWholeHit) {
+  Bench bench;
+  bench.options.hits = 1;
+  Recording recording = bench.record(testing::hammer_hits(bench.options));
+  const Hit whole = find_hits(std::span(&recording, 1), 0, kResponses).hits.front();
+  EXPECT_TRUE(whole.accepted) << whole.reason;
+  for (const Index first : {whole.pulse_first, whole.pulse_first + 1}) {
+    Recording cut = recording;
+    for (Channel& channel : cut.channels) {
+      channel.samples = channel.samples.tail(channel.samples.size() - first).eval();
+    }
+    const Hit hit = find_hits(std::span(&cut, 1), 0, kResponses).hits.front();
+    EXPECT_TRUE(hit.has(HitFault::unresolved_pulse)) << first;
+    EXPECT_FALSE(hit.accepted);
+  }
+}
+
 TEST(ImpactHits, CoarseQuantisationIsNotOverload) {
   Bench bench;
   bench.options.noise = 0;

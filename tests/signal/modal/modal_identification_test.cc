@@ -128,6 +128,33 @@ TEST(ModalIdentification, TwoInputsGiveShapesAndParticipations) {
   }
 }
 
+// FRFs of two inputs at which two modes of one frequency have different shapes: one pole, whose
+// residues are of no single shape. The second singular value is 0.4 of the first.
+TEST(ModalIdentification, ModesOfOneFrequencyAreSaid) {
+  FrfSet set{.form = FrfForm::accelerance};
+  set.frequency_hz = Eigen::VectorXd::LinSpaced(500, 1, 60);
+  set.responses = {{"p1", 1, 3}, {"p2", 2, 3}, {"p3", 3, 3}};
+  set.inputs = {{"p1", 1, 3}, {"p2", 2, 3}};
+  for (const double second : {0.0, 0.4}) {
+    Eigen::MatrixXd residues(3, 2);
+    residues << 1, 0, 0, second, 0, second;
+    set.H = Eigen::MatrixXcd(500, 6);
+    Normal normal(3);
+    for (Index k = 0; k < 500; ++k) {
+      const Complex s(0, 2 * kPi * set.frequency_hz[k]);
+      const double w = 2 * kPi * 30;
+      const Complex mode = s * s / (s * s + 0.02 * w * s + w * w);
+      for (Index c = 0; c < 6; ++c) {
+        set.H(k, c) = mode * residues(c / 2, c % 2) + 0.01 * Complex(normal(), normal());
+      }
+    }
+    const ModalResult result = identify_modes(set);
+    ASSERT_EQ(result.model.modes.size(), 1u);
+    EXPECT_EQ(says(result.model.notes, "systematic_misfit"), second > 0);
+    EXPECT_EQ(result.model.modes[0].reconstruction_error > 0.3, second > 0);
+  }
+}
+
 // Two modes, and one between them whose peak is 2e-5 of theirs: without noise the diagram has its
 // column, and `min_prominence` (1e-3) gives it up. Between 10 and 20 Hz the others' tails are of
 // the order of a hundredth of their peaks, so that the small peak is about 2e-3 of what is around

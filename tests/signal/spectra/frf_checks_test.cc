@@ -56,6 +56,21 @@ TEST(DrivingPoint, NoiseAloneIsUnclearAndABandIsKept) {
       check_driving_point(exact(), truth().driving_point, 0, std::pair(40.0, 280.0)).resonances, 3);
 }
 
+// Noise of a fifth of the rms FRF has dips between which its tops stand out; they are no
+// resonances, and want no antiresonance between them.
+TEST(DrivingPoint, TopsOfNoiseAreNoResonances) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    FrfSet frfs = exact();
+    const double std = 0.2 * frfs.H.col(truth().driving_point).norm() / std::sqrt(5601.0);
+    Normal normal(seed);
+    for (Complex& h : frfs.H.reshaped()) h += std * Complex(normal(), normal());
+    frfs.H_std = Eigen::MatrixXd::Constant(5601, frfs.H.cols(), std);
+    const DrivingPointCheck check = check_driving_point(frfs, truth().driving_point, 0);
+    EXPECT_LE(check.resonances, 10) << seed;
+    EXPECT_EQ(check.missing_antiresonances, 0) << seed;
+  }
+}
+
 TEST(Reciprocity, HoldsWithinItsErrorBars) {
   // Two inputs at two of the responses, with noise of known size.
   testing::TenModeTruth other = truth();
