@@ -151,8 +151,7 @@ TextTable read_text_table(const std::filesystem::path& path) {
     return model::SceneError({table.file, line, 0, ""}, problem, remedy);
   };
   constexpr const char* kRemedy = "give a header line and rows of numbers";
-  std::string converted;
-  const auto lines = lines_of(signal::text_without_mark(mapped.bytes(), converted, table.file));
+  const auto lines = lines_of(signal::text_without_mark(mapped.bytes(), table.file));
   for (const auto& line : lines) {
     for (const auto& cell : line.cells) {
       if (!is_number(cell, '.') && is_number(cell, ',')) table.decimal = ',';

@@ -12,8 +12,6 @@
 #include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
 #include "signal/recording/clipping.h"
-#include "signal/spectra/fft.h"
-#include "signal/spectra/window.h"
 
 namespace rigfit::signal {
 namespace {
@@ -22,10 +20,6 @@ namespace {
 // chance explains, given how often neighbours are equal around them, below which they do.
 constexpr Eigen::Index kDropoutRun = 8;
 constexpr double kDropoutChance = 1e-3;
-// Amplitude of a line over the median of its neighbourhood above which it can be mains hum; in
-// white noise P(> r) = 2^(-r^2): once in 3e7 lines for 5. Hum is steady: its largest amplitude in a
-// quarter of the record is not twice its smallest, as that of a decay near 50 Hz is.
-constexpr double kHumRatio = 5, kHumSteadiness = 2;
 // Quanta in a standard deviation below which quantisation is coarse: its rounding noise, q /
 // sqrt(12), is then more than 3 % of the signal.
 constexpr double kStepsPerRms = 10;
@@ -50,7 +44,7 @@ std::string at_time(Eigen::Index sample, const Recording& recording) {
 
 double median_of(const Eigen::VectorXd& values) { return median({values.begin(), values.end()}); }
 
-/// Missing samples replaced by the last one that is there, for slow trends and the spectrum only.
+/// Missing samples replaced by the last one that is there, for slow trends only.
 Eigen::VectorXd without_gaps(Eigen::VectorXd samples) {
   const auto first = std::ranges::find_if(samples, [](double x) { return std::isfinite(x); });
   double last = first == samples.end() ? 0 : *first;
@@ -105,100 +99,6 @@ std::vector<Run> improbable_runs(const Eigen::VectorXd& x) {
     if (expected < kDropoutChance && pairs > 2 * kDropoutRun) runs.push_back({k, length});
   }
   return runs;
-}
-
-/// Power density of Hann-windowed pieces, averaged; unit^2 / Hz.
-Eigen::VectorXd power_density(const Eigen::Ref<const Eigen::VectorXd>& samples, Eigen::Index length,
-                              double rate, int averages) {
-  const Eigen::VectorXd window = hann_window(length);
-  RealFft fft(length);
-  Eigen::VectorXd density = Eigen::VectorXd::Zero(fft.lines());
-  for (int k = 0; k < averages; ++k) {
-    const auto piece =
-        samples.segment((samples.size() - length) * k / std::max(1, averages - 1), length);
-    fft.time() = (piece.array() - piece.mean()).matrix().cwiseProduct(window);
-    fft.forward();
-    density += fft.spectrum().cwiseAbs2();
-  }
-  return density * (2 / (rate * window.squaredNorm() * averages));
-}
-
-/// Rms of a line near `frequency` that stands out of the spectrum of every quarter, as narrow as
-/// the window, and is steady; 0: there is none.
-double steady_line(const std::vector<Eigen::VectorXd>& quarters, double frequency, double spacing) {
-  constexpr Eigen::Index kAround = 40;  // lines on either side
-  std::vector<double> powers;
-  for (const auto& density : quarters) {
-    // European and American grids keep within 0.2 Hz.
-    const double reach = 0.004 * frequency / spacing + 1;
-    const auto low = static_cast<Eigen::Index>(std::floor(frequency / spacing - reach));
-    const auto high = static_cast<Eigen::Index>(std::ceil(frequency / spacing + reach));
-    if (low < kAround || high + kAround >= density.size()) return 0;
-    Eigen::Index peak = 0;
-    density.segment(low, high - low + 1).maxCoeff(&peak);
-    peak += low;
-    // From the fourth line on a steady sinusoid has below 1e-3 of its power.
-    const double most = 0.02 * density[peak];
-    if ((density.segment(peak - 6, 3).array() > most).any() ||
-        (density.segment(peak + 4, 3).array() > most).any()) {
-      return 0;
-    }
-    Eigen::VectorXd around(2 * (kAround - 3));
-    around << density.segment(peak - kAround, kAround - 3), density.segment(peak + 4, kAround - 3);
-    if (!(density[peak] > kHumRatio * kHumRatio * median_of(around))) return 0;
-    powers.push_back(density.segment(peak - 3, 7).sum() * spacing);
-  }
-  const auto [least, most] = std::ranges::minmax(powers);
-  return most > kHumSteadiness * kHumSteadiness * least
-             ? 0
-             : std::sqrt(std::accumulate(powers.begin(), powers.end(), 0.0) /
-                         static_cast<double>(powers.size()));
-}
-
-/// Noise floor and hum of `samples` without NaN; returns the number of hum's lines, the fundamental
-/// included. Hann windows; the median density of averaged periodograms, corrected for the bias of a
-/// median (Wilson and Hilferty).
-int measure_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double sample_rate_hz,
-                     ChannelQuality& q) {
-  const Eigen::Index n = samples.size();
-  int lines = 0;
-  if (n < 64 || !(sample_rate_hz > 0)) return lines;
-  constexpr Eigen::Index kPiece = 8192, kMostPieces = 64;
-  const Eigen::Index piece = good_fft_length_below(std::min(n, kPiece));
-  const auto averages = static_cast<int>(std::min(kMostPieces, 1 + 2 * (n - piece) / piece));
-  const Eigen::VectorXd density = power_density(samples, piece, sample_rate_hz, averages);
-  // Pieces overlap by half: with a Hann window about 0.95 of them count as independent.
-  const double independent = 1 + 0.95 * (averages - 1);
-  const double bias = std::pow(1 - 1 / (9 * independent), 3);
-  q.noise_floor =
-      std::sqrt(median_of(density.tail(density.size() - 1)) / bias * sample_rate_hz / 2);
-
-  // Hum: quarters of up to a million samples from the middle; one second separates 50 from 51 Hz.
-  constexpr Eigen::Index kLong = Eigen::Index{1} << 20;
-  const Eigen::Index length = good_fft_length_below(std::min(n, kLong) / 4);
-  if (static_cast<double>(length) < sample_rate_hz) return lines;
-  std::vector<Eigen::VectorXd> quarters;
-  quarters.reserve(4);
-  for (int k = 0; k < 4; ++k) {
-    quarters.push_back(power_density(samples.segment((n - 4 * length) / 2 + k * length, length),
-                                     length, sample_rate_hz, 1));
-  }
-  const double spacing = sample_rate_hz / static_cast<double>(length);
-  for (const double mains : {50.0, 60.0}) {
-    double power = 0;
-    int found = 0;
-    for (int harmonic = 1; harmonic <= 6; ++harmonic) {
-      const double rms = steady_line(quarters, mains * harmonic, spacing);
-      if (harmonic == 1 && rms == 0) break;
-      found += rms > 0 ? 1 : 0;
-      power += rms * rms;
-    }
-    if (power <= q.mains_rms * q.mains_rms) continue;
-    q.mains_hz = mains;
-    q.mains_rms = std::sqrt(power);
-    lines = found;
-  }
-  return lines;
 }
 
 bool rests_at_zero(Quantity quantity) {
@@ -311,19 +211,6 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
   if (count >= 16 && rests_at_zero(channel.quantity) && std > 0 && std::abs(q.mean) > std) {
     add("offset", 0, -1, "mean {} is {:.2g} times the standard deviation",
         with_unit(q.mean, channel), std::abs(q.mean) / std);
-  }
-
-  if (recording.sample_rate_hz > 0 && recording.time_s.size() == 0) {
-    const int lines = measure_spectrum(filled, recording.sample_rate_hz, q);
-    if (q.mains_hz > 0) {
-      add("mains_hum", 0, -1,
-          "may be mains hum: steady lines at {:.0f} Hz and {} harmonics, {} rms", q.mains_hz,
-          lines - 1, with_unit(q.mains_rms, channel));
-    }
-    if (std > 0 && q.noise_floor > 0.5 * std && count >= 256) {
-      add("noise_floor", 0, -1, "the broadband floor ({} rms) is {:.0f} % of the signal",
-          with_unit(q.noise_floor, channel), 100 * std::min(1.0, q.noise_floor / std));
-    }
   }
   return q;
 }

@@ -3,8 +3,8 @@
 // Each finding has a code for programs, a sentence for people and the samples that it concerns:
 // `clipped` (flat tops at the extremes, at or below the nominal range), `missing` (NaN, empty),
 // `dropouts` (runs of exactly the same value, mostly zero, inside a moving signal), `stuck` (no
-// motion at all, or only in a part), `offset`, `drift`, `noise_floor`, `mains_hum` (50 or 60 Hz and
-// harmonics), `one_bit`, `coarse_quantisation`. The readers check the times.
+// motion at all, or only in a part), `offset`, `drift`, `one_bit`,
+// `coarse_quantisation`. The readers check the times.
 #pragma once
 
 #include <Eigen/Core>
@@ -40,11 +40,7 @@ struct ChannelQuality {
   long clipped_samples = 0;
   long stuck_samples = 0;  ///< samples in runs of equal values too long for chance
   double quantum = 0;      ///< smallest step between values, SI; 0: none found
-  double noise_floor =
-      0;                 ///< rms of the broadband floor, SI (from the median line of the spectrum)
-  double mains_hz = 0;   ///< 50 or 60 where hum was found, else 0
-  double mains_rms = 0;  ///< rms of the hum's lines, SI
-  double drift = 0;      ///< change of the mean over the record, SI
+  double drift = 0;        ///< change of the mean over the record, SI
   std::vector<QualityFinding> findings;
 
   static constexpr auto fields() {
@@ -59,10 +55,7 @@ struct ChannelQuality {
         field("missing_samples", &T::missing_samples, "", "missing", ""),
         field("stuck_samples", &T::stuck_samples),
         field("quantum", &T::quantum),
-        field("noise_floor", &T::noise_floor),
         field("drift", &T::drift),
-        field("mains_hz", describe::positive(&T::mains_hz)),
-        field("mains_rms", &T::mains_rms),
         field("findings", &T::findings)};
   }
 };

@@ -41,10 +41,4 @@ void add_array(Eigen::MatrixXd values, const std::string& name, bool single, Csv
                                             const std::string& format, const ReadOptions& options,
                                             double stated_rate_hz);
 
-/// Walks the headers of a MATLAB file of version 5 before libmatio, which reserves memory by the
-/// sizes that they state and loops over them. Throws RecordingError when the file is of another
-/// version than 5 to 7.3, breaks off, or has a struct, cell or function handle of fewer elements
-/// than its header states. Of version 7.3 (HDF5) only the version is looked at.
-void check_mat_headers(std::string_view bytes, const std::filesystem::path& path);
-
 }  // namespace rigfit::signal

@@ -233,16 +233,14 @@ std::string_view take_line(std::string_view& rest) {
   return line;
 }
 
-std::string_view text_without_mark(std::string_view bytes, std::string& converted,
-                                   const std::string& file) {
-  if (bytes.size() >= 2 && (bytes.substr(0, 2) == "\xFF\xFE" || bytes.substr(0, 2) == "\xFE\xFF")) {
-    converted = utf16_to_utf8(bytes.substr(2), bytes[0] == '\xFF');
-    return converted;
-  }
-  if (bytes.substr(0, 3) == "\xEF\xBB\xBF") bytes.remove_prefix(3);
-  if (const auto nul = bytes.substr(0, 4096).find('\0'); nul != std::string_view::npos) {
-    throw text_error(bytes, file, bytes.substr(nul, 0), "holds binary data where text was expected",
-                     "export the recording as CSV, UFF 58 or LVM");
+std::string_view text_without_mark(std::string_view bytes, const std::string& file) {
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  const bool is_wide = bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF");
+  if (const auto nul = bytes.substr(0, 4096).find('\0'); is_wide || nul != bytes.npos) {
+    throw text_error(
+        bytes, file, bytes.substr(is_wide ? 0 : nul, 0),
+        is_wide ? "is text in UTF-16" : "holds binary data where text was expected",
+        is_wide ? "save it as CSV in UTF-8" : "export the recording as CSV, UFF 58 or LVM");
   }
   return bytes;
 }

@@ -72,9 +72,7 @@ void split_fields(std::string_view line, const CsvDialect& dialect, std::vector<
 /// Takes the first line off `rest` and returns it without its end; of empty text, empty.
 [[nodiscard]] std::string_view take_line(std::string_view& rest);
 
-/// Text without its byte-order mark; UTF-16 with a mark is put into `converted`.
-/// Throws RecordingError for binary data.
-[[nodiscard]] std::string_view text_without_mark(std::string_view bytes, std::string& converted,
-                                                 const std::string& file);
+/// Text without its byte-order mark. Throws RecordingError for UTF-16 and binary data.
+[[nodiscard]] std::string_view text_without_mark(std::string_view bytes, const std::string& file);
 
 }  // namespace rigfit::signal

@@ -155,11 +155,11 @@ bool is_whole(std::string_view text) {
          text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// Whether the commas of a table by commas are decimal signs: of whole numbers in two columns under
-/// one title, or with a zero behind the comma. Throws where they may be: in two columns of whole
-/// numbers, and where every second column has a title or begins with a zero.
-bool has_decimal_commas(const std::vector<Row>& rows, const std::vector<std::string_view>& header,
-                        const std::string& file, const CsvDialect& dialect) {
+/// Refuses a table by commas that may be decimal signs: of whole numbers in two columns unless each
+/// has a title, and of more where every second column has one or begins with a zero.
+void refuse_decimal_commas(const std::vector<Row>& rows,
+                           const std::vector<std::string_view>& header, const std::string& file,
+                           const CsvDialect& dialect) {
   const auto filled = [](Fields fields) {
     drop_empty_end(fields);
     return fields;
@@ -172,7 +172,7 @@ bool has_decimal_commas(const std::vector<Row>& rows, const std::vector<std::str
     whole = whole && fields.size() == columns;
     for (std::size_t c = 0; c < fields.size(); ++c) {
       const auto text = fields[c].text;
-      if (text.find('.') != std::string_view::npos) return false;
+      if (text.find('.') != std::string_view::npos) return;
       whole = whole && !fields[c].quoted && is_whole(text);
       if (!whole || c % 2 == 0) continue;
       // No decimals have a sign or a blank in front.
@@ -184,18 +184,13 @@ bool has_decimal_commas(const std::vector<Row>& rows, const std::vector<std::str
   for (const auto one : header) line = trim_blanks(one).empty() ? line : one;
   const Row above(line, dialect);
   const std::size_t titles = filled(above.fields).size();
-  if (titles == columns) return false;
   const bool one = whole && columns == 2;
-  if (one && (zero || (titles == 1 && above.numbers == 0))) return true;
   const bool both = (2 * titles == columns && above.numbers == 0) || (whole && zero);
-  if (!one && !both) return false;
-  throw RecordingError(
-      {file, static_cast<long>(header.size()) + 1, 1, "", ""},
-      one ? "may be one column with decimal commas or two columns of whole numbers"
-          : "the comma seems to be both the separator and the decimal sign",
-      one ? "say it: --decimal comma or --separator comma (keys decimal, separator of the TOML "
-            "file beside it)"
-          : "write it with semicolons between the columns, or with decimal points");
+  if (titles == columns || (!one && !both)) return;
+  throw RecordingError({file, static_cast<long>(header.size()) + 1, 1, "", ""},
+                       "the commas may part columns of whole numbers or be decimal signs",
+                       "say it: --decimal comma or --separator comma (keys decimal, separator of "
+                       "the TOML file beside it), or write semicolons between columns");
 }
 
 // ---- The header: labels, titles, units
@@ -559,26 +554,15 @@ void take_rows_above(std::string_view bytes, const std::string& file,
   }
 }
 
-/// Titles with line breaks inside their quotes, each line of them as one.
-void join_titles(const CsvDialect& dialect, std::vector<std::string_view>& header) {
+/// Refuses a line of the header whose last quote is not closed: the title's line breaks there.
+void refuse_broken_titles(std::string_view bytes, const std::string& file,
+                          const std::vector<std::string_view>& header, const CsvDialect& dialect) {
   Fields fields;
-  const auto is_open = [&](std::string_view line) {
+  for (const auto line : header) {
     split_fields(line, dialect, fields);
-    return !fields.empty() && !fields.back().quoted && fields.back().text.starts_with('"');
-  };
-  for (std::size_t k = 0, last = 0; k < header.size(); last = ++k) {
-    std::string_view line = header[k];
-    while (is_open(line) && last + 1 < header.size() && line.size() < kLongestMatched) {
-      const auto next = header[++last];
-      line = {line.data(), static_cast<std::size_t>(next.data() + next.size() - line.data())};
-    }
-    if (is_open(line)) {
-      k = last;
-    } else if (last > k) {
-      header[k] = line;
-      header.erase(header.begin() + static_cast<std::ptrdiff_t>(k) + 1,
-                   header.begin() + static_cast<std::ptrdiff_t>(last) + 1);
-    }
+    if (fields.empty() || fields.back().quoted || !fields.back().text.starts_with('"')) continue;
+    throw text_error(bytes, file, fields.back().text, "a quote that is not closed in its line",
+                     "write each title in one line");
   }
 }
 
@@ -624,15 +608,15 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
   take_rows_above(bytes, file, header, layout);
   layout.body_line = static_cast<long>(header.size()) + 1;
   if (layout.dialect.separator == ',' && layout.dialect.decimal == '.' && options.decimal == 0 &&
-      options.separator == 0 && has_decimal_commas(rows, header, file, layout.dialect)) {
-    return find_csv_layout(bytes, file, {.decimal = ',', .separator = ';'});
+      options.separator == 0) {
+    refuse_decimal_commas(rows, header, file, layout.dialect);
   }
   find_csv_decimals(bytes, layout);
   for (const auto& line : header) {
     if (layout.heading.size() < 4096) layout.heading += lower_case(to_utf8(line)) + '\n';
   }
   find_rate(header, file, options.sample_rate_hz > 0, layout);
-  join_titles(layout.dialect, header);
+  refuse_broken_titles(bytes, file, header, layout.dialect);
   HeaderReader(layout).read(header);
   return layout;
 }

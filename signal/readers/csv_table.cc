@@ -28,31 +28,23 @@ struct BadField {
   bool is_word = false;  ///< text, as in a line behind the table
 };
 
-/// Rows to make room for: of a long table by its beginning, so that its pages are looked at once.
-long likely_rows(std::string_view body) {
-  constexpr std::size_t kHead = std::size_t{1} << 20;
-  const auto head = body.substr(0, kHead);
-  const auto lf = std::count(head.begin(), head.end(), '\n');
-  const long rows = (lf > 0 ? lf : std::count(head.begin(), head.end(), '\r')) + 1;
-  if (body.size() <= kHead) return rows;
-  return static_cast<long>(1.02 * static_cast<double>(rows) * static_cast<double>(body.size()) /
-                           static_cast<double>(kHead));
-}
-
 class BodyParser {
  public:
   BodyParser(std::string_view bytes, const CsvLayout& layout, const std::vector<bool>& wanted,
              const std::string& file)
       : bytes_(bytes), layout_(layout), wanted_(wanted), file_(file) {
-    // Every field but the last of a line costs at least its separator.
-    const std::size_t size = bytes.size() - layout.body;
-    const auto stored = std::count(wanted.begin(), wanted.end(), true);
-    most_rows_ = static_cast<long>(2 * size + 4096) / std::max<long>(stored, 1);
+    const auto body = bytes.substr(layout.body);
+    // Room for all lines. Every field but the last of a line costs at least its separator.
+    const auto lines = std::ranges::count(body, '\n') + std::ranges::count(body, '\r') + 1;
+    const auto stored = std::ranges::count(wanted, true);
+    if (lines * stored > 2 * std::ssize(body) + 4096) throw ragged();
     columns_.resize(layout.columns.size());
     target_.resize(layout.columns.size(), nullptr);
-    const long rows = likely_rows(bytes.substr(layout.body));
-    if (rows > most_rows_) throw ragged();
-    reserve(rows);
+    for (std::size_t c = 0; c < target_.size(); ++c) {
+      if (!wanted_[c]) continue;
+      columns_[c].resize(lines);
+      target_[c] = columns_[c].data();
+    }
   }
 
   std::vector<Eigen::VectorXd> parse(std::vector<Note>& notes,
@@ -84,16 +76,6 @@ class BodyParser {
   }
 
  private:
-  void reserve(Eigen::Index rows) {
-    if (capacity_ == most_rows_) throw ragged();
-    capacity_ = std::min<Eigen::Index>(rows, most_rows_);
-    for (std::size_t c = 0; c < target_.size(); ++c) {
-      if (!wanted_[c]) continue;
-      columns_[c].conservativeResize(capacity_);
-      target_[c] = columns_[c].data();
-    }
-  }
-
   /// Throws BadField.
   void parse_line(std::string_view line) {
     const bool by_tabs = layout_.dialect.separator == '\t';
@@ -103,7 +85,6 @@ class BodyParser {
       ++comment_lines_;
       return;
     }
-    if (rows_ == capacity_) reserve(capacity_ + capacity_ / 2 + 16);
     split_fields(line, layout_.dialect, fields_);
     for (std::size_t c = 0; c < fields_.size(); ++c) {
       const std::string_view text = fields_[c].text;
@@ -222,7 +203,7 @@ class BodyParser {
   std::vector<Eigen::VectorXd> columns_;
   std::vector<double*> target_;  ///< of the columns that are wanted; null: of another
   std::vector<CsvField> fields_;
-  Eigen::Index rows_ = 0, capacity_ = 0, most_rows_ = 0;
+  Eigen::Index rows_ = 0;
   std::optional<BadField> short_;                              ///< the line before, between blanks
   long short_rows_ = 0, comment_lines_ = 0, footer_line_ = 0;  ///< rows and lines; line or 0
   bool incomplete_last_ = false;

@@ -4,8 +4,8 @@
 //
 // Names, units, ranges and a sample rate stand above the numbers, in rows with or without a label
 // in front ("Sampling Rate(Hz)" 50, "Sample interval [ms]" 2, "Einheit;V"). The comma in a table of
-// whole numbers ("1,5") may part columns or be the decimal sign: titles, leading zeros behind it
-// ("1,05") and signs ("1,-5") decide, or the table is refused with the question.
+// whole numbers ("1,5") may part columns or be the decimal sign: a title for each column or signs
+// ("1,-5") decide, or the table is refused with the question.
 #pragma once
 
 #include <Eigen/Core>
@@ -108,7 +108,7 @@ struct CsvTable {
 [[nodiscard]] bool looks_like_time(const Eigen::VectorXd& values, int decimals);
 
 /// The times are the column of such a name ("time", "Zeit", "t" ...), that of clock times, or the
-/// first one without a name where it rises in equal steps (also as a coarse clock shows them) over
+/// first one without a name where it rises in equal steps over
 /// more rows than a table of loads has. A first column that counts the samples is no channel
 /// either. Throws RecordingError, also for a table over frequency (frequency_table.h): a spectrum
 /// is no recording over time.

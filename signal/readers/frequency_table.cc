@@ -162,24 +162,17 @@ std::vector<Columns> pairs_of(const CsvTable& table) {
   return found;
 }
 
-/// Radians per number of a phase as read (degrees with a unit are converted already).
-double phase_factor(const Channel& phase, FrfSet& set, const std::string& where) {
-  if (phase.quantity == Quantity::angle) return 1;
-  const double largest = phase.samples.cwiseAbs().maxCoeff();
-  const bool degrees = largest > 2 * std::numbers::pi;
-  add_note(set.notes, "assumed", where, "the phase has no unit and reaches {:.4g}: taken as {}",
-           largest, degrees ? "degrees" : "radians");
-  return degrees ? std::numbers::pi / 180 : 1;
-}
-
 Eigen::VectorXcd values_of(const Columns& columns, FrfSet& set, const std::string& where) {
   const Channel& first = *columns.first;
   const auto parts = [](const auto& real, const auto& imaginary) -> Eigen::VectorXcd {
     return real.template cast<std::complex<double>>() + imaginary * std::complex<double>(0, 1);
   };
   if (!columns.polar) return parts(first.samples, columns.second->samples);
-  const Eigen::ArrayXd phase =
-      phase_factor(*columns.second, set, where) * columns.second->samples.array();
+  if (columns.second->quantity != Quantity::angle) {
+    throw RecordingError({where, 0, 0, columns.second->name, ""}, "the phase has no unit",
+                         "write it into its title: Phase (deg) or Phase (rad)");
+  }
+  const Eigen::ArrayXd phase = columns.second->samples;
   Eigen::ArrayXd magnitude = first.samples;
   if (std::regex_search(lower_case(first.source_unit + " " + first.name), kDecibel)) {
     magnitude = Eigen::pow(10.0, magnitude / 20);

@@ -17,9 +17,6 @@ class MappedFile {
 
   [[nodiscard]] std::string_view bytes() const { return {data_, size_}; }
 
-  /// Says that bytes before `offset` are not needed soon; they no longer count as memory in use.
-  void release_before(std::size_t offset) const;
-
  private:
   char* data_ = nullptr;
   std::size_t size_ = 0;

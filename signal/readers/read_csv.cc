@@ -38,34 +38,26 @@ bool counts_samples(const Eigen::VectorXd& values) {
 /// time: tables of loads and masses have fewer.
 constexpr Eigen::Index kLeastTimes = 24;
 
-/// Rate of the channel's times, which are printed with steps of `printed`.
-TimeAxis axis_of(const Eigen::VectorXd& times, double printed, double stated_rate_hz) {
-  return time_axis(times, std::max(printed, clock_tick(times, printed)), stated_rate_hz);
-}
-
 bool rises_evenly(const CsvTable& table, std::size_t k) {
   return looks_like_time(table.channels[k].samples, table.columns[k].decimals);
 }
 
-/// Titles that stand a column beside their numbers: there is one more or one less than columns,
-/// and the times stand beside the column that is called so.
+/// Refuses a last column without a title, and more titles than columns where the times do not stand
+/// below theirs: titles that stand a column beside their numbers.
 void refuse_shifted_titles(const CsvTable& table, std::optional<std::size_t> time) {
-  const bool fewer = table.layout.has_names && !table.layout.columns.empty() &&
-                     table.layout.columns.back().name.empty() &&
-                     table.layout.columns.back().filled >= 0.5;
-  if (!fewer && !table.layout.more_titles) return;
+  const CsvColumn& last = table.layout.columns.empty() ? CsvColumn{} : table.layout.columns.back();
   const auto is_time = [&](std::size_t k) {
-    return k < table.channels.size() && !counts_samples(table.channels[k].samples) &&
-           rises_evenly(table, k);
+    return !counts_samples(table.channels[k].samples) && rises_evenly(table, k);
   };
+  const bool fewer = table.layout.has_names && last.name.empty() && last.filled >= 0.5;
   const std::size_t at = time.value_or(0);
-  const bool beside = time ? !is_time(at) && (is_time(at + 1) || (at > 0 && is_time(at - 1)))
-                           : is_time(0) && !table.columns[0].name.empty();
-  if (!beside) return;
-  throw RecordingError({table.file, table.layout.body_line, 0, table.channels[at].name, ""},
-                       fmt::format("the titles seem to stand a column beside their numbers: "
-                                   "there are {} of them than columns, and the times are under {}",
-                                   fewer ? "fewer" : "more", time ? "another" : "this one"),
+  const bool more =
+      table.layout.more_titles && (time ? at > 0 && !is_time(at) && is_time(at - 1) : is_time(at));
+  if (!fewer && !more) return;
+  throw RecordingError({table.file, table.layout.body_line, 0, table.channels.back().name, ""},
+                       fmt::format("there are {} titles than columns of numbers: they may stand a "
+                                   "column beside their numbers",
+                                   fewer ? "fewer" : "more"),
                        "give each column its title");
 }
 
@@ -149,7 +141,7 @@ void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table
   const auto axis_in = [&](double unit_s) {
     column.samples *= unit_s;
     printed *= unit_s;
-    return axis_of(column.samples, printed, table.layout.stated_rate_hz);
+    return time_axis(column.samples, printed, table.layout.stated_rate_hz);
   };
   double unit_s = 1;
   if (is_clock) {
@@ -165,29 +157,20 @@ void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table
   }
   TimeAxis axis = axis_in(unit_s);
   if (options.time_unit_s == 0 && column.source_unit.empty() && !is_clock && axis.rate_hz > 0) {
-    // The unit in which the times give the stated rate.
-    constexpr std::pair<double, const char*> kUnits[] = {
-        {1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}, {60, "min"}};
-    // Since 1970, by clocks of the years 2001 to 2286.
-    const bool is_epoch = axis.start_s > 1e12;
-    const auto* const unit = std::ranges::find_if(kUnits, [&](const auto& one) {
-      const double start_s = axis.start_s * one.first;
-      return is_epoch ? start_s > 1e9 && start_s < 1e10
-                      : std::abs(axis.rate_hz / one.first / table.layout.stated_rate_hz - 1) < 1e-2;
-    });
-    if (unit != std::end(kUnits)) {
-      axis = axis_in(unit->first);
+    if (axis.start_s > 1e12) {
+      // Since 1970, by clocks of the years 2001 to 2286.
+      double unit = 1e-3;
+      while (axis.start_s * unit > 1e10) unit *= 1e-3;
+      axis = axis_in(unit);
       add_note(recording.notes, "assumed", column.name,
-               "the times have no unit; in {} they {}: so taken", unit->second,
-               is_epoch ? "count from 1970" : "give the rate that the header states");
+               "the times have no unit; in {:g} s they count from 1970: so taken", unit);
     } else if (decimals <= 0 && column.samples.size() >= 20 && axis.rate_hz <= 1) {
       // Whole numbers in steps of one or more are seldom seconds.
-      const auto& [seconds, name] = kUnits[axis.rate_hz >= 0.01 ? 0 : 1];
+      const bool is_milli = axis.rate_hz >= 0.01;
       add_note(recording.notes, "time_axis", column.name,
-               "Give --time-unit {} (key time_unit) if the times are not in seconds: "
-               "they are whole numbers without a unit; in seconds the rate is {:.9g} "
-               "Hz, in {} {:.9g} Hz",
-               name, axis.rate_hz, name, axis.rate_hz / seconds);
+               "Give --time-unit {0} (key time_unit) if the times are not in seconds: they are "
+               "whole numbers without a unit; in seconds the rate is {1:.9g} Hz, in {0} {2:.9g} Hz",
+               is_milli ? "ms" : "us", axis.rate_hz, axis.rate_hz * (is_milli ? 1e3 : 1e6));
     }
   }
   take_times(axis, column.samples, column.name, table.layout.body_line, recording);
@@ -204,7 +187,7 @@ void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table
 bool looks_like_time(const Eigen::VectorXd& values, int decimals) {
   const Eigen::Index n = values.size();
   if (n < kLeastTimes || !values.allFinite() || !(values[n - 1] > values[0])) return false;
-  const TimeAxis axis = axis_of(values, std::pow(10.0, -decimals), 0);
+  const TimeAxis axis = time_axis(values, std::pow(10.0, -decimals));
   return axis.uniform && axis.rate_hz > 0 && axis.backward == 0;
 }
 
@@ -262,11 +245,8 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
 Recording read_csv(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options) {
   const std::string file = path.string();
-  std::string converted;
-  const std::string_view text = text_without_mark(bytes, converted, file);
-  ReadOptions told = options;
-  if (!converted.empty()) told.done_with = nullptr;  // its bytes are not the file's
-  return recording_of_table(read_csv_columns(text, file, told), path, "csv", options);
+  return recording_of_table(read_csv_columns(text_without_mark(bytes, file), file, options), path,
+                            "csv", options);
 }
 
 }  // namespace rigfit::signal

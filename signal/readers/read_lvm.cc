@@ -37,14 +37,6 @@ struct LvmHeader {
                ? value
                : otherwise;
   }
-  /// Seconds of its Date and Time; NaN when it has none.
-  [[nodiscard]] double clock(std::size_t column) const {
-    double seconds = 0;
-    int decimals = 0;
-    return parse_clock(text("Date", column) + " " + text("Time", column), seconds, decimals)
-               ? seconds
-               : kNaN;
-  }
   /// Delta_X as a rate, uncertain by its last printed digit.
   [[nodiscard]] RateOfStep rate(std::size_t column) const {
     const std::string own = text("Delta_X", column);
@@ -213,11 +205,15 @@ class LvmReader {
       x = x0(header) + step * Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(rows - 1));
     }
     if (segments_ > 0) {
-      // X may run on or begin anew; then clocks that resolve the segments tell where it belongs.
       const double last = times_[times_.size() - 1], next = last + step;
-      const double by_clock = header.clock(reference_) - first_.clock(reference_) + x0(first_);
-      const double start = x[0] > last ? x[0] : by_clock > last ? by_clock : next;
-      x.array() += (std::abs(start - next) < 0.5 * step ? next : start) - x[0];
+      if (!(x[0] > last)) {
+        throw error(rest_,
+                    fmt::format("segment {} begins at X = {:.9g} s, but the one in front ends "
+                                "at {:.9g} s",
+                                segments_ + 1, x[0], last),
+                    "split the file into one for each segment");
+      }
+      if (std::abs(x[0] - next) < 0.5 * step) x.array() += next - x[0];
     }
     append(x, times_);
   }

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 #include <matio.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,6 +23,143 @@
 
 namespace rigfit::signal {
 namespace {
+
+using namespace std::string_view_literals;
+
+// Types of elements and classes of arrays (MAT-File Format, The MathWorks, version 5).
+constexpr std::uint32_t kInt8 = 1, kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15;
+constexpr std::uint32_t kCell = 1, kStruct = 2, kObject = 3, kFunction = 16, kOpaque = 17;
+constexpr std::uint32_t kDouble = 6, kUint64Array = 15;  // and between them the other numbers
+constexpr std::size_t kTagBytes = 8, kMostDimensions = 32;
+constexpr int kDeepestHeader = 64;
+constexpr std::size_t kPiece = 1 << 16;  // bytes unpacked at once
+
+/// Bytes of a number of a type of elements.
+std::size_t bytes_of(std::uint32_t type) {
+  return type <= 2 ? 1 : type <= 4 ? 2 : type <= 7 ? 4 : 8;
+}
+
+/// What `packed` unpacks to; up to where it breaks off.
+std::string unpacked(std::string_view packed) {
+  std::string out;
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) return out;
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
+  stream.avail_in = static_cast<uInt>(packed.size());
+  for (int state = Z_OK; state == Z_OK;) {
+    const std::size_t had = out.size(), piece = std::max(had, kPiece);
+    out.resize(had + piece);
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + had);
+    stream.avail_out = static_cast<uInt>(piece);
+    state = inflate(&stream, Z_NO_FLUSH);
+    out.resize(had + piece - stream.avail_out);
+  }
+  inflateEnd(&stream);
+  return out;
+}
+
+/// An element of a file or of a variable.
+struct Element {
+  std::uint32_t type = 0;
+  std::string_view data;  ///< without tag and padding
+};
+
+/// Reads the elements of a file's byte order.
+class Elements {
+ public:
+  explicit Elements(bool swapped) : swapped_(swapped) {}
+
+  /// Those that stand behind each other in `rest`; none where one of them breaks off.
+  [[nodiscard]] std::vector<Element> in(std::string_view rest) const {
+    std::vector<Element> found;
+    while (rest.size() >= kTagBytes) {
+      const std::uint32_t type = word(rest, 0);
+      const std::size_t small = type >> 16;  // bytes of data in the tag itself, up to four
+      const std::size_t size = small > 0 ? small : word(rest, 1);
+      const bool is_padded = type != kMatrix && type != kCompressed;
+      const std::size_t stated = small > 0 ? 0 : is_padded ? (size + 7) / 8 * 8 : size;
+      if (small > 4 || stated > rest.size() - kTagBytes) return {};
+      found.push_back({type & 0xffffU, rest.substr(small > 0 ? 4 : kTagBytes, size)});
+      rest.remove_prefix(kTagBytes + stated);
+    }
+    return found;
+  }
+
+  /// Whether a variable, packed or not, can hold what its header states, and so can the variables
+  /// that it is made of.
+  [[nodiscard]] bool can_hold(const Element& variable, int depth = 0) const {
+    if (variable.type == kCompressed) {
+      const std::string text = unpacked(variable.data);
+      const auto inside = in(text);
+      return !inside.empty() && inside[0].type == kMatrix && can_hold(inside[0], depth);
+    }
+    if (variable.type != kMatrix) return true;
+    if (variable.data.empty()) return depth > 0;
+    const auto parts = in(variable.data);
+    const auto is = [&](std::size_t k, std::uint32_t type) {
+      return k < parts.size() && parts[k].type == type;
+    };
+    if (depth > kDeepestHeader || !is(0, kUint32) || parts[0].data.size() != 8) return false;
+    const std::uint32_t array_class = word(parts[0].data, 0) & 0xffU;
+    if (array_class == kOpaque) return true;  // without dimensions
+    const bool has_fields = array_class == kStruct || array_class == kObject;
+    if (!is(1, kInt32) || parts[1].data.size() > 4 * kMostDimensions || !is(2, kInt8)) return false;
+    double count = 1;
+    for (std::size_t d = 0; d < parts[1].data.size() / 4; ++d) count *= word(parts[1].data, d);
+    if (array_class >= kDouble && array_class <= kUint64Array) {
+      // Real parts, and where there are some the imaginary ones.
+      return std::all_of(parts.begin() + 3, parts.end(), [&](const Element& part) {
+        return count * static_cast<double>(bytes_of(part.type)) ==
+               static_cast<double>(part.data.size());
+      });
+    }
+    if (!has_fields && array_class != kCell && array_class != kFunction) return true;
+    std::size_t first = 3;  // first of the parts that are variables
+    if (array_class == kObject && !is(first++, kInt8)) return false;  // name of its class
+    if (has_fields) {
+      if (!is(first, kInt32) || parts[first].data.size() != 4 || !is(first + 1, kInt8))
+        return false;
+      const std::size_t length = word(parts[first].data, 0);  // a field's name has so many bytes
+      if (length == 0) return false;
+      count *= static_cast<double>(parts[first + 1].data.size() / length);
+      first += 2;
+    }
+    return count <= static_cast<double>(parts.size() - first) &&
+           std::all_of(parts.begin() + static_cast<std::ptrdiff_t>(first), parts.end(),
+                       [&](const Element& part) { return can_hold(part, depth + 1); });
+  }
+
+ private:
+  [[nodiscard]] std::uint32_t word(std::string_view data, std::size_t k) const {
+    std::uint32_t value = 0;
+    std::memcpy(&value, data.data() + 4 * k, 4);
+    return swapped_ ? __builtin_bswap32(value) : value;
+  }
+
+  bool swapped_;
+};
+
+/// Walks the headers of a file of version 5 before libmatio, which reserves memory by the sizes
+/// that they state and loops over them. Throws when the file is of another version than 5 to 7.3,
+/// breaks off, or has an array, struct, cell or function handle of other sizes than its header
+/// states. Of version 7.3 (HDF5) only the version is looked at.
+void check_mat_headers(std::string_view bytes, const std::filesystem::path& path) {
+  const std::string_view header = bytes.substr(0, 128);
+  const auto version = header.size() == 128 ? header.substr(124) : ""sv;
+  if (version == "\0\2IM"sv || version == "\2\0MI"sv) return;  // HDF5: version 7.3
+  const bool swapped = version == "\1\0MI"sv;
+  if (!swapped && version != "\0\1IM"sv) {
+    throw file_error(path, "is no MATLAB file of version 5 to 7.3",
+                     "save it again, by save(F, '-v7')");
+  }
+  const Elements elements(swapped);
+  const auto variables = elements.in(bytes.substr(128));
+  if (variables.empty() ||
+      !std::ranges::all_of(variables, [&](const Element& one) { return elements.can_hold(one); })) {
+    throw file_error(path, "breaks off, or states more elements than it can hold",
+                     "copy the file again");
+  }
+}
 
 constexpr int kDeepest = 6;             // structs in structs
 constexpr Eigen::Index kShortest = 16;  // samples of an array that is taken without being named
@@ -40,8 +180,9 @@ struct MatArray {
     return array.name.starts_with(name.substr(0, name.find_last_of('.') + 1));
   }
   [[nodiscard]] std::string text() const {
-    return fmt::format("{} ({} x {}{})", name, real.rows(), real.cols(),
-                       imaginary.size() > 0 ? ", complex" : "");
+    return real.size() == 0 ? name
+                            : fmt::format("{} ({} x {}{})", name, real.rows(), real.cols(),
+                                          imaginary.size() > 0 ? ", complex" : "");
   }
 };
 
@@ -84,17 +225,16 @@ void each_element(matvar_t& variable, std::size_t count, Take&& take) {
   }
 }
 
-/// Whether a file can hold so many numbers as a variable states, its elements included. A byte is a
-/// number at least, plain; deflate packs at most a thousand to one.
-bool is_held(matvar_t& variable, std::size_t file_bytes, bool packed, int depth) {
-  const std::size_t most = packed ? file_bytes * 1100 + 4096 : file_bytes;
+/// Whether an HDF5 file can hold as many numbers as a variable states, its elements included:
+/// deflate packs at most a thousand to one.
+bool is_held(matvar_t& variable, std::size_t file_bytes, int depth) {
+  const std::size_t most = file_bytes * 1100 + 4096;
   const std::size_t count = elements_of(variable, most);
   if (count > most) return false;
   if (depth >= kDeepest) return true;
-  // Elements of structs and cells are variables of their own, of some bytes each.
   bool held = true;
   each_element(variable, count, [&](matvar_t& element, const std::string&) {
-    held = held && is_held(element, file_bytes, packed, depth + 1);
+    held = held && is_held(element, file_bytes, depth + 1);
   });
   return held;
 }
@@ -109,7 +249,10 @@ void collect(matvar_t& variable, const std::string& name, int depth,
     collect(element, name + own, depth + 1, arrays);
   });
   if (variable.class_type == MAT_C_STRUCT || variable.class_type == MAT_C_CELL) return;
-  if (variable.isLogical != 0 || variable.rank != 2) return;
+  if (variable.rank != 2) {
+    arrays.push_back({fmt::format("{} of {} dimensions", name, variable.rank), {}, {}, false});
+    return;
+  }
   const auto rows = static_cast<Eigen::Index>(variable.dims[0]);
   const auto cols = static_cast<Eigen::Index>(variable.dims[1]);
   // The data must be as many numbers of the class's own size.
@@ -145,8 +288,7 @@ std::vector<MatArray> arrays_in(std::string_view bytes, const std::filesystem::p
     const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(next, &Mat_VarFree);
     const std::string name = next->name == nullptr ? "" : to_utf8(next->name);
     if (name.empty() || name.starts_with("__") || name.starts_with("#")) continue;
-    const bool packed = hdf5 || next->compression == MAT_COMPRESSION_ZLIB;
-    if (!is_held(*next, bytes.size(), packed, 0)) {
+    if (hdf5 && !is_held(*next, bytes.size(), 0)) {
       throw file_error(path, "states more numbers than the file can hold", "copy the file again",
                        name);
     }
@@ -329,7 +471,7 @@ Recording read_mat(std::string_view bytes, const std::filesystem::path& path,
     add_array(array->real, is_time_name(last) ? last : array->name, array->single, table);
   }
   const Arrays left = those(arrays, [&](const MatArray& array) {
-    return array.longer() >= kShortest && !holds(taken, array);
+    return (array.longer() >= kShortest || array.real.size() == 0) && !holds(taken, array);
   });
   if (!left.empty()) {
     add_note(table.notes, "left_out", "", "{} is taken, left out is {}", list_of(taken),

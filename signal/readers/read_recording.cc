@@ -27,8 +27,6 @@ struct Signature {
   ForeignFormat format;
 };
 
-constexpr const char* kUnpack = "unpack it and give the recording itself";
-
 const Signature kSignatures[] = {
     {"TDSm"sv,
      {"a National Instruments TDMS file",
@@ -39,19 +37,9 @@ const Signature kSignatures[] = {
       "export it as MAT or CSV, in Python by asammdf: MDF(F).export('mat') or export('csv')"}},
     {"\x89HDF\r\n\x1a\n"sv,
      {"an HDF5 file", "export the arrays as .npy, .mat or CSV, in Python by h5py and numpy.save"}},
-    {"\x1F\x8B"sv, {"a gzip file", kUnpack}},
-    {"%PDF"sv, {"a PDF document", "give the recording, not its plot or report"}},
     {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"sv,
      {"an old Excel workbook (.xls), or one with a password",
       "open it in a spreadsheet program and save it as .xlsx without a password, or as CSV"}},
-};
-
-/// What stands somewhere in the names of the parts of a zip archive.
-const Signature kArchives[] = {
-    {"opendocument.spreadsheet"sv,
-     {"an OpenDocument spreadsheet (.ods)", "save the sheet as .xlsx or CSV"}},
-    {".npy"sv, {"a NumPy archive (.npz)", "unpack it (unzip) and give the .npy file of one array"}},
-    {""sv, {"a zip archive", kUnpack}},
 };
 
 struct Reader {
@@ -68,22 +56,13 @@ void refuse_foreign(std::string_view bytes, const std::filesystem::path& path) {
   }
 }
 
-constexpr auto kZipPart = "PK\x03\x04"sv;  // a part of a zip archive: 30 bytes, then its name
+constexpr auto kZipPart = "PK\x03\x04"sv;  // begins a part of a zip archive
 
 }  // namespace
 
 bool is_excel_workbook(std::string_view bytes) {
   const auto head = bytes.substr(0, 1 << 16);
-  if (!head.starts_with(kZipPart)) return false;
-  bool office = false;  // a workbook, a text or slides
-  for (std::size_t at = 0; at != std::string_view::npos && at + 30 < head.size();
-       at = head.find(kZipPart, at + 1)) {
-    const auto name = head.substr(at + 30);
-    if (name.starts_with("xl/")) return true;
-    if (name.starts_with("word/") || name.starts_with("ppt/")) return false;
-    office |= name.starts_with("[Content_Types].xml");
-  }
-  return office;
+  return head.starts_with(kZipPart) && head.find("xl/") != head.npos;
 }
 
 std::optional<ForeignFormat> foreign_format(std::string_view bytes) {
@@ -91,9 +70,8 @@ std::optional<ForeignFormat> foreign_format(std::string_view bytes) {
     if (bytes.starts_with(begin)) return format;
   }
   if (bytes.starts_with(kZipPart) && !is_excel_workbook(bytes)) {
-    for (const auto& [part, format] : kArchives) {
-      if (bytes.substr(0, 1 << 16).find(part) != std::string_view::npos) return format;
-    }
+    return ForeignFormat{"a zip archive (.zip, .ods, .npz)",
+                         "unpack it and give the recording itself, or save the sheet as .xlsx"};
   }
   auto text = bytes.substr(0, 512);
   text.remove_prefix(std::min(text.find_first_not_of("\xEF\xBB\xBF \t\r\n"), text.size()));
@@ -136,12 +114,6 @@ MappedFile::~MappedFile() {
   if (data_ != nullptr) ::munmap(data_, size_);
 }
 
-void MappedFile::release_before(std::size_t offset) const {
-  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  const std::size_t whole = std::min(offset, size_) / page * page;
-  if (whole > 0) ::madvise(data_, whole, MADV_DONTNEED);
-}
-
 std::vector<std::string> format_names() {
   std::vector<std::string> names;
   for (const Reader& reader : kReaders) names.emplace_back(reader.format);
@@ -180,12 +152,7 @@ Recording read_recording(const std::filesystem::path& path, const ReadOptions& o
                      "csv (any table of text), lvm, uff, wav, npy, mat or xlsx", format);
   }
   if (options.format.empty()) refuse_foreign(file.bytes(), path);
-  ReadOptions releasing = options;
-  releasing.done_with = [&](std::size_t offset) {
-    file.release_before(offset);
-    if (options.done_with) options.done_with(offset);
-  };
-  Recording recording = reader->read(file.bytes(), path, releasing);
+  Recording recording = reader->read(file.bytes(), path, options);
   shorten(recording.notes);
   return recording;
 }
@@ -217,10 +184,8 @@ std::optional<CsvTable> frequency_table_in(std::string_view bytes,
   const std::string format = format_of(bytes);
   if (format == "xlsx") return frequency_table_of(read_xlsx_columns(path, options));
   if (format != "csv") return std::nullopt;
-  std::string converted;
   const std::string file = path.string();
-  return frequency_table_of(
-      read_csv_columns(text_without_mark(bytes, converted, file), file, options));
+  return frequency_table_of(read_csv_columns(text_without_mark(bytes, file), file, options));
 }
 
 }  // namespace rigfit::signal

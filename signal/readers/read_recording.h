@@ -51,7 +51,7 @@ struct CsvTable;  // csv_table.h
 
 /// LabVIEW measurement files (.lvm, text). The file's header is followed by segments, each with a
 /// header (channels, units, X0, Delta_X) and a table without X values, with one column of them, or
-/// with one per channel. Segments of the same channels are joined, over gaps with their times.
+/// with one per channel. Segments of the same channels whose X runs on are joined.
 [[nodiscard]] Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
                                  const ReadOptions& options = {});
 
@@ -96,9 +96,9 @@ struct CsvTable;  // csv_table.h
                                    const ReadOptions& options = {});
 
 /// A sheet of an Excel workbook (.xlsx, ECMA-376) as a table: by the rules of tables of text
-/// (csv_table.h), on its numbers as they are saved; cells with dates are times, empty ones and
-/// \#N/A missing. Without `options.sheet` a note names the other sheets. Refused, with the cell,
-/// are other errors and a formula saved without its value.
+/// (csv_table.h), on its numbers as they are saved; empty cells and \#N/A are missing. Without
+/// `options.sheet` a note names the other sheets. Refused, with the cell, are dates, other errors
+/// and a formula saved without its value.
 [[nodiscard]] Recording read_xlsx(std::string_view bytes, const std::filesystem::path& path,
                                   const ReadOptions& options = {});
 /// The columns of the sheet, whatever they are over.

@@ -1,13 +1,11 @@
 // A sheet as a table of text: one line a row, so that line 7 is row 7, its fields parted by
 // semicolons, numbers with as many digits as give them back exactly; then the rules of tables of
 // text.
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <minizip/unzip.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -32,8 +30,6 @@ constexpr std::size_t kLargestPart = std::size_t{1} << 27;
 constexpr long kSheetRows = 1 << 20, kSheetColumns = 1 << 14;  // Excel's
 // Fields of the table, empty ones too: two cells in opposite corners must not fill the memory.
 constexpr long kMostFields = 1L << 27;
-// Numbers of days from here on are dates, below hours passed.
-constexpr double kFirstDay = 61, kDayAfter9999 = 2958466;
 
 /// Without namespace prefixes: "x:row" is a "row".
 bool is_called(const pugi::xml_node& node, std::string_view name) {
@@ -63,22 +59,6 @@ bool shows_clock(const std::string& code) {
   const std::string shown =
       std::regex_replace(lower_case(std::string_view(code).substr(0, kLongest)), kNoClock, "");
   return shown.find_first_of("ydhms") != std::string::npos;
-}
-
-/// "2026-11-24 09:30:00.00000"; of hours passed "36:00:00.000000000": digits as far as days in
-/// double precision hold them.
-std::string clock_text(double days, bool from_1904) {
-  const bool is_date = days >= kFirstDay;
-  const int digits = is_date ? 5 : 9;
-  const auto per_second = static_cast<long long>(std::pow(10.0, digits));
-  const long long ticks = std::llround(days * 86400 * static_cast<double>(per_second));
-  const long long seconds = ticks / per_second;
-  std::string clock =
-      fmt::format("{:02}:{:02}:{:02}.{:0{}}", seconds / 3600 % (is_date ? 24 : 9999),
-                  seconds / 60 % 60, seconds % 60, ticks % per_second, digits);
-  if (!is_date) return clock;
-  const std::chrono::days day(seconds / 86400 - 25569 + (from_1904 ? 1462 : 0));
-  return fmt::format("{:%Y-%m-%d} {}", std::chrono::sys_days(day), clock);
 }
 
 /// Text as a field: in quotes where it would end there or be taken as a remark.
@@ -144,7 +124,6 @@ class Workbook {
     }
     const auto book = document("xl/workbook.xml");
     const pugi::xml_node root = book.document_element();
-    from_1904_ = child(root, "workbookPr").attribute("date1904").as_bool();
     for (const auto& one : child(root, "sheets").children()) {
       const std::string_view state = one.attribute("state").as_string("visible");
       const auto id = one.find_attribute(
@@ -319,13 +298,12 @@ class Workbook {
       cell.text = words(strings_[static_cast<std::size_t>(number)]);
     } else {
       const unsigned style = node.attribute("s").as_uint();
-      const bool is_clock = style < clocks_.size() && clocks_[style];
-      if (is_clock && !(number >= 0 && number < kDayAfter9999)) {
-        refuse("is shown as a date and is none",
-               "write times as seconds, or give the cell the format of a number");
+      if (style < clocks_.size() && clocks_[style]) {
+        refuse("is a date or a time of day",
+               "write times in seconds: =(A2-A$2)*86400 in a column with the format of a number");
       }
       cell.is_number = true;
-      cell.text = is_clock ? clock_text(number, from_1904_) : fmt::format("{}", number);
+      cell.text = fmt::format("{}", number);
     }
   }
 
@@ -334,7 +312,6 @@ class Workbook {
   std::vector<Sheet> sheets_;
   std::vector<std::string> strings_;
   std::vector<bool> clocks_;  ///< by the number that cells give as their style: shows a time
-  bool from_1904_ = false;    ///< dates count from 1904-01-01, not from 1900
 };
 
 }  // namespace

@@ -190,25 +190,6 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double print
   return axis;
 }
 
-double clock_tick(const Eigen::Ref<const Eigen::VectorXd>& time_s, double printed_resolution_s) {
-  const Eigen::Index n = time_s.size();
-  if (n < 16 || !time_s.allFinite()) return 0;
-  // Differences of printed times are off by one digit, and by rounding of the doubles themselves.
-  const double slack = 1.01 * printed_resolution_s + 4e-16 * time_s.cwiseAbs().maxCoeff();
-  const Eigen::ArrayXd steps = time_s.tail(n - 1) - time_s.head(n - 1);
-  const double least = steps.minCoeff(), tick = steps.maxCoeff() - least;
-  if (least < -slack || tick < 4 * slack || !std::isfinite(tick)) return 0;
-  const Eigen::ArrayXd more = (steps - least) / tick;  // 0 or 1
-  const auto ones = (more > 0.5).count();
-  const double whole = std::round(least / tick);
-  if (((more - more.round()).abs() * tick > 2 * slack).any() || std::min(ones, n - 1 - ones) < 4 ||
-      std::abs(least - whole * tick) > slack * (1 + 2 * whole)) {
-    return 0;
-  }
-  // Even samples seen through the clock stay within one tick of a line; lost samples do not.
-  return time_axis(time_s, 0.74 * tick).uniform ? tick : 0;
-}
-
 RateOfStep rate_of_step(double step_s, double half_digit) {
   RateOfStep result;
   if (!(step_s > 0) || !std::isfinite(1 / step_s)) return result;

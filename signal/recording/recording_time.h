@@ -71,11 +71,6 @@ struct TimeAxis {
 [[nodiscard]] TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
                                  double printed_resolution_s = 0, double stated_rate_hz = 0);
 
-/// Tick of a clock that is coarser than its times are printed and coarser than or near the sampling
-/// step: the steps are all k or k + 1 ticks, evenly mixed. 0: the times show no such clock.
-[[nodiscard]] double clock_tick(const Eigen::Ref<const Eigen::VectorXd>& time_s,
-                                double printed_resolution_s);
-
 /// A rate from a step printed with few digits.
 struct RateOfStep {
   double rate_hz = 0;

@@ -89,8 +89,8 @@ Recording made_even(const Recording& recording, double rate_hz, std::vector<doub
   return even;
 }
 
-/// Even samples at another rate; returns the half width of the kernel's main lobe, s.
-double filter_to(double rate_hz, Recording& recording) {
+/// Even samples at another rate.
+void filter_to(double rate_hz, Recording& recording) {
   const double from = recording.sample_rate_hz;
   const double lower = std::min(from, rate_hz);
   const LowPass filter(kFlat * lower, kClosed * lower, -20 * std::log10(kStopBand));
@@ -117,42 +117,6 @@ double filter_to(double rate_hz, Recording& recording) {
            "from {:.9g} Hz to {:.9g} Hz: kept to {:.6g} Hz, nothing above {:.6g} Hz; the "
            "first and last {:.3g} s lean on fewer samples",
            from, rate_hz, kFlat * lower, kClosed * lower, half_s);
-  return 1 / ((kFlat + kClosed) * lower);
-}
-
-/// Takes out the values inside gaps of uneven times, longer than `gap_s`, and those within
-/// `reach_s` of clipped samples, where times are uneven from the sample before to the one behind.
-void hide_unknown(const Recording& from, double gap_s, double reach_s, Recording& to) {
-  const auto time = [&](Index k) {
-    k = std::clamp<Index>(k, 0, from.samples() - 1);
-    return from.time_s.size() > 0 ? from.time_s[k] - to.start_time_s
-                                  : static_cast<double>(k) / from.sample_rate_hz;
-  };
-  const Index around = from.time_s.size() > 0 ? 1 : 0;
-  for (std::size_t c = 0; c < to.channels.size(); ++c) {
-    Channel& channel = to.channels[c];
-    const auto hide = [&](Index first, Index last) {
-      for (Index k = std::max<Index>(first, 0); k <= std::min(last, channel.samples.size() - 1);
-           ++k) {
-        channel.samples[k] = kNaN;
-      }
-    };
-    const auto clipped = clipped_samples(from.channels[c].samples, channel.nominal_range).at;
-    for (Index k = 0; k < from.samples(); ++k) {
-      const double rate = to.sample_rate_hz, here = time(k) * rate, next = time(k + 1) * rate;
-      if (around > 0 && next - here > gap_s * rate) {
-        hide(static_cast<Index>(std::floor(here)) + 1, static_cast<Index>(std::ceil(next)) - 1);
-      }
-      if (!clipped[static_cast<std::size_t>(k)]) continue;
-      hide(static_cast<Index>(std::ceil((time(k - around) - reach_s) * rate)),
-           static_cast<Index>(std::floor((time(k + around) + reach_s) * rate)));
-    }
-    channel.missing_samples = channel.samples.array().isNaN().count();
-    if (channel.missing_samples == 0) continue;
-    add_note(to.notes, "data_left_out", channel.name,
-             "{} samples inside gaps of the times, or at or beside clipped samples, have no value",
-             channel.missing_samples);
-  }
 }
 
 }  // namespace
@@ -165,31 +129,32 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
     throw file_error(recording.path, "has fewer than 8 samples", "give a longer recording");
   }
   for (const auto& channel : recording.channels) {
-    if (!channel.samples.allFinite()) {
-      throw RecordingError({recording.path.string(), 0, 0, channel.name, ""},
-                           fmt::format("{} samples are missing", channel.missing_samples),
-                           "take the channel or those lines out");
-    }
+    const long missing = channel.samples.array().isNaN().count();
+    const long clipped =
+        missing > 0 ? 0 : clipped_samples(channel.samples, channel.nominal_range).count;
+    if (missing + clipped == 0) continue;
+    throw RecordingError(
+        {recording.path.string(), 0, 0, channel.name, ""},
+        fmt::format("{} samples are {}", missing + clipped, missing > 0 ? "missing" : "clipped"),
+        "take the channel or those lines out");
   }
   ResampleResult result{recording, recording.sample_rate_hz, {}};
-  double reach_s = 0, gap_s = 0;
   if (const Index n = recording.time_s.size(); n > 0) {
     const Eigen::VectorXd steps = recording.time_s.tail(n - 1) - recording.time_s.head(n - 1);
     const double usual = median({steps.begin(), steps.end()});
     if (usual > 0) result.from_hz = 1 / usual;
     // At the times' own rate at least: what is lower is filtered from there.
     const double even = std::max(round_rate(result.from_hz, 1e-3), rate_hz);
-    gap_s = kGap * usual;
+    if (steps.maxCoeff() > kGap * usual) {
+      throw file_error(recording.path, "has gaps in its times, across which nothing is known",
+                       "resample the parts between the gaps");
+    }
     result.recording = made_even(recording, even, result.error_rms);
     add_note(result.recording.notes, "assumed", "",
              "uneven times, usual step {:.6g} s, to even ones at {:.9g} Hz by a "
              "cubic spline",
              usual, even);
     if (rate_hz == 0) rate_hz = even;
-    if (rate_hz != even && steps.maxCoeff() > gap_s) {
-      throw file_error(recording.path, "has gaps, across which nothing can be filtered",
-                       "resample the parts between the gaps, or ask for the rate of the times");
-    }
   } else {
     result.error_rms.assign(recording.channels.size(), 0);
     if (rate_hz == 0 || rate_hz == recording.sample_rate_hz) return result;
@@ -206,9 +171,8 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
       const double rms = std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
       result.error_rms[c] = std::hypot(result.error_rms[c], kStopBand * rms);
     }
-    reach_s += filter_to(rate_hz, result.recording);
+    filter_to(rate_hz, result.recording);
   }
-  hide_unknown(recording, gap_s, reach_s, result.recording);
   return result;
 }
 

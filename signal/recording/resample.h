@@ -1,7 +1,7 @@
 // Resamples a recording to another rate, or to uniform times where its times are uneven.
 //
 // For uneven times a cubic spline (natural ends, GSL) through the samples is evaluated at uniform
-// times; inside a gap there is no value. For uniform times a Kaiser-windowed sinc (80 dB) is used,
+// times. For uniform times a Kaiser-windowed sinc (80 dB) is used,
 // which passes up to 0.4 of the lower of the two rates and stops from 0.5 of it on: no aliasing.
 // Source: Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed., sec. 7.6 (window
 // design).
@@ -24,8 +24,8 @@ struct ResampleResult {
 };
 
 /// `rate_hz` 0 takes the rate of the median step. Throws RecordingError for a recording without
-/// times or rate, with fewer than 8 samples before or after, with missing samples, or with times
-/// that do not rise.
+/// times or rate, with fewer than 8 samples before or after, with missing or clipped samples, or
+/// with times that do not rise or have gaps.
 [[nodiscard]] ResampleResult resampled(const Recording& recording, double rate_hz);
 
 }  // namespace rigfit::signal

@@ -102,12 +102,6 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
   }
 }
 
-// Windows-1252 0x80..0x9F as Unicode; 0: not assigned (becomes the replacement character).
-constexpr std::array<wchar_t, 32> kWindows1252 = {
-    0x20AC, 0,      0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021, 0x02C6, 0x2030, 0x0160,
-    0x2039, 0x0152, 0,      0x017D, 0,      0,      0x2018, 0x2019, 0x201C, 0x201D, 0x2022,
-    0x2013, 0x2014, 0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0,      0x017E, 0x0178};
-
 bool is_surrogate(wchar_t c) { return c >= 0xD800 && c < 0xE000; }
 
 std::string trimmed(std::string_view s) { return std::string(trim_blanks(s)); }
@@ -383,8 +377,7 @@ std::string to_utf8(std::string_view bytes) {
   wide.clear();
   for (const char c : out) {
     const auto code = static_cast<unsigned char>(c);
-    const wchar_t mapped = code < 0x80 || code >= 0xA0 ? code : kWindows1252[code - 0x80];
-    wide += mapped == 0 ? 0xFFFD : mapped;
+    wide += code < 0x80 || code >= 0xA0 ? code : 0xFFFD;
   }
   return pugi::as_utf8(wide.c_str());
 }
@@ -404,17 +397,6 @@ std::string lower_case(std::string_view s) {
   std::transform(out.begin(), out.end(), out.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return out;
-}
-
-std::string utf16_to_utf8(std::string_view bytes, bool little) {
-  std::wstring wide;
-  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
-    const auto low = static_cast<unsigned char>(bytes[little ? i : i + 1]);
-    const auto high = static_cast<unsigned char>(bytes[little ? i + 1 : i]);
-    const wchar_t code = high << 8 | low;
-    wide += is_surrogate(code) ? L'?' : code;
-  }
-  return pugi::as_utf8(wide);
 }
 
 }  // namespace rigfit::signal

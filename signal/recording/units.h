@@ -68,14 +68,12 @@ struct TitledUnit {
 /// it is unknown ("Load (counts)"); the other forms only when it is known.
 [[nodiscard]] TitledUnit split_title(std::string_view title);
 
-/// Valid UTF-8 of text in UTF-8 or, where it is not that, in Windows-1252. Control characters
-/// become blanks.
+/// Valid UTF-8 of text in UTF-8 or, where it is not that, in Latin-1. Control characters become
+/// blanks.
 [[nodiscard]] std::string to_utf8(std::string_view bytes);
 [[nodiscard]] std::string_view trim_blanks(std::string_view s);
 [[nodiscard]] std::string lower_case(std::string_view s);
 /// Whether "|a|b|" lists the word.
 [[nodiscard]] bool is_listed(std::string_view list, const std::string& word);
-/// UTF-16 as UTF-8; characters beyond the basic plane become '?'.
-[[nodiscard]] std::string utf16_to_utf8(std::string_view bytes, bool little);
 
 }  // namespace rigfit::signal

@@ -101,35 +101,6 @@ TEST(Quality, OneBitOffsetAndDrift) {
   EXPECT_NEAR(q.drift, 5.4, 0.1);
 }
 
-TEST(Quality, HumWithItsHarmonicsAndTheFloor) {
-  // Steady 50.02 Hz with a third harmonic, 1 % of it at 20 ms decays of a mode at 12 Hz.
-  const double rate = 2000;
-  Eigen::VectorXd x =
-      noise(40000, 0.02, 8) + sine(40000, 50.02, rate, 0.1) + sine(40000, 150.06, rate, 0.05);
-  for (Index k = 0; k < x.size(); ++k) {
-    x[k] += std::exp(-0.5e-3 * static_cast<double>(k)) *
-            std::sin(2 * kPi * 12 * static_cast<double>(k) / rate);
-  }
-  const auto q = check(recording_of(x, rate));
-  EXPECT_EQ(q.mains_hz, 50);
-  // rms of the two lines: sqrt(0.1^2 + 0.05^2) / sqrt 2; noise in seven lines each adds parts in
-  // 1e3.
-  EXPECT_NEAR(q.mains_rms, std::sqrt(0.0125 / 2), 0.02 * std::sqrt(0.0125 / 2));
-  // The median of 4097 lines averaged over 9 pieces: its relative std is about 1 %.
-  EXPECT_NEAR(q.noise_floor, 0.02, 0.05 * 0.02);
-  const Eigen::VectorXd us = noise(40000, 0.02, 9) + sine(40000, 59.97, rate, 0.1);
-  EXPECT_EQ(check(recording_of(us, rate)).mains_hz, 60);
-  // A shaker that steps through 100, 120 and 150 Hz is no hum.
-  for (const double high : {100.0, 150.0}) {
-    const Eigen::VectorXd shaken =
-        noise(40000, 0.02, 10) + sine(40000, 120, rate, 0.5) + sine(40000, high, rate, 0.5);
-    EXPECT_EQ(check(recording_of(shaken, rate)).mains_hz, 0) << high;
-  }
-  const Eigen::VectorXd both = noise(40000, 0.02, 10) + sine(40000, 100, rate, 0.5) +
-                               sine(40000, 120, rate, 0.5) + sine(40000, 150, rate, 0.5);
-  EXPECT_EQ(check(recording_of(both, rate)).mains_hz, 0);
-}
-
 TEST(Quality, ConstantAndEmptyChannels) {
   EXPECT_THAT(codes(check(recording_of(Eigen::VectorXd::Constant(50, 3.5), 100))),
               ElementsAre("stuck"));

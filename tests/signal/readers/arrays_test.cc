@@ -5,8 +5,6 @@
 #include <cstdint>
 
 #include "signal/readers/read_recording.h"
-#include "tests/fuzz/mutations.h"
-#include "tests/fuzz/require_sound.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/temporary_folder.h"
 #include "tests/test.h"
@@ -227,23 +225,6 @@ TEST_F(Mat, FrfsAreComplexArraysOverFrequencies) {
   EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("freq"));
 }
 
-TEST_F(Mat, DamagedOnesAreRefusedOrRead) {
-  std::mt19937_64 random(7);
-  for (const auto compression : {MAT_COMPRESSION_NONE, MAT_COMPRESSION_ZLIB}) {
-    write({array("acc", ramp(80, 0.5), 40, 2), array("fs", {2000}, 1, 1)}, MAT_FT_MAT5,
-          compression);
-    const std::string whole = content();
-    for (int k = 0; k < 150; ++k) {
-      const std::string bytes =
-          k < 40 ? whole.substr(0, whole.size() * static_cast<std::size_t>(k) / 40)
-                 : mutated(whole, {std::string("\xFF\xFF\xFF\x7F", 4)}, random);
-      std::ofstream(path_, std::ios::binary) << bytes;
-      EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read(path_)); })) << k;
-    }
-    fs::remove(path_);
-  }
-}
-
 TEST_F(Mat, ArraysThatStateOtherSizesThanTheyHoldAreRefused) {
   write({array("acc", ramp(40, 0.5), 40, 1), array("fs", {2000}, 1, 1)}, MAT_FT_MAT5,
         MAT_COMPRESSION_NONE);
@@ -277,21 +258,6 @@ TEST_F(Mat, StructsThatStateMoreThanTheFileHoldsAreRefused) {
   EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("no array"));
   std::ofstream(path_, std::ios::binary) << std::string(200, '\1');
   EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("version 5 to 7.3"));
-}
-
-TEST(Damaged, WavAndNumpyFilesAreRefusedOrRead) {
-  std::mt19937_64 random(8);
-  const std::vector<std::string> seeds = {
-      wav(1, 16, 2, std::string(400, '\5')), wav(3, 64, 1, std::string(400, '\5')),
-      npy("{'descr': '<f8', 'fortran_order': False, 'shape': (10, 2), }", std::string(160, '\1'))};
-  for (const auto& seed : seeds) {
-    for (int k = 0; k < 1500; ++k) {
-      const std::string bytes =
-          mutated(seed, {"data", "fmt ", "(", "<i4", std::string(4, '\xFF')}, random);
-      EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read_sound(bytes)); }));
-      EXPECT_NO_THROW(read_or_refuse([&] { require_sound(read_npy(bytes, "x")); }));
-    }
-  }
 }
 
 TEST(ForeignFormats, AreNamedWithTheWayOut) {

@@ -5,6 +5,7 @@
 #include "signal/readers/read_uff_modes.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_sound.h"
+#include "tests/temporary_folder.h"
 #include "tests/test.h"
 
 namespace rigfit::signal::malformed_test {
@@ -24,6 +25,17 @@ TEST(Malformed, SeedsAndMutationsGiveARecordingOrAReason) {
   for (std::string word; others >> word;) words.push_back(word);
   for (const char* reader : {"csv", "lvm", "uff", "uff_modes"}) {
     expect_sound_or_reason(reader, words, 300, read_with_all);
+  }
+}
+
+TEST(Malformed, FilesThatLibrariesRead) {
+  const testing::TemporaryFolder folder;
+  for (const char* reader : {"mat", "npy", "wav", "xlsx"}) {
+    const auto read = [&](const std::string& bytes) {
+      const auto path = folder.write(reader, bytes);
+      read_or_refuse([&] { require_sound(read_recording(path, {.format = reader})); });
+    };
+    expect_sound_or_reason(reader, {std::string(4, '\xFF'), "PK\1\2", "</row>"}, 150, read);
   }
 }
 

@@ -135,30 +135,8 @@ TEST(ReadCsv, MissingAndWrongFields) {
   EXPECT_EQ(error.where().value, "x7");
 }
 
-/// Text of the basic plane as UTF-16.
-std::string utf16(const std::u16string& text, bool little) {
-  std::string bytes = little ? "\xFF\xFE" : "\xFE\xFF";
-  for (const char16_t code : text) {
-    const char low = static_cast<char>(code & 0xFF), high = static_cast<char>(code >> 8);
-    bytes += little ? low : high;
-    bytes += little ? high : low;
-  }
-  return bytes;
-}
-
-TEST(ReadCsv, Utf16OfEitherByteOrderIsRead) {
-  for (const bool little : {true, false}) {
-    const auto recording =
-        read(utf16(u"t (s);\u00e4rm (\u00b5m);\u2126\n0;1,5;1\n0,1;2;2\n0,2;-3;3\n", little));
-    ASSERT_EQ(recording.channels.size(), 2u);
-    EXPECT_EQ(recording.channels[0].name, "\u00e4rm");
-    EXPECT_EQ(recording.channels[1].name, "\u2126");
-    EXPECT_NEAR(recording.sample_rate_hz, 10, 1e-9);
-    EXPECT_NEAR(recording.channels[0].samples[2], -3e-6, 1e-18);
-  }
-  // Half a character pair beyond the basic plane, and a last byte that is missing.
-  const auto odd = read(utf16(u"t (s),a\xD83D\n0,1\n1,2\n", true) + "x");
-  EXPECT_EQ(odd.samples(), 2);
+TEST(ReadCsv, Utf16IsRefused) {
+  EXPECT_THAT(error_of(std::string("\xFF\xFEt\0,\0", 6)).remedy(), HasSubstr("UTF-8"));
 }
 
 TEST(ReadCsv, ARateGivenByHandOverridesTheFilesAndSaysSo) {
