@@ -13,7 +13,7 @@ constexpr auto kAnswerMayBeWrong = std::to_array<std::string_view>({
     "below_catalogue",   "cross-plane",      "hits_disagree",  "clamp_slip",     "clipped",
     "no_unit",           "unscaled",         "rates_disagree", "unit_suspected", "length_suspected",
     "time_axis",         "at_bound",         "extrapolated",   "curved",         "unpaired",
-    "systematic_misfit",
+    "systematic_misfit", "shapes_disagree",
 });
 constexpr std::array<std::string_view, 1> kTakenAsSaid = {"taken_as_exact"};
 // What was done, in normal operation: reading, choosing, leaving out with a reason.

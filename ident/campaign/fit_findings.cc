@@ -12,6 +12,8 @@ namespace {
 
 // A model that is off by more in its FRFs is another structure's.
 constexpr double kFrfErrorRuledOut = 0.03;
+// The model's shape holds less than half of the measured one's power.
+constexpr double kLeastMac = 0.5;
 
 std::string percent(double ratio) {
   return std::isfinite(ratio) ? fmt::format("{:.2f} %", 100 * ratio) : "-";
@@ -24,6 +26,10 @@ std::string fit_text(const UpdateFit& fit) {
                                  fit.degrees_of_freedom);
   if (std::isfinite(fit.p_value)) text += ", probability " + probability_text(fit.p_value);
   if (!fit.stated) text += ", with assumed uncertainties";
+  if (!fit.stated && fit.rms_error > 0) {
+    text += fmt::format(", frequencies off by {} rms and {} at most", percent(fit.rms_error),
+                        percent(fit.worst_error));
+  }
   if (fit.model_std > 0) {
     text += fmt::format("; error of the model in frequency {}", percent(fit.model_std));
   }
@@ -46,9 +52,8 @@ std::vector<std::string> alternative_texts(const UpdateResult& result) {
     const double total = one.log_evidence - first.log_evidence;
     texts.push_back(fmt::format(
         "weight {:.3f}: {}; rms {}, {} modes that the tests should have seen. ln of its weight "
-        "over "
-        "the first's {:+.1f}: {:+.1f} by modes missed, {:+.1f} by modes seen and false, {:+.1f} by "
-        "the frequencies",
+        "over the first's {:+.1f}: {:+.1f} by modes missed, {:+.1f} by modes seen and false, "
+        "{:+.1f} by the frequencies",
         one.weight, values, percent(one.rms_relative_error),
         std::ranges::count_if(one.unpaired, &UpdatedPair::missing), total, missed, assigned,
         total - missed - assigned));
@@ -79,6 +84,16 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
                     "misses the FRFs by {} in every line beyond their noise, more than the {} up "
                     "to which parameters are given",
                     percent(result.fit.frf_model_std), percent(kFrfErrorRuledOut)));
+  }
+  std::vector<UpdatedPair> shapes = result.pairs;
+  std::erase_if(shapes, [](const auto& pair) { return pair.cross_plane || std::isnan(pair.mac); });
+  const auto worst = std::ranges::min_element(shapes, {}, &UpdatedPair::mac);
+  if (worst != shapes.end() && worst->mac < kLeastMac) {
+    warn("shapes_disagree",
+         fmt::format("Check the sensors' names and directions: of {} measured shapes that of "
+                     "{:.5g} Hz agrees least with the model's, with a MAC of {:.2f}",
+                     shapes.size(), worst->measured_hz, worst->mac),
+         worst->state_name);
   }
   if (!result.alternatives.empty() && result.alternatives.front().weight < 0.9) {
     refuse("several_answers",

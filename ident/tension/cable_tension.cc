@@ -24,9 +24,7 @@ namespace {
 using signal::Estimate;
 using signal::kNaN;
 
-// Beyond these what was measured is no such cable: 3 % is the largest error of the model that is
-// summed over, and a sound one reaches it in few modes only.
-constexpr double kRmsRuledOut = 0.02, kWorstRuledOut = 0.05, kChanceRuledOut = 1e-6;
+constexpr double kChanceRuledOut = 1e-6;  // below it what was measured is no such cable
 // L sqrt(T / EI) of cables without EI: hardly more than beams to strings.
 constexpr double kStiffest = 2, kSlackest = 2000;
 constexpr double kSoundModel = 5e-3;  // error of the model that the chance counts, at most
@@ -195,21 +193,17 @@ void list_modes(const std::vector<MeasuredMode>& modes, const UpdateResult& resu
   for (const auto& one : result.unpaired) candidate.missed += one.missing();
 }
 
-/// How far the paired frequencies are off, and the chance of that with a sound model's error.
-void state_errors(TensionCandidate& candidate) {
+/// The chance of the paired frequencies' errors with a sound model's error.
+void state_chance(TensionCandidate& candidate) {
   const auto& fit = candidate.fit;
-  double squares = 0, weighted = 0, pairs = 0;
+  double weighted = 0;
   for (const auto& mode : candidate.modes) {
     if (mode.order == 0) continue;
     const double square = mode.relative_error * mode.relative_error;
     const double own = fit.stated ? mode.measured_std_hz / mode.measured_hz : 0;
     const double of_model = fit.stated ? std::min(fit.model_std, kSoundModel) : fit.model_std;
-    ++pairs;
-    squares += square;
     weighted += square / (own * own + of_model * of_model);
-    candidate.worst_error = std::max(candidate.worst_error, std::sqrt(square));
   }
-  candidate.rms_error = std::sqrt(squares / std::max(1.0, pairs));
   if (fit.degrees_of_freedom > 0 && weighted > 0 && std::isfinite(weighted)) {
     candidate.p_with_model_error = gsl_cdf_chisq_Q(weighted, fit.degrees_of_freedom);
   }
@@ -239,7 +233,7 @@ TensionCandidate candidate_of(const CableDescription& cable, const std::vector<M
   }
   candidate.fit = result.fit;
   list_modes(modes, result, candidate);
-  state_errors(candidate);
+  state_chance(candidate);
   for (std::size_t i = 0; i < modes.size(); ++i) {
     if (modes[i].order == 0 || candidate.modes[i].order > 0) continue;
     candidate.solved = false;
@@ -421,8 +415,7 @@ TensionResult identify_tension(const CableDescription& cable,
   }
   result.decided = decided_weight(compared) >= 0.9;
   const auto& heaviest = result.candidates.front();
-  result.ruled_out = heaviest.rms_error > kRmsRuledOut || heaviest.worst_error > kWorstRuledOut ||
-                     heaviest.p_with_model_error < kChanceRuledOut;
+  result.ruled_out = heaviest.fit.far_off() || heaviest.p_with_model_error < kChanceRuledOut;
   result.budget = budget_of(compared, factor);
   result.EI_Nm2 = heaviest.EI_Nm2;
   describe(cable, result);

@@ -76,8 +76,6 @@ struct TensionCandidate {
   double weight = 0;               ///< probability among the candidates
   std::vector<TensionMode> modes;  ///< by measured mode
   int missed = 0;                  ///< modelled modes that the test should have seen
-  double rms_error = 0;            ///< relative, of the paired modes
-  double worst_error = 0;          ///< the largest, unsigned
   /// Probability of the misfit with a model error of up to 0.5 % beside the stated uncertainties.
   double p_with_model_error = 1;
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 
 #include "ident/update/assignment/update_alternatives.h"
@@ -28,6 +29,11 @@ void state_values(const UpdateProblem& problem, const UpdateSolution& answer,
   result.pairs = problem.pairs(answer.q, answer.matches.matches);
   result.unpaired = answer.matches.unpaired;
   result.rms_relative_error = rms_of_pairs(result.pairs);
+  for (const auto& pair : result.pairs) {
+    if (pair.cross_plane || !problem.modes_only()) continue;
+    result.fit.rms_error = result.rms_relative_error;
+    result.fit.worst_error = std::max(result.fit.worst_error, std::abs(pair.relative_error));
+  }
   if (problem.has_frfs()) {
     result.rms_log_frf_error = problem.rms_log_frf_error(answer.q);
     result.frf_lines = problem.frf_lines();
@@ -210,9 +216,8 @@ std::vector<SettledAnswer> settled_answers(const UpdateProblem& problem,
     settled.push_back({std::move(whole), std::move(answer), fit});
   }
   if (!problem.modes_only()) return settled;
-  std::stable_sort(settled.begin(), settled.end(), [](const auto& a, const auto& b) {
-    return a.answer.log_evidence > b.answer.log_evidence;
-  });
+  std::ranges::stable_sort(settled, std::greater{},
+                           [](const auto& one) { return one.answer.log_evidence; });
   double all = 0;
   const double most = settled.front().answer.log_evidence;
   for (const auto& one : settled) all += std::exp(one.answer.log_evidence - most);

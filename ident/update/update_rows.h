@@ -129,7 +129,7 @@ struct Described<ident::UpdatedPair> {
       field("plane", of_pair(&T::plane), "", "plane", "in, out ..."),
       field("order", of_pair([](const T& p) { return p.order + 1; }), "", "order",
             "among the modes of its plane"),
-      field("mac", of_pair(&T::mac), "", "", "of the shapes"),
+      field("mac", of_pair(&T::mac), "", "MAC", "of the shapes", 3),
       field("measured_damping_ratio", of_pair(&T::measured_damping), "", "", ""),
       field("model_damping_ratio", of_pair(&T::model_damping), "", "", ""),
       field("model_std_hz", of_pair(&T::model_std_hz), "Hz", "", ""),

@@ -100,12 +100,12 @@ void add_findings(const TensionInputs& inputs, TensionCampaignResult& campaign) 
   if (!result.solved) return refuse("no_tension", result.message);
   const auto& best = result.candidates.front();
   if (result.ruled_out) {
-    refuse(
-        "model_ruled_out",
-        fmt::format("Check that this is one cable between two ends: its frequencies are {:.2g} % "
-                    "off (rms), {:.2g} % at most, with the best of {} kinds of ends. State other "
-                    "ends (--ends), orders (--order), masses or EI, or fit a scene (update)",
-                    100 * best.rms_error, 100 * best.worst_error, result.candidates.size()));
+    refuse("model_ruled_out",
+           fmt::format(
+               "Check that this is one cable between two ends: its frequencies are {:.2g} % "
+               "off (rms), {:.2g} % at most, with the best of {} kinds of ends. State other "
+               "ends (--ends), orders (--order), masses or EI, or fit a scene (update)",
+               100 * best.fit.rms_error, 100 * best.fit.worst_error, result.candidates.size()));
   } else if (best.fit.ruled_out()) {
     warn("systematic_misfit",
          fmt::format("Enlarge the uncertainties of the frequencies, or name what the cable lacks "

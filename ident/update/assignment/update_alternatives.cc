@@ -2,8 +2,12 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "ident/statistics/in_parallel.h"
@@ -111,8 +115,10 @@ class Search {
     std::vector<UpdateAnswer> answers;
     Eigen::VectorXd start = problem_.start();
     // Two that start alike would stay so: their difference has no slope there.
-    for (const auto& [i, j] : exchangeable()) {
-      if (start[i] == start[j]) start[i] -= kApart, start[j] += kApart;
+    for (const auto& [what, exchange] : exchanges()) {
+      for (const auto& [i, j] : exchange) {
+        if (start[i] == start[j]) start[i] -= kApart, start[j] += kApart;
+      }
     }
     start = within_bounds(std::move(start));
     for (auto& seed : seeds_at(start, failure)) {
@@ -158,17 +164,12 @@ class Search {
     for (auto& one : found) {
       if (one.solution.q.size() > 0) answers.push_back(std::move(one));
     }
-    std::stable_sort(answers.begin(), answers.end(),
-                     [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
-    for (std::size_t k = 0; k < answers.size(); ++k) {
-      const auto& kept = answers[k];
-      answers.erase(
-          std::remove_if(answers.begin() + static_cast<std::ptrdiff_t>(k) + 1, answers.end(),
-                         [&](const UpdateAnswer& other) {
-                           return other.solution.matches.matches == kept.solution.matches.matches ||
-                                  near(kept, other);
-                         }),
-          answers.end());
+    std::ranges::stable_sort(answers, std::greater{}, &UpdateAnswer::log_evidence);
+    for (auto& other : std::exchange(answers, {})) {
+      const bool known = std::ranges::any_of(answers, [&](const UpdateAnswer& kept) {
+        return other.solution.matches.matches == kept.solution.matches.matches || near(kept, other);
+      });
+      if (!known) answers.push_back(std::move(other));
     }
   }
 
@@ -185,36 +186,51 @@ class Search {
     return q;
   }
 
-  // Pairs of positive parameters of one quantity, such as the springs at both ends.
-  std::vector<std::pair<Eigen::Index, Eigen::Index>> exchangeable() const {
+  // What the data may not tell apart: pairs of positive parameters of one quantity, at two owners
+  // (the springs of both ends) or about two axes (the planes of a beam); all of two at once.
+  using Exchange = std::vector<std::pair<Eigen::Index, Eigen::Index>>;
+  std::map<std::pair<std::string, std::string>, Exchange> exchanges() const {
     const auto& coordinates = problem_.coordinates();
     const auto names = problem_.names();
-    const auto quantity = [&](Eigen::Index i) {
-      const auto& name = names[static_cast<std::size_t>(i)];
-      return name.substr(name.rfind('.') + 1);
+    const auto parts = [&](Eigen::Index i) {  // owner, quantity, axis
+      std::string name = names[static_cast<std::size_t>(i)];
+      if (coordinates[static_cast<std::size_t>(i)].state >= 0) name.resize(name.find(" ["));
+      const auto dot = name.rfind('.') + 1, size = name.size();
+      const auto end = size > 2 && name[size - 2] == '_' ? size - 2 : size;
+      return std::array{name.substr(0, dot), name.substr(dot, end - dot), name.substr(end)};
     };
-    std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs;
+    std::map<std::pair<std::string, std::string>, Exchange> all;
     for (Eigen::Index i = 0; i < problem_.parameter_count(); ++i) {
       for (Eigen::Index j = 0; j < i; ++j) {
-        const auto& one = coordinates[static_cast<std::size_t>(i)];
-        const bool apart = one.parameter != coordinates[static_cast<std::size_t>(j)].parameter;
-        if (apart && one.logarithmic && quantity(i) == quantity(j)) pairs.emplace_back(j, i);
+        const auto &one = coordinates[static_cast<std::size_t>(i)],
+                   &other = coordinates[static_cast<std::size_t>(j)];
+        if (one.parameter == other.parameter || one.state != other.state ||
+            !(one.logarithmic && other.logarithmic))
+          continue;
+        const auto a = parts(i), b = parts(j);
+        if (a[1] != b[1] || (a[0] == b[0]) == (a[2] == b[2])) continue;
+        const std::size_t by = a[0] == b[0] ? 2 : 0;
+        all[std::minmax(a[by], b[by])].emplace_back(j, i);
       }
     }
-    return pairs;
+    return all;
   }
 
-  // Frequencies alone do not tell which end has which spring.
+  // Modes are assigned anew: planes change theirs.
   void add_exchanged(std::vector<UpdateAnswer>& answers) const {
     for (std::size_t k = 0, found = answers.size(); k < found; ++k) {
-      for (const auto& [i, j] : exchangeable()) {
-        Seed seed{answers[k].solution.q, answers[k].solution.matches};
-        std::swap(seed.q[i], seed.q[j]);
-        seed.q = within_bounds(std::move(seed.q));
-        UpdateAnswer other = settled(std::move(seed));
-        if (other.solution.q.size() == 0 || negligible(other, answers)) continue;
-        const auto same = [&](const UpdateAnswer& one) { return near(one, other); };
-        if (std::none_of(answers.begin(), answers.end(), same)) answers.push_back(std::move(other));
+      for (const auto& [what, exchange] : exchanges()) {
+        Eigen::VectorXd q = answers[k].solution.q;
+        for (const auto& [i, j] : exchange) std::swap(q[i], q[j]);
+        std::string failure;
+        for (auto& seed : seeds_at(within_bounds(std::move(q)), failure)) {
+          UpdateAnswer other = settled(std::move(seed));
+          const auto same = [&](const UpdateAnswer& one) { return near(one, other); };
+          if (other.solution.q.size() == 0 || negligible(other, answers) ||
+              std::ranges::any_of(answers, same))
+            continue;
+          answers.push_back(std::move(other));
+        }
       }
     }
   }
@@ -239,9 +255,7 @@ class Search {
     UpdateMatches matches = std::move(seed.matches);
     std::vector<std::vector<UpdateMatch>> seen;
     for (int round = 0; round < kRounds; ++round) {
-      const bool fits = std::any_of(matches.matches.begin(), matches.matches.end(),
-                                    [](const auto& match) { return !match.cross_plane; });
-      if (!fits) break;
+      if (std::ranges::all_of(matches.matches, &UpdateMatch::cross_plane)) break;
       double cost = 0;
       const UpdateProblem here =
           held_about(q, problem.with_model_std(error, kDampingErrors * error));
@@ -257,8 +271,8 @@ class Search {
         break;
       }
       const bool same = next.matches == matches.matches;
-      const bool again = !same && (round + 1 == kRounds ||
-                                   std::find(seen.begin(), seen.end(), next.matches) != seen.end());
+      const bool again =
+          !same && (round + 1 == kRounds || std::ranges::count(seen, next.matches) > 0);
       const bool done = same && close(evidence.error, error);
       const bool keep = same || (again && best.solution.q.size() == 0);
       if (same) {
@@ -369,14 +383,12 @@ class Search {
     for (auto& some : found) {
       for (auto& seed : some) seeds.push_back(std::move(seed));
     }
-    std::stable_sort(seeds.begin(), seeds.end(), [](const Seed& a, const Seed& b) {
-      return a.matches.log_likelihood > b.matches.log_likelihood;
-    });
+    std::ranges::stable_sort(seeds, std::greater{},
+                             [](const Seed& one) { return one.matches.log_likelihood; });
     std::vector<Seed> best;
     for (auto& seed : seeds) {
-      const bool known = std::any_of(best.begin(), best.end(), [&](const Seed& other) {
-        return other.matches.matches == seed.matches.matches;
-      });
+      const bool known = std::ranges::any_of(
+          best, [&](const Seed& other) { return other.matches.matches == seed.matches.matches; });
       if (known || best.size() == kSeeds) continue;
       best.push_back(std::move(seed));
     }

@@ -20,7 +20,8 @@
 // tenth for coordinates: the same for all answers, wherever the search began; while looking for one
 // it is about the place where the search began, so that what the data leave free stays there.
 // Answers closer to each other than three standard deviations are one. Each answer is fitted again
-// with two positive parameters of one quantity exchanged, such as the springs of both ends.
+// with the positive parameters of two owners (nodes, members) or two axes exchanged, quantity by
+// quantity: frequencies may not tell which end has which spring, or which plane which EI.
 //
 // The search is skipped where the answer near the start explains the measured modes and could not
 // do so by chance: the degrees of freedom times ln(0.1 / error), less the ln(likelihood) that

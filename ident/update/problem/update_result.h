@@ -83,7 +83,11 @@ struct UpdateFit {
   /// Std of such a random error of FRFs, relative in every line, beyond the lines' uncertainties
   /// and shared errors (inputs, place of the hits).
   double frf_model_std = 0;
-  [[nodiscard]] bool ruled_out() const { return stated && p_value < 0.01; }
+  double rms_error = 0, worst_error = 0;  ///< relative, of the pairs; 0 in fits of FRFs
+  /// Whether the model is another structure's, whatever the data's uncertainties: 3 % is the
+  /// largest error that is summed over, and a sound model reaches it in few modes only.
+  [[nodiscard]] bool far_off() const { return rms_error > 0.02 || worst_error > 0.05; }
+  [[nodiscard]] bool ruled_out() const { return stated ? p_value < 0.01 : far_off(); }
 };
 
 /// Values of an answer.

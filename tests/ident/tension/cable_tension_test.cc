@@ -300,7 +300,7 @@ TEST(CableTension, AnAttachedMassIsPartOfTheCable) {
   EXPECT_NEAR(uncertain.tension_N.value, 50e3, 2 * uncertain.tension_N.std);
   EXPECT_LT(uncertain.tension_N.std, 1500);
   // Without its uncertainty the mass is a misfit; without the mass the tension is 10 % too small.
-  EXPECT_GT(exact.candidates.front().rms_error, 3 * uncertain.candidates.front().rms_error);
+  EXPECT_GT(exact.candidates.front().fit.rms_error, 3 * uncertain.candidates.front().fit.rms_error);
   cable.masses = {{1.2, 20}};
   EXPECT_THROW((void)identify_tension(cable, modes, options), std::invalid_argument);
 }

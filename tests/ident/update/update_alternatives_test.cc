@@ -1,7 +1,9 @@
 #include "ident/update/assignment/update_alternatives.h"
 
+#include "ident/campaign/fit_findings.h"
 #include "ident/update/model_update.h"
 #include "model/scene/parameters.h"
+#include "tests/ident/update/fit_data.h"
 #include "tests/ident/update/hanger.h"
 #include "tests/ident/update/laboratory_rig.h"
 #include "tests/test.h"
@@ -124,6 +126,31 @@ TEST(FindAnswers, SpringsOfTheTwoEndsMayBeExchanged) {
               0.1 * hanger.half * hanger.half);
   EXPECT_NEAR(one[1].value, other[2].value, 0.01 * one[1].value);
   EXPECT_NEAR(one[2].value, other[1].value, 0.01 * one[2].value);
+}
+
+// Nor which plane has which EI, where the modes' planes are not stated: from any start.
+TEST(FindAnswers, PlanesOfABeamMayBeExchanged) {
+  auto scene = testing::beam(1.8, 0.03);
+  scene.members[0].EI[1] = 2.4;
+  auto modes = testing::modes_of(scene, model::ModePlane::in, 4, 1e-3);
+  const auto others = testing::modes_of(scene, model::ModePlane::out, 4, 1e-3);
+  modes.insert(modes.end(), others.begin(), others.end());
+  for (auto& mode : modes) mode.plane.reset();
+  UpdateOptions options;
+  options.segment_uncertainty = false;
+  for (const auto& start : {std::array{2.6, 1.6}, {1.6, 2.6}, {2.0, 2.0}}) {
+    scene.members[0].EI = start;
+    const auto result = update_model({{"beam", scene, modes}},
+                                     {{"beam.EI_z"}, {"beam.EI_y"}, {"tip.mass"}}, options);
+    ASSERT_EQ(result.alternatives.size(), 2U);
+    EXPECT_NEAR(result.alternatives[0].weight, 0.5, 0.01);
+    const auto& one = result.alternatives[0].parameters;
+    const auto& other = result.alternatives[1].parameters;
+    EXPECT_NEAR(one[0].value * one[1].value, 1.8 * 2.4, 1e-3);
+    EXPECT_NEAR(one[0].value, other[1].value, 1e-3);
+    EXPECT_NEAR(one[1].value, other[0].value, 1e-3);
+    EXPECT_TRUE(rigfit::testing::says(fit_findings(result), "several_answers"));
+  }
 }
 
 // Without a prior about the start the spring runs to its bound: pinned ends, 14 % off.
