@@ -21,11 +21,12 @@ struct EnergyBalance {
   double dissipated = 0;  ///< by dampers since t = 0
   double kinetic = 0;     ///< largest over all instants
   double worst = 0;       ///< largest |E(t) - E(0) - supplied + dissipated|
+  double rounding = 0;    ///< of a scheme's rounding or tolerance; kinetic below it: no motion
 
   /// Adds the next instant.
   void add(double potential_J, double kinetic_J, double supplied_J, double dissipated_J);
   /// `worst` over the largest kinetic energy; zero without motion.
-  [[nodiscard]] double drift() const { return kinetic > 0 ? worst / kinetic : 0; }
+  [[nodiscard]] double drift() const { return kinetic > rounding ? worst / kinetic : 0; }
 
  private:
   std::optional<double> start_;

@@ -1,8 +1,5 @@
 #include "model/motion/step_forces.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace rigfit::model {
 namespace {
 

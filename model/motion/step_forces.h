@@ -3,6 +3,8 @@
 // difference that the average adds.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -23,6 +25,12 @@ class StepForces {
     return i >= 0 && i < static_cast<long>(load.value.size())
                ? load.value[static_cast<std::size_t>(i)]
                : 0;
+  }
+  /// The largest size of load l's force at any step, N.
+  [[nodiscard]] double largest(std::size_t l) const {
+    double size = 0;
+    for (const double f : loads_[l].value) size = std::max(size, std::abs(f));
+    return size;
   }
   [[nodiscard]] std::size_t count() const { return loads_.size(); }
 

@@ -59,8 +59,7 @@ class StiffRun {
     }
     for (std::size_t s = 0; s < chain.sensors.size(); ++s) {
       sensor_rows_.push_back(assembly_.row_of(chain.sensors[s], chain.sensor_direction[s]));
-      acceleration_wanted_ =
-          acceleration_wanted_ || described(problem.quantities[s]).derivatives == 2;
+      if (described(problem.quantities[s]).derivatives == 2) acceleration_wanted_ = true;
     }
     if (!problem.modal_damping.none()) {
       const auto& modal = problem.modal_damping;
@@ -98,32 +97,36 @@ class StiffRun {
     solver->ops->solve = &StiffRun::solve;
     IDASetLinearSolver(memory_, solver.get(), nullptr);
 
+    for (std::size_t k = 0; k < massive_.size(); ++k) {
+      full_(massive_[k]) = of(tolerance.get())(n_ + static_cast<Eigen::Index>(k));
+    }
+    out.energy.rounding = full_.dot(mass_ * full_) / 2;
     std::vector<double> stops;  // where a force or its slope jumps
     for (const LoadForce& force : forces_) {
-      for (const double corner : force.corners()) {
-        if (corner > 0) stops.push_back(corner);
-      }
+      for (const double corner : force.corners()) stops.push_back(corner);
     }
+    stops.push_back(kFar);
     std::sort(stops.begin(), stops.end());
+    // The integrator does not start towards a time that rounding alone tells from its own.
+    const double close = 1e-12 * options_.sampling.duration_s;
     const long rows = options_.sampling.rows(), stride = options_.sampling.energy_stride();
     out.samples.resize(rows, static_cast<Eigen::Index>(sensor_rows_.size()));
-    std::size_t stop = 0;
+    auto stop = stops.begin();
     double t = 0;
     for (long row = 0; row < rows; ++row) {
       const double target = static_cast<double>(row) / options_.sampling.rate_hz;
-      while (t < target) {
-        while (stop < stops.size() && stops[stop] <= t) ++stop;
-        const bool before = stop < stops.size() && stops[stop] < target;
-        IDASetStopTime(memory_, stop < stops.size() ? stops[stop] : kFar);
+      while (t + close < target) {
+        while (*stop <= t + close) ++stop;
+        IDASetStopTime(memory_, *stop);
         const int flag =
-            IDASolve(memory_, before ? stops[stop] : target, &t, y.get(), rate.get(), IDA_NORMAL);
+            IDASolve(memory_, std::min(*stop, target), &t, y.get(), rate.get(), IDA_NORMAL);
         const long steps = finished_ + steps_so_far();
         if (flag < 0 || steps > options_.max_steps) {
           out.reason = flag < 0 ? "the integrator gave up" : "too many steps";
           return out;
         }
         set(of(y.get()), of(rate.get()));
-        if (flag == IDA_TSTOP_RETURN || before || turned()) {
+        if (*stop <= t + close || turned()) {
           finished_ += steps_so_far();
           if (turned()) anchor(of(y.get()));
           start(t, of(y.get()), of(rate.get()));
@@ -176,7 +179,6 @@ class StiffRun {
     const Numbering& numbering = assembly_.numbering();
     double shortest = kFar;
     for (const Segment& s : problem_.chain->segments) shortest = std::min(shortest, s.length);
-    absolute.setConstant(r * options_.displacement_m / shortest);
     const auto own = [&](Eigen::Index i) {
       return (numbering.displacement.array() == static_cast<int>(i)).any() ? 1.0 : 1 / shortest;
     };

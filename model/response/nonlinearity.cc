@@ -40,9 +40,11 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
   Nonlinearity out;
   const Eigen::Index count = answer.omega.size();
   if (count == 0) return out;
-  double last_force = 0;
+  double last_force = 0, begin = duration_s;
   for (std::size_t l = 0; l < scene.loads.size(); ++l) {
-    last_force = std::max(last_force, LoadForce(scene.loads[l], records[l]).end_s());
+    const LoadForce force(scene.loads[l], records[l]);
+    last_force = std::max(last_force, force.end_s());
+    for (const double corner : force.corners()) begin = std::clamp(corner, 0.0, begin);
   }
 
   // Modal coordinates where the strain energy is greatest. A hung mass' own state is the start.
@@ -67,10 +69,11 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
     const double lowest = answer.omega.minCoeff();
     const double end =
         std::min(duration_s, last_force + 4 * std::numbers::pi / std::max(lowest, 1e-3));
+    if (!z.isZero(0)) begin = 0;  // else at rest until a force begins
     const int instants = 80;
     for (int i = 1; i <= instants; ++i) {
-      const double t = end * i / instants;
-      propagator.advance(z, end * (i - 1) / instants, t);
+      const double t = begin + (end - begin) * i / instants;
+      propagator.advance(z, begin + (end - begin) * (i - 1) / instants, t);
       const Eigen::VectorXd here = coordinates();
       const double energy = energies(here).sum();
       if (energy > greatest) greatest = energy, q = here, out.time_s = t;
