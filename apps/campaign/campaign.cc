@@ -66,7 +66,7 @@ void TensionTest::complete() {
 }
 
 Options keys_of(Campaign& c) {
-  return {option("title", c.title, "Of the report").required(),
+  return {option("title", c.title, "Title of the report").required(),
           option("source", c.source, "Where published values come from"),
           option("description", c.description, "Below the title")};
 }
