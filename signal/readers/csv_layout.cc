@@ -254,14 +254,21 @@ std::string unquoted(std::string_view text) {
   return out;
 }
 
+bool is_bracketed(std::string_view text) {
+  return text.size() > 2 && ((text.front() == '[' && text.back() == ']') ||
+                             (text.front() == '(' && text.back() == ')'));
+}
+
+/// Units that `parse_unit` does not know among them.
 bool is_unit_text(std::string_view text) {
-  return parse_unit(text) || is_listed("|-|none|counts|eu|[-]|(-)|", lower_case(to_utf8(text)));
+  constexpr std::string_view kOthers =
+      "|-|none|count|counts|eu|cycles|a|ma|ohm|w|db|dba|l/min|gpm|";
+  return is_bracketed(text) || parse_unit(text) || is_listed(kOthers, lower_case(to_utf8(text)));
 }
 
 std::string bare_unit(std::string_view text) {
   std::string unit = unquoted(text);
-  if (unit.size() >= 2 && (unit.front() == '[' || unit.front() == '(') &&
-      (unit.back() == ']' || unit.back() == ')')) {
+  if (is_bracketed(unit)) {
     unit = std::string(trim_blanks(std::string_view(unit).substr(1, unit.size() - 2)));
   }
   return unit == "-" || lower_case(unit) == "none" ? "" : unit;
@@ -357,7 +364,7 @@ class HeaderReader {
 
   void read(const std::vector<std::string_view>& lines) {
     // From the table upwards: what stands nearest counts.
-    for (std::size_t k = lines.size(); k-- > 0;) read_line(lines[k]);
+    for (std::size_t k = lines.size(); k-- > 0;) read_line(lines[k], k > 0 ? lines[k - 1] : "");
     fill_columns();
   }
 
@@ -371,7 +378,26 @@ class HeaderReader {
     }
   }
 
-  void read_line(std::string_view line) {
+  /// Whether a line names each column of data by itself, with fewer units among the names than
+  /// `units`.
+  bool has_titles(std::string_view line, long units) const {
+    Fields row = Row(trim_blanks(line), layout_.dialect).fields;
+    if (layout_.dialect.separator == ' ' && row.size() != columns_) {
+      row = titles_with_blanks(line, columns_);
+    }
+    std::set<std::string_view> names;
+    for (std::size_t c = 0; c < columns_; ++c) {
+      if (!layout_.columns[c].has_data()) continue;
+      if (c >= row.size() || kind_of(row[c].text, layout_.dialect.decimal) != FieldKind::text ||
+          !names.insert(row[c].text).second) {
+        return false;
+      }
+      units -= is_unit_text(row[c].text) ? 1 : 0;
+    }
+    return units > 0;
+  }
+
+  void read_line(std::string_view line, std::string_view above) {
     Fields row = Row(trim_blanks(line), layout_.dialect).fields;
     const bool by_blanks = layout_.dialect.separator == ' ';
     if (!row.empty() && row[0].text.size() > (by_blanks ? 0 : 1) &&
@@ -405,7 +431,7 @@ class HeaderReader {
       }
     }
     // Texts, numbers and units above the columns of data.
-    long words = 0, unit_words = 0, filled = 0, figures = 0, data_columns = 0;
+    long words = 0, unit_words = 0, filled = 0, figures = 0, data_columns = 0, numbered = 0;
     for (std::size_t c = 0; c < columns_; ++c) {
       if (!layout_.columns[c].has_data()) continue;
       ++data_columns;
@@ -414,6 +440,7 @@ class HeaderReader {
       ++filled;
       words += kind == FieldKind::text ? 1 : 0;
       figures += kind == FieldKind::number ? 1 : 0;
+      numbered += row[c].text == std::to_string(numbered + 1) ? 1 : 0;
       unit_words += is_unit_text(row[c].text) ? 1 : 0;
     }
     const std::string label = row.size() > 1 ? normal_label(row[0].text) : "";
@@ -422,7 +449,8 @@ class HeaderReader {
       const bool titles = use == kNumbers || use == kNames;
       if (label.empty() || !is_listed(kRowLabels[use], label) ||
           (titles && words + figures <= 1 && columns_ > 2) ||
-          (is_listed("|sequence|ts|", label) && unit_words == 0)) {
+          (is_listed("|sequence|ts|", label) && unit_words == 0) ||
+          (label == "no" && figures == 0)) {
         continue;
       }
       // ";Headers, time, Ax": a label beside as many names as there are columns.
@@ -430,15 +458,19 @@ class HeaderReader {
       if (beside) row.erase(row.begin());
       return copy(row, beside ? 0 : 1, use);
     }
-    // A line without a label: titles, or units where every field is one.
-    if (2 * words < data_columns || words < figures || words == 0) return;
+    // A line without a label: titles, or units where every field is one, or most are and names
+    // stand above. Numbers are names where they count the channels: "x-axis,1,2" above units.
+    const bool counted = have_[kUnits] && words == 1 && numbered == data_columns - 1;
+    if (!counted && (2 * words < data_columns || words < figures || words == 0)) return;
     // "Y-Axis Unit: m" is no row of titles.
     const auto is_label = [](const CsvField& field) {
       return field.text.ends_with(':') || field.text.ends_with('=');
     };
     if (row.size() > 1 && is_label(row[0]) && !is_label(row[1])) return;
-    const bool only_units = unit_words == filled;
+    if (columns_ == 1 && line.find('=') != line.npos) return;  // "NPTS= 3164, DT= .0050 SEC"
     const bool untitled = !have_[kNames] && layout_.unmatched_titles.empty();
+    const bool only_units = unit_words == filled || (untitled && 2 * unit_words >= filled &&
+                                                     has_titles(above, unit_words));
     if (unmatched) {
       if (!only_units && untitled && row.size() > 1) {
         layout_.unmatched_titles = unquoted(trim_blanks(line).substr(0, 200));

@@ -104,8 +104,10 @@ struct CsvTable {
 [[nodiscard]] CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
                                         const ReadOptions& options = {});
 
-/// Whether values rise as the times of even samples do, and there are enough of them.
-[[nodiscard]] bool looks_like_time(const Eigen::VectorXd& values, int decimals);
+/// Whether values, `fewest` or more, rise as the times of even samples do. Tables of loads and
+/// masses, which have no titles either, are shorter.
+[[nodiscard]] bool looks_like_time(const Eigen::VectorXd& values, int decimals,
+                                   Eigen::Index fewest = 24);
 
 /// The times are the column of such a name ("time", "Zeit", "t" ...), that of clock times, or the
 /// first one without a name where it rises in equal steps over

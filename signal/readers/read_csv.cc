@@ -18,7 +18,7 @@ namespace {
 
 bool is_index_name(const std::string& name) {
   static constexpr std::string_view kWords =
-      "|sample|samples|index|no|no.|nr|nr.|#|n|scan|point|row|record|sample no|sample no.|"
+      "|sample|samples|index|no|no.|nr|nr.|s/no|#|n|scan|point|row|record|sample no|sample no.|"
       "sample number|count|packetcounter|";
   return is_listed(kWords, lower_case(name));
 }
@@ -34,12 +34,12 @@ bool counts_samples(const Eigen::VectorXd& values) {
          (steps_of(values).array() == 1).all();
 }
 
-/// Rows of a table without titles from which on a column that rises in equal steps is taken as
-/// time: tables of loads and masses have fewer.
-constexpr Eigen::Index kLeastTimes = 24;
-
 bool rises_evenly(const CsvTable& table, std::size_t k) {
-  return looks_like_time(table.channels[k].samples, table.columns[k].decimals);
+  const auto& channel = table.channels[k];
+  const auto& samples = channel.samples;
+  return channel.quantity == Quantity::time
+             ? looks_like_time(samples, table.columns[k].decimals, 3)
+             : looks_like_time(samples, table.columns[k].decimals);
 }
 
 /// Refuses a last column without a title, and more titles than columns where the times do not stand
@@ -84,7 +84,7 @@ std::optional<std::size_t> find_times(const CsvTable& table, const ReadOptions& 
   const auto counts = [&](std::size_t k) { return counts_samples(table.channels[k].samples); };
   std::size_t at = 0;
   const std::string& first = table.channels[0].name;
-  const bool is_x = lower_case(first) == "x" && table.channels[0].samples.size() >= kLeastTimes;
+  const bool is_x = lower_case(first) == "x" && rises_evenly(table, 0);
   if (time != 0 && (unnamed(0) || is_index_name(first) || is_x) && counts(0)) {
     left_out.push_back(at++);
     add_note(notes, "left_out", first, "ignored: it is a row counter");
@@ -184,9 +184,9 @@ void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table
 
 }  // namespace
 
-bool looks_like_time(const Eigen::VectorXd& values, int decimals) {
+bool looks_like_time(const Eigen::VectorXd& values, int decimals, Eigen::Index fewest) {
   const Eigen::Index n = values.size();
-  if (n < kLeastTimes || !values.allFinite() || !(values[n - 1] > values[0])) return false;
+  if (n < fewest || !values.allFinite() || !(values[n - 1] > values[0])) return false;
   const TimeAxis axis = time_axis(values, std::pow(10.0, -decimals));
   return axis.uniform && axis.rate_hz > 0 && axis.backward == 0;
 }

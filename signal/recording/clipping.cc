@@ -34,8 +34,8 @@ bool is_flat_top(const Samples& channel, double quantum, Index first, Index last
   }
   const auto length = static_cast<double>(last - first + 1);
   if (length < 3) return length == 2 && entry > 100 * quantum;
-  return entry > 3 * quantum || (length >= 10 && next_step(channel, first, -1) < 0.1 * length &&
-                                 next_step(channel, last, 1) < 0.1 * length);
+  const double held = std::max(next_step(channel, first, -1), next_step(channel, last, 1));
+  return entry > 3 * quantum ? length > 2 * held : length >= 10 && held < 0.1 * length;
 }
 
 }  // namespace

@@ -67,8 +67,9 @@ struct Recording {
   [[nodiscard]] Eigen::Index samples() const {
     return channels.empty() ? 0 : channels.front().samples.size();
   }
-  /// Samples over rate, s; 0 without a rate.
+  /// Samples over rate, of uneven times from the first to the last, s; 0 without a rate.
   [[nodiscard]] double duration_s() const {
+    if (time_s.size() > 0) return time_s[time_s.size() - 1] - time_s[0];
     return sample_rate_hz > 0 ? static_cast<double>(samples()) / sample_rate_hz : 0;
   }
   /// Index of the channel of that name (exact, then case-insensitive, then 1-based "#k").

@@ -241,10 +241,11 @@ void take_times(const TimeAxis& axis, const Eigen::VectorXd& time_s, const std::
     add_note(notes, "time_axis", "", "sampling is not uniform (rms departure {:.9g} s)",
              axis.jitter_s);
   } else if (is_known && axis.printed_resolution_s * axis.rate_hz > 1) {
-    add_note(notes, "read_as", "",
-             "times are rounded to {:.9g} s, coarser than the sampling step; "
+    const bool is_sure = axis.rate_relative_std == 0;
+    add_note(notes, is_sure ? "read_as" : "time_axis", "",
+             "{}times are rounded to {:.9g} s, coarser than the sampling step; "
              "the rate is that of the whole record",
-             axis.printed_resolution_s);
+             is_sure ? "" : "Give the sample rate: ", axis.printed_resolution_s);
   }
   if (is_uneven && axis.missing > 0) {
     Eigen::Index at = 0;

@@ -70,7 +70,7 @@ constexpr std::string_view kNames =
     "N|dyn=1e-05 N|lbf=4.4482216152605 N|"
     "lb=4.4482216152605 N|pound=4.4482216152605 N|poundforce=4.4482216152605 N|"
     "klbf=4448.2216152605 N|kip=4448.2216152605 N|lbm=0.45359237 kg|slug=14.593902937206 kg|"
-    "psi=6894.757293168361 Pa|ksi=6894757.293168361 Pa|atm=101325 Pa|";
+    "psi=6894.757293168361 Pa|ksi=6894757.293168361 Pa|atm=101325 Pa|hpa=100 Pa|dan=10 N|";
 
 struct Kind {
   Quantity quantity;
@@ -335,7 +335,7 @@ TitledUnit split_title(std::string_view title) {
     break;
   }
   for (const std::string_view sign : {" / ", ", ", ": ", " in "}) {
-    const std::size_t at = s.rfind(sign);
+    const std::size_t at = lower_case(s).rfind(sign);
     if (at == std::string::npos || at == 0) continue;
     const std::string unit = trimmed(std::string_view(s).substr(at + sign.size()));
     if (parse_unit(unit)) return {trimmed(std::string_view(s).substr(0, at)), unit};
@@ -360,7 +360,7 @@ TitledUnit split_title(std::string_view title) {
       continue;
     }
     if (sign == ' ' && unit.size() < 2 && !is_listed("|N|V|g|s|", unit)) continue;
-    return {sign == '_' ? s : name, unit};
+    return {sign == '_' || lower_case(unit) == "strain" ? s : name, unit};
   }
   return {s, ""};
 }

@@ -78,12 +78,42 @@ TEST(Units, PerCentInTheFirstColumnIsNoCommentSign) {
   EXPECT_NEAR(recording.channels[0].samples[2], 0.025, 1e-12);
 }
 
+TEST(Units, ARowOfThemMayHoldSomeThatAreNotKnown) {
+  expect_channels(read("Time,Axial Force,Axial Strain,Current\n(s),(N),(mm/mm),(A)\n" +
+                       lines("{1:.3f},{2:.4f},{2:.5f},{2:.3f}")),
+                  {"Axial Force", "Axial Strain", "Current"}, {"N", "1", ""}, 100);
+  expect_channels(read("Time,Force,Shaker\ns,N,furlong\n" + lines("{1:.3f},{2:.4f},{2:.3f}")),
+                  {"Force", "Shaker"}, {"N", ""}, 100);
+  expect_channels(read("No.;Date&Time;ms;CH1;CH2\nNO.;Time;ms;V;mA\n" +
+                       lines("{0};10/09/2026 14:53:{0:02};0;{2:.4f};{2:.3f}")),
+                  {"ms", "CH1", "CH2"}, {"s", "V", ""}, 1);
+  // Numbers of channels above units are names.
+  expect_channels(read("x-axis,1,2\nsecond,Volt,Volt\n" + lines("{1:.3f},{2:.4f},{2:.3f}")),
+                  {"1", "2"}, {"V", "V"}, 100);
+}
+
+TEST(Numbers, BehindTheirSignAndBlanks) {
+  const auto recording = read("Time,F\n(s),(N)\n0,+    1.5\n1,-   0.5\n2,+    2.0\n");
+  EXPECT_EQ(recording.channel("F").samples, Eigen::Vector3d(1.5, -0.5, 2));
+}
+
 TEST(Times, InTheLastColumnByTheirUnit) {
   const auto recording = read(
       "Standardweg;Standardkraft;Pr\xC3\xBC"
       "fzeit\nmm;N;s\n" +
       lines("{2:.5f};{0}.5;{1:.3f}", 0.1));
   expect_channels(recording, {"Standardweg", "Standardkraft"}, {"m", "N"}, 10);
+}
+
+TEST(Times, InFewRowsByTheirUnit) {
+  expect_channels(read("S/No;C_1_Temps[s];C_1_Force[kN]\n1;0.1;2\n2;0.2;3\n3;0.3;5\n"),
+                  {"C_1_Force"}, {"N"}, 10);
+}
+
+TEST(Times, RoundedSoThatTheRateIsUncertainAreWarnedOf) {
+  const auto recording = read("Time,F\n" + lines("14:00:{1:02.0f},{2:.4f}", 0.2));
+  EXPECT_GT(recording.sample_rate_relative_std, 0);
+  EXPECT_TRUE(says(recording.notes, "time_axis"));
 }
 
 TEST(Times, CalledByTheirUnit) {
@@ -118,6 +148,11 @@ TEST(Counters, BesideTimesAreLeftOut) {
   expect_channels(read("Version:\t14.1\nX-Axis Unit:\ts\nY-Axis Unit:\tm/s2\n\n" +
                        lines("{0}\t{1:.4e}\t{2:.4e}")),
                   {"column 3"}, {"m/s^2"}, 100);
+}
+
+TEST(Headers, ALabelWithItsNumberIsNoTitle) {
+  expect_channels(read("MOTION IN G\nNPTS=  60, DT=   .0050 SEC\n" + lines("{2:.5f}")),
+                  {"MOTION"}, {"m/s^2"}, 200);
 }
 
 TEST(Headers, LinesThatLookLikeRowsSayNothingOfTheColumns) {

@@ -41,6 +41,19 @@ TEST(Clipping, RangeRestAndNothing) {
   EXPECT_FALSE(clipped(Eigen::VectorXd::Constant(50, kNaN)));
 }
 
+TEST(Clipping, RestAtAnEndAndValuesThatAreRepeatedAreNone) {
+  Eigen::VectorXd ramp = Eigen::VectorXd::Zero(200);  // a machine's travel, at rest before it moves
+  ramp.tail(160).setLinSpaced(0.5, 80);
+  EXPECT_FALSE(clipped(ramp));
+  EXPECT_FALSE(clipped(ramp.reverse()));
+  Eigen::VectorXd held(2000);  // a sensor read five times as often as it measures
+  for (Index k = 0; k < held.size(); ++k) {
+    held[k] = std::sin(0.03 * static_cast<double>(k - k % 5));
+  }
+  EXPECT_FALSE(clipped(held));
+  EXPECT_TRUE(clipped(held.cwiseMin(0.6)));
+}
+
 TEST(Clipping, TwoEqualSamplesOfASharpTop) {
   // A half sine of six samples has two above 0.8; noise of five steps keeps tops unequal.
   Eigen::VectorXd pulse = Eigen::VectorXd::Zero(60);
