@@ -21,13 +21,6 @@ double decay_rate_for(double end_level, double duration_s) {
   return -std::log(end_level) / duration_s;
 }
 
-Eigen::VectorXd hann_window(Index length) {
-  const double step = 2 * std::numbers::pi / static_cast<double>(length);
-  return Eigen::VectorXd::NullaryExpr(length, [step](Index n) {
-    return 0.5 - 0.5 * std::cos(step * (static_cast<double>(n) + 0.5));
-  });
-}
-
 Eigen::VectorXd force_window(Index length, Index first, Index last, Index taper) {
   return Eigen::VectorXd::NullaryExpr(length, [=](Index n) {
     const Index outside = n < first ? first - n : n - last + 1;  // samples away from the flat part

@@ -19,9 +19,6 @@ namespace rigfit::signal {
 /// a of the window that has fallen to `end_level` (0..1) after `duration_s`.
 [[nodiscard]] double decay_rate_for(double end_level, double duration_s);
 
-/// 1/2 - 1/2 cos(2 pi (n + 1/2) / N), n = 0 .. N - 1.
-[[nodiscard]] Eigen::VectorXd hann_window(Eigen::Index length);
-
 /// 1 for samples first .. last - 1, half cosines over `taper` samples on either side, else 0.
 [[nodiscard]] Eigen::VectorXd force_window(Eigen::Index length, Eigen::Index first,
                                            Eigen::Index last, Eigen::Index taper);
