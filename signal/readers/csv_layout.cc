@@ -469,8 +469,8 @@ class HeaderReader {
     if (row.size() > 1 && is_label(row[0]) && !is_label(row[1])) return;
     if (columns_ == 1 && line.find('=') != line.npos) return;  // "NPTS= 3164, DT= .0050 SEC"
     const bool untitled = !have_[kNames] && layout_.unmatched_titles.empty();
-    const bool only_units = unit_words == filled || (untitled && 2 * unit_words >= filled &&
-                                                     has_titles(above, unit_words));
+    const bool only_units = unit_words == filled ||
+                            (untitled && 2 * unit_words >= filled && has_titles(above, unit_words));
     if (unmatched) {
       if (!only_units && untitled && row.size() > 1) {
         layout_.unmatched_titles = unquoted(trim_blanks(line).substr(0, 200));

@@ -37,9 +37,8 @@ bool counts_samples(const Eigen::VectorXd& values) {
 bool rises_evenly(const CsvTable& table, std::size_t k) {
   const auto& channel = table.channels[k];
   const auto& samples = channel.samples;
-  return channel.quantity == Quantity::time
-             ? looks_like_time(samples, table.columns[k].decimals, 3)
-             : looks_like_time(samples, table.columns[k].decimals);
+  return channel.quantity == Quantity::time ? looks_like_time(samples, table.columns[k].decimals, 3)
+                                            : looks_like_time(samples, table.columns[k].decimals);
 }
 
 /// Refuses a last column without a title, and more titles than columns where the times do not stand

@@ -4,9 +4,9 @@
 // A run of n >= 3 equal samples at an extreme is clipped when the signal leaves it by 3 quanta q or
 // more: the top of a smooth signal in steps of q is a parabola that falls by q at most over n / 2
 // samples; a logger that repeats its values holds the next ones for as long, and one that begins or
-// ends at rest shows no edge there. Two equal samples are clipped when they are left by more than 100 q: the slope of a top
-// as sharp puts them within a quantum of each other once in a hundred records. A level within 10 %
-// of the span of the value at rest is no clipping.
+// ends at rest shows no edge there. Two equal samples are clipped when they are left by more than
+// 100 q: the slope of a top as sharp puts them within a quantum of each other once in a hundred
+// records. A level within 10 % of the span of the value at rest is no clipping.
 #pragma once
 
 #include <Eigen/Core>

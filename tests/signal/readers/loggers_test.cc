@@ -151,8 +151,8 @@ TEST(Counters, BesideTimesAreLeftOut) {
 }
 
 TEST(Headers, ALabelWithItsNumberIsNoTitle) {
-  expect_channels(read("MOTION IN G\nNPTS=  60, DT=   .0050 SEC\n" + lines("{2:.5f}")),
-                  {"MOTION"}, {"m/s^2"}, 200);
+  expect_channels(read("MOTION IN G\nNPTS=  60, DT=   .0050 SEC\n" + lines("{2:.5f}")), {"MOTION"},
+                  {"m/s^2"}, 200);
 }
 
 TEST(Headers, LinesThatLookLikeRowsSayNothingOfTheColumns) {
