@@ -21,7 +21,7 @@ struct EnergyBalance {
   double dissipated = 0;  ///< by dampers since t = 0
   double kinetic = 0;     ///< largest over all instants
   double worst = 0;       ///< largest |E(t) - E(0) - supplied + dissipated|
-  double rounding = 0;    ///< of a scheme's rounding or tolerance; kinetic below it: no motion
+  double rounding = 0;    ///< by scheme or tolerance: kinetic energy below it is no motion
 
   /// Adds the next instant.
   void add(double potential_J, double kinetic_J, double supplied_J, double dissipated_J);

@@ -7,7 +7,11 @@
 // every hit's own poles are fitted on the lines around each mode (point_poles.h): where those
 // differ by more than their own errors the mode becomes their random-effects mean, since the
 // average of FRFs that differ is no FRF of one structure (its peaks are wider). Points struck one
-// after the other are independent.
+// after the other are independent. Where several were struck and resonances of two modes touch, a
+// hit by itself may show both as one: there the average's poles stay.
+//
+// Shapes: size and phase of each hit's FRFs around a mode, over the fit's, scatter with the
+// hammer's gain and with the place that is met; their jackknife variance is added.
 #pragma once
 
 #include "signal/modes/modal_band.h"

@@ -77,9 +77,9 @@ namespace {
 constexpr double kRounded = 3e-4;
 
 /// Whether stamps of whole digits that resolve about one step show rows that are lost or doubled:
-/// they get ahead of the rows or fall behind, not for one row only (jitter). Many times are those
-/// of a step that is not a whole digit where they go one way at even distances, but for ties of
-/// rounding, or concern a fiftieth of the rows; jitter where they go both ways.
+/// they get ahead of the rows or fall behind, not for one row only (jitter). Where they do so many
+/// times, one way and at even distances but for ties of rounding, or in more than a fiftieth of the
+/// rows, the step is no whole digit; where they go both ways, that is jitter.
 bool has_slips(const Eigen::ArrayXd& t, const Eigen::ArrayXd& place, double digit) {
   const Eigen::ArrayXd exact = (t - t[0]) / digit - (place - place[0]), ahead = exact.round();
   if ((exact - ahead).abs().maxCoeff() > 1e-3) return false;
