@@ -29,10 +29,10 @@ int digits_at(std::string_view s, std::size_t& at, std::size_t most) {
 
 std::size_t parse_number(std::string_view text, char decimal, double& value) {
   // Blanks between the sign and the number: "+    1.00".
-  std::size_t digits = std::min(text.find_first_not_of(' ', 1), text.size());
-  if (digits > 1 && !text.empty() && (text[0] == '+' || text[0] == '-')) {
+  const std::size_t digits = std::min(text.find_first_not_of(' ', 1), text.size());
+  if (digits > 1 && digits < text.size() && is_digit(text[digits]) &&
+      (text[0] == '+' || text[0] == '-')) {
     const std::size_t length = parse_number(text.substr(digits), decimal, value);
-    if (length == 0 || !is_digit(text[digits])) return 0;
     if (text[0] == '-') value = -value;
     return digits + length;
   }

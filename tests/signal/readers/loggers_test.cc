@@ -2,6 +2,7 @@
 // accelerogram archives write their tables.
 #include <numbers>
 
+#include "signal/readers/csv_fields.h"
 #include "signal/readers/read_recording.h"
 #include "tests/signal/readers/reading.h"
 #include "tests/test.h"
@@ -95,6 +96,10 @@ TEST(Units, ARowOfThemMayHoldSomeThatAreNotKnown) {
 TEST(Numbers, BehindTheirSignAndBlanks) {
   const auto recording = read("Time,F\n(s),(N)\n0,+    1.5\n1,-   0.5\n2,+    2.0\n");
   EXPECT_EQ(recording.channel("F").samples, Eigen::Vector3d(1.5, -0.5, 2));
+  std::string signs;  // any number of them is no number
+  for (int k = 0; k < 1'000'000; ++k) signs += "+ ";
+  double value = 0;
+  EXPECT_EQ(parse_number(signs + "1", '.', value), 0u);
 }
 
 TEST(Times, InTheLastColumnByTheirUnit) {
