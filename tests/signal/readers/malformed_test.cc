@@ -60,6 +60,7 @@ TEST(FuzzSeeds, AreReadable) {
   using Text = const std::string&;
   read_all("csv", [](Text bytes, Text name) { return read_csv(bytes, name); });
   read_all("lvm", [](Text bytes, Text name) { return read_lvm(bytes, name); });
+  read_all("mat", [](Text bytes, Text name) { return read_mat(bytes, name); });
   read_all("uff_modes", [](Text bytes, Text name) { return read_uff_modes(bytes, name); });
   read_all("uff", [](Text bytes, Text name) { return read_uff_functions(bytes, name); });
 }
