@@ -8,7 +8,6 @@
 #include <unordered_set>
 #include <utility>
 
-#include "apps/cli/progress.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
 #include "signal/readers/frequency_table.h"
@@ -75,23 +74,11 @@ signal::Recording load_untold(const fs::path& path, VerbContext& context,
     descriptions.push_back(signal::read_description(*file));
   }
   descriptions.push_back(given);
-  std::error_code no_size;
   signal::ReadOptions used = context.reading;
   for (auto one = descriptions.rbegin(); one != descriptions.rend(); ++one) {
     used = merged(used, one->reading);
   }
-  signal::Recording recording;
-  {
-    const auto size = static_cast<long>(fs::file_size(path, no_size));
-    Progress progress("reading " + path.filename().string(), no_size ? 0 : size,
-                      context.quiet || context.silent);
-    long told = 0;
-    used.done_with = [&](std::size_t bytes) {
-      progress.advance(static_cast<long>(bytes) - told);
-      told = static_cast<long>(bytes);
-    };
-    recording = signal::read_recording(path, used);
-  }
+  signal::Recording recording = signal::read_recording(path, used);
   for (const auto& description : descriptions) signal::apply_description(description, recording);
   return recording;
 }

@@ -534,25 +534,6 @@ class HeaderReader {
   std::size_t fields_ = 0, titles_ = 0;  ///< of this line; of the widest line of titles
 };
 
-/// Whether the line is one of numbers, as the columns hold them.
-bool is_body(const Row& row, const CsvLayout& layout) {
-  long numbers = 0, columns = 0;
-  for (std::size_t c = 0; c < layout.columns.size(); ++c) {
-    const FieldKind kind = row.kind(c);
-    const FieldKind expected = layout.columns[c].kind;
-    if (expected == FieldKind::number) {
-      if (kind == FieldKind::text || kind == FieldKind::clock) return false;
-      ++columns;
-      numbers += kind == FieldKind::number ? 1 : 0;
-    } else if (c < row.fields.size() &&
-               ((expected == FieldKind::clock && kind != FieldKind::clock) ||
-                (expected == FieldKind::empty && c == 0 && kind != FieldKind::empty))) {
-      return false;
-    }
-  }
-  return 2 * numbers >= columns && numbers > 0;
-}
-
 /// Begins the table at the lines directly above it that hold less than half of their numbers.
 /// Throws for one with words among its numbers or another separator than the others.
 void take_rows_above(std::string_view bytes, const std::string& file,
@@ -626,7 +607,7 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
     if (row.words > row.numbers) {
       if (count > 0 && rest.empty()) break;  // a word behind a short table
       count = 0;
-    } else if (is_body(row, layout) && count++ == 0) {
+    } else if (is_csv_row(line, layout) && count++ == 0) {
       layout.body = at;
       header_size = header.size();
     }
@@ -651,6 +632,25 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
   refuse_broken_titles(bytes, file, header, layout.dialect);
   HeaderReader(layout).read(header);
   return layout;
+}
+
+bool is_csv_row(std::string_view line, const CsvLayout& layout) {
+  const Row row(line, layout.dialect);
+  long numbers = 0, columns = 0;
+  for (std::size_t c = 0; c < layout.columns.size(); ++c) {
+    const FieldKind kind = row.kind(c);
+    const FieldKind expected = layout.columns[c].kind;
+    if (expected == FieldKind::number) {
+      if (kind == FieldKind::text || kind == FieldKind::clock) return false;
+      ++columns;
+      numbers += kind == FieldKind::number ? 1 : 0;
+    } else if (c < row.fields.size() &&
+               ((expected == FieldKind::clock && kind != FieldKind::clock) ||
+                (expected == FieldKind::empty && c == 0 && kind != FieldKind::empty))) {
+      return false;
+    }
+  }
+  return 2 * numbers >= columns && numbers > 0;
 }
 
 void find_csv_decimals(std::string_view bytes, CsvLayout& layout) {

@@ -17,8 +17,6 @@
 namespace rigfit::signal {
 namespace {
 
-constexpr std::size_t kStride = std::size_t{1} << 24;  // bytes between calls of `progress`
-
 /// A field that makes a line no row of the table.
 struct BadField {
   std::string_view text;
@@ -47,9 +45,7 @@ class BodyParser {
     }
   }
 
-  std::vector<Eigen::VectorXd> parse(std::vector<Note>& notes,
-                                     const std::function<void(std::size_t)>& progress) {
-    std::size_t told = layout_.body;
+  std::vector<Eigen::VectorXd> parse(std::vector<Note>& notes) {
     for (std::string_view rest = bytes_.substr(layout_.body); !rest.empty();) {
       const std::size_t at = bytes_.size() - rest.size();
       const std::string_view line = take_line(rest);
@@ -66,10 +62,6 @@ class BodyParser {
       }
       // A logger that lost its power: the line is not whole.
       if (incomplete_last_) rows_ = rows, short_rows_ = short_rows;
-      if (progress && at - told > kStride) {
-        progress(at);
-        told = at;
-      }
     }
     trim(notes);
     return std::move(columns_);
@@ -135,23 +127,14 @@ class BodyParser {
   }
 
   /// Whether some line from `at` on looks like a row: it begins as a number, with any sign behind
-  /// the first digits, or lines behind the first one have numbers in at least half of the columns.
+  /// the first digits, or is one behind the first line.
   [[nodiscard]] bool holds_rows(std::size_t at) const {
-    const auto columns = std::count(wanted_.begin(), wanted_.end(), true);
-    std::vector<CsvField> fields;
     std::string_view rest = bytes_.substr(at);
     for (bool first = true; !rest.empty(); first = false) {
       const auto line = take_line(rest);
       double value = 0;
       if (parse_number(trim_blanks(line), '.', value) > 0) return true;
-      if (first) continue;
-      split_fields(line, layout_.dialect, fields);
-      long numbers = 0;
-      for (std::size_t c = 0; c < std::min(fields.size(), wanted_.size()); ++c) {
-        const FieldKind kind = kind_of(fields[c].text, layout_.dialect.decimal);
-        numbers += wanted_[c] && (kind == FieldKind::number || kind == FieldKind::clock) ? 1 : 0;
-      }
-      if (numbers > 0 && 2 * numbers >= columns) return true;
+      if (!first && is_csv_row(line, layout_)) return true;
     }
     return false;
   }
@@ -263,9 +246,8 @@ void refuse_series(const CsvTable& table, const std::vector<Eigen::VectorXd>& co
 
 std::vector<Eigen::VectorXd> parse_csv_body(std::string_view bytes, const CsvLayout& layout,
                                             const std::vector<bool>& wanted,
-                                            const std::string& file, std::vector<Note>& notes,
-                                            const std::function<void(std::size_t)>& progress) {
-  return BodyParser(bytes, layout, wanted, file).parse(notes, progress);
+                                            const std::string& file, std::vector<Note>& notes) {
+  return BodyParser(bytes, layout, wanted, file).parse(notes);
 }
 
 void CsvTable::add(CsvColumn description, std::size_t place, Eigen::VectorXd numbers) {
@@ -317,7 +299,7 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
                          : named && column.kind == FieldKind::empty && !layout.more_titles);
   }
   std::vector<Note> of_body;
-  auto columns = parse_csv_body(bytes, layout, wanted, file, of_body, options.done_with);
+  auto columns = parse_csv_body(bytes, layout, wanted, file, of_body);
   refuse_series(table, columns);
   const std::size_t n = layout.columns.size();
 

@@ -11,7 +11,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -61,6 +60,9 @@ struct CsvLayout {
 [[nodiscard]] CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
                                         const ReadOptions& options = {});
 
+/// Whether a line is one of numbers, as the columns hold them.
+[[nodiscard]] bool is_csv_row(std::string_view line, const CsvLayout& layout);
+
 /// Sets `decimals` of the columns of a layout that a reader made itself.
 void find_csv_decimals(std::string_view bytes, CsvLayout& layout);
 
@@ -71,11 +73,12 @@ void find_csv_decimals(std::string_view bytes, CsvLayout& layout);
 /// those that `wanted` does not mark empty, NaN where there is no number. Notes what is left out or
 /// missing. Throws RecordingError with line and column for a field that is neither a number nor a
 /// word for none, for too many fields, for a table without numbers, and for one so ragged that most
-/// of it would be empty. `progress`, when given, is told now and then how many bytes are done with.
-[[nodiscard]] std::vector<Eigen::VectorXd> parse_csv_body(
-    std::string_view bytes, const CsvLayout& layout, const std::vector<bool>& wanted,
-    const std::string& file, std::vector<Note>& notes,
-    const std::function<void(std::size_t)>& progress = {});
+/// of it would be empty.
+[[nodiscard]] std::vector<Eigen::VectorXd> parse_csv_body(std::string_view bytes,
+                                                          const CsvLayout& layout,
+                                                          const std::vector<bool>& wanted,
+                                                          const std::string& file,
+                                                          std::vector<Note>& notes);
 
 /// A table of columns, of text or of arrays, as channels: which are taken, under which names and in
 /// which units, and what is left out.

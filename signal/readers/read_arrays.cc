@@ -183,7 +183,6 @@ Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
     throw file_error(file, "holds numbers of half precision, which are not read",
                      "save them as float32 or float64");
   }
-  if (options.done_with) options.done_with(bytes.size());
   CsvTable table;
   add_array(std::move(values), "", header.type.kind == 'f' && item == 4, table);
   return recording_of_arrays(std::move(table), path, "npy", options, 0);

@@ -45,15 +45,12 @@ void add_remark(std::string_view line, std::map<std::string, std::string>& remar
 
 class Uff58Reader {
  public:
-  Uff58Reader(std::string_view bytes, const std::string& file,
-              const std::function<void(std::size_t)>& done_with)
-      : text_(bytes, file), done_with_(done_with) {}
+  Uff58Reader(std::string_view bytes, const std::string& file) : text_(bytes, file) {}
 
   Uff58File read() {
     while (const auto type = text_.next_dataset()) {
       if (*type == 58) {
         out_.functions.push_back(read_function());
-        if (done_with_) done_with_(text_.next());
         continue;
       }
       out_.other_datasets.push_back(*type);
@@ -179,7 +176,6 @@ class Uff58Reader {
   }
 
   UffText text_;
-  const std::function<void(std::size_t)>& done_with_;
   Uff58File out_;
 };
 
@@ -415,17 +411,6 @@ std::string_view UffText::needed_line() {
 }
 
 bool UffText::skip_to_end() {
-  // Binary values behind a 58b that was not read are no lines; its header says
-  // how many.
-  const auto head_end = static_cast<std::size_t>(head_.data() - bytes_.data()) + head_.size();
-  if (columns(head_, 0, 7) == "58b" && next_ == next_line(bytes_, head_end)) {
-    const double lines = number(head_, 19, 12), size = number(head_, 31, 12);
-    for (double k = 0; k < std::min(lines, 1000.0); ++k) {
-      if (!line()) break;
-    }
-    const auto left = static_cast<double>(bytes_.size() - next_);
-    if (size > 0 && size <= left) next_ += static_cast<std::size_t>(size);
-  }
   const auto end = mark(next_);
   next_ = end ? next_line(bytes_, line_end(bytes_, *end)) : bytes_.size();
   return end.has_value();
@@ -541,9 +526,8 @@ int uff58_data_type(Quantity quantity) {
   return 1;
 }
 
-Uff58File read_uff58(std::string_view bytes, const std::string& file,
-                     const std::function<void(std::size_t)>& done_with) {
-  return Uff58Reader(bytes, file, done_with).read();
+Uff58File read_uff58(std::string_view bytes, const std::string& file) {
+  return Uff58Reader(bytes, file).read();
 }
 
 double Uff58::noted(const std::string& key, double fallback) const {
@@ -558,7 +542,7 @@ double Uff58::noted(const std::string& key, double fallback) const {
 Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options) {
   const std::string name = path.string();
-  const Uff58File file = read_uff58(bytes, name, options.done_with);
+  const Uff58File file = read_uff58(bytes, name);
   Recording recording;
   recording.path = path;
   Functions histories;

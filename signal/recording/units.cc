@@ -5,72 +5,37 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <pugixml.hpp>
 
 namespace rigfit::signal {
 namespace {
 
-constexpr double kGravity = 9.80665;  // m/s^2, ISO 80000-3
-constexpr double kDegree = std::numbers::pi / 180;
-
 // Exponents of metre, kilogram, second, kelvin, volt, radian.
 using Dimension = std::array<int, 6>;
 
-struct Symbol {
-  const char* text;
-  double factor;
-  Dimension dimension;
-  bool prefixes;  // may carry an SI prefix
-  double offset = 0;
-};
-
-constexpr Dimension kNone{0, 0, 0, 0, 0, 0}, kMetre{1, 0, 0, 0, 0, 0}, kMass{0, 1, 0, 0, 0, 0},
-    kSecond{0, 0, 1, 0, 0, 0}, kKelvin{0, 0, 0, 1, 0, 0}, kVolt{0, 0, 0, 0, 1, 0},
-    kRadian{0, 0, 0, 0, 0, 1}, kHertz{0, 0, -1, 0, 0, 0}, kNewton{1, 1, -2, 0, 0, 0},
-    kAcceleration{1, 0, -2, 0, 0, 0}, kVelocity{1, 0, -1, 0, 0, 0}, kPascal{-1, 1, -2, 0, 0, 0},
-    kJoule{2, 1, -2, 0, 0, 0}, kTurning{0, 0, -1, 0, 0, 1};
-
-// Symbols are matched as written first; when that gives nothing, ignoring case.
-constexpr Symbol kSymbols[] = {{"m", 1, kMetre, true},
-                               {"g", kGravity, kAcceleration, false},
-                               {"kg", 1, kMass, false},
-                               {"gram", 1e-3, kMass, true},
-                               {"s", 1, kSecond, true},
-                               {"N", 1, kNewton, true},
-                               {"V", 1, kVolt, true},
-                               {"K", 1, kKelvin, false},
-                               {"degC", 1, kKelvin, false, 273.15},
-                               {"degF", 5.0 / 9.0, kKelvin, false, 273.15 - 32 * 5.0 / 9.0},
-                               {"rad", 1, kRadian, true},
-                               {"deg", kDegree, kRadian, true},
-                               {"Hz", 1, kHertz, true},
-                               {"Pa", 1, kPascal, true},
-                               {"bar", 1e5, kPascal, true},
-                               {"J", 1, kJoule, true},
-                               {"Nm", 1, kJoule, true},
-                               {"strain", 1, kNone, true},
-                               {"1", 1, kNone, false}};
-
-/// Other names and units, "|name=expression" or "|name=factor expression"; a plural's s is taken
-/// off.
-constexpr std::string_view kNames =
-    "|mg=0.00980665 m/s2|ug=9.80665e-06 m/s2|gs=g|gn=g|sec=s|dps=deg/s|nmm=0.001 J|ncm=0.01 J|"
-    "eps=strain|ueps=ustrain|%=0.01 "
-    "1|metre=m|meter=m|millimetre=mm|millimeter=mm|centimetre=cm|centimeter=cm|gram=gram|micron=um|"
-    "micrometer=um|newton=N|kilonewton=kN|newtonmeter=Nm|volt=V|millivolt=mV|microvolt=uV|second=s|"
-    "msec=ms|millis=ms|micros=us|millisecond=ms|usec=us|microsecond=us|min=60 s|minute=60 s|h=3600 "
-    "s|hr=3600 s|"
-    "hour=3600 s|hertz=Hz|pascal=Pa|kilopascal=kPa|megapascal=MPa|radian=rad|degree=deg|c=degC|"
-    "celsius=degC|centigrade=degC|fahrenheit=degF|kelvin=K|kilogram=kg|joule=J|microstrain=ustrain|"
-    "ue=ustrain|g's=g|g0=g|grav=g|gal=0.01 m/s2|mps=m/s|mps2=m/s2|ips=0.0254 m/s|in=0.0254 m|"
-    "inch=0.0254 m|inches=0.0254 m|mil=2.54e-05 m|ft=0.3048 m|foot=0.3048 m|feet=0.3048 m|"
+/// Units by what they are made of, "|name=factor expression+offset"; '#' and a digit: by themselves
+/// (the place in Dimension; 6: strain, 7: a pure number). Those behind a '~' may carry an SI
+/// prefix.
+constexpr std::string_view kUnits =
+    "|~m=#0|kg=#1|~s=#2|K=#3|~V=#4|~rad=#5|~strain=#6|1=#7|g=9.80665 m/s2|~gram=0.001 "
+    "kg|grams=gram|"
+    "~N=kg m/s2|~Pa=N/m2|~bar=100000 Pa|~J=N m|~Nm=J|~Hz=s-1|~deg=0.017453292519943295 rad|"
+    "degC=K+273.15|degF=0.5555555555555556 K+255.37222222222223|"
+    "mg=0.00980665 m/s2|ug=9.80665e-06 m/s2|gs=g|gn=g|sec=s|dps=deg/s|nmm=0.001 J|ncm=0.01 J|"
+    "eps=strain|ueps=ustrain|%=0.01 1|metre=m|meter=m|millimetre=mm|millimeter=mm|centimetre=cm|"
+    "centimeter=cm|micron=um|micrometer=um|newton=N|kilonewton=kN|newtonmeter=Nm|volt=V|"
+    "millivolt=mV|microvolt=uV|second=s|msec=ms|millis=ms|micros=us|millisecond=ms|usec=us|"
+    "microsecond=us|min=60 s|minute=60 s|h=3600 s|hr=3600 s|hour=3600 s|hertz=Hz|pascal=Pa|"
+    "kilopascal=kPa|megapascal=MPa|radian=rad|degree=deg|c=degC|celsius=degC|centigrade=degC|"
+    "fahrenheit=degF|kelvin=K|kilogram=kg|joule=J|microstrain=ustrain|ue=ustrain|g's=g|g0=g|"
+    "grav=g|gal=0.01 m/s2|mps=m/s|mps2=m/s2|ips=0.0254 m/s|in=0.0254 m|inch=0.0254 m|"
+    "inches=0.0254 m|mil=2.54e-05 m|ft=0.3048 m|foot=0.3048 m|feet=0.3048 m|"
     "rev=6.283185307179586 rad|rpm=0.10471975511965977 rad/s|kgf=9.80665 N|kgforce=9.80665 N|"
-    "kp=9.80665 N|lbfft=1.3558179483314 J|lbfin=0.1129848290276 J|gf=0.00980665 N|tf=9806.65 "
-    "N|dyn=1e-05 N|lbf=4.4482216152605 N|"
-    "lb=4.4482216152605 N|pound=4.4482216152605 N|poundforce=4.4482216152605 N|"
-    "klbf=4448.2216152605 N|kip=4448.2216152605 N|lbm=0.45359237 kg|slug=14.593902937206 kg|"
-    "psi=6894.757293168361 Pa|ksi=6894757.293168361 Pa|atm=101325 Pa|hpa=100 Pa|dan=10 N|";
+    "kp=9.80665 N|lbfft=1.3558179483314 J|lbfin=0.1129848290276 J|gf=0.00980665 N|tf=9806.65 N|"
+    "dyn=1e-05 N|lbf=4.4482216152605 N|lb=4.4482216152605 N|pound=4.4482216152605 N|"
+    "poundforce=4.4482216152605 N|klbf=4448.2216152605 N|kip=4448.2216152605 N|"
+    "lbm=0.45359237 kg|slug=14.593902937206 kg|psi=6894.757293168361 Pa|ksi=6894757.293168361 Pa|"
+    "atm=101325 Pa|hpa=100 Pa|dan=10 N|";
 
 struct Kind {
   Quantity quantity;
@@ -80,20 +45,20 @@ struct Kind {
 };
 /// In the order of Quantity.
 constexpr Kind kKinds[] = {
-    {Quantity::unknown, "unknown", "", kNone},
-    {Quantity::time, "time", "s", kSecond},
-    {Quantity::force, "force", "N", kNewton},
-    {Quantity::acceleration, "acceleration", "m/s^2", kAcceleration},
-    {Quantity::velocity, "velocity", "m/s", kVelocity},
-    {Quantity::displacement, "displacement", "m", kMetre},
-    {Quantity::angle, "angle", "rad", kRadian},
-    {Quantity::angular_velocity, "angular_velocity", "rad/s", kTurning},
+    {Quantity::unknown, "unknown", "", {}},
+    {Quantity::time, "time", "s", {0, 0, 1}},
+    {Quantity::force, "force", "N", {1, 1, -2}},
+    {Quantity::acceleration, "acceleration", "m/s^2", {1, 0, -2}},
+    {Quantity::velocity, "velocity", "m/s", {1, 0, -1}},
+    {Quantity::displacement, "displacement", "m", {1}},
+    {Quantity::angle, "angle", "rad", {0, 0, 0, 0, 0, 1}},
+    {Quantity::angular_velocity, "angular_velocity", "rad/s", {0, 0, -1, 0, 0, 1}},
     {Quantity::angular_acceleration, "angular_acceleration", "rad/s^2", {0, 0, -2, 0, 0, 1}},
-    {Quantity::torque, "torque", "N m", kJoule},
-    {Quantity::strain, "strain", "1", kNone},
-    {Quantity::pressure, "pressure", "Pa", kPascal},
-    {Quantity::temperature, "temperature", "K", kKelvin},
-    {Quantity::voltage, "voltage", "V", kVolt},
+    {Quantity::torque, "torque", "N m", {2, 1, -2}},
+    {Quantity::strain, "strain", "1", {}},
+    {Quantity::pressure, "pressure", "Pa", {-1, 1, -2}},
+    {Quantity::temperature, "temperature", "K", {0, 0, 0, 1}},
+    {Quantity::voltage, "voltage", "V", {0, 0, 0, 0, 1}},
 };
 
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
@@ -143,87 +108,83 @@ std::string plain(std::string_view text) {
 struct Product {
   double factor = 1;
   double offset = 0;
-  Dimension dimension = kNone;
+  Dimension dimension{};
   bool strain = false;
 };
 
-const Symbol* find_symbol(std::string_view text, bool ignore_case) {
-  for (const auto& symbol : kSymbols) {
-    if (text == symbol.text) return &symbol;
-    if (ignore_case && lower_case(text) == lower_case(symbol.text)) return &symbol;
-  }
-  return nullptr;
-}
-
-/// The factor of an SI prefix; 0: none.
-double prefix_factor(char c) {
-  constexpr std::string_view kLetters = "numcdkMG";
-  constexpr std::array<double, 9> kFactors = {1e-9, 1e-6, 1e-3, 1e-2, 1e-1, 1e3, 1e6, 1e9, 0};
-  return kFactors[std::min(kLetters.find(c), kLetters.size())];
-}
-
 bool parse_product(std::string_view s, Product& product);
 
-bool symbol_factor(std::string_view text, Symbol& out) {
+/// What kUnits says of a name, behind `mark`; false: it is not there.
+bool find_unit(std::string_view name, std::string_view mark, bool ignore_case, Product& product) {
+  static const std::string kLower = lower_case(kUnits);
+  const std::string key = "|" + std::string(mark) + std::string(name) + "=";
+  const std::size_t at = ignore_case ? kLower.find(lower_case(key)) : kUnits.find(key);
+  if (at == std::string_view::npos) return false;
+  auto meant = kUnits.substr(at + key.size());
+  meant = meant.substr(0, meant.find('|'));
+  product = {};
+  if (meant[0] == '#') {
+    const auto place = static_cast<std::size_t>(meant[1] - '0');
+    if (place < product.dimension.size()) product.dimension[place] = 1;
+    product.strain = place == product.dimension.size();
+    return true;
+  }
+  double factor = 1, offset = 0;
+  const auto number = [&](double& value) {
+    const auto end = std::from_chars(meant.data(), meant.data() + meant.size(), value).ptr;
+    meant.remove_prefix(static_cast<std::size_t>(end - meant.data()));
+  };
+  number(factor);
+  const auto expression = meant.substr(0, meant.find('+'));
+  meant.remove_prefix(std::min(expression.size() + 1, meant.size()));
+  number(offset);
+  if (!parse_product(trim_blanks(expression), product)) return false;
+  product.factor *= factor;
+  product.offset += offset;
+  return true;
+}
+
+/// A unit as written, then ignoring case, with a prefix or without; then without a plural's s.
+bool find_unit(std::string_view text, Product& product) {
+  constexpr std::string_view kPrefixes = "numcdkMG";
+  constexpr double kFactors[] = {1e-9, 1e-6, 1e-3, 1e-2, 1e-1, 1e3, 1e6, 1e9};
+  if (text.empty() || text.find_first_of("|=~") != text.npos) return false;
   for (const bool ignore_case : {false, true}) {
-    if (const auto* symbol = find_symbol(text, ignore_case)) {
-      out = *symbol;
-      return true;
+    for (const char* mark : {"~", ""}) {
+      if (find_unit(text, mark, ignore_case, product)) return true;
     }
-    if (text.size() > 1) {
-      const auto* symbol = find_symbol(text.substr(1), ignore_case);
-      char letter = text[0];
-      if (ignore_case && letter == 'K') letter = 'k';
-      // All in capitals, "MM" and "MV" are milli, "MPA" and "MN" mega.
-      if (ignore_case && letter == 'M' && symbol != nullptr && symbol->dimension != kPascal &&
-          symbol->dimension != kNewton) {
-        letter = 'm';
-      }
-      const double prefix = prefix_factor(letter);
-      if (prefix > 0 && symbol != nullptr && symbol->prefixes) {
-        out = *symbol;
-        out.factor *= prefix;
-        return true;
-      }
-    }
+    char letter = ignore_case && text[0] == 'K' ? 'k' : text[0];
+    if (!find_unit(text.substr(1), "~", ignore_case, product)) continue;
+    // All in capitals, "MM" and "MV" are milli, "MPA" and "MN" mega.
+    const bool is_mega = product.dimension[1] == 1 && product.dimension[0] % 2 != 0;
+    if (ignore_case && letter == 'M' && !is_mega) letter = 'm';
+    const std::size_t place = kPrefixes.find(letter);
+    if (place == kPrefixes.npos) continue;
+    product.factor *= kFactors[place];
+    return true;
   }
-  std::string word = lower_case(text);
-  for (int attempt = 0; attempt < 2; ++attempt) {
-    if (const auto at = kNames.find("|" + word + "="); at != std::string_view::npos) {
-      auto meant = kNames.substr(at + word.size() + 2);
-      meant = meant.substr(0, meant.find('|'));
-      Product product;
-      double factor = 1;
-      const auto number = std::from_chars(meant.data(), meant.data() + meant.size(), factor);
-      meant.remove_prefix(static_cast<std::size_t>(number.ptr - meant.data()));
-      if (!parse_product(trim_blanks(meant), product)) return false;
-      out = {product.strain ? "strain" : "", factor * product.factor, product.dimension, false,
-             product.offset};
-      return true;
-    }
-    if (word.size() < 3 || word.back() != 's') break;
-    word.pop_back();
-  }
-  return false;
+  const std::string word = lower_case(text);
+  return word.size() > 2 && word.back() == 's' &&
+         find_unit(std::string_view(word).substr(0, word.size() - 1), "", false, product);
 }
 
 /// One factor, "s", "s2" or "s-2", times `sign` in the exponent.
 bool multiply(std::string_view term, int sign, Product& product) {
   int exponent = sign;
-  Symbol symbol{};
-  if (!symbol_factor(term, symbol)) {
+  Product unit;
+  if (!find_unit(term, unit)) {
     if (term.size() < 2 || term.back() < '1' || term.back() > '4') return false;
     exponent *= term.back() - '0';
     term.remove_suffix(1);
     if (term.ends_with('-')) exponent = -exponent, term.remove_suffix(1);
-    if (!symbol_factor(term, symbol)) return false;
+    if (!find_unit(term, unit)) return false;
   }
-  product.factor *= std::pow(symbol.factor, exponent);
-  product.offset = symbol.offset;
+  product.factor *= std::pow(unit.factor, exponent);
+  product.offset = unit.offset;
   for (std::size_t k = 0; k < product.dimension.size(); ++k) {
-    product.dimension[k] += exponent * symbol.dimension[k];
+    product.dimension[k] += exponent * unit.dimension[k];
   }
-  product.strain |= std::string_view(symbol.text) == "strain";
+  product.strain |= unit.strain;
   return true;
 }
 
@@ -301,7 +262,8 @@ std::optional<Unit> parse_unit(std::string_view text) {
     unit.si = kind.si;
     return unit;
   }
-  unit.si = product.dimension == kHertz ? "Hz" : composed_symbol(product.dimension);
+  unit.si = composed_symbol(product.dimension);
+  if (unit.si == "1/s") unit.si = "Hz";
   return unit;
 }
 

@@ -16,17 +16,13 @@
 
 namespace rigfit::signal {
 
-/// Values in double precision, or in single precision, as most loggers write them (7 digits, half
-/// the size).
-enum class UffEncoding { binary, binary_single };
-
-/// One dataset 58 (time response) per channel; `remark` is their second identification line.
-[[nodiscard]] std::string uff_text(const Recording& recording, UffEncoding encoding,
-                                   const std::string& remark = {});
+/// One dataset 58 (time response) per channel; `remark` is their second identification line. Values
+/// at even times are in single precision, as most loggers write them (7 digits, half the size).
+[[nodiscard]] std::string uff_text(const Recording& recording, const std::string& remark = {});
 
 /// For each response and input a dataset 58 of function type 4 and, where they are known, one of
 /// type 6 (coherence) and one of type 0 (standard deviation of real and imaginary part).
-[[nodiscard]] std::string uff_text(const FrfSet& frfs, UffEncoding encoding);
+[[nodiscard]] std::string uff_text(const FrfSet& frfs);
 
 /// Position of a node, for dataset 15.
 struct NodePosition {
@@ -37,7 +33,7 @@ struct NodePosition {
 /// Dataset 15 (when positions are given), then for each mode a dataset 55 with a complex eigenvalue
 /// (analysis type 3): shapes at nodes by direction, values as they are, unscaled. Responses without
 /// a node are numbered from 1 in their order; those without a direction are written as z. "Modal A"
-/// is psi / L at the first response that is also an input, else 0.
+/// is 0: not given.
 [[nodiscard]] std::string uff_text(const ModalModel& modes,
                                    const std::vector<NodePosition>& positions = {});
 

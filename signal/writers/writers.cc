@@ -78,10 +78,10 @@ void append_binary(std::string& out, double value) {
   out.append(bytes.data(), bytes.size());
 }
 
-void append_function(std::string& out, const Uff58& f, UffEncoding encoding) {
+void append_function(std::string& out, const Uff58& f) {
   const Eigen::Index n = f.real.size();
   const int values = (f.complex ? 2 : 1) + (f.even ? 0 : 1);
-  const bool single = encoding == UffEncoding::binary_single;
+  const bool single = f.function_type == uff58_function::kTimeResponse && f.even;
   const Eigen::Index bytes = n * values * (single ? 4 : 8);
   // Byte order (1: little, 2: big endian), floating-point format 2 (IEEE 754), 11 lines of text.
   out += fmt::format("{}    58b{:6d}{:6d}{:12d}{:12d}{:6d}{:6d}{:12d}{:12d}\n", kMark,
@@ -126,26 +126,9 @@ Uff58Axis ordinate_of(const FrfSet& frfs) {
   return {uff58_data_type(response), label, si_of(response)};
 }
 
-/// "Modal A": psi / L at the first response that is also an input; 0: none is.
-std::complex<double> modal_a_of(const ModalModel& modes, const IdentifiedMode& mode) {
-  for (Eigen::Index r = 0; r < mode.shape.size(); ++r) {
-    for (Eigen::Index i = 0; i < mode.participation.size(); ++i) {
-      const auto& response = modes.responses[static_cast<std::size_t>(r)];
-      const auto& input = modes.inputs[static_cast<std::size_t>(i)];
-      if (response.node == 0 || response.node != input.node || mode.participation[i] == 0.0 ||
-          std::abs(response.direction) != std::abs(input.direction)) {
-        continue;
-      }
-      const double sign = response.direction == input.direction ? 1 : -1;
-      return sign * mode.shape[r] / mode.participation[i];
-    }
-  }
-  return 0;
-}
-
 }  // namespace
 
-std::string uff_text(const Recording& recording, UffEncoding encoding, const std::string& remark) {
+std::string uff_text(const Recording& recording, const std::string& remark) {
   std::string out;
   const double rate = recording.sample_rate_hz;
   for (const auto& channel : recording.channels) {
@@ -167,12 +150,12 @@ std::string uff_text(const Recording& recording, UffEncoding encoding, const std
     f.x = recording.time_s;
     f.abscissa_start = recording.start_time_s;
     f.abscissa_step = rate > 0 ? 1 / rate : 0;
-    append_function(out, f, encoding);
+    append_function(out, f);
   }
   return out;
 }
 
-std::string uff_text(const FrfSet& frfs, UffEncoding encoding) {
+std::string uff_text(const FrfSet& frfs) {
   std::string out;
   const Eigen::Index lines = frfs.frequency_hz.size();
   // Evenly spaced where start + k step gives the frequencies back but for rounding.
@@ -217,7 +200,7 @@ std::string uff_text(const FrfSet& frfs, UffEncoding encoding) {
         if (per_force) f.denominator = {13, "Force", "N"};
         f.real = real;
         f.imag = imag;
-        append_function(out, f, encoding);
+        append_function(out, f);
       };
       const bool has_form = frfs.form != FrfForm::unknown;
       Uff58Axis ordinate = ordinate_of(frfs);
@@ -257,8 +240,7 @@ std::string uff_text(const ModalModel& modes, const std::vector<NodePosition>& p
     // complex values, three a node.
     out += whole({1, 3, 2, 8, 5, 3}) + '\n';
     out += whole({2, 6, 1, static_cast<int>(m) + 1}) + '\n';
-    const std::complex<double> pole = mode.pole_rad_s, modal_a = modal_a_of(modes, mode);
-    out += numbers({pole.real(), pole.imag(), modal_a.real(), modal_a.imag(), 0, 0}) + '\n';
+    out += numbers({mode.pole_rad_s.real(), mode.pole_rad_s.imag(), 0, 0, 0, 0}) + '\n';
     std::map<int, std::array<std::complex<double>, 3>> at_node;
     for (Eigen::Index r = 0; r < mode.shape.size(); ++r) {
       // A point without a node gets its place in the list, one without a direction is z.

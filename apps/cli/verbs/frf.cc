@@ -105,7 +105,7 @@ Json run(FrfCommand& options, VerbContext& context) {
   } else if (!hammer.driving_points.empty()) {
     result["driving_point"] = describe::json_of(hammer.driving_points.front().check);
   }
-  const auto uff = [&] { return signal::uff_text(frfs, signal::UffEncoding::binary); };
+  const auto uff = [&] { return signal::uff_text(frfs); };
   write_result(options.out, uff, "FRFs, coherence and error bars", "out", result, context);
   const auto csv = [&] { return csv_of(frfs); };
   write_result(options.csv, csv, "the same as a table", "csv", result, context);

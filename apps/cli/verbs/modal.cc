@@ -159,8 +159,7 @@ Json run(ModalCommand& options, VerbContext& context) {
   const auto modes = [&] { return signal::uff_text(model); };
   write_result(options.out, modes, "modes (UFF 55)", "out", result, context);
   const auto again = [&] {
-    return signal::uff_text(synthesised(found, measured.frfs.frequency_hz, model.fitted_form),
-                            signal::UffEncoding::binary);
+    return signal::uff_text(synthesised(found, measured.frfs.frequency_hz, model.fitted_form));
   };
   write_result(options.synthesis, again, "FRFs rebuilt from the modes (UFF 58)", "synthesis",
                result, context);

@@ -70,14 +70,15 @@ struct Laboratory {
                     bool uff = false) {
     name += uff ? ".uff" : ".csv";
     const std::string data = "synthetic (virtual laboratory)";
-    write_text(name, uff ? uff_text(recording, signal::UffEncoding::binary_single,
-                                    fmt::format("{}, {}, seed {}", data, scene.title, context.seed))
-                         : csv_text(recording, {{"Data", data},
-                                                {"Test", test},
-                                                {"Scene", scene.title},
-                                                {"Seed", std::to_string(context.seed)},
-                                                {"Sampling Rate(Hz)",
-                                                 fmt::format("{:g}", recording.sample_rate_hz)}}));
+    write_text(
+        name,
+        uff ? uff_text(recording, fmt::format("{}, {}, seed {}", data, scene.title, context.seed))
+            : csv_text(recording,
+                       {{"Data", data},
+                        {"Test", test},
+                        {"Scene", scene.title},
+                        {"Seed", std::to_string(context.seed)},
+                        {"Sampling Rate(Hz)", fmt::format("{:g}", recording.sample_rate_hz)}}));
     return name;
   }
 

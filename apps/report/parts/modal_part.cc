@@ -113,8 +113,7 @@ class ModalPart : public TestPart {
     Json uff = Json::array();
     if (state.hammer.accepted_hits() > 0) {
       uff.push_back(file("frf"));
-      part_.files.push_back(
-          {file("frf"), signal::uff_text(state.hammer.frfs, signal::UffEncoding::binary)});
+      part_.files.push_back({file("frf"), signal::uff_text(state.hammer.frfs)});
     }
     uff.push_back(file("modes"));
     part_.files.push_back({file("modes"), mode_file(scene_, state.modal->model)});

@@ -16,7 +16,7 @@ struct ModalVerb : ::testing::Test {
     const double scale = 1e-3 * set.H.norm() / std::sqrt(static_cast<double>(set.H.size()));
     for (Complex& h : set.H.reshaped()) h += scale * Complex(normal(random), normal(random));
     set.sample_rate_hz = 4096;
-    return folder.write("frf.uff", signal::uff_text(set, signal::UffEncoding::binary));
+    return folder.write("frf.uff", signal::uff_text(set));
   }
   TemporaryFolder folder;
   testing::TenModeTruth truth = testing::ten_mode_truth(4);
@@ -81,8 +81,7 @@ TEST_F(ModalVerb, ADominatingWindowsDampingIsRefused) {
 TEST_F(ModalVerb, FrfsFromAFileTakeAStatedWindowAndRefuseOptionsOfHits) {
   signal::FrfSet set = truth.frfs(Eigen::VectorXd::LinSpaced(2800, 0.5, 1400), 1);
   set.exponential_decay_rate_1_s = 0;
-  const std::string file =
-      folder.write("other.uff", signal::uff_text(set, signal::UffEncoding::binary));
+  const std::string file = folder.write("other.uff", signal::uff_text(set));
   const Document json = document_of("modal {} --exponential-window 1 --quiet", {file});
   EXPECT_EQ(json["exponential_decay_rate_1_s"], 1);
   // The 25 Hz mode: 1 % with 1 / (2 pi 25) = 0.64 % of the window on top. No noise.
@@ -106,8 +105,7 @@ TEST_F(ModalVerb, RebuiltFrfsHaveWhatRecordsThatEndEarlyAdd) {
   options.points = 3, options.points_are_inputs = false;
   options.noise = 1e-3;
   const signal::FrfSet set = testing::defective_frfs(options);
-  const std::string file =
-      folder.write("cut.uff", signal::uff_text(set, signal::UffEncoding::binary));
+  const std::string file = folder.write("cut.uff", signal::uff_text(set));
   static_cast<void>(document_of("modal {} --synthesis {}", {file, path("again.uff")}));
   const signal::FrfSet again = signal::read_frfs({path("again.uff")});
   EXPECT_LT((again.H - set.H).norm(), 2e-3 * set.H.norm());
