@@ -163,8 +163,6 @@ class Analysis {
     frf.sample_rate_hz = test_.search.sample_rate_hz;
     frf.block_samples = test_.search.block_samples;
     frf.exponential_decay_rate_1_s = decay_rate();
-    frf.leave_one_out = options_.reject_outliers;
-    frf.threads = options_.threads;
     return frf;
   }
 
@@ -181,9 +179,7 @@ class Analysis {
       blocks.back().response_noise_std.clear();
     }
     if (!blocks.empty()) {
-      FrfOptions frf = frf_options();
-      frf.leave_one_out = false;
-      const FrfEstimate raw = average_frfs(blocks, frf);
+      const FrfEstimate raw = average_frfs(blocks, frf_options());
       if (raw.force_noise.size() > 0) test_.force_noise = median(noise_shares(raw));
     }
     if (options_.force_window_s) {
@@ -267,8 +263,7 @@ class Analysis {
       test_.frfs.averages = static_cast<int>(blocks.size());
       if (blocks.empty()) return {};
       FrfEstimate estimate = average_frfs(blocks, frf);
-      test_.incoherence = estimate.incoherence;
-      if (estimate.incoherence_without.size() == 0) return estimate;
+      if (hits.size() < 3) return estimate;
       Index worst = 0;
       const double without = estimate.incoherence_without.minCoeff(&worst);
       const double noise = noise_share(blocks);
@@ -412,7 +407,7 @@ class Analysis {
           {"few_hits",
            test_.frfs.averages == 2
                ? "Average more hits: error bars from two are themselves uncertain by half or more"
-           : estimate.std_from_noise_before_hit
+           : estimate.H_std.size() > 0
                ? "Average several hits: one has no coherence, and its error bars come from the "
                  "noise before it"
                : "Average several hits: one has neither coherence nor error bars",

@@ -1,5 +1,12 @@
 // An impact test from recordings to FRFs with error bars: hits found and judged, outliers left out,
 // the accepted ones averaged.
+//
+// Of three accepted hits or more one is an outlier when leaving it out halves the incoherent power
+// per degree of freedom, and lowers that power by more than happens with a chance of 5 % for the
+// worst of n hits that differ in one way, such as a changing frequency (Grubbs, Ann. Math. Stat. 21
+// (1950) 27: the ratio of the powers is Beta((n - 2) / 2, 1 / 2)). Where the other hits leave more
+// than ten times the noise of the responses, all hits differ, and the chance is 1 %, since a hit
+// left out by chance makes their scatter too small.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,14 +35,6 @@ struct ImpactTestOptions {
   /// positive, gives it instead by the level at the end of the block.
   double exponential_decay_rate_1_s = 0;
   double exponential_end_level = 0;
-  /// From three accepted hits on. A hit is an outlier when leaving it out halves the incoherent
-  /// power per degree of freedom, and lowers that power by more than happens with a chance of 5 %
-  /// for the worst of n hits that differ in one way, such as a changing frequency (Grubbs, Ann.
-  /// Math. Stat. 21 (1950) 27: the ratio of the powers is Beta((n - 2) / 2, 1 / 2)). Where the
-  /// other hits leave more than ten times the noise of the responses, all hits differ, and the
-  /// chance is 1 %, since a hit left out by chance makes their scatter too small.
-  bool reject_outliers = true;
-  int threads = 1;
 };
 
 struct ImpactTest {
@@ -44,9 +43,6 @@ struct ImpactTest {
   FrfSet frfs;                          ///< no lines when no hit was accepted
   bool amplitudes = true;  ///< false: pulses not resolved, so only frequencies are valid
   double usable_hz = 0;    ///< smallest of the accepted hits: beyond, the force is too weak
-  /// Part of the response power that the force does not explain, per degree of freedom; 0 for fewer
-  /// than three hits.
-  double incoherence = 0;
   /// Share of noise in the force's power without a window, median over the band's lines; H1 would
   /// be too small by it. It is measured between hits. Empty: too few samples.
   std::optional<double> force_noise;

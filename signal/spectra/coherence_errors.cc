@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "signal/estimation/robust.h"
-#include "signal/spectra/frf.h"
 #include "signal/spectra/line_means.h"
 
 namespace rigfit::signal {
@@ -69,7 +68,7 @@ void error_bars_from_coherence(FrfSet& frfs, int averages,
   for (Index c = 0; c < frfs.H.cols(); ++c) {
     const ArrayXd g2 = frfs.coherence.col(c).array().max(kSmallest).min(1 - kSmallest);
     const ArrayXd noise = frfs.H.col(c).array().abs2() * (1 - g2) / g2;
-    const ArrayXd wide = mean_over_lines(noise, FrfOptions{}.error_smoothing_lines),
+    const ArrayXd wide = mean_over_lines(noise, kSmoothingLines),
                   narrow = mean_over_lines(noise, kNarrow);
     frfs.H_std.col(c) =
         (narrow_where_raised(narrow, wide, 2.0 * (n - 1) * (2 * kNarrow + 1)) / (2.0 * (n - 1)))

@@ -43,18 +43,12 @@ Index samples_of(const FrfBlock& block, Index n) {
 
 /// Sum over the blocks of the correlation of their windows with themselves.
 ArrayXd window_lags(std::span<const FrfBlock> blocks, Index n, const VectorXd& exponential) {
-  const bool same = std::all_of(blocks.begin(), blocks.end(), [&](const FrfBlock& block) {
-    return block.force_last < 0 && samples_of(block, n) == n;
-  });
-  if (same && exponential.size() == 0) {
-    return static_cast<double>(blocks.size()) * ArrayXd::LinSpaced(n, static_cast<double>(n), 1);
-  }
   Correlation correlation(n);
   for (const FrfBlock& block : blocks) {
     VectorXd window = block.force_last < 0
                           ? VectorXd(VectorXd::Ones(n))
                           : force_window(n, block.force_first, block.force_last, block.force_taper);
-    if (exponential.size() > 0) window.array() *= exponential.array();
+    window.array() *= exponential.array();
     correlation.add(window.head(samples_of(block, n)));
   }
   return correlation.lags();

@@ -37,7 +37,7 @@ struct ForceNoise {
 };
 
 /// Mean over the blocks, unscaled sums as `FrfEstimate::force_power`, `block_samples` / 2 + 1
-/// lines: of the noise that each block's force window and the exponential window (empty: none)
+/// lines: of the noise that each block's force window and the exponential window
 /// leave. Smoothed over some `smoothing_lines` on either side. Empty where it is not known: fewer
 /// than 32 samples outside the pulses of all blocks, or a block that does not say where its pulse
 /// is.

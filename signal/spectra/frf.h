@@ -4,18 +4,27 @@
 //   Gxx = sum |X|^2, Gyy = sum |Y|^2, Gxy = sum conj(X) Y:
 //   H1 = Gxy / Gxx (noise on the response), H2 = Gyy / conj(Gxy) (noise on the force),
 //   Hv = (Gxy / |Gxy|) sqrt(Gyy / Gxx) (noise shared in proportion; the geometric mean),
-//   coherence g2 = |Gxy|^2 / (Gxx Gyy), and the random error (Bendat and Piersol, Random Data, 4th
-//   ed., sec. 9.2) std(|H|) = |H| sqrt((1 - g2) / (2 n g2)), here with n - 1 in place of n: the
-//   residual power Gyy (1 - g2) of n hits has n - 1 complex degrees of freedom, and std(Re H) =
-//   std(Im H) = sqrt(Gyy (1 - g2) / (2 (n - 1) Gxx)) is then free of bias from n = 2 on.
+//   coherence g2 = |Gxy|^2 / (Gxx Gyy),
+// and with e = Y - H1 X of each hit, h = |X|^2 / Gxx its leverage, the random error
+//   std(Re H) = std(Im H) = sqrt(sum |X|^2 |e|^2 / (1 - h) / 2) / Gxx,
+// which holds for noise that differs between hits or grows with them (White, Econometrica 48 (1980)
+// 817; HC2 of MacKinnon and White, J. Econometrics 29 (1985) 305). Where it is the same in all it
+// is that of Bendat and Piersol (Random Data, 4th ed., sec. 9.2) with n - 1 in place of n: the
+// residual power Gyy (1 - g2) of n hits has n - 1 complex degrees of freedom.
 // Noise on the force with mean power P per hit (force_noise.h) adds n P to Gxx and nothing to Gxy:
-// H1 uses Gxx - n P, which is free of that bias (Bendat and Piersol, sec. 9.1), unless
-// `subtract_force_noise` is off. At most three quarters of Gxx are subtracted: with more noise a
-// line carries no information. Tones (mains hum) are not subtracted: over a few hits their cross
-// product with the force does not vanish. Transforms are unscaled sums over the block; the ratio
-// needs no scale. A window shared by force and response changes no amplitude: see window.h. A
-// ring-down that is cut at the end of the block (no window) leaves the poles in place but scales
-// each mode's residue by 1 - exp(p T), p its pole and T from the hit to the end.
+// H1 uses Gxx - n P, which is free of that bias (Bendat and Piersol, sec. 9.1). At most three
+// quarters of Gxx are subtracted: with more noise a line carries no information. Tones (mains hum)
+// are not subtracted: over a few hits their cross product with the force does not vanish.
+// Transforms are unscaled sums over the block; the ratio needs no scale. A window shared by force
+// and response changes no amplitude: see window.h. A ring-down that is cut at the end of the block
+// (no window) leaves the poles in place but scales each mode's residue by 1 - exp(p T), p its pole
+// and T from the hit to the end. The noise power is averaged over ten lines on either side before
+// it becomes an error bar: noise spectra are smooth, and an error bar from few hits alone scatters
+// by 1 / (2 sqrt(n - 1)). Under an exponential window neighbouring lines share their noise; the
+// width grows by the window's noise bandwidth. Where the average over two lines on either side
+// exceeds the wide one beyond chance, as when modes still ring from the previous hit, it is used.
+// Where the noise before the hit is known, the part that enters through the force (it peaks where
+// |H| does) gives the shape that is scaled.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,34 +44,20 @@ struct FrfOptions {
   Eigen::Index block_samples = 0;
   /// Rate a of the window exp(-a t) on force and response; 0: none.
   double exponential_decay_rate_1_s = 0;
-  /// The residual noise power is averaged over this many lines on either side before it becomes an
-  /// error bar: noise spectra are smooth, and an error bar from few hits alone scatters by
-  /// 1 / (2 sqrt(n - 1)). Under an exponential window neighbouring lines share their noise; the
-  /// width grows by the window's noise bandwidth, so as to hold as many independent lines. Where
-  /// the average over two lines on either side exceeds the wide one beyond chance (0.1 %), as when
-  /// modes still ring from the previous hit, the narrow average is used. Where the noise before the
-  /// hit is known, the part that enters through the force (it peaks where |H| does) gives the shape
-  /// that is scaled. 0: no averaging over lines.
-  Eigen::Index error_smoothing_lines = 10;
-  bool subtract_force_noise = true;  ///< from Gxx in H1
-  Eigen::Index by_hit_lines = 0;     ///< lines in `FrfEstimate::by_hit`; 0: not filled
-  bool leave_one_out = false;        ///< fill `FrfEstimate::incoherence_without`
-  /// Lines used by leave-one-out: where the force spectrum is within this of its maximum.
-  double leave_one_out_range_db = 20;
-  int threads = 1;  ///< work over responses in parallel; the result is the same
+  Eigen::Index by_hit_lines = 0;  ///< lines in `FrfEstimate::by_hit`; 0: not filled
 };
 
 struct FrfEstimate {
   Eigen::VectorXd frequency_hz;
-  Eigen::MatrixXcd H;                      ///< lines x responses
-  Eigen::MatrixXd H_std;                   ///< std of real and imaginary part, each; empty: unknown
-  Eigen::MatrixXd coherence;               ///< empty for one hit (it would be 1)
-  Eigen::VectorXd force_power;             ///< mean |X|^2 per hit, unscaled, by line
-  std::vector<Eigen::MatrixXcd> by_hit;    ///< H of each hit by itself, first lines x responses
-  Eigen::VectorXd force_noise;             ///< its part that is noise, by line; empty: unknown
-  bool std_from_noise_before_hit = false;  ///< one hit: H_std is from noise_std of the block
+  Eigen::MatrixXcd H;                    ///< lines x responses
+  Eigen::MatrixXd H_std;                 ///< std of real and imaginary part, each; empty: unknown
+  Eigen::MatrixXd coherence;             ///< empty for one hit (it would be 1)
+  Eigen::VectorXd force_power;           ///< mean |X|^2 per hit, unscaled, by line
+  std::vector<Eigen::MatrixXcd> by_hit;  ///< H of each hit by itself, first lines x responses
+  Eigen::VectorXd force_noise;           ///< its part that is noise, by line; empty: unknown
   /// Part of the response power (all responses, each relative to its own) not explained by the
-  /// force, per degree of freedom, in the lines of `leave_one_out_range_db`.
+  /// force, per degree of freedom, where the force is within 20 dB of its maximum. 0 and empty for
+  /// fewer than three hits.
   double incoherence = 0;
   Eigen::VectorXd incoherence_without;  ///< `incoherence` without hit i
 };

@@ -14,6 +14,8 @@ namespace rigfit::signal {
 [[nodiscard]] Eigen::ArrayXd median_over_lines(const Eigen::Ref<const Eigen::ArrayXd>& powers,
                                                Eigen::Index half);
 
+/// Lines on either side over which noise is smooth.
+inline constexpr Eigen::Index kSmoothingLines = 10;
 /// Lines on either side that a line of hum or a resonance that leaks is wide.
 inline constexpr Eigen::Index kNarrow = 2;
 

@@ -66,9 +66,7 @@ ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
                                  command.struck.size(), command.files.size()));
   }
   ImpactRun run{read_places(context, command), {}};
-  ident::HammerTestOptions options = command.hammer;
-  options.impact.threads = context.threads;
-  run.test = ident::analyse_hammer_test(run.places, options);
+  run.test = ident::analyse_hammer_test(run.places, command.hammer);
   for (auto& finding : run.test.findings) {
     if (finding.code == "no_hit" || finding.code == "no_response") {
       throw Refused(finding.where + ": " + finding.message, finding.code);

@@ -36,7 +36,7 @@ struct QuietBlocks {
 // A tone between two lines, 44 dB over their noise: its leakage is over the noise to 20 lines away.
 TEST(ForceNoise, ATonesPowerIsInTheWholeAndNotInTheBroadbandPart) {
   const QuietBlocks made(5, 0.01, 0.05, 200.37);
-  const ForceNoise found = force_noise_power(made.blocks, kSamples, {}, 10);
+  const ForceNoise found = force_noise_power(made.blocks, kSamples, VectorXd::Ones(kSamples), 10);
   const double white = kSamples * 0.01 * 0.01;
   ASSERT_EQ(found.broadband.size(), kSamples / 2 + 1);
   // Means of 21 lines of 5 blocks scatter by 10 %: five of these; beside the tone lines are cut
