@@ -13,8 +13,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-// Gauss and Newton's steps are sure from afar, but where the residual is no noise they creep.
-constexpr int kGaussNewtonSteps = 4;
 constexpr double kMostDamping = 1e8;  // no downhill step is left: a minimum to rounding
 
 /// Whether a part moves: it is not held, nor pressed against a bound.
@@ -68,19 +66,12 @@ bool PoleSteps::next(const PoleStage& stage, VectorXcd& poles) {
   if (iterations_ == options_.max_iterations) return false;
   const VectorXd gradient = stage.gradient(parts);
   const MatrixXd plain = stage.information(parts, parts);
-  const auto solve = [&](MatrixXd matrix, VectorXd& delta) {
-    matrix.diagonal() *= 1 + damping_;
-    const ScaledGram factor(matrix);
-    if (factor.usable()) delta = factor.solve_vector(gradient);
-    return factor.usable() && delta.allFinite();
-  };
-  VectorXd delta;
-  const bool newton = iterations_ >= kGaussNewtonSteps && stage.curvature.size() > 0 &&
-                      (stage.curvature.diagonal()(parts).array() > 0).all() &&
-                      solve(stage.curvature(parts, parts), delta);
-  if (!ScaledGram(plain).usable() || !(newton || solve(plain, delta))) {
-    return stop(StepsEnd::rank_deficient);
-  }
+  MatrixXd damped = plain;
+  damped.diagonal() *= 1 + damping_;
+  const ScaledGram factor(damped);
+  if (!ScaledGram(plain).usable() || !factor.usable()) return stop(StepsEnd::rank_deficient);
+  const VectorXd delta = factor.solve_vector(gradient);
+  if (!delta.allFinite()) return stop(StepsEnd::rank_deficient);
   gain_ = delta.dot(plain * delta);
   const double in_std = options_.step_in_std;
   if (gain_ <= in_std * in_std * stage.cost / options_.freedom) return stop(StepsEnd::converged);

@@ -27,10 +27,7 @@ struct PoleStage {
   /// (real, imaginary) of each pole; parts whose information is 0 are held.
   Eigen::VectorXd gradient;
   Eigen::MatrixXd information;  ///< empty: the poles' columns cannot be told apart
-  /// The functional's own second derivatives, in the place of `information` once steps have become
-  /// short; empty: none.
-  Eigen::MatrixXd curvature;
-  bool usable = false;  ///< false: no such model; `information` is not read
+  bool usable = false;          ///< false: no such model; `information` is not read
 
   /// Takes complex gradient and information: the model is analytic in its poles.
   void set_analytic(const Eigen::VectorXcd& complex_gradient,

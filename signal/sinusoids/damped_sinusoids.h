@@ -29,9 +29,8 @@ struct KnownTone {
 };
 
 struct DampedSinusoidsOptions {
-  int background_terms = 2;   ///< 0: none, 1: offset, 2: offset and drift
-  int max_iterations = 60;    ///< steps, taken or refused
-  double step_in_std = 1e-3;  ///< stop when a step is this small against the standard uncertainties
+  int background_terms = 2;  ///< 0: none, 1: offset, 2: offset and drift
+  int max_iterations = 60;   ///< steps, taken or refused
   /// Of the first poles, where they are tones: counts as three more samples each.
   std::span<const KnownTone> known;
 };

@@ -69,26 +69,6 @@ TEST(DampedSinusoids, GramMatrixIsThatOfTheDifferencedModel) {
   EXPECT_TRUE(testing::MatricesNear(gram, fit.jacobian_gram, 1e-8 * gram.cwiseAbs().maxCoeff()));
 }
 
-// One mode fitted to two that beat: what it leaves is no noise, and Gauss and Newton's steps, which
-// leave out the second derivatives, would creep (14 of them here).
-TEST(DampedSinusoids, ArrivesSoonWhereTheResidualIsNoNoise) {
-  const auto y = decay({{-0.004, 0.5}, {-0.0025, 0.52}, {-0.003, 1.1}},
-                       {{1.0, 0.0}, {0.0, 0.9}, {0.7, 0.2}}, 1000, 0.1);
-  const std::vector<Complex> start{{-0.003, 0.5}, {-0.004, 1.1}};
-  const auto fit = fit_damped_sinusoids(y, start);
-  EXPECT_EQ(fit.end, StepsEnd::converged);
-  EXPECT_LE(fit.iterations, 8);
-  // A minimum: the residual is normal to every column. A step of 1e-3 standard uncertainties is
-  // left at most, which is 1e-3 / sqrt(degrees) of a column's share of the residual.
-  for (Index k = 0; k < fit.jacobian_gram.rows(); ++k) {
-    const Eigen::VectorXd column = fit.jacobian_rows(0, fit.samples).col(k);
-    EXPECT_LT(
-        std::abs(column.dot(fit.residual)),
-        1e-3 / std::sqrt(static_cast<double>(fit.degrees)) * column.norm() * fit.residual.norm())
-        << k;
-  }
-}
-
 TEST(DampedSinusoids, LongDecaysNeitherUnderflowNorDriftInPhase) {
   // 2e6 samples: z^j falls to exp(-2000), and the recurrence restarts every block.
   const std::vector<Complex> poles{{-1e-3, 0.3}, {-1e-6, 0.9}};
