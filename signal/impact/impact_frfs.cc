@@ -17,17 +17,6 @@ namespace rigfit::signal {
 namespace {
 using Eigen::Index;
 
-/// Mean of a block's force outside of its pulse: what zero is during the hit.
-double level_beside(const FrfBlock& block, double otherwise) {
-  const auto size = static_cast<Index>(block.force.size());
-  const Index first = std::clamp<Index>(block.pulse_first, 0, size);
-  const Index last = std::clamp<Index>(block.pulse_last + 1, first, size);
-  const Eigen::Map<const Eigen::VectorXd> x(block.force.data(), size);
-  const Index beside = first + size - last;
-  if (beside < 32) return otherwise;
-  return (x.head(first).sum() + x.tail(size - last).sum()) / static_cast<double>(beside);
-}
-
 double scatter(const Eigen::Ref<const Eigen::VectorXd>& x) {
   constexpr Index kFewest = 16;  // a standard deviation from fewer is off by a fifth or more
   if (x.size() < kFewest) return 0;
@@ -44,15 +33,6 @@ int uff_direction(const std::array<double, 3>& direction) {
   return 0;
 }
 
-/// By the units of both; unknown where they are no SI units of motion and force.
-FrfForm form_of(const Channel& response, const Channel& force) {
-  if (force.unit != "N") return FrfForm::unknown;
-  if (response.unit == "m/s^2") return FrfForm::accelerance;
-  if (response.unit == "m/s") return FrfForm::mobility;
-  if (response.unit == "m") return FrfForm::receptance;
-  return FrfForm::unknown;
-}
-
 /// "(m/s^2)/N"; "?" for a unit that is not known, empty where neither is.
 std::string ratio_of_units(const std::string& response, const std::string& force) {
   if (response.empty() && force.empty()) return "";
@@ -61,6 +41,16 @@ std::string ratio_of_units(const std::string& response, const std::string& force
     return unit.find('/') == std::string::npos ? unit : "(" + unit + ")";
   };
   return part(response) + "/" + part(force);
+}
+
+/// By the units of both; unknown where they are no SI units of motion and force.
+FrfForm form_of(const Channel& response, const Channel& force) {
+  int form = 0;
+  const std::string unit = ratio_of_units(response.unit, force.unit);
+  while (form < static_cast<int>(FrfForm::unknown) && unit != unit_of(static_cast<FrfForm>(form))) {
+    ++form;
+  }
+  return static_cast<FrfForm>(form);
 }
 
 class Analysis {
@@ -128,7 +118,7 @@ class Analysis {
     // A hammer's signal rings after the pulse, filters before it too.
     block.pulse_first = hit.pulse_first - hit.block_first - 3 * width;
     block.pulse_last = hit.pulse_last - hit.block_first + 10 * width;
-    block.force_offset = level_beside(block, hit.offset);
+    block.force_offset = hit.offset;
     if (const double kept = kept_force(hit); kept > 0) {
       const auto samples = std::max(width, static_cast<Index>(std::ceil(kept * rate)));
       block.force_first = std::max<Index>(0, hit.pulse_first - width - hit.block_first);
@@ -225,27 +215,9 @@ class Analysis {
 
   /// Incoherent power per degree of freedom without a hit over that with it, at most, of an
   /// outlier.
-  double outlier_ratio(std::size_t hits, bool others_differ) const {
+  static double outlier_ratio(std::size_t hits) {
     const auto n = static_cast<double>(hits);
-    const double chance = (others_differ ? 0.2 : 1) * 0.05;
-    const double left = gsl_cdf_beta_Pinv(chance / n, 0.5 * (n - 2), 0.5);
-    return std::min(0.5, left * (n - 1) / (n - 2));
-  }
-
-  /// Part of the responses' power that the noise before the hits has, mean over the responses.
-  static double noise_share(std::span<const FrfBlock> blocks) {
-    double sum = 0, count = 0;
-    for (std::size_t r = 0; r < blocks.front().responses.size(); ++r) {
-      double noise = 0, power = 0;
-      for (const FrfBlock& block : blocks) {
-        const auto& y = block.responses[r];
-        const Eigen::Map<const Eigen::ArrayXd> values(y.data(), static_cast<Index>(y.size()));
-        noise += std::pow(block.response_noise_std[r], 2) * static_cast<double>(y.size());
-        power += (values - block.response_offset[r]).square().sum();
-      }
-      if (power > 0) sum += noise / power, ++count;
-    }
-    return count > 0 ? sum / count : 0;
+    return std::min(0.5, gsl_cdf_beta_Pinv(0.05 / n, 0.5 * (n - 2), 0.5) * (n - 1) / (n - 2));
   }
 
   FrfEstimate average_without_outliers() {
@@ -266,10 +238,8 @@ class Analysis {
       if (hits.size() < 3) return estimate;
       Index worst = 0;
       const double without = estimate.incoherence_without.minCoeff(&worst);
-      const double noise = noise_share(blocks);
-      const bool others_differ = noise > 0 && without > 10 * noise;
       if (estimate.incoherence < kLeastIncoherence ||
-          without >= outlier_ratio(blocks.size(), others_differ) * estimate.incoherence) {
+          without >= outlier_ratio(blocks.size()) * estimate.incoherence) {
         return estimate;
       }
       hits[static_cast<std::size_t>(worst)]->reject(
@@ -370,7 +340,7 @@ class Analysis {
     const double left = end_level * std::exp(-decay_rate() * block_duration());
     // What is cut off at the end of a block, R / (s - p) exp(p T) exp(i w t) of a mode, T from the
     // hit to the end and t from the block's beginning to the hit, is smooth over lines as well.
-    if (left > 1e-3 && left > 3 * quietest()) {
+    if (left > 1e-3 && left > 3 * test_.search.rest_level) {
       for (const Hit& hit : test_.search.hits) {
         if (!hit.accepted) continue;
         const auto before = static_cast<double>(hit.peak_sample - hit.block_first);
@@ -378,7 +348,7 @@ class Analysis {
             std::max(test_.frfs.force_noise_span_s, before / test_.search.sample_rate_hz);
       }
     }
-    if (left > kRungDown && left > 3 * quietest()) {
+    if (left > kRungDown && left > 3 * test_.search.rest_level) {
       test_.notes.push_back(
           {"ring_down_truncated",
            fmt::format(
@@ -470,14 +440,6 @@ class Analysis {
 
   double block_duration() const {
     return static_cast<double>(test_.search.block_samples) / test_.search.sample_rate_hz;
-  }
-
-  double quietest() const {
-    double level = 1;
-    for (const Hit& hit : test_.search.hits) {
-      if (hit.level_before > 0) level = std::min(level, hit.level_before);
-    }
-    return level < 1 ? level : 0;
   }
 
   std::span<const Recording> recordings_;

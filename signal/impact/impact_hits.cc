@@ -333,16 +333,14 @@ void place_blocks(std::span<const Recording> recordings, const HitOptions& optio
 }
 
 void judge_cut_off(std::span<const Recording> recordings, HitSearch& search) {
-  // What the responses are like at rest: the quietest moment before a hit.
-  double rest = std::numeric_limits<double>::infinity();
   for (const Hit& hit : search.hits) {
-    if (hit.level_before > 0) rest = std::min(rest, hit.level_before);
+    if (hit.level_before > 0 && !(search.rest_level > 0 && search.rest_level < hit.level_before)) {
+      search.rest_level = hit.level_before;
+    }
   }
-  if (!std::isfinite(rest)) rest = 0;
-  for (std::size_t i = 0; i < search.hits.size(); ++i) {
-    Hit& hit = search.hits[i];
+  for (Hit& hit : search.hits) {
     if (hit.available >= search.block_samples) continue;
-    if (hit.end_level <= std::max(kRungDown, 1.5 * rest)) continue;
+    if (hit.end_level <= std::max(kRungDown, 1.5 * search.rest_level)) continue;
     const bool next = hit.block_first + hit.available < recordings[hit.recording].samples();
     hit.reject(
         HitFault::cut_off,

@@ -111,7 +111,8 @@ struct HitSearch {
   std::vector<Hit> hits;  ///< in the order of recordings and time
   Eigen::Index block_samples = 0;
   double sample_rate_hz = 0;
-  int sign = 1;  ///< direction of the pulses, +1 or -1
+  int sign = 1;           ///< direction of the pulses, +1 or -1
+  double rest_level = 0;  ///< smallest `level_before` of a hit; 0: unknown
   /// Value at rest (median) of each response, by recording.
   std::vector<std::vector<double>> response_rest;
   std::vector<Note> notes;

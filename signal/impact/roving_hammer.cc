@@ -57,14 +57,20 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
   all.notes.clear();
   const auto inputs = static_cast<Index>(kept.size());
   const auto responses = static_cast<Index>(all.responses.size());
-  const auto has = [&](auto part) {
-    return std::all_of(kept.begin(), kept.end(),
-                       [&](std::size_t p) { return (tests[p].frfs.*part).rows() == all.H.rows(); });
+  // Columns of the one, by input, among those of all; none where an input has none.
+  const auto side_by_side = [&](auto part) {
+    auto& matrix = all.*part;
+    matrix.setConstant(all.frequency_hz.size(), responses * inputs, 0);
+    for (Index i = 0; i < inputs && matrix.size() > 0; ++i) {
+      const auto& one = tests[kept[static_cast<std::size_t>(i)]].frfs.*part;
+      if (one.rows() < matrix.rows()) {
+        matrix.resize(0, 0);
+      } else {
+        matrix(Eigen::all, Eigen::seqN(i, responses, inputs)) = one;
+      }
+    }
   };
-  const bool with_std = has(&FrfSet::H_std), with_coherence = has(&FrfSet::coherence);
-  all.H.resize(all.frequency_hz.size(), responses * inputs);
-  all.H_std.resize(with_std ? all.H.rows() : 0, with_std ? all.H.cols() : 0);
-  all.coherence.resize(with_coherence ? all.H.rows() : 0, with_coherence ? all.H.cols() : 0);
+  side_by_side(&FrfSet::H), side_by_side(&FrfSet::H_std), side_by_side(&FrfSet::coherence);
   std::size_t most = 0;
   Index by_hit_lines = all.H.rows();
   for (const std::size_t p : kept) {
@@ -91,14 +97,9 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
     all.hit_impulse.push_back(one.hit_impulse.front());
     all.force_noise_span_s = std::max(all.force_noise_span_s, one.force_noise_span_s);
     all.averages = std::min(all.averages, one.averages);
-    for (Index r = 0; r < responses; ++r) {
-      const Index column = r * inputs + i;
-      all.H.col(column) = one.H.col(r);
-      for (std::size_t h = 0; h < one.by_hit.size() && h < all.by_hit.size(); ++h) {
-        all.by_hit[h].col(column) = one.by_hit[h].col(r).head(by_hit_lines);
-      }
-      if (with_std) all.H_std.col(column) = one.H_std.col(r);
-      if (with_coherence) all.coherence.col(column) = one.coherence.col(r);
+    for (std::size_t h = 0; h < one.by_hit.size() && h < all.by_hit.size(); ++h) {
+      all.by_hit[h](Eigen::all, Eigen::seqN(i, responses, inputs)) =
+          one.by_hit[h].topRows(by_hit_lines);
     }
     for (const Note& note : one.notes) {
       const bool here = note.where.empty() && points.size() > 1;

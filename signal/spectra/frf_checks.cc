@@ -13,27 +13,6 @@ bool within(double f, const std::optional<std::pair<double, double>>& band) {
   return !band || (f >= band->first && f <= band->second);
 }
 
-/// Local maxima of the power that stand out `factor`-fold from the lowest point on either side up
-/// to the next such maximum.
-std::vector<Index> prominent_peaks(const Eigen::ArrayXd& power, double factor) {
-  std::vector<Index> peaks;
-  Index top = -1;
-  double dip = power.size() > 0 ? power[0] : 0;
-  for (Index k = 0; k < power.size(); ++k) {
-    if (top < 0) {
-      dip = std::min(dip, power[k]);
-      if (power[k] > factor * dip) top = k;
-    } else if (power[k] > power[top]) {
-      top = k;
-    } else if (power[k] * factor < power[top]) {
-      peaks.push_back(top);
-      top = -1;
-      dip = power[k];
-    }
-  }
-  return peaks;
-}
-
 }  // namespace
 
 const char* name_of(DrivingPointVerdict verdict) {
@@ -62,25 +41,6 @@ DrivingPointCheck check_driving_point(const FrfSet& frfs, Index response, Index 
   check.verdict = check.wrong_sign_share <= 0.05   ? DrivingPointVerdict::consistent
                   : check.wrong_sign_share >= 0.95 ? DrivingPointVerdict::inverted
                                                    : DrivingPointVerdict::inconsistent;
-
-  // The imaginary mobility is positive below a resonance and negative above it; from one resonance
-  // to the next it has to turn back, at an antiresonance.
-  const double sign = check.verdict == DrivingPointVerdict::inverted ? -1 : 1;
-  // At a 25th of the power of both resonances each is 78 degrees or more past its own, so that the
-  // turn shows; closer ones may merge.
-  // What is below three standard deviations is a dip of no depth.
-  const std::vector<Index> peaks = prominent_peaks(Y.abs2().max((3 * std).square()), 25);
-  check.resonances = static_cast<int>(peaks.size());
-  for (std::size_t i = 1; i < peaks.size(); ++i) {
-    const Index first = peaks[i - 1], last = peaks[i];
-    bool after = false, turned = false;
-    for (Index k = first; k <= last; ++k) {
-      const double imaginary = sign * Y[k].imag();
-      if (imaginary < -std[k]) after = true;
-      if (after && imaginary > std[k]) turned = true;
-    }
-    if (!turned) ++check.missing_antiresonances;
-  }
   return check;
 }
 
@@ -98,13 +58,6 @@ std::optional<Note> note_of(const DrivingPointCheck& check) {
                     "the response is elsewhere or in another direction, or a channel is delayed",
                     100 * check.wrong_sign_share),
         ""};
-  }
-  if (check.missing_antiresonances > 0) {
-    return Note{"driving_point",
-                fmt::format("{} of {} resonances are not followed by the antiresonance that a "
-                            "driving point has",
-                            check.missing_antiresonances, check.resonances),
-                ""};
   }
   return {};
 }

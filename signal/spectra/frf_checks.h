@@ -2,9 +2,9 @@
 //
 // Driving point (response and force at the same place and direction): the real part of the mobility
 // is nowhere negative (the imaginary part of the receptance nowhere positive), on every line s = a
-// + i omega with a >= 0, and an antiresonance lies between every two resonances. Reciprocity
-// (Maxwell, Betti): H of response j to input k equals H of response k to input j. Source: Ewins,
-// Modal Testing, 2nd ed., ch. 2 and 3.
+// + i omega with a >= 0. That is so of no other point: a mode whose residue has the other sign
+// turns it over at its resonance. Reciprocity (Maxwell, Betti): H of response j to input k equals H
+// of response k to input j. Source: Ewins, Modal Testing, 2nd ed., ch. 2 and 3.
 #pragma once
 
 #include <Eigen/Core>
@@ -33,15 +33,11 @@ struct DrivingPointCheck {
   /// Part of sum |Re mobility| with the wrong sign, over lines where it exceeds three standard
   /// deviations (all lines when these are not known).
   double wrong_sign_share = 0;
-  int resonances = 0;              ///< peaks with 25 times the power of the dips beside them
-  int missing_antiresonances = 0;  ///< pairs of resonances without one between
 
   static constexpr auto fields() {
     using T = DrivingPointCheck;
     return std::tuple{field("verdict", &T::verdict),
-                      field("wrong_sign_share", &T::wrong_sign_share),
-                      field("resonances", &T::resonances),
-                      field("missing_antiresonances", &T::missing_antiresonances)};
+                      field("wrong_sign_share", &T::wrong_sign_share)};
   }
 };
 

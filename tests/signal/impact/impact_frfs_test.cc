@@ -55,8 +55,6 @@ TEST(ImpactTest, GivesTheExactFrfAlsoUnderAnExponentialWindow) {
           check_driving_point(test.frfs, truth.driving_point, 0, std::pair(0.0, test.usable_hz));
       EXPECT_EQ(check.verdict, DrivingPointVerdict::consistent);
       EXPECT_LT(check.wrong_sign_share, 1e-3);
-      EXPECT_EQ(check.resonances, 9);  // 312 and 318 Hz as one
-      EXPECT_EQ(check.missing_antiresonances, 0);
     }
   }
 }
