@@ -42,11 +42,7 @@ class Estimation {
  public:
   Estimation(const Eigen::Ref<const Eigen::VectorXd>& y, double rate, const DecayOptions& options,
              const DecayBand& band)
-      : y_(y),
-        rate_(rate),
-        options_(options),
-        band_(band),
-        search_{options.max_modes, options.false_alarm} {
+      : y_(y), rate_(rate), options_(options), band_(band) {
     result_.end = y.size();
   }
 
@@ -60,19 +56,12 @@ class Estimation {
                    fmt::format("the fit starts at {:.6g} s, after the impact or release",
                                time_of(result_.start)));
     }
-    // An offset is the last: more modes may have been found beside it.
-    auto poles = fit_->poles;
-    const auto offset = std::ranges::find_if(poles, is_offset);
-    if (offset != poles.end()) {
-      std::rotate(offset, offset + 1, poles.end());
-      if (auto fit = fit_poles(samples_, poles)) fit_ = std::move(fit);
-    }
-    judge_decay(*fit_, band_, rate_, options_.false_alarm, result_);
-    if (std::ssize(result_.modes) >= options_.max_modes) {
+    judge_decay(*fit_, band_, rate_, result_);
+    if (std::ssize(result_.modes) >= kMostModes) {
       result_.note("more_modes",
                    fmt::format("Give a band: {} modes are fitted at once, and what is left of more "
                                "adds to their errors",
-                               options_.max_modes));
+                               kMostModes));
     }
     return result_;
   }
@@ -117,7 +106,7 @@ class Estimation {
 
   bool choose_window() {
     if (!options_.choose_window) {
-      result_.decays.push_back({0, result_.end, false});
+      result_.decays.push_back({0, result_.end});
       return true;
     }
     result_.decays = find_decays(y_.head(result_.end), band_);
@@ -130,7 +119,7 @@ class Estimation {
     }
     const auto& chosen = result_.decays[result_.fitted_decay];
     result_.start = chosen.start, result_.end = chosen.end;
-    moved_start_ = chosen.after_impact;
+    moved_start_ = chosen.start > 0;
     if (result_.decays.size() > 1) {
       std::string where;
       for (const auto& w : result_.decays) {
@@ -177,7 +166,7 @@ class Estimation {
   }
 
   bool find_modes() {
-    fit_ = find_decay_modes(samples_, band_, search_);
+    fit_ = find_decay_modes(samples_, band_);
     if (fit_) return true;
     result_.refuse(
         "too_noisy",
@@ -187,7 +176,7 @@ class Estimation {
   }
 
   bool leave_out_clipped() {
-    const auto clipped = clipped_by_fit(samples_, band_, search_);
+    const auto clipped = clipped_by_fit(samples_, band_);
     if (clipped.empty()) return true;
     for (const Index j : clipped) y_(result_.start + j) = kNaN;
     result_.note(
@@ -212,15 +201,14 @@ class Estimation {
     }
     // Twice: the first modes may hold one that is spent on a tone.
     for (int turn = 0; turn < 2; ++turn) {
-      tones_ = steady_tones(y_, quiet, result_.start, result_.end, *fit_, options_.false_alarm);
+      tones_ = steady_tones(y_, quiet, result_.start, result_.end, *fit_);
       tones_from_ = result_.start;
       samples_ = samples_from(result_.start);
-      if (tones_.empty()) break;
-      std::vector<Complex> poles;
-      for (const KnownTone& tone : tones_) poles.emplace_back(0, tone.value(2));
-      if (!look_beside(poles)) break;
+      std::vector<Complex> tones;
+      for (const KnownTone& tone : tones_) tones.emplace_back(0, tone.value(2));
+      if (tones.empty() || !look_beside(tones)) break;
     }
-    const auto joint = with_offset(samples_, *fit_, options_.false_alarm);
+    const auto joint = with_offset(samples_, *fit_);
     if (!joint) return;
     std::vector<Complex> poles;
     std::ranges::copy_if(joint->poles, std::back_inserter(poles),
@@ -249,10 +237,9 @@ class Estimation {
     }
     if (!strongest) return false;
     poles.push_back(*strongest);
-    auto fit = find_decay_modes(samples_, band_, search_, poles);
-    if (!fit) return false;
-    fit_ = std::move(fit);
-    return true;
+    auto fit = find_decay_modes(samples_, band_, poles);
+    if (fit) fit_ = std::move(fit);
+    return fit.has_value();
   }
 
   // Moves the start on by half a cycle of the strongest mode at a time, while the first half cycle
@@ -269,8 +256,7 @@ class Estimation {
       DecaySamples samples = samples_from(next);
       const bool beside =
           std::ranges::any_of(fit_->poles, [](Complex p) { return is_tone(p) || is_offset(p); });
-      auto fit =
-          find_decay_modes(samples, band_, search_, beside ? fit_->poles : std::vector<Complex>());
+      auto fit = find_decay_modes(samples, band_, beside ? fit_->poles : std::vector<Complex>());
       if (!fit) return;
       result_.start = next, samples_ = std::move(samples), fit_ = std::move(fit);
       moved_start_ = true;
@@ -296,7 +282,6 @@ class Estimation {
   double rate_;
   const DecayOptions& options_;
   DecayBand band_;
-  DecayModesOptions search_;
   DecayResult result_;
   DecaySamples samples_;
   std::optional<DampedSinusoidsFit> fit_;

@@ -23,19 +23,19 @@ constexpr double kLeastFall = 1;
 
 /// Steady lines of samples [from, to), amplitudes those at the first.
 std::vector<KnownTone> steady_lines(const Eigen::Ref<const Eigen::VectorXd>& y, Index from,
-                                    Index to, double false_alarm) {
+                                    Index to) {
   if (to <= from) return {};
   Eigen::VectorXd left = y.segment(from, to - from);
   const auto n = static_cast<double>(to - from);
   DecaySearchOptions search;
   search.candidates = 1, search.lowest = 4 / n;
-  search.energy_over_noise = detection_threshold(to - from, false_alarm);
+  search.energy_over_noise = detection_threshold(to - from);
   std::vector<KnownTone> found;
   // One at a time: beside a strong one stand the side lobes of its line.
   for (std::size_t k = 0; k < kMostSteadyTones; ++k) {
     const DecaySamples samples = decay_samples(left, 0, to - from);
     if (5 * static_cast<Index>(samples.missing.size()) > to - from) break;
-    const auto lines = search_lines(line_spectrum(without_trend(left)), search);
+    const auto lines = search_lines(without_trend(left), search);
     if (lines.empty()) break;
     const auto free = fit_poles(samples, {lines.front().pole});
     if (!free) break;
@@ -58,8 +58,7 @@ std::vector<KnownTone> steady_lines(const Eigen::Ref<const Eigen::VectorXd>& y, 
 }  // namespace
 
 std::vector<KnownTone> steady_tones(const Eigen::Ref<const Eigen::VectorXd>& y, Index quiet,
-                                    Index start, Index end, const DampedSinusoidsFit& fit,
-                                    double false_alarm) {
+                                    Index start, Index end, const DampedSinusoidsFit& fit) {
   double slowest = std::numeric_limits<double>::infinity();
   for (const Complex p : fit.poles) {
     if (-p.real() * static_cast<double>(fit.samples) > 1) slowest = std::min(slowest, -p.real());
@@ -67,8 +66,7 @@ std::vector<KnownTone> steady_tones(const Eigen::Ref<const Eigen::VectorXd>& y, 
   const auto dead =
       std::isfinite(slowest) ? start + static_cast<Index>(kDeadTimeConstants / slowest) : end;
   const bool before = quiet >= end - dead;
-  auto tones =
-      before ? steady_lines(y, 0, quiet, false_alarm) : steady_lines(y, dead, end, false_alarm);
+  auto tones = before ? steady_lines(y, 0, quiet) : steady_lines(y, dead, end);
   for (KnownTone& tone : tones) {
     tone = tone.at(before ? start : start - dead);
     if (!before) tone.information.setZero();
@@ -77,7 +75,7 @@ std::vector<KnownTone> steady_tones(const Eigen::Ref<const Eigen::VectorXd>& y, 
 }
 
 std::optional<DampedSinusoidsFit> with_offset(const DecaySamples& samples,
-                                              const DampedSinusoidsFit& fit, double false_alarm) {
+                                              const DampedSinusoidsFit& fit) {
   double slowest_mode = std::numeric_limits<double>::infinity();
   for (const Complex pole : fit.poles) slowest_mode = std::min(slowest_mode, std::abs(pole));
   // What falls within half a cycle is the impact, or a mode; what hardly falls is a drift.
@@ -99,8 +97,7 @@ std::optional<DampedSinusoidsFit> with_offset(const DecaySamples& samples,
   const double explained = fit.residual_sum_squares - joint->residual_sum_squares;
   const double noise =
       residual_noise(joint->residual, joint->degrees).white_equivalent(rate / kTwoPi);
-  if (!(rate > slowest && rate < fastest &&
-        explained > detection_threshold(fit.samples, false_alarm) * noise)) {
+  if (!(rate > slowest && rate < fastest && explained > detection_threshold(fit.samples) * noise)) {
     return {};
   }
   return joint;

@@ -22,13 +22,11 @@ namespace rigfit::signal {
 /// `fit` was made.
 [[nodiscard]] std::vector<KnownTone> steady_tones(const Eigen::Ref<const Eigen::VectorXd>& y,
                                                   Eigen::Index quiet, Eigen::Index start,
-                                                  Eigen::Index end, const DampedSinusoidsFit& fit,
-                                                  double false_alarm);
+                                                  Eigen::Index end, const DampedSinusoidsFit& fit);
 
 /// `fit` to `samples` with a decaying offset as its last pole, where that explains more than noise
-/// of the residual's colour would with the chance `false_alarm`.
+/// of the residual's colour would with the chance kFalseAlarm.
 [[nodiscard]] std::optional<DampedSinusoidsFit> with_offset(const DecaySamples& samples,
-                                                            const DampedSinusoidsFit& fit,
-                                                            double false_alarm);
+                                                            const DampedSinusoidsFit& fit);
 
 }  // namespace rigfit::signal

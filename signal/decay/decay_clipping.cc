@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "signal/numerics/numbers.h"
@@ -12,40 +13,36 @@ namespace rigfit::signal {
 
 using Eigen::Index;
 
-std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DecayBand& band,
-                                  const DecayModesOptions& options) {
+std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DecayBand& band) {
   Eigen::VectorXd y = samples.values;
   for (const Index j : samples.missing) y(j) = kNaN;
-  const double high = y.maxCoeff<Eigen::PropagateNumbers>();
-  const double low = y.minCoeff<Eigen::PropagateNumbers>();
-  struct Rail {
-    double sign, level;
-    std::vector<Index> at;
-  };
-  Rail rails[] = {{1, high, {}}, {-1, low, {}}};
+  const std::pair<double, double> rails[] = {{1, y.maxCoeff<Eigen::PropagateNumbers>()},
+                                             {-1, y.minCoeff<Eigen::PropagateNumbers>()}};
   std::vector<Index> clipped;
-  DecaySamples others = samples;
-  for (auto& [sign, level, at] : rails) {
-    for (Index j = 0; j < y.size(); ++j) {
-      if (sign * (y(j) - level) >= -1e-12 * (high - low)) at.push_back(j);
-    }
-    if (at.size() == 1) at.clear();
-    for (const Index j : at) others.missing.push_back(j), others.values(j) = 0;
+  Eigen::VectorXd left = y;
+  for (const auto& [sign, rail] : rails) {
+    if ((y.array() == rail).count() > 1) left = (y.array() == rail).select(kNaN, left);
   }
+  DecaySamples others = decay_samples(left, 0, y.size());
   if (others.missing.size() == samples.missing.size()) return clipped;
-  std::sort(others.missing.begin(), others.missing.end());
-  const auto fit = find_decay_modes(others, band, options);
+  others.known = samples.known;
+  const auto fit = find_decay_modes(others, band);
   if (!fit || fit->degrees < 1) return clipped;
   const double variance = fit->residual_sum_squares / static_cast<double>(fit->degrees);
   Eigen::VectorXd says = Eigen::VectorXd::LinSpaced(
       y.size(), fit->offset,
       fit->offset + fit->drift * static_cast<double>(y.size() - 1) / static_cast<double>(y.size()));
   for (std::size_t m = 0; m < fit->poles.size(); ++m) says += fit->mode_signal(m);
-  for (const auto& [sign, level, at] : rails) {
+  for (const auto& [sign, rail] : rails) {
+    std::vector<Index> at;
     double sum = 0;
-    for (const Index j : at) sum += std::pow(std::max(0.0, sign * (says(j) - level)), 2);
-    const auto count = static_cast<double>(at.size());
-    if (!at.empty() && sum > variance * gsl_cdf_chisq_Qinv(1e-4, count)) {
+    for (Index j = 0; j < y.size(); ++j) {
+      if (y(j) != rail) continue;
+      at.push_back(j);
+      sum += std::pow(std::max(0.0, sign * (says(j) - rail)), 2);
+    }
+    if (at.size() > 1 &&
+        sum > variance * gsl_cdf_chisq_Qinv(1e-4, static_cast<double>(at.size()))) {
       clipped.insert(clipped.end(), at.begin(), at.end());
     }
   }

@@ -16,7 +16,6 @@ namespace rigfit::signal {
 
 /// The samples on a rail, which say nothing of the decay but that it went there.
 [[nodiscard]] std::vector<Eigen::Index> clipped_by_fit(const DecaySamples& samples,
-                                                       const DecayBand& band,
-                                                       const DecayModesOptions& options);
+                                                       const DecayBand& band);
 
 }  // namespace rigfit::signal

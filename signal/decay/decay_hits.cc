@@ -26,7 +26,7 @@ constexpr Index kCycles = 10;
 // Modes that such a stretch is given: with twelve one decay imitates a blow.
 constexpr int kModes = 6;
 // Chance that noise alone passes for an impact, for each place that is tested.
-constexpr double kFalseAlarm = 1e-6;
+constexpr double kImpactChance = 1e-6;
 
 struct Jump {
   Index at = 0;
@@ -78,26 +78,21 @@ std::vector<Jump> jumps(const Eigen::VectorXd& y, double w, const Eigen::VectorX
 }
 
 struct Side {
-  std::vector<Index> missing;
   double sum_squares = 0;
   Index parameters = 2, samples = 0;
   std::optional<DampedSinusoidsFit> fit;
 };
 
-// The damped sinusoids of samples [from, to), those in [gap_from, gap_to) left out.
-Side fitted(const Eigen::VectorXd& y, Index from, Index to, Index gap_from, Index gap_to) {
+// The damped sinusoids of `values`, NaN where missing.
+Side fitted(const Eigen::VectorXd& values) {
   Side side;
-  Eigen::VectorXd values = y.segment(from, to - from);
-  for (Index j = gap_from; j < gap_to; ++j) values(j - from) = kNaN;
-  const DecaySamples samples = decay_samples(values, 0, to - from);
-  side.samples = to - from - static_cast<Index>(samples.missing.size());
-  side.missing = samples.missing;
-  side.fit = find_decay_modes(samples, {0, 0.5, true}, {.max_modes = kModes});
+  const DecaySamples samples = decay_samples(values, 0, values.size());
+  side.samples = values.size() - std::ssize(samples.missing);
+  side.sum_squares = without_trend(values).squaredNorm();
+  side.fit = find_decay_modes(samples, {0, 0.5, true}, {}, kModes);
   if (side.fit) {
     side.sum_squares = side.fit->residual_sum_squares;
     side.parameters = side.fit->jacobian_gram.rows();
-  } else {
-    side.sum_squares = without_trend(values).squaredNorm();
   }
   return side;
 }
@@ -122,9 +117,12 @@ bool is_impact(const Eigen::VectorXd& y, const Jump& place, Index from, Index to
   const Index gap_from = at - half_cycle, gap_to = at + half_cycle;
   if (gap_from - from < 4 * half_cycle || to - gap_to < 4 * half_cycle) return false;
   if (gap_from - from < 24 || to - gap_to < 24) return false;
-  const Side before = fitted(y, from, gap_from, 0, 0), behind = fitted(y, gap_to, to, 0, 0);
+  const Side before = fitted(y.segment(from, gap_from - from));
+  const Side behind = fitted(y.segment(gap_to, to - gap_to));
   if (!behind.fit) return false;  // an impact sets something off
-  const Side one = fitted(y, from, to, gap_from, gap_to);
+  Eigen::VectorXd both = y.segment(from, to - from);
+  both.segment(gap_from - from, gap_to - gap_from).setConstant(kNaN);
+  const Side one = fitted(both);
   const double apart = before.sum_squares + behind.sum_squares;
   const auto degrees =
       static_cast<double>(before.samples + behind.samples - before.parameters - behind.parameters);
@@ -132,22 +130,20 @@ bool is_impact(const Eigen::VectorXd& y, const Jump& place, Index from, Index to
       std::max<Index>(2, before.parameters + behind.parameters - one.parameters));
   if (degrees < 4) return false;
   const double ratio = (one.sum_squares - apart) / more / std::max(apart / degrees, 1e-300);
-  if (!(ratio > 0) || gsl_cdf_fdist_Q(ratio, more, degrees) > kFalseAlarm) return false;
+  if (!(ratio > 0) || gsl_cdf_fdist_Q(ratio, more, degrees) > kImpactChance) return false;
   const auto noise = residual_noise(behind.fit->residual, behind.fit->degrees);
-  const auto noise_before =
-      before.fit ? residual_noise(before.fit->residual, before.fit->degrees) : noise;
   const Complex now = amplitude_near(behind, place.w, -half_cycle);
   const Complex then = amplitude_near(before, place.w, at - from);
   if (now == 0.0) return false;
   // What friction takes leaves the phase as it is.
   const Complex kept = then == 0.0 ? 1.0 : now / then;
-  const double lost = std::clamp(kept.real(), 0.0, 1.0), f = place.w / kTwoPi;
+  const double lost = std::clamp(kept.real(), 0.0, 1.0);
   const double jump = std::norm(now - lost * then);
   // The end of a line through n amplitudes has 4 times the variance of their mean, 4 s^2 / n.
   const double variance =
-      16 * (noise.white_equivalent(f) / static_cast<double>(behind.samples) +
-            noise_before.white_equivalent(f) / static_cast<double>(before.samples));
-  return jump > std::pow(kLeastShare * largest, 2) && jump > -std::log(kFalseAlarm) * variance;
+      16 * noise.white_equivalent(place.w / kTwoPi) *
+      (1 / static_cast<double>(behind.samples) + 1 / static_cast<double>(before.samples));
+  return jump > std::pow(kLeastShare * largest, 2) && jump > -std::log(kImpactChance) * variance;
 }
 
 }  // namespace

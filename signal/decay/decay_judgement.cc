@@ -23,7 +23,7 @@ using Eigen::Index;
 
 // What goes on beside a decay may be as large as this share of it.
 constexpr double kMostExcited = 0.1;
-// Energy over the largest that noise shows with probability `false_alarm`. Estimates that are
+// Energy over the largest that noise shows with probability kFalseAlarm. Estimates that are
 // answered only where noise made them larger are biased: at 4 times, 4.5 dB in 50 cycles, by a
 // tenth of a standard uncertainty.
 constexpr double kLeastDetection = 4;
@@ -36,7 +36,7 @@ struct DescribedFit {
   const DampedSinusoidsFit& fit;
   ResidualNoise noise;
   LineSpectrum residual;                  // of the fit
-  std::vector<DecayMode> modes;           // order of the fit
+  std::vector<DecayMode> modes;           // order of the fit, an offset among them
   std::vector<EnvelopeResult> envelopes;  // by mode
   Eigen::MatrixXd covariance;             // of (f_1, zeta_1, f_2, ...), Hz and 1
   // Time constants in the window, and their standard uncertainty, by mode.
@@ -44,24 +44,12 @@ struct DescribedFit {
 
   /// White-equivalent variance of a sample beside the angular frequency `w`: what the fit leaves at
   /// a mode itself is no noise.
-  [[nodiscard]] double noise_beside(double w) const {
-    DecaySearchOptions beside;
-    beside.candidates = 1;
-    beside.lowest = std::max(0.0, w / kTwoPi - 0.05);
-    beside.highest = std::min(0.5, w / kTwoPi + 0.05);
-    const auto floor = search_lines(residual, beside);
-    return floor.empty() ? noise.variance : floor.front().noise_variance;
-  }
+  [[nodiscard]] double noise_beside(double w) const { return noise_near(residual, Complex(0, w)); }
 };
-
-/// Number of poles without a decaying offset, which is the last.
-std::size_t oscillations(const DampedSinusoidsFit& fit) {
-  return fit.poles.size() - (is_offset(fit.poles.back()) ? 1 : 0);
-}
 
 // d (f, zeta) of every mode / d parameters of the fit.
 Eigen::MatrixXd mode_jacobian(const DampedSinusoidsFit& fit, double rate) {
-  const auto modes = static_cast<Index>(oscillations(fit));
+  const auto modes = static_cast<Index>(fit.poles.size());
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 * modes, fit.unit_covariance.rows());
   for (Index m = 0; m < modes; ++m) {
     const Complex p = fit.poles[static_cast<std::size_t>(m)];
@@ -79,26 +67,23 @@ Eigen::MatrixXd mode_jacobian(const DampedSinusoidsFit& fit, double rate) {
 /// lasts).
 bool leaves_company(const DampedSinusoidsFit& fit, std::size_t m, double noise_variance,
                     const FitUncertainty& uncertainty) {
-  double widening = 1;
-  for (Index k = 0; k < 4; ++k) {
-    widening = std::max(widening, uncertainty.widening(4 * static_cast<Index>(m) + k));
-  }
   const double left = departing_residual(fit, {}, std::span(&m, 1));
-  return fit.residual_sum_squares - left > gsl_cdf_chisq_Qinv(1e-4, 4) * widening * noise_variance;
+  return fit.residual_sum_squares - left >
+         gsl_cdf_chisq_Qinv(1e-4, 4) * uncertainty.widening_of_mode(m) * noise_variance;
 }
 
 /// Whether coloured noise passes for the mode: `alone`, what the other modes leave, is as well
 /// predicted by an autoregression of the residual's own order. (Likelihood ratio, four unknowns,
 /// over all cells of the search.)
 std::string doubt_of(const DecayMode& mode, const Eigen::VectorXd& alone,
-                     const Eigen::VectorXd& residual, Index order, double false_alarm) {
+                     const Eigen::VectorXd& residual, Index order) {
   // A mode that explains most of what is there is no noise; its residual's colour is its own.
   if (order == 0 || mode.r_squared > 0.8) return {};
   const double without = prediction_error(alone, order), with = prediction_error(residual, order);
   if (!(with > 0)) return {};
   const double gain = static_cast<double>(alone.size()) * std::log(without / with);
   // exp(threshold / 2) is the number of cells over the false alarm.
-  const double chance = std::exp(-0.5 * detection_threshold(alone.size(), false_alarm));
+  const double chance = std::exp(-0.5 * detection_threshold(alone.size()));
   const double needed = gsl_cdf_chisq_Qinv(chance, 4);
   if (gain > needed) return {};
   return fmt::format(
@@ -108,7 +93,7 @@ std::string doubt_of(const DecayMode& mode, const Eigen::VectorXd& alone,
 }
 
 /// Intervals are those of the fit's covariance and Student's law.
-DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate, double false_alarm) {
+DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate) {
   DescribedFit out{fit, {}, {}, {}, {}, {}, {}, {}};
   out.noise = residual_noise(fit.residual, fit.degrees);
   out.residual = line_spectrum(fit.residual);
@@ -118,7 +103,7 @@ DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate, double fal
   out.covariance = jacobian * covariance * jacobian.transpose();
   const double factor = gsl_cdf_tdist_Pinv(0.975, static_cast<double>(fit.degrees));
   const auto n = static_cast<double>(fit.samples);
-  for (std::size_t m = 0; m < oscillations(fit); ++m) {
+  for (std::size_t m = 0; m < fit.poles.size(); ++m) {
     const Complex p = fit.poles[m];
     const auto k = static_cast<Index>(2 * m), s = 2 * k + 2, w = s + 1;
     const double variance = out.noise.white_equivalent(p.imag() / kTwoPi);
@@ -129,8 +114,6 @@ DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate, double fal
     mode.frequency_hz = {std::abs(p) * to_hz, std::sqrt(out.covariance(k, k))};
     mode.damping_ratio = {damping_ratio_of(p), std::sqrt(out.covariance(k + 1, k + 1))};
     mode.damped_frequency_hz = {p.imag() * to_hz, std::sqrt(covariance(w, w)) * to_hz};
-    mode.correlation =
-        out.covariance(k, k + 1) / std::sqrt(out.covariance(k, k) * out.covariance(k + 1, k + 1));
     const auto interval = [&](const Estimate& e) {
       return Interval{e.value - factor * e.std, e.value + factor * e.std};
     };
@@ -152,8 +135,7 @@ DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate, double fal
     mode.log_decrement = {kTwoPi * zeta.value / root, kTwoPi * zeta.std / (root * root * root)};
     mode.amplitude = std::abs(fit.amplitudes[m]), mode.phase_rad = std::arg(fit.amplitudes[m]);
     mode.energy = mode_energy(fit, m);
-    mode.detection =
-        mode.energy / std::max(detection_threshold(fit.samples, false_alarm) * variance, 1e-300);
+    mode.detection = mode.energy / std::max(detection_threshold(fit.samples) * variance, 1e-300);
     mode.cycles = p.imag() / kTwoPi * n;
 
     Eigen::VectorXd alone = fit.mode_signal(m);
@@ -165,7 +147,7 @@ DescribedFit describe_fit(const DampedSinusoidsFit& fit, double rate, double fal
     mode.damping_ratio_log_decrement = decrement.damping_ratio;
     mode.log_decrement_refusal = decrement.refusal;
     out.envelopes.push_back(envelope_of(cycles));
-    mode.doubt = doubt_of(mode, alone, fit.residual, out.noise.coefficients.size(), false_alarm);
+    mode.doubt = doubt_of(mode, alone, fit.residual, out.noise.coefficients.size());
     mode.doubtful = !mode.doubt.empty();
     mode.company = leaves_company(fit, m, out.noise_beside(p.imag()), uncertainty);
     out.modes.push_back(std::move(mode));
@@ -310,13 +292,12 @@ class Judgement {
     if (terms < 1) return 0;
     const RunningAmplitude running(d_.fit.residual, w);
     Eigen::VectorXcd z(count);
-    Eigen::MatrixXd powers(count, terms);  // Chebyshev's polynomials
+    Eigen::MatrixXd powers(count, terms);
     for (Index k = 0; k < count; ++k) {
       z(k) = running.over(k * block, (k + 1) * block);
-      const double t = 2 * (static_cast<double>(k) + 0.5) / static_cast<double>(count) - 1;
-      for (Index p = 0; p < terms; ++p)
-        powers(k, p) = std::cos(static_cast<double>(p) * std::acos(t));
     }
+    const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(count, -1, 1);
+    for (Index p = 0; p < terms; ++p) powers.col(p) = t.pow(static_cast<double>(p));
     const Eigen::MatrixXd basis = thin_qr(powers).Q;
     const Eigen::VectorXcd left = z - basis * (basis.transpose() * z);
     const double sum = left.squaredNorm(), degrees = static_cast<double>(2 * (count - terms));
@@ -411,8 +392,8 @@ class Judgement {
 }  // namespace
 
 void judge_decay(const DampedSinusoidsFit& fit, const DecayBand& band, double sample_rate_hz,
-                 double false_alarm, DecayResult& result) {
-  const DescribedFit described = describe_fit(fit, sample_rate_hz, false_alarm);
+                 DecayResult& result) {
+  const DescribedFit described = describe_fit(fit, sample_rate_hz);
   result.offset = fit.offset;
   result.drift_per_s = fit.drift / static_cast<double>(fit.samples) * sample_rate_hz;
   result.noise_std = std::sqrt(described.noise.variance);

@@ -24,6 +24,6 @@ namespace rigfit::signal {
 /// Fills modes, steady tones, covariance and envelope of `result`, or its refusal. `fit` must not
 /// be rank-deficient.
 void judge_decay(const DampedSinusoidsFit& fit, const DecayBand& band, double sample_rate_hz,
-                 double false_alarm, DecayResult& result);
+                 DecayResult& result);
 
 }  // namespace rigfit::signal

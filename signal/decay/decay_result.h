@@ -20,11 +20,9 @@ struct DecayOptions {
   bool choose_window = true;
   /// Move the start on while the first half cycle fits worse than the rest (the tail of an impact).
   bool trim_start = true;
-  double band_low_hz = 0;     ///< modes below are not reported; 0: no limit
-  double band_high_hz = 0;    ///< modes above are not reported; 0: no limit
-  int max_modes = 12;         ///< in the band; outside it up to as many
-  double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
-  double start_time_s = 0;    ///< time of the first sample, for messages
+  double band_low_hz = 0;   ///< modes below are not reported; 0: no limit
+  double band_high_hz = 0;  ///< modes above are not reported; 0: no limit
+  double start_time_s = 0;  ///< time of the first sample, for messages
 };
 
 struct DecayMode {
@@ -32,12 +30,11 @@ struct DecayMode {
   Estimate damped_frequency_hz;
   Estimate damping_ratio;
   Interval frequency_interval_95_hz, damping_ratio_interval_95;
-  double correlation = 0;  ///< between frequency_hz and damping_ratio
-  double amplitude = 0;    ///< at the start of the window, the signal's unit
-  double phase_rad = 0;    ///< phase of the cosine at the start of the window
-  double energy = 0;       ///< sum of squares over the window: sets the order
-  double cycles = 0;       ///< damped cycles in the window
-  /// Energy over the largest that coloured noise reaches with probability `false_alarm`.
+  double amplitude = 0;  ///< at the start of the window, the signal's unit
+  double phase_rad = 0;  ///< phase of the cosine at the start of the window
+  double energy = 0;     ///< sum of squares over the window: sets the order
+  double cycles = 0;     ///< damped cycles in the window
+  /// Energy over the largest that coloured noise reaches with probability kFalseAlarm.
   double detection = 0;
   /// Share of the signal left by other modes and background that this mode explains.
   double r_squared = 0;

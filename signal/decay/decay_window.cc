@@ -64,40 +64,14 @@ bool decays_before(const Eigen::VectorXd& y, double w, Index first, Index cycle)
          0.1 * running.largest(cycle, std::max<Index>(1, cycle / 2));
 }
 
-// Whether a record that was cut off at a rail comes off it at `at`, which steps its amplitude too:
-// two and more samples on the record's rail in the eight cycles before.
-bool leaves_rail(const Eigen::Ref<const Eigen::VectorXd>& y, Index at, Index cycle) {
-  const Index from = std::max<Index>(0, at - 8 * cycle);
-  for (const double sign : {1.0, -1.0}) {
-    double rail = -std::numeric_limits<double>::infinity(), least = -rail;
-    for (const double v : y) {
-      if (std::isfinite(v)) rail = std::max(rail, sign * v), least = std::min(least, sign * v);
-    }
-    Index on = 0;
-    for (Index j = from; j < at; ++j) on += sign * y(j) >= rail - 1e-12 * (rail - least);
-    if (on >= 2) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y) {
-  // As many equal samples at the end, and three times as many as anywhere else.
   constexpr Index kFewest = 16;
   const Index n = y.size();
   Index tail = 1;
   while (tail < n && y(n - 1 - tail) == y(n - 1)) ++tail;
   if (tail < kFewest || tail == n) return n;
-  // Quiet before the impact may be constant too: what leads in is not compared with.
-  Index lead = 1, longest = 1, run = 1;
-  while (lead < n - tail && y(lead) == y(0)) ++lead;
-  for (Index j = lead + 1; j < n - tail; ++j) {
-    run = y(j) == y(j - 1) ? run + 1 : 1;
-    longest = std::max(longest, run);
-  }
-  if (tail <= 3 * longest) return n;
-  // A swing that came to rest on a coarse scale: within two of its steps before, too.
   double step = std::numeric_limits<double>::infinity();
   for (Index j = 1; j < n - tail; ++j) {
     if (y(j) != y(j - 1)) step = std::min(step, std::abs(y(j) - y(j - 1)));
@@ -151,7 +125,14 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
   strong.insert(strong.begin(), w);
 
   std::vector<Index> starts = further_hits(x, strong, missing_before);
-  std::erase_if(starts, [&](Index start) { return leaves_rail(y, start, cycle); });
+  // A record that was cut off at a rail and comes off it steps its amplitude too.
+  const double high = y.maxCoeff<Eigen::PropagateNumbers>();
+  const double low = y.minCoeff<Eigen::PropagateNumbers>();
+  std::erase_if(starts, [&](Index start) {
+    const Index reach = std::min(start, 8 * cycle);
+    const auto before = y.segment(start - reach, reach).array();
+    return (before == high).count() > 1 || (before == low).count() > 1;
+  });
   if (quiet) {  // better placed than a jump is
     std::erase_if(starts, [&](Index start) { return std::abs(start - onset) < 4 * cycle; });
     starts.push_back(onset);
@@ -166,13 +147,13 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
   std::vector<DecayWindow> windows;
   for (std::size_t k = 0; k < starts.size(); ++k) {
     DecayWindow window;
-    window.start = starts[k], window.after_impact = starts[k] > 0;
+    window.start = starts[k];
     window.end = n;
     if (k + 1 < starts.size()) {
       window.end = std::max<Index>(starts[k + 1] - 2 * cycle, starts[k] + 1);
     }
     // An impact lasts: half a cycle is left to it (more where the fit then shows so).
-    if (window.after_impact) {
+    if (window.start > 0) {
       window.start =
           std::min(window.start + static_cast<Index>(std::ceil(0.5 * kTwoPi / w)), window.end - 1);
     }

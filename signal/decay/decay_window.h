@@ -18,8 +18,7 @@
 namespace rigfit::signal {
 
 struct DecayWindow {
-  Eigen::Index start = 0, end = 0;  ///< samples [start, end)
-  bool after_impact = false;        ///< start was moved behind an impact or release
+  Eigen::Index start = 0, end = 0;  ///< samples [start, end); a start > 0 is behind an impact
 };
 
 /// All decays of a record, in time. Never empty for a record that has samples. `y`: NaN where
@@ -28,7 +27,8 @@ struct DecayWindow {
                                                    const DecayBand& band = {0, 0.5, true});
 
 /// Number of samples without a run of equal values at the end of the record (a stopped logger
-/// writes zeros); such a run has 16 samples or more and is three times as long as any other.
+/// writes zeros); such a run has 16 samples or more and does not end a swing that comes to rest on
+/// a coarse scale: the 16 samples before it were not all within two steps of it.
 [[nodiscard]] Eigen::Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y);
 
 }  // namespace rigfit::signal

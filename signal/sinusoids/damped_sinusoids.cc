@@ -99,8 +99,11 @@ class Problem {
     fit.poles.assign(at.begin(), at.end());
     fit.amplitudes.assign(fit.poles.size(), 0);
     fit.offset = fit.drift = 0;
-    powers_.resize(std::min(kBlock, fit.samples), m_ + 1);
-    for (Index m = 0; m <= m_; ++m) powers_.col(m) = powers(poles_(m), powers_.rows());
+    powers_.resize(std::min(kBlock, fit.samples), 2 * m_);
+    for (Index m = 0; m < m_; ++m) {
+      const ArrayXcd z = powers(poles_(m), powers_.rows());
+      powers_.col(2 * m) = z.real(), powers_.col(2 * m + 1) = z.imag();
+    }
     fill_gram();
     const ScaledGram factor(fit.jacobian_gram(linear_, linear_));
     if (!factor.usable()) return false;
@@ -129,32 +132,47 @@ class Problem {
 
   // Residual at the present linear parameters, its sum of squares and the gradient.
   void project() {
-    Eigen::VectorXcd amplitudes(m_ + 1);
-    std::ranges::copy(fit.amplitudes, amplitudes.begin());
-    amplitudes(m_) = fit.offset;
+    // Columns Re z and Im z of each mode, 1 and j/N, and what belongs to them.
+    Eigen::VectorXd coefficients(2 * m_ + 2);
+    for (Index m = 0; m < m_; ++m) {
+      const Complex c = fit.amplitudes[static_cast<std::size_t>(m)];
+      coefficients.segment<2>(2 * m) << c.real(), -c.imag();
+    }
+    coefficients.tail<2>() << fit.offset, fit.drift;
+    Eigen::MatrixXd basis(powers_.rows(), 2 * m_ + 2);
+    basis.col(2 * m_).setOnes();
+    auto t = basis.col(2 * m_ + 1);
+    // Of the residual, and of that times j/N, with the columns.
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(2 * m_ + 2, 2);
     fit.residual_sum_squares = 0;
-    // Of the residual with z^j and (j/N) z^j.
-    Eigen::MatrixXcd products = Eigen::MatrixXcd::Zero(m_ + 1, 2);
     for (Index start = 0; start < fit.samples; start += kBlock) {
+      const auto first = static_cast<double>(start);
       const Index length = std::min(kBlock, fit.samples - start);
-      // Not by powers(), which would put one rounding of a phase into half of the blocks.
-      ArrayXcd heads = (poles_.array() * static_cast<double>(start)).exp();
-      heads = (heads.abs() > kNegligible).select(heads, Complex(0));
-      const Eigen::MatrixXcd z = powers_.topRows(length) * heads.matrix().asDiagonal();
-      const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(
-          length, static_cast<double>(start) / n_, static_cast<double>(start + length - 1) / n_);
+      for (Index m = 0; m < m_; ++m) {
+        // Not by powers(), which would put one rounding of a phase into half of the blocks.
+        Complex head = std::exp(poles_(m) * first);
+        if (std::abs(head) < kNegligible) head = 0;
+        basis.col(2 * m) = head.real() * powers_.col(2 * m) - head.imag() * powers_.col(2 * m + 1);
+        basis.col(2 * m + 1) =
+            head.real() * powers_.col(2 * m + 1) + head.imag() * powers_.col(2 * m);
+      }
+      t.setLinSpaced(first / n_, (first + static_cast<double>(t.size() - 1)) / n_);
+      const auto rows = basis.topRows(length);
       auto r = fit.residual.segment(start, length);
-      r = (y_.segment(start, length) - (z * amplitudes).real() - fit.drift * t)
+      r = (y_.segment(start, length) - rows * coefficients)
               .cwiseProduct(present_.segment(start, length));
       fit.residual_sum_squares += r.squaredNorm();
-      Eigen::MatrixXd moments(length, 2);
-      moments << r, t.cwiseProduct(r);
-      products += z.transpose() * moments;
+      products.col(0).noalias() += rows.transpose() * r;
+      products.col(1).noalias() += rows.transpose() * t.head(length).cwiseProduct(r);
     }
     gradient_.resize(fit.jacobian_gram.rows());
     for (Index k = 0; k < gradient_.size(); ++k) {
       const auto [power, factor] = column(k);
-      gradient_(k) = (factor * products(k / 4, power)).real();
+      gradient_(k) =
+          k < 4 * m_
+              ? (factor * Complex(products(k / 4 * 2, power), products(k / 4 * 2 + 1, power)))
+                    .real()
+              : products(2 * m_ + power, 0);
     }
     for (std::size_t k = 0; k < known_.size(); ++k) {
       const auto& [value, information] = known_[k];
@@ -217,7 +235,7 @@ class Problem {
   std::span<const KnownTone> known_;  // of the first poles
   // Parameters that are free, in the order of `jacobian_gram`: linear ones, and parts of poles.
   std::vector<Index> linear_, moving_;
-  Eigen::MatrixXcd powers_;  // z^l of a block, by mode
+  Eigen::MatrixXd powers_;  // Re z^l and Im z^l of a block, by mode
   Eigen::VectorXd gradient_;
 };
 

@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "signal/numerics/least_squares.h"
 #include "signal/numerics/numbers.h"
 #include "signal/numerics/power_sums.h"
-#include "signal/numerics/scaled_gram.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
 
@@ -22,65 +20,48 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 constexpr Index kFewDegrees = 200;
 
+std::size_t modes_of(const DampedSinusoidsFit& fit) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      fit.poles, [](Complex pole) { return !is_tone(pole) && !is_offset(pole); }));
+}
+
 class DecayModeSearch {
  public:
-  DecayModeSearch(const DecaySamples& samples, const DecayModesOptions& options)
-      : samples_(samples), options_(options), n_(samples.values.size()) {}
+  explicit DecayModeSearch(const DecaySamples& samples)
+      : samples_(samples), n_(samples.values.size()) {}
 
-  // The first mode, from several starts; nothing when no peak stands out of the noise.
-  std::optional<DampedSinusoidsFit> first(double lowest, double highest) {
-    const Eigen::VectorXd x = trendless();
+  // One mode more, or nothing when none is worth it; the first from several starts.
+  std::optional<DampedSinusoidsFit> next(const DampedSinusoidsFit& fit, double lowest,
+                                         double highest) {
+    const bool first = modes_of(fit) == 0;
     DecaySearchOptions search;
     search.lowest = lowest, search.highest = highest, search.candidates = 3;
     // Half of what noise may show: Fisher's test of the fit decides.
-    search.energy_over_noise = 0.5 * threshold();
-    const auto found = distinct_decays(decay_peaks(x, search), n_, search);
-    std::vector<DecayCandidate> starts;
-    for (const auto& c : found) {
-      if (c.energy > 0.3 * found.front().energy) starts.push_back(c);
-    }
+    search.energy_over_noise = (first ? 0.5 : 1) * threshold();
+    const auto found = distinct_decays(decay_peaks(fit.residual, search), n_, search);
     std::optional<DampedSinusoidsFit> best;
-    for (const auto& start : starts) {
-      auto fit = fit_poles(samples_, {start.pole});
-      if (!fit || !plausible_decay(fit->poles[0], n_) || !oscillates(*fit)) continue;
-      if (!passes_fisher(x.squaredNorm() - fit->residual_sum_squares, *fit)) continue;
-      if (!best || fit->residual_sum_squares < best->residual_sum_squares) best = std::move(fit);
+    for (const auto& candidate : found) {
+      if (first && candidate.energy < 0.3 * found.front().energy) break;
+      auto poles = fit.poles;
+      poles.push_back(candidate.pole);
+      auto more = fit_poles(samples_, poles);
+      if (!more || !worthwhile(fit, *more, candidate.noise_variance)) continue;
+      if (!best || more->residual_sum_squares < best->residual_sum_squares) best = std::move(more);
+      if (!first) break;
     }
     return best;
   }
 
-  // One mode more, or nothing when none is worth it.
-  std::optional<DampedSinusoidsFit> next(const DampedSinusoidsFit& fit, double lowest,
-                                         double highest) {
-    DecaySearchOptions search;
-    search.lowest = lowest, search.highest = highest, search.candidates = 3;
-    search.energy_over_noise = threshold();
-    for (const auto& candidate : distinct_decays(decay_peaks(fit.residual, search), n_, search)) {
-      auto poles = fit.poles;
-      poles.push_back(candidate.pole);
-      const auto needed = static_cast<Index>(4 * poles.size() + 2);
-      if (n_ - static_cast<Index>(samples_.missing.size()) <= needed + 2) return {};
-      auto more = fit_poles(samples_, poles);
-      if (more && worthwhile(fit, *more, candidate.noise_variance)) return more;
-    }
-    return {};
-  }
-
  private:
-  double threshold() const { return detection_threshold(n_, options_.false_alarm); }
-
-  Eigen::VectorXd trendless() const {
-    Eigen::VectorXd x = samples_.values;
-    for (Index j : samples_.missing) x(j) = std::numeric_limits<double>::quiet_NaN();
-    return without_trend(x);
-  }
+  double threshold() const { return detection_threshold(n_); }
 
   bool worthwhile(const DampedSinusoidsFit& fit, const DampedSinusoidsFit& more,
                   double noise_variance) const {
+    const bool first = modes_of(fit) == 0;
     const double gain = fit.residual_sum_squares - more.residual_sum_squares;
-    if (!(gain > threshold() * noise_variance)) return false;
+    if (!first && !(gain > threshold() * noise_variance)) return false;
     // Few samples know little of the noise: Fisher's test as well.
-    if (more.degrees < kFewDegrees && !passes_fisher(gain, more)) return false;
+    if ((first || more.degrees < kFewDegrees) && !passes_fisher(gain, more)) return false;
     const double white = more.residual_sum_squares / static_cast<double>(more.degrees);
     for (std::size_t m = 0; m < more.poles.size(); ++m) {
       if (is_offset(more.poles[m])) continue;
@@ -88,13 +69,13 @@ class DecayModeSearch {
       const auto k = static_cast<Index>(4 * m);
       const double a_std = std::sqrt(white * more.unit_covariance(k + 2, k + 2));
       const double w_std = std::sqrt(white * more.unit_covariance(k + 3, k + 3));
-      if (m + 1 < more.poles.size()) continue;  // held its ground before
+      if (first || m + 1 < more.poles.size()) continue;  // held its ground before
       if (w_std > 0.05 * more.poles[m].imag()) return false;
       // Strongly damped ones explain transients as readily as modes: they must be well determined.
       if (damping_ratio_of(more.poles[m]) > 0.15 && a_std > 0.2 * std::abs(more.poles[m].real()))
         return false;
     }
-    return told_apart(fit, more, noise_variance);
+    return first ? oscillates(more) : told_apart(fit, more, noise_variance);
   }
 
   // Modes that beat for less than 0.4 beats while both last are not told apart; under one and a
@@ -131,18 +112,18 @@ class DecayModeSearch {
   }
 
   // Whether noise of the residual's variance would take out so much with one mode more, in the best
-  // among all cells of the bank, with probability `false_alarm` at most.
+  // among all cells of the bank, with probability kFalseAlarm at most.
   bool passes_fisher(double gain, const DampedSinusoidsFit& fit) const {
     const double degrees = static_cast<double>(fit.degrees);
     const double ratio = gain / 4 / std::max(fit.residual_sum_squares / degrees, 1e-300);
-    const double cells = std::exp(0.5 * threshold()) * options_.false_alarm;
-    return gsl_cdf_fdist_Q(ratio, 4, degrees) * cells < options_.false_alarm;
+    const double cells = std::exp(0.5 * threshold()) * kFalseAlarm;
+    return gsl_cdf_fdist_Q(ratio, 4, degrees) * cells < kFalseAlarm;
   }
 
   // An arc is no oscillation: where few cycles are seen, the fit must leave less than half of what
   // a polynomial with as many coefficients leaves, or less by so much that noise would not show it.
   bool oscillates(const DampedSinusoidsFit& fit) const {
-    const Complex p = fit.poles[0];
+    const Complex p = fit.poles.back();
     const double lasts =
         p.real() < 0 ? std::min(static_cast<double>(n_), 3 / -p.real()) : static_cast<double>(n_);
     if (p.imag() / kTwoPi * lasts > 3) return true;
@@ -157,44 +138,23 @@ class DecayModeSearch {
   }
 
   const DecaySamples& samples_;
-  const DecayModesOptions& options_;
   Index n_;
 };
 
-/// Increase of the sum of squares when mode `m` is left out and all other poles stay.
-double energy_explained(const DampedSinusoidsFit& fit, std::size_t m) {
-  const auto modes = static_cast<Index>(fit.poles.size());
-  const Index background = fit.jacobian_gram.rows() - 4 * modes;
-  std::vector<Index> linear;
-  for (Index k = 0; k < modes; ++k) linear.push_back(4 * k), linear.push_back(4 * k + 1);
-  for (Index b = 0; b < background; ++b) linear.push_back(4 * modes + b);
-  const ScaledGram gram(fit.jacobian_gram(linear, linear));
-  if (!gram.usable()) return 0;
-  const Eigen::MatrixXd inverse = gram.inverse();
-  const Eigen::Vector2d amplitude(fit.amplitudes[m].real(), fit.amplitudes[m].imag());
-  const auto at = static_cast<Index>(2 * m);
-  const ScaledGram of(inverse.block<2, 2>(at, at));
-  return of.usable() ? amplitude.dot(of.solve_vector(amplitude)) : 0;
-}
-
 /// The mode that noise passes for most readily where the noise is larger while the mode lasts than
 /// over the record; nothing when all stand out.
-std::optional<std::size_t> passing_for_noise(const DampedSinusoidsFit& fit, double false_alarm) {
+std::optional<std::size_t> passing_for_noise(const DampedSinusoidsFit& fit) {
   const ResidualNoise noise = residual_noise(fit.residual, fit.degrees);
   const FitUncertainty uneven = fit_uncertainty(fit, noise);
   // Four unknowns, over all cells of the search.
-  const double needed =
-      gsl_cdf_chisq_Qinv(std::exp(-0.5 * detection_threshold(fit.samples, false_alarm)), 4);
+  const double needed = gsl_cdf_chisq_Qinv(std::exp(-0.5 * detection_threshold(fit.samples)), 4);
   std::optional<std::size_t> weakest;
   double least = 1;
   for (std::size_t m = 0; m < fit.poles.size(); ++m) {
     if (is_tone(fit.poles[m]) || is_offset(fit.poles[m])) continue;
-    double widening = 1;
-    for (Index k = 0; k < 4; ++k) {
-      widening = std::max(widening, uneven.widening(4 * static_cast<Index>(m) + k));
-    }
+    const double widening = uneven.widening_of_mode(m);
     const double variance = widening * noise.white_equivalent(fit.poles[m].imag() / kTwoPi);
-    const double evidence = energy_explained(fit, m) / std::max(needed * variance, 1e-300);
+    const double evidence = mode_energy(fit, m) / std::max(needed * variance, 1e-300);
     if (widening > 1 && evidence < least) least = evidence, weakest = m;
   }
   return weakest;
@@ -244,31 +204,31 @@ double mode_energy(const DampedSinusoidsFit& fit, std::size_t m) {
 
 std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
                                                    const DecayBand& band,
-                                                   const DecayModesOptions& options,
-                                                   const std::vector<Complex>& known) {
-  DecayModeSearch search(samples, options);
-  auto fit = known.empty() ? search.first(0, 0.5) : fit_poles(samples, known);
-  // A slow sway may be no oscillation, and larger than what is asked for.
-  if (!fit && !band.all) fit = search.first(band.low, band.high);
+                                                   const std::vector<Complex>& known,
+                                                   int max_modes) {
+  DecayModeSearch search(samples);
+  auto fit = fit_poles(samples, known);
   if (!fit) return fit;
-  const auto limit = static_cast<std::size_t>(std::max(1, options.max_modes));
+  const auto limit = static_cast<std::size_t>(max_modes);
   while (fit->poles.size() < limit) {
     auto more = search.next(*fit, 0, 0.5);
     if (!more) break;
     fit = std::move(more);
   }
-  const auto count = [&](const DecayBand& in) {
+  const auto in_band = [&] {
     return static_cast<std::size_t>(
-        std::ranges::count_if(fit->poles, [&](Complex p) { return in.contains(p); }));
+        std::ranges::count_if(fit->poles, [&](Complex p) { return band.contains(p); }));
   };
-  while (!band.all && count(band) < limit && fit->poles.size() < 2 * limit) {
+  // A slow sway may be no oscillation, and larger than what is asked for.
+  while (!band.all && in_band() < limit && fit->poles.size() < 2 * limit) {
     auto more = search.next(*fit, band.low, band.high);
     if (!more) break;
     fit = std::move(more);
   }
+  if (modes_of(*fit) == 0) return {};
   // Not before all modes are found: what is left of a mode looks like noise of its own envelope.
-  while (count({0, 0.5, true}) > 1) {
-    const auto m = passing_for_noise(*fit, options.false_alarm);
+  while (modes_of(*fit) > 1) {
+    const auto m = passing_for_noise(*fit);
     if (!m) break;
     auto poles = fit->poles;
     poles.erase(poles.begin() + static_cast<std::ptrdiff_t>(*m));

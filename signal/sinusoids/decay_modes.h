@@ -2,7 +2,7 @@
 // the residual has a peak that noise of its colour does not explain.
 //
 // A mode is taken when the energy that it explains exceeds what the best of all cells of the search
-// (decay_search.h) takes out of noise with the chance `false_alarm`, when its pole is determined by
+// (decay_search.h) takes out of noise with the chance kFalseAlarm, when its pole is determined by
 // the samples, and when it does not merely correct another mode that departs from an exponential.
 // A mode that noise could imitate, because the noise is larger while the mode lasts
 // (residual_noise.h), is removed at the end.
@@ -36,16 +36,14 @@ struct DecayBand {
   [[nodiscard]] bool contains(std::complex<double> pole) const;
 };
 
-struct DecayModesOptions {
-  int max_modes = 12;         ///< in the band; outside it up to as many
-  double false_alarm = 1e-4;  ///< chance that noise alone adds a mode
-};
+/// Most modes in a band, and outside it.
+inline constexpr int kMostModes = 12;
 
 /// All modes that the samples support; nothing when there is none. `known` poles, modes or not,
 /// are where the search starts; steady tones and offsets among them stay.
 [[nodiscard]] std::optional<DampedSinusoidsFit> find_decay_modes(
-    const DecaySamples& samples, const DecayBand& band, const DecayModesOptions& options,
-    const std::vector<std::complex<double>>& known = {});
+    const DecaySamples& samples, const DecayBand& band,
+    const std::vector<std::complex<double>>& known = {}, int max_modes = kMostModes);
 
 /// The fit of these poles; nothing where they cannot be told apart.
 [[nodiscard]] std::optional<DampedSinusoidsFit> fit_poles(

@@ -1,9 +1,11 @@
 #include "signal/sinusoids/decay_search.h"
 
+#include <gsl/gsl_fit.h>
+
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
-#include <optional>
 
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
@@ -21,11 +23,12 @@ constexpr double kWindowTimeConstants = 8;
 constexpr Index kNoPaddingFrom = 1 << 16;
 
 // Median of the power around line k, over as many lines as tell the noise from the peak.
-double local_median(const Eigen::VectorXd& power, Index k, Index reach, std::vector<double>& work) {
-  const Index lo = std::max<Index>(1, k - reach), hi = std::min(power.size() - 1, k + reach);
-  work.assign(power.data() + lo, power.data() + hi + 1);
-  const auto middle = work.begin() + static_cast<std::ptrdiff_t>(work.size() / 2);
-  std::nth_element(work.begin(), middle, work.end());
+double local_median(const Eigen::VectorXd& power, Index k, Index reach) {
+  const Index lo = std::clamp<Index>(k - reach, 1, power.size() - 1);
+  const Index hi = std::clamp<Index>(k + reach, lo, power.size() - 1);
+  std::vector<double> around(power.data() + lo, power.data() + hi + 1);
+  const auto middle = around.begin() + std::ssize(around) / 2;
+  std::ranges::nth_element(around, middle);
   return *middle;
 }
 
@@ -40,171 +43,105 @@ double detection_threshold(Index samples, double false_alarm) {
 
 Eigen::VectorXd without_trend(const Eigen::Ref<const Eigen::VectorXd>& y) {
   const Index n = y.size();
-  double count = 0, st = 0, stt = 0, sy = 0, sty = 0;
-  const double middle = 0.5 * static_cast<double>(n - 1);
-  for (Index j = 0; j < n; ++j) {
-    if (!std::isfinite(y(j))) continue;
-    const double t = static_cast<double>(j) - middle;
-    count += 1, st += t, stt += t * t, sy += y(j), sty += t * y(j);
-  }
-  const double determinant = count * stt - st * st;
-  double slope = 0, level = count > 0 ? sy / count : 0;
-  if (determinant > 0) {
-    slope = (count * sty - st * sy) / determinant;
-    level = (sy - slope * st) / count;
-  }
-  Eigen::VectorXd out(n);
-  for (Index j = 0; j < n; ++j) {
-    out(j) = std::isfinite(y(j)) ? y(j) - level - slope * (static_cast<double>(j) - middle) : 0;
-  }
-  return out;
+  const Eigen::ArrayXd present = y.array().isFinite().cast<double>();
+  if (present.sum() < 2) return Eigen::VectorXd::Zero(n);
+  const Eigen::ArrayXd values = (present > 0).select(y.array(), 0);
+  const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(n, -1, 1);
+  double level = 0, slope = 0, unused[4];
+  gsl_fit_wlinear(t.data(), 1, present.data(), 1, values.data(), 1, static_cast<std::size_t>(n),
+                  &level, &slope, &unused[0], &unused[1], &unused[2], &unused[3]);
+  return present * (values - level - slope * t);
 }
 
 namespace {
 
-// The strongest peaks of spectra, so many of them that what is distinct among them is enough.
-class PeakCollector {
- public:
-  PeakCollector(const DecaySearchOptions& options, Index samples, double total)
-      : options_(options), n_(static_cast<double>(samples)), total_(total) {}
+// So many peaks are kept: what is distinct among them is enough.
+constexpr std::size_t kKeep = 64;
 
-  /// Peaks of the filter of decay rate a.
-  void add(const Eigen::VectorXd& power, double lines_per_cycle, double a) {
-    // A pole with damping ratio over 0.9 or with under half a cycle in the record is no
-    // oscillation.
-    const double lowest = std::max({options_.lowest, a * 0.075, 0.5 / n_});
-    const Index first = std::max<Index>(1, static_cast<Index>(std::ceil(lowest * lines_per_cycle)));
-    const Index last = std::min<Index>(
-        power.size() - 1, static_cast<Index>(std::floor(options_.highest * lines_per_cycle)));
-    for (Index k = first; k <= last; ++k) {
-      const double p = power(k);
-      if (p < least_) continue;
-      if ((k > first && power(k - 1) > p) || (k < last && power(k + 1) >= p)) continue;
-      if (p < 1e-16 * total_) continue;
-      double shift = 0, peak = p;
-      if (k > 0 && k + 1 < power.size()) {
-        const double left = power(k - 1), right = power(k + 1), bend = left - 2 * p + right;
-        if (bend < 0) {
-          shift = std::clamp(0.5 * (left - right) / bend, -0.5, 0.5);
-          peak = p - 0.25 * (left - right) * shift;
-        }
-      }
-      const double frequency =
-          std::clamp((static_cast<double>(k) + shift) / lines_per_cycle, lowest, 0.5);
-      found.push_back({Complex(-std::max(a, kFreeDecay / n_), kTwoPi * frequency), peak, 0});
-      if (found.size() >= 4 * kKeep) keep_strongest();
-    }
-    keep_strongest();
+/// Adds the peaks of the filter of decay rate a, and keeps the strongest.
+void add_peaks(const LineSpectrum& spectrum, double a, const DecaySearchOptions& options,
+               std::vector<DecayCandidate>& found) {
+  const auto n = static_cast<double>(spectrum.samples);
+  const auto& power = spectrum.power;
+  const double per_cycle = spectrum.lines_per_cycle;
+  // A pole with damping ratio over 0.9 or with under half a cycle in the record is no oscillation.
+  const double lowest = std::max({options.lowest, a * 0.075, 0.5 / n});
+  const Index first = std::max<Index>(1, static_cast<Index>(std::ceil(lowest * per_cycle)));
+  const Index last = std::min<Index>(power.size() - 1,
+                                     static_cast<Index>(std::floor(options.highest * per_cycle)));
+  for (Index k = first; k <= last; ++k) {
+    const double p = power(k);
+    if ((k > first && power(k - 1) > p) || (k < last && power(k + 1) >= p)) continue;
+    if (p < 1e-16 * spectrum.total) continue;
+    const double frequency = std::clamp(static_cast<double>(k) / per_cycle, lowest, 0.5);
+    found.push_back({Complex(-std::max(a, kFreeDecay / n), kTwoPi * frequency), p, 0});
   }
+  if (found.size() <= kKeep) return;
+  std::ranges::nth_element(found, found.begin() + kKeep, std::greater(), &DecayCandidate::energy);
+  found.resize(kKeep);
+}
 
-  std::vector<DecayCandidate> found;
-
- private:
-  static constexpr std::size_t kKeep = 64;
-
-  // Long records would collect a peak for every third line. What is left out from here on is too
-  // weak for its parabola, which adds an eighth at most, to lift it among those that are kept.
-  void keep_strongest() {
-    if (found.size() <= kKeep) return;
-    const auto middle = found.begin() + static_cast<std::ptrdiff_t>(kKeep);
-    std::nth_element(found.begin(), middle, found.end(),
-                     [](const auto& l, const auto& r) { return l.energy > r.energy; });
-    found.resize(kKeep);
-    double weakest = found.front().energy;
-    for (const auto& c : found) weakest = std::min(weakest, c.energy);
-    least_ = std::max(least_, weakest / 1.125);
-  }
-
-  const DecaySearchOptions& options_;
-  double n_, total_, least_ = 0;
-};
-
-// White-equivalent noise beside each peak.
 void read_noise(std::vector<DecayCandidate>& peaks, const LineSpectrum& undamped) {
-  const auto n = static_cast<double>(undamped.samples);
-  std::vector<double> work;
-  for (auto& c : peaks) {
-    const auto k =
-        static_cast<Index>(std::lround(c.pole.imag() / kTwoPi * undamped.lines_per_cycle));
-    // Near enough to follow coloured noise, far enough to look past the line itself.
-    const double line = c.pole.imag() / kTwoPi * n;
-    const double lines =
-        std::clamp(0.5 * line, 8.0, 64.0) - 2 * c.pole.real() * n / std::numbers::pi;
-    const auto reach = static_cast<Index>(lines * undamped.lines_per_cycle / n);
-    // Median of an exponential distribution of mean 2 s^2 is 2 s^2 ln 2.
-    c.noise_variance =
-        std::max(local_median(undamped.power, k, reach, work) / (2 * std::numbers::ln2),
-                 1e-30 * undamped.total / n);
-  }
+  for (auto& c : peaks) c.noise_variance = noise_near(undamped, c.pole);
 }
 
-Index spectrum_length(Index samples) {
-  return good_fft_length(samples < kNoPaddingFrom ? 2 * samples : samples);
-}
-
-// The filter of decay rate a, by the first `length` samples.
-void filter(const Eigen::Ref<const Eigen::VectorXd>& y, Index length, double a, RealFft& fft,
-            Eigen::VectorXd& power) {
-  auto time = fft.time();
-  double window_energy = 0;
-  const double q = std::exp(-a);
-  double w = 1;
-  for (Index j = 0; j < length; ++j, w *= q) {
-    time(j) = w * y(j);
-    window_energy += w * w;
-  }
-  time.tail(time.size() - length).setZero();
-  fft.forward();
-  power = fft.spectrum().cwiseAbs2() * (2 / window_energy);
-}
-
-}  // namespace
-
-LineSpectrum line_spectrum(const Eigen::Ref<const Eigen::VectorXd>& y) {
+/// The output of the filter of decay rate a.
+LineSpectrum filtered(const Eigen::Ref<const Eigen::VectorXd>& y, double a) {
   LineSpectrum out;
   out.samples = y.size();
   if (y.size() < 4) return out;
-  RealFft fft(spectrum_length(y.size()));
-  filter(y, y.size(), 0, fft, out.power);
+  const Index length = static_cast<Index>(
+      std::clamp(std::ceil(kWindowTimeConstants / a), 4.0, static_cast<double>(y.size())));
+  RealFft fft(good_fft_length(length < kNoPaddingFrom ? 2 * length : length));
+  const Eigen::ArrayXd window =
+      (Eigen::ArrayXd::LinSpaced(length, 0, static_cast<double>(length - 1)) * -a).exp();
+  fft.time().setZero();
+  fft.time().head(length) = window * y.head(length).array();
+  fft.forward();
+  out.power = fft.spectrum().cwiseAbs2() * (2 / window.square().sum());
   out.lines_per_cycle = static_cast<double>(fft.length());
   out.total = y.squaredNorm();
   return out;
 }
 
-std::vector<DecayCandidate> search_lines(const LineSpectrum& spectrum,
+}  // namespace
+
+LineSpectrum line_spectrum(const Eigen::Ref<const Eigen::VectorXd>& y) { return filtered(y, 0); }
+
+double noise_near(const LineSpectrum& undamped, Complex pole) {
+  const auto n = static_cast<double>(undamped.samples);
+  // Near enough to follow coloured noise, far enough to look past the line itself.
+  const double line = pole.imag() / kTwoPi * n;
+  const double lines = std::clamp(0.5 * line, 8.0, 64.0) - 2 * pole.real() * n / std::numbers::pi;
+  const double per_line = undamped.lines_per_cycle / n;
+  const double middle = local_median(undamped.power, std::lround(line * per_line),
+                                     static_cast<Index>(lines * per_line));
+  // Median of an exponential distribution of mean 2 s^2 is 2 s^2 ln 2.
+  return std::max(middle / (2 * std::numbers::ln2), 1e-30 * undamped.total / n);
+}
+
+std::vector<DecayCandidate> search_lines(const Eigen::Ref<const Eigen::VectorXd>& y,
                                          const DecaySearchOptions& options) {
-  if (spectrum.samples < 4) return {};
-  PeakCollector peaks(options, spectrum.samples, spectrum.total);
-  peaks.add(spectrum.power, spectrum.lines_per_cycle, 0);
-  read_noise(peaks.found, spectrum);
-  return distinct_decays(std::move(peaks.found), spectrum.samples, options);
+  if (y.size() < 4) return {};
+  const LineSpectrum undamped = line_spectrum(y);
+  std::vector<DecayCandidate> found;
+  add_peaks(undamped, 0, options, found);
+  read_noise(found, undamped);
+  return distinct_decays(std::move(found), y.size(), options);
 }
 
 std::vector<DecayCandidate> decay_peaks(const Eigen::Ref<const Eigen::VectorXd>& y,
                                         const DecaySearchOptions& options) {
-  const Index n = y.size();
-  if (n < 4) return {};
-  LineSpectrum undamped;
-  undamped.samples = n;
-  undamped.total = y.squaredNorm();
-  PeakCollector peaks(options, n, undamped.total);
-  std::optional<RealFft> fft;  // serves the rates whose window is the whole record
-  Eigen::VectorXd power;
-  for (double decays = 0; decays <= 2 * static_cast<double>(n);
-       decays = decays == 0 ? 1 : decays * 2.5) {
-    const double a = decays / static_cast<double>(n);
-    const Index length =
-        a > 0 ? std::clamp<Index>(static_cast<Index>(std::ceil(kWindowTimeConstants / a)), 4, n)
-              : n;
-    const Index wanted = spectrum_length(length);
-    if (!fft || fft->length() != wanted) fft.emplace(wanted);
-    filter(y, length, a, *fft, a == 0 ? undamped.power : power);
-    if (a == 0) undamped.lines_per_cycle = static_cast<double>(wanted);
-    peaks.add(a == 0 ? undamped.power : power, static_cast<double>(wanted), a);
+  const auto n = static_cast<double>(y.size());
+  if (y.size() < 4) return {};
+  const LineSpectrum undamped = line_spectrum(y);
+  std::vector<DecayCandidate> found;
+  add_peaks(undamped, 0, options, found);
+  for (double decays = 1; decays <= 2 * n; decays *= 2.5) {
+    add_peaks(filtered(y, decays / n), decays / n, options, found);
   }
-  fft.reset();
-  read_noise(peaks.found, undamped);
-  return std::move(peaks.found);
+  read_noise(found, undamped);
+  return found;
 }
 
 std::vector<DecayCandidate> distinct_decays(std::vector<DecayCandidate> peaks, Index samples,

@@ -15,6 +15,9 @@
 
 namespace rigfit::signal {
 
+/// Chance that noise alone adds a mode.
+inline constexpr double kFalseAlarm = 1e-4;
+
 struct DecaySearchOptions {
   double lowest = 0;             ///< cycles per sample; lower peaks are ignored
   double highest = 0.5;          ///< cycles per sample
@@ -37,8 +40,11 @@ struct LineSpectrum {
 };
 [[nodiscard]] LineSpectrum line_spectrum(const Eigen::Ref<const Eigen::VectorXd>& y);
 
+/// White-equivalent variance of a sample beside a pole.
+[[nodiscard]] double noise_near(const LineSpectrum& spectrum, std::complex<double> pole);
+
 /// Strongest distinct peaks of the undamped filter alone.
-[[nodiscard]] std::vector<DecayCandidate> search_lines(const LineSpectrum& spectrum,
+[[nodiscard]] std::vector<DecayCandidate> search_lines(const Eigen::Ref<const Eigen::VectorXd>& y,
                                                        const DecaySearchOptions& options = {});
 
 /// The strongest peaks of the damped bank between `lowest` and `highest`, with their noise,
@@ -52,7 +58,7 @@ struct LineSpectrum {
 
 /// Energy over noise that the best of all cells of the bank exceeds in noise alone with probability
 /// `false_alarm`.
-[[nodiscard]] double detection_threshold(Eigen::Index samples, double false_alarm);
+[[nodiscard]] double detection_threshold(Eigen::Index samples, double false_alarm = kFalseAlarm);
 
 /// `y` less its least-squares line; missing samples (NaN) are left out and set to 0.
 [[nodiscard]] Eigen::VectorXd without_trend(const Eigen::Ref<const Eigen::VectorXd>& y);

@@ -1,10 +1,10 @@
 #include "signal/sinusoids/residual_noise.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <vector>
 
 namespace rigfit::signal {
 
@@ -21,47 +21,31 @@ double ResidualNoise::white_equivalent(double frequency) const {
 
 namespace {
 
-/// Levinson and Durbin's recursion, one order a step.
-class Autoregression {
- public:
-  Autoregression(const Eigen::Ref<const Eigen::VectorXd>& x, Index highest)
-      : covariance_(highest + 1), a_(Eigen::VectorXd::Zero(highest)), before_(a_) {
-    for (Index k = 0; k <= highest; ++k) {
-      covariance_(k) = x.head(x.size() - k).dot(x.tail(x.size() - k));
-    }
-    error_ = covariance_(0);
-  }
-  /// To the next order; false when rounding allows none.
-  bool step() {
-    const Index p = ++order_;
-    double reflection = covariance_(p);
-    for (Index k = 1; k < p; ++k) reflection -= before_(k - 1) * covariance_(p - k);
-    reflection /= error_;
-    if (!(std::abs(reflection) < 1)) return false;
-    a_ = before_;
-    a_(p - 1) = reflection;
-    for (Index k = 1; k < p; ++k) a_(k - 1) = before_(k - 1) - reflection * before_(p - k - 1);
-    error_ *= 1 - reflection * reflection;
-    before_ = a_;
-    return true;
-  }
-  [[nodiscard]] double error() const { return error_; }
-  [[nodiscard]] auto coefficients() const { return a_.head(order_); }
+// Samples that are gone through at a time.
+constexpr Index kNoiseBlock = 256;
+// The normal distribution exceeds it once in a thousand times.
+constexpr double kUneven = 3.09;
 
- private:
-  Eigen::VectorXd covariance_, a_, before_;
-  double error_ = 0;
-  Index order_ = 0;
-};
+/// Autocovariance matrix of `order` + 1 neighbouring samples, sums of products. The ridge is beyond
+/// what rounding takes off its smallest pivot.
+Eigen::MatrixXd autocovariance(const Eigen::Ref<const Eigen::VectorXd>& x, Index order) {
+  Eigen::VectorXd lags(order + 1);
+  for (Index k = 0; k <= order; ++k) lags(k) = x.head(x.size() - k).dot(x.tail(x.size() - k));
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::NullaryExpr(
+      order + 1, order + 1, [&](Index i, Index j) { return lags(std::abs(i - j)); });
+  covariance.diagonal().array() *= 1 + 1e-12;
+  return covariance;
+}
+
+/// Sums of squares that autoregressions of order 0, 1, ... leave: the squared pivots.
+Eigen::ArrayXd prediction_errors(const Eigen::MatrixXd& covariance) {
+  return covariance.llt().matrixLLT().diagonal().array().square();
+}
 
 }  // namespace
 
 double prediction_error(const Eigen::Ref<const Eigen::VectorXd>& x, Index order) {
-  Autoregression model(x, std::min(order, x.size() - 1));
-  for (Index p = 1; p <= std::min(order, x.size() - 1); ++p) {
-    if (!(model.error() > 0) || !model.step()) break;
-  }
-  return model.error();
+  return prediction_errors(autocovariance(x, std::min(order, x.size() - 1))).tail<1>().value();
 }
 
 ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual, Index degrees) {
@@ -72,51 +56,27 @@ ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual, 
   // The fit itself takes a notch out of the spectrum; an order that could follow it is not allowed.
   const Index highest = std::min<Index>(24, degrees / 25);
   if (highest < 1 || !(sum > 0)) return noise;
-  Autoregression model(residual, highest);
-  const double count = static_cast<double>(degrees), penalty = std::log(count);
-  Eigen::VectorXd best;
-  double best_score = count * std::log(sum), best_error = sum;
-  for (Index p = 1; p <= highest && model.step(); ++p) {
-    const double score = count * std::log(model.error()) + penalty * static_cast<double>(p);
-    if (score < best_score) {
-      best_score = score, best_error = model.error(), best = model.coefficients();
-    }
-  }
-  noise.coefficients = best;
-  noise.innovation_variance *= best_error / sum;
+  const Eigen::MatrixXd covariance = autocovariance(residual, highest);
+  const Eigen::ArrayXd errors = prediction_errors(covariance);
+  const auto count = static_cast<double>(degrees);
+  Index order = 0;
+  (count * errors.log() +
+   std::log(count) * Eigen::ArrayXd::LinSpaced(highest + 1, 0, static_cast<double>(highest)))
+      .minCoeff(&order);
+  if (order == 0) return noise;
+  noise.coefficients =
+      covariance.topLeftCorner(order, order).llt().solve(covariance.col(0).segment(1, order));
+  noise.innovation_variance *= errors(order) / sum;
   return noise;
 }
 
-namespace {
-
-// Samples that are gone through at a time.
-constexpr Index kNoiseBlock = 256;
-// The normal distribution exceeds it once in a thousand times.
-constexpr double kUneven = 3.09;
-
-struct Innovations {
-  Eigen::VectorXd values;
-  std::vector<bool> known;  ///< false where one of the samples that it is made of is missing
-};
-
-Innovations innovations(const Eigen::VectorXd& residual, const Eigen::VectorXd& coefficients) {
-  Innovations e{residual, std::vector<bool>(static_cast<std::size_t>(residual.size()))};
-  const Index order = coefficients.size();
-  Index present = 0;  // samples up to j without a gap
-  for (Index j = 0; j < residual.size(); ++j) {
-    present = residual(j) != 0 ? present + 1 : 0;
-    e.known[static_cast<std::size_t>(j)] = present > order;
-    for (Index k = 1; k <= std::min(order, j); ++k) {
-      e.values(j) -= coefficients(k - 1) * residual(j - k);
-    }
-  }
-  return e;
-}
-
-}  // namespace
-
 double FitUncertainty::widening(Index k) const {
   return deviation(k) > kUneven ? std::max(1.0, variance_ratio(k)) : 1;
+}
+
+double FitUncertainty::widening_of_mode(std::size_t m) const {
+  const auto k = static_cast<Index>(4 * m);
+  return std::max({widening(k), widening(k + 1), widening(k + 2), widening(k + 3)});
 }
 
 Eigen::MatrixXd FitUncertainty::widened() const {
@@ -128,7 +88,6 @@ Eigen::MatrixXd FitUncertainty::widened() const {
 FitUncertainty fit_uncertainty(const DampedSinusoidsFit& fit, const ResidualNoise& noise) {
   const Index order = noise.coefficients.size(), parameters = fit.unit_covariance.rows();
   const double variance = noise.innovation_variance;
-  const Innovations e = innovations(fit.residual, noise.coefficients);
   Eigen::ArrayXd w = Eigen::ArrayXd::Zero(parameters), weights = w, squared_weights = w, with_e = w;
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(parameters, parameters);
   double count = 0, squares = 0, fourth_powers = 0;
@@ -149,8 +108,12 @@ FitUncertainty fit_uncertainty(const DampedSinusoidsFit& fit, const ResidualNois
     for (Index l = length - 1; l >= 0; --l) {
       if (order > 0) rows.col(l).noalias() += rows.middleCols(l + 1, order) * noise.coefficients;
       const Index j = start + l;
-      if (j < 0 || !e.known[static_cast<std::size_t>(j)]) continue;
-      const double square = e.values(j) * e.values(j) / (1 - std::min(leverage(l), 0.99));
+      if (j < order) continue;
+      const auto before = fit.residual.segment(j - order, order);
+      // 0: missing.
+      if (fit.residual(j) == 0 || (before.array() == 0).any()) continue;
+      const double innovation = fit.residual(j) - noise.coefficients.reverse().dot(before);
+      const double square = innovation * innovation / (1 - std::min(leverage(l), 0.99));
       w = rows.col(l).array().square();
       weights += w, squared_weights += w.square(), with_e += square * w;
       ++count, squares += square, fourth_powers += square * square;

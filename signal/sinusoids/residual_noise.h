@@ -12,7 +12,7 @@
 //   z = sum_j v_j^2 (e_j^2 - s^2) / sqrt(sum_j (v_j^2 - mean v^2)^2 var(e^2)).
 // Jitter of the sampling clock, noise in proportion to the signal and converter steps are such
 // noise.
-// Sources: Kay, Modern Spectral Estimation (1988), ch. 6 (Levinson-Durbin); White, Econometrica 48
+// Sources: Kay, Modern Spectral Estimation (1988), ch. 6; White, Econometrica 48
 // (1980) 817; MacKinnon and White, J. Econometrics 29 (1985) 305; Koenker, J. Econometrics 17
 // (1981) 107; Andrews and Monahan, Econometrica 60 (1992) 953 (prewhitening).
 #pragma once
@@ -49,6 +49,8 @@ struct FitUncertainty {
   /// Factor on the variance of parameter k: 1 where z is below 3.09, which even noise exceeds once
   /// in a thousand times.
   [[nodiscard]] double widening(Eigen::Index k) const;
+  /// The largest of those of a mode's four parameters.
+  [[nodiscard]] double widening_of_mode(std::size_t m) const;
   /// The covariance where the variance changes.
   [[nodiscard]] Eigen::MatrixXd widened() const;
 };
