@@ -132,17 +132,19 @@ bool is_impact(const Eigen::VectorXd& y, const Jump& place, Index from, Index to
   const double ratio = (one.sum_squares - apart) / more / std::max(apart / degrees, 1e-300);
   if (!(ratio > 0) || gsl_cdf_fdist_Q(ratio, more, degrees) > kImpactChance) return false;
   const auto noise = residual_noise(behind.fit->residual, behind.fit->degrees);
+  const auto noise_before =
+      before.fit ? residual_noise(before.fit->residual, before.fit->degrees) : noise;
   const Complex now = amplitude_near(behind, place.w, -half_cycle);
   const Complex then = amplitude_near(before, place.w, at - from);
   if (now == 0.0) return false;
   // What friction takes leaves the phase as it is.
   const Complex kept = then == 0.0 ? 1.0 : now / then;
-  const double lost = std::clamp(kept.real(), 0.0, 1.0);
+  const double lost = std::clamp(kept.real(), 0.0, 1.0), f = place.w / kTwoPi;
   const double jump = std::norm(now - lost * then);
   // The end of a line through n amplitudes has 4 times the variance of their mean, 4 s^2 / n.
   const double variance =
-      16 * noise.white_equivalent(place.w / kTwoPi) *
-      (1 / static_cast<double>(behind.samples) + 1 / static_cast<double>(before.samples));
+      16 * (noise.white_equivalent(f) / static_cast<double>(behind.samples) +
+            noise_before.white_equivalent(f) / static_cast<double>(before.samples));
   return jump > std::pow(kLeastShare * largest, 2) && jump > -std::log(kImpactChance) * variance;
 }
 

@@ -73,8 +73,16 @@ void add_peaks(const LineSpectrum& spectrum, double a, const DecaySearchOptions&
     const double p = power(k);
     if ((k > first && power(k - 1) > p) || (k < last && power(k + 1) >= p)) continue;
     if (p < 1e-16 * spectrum.total) continue;
-    const double frequency = std::clamp(static_cast<double>(k) / per_cycle, lowest, 0.5);
-    found.push_back({Complex(-std::max(a, kFreeDecay / n), kTwoPi * frequency), p, 0});
+    double shift = 0, peak = p;
+    if (k + 1 < power.size()) {
+      const double left = power(k - 1), right = power(k + 1), bend = left - 2 * p + right;
+      if (bend < 0) {
+        shift = std::clamp(0.5 * (left - right) / bend, -0.5, 0.5);
+        peak = p - 0.25 * (left - right) * shift;
+      }
+    }
+    const double frequency = std::clamp((static_cast<double>(k) + shift) / per_cycle, lowest, 0.5);
+    found.push_back({Complex(-std::max(a, kFreeDecay / n), kTwoPi * frequency), peak, 0});
   }
   if (found.size() <= kKeep) return;
   std::ranges::nth_element(found, found.begin() + kKeep, std::greater(), &DecayCandidate::energy);
