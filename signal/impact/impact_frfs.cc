@@ -215,9 +215,27 @@ class Analysis {
 
   /// Incoherent power per degree of freedom without a hit over that with it, at most, of an
   /// outlier.
-  static double outlier_ratio(std::size_t hits) {
+  double outlier_ratio(std::size_t hits, bool others_differ) const {
     const auto n = static_cast<double>(hits);
-    return std::min(0.5, gsl_cdf_beta_Pinv(0.05 / n, 0.5 * (n - 2), 0.5) * (n - 1) / (n - 2));
+    const double chance = (others_differ ? 0.2 : 1) * 0.05;
+    const double left = gsl_cdf_beta_Pinv(chance / n, 0.5 * (n - 2), 0.5);
+    return std::min(0.5, left * (n - 1) / (n - 2));
+  }
+
+  /// Part of the responses' power that the noise before the hits has, mean over the responses.
+  static double noise_share(std::span<const FrfBlock> blocks) {
+    double sum = 0, count = 0;
+    for (std::size_t r = 0; r < blocks.front().responses.size(); ++r) {
+      double noise = 0, power = 0;
+      for (const FrfBlock& block : blocks) {
+        const auto& y = block.responses[r];
+        const Eigen::Map<const Eigen::ArrayXd> values(y.data(), static_cast<Index>(y.size()));
+        noise += std::pow(block.response_noise_std[r], 2) * static_cast<double>(y.size());
+        power += (values - block.response_offset[r]).square().sum();
+      }
+      if (power > 0) sum += noise / power, ++count;
+    }
+    return count > 0 ? sum / count : 0;
   }
 
   FrfEstimate average_without_outliers() {
@@ -238,8 +256,10 @@ class Analysis {
       if (hits.size() < 3) return estimate;
       Index worst = 0;
       const double without = estimate.incoherence_without.minCoeff(&worst);
+      const double noise = noise_share(blocks);
+      const bool others_differ = noise > 0 && without > 10 * noise;
       if (estimate.incoherence < kLeastIncoherence ||
-          without >= outlier_ratio(blocks.size()) * estimate.incoherence) {
+          without >= outlier_ratio(blocks.size(), others_differ) * estimate.incoherence) {
         return estimate;
       }
       hits[static_cast<std::size_t>(worst)]->reject(

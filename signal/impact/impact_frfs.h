@@ -4,7 +4,9 @@
 // Of three accepted hits or more one is an outlier when leaving it out halves the incoherent power
 // per degree of freedom, and lowers that power by more than happens with a chance of 5 % for the
 // worst of n hits that differ in one way, such as a changing frequency (Grubbs, Ann. Math. Stat. 21
-// (1950) 27: the ratio of the powers is Beta((n - 2) / 2, 1 / 2)).
+// (1950) 27: the ratio of the powers is Beta((n - 2) / 2, 1 / 2)). Where the other hits leave more
+// than ten times the noise of the responses, all hits differ, and the chance is 1 %, since a hit
+// left out by chance makes their scatter too small.
 #pragma once
 
 #include <Eigen/Core>
