@@ -15,7 +15,7 @@ namespace rigfit::ident {
 /// "chi-square 12.3 on 8 degrees of freedom, probability 0.14 ...".
 [[nodiscard]] std::string fit_text(const UpdateFit& fit);
 
-/// Describes each alternative but the first, and why it has less weight.
+/// Describes each alternative but the first.
 [[nodiscard]] std::vector<std::string> alternative_texts(const UpdateResult& result);
 
 }  // namespace rigfit::ident

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "ident/plan/plan_candidates.h"
-#include "ident/update/uncertainty/update_uncertainty.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -27,9 +26,7 @@ constexpr double kNearBest = 1.05;
 constexpr double kLeastGain = 0.01, kFarFromGoals = 1, kNoGain = 1e-6;
 
 // To better than itself, as in an update.
-bool is_determined(double variance) {
-  return variance <= std::pow(IdentifiabilityOptions().max_relative_std, 2);
-}
+bool is_determined(double variance) { return variance <= kMaxRelativeStd * kMaxRelativeStd; }
 
 // A step: the tests after it, and the one that it adds or changes.
 struct Move {
@@ -201,12 +198,10 @@ PlannedGoal planned_goal(const PlanCandidates& candidates, const std::vector<Fre
 std::vector<OpenDirection> open_directions(const PlanCandidates& candidates,
                                            const std::vector<PlannedMode>& modes) {
   const Eigen::Index n = candidates.problem.parameter_count();
-  IdentifiabilityOptions limits;
-  limits.relative_rank_tolerance = kRankTolerance;
   auto names = candidates.problem.names();
   names.resize(static_cast<std::size_t>(n));
   const Eigen::MatrixXd rows = plan_rows(candidates, modes).leftCols(n);
-  return identifiability(rows, Eigen::VectorXd::Ones(n), names, limits).open;
+  return identifiability(rows, Eigen::VectorXd::Ones(n), names).open;
 }
 
 // What would reach a goal that the plan misses. `least`: covariance with everything measured.

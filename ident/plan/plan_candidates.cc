@@ -92,11 +92,12 @@ PlanStateModes state_modes(int state, const PlanCandidates& candidates,
   for (const auto& natural : model::analyse_modes(scene, modes).modes) {
     if (!known(natural.frequency_hz) || next == modelled.modes.size()) continue;
     const auto& mode = modelled.modes[next++];
-    if (mode.order >= options.modes || mode.frequency_hz > kUsableShare * options.sample_rate_hz) {
+    if (mode.order > options.modes || mode.frequency_hz > kUsableShare * options.sample_rate_hz) {
       continue;
     }
     result.modes.push_back({static_cast<std::size_t>(state), mode.dlog_frequency, mode.dlog_damping,
-                            mode.plane, mode.order, mode.frequency_hz, natural.damping_ratio});
+                            natural.plane, mode.order - 1, mode.frequency_hz,
+                            natural.damping_ratio});
     result.amplitude.push_back(decay_amplitudes(natural, candidates, options));
   }
   return result;
@@ -131,7 +132,6 @@ PlanCandidates plan_candidates(const std::vector<UpdateState>& states,
   update.inputs = options.inputs;
   PlanCandidates candidates{UpdateProblem(asked, free, update)};
   candidates.q = candidates.problem.start();
-  candidates.problem = candidates.problem.with_nuisances(candidates.q);
   place_candidates(states.front().scene, options, candidates);
   candidates.states.resize(states.size());
   in_parallel(states.size(), options.threads, [&](std::size_t s) {

@@ -16,6 +16,9 @@ namespace {
 
 using signal::kNaN;
 
+// Singular values below this share of the largest are zero as far as a Jacobian's accuracy goes.
+constexpr double kRankTolerance = 1e-8;
+
 std::string describe(const OpenDirection& open, const std::vector<std::string>& names) {
   const auto name = [&](int j) { return names[static_cast<std::size_t>(j)]; };
   if (open.parameters.size() == 1) {
@@ -37,8 +40,7 @@ std::string describe(const OpenDirection& open, const std::vector<std::string>& 
 
 Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
                                 const Eigen::Ref<const Eigen::VectorXd>& scales,
-                                const std::vector<std::string>& names,
-                                const IdentifiabilityOptions& options) {
+                                const std::vector<std::string>& names, double max_relative_std) {
   const Eigen::Index n = jacobian.cols();
   if (scales.size() != n || static_cast<Eigen::Index>(names.size()) != n ||
       !(scales.array() > 0).all()) {
@@ -49,14 +51,13 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
   if (n == 0) return result;
 
   Eigen::MatrixXd scaled = jacobian * scales.asDiagonal();
-  scaled /= std::sqrt(options.variance_factor);
   if (!scaled.allFinite()) scaled.setZero();
   // Fewer residuals than parameters: rows of zeros complete V to the null space.
   if (scaled.rows() < n) scaled.conservativeResizeLike(Eigen::MatrixXd::Zero(n, n));
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinV);
   const Eigen::VectorXd& s = svd.singularValues();
   const Eigen::MatrixXd& V = svd.matrixV();
-  const double floor = s[0] * options.relative_rank_tolerance;
+  const double floor = s[0] * kRankTolerance;
   result.directions = V;
   result.singular_values = s;
   result.scales = scales;
@@ -70,7 +71,7 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
       V * inverse.array().square().matrix().asDiagonal() * V.transpose();
 
   for (Eigen::Index i = n - 1; i >= 0; --i) {
-    if (inverse[i] <= options.max_relative_std) continue;
+    if (inverse[i] <= max_relative_std) continue;
     OpenDirection open;
     open.direction = V.col(i);
     std::vector<int> order(static_cast<std::size_t>(n));
@@ -89,7 +90,7 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
   }
 
   const Eigen::VectorXd own = relative.diagonal().cwiseSqrt();
-  const auto kept = own.array() <= options.max_relative_std;
+  const auto kept = own.array() <= max_relative_std;
   const Eigen::VectorXd unit = kept.select(scales, kNaN);  // NaN for what is not determined
   for (Eigen::Index j = 0; j < n; ++j) result.identifiable[static_cast<std::size_t>(j)] = kept[j];
   result.std = unit.cwiseProduct(own);

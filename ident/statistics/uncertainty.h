@@ -17,16 +17,9 @@
 
 namespace rigfit::ident {
 
-struct IdentifiabilityOptions {
-  /// Above this relative standard uncertainty a parameter counts as not determined: at most its
-  /// order of magnitude is known.
-  double max_relative_std = 1;
-  /// Singular values below this share of the largest are zero as far as the Jacobian's own accuracy
-  /// goes.
-  double relative_rank_tolerance = 1e-9;
-  /// Multiplies every variance (a scale estimated from the scatter); 1: the weights are right.
-  double variance_factor = 1;
-};
+/// Relative standard uncertainty above which a parameter counts as not determined: at most its
+/// order of magnitude is known.
+inline constexpr double kMaxRelativeStd = 1;
 
 /// A direction in parameter space that the data do not determine.
 struct OpenDirection {
@@ -41,7 +34,7 @@ struct Identifiability {
   Eigen::MatrixXd covariance;  ///< rows and columns of unidentifiable parameters are NaN
   std::vector<OpenDirection> open;
   Eigen::MatrixXd directions;       ///< V: columns, of relative change
-  Eigen::VectorXd singular_values;  ///< of J S over the root of the variance factor, falling
+  Eigen::VectorXd singular_values;  ///< of J S, falling
   Eigen::VectorXd scales;           ///< S
   double null_below = 0;            ///< singular values not above this are zero
 
@@ -56,7 +49,7 @@ struct Identifiability {
 [[nodiscard]] Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
                                               const Eigen::Ref<const Eigen::VectorXd>& scales,
                                               const std::vector<std::string>& names,
-                                              const IdentifiabilityOptions& options = {});
+                                              double max_relative_std = kMaxRelativeStd);
 
 /// A probability with two digits: "0.012", "below 1e-6", where it depends on the assumed
 /// distribution more than on the data; "-" for NaN, where nothing is left over to judge by.

@@ -321,8 +321,7 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
     // own parameters are not hopelessly confounded.
     const double limit = kind == LawKind::saturating ? 1 : 1e6;
     const auto known =
-        identifiability(jacobian, scales, names,
-                        {.max_relative_std = limit, .variance_factor = std::max(variance, 1e-300)});
+        identifiability(jacobian / std::sqrt(std::max(variance, 1e-300)), scales, names, limit);
     law.covariance = known.covariance.topLeftCorner(p, p);
     for (Eigen::Index j = 0; j < p; ++j) {
       law.parameters[static_cast<std::size_t>(free[static_cast<std::size_t>(j)])].std =

@@ -84,7 +84,7 @@ UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateSol
   }
   for (int pass = 0; pass < kPasses && options.segment_uncertainty; ++pass) {
     UpdateProblem resolved = problem.with_resolved_modes(answer.q);
-    if (!resolved.is_resolved() || !move_to(resolved, options, problem, answer)) break;
+    if (!resolved.variant().segment_errors || !move_to(resolved, options, problem, answer)) break;
   }
   UpdateFit fit = misfit_of(problem, matches, answer.q);
   if (!(fit.p_value < kUnlikelyMisfit) || (problem.has_frfs() && !fit.stated)) return fit;
@@ -164,10 +164,7 @@ std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions
                                      UpdateResult& result, std::string& failure) {
   std::vector<UpdateAnswer> answers;
   if (problem.has_modes()) {
-    Eigen::VectorXd q = problem.start();
-    answers =
-        find_answers(problem.modes_alone().with_nuisances(q), options, result.starts, failure);
-    for (auto& answer : answers) answer.solution.q.conservativeResize(problem.size());
+    answers = find_answers(problem.modes_alone(), options, result.starts, failure);
   } else if (problem.has_frfs()) {
     answers.resize(1);
     answers.front().solution.q = problem.start();
@@ -209,7 +206,7 @@ std::vector<SettledAnswer> settled_answers(const UpdateProblem& problem,
                                            UpdateResult& result) {
   std::vector<SettledAnswer> settled;
   for (auto answer : answers) {
-    UpdateProblem whole = problem.with_nuisances(answer.solution.q);
+    UpdateProblem whole = problem.with_hits(answer.solution.q);
     const UpdateFit fit = settle(options, whole, answer.solution);
     // Where the model cannot be solved the evidence of the search stands.
     if (problem.modes_only()) (void)weigh(whole, answer);
@@ -252,10 +249,10 @@ UpdateResult update_model(const std::vector<UpdateState>& states,
   UpdateProblem problem(states, free, options);
   UpdateResult result;
   const auto& coordinates = problem.coordinates();
-  if (coordinates.empty()) throw std::invalid_argument("update: no free parameter");
+  if (free.empty()) throw std::invalid_argument("update: no free parameter");
   const Eigen::VectorXd start = problem.start();
   const auto names = problem.names();
-  for (std::size_t j = 0; j < coordinates.size(); ++j) {
+  for (std::size_t j = 0; j < static_cast<std::size_t>(problem.parameter_count()); ++j) {
     const double value = coordinates[j].value(start[static_cast<Eigen::Index>(j)]);
     result.parameters.push_back({.name = names[j],
                                  .state = coordinates[j].state,

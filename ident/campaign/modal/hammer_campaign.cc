@@ -162,10 +162,6 @@ HammerTest analyse_hammer_test(std::span<const StruckPlace> places,
   return test;
 }
 
-bool IdentifiedModes::converged() const {
-  return modal && (modal->end == signal::StepsEnd::converged || modal->model.modes.empty());
-}
-
 IdentifiedModes identify(const signal::FrfSet& frfs,
                          const std::optional<std::pair<double, double>>& band_hz, double usable_hz,
                          signal::ModalOptions options) {
@@ -193,7 +189,7 @@ IdentifiedModes identify(const signal::FrfSet& frfs,
       found.findings.push_back({"doubtful_mode", mode.doubt, where, false});
     }
   }
-  if (!found.converged()) {
+  if (result.end != signal::StepsEnd::converged && !result.model.modes.empty()) {
     found.findings.push_back(
         {"not_converged",
          fmt::format("Narrow the band: the refinement ended by {} after {} iterations, so that "

@@ -59,7 +59,6 @@ struct IdentifiedModes {
   /// valid).
   /// Warnings: "doubtful_mode" and "not_converged" among others.
   std::vector<Finding> findings;
-  [[nodiscard]] bool converged() const;
 };
 
 /// Modes of FRFs. The band is `band_hz`, or else ends at `usable_hz` (0: the last line);

@@ -46,24 +46,17 @@ double log_sum(double a, double b) {
   return std::isfinite(b) ? a + std::log1p(std::exp(b - a)) : a;
 }
 
-/// ln Z of an assignment at q, and the error of the largest posterior probability.
-struct Evidence {
-  double log_evidence = 0;
-  double error = 0;
-  Eigen::MatrixXd hessian;  // at this error, prior widths included
-};
+}  // namespace
 
-// False when there is no model at q.
-bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const Eigen::VectorXd& q,
-                 Evidence& evidence) {
+bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
   const UpdateProblem plain = problem.with_model_std(0);
+  const UpdateMatches& found = answer.solution.matches;
   Eigen::VectorXd r;
   Eigen::MatrixXd J;
-  if (!plain.residuals(q, found.matches, r, &J)) return false;
-  const Eigen::Index n = problem.size();
+  if (!plain.residuals(answer.solution.q, found.matches, r, &J)) return false;
   const auto rows = plain.frequency_rows(found.matches);
-  evidence.log_evidence = -std::numeric_limits<double>::infinity();
-  double best = evidence.log_evidence;
+  answer.log_evidence = -std::numeric_limits<double>::infinity();
+  double best = answer.log_evidence;
   for (const auto& [error, probability] : model_errors()) {
     Eigen::VectorXd w = Eigen::VectorXd::Ones(r.size());
     double log_likelihood = found.without_densities() + std::log(probability);
@@ -79,11 +72,10 @@ bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const
       weigh(row.damping, plain.damping_relative_std(match.state, match.measured),
             kDampingErrors * error, kDampingRange);
     }
-    const Eigen::VectorXd weighted = w.cwiseProduct(r);
-    log_likelihood -= 0.5 * weighted.squaredNorm();
+    log_likelihood -= 0.5 * w.cwiseProduct(r).squaredNorm();
     const Eigen::MatrixXd K = w.asDiagonal() * J;
     Eigen::MatrixXd H = K.transpose() * K;
-    for (Eigen::Index j = 0; j < n; ++j) {
+    for (Eigen::Index j = 0; j < H.cols(); ++j) {
       const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
       const bool prior = coordinate.prior_std > 0;
       const double width = prior ? coordinate.prior_std : width_of(coordinate);
@@ -95,13 +87,15 @@ bool evidence_of(const UpdateProblem& problem, const UpdateMatches& found, const
     const double log_part = log_likelihood - 0.5 * log_det;
     if (log_part > best) {
       best = log_part;
-      evidence.error = error;
-      evidence.hessian = H;
+      answer.error = error;
+      answer.hessian = H;
     }
-    evidence.log_evidence = log_sum(evidence.log_evidence, log_part);
+    answer.log_evidence = log_sum(answer.log_evidence, log_part);
   }
   return true;
 }
+
+namespace {
 
 class Search {
  public:
@@ -143,9 +137,6 @@ class Search {
     merge(std::move(heaviest), answers);
     std::erase_if(answers, [&](const UpdateAnswer& one) { return negligible(one, answers); });
     add_exchanged(answers);
-    double all = -std::numeric_limits<double>::infinity();
-    for (const auto& answer : answers) all = log_sum(all, answer.log_evidence);
-    for (auto& answer : answers) answer.weight = std::exp(answer.log_evidence - all);
     return answers;
   }
 
@@ -256,43 +247,28 @@ class Search {
     std::vector<std::vector<UpdateMatch>> seen;
     for (int round = 0; round < kRounds; ++round) {
       if (std::ranges::all_of(matches.matches, &UpdateMatch::cross_plane)) break;
-      double cost = 0;
-      const UpdateProblem here =
-          held_about(q, problem.with_model_std(error, kDampingErrors * error));
-      Eigen::VectorXd at = q;
-      const bool converged = minimise(here, matches.matches, options_, at, cost);
-      Evidence evidence;
-      if (!evidence_of(problem, matches, at, evidence)) break;
-      std::string failure;
-      UpdateMatches next =
-          problem.with_model_std(std::max(evidence.error, kLeastStd)).assign(at, failure);
+      UpdateAnswer here;
+      auto& [at, found, cost, converged, failure] = here.solution;
+      at = q, found = matches;
+      converged = minimise(held_about(q, problem.with_model_std(error, kDampingErrors * error)),
+                           matches.matches, options_, at, cost);
+      if (!weigh(problem, here)) break;
+      found = problem.with_model_std(std::max(here.error, kLeastStd)).assign(at, failure);
       if (!failure.empty()) {
         best.solution.failure = failure;
         break;
       }
-      const bool same = next.matches == matches.matches;
+      const bool same = found.matches == matches.matches;
       const bool again =
-          !same && (round + 1 == kRounds || std::ranges::count(seen, next.matches) > 0);
-      const bool done = same && close(evidence.error, error);
-      const bool keep = same || (again && best.solution.q.size() == 0);
-      if (same) {
-        evidence.log_evidence += next.without_densities() - matches.without_densities();
-      }
-      const bool usable = same || (keep && evidence_of(problem, next, at, evidence));
-      if (usable && (done || evidence.log_evidence > best.log_evidence)) {
-        best.solution.q = at;
-        best.solution.matches = next;
-        best.solution.cost = cost;
-        best.solution.converged = converged && same;
-        best.error = evidence.error;
-        best.log_evidence = evidence.log_evidence;
-        best.hessian = evidence.hessian;
-      }
+          !same && (round + 1 == kRounds || std::ranges::count(seen, found.matches) > 0);
+      const bool done = same && close(here.error, error);
+      if (same) here.log_evidence += found.without_densities() - matches.without_densities();
+      converged = converged && same;
+      q = at, matches = found, error = here.error;
+      const bool usable = same || (again && best.solution.q.size() == 0 && weigh(problem, here));
+      if (usable && (done || here.log_evidence > best.log_evidence)) best = std::move(here);
       if (done || again) break;
-      if (!same) seen.push_back(next.matches);
-      q = std::move(at);
-      matches = std::move(next);
-      error = evidence.error;
+      if (!same) seen.push_back(matches.matches);
     }
     return best;
   }
@@ -324,7 +300,7 @@ class Search {
   std::vector<Seed> seeds_at(const Eigen::VectorXd& q, std::string& failure) const {
     const UpdateProblem wide = problem_.with_model_std(kSearchError).remembering();
     std::string here;
-    std::vector<Seed> seeds{{q, wide.assign(q, here)}, {q, wide.assign_scaled(q, here)}};
+    std::vector<Seed> seeds{{q, wide.assign(q, here)}, {q, wide.assign(q, here, -1, true)}};
     if (!here.empty()) {
       failure = here;
       return {};
@@ -432,15 +408,6 @@ class Search {
 };
 
 }  // namespace
-
-bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
-  Evidence evidence;
-  if (!evidence_of(problem, answer.solution.matches, answer.solution.q, evidence)) return false;
-  answer.error = evidence.error;
-  answer.log_evidence = evidence.log_evidence;
-  answer.hessian = std::move(evidence.hessian);
-  return true;
-}
 
 std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem, const UpdateOptions& options,
                                        int& fits, std::string& failure) {

@@ -50,7 +50,7 @@ struct UpdateAnswer {
 /// error of its segments taken off since; false where there is no model.
 [[nodiscard]] bool weigh(const UpdateProblem& problem, UpdateAnswer& answer);
 
-/// Heaviest first, weights summing to 1; empty: no start led to a model, `failure` says why.
+/// Without weights; empty: no start led to a model, `failure` says why.
 /// `fits` counts the local fits. For problems of modes alone.
 [[nodiscard]] std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem,
                                                      const UpdateOptions& options, int& fits,

@@ -43,52 +43,40 @@ double lines_per_independent(double decay_rate_1_s, double line_spacing_hz) {
 }
 
 UpdateProblem::FrfRows UpdateProblem::rows_of(int state, const MeasuredFrf& frf) const {
-  constexpr double kNoisy = 0.1;
-  FrfRows rows{.state = state, .load = frf.load, .frf = &frf};
+  constexpr double kNoisy = 0.1, kAssumed = 0.05;  // assumed: it only sets the weight
+  constexpr double kLargest = 0.5;                 // beyond, a logarithm has no information
+  FrfRows rows{.state = state, .frf = &frf};
   for (Eigen::Index k = 0; k < frf.H.size(); ++k) {
     const double size = std::abs(frf.H[k]);
     if (!(size > 0) || !std::isfinite(size)) continue;
-    double own = options_.assumed_frf_relative_std;
+    double own = kAssumed;
     if (frf.std.size() > 0) {
       own = frf.std[k] / size;
       if (!std::isfinite(own)) continue;
     }
     const bool difference = variant_.frf_differences && frf.std.size() > 0 && own > kNoisy;
-    if (!difference && own > options_.frf_max_relative_std) continue;
+    if (!difference && own > kLargest) continue;
     if (!difference)
       own *= std::sqrt(1 + own * own);  // std of ln(1 + n), n complex noise, parts' variance own^2
     const double relative =
         std::hypot(own, options_.frf_model_relative_std, variant_.frf_model_std);
     if (!(relative > 0)) continue;  // exact lines have no weight beside others
     rows.line.push_back(k);
-    rows.frequency_hz.push_back(frf.frequency_hz[k]);
     rows.difference.push_back(difference ? 1 : 0);
     rows.relative_std.push_back(relative * std::sqrt(frf.lines_per_independent));
   }
   return rows;
 }
 
-std::vector<UpdateProblem::FrfRows> UpdateProblem::rows_of(int state) const {
+std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows(int only) const {
   std::vector<FrfRows> all;
   Eigen::Index row = 0;
-  for (const auto& frf : states_[static_cast<std::size_t>(state)].frfs) {
-    all.push_back(rows_of(state, frf));
-    all.back().first = row;
-    row += 2 * static_cast<Eigen::Index>(all.back().line.size());
-  }
-  return all;
-}
-
-std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows(
-    const std::vector<UpdateMatch>& matches) const {
-  Eigen::Index row = residual_count(matches) - priors_ - 2 * frf_lines();
-  std::vector<FrfRows> all;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    if (!takes_part(s)) continue;
-    for (auto& rows : rows_of(s)) {
-      rows.first = row;
-      row += 2 * static_cast<Eigen::Index>(rows.line.size());
-      all.push_back(std::move(rows));
+    if (!takes_part(s, only)) continue;
+    for (const auto& frf : states_[static_cast<std::size_t>(s)].frfs) {
+      all.push_back(rows_of(s, frf));
+      all.back().first = row;
+      row += 2 * static_cast<Eigen::Index>(all.back().line.size());
     }
   }
   return all;
@@ -96,54 +84,49 @@ std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows(
 
 Eigen::Index UpdateProblem::frf_lines() const {
   std::size_t count = 0;
-  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    if (!takes_part(s)) continue;
-    for (const auto& rows : rows_of(s)) count += rows.line.size();
-  }
+  for (const auto& rows : frf_rows()) count += rows.line.size();
   return static_cast<Eigen::Index>(count);
 }
 
 double UpdateProblem::shared_residuals() const {
   double shared = 0;
-  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    if (!takes_part(s)) continue;
-    for (const auto& rows : rows_of(s)) {
-      shared +=
-          2 * static_cast<double>(rows.line.size()) * (1 - 1 / rows.frf->lines_per_independent);
-    }
+  for (const auto& rows : frf_rows()) {
+    shared += 2 * static_cast<double>(rows.line.size()) * (1 - 1 / rows.frf->lines_per_independent);
   }
   return shared;
 }
 
-bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
+bool UpdateProblem::frf_residuals(const Eigen::VectorXd& q, const std::vector<FrfRows>& all,
                                   Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
-  const auto all = rows_of(state);
-  if (all.empty()) return true;
-  model::Scene scene;
-  std::string failure;
-  if (!fixed_scene(state, q, scene, failure)) return false;
-  const auto [targets, owner] = jacobian != nullptr ? targets_of(state) : Targets{};
+  const FrfRows* last = nullptr;
+  Targets targets;
   std::vector<std::pair<Eigen::Index, double>> rates;
-  if (jacobian != nullptr) rates = rate_changes(state);
-  const double rate = measured_factor(state, q);
-  const MeasuredFrf* solved_for = nullptr;
+  model::Scene scene;
   model::FrfSensitivities solved, beside;  // beside: at a slightly higher sample rate
   for (const auto& rows : all) {
     const MeasuredFrf& frf = *rows.frf;
-    if (solved_for == nullptr || !solved_together(frf, *solved_for)) {
-      solved_for = &frf;
+    const double rate = measured_factor(rows.state, q);
+    const bool same_state = last != nullptr && last->state == rows.state;
+    if (!same_state) {
+      std::string failure;
+      if (!fixed_scene(rows.state, q, scene, failure)) return false;
+      if (jacobian != nullptr) targets = targets_of(rows.state), rates = rate_changes(rows.state);
+    }
+    if (!same_state || !solved_together(frf, *last->frf)) {
       const Eigen::VectorXd lines_hz = rate * frf.frequency_hz;
-      solved = frfs_at(scene, lines_hz, targets, frf.decay_rate_1_s);
+      solved = frfs_at(scene, lines_hz, targets.names, frf.decay_rate_1_s);
       if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
       if (!rates.empty()) {
         beside = frfs_at(scene, (1 + kRateStep) * lines_hz, {}, frf.decay_rate_1_s);
         if (beside.frfs.H.size() != solved.frfs.H.size()) return false;
       }
     }
+    last = &rows;
     const auto sensor = static_cast<Eigen::Index>(frf.sensor);
     const auto load = static_cast<Eigen::Index>(frf.load);
     for (std::size_t i = 0; i < rows.line.size(); ++i) {
       const auto k = static_cast<std::size_t>(rows.line[i]);
+      const Eigen::Index row = rows.first + 2 * static_cast<Eigen::Index>(i);
       const std::complex<double> H = solved.frfs.H[k](sensor, load);
       const std::complex<double> measured = frf.H[rows.line[i]];
       const bool difference = rows.difference[i] != 0;
@@ -151,53 +134,40 @@ bool UpdateProblem::frf_residuals(int state, const Eigen::VectorXd& q, Eigen::In
       const double std = rows.relative_std[i];
       r[row] = off.real() / std;
       r[row + 1] = off.imag() / std;
-      if (jacobian != nullptr) {
-        const auto add = [&](Eigen::Index j, std::complex<double> change) {
-          const std::complex<double> slope = change / (difference ? measured : H);
-          (*jacobian)(row, j) += slope.real() / std;
-          (*jacobian)(row + 1, j) += slope.imag() / std;
-        };
-        for (std::size_t t = 0; t < targets.size(); ++t) {
-          const auto [j, factor] = owner[t];
-          const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
-          add(j, factor * coordinate.derivative(q[j]) * solved.rate[t][k](sensor, load));
-        }
-        for (const auto& [j, change] : rates) {
-          add(j, (beside.frfs.H[k](sensor, load) - H) * change / (rate * kRateStep));
-        }
+      if (jacobian == nullptr) continue;
+      const auto add = [&](Eigen::Index j, std::complex<double> change) {
+        const std::complex<double> slope = change / (difference ? measured : H);
+        (*jacobian)(row, j) += slope.real() / std;
+        (*jacobian)(row + 1, j) += slope.imag() / std;
+      };
+      for (std::size_t t = 0; t < targets.names.size(); ++t) {
+        const auto [j, factor] = targets.owner[t];
+        const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
+        add(j, factor * coordinate.derivative(q[j]) * solved.rate[t][k](sensor, load));
       }
-      row += 2;
+      for (const auto& [j, change] : rates) {
+        add(j, (beside.frfs.H[k](sensor, load) - H) * change / (rate * kRateStep));
+      }
     }
   }
   return true;
 }
 
 double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q, int only) const {
-  if (variant_.frf_differences) {
-    return with(&UpdateVariant::frf_differences, false).rms_log_frf_error(q, only);
-  }
-  double squares = 0;
-  Eigen::Index count = 0;
-  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    if (only >= 0 ? s != only : !takes_part(s)) continue;
-    const auto all = rows_of(s);
-    Eigen::Index lines = 0;
-    for (const auto& rows : all) lines += static_cast<Eigen::Index>(rows.line.size());
-    if (lines == 0) continue;
-    Eigen::VectorXd r = Eigen::VectorXd::Zero(2 * lines);
-    Eigen::Index row = 0;
-    if (!frf_residuals(s, q, row, r, nullptr)) return std::numeric_limits<double>::quiet_NaN();
-    row = 0;
-    for (const auto& rows : all) {
-      for (const double relative : rows.relative_std) {
-        squares += r.segment(row, 2).squaredNorm() * relative * relative;
-        row += 2;
-      }
+  const UpdateProblem logarithms = with(&UpdateVariant::frf_differences, false);
+  const auto all = logarithms.frf_rows(only);
+  double squares = 0, count = 0;
+  for (const auto& rows : all) count += static_cast<double>(rows.line.size());
+  Eigen::VectorXd r(static_cast<Eigen::Index>(2 * count));
+  if (!logarithms.frf_residuals(q, all, r, nullptr))
+    return std::numeric_limits<double>::quiet_NaN();
+  for (const auto& rows : all) {
+    for (std::size_t i = 0; i < rows.line.size(); ++i) {
+      squares += r.segment<2>(rows.first + 2 * static_cast<Eigen::Index>(i)).squaredNorm() *
+                 std::pow(rows.relative_std[i], 2);
     }
-    count += lines;
   }
-  return count > 0 ? std::sqrt(squares / static_cast<double>(count))
-                   : std::numeric_limits<double>::quiet_NaN();
+  return std::sqrt(squares / count);  // NaN without lines
 }
 
 }  // namespace rigfit::ident

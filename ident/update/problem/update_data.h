@@ -105,20 +105,14 @@ struct UpdateOptions {
   /// Relative standard uncertainty of frequencies that come without one. It only sets their weight;
   /// the scatter about the fit gives the variance.
   double assumed_relative_std = 0.01;
-  double assumed_damping_relative_std = 0.2;
-  /// Relative standard uncertainty of FRFs that come without one; it only sets their weight.
-  double assumed_frf_relative_std = 0.05;
   /// Model error, relative in FRFs, added to every line's uncertainty.
   double frf_model_relative_std = 0;
-  /// Lines with a larger relative uncertainty are left out: their logarithm has no information.
-  double frf_max_relative_std = 0.5;
   /// Model error, relative in frequency, added to every measured uncertainty.
   double model_relative_std = 0;
   AssignmentOptions assignment = {};
   /// 1: finds the answer near the scene's own values. More: fits to modes search the whole range of
   /// the parameters (update_alternatives.h), fits of FRFs that of their modes.
   int starts = 4;
-  int max_iterations = 60;
   double function_tolerance = 1e-9;  ///< relative change of the cost
   int threads = 1;                   ///< work on starts in parallel
   /// True: the error of "auto" segments is subtracted from frequencies (update_segments.cc). False:

@@ -39,21 +39,14 @@ double least_of(std::vector<double> values) {
 
 }  // namespace
 
-UpdateProblem UpdateProblem::with_nuisances(Eigen::VectorXd& q) const {
+UpdateProblem UpdateProblem::with_hits(Eigen::VectorXd& q) const {
   UpdateProblem other = *this;
-  if (has_frfs()) other.add_places_of_hits(q);
-  UncertainInput clock{std::string(kSampleRateTarget), {}};
-  for (std::size_t s = 0; s < states_.size(); ++s) {
-    const double std = states_[s].clock_relative_std;
-    if (std > 0) clock.effects.push_back({static_cast<int>(s), clock.name, std});
-  }
-  if (!clock.effects.empty()) other.options_.inputs.push_back(std::move(clock));
-  for (int i = 0; i < static_cast<int>(other.options_.inputs.size()); ++i) {
-    other.add_nuisance({.parameter = -1, .input = i});
-  }
-  if (has_frfs()) other.add_forces();
-  const Eigen::VectorXd parameters = std::exchange(q, Eigen::VectorXd::Zero(other.size()));
-  q.head(parameters.size()) = parameters;
+  if (!has_frfs()) return other;
+  other.add_places_of_hits(q);
+  other.add_forces();
+  const Eigen::Index before = q.size();
+  q.conservativeResize(other.size());
+  q.tail(q.size() - before).setZero();
   return other;
 }
 
@@ -91,8 +84,8 @@ void UpdateProblem::add_places_of_hits(const Eigen::VectorXd& q) {
       }
       if (largest.empty()) continue;
       const std::string name = "place of the hits of " + load.name;
-      options_.inputs.push_back({state.name.empty() ? name : name + " [" + state.name + "]",
-                                 {{s, target, least_of(std::move(largest))}}});
+      add_input({state.name.empty() ? name : name + " [" + state.name + "]",
+                 {{s, target, least_of(std::move(largest))}}});
     }
   }
 }
@@ -125,20 +118,20 @@ void UpdateProblem::add_forces() {
   }
 }
 
-void UpdateProblem::add_force_noise(const Eigen::VectorXd& q,
-                                    const std::vector<UpdateMatch>& matches, Eigen::VectorXd& r,
-                                    Eigen::MatrixXd* jacobian) const {
+void UpdateProblem::add_force_noise(const Eigen::VectorXd& q, const std::vector<FrfRows>& all,
+                                    Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
   if (forces_.empty()) return;
-  for (const auto& rows : frf_rows(matches)) {
+  for (const auto& rows : all) {
     for (Eigen::Index j = parameters_; j < size(); ++j) {
       const int index = coordinates_[static_cast<std::size_t>(j)].force;
       if (index < 0) continue;
       const Force& force = forces_[static_cast<std::size_t>(index)];
-      if (force.state != rows.state || force.load != rows.load) continue;
-      for (std::size_t k = 0; k < rows.frequency_hz.size(); ++k) {
+      if (force.state != rows.state || force.load != rows.frf->load) continue;
+      for (std::size_t k = 0; k < rows.line.size(); ++k) {
         const auto row = rows.first + 2 * static_cast<Eigen::Index>(k);
-        const std::complex<double> slope = std::polar(
-            force.std / rows.relative_std[k], -2 * M_PI * rows.frequency_hz[k] * force.delay_s);
+        const std::complex<double> slope =
+            std::polar(force.std / rows.relative_std[k],
+                       -2 * M_PI * rows.frf->frequency_hz[rows.line[k]] * force.delay_s);
         r[row] += q[j] * slope.real();
         r[row + 1] += q[j] * slope.imag();
         if (jacobian == nullptr) continue;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "model/scene/actual_state.h"
 #include "model/scene/scene_error.h"
@@ -13,6 +14,37 @@
 
 namespace rigfit::ident {
 using signal::kNaN;
+
+namespace {
+
+double largest_of(const Eigen::VectorXd& shape) {
+  return shape.size() > 0 ? shape.cwiseAbs().maxCoeff() : 0;
+}
+
+constexpr double kAssumedDampingStd = 0.2;  // relative; it only sets the weight
+
+bool is_joint_damper(const std::string& name) {
+  return name.ends_with(".damping_axial") || name.ends_with(".damping_bending") ||
+         name.ends_with(".damping_torsion");
+}
+
+// Scale of a quantity that starts at zero: 1 % of the scene's mass for masses, 1 % of the largest
+// tension for a load cell's zero, else 1.
+double scale_at_zero(const model::Scene& scene, const std::string& name) {
+  if (name == "load_cell.zero") {
+    double tension = 0;
+    for (const auto& member : scene.members)
+      tension = std::max(tension, member.tension.value_or(0));
+    return 0.01 * tension;
+  }
+  double mass = 0;
+  for (const auto& member : scene.members) {
+    mass += member.mass_per_length * model::chord_of(scene, member).norm();
+  }
+  return name.ends_with(".mass") && mass > 0 ? 0.01 * mass : 1;
+}
+
+}  // namespace
 
 double UpdateCoordinate::value(double q) const { return logarithmic ? std::exp(q) : q * scale; }
 double UpdateCoordinate::derivative(double q) const { return logarithmic ? std::exp(q) : scale; }
@@ -29,28 +61,9 @@ bool may_be_negative(const std::string& name) {
          last.starts_with("direction_");
 }
 
-bool is_joint_damper(const std::string& name) {
-  return name.ends_with(".damping_axial") || name.ends_with(".damping_bending") ||
-         name.ends_with(".damping_torsion");
-}
-
-double scale_at_zero(const model::Scene& scene, const std::string& name) {
-  if (name == "load_cell.zero") {
-    double tension = 0;
-    for (const auto& member : scene.members)
-      tension = std::max(tension, member.tension.value_or(0));
-    return 0.01 * tension;
-  }
-  double mass = 0;
-  for (const auto& member : scene.members) {
-    mass += member.mass_per_length * model::chord_of(scene, member).norm();
-  }
-  return name.ends_with(".mass") && mass > 0 ? 0.01 * mass : 1;
-}
-
 const UpdateModelMode* UpdateStateModes::find(model::ModePlane plane, int order) const {
   for (const auto& mode : modes) {
-    if (mode.plane == plane && mode.order == order) return &mode;
+    if (mode.plane == plane && mode.order == order + 1) return &mode;
   }
   return nullptr;
 }
@@ -58,6 +71,14 @@ const UpdateModelMode* UpdateStateModes::find(model::ModePlane plane, int order)
 UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
                              const std::vector<FreeParameter>& free, const UpdateOptions& options)
     : states_(states), free_(free), options_(options) {
+  options_.inputs.clear();
+  for (auto& parameter : free_) {
+    if (parameter.targets.empty()) parameter.targets = {parameter.name};
+    for (const auto& target : parameter.targets) {
+      damping_free_ = damping_free_ || target.find("damping") != std::string::npos;
+      joint_dampers_ = joint_dampers_ || is_joint_damper(target);
+    }
+  }
   if (states_.empty()) throw std::invalid_argument("update: no scene");
   for (const auto& state : states_) {
     for (const auto& frf : state.frfs) {
@@ -72,13 +93,8 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       }
       if (frf.std.size() == 0) uncertainties_known_ = false;
     }
-    if (state.modes_lead_only) continue;
     for (const auto& mode : state.measured) {
-      if (!known(mode.frequency_hz.std)) uncertainties_known_ = false;
-    }
-  }
-  for (const auto& state : states_) {
-    for (const auto& mode : state.measured) {
+      if (!state.modes_lead_only && !known(mode.frequency_hz.std)) uncertainties_known_ = false;
       if (!known(mode.frequency_hz.value)) {
         throw std::invalid_argument("update: every measured frequency must be positive");
       }
@@ -86,61 +102,37 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
     }
     const auto names = model::parameter_names(state.scene);
     present_.emplace_back(names.begin(), names.end());
-    joint_dampers_.push_back(std::any_of(
-        state.scene.members.begin(), state.scene.members.end(), [](const model::Member& member) {
-          const auto& damping = member.damping;
-          return damping.axial > 0 || damping.bending > 0 || damping.torsion > 0;
-        }));
-  }
-  for (const auto& input : options_.inputs) {
-    for (const auto& effect : input.effects) {
-      if (is_joint_damper(effect.target)) {
-        joint_dampers_[static_cast<std::size_t>(effect.state)] = true;
-      }
+    for (const auto& member : state.scene.members) {
+      const auto& [axial, bending, torsion] = member.damping;
+      joint_dampers_ = joint_dampers_ || axial > 0 || bending > 0 || torsion > 0;
     }
   }
   for (std::size_t p = 0; p < free_.size(); ++p) {
-    FreeParameter& parameter = free_[p];
-    if (parameter.targets.empty()) parameter.targets = {parameter.name};
+    const FreeParameter& parameter = free_[p];
+    const auto& first = parameter.targets.front();
+    std::size_t home = 0;  // the first state that has the first target
     // A shared parameter need not be in every scene, but each of its targets in one.
     for (const auto& target : parameter.targets) {
-      const bool somewhere = std::any_of(present_.begin(), present_.end(),
-                                         [&](const auto& names) { return names.contains(target); });
-      if (!somewhere) (void)model::parameter(states_[0].scene, target);  // says what there is
-      if (!is_joint_damper(target)) continue;
-      for (std::size_t s = 0; s < states_.size(); ++s) {
-        if (present_[s].contains(target)) joint_dampers_[s] = true;
-      }
+      const auto at =
+          std::ranges::find_if(present_, [&](const auto& names) { return names.contains(target); });
+      if (at == present_.end()) (void)model::parameter(states_[0].scene, target);  // says what is
+      if (&target == &first) home = static_cast<std::size_t>(at - present_.begin());
     }
-    const int copies = parameter.per_state ? static_cast<int>(states_.size()) : 1;
-    for (int copy = 0; copy < copies; ++copy) {
-      const model::Scene* home = &states_[static_cast<std::size_t>(copy)].scene;
-      if (!parameter.per_state) {
-        for (std::size_t s = 0; s < states_.size(); ++s) {
-          if (!present_[s].contains(parameter.targets[0])) continue;
-          home = &states_[s].scene;
-          break;
-        }
-      }
-      const model::Scene& scene = *home;
-      const auto& first = parameter.targets[0];
-      const double start = parameter.start.value_or(
-          parameter.prior ? parameter.prior->value
-                          : model::parameter(*home, first) / parameter.factor(0));
+    const std::size_t copies = parameter.per_state ? states_.size() : 1;
+    for (std::size_t copy = 0; copy < copies; ++copy) {
+      const auto& scene = states_[parameter.per_state ? copy : home].scene;
+      const auto own = [&] { return model::parameter(scene, first) / parameter.factor(0); };
       auto prior = parameter.prior;
+      const double start = parameter.start ? *parameter.start : prior ? prior->value : own();
       if (!prior && parameter.prior_relative_std > 0) {
-        const double own = model::parameter(*home, first) / parameter.factor(0);
-        prior = signal::Estimate{own, parameter.prior_relative_std * std::abs(own)};
+        prior = signal::Estimate{own(), parameter.prior_relative_std * std::abs(own())};
       }
       UpdateCoordinate q;
       q.parameter = static_cast<int>(p);
-      q.state = parameter.per_state ? copy : -1;
-      q.logarithmic = !may_be_negative(parameter.targets[0]) && start > 0;
-      if (!q.logarithmic) {
-        q.scale =
-            std::abs(start) > 0 ? std::abs(start) : scale_at_zero(scene, parameter.targets[0]);
-      }
-      const bool positive = !may_be_negative(parameter.targets[0]);
+      q.state = parameter.per_state ? static_cast<int>(copy) : -1;
+      const bool positive = !may_be_negative(first);
+      q.logarithmic = positive && start > 0;
+      if (!q.logarithmic) q.scale = start != 0 ? std::abs(start) : scale_at_zero(scene, first);
       const double low = positive ? std::max(parameter.low, 0.0) : parameter.low;
       q.low = q.logarithmic && low <= 0 ? std::log(start) - std::log(1e6) : q.coordinate(low);
       q.high = std::isfinite(parameter.high) ? q.coordinate(parameter.high)
@@ -160,16 +152,25 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
     }
   }
   parameters_ = size();
+  UncertainInput clock{std::string(kSampleRateTarget), {}};
+  for (std::size_t s = 0; s < states_.size(); ++s) {
+    const double std = states_[s].clock_relative_std;
+    if (std > 0) clock.effects.push_back({static_cast<int>(s), clock.name, std});
+  }
+  for (const auto& input : options.inputs) add_input(input);
+  if (!clock.effects.empty()) add_input(std::move(clock));
 }
 
-bool UpdateProblem::damping_fitted(const MeasuredMode& mode) const {
-  if (!known(mode.damping_ratio.value)) return false;
-  return std::any_of(free_.begin(), free_.end(), [](const FreeParameter& parameter) {
-    return parameter.name.find("damping") != std::string::npos ||
-           std::any_of(parameter.targets.begin(), parameter.targets.end(), [](const auto& target) {
-             return target.find("damping") != std::string::npos;
-           });
-  });
+const MeasuredMode& UpdateProblem::measured(int state, int mode) const {
+  return states_[static_cast<std::size_t>(state)].measured[static_cast<std::size_t>(mode)];
+}
+
+void UpdateProblem::add_input(UncertainInput input) {
+  for (const auto& effect : input.effects) {
+    joint_dampers_ = joint_dampers_ || is_joint_damper(effect.target);
+  }
+  add_nuisance({.parameter = -1, .input = static_cast<int>(options_.inputs.size())});
+  options_.inputs.push_back(std::move(input));
 }
 
 Eigen::VectorXd UpdateProblem::start() const {
@@ -262,8 +263,7 @@ UpdateProblem::ModeNeed UpdateProblem::need_of(int state,
                                                const std::vector<UpdateMatch>* matches) const {
   using model::ModePlane;
   // Joint dampers couple modes: all of them then.
-  if (matches == nullptr || !*narrow_) return {};
-  if (damping_ && joint_dampers_[static_cast<std::size_t>(state)]) return {};
+  if (matches == nullptr || !*narrow_ || (damping_ && joint_dampers_)) return {};
   int in = 0, out = 0, other = 0;
   for (const auto& match : *matches) {
     if (match.state != state || match.cross_plane) continue;
@@ -339,13 +339,10 @@ UpdateStateModes UpdateProblem::solved_modes(int state, const Eigen::VectorXd& q
     mode.frequency_hz = natural.frequency_hz;
     mode.damping_ratio = natural.damping_ratio;
     mode.plane = natural.plane;
-    mode.order = seen[natural.plane]++;
+    mode.order = ++seen[natural.plane];
     mode.shape = natural.sensor_shape.cast<std::complex<double>>();
-    if (natural.sensor_shape.size() > 0) {
-      mode.visibility =
-          natural.sensor_shape.cwiseAbs().maxCoeff() *
-          (natural.load_shape.size() > 0 ? natural.load_shape.cwiseAbs().maxCoeff() : 1);
-    }
+    mode.visibility = largest_of(natural.sensor_shape);
+    if (natural.load_shape.size() > 0) mode.visibility *= largest_of(natural.load_shape);
     if (!known(mode.frequency_hz)) continue;  // a rigid motion: nothing that was measured
     if (derivatives) {
       mode.dlog_frequency = mode.dlog_damping = Eigen::VectorXd::Zero(size());
@@ -366,7 +363,7 @@ UpdateStateModes UpdateProblem::solved_modes(int state, const Eigen::VectorXd& q
   if (is_resolved(state)) {
     for (const auto& error : (*variant_.segment_errors)[static_cast<std::size_t>(state)]) {
       for (auto& mode : result.modes) {
-        if (mode.plane != error.plane || mode.order != error.order) continue;
+        if (mode.plane != error.plane || mode.order != error.order + 1) continue;
         mode.frequency_hz *= std::exp(-error.log_error);
       }
     }
@@ -378,20 +375,16 @@ UpdateMatches UpdateProblem::match(const Eigen::VectorXd& q, std::string& failur
   return with_model_std(kListStd).assign(q, failure, only);
 }
 
-double UpdateProblem::relative_std(int state, int measured) const {
-  const auto& mode =
-      states_[static_cast<std::size_t>(state)].measured[static_cast<std::size_t>(measured)];
-  const double own = known(mode.frequency_hz.std) ? mode.frequency_hz.std / mode.frequency_hz.value
-                                                  : options_.assumed_relative_std;
+double UpdateProblem::relative_std(int state, int mode) const {
+  const auto& frequency = measured(state, mode).frequency_hz;
+  const double own =
+      known(frequency.std) ? frequency.std / frequency.value : options_.assumed_relative_std;
   return std::hypot(std::hypot(own, options_.model_relative_std), variant_.model_std);
 }
 
-double UpdateProblem::damping_relative_std(int state, int measured) const {
-  const auto& damping = states_[static_cast<std::size_t>(state)]
-                            .measured[static_cast<std::size_t>(measured)]
-                            .damping_ratio;
-  const double own =
-      known(damping.std) ? damping.std / damping.value : options_.assumed_damping_relative_std;
+double UpdateProblem::damping_relative_std(int state, int mode) const {
+  const auto& damping = measured(state, mode).damping_ratio;
+  const double own = known(damping.std) ? damping.std / damping.value : kAssumedDampingStd;
   return std::hypot(own, variant_.damping_model_std);
 }
 
@@ -427,13 +420,13 @@ std::vector<UpdatedPair> UpdateProblem::pairs(const Eigen::VectorXd& q,
     }
     const UpdateModelMode* mode = modelled.find(match.plane, match.order);
     if (mode == nullptr) continue;
-    const auto& state = states_[static_cast<std::size_t>(match.state)];
-    const auto& measured = state.measured[static_cast<std::size_t>(match.measured)];
-    UpdatedPair pair{match, state.name, measured.frequency_hz.value, mode->frequency_hz};
+    const auto& [frequency, damping, plane, shape, order] = measured(match.state, match.measured);
+    UpdatedPair pair{match, states_[static_cast<std::size_t>(match.state)].name, frequency.value,
+                     mode->frequency_hz};
     pair.relative_error = pair.model_hz / pair.measured_hz - 1;
-    if (known(measured.damping_ratio.value)) pair.measured_damping = measured.damping_ratio.value;
+    if (known(damping.value)) pair.measured_damping = damping.value;
     if (damping_) pair.model_damping = mode->damping_ratio;
-    pair.measured_std_hz = measured.frequency_hz.std;
+    pair.measured_std_hz = frequency.std;
     result.push_back(std::move(pair));
   }
   return result;

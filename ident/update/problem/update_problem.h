@@ -42,23 +42,16 @@ struct UpdateCoordinate {
 /// Whether a parameter may have any sign: coordinates of nodes, a load cell's zero, a change of
 /// temperature. Everything else in a scene is positive or zero.
 [[nodiscard]] bool may_be_negative(const std::string& name);
-[[nodiscard]] bool is_joint_damper(const std::string& name);
-/// Scale of a quantity that starts at zero: 1 % of the scene's mass for masses, 1 % of the largest
-/// tension for a load cell's zero, else 1.
-[[nodiscard]] double scale_at_zero(const model::Scene& scene, const std::string& name);
-
-struct UpdateModelMode {
-  double frequency_hz = 0, damping_ratio = 0;
-  model::ModePlane plane = model::ModePlane::in;
-  int order = 0;  ///< among those of its plane
-  Eigen::VectorXcd shape;
-  double visibility = 0;  ///< response at a sensor to a load of the scene; 0: none there
+/// `visibility`: response at a sensor to a load of the scene; 0: none there.
+struct UpdateModelMode : PairingMode {
+  double damping_ratio = 0;
   Eigen::VectorXd dlog_frequency, dlog_damping;  ///< by coordinate
 };
 
 struct UpdateStateModes {
   std::string failure;  ///< empty: there are modes
   std::vector<UpdateModelMode> modes;
+  /// `order` from 0.
   [[nodiscard]] const UpdateModelMode* find(model::ModePlane plane, int order) const;
 };
 
@@ -108,7 +101,10 @@ class UpdateProblem {
   [[nodiscard]] Eigen::VectorXd start() const;
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] const std::vector<UpdateState>& states() const { return states_; }
-  [[nodiscard]] bool takes_part(int state) const { return state != variant_.held_out; }
+  /// Whether a state is `only`, or where that is -1 none that is held out.
+  [[nodiscard]] bool takes_part(int state, int only = -1) const {
+    return only >= 0 ? state == only : state != variant_.held_out;
+  }
   /// A copy that differs in one thing: `problem.with(&UpdateVariant::segment_factor, 2.0)`.
   template <typename T>
   [[nodiscard]] UpdateProblem with(T UpdateVariant::*what, std::type_identity_t<T> value) const {
@@ -128,25 +124,23 @@ class UpdateProblem {
   /// its own.
   [[nodiscard]] UpdateProblem with_resolving_segments(const std::vector<UpdateMatch>& matches,
                                                       const Eigen::VectorXd& q) const;
-  [[nodiscard]] bool is_resolved() const;  ///< in any state
   [[nodiscard]] bool is_resolved(int state) const;
-  /// This problem with everything that is known to an uncertainty as further coordinates, each with
-  /// its normal prior (update_nuisances.cc); q, of the parameters, becomes a place in it.
-  [[nodiscard]] UpdateProblem with_nuisances(Eigen::VectorXd& q) const;
+  /// This problem with place and force of the hits of FRFs as further coordinates, each with its
+  /// normal prior (update_nuisances.cc); q becomes a place in it.
+  [[nodiscard]] UpdateProblem with_hits(Eigen::VectorXd& q) const;
   [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return options_.inputs; }
   /// Whether a scene parameter is fitted or moved by an input in that state.
   [[nodiscard]] bool is_stated(int state, const std::string& target) const;
   /// Lines of one FRF that are fitted: two residuals each, from row `first` on.
   struct FrfRows {
     int state = 0;
-    std::size_t load = 0;
     const MeasuredFrf* frf = nullptr;
     Eigen::Index first = 0;
     std::vector<Eigen::Index> line = {};
-    std::vector<double> frequency_hz = {}, relative_std = {};
+    std::vector<double> relative_std = {};
     std::vector<char> difference = {};  ///< 1: residual H / H_measured - 1, else their logarithm
   };
-  [[nodiscard]] std::vector<FrfRows> frf_rows(const std::vector<UpdateMatch>& matches) const;
+  [[nodiscard]] std::vector<FrfRows> frf_rows(int only = -1) const;
   [[nodiscard]] model::Scene scene_at(int state, const Eigen::VectorXd& q) const;
   /// `matches`: modes are asked for that these need; null: all that may pair.
   [[nodiscard]] UpdateStateModes modes(int state, const Eigen::VectorXd& q, bool derivatives,
@@ -157,8 +151,8 @@ class UpdateProblem {
   [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, std::string& failure,
                                     int only = -1) const;
 
-  /// Residuals over their standard deviations: frequencies and dampings of the fitted pairs
-  /// in order, FRFs, then priors. False when some state has no modes or a pair's mode is gone.
+  /// Residuals over their standard deviations: FRFs, frequencies and dampings of the fitted pairs
+  /// in order, then priors. False when some state has no modes or a pair's mode is gone.
   [[nodiscard]] bool residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
                                Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
   [[nodiscard]] Eigen::Index residual_count(const std::vector<UpdateMatch>& matches) const;
@@ -175,11 +169,10 @@ class UpdateProblem {
                                                const std::vector<UpdateMatch>& matches) const;
 
   /// The assignment of the largest likelihood (mode_assignment.h) in every state that takes part
-  /// (or `only` that one).
-  [[nodiscard]] UpdateMatches assign(const Eigen::VectorXd& q, std::string& failure,
-                                     int only = -1) const;
-  /// The same with all frequencies of a state times one factor of up to two either way.
-  [[nodiscard]] UpdateMatches assign_scaled(const Eigen::VectorXd& q, std::string& failure) const;
+  /// (or `only` that one); `scaled`: with all frequencies of a state times one factor of up to two
+  /// either way.
+  [[nodiscard]] UpdateMatches assign(const Eigen::VectorXd& q, std::string& failure, int only = -1,
+                                     bool scaled = false) const;
 
   /// Rows of the residuals that are frequencies of fitted pairs, with their match.
   struct FrequencyRow {
@@ -230,12 +223,10 @@ class UpdateProblem {
   [[nodiscard]] UpdateStateModes solved_modes(int state, const Eigen::VectorXd& q, bool derivatives,
                                               const ModeNeed& need) const;
   [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled) const;
-  /// `assign_modes`: of a state, from its modes.
-  template <class AssignModes>
-  [[nodiscard]] UpdateMatches assigned(const Eigen::VectorXd& q, std::string& failure, int only,
-                                       const AssignModes& assign_modes) const;
-  [[nodiscard]] bool damping_fitted(const MeasuredMode& mode) const;
-  [[nodiscard]] bool counts(int state) const;
+  [[nodiscard]] const MeasuredMode& measured(int state, int mode) const;
+  [[nodiscard]] bool damping_fitted(const MeasuredMode& mode) const {
+    return damping_free_ && known(mode.damping_ratio.value);
+  }
   [[nodiscard]] int mode_count(int state) const;  // that may pair
   [[nodiscard]] Targets targets_of(int state) const;
   [[nodiscard]] bool is_free(int state, const std::string& target) const;
@@ -244,13 +235,13 @@ class UpdateProblem {
   void add_places_of_hits(const Eigen::VectorXd& q);
   void add_forces();
   void add_nuisance(UpdateCoordinate coordinate);
-  void add_force_noise(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
+  void add_input(UncertainInput input);
+  void add_force_noise(const Eigen::VectorXd& q, const std::vector<FrfRows>& all,
                        Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
   [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
                                  std::string& failure) const;
   [[nodiscard]] FrfRows rows_of(int state, const MeasuredFrf& frf) const;
-  [[nodiscard]] std::vector<FrfRows> rows_of(int state) const;  // `first` from 0
-  [[nodiscard]] bool frf_residuals(int state, const Eigen::VectorXd& q, Eigen::Index& row,
+  [[nodiscard]] bool frf_residuals(const Eigen::VectorXd& q, const std::vector<FrfRows>& all,
                                    Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
 
   std::vector<UpdateState> states_;
@@ -258,7 +249,6 @@ class UpdateProblem {
   UpdateOptions options_;
   std::vector<UpdateCoordinate> coordinates_;
   std::vector<std::set<std::string>> present_;  // parameters of each state's scene
-  std::vector<bool> joint_dampers_;             // by state: in its scene, or to be found
   struct Force {  // noise of the hammer at one delay, in all lines of a load
     int state = 0;
     std::size_t load = 0;
@@ -266,7 +256,7 @@ class UpdateProblem {
   };
   std::vector<Force> forces_;
   Eigen::Index parameters_ = 0, priors_ = 0;
-  bool uncertainties_known_ = true, damping_ = false;
+  bool uncertainties_known_ = true, damping_free_ = false, damping_ = false, joint_dampers_ = false;
   UpdateVariant variant_;
   // By copies of a problem too: asking for the paired modes alone has not failed yet.
   std::shared_ptr<std::atomic<bool>> narrow_ = std::make_shared<std::atomic<bool>>(true);

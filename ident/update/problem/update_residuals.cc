@@ -9,10 +9,6 @@
 
 namespace rigfit::ident {
 
-bool UpdateProblem::counts(int state) const {
-  return !states_[static_cast<std::size_t>(state)].modes_lead_only;
-}
-
 UpdateProblem UpdateProblem::modes_alone() const {
   UpdateProblem other = *this;
   for (auto& state : other.states_) {
@@ -32,26 +28,36 @@ bool UpdateProblem::has_frfs() const {
                      [](const auto& state) { return !state.frfs.empty(); });
 }
 
-Eigen::Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& matches) const {
-  Eigen::Index count = priors_;
-  for (const auto& match : matches) {
-    if (match.cross_plane || !counts(match.state)) continue;
-    const auto& mode = states_[static_cast<std::size_t>(match.state)]
-                           .measured[static_cast<std::size_t>(match.measured)];
-    count += damping_fitted(mode) ? 2 : 1;
+std::vector<UpdateProblem::FrequencyRow> UpdateProblem::frequency_rows(
+    const std::vector<UpdateMatch>& matches) const {
+  std::vector<FrequencyRow> rows;
+  Eigen::Index row = 2 * frf_lines();
+  for (std::size_t m = 0; m < matches.size(); ++m) {
+    const auto& match = matches[m];
+    if (match.cross_plane || states_[static_cast<std::size_t>(match.state)].modes_lead_only) {
+      continue;
+    }
+    const bool damping = damping_fitted(measured(match.state, match.measured));
+    rows.push_back({row, damping ? row + 1 : -1, m});
+    row += damping ? 2 : 1;
   }
-  return count + 2 * frf_lines();
+  return rows;
+}
+
+Eigen::Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& matches) const {
+  Eigen::Index count = priors_ + 2 * frf_lines();
+  for (const auto& row : frequency_rows(matches)) count += row.damping < 0 ? 1 : 2;
+  return count;
 }
 
 bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
                               Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
   r.setZero(residual_count(matches));
   if (jacobian != nullptr) jacobian->setZero(r.size(), size());
-  Eigen::Index row = 0;
   int current = -1;
   UpdateStateModes modelled;
-  for (const auto& match : matches) {  // ordered by state
-    if (match.cross_plane || !counts(match.state)) continue;
+  for (const auto& row : frequency_rows(matches)) {
+    const auto& match = matches[row.match];  // ordered by state
     if (match.state != current) {
       modelled = modes(match.state, q, jacobian != nullptr, &matches);
       if (!modelled.failure.empty()) return false;
@@ -59,37 +65,32 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
     }
     const UpdateModelMode* mode = modelled.find(match.plane, match.order);
     if (mode == nullptr) return false;
-    const auto& measured = states_[static_cast<std::size_t>(match.state)]
-                               .measured[static_cast<std::size_t>(match.measured)];
+    const auto& found = measured(match.state, match.measured);
     const double std = relative_std(match.state, match.measured);
     const double factor = measured_factor(match.state, q);
-    r[row] = std::log(mode->frequency_hz / (measured.frequency_hz.value * factor)) / std;
+    r[row.row] = std::log(mode->frequency_hz / (found.frequency_hz.value * factor)) / std;
     if (jacobian != nullptr) {
-      jacobian->row(row) = mode->dlog_frequency / std;
+      jacobian->row(row.row) = mode->dlog_frequency / std;
       for (const auto& [j, change] : rate_changes(match.state)) {
-        (*jacobian)(row, j) -= change / (factor * std);
+        (*jacobian)(row.row, j) -= change / (factor * std);
       }
     }
-    ++row;
-    if (damping_fitted(measured)) {
-      if (!known(mode->damping_ratio)) return false;
-      const double damping_std = damping_relative_std(match.state, match.measured);
-      r[row] = std::log(mode->damping_ratio / measured.damping_ratio.value) / damping_std;
-      if (jacobian != nullptr) jacobian->row(row) = mode->dlog_damping / damping_std;
-      ++row;
-    }
+    if (row.damping < 0) continue;
+    if (!known(mode->damping_ratio)) return false;
+    const double damping_std = damping_relative_std(match.state, match.measured);
+    r[row.damping] = std::log(mode->damping_ratio / found.damping_ratio.value) / damping_std;
+    if (jacobian != nullptr) jacobian->row(row.damping) = mode->dlog_damping / damping_std;
   }
-  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    if (!takes_part(s)) continue;
-    if (!frf_residuals(s, q, row, r, jacobian)) return false;
-  }
-  add_force_noise(q, matches, r, jacobian);
+  const auto frfs = frf_rows();
+  if (!frf_residuals(q, frfs, r, jacobian)) return false;
+  add_force_noise(q, frfs, r, jacobian);
+  Eigen::Index prior = r.size() - priors_;
   for (Eigen::Index j = 0; j < size(); ++j) {
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
     if (coordinate.prior_std <= 0) continue;
-    r[row] = (q[j] - coordinate.prior) / coordinate.prior_std;
-    if (jacobian != nullptr) (*jacobian)(row, j) = 1 / coordinate.prior_std;
-    ++row;
+    r[prior] = (q[j] - coordinate.prior) / coordinate.prior_std;
+    if (jacobian != nullptr) (*jacobian)(prior, j) = 1 / coordinate.prior_std;
+    ++prior;
   }
   return r.allFinite() && (jacobian == nullptr || jacobian->allFinite());
 }
@@ -102,15 +103,12 @@ bool UpdateProblem::is_free(int state, const std::string& target) const {
 }
 
 bool UpdateProblem::is_stated(int state, const std::string& target) const {
-  for (const auto& parameter : free_) {
-    if (std::count(parameter.targets.begin(), parameter.targets.end(), target) > 0) return true;
-  }
-  for (const auto& input : options_.inputs) {
-    for (const auto& effect : input.effects) {
-      if (effect.state == state && effect.target == target) return true;
-    }
-  }
-  return false;
+  return is_free(state, target) ||
+         std::ranges::any_of(options_.inputs, [&](const UncertainInput& input) {
+           return std::ranges::any_of(input.effects, [&](const auto& effect) {
+             return effect.state == state && effect.target == target;
+           });
+         });
 }
 
 }  // namespace rigfit::ident

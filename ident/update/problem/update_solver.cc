@@ -70,7 +70,7 @@ bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matc
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.logging_type = ceres::SILENT;
-  solver.max_num_iterations = options.max_iterations;
+  solver.max_num_iterations = 60;
   solver.function_tolerance = options.function_tolerance;
   solver.parameter_tolerance = 1e-9;
   solver.gradient_tolerance = 1e-9;

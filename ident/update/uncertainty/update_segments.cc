@@ -27,12 +27,6 @@ bool UpdateProblem::is_resolved(int state) const {
          !(*variant_.segment_errors)[static_cast<std::size_t>(state)].empty();
 }
 
-bool UpdateProblem::is_resolved() const {
-  return variant_.segment_errors &&
-         std::any_of(variant_.segment_errors->begin(), variant_.segment_errors->end(),
-                     [](const auto& of) { return !of.empty(); });
-}
-
 UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q, bool given) const {
   UpdateProblem other = with(&UpdateVariant::segment_errors, nullptr);
   auto errors = std::make_shared<std::vector<std::vector<SegmentError>>>(states_.size());
@@ -63,7 +57,9 @@ UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q, bool 
           {natural.plane, order, std::log(mode->frequency_hz / natural.frequency_hz)});
     }
   }
-  other.variant_.segment_errors = std::move(errors);
+  if (std::ranges::any_of(*errors, [](const auto& of_state) { return !of_state.empty(); })) {
+    other.variant_.segment_errors = std::move(errors);
+  }
   return other;
 }
 

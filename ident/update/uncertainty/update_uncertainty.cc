@@ -2,13 +2,12 @@
 
 #include <gsl/gsl_cdf.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <map>
 
 #include "ident/statistics/root.h"
-#include "signal/numerics/factorisations.h"
 #include "signal/numerics/least_squares.h"
 #include "signal/numerics/numbers.h"
 
@@ -96,7 +95,7 @@ double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
     if (q[j] <= coordinate.low + 1e-9 || q[j] >= coordinate.high - 1e-9) J.col(j).setZero();
   }
   Eigen::VectorXd own = Eigen::VectorXd::Zero(r.size());  // relative uncertainty; 0: no data
-  for (const auto& rows : problem.frf_rows(matches)) {
+  for (const auto& rows : problem.frf_rows()) {
     for (std::size_t k = 0; k < rows.relative_std.size(); ++k) {
       own.segment<2>(rows.first + 2 * static_cast<Eigen::Index>(k)).fill(rows.relative_std[k]);
     }
@@ -122,33 +121,26 @@ double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
 Eigen::VectorXd clustered_variance(const UpdateProblem& problem,
                                    const std::vector<UpdateMatch>& matches,
                                    const Eigen::VectorXd& r, const Eigen::MatrixXd& J) {
+  const auto rows = problem.frequency_rows(matches);
+  const Eigen::MatrixXd bread =
+      (J.transpose() * J).completeOrthogonalDecomposition().pseudoInverse();
   Eigen::VectorXd largest = Eigen::VectorXd::Zero(J.cols());
-  std::map<std::pair<int, int>, Eigen::VectorXd> by_mode;
-  std::map<int, Eigen::VectorXd> by_state;
-  for (const auto& row : problem.frequency_rows(matches)) {
-    const auto& match = matches[row.match];
-    const Eigen::VectorXd score = J.row(row.row).transpose() * r[row.row];
-    for (auto* sum :
-         {&by_mode
-               .try_emplace({static_cast<int>(match.plane), match.order},
-                            Eigen::VectorXd::Zero(J.cols()))
-               .first->second,
-          &by_state.try_emplace(match.state, Eigen::VectorXd::Zero(J.cols())).first->second}) {
-      *sum += score;
+  const auto widen = [&](const auto& cluster_of) {
+    std::map<std::pair<int, int>, Eigen::VectorXd> scores;
+    for (const auto& row : rows) {
+      const Eigen::VectorXd score = J.row(row.row).transpose() * r[row.row];
+      const auto [at, first] = scores.try_emplace(cluster_of(matches[row.match]), score);
+      if (!first) at->second += score;
     }
-  }
-  const Eigen::MatrixXcd normal = (J.transpose() * J).cast<std::complex<double>>();
-  const Eigen::MatrixXd bread = signal::hermitian_eigen(normal).pseudo_inverse().real();
-  const auto widen = [&](const auto& clusters) {
-    const double count = static_cast<double>(clusters.size());
+    const double count = static_cast<double>(scores.size());
     if (count < 3) return;
     Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(J.cols(), J.cols());
-    for (const auto& [name, score] : clusters) meat += score * score.transpose();
+    for (const auto& [name, score] : scores) meat += score * score.transpose();
     const Eigen::MatrixXd covariance = bread * meat * bread * (count / (count - 1));
     largest = largest.cwiseMax(covariance.diagonal());
   };
-  widen(by_mode);
-  widen(by_state);
+  widen([](const auto& match) { return std::pair{static_cast<int>(match.plane), match.order}; });
+  widen([](const auto& match) { return std::pair{match.state, 0}; });
   return largest;
 }
 
@@ -163,8 +155,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   const Eigen::Index data = r.size() - problem.prior_count();
   result.chi_squared = r.squaredNorm();
   result.degrees_of_freedom = static_cast<double>(r.size() - n) - problem.shared_residuals();
-  state_variance_factor(problem, options, correlated_variance(problem.frf_rows(matches), r),
-                        result);
+  state_variance_factor(problem, options, correlated_variance(problem.frf_rows(), r), result);
   // The factor is one of the data: priors are what they say.
   const double factor = std::sqrt(std::max(result.variance_factor, 1e-12));
   J.topRows(data) /= factor, r.head(data) /= factor;
@@ -179,10 +170,8 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
       scales[j] = std::max(1.0, std::abs(q[j]));
     }
   }
-  IdentifiabilityOptions limits;
-  limits.relative_rank_tolerance = kRankTolerance;
   const auto names = problem.names();
-  result.identifiability = identifiability(J, scales, names, limits);
+  result.identifiability = identifiability(J, scales, names);
   const Identifiability& known = result.identifiability;
   for (const auto& open : known.open) result.open.push_back(open.message);
   Eigen::VectorXd by(count);  // of the values, widened by errors of the model that modes share
@@ -199,7 +188,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
     }
   }
   J.middleRows(data, problem.prior_count() - (n - count)).setZero();
-  const auto alone = identifiability(J, scales, names, limits);
+  const auto alone = identifiability(J, scales, names);
 
   result.covariance =
       by.asDiagonal() * known.covariance.topLeftCorner(count, count) * by.asDiagonal();

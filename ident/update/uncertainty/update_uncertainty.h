@@ -54,9 +54,6 @@ inline constexpr double kUnlikelyMisfit = 0.05;
                                                  const Eigen::VectorXd& r,
                                                  const Eigen::MatrixXd& J);
 
-/// Ratio of singular values below which a direction counts as not determined.
-inline constexpr double kRankTolerance = 1e-8;
-
 /// Fills everything in `result` that is uncertain, from its coordinates.
 void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
                        const std::vector<UpdateMatch>& matches, UpdateResult& result);
