@@ -59,6 +59,7 @@ void UpdateProblem::add_nuisance(UpdateCoordinate coordinate) {
 }
 
 void UpdateProblem::add_places_of_hits(const Eigen::VectorXd& q) {
+  std::vector<UncertainInput> places;  // added when q is no longer asked for
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     const auto& state = states_[static_cast<std::size_t>(s)];
     if (!takes_part(s)) continue;
@@ -84,10 +85,11 @@ void UpdateProblem::add_places_of_hits(const Eigen::VectorXd& q) {
       }
       if (largest.empty()) continue;
       const std::string name = "place of the hits of " + load.name;
-      add_input({state.name.empty() ? name : name + " [" + state.name + "]",
-                 {{s, target, least_of(std::move(largest))}}});
+      places.push_back({state.name.empty() ? name : name + " [" + state.name + "]",
+                        {{s, target, least_of(std::move(largest))}}});
     }
   }
+  for (auto& place : places) add_input(std::move(place));
 }
 
 void UpdateProblem::add_forces() {

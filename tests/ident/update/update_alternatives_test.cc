@@ -93,8 +93,8 @@ struct FreeHanger {
   UpdateResult from(double tension, double spring = 0.2) const {
     auto start = testing::hanger(model::Support::Kind::elastic, EI, spring * half);
     start.members[0].tension = tension * testing::kTension;
-    UpdateOptions options;
-    options.segment_uncertainty = false;  // the data have the model's segments
+    // The data have the model's segments.
+    const UpdateOptions options{.segment_uncertainty = false};
     return update_model({{"hanger", start, modes}},
                         {{"h.tension"}, {"k", {"a.rotational_z", "b.rotational_z"}}}, options);
   }
@@ -113,8 +113,7 @@ TEST(FindAnswers, SpringsOfTheTwoEndsMayBeExchanged) {
   auto truth = hanger.truth;
   truth.nodes[0].support.rotational[2] = 0.3 * hanger.half;
   truth.nodes[1].support.rotational[2] = 2 * hanger.half;
-  UpdateOptions options;
-  options.segment_uncertainty = false;
+  const UpdateOptions options{.segment_uncertainty = false};
   const auto result =
       update_model({{"hanger", hanger.truth, testing::measured(truth, 9, 1e-4)}},
                    {{"h.tension"}, {"a.rotational_z"}, {"b.rotational_z"}}, options);
@@ -136,8 +135,7 @@ TEST(FindAnswers, PlanesOfABeamMayBeExchanged) {
   const auto others = testing::modes_of(scene, model::ModePlane::out, 4, 1e-3);
   modes.insert(modes.end(), others.begin(), others.end());
   for (auto& mode : modes) mode.plane.reset();
-  UpdateOptions options;
-  options.segment_uncertainty = false;
+  const UpdateOptions options{.segment_uncertainty = false};
   for (const auto& start : {std::array{2.6, 1.6}, {1.6, 2.6}, {2.0, 2.0}}) {
     scene.members[0].EI = start;
     const auto result = update_model({{"beam", scene, modes}},

@@ -21,14 +21,8 @@ UpdateProblem springs(double truth, double low, double high, const UpdateOptions
   return UpdateProblem({{"hanger", fitted, testing::measured(scene, 6, 1e-3)}}, free, options);
 }
 
-UpdateOptions same_segments() {
-  UpdateOptions options;
-  options.segment_uncertainty = false;  // the data have the model's segments
-  return options;
-}
-
 TEST(UpdateSolver, LeavesABoundWhereTheSlopeLeadsInwards) {
-  const UpdateOptions options = same_segments();
+  const UpdateOptions options = testing::plain_options();
   const UpdateProblem problem = springs(0.7, 1e-4, 1e4, options);
   std::string failure;
   const auto matches = problem.match(problem.start(), failure).matches;
