@@ -8,10 +8,9 @@
 #include <unordered_set>
 #include <utility>
 
+#include "apps/cli/progress.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
-#include "signal/readers/frequency_table.h"
-#include "signal/readers/mapped_file.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
@@ -78,7 +77,19 @@ signal::Recording load_untold(const fs::path& path, VerbContext& context,
   for (auto one = descriptions.rbegin(); one != descriptions.rend(); ++one) {
     used = merged(used, one->reading);
   }
-  signal::Recording recording = signal::read_recording(path, used);
+  std::error_code no_size;
+  const auto size = static_cast<long>(fs::file_size(path, no_size));
+  signal::Recording recording;
+  {
+    Progress progress("reading " + path.filename().string(), no_size ? 0 : size,
+                      context.quiet || context.silent);
+    long told = 0;
+    used.done_with = [&](std::size_t bytes) {
+      progress.advance(static_cast<long>(bytes) - told);
+      told = static_cast<long>(bytes);
+    };
+    recording = signal::read_recording(path, used);
+  }
   for (const auto& description : descriptions) signal::apply_description(description, recording);
   return recording;
 }
@@ -88,32 +99,6 @@ signal::Recording load_recording(const fs::path& path, VerbContext& context,
   signal::Recording recording = load_untold(path, context, given);
   tell_notes(recording, context);
   return recording;
-}
-
-std::optional<signal::Recording> over_frequency(const std::string& path,
-                                                const signal::ReadOptions& reading) {
-  const signal::MappedFile file(path);
-  signal::Recording functions;
-  const auto format = signal::format_of(file.bytes());
-  if (format == "uff") {
-    functions = signal::read_uff_functions(file.bytes(), path);
-    if (functions.sample_rate_hz > 0 || functions.time_s.size() > 0) return std::nullopt;
-  } else if (format == "csv" && !signal::foreign_format(file.bytes())) {
-    auto table = signal::frequency_table_in(file.bytes(), path, reading);
-    if (!table) return std::nullopt;
-    functions.path = path;
-    functions.format = "csv";
-    const Eigen::VectorXd f = std::move(table->channels.front().samples);
-    table->channels.erase(table->channels.begin());
-    functions.channels = std::move(table->channels);
-    functions.notes = std::move(table->notes);
-    functions.notes.push_back({"not_a_time_history",
-                               fmt::format("spectra or FRFs, {:.6g} to {:.6g} Hz in {} lines", f[0],
-                                           f[f.size() - 1], f.size()),
-                               ""});
-  }
-  if (functions.channels.empty()) return std::nullopt;
-  return functions;
 }
 
 const signal::Channel& chosen_channel(const signal::Recording& recording, const std::string& name) {

@@ -59,10 +59,6 @@ struct AtHand {
 /// The recording's notes as warnings.
 void tell_notes(const signal::Recording& recording, VerbContext& context);
 
-/// Spectra and FRFs of a UFF file or a table, which are not over time; empty: the file has none.
-[[nodiscard]] std::optional<signal::Recording> over_frequency(const std::string& path,
-                                                              const signal::ReadOptions& reading);
-
 /// The channel `name`; without a name that of a recording with one channel only. Throws UsageError
 /// when the choice is open or the sample rate is not known.
 [[nodiscard]] const signal::Channel& chosen_channel(const signal::Recording& recording,

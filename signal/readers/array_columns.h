@@ -33,7 +33,8 @@ struct NumberType {
 /// Adds an array's columns or, where it is wide, its rows to the table, with a note: its longer
 /// side is time. `name`, as titles of CSV have it ("Force [N]"), stands in front of their numbers.
 /// `single`: held in single precision, so that times are known to 6e-8 of their size.
-void add_array(Eigen::MatrixXd values, const std::string& name, bool single, CsvTable& table);
+void add_array(const Eigen::MatrixXd& values, const std::string& name, bool single,
+               CsvTable& table);
 
 /// Times are the column of such a name, or the first of several where it rises in equal steps
 /// (noted). `stated_rate_hz`: by the file, 0: not. Throws RecordingError.

@@ -208,11 +208,13 @@ constexpr std::string_view kRateLabels =
     "|sampling rate|sample rate|sampling frequency|sample frequency|samplerate|"
     "samplingrate|sampling freq|scan rate|abtastrate|abtastfrequenz|fs|"
     "samples per second|samples/s|rate|sample freq|messrate|scanrate|data rate|"
-    "acquisition rate|";
+    "acquisition rate|fsamp|samplefrequency|samplingfrequency|numberofsamplespersecond|"
+    "fsample|freqsamp|samplespersecond|fsampling|srate|";
 constexpr std::string_view kIntervalLabels =
     "|sampling interval|sample interval|sampling period|sample period|time step|"
     "time increment|dt|delta t|delta x|interval|abtastintervall|messintervall|timestep|"
-    "sampling time|sample time|time interval|delta|increment|x axis delta|sampling interval s|";
+    "sampling time|sample time|time interval|delta|increment|x axis delta|sampling interval s|"
+    "deltat|sampletime|samplingtime|tsample|sampleinterval|";
 
 /// What a row of the header gives for each column.
 enum RowUse : std::size_t { kUnits, kRanges, kCoefficients, kNumbers, kNames, kUses };
@@ -274,26 +276,6 @@ std::string bare_unit(std::string_view text) {
   return unit == "-" || lower_case(unit) == "none" ? "" : unit;
 }
 
-/// The rate that a label, a number and its unit state; 0: the label is no such thing.
-double rate_of(const std::string& label, double number, const std::string& unit_text) {
-  const bool is_interval = is_listed(kIntervalLabels, label);
-  if (!is_interval && !is_listed(kRateLabels, label)) return 0;
-  const auto unit = parse_unit(unit_text);
-  const std::string word = lower_case(unit_text);
-  // A unit of time tells what a label such as "sampling" left open.
-  double rate = is_interval ? 1 / number : number;
-  if (is_listed("|ks/s|ksps|", word)) {
-    rate = 1e3 * number;
-  } else if (unit && unit->quantity == Quantity::time) {
-    rate = 1 / (number * unit->factor);
-  } else if (unit && unit->si == "Hz") {
-    rate = is_interval ? rate : number * unit->factor;
-  } else if (!is_listed("||s/s|sps|samples/s|samples/sec|", word)) {
-    return 0;
-  }
-  return rate > 0 && std::isfinite(rate) ? rate : 0;
-}
-
 /// The rate that lines of the header state, as "Sampling Rate(Hz)" 50, "Sample interval [ms]" 2 or
 /// "fs = 1 kHz": a label, a unit in brackets or none, behind a sign or a blank a number, its unit
 /// or none. Throws where two of them differ.
@@ -330,7 +312,7 @@ void find_rate(const std::vector<std::string_view>& lines, const std::string& fi
           !parse_whole_number(below.fields[c].text, layout.dialect.decimal, step)) {
         continue;
       }
-      take(rate_of(normal_label(labels.fields[c].text), step, ""), k + 1);
+      take(rate_of_label(std::string(labels.fields[c].text), step, ""), k + 1);
     }
     const std::string line(line_at(k));
     for (std::sregex_iterator one(line.begin(), line.end(), kStated), end; one != end; ++one) {
@@ -350,7 +332,7 @@ void find_rate(const std::vector<std::string_view>& lines, const std::string& fi
       if (!parse_whole_number(digits, '.', value) && !parse_whole_number(digits, ',', value)) {
         continue;
       }
-      take(rate_of(normal_label(match[1].str()), value, std::string(trim_blanks(unit))), k);
+      take(rate_of_label(match[1], value, std::string(trim_blanks(unit))), k);
     }
   }
 }
@@ -580,6 +562,26 @@ void refuse_broken_titles(std::string_view bytes, const std::string& file,
 }
 
 }  // namespace
+
+double rate_of_label(const std::string& text, double number, const std::string& unit_text) {
+  const std::string label = normal_label(text);
+  const bool is_interval = is_listed(kIntervalLabels, label);
+  if (!is_interval && !is_listed(kRateLabels, label)) return 0;
+  const auto unit = parse_unit(unit_text);
+  const std::string word = lower_case(unit_text);
+  // A unit of time tells what a label such as "sampling" left open.
+  double rate = is_interval ? 1 / number : number;
+  if (is_listed("|ks/s|ksps|", word)) {
+    rate = 1e3 * number;
+  } else if (unit && unit->quantity == Quantity::time) {
+    rate = 1 / (number * unit->factor);
+  } else if (unit && unit->si == "Hz") {
+    rate = is_interval ? rate : number * unit->factor;
+  } else if (!is_listed("||s/s|sps|samples/s|samples/sec|", word)) {
+    return 0;
+  }
+  return rate > 0 && std::isfinite(rate) ? rate : 0;
+}
 
 CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
                           const ReadOptions& options) {

@@ -17,6 +17,8 @@
 namespace rigfit::signal {
 namespace {
 
+constexpr std::size_t kStride = std::size_t{1} << 24;  // bytes between calls of `progress`
+
 /// A field that makes a line no row of the table.
 struct BadField {
   std::string_view text;
@@ -45,7 +47,9 @@ class BodyParser {
     }
   }
 
-  std::vector<Eigen::VectorXd> parse(std::vector<Note>& notes) {
+  std::vector<Eigen::VectorXd> parse(std::vector<Note>& notes,
+                                     const std::function<void(std::size_t)>& progress) {
+    std::size_t told = layout_.body;
     for (std::string_view rest = bytes_.substr(layout_.body); !rest.empty();) {
       const std::size_t at = bytes_.size() - rest.size();
       const std::string_view line = take_line(rest);
@@ -62,6 +66,10 @@ class BodyParser {
       }
       // A logger that lost its power: the line is not whole.
       if (incomplete_last_) rows_ = rows, short_rows_ = short_rows;
+      if (progress && at - told > kStride) {
+        progress(at);
+        told = at;
+      }
     }
     trim(notes);
     return std::move(columns_);
@@ -246,8 +254,9 @@ void refuse_series(const CsvTable& table, const std::vector<Eigen::VectorXd>& co
 
 std::vector<Eigen::VectorXd> parse_csv_body(std::string_view bytes, const CsvLayout& layout,
                                             const std::vector<bool>& wanted,
-                                            const std::string& file, std::vector<Note>& notes) {
-  return BodyParser(bytes, layout, wanted, file).parse(notes);
+                                            const std::string& file, std::vector<Note>& notes,
+                                            const std::function<void(std::size_t)>& progress) {
+  return BodyParser(bytes, layout, wanted, file).parse(notes, progress);
 }
 
 void CsvTable::add(CsvColumn description, std::size_t place, Eigen::VectorXd numbers) {
@@ -299,7 +308,7 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
                          : named && column.kind == FieldKind::empty && !layout.more_titles);
   }
   std::vector<Note> of_body;
-  auto columns = parse_csv_body(bytes, layout, wanted, file, of_body);
+  auto columns = parse_csv_body(bytes, layout, wanted, file, of_body, options.done_with);
   refuse_series(table, columns);
   const std::size_t n = layout.columns.size();
 

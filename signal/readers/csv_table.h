@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -66,6 +67,10 @@ struct CsvLayout {
 /// Sets `decimals` of the columns of a layout that a reader made itself.
 void find_csv_decimals(std::string_view bytes, CsvLayout& layout);
 
+/// The rate, Hz, that a label ("Sampling rate", "dt [ms]"), a number and its unit state; 0: none.
+[[nodiscard]] double rate_of_label(const std::string& label, double number,
+                                   const std::string& unit);
+
 /// Whether a column of this name holds times.
 [[nodiscard]] bool is_time_name(const std::string& name);
 
@@ -73,12 +78,11 @@ void find_csv_decimals(std::string_view bytes, CsvLayout& layout);
 /// those that `wanted` does not mark empty, NaN where there is no number. Notes what is left out or
 /// missing. Throws RecordingError with line and column for a field that is neither a number nor a
 /// word for none, for too many fields, for a table without numbers, and for one so ragged that most
-/// of it would be empty.
-[[nodiscard]] std::vector<Eigen::VectorXd> parse_csv_body(std::string_view bytes,
-                                                          const CsvLayout& layout,
-                                                          const std::vector<bool>& wanted,
-                                                          const std::string& file,
-                                                          std::vector<Note>& notes);
+/// of it would be empty. `progress`, when given, is told now and then how many bytes are done with.
+[[nodiscard]] std::vector<Eigen::VectorXd> parse_csv_body(
+    std::string_view bytes, const CsvLayout& layout, const std::vector<bool>& wanted,
+    const std::string& file, std::vector<Note>& notes,
+    const std::function<void(std::size_t)>& progress = {});
 
 /// A table of columns, of text or of arrays, as channels: which are taken, under which names and in
 /// which units, and what is left out.

@@ -88,29 +88,19 @@ Eigen::MatrixXd matrix_of(const NumberType& type, const char* bytes, Eigen::Inde
   return numbers;
 }
 
-void add_array(Eigen::MatrixXd values, const std::string& name, bool single, CsvTable& table) {
+void add_array(const Eigen::MatrixXd& values, const std::string& name, bool single,
+               CsvTable& table) {
   const bool wide = values.cols() > values.rows();
   const Eigen::Index count = wide ? values.rows() : values.cols();
   if (wide && count > 1) {
     add_note(table.notes, "read_as", name, "an array of {} x {}: its rows are taken as channels",
              values.rows(), values.cols());
   }
-  std::vector<Eigen::VectorXd> columns(static_cast<std::size_t>(count));
-  for (Eigen::Index k = count; k-- > 0;) {
-    Eigen::VectorXd& numbers = columns[static_cast<std::size_t>(k)];
-    if (wide) {
-      numbers = values.row(k);
-    } else {  // a large array takes its memory once
-      numbers = values.col(k);
-      values.conservativeResize(Eigen::NoChange, k);
-    }
-  }
-  for (Eigen::VectorXd& numbers : columns) {
+  for (Eigen::Index k = 0; k < count; ++k) {
+    Eigen::VectorXd numbers = wide ? Eigen::VectorXd(values.row(k)) : values.col(k);
     const std::size_t place = table.channels.size();
-    const std::string own =
-        name.empty()
-            ? "column " + std::to_string(place + 1)
-            : (count == 1 ? name : name + " " + std::to_string(&numbers - columns.data() + 1));
+    const std::string own = name.empty() ? "column " + std::to_string(place + 1)
+                                         : (count == 1 ? name : name + " " + std::to_string(k + 1));
     TitledUnit titled = split_title(to_utf8(own));
     CsvColumn column{std::move(titled.name), std::move(titled.unit)};
     const double largest = numbers.array().isFinite().select(numbers.array().abs(), 0).maxCoeff();
@@ -183,8 +173,9 @@ Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
     throw file_error(file, "holds numbers of half precision, which are not read",
                      "save them as float32 or float64");
   }
+  if (options.done_with) options.done_with(bytes.size());
   CsvTable table;
-  add_array(std::move(values), "", header.type.kind == 'f' && item == 4, table);
+  add_array(values, "", header.type.kind == 'f' && item == 4, table);
   return recording_of_arrays(std::move(table), path, "npy", options, 0);
 }
 

@@ -156,7 +156,7 @@ class LvmReader {
       throw error(titles_line, "the table holds no numbers", "record again");
     }
     find_csv_decimals(text, layout);
-    return parse_csv_body(text, layout, wanted, table_.file, table_.notes);
+    return parse_csv_body(text, layout, wanted, table_.file, table_.notes, options_.done_with);
   }
 
   Recording recording_of(std::vector<Eigen::VectorXd> columns) {

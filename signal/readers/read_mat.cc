@@ -246,23 +246,15 @@ std::string list_of(const Arrays& arrays) {
 /// The rate by a scalar of a usual name; 0: none. A second one that disagrees is noted.
 double stated_rate(const std::vector<MatArray>& arrays, const MatArray& of,
                    std::vector<Note>& notes) {
-  static constexpr std::string_view kRates =
-      "|fs|fsamp|samplerate|samplingrate|samplefrequency|samplingfrequency|sr|rate|"
-      "numberofsamplespersecond|fsample|freqsamp|samplespersecond|fsampling|srate|";
-  static constexpr std::string_view kSteps =
-      "|dt|ts|deltat|sampletime|samplingtime|tsample|timestep|sampleinterval|increment|";
   double rate = 0;
   std::string by;
   for (const auto& array : arrays) {
     if (!array.is_scalar() || !array.concerns(of)) continue;
-    std::string name = lower_case(array.last_name());
-    std::erase_if(name, [](char c) { return c == '_'; });
-    const double value = array.real(0, 0);
-    if (!(value > 0) || !std::isfinite(value) || !std::isfinite(1 / value)) continue;
-    const bool is_rate = is_listed(kRates, name);
-    const bool is_step = is_listed(kSteps, name);
-    if (!is_rate && !is_step) continue;
-    const double found = is_rate ? value : 1 / value;
+    std::string label = lower_case(array.last_name());
+    std::erase(label, '_');
+    if (label == "sr" || label == "ts") label = label == "sr" ? "fs" : "dt";
+    const double found = rate_of_label(label, array.real(0, 0), "");
+    if (found == 0) continue;
     if (rate == 0) {
       rate = found, by = array.name;
     } else if (std::abs(found / rate - 1) > 1e-6) {

@@ -20,27 +20,32 @@
 namespace rigfit::signal {
 namespace {
 
-using namespace std::string_view_literals;
-
-struct Signature {
-  std::string_view bytes;
-  ForeignFormat format;
+/// What begins files of other programs, what they are and what to do about them.
+struct Foreign {
+  std::string_view begin;
+  const char *name, *remedy;
 };
 
-const Signature kSignatures[] = {
-    {"TDSm"sv,
-     {"a National Instruments TDMS file",
-      "export it as LVM, CSV or UFF 58: in LabVIEW or DIAdem, or in Python by nptdms "
-      "(TdmsFile.read(F).as_dataframe().to_csv)"}},
-    {"MDF     "sv,
-     {"an ASAM MDF (MF4) file",
-      "export it as MAT or CSV, in Python by asammdf: MDF(F).export('mat') or export('csv')"}},
-    {"\x89HDF\r\n\x1a\n"sv,
-     {"an HDF5 file", "export the arrays as .npy, .mat or CSV, in Python by h5py and numpy.save"}},
-    {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"sv,
-     {"an old Excel workbook (.xls), or one with a password",
-      "open it in a spreadsheet program and save it as .xlsx without a password, or as CSV"}},
-};
+constexpr const char *kPage = "a web page, XML or JSON document",
+                     *kOfPage = "export the recording itself as CSV, LVM or UFF 58";
+constexpr Foreign kForeign[] = {
+    {"TDSm", "a National Instruments TDMS file",
+     "export it as LVM, CSV or UFF 58: in LabVIEW or DIAdem, or in Python by nptdms "
+     "(TdmsFile.read(F).as_dataframe().to_csv)"},
+    {"MDF     ", "an ASAM MDF (MF4) file",
+     "export it as MAT or CSV, in Python by asammdf: MDF(F).export('mat') or export('csv')"},
+    {"\x89HDF\r\n\x1a\n", "an HDF5 file",
+     "export the arrays as .npy, .mat or CSV, in Python by h5py and numpy.save"},
+    {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "an old Excel workbook (.xls), or one with a password",
+     "open it in a spreadsheet program and save it as .xlsx without a password, or as CSV"},
+    {"PK\x03\x04", "a zip archive (.zip, .ods, .npz)",
+     "unpack it and give the recording itself, or save the sheet as .xlsx"},
+    {"<?xml", kPage, kOfPage},
+    {"<!doctype", kPage, kOfPage},
+    {"<html", kPage, kOfPage},
+    {"{\"", kPage, kOfPage},
+    {"{\n", kPage, kOfPage},
+    {"[{", kPage, kOfPage}};
 
 struct Reader {
   std::string_view format;
@@ -50,40 +55,24 @@ constexpr Reader kReaders[] = {{"csv", read_csv},  {"lvm", read_lvm}, {"uff", re
                                {"wav", read_wav},  {"npy", read_npy}, {"mat", read_mat},
                                {"xlsx", read_xlsx}};
 
-void refuse_foreign(std::string_view bytes, const std::filesystem::path& path) {
-  if (const auto foreign = foreign_format(bytes)) {
-    throw file_error(path, "is " + foreign->name, foreign->remedy);
-  }
-}
-
-constexpr auto kZipPart = "PK\x03\x04"sv;  // begins a part of a zip archive
-
-}  // namespace
-
+/// Whether the bytes begin a zip archive with the parts of an Excel workbook.
 bool is_excel_workbook(std::string_view bytes) {
   const auto head = bytes.substr(0, 1 << 16);
-  return head.starts_with(kZipPart) && head.find("xl/") != head.npos;
+  return head.starts_with("PK\x03\x04") && head.find("xl/") != head.npos;
 }
 
-std::optional<ForeignFormat> foreign_format(std::string_view bytes) {
-  for (const auto& [begin, format] : kSignatures) {
-    if (bytes.starts_with(begin)) return format;
-  }
-  if (bytes.starts_with(kZipPart) && !is_excel_workbook(bytes)) {
-    return ForeignFormat{"a zip archive (.zip, .ods, .npz)",
-                         "unpack it and give the recording itself, or save the sheet as .xlsx"};
-  }
-  auto text = bytes.substr(0, 512);
-  text.remove_prefix(std::min(text.find_first_not_of("\xEF\xBB\xBF \t\r\n"), text.size()));
-  for (const char* begin :
-       {"<?xml", "<!doctype", "<!DOCTYPE", "<html", "<HTML", "{\"", "{\n", "[{"}) {
-    if (text.starts_with(begin)) {
-      return ForeignFormat{"a web page, XML or JSON document",
-                           "export the recording itself as CSV, LVM or UFF 58"};
+void refuse_foreign(std::string_view bytes, const std::filesystem::path& path) {
+  if (is_excel_workbook(bytes)) return;
+  std::string head = lower_case(bytes.substr(0, 512));
+  head.erase(0, head.find_first_not_of("\xEF\xBB\xBF \t\r\n"));
+  for (const Foreign& foreign : kForeign) {
+    if (bytes.starts_with(foreign.begin) || head.starts_with(foreign.begin)) {
+      throw file_error(path, std::string("is ") + foreign.name, foreign.remedy);
     }
   }
-  return std::nullopt;
 }
+
+}  // namespace
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
   const auto fail = [&](const std::string& problem, const std::string& remedy) {

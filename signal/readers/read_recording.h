@@ -61,10 +61,6 @@ struct CsvTable;  // csv_table.h
 /// step's last digit. Refused are files that hold functions but no time history.
 [[nodiscard]] Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
                                  const ReadOptions& options = {});
-/// Like read_uff for a file with time histories. Otherwise functions of any type become channels,
-/// to be looked at: `sample_rate_hz` stays 0 and complex values become magnitudes (both are noted).
-[[nodiscard]] Recording read_uff_functions(std::string_view bytes,
-                                           const std::filesystem::path& path);
 /// Frequency response functions with coherence and, if rigfit wrote the file, their standard
 /// deviation. Refused when there is none, when FRFs between some points are absent, or when their
 /// frequencies differ.
@@ -104,15 +100,4 @@ struct CsvTable;  // csv_table.h
 /// The columns of the sheet, whatever they are over.
 [[nodiscard]] CsvTable read_xlsx_columns(const std::filesystem::path& path,
                                          const ReadOptions& options = {});
-/// Whether the bytes begin a zip archive with the parts of an Excel workbook.
-[[nodiscard]] bool is_excel_workbook(std::string_view bytes);
-
-/// A file of another program that is recognised and not read.
-struct ForeignFormat {
-  std::string name;    ///< such as "National Instruments TDMS"
-  std::string remedy;  ///< what to do about it
-};
-/// By the first bytes; empty: none of those known.
-[[nodiscard]] std::optional<ForeignFormat> foreign_format(std::string_view bytes);
-
 }  // namespace rigfit::signal

@@ -45,12 +45,15 @@ void add_remark(std::string_view line, std::map<std::string, std::string>& remar
 
 class Uff58Reader {
  public:
-  Uff58Reader(std::string_view bytes, const std::string& file) : text_(bytes, file) {}
+  Uff58Reader(std::string_view bytes, const std::string& file,
+              const std::function<void(std::size_t)>& done_with)
+      : text_(bytes, file), done_with_(done_with) {}
 
   Uff58File read() {
     while (const auto type = text_.next_dataset()) {
       if (*type == 58) {
         out_.functions.push_back(read_function());
+        if (done_with_) done_with_(text_.next());
         continue;
       }
       out_.other_datasets.push_back(*type);
@@ -114,36 +117,30 @@ class Uff58Reader {
                         "the file is too short for the values that this dataset states",
                         "copy or export the file again");
     }
-    if (!f.even) f.x.resize(count);
-    f.real.resize(count);
-    if (f.complex) f.imag.resize(count);
-    if (f.binary) {
-      read_binary(f, byte_order == 2);
-    } else {
-      read_text(f);
-    }
+    const Eigen::Index real = f.even ? 0 : 1;
+    const Eigen::Index values = real + (f.complex ? 2 : 1);
+    const Eigen::MatrixXd numbers =
+        f.binary ? binary_numbers(f.single_precision, byte_order == 2, values, count)
+                 : text_numbers(values, count);
+    if (!f.even) f.x = numbers.row(0);
+    f.real = numbers.row(real);
+    if (f.complex) f.imag = numbers.row(real + 1);
     if (!text_.skip_to_end()) {
       out_.remarks.push_back(fmt::format("the dataset in line {} has no end mark (-1)", f.line));
     }
     return f;
   }
 
-  void read_binary(Uff58& f, bool big) {
+  /// Numbers of a sample in a column.
+  Eigen::MatrixXd binary_numbers(bool single, bool big, Eigen::Index values, Eigen::Index count) {
     const std::string_view from = text_.rest();
-    const std::size_t width = f.single_precision ? 4 : 8;
-    const std::size_t values = (f.complex ? 2 : 1) + (f.even ? 0 : 1);
-    const std::size_t total = static_cast<std::size_t>(f.real.size()) * width * values;
+    const std::size_t width = single ? 4 : 8;
+    const std::size_t total = static_cast<std::size_t>(values * count) * width;
     if (total > from.size()) {
       throw text_.error(from.substr(0, 0),
                         "the file breaks off inside the binary values of this dataset",
                         "copy or export the file again");
     }
-    const Eigen::MatrixXd numbers = matrix_of({'f', width, is_swapped(big)}, from.data(),
-                                              static_cast<Eigen::Index>(values), f.real.size());
-    const Eigen::Index real = f.even ? 0 : 1;
-    if (!f.even) f.x = numbers.row(0);
-    f.real = numbers.row(real);
-    if (f.complex) f.imag = numbers.row(real + 1);
     text_.skip(total);
     while (const auto line = text_.line()) {
       if (trim_blanks(*line).empty()) continue;
@@ -151,31 +148,33 @@ class Uff58Reader {
           from.substr(0, 0), "no end mark (-1) behind the binary values of this dataset",
           "the number of values or their precision is stated wrongly; export it again");
     }
+    return matrix_of({'f', width, is_swapped(big)}, from.data(), values, count);
   }
 
-  void read_text(Uff58& f) {
+  Eigen::MatrixXd text_numbers(Eigen::Index values, Eigen::Index count) {
     std::string_view rest = text_.rest();
     const std::size_t begin = text_.next(), end = text_.mark(begin).value_or(begin + rest.size());
     rest = rest.substr(0, end - begin);
-    const auto take = [&](Eigen::Index k) {
-      if (const auto value = text_.next_number(rest)) return *value;
-      throw text_.error(rest,
-                        fmt::format("the dataset ends after {} of {} values", k, f.real.size()),
-                        "copy or export the file again");
-    };
-    for (Eigen::Index k = 0; k < f.real.size(); ++k) {
-      if (!f.even) f.x[k] = take(k);
-      f.real[k] = take(k);
-      if (f.complex) f.imag[k] = take(k);
+    Eigen::MatrixXd numbers(values, count);
+    for (Eigen::Index k = 0; k < numbers.size(); ++k) {
+      const auto value = text_.next_number(rest);
+      if (!value) {
+        throw text_.error(rest,
+                          fmt::format("the dataset ends after {} of {} values", k / values, count),
+                          "copy or export the file again");
+      }
+      numbers.data()[k] = *value;
     }
     if (rest.empty() && end == begin + text_.rest().size()) throw text_.broken_off(rest);
     if (text_.next_number(rest)) {
-      throw text_.error(rest, fmt::format("the dataset holds more than {} values", f.real.size()),
+      throw text_.error(rest, fmt::format("the dataset holds more than {} values", count),
                         "export the file again");
     }
+    return numbers;
   }
 
   UffText text_;
+  const std::function<void(std::size_t)>& done_with_;
   Uff58File out_;
 };
 
@@ -233,10 +232,7 @@ Channel channel_of(const Uff58& f, std::vector<Note>& notes) {
   channel.quantity = uff58_quantity(f.ordinate.data_type);
   take_unit(f.ordinate.unit, channel, notes);
   channel.nominal_range = std::max(0.0, f.noted("range"));
-  take_samples(f.complex
-                   ? Eigen::VectorXd((f.real.array().square() + f.imag.array().square()).sqrt())
-                   : f.real,
-               channel);
+  take_samples(f.real, channel);
   return channel;
 }
 
@@ -246,8 +242,7 @@ std::string kinds_in(const Uff58File& file) {
   return fmt::format("{}", fmt::join(kinds, ", "));
 }
 
-/// Whether two functions are of the same times, or of as many values where they are over another
-/// abscissa.
+/// Whether two functions are of the same times.
 bool same_times(const Uff58& a, const Uff58& b) {
   if (&a == &b) return true;  // also where times are missing, which equal nothing
   if (a.even != b.even || a.real.size() != b.real.size()) return false;
@@ -526,8 +521,9 @@ int uff58_data_type(Quantity quantity) {
   return 1;
 }
 
-Uff58File read_uff58(std::string_view bytes, const std::string& file) {
-  return Uff58Reader(bytes, file).read();
+Uff58File read_uff58(std::string_view bytes, const std::string& file,
+                     const std::function<void(std::size_t)>& done_with) {
+  return Uff58Reader(bytes, file, done_with).read();
 }
 
 double Uff58::noted(const std::string& key, double fallback) const {
@@ -542,7 +538,7 @@ double Uff58::noted(const std::string& key, double fallback) const {
 Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options) {
   const std::string name = path.string();
-  const Uff58File file = read_uff58(bytes, name);
+  const Uff58File file = read_uff58(bytes, name, options.done_with);
   Recording recording;
   recording.path = path;
   Functions histories;
@@ -571,23 +567,6 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
   take_channels(file, histories, recording);
   take_abscissa(*histories.front(), recording);
   take_stated_rate(options.sample_rate_hz, recording);
-  return recording;
-}
-
-Recording read_uff_functions(std::string_view bytes, const std::filesystem::path& path) {
-  const Uff58File file = read_uff58(bytes, path.string());
-  if (file.functions.empty() || std::ranges::any_of(file.functions, is_time_history)) {
-    return read_uff(bytes, path);
-  }
-  Functions all;
-  for (const auto& f : file.functions) all.push_back(&f);
-  Recording recording;
-  recording.path = path;
-  take_channels(file, all, recording);
-  add_note(recording.notes, "not_a_time_history", "", "holds: {}", kinds_in(file));
-  if (std::ranges::any_of(all, &Uff58::complex)) {
-    add_note(recording.notes, "magnitudes", "", "complex functions are given by magnitude");
-  }
   return recording;
 }
 

@@ -325,6 +325,7 @@ CsvTable read_xlsx_columns(const std::filesystem::path& path, const ReadOptions&
   ReadOptions as_written = options;
   as_written.separator = ';';
   as_written.decimal = '.';
+  as_written.done_with = nullptr;
   try {
     CsvTable table = read_csv_columns(text, file, as_written);
     table.notes.insert(table.notes.begin(), notes.begin(), notes.end());

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +30,9 @@ struct ReadOptions {
   std::string format{};    ///< one of `format_names()`; empty: detected from the content
   std::vector<std::string> variables{};  ///< arrays to take of a file that names several
   std::string sheet{};  ///< in a workbook, by name or number ("#2"); empty: the first
+  /// If given, called now and then with the bytes read so far (never for MATLAB's arrays, sounds
+  /// and workbooks, which are read whole). What it throws ends the reading.
+  std::function<void(std::size_t)> done_with{};
 };
 
 /// One `[[channel]]` table.

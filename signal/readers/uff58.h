@@ -11,6 +11,7 @@
 #include <array>
 #include <climits>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -134,8 +135,10 @@ struct Uff58File {
   std::vector<std::string> remarks;  ///< such as a missing end mark, for a person
 };
 
-/// Throws RecordingError with the line for anything that cannot be read.
-[[nodiscard]] Uff58File read_uff58(std::string_view bytes, const std::string& file);
+/// `done_with` is told how far the file has been read. Throws RecordingError with the line for
+/// anything that cannot be read.
+[[nodiscard]] Uff58File read_uff58(std::string_view bytes, const std::string& file,
+                                   const std::function<void(std::size_t)>& done_with = {});
 
 /// "+X" to "-RZ" of a direction's code; empty: none.
 [[nodiscard]] std::string uff58_direction(int direction);

@@ -20,12 +20,6 @@ A file without times needs its rate:
 A TOML file beside a recording (hits.csv -> hits.toml) names, scales and orients its channels.)";
 
 signal::Recording load(const std::string& path, VerbContext& context) {
-  const bool as_said = recording_at_hand(path, context) || !context.reading.format.empty();
-  if (auto functions = as_said ? std::nullopt : over_frequency(path, context.reading)) {
-    context.input(path);
-    tell_notes(*functions, context);
-    return std::move(*functions);
-  }
   signal::Recording recording = load_untold(path, context);
   if (const auto table = load_deflection(recording); table && recording.sample_rate_hz == 0) {
     drop_time_notes(recording);
@@ -47,13 +41,8 @@ signal::Recording load(const std::string& path, VerbContext& context) {
 Json inspected(const signal::Recording& recording, VerbContext& context) {
   const std::string path = recording.path.string();
   const auto channels = signal::check_quality(recording);
-  const auto& notes = recording.notes;
-  const bool over_time =
-      std::ranges::find(notes, "not_a_time_history", &signal::Note::code) == notes.end();
   for (const auto& channel : channels) {
     for (const auto& finding : channel.findings) {
-      // Spectra neither drift nor clip; what is missing there is missing all the same.
-      if (!over_time && finding.code != "missing") continue;
       context.warn(finding.code, finding.message, path + ": " + channel.channel->name);
     }
   }
@@ -82,7 +71,7 @@ Json run(InspectCommand& options, VerbContext& context) {
 describe::Options options_of(InspectCommand& c) {
   return {option("FILE", c.files,
                  "Recordings: CSV and other tables of text, UFF 58, LabVIEW .lvm, WAV, MATLAB "
-                 ".mat, NumPy .npy, Excel .xlsx; spectra and FRFs as tables or UFF")
+                 ".mat, NumPy .npy, Excel .xlsx")
               .required()};
 }
 

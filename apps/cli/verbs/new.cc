@@ -240,10 +240,6 @@ std::string guessed_campaign(const NewCommand& command, VerbContext& context) {
   for (const auto& file : files_in(command.from)) {
     try {
       context.input(file);
-      if (context.reading.format.empty() && over_frequency(file, context.reading)) {
-        context.out << file << ": over frequency, left out; FRFs are for rigfit modal\n";
-        continue;
-      }
       signal::Recording recording = load_untold(file, context);
       for (const auto& channel : recording.channels) channels.push_back(channel.name);
       const std::string said = channels_text(recording, command);

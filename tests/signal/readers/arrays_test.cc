@@ -244,18 +244,16 @@ TEST_F(Mat, OtherVersionsAreRefused) {
 }
 
 TEST(ForeignFormats, AreNamedWithTheWayOut) {
-  const auto name_of = [](const std::string& bytes) {
-    const auto found = foreign_format(bytes);
-    return found ? found->name : "";
-  };
+  const testing::TemporaryFolder folder;
   for (const auto& [bytes, name] : {std::pair{"TDSm\x0E", "TDMS"},
                                     {"MDF     4.10    ", "MDF"},
                                     {"\x89HDF\r\n\x1a\n", "HDF5"},
                                     {"PK\x03\x04 data.csv", "zip archive"},
+                                    {"\xEF\xBB\xBF\n<!DOCTYPE html>", "web page"},
                                     {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", ".xls"}}) {
-    EXPECT_THAT(name_of(bytes), HasSubstr(name));
+    EXPECT_THAT(refusal_of([&] { return read_recording(folder.write("a", bytes)); }),
+                HasSubstr(name));
   }
-  EXPECT_EQ(name_of("Time,Force\n0,1\n"), "");
 }
 
 }  // namespace rigfit::signal::arrays_test

@@ -155,6 +155,20 @@ std::string foreign_binary(bool big, int count, const std::string& tail) {
   return out + tail;
 }
 
+// Readers tell how far they are, and what is thrown there ends the reading.
+TEST(Uff, ReadingIsToldDatasetByDataset) {
+  const std::string file = RIGFIT_TESTDATA "/virtual_laboratory/beam/rig/hammer-hit1.uff";
+  std::vector<std::size_t> told;
+  const Recording read =
+      read_recording(file, {.done_with = [&](std::size_t bytes) { told.push_back(bytes); }});
+  ASSERT_GE(told.size(), read.channels.size());
+  EXPECT_TRUE(std::ranges::is_sorted(told));
+  EXPECT_LE(told.back(), std::filesystem::file_size(file));
+  EXPECT_GT(told.back(), std::filesystem::file_size(file) / 2);
+  const auto stop = [](std::size_t) { throw std::runtime_error("stopped"); };
+  EXPECT_THROW(static_cast<void>(read_recording(file, {.done_with = stop})), std::runtime_error);
+}
+
 TEST(Uff, BothByteOrdersReadAlike) {
   for (const bool big : {false, true}) {
     const Recording r = read_uff(foreign_binary(big, 40, "    -1\r\n"), "x.uff");

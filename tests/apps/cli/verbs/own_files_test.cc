@@ -20,7 +20,7 @@ TEST(OwnFiles, FrfsAsTextGiveModes) {
     }
     points.push_back(folder.write(fmt::format("point{}.txt", point), text));
   }
-  EXPECT_THAT(document_of("inspect {}", {points[0]}).dump(), HasSubstr("not_a_time_history"));
+  EXPECT_THAT(run_line("inspect {}", {points[0]}).err, HasSubstr("rigfit modal takes FRFs"));
   const auto modes = document_of("modal {} {}", points)["modes"];
   ASSERT_EQ(modes.size(), 2u);
   EXPECT_NEAR(modes[0]["frequency_hz"]["value"], 40, 1e-3);
