@@ -51,7 +51,7 @@ class DeckWriter {
     text_ += '\n';
   }
 
-  void check() const {
+  void check() {
     for (const auto& member : scene_.members) {
       if (!(member.EI[0] > 0 && member.EI[1] > 0)) {
         throw cannot(scene_, member.name + ".EI", "a member without bending stiffness");
@@ -59,6 +59,19 @@ class DeckWriter {
       if (member.taper != 1) throw cannot(scene_, member.name + ".taper", "a tapered member");
       if (member.joint[0] == Member::Joint::pinned || member.joint[1] == Member::Joint::pinned) {
         throw cannot(scene_, member.name + ".joint", "a released joint");
+      }
+      const auto turns = [&](const SceneNode& node) {
+        return node.support.kind == Support::Kind::pinned ||
+               !std::count(member.nodes.begin(), member.nodes.end(), node.name);
+      };
+      if (member.kind == Member::Kind::cable && scene_.gravity.norm() > 0 &&
+          member.assembled == Member::Assembled::hanging &&
+          !std::all_of(scene_.nodes.begin(), scene_.nodes.end(), turns)) {
+        notes_.push_back(member.name +
+                         ": its ends that cannot turn are stress-free in the deck where it is "
+                         "straight, in the scene where it hangs: the more it sags, the more the "
+                         "deck's tension and frequencies differ (assembled = \"straight\" is the "
+                         "deck's state)");
       }
     }
     for (const auto& node : scene_.nodes) {

@@ -156,8 +156,6 @@ VectorXcd poles_beside(const FrfSet& frfs, const ModalBand& band, const ModalOpt
 
 void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& band) {
   FrfLines& lines = band.lines;
-  lines.background = background;
-  if (band.beside.size() == 0) return;
   const VectorXcd scale = lines.s.array().pow(lines.power);
   MatrixXcd columns(lines.s.size(), 0);
   add_column(lines.s.array().pow(lines.power - 2), columns);
@@ -165,14 +163,13 @@ void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& ba
   const Index residuals = columns.cols();
   columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
   columns.rightCols(background.cols()) = background;
-  const Index known = columns.cols();
+  for (const int next : {-4, 2, -6, 4})
+    add_column(lines.s.array().pow(lines.power + next), columns);
   for (const Complex pole : band.beside) {
     add_column(scale.array() / (lines.s.array() - pole), columns);
     add_column(scale.array() / (lines.s.array() - std::conj(pole)), columns);
   }
-  const Index added = columns.cols() - known;
-  lines.background.conservativeResize(Eigen::NoChange, background.cols() + added);
-  lines.background.rightCols(added) = columns.rightCols(added);
+  lines.background = columns.rightCols(columns.cols() - residuals);
 }
 
 double left_at_the_end(const ModalBand& band, Complex raw) {

@@ -21,8 +21,11 @@
 // as much, a polynomial in s, and a smooth function that depends on where in the record the hit was
 // (cut_off_background()). Without them a fit shifts the pole instead.
 //
-// Residual terms s^(n-2) and s^n are the first two of a series in (frequency / distance)^2: a
-// resonance within a quarter of the band's width beyond its end leaves a part that the fit takes
+// Residual terms s^(n-2) and s^n are the first of two series, of modes below and above the band, in
+// (frequency / distance)^2. The next two of both, to s^(n-6) and s^(n+4), are always fitted, as far
+// as the band tells them apart: without them one response to modes 5 % damped, noise 40 dB below,
+// gave a damping ratio 7 standard deviations off where a mode lies at 1.35 times the band's end.
+// A resonance within a quarter of the band's width beyond its end leaves more, which the fit takes
 // for a change of the last mode inside (0.5 % of its damping where the distance of both is 17 %).
 // Such modes are fitted to the lines around the end of the band; in the band each then is
 // s^n / (s - p) and s^n / (s - conj p) with free complex factors, p held. An error dp of p enters
@@ -58,8 +61,8 @@ namespace rigfit::signal {
 [[nodiscard]] Eigen::VectorXcd poles_beside(const FrfSet& frfs, const ModalBand& band,
                                             const ModalOptions& options);
 
-/// Sets `band.lines.background` to the orthonormal columns `background` and what `band.beside` adds
-/// to them and the residual terms, as far as it is more than 1 part in 1000.
+/// Sets `band.lines.background` to the orthonormal columns `background`, and what the next of the
+/// residual terms and `band.beside` add to them, as far as it is more than 1 part in 1000.
 void set_background(const Eigen::Ref<const Eigen::MatrixXcd>& background, ModalBand& band);
 
 /// Amplitude that a pole leaves at the end of the records, of that at the hit. `raw`: window

@@ -149,6 +149,13 @@ TEST(WriteCalculix, InclinedBeamOnAHingeAndASpringWithAMassAgrees) {
 }
 
 TEST(WriteCalculix, SaysWhatItCannotWrite) {
+  for (const auto assembled : {Member::Assembled::hanging, Member::Assembled::straight}) {
+    Scene clamped = cable(50, 0.6);
+    for (auto& node : clamped.nodes) node.support.kind = Support::Kind::clamped;
+    clamped.members[0].assembled = assembled;
+    const auto deck = calculix_deck(clamped, analyse_modes(clamped, {.count = 1}).equilibrium);
+    EXPECT_EQ(deck.notes.size(), assembled == Member::Assembled::hanging ? 1u : 0u);
+  }
   EXPECT_THROW((void)calculix_deck(cable(200, 0), {}), SceneError);
   const auto expect_refused = [](auto change, const std::string& reason) {
     Scene scene = cable(200, 0.5);
