@@ -361,11 +361,10 @@ UpdateStateModes UpdateProblem::solved_modes(int state, const Eigen::VectorXd& q
   }
   if (result.modes.empty()) result.failure = "the model has no modes";
   if (is_resolved(state)) {
-    for (const auto& error : (*variant_.segment_errors)[static_cast<std::size_t>(state)]) {
-      for (auto& mode : result.modes) {
-        if (mode.plane != error.plane || mode.order != error.order + 1) continue;
-        mode.frequency_hz *= std::exp(-error.log_error);
-      }
+    const auto& errors = (*variant_.segment_errors)[static_cast<std::size_t>(state)];
+    for (auto& mode : result.modes) {
+      const auto error = errors.find({*mode.plane, mode.order});
+      if (error != errors.end()) mode.frequency_hz *= std::exp(-error->second);
     }
   }
   return result;

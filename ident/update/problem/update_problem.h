@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -67,12 +68,8 @@ struct UpdateMatches : AssignmentLikelihood {
   }
 };
 
-/// Error of ln f of a mode with the segments that there are.
-struct SegmentError {
-  model::ModePlane plane = model::ModePlane::in;
-  int order = 0;
-  double log_error = 0;
-};
+/// Error of ln f with the segments that there are, by plane and order (from 1) of the modes.
+using SegmentErrors = std::map<std::pair<model::ModePlane, int>, double>;
 
 /// What problems of one fit differ by.
 struct UpdateVariant {
@@ -86,7 +83,7 @@ struct UpdateVariant {
   /// Noisy lines of FRFs by their difference instead of its logarithm (update_frfs.cc).
   bool frf_differences = false;
   /// By state, taken off the frequencies that count as data; null or empty: nothing.
-  std::shared_ptr<const std::vector<std::vector<SegmentError>>> segment_errors;
+  std::shared_ptr<const std::vector<SegmentErrors>> segment_errors;
 };
 
 class UpdateProblem {

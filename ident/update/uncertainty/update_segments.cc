@@ -29,7 +29,7 @@ bool UpdateProblem::is_resolved(int state) const {
 
 UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q, bool given) const {
   UpdateProblem other = with(&UpdateVariant::segment_errors, nullptr);
-  auto errors = std::make_shared<std::vector<std::vector<SegmentError>>>(states_.size());
+  auto errors = std::make_shared<std::vector<SegmentErrors>>(states_.size());
   for (std::size_t s = 0; s < states_.size(); ++s) {
     const auto& state = states_[s];
     const int index = static_cast<int>(s);
@@ -53,8 +53,8 @@ UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q, bool 
       const int order = seen[natural.plane]++;
       const auto* mode = here.find(natural.plane, order);
       if (mode == nullptr || !known(natural.frequency_hz)) continue;
-      (*errors)[s].push_back(
-          {natural.plane, order, std::log(mode->frequency_hz / natural.frequency_hz)});
+      (*errors)[s][{natural.plane, order + 1}] =
+          std::log(mode->frequency_hz / natural.frequency_hz);
     }
   }
   if (std::ranges::any_of(*errors, [](const auto& of_state) { return !of_state.empty(); })) {
