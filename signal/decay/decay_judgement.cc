@@ -35,7 +35,7 @@ constexpr double kShortFall = 0.7;
 struct DescribedFit {
   const DampedSinusoidsFit& fit;
   ResidualNoise noise;
-  LineSpectrum residual;                  // of the fit
+  LineSpectrum residual;                  // what the fit leaves
   std::vector<DecayMode> modes;           // order of the fit, an offset among them
   std::vector<EnvelopeResult> envelopes;  // by mode
   Eigen::MatrixXd covariance;             // of (f_1, zeta_1, f_2, ...), Hz and 1

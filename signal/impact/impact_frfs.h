@@ -1,7 +1,7 @@
 // An impact test from recordings to FRFs with error bars: hits found and judged, outliers left out,
 // the accepted ones averaged.
 //
-// Of three accepted hits or more one is an outlier when leaving it out halves the incoherent power
+// One of three accepted hits or more is an outlier when leaving it out halves the incoherent power
 // per degree of freedom, and lowers that power by more than happens with a chance of 5 % for the
 // worst of n hits that differ in one way, such as a changing frequency (Grubbs, Ann. Math. Stat. 21
 // (1950) 27: the ratio of the powers is Beta((n - 2) / 2, 1 / 2)). Where the other hits leave more

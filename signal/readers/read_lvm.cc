@@ -228,7 +228,7 @@ class LvmReader {
   std::string_view bytes_, rest_;
   const std::filesystem::path& path_;
   const ReadOptions& options_;
-  LvmHeader header_;  // of the segment
+  LvmHeader header_;  // that in front of the table
   CsvTable table_;
   std::vector<std::size_t> x_columns_, values_;
 };

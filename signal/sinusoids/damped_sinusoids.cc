@@ -18,7 +18,7 @@ using Eigen::ArrayXcd;
 using Eigen::Index;
 
 // z^(b + l) = z^b z^l: the powers l of one block, times z^b, serve all blocks.
-constexpr Index kBlock = 512;
+constexpr Index kBlock = 256;
 // exp(-a j) below this adds nothing to a double and would only make denormals.
 constexpr double kNegligible = 1e-150;
 
@@ -34,13 +34,17 @@ class Problem {
  public:
   Problem(const Eigen::Ref<const Eigen::VectorXd>& y, std::span<const Index> missing,
           std::span<const Complex> start, const DampedSinusoidsOptions& options)
-      : y_(y),
-        present_(Eigen::VectorXd::Ones(y.size())),
-        missing_(missing),
+      : missing_(missing),
         n_(static_cast<double>(y.size())),
         m_(static_cast<Index>(start.size())),
         poles_(Eigen::VectorXcd::Zero(m_ + 1)) {
-    for (const Index j : missing) present_(j) = 0;
+    const Index block = std::min(kBlock, y.size()), blocks = (y.size() + block - 1) / block;
+    y_.setZero(block, blocks);
+    y_.reshaped().head(y.size()) = y;
+    for (const Index j : missing) y_.reshaped()(j) = 0;
+    residual_ = y_;
+    basis_.resize(block, 2 * m_ + 2);
+    heads_.setOnes(blocks, m_ + 1);
     for (Index k = 0; k < 4 * m_; ++k) {
       const Complex pole = start[static_cast<std::size_t>(k / 4)];
       // Parts of a pole on an axis that stay, and the amplitude's imaginary part of an offset.
@@ -53,7 +57,6 @@ class Problem {
     }
     fit.samples = y.size();
     fit.degrees = y.size() - std::ssize(missing) - unknowns() + 3 * std::ssize(known_);
-    fit.residual = y;
     fit.jacobian_gram.resize(4 * m_ + options.background_terms, 4 * m_ + options.background_terms);
   }
 
@@ -83,7 +86,10 @@ class Problem {
     return stage;
   }
 
-  void fill_covariance() {
+  /// The residual and, of a model that is `usable`, the covariance.
+  void finish(bool usable) {
+    fit.residual = residual_.reshaped().head(fit.samples);
+    if (!usable) return;
     std::vector<Index> free = linear_;
     free.insert(free.end(), moving_.begin(), moving_.end());
     const ScaledGram factored(fit.jacobian_gram(free, free));
@@ -99,18 +105,22 @@ class Problem {
     fit.poles.assign(at.begin(), at.end());
     fit.amplitudes.assign(fit.poles.size(), 0);
     fit.offset = fit.drift = 0;
-    powers_.resize(std::min(kBlock, fit.samples), 2 * m_);
-    for (Index m = 0; m < m_; ++m) {
-      const ArrayXcd z = powers(poles_(m), powers_.rows());
-      powers_.col(2 * m) = z.real(), powers_.col(2 * m + 1) = z.imag();
+    for (Index m = 0; m <= m_; ++m) {
+      const ArrayXcd z = powers(poles_(m), basis_.rows());
+      basis_.col(2 * m) = z.real(), basis_.col(2 * m + 1) = z.imag();
+      // Not by powers(), which would put one rounding of a phase into half of the blocks.
+      for (Index b = 0; b < heads_.rows(); ++b) {
+        heads_(b, m) = std::exp(poles_(m) * static_cast<double>(b * basis_.rows()));
+      }
     }
+    heads_ = (heads_.abs() > kNegligible).select(heads_, Complex(0));
     fill_gram();
     const ScaledGram factor(fit.jacobian_gram(linear_, linear_));
     if (!factor.usable()) return false;
     // A third time where rounding in the normal equations leaves more than a thousandth of a std,
     // as in very long records.
     for (int pass = 0; pass < 3; ++pass) {
-      project();
+      project(pass == 0);
       const Eigen::VectorXd x = factor.solve_vector(gradient_(linear_));
       if (!x.allFinite()) return false;
       const double leaves = 1e-6 * fit.residual_sum_squares / n_;
@@ -130,49 +140,53 @@ class Problem {
     }
   }
 
-  // Residual at the present linear parameters, its sum of squares and the gradient.
-  void project() {
-    // Columns Re z and Im z of each mode, 1 and j/N, and what belongs to them.
-    Eigen::VectorXd coefficients(2 * m_ + 2);
-    for (Index m = 0; m < m_; ++m) {
-      const Complex c = fit.amplitudes[static_cast<std::size_t>(m)];
-      coefficients.segment<2>(2 * m) << c.real(), -c.imag();
-    }
-    coefficients.tail<2>() << fit.offset, fit.drift;
-    Eigen::MatrixXd basis(powers_.rows(), 2 * m_ + 2);
-    basis.col(2 * m_).setOnes();
-    auto t = basis.col(2 * m_ + 1);
-    // Of the residual, and of that times j/N, with the columns.
-    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(2 * m_ + 2, 2);
-    fit.residual_sum_squares = 0;
-    for (Index start = 0; start < fit.samples; start += kBlock) {
-      const auto first = static_cast<double>(start);
-      const Index length = std::min(kBlock, fit.samples - start);
+  // Residual at the present linear parameters, its sum of squares and the gradient. `first`: all of
+  // them are 0, and only their part of the gradient is asked for.
+  void project(bool first) {
+    const Index blocks = heads_.rows(), size = basis_.cols();
+    const Eigen::ArrayXd l =
+        Eigen::ArrayXd::LinSpaced(basis_.rows(), 0, static_cast<double>(basis_.rows() - 1)) / n_;
+    const Eigen::ArrayXd times =
+        Eigen::ArrayXd::LinSpaced(blocks, 0, static_cast<double>((blocks - 1) * basis_.rows())) /
+        n_;
+    basis_.col(size - 1) = l;  // the background's are 1 and j/N
+    residual_ = y_;
+    if (!first) {
+      Eigen::MatrixXd factors(size, blocks);
       for (Index m = 0; m < m_; ++m) {
-        // Not by powers(), which would put one rounding of a phase into half of the blocks.
-        Complex head = std::exp(poles_(m) * first);
-        if (std::abs(head) < kNegligible) head = 0;
-        basis.col(2 * m) = head.real() * powers_.col(2 * m) - head.imag() * powers_.col(2 * m + 1);
-        basis.col(2 * m + 1) =
-            head.real() * powers_.col(2 * m + 1) + head.imag() * powers_.col(2 * m);
+        const ArrayXcd c = fit.amplitudes[static_cast<std::size_t>(m)] * heads_.col(m);
+        factors.row(2 * m) = c.real(), factors.row(2 * m + 1) = -c.imag();
       }
-      t.setLinSpaced(first / n_, (first + static_cast<double>(t.size() - 1)) / n_);
-      const auto rows = basis.topRows(length);
-      auto r = fit.residual.segment(start, length);
-      r = (y_.segment(start, length) - rows * coefficients)
-              .cwiseProduct(present_.segment(start, length));
-      fit.residual_sum_squares += r.squaredNorm();
-      products.col(0).noalias() += rows.transpose() * r;
-      products.col(1).noalias() += rows.transpose() * t.head(length).cwiseProduct(r);
+      factors.row(size - 2) = fit.offset + fit.drift * times;
+      factors.row(size - 1).setConstant(fit.drift);
+      residual_.noalias() -= basis_ * factors;
+      residual_.reshaped().tail(residual_.size() - fit.samples).setZero();
+      for (const Index j : missing_) residual_.reshaped()(j) = 0;
     }
+    fit.residual_sum_squares = residual_.squaredNorm();
+    // Sums of the residual with z^j and (j/N) z^j, by mode; the background's second is j/N.
+    Eigen::MatrixXd columns(basis_.rows(), first ? size : 2 * size - 2);
+    columns.leftCols(size) = basis_;
+    if (!first) columns.rightCols(size - 2) = l.matrix().asDiagonal() * basis_.leftCols(size - 2);
+    const Eigen::MatrixXd with = columns.transpose() * residual_;
+    const auto sums = [&](Index row, Index m) {
+      ArrayXcd sum(blocks);
+      sum.real() = with.row(row).transpose().array(),
+      sum.imag() = with.row(row + 1).transpose().array();
+      return (sum * heads_.col(m)).eval();
+    };
+    Eigen::MatrixXcd products = Eigen::MatrixXcd::Zero(m_ + 1, 2);
+    for (Index m = 0; m < m_; ++m) {
+      const ArrayXcd zero = sums(2 * m, m);
+      products(m, 0) = zero.sum();
+      if (!first) products(m, 1) = (times * zero + sums(size + 2 * m, m)).sum();
+    }
+    products(m_, 0) = with.row(size - 2).sum();
+    products(m_, 1) = with.row(size - 1).sum() + with.row(size - 2).dot(times.matrix());
     gradient_.resize(fit.jacobian_gram.rows());
     for (Index k = 0; k < gradient_.size(); ++k) {
       const auto [power, factor] = column(k);
-      gradient_(k) =
-          k < 4 * m_
-              ? (factor * Complex(products(k / 4 * 2, power), products(k / 4 * 2 + 1, power)))
-                    .real()
-              : products(2 * m_ + power, 0);
+      gradient_(k) = (factor * products(k / 4, power)).real();
     }
     for (std::size_t k = 0; k < known_.size(); ++k) {
       const auto& [value, information] = known_[k];
@@ -226,16 +240,16 @@ class Problem {
     }
   }
 
-  const Eigen::Ref<const Eigen::VectorXd> y_;
-  Eigen::VectorXd present_;  // 0 where missing, else 1
+  Eigen::MatrixXd y_, residual_;  // a block a column, 0 where missing and behind the end
   std::span<const Index> missing_;
   double n_;
   Index m_;
   Eigen::VectorXcd poles_;            // with the background's
-  std::span<const KnownTone> known_;  // of the first poles
+  std::span<const KnownTone> known_;  // the first poles'
   // Parameters that are free, in the order of `jacobian_gram`: linear ones, and parts of poles.
   std::vector<Index> linear_, moving_;
-  Eigen::MatrixXd powers_;  // Re z^l and Im z^l of a block, by mode
+  Eigen::MatrixXd basis_;   // in a block: Re z^l and Im z^l of each mode, 1 and l/N
+  Eigen::ArrayXXcd heads_;  // z^b, b the first sample of each block, by mode
   Eigen::VectorXd gradient_;
 };
 
@@ -256,6 +270,7 @@ DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>&
   PoleStepOptions steps;
   steps.max_iterations = options.max_iterations;
   steps.freedom = static_cast<double>(present - problem.unknowns());
+  steps.step_in_std = options.step_in_std;
   steps.rounding = 1e-28 * y.squaredNorm();
   // The functional is smooth over about the width of the line and no further. A pole may grow by no
   // more than e^3 over the record, so that nothing overflows; below a quarter of a cycle a sinusoid
@@ -267,7 +282,7 @@ DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>&
   fit.end = take_pole_steps(
       steps, [&](const auto& at) { return problem.stage_at(at); }, stage, &fit.iterations);
   if (!std::ranges::equal(fit.poles, stage.poles)) problem.stage_at(stage.poles);
-  if (stage.usable) problem.fill_covariance();
+  problem.finish(stage.usable);
   if (fit.unit_covariance.size() == 0) fit.end = StepsEnd::rank_deficient;
   return std::move(fit);
 }

@@ -69,10 +69,19 @@ void add_peaks(const LineSpectrum& spectrum, double a, const DecaySearchOptions&
   const Index first = std::max<Index>(1, static_cast<Index>(std::ceil(lowest * per_cycle)));
   const Index last = std::min<Index>(power.size() - 1,
                                      static_cast<Index>(std::floor(options.highest * per_cycle)));
+  double least = 1e-16 * spectrum.total;
+  // Long records have a peak for every third line. What is left out from here on is too weak for
+  // its parabola, which adds an eighth at most, to lift it among those that are kept.
+  const auto keep_strongest = [&] {
+    if (found.size() <= kKeep) return;
+    const auto weakest = found.begin() + static_cast<std::ptrdiff_t>(kKeep) - 1;
+    std::ranges::nth_element(found, weakest, std::greater(), &DecayCandidate::energy);
+    found.resize(kKeep);
+    least = std::max(least, found.back().energy / 1.125);
+  };
   for (Index k = first; k <= last; ++k) {
     const double p = power(k);
-    if ((k > first && power(k - 1) > p) || (k < last && power(k + 1) >= p)) continue;
-    if (p < 1e-16 * spectrum.total) continue;
+    if (p < least || (k > first && power(k - 1) > p) || (k < last && power(k + 1) >= p)) continue;
     double shift = 0, peak = p;
     if (k + 1 < power.size()) {
       const double left = power(k - 1), right = power(k + 1), bend = left - 2 * p + right;
@@ -83,10 +92,9 @@ void add_peaks(const LineSpectrum& spectrum, double a, const DecaySearchOptions&
     }
     const double frequency = std::clamp((static_cast<double>(k) + shift) / per_cycle, lowest, 0.5);
     found.push_back({Complex(-std::max(a, kFreeDecay / n), kTwoPi * frequency), peak, 0});
+    if (found.size() >= 4 * kKeep) keep_strongest();
   }
-  if (found.size() <= kKeep) return;
-  std::ranges::nth_element(found, found.begin() + kKeep, std::greater(), &DecayCandidate::energy);
-  found.resize(kKeep);
+  keep_strongest();
 }
 
 void read_noise(std::vector<DecayCandidate>& peaks, const LineSpectrum& undamped) {
@@ -101,12 +109,16 @@ LineSpectrum filtered(const Eigen::Ref<const Eigen::VectorXd>& y, double a) {
   const Index length = static_cast<Index>(
       std::clamp(std::ceil(kWindowTimeConstants / a), 4.0, static_cast<double>(y.size())));
   RealFft fft(good_fft_length(length < kNoPaddingFrom ? 2 * length : length));
-  const Eigen::ArrayXd window =
-      (Eigen::ArrayXd::LinSpaced(length, 0, static_cast<double>(length - 1)) * -a).exp();
-  fft.time().setZero();
-  fft.time().head(length) = window * y.head(length).array();
+  auto time = fft.time();
+  time.tail(time.size() - length).setZero();
+  const double q = std::exp(-a);
+  double w = 1, energy = 0;
+  for (Index j = 0; j < length; ++j, w *= q) {
+    time(j) = w * y(j);
+    energy += w * w;
+  }
   fft.forward();
-  out.power = fft.spectrum().cwiseAbs2() * (2 / window.square().sum());
+  out.power = fft.spectrum().cwiseAbs2() * (2 / energy);
   out.lines_per_cycle = static_cast<double>(fft.length());
   out.total = y.squaredNorm();
   return out;

@@ -156,7 +156,7 @@ class Averager {
     ArrayXd shape = ArrayXd::Ones(H.size());
     if (of_response > 0) shape += through_force / of_response;
     const double bandwidth = static_cast<double>(fft_.length()) * window_.squaredNorm() /
-                             std::pow(window_.sum(), 2);  // of the window's noise, lines
+                             std::pow(window_.sum(), 2);  // the window's noise's, lines
     const auto smooth = [&](Index independent) {
       return mean_over_lines(
           residual / shape,

@@ -47,7 +47,7 @@ TEST(AgainstCeres, DampedSinusoidsEndAtTheSameMinimum) {
       y[k] += (amplitudes[m] * std::exp(poles[m] * static_cast<double>(k))).real();
     }
   }
-  const auto fit = fit_damped_sinusoids(y, poles);
+  const auto fit = fit_damped_sinusoids(y, poles, {.step_in_std = 1e-3});
   ASSERT_EQ(fit.end, StepsEnd::converged);
 
   std::array<double, 10> p{};
@@ -63,7 +63,7 @@ TEST(AgainstCeres, DampedSinusoidsEndAtTheSameMinimum) {
         p.data());
   }
   const double sum = minimised(problem);
-  // A step of 1e-3 standard uncertainties is where ours stops: 1e-6 of the variance in the sum.
+  // A step of 1e-3 standard uncertainties is where it stops: 1e-6 of the variance in the sum.
   const double variance = sum / static_cast<double>(fit.degrees);
   EXPECT_NEAR(fit.residual_sum_squares, sum, 1e-5 * variance);
   for (std::size_t m = 0; m < 2; ++m) {
