@@ -1,14 +1,14 @@
 #include "signal/readers/read_recording.h"
 
 #include <fmt/format.h>
+#include <matio.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <functional>
-#include <numeric>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,35 +28,16 @@ using namespace std::string_view_literals;
 
 // Types of elements and classes of arrays (MAT-File Format, The MathWorks, version 5).
 constexpr std::uint32_t kInt8 = 1, kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15;
-constexpr std::uint32_t kCell = 1, kStruct = 2;
-constexpr std::uint32_t kDouble = 6, kSingle = 7, kUint64Array = 15;  // the classes of numbers
-constexpr std::uint32_t kComplex = 0x800;                             // among the flags
+constexpr std::uint32_t kCell = 1, kStruct = 2, kObject = 3, kFunction = 16, kOpaque = 17;
+constexpr std::uint32_t kDouble = 6, kUint64Array = 15;  // and between them the other numbers
 constexpr std::size_t kTagBytes = 8, kMostDimensions = 32;
-constexpr int kDeepest = 16;             // structs in structs
+constexpr int kDeepestHeader = 64;
 constexpr std::size_t kPiece = 1 << 16;  // bytes unpacked at once
-constexpr Eigen::Index kShortest = 16;   // samples of an array that is taken without being named
 
-struct MatArray {
-  std::string name;                 ///< "run.acc", "hits{2}"
-  Eigen::MatrixXd real, imaginary;  ///< imaginary: empty for real numbers
-  bool single = false;
-
-  [[nodiscard]] Eigen::Index longer() const { return std::max(real.rows(), real.cols()); }
-  [[nodiscard]] bool is_vector() const {
-    return imaginary.size() == 0 && std::min(real.rows(), real.cols()) == 1;
-  }
-  [[nodiscard]] bool is_scalar() const { return imaginary.size() == 0 && real.size() == 1; }
-  [[nodiscard]] std::string last_name() const { return name.substr(name.find_last_of('.') + 1); }
-  /// Whether what stands beside it, or above, belongs to an array: "run.t" to "run.acc".
-  [[nodiscard]] bool concerns(const MatArray& array) const {
-    return array.name.starts_with(name.substr(0, name.find_last_of('.') + 1));
-  }
-  [[nodiscard]] std::string text() const {
-    return real.size() == 0 ? name
-                            : fmt::format("{} ({} x {}{})", name, real.rows(), real.cols(),
-                                          imaginary.size() > 0 ? ", complex" : "");
-  }
-};
+/// Bytes of a number of a type of elements.
+std::size_t bytes_of(std::uint32_t type) {
+  return type <= 2 ? 1 : type <= 4 ? 2 : type <= 7 ? 4 : 8;
+}
 
 /// What `packed` unpacks to; up to where it breaks off.
 std::string unpacked(std::string_view packed) {
@@ -83,47 +64,13 @@ struct Element {
   std::string_view data;  ///< without tag and padding
 };
 
-/// Collects the arrays of numbers of a file of version 5 to 7. No memory is taken by a size that
-/// the file states and does not hold.
-class MatReader {
+/// Reads the elements of a file's byte order.
+class Elements {
  public:
-  explicit MatReader(const std::filesystem::path& path) : path_(path) {}
-
-  std::vector<MatArray> read(std::string_view bytes) {
-    const auto version = bytes.size() < 128 ? ""sv : bytes.substr(124, 4);
-    if (version == "\0\2IM"sv || version == "\2\0MI"sv) {
-      throw file_error(path_, "is a MATLAB file of version 7.3 (HDF5), which is not read",
-                       "save it again, by save(F, '-v7')");
-    }
-    big_endian_ = version == "\1\0MI"sv;
-    if (!big_endian_ && version != "\0\1IM"sv) {
-      throw file_error(path_, "is no MATLAB file of version 5 to 7",
-                       "save it again, by save(F, '-v7')");
-    }
-    const auto variables = elements(bytes.substr(128));
-    require(!variables.empty());
-    for (const Element& variable : variables) {
-      if (variable.type != kCompressed) {
-        take(variable, "", 0);
-        continue;
-      }
-      const std::string text = unpacked(variable.data);
-      const auto inside = elements(text);
-      require(!inside.empty() && inside[0].type == kMatrix);
-      take(inside[0], "", 0);
-    }
-    return std::move(arrays_);
-  }
-
- private:
-  void require(bool good) const {
-    if (good) return;
-    throw file_error(path_, "breaks off, or states more elements than it can hold",
-                     "copy the file again");
-  }
+  explicit Elements(bool swapped) : swapped_(swapped) {}
 
   /// Those that stand behind each other in `rest`; none where one of them breaks off.
-  [[nodiscard]] std::vector<Element> elements(std::string_view rest) const {
+  [[nodiscard]] std::vector<Element> in(std::string_view rest) const {
     std::vector<Element> found;
     while (rest.size() >= kTagBytes) {
       const std::uint32_t type = word(rest, 0);
@@ -138,83 +85,217 @@ class MatReader {
     return found;
   }
 
-  /// Adds the arrays of a variable and of those that it is made of. `name`: empty at the top.
-  void take(const Element& variable, std::string name, int depth) {
-    if (variable.type != kMatrix || (depth > 0 && variable.data.empty())) return;
-    const auto parts = elements(variable.data);
+  /// Whether a variable, packed or not, can hold what its header states, and so can the variables
+  /// that it is made of.
+  [[nodiscard]] bool can_hold(const Element& variable, int depth = 0) const {
+    if (variable.type == kCompressed) {
+      const std::string text = unpacked(variable.data);
+      const auto inside = in(text);
+      return !inside.empty() && inside[0].type == kMatrix && can_hold(inside[0], depth);
+    }
+    if (variable.type != kMatrix) return true;
+    if (variable.data.empty()) return depth > 0;
+    const auto parts = in(variable.data);
     const auto is = [&](std::size_t k, std::uint32_t type) {
       return k < parts.size() && parts[k].type == type;
     };
-    require(depth <= kDeepest && is(0, kUint32) && parts[0].data.size() == 8);
-    const std::uint32_t flags = word(parts[0].data, 0), array_class = flags & 0xffU;
-    const bool is_numeric = array_class >= kDouble && array_class <= kUint64Array;
-    if (!is_numeric && array_class != kStruct && array_class != kCell) return;
-    require(is(1, kInt32) && parts[1].data.size() <= 4 * kMostDimensions && is(2, kInt8));
-    std::vector<double> sizes;
-    for (std::size_t d = 0; d < parts[1].data.size() / 4; ++d) {
-      sizes.push_back(word(parts[1].data, d));
+    if (depth > kDeepestHeader || !is(0, kUint32) || parts[0].data.size() != 8) return false;
+    const std::uint32_t array_class = word(parts[0].data, 0) & 0xffU;
+    if (array_class == kOpaque) return true;  // without dimensions
+    const bool has_fields = array_class == kStruct || array_class == kObject;
+    if (!is(1, kInt32) || parts[1].data.size() > 4 * kMostDimensions || !is(2, kInt8)) return false;
+    double count = 1;
+    for (std::size_t d = 0; d < parts[1].data.size() / 4; ++d) count *= word(parts[1].data, d);
+    if (array_class >= kDouble && array_class <= kUint64Array) {
+      // Real parts, and where there are some the imaginary ones.
+      return std::all_of(parts.begin() + 3, parts.end(), [&](const Element& part) {
+        return count * static_cast<double>(bytes_of(part.type)) ==
+               static_cast<double>(part.data.size());
+      });
     }
-    const double count = std::accumulate(sizes.begin(), sizes.end(), 1.0, std::multiplies<>());
-    if (depth == 0) name = to_utf8(parts[2].data);
-    if (name.empty() || name.starts_with("__")) return;
-    if (is_numeric) return take_numbers(parts, flags, sizes, name);
-    std::size_t first = 3;  // of the parts that are variables
-    std::vector<std::string> fields;
-    if (array_class == kStruct) {
-      require(is(3, kInt32) && parts[3].data.size() == 4 && is(4, kInt8));
-      const std::size_t length = word(parts[3].data, 0);  // a field's name has so many bytes
-      require(length > 0);
-      for (std::size_t at = 0; at + length <= parts[4].data.size(); at += length) {
-        const auto field = parts[4].data.substr(at, length);
-        fields.push_back("." + to_utf8(field.substr(0, field.find('\0'))));
-      }
-      first = 5;
-      if (fields.empty()) return;
+    if (!has_fields && array_class != kCell && array_class != kFunction) return true;
+    std::size_t first = 3;  // first of the parts that are variables
+    if (array_class == kObject && !is(first++, kInt8)) return false;  // name of its class
+    if (has_fields) {
+      if (!is(first, kInt32) || parts[first].data.size() != 4 || !is(first + 1, kInt8))
+        return false;
+      const std::size_t length = word(parts[first].data, 0);  // a field's name has so many bytes
+      if (length == 0) return false;
+      count *= static_cast<double>(parts[first + 1].data.size() / length);
+      first += 2;
     }
-    const std::size_t each = std::max<std::size_t>(fields.size(), 1), all = parts.size() - first;
-    require(count * static_cast<double>(each) <= static_cast<double>(all));
-    for (std::size_t k = 0; k < static_cast<std::size_t>(count) * each; ++k) {
-      const std::string place = count > 1 ? fmt::format("({})", k / each + 1) : "";
-      take(parts[first + k],
-           name + (fields.empty() ? fmt::format("{{{}}}", k + 1) : place + fields[k % each]),
-           depth + 1);
-    }
+    return count <= static_cast<double>(parts.size() - first) &&
+           std::all_of(parts.begin() + static_cast<std::ptrdiff_t>(first), parts.end(),
+                       [&](const Element& part) { return can_hold(part, depth + 1); });
   }
 
-  void take_numbers(const std::vector<Element>& parts, std::uint32_t flags,
-                    const std::vector<double>& sizes, const std::string& name) {
-    const bool is_complex = (flags & kComplex) != 0;
-    if (sizes.size() != 2) {
-      arrays_.push_back({fmt::format("{} of {} dimensions", name, sizes.size()), {}, {}, false});
-      return;
-    }
-    require(parts.size() >= (is_complex ? 5 : 4));
-    MatArray array{name, matrix(parts[3], sizes), {}, (flags & 0xffU) == kSingle};
-    if (is_complex) array.imaginary = matrix(parts[4], sizes);
-    if (array.real.size() > 0) arrays_.push_back(std::move(array));
-  }
-
-  [[nodiscard]] Eigen::MatrixXd matrix(const Element& part,
-                                       const std::vector<double>& sizes) const {
-    constexpr std::string_view kKinds = "_iuiuiuf_f__iu", kBytes = "01122444080088";
-    const std::size_t type = part.type < kKinds.size() ? part.type : 0;
-    const auto bytes = static_cast<std::size_t>(kBytes[type] - '0');
-    require(bytes > 0 && sizes[0] * sizes[1] * static_cast<double>(bytes) ==
-                             static_cast<double>(part.data.size()));
-    return matrix_of({kKinds[type], bytes, is_swapped(big_endian_)}, part.data.data(),
-                     static_cast<Eigen::Index>(sizes[0]), static_cast<Eigen::Index>(sizes[1]));
-  }
-
+ private:
   [[nodiscard]] std::uint32_t word(std::string_view data, std::size_t k) const {
     std::uint32_t value = 0;
     std::memcpy(&value, data.data() + 4 * k, 4);
-    return is_swapped(big_endian_) ? __builtin_bswap32(value) : value;
+    return swapped_ ? __builtin_bswap32(value) : value;
   }
 
-  const std::filesystem::path& path_;
-  bool big_endian_ = false;
-  std::vector<MatArray> arrays_;
+  bool swapped_;
 };
+
+/// Walks the headers of a file of version 5 before libmatio, which reserves memory by the sizes
+/// that they state and loops over them. Throws when the file is of another version than 5 to 7.3,
+/// breaks off, or has an array, struct, cell or function handle of other sizes than its header
+/// states. Of version 7.3 (HDF5) only the version is looked at.
+void check_mat_headers(std::string_view bytes, const std::filesystem::path& path) {
+  const std::string_view header = bytes.substr(0, 128);
+  const auto version = header.size() == 128 ? header.substr(124) : ""sv;
+  if (version == "\0\2IM"sv || version == "\2\0MI"sv) return;  // HDF5: version 7.3
+  const bool big_endian = version == "\1\0MI"sv;
+  if (!big_endian && version != "\0\1IM"sv) {
+    throw file_error(path, "is no MATLAB file of version 5 to 7.3",
+                     "save it again, by save(F, '-v7')");
+  }
+  const Elements elements(is_swapped(big_endian));
+  const auto variables = elements.in(bytes.substr(128));
+  if (variables.empty() ||
+      !std::ranges::all_of(variables, [&](const Element& one) { return elements.can_hold(one); })) {
+    throw file_error(path, "breaks off, or states more elements than it can hold",
+                     "copy the file again");
+  }
+}
+
+constexpr int kDeepest = 6;             // structs in structs
+constexpr Eigen::Index kShortest = 16;  // samples of an array that is taken without being named
+
+struct MatArray {
+  std::string name;                 ///< "run.acc", "hits{2}"
+  Eigen::MatrixXd real, imaginary;  ///< imaginary: empty for real numbers
+  bool single = false;
+
+  [[nodiscard]] Eigen::Index longer() const { return std::max(real.rows(), real.cols()); }
+  [[nodiscard]] bool is_vector() const {
+    return imaginary.size() == 0 && std::min(real.rows(), real.cols()) == 1;
+  }
+  [[nodiscard]] bool is_scalar() const { return imaginary.size() == 0 && real.size() == 1; }
+  [[nodiscard]] std::string last_name() const { return name.substr(name.find_last_of('.') + 1); }
+  /// Whether what stands beside it, or above, belongs to an array: "run.t" to "run.acc".
+  [[nodiscard]] bool concerns(const MatArray& array) const {
+    return array.name.starts_with(name.substr(0, name.find_last_of('.') + 1));
+  }
+  [[nodiscard]] std::string text() const {
+    return real.size() == 0 ? name
+                            : fmt::format("{} ({} x {}{})", name, real.rows(), real.cols(),
+                                          imaginary.size() > 0 ? ", complex" : "");
+  }
+};
+
+/// Whether arrays of a class hold numbers.
+bool is_numeric(matio_classes type) { return type >= MAT_C_DOUBLE && type <= MAT_C_UINT64; }
+
+/// Elements of an array by its dimensions; more than `most`: most + 1.
+std::size_t elements_of(const matvar_t& variable, std::size_t most) {
+  double count = variable.dims == nullptr || variable.rank < 1 ? 0 : 1;
+  for (int d = 0; count > 0 && d < variable.rank; ++d) {
+    count *= static_cast<double>(variable.dims[d]);
+  }
+  return count > static_cast<double>(most) ? most + 1 : static_cast<std::size_t>(count);
+}
+
+/// Calls `take` with each of the `count` elements of a struct or cell and what its name has behind
+/// that of the whole; does nothing for other arrays.
+template <typename Take>
+void each_element(matvar_t& variable, std::size_t count, Take&& take) {
+  if (variable.data == nullptr) return;
+  const bool is_struct = variable.class_type == MAT_C_STRUCT;
+  char* const* const names = is_struct ? Mat_VarGetStructFieldnames(&variable) : nullptr;
+  const unsigned fields = names == nullptr ? 0 : Mat_VarGetNumberOfFields(&variable);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::string at = count > 1 ? fmt::format("({})", k + 1) : "";
+    for (unsigned f = 0; f < fields; ++f) {
+      matvar_t* const field = Mat_VarGetStructFieldByIndex(&variable, f, k);
+      if (field != nullptr && names[f] != nullptr) take(*field, at + "." + to_utf8(names[f]));
+    }
+    if (variable.class_type != MAT_C_CELL) continue;
+    matvar_t* const cell = Mat_VarGetCell(&variable, static_cast<int>(k));
+    if (cell != nullptr) take(*cell, fmt::format("{{{}}}", k + 1));
+  }
+}
+
+/// Whether an HDF5 file can hold as many numbers as a variable states, its elements included:
+/// deflate packs at most a thousand to one.
+bool is_held(matvar_t& variable, std::size_t file_bytes, int depth) {
+  const std::size_t most = file_bytes * 1100 + 4096;
+  const std::size_t count = elements_of(variable, most);
+  if (count > most) return false;
+  if (depth >= kDeepest) return true;
+  bool held = true;
+  each_element(variable, count, [&](matvar_t& element, const std::string&) {
+    held = held && is_held(element, file_bytes, depth + 1);
+  });
+  return held;
+}
+
+/// Adds the numeric arrays of a variable that was read.
+void collect(matvar_t& variable, const std::string& name, int depth,
+             std::vector<MatArray>& arrays) {
+  if (depth > kDeepest) return;
+  const std::size_t count = elements_of(variable, SIZE_MAX / 2);  // held, as is_held says
+  if (count == 0 || variable.data == nullptr) return;
+  each_element(variable, count, [&](matvar_t& element, const std::string& own) {
+    collect(element, name + own, depth + 1, arrays);
+  });
+  if (variable.class_type == MAT_C_STRUCT || variable.class_type == MAT_C_CELL) return;
+  if (variable.rank != 2) {
+    arrays.push_back({fmt::format("{} of {} dimensions", name, variable.rank), {}, {}, false});
+    return;
+  }
+  const auto rows = static_cast<Eigen::Index>(variable.dims[0]);
+  const auto cols = static_cast<Eigen::Index>(variable.dims[1]);
+  // The data must be as many numbers of the class's own size.
+  const std::size_t size = Mat_SizeOfClass(variable.class_type);
+  if (!is_numeric(variable.class_type) || size == 0 || variable.nbytes / size < count) return;
+  const void *re = variable.data, *im = nullptr;
+  if (variable.isComplex != 0) {
+    const auto* const split = static_cast<const mat_complex_split_t*>(variable.data);
+    re = split->Re, im = split->Im;
+    if (re == nullptr || im == nullptr) return;
+  }
+  const char kind = "ffiuiuiuiu"[variable.class_type - MAT_C_DOUBLE];
+  const auto numbers = [&](const void* data) {
+    return matrix_of({kind, size}, static_cast<const char*>(data), rows, cols);
+  };
+  MatArray array{name, numbers(re), {}, variable.class_type == MAT_C_SINGLE};
+  if (im != nullptr) array.imaginary = numbers(im);
+  arrays.push_back(std::move(array));
+}
+
+/// The numeric arrays of a file. What is too large for the file is refused before it is read.
+std::vector<MatArray> arrays_in(std::string_view bytes, const std::filesystem::path& path) {
+  check_mat_headers(bytes, path);
+  const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
+                                                     &Mat_Close);
+  if (!file) {
+    throw file_error(path, "is no MATLAB file that can be read",
+                     "save it again, by save(F, '-v7')");
+  }
+  std::vector<MatArray> arrays;
+  const bool hdf5 = Mat_GetVersion(file.get()) == MAT_FT_MAT73;
+  while (matvar_t* const next = Mat_VarReadNextInfo(file.get())) {
+    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(next, &Mat_VarFree);
+    const std::string name = next->name == nullptr ? "" : to_utf8(next->name);
+    if (name.empty() || name.starts_with("__") || name.starts_with("#")) continue;
+    if (hdf5 && !is_held(*next, bytes.size(), 0)) {
+      throw file_error(path, "states more numbers than the file can hold", "copy the file again",
+                       name);
+    }
+    if (next->class_type != MAT_C_STRUCT && next->class_type != MAT_C_CELL &&
+        !is_numeric(next->class_type)) {
+      continue;
+    }
+    if (Mat_VarReadDataAll(file.get(), next) != 0) {
+      throw file_error(path, "breaks off inside a variable", "copy the file again", name);
+    }
+    collect(*next, name, 0, arrays);
+  }
+  return arrays;
+}
 
 using Arrays = std::vector<const MatArray*>;
 
@@ -367,7 +448,7 @@ void check_times(const Arrays& taken, const std::filesystem::path& path) {
 
 Recording read_mat(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options) {
-  const std::vector<MatArray> arrays = MatReader(path).read(bytes);
+  const std::vector<MatArray> arrays = arrays_in(bytes, path);
   const auto taken = chosen(arrays, path, options.variables);
   check_times(taken, path);
   CsvTable table;
@@ -388,7 +469,7 @@ Recording read_mat(std::string_view bytes, const std::filesystem::path& path,
 
 FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
                      const ReadOptions& options) {
-  const std::vector<MatArray> arrays = MatReader(path).read(bytes);
+  const std::vector<MatArray> arrays = arrays_in(bytes, path);
   const auto& asked = options.variables;
   const Arrays complex = those(arrays, [&](const MatArray& array) {
     return array.imaginary.size() > 0 && array.longer() >= kShortest &&

@@ -78,11 +78,11 @@ struct CsvTable;  // csv_table.h
 [[nodiscard]] Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
                                  const ReadOptions& options = {});
 
-/// MATLAB files (.mat), versions 5 to 7: numeric arrays, also inside structs and cells. Arrays
-/// whose longer side has the same length are the channels of the recording; a variable with a name
-/// for time ("t", "time") holds the times, and a scalar named like a rate or step ("fs", "dt")
-/// gives the rate. Where arrays of several lengths could be meant the file is refused, with their
-/// names. `options.variables` names the arrays to take ("data", "run.acc").
+/// MATLAB files (.mat), versions 5 to 7 and 7.3, by libmatio: numeric arrays, also inside structs
+/// and cells. Arrays whose longer side has the same length are the channels of the recording; a
+/// variable with a name for time ("t", "time") holds the times, and a scalar named like a rate or
+/// step ("fs", "dt") gives the rate. Where arrays of several lengths could be meant the file is
+/// refused, with their names. `options.variables` names the arrays to take ("data", "run.acc").
 [[nodiscard]] Recording read_mat(std::string_view bytes, const std::filesystem::path& path,
                                  const ReadOptions& options = {});
 

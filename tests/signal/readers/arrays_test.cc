@@ -1,5 +1,7 @@
 // WAV, NumPy and MATLAB files as their programs write them, damaged ones, and formats that are
 // named and refused.
+#include <matio.h>
+
 #include <cstdint>
 
 #include "signal/readers/read_recording.h"
@@ -123,27 +125,23 @@ TEST(Npy, WhatCannotBeReadIsSaid) {
   }
 }
 
-/// A tagged element of a MATLAB file, and a variable of elements.
-std::string part(std::uint64_t type, const std::string& data) {
-  const std::string padding((8 - data.size() % 8) % 8, '\0');
-  return little(type, 4) + little(data.size(), 4) + data + padding;
-}
-std::string variable(std::uint64_t flags, const std::string& name, std::size_t rows,
-                     std::size_t cols, const std::string& elements) {
-  return part(14, part(6, little(flags, 8)) + part(5, little(rows, 4) + little(cols, 4)) +
-                      part(1, name) + elements);
-}
-std::string array(const std::string& name, const std::vector<double>& values, std::size_t rows,
-                  std::size_t cols) {
-  return variable(6, name, rows, cols, part(9, bytes_of(values)));
-}
-const std::string kMatHead = "MATLAB" + std::string(118, ' ') + std::string("\0\1IM", 4);
-
 /// A .mat file of this test's own.
 class Mat : public ::testing::Test {
  protected:
-  void write(const std::string& variables) {
-    std::ofstream(path_, std::ios::binary) << kMatHead << variables;
+  static matvar_t* array(const char* name, std::vector<double> values, std::size_t rows,
+                         std::size_t cols) {
+    std::size_t dims[2] = {rows, cols};
+    return Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values.data(), 0);
+  }
+  void write(const std::vector<matvar_t*>& variables, mat_ft version = MAT_FT_MAT5,
+             matio_compression compression = MAT_COMPRESSION_ZLIB) {
+    mat_t* const file = Mat_CreateVer(path_.c_str(), nullptr, version);
+    ASSERT_NE(file, nullptr);
+    for (auto* variable : variables) {
+      EXPECT_EQ(Mat_VarWrite(file, variable, compression), 0);
+      Mat_VarFree(variable);
+    }
+    Mat_Close(file);
   }
   std::string content() const { return folder_.read(path_.filename()); }
 
@@ -162,25 +160,32 @@ std::vector<double> ramp(int n, double step) {
 }
 
 TEST_F(Mat, ArraysOfOneLengthWithARateOrATime) {
-  write(array("acc", ramp(80, 0.5), 40, 2) + array("force", ramp(40, 1), 1, 40) +
-        array("fs", {2000}, 1, 1));
-  const auto recording = read_recording(path_);
-  EXPECT_EQ(recording.format, "mat");
-  EXPECT_EQ(recording.sample_rate_hz, 2000);
-  ASSERT_EQ(recording.channels.size(), 3u);
-  EXPECT_EQ(recording.channel("acc 2").samples[0], 20);
-  EXPECT_EQ(recording.channel("force").samples[3], 3);
-  write(array("t", ramp(40, 0.001), 40, 1) + array("x", ramp(40, 2), 40, 1));
+  for (const auto version : {MAT_FT_MAT5, MAT_FT_MAT73}) {
+    write({array("acc", ramp(80, 0.5), 40, 2), array("force", ramp(40, 1), 1, 40),
+           array("fs", {2000}, 1, 1)},
+          version);
+    const auto recording = read_recording(path_);
+    EXPECT_EQ(recording.format, "mat");
+    EXPECT_EQ(recording.sample_rate_hz, 2000);
+    ASSERT_EQ(recording.channels.size(), 3u);
+    EXPECT_EQ(recording.channel("acc 2").samples[0], 20);
+    EXPECT_EQ(recording.channel("force").samples[3], 3);
+    fs::remove(path_);
+  }
+  write({array("t", ramp(40, 0.001), 40, 1), array("x", ramp(40, 2), 40, 1)});
   EXPECT_NEAR(read(path_).sample_rate_hz, 1000, 1e-9);
 }
 
 TEST_F(Mat, SamplesGetTheTimesOfTheirOwnStructure) {
   const auto run = [&](const char* name, double step) {
-    return variable(2, name, 1, 1,
-                    part(5, little(4, 4)) + part(1, std::string("t\0\0\0acc\0", 8)) +
-                        array("", ramp(40, step), 40, 1) + array("", ramp(40, 3), 40, 1));
+    const char* names[] = {"t", "acc"};
+    std::size_t one[2] = {1, 1};
+    matvar_t* const made = Mat_VarCreateStruct(name, 2, one, names, 2);
+    Mat_VarSetStructFieldByName(made, "t", 0, array("t", ramp(40, step), 40, 1));
+    Mat_VarSetStructFieldByName(made, "acc", 0, array("acc", ramp(40, 3), 40, 1));
+    return made;
   };
-  write(run("first", 0.01) + run("second", 0.002));
+  write({run("first", 0.01), run("second", 0.002)});
   EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("--variable second.acc"));
   for (const auto& [name, rate] :
        {std::pair<const char*, double>{"first.acc", 100}, {"second.acc", 500}}) {
@@ -191,13 +196,13 @@ TEST_F(Mat, SamplesGetTheTimesOfTheirOwnStructure) {
 }
 
 TEST_F(Mat, CutShortIsRefused) {
-  write(array("acc", ramp(400, 0.5), 400, 1) + array("fs", {2000}, 1, 1));
+  write({array("acc", ramp(400, 0.5), 400, 1), array("fs", {2000}, 1, 1)});
   fs::resize_file(path_, fs::file_size(path_) - 40);
   EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("breaks off"));
 }
 
 TEST_F(Mat, SeveralLengthsAreAskedAbout) {
-  write(array("long_one", ramp(100, 1), 100, 1) + array("short_one", ramp(50, 1), 50, 1));
+  write({array("long_one", ramp(100, 1), 100, 1), array("short_one", ramp(50, 1), 50, 1)});
   EXPECT_THAT(
       refusal_of([&] { return read(path_); }),
       AllOf(HasSubstr("\"long_one (100 x 1)\", \"short_one (50 x 1)\""), HasSubstr("--variable")));
@@ -207,8 +212,11 @@ TEST_F(Mat, SeveralLengthsAreAskedAbout) {
 }
 
 TEST_F(Mat, FrfsAreComplexArraysOverFrequencies) {
-  const auto parts = part(9, bytes_of(ramp(60, 1))) + part(9, bytes_of(ramp(60, -1)));
-  write(variable(0x806, "H", 30, 2, parts) + array("freq", ramp(30, 0.5), 30, 1));
+  std::vector<double> real = ramp(60, 1), imaginary = ramp(60, -1);
+  mat_complex_split_t split{real.data(), imaginary.data()};
+  std::size_t dims[2] = {30, 2};
+  write({Mat_VarCreate("H", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, &split, MAT_F_COMPLEX),
+         array("freq", ramp(30, 0.5), 30, 1)});
   const FrfSet set = read_mat_frfs(content(), path_);
   ASSERT_EQ(set.H.rows(), 30);
   ASSERT_EQ(set.H.cols(), 2);
@@ -217,30 +225,39 @@ TEST_F(Mat, FrfsAreComplexArraysOverFrequencies) {
   EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("freq"));
 }
 
-TEST_F(Mat, VariablesThatStateOtherSizesThanTheyHoldAreRefused) {
-  for (const std::size_t rows : {39U, 48U}) {
-    write(array("acc", ramp(40, 0.5), rows, 1) + array("fs", {2000}, 1, 1));
+TEST_F(Mat, ArraysThatStateOtherSizesThanTheyHoldAreRefused) {
+  write({array("acc", ramp(40, 0.5), 40, 1), array("fs", {2000}, 1, 1)}, MAT_FT_MAT5,
+        MAT_COMPRESSION_NONE);
+  const std::string whole = content(), size = little(40, 4) + little(1, 4);
+  for (const std::uint64_t rows : {39ULL, 48ULL}) {
+    std::string bytes = whole;
+    bytes.replace(bytes.find(size), 4, little(rows, 4));
+    std::ofstream(path_, std::ios::binary) << bytes;
     EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("than it can hold")) << rows;
   }
-  const auto run = [](std::size_t elements) {
-    return variable(2, "run", elements, 1,
-                    part(5, little(2, 4)) + part(1, std::string("x\0", 2)) + part(14, ""));
-  };
-  for (const std::size_t elements : {2U, 1U << 30}) {
-    write(run(elements));
-    EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("can hold"));
-  }
-  write(run(1));
-  EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("no array"));
 }
 
-TEST_F(Mat, OtherVersionsAreRefused) {
-  for (const auto& [version, said] :
-       {std::pair{"\0\2IM", "save(F, '-v7')"}, {"\1\1\1\1", "version 5 to 7"}}) {
-    std::ofstream(path_, std::ios::binary)
-        << std::string(124, ' ') << std::string(version, 4) << std::string(200, '\1');
-    EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr(said));
+TEST_F(Mat, StructsThatStateMoreThanTheFileHoldsAreRefused) {
+  const std::string version = std::string("\0\1IM", 4);
+  const auto part = [](std::uint64_t type, const std::string& data) {
+    const std::string padding((8 - data.size() % 8) % 8, '\0');
+    return little(type, 4) + little(data.size(), 4) + data + padding;
+  };
+  const auto file = [&](std::uint64_t elements) {
+    const std::string inside = part(6, little(2, 4) + little(0, 4)) +
+                               part(5, little(1, 4) + little(elements, 4)) + part(1, "run") +
+                               part(5, little(2, 4)) + part(1, std::string("x\0", 2)) +
+                               little(14, 4) + little(0, 4);
+    return std::string(124, ' ') + version + little(14, 4) + little(inside.size(), 4) + inside;
+  };
+  for (const std::uint64_t elements : {2ULL, 1ULL << 30}) {
+    std::ofstream(path_, std::ios::binary) << file(elements);
+    EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("can hold"));
   }
+  std::ofstream(path_, std::ios::binary) << file(1);
+  EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("no array"));
+  std::ofstream(path_, std::ios::binary) << std::string(200, '\1');
+  EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("version 5 to 7.3"));
 }
 
 TEST(ForeignFormats, AreNamedWithTheWayOut) {
