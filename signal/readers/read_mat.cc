@@ -121,7 +121,8 @@ class Elements {
         return false;
       const std::size_t length = word(parts[first].data, 0);  // a field's name has so many bytes
       if (length == 0) return false;
-      count *= static_cast<double>(parts[first + 1].data.size() / length);
+      const std::size_t fields = parts[first + 1].data.size() / length;
+      count *= static_cast<double>(fields);
       first += 2;
     }
     return count <= static_cast<double>(parts.size() - first) &&
