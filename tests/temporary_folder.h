@@ -10,6 +10,12 @@
 
 namespace rigfit::testing {
 
+/// The bytes of a file; empty when there is none.
+inline std::string content_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -34,10 +40,7 @@ class TemporaryFolder {
     return at(name);
   }
   /// The content of a file in it; empty when there is none.
-  [[nodiscard]] std::string read(const std::string& name) const {
-    std::ifstream file(path_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  [[nodiscard]] std::string read(const std::string& name) const { return content_of(path_ / name); }
 
  private:
   std::filesystem::path path_;

@@ -26,6 +26,26 @@ struct ReportOfACampaign : ::testing::Test {
   static inline Document document_;
 };
 
+/// The first entry of a list in a document that has this under `key`.
+inline const Document& named(const Document& list, const std::string& key, const Document& name) {
+  for (const auto& one : list) {
+    if (one.at(key) == name) return one;
+  }
+  throw std::out_of_range(key + " " + name.dump());
+}
+
+/// The text with the first `from`, which must be there, replaced.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+/// What `update` writes of one parameter that was fitted.
+inline std::string fit_json(const std::string& name, double value, double std) {
+  return Document{{"parameters", {{{"name", name}, {"value", value}, {"std", std}}}},
+                  {"correlation", {{1.0}}}}
+      .dump();
+}
+
 /// A scene: a cable of 2.4 m in 12 segments between pinned ends at 200 N.
 inline constexpr const char* kCableScene = R"([[node]]
 name = "left"

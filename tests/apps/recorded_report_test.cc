@@ -10,14 +10,6 @@ namespace rigfit::apps::recorded_report_test {
 namespace fs = std::filesystem;
 const std::string kLaboratory = std::string(RIGFIT_TESTDATA) + "/virtual_laboratory";
 
-const Document& entry(const Document& document, const std::string& key, const std::string& name_key,
-                      const Document& name) {
-  for (const auto& one : document.at(key)) {
-    if (one.at(name_key) == name) return one;
-  }
-  throw std::out_of_range(key + " " + name.dump());
-}
-
 struct LaboratoryReport : ReportOfACampaign<LaboratoryReport> {
   static constexpr const char* kCampaign = "virtual_laboratory/campaign.toml";
 };
@@ -48,16 +40,16 @@ TEST_F(LaboratoryReport, IsAsItsSchemaSays) {
 // Truth: testdata/virtual_laboratory/truth. Intervals are honest when the truth lies within three
 // standard uncertainties (once in 370 for each value it would not, by chance; the data are fixed).
 TEST_F(LaboratoryReport, FindsWhatIsTrueOfTheRig) {
-  const auto& bending = entry(document_, "bending", "test", "bending")["tests"];
+  const auto& bending = named(document_["bending"], "test", "bending")["tests"];
   const double EI[] = {0.29, 0.5, 0.67397, 0.80746};  // at 25, 100, 200 and 300 N
   ASSERT_EQ(bending.size(), 4u);
   for (const auto& test : bending) {
     const double T = test["tension_N"];
     expect_within(test["EI_Nm2"], EI[T < 50 ? 0 : std::lround(T / 100)], 4, "EI");
   }
-  const auto& axial = entry(document_, "axial", "test", "axial");
+  const auto& axial = named(document_["axial"], "test", "axial");
   expect_within(axial["EA_N"], 205000, 3, "EA");
-  for (const auto& parameter : entry(document_, "fits", "fit", "fit-beam")["parameters"]) {
+  for (const auto& parameter : named(document_["fits"], "fit", "fit-beam")["parameters"]) {
     ASSERT_TRUE(parameter["reference"].is_number());
     expect_within(parameter, parameter["reference"], 3, parameter["name"]);
   }
@@ -65,7 +57,7 @@ TEST_F(LaboratoryReport, FindsWhatIsTrueOfTheRig) {
 
 // The rig's fit: what it can tell is true; that it cannot tell the mass at the tip, it says.
 TEST_F(LaboratoryReport, FitsBeamAndCablesAndPredictsTheTensionHeldOut) {
-  const auto& rig = entry(document_, "fits", "fit", "fit-rig");
+  const auto& rig = named(document_["fits"], "fit", "fit-rig");
   for (const auto& parameter : rig["parameters"]) {
     if (!parameter["reference"].is_number() || !parameter["identifiable"].get<bool>()) continue;
     expect_within(parameter, parameter["reference"], 3, parameter["name"]);
@@ -82,7 +74,7 @@ TEST_F(LaboratoryReport, FitsBeamAndCablesAndPredictsTheTensionHeldOut) {
 TEST_F(LaboratoryReport, FittedModelPredictsTheStringsCut) {
   int compared = 0;
   for (const char* name : {"cable-release", "rig-release"}) {
-    for (const auto& record : entry(document_, "decays", "test", name)["records"]) {
+    for (const auto& record : named(document_["decays"], "test", name)["records"]) {
       ASSERT_EQ(record["models"].size(), 2u);
       const double f = record["modes"][0]["frequency_hz"]["value"];
       const double damping = record["modes"][0]["damping_ratio"]["value"];
@@ -209,11 +201,11 @@ TEST_F(BrokenRecordings, AreNamedInTheirPlaceAndTheRestGoesOn) {
   EXPECT_EQ(run.exit_code, 4) << run.err;
   const Document document = parsed(out.read("report.json"));
   // The good hits give the beam's modes all the same.
-  const auto& beam = entry(document, "recorded_modal", "test", "beam");
+  const auto& beam = named(document.at("recorded_modal"), "test", "beam");
   ASSERT_EQ(beam["states"].size(), 1u);
   EXPECT_GE(beam["states"][0]["modes"].size(), 2u);
   EXPECT_GE(beam["states"][0]["averages"].get<int>(), 2);
-  EXPECT_TRUE(entry(document, "axial", "test", "axial")["EA_N"]["value"].is_number());
+  EXPECT_TRUE(named(document.at("axial"), "test", "axial")["EA_N"]["value"].is_number());
   // Every bad one is refused, or its hit rejected, with a reason that names it.
   std::string said;
   for (const char* level : {"warnings", "notes"}) {

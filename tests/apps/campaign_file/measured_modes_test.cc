@@ -89,10 +89,7 @@ TEST(MeasuredModes, PredictionsAreHeldAgainstAUniversalFile) {
   const TemporaryFolder folder;
   const auto truth = folder.write("truth.toml", beam(2.1, 0.02));
   const auto file = folder.write("modes.uff", mode_shapes(truth));
-  const auto fit = folder.write(
-      "fit.json", Document{{"parameters", {{{"name", "beam.EI_z"}, {"value", 2.1}, {"std", 0.02}}}},
-                           {"correlation", {{1.0}}}}
-                      .dump());
+  const auto fit = folder.write("fit.json", fit_json("beam.EI_z", 2.1, 0.02));
   const Document json = document_of("predict {} --from {} --count 8 --measured {} --plane in",
                                     {folder.write("start.toml", beam(3.5, 0.02)), fit, file});
   ASSERT_EQ(json["measured"].size(), 8u);  // the file's

@@ -22,10 +22,9 @@ std::string xml_error(const std::string& text) {
 }
 
 struct PlotOption : ::testing::Test {
-  [[nodiscard]] std::string path(const std::string& name) const { return folder.at(name); }
   /// The SVG that a verb draws.
   std::string svg(Words words, int exit_code = 0) {
-    words.insert(words.end(), {"--plot", path("f.svg"), "--quiet"});
+    words.insert(words.end(), {"--plot", folder.at("f.svg"), "--quiet"});
     const auto run = run_program(words);
     EXPECT_EQ(run.exit_code, exit_code) << run.err;
     std::string text = folder.read("f.svg");
@@ -67,7 +66,7 @@ TEST_F(PlotOption, EveryVerbDrawsWhatItFound) {
               "--mass-per-length", "0.16667,0.0001", "--frequency-std", "0.02", "--ends", "pinned"},
              {"mode number", ">measured<"}},
         Said{{"respond", RIGFIT_TESTDATA "/scenes/cable-hit.toml", "--duration", "0.5", "--rate",
-              "1000", "--out", path("r.csv")},
+              "1000", "--out", folder.at("r.csv")},
              {"Response: ", "Spectra"}}}) {
     const std::string text = svg(words);
     for (const auto& one : shown) EXPECT_THAT(text, HasSubstr(one)) << words.front();
@@ -79,7 +78,7 @@ TEST_F(PlotOption, HitsAndFrfsAreOneLinkedPage) {
   const auto run = run_line(
       "modal {}1.uff {}2.uff {}3.uff --force force --force-window 0.012 --exponential-window 0.05 "
       "--band 1 160 --plot {} --json {} --quiet",
-      {rig, rig, rig, path("f.html"), path("f.json")});
+      {rig, rig, rig, folder.at("f.html"), folder.at("f.json")});
   ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 4) << run.err;  // 4: a window's damping
   const std::string page = folder.read("f.html");
   EXPECT_THAT(page, HasSubstr("double hit"));
@@ -89,8 +88,8 @@ TEST_F(PlotOption, HitsAndFrfsAreOneLinkedPage) {
 }
 
 TEST_F(PlotOption, APictureIsMadeWhereAProgramForItIs) {
-  const auto run =
-      run_line("modes $/jalali2021/scenes/cable.toml --count 2 --plot {} --quiet", {path("f.png")});
+  const auto run = run_line("modes $/jalali2021/scenes/cable.toml --count 2 --plot {} --quiet",
+                            {folder.at("f.png")});
   if (find_chromium().empty()) {
     EXPECT_EQ(run.exit_code, 2);
     EXPECT_THAT(run.err, HasSubstr("Chromium"));
@@ -107,11 +106,11 @@ TEST_F(PlotOption, WhatCannotBeWrittenIsRefusedFirst) {
     EXPECT_EQ(run.out, "") << file;
     return run.err;
   };
-  EXPECT_THAT(refused(path("f.pdf"), 2), HasSubstr(".html"));
-  EXPECT_THAT(refused(path("f"), 2), HasSubstr(".svg"));
-  EXPECT_THAT(refused(path("none/f.svg"), 3), HasSubstr("there is no folder"));
+  EXPECT_THAT(refused(folder.at("f.pdf"), 2), HasSubstr(".html"));
+  EXPECT_THAT(refused(folder.at("f"), 2), HasSubstr(".svg"));
+  EXPECT_THAT(refused(folder.at("none/f.svg"), 3), HasSubstr("there is no folder"));
   std::filesystem::create_directory(folder.path() / "d.svg");
-  EXPECT_THAT(refused(path("d.svg"), 3), HasSubstr("cannot write"));
+  EXPECT_THAT(refused(folder.at("d.svg"), 3), HasSubstr("cannot write"));
 }
 
 }  // namespace rigfit::apps::plot_option_test

@@ -20,18 +20,11 @@ model::Scene cable(double tension, double EI) {
   return model::testing::paper_cable(tension, EI, 12);
 }
 
-std::vector<MeasuredMode> measured(const model::Scene& truth, ModePlane plane, std::size_t count,
-                                   double std, std::mt19937_64& random) {
-  return testing::modes_of(truth, plane, count, std, &random);
-}
-
-std::mt19937_64 seeded(std::uint64_t seed) { return std::mt19937_64(seed); }
-
 // A mass that the scene has none of: no logarithm and no relative step to begin with.
 TEST(UpdateModel, FindsAMassThatStartsAtZero) {
-  auto random = seeded(5);
+  std::mt19937_64 random(5);
   UpdateState state{"beam", beam(2.1, 0.3, 0.0),
-                    measured(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 0, random)};
+                    testing::modes_of(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 0, &random)};
   for (auto& mode : state.measured) mode.frequency_hz.std = 1e-3 * mode.frequency_hz.value;
   const auto result = update_model({state}, {{"tip.mass"}});
   ASSERT_EQ(result.status, UpdateStatus::converged) << result.message;
@@ -45,8 +38,8 @@ TEST(UpdateModel, FindsAMassThatStartsAtZero) {
 // of a start at the truth. A tenth of the stiffness under ten times the mass buckles: the search
 // begins elsewhere. Ceres stops at 1e-9 of cost and step.
 TEST(UpdateModel, StartsOffByTenGiveTheSameAnswer) {
-  auto random = seeded(21);
-  const auto data = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 1e-3, random);
+  std::mt19937_64 random(21);
+  const auto data = testing::modes_of(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 1e-3, &random);
   const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
   const auto near = update_model({{"beam", beam(2.1, 0.3, 0.02), data}}, free);
   for (const double by_EI : {0.1, 10.0}) {
@@ -65,9 +58,9 @@ TEST(UpdateModel, StartsOffByTenGiveTheSameAnswer) {
 
 // Without gravity and tip mass only EI / m acts: to twice 1e-3 over the root of five, 3.5 times.
 TEST(UpdateModel, TheRatioOfTwoThatOnlyActTogetherIsRight) {
-  auto random = seeded(22);
+  std::mt19937_64 random(22);
   UpdateState state{"beam", beam(1.5, 0.3, 0, 0),
-                    measured(beam(2.1, 0.3, 0, 0), ModePlane::in, 5, 1e-3, random)};
+                    testing::modes_of(beam(2.1, 0.3, 0, 0), ModePlane::in, 5, 1e-3, &random)};
   const auto found = update_model({state}, {{"beam.EI_z"}, {"beam.mass_per_length"}});
   EXPECT_FALSE(found.parameters[0].identifiable || found.parameters[1].identifiable);
   ASSERT_EQ(found.open.size(), 1U);
@@ -77,9 +70,9 @@ TEST(UpdateModel, TheRatioOfTwoThatOnlyActTogetherIsRight) {
 }
 
 TEST(UpdateModel, APriorSeparatesThem) {
-  auto random = seeded(2);
+  std::mt19937_64 random(2);
   UpdateState state{"beam", beam(1.5, 0.3, 0, 0), {}};
-  state.measured = measured(beam(2.1, 0.3, 0, 0), ModePlane::in, 5, 1e-3, random);
+  state.measured = testing::modes_of(beam(2.1, 0.3, 0, 0), ModePlane::in, 5, 1e-3, &random);
   FreeParameter mass{"beam.mass_per_length"};
   mass.prior = signal::Estimate{0.3, 0.003};
   const auto result = update_model({state}, {{"beam.EI_z"}, mass}, {.segment_uncertainty = false});
@@ -94,9 +87,9 @@ TEST(UpdateModel, APriorSeparatesThem) {
 // Frequencies without an uncertainty of their own that fit far better than was assumed say nothing
 // about what else was stated: EI and mass go together, so both keep the prior's 1 %.
 TEST(UpdateModel, AssumedUncertaintiesThatAreTooLargeLeaveAPriorAsItIs) {
-  auto random = seeded(2);
+  std::mt19937_64 random(2);
   UpdateState state{"beam", beam(1.5, 0.3, 0, 0), {}};
-  state.measured = measured(beam(2.1, 0.3, 0, 0), ModePlane::in, 5, 0, random);
+  state.measured = testing::modes_of(beam(2.1, 0.3, 0, 0), ModePlane::in, 5, 0, &random);
   for (auto& mode : state.measured) mode.frequency_hz.std = kNaN;
   FreeParameter mass{"beam.mass_per_length"};
   mass.prior = signal::Estimate{0.3, 0.003};
@@ -107,9 +100,9 @@ TEST(UpdateModel, AssumedUncertaintiesThatAreTooLargeLeaveAPriorAsItIs) {
 }
 
 TEST(UpdateModel, AParameterWithoutInfluenceIsNamedAlone) {
-  auto random = seeded(3);
+  std::mt19937_64 random(3);
   UpdateState state{"beam", beam(2.0, 0.3, 0.02), {}};
-  state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 4, 1e-3, random);
+  state.measured = testing::modes_of(beam(2.1, 0.3, 0.02), ModePlane::in, 4, 1e-3, &random);
   const auto result = update_model({state}, {{"beam.EI_z"}, {"beam.EI_y"}});
   EXPECT_TRUE(result.parameters[0].identifiable);
   EXPECT_FALSE(result.parameters[1].identifiable);
@@ -118,9 +111,9 @@ TEST(UpdateModel, AParameterWithoutInfluenceIsNamedAlone) {
 }
 
 TEST(UpdateModel, AStrayModeAndAnOutlierAreLeftUnpaired) {
-  auto random = seeded(4);
+  std::mt19937_64 random(4);
   UpdateState state{"beam", beam(2.6, 0.3, 0.02), {}};
-  state.measured = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 1e-3, random);
+  state.measured = testing::modes_of(beam(2.1, 0.3, 0.02), ModePlane::in, 5, 1e-3, &random);
   const double between =
       0.5 * (state.measured[1].frequency_hz.value + state.measured[2].frequency_hz.value);
   state.measured.push_back({.frequency_hz = {between, 0.001 * between}, .plane = ModePlane::in});
@@ -139,12 +132,12 @@ TEST(UpdateModel, AStrayModeAndAnOutlierAreLeftUnpaired) {
 // determine EI; EA is not determined, or its interval is wide and holds the truth.
 TEST(UpdateModel, EvenModesDoNotDecideEA) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    auto random = seeded(seed);
+    std::mt19937_64 random(seed);
     std::vector<UpdateState> states;
     for (const double tension : {100.0, 150.0, 200.0, 300.0}) {
       UpdateState state{std::to_string(tension) + " N", cable(tension, 0.6), {}};
       for (const ModePlane plane : {ModePlane::in, ModePlane::out}) {
-        const auto all = measured(state.scene, plane, 6, 3e-3, random);
+        const auto all = testing::modes_of(state.scene, plane, 6, 3e-3, &random);
         for (const std::size_t k : {1, 3, 5}) state.measured.push_back(all[k]);
       }
       states.push_back(std::move(state));
@@ -169,14 +162,14 @@ std::vector<UpdateState> cable_states(double EI_off, double tension_off, double 
   for (double T : {100.0, 200.0, 300.0}) {
     UpdateState state{std::to_string(static_cast<int>(T)) + " N",
                       cable(tension_off * T, EI_off * 0.6),
-                      measured(cable(T, 0.6), ModePlane::out, 5, std, random)};
+                      testing::modes_of(cable(T, 0.6), ModePlane::out, 5, std, &random)};
     states.push_back(state);
   }
   return states;
 }
 
 TEST(UpdateModel, SharedAndPerStateParameters) {
-  auto random = seeded(5);
+  std::mt19937_64 random(5);
   const auto states = cable_states(2, 1.1, 1e-3, random);
   FreeParameter tension{"cable.tension"};
   tension.per_state = true;
@@ -195,9 +188,9 @@ TEST(UpdateModel, SharedAndPerStateParameters) {
 // One mode, none, the same one five times, one at an absurd place: an answer without uncertainty or
 // a status that says why there is none, and never a value that is not finite.
 TEST(UpdateModel, TooLittleDataGetNoUncertainty) {
-  auto random = seeded(8);
+  std::mt19937_64 random(8);
   UpdateState state{"beam", beam(2.3, 0.3, 0.02), {}};
-  const auto data = measured(beam(2.1, 0.3, 0.02), ModePlane::in, 3, 0, random);
+  const auto data = testing::modes_of(beam(2.1, 0.3, 0.02), ModePlane::in, 3, 0, &random);
   const std::vector<FreeParameter> free{{"beam.EI_z"}, {"tip.mass"}};
   const UpdateOptions options = testing::plain_options();
   const auto finite = [](const UpdateResult& result) {
@@ -236,9 +229,9 @@ TEST(UpdateModel, TooLittleDataGetNoUncertainty) {
 }
 
 TEST(UpdateModel, WrongNamesAndImpossibleRigsAreSaid) {
-  auto random = seeded(8);
+  std::mt19937_64 random(8);
   UpdateState state{"beam", beam(2.1, 0.3, 0.02), {}};
-  state.measured = measured(state.scene, ModePlane::in, 3, 1e-3, random);
+  state.measured = testing::modes_of(state.scene, ModePlane::in, 3, 1e-3, &random);
   EXPECT_THROW((void)update_model({state}, {{"beam.EIz"}}), model::SceneError);
   EXPECT_THROW((void)update_model({}, {{"beam.EI_z"}}), std::invalid_argument);
   EXPECT_THROW((void)update_model({state}, {}), std::invalid_argument);

@@ -99,20 +99,13 @@ signal::Recording rig_in_ambient_motion(const std::string& laboratory) {
 // Two tests that share nothing but the rig: modes of both are the same within both intervals.
 TEST(AmbientMotion, ModesAreThoseOfTheHammerTest) {
   const std::string laboratory = std::string(RIGFIT_TESTDATA) + "/virtual_laboratory/";
-  std::vector<std::string> command{"modal"};
-  for (int hit = 1; hit <= 5; ++hit) {
-    command.push_back(laboratory + "rig/rig/T200N-hammer-hit" + std::to_string(hit) + ".uff");
-  }
-  for (const char* word : {"--force", "force", "--band", "2", "60", "--json", "-"}) {
-    command.emplace_back(word);
-  }
-  const auto struck = run_program(command);
-  ASSERT_EQ(struck.exit_code, 0) << struck.err;
+  const auto json = document_of(
+      fmt::format("modal {0}1.uff {0}2.uff {0}3.uff {0}4.uff {0}5.uff --force force --band 2 60",
+                  laboratory + "rig/rig/T200N-hammer-hit"));
   signal::AmbientOptions options;
   options.low_hz = 2, options.high_hz = 60;
   const auto ambient = signal::ambient_modes(rig_in_ambient_motion(laboratory), options);
   int same = 0;
-  const auto json = parsed(struck.out);
   for (const auto& hammer : json["modes"]) {
     if (hammer["doubtful"].get<bool>()) continue;
     const double f = hammer["frequency_hz"]["value"], f_std = hammer["frequency_hz"]["std"],

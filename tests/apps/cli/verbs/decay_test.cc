@@ -3,14 +3,13 @@
 namespace rigfit::apps::decay_test {
 
 std::string decay_csv(double f, double zeta, double rate, int samples, double noise, int quiet) {
-  std::mt19937_64 generator(3);
-  std::normal_distribution<double> normal(0, noise);
+  Normal normal(3);
   const double w = 2 * kPi * f, wd = w * std::sqrt(1 - zeta * zeta);
   std::string text = "time (s),force (N)\n";
   for (int j = 0; j < samples; ++j) {
     const double t = (j - quiet) / rate;
     const double y =
-        21.6 + (j >= quiet ? std::exp(-zeta * w * t) * std::sin(wd * t) : 0.0) + normal(generator);
+        21.6 + (j >= quiet ? std::exp(-zeta * w * t) * std::sin(wd * t) : 0.0) + noise * normal();
     text += std::to_string(j / rate) + "," + std::to_string(y) + "\n";
   }
   return text;

@@ -12,7 +12,6 @@ struct FrfVerb : ::testing::Test {
   std::string file(const std::string& name, const signal::Recording& recording) const {
     return folder.write(name, signal::csv_text(recording, {}, 9));
   }
-  [[nodiscard]] std::string path(const std::string& name) const { return folder.at(name); }
   TemporaryFolder folder;
   testing::TenModeTruth truth = testing::ten_mode_truth(3);
   testing::ImpactRecordOptions options;
@@ -25,7 +24,7 @@ TEST_F(FrfVerb, AveragesTheGoodHitsAndSaysWhatIsWrongWithTheOther) {
   const auto json = document_of(
       "frf {} --force force --response a1 a3 --driving-point a1 --band 10 1300 "
       "--exponential-window 3 --out {} --csv {}",
-      {hammer, path("frf.uff"), path("frf.csv")});
+      {hammer, folder.at("frf.uff"), folder.at("frf.csv")});
   ASSERT_EQ(json["hits"].size(), 5u);
   EXPECT_EQ(json["averages"], 4);
   for (std::size_t i = 0; i < 5; ++i) {
@@ -44,7 +43,7 @@ TEST_F(FrfVerb, AveragesTheGoodHitsAndSaysWhatIsWrongWithTheOther) {
   EXPECT_EQ(json["inputs"].size(), 1u);
 
   // Both files hold the FRFs: noise of 0.5 % of each channel's rms is far below 2 % of them.
-  const signal::FrfSet frfs = signal::read_frfs({path("frf.uff")});
+  const signal::FrfSet frfs = signal::read_frfs({folder.at("frf.uff")});
   ASSERT_EQ(frfs.H.cols(), 2);
   const Index lines = (frfs.frequency_hz.array() < 1300).count();
   const Eigen::MatrixXcd exact = truth.accelerance(frfs.frequency_hz.head(lines), 3);
@@ -53,7 +52,7 @@ TEST_F(FrfVerb, AveragesTheGoodHitsAndSaysWhatIsWrongWithTheOther) {
   EXPECT_EQ(frfs.coherence.cols(), 2);
   EXPECT_EQ(frfs.exponential_decay_rate_1_s, 3);
   EXPECT_EQ(frfs.averages, 4);
-  std::ifstream csv(path("frf.csv"));
+  std::ifstream csv(folder.at("frf.csv"));
   std::string header, line;
   std::getline(csv, header);
   EXPECT_THAT(header, HasSubstr("a3 std ((m/s^2)/N),a3 coherence"));
@@ -70,7 +69,8 @@ TEST_F(FrfVerb, RefusesAmplitudesOfPulsesThatAreNotResolved) {
   }
   recording.sample_rate_hz /= 4;
   const std::string slow = file("slow.csv", recording);
-  const auto refused = run_line("frf {} --force force --out {} --json -", {slow, path("o.uff")});
+  const auto refused =
+      run_line("frf {} --force force --out {} --json -", {slow, folder.at("o.uff")});
   EXPECT_EQ(refused.exit_code, 4);
   EXPECT_THAT(refused.err, HasSubstr("--frequencies-only"));
   const auto json = parsed(refused.out);
@@ -78,13 +78,13 @@ TEST_F(FrfVerb, RefusesAmplitudesOfPulsesThatAreNotResolved) {
   EXPECT_EQ(json["averages"], 0);
   EXPECT_EQ(json["amplitudes"], false);
   EXPECT_EQ(json["hits"][0]["faults"][0], "unresolved_pulse");
-  EXPECT_FALSE(std::filesystem::exists(path("o.uff")));
+  EXPECT_FALSE(std::filesystem::exists(folder.at("o.uff")));
 
   const auto kept =
-      document_of("frf {} --force force --out {} --frequencies-only", {slow, path("o.uff")});
+      document_of("frf {} --force force --out {} --frequencies-only", {slow, folder.at("o.uff")});
   EXPECT_EQ(kept["frf_form"], "unknown");
   EXPECT_EQ(kept["amplitudes"], false);
-  EXPECT_TRUE(std::filesystem::exists(path("o.uff")));
+  EXPECT_TRUE(std::filesystem::exists(folder.at("o.uff")));
 }
 
 TEST_F(FrfVerb, OneHitAFileAndItsPolarityAtTheDrivingPoint) {
@@ -117,8 +117,8 @@ TEST_F(FrfVerb, ARovingHammerGivesEveryPointItsColumnAndChecksReciprocity) {
   const std::string line = fmt::format(
       "frf {} --force force --response a1 a3 --band 10 1300 --exponential-window 3 --struck a1 ",
       fmt::join(files, " "));
-  const auto json =
-      document_of(line + "a1 a3 a3 --out {} --csv {}", {path("roving.uff"), path("roving.csv")});
+  const auto json = document_of(line + "a1 a3 a3 --out {} --csv {}",
+                                {folder.at("roving.uff"), folder.at("roving.csv")});
   EXPECT_EQ(json["hits"].size(), 8u);
   EXPECT_EQ(json["hits"][7]["struck"], "a3");
   EXPECT_EQ(json["hits"][7]["file"], files[3]);
@@ -131,17 +131,17 @@ TEST_F(FrfVerb, ARovingHammerGivesEveryPointItsColumnAndChecksReciprocity) {
   EXPECT_EQ(json["reciprocity"][0]["points"], Document({"a1", "a3"}));
   EXPECT_LT(json["reciprocity"][0]["difference"].get<double>(), 0.05);
   EXPECT_GT(json["reciprocity"][0]["from_noise"].get<double>(), 0);
-  const signal::FrfSet frfs = signal::read_frfs({path("roving.uff")});
+  const signal::FrfSet frfs = signal::read_frfs({folder.at("roving.uff")});
   ASSERT_EQ(frfs.inputs.size(), 2u);
   EXPECT_EQ(frfs.inputs[1].name, "a3");
   EXPECT_EQ(frfs.inputs[1].node, frfs.responses[1].node);
-  std::ifstream csv(path("roving.csv"));
+  std::ifstream csv(folder.at("roving.csv"));
   std::string header;
   std::getline(csv, header);
   EXPECT_THAT(header, HasSubstr("a3 by a1 real"));
 
   // `modal` takes the two columns as two references.
-  const auto modes = document_of("modal {} --band 100 1300", {path("roving.uff")})["modes"];
+  const auto modes = document_of("modal {} --band 100 1300", {folder.at("roving.uff")})["modes"];
   ASSERT_EQ(modes.size(), 8u);  // above 100 Hz
   for (std::size_t r = 0; r < 8; ++r) {
     const double f = truth.frequency_hz[static_cast<Index>(r) + 2];

@@ -7,14 +7,12 @@
 namespace rigfit::apps::modal_test {
 
 struct ModalVerb : ::testing::Test {
-  [[nodiscard]] std::string path(const std::string& name) const { return folder.at(name); }
   /// Exact FRFs with 1e-3 noise, 0.5 to 1400 Hz, under a window.
   [[nodiscard]] std::string frf_file(double window) const {
     signal::FrfSet set = truth.frfs(Eigen::VectorXd::LinSpaced(2800, 0.5, 1400), window);
-    std::mt19937_64 random(4);
-    std::normal_distribution<double> normal;
+    Normal normal(4);
     const double scale = 1e-3 * set.H.norm() / std::sqrt(static_cast<double>(set.H.size()));
-    for (Complex& h : set.H.reshaped()) h += scale * Complex(normal(random), normal(random));
+    for (Complex& h : set.H.reshaped()) h += scale * Complex(normal(), normal());
     set.sample_rate_hz = 4096;
     return folder.write("frf.uff", signal::uff_text(set));
   }
@@ -24,8 +22,8 @@ struct ModalVerb : ::testing::Test {
 
 TEST_F(ModalVerb, FrfsGiveModesThatRebuildThem) {
   const std::string file = frf_file(1);
-  const Document json =
-      document_of("modal {} --out {} --synthesis {}", {file, path("modes.uff"), path("again.uff")});
+  const Document json = document_of("modal {} --out {} --synthesis {}",
+                                    {file, folder.at("modes.uff"), folder.at("again.uff")});
   ASSERT_EQ(json["modes"].size(), 10u);
   const Eigen::MatrixXcd residues = truth.residues();
   for (std::size_t r = 0; r < 10; ++r) {
@@ -58,7 +56,7 @@ TEST_F(ModalVerb, FrfsGiveModesThatRebuildThem) {
 
   // What was written is what was said: the FRFs from the modes are those measured, but for noise.
   const signal::FrfSet measured = signal::read_frfs({file});
-  const signal::FrfSet again = signal::read_frfs({path("again.uff")});
+  const signal::FrfSet again = signal::read_frfs({folder.at("again.uff")});
   ASSERT_EQ(again.H.rows(), measured.H.rows());
   EXPECT_LT((again.H - measured.H).norm(), 1.5e-3 * measured.H.norm());
   EXPECT_EQ(again.exponential_decay_rate_1_s, 1);
@@ -106,8 +104,8 @@ TEST_F(ModalVerb, RebuiltFrfsHaveWhatRecordsThatEndEarlyAdd) {
   options.noise = 1e-3;
   const signal::FrfSet set = testing::defective_frfs(options);
   const std::string file = folder.write("cut.uff", signal::uff_text(set));
-  static_cast<void>(document_of("modal {} --synthesis {}", {file, path("again.uff")}));
-  const signal::FrfSet again = signal::read_frfs({path("again.uff")});
+  static_cast<void>(document_of("modal {} --synthesis {}", {file, folder.at("again.uff")}));
+  const signal::FrfSet again = signal::read_frfs({folder.at("again.uff")});
   EXPECT_LT((again.H - set.H).norm(), 2e-3 * set.H.norm());
 }
 

@@ -4,10 +4,6 @@ namespace rigfit::apps::modes_test {
 
 const std::string kCable = kCableScene + std::string("damping_ratio = 0.005\n");
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
-}
-
 TEST(ModesVerb, GivesTheCablesModes) {
   const TemporaryFolder folder;
   const Document json =

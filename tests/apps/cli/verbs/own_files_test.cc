@@ -60,8 +60,7 @@ TEST(OwnFiles, AFolderDescribesDifferentRecordings) {
 // one file holds several hits.
 TEST(OwnFiles, HammerIsFoundByItsPulses) {
   const TemporaryFolder folder;
-  std::mt19937_64 random(6);
-  std::normal_distribution<double> noise(0, 1e-3);
+  Normal noise(6);
   for (const int hits : {1, 4}) {
     std::string text = "t;CH1 [g];CH2 [N]\n";
     const double omega = 2 * kPi * 25, zeta = 0.02, step = 1e-5;
@@ -74,8 +73,8 @@ TEST(OwnFiles, HammerIsFoundByItsPulses) {
       speed += motion * step;
       place += speed * step;
       if (k % 100 == 0) {
-        text += fmt::format("{:.3f};{:.6f};{:.6f}\n", step * k, motion + noise(random),
-                            force + noise(random));
+        text += fmt::format("{:.3f};{:.6f};{:.6f}\n", step * k, motion + 1e-3 * noise(),
+                            force + 1e-3 * noise());
       }
     }
     const std::string file = folder.write(fmt::format("data{}/hits.csv", hits), text);

@@ -2,13 +2,6 @@
 
 namespace rigfit::apps::report_test {
 
-const Document& part(const Document& document, const std::string& key, const std::string& test) {
-  for (const auto& entry : document.at(key)) {
-    if (entry.at("test") == test) return entry;
-  }
-  throw std::out_of_range(test);
-}
-
 struct PublishedTables : ReportOfACampaign<PublishedTables> {
   static constexpr const char* kCampaign = "jalali2021/campaign.toml";
 };
@@ -35,12 +28,7 @@ TEST_F(PublishedTables, WritesPageDocumentDataAndFigures) {
 // The load cell's errors, or tensions known to 2 %, leave nearly all of the cable's disagreement;
 // free tensions explain more than half of it. States are held out.
 TEST_F(PublishedTables, FitsOfTheCableShowWhatTensionsExplain) {
-  const auto fit = [&](const std::string& name) -> const Document& {
-    for (const auto& one : document_.at("fits")) {
-      if (one.at("fit") == name) return one;
-    }
-    throw std::out_of_range(name);
-  };
+  const auto fit = [](const char* name) { return named(document_["fits"], "fit", name); };
   const auto rms = [](const Document& one) { return one.at("rms_relative_error").get<double>(); };
   const double published = fit("fit-cable-tension-free")["rms_relative_error_before"];
   EXPECT_GT(rms(fit("fit-cable-load-cell")), 0.8 * published);
@@ -55,7 +43,7 @@ TEST_F(PublishedTables, FitsOfTheCableShowWhatTensionsExplain) {
 // Equation (19) solved for EI from the slope that each published EI means gives that EI back; the
 // inversion is good to some units in the last place times the sensitivity of EI (below 10 here).
 TEST_F(PublishedTables, BendingEquationGivesTableOneBack) {
-  const auto& bending = part(document_, "bending", "bending");
+  const auto& bending = named(document_["bending"], "test", "bending");
   const double published[] = {0.2549, 0.4948, 0.5972, 0.8283};
   ASSERT_EQ(bending["tests"].size(), 4u);
   for (int i = 0; i < 4; ++i) {
@@ -69,7 +57,7 @@ TEST_F(PublishedTables, BendingEquationGivesTableOneBack) {
 // Modes are paired, not compared by row: the second rows of Table 4 at 100 and 200 N lie at the
 // in-plane fundamental and must be found as such.
 TEST_F(PublishedTables, CrossPlaneRowsOfTableFourAreFound) {
-  const auto& modal = part(document_, "modal", "cable-out-of-plane");
+  const auto& modal = named(document_["modal"], "test", "cable-out-of-plane");
   for (const auto& state : modal["states"]) {
     const double T = state["tension_N"];
     EXPECT_NEAR(state["equilibrium"]["members"][0]["tension_N"], T, 1e-6 * T);

@@ -17,15 +17,14 @@ std::string hanger(double tension, Kind ends = Kind::pinned, double spring_Nm_ra
 // Six frequencies to 0.05 %, 500 kN and end springs of 30 EI / L.
 std::string six_frequencies(const TemporaryFolder& folder, double relative_std) {
   const auto truth = folder.write("truth.toml", hanger(5e5, Kind::elastic, 6e5));
-  std::mt19937_64 random(4);
-  std::normal_distribution<double> normal;
+  Normal normal(4);
   std::string text = "frequency_hz,std,plane\n";
   int count = 0;
   const Document modelled = document_of("modes {} --count 14", {truth});
   for (const auto& mode : modelled["modes"]) {
     if (mode["plane"] != "in" || ++count > 6) continue;
     const double f = mode["frequency_hz"];
-    text += std::to_string(f * (1 + relative_std * normal(random))) + "," +
+    text += std::to_string(f * (1 + relative_std * normal())) + "," +
             std::to_string(relative_std * f) + ",in\n";
   }
   return text;
@@ -46,14 +45,6 @@ std::string candidates(const TemporaryFolder& folder, bool springs) {
   return folder.write("candidates.toml", text);
 }
 
-const Document& named(const Document& list, const std::string& name) {
-  for (const auto& one : list) {
-    if (one["name"] == name) return one;
-  }
-  ADD_FAILURE() << "no " << name;
-  return list.front();
-}
-
 TEST(UpdateCandidates, EndSpringsOfAHangerAreChosenAndGiveItsTension) {
   const TemporaryFolder folder;
   const auto modes = folder.write("modes.csv", six_frequencies(folder, 5e-4));
@@ -62,14 +53,14 @@ TEST(UpdateCandidates, EndSpringsOfAHangerAreChosenAndGiveItsTension) {
       document_of("update {} --measured {} --free h.tension --candidates {} --out {}",
                   {scene, modes, candidates(folder, true), folder.at("updated.toml")});
   ASSERT_EQ(json["candidates"].size(), 3U);
-  const auto& springs = named(json["candidates"], "springs");
+  const auto& springs = named(json["candidates"], "name", "springs");
   EXPECT_GT(springs["weight"].get<double>(), 0.99);
   EXPECT_GT(springs["p_value"].get<double>(), 0.001);
   EXPECT_EQ(springs["degrees_of_freedom"], 4);
   EXPECT_TRUE(springs["log_evidence"].is_number());
-  EXPECT_LT(named(json["candidates"], "pinned")["p_value"].get<double>(), 1e-6);
+  EXPECT_LT(named(json["candidates"], "name", "pinned")["p_value"].get<double>(), 1e-6);
   EXPECT_EQ(springs["parameters"][1]["name"], "springs");
-  const auto& tension = named(json["averaged"], "h.tension");
+  const auto& tension = named(json["averaged"], "name", "h.tension");
   EXPECT_LE(tension["low"].get<double>(), 5e5);
   EXPECT_GE(tension["high"].get<double>(), 5e5);
   EXPECT_NEAR(tension["value"], 5e5, 0.05 * 5e5);
@@ -90,10 +81,10 @@ TEST(UpdateCandidates, WhatTheDataCannotTellIsRefusedWithItsAverage) {
   EXPECT_EQ(run.exit_code, 4) << run.err;
   EXPECT_THAT(run.err, HasSubstr("no candidate has 90 % of the weight"));
   const Document json = parsed(run.out);
-  const auto& tension = named(json["averaged"], "h.tension");
+  const auto& tension = named(json["averaged"], "name", "h.tension");
   double narrowest = INFINITY;
   for (const auto& one : json["candidates"]) {
-    const auto& own = named(one["parameters"], "h.tension");
+    const auto& own = named(one["parameters"], "name", "h.tension");
     narrowest = std::min(narrowest, own["high"].get<double>() - own["low"].get<double>());
   }
   EXPECT_GT(tension["high"].get<double>() - tension["low"].get<double>(), narrowest);

@@ -82,15 +82,10 @@ TEST(UpdateVerb, TableFivesModelIsFoundByThreeUnknowns) {
 // hundredfold that is looked through) or 0.27 N m2; the beam alone (Table 2) has 2.0.
 TEST(UpdateVerb, TableFiveHasOneAnswerFromEveryStart) {
   const TemporaryFolder folder;
-  const std::string paper = RIGFIT_TESTDATA "/jalali2021/";
-  std::ifstream file(paper + "scenes/rig.toml");
-  const std::string scene(std::istreambuf_iterator<char>(file), {});
-  const auto at = scene.find("EI = [2.1,");
-  ASSERT_NE(at, std::string::npos);
+  const auto scene = testing::content_of(RIGFIT_TESTDATA "/jalali2021/scenes/rig.toml");
   double value = 0, odds = 0;
   for (const char* start : {"2.0", "0.2", "20.0"}) {
-    std::string text = scene;
-    text.replace(at, 9, std::string("EI = [") + start);
+    const auto text = replaced(scene, "EI = [2.1,", std::string("EI = [") + start + ",");
     const auto run = run_line(
         "update {} --measured $/jalali2021/table5_cable_beam.csv --column test_Hz --stiffness "
         "$/jalali2021/table1_bending_stiffness.csv --free beam.EI_z --segments 12 --out {} --json "

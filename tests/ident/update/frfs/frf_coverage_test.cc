@@ -34,11 +34,9 @@ TEST(FrfCoverage, IntervalsHoldUnderNoiseOfTheForce) {
       const auto& one = result.parameters[p];
       held += holds(one, truth[p]);
       squares += std::pow((one.value - truth[p]) / one.std, 2) / (2 * kSeeds);
-      bool force = false;
-      for (const auto& term : one.budget) {
-        force = force || term.source == "force of the hits of hammer";
-      }
-      EXPECT_TRUE(force);
+      EXPECT_NE(
+          std::ranges::find(one.budget, "force of the hits of hammer", &UpdateBudgetTerm::source),
+          one.budget.end());
     }
     EI_std += result.parameters[0].std / testing::kBeamEI / kSeeds;
     EXPECT_FALSE(result.fit.ruled_out());

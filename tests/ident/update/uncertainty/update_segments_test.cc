@@ -29,24 +29,15 @@ double closed_form_hz(double tension, double EI, int n) {
   return std::sqrt((tension * k * k + EI * s * k * k * k * k) * s / 0.16667) / (2 * kPi);
 }
 
-std::vector<MeasuredMode> as_measured(const std::vector<double>& hz, ModePlane plane, double std,
-                                      std::mt19937_64* random) {
-  std::normal_distribution<double> normal;
-  std::vector<MeasuredMode> modes(hz.size());
-  for (std::size_t k = 0; k < hz.size(); ++k) {
-    modes[k].frequency_hz = {hz[k] * (1 + (random ? std * normal(*random) : 0)), std * hz[k]};
-    modes[k].plane = plane;
-  }
-  return modes;
-}
-
-std::vector<UpdateState> four_tensions(int segments, double std, std::mt19937_64* random) {
+/// Six frequencies of each, known to a relative `std`, and off by that with `normal`.
+std::vector<UpdateState> four_tensions(double std, Normal* normal) {
   std::vector<UpdateState> states;
   for (const double T : {100.0, 200.0, 300.0, 400.0}) {
-    std::vector<double> hz;
-    for (int n = 1; n <= 6; ++n) hz.push_back(closed_form_hz(T, 0.6, n));
-    states.push_back({std::to_string(T), cable(0, "pinned", 1.1 * T, 0.8, segments),
-                      as_measured(hz, ModePlane::out, std, random)});
+    auto& state = states.emplace_back(std::to_string(T), cable(0, "pinned", 1.1 * T, 0.8, 0));
+    for (int n = 1; n <= 6; ++n) {
+      const double hz = closed_form_hz(T, 0.6, n), off = normal ? std * (*normal)() : 0;
+      state.measured.push_back(testing::mode_of(hz * (1 + off), std * hz, ModePlane::out));
+    }
   }
   return states;
 }
@@ -61,7 +52,7 @@ FreeParameter each_tension() {
 // their standard uncertainty by its own estimate, which is mostly far above the error.
 TEST(UpdateSegments, ClosedFormFrequenciesGiveTheirOwnParameters) {
   const auto left =
-      update_model(four_tensions(0, 1e-4, nullptr), {{"cable.EI"}, each_tension()}, {.starts = 1});
+      update_model(four_tensions(1e-4, nullptr), {{"cable.EI"}, each_tension()}, {.starts = 1});
   ASSERT_EQ(left.status, UpdateStatus::converged) << left.message;
   for (std::size_t p = 0; p < 5; ++p) {
     const auto& parameter = left.parameters[p];
@@ -77,8 +68,8 @@ TEST(UpdateSegments, IntervalsHoldTheClosedFormsParameters) {
   int covered = 0;
   double EI = 0;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    std::mt19937_64 random(seed);
-    const auto states = four_tensions(0, 5e-4, &random);
+    Normal normal(seed);
+    const auto states = four_tensions(5e-4, &normal);
     const auto result = update_model(states, {{"cable.EI"}, each_tension()}, {.starts = 1});
     for (std::size_t p = 0; p < 5; ++p) {
       const auto& parameter = result.parameters[p];
