@@ -35,10 +35,6 @@ direction = [0.0, -1.0, 0.0]
 file = "FILE"
 )";
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
-}
-
 /// The folder that the commands below name their files in.
 struct Files {
   TemporaryFolder folder;
@@ -359,79 +355,11 @@ TEST(Refusals, OfRecordings) {
        {"modal @decay.csv --ambient --block 2", 2, "--block"}});
 }
 
-const char* const kCampaign = R"(title = "rig"
-[[scene]]
-name = "cable"
-file = "scene.toml"
-
-[[test]]
-name = "hits"
-kind = "modal"
-scene = "cable"
-tension_of = "cable.tension"
-force = "F"
-exponential_window = 0.05
-band = [5, 100]
-direction = [0, 0, 1]
-[test.sensors]
-a = "mid"
-[[test.recording]]
-files = ["two.csv"]
-tension = 200
-[[test.recording.channel]]
-source = "F"
-sensitivity = 2.27
-sensitivity_unit = "mV/N"
-[[test.recording.channel]]
-source = "a"
-unit = "g"
-scale = 0.1
-direction = [0, 1, 0]
-
-[[test]]
-name = "ring"
-kind = "decay"
-scene = "cable"
-[[test.recording]]
-files = ["decay.csv"]
-
-[[test]]
-name = "drop"
-kind = "axial"
-mass = 2.2
-[[test.recording]]
-files = "decay.csv"
-length = 1.0
-
-[[test]]
-name = "bend"
-kind = "bending"
-span = 1.0
-[[test.recording]]
-files = ["table.csv"]
-
-[[test]]
-name = "stay"
-kind = "tension"
-length = 20
-mass_per_length = 5
-frequencies = [2.5, 5.0]
-
-[[fit]]
-name = "fit"
-tests = "hits"
-predicts = "ring"
-[[fit.parameter]]
-name = "cable.EI"
-low = 0.1
-high = 2.0
-prior = 0.5
-prior_std = 0.1
-)";
-
 TEST(Refusals, OfCampaignsWithRecordingsAndFits) {
   const Files files;
-  EXPECT_NO_THROW(static_cast<void>(read_campaign(files.folder.write("campaign.toml", kCampaign))));
+  files.folder.write("cable.toml", kRig + kHit);
+  const auto campaign = testing::content_of(RIGFIT_FUZZ "/seeds/campaign/hits_and_fit.toml");
+  EXPECT_NO_THROW(static_cast<void>(read_campaign(files.folder.write("campaign.toml", campaign))));
   struct Mistake {
     std::string from, to, says;
   };
@@ -475,7 +403,7 @@ TEST(Refusals, OfCampaignsWithRecordingsAndFits) {
   };
   for (const Mistake& mistake : all) {
     SCOPED_TRACE(mistake.from + " -> " + mistake.to);
-    const std::string text = replaced(kCampaign, mistake.from, mistake.to);
+    const std::string text = replaced(campaign, mistake.from, mistake.to);
     const std::string out = (files.folder.path() / "out").string();
     const auto run =
         run_program({"report", files.folder.write("campaign.toml", text), "--out", out});

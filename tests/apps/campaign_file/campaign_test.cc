@@ -4,6 +4,7 @@
 #include "tests/apps/apps_test.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_campaign.h"
+#include "tests/model/scene/mistakes.h"
 
 namespace rigfit::apps::campaign_test {
 
@@ -65,16 +66,8 @@ files = ["*.csv"]
   }
 }
 
-struct Mistake {
-  const char* from;
-  const char* to;
-  const char* key;
-  long line;
-  const char* message;
-};
-
-const std::vector<Mistake>& mistakes() {
-  static const std::vector<Mistake> list = {
+TEST_F(CampaignFiles, MistakesAreRefusedWithFileLineKeyAndRemedy) {
+  const std::vector<model::testing::Mistake> mistakes = {
       {"title = \"rig\"", "titel = \"rig\"", "title", 0, "is missing"},
       {"source = \"a paper\"", "sauce = \"a paper\"", "sauce", 2, "did you mean \"source\""},
       {"title = \"rig\"", "title = 3", "title", 1, "must be a string"},
@@ -114,28 +107,10 @@ const std::vector<Mistake>& mistakes() {
       {"FE = \"fe_Hz\"", "FE = 3", "test[1].table.models.FE", 34, "must be a string"},
       {"[[test]]\nname = \"modes\"", "[test]\nname = \"modes\"", "", 23, "not TOML"},
   };
-  return list;
-}
-
-TEST_F(CampaignFiles, MistakesAreRefusedWithFileLineKeyAndRemedy) {
-  for (const auto& mistake : mistakes()) {
-    SCOPED_TRACE(std::string(mistake.from) + " -> " + mistake.to);
-    std::string text = text_;
-    const auto at = text.find(mistake.from);
-    ASSERT_NE(at, std::string::npos);
-    const std::string file = folder_.write(
-        "campaign.toml", text.replace(at, std::string(mistake.from).size(), mistake.to));
-    try {
-      static_cast<void>(read_campaign(file));
-      ADD_FAILURE() << "was accepted";
-    } catch (const model::SceneError& error) {
-      EXPECT_EQ(error.where().file, file);
-      EXPECT_EQ(error.where().key, mistake.key);
-      EXPECT_EQ(error.where().line, mistake.line) << error.what();
-      EXPECT_THAT(error.what(), HasSubstr(mistake.message));
-      EXPECT_FALSE(error.remedy().empty());
-    }
-  }
+  const std::string file = folder_.at("campaign.toml");
+  model::testing::expect_refused(text_, mistakes, file, [&](const std::string& text) {
+    static_cast<void>(read_campaign(folder_.write("campaign.toml", text)));
+  });
 }
 
 TEST_F(CampaignFiles, MistakesInWhatItNamesAreRefusedInTheirFile) {

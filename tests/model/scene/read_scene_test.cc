@@ -3,79 +3,15 @@
 #include "model/scene/scene_error.h"
 #include "tests/fuzz/mutations.h"
 #include "tests/fuzz/require_scene.h"
+#include "tests/model/scene/mistakes.h"
+#include "tests/scenes.h"
+#include "tests/temporary_folder.h"
 #include "tests/test.h"
 
 namespace rigfit::model::read_scene_test {
 
-// Line numbers below count in this text.
-constexpr const char* kScene = R"(title = "rig"
-gravity = 9.81
-accuracy = 1e-5
-
-[[node]]
-name = "left"
-position = [0.0, 0.0, 0.0]
-support = "pinned"
-
-[[node]]
-name = "tip"
-position = [1.2, 0, 0.0]
-mass = 0.02
-
-[[node]]
-name = "foot"
-position = [1.2, -0.75, 0.0]
-support = { translational = [inf, inf, inf], rotational = [1e3, inf, 2e3] }
-
-[[member]]
-name = "cable"
-kind = "cable"
-nodes = ["left", "tip"]
-segments = 24
-mass_per_length = 0.16667
-EA = 221780.0
-EI = 0.5972
-GJ = 0.1
-tension = 200
-damping_ratio = 0.005
-joint = ["pinned", "rigid"]
-
-[[member]]
-name = "beam"
-kind = "beam"
-nodes = ["foot", "tip"]
-mass_per_length = 0.3
-EA = 1e6
-EI = [2.1, 8.5]
-taper = 0.5
-damping = { axial = 1.0, bending = 0.01 }
-mass = [{ position = 0.6, mass = 0.005 }]
-
-[[load]]
-name = "hammer"
-kind = "impact"
-member = "beam"
-position = 0.8
-direction = [3.0, 0.0, 4.0]
-peak = 100
-duration = 0.002
-
-[[load]]
-kind = "release"
-member = "cable"
-position = 0.5
-mass = 0.2
-
-[[sensor]]
-name = "mid"
-member = "cable"
-position = 0.5
-quantity = "velocity"
-
-[[sensor]]
-node = "tip"
-direction = [-1, 0, 0]
-)";
+/// Line numbers below count in this text.
+const std::string kScene = rigfit::testing::content_of(RIGFIT_FUZZ "/seeds/scene/small_rig.toml");
 
 TEST(ReadScene, ReadsEverything) {
   const Scene scene = parse_scene(kScene, "rig.toml");
@@ -124,16 +60,8 @@ TEST(ReadScene, ReadsEverything) {
   EXPECT_EQ(scene.sensors[1].place.node, "tip");
 }
 
-struct Mistake {
-  const char* from;  ///< text of kScene to be replaced (empty: append)
-  const char* to;
-  const char* key;
-  long line;  ///< 0: no line
-  const char* message;
-};
-
 TEST(ReadScene, RefusesMistakesWithLineKeyAndRemedy) {
-  const std::vector<Mistake> mistakes = {
+  const std::vector<testing::Mistake> mistakes = {
       {"title = \"rig\"", "title = \"rig", "", 1, "not TOML"},
       {"GJ = 0.1", "GJ = 0.1\nGJ = 0.2", "", 29, "mend this line"},
       {"EA = 221780.0", "EA = 221780,0", "", 26, "decimal point"},
@@ -247,27 +175,9 @@ TEST(ReadScene, RefusesMistakesWithLineKeyAndRemedy) {
        "repeat[0].offset", 71, "whose support differs"},
       {"", "[[member]]\n", "member[2].name", 68, "is missing"},
   };
-  for (const auto& mistake : mistakes) {
-    std::string text = kScene;
-    if (*mistake.from == '\0') {
-      text += mistake.to;
-    } else {
-      const auto at = text.find(mistake.from);
-      ASSERT_NE(at, std::string::npos) << mistake.from;
-      text.replace(at, std::string(mistake.from).size(), mistake.to);
-    }
-    SCOPED_TRACE(std::string(mistake.from) + " -> " + mistake.to);
-    try {
-      static_cast<void>(parse_scene(text, "rig.toml"));
-      ADD_FAILURE() << "was accepted";
-    } catch (const SceneError& error) {
-      EXPECT_EQ(error.where().file, "rig.toml");
-      EXPECT_EQ(error.where().key, mistake.key);
-      EXPECT_EQ(error.where().line, mistake.line) << error.what();
-      EXPECT_THAT(error.what(), HasSubstr(mistake.message));
-      EXPECT_FALSE(error.remedy().empty());
-    }
-  }
+  testing::expect_refused(kScene, mistakes, "rig.toml", [](const std::string& text) {
+    static_cast<void>(parse_scene(text, "rig.toml"));
+  });
 }
 
 TEST(ReadScene, NothingHoldsTheRig) {
@@ -280,42 +190,16 @@ TEST(ReadScene, NothingHoldsTheRig) {
 }
 
 TEST(ReadScene, RepeatsALineOfPoles) {
-  const Scene scene = parse_scene(R"(
-[[node]]
-name = "foot"
-position = [0, 0, 0]
-support = "clamped"
-[[node]]
-name = "top"
-position = [0, 10, 0]
-[[node]]
-name = "next"
-position = [50, 10, 0]
-[[node]]
-name = "anchor"
-position = [150, 10, 0]
-support = "pinned"
-[[member]]
-name = "pole"
-kind = "beam"
-nodes = ["foot", "top"]
-mass_per_length = 30
-EA = 1e8
-EI = 1e6
-[[member]]
-name = "line"
-kind = "cable"
-nodes = ["top", "next"]
-mass_per_length = 1
-EA = 1e7
-EI = 100
-tension = 5000
-[[repeat]]
-members = ["pole", "line"]
-count = 2
-offset = [50, 0, 0]
-)",
-                                  "line.toml");
+  using testing::node, testing::member;
+  Scene first;
+  first.nodes = {node("foot", {0, 0, 0}, Support::Kind::clamped), node("top", {0, 10, 0}),
+                 node("next", {50, 10, 0}), node("anchor", {150, 10, 0}, Support::Kind::pinned)};
+  first.members = {member(Member::Kind::beam, "pole", "foot", "top", 8, 30, 1e8, 1e6),
+                   member(Member::Kind::cable, "line", "top", "next", 8, 1, 1e7, 100)};
+  first.members[1].tension = 5000;
+  const std::string repeat =
+      "[[repeat]]\nmembers = [\"pole\", \"line\"]\ncount = 2\noffset = [50, 0, 0]\n";
+  const Scene scene = parse_scene(scene_text(first) + repeat, "line.toml");
   // Three poles, three spans: two tops coincide with the ends of the spans before them, and the
   // last span ends at the anchor.
   ASSERT_EQ(scene.members.size(), 6u);
@@ -331,37 +215,33 @@ offset = [50, 0, 0]
 /// A scene in the program's own words: read and written to the last character. Numbers are in their
 /// shortest exact form.
 TEST(ReadScene, WrittenTextStays) {
-  std::ifstream file(RIGFIT_FUZZ "/seeds/scene/written.toml");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto text = rigfit::testing::content_of(RIGFIT_FUZZ "/seeds/scene/written.toml");
   ASSERT_GT(text.size(), 1000u);
   EXPECT_EQ(scene_text(parse_scene(text, "written.toml")), text);
 }
 
 TEST(ReadScene, FileErrors) {
-  const auto folder = std::filesystem::path(::testing::TempDir()) / "rigfit_read_scene";
-  std::filesystem::create_directories(folder);
+  const rigfit::testing::TemporaryFolder folder;
   const auto refused = [&](const std::string& name, const char* problem) {
-    EXPECT_THAT([&] { static_cast<void>(read_scene(folder / name)); },
+    EXPECT_THAT([&] { static_cast<void>(read_scene(folder.path() / name)); },
                 ::testing::ThrowsMessage<SceneError>(HasSubstr(problem)));
   };
   refused("none.toml", "there is no such file");
   refused("", "this is not a file");
-  std::ofstream(folder / "binary.toml") << "\xff\xfe\x00\x01";
+  folder.write("binary.toml", std::string("\xff\xfe\x00\x01", 4));
   refused("binary.toml", "not TOML");
-  std::ofstream(folder / "empty.toml");
+  folder.write("empty.toml", "");
   refused("empty.toml", "at least one [[member]]");
-  std::ofstream(folder / "force.csv") << "0,0\n1,1\n";
+  folder.write("force.csv", "0,0\n1,1\n");
   std::string text = kScene;
   const std::string impact = "peak = 100\nduration = 0.002";
   text.replace(text.find("kind = \"impact\""), 15, "kind = \"record\"");
   text.replace(text.find(impact), impact.size(), "file = \"force.csv\"");
-  std::ofstream(folder / "rig.toml") << text;
-  const Scene scene = read_scene(folder / "rig.toml");
+  const Scene scene = read_scene(folder.write("rig.toml", text));
   EXPECT_EQ(scene.loads[0].kind, Load::Kind::record);
-  EXPECT_EQ(scene.loads[0].file, (folder / "force.csv").string());
+  EXPECT_EQ(scene.loads[0].file, folder.at("force.csv"));
   // It reads back to the same file.
   EXPECT_EQ(parse_scene(scene_text(scene), scene.file).loads[0].file, scene.loads[0].file);
-  std::filesystem::remove_all(folder);
 }
 
 // Fed with seeds, regressions of faults found by fuzzing and mutations of both, the reader gives a
