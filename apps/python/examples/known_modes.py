@@ -5,9 +5,9 @@ Of this record (five hits, six accelerations, a pair of modes 3.2 Hz apart), pro
     |                            | rigfit      | pyFRF 1.1  | sdypy-EMA 0.27, order 30 | order 60      |
     | H1, rms error              | 0.645 %     | 0.644 %    |                          |               |
     | H1                         | 18 ms       | 46 ms      |                          |               |
-    | 41.3 Hz, error             | +0.1 mHz    |            | +0.1 mHz                 | +0.5 mHz      |
-    | 118.7 Hz, error            | +3.2 mHz    |            | +11.2 mHz                | -11.2 mHz     |
-    | 121.9 Hz, error            | -1.2 mHz    |            | -16.3 mHz                | -2.7 mHz      |
+    | 41.3 Hz, error             | +0.2 mHz    |            | +0.1 mHz                 | +0.5 mHz      |
+    | 118.7 Hz, error            | +3.8 mHz    |            | +11.2 mHz                | -11.2 mHz     |
+    | 121.9 Hz, error            | -0.9 mHz    |            | -16.3 mHz                | -2.7 mHz      |
     | damping 0.8, 0.5, 0.6 %    | 0.799,      |            | 0.799,                   | 0.800,        |
     |                            | 0.500,      |            | 0.509,                   | 0.521,        |
     |                            | 0.600       |            | 0.593                    | 0.597         |
