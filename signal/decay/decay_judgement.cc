@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 #include "signal/decay/decay_hits.h"
@@ -178,13 +177,14 @@ class Judgement {
 
   /// Steady tones apart, modes outside of the band and those that grow left out.
   void choose() {
-    std::vector<std::size_t> order(d_.modes.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::vector<std::size_t> order;
+    for (std::size_t m = 0; m < d_.modes.size(); ++m) {
+      if (!is_offset(d_.fit.poles[m])) order.push_back(m);
+    }
     std::sort(order.begin(), order.end(), [&](std::size_t l, std::size_t r) {
       return d_.modes[l].energy > d_.modes[r].energy;
     });
-    const bool decays =
-        std::any_of(d_.fall.begin(), d_.fall.end(), [](double f) { return f > 0.5; });
+    const bool decays = std::ranges::any_of(order, [&](std::size_t m) { return d_.fall[m] > 0.5; });
     for (const std::size_t m : order) {
       // Hum, or known to change by less than a tenth over the record while others decay.
       if (is_tone(d_.fit.poles[m]) || (decays && std::abs(d_.fall[m]) + 2 * d_.fall_std[m] < 0.1)) {

@@ -91,7 +91,16 @@ SecondContact find_second_contact(const Eigen::Ref<const Eigen::VectorXd>& force
     if (k < hit_first || k > hit_last) rest.push_back(y[k]);
   }
   const double level = median(rest);
-  const double least = std::max(smallest * height, kNoise * robust_std(rest, level));
+  double noise = robust_std(rest, level);
+  if (noise == 0) {
+    // More than half of the samples alike (coarse steps): the rms of what is not a contact.
+    double sum = 0;
+    for (const double value : rest) {
+      sum += std::pow(std::min(std::abs(value - level), smallest * height), 2);
+    }
+    noise = rest.empty() ? 0 : std::sqrt(sum / static_cast<double>(rest.size()));
+  }
+  const double least = std::max(smallest * height, kNoise * noise);
   result.smallest_visible = least / height;
 
   for (Index k = 1; k + 1 < n; ++k) {

@@ -135,14 +135,23 @@ class BodyParser {
   }
 
   /// Whether some line from `at` on looks like a row: it begins as a number, with any sign behind
-  /// the first digits, or is one behind the first line.
+  /// the first digits, or lines behind the first one have numbers in at least half of the columns.
   [[nodiscard]] bool holds_rows(std::size_t at) const {
+    const auto columns = std::count(wanted_.begin(), wanted_.end(), true);
+    std::vector<CsvField> fields;
     std::string_view rest = bytes_.substr(at);
     for (bool first = true; !rest.empty(); first = false) {
       const auto line = take_line(rest);
       double value = 0;
       if (parse_number(trim_blanks(line), '.', value) > 0) return true;
-      if (!first && is_csv_row(line, layout_)) return true;
+      if (first) continue;
+      split_fields(line, layout_.dialect, fields);
+      long numbers = 0;
+      for (std::size_t c = 0; c < std::min(fields.size(), wanted_.size()); ++c) {
+        const FieldKind kind = kind_of(fields[c].text, layout_.dialect.decimal);
+        numbers += wanted_[c] && (kind == FieldKind::number || kind == FieldKind::clock) ? 1 : 0;
+      }
+      if (numbers > 0 && 2 * numbers >= columns) return true;
     }
     return false;
   }

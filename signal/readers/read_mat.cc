@@ -335,6 +335,8 @@ double stated_rate(const std::vector<MatArray>& arrays, const MatArray& of,
     std::string label = lower_case(array.last_name());
     std::erase(label, '_');
     if (label == "sr" || label == "ts") label = label == "sr" ? "fs" : "dt";
+    // A variable of this name is as likely a deflection, a tolerance or a decrement.
+    if (label == "delta" || label == "interval" || label == "increment") continue;
     const double found = rate_of_label(label, array.real(0, 0), "");
     if (found == 0) continue;
     if (rate == 0) {

@@ -49,9 +49,9 @@ struct CsvTable;  // csv_table.h
 [[nodiscard]] Recording read_csv(std::string_view bytes, const std::filesystem::path& path,
                                  const ReadOptions& options = {});
 
-/// LabVIEW measurement files (.lvm, text). The file's header is followed by segments, each with a
-/// header (channels, units, X0, Delta_X) and a table without X values, with one column of them, or
-/// with one per channel. Segments of the same channels whose X runs on are joined.
+/// LabVIEW measurement files (.lvm, text) of one segment: the file's header is followed by that of
+/// the segment (channels, units, X0, Delta_X) and a table without X values, with one column of
+/// them, or with one per channel. A second segment is refused.
 [[nodiscard]] Recording read_lvm(std::string_view bytes, const std::filesystem::path& path,
                                  const ReadOptions& options = {});
 

@@ -406,6 +406,17 @@ std::string_view UffText::needed_line() {
 }
 
 bool UffText::skip_to_end() {
+  // Binary values behind a 58b that was not read are no lines; its header says
+  // how many.
+  const auto head_end = static_cast<std::size_t>(head_.data() - bytes_.data()) + head_.size();
+  if (columns(head_, 0, 7) == "58b" && next_ == next_line(bytes_, head_end)) {
+    const double lines = number(head_, 19, 12), size = number(head_, 31, 12);
+    for (double k = 0; k < std::min(lines, 1000.0); ++k) {
+      if (!line()) break;
+    }
+    const auto left = static_cast<double>(bytes_.size() - next_);
+    if (size > 0 && size <= left) next_ += static_cast<std::size_t>(size);
+  }
   const auto end = mark(next_);
   next_ = end ? next_line(bytes_, line_end(bytes_, *end)) : bytes_.size();
   return end.has_value();

@@ -38,7 +38,8 @@ class Problem {
         n_(static_cast<double>(y.size())),
         m_(static_cast<Index>(start.size())),
         poles_(Eigen::VectorXcd::Zero(m_ + 1)) {
-    const Index block = std::min(kBlock, y.size()), blocks = (y.size() + block - 1) / block;
+    const Index block = std::clamp<Index>(y.size(), 1, kBlock),
+                blocks = (y.size() + block - 1) / block;
     y_.setZero(block, blocks);
     y_.reshaped().head(y.size()) = y;
     for (const Index j : missing) y_.reshaped()(j) = 0;

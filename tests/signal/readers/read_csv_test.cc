@@ -133,6 +133,8 @@ TEST(ReadCsv, MissingAndWrongFields) {
   EXPECT_EQ(error.where().column, 5);
   EXPECT_EQ(error.where().channel, "force");
   EXPECT_EQ(error.where().value, "x7");
+  const std::string fault = "\"0.3\";FAULT\n\"0.4\";FAULT\n";
+  EXPECT_EQ(error_of("\"t\";\"a\"\n\"0.1\";1.5\n\"0.2\";2.5\n" + fault).where().value, "FAULT");
 }
 
 TEST(ReadCsv, Utf16IsRefused) {

@@ -49,7 +49,9 @@ TEST(UffModes, OurOwnComeBackWithinTheirDigits) {
     for (auto& value : mode.shape) value = {normal(), normal()};
     model.modes.push_back(mode);
   }
-  const UffModes in = read_uff_modes(uff_text(model, positions), "x.uff");
+  FrfSet frf{.responses = {{"p", 1, 3}}, .inputs = {{"h", 2, 3}}};  // a dataset 58b in front
+  frf.frequency_hz = Eigen::VectorXd::LinSpaced(9, 1, 9), frf.H.setOnes(9, 1);
+  const UffModes in = read_uff_modes(uff_text(frf) + uff_text(model, positions), "x.uff");
   EXPECT_TRUE(in.remarks.empty());
   ASSERT_EQ(in.modes.size(), 4u);
   ASSERT_EQ(in.nodes.size(), 5u);
