@@ -23,8 +23,9 @@
 //
 // Residual terms s^(n-2) and s^n are the first of two series, of modes below and above the band, in
 // (frequency / distance)^2. The next two of both, to s^(n-6) and s^(n+4), are always fitted, as far
-// as the band tells them apart: without them one response to modes 5 % damped, noise 40 dB below,
-// gave a damping ratio 7 standard deviations off where a mode lies at 1.35 times the band's end.
+// as the band tells them apart: without them modes 5 % damped are up to 5 standard deviations off,
+// without a word, beside one at 1.6 times the band's end or at 0.4 times its beginning (tests of
+// ModesBeside).
 // A resonance within a quarter of the band's width beyond its end leaves more, which the fit takes
 // for a change of the last mode inside (0.5 % of its damping where the distance of both is 17 %).
 // Such modes are fitted to the lines around the end of the band; in the band each then is

@@ -44,6 +44,7 @@ class Problem {
     y_.reshaped().head(y.size()) = y;
     for (const Index j : missing) y_.reshaped()(j) = 0;
     residual_ = y_;
+    fit.residual_sum_squares = y_.squaredNorm();
     basis_.resize(block, 2 * m_ + 2);
     heads_.setOnes(blocks, m_ + 1);
     for (Index k = 0; k < 4 * m_; ++k) {

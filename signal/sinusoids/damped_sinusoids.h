@@ -32,7 +32,7 @@ struct DampedSinusoidsOptions {
   int background_terms = 2;  ///< 0: none, 1: offset, 2: offset and drift
   int max_iterations = 60;   ///< steps, taken or refused
   /// The last step, in standard uncertainties. Gauss and Newton's steps creep where noise is
-  /// strong: 1e-3 takes 1.2 times as long and moves nothing by more than 2e-3 of them.
+  /// strong: 1e-3 takes 1.2 times as long in tests/bench/decay_truth.
   double step_in_std = 1e-2;
   /// What is known of the first poles, where they are tones: counts as three more samples each.
   std::span<const KnownTone> known;

@@ -92,26 +92,27 @@ TEST(ModesBeside, ColumnsAreOrthonormalAndOnlyWhatIsNew) {
             1e-12 * band.lines.s.array().square().matrix().norm());
 }
 
-// One response to modes 5 % damped at 20, 60, 90 and 216 Hz, of which those at 60 and 90 Hz lie
-// between the ends; noise of 1 %. Two residual terms leave damping off by tens of
-// standard deviations, one more of each by up to 5.
+// One response to modes 5 % damped, the last above the band or the first below it, noise of 3 %.
+// With two residual terms the last mode, or the first, inside is 4.7 to 5.0 standard deviations
+// off.
 TEST(ModesBeside, ModesFarBelowAndAboveTheBandLeaveDampingAlone) {
-  FrfSet set{.form = FrfForm::accelerance};
+  FrfSet set{.responses = {{"p1", 1, 3}}, .inputs = {{"h", 9, 3}}, .form = FrfForm::accelerance};
   set.frequency_hz = Eigen::VectorXd::LinSpaced(1000, 0.25, 250);
-  set.responses = {{"p1", 1, 3}};
-  set.inputs = {{"hammer", 9, 3}};
-  const Eigen::ArrayXcd s = Complex(0, kTwoPi) * set.frequency_hz.cast<Complex>();
-  Normal normal(3);
-  for (int seed = 0; seed < 5; ++seed) {
-    set.H = Eigen::MatrixXcd::Zero(1000, 1);
-    for (const double f : {20.0, 60.0, 90.0, 216.0}) {
-      const double w = kTwoPi * f;
-      set.H.array() += s.square() / (s.square() + 0.1 * w * s + w * w);
-    }
-    for (Complex& h : set.H.reshaped()) h += 0.01 * Complex(normal(), normal());
-    for (const IdentifiedMode& mode :
-         identify_modes(set, {.low_hz = 50, .high_hz = 160}).model.modes) {
-      EXPECT_LT(std::abs(mode.damping_ratio.value - 0.05), 4 * mode.damping_ratio.std);
+  const Eigen::ArrayXcd s = Complex(0, 1) * set.frequency_hz.cast<Complex>();  // over 2 pi
+  for (const bool above : {true, false}) {
+    Normal normal(3);
+    for (int record = 0; record < 2; ++record) {
+      set.H = Eigen::MatrixXcd::Zero(1000, 1);
+      for (const double f :
+           {20.0, above ? 45.0 : 60.0, above ? 81.0 : 90.0, above ? 160.0 : 131.0}) {
+        set.H.array() += s.square() / (s.square() + 0.1 * f * s + f * f);
+      }
+      for (Complex& h : set.H.reshaped()) h += 0.03 * Complex(normal(), normal());
+      const auto found = identify_modes(set, {above ? 5.0 : 50.0, above ? 100.0 : 160.0});
+      EXPECT_EQ(found.model.modes.size(), 3u);
+      for (const IdentifiedMode& mode : found.model.modes) {
+        EXPECT_LT(std::abs(mode.damping_ratio.value - 0.05), 3.5 * mode.damping_ratio.std);
+      }
     }
   }
 }
