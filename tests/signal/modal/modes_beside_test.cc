@@ -93,7 +93,7 @@ TEST(ModesBeside, ColumnsAreOrthonormalAndOnlyWhatIsNew) {
 }
 
 // One response to modes 5 % damped, the last above the band or the first below it, noise of 3 %.
-// With two residual terms the last mode, or the first, inside is 4.7 to 5.0 standard deviations
+// With two residual terms the last mode, or the first, inside is 3.7 to 5.0 standard deviations
 // off.
 TEST(ModesBeside, ModesFarBelowAndAboveTheBandLeaveDampingAlone) {
   FrfSet set{.responses = {{"p1", 1, 3}}, .inputs = {{"h", 9, 3}}, .form = FrfForm::accelerance};
