@@ -268,8 +268,8 @@ TEST(ForeignFormats, AreNamedWithTheWayOut) {
                                     {"PK\x03\x04 data.csv", "zip archive"},
                                     {"\xEF\xBB\xBF\n<!DOCTYPE html>", "web page"},
                                     {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", ".xls"}}) {
-    EXPECT_THAT(refusal_of([&] { return read_recording(folder.write("a", bytes)); }),
-                HasSubstr(name));
+    const std::string path = folder.write("a", bytes);
+    EXPECT_THAT(refusal_of([&] { return read_recording(path); }), HasSubstr(name));
   }
 }
 
