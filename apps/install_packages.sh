@@ -8,7 +8,7 @@ set -eu
 
 build="ca-certificates cmake g++ ninja-build pkg-config
   libeigen3-dev libceres-dev libfftw3-dev libgsl-dev libsundials-dev
-  libmatio-dev libminizip-dev libpugixml-dev libsndfile1-dev libssl-dev zlib1g-dev libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev
+  libmatio-dev libpugixml-dev libsndfile1-dev libssl-dev zlib1g-dev libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev
   python3-dev python3-pybind11 python3-numpy"
 test="libgtest-dev libgmock-dev python3 chromium chromium-driver poppler-utils
   calculix-ccx dpkg-dev python3-pandas python3-pip python3-uncertainties"

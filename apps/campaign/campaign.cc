@@ -400,7 +400,7 @@ Options campaign_keys() {
   also("models.LABEL", "Column of a published model's frequencies");
   add("[test.reference]: values as known otherwise", reference_keys_of(test));
   add("[[test.recording]]", keys_of(group));
-  also("sample_rate_hz, time_unit, decimal, separator, format, variables, sheet, channel",
+  also("sample_rate_hz, time_unit, decimal, separator, format, variables, channel",
        "As in a sidecar (rigfit help sidecar)");
   add("[[fit]]: of scenes to modal tests", {});
   also("name", "Required");

@@ -25,7 +25,7 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL Unspecified)
 set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_NAME rigfit)
 # What compiling against the installed libraries needs.
-set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_SUGGESTS "cmake, pkg-config, libeigen3-dev, libceres-dev, libfftw3-dev, libgsl-dev, libsundials-dev, libmatio-dev, libminizip-dev, libpugixml-dev, libsndfile1-dev, libssl-dev, zlib1g-dev, libfmt-dev, libtomlplusplus-dev")
+set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_SUGGESTS "cmake, pkg-config, libeigen3-dev, libceres-dev, libfftw3-dev, libgsl-dev, libsundials-dev, libmatio-dev, libpugixml-dev, libsndfile1-dev, libssl-dev, zlib1g-dev, libfmt-dev, libtomlplusplus-dev")
 if(TARGET rigfit_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
   # The module is built for one version of the interpreter.

@@ -37,9 +37,9 @@ constexpr Foreign kForeign[] = {
     {"\x89HDF\r\n\x1a\n", "an HDF5 file",
      "export the arrays as .npy, .mat or CSV, in Python by h5py and numpy.save"},
     {"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "an old Excel workbook (.xls), or one with a password",
-     "open it in a spreadsheet program and save it as .xlsx without a password, or as CSV"},
-    {"PK\x03\x04", "a zip archive (.zip, .ods, .npz)",
-     "unpack it and give the recording itself, or save the sheet as .xlsx"},
+     "open it in a spreadsheet program and save the sheet as CSV (UTF-8)"},
+    {"PK\x03\x04", "a workbook or another zip archive (.xlsx, .ods, .zip, .npz)",
+     "save the sheet as CSV (UTF-8), or unpack it and give the recording itself"},
     {"<?xml", kPage, kOfPage},
     {"<!doctype", kPage, kOfPage},
     {"<html", kPage, kOfPage},
@@ -52,17 +52,9 @@ struct Reader {
   Recording (*read)(std::string_view, const std::filesystem::path&, const ReadOptions&);
 };
 constexpr Reader kReaders[] = {{"csv", read_csv},  {"lvm", read_lvm}, {"uff", read_uff},
-                               {"wav", read_wav},  {"npy", read_npy}, {"mat", read_mat},
-                               {"xlsx", read_xlsx}};
-
-/// Whether the bytes begin a zip archive with the parts of an Excel workbook.
-bool is_excel_workbook(std::string_view bytes) {
-  const auto head = bytes.substr(0, 1 << 16);
-  return head.starts_with("PK\x03\x04") && head.find("xl/") != head.npos;
-}
+                               {"wav", read_wav},  {"npy", read_npy}, {"mat", read_mat}};
 
 void refuse_foreign(std::string_view bytes, const std::filesystem::path& path) {
-  if (is_excel_workbook(bytes)) return;
   std::string head = lower_case(bytes.substr(0, 512));
   head.erase(0, head.find_first_not_of("\xEF\xBB\xBF \t\r\n"));
   for (const Foreign& foreign : kForeign) {
@@ -120,7 +112,6 @@ std::string format_of(std::string_view bytes) {
       (bytes.substr(126, 2) == "IM" || bytes.substr(126, 2) == "MI")) {
     return "mat";
   }
-  if (is_excel_workbook(bytes)) return "xlsx";
   auto head = bytes.substr(0, 1024);
   if (head.substr(0, 3) == "\xEF\xBB\xBF") head.remove_prefix(3);
   while (!head.empty()) {
@@ -138,7 +129,7 @@ Recording read_recording(const std::filesystem::path& path, const ReadOptions& o
   const auto* const reader = std::ranges::find(kReaders, format, &Reader::format);
   if (reader == std::end(kReaders)) {
     throw file_error(path, "no format of that name is read",
-                     "csv (any table of text), lvm, uff, wav, npy, mat or xlsx", format);
+                     "csv (any table of text), lvm, uff, wav, npy or mat", format);
   }
   if (options.format.empty()) refuse_foreign(file.bytes(), path);
   Recording recording = reader->read(file.bytes(), path, options);
@@ -170,9 +161,7 @@ FrfSet read_frfs(const std::vector<std::filesystem::path>& files, const ReadOpti
 std::optional<CsvTable> frequency_table_in(std::string_view bytes,
                                            const std::filesystem::path& path,
                                            const ReadOptions& options) {
-  const std::string format = format_of(bytes);
-  if (format == "xlsx") return frequency_table_of(read_xlsx_columns(path, options));
-  if (format != "csv") return std::nullopt;
+  if (format_of(bytes) != "csv") return std::nullopt;
   const std::string file = path.string();
   return frequency_table_of(read_csv_columns(text_without_mark(bytes, file), file, options));
 }

@@ -18,18 +18,17 @@ struct CsvTable;  // csv_table.h
 
 /// The name of the format (format_names) by the first bytes: "    -1" begins UFF, "LabVIEW
 /// Measurement" LVM, "RIFF" WAV, "\x93NUMPY" a NumPy array, "MATLAB" with its version mark a .mat
-/// file, a zip archive of an Excel workbook's parts .xlsx. Everything else is read as a table of
-/// text.
+/// file. Everything else is read as a table of text.
 [[nodiscard]] std::string format_of(std::string_view bytes);
 
 /// `options.format`, if given, overrides the detection. Throws RecordingError with file, line,
-/// channel, value and remedy. Formats that are recognised but not read (TDMS, MDF, HDF5, XLS ...)
+/// channel, value and remedy. Formats that are recognised but not read (TDMS, MDF, HDF5, Excel ...)
 /// are refused by name, with advice on how to convert them.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& path,
                                        const ReadOptions& options = {});
 
-/// FRFs from a universal or MATLAB file, or from tables over the same lines, of text or of a
-/// workbook (one file per response, or one for all). Throws RecordingError.
+/// FRFs from a universal or MATLAB file, or from tables of text over the same lines (one
+/// file per response, or one for all). Throws RecordingError.
 [[nodiscard]] FrfSet read_frfs(const std::vector<std::filesystem::path>& files,
                                const ReadOptions& options = {});
 
@@ -91,13 +90,4 @@ struct CsvTable;  // csv_table.h
 [[nodiscard]] FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
                                    const ReadOptions& options = {});
 
-/// A sheet of an Excel workbook (.xlsx, ECMA-376) as a table: by the rules of tables of text
-/// (csv_table.h), on its numbers as they are saved; empty cells and \#N/A are missing. Without
-/// `options.sheet` a note names the other sheets. Refused, with the cell, are dates, other errors
-/// and a formula saved without its value.
-[[nodiscard]] Recording read_xlsx(std::string_view bytes, const std::filesystem::path& path,
-                                  const ReadOptions& options = {});
-/// The columns of the sheet, whatever they are over.
-[[nodiscard]] CsvTable read_xlsx_columns(const std::filesystem::path& path,
-                                         const ReadOptions& options = {});
 }  // namespace rigfit::signal

@@ -187,7 +187,6 @@ RecordingDescription read_description(document::TomlTable& table) {
       ""));
   reading.format = table.choice_or("format", format_names(), "");
   if (table.has("variables")) reading.variables = table.string_or_strings("variables");
-  reading.sheet = table.string_or("sheet", "");
   for (auto& entry : table.tables_or_empty("channel")) {
     description.channels.push_back(read_channel(entry));
     entry.finish();
@@ -215,7 +214,6 @@ ReadOptions merged(ReadOptions first, const ReadOptions& second) {
   merge(&ReadOptions::separator);
   merge(&ReadOptions::format);
   merge(&ReadOptions::variables);
-  merge(&ReadOptions::sheet);
   return first;
 }
 

@@ -29,9 +29,8 @@ struct ReadOptions {
   char separator = 0;      ///< between columns, ',', ';', tab or ' '; 0: detected
   std::string format{};    ///< one of `format_names()`; empty: detected from the content
   std::vector<std::string> variables{};  ///< arrays to take of a file that names several
-  std::string sheet{};  ///< in a workbook, by name or number ("#2"); empty: the first
-  /// If given, called now and then with the bytes read so far (never for MATLAB's arrays, sounds
-  /// and workbooks, which are read whole). What it throws ends the reading.
+  /// If given, called now and then with the bytes read so far (never for MATLAB's arrays and
+  /// sounds, which are read whole). What it throws ends the reading.
   std::function<void(std::size_t)> done_with{};
 };
 

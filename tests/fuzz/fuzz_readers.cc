@@ -54,9 +54,6 @@ void frf(Bytes bytes) {
 void mat(Bytes bytes) {
   read_file(bytes, [&](const std::string& path) { return read_mat(bytes, path); });
 }
-void xlsx(Bytes bytes) {
-  read_file(bytes, [&](const std::string& path) { return read_xlsx(bytes, path); });
-}
 
 }  // namespace rigfit::signal::fuzzed
 

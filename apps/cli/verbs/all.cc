@@ -59,8 +59,7 @@ describe::Options options_of(signal::ReadOptions& c) {
               .type("comma|semicolon|tab|blank"),
           converted("--time-unit", take_unit, "Unit of the time column")
               .one_of({"s", "ms", "us", "min"}),
-          option("--variable", c.variables, "Arrays to take of .mat files"),
-          option("--sheet", c.sheet, "Sheet of .xlsx files (the first), or its number as #2")};
+          option("--variable", c.variables, "Arrays to take of .mat files")};
 }
 
 describe::Options SharedOptions::options(VerbContext& context, bool reads, bool draws) {

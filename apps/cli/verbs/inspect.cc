@@ -71,7 +71,7 @@ Json run(InspectCommand& options, VerbContext& context) {
 describe::Options options_of(InspectCommand& c) {
   return {option("FILE", c.files,
                  "Recordings: CSV and other tables of text, UFF 58, LabVIEW .lvm, WAV, MATLAB "
-                 ".mat, NumPy .npy, Excel .xlsx")
+                 ".mat, NumPy .npy")
               .required()};
 }
 

@@ -30,12 +30,12 @@ TEST(Malformed, SeedsAndMutationsGiveARecordingOrAReason) {
 
 TEST(Malformed, FilesThatLibrariesRead) {
   const testing::TemporaryFolder folder;
-  for (const char* reader : {"mat", "npy", "wav", "xlsx"}) {
+  for (const char* reader : {"mat", "npy", "wav"}) {
     const auto read = [&](const std::string& bytes) {
       const auto path = folder.write(reader, bytes);
       read_or_refuse([&] { require_sound(read_recording(path, {.format = reader})); });
     };
-    expect_sound_or_reason(reader, {std::string(4, '\xFF'), "PK\1\2", "</row>"}, 150, read);
+    expect_sound_or_reason(reader, {std::string(4, '\xFF')}, 150, read);
   }
 }
 
