@@ -51,8 +51,8 @@ struct Reader {
   std::string_view format;
   Recording (*read)(std::string_view, const std::filesystem::path&, const ReadOptions&);
 };
-constexpr Reader kReaders[] = {{"csv", read_csv},  {"lvm", read_lvm}, {"uff", read_uff},
-                               {"wav", read_wav},  {"npy", read_npy}, {"mat", read_mat}};
+constexpr Reader kReaders[] = {{"csv", read_csv}, {"lvm", read_lvm}, {"uff", read_uff},
+                               {"wav", read_wav}, {"npy", read_npy}, {"mat", read_mat}};
 
 void refuse_foreign(std::string_view bytes, const std::filesystem::path& path) {
   std::string head = lower_case(bytes.substr(0, 512));

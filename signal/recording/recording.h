@@ -52,7 +52,7 @@ struct Note {
 /// Channels sampled together at a constant rate.
 struct Recording {
   std::filesystem::path path;
-  std::string format;  ///< "csv", "lvm", "uff58-ascii", "uff58-binary", "wav", "npy", "mat"
+  std::string format;         ///< "csv", "lvm", "uff58-ascii", "uff58-binary", "wav", "npy", "mat"
   double sample_rate_hz = 0;  ///< from the time column where there is one; 0: not known
   /// Relative uncertainty of a rate that the file states rounded, and so of every frequency. 0: the
   /// rate is exact.
