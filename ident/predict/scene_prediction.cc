@@ -1,18 +1,14 @@
 #include "ident/predict/scene_prediction.h"
 
 #include <fmt/ranges.h>
-#include <gsl/gsl_statistics_double.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <map>
-#include <random>
 #include <stdexcept>
 
 #include "ident/update/pairing/mode_assignment.h"
-#include "model/frfs/frf_synthesis.h"
 #include "model/scene/parameters.h"
 #include "signal/numerics/numbers.h"
 
@@ -260,77 +256,6 @@ ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& 
          {mode.damping_ratio, spread.std[k + static_cast<Eigen::Index>(found.modes.size())]},
          f * std::exp(-spread.below[k]),
          f * std::exp(spread.above[k])});
-  }
-  return prediction;
-}
-
-FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fitted,
-                           const Eigen::VectorXd& frequency_hz) {
-  const auto selection = select(scene, fitted);
-  FrfPrediction prediction;
-  prediction.frequency_hz = frequency_hz;
-  prediction.H = model::synthesize_frfs(selection.scene(scene, selection.value), frequency_hz).H;
-  const auto spread = spread_of(scene, selection, [&](const model::Scene& at) {
-    const auto frfs = model::synthesize_frfs(at, frequency_hz);
-    std::vector<double> logs;
-    for (const auto& H : frfs.H) {
-      for (const auto& h : H.reshaped()) logs.push_back(std::log(std::max(std::abs(h), 1e-300)));
-    }
-    return Eigen::ArrayXd(
-        Eigen::Map<const Eigen::ArrayXd>(logs.data(), static_cast<Eigen::Index>(logs.size())));
-  });
-  Eigen::Index next = 0;
-  for (const auto& H : prediction.H) {
-    const Eigen::ArrayXXd size = H.cwiseAbs();
-    const auto of_line = [&](const Eigen::ArrayXd& all) {
-      return all.segment(next, H.size()).reshaped(H.rows(), H.cols()).exp();
-    };
-    prediction.low.push_back(size / of_line(spread.below));
-    prediction.high.push_back(size * of_line(spread.above));
-    next += H.size();
-  }
-  return prediction;
-}
-
-ResponsePrediction predict_response(const model::Scene& scene, const FittedParameters& fitted,
-                                    const ResponsePredictionOptions& options) {
-  constexpr int kFewestDraws = 40;  // the 2.5 % quantile then lies inside of the draws
-  const auto selection = select(scene, fitted);
-  ResponsePrediction prediction;
-  prediction.used = selection.used;
-  prediction.not_used = selection.not_used;
-  prediction.response =
-      model::simulate_response(selection.scene(scene, selection.value), options.response);
-  if (!prediction.response.completed) return prediction;
-  const Eigen::MatrixXd directions = directions_of(selection.covariance);
-  auto wanted = options.response;
-  wanted.solver = prediction.response.solver;
-  const auto& at_fit = prediction.response.samples;
-  std::mt19937_64 random(options.seed);
-  std::normal_distribution<double> normal;
-  std::vector<Eigen::MatrixXd> all;
-  for (int s = 0; s < options.samples; ++s) {
-    Eigen::VectorXd unit(directions.cols());
-    for (auto& value : unit) value = normal(random);
-    const Eigen::VectorXd change = directions * unit;
-    auto one = model::simulate_response(moved(scene, selection, change), wanted);
-    if (one.completed && one.samples.rows() == at_fit.rows() && one.samples.allFinite()) {
-      all.push_back(std::move(one.samples));
-    }
-  }
-  prediction.samples = static_cast<int>(all.size());
-  if (prediction.samples < kFewestDraws) return prediction;
-  prediction.low.resizeLike(at_fit);
-  prediction.high.resizeLike(at_fit);
-  std::vector<double> values(all.size());
-  for (Eigen::Index i = 0; i < at_fit.size(); ++i) {
-    std::transform(all.begin(), all.end(), values.begin(),
-                   [&](const auto& one) { return one.data()[i]; });
-    std::sort(values.begin(), values.end());
-    prediction.low.data()[i] =
-        gsl_stats_quantile_from_sorted_data(values.data(), 1, values.size(), 0.025);
-    prediction.high.data()[i] =
-        gsl_stats_quantile_from_sorted_data(values.data(), 1, values.size(), 0.975);
   }
   return prediction;
 }

@@ -1,8 +1,8 @@
-// Predicts modes, FRFs and time responses of another scene, with uncertainties, from the parameters
-// of a fit and their covariance.
+// Predicts the modes of another scene, with uncertainties, from the parameters of a fit and their
+// covariance.
 //
 // With p the fitted values, C their covariance, u_k the principal directions of C (one standard
-// uncertainty long) and y(p) ln of a frequency or of |H|, or a damping ratio,
+// uncertainty long) and y(p) ln of a frequency or a damping ratio,
 //
 //   y_k+- = y(p +- 1.96 u_k),   var y = sum_k ((y_k+ - y_k-) / 3.92)^2,
 //   95 %: from y - root(sum_k (y - min(y_k+, y_k-, y))^2) to its counterpart above
@@ -16,7 +16,6 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -28,7 +27,6 @@
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"
 #include "model/linear/modal_analysis.h"
-#include "model/response/response.h"
 #include "model/scene/scene.h"
 #include "signal/numerics/numbers.h"
 
@@ -128,38 +126,6 @@ std::vector<AddedInput> add_scene_inputs(const model::Scene& scene,
 [[nodiscard]] ModePrediction predict_modes(const model::Scene& scene,
                                            const FittedParameters& fitted,
                                            const PredictionOptions& options = {});
-
-struct FrfPrediction {
-  Eigen::VectorXd frequency_hz;
-  std::vector<Eigen::MatrixXcd> H;         ///< per line: sensors x loads
-  std::vector<Eigen::ArrayXXd> low, high;  ///< 95 % of |H|
-};
-/// Throws like predict_modes.
-[[nodiscard]] FrfPrediction predict_frfs(const model::Scene& scene, const FittedParameters& fitted,
-                                         const Eigen::VectorXd& frequency_hz);
-
-struct ResponsePredictionOptions {
-  model::ResponseOptions response;
-  int samples = 200;  ///< draws, >= 40
-  std::uint64_t seed = 1;
-};
-
-struct ResponsePrediction {
-  model::ResponseResult response;           ///< at the fitted values; check its status first
-  Eigen::MatrixXd low, high;                ///< as `response.samples`: 95 %
-  int samples = 0;                          ///< draws that have a response
-  std::vector<std::string> used, not_used;  ///< names of parameters
-};
-
-/// Time response to the scene's loads. The scene, its equilibrium and its response are computed for
-/// every draw of the parameters. The interval is that of the draws at each instant: it holds the
-/// value at that instant with a probability of 95 %, not the whole history. With a standard
-/// uncertainty s of a frequency the phase error grows as 2 pi s t, so that it widens with time
-/// until it spans the amplitude. No interval (empty matrices) where fewer than 40 draws have a
-/// response. Throws like predict_modes and simulate_response.
-[[nodiscard]] ResponsePrediction predict_response(const model::Scene& scene,
-                                                  const FittedParameters& fitted,
-                                                  const ResponsePredictionOptions& options);
 
 /// A measured frequency compared with a prediction.
 struct HeldAgainst {

@@ -116,8 +116,6 @@ class Misuse(unittest.TestCase):
         self.wrong("measured[0].plane", "in, out, any", rigfit.update, CABLE,
                    measured=[{"frequency_hz": 7.0, "plane": "up"}])
         self.wrong("plane", "in, out, any", rigfit.update, CABLE, measured=[7.4], plane=["in", "up"])
-        self.wrong("response", "path", rigfit.predict, CABLE, "fit.json", response=True)
-        self.wrong("duration", "to 3600", rigfit.predict, CABLE, "fit.json", response="r.csv", duration=1e9)
         self.wrong("out", "no folder no/such", rigfit.resample, GOOD, 32.0, out="no/such/file.csv")
         self.wrong("csv", "is a folder", rigfit.frf, GOOD, "force", csv="/")
         self.wrong("fit", "is a folder", rigfit.predict, CABLE, "/")

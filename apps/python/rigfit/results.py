@@ -241,7 +241,7 @@ TensionResult = _result(
     budget="Records")
 PredictResult = _result(
     "PredictResult", "modes", "Modes of another scene with a fit's parameters: ``modes`` (``frequency_hz`` with low, high), "
-    "``interval``; ``measured`` where it was compared, ``response`` where it was written.",
+    "``interval``; ``measured`` where it was compared.",
     modes="Records", interval="str", parameters_used="list[str]", measured="Records")
 SynthesizeResult = _result("SynthesizeResult", "", "Files that a virtual laboratory wrote: ``files``.", files="list[str]")
 ReportResult = _result(

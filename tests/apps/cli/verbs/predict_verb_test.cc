@@ -57,43 +57,4 @@ TEST(PredictVerb, TheBareBeamFromTheCoupledRig) {
             kPublished);
 }
 
-TEST(PredictVerb, FrfsWithIntervals) {
-  const TemporaryFolder folder;
-  const auto frf = folder.at("frf.csv");
-  const auto run = run_line(
-      "predict $/jalali2021/scenes/beam.toml --from {} --count 2 --segments 12 --frf {} --band "
-      "0.05 10 --lines 20 --map cable.EI=beam.EI_z --json -",
-      {folder.write("fit.json", fit_json("cable.EI", 2.1, 0.1)), frf});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  std::string header;
-  const auto table = columns(folder.read("frf.csv"), &header);
-  EXPECT_THAT(header, HasSubstr("beam 0.65 m / hammer"));
-  ASSERT_EQ(table[0].size(), 20u);
-  for (std::size_t k = 0; k < 20; ++k) {
-    EXPECT_LE(table[2][k], table[1][k]);
-    EXPECT_GE(table[3][k], table[1][k]);
-  }
-}
-
-TEST(PredictVerb, ResponsesWithIntervals) {
-  const TemporaryFolder folder;
-  const auto table = folder.at("response.csv");
-  EXPECT_EQ(document_of("predict $/jalali2021/scenes/beam.toml --from {} --count 2 --segments 8 "
-                        "--response {} --duration 0.2 --rate 500",
-                        {folder.write("fit.json", fit_json("beam.EI_z", 2.1, 0.02)),
-                         table})["response"]["draws"]
-                .get<int>(),
-            200);
-  std::string header;
-  const auto found = columns(folder.read("response.csv"), &header);
-  EXPECT_THAT(header, HasSubstr("low beam 0.65 m"));
-  ASSERT_EQ(found[0].size(), 101u);  // both ends
-  double widest = 0;
-  for (std::size_t k = 0; k < 101; ++k) {
-    EXPECT_LE(found[2][k], found[3][k]);
-    widest = std::max(widest, found[3][k] - found[2][k]);
-  }
-  EXPECT_GT(widest, 0);
-}
-
 }  // namespace rigfit::apps::predict_verb_test
