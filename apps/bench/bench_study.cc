@@ -14,44 +14,13 @@
 
 namespace rigfit::apps {
 
-double median_time(const BenchBudget& budget, const std::function<void()>& work) {
-  std::vector<double> times;
-  double spent = 0;
-  while (times.empty() ||
-         (static_cast<int>(times.size()) < budget.repeats && spent < budget.row_s)) {
-    const auto begin = std::chrono::steady_clock::now();
-    work();
-    times.push_back(
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-    spent += times.back();
-  }
-  return signal::median(std::move(times));
-}
-
-void mark_front(BenchStudy& study) {
-  constexpr double kClearly = 0.9;      // a ratio of times or errors beyond scatter
-  constexpr double kAsAccurate = 1.01;  // the same discretisation in other unknowns differs by less
-  const auto beats = [&](const BenchRow& a, const BenchRow& b) {
-    const double ea = std::max(a.relative_error, study.reference_error),
-                 eb = std::max(b.relative_error, study.reference_error);
-    return a.wall_s <= b.wall_s && ea <= kAsAccurate * eb &&
-           (a.wall_s < kClearly * b.wall_s || ea < kClearly * eb);
-  };
-  for (BenchRow& row : study.rows) {
-    row.on_front = row.relative_error < 1 &&
-                   std::none_of(study.rows.begin(), study.rows.end(),
-                                [&](const BenchRow& other) { return beats(other, row); });
-  }
-}
-
 Plot bench_plot(const BenchStudy& study) {
-  using Style = PlotSeries::Style;
   Plot plot;
   plot.id = study.task + "-" + study.study;
   plot.title = study.task + ", by " + study.study;
   plot.caption = fmt::format(
       "{}: time of one core, and error of {}, against {}, itself good to {:.1e}. Further left is "
-      "faster, further down is better; the broken line joins what is Pareto-optimal.",
+      "faster, further down is better.",
       study.scene, study.error_of, study.reference, study.reference_error);
   plot.x_label = "time, s";
   plot.y_label = "relative error";
@@ -61,18 +30,11 @@ Plot bench_plot(const BenchStudy& study) {
   std::erase_if(rows, [](const BenchRow& row) {
     return !(row.wall_s > 0) || !(row.relative_error > 0) || row.relative_error >= 1;
   });
-  for (const auto& row : rows) plot.named(row.method).style = Style::line_and_points;
-  std::stable_sort(rows.begin(), rows.end(),
-                   [](const BenchRow& a, const BenchRow& b) { return a.wall_s < b.wall_s; });
-  PlotSeries front{"Pareto-optimal", Origin::synthetic, 0, Style::dashed};
-  PlotSeries standard{"default", Origin::measured, 0, Style::points};
   for (const auto& row : rows) {
-    plot.named(row.method).add(row.wall_s, row.relative_error);
-    if (row.on_front) front.add(row.wall_s, row.relative_error);
-    if (row.is_default) standard.add(row.wall_s, row.relative_error);
+    plot.named(row.method).style = PlotSeries::Style::line_and_points;
   }
-  if (front.x.size() > 1) plot.add(std::move(front));
-  plot.add(std::move(standard));
+  std::ranges::stable_sort(rows, {}, &BenchRow::wall_s);
+  for (const auto& row : rows) plot.named(row.method).add(row.wall_s, row.relative_error);
   return plot;
 }
 
@@ -94,6 +56,20 @@ double difference(const ResponseResult& found, const Eigen::MatrixXd& truth) {
   return std::min(worst, 1.0);
 }
 
+/// Median time of runs of `work`, s: at most `repeats`, none after `most_s` in all.
+template <class Work>
+double median_time(std::size_t repeats, double most_s, const Work& work) {
+  std::vector<double> times;
+  for (double spent = 0; times.empty() || (times.size() < repeats && spent < most_s);) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    times.push_back(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    spent += times.back();
+  }
+  return signal::median(std::move(times));
+}
+
 int mean_segments(const std::vector<int>& by_member) {
   const double sum = std::accumulate(by_member.begin(), by_member.end(), 0.0);
   return static_cast<int>(std::lround(sum / std::max(1.0, double(by_member.size()))));
@@ -101,8 +77,8 @@ int mean_segments(const std::vector<int>& by_member) {
 
 class Studies {
  public:
-  Studies(model::Scene scene, double duration_s, const BenchBudget& budget)
-      : scene_(std::move(scene)), budget_(budget) {
+  Studies(model::Scene scene, double duration_s, bool quick)
+      : scene_(std::move(scene)), quick_(quick) {
     base_.sampling = {.duration_s = duration_s, .rate_hz = 2000, .energy_samples = 0};
     for (auto& sensor : scene_.sensors) {
       if (sensor.quantity != model::Sensor::Quantity::force) {
@@ -145,14 +121,19 @@ class Studies {
   }
 
   void add(BenchStudy& study, const Eigen::MatrixXd& truth, std::string method,
-           const ResponseOptions& options, BenchRow row = {}) {
-    row.method = std::move(method);
+           const ResponseOptions& options, bool is_default = false) const {
     const ResponseResult found = simulate(options);
     if (found.impossible) return;
+    BenchRow row;
+    row.method = std::move(method);
     row.segments = mean_segments(found.segments);
+    if (study.study == "steps" && found.step_s > 0) row.step_s = found.step_s;
+    if (options.solver == ResponseSolver::stiff_motion) row.tolerance = options.relative_tolerance;
+    row.is_default = is_default;
     row.relative_error = difference(found, truth);
     if (!found.completed) row.note = found.reason;
-    row.wall_s = median_time(budget_, [&] { (void)simulate(options); });
+    row.wall_s =
+        median_time(quick_ ? 7 : 15, quick_ ? 0.01 : 0.2, [&] { (void)simulate(options); });
     study.rows.push_back(std::move(row));
   }
 
@@ -185,70 +166,42 @@ class Studies {
       study.skipped = "the reference fails: " + natural.reason;
       return study;
     }
-    Eigen::MatrixXd truth;
-    {
-      // As fine as a part of the budget allows.
-      const double allowance = budget_.quick ? 0.3 : 5;
-      int parts = 12;
-      while (parts > 3 && (1 + 2.0 / 3) * parts * natural.wall_s > allowance) parts /= 2;
-      fine.step_s = 1.5 * natural.step_s / parts;
-      const ResponseResult coarser = simulate(fine);
-      fine.step_s = natural.step_s / parts;
-      const ResponseResult finest = simulate(fine);
-      const double ratio = coarser.step_s / finest.step_s;
-      if (!finest.completed || !coarser.completed || !(ratio > 1)) {
-        study.skipped = "the reference fails: " + finest.reason + coarser.reason;
-        return study;
-      }
-      truth = finest.samples;
-      study.reference =
-          fmt::format("{} scheme, steps of {:.2g} ms", name_of(fine.solver), 1e3 * finest.step_s);
-      study.reference_error = difference(coarser, truth) / (std::pow(ratio, order) - 1);
+    // As fine as a part of the time allows.
+    int parts = 12;
+    while (parts > 3 && (1 + 2.0 / 3) * parts * natural.wall_s > (quick_ ? 0.3 : 5)) parts /= 2;
+    fine.step_s = 1.5 * natural.step_s / parts;
+    const ResponseResult coarser = simulate(fine);
+    fine.step_s = natural.step_s / parts;
+    const ResponseResult finest = simulate(fine);
+    const double ratio = coarser.step_s / finest.step_s;
+    if (!finest.completed || !coarser.completed || !(ratio > 1)) {
+      study.skipped = "the reference fails: " + finest.reason + coarser.reason;
+      return study;
     }
-    const auto with_step = [&](ResponseSolver solver, double step_s) {
-      ResponseOptions options = base_;
-      options.solver = solver;
-      if (solver == ResponseSolver::explicit_motion) options.axial = true;
-      options.step_s = step_s;
-      BenchRow row;
-      row.step_s = step_s;
-      return std::pair(options, row);
-    };
-    {
-      BenchRow row;
-      row.is_default = true;
-      row.step_s = own_.step_s;
-      add(study, truth, std::string("default: ") + name_of(own_.solver), base_, row);
-    }
+    const auto& truth = finest.samples;
+    study.reference =
+        fmt::format("{} scheme, steps of {:.2g} ms", name_of(fine.solver), 1e3 * finest.step_s);
+    study.reference_error = difference(coarser, truth) / (std::pow(ratio, order) - 1);
+    add(study, truth, std::string("default: ") + name_of(own_.solver), base_, true);
     ResponseOptions options = base_;
     options.solver = ResponseSolver::modal;
     add(study, truth, "modal recurrence (linear)", options);
-    const double limit = natural.step_s;
     for (const double part : {1.0, 1.5, 2.0, 3.0}) {
-      auto [with, row] = with_step(fine.solver, limit / part);
-      add(study, truth, std::string(name_of(fine.solver)), with, row);
+      fine.step_s = natural.step_s / part;
+      add(study, truth, name_of(fine.solver), fine);
     }
     if (fine.solver == ResponseSolver::explicit_motion) {
-      ResponseOptions slowed = base_;
-      slowed.solver = ResponseSolver::explicit_motion;
-      slowed.axial = false;
-      BenchRow row;
-      row.step_s = 1 / base_.sampling.rate_hz;
-      add(study, truth, "explicit, axial waves slowed", slowed, row);
-      auto [space, space_row] = with_step(fine.solver, limit);
-      space.space = true;
-      add(study, truth, "explicit, in space", space, space_row);
+      options.solver = ResponseSolver::explicit_motion;
+      options.axial = false;
+      add(study, truth, "explicit, axial waves slowed", options);
     }
+    options = base_;
+    options.solver = ResponseSolver::stiff_motion;
     for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
-      ResponseOptions with = base_;
-      with.solver = ResponseSolver::stiff_motion;
-      with.relative_tolerance = tolerance;
-      BenchRow row;
-      row.tolerance = tolerance;
-      add(study, truth, "stiff (SUNDIALS IDA)", with, row);
-      if (budget_.quick) break;
+      options.relative_tolerance = tolerance;
+      add(study, truth, "stiff (SUNDIALS IDA)", options);
+      if (quick_) break;
     }
-    mark_front(study);
     return study;
   }
 
@@ -259,7 +212,7 @@ class Studies {
     for (auto& member : scene_.members) member.segments = 0;
     const int automatic = mean_segments(simulate(base_).segments);
     std::swap(scene_, given);
-    const int fine = budget_.quick ? 120 : std::clamp(2 * automatic, 240, 600);
+    const int fine = quick_ ? 120 : std::clamp(2 * automatic, 240, 600);
     ResponseOptions options = base_;
     options.solver = own_.solver;
     options.segments = 2 * fine / 3;
@@ -280,17 +233,13 @@ class Studies {
       add(study, finest.samples, name_of(own_.solver), options);
     }
     std::swap(scene_, given);
-    BenchRow row;
-    row.is_default = true;
-    row.tolerance = scene_.accuracy;
-    add(study, finest.samples, "segments = \"auto\"", base_, row);
+    add(study, finest.samples, "segments = \"auto\"", base_, true);
     std::swap(scene_, given);
-    mark_front(study);
     return study;
   }
 
   model::Scene scene_;
-  BenchBudget budget_;
+  bool quick_;
   ResponseOptions base_;
   ResponseResult own_;
 };
@@ -311,9 +260,8 @@ model::Scene bench_released_cable() {
   return scene;
 }
 
-std::vector<BenchStudy> response_studies(const model::Scene& scene, double duration_s,
-                                         const BenchBudget& budget) {
-  return Studies(scene, duration_s, budget).run();
+std::vector<BenchStudy> response_studies(const model::Scene& scene, double duration_s, bool quick) {
+  return Studies(scene, duration_s, quick).run();
 }
 
 }  // namespace rigfit::apps

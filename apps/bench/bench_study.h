@@ -1,14 +1,7 @@
-// Speed against error: the rows of a study, which of them lie on the front, and how times are
-// taken.
-//
-// A study solves one task by several methods and settings and compares each answer with a reference
-// that is better than all of them and whose own error is estimated. A row lies on the front when no
-// other row is both as fast and as accurate and clearly better in one of the two: times
-// repeat to about a tenth on a machine that does other things too. Errors below the reference's own
-// count as equal.
+// Speed against error: a study solves one task by several methods and settings and compares each
+// answer with a reference that is better than all of them and whose own error is estimated.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -29,21 +22,11 @@ struct BenchRow {
   double wall_s = 0;                ///< median, one thread, from the parsed inputs to the answer
   double relative_error = 1;        ///< 1 where the method failed
   bool is_default = false;          ///< what the program does when nothing is said
-  bool on_front = false;
-  std::string note;  ///< why it failed
+  std::string note;                 ///< why it failed
 
   static constexpr auto fields() {
     using T = BenchRow;
     return std::tuple{
-        field(
-            "",
-            [](const T& r) {
-              return std::string(r.is_default && r.on_front ? "front, default"
-                                 : r.is_default             ? "default"
-                                 : r.on_front               ? "front"
-                                                            : "");
-            },
-            "", "place", ""),
         field("method", &T::method, "", "method", "with its setting"),
         field("segments", describe::positive(&T::segments), "", "segments",
               "of a member, on average"),
@@ -52,7 +35,6 @@ struct BenchRow {
         field("wall_s", &T::wall_s, "s", "time", "median, one thread", 3),
         field("relative_error", &T::relative_error, "", "error", "1 where the method failed", 2),
         field("default", &T::is_default, "", "", "what the program does when nothing is said"),
-        field("on_front", &T::on_front, "", "", "no other row is as fast and as accurate"),
         field("note", &T::note, "", "remark", "why it failed")};
   }
 };
@@ -76,21 +58,8 @@ struct BenchStudy {
   }
 };
 
-/// How much a run may take.
-struct BenchBudget {
-  bool quick = false;
-  int repeats = 15;    ///< most repeats of a row
-  double row_s = 0.2;  ///< no further repeat of a row that took this long
-};
-
-/// Median time of runs of `work`, seconds.
-[[nodiscard]] double median_time(const BenchBudget& budget, const std::function<void()>& work);
-
-/// Sets `on_front` of every row.
-void mark_front(BenchStudy& study);
-
-/// Time against error, a series a method, with what is Pareto-optimal and the default marked;
-/// without series where nothing of the study has a time and an error.
+/// Time against error, a series a method; without series where nothing of the study has a time and
+/// an error.
 [[nodiscard]] Plot bench_plot(const BenchStudy& study);
 
 /// The paper's cable at 200 N, 1 kg hung at its quarter span and cut at t = 0; 30 segments.
@@ -101,8 +70,8 @@ void mark_front(BenchStudy& study);
 /// "segments" compares numbers of segments with many (own error: against two thirds as many).
 /// Sensors of acceleration and velocity are read as displacements: the accelerations of a cut
 /// string hold frequencies up to where the segments end. A scene whose loads are records is skipped
-/// with a reason.
+/// with a reason. `quick`: few repeats, coarser references.
 [[nodiscard]] std::vector<BenchStudy> response_studies(const model::Scene& scene, double duration_s,
-                                                       const BenchBudget& budget);
+                                                       bool quick);
 
 }  // namespace rigfit::apps

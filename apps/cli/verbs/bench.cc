@@ -27,13 +27,10 @@ void print(std::ostream& out, const BenchStudy& study) {
 Json run(BenchCommand& options, VerbContext& context) {
   const model::Scene scene =
       options.scene.empty() ? bench_released_cable() : scene_of(options.scene, context);
-  BenchBudget budget;
-  budget.quick = options.quick;
-  if (options.quick) budget.repeats = 7, budget.row_s = 0.01;
   const double duration_s = options.quick ? std::min(options.duration_s, 0.1) : options.duration_s;
   Json rows = Json::array();
   bool any = false;
-  for (const BenchStudy& study : response_studies(scene, duration_s, budget)) {
+  for (const BenchStudy& study : response_studies(scene, duration_s, options.quick)) {
     print(context.out, study);
     for (const BenchRow& row : study.rows) {
       rows.push_back(describe::json_of(study));
@@ -62,7 +59,6 @@ Verb bench_verb() {
       "bench",
       "Run time against error of the solvers of a motion, against a reference whose own error is "
       "shown; one thread",
-      "\"front\": no other row is as fast and as accurate.\n"
       "Examples:\n"
       "  rigfit bench --quick\n"
       "  rigfit bench testdata/scenes/cable-release.toml --plot time-error.svg",
