@@ -478,29 +478,4 @@ std::string svg_plot(const Plot& plot, const SvgOptions& options) {
   return SvgFigure(plot, options).drawn();
 }
 
-std::string svg_sheet(const std::string& title, const std::vector<SvgPanel>& panels, double& width,
-                      double& height) {
-  constexpr double kTitle = 30, kGap = 14;
-  width = height = 0;
-  for (const auto& panel : panels) {
-    width = std::max(width, panel.width);
-    height += kTitle + panel.height + kGap;
-  }
-  std::string svg = fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-      "viewBox=\"0 0 {0:g} {1:g}\" width=\"{0:g}\" height=\"{1:g}\" font-family=\"sans-serif\" "
-      "font-size=\"12\">\n<title>{2}</title>\n<rect width=\"100%\" height=\"100%\" "
-      "fill=\"#fff\"/>\n",
-      width, height, escaped(title));
-  double y = 0;
-  for (const auto& panel : panels) {
-    svg += fmt::format(
-        "<text x=\"12\" y=\"{:g}\" font-size=\"14\" font-weight=\"bold\" fill=\"#222\">{}</text>\n"
-        "<g transform=\"translate(0 {:g})\">\n{}</g>\n",
-        y + 20, escaped(panel.title), y + kTitle, panel.svg);
-    y += kTitle + panel.height + kGap;
-  }
-  return svg + "</svg>\n";
-}
-
 }  // namespace rigfit::apps

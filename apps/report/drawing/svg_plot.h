@@ -23,15 +23,6 @@ struct SvgOptions {
 
 [[nodiscard]] std::string svg_plot(const Plot& plot, const SvgOptions& options = {});
 
-/// A figure of a sheet: an svg element of its own, px.
-struct SvgPanel {
-  std::string title, svg;
-  double width = 760, height = 440;
-};
-/// Figures below each other in one SVG file; gives its size in px, 0 high without figures.
-[[nodiscard]] std::string svg_sheet(const std::string& title, const std::vector<SvgPanel>& panels,
-                                    double& width, double& height);
-
 /// An svg element (of svg_plot, a Picture) as a file of its own: XML header and white paper.
 [[nodiscard]] std::string standalone_svg(const std::string& svg);
 

@@ -22,6 +22,7 @@
 #include "apps/report/drawing/plot.h"
 #include "apps/report/page/tables.h"
 #include "ident/campaign/modal/hammer_campaign.h"
+#include "ident/campaign/modal/modal_model.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 #include "ident/tension/cable_tension.h"
@@ -138,28 +139,17 @@ struct HammerFigures {
 
 // Models
 
-/// A measured mode to lay over a modelled one.
-struct MeasuredShape {
-  std::size_t mode = 0;  ///< index in the analysis
-  double frequency_hz = 0;
-  Eigen::VectorXcd shape;  ///< at the scene's sensors; empty: frequency only
-  double mac = 0;          ///< NaN: not known
-  Origin origin = Origin::measured;
-};
-
 /// A scene to scale, seen from the side: members, supports, masses, sensors and where it is struck
 /// or released. The caption names the marks; the data are the places.
 [[nodiscard]] Picture rig_picture(const model::Scene& scene);
 
-/// The modes of the analysis (at most `most`) in a parallel projection, six a picture: at rest
-/// (broken), moved, with supports, sensors and the nodes of the shape; measured shapes as points,
-/// scaled to the model's by least squares, with their MAC. `state` stands in the titles where there
-/// is one. None without shapes.
-[[nodiscard]] std::vector<Picture> shapes_pictures(const std::string& id, const std::string& state,
-                                                   const model::Scene& scene,
-                                                   const model::ModalAnalysis& analysis,
-                                                   const std::vector<MeasuredShape>& measured = {},
-                                                   std::size_t most = 16);
+/// The first 16 modes of the analysis in a parallel projection, six a picture: at rest (broken),
+/// moved, with supports, sensors and the nodes of the shape; the shapes of measured rows paired
+/// with them as points, scaled to the model's by least squares, with their MAC. `state` stands in
+/// the titles where there is one. None without shapes.
+[[nodiscard]] std::vector<Picture> shapes_pictures(
+    const std::string& id, const std::string& state, const model::Scene& scene,
+    const model::ModalAnalysis& analysis, const std::vector<ident::MeasuredRow>& rows = {});
 
 /// Every sensor over time, linked, and the amplitude spectra of all of one unit together.
 [[nodiscard]] std::vector<Plot> response_plots(const std::string& id, const model::Scene& scene,

@@ -1,9 +1,9 @@
 #include <Eigen/Geometry>
 #include <complex>
 
+#include "apps/campaign_file/measured_modes.h"
 #include "apps/report/drawing/palette.h"
 #include "apps/report/figures/figures.h"
-#include "apps/results/modal_files.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::apps {
@@ -43,10 +43,6 @@ class SceneView {
   [[nodiscard]] double extent() const { return extent_; }  ///< m
   [[nodiscard]] double scale() const { return scale_; }    ///< px/m
   [[nodiscard]] const Vector2d& size_px() const { return size_px_; }
-  [[nodiscard]] Vector2d along(const Vector3d& direction) const {
-    const Vector2d seen = turn_ * direction;
-    return {seen[0], -seen[1]};
-  }
   [[nodiscard]] Vector2d at(const Vector3d& point) const {
     const Vector2d seen = scale_ * (turn_ * point - middle_);
     return centre_ + Vector2d(seen[0], -seen[1]);
@@ -209,11 +205,11 @@ class RigDrawing {
            std::ranges::none_of(taken_, [&](const Box& one) { return one.intersects(box); });
   }
 
-  void line(const Vector2d& from, const Vector2d& to, double width, const char* more = "") {
+  void line(const Vector2d& from, const Vector2d& to, double width) {
     svg_ += fmt::format(
         "<path class=\"rig-line\" d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" fill=\"none\" "
-        "stroke=\"#1d2328\" stroke-width=\"{:g}\"{}/>\n",
-        from[0], from[1], to[0], to[1], width, more);
+        "stroke=\"#1d2328\" stroke-width=\"{:g}\"/>\n",
+        from[0], from[1], to[0], to[1], width);
     const int pieces = 1 + static_cast<int>((to - from).norm() / 3);  // no label fits between
     for (int k = 0; k <= pieces; ++k) keep_off(from + k * (to - from) / pieces, 1);
   }
@@ -264,71 +260,29 @@ class RigDrawing {
     masses_ += fmt::format("{}{} g {}", masses_.empty() ? "" : ", ", shown(1e3 * kg, 3), place);
   }
 
-  /// Ends at the tip, aside of other marks; towards the reader: a circle. Gives its tail.
-  Vector2d arrow(Vector2d tip, const Vector3d& direction, double length, const char* css,
-                 const char* colour) {
-    Vector2d ahead = view_.along(direction);
-    const bool out = ahead.norm() < 0.2;
-    ahead = out ? Vector2d(0, 0) : Vector2d(ahead.normalized());
-    const Vector2d side(-ahead[1], ahead[0]);
-    const auto box_at = [&](const Vector2d& at) {
-      Box box(at);
-      box.extend(Vector2d(at - length * ahead));
-      return Box(box.min().array() - 4, box.max().array() + 4);
-    };
-    for (const double shift : {0.0, 11.0, -11.0, 22.0, -22.0}) {
-      if (!out && is_free(box_at(tip + shift * side))) {
-        tip += shift * side;
-        break;
-      }
-    }
-    taken_.push_back(box_at(tip));
-    Vector2d tail = tip - length * ahead;
-    const Vector2d a = tip - 8 * ahead + 4 * side, b = tip - 8 * ahead - 4 * side;
-    svg_ +=
-        out ? fmt::format(
-                  "<circle class=\"{0} hollow\" fill=\"#fff\" stroke=\"{1}\" cx=\"{2:.1f}\" "
-                  "cy=\"{3:.1f}\" r=\"7\"/><circle class=\"{0}\" fill=\"{1}\" cx=\"{2:.1f}\" "
-                  "cy=\"{3:.1f}\" r=\"2\"/>\n",
-                  css, colour, tip[0], tip[1])
-            : fmt::format(
-                  "<path class=\"{0}\" fill=\"{1}\" stroke=\"{1}\" stroke-width=\"1.8\" "
-                  "d=\"M{2:.1f} {3:.1f}L{4:.1f} {5:.1f}M{4:.1f} {5:.1f}L{6:.1f} {7:.1f}L{8:.1f} "
-                  "{9:.1f}Z\"/>\n",
-                  css, colour, tail[0], tail[1], tip[0], tip[1], a[0], a[1], b[0], b[1]);
-    return tail;
+  /// A mark with its label beside it and its meaning in the caption.
+  void mark(const std::string& svg, const Vector2d& at, const std::string& label, const char* css,
+            const std::string& meaning) {
+    svg_ += svg;
+    keep_off(at, 7);
+    labels_.emplace_back(at, label, css);
+    keys_.push_back(label + ": " + meaning);
   }
 
   void draw(const model::Load& load) {
     const Vector2d p = view_.at(position_of(scene_, load.place));
-    const std::string label = fmt::format("H{}", ++loads_);
-    if (load.kind == model::Load::Kind::release) {
-      const Vector2d foot = p + Vector2d(0, 36);
-      line(p, foot, 1, " stroke-dasharray=\"3 3\"");
-      svg_ += rectangle("rig-hit", foot, {16, 12}, "fill=\"#b3261e\"");
-      keep_off(foot, 9);
-      labels_.emplace_back(foot, label, "t rig-hit");
-      keys_.push_back(fmt::format("{}: {} kg hung and released", label, shown(load.mass, 3)));
-      return;
-    }
-    labels_.emplace_back(
-        arrow(p - 4 * view_.along(load.direction), load.direction, 32, "rig-hit", "#b3261e"), label,
-        "t rig-hit");
-    keys_.push_back(fmt::format("{}: struck along {}", label, axis_words(load.direction)));
+    mark(circle("rig-hit", p, 7, "fill=\"#b3261e\""), p, fmt::format("H{}", ++loads_), "t rig-hit",
+         load.kind == model::Load::Kind::release
+             ? fmt::format("{} kg hung and released", shown(load.mass, 3))
+             : "struck along " + axis_words(load.direction));
   }
 
   void draw(const model::Sensor& sensor) {
-    const Vector2d p = view_.at(position_of(scene_, sensor.place)),
-                   ahead = view_.along(sensor.direction);
-    svg_ += rectangle("rig-sensor", p, {10, 10}, "fill=\"#0072b2\"", sensor.name);
-    keep_off(p, 6);
-    const std::string label = fmt::format("S{}", ++sensors_);
-    const Vector2d tip = p + 24 * ahead;
-    arrow(tip, sensor.direction, 17, "rig-sensor", "#0072b2");
-    labels_.emplace_back(tip, label, "t rig-sensor");
-    keys_.push_back(fmt::format("{}: {}, {} along {}", label, sensor.name,
-                                model::described(sensor.quantity).name,
-                                axis_words(sensor.direction)));
+    const Vector2d p = view_.at(position_of(scene_, sensor.place));
+    mark(rectangle("rig-sensor", p, {9, 9}, "fill=\"#0072b2\"", sensor.name), p,
+         fmt::format("S{}", ++sensors_), "t rig-sensor",
+         fmt::format("{}, {} along {}", sensor.name, model::described(sensor.quantity).name,
+                     axis_words(sensor.direction)));
   }
 
   static std::string axis_words(const Vector3d& direction) {
@@ -392,7 +346,7 @@ double largest_of(const model::NaturalMode& mode) {
 
 std::string mode_panel(const SceneView& view, const model::Scene& scene,
                        const model::ModalAnalysis& analysis, std::size_t index,
-                       const MeasuredShape* measured) {
+                       const ident::MeasuredRow* measured) {
   const auto& mode = analysis.modes[index];
   const double largest = largest_of(mode), factor = kAmplitude * view.extent() / largest;
   std::string svg;
@@ -437,7 +391,7 @@ std::string mode_panel(const SceneView& view, const model::Scene& scene,
   if (!measured) return svg;
   return svg + fmt::format(
                    "<text class=\"t\" x=\"12\" y=\"30\" fill=\"#222\">{} {} Hz{}</text>\n",
-                   name_of(measured->origin), shown(measured->frequency_hz, 5),
+                   name_of(measured->origin), shown(measured->frequency_hz.value, 5),
                    std::isfinite(measured->mac) ? fmt::format(", MAC {:.3f}", measured->mac) : "");
 }
 
@@ -471,24 +425,32 @@ Picture rig_picture(const model::Scene& scene) {
 std::vector<Picture> shapes_pictures(const std::string& id, const std::string& state,
                                      const model::Scene& scene,
                                      const model::ModalAnalysis& analysis,
-                                     const std::vector<MeasuredShape>& measured, std::size_t most) {
+                                     const std::vector<ident::MeasuredRow>& rows) {
   // Modes and columns in a picture: a quarter of a page on paper.
-  constexpr std::size_t kModes = 6, kColumns = 2;
+  constexpr std::size_t kModes = 6, kColumns = 2, kMost = 16;
+  const auto paired = [&](std::size_t mode) {
+    const auto at = std::ranges::find_if(rows, [&](const auto& row) {
+      return row.mode == mode && std::isfinite(row.frequency_hz.value);
+    });
+    return at == rows.end() ? nullptr : &*at;
+  };
   std::vector<std::size_t> drawn;
-  for (std::size_t i = 0; i < analysis.modes.size() && drawn.size() < most; ++i) {
+  for (std::size_t i = 0; i < analysis.modes.size() && drawn.size() < kMost; ++i) {
     if (largest_of(analysis.modes[i]) > 0) drawn.push_back(i);
   }
   std::vector<Eigen::Matrix3Xd> members;
   for (const auto& member : analysis.equilibrium.members) members.push_back(member.positions);
   std::vector<Picture> pictures;
   if (members.empty()) return pictures;
+  const bool measured = std::ranges::any_of(
+      rows, [](const auto& row) { return row.mode && std::isfinite(row.frequency_hz.value); });
   SceneView view(scene, std::move(members), -0.45, 0.35,
                  {kPanelWidth - 50, kPanelHeight - kTitle - 30}, kAmplitude * Vector2d(0.72, 2.4));
   view.centre_on({0.5 * kPanelWidth, 0.5 * (kPanelHeight + kTitle)});
   std::string caption =
       "Line: the model, enlarged; broken: at rest. Triangles: pinned, filled squares: clamped, "
       "open squares: sensors, open circles: nodes of the shape.";
-  if (!measured.empty()) caption += " Points: measured, scaled to the model.";
+  if (measured) caption += " Points: measured, scaled to the model.";
   if (drawn.size() < analysis.modes.size()) {
     caption += fmt::format(" The first {} of {} modes.", drawn.size(), analysis.modes.size());
   }
@@ -496,7 +458,7 @@ std::vector<Picture> shapes_pictures(const std::string& id, const std::string& s
     const std::size_t count = std::min(kModes, drawn.size() - from);
     Picture picture;
     picture.id = from == 0 ? id : fmt::format("{}-{}", id, from / kModes + 1);
-    picture.title = measured.empty() ? "Mode shapes" : "Mode shapes, test over model";
+    picture.title = measured ? "Mode shapes, test over model" : "Mode shapes";
     if (!state.empty()) picture.title += ": " + state;
     if (drawn.size() > kModes) {
       picture.title += fmt::format(fmt::runtime(count > 1 ? ", {} to {}" : ", {}"), drawn[from] + 1,
@@ -507,16 +469,14 @@ std::vector<Picture> shapes_pictures(const std::string& id, const std::string& s
     std::string body;
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t mode = drawn[from + k], row = k / kColumns;
-      const auto at = std::ranges::find(measured, mode, &MeasuredShape::mode);
-      body += fmt::format(
-          "<g transform=\"translate({:g} {:g})\">\n{}</g>\n",
-          kPanelWidth * static_cast<double>(k % kColumns), kPanelHeight * static_cast<double>(row),
-          mode_panel(view, scene, analysis, mode, at == measured.end() ? nullptr : &*at));
+      body += fmt::format("<g transform=\"translate({:g} {:g})\">\n{}</g>\n",
+                          kPanelWidth * static_cast<double>(k % kColumns),
+                          kPanelHeight * static_cast<double>(row),
+                          mode_panel(view, scene, analysis, mode, paired(mode)));
       add_csv(picture.csv, analysis, mode);
     }
     picture.width = kPanelWidth * kColumns;
-    const std::size_t rows = (count + kColumns - 1) / kColumns;
-    picture.height = kPanelHeight * static_cast<double>(rows);
+    picture.height = kPanelHeight * static_cast<double>((count + kColumns - 1) / kColumns);
     picture.svg = svg_of(picture, "shapes", 14, body);
     pictures.push_back(std::move(picture));
   }

@@ -19,10 +19,9 @@ namespace {
 // of 12 px are 9 to 15 px high; on paper 6.8 pt.
 constexpr double kPageWidth = 440, kPageHeight = 290;
 
-SvgPanel panel_of(const Plot& plot) { return {plot.title, svg_plot(plot)}; }
-SvgPanel panel_of(const Picture& picture) {
-  return {picture.title, picture.svg, picture.width, picture.height};
-}
+/// What a sheet shows of a figure, as large as it is by itself.
+Picture picture_of(const Plot& plot) { return {plot.id, plot.title, "", svg_plot(plot), ""}; }
+const Picture& picture_of(const Picture& picture) { return picture; }
 
 }  // namespace
 
@@ -190,13 +189,26 @@ std::string figures_page(const std::string& title, const std::string& repeat,
 }
 
 FiguresSvg figures_svg(const std::string& title, const std::vector<Block>& blocks) {
-  std::vector<SvgPanel> panels;
-  each_figure(blocks, [&](const auto& figure, const std::string& label) {
-    panels.push_back(panel_of(figure));
-    if (!label.empty()) panels.back().title.insert(0, label + ": ");
-  });
+  constexpr double kTitle = 30, kGap = 14;
   FiguresSvg sheet;
-  sheet.svg = svg_sheet(title, panels, sheet.width, sheet.height);
+  std::string figures;
+  each_figure(blocks, [&](const auto& figure, const std::string& label) {
+    const Picture& one = picture_of(figure);
+    figures += fmt::format(
+        "<text x=\"12\" y=\"{:g}\" font-size=\"14\" font-weight=\"bold\" "
+        "fill=\"#222\">{}{}{}</text>\n"
+        "<g transform=\"translate(0 {:g})\">\n{}</g>\n",
+        sheet.height + 20, escaped(label), label.empty() ? "" : ": ", escaped(one.title),
+        sheet.height + kTitle, one.svg);
+    sheet.width = std::max(sheet.width, one.width);
+    sheet.height += kTitle + one.height + kGap;
+  });
+  sheet.svg = fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
+      "viewBox=\"0 0 {0:g} {1:g}\" width=\"{0:g}\" height=\"{1:g}\" font-family=\"sans-serif\" "
+      "font-size=\"12\">\n<title>{2}</title>\n<rect width=\"100%\" height=\"100%\" "
+      "fill=\"#fff\"/>\n{3}</svg>\n",
+      sheet.width, sheet.height, escaped(title), figures);
   return sheet;
 }
 

@@ -57,7 +57,7 @@ struct FiguresSvg {
   std::string svg;
   double width = 0, height = 0;  ///< px
 };
-/// All figures below each other; paragraphs, tables and moving shapes are left to the page.
+/// All figures below each other, 0 px high without any; paragraphs and tables are left to the page.
 [[nodiscard]] FiguresSvg figures_svg(const std::string& title, const std::vector<Block>& blocks);
 
 }  // namespace rigfit::apps

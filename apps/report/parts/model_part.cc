@@ -94,9 +94,10 @@ ReportTable pairs_table(const CampaignTest& test, const ModalStates& states) {
       const bool of_table = row.origin == Origin::published,
                  known = std::isfinite(row.frequency_hz.value);
       if (of_table && state.recorded && !known && row.models_hz.empty()) continue;
-      std::vector<Cell> cells{
-          std::exchange(label, ""),
-          Cell(shown_estimate(row.frequency_hz.value, row.frequency_hz.std, 4), row.origin)};
+      std::vector<Cell> cells{std::exchange(label, ""),
+                              Cell(with_signs(describe::estimate_text(row.frequency_hz.value,
+                                                                      row.frequency_hz.std, "")),
+                                   row.origin)};
       const auto add = [&](double hz) {
         cells.emplace_back(shown(hz, 4));
         cells.emplace_back(shown_percent(hz / row.frequency_hz.value - 1));
@@ -248,11 +249,7 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
   part.json = {{"test", test.name}, {"scene", scene}, {"states", Json::array()}};
   for (const auto& state : states) {
     const std::string label = label_of(state.tension_N);
-    std::vector<MeasuredShape> measured;
     for (const auto& row : state.rows) {
-      if (row.mode && std::isfinite(row.frequency_hz.value)) {
-        measured.push_back({*row.mode, row.frequency_hz.value, row.shape, row.mac, row.origin});
-      }
       if (row.other_plane) continue;
       if (row.mode) {
         part.modes.push_back({"model as given", Origin::modelled, row.frequency_hz.value,
@@ -265,7 +262,7 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
     }
     add(part.blocks, shapes_pictures(fmt::format("{}-shapes-{}", test.name,
                                                  file_word(ident::state_label(state.tension_N))),
-                                     label, state.rig.scene, state.analysis, measured));
+                                     label, state.rig.scene, state.analysis, state.rows));
     part.json["states"].push_back(state_json(state, published));
   }
   const auto ours = rms_of_model(states);
