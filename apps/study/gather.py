@@ -6,7 +6,6 @@ usage: gather.py FOLDER FIRST_SEED COUNT        writes FOLDER/summary.csv and FO
 import csv
 import json
 import math
-import os
 import pathlib
 import statistics
 import sys
@@ -62,28 +61,17 @@ def summary_of(rows):
     return result
 
 
-def write_whole(path, write):
-    part = path.with_name(path.name + ".part")
-    with part.open("w", newline="") as file:
-        write(file)
-        file.flush()
-        os.fsync(file.fileno())
-    part.replace(path)
-
-
 def main():
     out, first, count = pathlib.Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
     rows = [row_of(seed, *value) for seed in range(first, first + count) for value in values(out / str(seed))]
     fields = ["seed", "quantity", "status", "value", "std", "low", "high", "truth", "covered"]
 
-    def table(file):
+    with (out / "summary.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, fields, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
-
-    write_whole(out / "summary.csv", table)
     document = {"data": "synthetic", "first_seed": first, "campaigns": count, "quantities": summary_of(rows)}
-    write_whole(out / "summary.json", lambda file: file.write(json.dumps(document, indent=2) + "\n"))
+    (out / "summary.json").write_text(json.dumps(document, indent=2) + "\n")
 
 
 main()

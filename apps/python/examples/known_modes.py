@@ -21,13 +21,10 @@ ladisk/pyFRF 0a8a1392 and sdypy/sdypy-EMA 00c0c230, with NumPy 1.24.2 and SciPy 
 """
 
 import time
-import warnings
 
 import numpy as np
 
 import rigfit
-
-warnings.simplefilter("ignore", rigfit.DataWarning)
 
 FS, BLOCK, HITS = 2048, 8192, 5
 BAND = (20.0, 160.0)

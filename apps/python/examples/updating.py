@@ -1,12 +1,8 @@
 """A cable model fitted to frequencies that another model of it gives: the parameters come back."""
 
-import warnings
-
 import numpy as np
 
 import rigfit
-
-warnings.simplefilter("ignore", rigfit.DataWarning)
 
 scene = rigfit.Scene("""
 title = "cable"

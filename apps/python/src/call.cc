@@ -187,8 +187,6 @@ py::list described_options(const std::string& verb) {
   const auto add = [&](const describe::Options& more) {
     options.insert(options.end(), more.begin(), more.end());
   };
-  FrfsOfScene frfs;
-  if (verb == "frf_of") add(options_of(frfs));
   if (verb == "read") add(apps::options_of(context.reading));
   for (const auto& one : verbs) {
     if (one.name == verb) add(one.options), add(shared.options(context, one.reads, one.draws));

@@ -14,7 +14,6 @@
 #include "apps/cli/verb.h"
 #include "apps/cli/verb_context.h"
 #include "apps/describe/option.h"
-#include "model/linear/modal_analysis.h"
 
 namespace rigfit::python {
 
@@ -40,13 +39,6 @@ void run_unlocked(std::function<void()> work);
 
 /// Values by such names into these options.
 void take(describe::Options options, const py::dict& given);
-
-/// How `frf_of` computes the FRFs of a scene.
-struct FrfsOfScene {
-  model::ModesOptions modes;
-  double decay_rate_1_s = 0;
-};
-[[nodiscard]] describe::Options options_of(FrfsOfScene& wanted);
 
 void bind_objects(py::module_& module);  ///< Recording, FrfSet, Scene and what makes them
 

@@ -144,17 +144,11 @@ py::dict parameters_of(const model::Scene& scene) {
 
 /// H: lines x sensors x loads.
 py::tuple frf_of(const SharedScene& scene, const Eigen::VectorXd& lines, const py::dict& options) {
-  struct State {
-    FrfsOfScene wanted;
-    model::SynthesizedFrfs frfs;
-  };
-  auto state = std::make_shared<State>();
-  take(options_of(state->wanted), options);
-  const py::tuple answer = run_work("frf_of", options, [scene, state, lines](apps::VerbContext&) {
-    const auto& [modes, decay_rate_1_s] = state->wanted;
-    state->frfs = model::synthesize_frfs(*scene, lines, modes, decay_rate_1_s);
-    if (state->frfs.equilibrium.status != model::EquilibriumStatus::converged) {
-      throw apps::NotConverged(scene->file + ": " + state->frfs.equilibrium.reason);
+  auto frfs = std::make_shared<model::SynthesizedFrfs>();
+  const py::tuple answer = run_work("frf_of", options, [scene, frfs, lines](apps::VerbContext&) {
+    *frfs = model::synthesize_frfs(*scene, lines);
+    if (frfs->equilibrium.status != model::EquilibriumStatus::converged) {
+      throw apps::NotConverged(scene->file + ": " + frfs->equilibrium.reason);
     }
     const auto name = [](const auto& one) { return one.name; };
     const auto unit = [](const model::Sensor& sensor) {
@@ -164,20 +158,10 @@ py::tuple frf_of(const SharedScene& scene, const Eigen::VectorXd& lines, const p
                 {"loads", describe::json_list(scene->loads, name)},
                 {"units", describe::json_list(scene->sensors, unit)}};
   });
-  return py::tuple(answer +
-                   py::make_tuple(py::module_::import("numpy").attr("array")(state->frfs.H)));
+  return py::tuple(answer + py::make_tuple(py::module_::import("numpy").attr("array")(frfs->H)));
 }
 
 }  // namespace
-
-describe::Options options_of(FrfsOfScene& wanted) {
-  return {describe::option("--segments", wanted.modes.segments,
-                           "Of every member, instead of the scene's")
-              .within(2, 100000),
-          describe::option("--exponential-window", wanted.decay_rate_1_s,
-                           "Decay rate of a window that measured FRFs were averaged under", "1/s")
-              .within(0, 1e6)};
-}
 
 void bind_objects(py::module_& module) {
   py::class_<signal::Recording, Shared>(module, "Recording")
