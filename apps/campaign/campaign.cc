@@ -284,9 +284,10 @@ Options keys_of(CampaignFit& f) {
       option("title", f.title, "Default: its name"),
       option("tests", f.test_names, "Modal tests that have a scene").required(),
       option("predicts", f.predicted_names, "Decay tests that it has not seen and is laid over"),
-      option("hold_out", f.hold_out, "Predict each state from the others"),
-      option("model_std", f.model_std, "Of the model, relative in frequency").from_zero(),
-      option("starts", f.starts, "Searches").within(1, 1000),
+      option("hold_out", f.options.hold_out, "Predict each state from the others"),
+      option("model_std", f.options.model_relative_std, "Of the model, relative in frequency")
+          .from_zero(),
+      option("starts", f.options.starts, "Searches").within(1, 1000),
       option("reference_name", f.reference_name, "What `reference` is")};
 }
 
@@ -348,19 +349,11 @@ void read_keys(document::TomlTable& table, const Options& keys) {
 }
 
 Options campaign_keys() {
-  // The options show the defaults of these, and are not filled.
+  // The options show the defaults of what they are not going to fill.
+  const auto keys_of_a = [](auto one) { return keys_of(one); };
   Campaign campaign;
-  ident::StrandGeometry strand;
-  RecordingGroup group;
   BendingTest bending;
-  AxialTest axial;
-  DecayTest decay;
-  ModalTest modal;
-  TensionTest tension;
-  ident::SceneUse use;
   CampaignTest test;
-  CampaignFit fit;
-  FitParameter parameter;
   std::string other;
   Options all;
   std::string heading;
@@ -377,7 +370,7 @@ Options campaign_keys() {
   };
   add("top level", keys_of(campaign));
   add("[report]", keys_of(campaign.report));
-  add("[strand]: bounds on EI", keys_of(strand));
+  add("[strand]: bounds on EI", keys_of_a(ident::StrandGeometry()));
   add("[[scene]]: a model of the rig", {});
   also("name, file", "Required");
   also("published.PARAMETER", "How the value is known; or inferred.PARAMETER, assumed.PARAMETER");
@@ -386,26 +379,26 @@ Options campaign_keys() {
   also("title", "Default: its name");
   add("[[test]] kind = \"bending\"", keys_of(bending));
   add(heading, channel_keys_of(bending), "channels.");
-  add("[[test]] kind = \"axial\"", keys_of(axial));
-  add("[[test]] kind = \"decay\"", keys_of(decay));
-  add("[[test]] kind = \"modal\"", keys_of(modal));
+  add("[[test]] kind = \"axial\"", keys_of_a(AxialTest()));
+  add("[[test]] kind = \"decay\"", keys_of_a(DecayTest()));
+  add("[[test]] kind = \"modal\"", keys_of_a(ModalTest()));
   add("[[test]] kind = \"decay\", \"modal\"", {});
   also("scene", "Name of the scene that stands for the rig");
   also("sensors.CHANNEL", "The scene's sensor, where names differ");
-  add(heading, keys_of(use));
-  add("[[test]] kind = \"tension\"", keys_of(tension));
+  add(heading, keys_of_a(ident::SceneUse()));
+  add("[[test]] kind = \"tension\"", keys_of_a(TensionTest()));
   add("[test.table]: results instead of recordings (bending, modal)", {});
   also("file", "Required");
   also("tension, EI, measured", "Names of columns");
   also("models.LABEL", "Column of a published model's frequencies");
   add("[test.reference]: values as known otherwise", reference_keys_of(test));
-  add("[[test.recording]]", keys_of(group));
+  add("[[test.recording]]", keys_of_a(RecordingGroup()));
   also("sample_rate_hz, time_unit, decimal, separator, format, variables, channel",
        "As in a sidecar (rigfit help sidecar)");
   add("[[fit]]: of scenes to modal tests", {});
   also("name", "Required");
-  add(heading, keys_of(fit));
-  add("[[fit.parameter]]", keys_of(parameter));
+  add(heading, keys_of_a(CampaignFit()));
+  add("[[fit.parameter]]", keys_of_a(FitParameter()));
   return all;
 }
 

@@ -148,15 +148,11 @@ struct FitParameter {
   std::optional<double> reference;  ///< an earlier value, shown beside the one found
 };
 
-struct CampaignFit {
-  std::string name, title;
-  std::vector<std::size_t> tests;
+struct CampaignFit : ident::FitInputs {
+  std::string name;
   std::vector<FitParameter> parameters;
   std::vector<std::size_t> predicts;  ///< decay tests shown with what was found
   std::vector<std::string> test_names, predicted_names;
-  bool hold_out = false;
-  double model_std = 0;  ///< relative, in frequency
-  int starts = 4;
   std::string reference_name = "earlier value";
 };
 

@@ -470,6 +470,7 @@ class Reader {
     fit.predicts = tests_named<DecayTest>(fit.predicted_names, table, "predicts", "decay");
     for (TomlTable& entry : table.tables_or_empty("parameter")) {
       fit.parameters.push_back(read_parameter(entry, fit));
+      fit.free.push_back(fit.parameters.back().free);
     }
     if (fit.parameters.empty()) {
       throw table.error("parameter", "is missing", "a fit needs at least one [[fit.parameter]]");

@@ -5,10 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-
 #include <fstream>
 #include <map>
-#include "apps/results/modal_files.h"
+
 #include "apps/results/text_table.h"
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
@@ -111,6 +110,17 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
                             "one line a mode below the names");
   }
   return rows;
+}
+
+Eigen::Vector3d position_of(const model::Scene& scene, const model::Place& place) {
+  const auto node = [&](const std::string& name) -> Eigen::Vector3d {
+    const auto at = std::ranges::find(scene.nodes, name, &model::SceneNode::name);
+    return at == scene.nodes.end() ? Eigen::Vector3d(0, 0, 0) : at->position;
+  };
+  const auto member = std::ranges::find(scene.members, place.member, &model::Member::name);
+  if (!place.node.empty() || member == scene.members.end()) return node(place.node);
+  const Eigen::Vector3d from = node(member->nodes[0]), to = node(member->nodes[1]);
+  return from + place.position * (to - from);
 }
 
 bool is_universal_file(const std::filesystem::path& path) {

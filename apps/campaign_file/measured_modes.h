@@ -31,6 +31,9 @@ struct MeasuredTableRow {
     const std::filesystem::path& path, const std::string& column,
     std::optional<model::ModePlane> plane, const std::vector<std::string>& sensors);
 
+/// Where a sensor or load of the scene is, m, along straight members.
+[[nodiscard]] Eigen::Vector3d position_of(const model::Scene& scene, const model::Place& place);
+
 /// Whether the file begins as a universal file does.
 [[nodiscard]] bool is_universal_file(const std::filesystem::path& path);
 

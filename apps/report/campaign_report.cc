@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <chrono>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -104,8 +103,8 @@ std::vector<Answer> all_answers(std::span<const ReportPart> parts) {
   return answers;
 }
 
-/// Writes everything: page, figures, data, files for other programs, and report.json, of which
-/// `document` is the text, made beside the figures. `parts`: the overview first.
+/// Writes everything: page, figures, data, and report.json, of which `document` is the text, made
+/// beside the figures. `parts`: the overview first.
 void write_report_files(const fs::path& folder, const PageFrame& frame,
                         std::span<const ReportPart> parts, const ReportOptions& options,
                         const std::function<std::string()>& document, VerbContext& context) {
@@ -126,10 +125,6 @@ void write_report_files(const fs::path& folder, const PageFrame& frame,
             standalone_svg(svg_of(figure, options.figures)));
       });
     });
-    for (const auto& file : part.files) {
-      make_output_folder((folder / file.path).parent_path());
-      tasks.emplace_back([&folder, &file] { put(folder / file.path, file.content); });
-    }
   }
   const auto answers = all_answers(parts);
   tasks.emplace_back([&] { put(folder / "data" / "results.csv", answers_csv(answers)); });
@@ -210,14 +205,7 @@ std::unique_ptr<TestPart> part_of(const Campaign& campaign, const CampaignTest& 
 
 /// Reads the recordings, works out the campaign, shows what came of it: the parts in the order of
 /// the page.
-std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbContext& context,
-                                       std::vector<StageTime>& times) {
-  auto begin = std::chrono::steady_clock::now();
-  const auto took = [&](const char* stage) {
-    const auto now = std::chrono::steady_clock::now();
-    times.push_back({stage, std::chrono::duration<double>(now - begin).count()});
-    begin = now;
-  };
+std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbContext& context) {
   const std::size_t tests = campaign.tests.size(), fits = campaign.fits.size();
   std::size_t files = 0;
   for (const auto& test : campaign.tests) {
@@ -230,18 +218,16 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
     shown.push_back(part_of(campaign, campaign.tests[i], context));
   }
   ident::in_parallel(tests, context.threads, [&](std::size_t i) { shown[i]->read(advance); });
-  took("recordings read");
 
   ident::CampaignInputs inputs;
   inputs.threads = context.threads;
   inputs.advance = advance;
   for (auto& part : shown) inputs.tests.push_back(part->inputs());
-  for (const auto& fit : campaign.fits) inputs.fits.push_back(fit_inputs(fit, context.threads));
+  for (const auto& fit : campaign.fits) {
+    inputs.fits.push_back(fit);
+    inputs.fits.back().options.threads = context.threads;
+  }
   auto result = ident::run_campaign(std::move(inputs));
-  for (std::size_t i = 0; i < tests; ++i)
-    times.push_back({campaign.tests[i].title, result.test_s[i]});
-  for (std::size_t i = 0; i < fits; ++i) times.push_back({campaign.fits[i].title, result.fit_s[i]});
-  begin = std::chrono::steady_clock::now();
 
   std::vector<std::vector<ReportPart>> pages(tests + fits);
   ident::in_parallel(pages.size(), context.threads, [&](std::size_t i) {
@@ -252,7 +238,6 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
     }
     advance();
   });
-  took("figures and tables");
   std::vector<ReportPart> parts;
   for (auto& page : pages) std::ranges::move(page, std::back_inserter(parts));
   parts.push_back(scenes_part(campaign));
@@ -265,8 +250,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
                      VerbContext& context, std::vector<Answer>* given) {
   begin_folder(folder, campaign.title, options);
   take_inputs(campaign, context);
-  std::vector<StageTime> times;
-  std::vector<ReportPart> parts = campaign_parts(campaign, context, times);
+  std::vector<ReportPart> parts = campaign_parts(campaign, context);
   std::vector<Answer*> found;
   for (auto& part : parts) {
     for (auto& answer : part.answers) found.push_back(&answer);
@@ -290,10 +274,9 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
       result[part.json_key].push_back(part.json);
     }
   }
-  PageFrame frame{campaign.title, campaign.source, campaign.description, campaign.report,
-                  options.style};
-  frame.times = std::move(times);
-  finish(folder, std::move(frame), parts, options, result, context);
+  finish(folder,
+         {campaign.title, campaign.source, campaign.description, campaign.report, options.style},
+         parts, options, result, context);
   return result;
 }
 

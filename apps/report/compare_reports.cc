@@ -7,6 +7,7 @@
 
 #include "apps/describe/json_of.h"
 #include "apps/report/drawing/html_text.h"
+#include "apps/report/page/tables.h"
 #include "signal/numerics/estimate.h"
 
 namespace rigfit::apps {
@@ -99,7 +100,6 @@ Answer answer_of(const Change& change) {
   answer.quantity = quantity_of(change);
   answer.how =
       fmt::format("{} before, {} after", shown_side(change.before), shown_side(change.after));
-  answer.percent = change.after->percent;
   answer.unit = change.after->unit;
   answer.value = change.value;
   answer.std = change.std;
@@ -142,17 +142,15 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
   std::size_t changed = 0;
   for (const auto& change : changes_of(before.answers, after.answers)) {
     const Answer& one = change.one();
-    const double scale = one.percent ? 100 : 1;
     Cell verdict(change.verdict);
     verdict.doubtful = change.changed;
-    table.rows.push_back(
-        {quantity_of(change), shown_unit(one), shown_side(change.before), shown_side(change.after),
-         std::isfinite(change.value) ? shown_estimate(scale * change.value, scale * change.std)
-                                     : std::string("–"),
-         shown_percent(change.relative), std::move(verdict)});
+    table.rows.push_back({quantity_of(change), std::string(describe::shown_unit(one.unit).name),
+                          shown_side(change.before), shown_side(change.after),
+                          with_signs(describe::estimate_text(change.value, change.std, one.unit)),
+                          shown_percent(change.relative), std::move(verdict)});
     list.push_back({{"key", one.key},
                     {"quantity", quantity_of(change)},
-                    {"unit", one.unit.empty() ? "1" : one.unit},
+                    {"unit", describe::json_of(one)["unit"]},
                     {"before", side_json(change.before)},
                     {"after", side_json(change.after)},
                     {"change", describe::number_json(change.value)},

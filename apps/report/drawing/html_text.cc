@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "apps/describe/sheet.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::apps {
@@ -53,12 +52,6 @@ std::string shown_percent(double ratio) {
   return (zero ? "" : ratio < 0 ? "−" : "+") + text + " %";
 }
 
-std::string shown_estimate(double value, double std, int digits) {
-  if (!std::isfinite(value)) return "–";
-  if (!is_known_to(value, std)) return shown(value, digits);
-  return with_minus(value_digits(value, std)) + " ± " + std_digits(std);
-}
-
 std::string csv_quoted(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -67,11 +60,6 @@ std::string csv_quoted(std::string_view text) {
 
 std::string counted(std::size_t number, std::string_view what) {
   return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
-}
-
-std::string shown_bound(double value, double std) {
-  if (!is_known_to(value, std)) return shown(value);
-  return with_minus(value_digits(value, std));
 }
 
 std::string within_percent(double ratio) {

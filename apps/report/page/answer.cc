@@ -2,22 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cmath>
 
-#include <cctype>
 #include "apps/describe/json_of.h"
 #include "apps/report/drawing/html_text.h"
+#include "apps/report/page/tables.h"
 #include "model/scene/parameters.h"
 
 namespace rigfit::apps {
 namespace {
 
-double scale_of(const Answer& answer) { return answer.percent ? 100 : 1; }
-
-std::string bound_words(const Answer& answer, double bound) {
-  return std::isfinite(bound) ? shown_bound(scale_of(answer) * bound, scale_of(answer) * answer.std)
-                              : std::string("open");
-}
+double per_si(const Answer& answer) { return describe::shown_unit(answer.unit).per_si; }
 
 /// Half the 95 % interval over the value; infinite where an end is open.
 double relative_half_width(const Answer& answer) {
@@ -50,17 +46,18 @@ std::string quantity_words(const Answer& answer) {
 }
 
 std::string value_words(const Answer& answer) {
-  const double scale = scale_of(answer);
   if (!answer.determined) return std::isfinite(answer.value) ? "not determined" : "none";
-  return shown_estimate(scale * answer.value, scale * answer.std);
+  return with_signs(describe::estimate_text(answer.value, answer.std, answer.unit));
 }
 
 std::string interval_words(const Answer& answer) {
   if (!answer.determined || (std::isnan(answer.low) && std::isnan(answer.high))) return {};
-  return bound_words(answer, answer.low) + " to " + bound_words(answer, answer.high);
+  const double scale = per_si(answer);
+  const auto end = [&](double x) {
+    return std::isfinite(x) ? with_signs(value_digits(scale * x, scale * answer.std)) : "open";
+  };
+  return end(answer.low) + " to " + end(answer.high);
 }
-
-std::string shown_unit(const Answer& answer) { return answer.percent ? "%" : answer.unit; }
 
 std::string verdict_words(const Answer& answer) {
   if (!answer.verdict.empty()) return answer.verdict;
@@ -80,7 +77,7 @@ std::string verdict_words(const Answer& answer) {
   }
   if (answer.reference) {
     const double off = answer.value / *answer.reference - 1;
-    const std::string value = shown(scale_of(answer) * *answer.reference, 4);
+    const std::string value = shown(per_si(answer) * *answer.reference, 4);
     words += fmt::format("; {} {}: {}", answer.reference_name, value,
                          std::isnan(half)                   ? shown_percent(off)
                          : holds(answer, *answer.reference) ? "inside the interval"

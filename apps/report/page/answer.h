@@ -20,11 +20,10 @@ struct Answer {
   std::string key;       ///< the same in every report of this campaign: "fit-beam/beam.EI_z"
   std::string quantity;  ///< "Beam bending stiffness EI_z"
   std::string how;       ///< "fitted to 5 modes"
-  std::string unit;      ///< "N m²"; empty: a ratio
+  std::string unit;      ///< "N m²"; %: a ratio shown in percent; empty: another ratio
   double value = kNone, std = kNone;
   double low = kNone, high = kNone;  ///< 95 %; infinite: open
   bool determined = true;            ///< false: these data cannot tell it
-  bool percent = false;              ///< a ratio that is shown in percent
   std::optional<double> reference = std::nullopt;
   std::string reference_name = {};  ///< "published", "truth"
   ident::Origin origin = ident::Origin::modelled;
@@ -40,12 +39,10 @@ struct Answer {
 
 /// "Tip mass, rig".
 [[nodiscard]] std::string quantity_words(const Answer& answer);
-/// "2.1714 ± 0.0045", in the unit that is shown.
+/// "2.1714 ± 0.0045", in the unit that is shown (describe::shown_unit).
 [[nodiscard]] std::string value_words(const Answer& answer);
 /// "2.163 to 2.180"; empty where no interval is known.
 [[nodiscard]] std::string interval_words(const Answer& answer);
-/// "N m²", "%", or empty.
-[[nodiscard]] std::string shown_unit(const Answer& answer);
 /// What the value is worth, in words: how well it is known, and whether it agrees with what is
 /// known otherwise (inside the 95 % interval or not).
 [[nodiscard]] std::string verdict_words(const Answer& answer);
@@ -81,23 +78,23 @@ namespace rigfit::describe {
 template <>
 struct Described<apps::Answer> {
   using T = apps::Answer;
-  static constexpr auto fields =
-      std::tuple{field("key", &T::key, "", "", "the same in every report of the campaign"),
-                 field("quantity", &T::quantity, "", "", ""),
-                 field("value", &T::value, "", "", "SI; null: not determined"),
-                 field("std", &T::std, "", "", "standard uncertainty"),
-                 field("low", &T::low, "", "", "95 %; null: open"),
-                 field("high", &T::high, "", "", "95 %; null: open"),
-                 field(
-                     "unit", [](const T& a) { return a.unit.empty() ? std::string("1") : a.unit; },
-                     "", "", ""),
-                 field("how", &T::how, "", "", "what it was found from"),
-                 field("verdict", &apps::verdict_words, "", "", "how well it is known, and agrees"),
-                 field("determined", &T::determined, "", "", "by these data"),
-                 field("structure", &T::structure, "", "", "what it belongs to"),
-                 field("recommended", &T::recommended, "", "", "no other answer is known better"),
-                 field("mode_hz", &T::mode_hz, "Hz", "", "of the mode that it belongs to"),
-                 field("reference", &T::reference, "", "", "as known otherwise")};
+  static constexpr auto fields = std::tuple{
+      field("key", &T::key, "", "", "the same in every report of the campaign"),
+      field("quantity", &T::quantity, "", "", ""),
+      field("value", &T::value, "", "", "SI; null: not determined"),
+      field("std", &T::std, "", "", "standard uncertainty"),
+      field("low", &T::low, "", "", "95 %; null: open"),
+      field("high", &T::high, "", "", "95 %; null: open"),
+      field(
+          "unit", [](const T& a) { return a.unit.empty() || a.unit == "%" ? "1" : a.unit; }, "", "",
+          ""),
+      field("how", &T::how, "", "", "what it was found from"),
+      field("verdict", &apps::verdict_words, "", "", "how well it is known, and agrees"),
+      field("determined", &T::determined, "", "", "by these data"),
+      field("structure", &T::structure, "", "", "what it belongs to"),
+      field("recommended", &T::recommended, "", "", "no other answer is known better"),
+      field("mode_hz", &T::mode_hz, "Hz", "", "of the mode that it belongs to"),
+      field("reference", &T::reference, "", "", "as known otherwise")};
 };
 
 }  // namespace rigfit::describe

@@ -12,7 +12,6 @@
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/page/answer.h"
 #include "apps/report/page/block_html.h"
-#include "apps/report/page/tables.h"
 
 namespace rigfit::apps {
 namespace {
@@ -146,7 +145,8 @@ class PageWriter {
           quantity.link = link_to(answer.anchor);
           verdict.doubtful = doubtful(answer);
           const char* synthetic = answer.origin == Origin::synthetic ? " (synthetic)" : "";
-          rows.push_back({std::move(quantity), value_words(answer), shown_unit(answer),
+          rows.push_back({std::move(quantity), value_words(answer),
+                          std::string(describe::shown_unit(answer.unit).name),
                           Cell(answer.how + synthetic, answer.origin), std::move(verdict)});
         }
       }
@@ -383,10 +383,6 @@ class PageWriter {
                       counted(frame_.inputs.size(), "input file") + " and their SHA-256"};
     for (const auto& [path, hash] : frame_.inputs) table.rows.push_back({path, hash});
     blocks_.add(table);
-    if (frame_.style == ReportStyle::lab && !frame_.times.empty()) {
-      blocks_.add(described_table("times", "Time of each stage of this report.",
-                                  describe::table_of(frame_.times), std::nullopt));
-    }
     html_ += blocks_.taken() + "</section>\n";
   }
 

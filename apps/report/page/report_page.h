@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <span>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -22,18 +21,6 @@ namespace rigfit::apps {
 /// a laboratory one page of both.
 enum class ReportStyle { lab, client };
 
-/// What a stage of a report's making took.
-struct StageTime {
-  std::string stage;
-  double wall_s = 0;
-
-  static constexpr auto fields() {
-    using T = StageTime;
-    return std::tuple{field("stage", &T::stage, "", "stage", ""),
-                      field("wall_s", &T::wall_s, "s", "time", "", 2)};
-  }
-};
-
 /// What frames the parts of a report.
 struct PageFrame {
   std::string title, source, description;
@@ -42,7 +29,6 @@ struct PageFrame {
   std::string repeat = {};  ///< command line that makes the report again
   std::vector<std::pair<std::string, std::string>> inputs = {};  ///< path, SHA-256
   std::vector<std::pair<std::string, std::string>> links = {};   ///< other pages: file, title
-  std::vector<StageTime> times = {};
 };
 
 /// report.html. `overview` (parts/parts.h) stands on the first page.

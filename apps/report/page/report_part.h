@@ -107,11 +107,6 @@ struct SummaryItem {
   std::optional<Origin> origin = std::nullopt;
 };
 
-/// A file of the report for other programs; `path` is relative to the report's folder.
-struct OutputFile {
-  std::string path, content;
-};
-
 /// A measured mode and the frequency that a model has for it.
 struct ModeOfModel {
   std::string label;  ///< label of the model: "model fitted", "published model, FE"
@@ -128,7 +123,6 @@ struct ReportPart {
   std::vector<SummaryItem> summary;
   std::vector<ident::Finding>
       warnings;  ///< of the document, raised when the parts are put together
-  std::vector<OutputFile> files;
   std::vector<ModeOfModel> modes;
   Json json = Json::object();  ///< merged into the document under the part's key
   std::string json_key;        ///< a list in the document that gets `json` appended; empty: none

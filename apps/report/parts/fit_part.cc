@@ -57,7 +57,7 @@ class Fit {
     for (const std::size_t test : fit_.tests) {
       tests += (tests.empty() ? "" : "; ") + campaign_.tests[test].title;
     }
-    const double allowed = fit_.model_std;
+    const double allowed = fit_.options.model_relative_std;
     return fmt::format("Fitted to {} in {} of: {}{}.", counted(measured_, "mode"),
                        counted(answer_.states.size(), "state"), tests,
                        allowed < 1e-5 ? std::string()
@@ -90,7 +90,7 @@ class Fit {
     if (parameter.state >= 0) answer.quantity += ", " + state_of(parameter.state);
     answer.how = "fitted to " + counted(measured_, "mode");
     answer.unit = named ? unit_of(target) : "";
-    answer.percent = answer.unit.empty() && shown_in_percent(target);
+    if (answer.unit.empty() && shown_in_percent(target)) answer.unit = "%";
     answer.value = parameter.value;
     answer.std = parameter.std;
     answer.low = parameter.low;
@@ -121,7 +121,8 @@ class Fit {
     table.columns.push_back({fit_.reference_name});
     for (std::size_t i = 0; i < result_.parameters.size(); ++i) {
       Answer answer = answer_of(result_.parameters[i]);
-      table.rows[i].front() = answer.quantity + (answer.unit.empty() ? "" : ", " + answer.unit);
+      const std::string unit = answer.unit == "%" ? "" : answer.unit;
+      table.rows[i].front() = answer.quantity + (unit.empty() ? "" : ", " + unit);
       table.rows[i].emplace_back(answer.reference ? shown(*answer.reference, 4) : "");
       part_.json["parameters"][i]["reference"] =
           answer.reference ? Json(*answer.reference) : Json(nullptr);
@@ -236,16 +237,6 @@ class Fit {
 };
 
 }  // namespace
-
-ident::FitInputs fit_inputs(const CampaignFit& fit, int threads) {
-  ident::FitInputs inputs{.title = fit.title, .tests = fit.tests, .free = {}, .options = {}};
-  for (const auto& parameter : fit.parameters) inputs.free.push_back(parameter.free);
-  inputs.options.starts = fit.starts;
-  inputs.options.threads = threads;
-  inputs.options.model_relative_std = fit.model_std;
-  inputs.options.hold_out = fit.hold_out;
-  return inputs;
-}
 
 ReportPart fit_part(const Campaign& campaign, const CampaignFit& fit,
                     const ident::CampaignFitOutcome& answer) {

@@ -1,5 +1,4 @@
 #include "apps/report/parts/parts.h"
-#include "signal/writers/write_uff.h"
 
 namespace rigfit::apps {
 namespace {
@@ -8,12 +7,9 @@ namespace {
 class ModalPart : public TestPart {
  public:
   ModalPart(const Campaign& campaign, const CampaignTest& test)
-      : TestPart(test, "recorded_modal", test.as<ModalTest>().inputs),
-        campaign_(campaign),
-        sensors_(test.as<ModalTest>().inputs.setup.sensors) {
+      : TestPart(test, "recorded_modal", test.as<ModalTest>().inputs), campaign_(campaign) {
     part_.id = test.name + "-recordings";
     part_.test = test.name;
-    if (test.scene) scene_ = &campaign.scenes[*test.scene].scene;
   }
 
   std::vector<ReportPart> show(ident::TestInputs&, ident::TestResult& result) override {
@@ -53,7 +49,7 @@ class ModalPart : public TestPart {
     if (hits_.rows.size() > 12)
       hits_.fold = fmt::format("All {} hits, {} rejected", hits, rejected);
     add(part_.blocks, std::move(hits_));
-    if (!scene_) short_report();
+    if (!test_.scene) short_report();
     add(part_.blocks, PlotGroup{test_.name + "-frfs", "Spectra and poles", std::move(tabs_)});
     part_.json["hits"] = hits;
     part_.json["hits_rejected"] = rejected;
@@ -87,10 +83,6 @@ class ModalPart : public TestPart {
       list_hits(state.places[p], state.hammer.tests[p], state.tension_N);
     }
     tell_state(state.findings, label);
-    if (state.modal) {
-      name_points(state.hammer.frfs.responses, state.hammer.frfs.inputs);
-      name_points(state.modal->model.responses, state.modal->model.inputs);
-    }
     const std::string word = file_word(label);
     auto plots = state.ambient
                      ? ambient_plots(test_.name + "-" + word, *state.ambient, state.origin)
@@ -107,16 +99,6 @@ class ModalPart : public TestPart {
     add_answers(state, label);
     add_rows(modes_, {label_of(state.tension_N)}, describe::table_of(state.modal->model.modes),
              state.origin);
-    const auto file = [&](const char* what) {
-      return fmt::format("uff/{}-{}-{}.uff", test_.name, what, file_word(label));
-    };
-    Json uff = Json::array();
-    if (state.hammer.accepted_hits() > 0) {
-      uff.push_back(file("frf"));
-      part_.files.push_back({file("frf"), signal::uff_text(state.hammer.frfs)});
-    }
-    uff.push_back(file("modes"));
-    part_.files.push_back({file("modes"), mode_file(scene_, state.modal->model)});
     const auto& modal = *state.modal;
     part_.json["states"].push_back(
         {{"tension_N", state.tension_N ? Json(*state.tension_N) : Json(nullptr)},
@@ -130,8 +112,7 @@ class ModalPart : public TestPart {
           modal.misfit_over_error_bars ? Json(*modal.misfit_over_error_bars) : Json(nullptr)},
          {"struck", std::move(struck)},
          {"modes", describe::json_of(modal.model.modes)},
-         {"rejected_columns", describe::json_of(modal.rejected)},
-         {"uff", std::move(uff)}});
+         {"rejected_columns", describe::json_of(modal.rejected)}});
   }
 
   /// A place left out is refused here: the campaign asked for it. A mode whose damping is refused
@@ -158,18 +139,6 @@ class ModalPart : public TestPart {
     }
   }
 
-  /// UFF node numbers and directions from the scene's sensors and loads.
-  void name_points(std::vector<signal::MeasuredPoint>& responses,
-                   std::vector<signal::MeasuredPoint>& inputs) const {
-    if (!scene_) return;
-    for (auto& response : responses) {
-      const auto other = sensors_.find(response.name);
-      const std::string& name = other == sensors_.end() ? response.name : other->second;
-      response = uff_point(*scene_, name, response.name);
-    }
-    for (auto& input : inputs) input = uff_point(*scene_, input.name, input.name);
-  }
-
   /// Frequencies and damping; on the first page only where no model says more.
   void add_answers(const ident::ModalTestState& found, const std::string& label) {
     const auto hits = static_cast<std::size_t>(found.hammer.frfs.averages);
@@ -184,7 +153,7 @@ class ModalPart : public TestPart {
                               how, "", mode.damping_ratio, found.origin);
       for (auto* one : {&f, &damping}) {
         one->mode_hz = mode.frequency_hz.value;
-        one->rank = scene_ ? 2 : 0;
+        one->rank = test_.scene ? 2 : 0;
         // A refused damping is a doubt about the damping only.
         if (mode.doubtful && !mode.damping_dominated_by_window) one->verdict = "doubtful mode";
       }
@@ -194,8 +163,6 @@ class ModalPart : public TestPart {
   }
 
   const Campaign& campaign_;
-  const std::map<std::string, std::string>& sensors_;  ///< by channel, where names differ
-  const model::Scene* scene_ = nullptr;                ///< null: points keep their numbers
   ReportTable hits_, modes_;
   std::vector<PlotTab> tabs_;
 };

@@ -164,14 +164,12 @@ void TestPart::tell(std::vector<ident::Finding> findings) {
 Answer TestPart::answer(const std::string& name, std::string quantity, std::string how,
                         std::string unit, const signal::Estimate& value, Origin origin,
                         std::optional<double> reference) const {
-  const bool percent = unit.empty();
   return {.key = test_.name + "/" + name,
           .quantity = std::move(quantity),
           .how = std::move(how),
-          .unit = std::move(unit),
+          .unit = unit.empty() ? "%" : std::move(unit),
           .value = value.value,
           .std = value.std,
-          .percent = percent,
           .reference = reference,
           .reference_name = reference ? test_.reference_name : "",
           .origin = origin,
@@ -185,12 +183,12 @@ void refuse(ReportPart& part, const std::string& code, const std::string& messag
 
 void add_answer(ReportPart& part, Answer answer, bool told) {
   if (told) {
-    const std::string unit = shown_unit(answer), interval = interval_words(answer);
-    std::string text = value_words(answer) + (unit.empty() ? "" : " " + unit);
+    const auto [unit, per_si] = describe::shown_unit(answer.unit);
+    const std::string interval = interval_words(answer);
+    std::string text = value_words(answer) + (unit.empty() ? "" : " ") + std::string(unit);
     if (!interval.empty()) text += fmt::format(" (95 %: {})", interval);
     if (answer.reference) {
-      text += fmt::format("; {} {}", answer.reference_name,
-                          shown((answer.percent ? 100 : 1) * *answer.reference, 5));
+      text += fmt::format("; {} {}", answer.reference_name, shown(per_si * *answer.reference, 5));
     }
     part.summary.push_back({SummaryItem::Kind::result, answer.quantity, text, answer.origin});
   }
@@ -199,6 +197,11 @@ void add_answer(ReportPart& part, Answer answer, bool told) {
 
 std::string percent_words(double ratio) {
   return std::isfinite(ratio) ? shown(100 * ratio, 3) + " %" : std::string("–");
+}
+
+std::string file_word(std::string label) {
+  std::erase_if(label, [](unsigned char c) { return !std::isalnum(c) && c != '.' && c != '-'; });
+  return label.empty() ? "state" : label;
 }
 
 std::string label_of(std::optional<double> tension_N) {

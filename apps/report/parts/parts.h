@@ -15,7 +15,6 @@
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/recordings.h"
 #include "apps/report/figures/figures.h"
-#include "apps/results/modal_files.h"
 #include "apps/results/results_json.h"
 #include "ident/campaign/campaign.h"
 
@@ -43,7 +42,8 @@ class TestPart {
  protected:
   virtual void take(LoadedRecording entry, const RecordingGroup& group);
   void tell(std::vector<ident::Finding> findings);
-  /// `name`: the key within the test; `reference`: as known otherwise.
+  /// `name`: the key within the test; `unit`: empty for a ratio in percent; `reference`: as known
+  /// otherwise.
   [[nodiscard]] Answer answer(const std::string& name, std::string quantity, std::string how,
                               std::string unit, const signal::Estimate& value, Origin origin,
                               std::optional<double> reference = std::nullopt) const;
@@ -70,7 +70,6 @@ using TestPartPtr = std::unique_ptr<TestPart>;
 [[nodiscard]] ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                                     const std::vector<ident::ModalState>& states);
 
-[[nodiscard]] ident::FitInputs fit_inputs(const CampaignFit& fit, int threads);
 /// A fit of the campaign: what was fitted to which tests, what came out with which uncertainty,
 /// errors before, after and of states held out, FRFs laid over the test.
 [[nodiscard]] ReportPart fit_part(const Campaign& campaign, const CampaignFit& fit,
@@ -94,6 +93,8 @@ void add_answer(ReportPart& part, Answer answer, bool told = true);
 
 /// "0.82 %"; a dash where there is none.
 [[nodiscard]] std::string percent_words(double ratio);
+/// A label as a part of a file's name: "200 N" -> "200N".
+[[nodiscard]] std::string file_word(std::string label);
 /// "200 N"; empty for the only state of a test.
 [[nodiscard]] std::string label_of(std::optional<double> tension_N);
 
