@@ -66,7 +66,7 @@ struct BenchStudy {
 [[nodiscard]] model::Scene bench_released_cable();
 
 /// Large motions: "steps" compares integrators on the same segments with the explicit scheme at a
-/// fraction of its step (its own error: against a step one and a half times as long, by its order);
+/// fraction of its step (its own error: against a step one and a half times as long);
 /// "segments" compares numbers of segments with many (own error: against two thirds as many).
 /// Sensors of acceleration and velocity are read as displacements: the accelerations of a cut
 /// string hold frequencies up to where the segments end. A scene whose loads are records is skipped

@@ -18,8 +18,10 @@ namespace rigfit::apps {
 [[nodiscard]] Json bending_json(const ident::BendingCampaign& campaign,
                                 const ident::BendingCampaignResult& result);
 
-/// The hits of one place struck, accepted and rejected.
-[[nodiscard]] Json hits_json(const ident::StruckPlace& place, const signal::ImpactTest& test);
+/// `hits[]` of a hammer test, accepted and rejected; each with the point `struck` when the hammer
+/// roves.
+[[nodiscard]] Json hits_json(const std::vector<ident::StruckPlace>& places,
+                             const ident::HammerTest& test);
 
 /// A document that the program wrote, with that key. `by`: the command that writes one.
 /// Throws model::SceneError for another file.

@@ -10,7 +10,6 @@
 #include "model/scene/toml_table.h"
 #include "signal/readers/csv_fields.h"
 #include "signal/readers/mapped_file.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::apps {
 namespace {
@@ -19,16 +18,12 @@ using signal::CsvField;
 using signal::FieldKind;
 
 TextTable::Column column_of(const signal::TitledUnit& title) {
-  TextTable::Column column{title.name, title.unit};
-  if (title.unit.empty()) return column;
-  const auto unit = signal::parse_unit(title.unit);
-  if (title.name.ends_with(title.unit)) {
-    // Behind an underscore many a word looks like a unit ("f_in"): forces and frequencies only.
-    if (unit && (unit->si == "N" || unit->si == "Hz")) column.si_per_number = unit->factor;
-    return column;
+  TextTable::Column column{title.name, title.unit, signal::parse_unit(title.unit)};
+  // Behind an underscore many a word looks like a unit ("f_in"): forces and frequencies only.
+  const bool in_name = title.name.ends_with(title.unit);
+  if (in_name && !(column.si && (column.si->si == "N" || column.si->si == "Hz"))) {
+    column.si = signal::Unit();
   }
-  column.known_unit = unit.has_value();
-  if (unit) column.si_per_number = unit->factor, column.si_offset = unit->offset;
   return column;
 }
 
@@ -118,11 +113,11 @@ double TextTable::number(const Row& row, std::size_t column) const {
                      "value",
                      decimal == ',' ? "comma" : "point"));
   }
-  if (!of.known_unit) {
+  if (!of.si) {
     fail(fmt::format("the unit \"{}\" of column \"{}\" is not known", of.unit, of.name),
          "give the column in SI units");
   }
-  return value * of.si_per_number + of.si_offset;
+  return value * of.si->factor + of.si->offset;
 }
 
 void fill_row(const TextTable& table, const TextTable::Row& row, const describe::Options& options) {

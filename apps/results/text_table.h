@@ -9,20 +9,21 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "apps/describe/option.h"
+#include "signal/recording/units.h"
 
 namespace rigfit::apps {
 
 struct TextTable {
   struct Column {
-    std::string name;  ///< without a unit in brackets
-    std::string unit;  ///< as written; empty: none
-    double si_per_number = 1, si_offset = 0;
-    bool known_unit = true;  ///< false: numbers cannot be had in SI
+    std::string name;                ///< without a unit in brackets
+    std::string unit;                ///< as written; empty: none
+    std::optional<signal::Unit> si;  ///< empty: numbers cannot be had in SI
   };
   struct Row {
     long line = 0;  ///< in the file, 1-based

@@ -93,27 +93,6 @@ TEST_F(LaboratoryReport, FittedModelPredictsTheStringsCut) {
   EXPECT_EQ(compared, 3);
 }
 
-TEST_F(LaboratoryReport, FilesForOtherProgramsReadBack) {
-  int frfs = 0, modes = 0;
-  for (const auto& test : document_["recorded_modal"]) {
-    for (const auto& state : test["states"]) {
-      for (const auto& column : state["rejected_columns"]) EXPECT_NE(column["reason"], "");
-      const std::string frf = state["uff"][0], shapes = state["uff"][1];
-      const auto set = signal::read_frfs({folder_->path() / frf});
-      EXPECT_EQ(set.responses.size(), state["responses"].size());
-      EXPECT_EQ(set.averages, state["averages"].get<int>());
-      EXPECT_GT(set.H_std.size(), 0);
-      ++frfs;
-      const std::string text = folder_->read(shapes);
-      EXPECT_THAT(text, HasSubstr("\n    55"));
-      EXPECT_THAT(text, HasSubstr("\n    15"));
-      ++modes;
-    }
-  }
-  EXPECT_GE(frfs, 9);
-  EXPECT_EQ(frfs, modes);
-}
-
 constexpr const char* kBroken = R"(title = "Broken recordings"
 [[scene]]
 name = "beam"
@@ -219,7 +198,7 @@ TEST_F(BrokenRecordings, AreNamedInTheirPlaceAndTheRestGoesOn) {
     EXPECT_THAT(run.err, HasSubstr(name));
   }
   std::set<std::string> rejected;
-  for (const auto& hit : beam["states"][0]["struck"][0]["hits"]) {
+  for (const auto& hit : beam["states"][0]["hits"]) {
     if (!hit["accepted"].get<bool>()) {
       rejected.insert(fs::path(hit["file"].get<std::string>()).filename().string());
     }
@@ -263,7 +242,6 @@ synthetic = true
   const double modelled = answer["modes"][0]["frequency_hz"]["value"];
   // The record has seven digits and the same samples: the same estimate to about 1e-6.
   EXPECT_NEAR(first["modes"][0]["frequency_hz"]["value"], modelled, 1e-4 * modelled);
-  EXPECT_THAT(folder.read("out/report.html"), HasSubstr("Spectra, test and model"));
 }
 
 }  // namespace rigfit::apps::recorded_report_test

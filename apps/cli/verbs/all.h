@@ -89,9 +89,6 @@ struct ImpactRun {
 /// FRFs are empty and `context.refuse` has said why and what can be had.
 [[nodiscard]] ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command);
 
-/// `hits[]`, as `frf` gives them; each with the point `struck` when the hammer roves.
-[[nodiscard]] Json hits_json(const ImpactRun& run);
-
 /// Adds a column to a table that is written as CSV.
 void add_column(signal::Recording& table, std::string name, const std::string& unit,
                 Eigen::VectorXd samples);

@@ -80,7 +80,7 @@ Json run(FrfCommand& options, VerbContext& context) {
   const auto measured = std::ranges::find_if(
       hammer.tests, [](const auto& test) { return !test.search.hits.empty(); });
   const signal::HitSearch& search = measured->search;
-  Json result{{"hits", hits_json(run)},
+  Json result{{"hits", hits_json(run.places, hammer)},
               {"averages", frfs.averages},
               {"frequency_resolution_hz",
                search.sample_rate_hz / static_cast<double>(search.block_samples)},

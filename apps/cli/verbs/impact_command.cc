@@ -84,15 +84,4 @@ ImpactRun run_impact_test(VerbContext& context, const ImpactCommand& command) {
   return run;
 }
 
-Json hits_json(const ImpactRun& run) {
-  Json hits = Json::array();
-  for (std::size_t p = 0; p < run.places.size(); ++p) {
-    for (auto& hit : hits_json(run.places[p], run.test.tests[p])) {
-      if (!run.places[p].name.empty()) hit["struck"] = run.places[p].name;
-      hits.push_back(std::move(hit));
-    }
-  }
-  return hits;
-}
-
 }  // namespace rigfit::apps

@@ -125,7 +125,7 @@ Json run(ModalCommand& options, VerbContext& context) {
   const MeasuredFrfs measured = frfs_of(options, context);
   if (context.at_hand) context.at_hand->frfs = std::make_shared<signal::FrfSet>(measured.frfs);
   Json result{{"modes", Json::array()}};
-  if (measured.run) result["hits"] = hits_json(*measured.run);
+  if (measured.run) result["hits"] = hits_json(measured.run->places, measured.run->test);
   if (measured.frfs.frequency_hz.size() == 0) return result;  // refused, and said why
 
   signal::ModalOptions modal;

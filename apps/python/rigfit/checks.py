@@ -56,13 +56,6 @@ def text(argument, value):
     return value
 
 
-def choice(argument, value, known):
-    """One of the words."""
-    if not isinstance(value, str) or value not in known:
-        fail(argument, f"must be one of {', '.join(known)}, not {kind(value)}")
-    return value
-
-
 def path(argument, value):
     """A file name as str."""
     if hasattr(value, "read"):
@@ -92,17 +85,6 @@ def new_file(argument, value):
     if not os.path.isdir(folder):
         fail(argument, f"cannot be written: there is no folder {folder}")
     return value
-
-
-def sequence(argument, value):
-    """A list of what may be one or several."""
-    if isinstance(value, (str, os.PathLike)):
-        return [value]
-    if isinstance(value, (list, tuple)):
-        if not value:
-            fail(argument, "is empty")
-        return list(value)
-    fail(argument, f"must be one or a list of them, not {kind(value)}")
 
 
 def numbers(argument, value, **limits):

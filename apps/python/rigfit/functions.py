@@ -154,7 +154,11 @@ def write_modes(argument, given, folder):
         value = value.value if isinstance(value, Estimate) else value
         if value is None:
             return ""
-        return checks.choice(entry, value, ("in", "out", "any")) if column == "plane" else repr(checks.number(entry, value))
+        if column != "plane":
+            return repr(checks.number(entry, value))
+        if value not in ("in", "out", "any"):
+            checks.fail(entry, f"must be one of in, out, any, not {checks.kind(value)}")
+        return value
     lines = [",".join(columns)] + [",".join(cell(f"{argument}[{i}].{key}", key, row.get(key)) for key in columns)
                                    for i, row in enumerate(rows)]
     file = pathlib.Path(folder) / f"{argument.replace('[', '_').replace(']', '')}.csv"

@@ -63,7 +63,9 @@ class Recording(Sequence):
         start = checks.number("start_time_s", start_time_s)
         if isinstance(channels, Mapping):
             channels = [{"name": key, "data": data} for key, data in channels.items()]
-        channels = checks.sequence("channels", [channels] if isinstance(channels, Channel) else channels)
+        channels = [channels] if isinstance(channels, Channel) else channels
+        if not isinstance(channels, (list, tuple)) or not channels:
+            checks.fail("channels", f"must be a dict or a list of channels, not {checks.kind(channels)}")
         if units is not None and not isinstance(units, Mapping):
             checks.fail("units", f"must be a dict of channel name to unit, not {checks.kind(units)}")
         rates, given = set(), []

@@ -65,11 +65,9 @@ inline constexpr double kNormal95 = 1.959963984540054;
                                 const std::vector<ident::RecordedDecay>& decays);
 
 /// The model's response to the same release or tap: record and responses over the first half
-/// second, and their spectra up to `high_hz` (0: all). Empty where nothing could be computed.
-[[nodiscard]] std::vector<Plot> release_plots(const std::string& id,
-                                              const ident::RecordedDecay& decay,
-                                              const std::vector<ident::ReleaseAnswer>& answers,
-                                              double high_hz);
+/// second. Empty series where nothing could be computed.
+[[nodiscard]] Plot release_plot(const std::string& id, const ident::RecordedDecay& decay,
+                                const std::vector<ident::ReleaseAnswer>& answers);
 
 // Hammer tests
 

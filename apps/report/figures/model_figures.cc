@@ -14,7 +14,7 @@ void add_samples(PlotSeries& series, const Eigen::Ref<const Eigen::VectorXd>& sa
 }
 
 PlotSeries amplitude_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, double rate_hz,
-                              double high_hz, PlotSeries series) {
+                              PlotSeries series) {
   const Index n = samples.size();
   Eigen::VectorXd windowed(n);
   const double mean = samples.mean();
@@ -25,7 +25,7 @@ PlotSeries amplitude_spectrum(const Eigen::Ref<const Eigen::VectorXd>& samples, 
   const Index length = signal::good_fft_length(n);
   const Eigen::VectorXcd lines = signal::real_spectra(windowed, length).col(0);
   const Eigen::VectorXd frequency = signal::line_frequencies(length, rate_hz);
-  for (Index k = 1; k < lines.size() && (high_hz <= 0 || frequency[k] <= high_hz); ++k) {
+  for (Index k = 1; k < lines.size(); ++k) {
     series.add(frequency[k], 4 * std::abs(lines[k]) / static_cast<double>(n));
   }
   return series;
@@ -58,15 +58,15 @@ std::vector<Plot> response_plots(const std::string& id, const model::Scene& scen
       same = spectra.end() - 1;
     }
     same->series.push_back(amplitude_spectrum(
-        response.samples.col(s), response.rate_hz, 0,
+        response.samples.col(s), response.rate_hz,
         {response.sensors[k], Origin::modelled, static_cast<int>(same->series.size())}));
   }
   std::move(spectra.begin(), spectra.end(), std::back_inserter(plots));
   return plots;
 }
 
-std::vector<Plot> release_plots(const std::string& id, const ident::RecordedDecay& decay,
-                                const std::vector<ident::ReleaseAnswer>& answers, double high_hz) {
+Plot release_plot(const std::string& id, const ident::RecordedDecay& decay,
+                  const std::vector<ident::ReleaseAnswer>& answers) {
   constexpr double kBefore_s = 0.02, kFirst_s = 0.5;
   const bool large =
       std::ranges::any_of(answers, [](const auto& answer) { return answer.response.nonlinear; });
@@ -77,24 +77,15 @@ std::vector<Plot> release_plots(const std::string& id, const ident::RecordedDeca
                         "fitted to this record.",
                         large ? "computed with its large motion" : "linear"),
             "time, s", fmt::format("{}, {}", decay.channel, unit)};
-  Plot spectra{id + "-spectrum",
-               "Spectra, test and model",
-               "Amplitudes by frequency of both, over the same time after the start.",
-               "frequency, Hz",
-               "amplitude, " + unit,
-               false,
-               true};
-  const Eigen::VectorXd record = ident::filled(decay.samples);
-  Index first = -1, common = 0;
+  Index first = -1;
   const auto add = [&](PlotSeries series, const auto& samples, Index start) {
     const double t0 = static_cast<double>(first) / decay.sample_rate_hz;
-    for (Index i = 0; i < samples.size() && start + i < record.size(); ++i) {
+    for (Index i = 0; i < samples.size() && start + i < decay.samples.size(); ++i) {
       const double t = static_cast<double>(start + i) / decay.sample_rate_hz;
       if (t >= t0 - kBefore_s && t <= t0 + kFirst_s) series.add(decay.start_time_s + t, samples[i]);
     }
     plot.add(std::move(series));
   };
-  const PlotSeries test{"test", decay.origin};
   for (std::size_t k = 0; k < answers.size(); ++k) {
     const auto& answer = answers[k];
     if (!answer.failure.empty()) continue;
@@ -102,20 +93,13 @@ std::vector<Plot> release_plots(const std::string& id, const ident::RecordedDeca
     const PlotSeries series{
         "rigfit model, " + answer.label, Origin::modelled, static_cast<int>(answers.size() - k),
         k + 1 < answers.size() ? PlotSeries::Style::dashed : PlotSeries::Style::line};
-    const auto model = answer.response.samples.col(0);
-    const Index length = std::min(record.size() - answer.start, model.size());
     if (first < 0) {
-      first = answer.start, common = length;
-      add(test, decay.samples, 0);
-      spectra.add(
-          amplitude_spectrum(record.segment(first, common), decay.sample_rate_hz, high_hz, test));
+      first = answer.start;
+      add({"test", decay.origin}, decay.samples, 0);
     }
-    add(series, model, answer.start);
-    spectra.add(amplitude_spectrum(model.head(std::min(common, length)), decay.sample_rate_hz,
-                                   high_hz, series));
+    add(series, answer.response.samples.col(0), answer.start);
   }
-  if (first < 0) return {};
-  return {std::move(plot), std::move(spectra)};
+  return plot;
 }
 
 std::vector<Plot> recording_plots(const std::string& id, const signal::Recording& recording,

@@ -67,10 +67,8 @@ class DecayPart : public TestPart {
     add_rows(table_, {short_name(decay.file), decay.channel, at, "record"},
              describe::table_of(decay.result.modes), decay.origin);
     if (!answers.empty()) {
-      for (auto& plot : release_plots(id, decay, answers,
-                                      test_.as<DecayTest>().inputs.options.decay.band_high_hz)) {
-        tab.plots.push_back(std::move(plot));
-      }
+      tab.plots.push_back(release_plot(id, decay, answers));
+      if (tab.plots.back().series.empty()) tab.plots.pop_back();
       json["models"] = Json::array();
       for (const auto& answer : answers) {
         if (!answer.failure.empty()) {

@@ -76,12 +76,10 @@ class ModalPart : public TestPart {
 
   void show(ident::ModalTestState& state) {
     const std::string label = ident::state_label(state.tension_N);
-    Json struck = Json::array();
     for (std::size_t p = 0; p < state.hammer.tests.size(); ++p) {
-      struck.push_back({{"load", state.places[p].name},
-                        {"hits", hits_json(state.places[p], state.hammer.tests[p])}});
       list_hits(state.places[p], state.hammer.tests[p], state.tension_N);
     }
+    Json hits = hits_json(state.places, state.hammer);
     tell_state(state.findings, label);
     const std::string word = file_word(label);
     auto plots = state.ambient
@@ -110,7 +108,7 @@ class ModalPart : public TestPart {
          {"band_hz", {modal.low_hz, modal.high_hz}},
          {"misfit_over_error_bars",
           modal.misfit_over_error_bars ? Json(*modal.misfit_over_error_bars) : Json(nullptr)},
-         {"struck", std::move(struck)},
+         {"hits", std::move(hits)},
          {"modes", describe::json_of(modal.model.modes)},
          {"rejected_columns", describe::json_of(modal.rejected)}});
   }
