@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/describe/json_of.h"
+#include "apps/describe/sheet.h"
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/page/tables.h"
 #include "signal/numerics/estimate.h"
 
 namespace rigfit::apps {

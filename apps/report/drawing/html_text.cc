@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "signal/recording/units.h"
 
@@ -50,6 +51,18 @@ std::string shown_percent(double ratio) {
                                             : fmt::format("{:.1f}", std::abs(percent));
   const bool zero = text.find_first_not_of("0.") == std::string::npos;
   return (zero ? "" : ratio < 0 ? "−" : "+") + text + " %";
+}
+
+std::string with_signs(std::string text) {
+  if (text == "-") return "–";
+  if (text.starts_with('-')) text.replace(0, 1, "−");
+  for (const auto& [plain, written] :
+       {std::pair{"+-", "±"}, std::pair{" m2", " m²"}, std::pair{"chi2", "χ²"}}) {
+    if (const auto at = text.find(plain); at != std::string::npos) {
+      text.replace(at, std::string_view(plain).size(), written);
+    }
+  }
+  return text;
 }
 
 std::string csv_quoted(std::string_view text) {

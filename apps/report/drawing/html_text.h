@@ -14,6 +14,8 @@ namespace rigfit::apps {
 [[nodiscard]] std::string shown(double value, int digits = 4);
 /// A ratio as percent with sign: "+1.24 %".
 [[nodiscard]] std::string shown_percent(double ratio);
+/// Text of a terminal with the signs of print: "±", "−", "m²".
+[[nodiscard]] std::string with_signs(std::string text);
 /// A cell of text for CSV.
 [[nodiscard]] std::string csv_quoted(std::string_view text);
 /// "1 state", "4 states".

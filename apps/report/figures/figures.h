@@ -71,16 +71,6 @@ inline constexpr double kNormal95 = 1.959963984540054;
 
 // Hammer tests
 
-/// Lines of a set from low_hz to high_hz.
-struct LineRange {
-  Eigen::Index first = 0, last = -1;
-};
-[[nodiscard]] LineRange lines_between(const signal::FrfSet& frfs, double low_hz, double high_hz);
-
-/// Unwrapped along the lines whose phase is known to about 20 degrees; the others are gaps.
-[[nodiscard]] Plot phase_plot(const std::string& id, const signal::FrfSet& frfs,
-                              const LineRange& range, Origin origin);
-
 struct HammerFigures {
   const std::vector<ident::StruckPlace>* places = nullptr;  ///< null: FRFs from a file
   const ident::HammerTest* test = nullptr;                  ///< null: FRFs from a file
@@ -100,8 +90,8 @@ struct HammerFigures {
 [[nodiscard]] std::vector<Plot> ambient_plots(const std::string& id,
                                               const signal::AmbientResult& found, Origin origin);
 
-/// Magnitudes of the test with their band, and of every version; empty series when nothing could be
-/// computed.
+/// Magnitudes of the test with their band, and of every version under the test's exponential
+/// window; empty series when nothing could be computed.
 [[nodiscard]] Plot frf_overlay_plot(const std::string& id, const ident::ModalTestState& recorded,
                                     const ident::Instrumented& rig,
                                     const std::vector<ident::ModelVersion>& versions);

@@ -19,6 +19,20 @@ std::string frf_name(const signal::FrfSet& frfs, Index response, Index input) {
   return name + " / " + frfs.inputs[static_cast<std::size_t>(input)].name;
 }
 
+/// Lines of a set.
+struct LineRange {
+  Index first = 0, last = -1;
+};
+
+LineRange lines_between(const signal::FrfSet& frfs, double low_hz, double high_hz) {
+  LineRange range;
+  const auto& f = frfs.frequency_hz;
+  while (range.first < f.size() && (f[range.first] < low_hz || f[range.first] <= 0)) ++range.first;
+  range.last = range.first - 1;
+  while (range.last + 1 < f.size() && f[range.last + 1] <= high_hz) ++range.last;
+  return range;
+}
+
 /// A series for each FRF; `value(line, column)`.
 template <class Value>
 void add_frfs(Plot& plot, const signal::FrfSet& frfs, const LineRange& range, Origin origin,
@@ -134,6 +148,18 @@ void add_rebuilt(Plot& plot, const signal::FrfSet& rebuilt) {
   }
 }
 
+Plot phase_plot(const std::string& id, const signal::FrfSet& frfs, const LineRange& range,
+                Origin origin) {
+  Plot plot{id, "Frequency response, phase",
+            "By how much the response leads the force, without jumps of a whole turn. It falls by "
+            "180° at every mode and rises by as much at every antiresonance. Lines whose phase is "
+            "not known to 20° are left out.",
+            "frequency, Hz", "phase, degrees"};
+  add_frfs(plot, frfs, range, origin, [](Index, Index) { return 0.0; });
+  for (auto& series : plot.series) series.y = unwrapped(frfs, range, series.variant);
+  return plot;
+}
+
 Plot coherence_plot(const std::string& id, const signal::FrfSet& frfs, const LineRange& range,
                     Origin origin) {
   Plot plot{id, "Coherence",
@@ -228,27 +254,6 @@ Plot channel_shapes_plot(const std::string& id, const signal::AmbientResult& fou
 
 }  // namespace
 
-LineRange lines_between(const signal::FrfSet& frfs, double low_hz, double high_hz) {
-  LineRange range;
-  const auto& f = frfs.frequency_hz;
-  while (range.first < f.size() && (f[range.first] < low_hz || f[range.first] <= 0)) ++range.first;
-  range.last = range.first - 1;
-  while (range.last + 1 < f.size() && f[range.last + 1] <= high_hz) ++range.last;
-  return range;
-}
-
-Plot phase_plot(const std::string& id, const signal::FrfSet& frfs, const LineRange& range,
-                Origin origin) {
-  Plot plot{id, "Frequency response, phase",
-            "By how much the response leads the force, without jumps of a whole turn. It falls by "
-            "180° at every mode and rises by as much at every antiresonance. Lines whose phase is "
-            "not known to 20° are left out.",
-            "frequency, Hz", "phase, degrees"};
-  add_frfs(plot, frfs, range, origin, [](Index, Index) { return 0.0; });
-  for (auto& series : plot.series) series.y = unwrapped(frfs, range, series.variant);
-  return plot;
-}
-
 std::vector<Plot> hammer_plots(const HammerFigures& of) {
   const auto id = [&](const char* what) {
     return fmt::format("{}-{}{}{}", of.name, what, of.state.empty() ? "" : "-", of.state);
@@ -307,39 +312,28 @@ Plot frf_overlay_plot(const std::string& id, const ident::ModalTestState& record
                       const ident::Instrumented& rig,
                       const std::vector<ident::ModelVersion>& versions) {
   constexpr Index kMostLines = 1500;  // computed of each version
-  const auto& found = *recorded.modal;
-  const auto* frfs = &recorded.hammer.frfs;
-  LineRange range = lines_between(*frfs, found.low_hz, found.high_hz);
-  Eigen::VectorXd lines = frfs->frequency_hz.segment(range.first, range.last - range.first + 1);
-  // An exponential window lowers every peak of the measured FRFs; the model has none. Then the test
-  // is shown by its identified modes, from which the window's damping has been taken.
-  const bool windowed =
-      frfs->exponential_decay_rate_1_s > 0 && recorded.has_modes() && lines.size() > 0;
-  signal::FrfSet rebuilt;
-  if (windowed) {
-    rebuilt = signal::synthesised(found.model, lines, frfs->form, 0);
-    rebuilt.unit = frfs->unit;
-    frfs = &rebuilt, range = {0, lines.size() - 1};
-  }
-  Plot plot = magnitude_plot(id, *frfs, range, recorded.origin);
+  const auto& frfs = recorded.hammer.frfs;
+  const double window = frfs.exponential_decay_rate_1_s;
+  const auto range = lines_between(frfs, recorded.modal->low_hz, recorded.modal->high_hz);
+  Eigen::VectorXd lines = frfs.frequency_hz.segment(range.first, range.last - range.first + 1);
+  Plot plot = magnitude_plot(id, frfs, range, recorded.origin);
   plot.title = "Frequency response, test and model";
-  plot.caption = std::string(windowed ? "The test, rebuilt from its modes without the damping of "
-                                        "the exponential window,"
-                                      : "The test's average with its 95 % band,") +
-                 " and the model's response to the same force.";
-  for (auto& series : plot.series) series.name += windowed ? ", test (no window)" : ", test";
+  plot.caption =
+      "The test's average with its 95 % band, and the model's response to the same force";
+  plot.caption += window > 0 ? ", both under the exponential window." : ".";
+  for (auto& series : plot.series) series.name += ", test";
   const std::size_t columns = rig.response.size() * rig.input.size();
   const Index every = 1 + lines.size() / kMostLines;
   lines = lines(Eigen::seq(0, Eigen::last, every)).eval();
   for (std::size_t v = 0; v < versions.size(); ++v) {
-    const auto model = model::synthesize_frfs(versions[v].scene, lines);
+    const auto model = model::synthesize_frfs(versions[v].scene, lines, {}, window);
     if (model.H.empty()) continue;
     for (std::size_t c = 0; c < columns; ++c) {
       const auto s = static_cast<Index>(c / rig.input.size()),
                  l = static_cast<Index>(c % rig.input.size());
       // Sensors have a colour each; a single one leaves the colours to the versions. The last
       // version is what the report stands for; those before it are broken lines.
-      PlotSeries series{frf_name(*frfs, rig.response[static_cast<std::size_t>(s)],
+      PlotSeries series{frf_name(frfs, rig.response[static_cast<std::size_t>(s)],
                                  rig.input[static_cast<std::size_t>(l)]) +
                             ", " + versions[v].label,
                         Origin::modelled, static_cast<int>(columns > 1 ? c : v + 1),

@@ -5,9 +5,8 @@
 #include <cctype>
 #include <cmath>
 
-#include "apps/describe/json_of.h"
+#include "apps/describe/sheet.h"
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/page/tables.h"
 #include "model/scene/parameters.h"
 
 namespace rigfit::apps {

@@ -46,12 +46,8 @@ std::string BlockHtml::head(const std::string& title, const std::string& more) {
       "<meta name=\"color-scheme\" content=\"light dark\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src "
       "'unsafe-inline'; style-src 'unsafe-inline'; img-src data:\">\n"
-      "<link rel=\"icon\" href=\"data:,\">\n<title>{}</title>\n{}{}</head>\n",
-      escaped(title), styles(), more);
-}
-
-std::string BlockHtml::styles() {
-  return fmt::format("<style>{}{}</style>\n", assets::report_css, palette_css());
+      "<link rel=\"icon\" href=\"data:,\">\n<title>{}</title>\n<style>{}{}</style>\n{}</head>\n",
+      escaped(title), assets::report_css, palette_css(), more);
 }
 
 std::string BlockHtml::script() { return fmt::format("<script>{}</script>\n", assets::figures_js); }

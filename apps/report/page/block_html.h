@@ -30,8 +30,6 @@ class BlockHtml {
 
   /// Begin of a page that loads nothing, to the end of its head. `more`: elements of the head.
   [[nodiscard]] static std::string head(const std::string& title, const std::string& more = {});
-  /// Style sheets of a page with blocks: a style element for its head.
-  [[nodiscard]] static std::string styles();
   /// The script that zooms figures and switches tabs: for the end of its body.
   [[nodiscard]] static std::string script();
 

@@ -9,6 +9,7 @@
 
 #include "apps/cli/assets.h"
 #include "apps/cli/warning_lines.h"
+#include "apps/describe/sheet.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/page/answer.h"
 #include "apps/report/page/block_html.h"

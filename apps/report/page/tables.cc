@@ -11,18 +11,6 @@
 
 namespace rigfit::apps {
 
-std::string with_signs(std::string text) {
-  if (text == "-") return "–";
-  if (text.starts_with('-')) text.replace(0, 1, "−");
-  for (const auto& [plain, written] :
-       {std::pair{"+-", "±"}, std::pair{" m2", " m²"}, std::pair{"chi2", "χ²"}}) {
-    if (const auto at = text.find(plain); at != std::string::npos) {
-      text.replace(at, std::string_view(plain).size(), written);
-    }
-  }
-  return text;
-}
-
 void add_rows(ReportTable& table, std::vector<Cell> front, const describe::Table& rows,
               std::optional<Origin> origin) {
   const bool first = table.columns.size() == front.size();

@@ -11,9 +11,6 @@
 
 namespace rigfit::apps {
 
-/// Text of a terminal with the signs of print: "±", "−", "m²".
-[[nodiscard]] std::string with_signs(std::string text);
-
 /// Rows of a described list below those that the table has, the first one with `front` before it.
 /// The first list gives the columns. Remarks stand out.
 void add_rows(ReportTable& table, std::vector<Cell> front, const describe::Table& rows,

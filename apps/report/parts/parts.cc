@@ -84,21 +84,6 @@ void add_recordings(ReportPart& part, const CampaignTest& test,
   part.json["recordings"] = std::move(list);
 }
 
-/// The scene with most members among those of the tests, else of all.
-const model::Scene* largest_scene(const Campaign& campaign) {
-  const model::Scene* largest = nullptr;
-  const auto take = [&](const model::Scene& scene) {
-    if (!largest || scene.members.size() > largest->members.size()) largest = &scene;
-  };
-  for (const auto& test : campaign.tests) {
-    if (test.scene) take(campaign.scenes[*test.scene].scene);
-  }
-  if (!largest) {
-    for (const auto& one : campaign.scenes) take(one.scene);
-  }
-  return largest;
-}
-
 /// Frequencies of the models over those of the tests, every mode of every test.
 Plot all_modes_plot(const std::vector<ReportPart>& parts) {
   Plot plot{"model-against-test",
@@ -212,9 +197,9 @@ ReportPart overview_part(const Campaign& campaign, const std::vector<ReportPart>
   ReportPart part;
   part.id = "overview";
   part.title = "Overview";
-  if (const auto* scene = largest_scene(campaign)) {
-    part.blocks.push_back(rig_picture(*scene));
-  }
+  const auto largest = std::ranges::max_element(
+      campaign.scenes, {}, [](const auto& one) { return one.scene.members.size(); });
+  if (largest != campaign.scenes.end()) part.blocks.push_back(rig_picture(largest->scene));
   add(part.blocks, all_modes_plot(parts));
   return part;
 }

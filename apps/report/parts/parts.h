@@ -75,7 +75,7 @@ using TestPartPtr = std::unique_ptr<TestPart>;
 [[nodiscard]] ReportPart fit_part(const Campaign& campaign, const CampaignFit& fit,
                                   const ident::CampaignFitOutcome& answer);
 
-/// What the first page shows besides the answers: the largest scene that a test names, to scale,
+/// What the first page shows besides the answers: the largest scene, to scale,
 /// and all modes of the other parts against the model.
 [[nodiscard]] ReportPart overview_part(const Campaign& campaign,
                                        const std::vector<ReportPart>& parts);

@@ -209,7 +209,8 @@ DecayTest run_decay_test(const TestRecording& recorded, const DecayTestOptions& 
   return test;
 }
 
-Eigen::VectorXd filled(const Eigen::VectorXd& samples) {
+/// `samples` with the mean in place of missing ones.
+static Eigen::VectorXd filled(const Eigen::VectorXd& samples) {
   double sum = 0, count = 0;
   for (const double v : samples) {
     if (std::isfinite(v)) sum += v, ++count;

@@ -108,9 +108,6 @@ struct ReleaseAnswer {
 [[nodiscard]] const signal::DecayMode* same_oscillation(const signal::DecayMode& mode,
                                                         const ReleaseAnswer& answer);
 
-/// `samples` with the mean in place of missing ones.
-[[nodiscard]] Eigen::VectorXd filled(const Eigen::VectorXd& samples);
-
 }  // namespace rigfit::ident
 
 namespace rigfit::describe {

@@ -24,7 +24,7 @@ TEST(FrfFigures, PhaseHasNoJumpsAndGapsWhereItIsNotKnown) {
     frfs.H_std(k, 0) = 2;  // noise
     frfs.H(k, 0) = std::polar(1.0, 1.7 * static_cast<double>(k * k));
   }
-  const auto plot = phase_plot("p", frfs, lines_between(frfs, 0, 100), Origin::measured);
+  const auto plot = hammer_plots({.frfs = frfs}).at(1);
   ASSERT_EQ(plot.series.size(), 1u);
   const auto& s = plot.series[0];
   ASSERT_EQ(s.x.size(), 100u);  // the line at 0 Hz is left out
