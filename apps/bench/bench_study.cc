@@ -79,7 +79,7 @@ class Studies {
  public:
   Studies(model::Scene scene, double duration_s, bool quick)
       : scene_(std::move(scene)), quick_(quick) {
-    base_.sampling = {.duration_s = duration_s, .rate_hz = 2000, .energy_samples = 0};
+    base_.sampling = {.duration_s = duration_s, .rate_hz = 2000};
     for (auto& sensor : scene_.sensors) {
       if (sensor.quantity != model::Sensor::Quantity::force) {
         sensor.quantity = model::Sensor::Quantity::displacement;

@@ -322,22 +322,19 @@ int count_below(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double mu) {
 Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, int count) {
   Eigenpairs none;
   none.vectors.resize(k.size(), 0);
-  none.complete = none.exhausted = true;
+  none.complete = true;
   if (k.size() == 0 || count <= 0) return none;
   Lanczos lanczos(k, m, 0, count);
   const int n = k.size();
   int next_check = std::min(n, 2 * count + 6);
-  int verified_at = -1;
   bool may_slice = true;
-  for (int guard = 0; guard < 20 * n + 100; ++guard) {
+  for (;;) {
     const bool grew = lanczos.extend();
     if (grew && lanczos.done() < next_check && lanczos.done() < n) continue;
     lanczos.ritz();
     const bool all = !grew || lanczos.exhausted() || lanczos.done() >= n;
     int good = 0;
     while (good < lanczos.done() && good < count && lanczos.converged(good)) ++good;
-    // One more than wanted, at least roughly, to place the count between two.
-    const bool beyond = lanczos.done() > count;
     if (may_slice && good < count && !all && n > kLarge &&
         lanczos.done() >= std::max(60, 2 * count + 6) && lanczos.nu(count - 1) > 0) {
       // Crowded: one space for all would grow with the crowd. Ritz values lie above the
@@ -349,54 +346,46 @@ Eigenpairs lowest_eigenpairs(const EnvelopeMatrix& k, const EnvelopeMatrix& m, i
       if (out.complete && out.values.size() == count) return out;
       may_slice = false;
     }
-    if ((good == count && beyond) || all) {
-      const int found = all ? lanczos.done() : count;
-      std::vector<int> chosen;
-      for (int i = 0; i < std::min(found, count); ++i) {
-        if (lanczos.nu(i) > 0) chosen.push_back(i);
-      }
-      // Count just above the last wanted that has a gap behind it.
-      int last = static_cast<int>(chosen.size()) - 1;
-      bool complete = true;
-      if (last >= 0 && verified_at != lanczos.done()) {
-        int edge = last;
-        const auto gap_after = [&](int i) {
-          return i + 1 >= lanczos.done() ||
-                 lanczos.lambda(i + 1) - lanczos.lambda(i) > 1e-7 * std::abs(lanczos.lambda(i));
-        };
-        while (edge > 0 && !gap_after(edge)) --edge;
-        const double above = edge + 1 < lanczos.done() && lanczos.nu(edge + 1) > 0
-                                 ? lanczos.lambda(edge + 1)
-                                 : 1.01 * lanczos.lambda(edge);
-        const double here = lanczos.lambda(edge);
-        const double mu = here + std::min(0.5 * (above - here), 0.01 * here);
-        complete = gap_after(edge) ? count_below(k, m, mu) == edge + 1 : all;
-      }
-      if (complete || all) {
-        Eigenpairs out = collect(lanczos, chosen);
-        out.complete = complete;
-        out.exhausted = all;
-        return out;
-      }
-      lanczos.renew();
-      next_check = lanczos.done() + std::max(6, count / 2);
-    } else {
+    // One more than wanted, at least roughly, to place the count between two.
+    if (!all && (good < count || lanczos.done() <= count)) {
       next_check = lanczos.done() + std::max(4, count / 3);
+      continue;
     }
+    std::vector<int> chosen;
+    for (int i = 0; i < std::min(lanczos.done(), count); ++i) {
+      if (lanczos.nu(i) > 0) chosen.push_back(i);
+    }
+    // Count just above the last wanted that has a gap behind it.
+    bool complete = true;
+    if (!chosen.empty()) {
+      int edge = static_cast<int>(chosen.size()) - 1;
+      const auto gap_after = [&](int i) {
+        return i + 1 >= lanczos.done() ||
+               lanczos.lambda(i + 1) - lanczos.lambda(i) > 1e-7 * std::abs(lanczos.lambda(i));
+      };
+      while (edge > 0 && !gap_after(edge)) --edge;
+      const double above = edge + 1 < lanczos.done() && lanczos.nu(edge + 1) > 0
+                               ? lanczos.lambda(edge + 1)
+                               : 1.01 * lanczos.lambda(edge);
+      const double here = lanczos.lambda(edge);
+      const double mu = here + std::min(0.5 * (above - here), 0.01 * here);
+      complete = gap_after(edge) ? count_below(k, m, mu) == edge + 1 : all;
+    }
+    if (complete || all) {
+      Eigenpairs out = collect(lanczos, chosen);
+      out.complete = complete;
+      return out;
+    }
+    lanczos.renew();
+    next_check = lanczos.done() + std::max(6, count / 2);
   }
-  lanczos.ritz();
-  std::vector<int> chosen;
-  for (int i = 0; i < std::min(count, lanczos.done()); ++i) {
-    if (lanczos.converged(i)) chosen.push_back(i);
-  }
-  return collect(lanczos, chosen);
 }
 
 Eigenpairs eigenpairs_between(const EnvelopeMatrix& k, const EnvelopeMatrix& m, double low,
                               double high) {
   Eigenpairs none;
   none.vectors.resize(k.size(), 0);
-  none.complete = none.exhausted = true;
+  none.complete = true;
   if (k.size() == 0) return none;
   Slices slices(k, m);
   low = low > 0 ? low * (1 - 1e-12) : 0, high *= 1 + 1e-12;

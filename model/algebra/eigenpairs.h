@@ -21,7 +21,6 @@ struct Eigenpairs {
   Eigen::VectorXd values;   ///< rising
   Eigen::MatrixXd vectors;  ///< unknowns x pairs, x' M x = 1
   bool complete = false;    ///< a Sturm count agrees
-  bool exhausted = false;   ///< there are no more finite ones
   int steps = 0;
 };
 

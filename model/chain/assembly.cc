@@ -14,10 +14,11 @@ void supports(const Chain& chain, const Numbering& numbering, const ChainState& 
   sink.member(-1);
   for (const NodeSupport& support : chain.supports) {
     const Eigen::Vector3d u = state.position.col(support.node) - chain.drawn.col(support.node);
-    sink.add_energy(0.5 * u.dot(support.translational * u));
-    scatter.node_force(support.node, support.translational * u);
+    const Eigen::Vector3d force = support.translational.cwiseProduct(u);
+    sink.add_energy(0.5 * u.dot(force));
+    scatter.node_force(support.node, force);
     if constexpr (Sink::tangent) {
-      scatter.nodes(support.node, support.node, support.translational);
+      scatter.nodes(support.node, support.node, support.translational.asDiagonal());
     }
     if (support.rotation < 0 || !(support.rotational.maxCoeff() > 0)) continue;
     const auto r = static_cast<std::size_t>(support.rotation);
@@ -197,13 +198,8 @@ void Assembly::damping(const ChainState& state, EnvelopeMatrix& damping) const {
 
 void Assembly::advance(const ChainState& state, const Eigen::VectorXd& increment, double factor,
                        ChainState& out) const {
-  const auto moved = [&](int node) {
-    Eigen::Vector3d x = state.position.col(node);
-    for (int axis = 0; axis < 3; ++axis) {
-      const int i = numbering_.displacement(axis, node);
-      if (i >= 0) x[axis] += factor * increment[i];
-    }
-    return x;
+  const auto moved = [&](int node) -> Eigen::Vector3d {
+    return state.position.col(node) + factor * numbering_.displacement_in(increment, node);
   };
   if (&out != &state) {
     out.position.resize(3, chain_->nodes);
@@ -239,15 +235,6 @@ void Assembly::advance(const ChainState& state, const Eigen::VectorXd& increment
     } else {
       out.rotation[r] = state.rotation[r];
     }
-  }
-}
-
-void Assembly::axial_forces(const ChainState& state, Eigen::VectorXd& forces) const {
-  forces.resize(static_cast<Eigen::Index>(chain_->segments.size()));
-  for (std::size_t k = 0; k < chain_->segments.size(); ++k) {
-    const Segment& s = chain_->segments[k];
-    const double length = (state.position.col(s.b) - state.position.col(s.a)).norm();
-    forces[static_cast<Eigen::Index>(k)] = s.EA * (length / s.length - 1);
   }
 }
 

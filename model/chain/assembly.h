@@ -55,8 +55,6 @@ class Assembly {
   [[nodiscard]] Eigen::MatrixXd stiffness_energy(const ChainState& state,
                                                  const Eigen::MatrixXd& q) const;
 
-  /// EA/l (|e| - l) of every segment, N.
-  void axial_forces(const ChainState& state, Eigen::VectorXd& forces) const;
   /// d force / d (unstretched length of a member), at fixed state.
   void length_derivative(const ChainState& state, int member,
                          Eigen::Ref<Eigen::VectorXd> derivative) const;

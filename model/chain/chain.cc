@@ -178,13 +178,14 @@ PointMass point_mass_on(const ChainMember& member, const AttachedMass& mass) {
           member.scene_member};
 }
 
-Eigen::Matrix3d permute(const Eigen::Matrix3d& axes, const Eigen::Vector3d& diagonal) {
-  Eigen::Matrix3d out = Eigen::Matrix3d::Zero();
+/// Numbers along the scene's axes along the chain's, which are a permutation of them wherever a
+/// support is elastic and the plane is not the scene's z.
+Eigen::Vector3d permuted(const Eigen::Matrix3d& axes, const Eigen::Vector3d& numbers) {
+  Eigen::Vector3d out;
   for (int row = 0; row < 3; ++row) {
-    for (int col = 0; col < 3; ++col) {
-      // axes is a permutation wherever a support is elastic and the plane is not the scene's z.
-      if (std::abs(axes(row, col)) > 0.5) out(row, row) = diagonal[col];
-    }
+    Eigen::Index column = 0;
+    axes.row(row).cwiseAbs().maxCoeff(&column);
+    out[row] = numbers[column];
   }
   return out;
 }
@@ -242,16 +243,15 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       chain.rotating_node.push_back(k);
     }
     if (node.support.kind == Support::Kind::elastic && used[index]) {
-      Eigen::Matrix3d translational = permute(chain.axes, node.support.translational);
-      Eigen::Vector3d rotational = permute(chain.axes, node.support.rotational).diagonal();
+      support.translational = permuted(chain.axes, node.support.translational);
       for (int axis = 0; axis < 3; ++axis) {
-        if (std::isinf(translational(axis, axis))) {
-          chain.fixed(axis, k) = true;
-          translational(axis, axis) = 0;
-        }
+        if (!std::isinf(support.translational[axis])) continue;
+        chain.fixed(axis, k) = true;
+        support.translational[axis] = 0;
       }
-      support.translational = translational;
-      support.rotational = support.rotation >= 0 ? rotational : Eigen::Vector3d::Zero();
+      if (support.rotation >= 0) {
+        support.rotational = permuted(chain.axes, node.support.rotational);
+      }
       chain.supports.push_back(support);
     }
   }

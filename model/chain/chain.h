@@ -77,8 +77,8 @@ struct EndJoint {
 struct NodeSupport {
   int node = 0;
   int rotation = -1;
-  Eigen::Matrix3d translational = Eigen::Matrix3d::Zero();  ///< N / m
-  Eigen::Vector3d rotational = Eigen::Vector3d::Zero();     ///< N m / rad about the chain's axes
+  Eigen::Vector3d translational = Eigen::Vector3d::Zero();  ///< N / m along the chain's axes
+  Eigen::Vector3d rotational = Eigen::Vector3d::Zero();     ///< N m / rad about them
 };
 
 /// A point of the chain that a load acts on or a sensor sits at: weights of up to four nodes
@@ -170,6 +170,10 @@ struct Directed {
   double length = 0;
 };
 [[nodiscard]] Directed directed(const Chain& chain, const ChainState& state, int segment);
+/// EA/l (|e| - l) of every segment, N.
+[[nodiscard]] Eigen::VectorXd axial_forces(const Chain& chain, const ChainState& state);
+/// Directors of `from` in `to`, whose segments have turned without twisting.
+void carry_frames(const Chain& chain, const ChainState& from, ChainState& to);
 /// A vector normal to the unit vector `from`, after parallel transport normal to `to`.
 [[nodiscard]] Eigen::Vector3d transported(const Eigen::Vector3d& d, const Eigen::Vector3d& from,
                                           const Eigen::Vector3d& to);

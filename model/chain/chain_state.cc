@@ -32,6 +32,25 @@ Directed directed(const Chain& chain, const ChainState& state, int segment) {
   return out;
 }
 
+Eigen::VectorXd axial_forces(const Chain& chain, const ChainState& state) {
+  Eigen::VectorXd forces(static_cast<Eigen::Index>(chain.segments.size()));
+  for (Eigen::Index k = 0; k < forces.size(); ++k) {
+    const Segment& s = chain.segments[static_cast<std::size_t>(k)];
+    const double length = (state.position.col(s.b) - state.position.col(s.a)).norm();
+    forces[k] = s.EA * (length / s.length - 1);
+  }
+  return forces;
+}
+
+void carry_frames(const Chain& chain, const ChainState& from, ChainState& to) {
+  for (const Segment& s : chain.segments) {
+    if (s.frame < 0) continue;
+    const Eigen::Vector3d t = (from.position.col(s.b) - from.position.col(s.a)).normalized();
+    const Eigen::Vector3d after = (to.position.col(s.b) - to.position.col(s.a)).normalized();
+    to.director.col(s.frame) = transported(from.director.col(s.frame), t, after);
+  }
+}
+
 Eigen::Vector3d transported(const Eigen::Vector3d& d, const Eigen::Vector3d& from,
                             const Eigen::Vector3d& to) {
   return d - d.dot(to) / (1 + from.dot(to)) * (from + to);

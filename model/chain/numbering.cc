@@ -55,8 +55,8 @@ std::vector<int> walk(const Chain& chain) {
   return rank;
 }
 
-/// For each unknown the lowest one that it is coupled with through a segment, joint, support or
-/// mass.
+/// For each unknown the lowest one that it is coupled with through a segment, joint or support; a
+/// mass couples no nodes but those of its segment.
 std::vector<int> first_coupled(const Chain& chain, const Numbering& out) {
   std::vector<int> first(static_cast<std::size_t>(out.size));
   for (std::size_t k = 0; k < first.size(); ++k) first[k] = static_cast<int>(k);
@@ -98,14 +98,7 @@ std::vector<int> first_coupled(const Chain& chain, const Numbering& out) {
     couple();
   }
   for (const NodeSupport& support : chain.supports) {
-    node(support.node);
-    couple();
     rotation(support.rotation);
-    couple();
-  }
-  for (const PointMass& mass : chain.masses) {
-    node(mass.node[0]);
-    node(mass.node[1]);
     couple();
   }
   return first;

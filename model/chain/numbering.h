@@ -20,6 +20,16 @@ struct Numbering {
   Eigen::VectorXi twist;          ///< segments
   Eigen::Matrix3Xi rotation;      ///< 3 x rotating nodes
   std::shared_ptr<const Envelope> envelope;
+
+  /// A node's part of increments q of the unknowns; zero where it has none.
+  [[nodiscard]] Eigen::Vector3d displacement_in(const Eigen::Ref<const Eigen::VectorXd>& q,
+                                                int node) const {
+    Eigen::Vector3d v = Eigen::Vector3d::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      if (displacement(axis, node) >= 0) v[axis] = q[displacement(axis, node)];
+    }
+    return v;
+  }
 };
 
 /// Unknowns of a motion of a chain, numbered along it.

@@ -1,9 +1,11 @@
 #include "model/frfs/frf_equations.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "model/linear/damped_modes.h"
+#include "model/linear/segment_choice.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
@@ -25,14 +27,8 @@ FrfEquations frf_equations(const MotionModes& motion, const ChainState& state, c
   const int n = motion.assembly->size();
   out.damping = motion.assembly->matrix();
   motion.assembly->damping(state, out.damping);
-  out.sensors.resize(n, static_cast<Eigen::Index>(scene.sensors.size()));
-  for (Eigen::Index s = 0; s < out.sensors.cols(); ++s) {
-    out.sensors.col(s) = sensor_row(*motion.assembly, state, scene, int(s));
-  }
-  out.loads.resize(n, static_cast<Eigen::Index>(scene.loads.size()));
-  for (Eigen::Index l = 0; l < out.loads.cols(); ++l) {
-    out.loads.col(l) = load_row(*motion.assembly, int(l));
-  }
+  out.sensors = sensor_rows(*motion.assembly, state, scene);
+  out.loads = load_rows(*motion.assembly);
   if (motion.omega2.size() > 0) out.zeta = modal_ratios(motion, state, scene);
   out.dampers.resize(n, out.zeta.size());
   for (Eigen::Index r = 0; r < out.zeta.size(); ++r) {
@@ -101,6 +97,30 @@ void FrfSolver::solve_by_modes(Complex s) {
   }
   small_.noalias() -= equations_.dampers.transpose().cast<Complex>() * solution_;
   solution_.noalias() += motion.shapes.cast<Complex>() * small_;
+}
+
+ChainModes frf_modes(const Scene& scene, const Eigen::VectorXd& frequency_hz,
+                     const ModesOptions& options) {
+  ModesOptions wanted = options;
+  const bool ratios = std::any_of(scene.members.begin(), scene.members.end(),
+                                  [](const Member& m) { return m.damping_ratio.value_or(0) > 0; });
+  const double highest = frequency_hz.size() > 0 ? frequency_hz.maxCoeff() : 0;
+  wanted.band_hz = {0.0, 2 * highest};
+  std::vector<int> segments;
+  bool choose = false;
+  for (const Member& member : scene.members) {
+    segments.push_back(options.segments ? *options.segments : member.segments);
+    choose = choose || segments.back() <= 0;
+  }
+  if (choose && highest > 0) {
+    ModesOptions asked = options;
+    asked.band_hz = {0.0, highest};
+    const ResolvedModes choice = choose_segments(scene, asked);
+    // Without a mode among the lines there is nothing to choose by: the default.
+    if (!choice.modes.order.empty()) segments = choice.segments;
+  }
+  return ratios && highest > 0 ? find_modes(scene, wanted, segments)
+                               : prepare_motions(scene, wanted, segments);
 }
 
 }  // namespace rigfit::model

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "model/frfs/frf_equations.h"
 #include "model/linear/damped_modes.h"
@@ -209,7 +210,8 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
   for (const MotionModes& motion : modes.motions) {
     const FrfEquations equations = frf_equations(motion, state, scene);
     const bool modal = equations.zeta.size() > 0;
-    const ShapeSolver shapes(equations);
+    std::optional<ShapeSolver> shapes;
+    if (modal && !wanted.empty()) shapes.emplace(equations);
     std::vector<EquationRates> rates(wanted.size());
     for (std::size_t p = 0; p < wanted.size(); ++p) {
       const Neighbours& near = neighbours[p];
@@ -232,19 +234,23 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
       rates[p].sensors = (sides[1].sensors - sides[0].sensors) / width;
       rates[p].loads = (sides[1].loads - sides[0].loads) / width;
       if (modal) {
-        damper_rates(equations, shapes, state, scene, near.step, near.rigs, moved, rates[p]);
+        damper_rates(equations, *shapes, state, scene, near.step, near.rigs, moved, rates[p]);
       }
     }
 
-    Eigen::MatrixXd right(equations.loads.rows(), loads + sensors);
-    right << equations.loads, equations.sensors;
+    Eigen::MatrixXd right = equations.loads;
+    if (!wanted.empty()) {
+      right.conservativeResize(Eigen::NoChange, loads + sensors);
+      right.rightCols(sensors) = equations.sensors;
+    }
     FrfSolver solver(equations, right);
     const Eigen::VectorXd gain =
         2 * equations.zeta.cwiseProduct(motion.omega2.head(equations.zeta.size()).cwiseSqrt());
     for (std::size_t line = 0; line < lines; ++line) {
       const Complex laplace = laplace_variable(frequency_hz[Eigen::Index(line)], decay_rate_1_s);
       const Eigen::MatrixXcd& solution = solver.solve(laplace);
-      const Eigen::MatrixXcd u = solution.leftCols(loads), v = solution.rightCols(sensors);
+      const Eigen::MatrixXcd u = solution.leftCols(loads);
+      const Eigen::MatrixXcd v = solution.rightCols(solution.cols() - loads);
       Eigen::VectorXcd factor(sensors);
       for (Eigen::Index s = 0; s < sensors; ++s) {
         factor[s] = quantity_factor(scene.sensors[std::size_t(s)].quantity, laplace);
@@ -269,6 +275,11 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
     }
   }
   return out;
+}
+
+SynthesizedFrfs synthesize_frfs(const Scene& scene, const Eigen::VectorXd& frequency_hz,
+                                const ModesOptions& options, double decay_rate_1_s) {
+  return synthesize_frf_sensitivities(scene, frequency_hz, {}, options, decay_rate_1_s).frfs;
 }
 
 }  // namespace rigfit::model

@@ -57,22 +57,19 @@ Eigen::VectorXd modal_ratios(const Assembly& assembly, const Eigen::MatrixXd& sh
   return ratios;
 }
 
-DampedModes damped_modes(const MotionModes& motion, const ChainState& state, const Scene& scene) {
-  DampedModes out;
+Eigen::VectorXcd damped_poles(const MotionModes& motion, const ChainState& state,
+                              const Scene& scene) {
   const Eigen::Index modes = motion.omega2.size();
   const Eigen::VectorXd ratios = modal_ratios(motion, state, scene);
-  out.poles.resize(modes);
-  out.converged.assign(static_cast<std::size_t>(modes), true);
+  Eigen::VectorXcd poles(modes);
   const Eigen::VectorXd omega = motion.omega2.cwiseSqrt();
   if (!has_joint_dampers(scene) || modes == 0) {
     for (Eigen::Index i = 0; i < modes; ++i) {
       const double z = ratios[i];
-      out.poles[i] = omega[i] * Complex(-z, std::sqrt(std::max(0.0, 1 - z * z)));
+      poles[i] = omega[i] * Complex(-z, std::sqrt(std::max(0.0, 1 - z * z)));
     }
-    out.shapes = motion.shapes.cast<Complex>();
-    return out;
+    return poles;
   }
-  out.dampers = true;
   EnvelopeMatrix c = motion.assembly->matrix();
   motion.assembly->damping(state, c);
 
@@ -89,7 +86,8 @@ DampedModes damped_modes(const MotionModes& motion, const ChainState& state, con
   const GeneralEigenpairs eigen = general_eigenpairs(first_order, {});
   const Eigen::MatrixXcd& vectors = eigen.vectors;
   std::vector<bool> taken(static_cast<std::size_t>(2 * modes), false);
-  out.shapes.resize(motion.shapes.rows(), modes);
+  ComplexEnvelopeMatrix dynamic(motion.stiffness.envelope());
+  ComplexEnvelopeFactor factor;
   for (Eigen::Index i = 0; i < modes; ++i) {
     // The root with the largest part of this undamped mode, of those above the real axis.
     Eigen::Index best = -1;
@@ -102,24 +100,11 @@ DampedModes damped_modes(const MotionModes& motion, const ChainState& state, con
       if (s.imag() == 0) part *= 1 + 1e-6 / (1 + std::abs(s));  // the slower of a real pair
       if (part > most) most = part, best = r;
     }
-    if (best < 0) {
-      out.converged[static_cast<std::size_t>(i)] = false;
-      out.poles[i] = Complex(0, omega[i]);
-      out.shapes.col(i) = motion.shapes.col(i).cast<Complex>();
-      continue;
-    }
+    poles[i] = best < 0 ? Complex(0, omega[i]) : eigen.values[best];
+    if (best < 0) continue;
     taken[static_cast<std::size_t>(best)] = true;
-    out.poles[i] = eigen.values[best];
-    out.shapes.col(i) = motion.shapes.cast<Complex>() * vectors.col(best).head(modes);
-  }
-
-  ComplexEnvelopeMatrix dynamic(motion.stiffness.envelope());
-  ComplexEnvelopeFactor factor;
-  for (Eigen::Index i = 0; i < modes; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (!out.converged[k]) continue;
-    Complex s = out.poles[i];
-    Eigen::VectorXcd u = out.shapes.col(i);
+    Complex s = poles[i];
+    Eigen::VectorXcd u = motion.shapes.cast<Complex>() * vectors.col(best).head(modes);
     u /= u.norm();
     Eigen::VectorXcd right(u.size());
     bool converged = false;
@@ -151,19 +136,15 @@ DampedModes damped_modes(const MotionModes& motion, const ChainState& state, con
       converged = std::abs(next - s) <= 1e-12 * std::abs(next);
       s = next;
     }
-    out.converged[k] = converged;
-    if (!converged) s = out.poles[i];
+    if (!converged) s = poles[i];
     // Modal ratios of other members come on top.
-    const Complex scale = 2.0 * s * form(motion.mass, u) + form(c, u);
-    if (std::abs(scale) > 0) u /= std::sqrt(scale);
-    out.shapes.col(i) = u;
     if (ratios[i] > 0) {
       const double size = std::abs(s), z = std::min(1.0, damping_ratio_of(s) + ratios[i]);
       s = size * Complex(-z, std::sqrt(1 - z * z));
     }
-    out.poles[i] = s;
+    poles[i] = s;
   }
-  return out;
+  return poles;
 }
 
 }  // namespace rigfit::model

@@ -10,23 +10,15 @@
 
 #include <Eigen/Core>
 #include <complex>
-#include <vector>
 
 #include "model/linear/modes.h"
 
 namespace rigfit::model {
 
-struct DampedModes {
-  /// By undamped mode of the motion: s = -zeta omega + i omega sqrt(1 - zeta^2), 1/s. Overdamped
-  /// modes have an imaginary part of zero; their pair's slower root is given.
-  Eigen::VectorXcd poles;
-  Eigen::MatrixXcd shapes;  ///< unknowns x modes; u'(2 s M + C) u = 1 (no conjugation)
-  std::vector<bool> converged;
-  bool dampers = false;  ///< false: no joint damper, shapes are the undamped ones, poles by ratios
-};
-
-[[nodiscard]] DampedModes damped_modes(const MotionModes& motion, const ChainState& state,
-                                       const Scene& scene);
+/// By undamped mode of the motion: s = -zeta omega + i omega sqrt(1 - zeta^2), 1/s. Overdamped
+/// modes have an imaginary part of zero; their pair's slower root is given.
+[[nodiscard]] Eigen::VectorXcd damped_poles(const MotionModes& motion, const ChainState& state,
+                                            const Scene& scene);
 
 /// Modal damping ratios from the members' `damping_ratio` alone.
 [[nodiscard]] Eigen::VectorXd modal_ratios(const MotionModes& motion, const ChainState& state,

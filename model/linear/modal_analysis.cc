@@ -59,14 +59,12 @@ ModalAnalysis analyse_modes(const Scene& scene, const ModesOptions& options) {
   const ResolvedModes resolved = resolve_modes(scene, options);
   const ChainModes& modes = resolved.modes;
   out.extrapolated = resolved.extrapolated;
+  out.relative_error_estimate = resolved.relative_error;
   out.equilibrium = describe(*modes.chain, modes.equilibrium, scene);
   for (const MotionModes& motion : modes.motions) out.unknowns += motion.assembly->size();
   if (modes.equilibrium.status != EquilibriumStatus::converged) return out;
-  out.modes = natural_modes(modes, scene, options);
-  resolved.put_frequencies(out.modes);
+  out.modes = natural_modes(resolved, scene, options);
   out.complete = modes.complete();
-  out.relative_error_estimate = resolved.relative_error;
-
   const double section = section_cost(scene, out.modes);
   if (section > 0) out.left_out.push_back({"section inertia and shear of beams", section});
 

@@ -18,14 +18,7 @@ Motions motions_of(const Chain& chain, const ChainState& state, const Assembly& 
                    const Eigen::VectorXd& q) {
   Motions sum;
   const Numbering& numbering = assembly.numbering();
-  const auto at = [&](int node) {
-    Eigen::Vector3d v = Eigen::Vector3d::Zero();
-    for (int axis = 0; axis < 3; ++axis) {
-      const int i = numbering.displacement(axis, node);
-      if (i >= 0) v[axis] = q[i];
-    }
-    return v;
-  };
+  const auto at = [&](int node) { return numbering.displacement_in(q, node); };
   double total = 0;
   sum.member.assign(chain.members.size(), 0);
   for (const PointMass& mass : chain.masses) {
@@ -68,15 +61,6 @@ ModePlane plane_of(const Motions& share, Motion motion) {
   return ModePlane::mixed;
 }
 
-/// row' * shapes, of a row with few entries.
-Eigen::RowVectorXd sparse_product(const Eigen::VectorXd& row, const Eigen::MatrixXd& shapes) {
-  Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(shapes.cols());
-  for (Eigen::Index i = 0; i < row.size(); ++i) {
-    if (row[i] != 0) sum += row[i] * shapes.row(i);
-  }
-  return sum;
-}
-
 void fill_shape(const ChainModes& modes, const MotionModes& motion, const Scene& scene,
                 const Eigen::VectorXd& q, NaturalMode& out) {
   const Chain& chain = *modes.chain;
@@ -87,12 +71,7 @@ void fill_shape(const ChainModes& modes, const MotionModes& motion, const Scene&
     shape.member = scene.members[std::size_t(member.scene_member)].name;
     shape.displacement.resize(3, member.segments + 1);
     for (int i = 0; i <= member.segments; ++i) {
-      Eigen::Vector3d v = Eigen::Vector3d::Zero();
-      for (int axis = 0; axis < 3; ++axis) {
-        const int k = numbering.displacement(axis, member.nodes[std::size_t(i)]);
-        if (k >= 0) v[axis] = q[k];
-      }
-      shape.displacement.col(i) = back * v;
+      shape.displacement.col(i) = back * numbering.displacement_in(q, member.nodes[std::size_t(i)]);
     }
     if (chain.segments[std::size_t(member.first_segment)].frame >= 0) {
       shape.twist.setZero(member.segments);
@@ -107,30 +86,22 @@ void fill_shape(const ChainModes& modes, const MotionModes& motion, const Scene&
 
 }  // namespace
 
-std::vector<NaturalMode> natural_modes(const ChainModes& modes, const Scene& scene,
+std::vector<NaturalMode> natural_modes(const ResolvedModes& resolved, const Scene& scene,
                                        const ModesOptions& options) {
   std::vector<NaturalMode> out;
+  const ChainModes& modes = resolved.modes;
   const Chain& chain = *modes.chain;
   const ChainState& state = modes.equilibrium.state;
   struct Prepared {
-    DampedModes damped;
+    Eigen::VectorXcd poles;
     Eigen::MatrixXd sensors, loads;  // rows by sensor, load
   };
   std::vector<Prepared> prepared(modes.motions.size());
   for (std::size_t k = 0; k < prepared.size(); ++k) {
     const MotionModes& motion = modes.motions[k];
-    if (options.damped) prepared[k].damped = damped_modes(motion, state, scene);
-    const auto sensors = static_cast<Eigen::Index>(scene.sensors.size());
-    const auto loads = static_cast<Eigen::Index>(scene.loads.size());
-    prepared[k].sensors.resize(sensors, motion.shapes.cols());
-    prepared[k].loads.resize(loads, motion.shapes.cols());
-    for (Eigen::Index i = 0; i < sensors; ++i) {
-      prepared[k].sensors.row(i) =
-          sparse_product(sensor_row(*motion.assembly, state, scene, int(i)), motion.shapes);
-    }
-    for (Eigen::Index i = 0; i < loads; ++i) {
-      prepared[k].loads.row(i) = sparse_product(load_row(*motion.assembly, int(i)), motion.shapes);
-    }
+    if (options.damped) prepared[k].poles = damped_poles(motion, state, scene);
+    prepared[k].sensors = sensor_rows(*motion.assembly, state, scene).transpose() * motion.shapes;
+    prepared[k].loads = load_rows(*motion.assembly).transpose() * motion.shapes;
   }
   for (std::size_t i = 0; i < modes.order.size(); ++i) {
     const auto& which = modes.order[i];
@@ -138,10 +109,9 @@ std::vector<NaturalMode> natural_modes(const ChainModes& modes, const Scene& sce
     const MotionModes& motion = modes.motions[k];
     const Eigen::VectorXd q = motion.shapes.col(which.mode);
     NaturalMode mode;
-    mode.frequency_hz = mode.extrapolated_hz = modes.frequency_hz(i);
-    if (options.damped) {
-      mode.damping_ratio = damping_ratio_of(prepared[k].damped.poles[which.mode]);
-    }
+    mode.frequency_hz = resolved.frequency_hz[i];
+    mode.extrapolated_hz = resolved.limit_hz[i];
+    if (options.damped) mode.damping_ratio = damping_ratio_of(prepared[k].poles[which.mode]);
     const Motions share_of = motions_of(chain, state, *motion.assembly, q);
     double beams = 0, all = 0;
     for (std::size_t m = 0; m < share_of.member.size(); ++m) {

@@ -12,8 +12,8 @@
 
 namespace rigfit::model {
 
-/// In the order of `modes`; `options` says whether damping ratios and shapes are wanted.
-[[nodiscard]] std::vector<NaturalMode> natural_modes(const ChainModes& modes, const Scene& scene,
+/// In the order of ChainModes::order; `options` says whether damping ratios and shapes are wanted.
+[[nodiscard]] std::vector<NaturalMode> natural_modes(const ResolvedModes& resolved,
+                                                     const Scene& scene,
                                                      const ModesOptions& options);
-
 }  // namespace rigfit::model

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/algebra/eigenpairs.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
@@ -15,10 +14,7 @@ double squared_omega(double frequency_hz) {
 }
 
 void solve(MotionModes& motion, int count) {
-  Eigenpairs pairs = lowest_eigenpairs(motion.stiffness, motion.mass, count);
-  motion.omega2 = std::move(pairs.values);
-  motion.shapes = std::move(pairs.vectors);
-  motion.complete = pairs.complete;
+  motion.take(lowest_eigenpairs(motion.stiffness, motion.mass, count));
 }
 
 }  // namespace
@@ -79,12 +75,9 @@ ChainModes find_chain_modes(const Scene& scene, const ModesOptions& options,
   if (out.equilibrium.status != EquilibriumStatus::converged) return out;
   if (options.band_hz) {
     for (MotionModes& motion : out.motions) {
-      Eigenpairs pairs =
-          eigenpairs_between(motion.stiffness, motion.mass, squared_omega(options.band_hz->first),
-                             squared_omega(options.band_hz->second));
-      motion.omega2 = std::move(pairs.values);
-      motion.shapes = std::move(pairs.vectors);
-      motion.complete = pairs.complete;
+      motion.take(eigenpairs_between(motion.stiffness, motion.mass,
+                                     squared_omega(options.band_hz->first),
+                                     squared_omega(options.band_hz->second)));
     }
   } else if (out.motions.size() == 1) {
     solve(out.motions[0], options.count);
@@ -140,30 +133,38 @@ ChainModes find_chain_modes(const Scene& scene, const ModesOptions& options,
   return out;
 }
 
-Eigen::VectorXd sensor_row(const Assembly& assembly, const ChainState& state, const Scene& scene,
-                           int sensor) {
-  const auto k = static_cast<std::size_t>(sensor);
+Eigen::MatrixXd sensor_rows(const Assembly& assembly, const ChainState& state, const Scene& scene) {
   const Chain& chain = assembly.chain();
-  const ChainPoint& point = chain.sensors[k];
-  if (described(scene.sensors[k].quantity).reading == SensorReading::displacement) {
-    return assembly.row_of(point, chain.sensor_direction[k]);
+  const auto count = static_cast<Eigen::Index>(chain.sensors.size());
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(assembly.size(), count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const ChainPoint& point = chain.sensors[k];
+    if (described(scene.sensors[k].quantity).reading == SensorReading::displacement) {
+      rows.col(i) = assembly.row_of(point, chain.sensor_direction[k]);
+      continue;
+    }
+    if (point.segment < 0) continue;
+    const Segment& s = chain.segments[static_cast<std::size_t>(point.segment)];
+    const Eigen::Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
+    for (int axis = 0; axis < 3; ++axis) {
+      const int a = assembly.numbering().displacement(axis, s.a);
+      const int b = assembly.numbering().displacement(axis, s.b);
+      if (a >= 0) rows(a, i) -= s.EA / s.length * t[axis];
+      if (b >= 0) rows(b, i) += s.EA / s.length * t[axis];
+    }
   }
-  Eigen::VectorXd row = Eigen::VectorXd::Zero(assembly.size());
-  if (point.segment < 0) return row;
-  const Segment& s = chain.segments[static_cast<std::size_t>(point.segment)];
-  const Eigen::Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
-  for (int axis = 0; axis < 3; ++axis) {
-    const int a = assembly.numbering().displacement(axis, s.a);
-    const int b = assembly.numbering().displacement(axis, s.b);
-    if (a >= 0) row[a] -= s.EA / s.length * t[axis];
-    if (b >= 0) row[b] += s.EA / s.length * t[axis];
-  }
-  return row;
+  return rows;
 }
 
-Eigen::VectorXd load_row(const Assembly& assembly, int load) {
-  const auto k = static_cast<std::size_t>(load);
-  return assembly.row_of(assembly.chain().loads[k], assembly.chain().load_direction[k]);
+Eigen::MatrixXd load_rows(const Assembly& assembly) {
+  const Chain& chain = assembly.chain();
+  Eigen::MatrixXd rows(assembly.size(), static_cast<Eigen::Index>(chain.loads.size()));
+  for (std::size_t k = 0; k < chain.loads.size(); ++k) {
+    rows.col(static_cast<Eigen::Index>(k)) =
+        assembly.row_of(chain.loads[k], chain.load_direction[k]);
+  }
+  return rows;
 }
 
 }  // namespace rigfit::model

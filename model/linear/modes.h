@@ -4,8 +4,10 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
+#include "model/algebra/eigenpairs.h"
 #include "model/chain/assembly.h"
 #include "model/linear/natural_mode.h"
 #include "model/scene/scene.h"
@@ -20,6 +22,12 @@ struct MotionModes {
   Eigen::VectorXd omega2;  ///< (rad/s)^2, rising
   Eigen::MatrixXd shapes;  ///< unknowns x modes, mass-normalised
   bool complete = false;   ///< Sturm count agrees
+
+  void take(Eigenpairs pairs) {
+    omega2 = std::move(pairs.values);
+    shapes = std::move(pairs.vectors);
+    complete = pairs.complete;
+  }
 };
 
 struct ChainModes {
@@ -34,6 +42,17 @@ struct ChainModes {
   [[nodiscard]] bool complete() const;
 };
 
+/// Modes, and the error that the number of segments leaves in them.
+struct ResolvedModes {
+  ChainModes modes;                  ///< of the finest chain used
+  std::vector<int> segments;         ///< by member
+  std::vector<double> frequency_hz;  ///< by ChainModes::order
+  std::vector<double> limit_hz;      ///< NaturalMode::extrapolated_hz, likewise
+  double relative_error = 0;         ///< estimated, of `frequency_hz`, largest of all
+  bool known = false;  ///< whether that is known: finer chains found the equilibrium and all modes
+  bool extrapolated = false;  ///< `frequency_hz` is that of vanishing segments
+};
+
 /// The equilibrium and each motion's matrices, without modes. `segments` as below.
 [[nodiscard]] ChainModes prepare_motions(const Scene& scene, const ModesOptions& options,
                                          const std::vector<int>& segments = {});
@@ -46,10 +65,11 @@ struct ChainModes {
 [[nodiscard]] ChainModes find_chain_modes(const Scene& scene, const ModesOptions& options,
                                           const ChainOptions& chain);
 
-/// Row of a sensor's quantity in a motion's unknowns: displacement along its direction, or for a
-/// force sensor the change of axial force, N per m.
-[[nodiscard]] Eigen::VectorXd sensor_row(const Assembly& assembly, const ChainState& state,
-                                         const Scene& scene, int sensor);
-[[nodiscard]] Eigen::VectorXd load_row(const Assembly& assembly, int load);
+/// By sensor (columns) its quantity in a motion's unknowns: displacement along its direction, or
+/// for a force sensor the change of axial force, N per m.
+[[nodiscard]] Eigen::MatrixXd sensor_rows(const Assembly& assembly, const ChainState& state,
+                                          const Scene& scene);
+/// By load (columns) the displacement along its direction.
+[[nodiscard]] Eigen::MatrixXd load_rows(const Assembly& assembly);
 
 }  // namespace rigfit::model

@@ -3,31 +3,13 @@
 namespace rigfit::model {
 
 const char* name_of(ModePlane plane) {
-  switch (plane) {
-    case ModePlane::in:
-      return "in";
-    case ModePlane::out:
-      return "out";
-    case ModePlane::mixed:
-      return "mixed";
-    case ModePlane::axial:
-      return "axial";
-    case ModePlane::torsion:
-      break;
-  }
-  return "torsion";
+  constexpr const char* kNames[] = {"in", "out", "mixed", "axial", "torsion"};
+  return kNames[static_cast<std::size_t>(plane)];
 }
 
 const char* name_of(ModeFamily family) {
-  switch (family) {
-    case ModeFamily::cable:
-      return "cable";
-    case ModeFamily::beam:
-      return "beam";
-    case ModeFamily::hybrid:
-      break;
-  }
-  return "hybrid";
+  constexpr const char* kNames[] = {"cable", "beam", "hybrid"};
+  return kNames[static_cast<std::size_t>(family)];
 }
 
 }  // namespace rigfit::model

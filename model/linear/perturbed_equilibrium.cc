@@ -23,13 +23,7 @@ void place(const ChainState& rest, PerturbedEquilibrium& rig) {
       }
     }
   }
-  for (const Segment& s : rig.chain.segments) {
-    if (s.frame < 0) continue;
-    const Eigen::Vector3d t = (rest.position.col(s.b) - rest.position.col(s.a)).normalized();
-    const Eigen::Vector3d after =
-        (rig.state.position.col(s.b) - rig.state.position.col(s.a)).normalized();
-    rig.state.director.col(s.frame) = transported(rest.director.col(s.frame), t, after);
-  }
+  carry_frames(rig.chain, rest, rig.state);
 }
 
 }  // namespace

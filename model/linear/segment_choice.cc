@@ -1,6 +1,5 @@
 #include "model/linear/segment_choice.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -8,6 +7,20 @@
 #include "model/algebra/eigenpairs.h"
 
 namespace rigfit::model {
+
+double neville(const std::vector<double>& h, const std::vector<double>& f, std::size_t first,
+               std::size_t last) {
+  std::vector<double> column(f.begin() + static_cast<std::ptrdiff_t>(first),
+                             f.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+  for (std::size_t d = 1; d < column.size(); ++d) {
+    for (std::size_t k = 0; k + d < column.size(); ++k) {
+      const double ratio = h[first + k] / h[first + k + d];
+      column[k] = column[k + 1] + (column[k + 1] - column[k]) / (ratio * ratio - 1);
+    }
+  }
+  return column[0];
+}
+
 namespace {
 
 constexpr int kFewest = 4, kFirst = 12, kRounds = 16;
@@ -43,17 +56,12 @@ double wave_number(const Member& member, double tension, double omega) {
   return std::sqrt(2 * inertia / (tension + root));
 }
 
-}  // namespace
-
-ResolutionError resolution_error(const Scene& scene, const ModesOptions& options,
-                                 const ChainModes& modes, const std::vector<int>& segments) {
-  ResolutionError out;
+/// The error of `out.modes`, cut into `out.segments`.
+void estimate_error(const Scene& scene, const ModesOptions& options, ResolvedModes& out) {
+  const ChainModes& modes = out.modes;
   const std::size_t asked = modes.order.size();
-  for (std::size_t i = 0; i < asked; ++i) out.extrapolated_hz.push_back(modes.frequency_hz(i));
-  if (asked == 0) {
-    out.known = true;
-    return out;
-  }
+  out.known = asked == 0;
+  if (out.known) return;
   // Where each motion's modes stand among its lowest ones.
   std::vector<int> offset(modes.motions.size(), 0), counts(modes.motions.size(), 0);
   for (const auto& which : modes.order) {
@@ -68,23 +76,20 @@ ResolutionError resolution_error(const Scene& scene, const ModesOptions& options
     if (counts[k] > 0) counts[k] += offset[k];
   }
   std::vector<std::vector<Eigen::VectorXd>> others;
-  Eigen::Matrix3d powers;
-  powers.row(0).setOnes();
+  std::vector<double> h{1 / total(out.segments)};
   // Very short chains are not yet on the asymptote: those twice and four times as long are.
-  const bool few = *std::min_element(segments.begin(), segments.end()) < kAsymptotic;
+  const bool few = *std::min_element(out.segments.begin(), out.segments.end()) < kAsymptotic;
   for (int level = 1; level <= 2; ++level) {
     const double factor = few ? 2 * level : 1 + 0.5 * level;
     std::vector<int> changed;
-    for (const int n : segments) {
+    for (const int n : out.segments) {
       changed.push_back(std::max(3, static_cast<int>(std::lround(n * factor))));
     }
-    const double h = total(segments) / total(changed);
-    powers.row(level) << 1, h * h, h * h * h * h;
+    h.push_back(1 / total(changed));
     others.push_back(lowest(scene, options, changed, counts));
-    if (others.back().size() != counts.size()) return out;
+    if (others.back().size() != counts.size()) return;
   }
   out.known = true;
-  const Eigen::PartialPivLU<Eigen::Matrix3d> fit(powers);
   for (std::size_t i = 0; i < asked; ++i) {
     const auto& which = modes.order[i];
     const auto k = std::size_t(which.motion);
@@ -93,14 +98,28 @@ ResolutionError resolution_error(const Scene& scene, const ModesOptions& options
       out.known = false;
       continue;
     }
-    const Eigen::Vector3d f(std::sqrt(modes.motions[k].omega2[which.mode]),
-                            std::sqrt(others[0][k][row]), std::sqrt(others[1][k][row]));
-    const double limit = fit.solve(f)[0];
-    out.extrapolated_hz[i] = limit / (2 * M_PI);
-    out.relative = std::max(out.relative, std::abs(f[0] / limit - 1));
+    const auto hz = [](double omega2) { return std::sqrt(omega2) / (2 * M_PI); };
+    out.limit_hz[i] =
+        neville(h, {out.frequency_hz[i], hz(others[0][k][row]), hz(others[1][k][row])}, 0, 2);
+    out.relative_error =
+        std::max(out.relative_error, std::abs(out.frequency_hz[i] / out.limit_hz[i] - 1));
   }
+}
+
+/// Modes of the chain with these segments, without an error as yet.
+ResolvedModes modes_with(const Scene& scene, const ModesOptions& options,
+                         std::vector<int> segments) {
+  ResolvedModes out;
+  out.modes = find_modes(scene, options, segments);
+  out.segments = std::move(segments);
+  for (std::size_t i = 0; i < out.modes.order.size(); ++i) {
+    out.frequency_hz.push_back(out.modes.frequency_hz(i));
+  }
+  out.limit_hz = out.frequency_hz;
   return out;
 }
+
+}  // namespace
 
 std::vector<double> wave_phases(const Scene& scene, const ChainModes& modes) {
   const Equilibrium rest = describe(*modes.chain, modes.equilibrium, scene);
@@ -114,31 +133,28 @@ std::vector<double> wave_phases(const Scene& scene, const ChainModes& modes) {
   return phase;
 }
 
-SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
-  SegmentChoice choice;
+ResolvedModes choose_segments(const Scene& scene, const ModesOptions& options) {
+  ResolvedModes choice;
   const double accuracy = options.accuracy.value_or(scene.accuracy);
   const std::size_t members = scene.members.size();
   std::vector<bool> free(members, false);
-  choice.segments.resize(members);
+  std::vector<int> segments(members);
   bool any = false;
   for (std::size_t m = 0; m < members; ++m) {
-    choice.segments[m] =
-        options.accuracy ? 0 : options.segments.value_or(scene.members[m].segments);
-    free[m] = choice.segments[m] <= 0;
+    segments[m] = options.accuracy ? 0 : options.segments.value_or(scene.members[m].segments);
+    free[m] = segments[m] <= 0;
     any = any || free[m];
   }
   // What stands only just may have buckled when cut coarsely.
   for (const int n : {12, 48, 192}) {
     for (std::size_t m = 0; m < members; ++m) {
-      if (free[m]) choice.segments[m] = n;
+      if (free[m]) segments[m] = n;
     }
-    choice.modes = find_modes(scene, options, choice.segments);
+    choice = modes_with(scene, options, segments);
     if (!any || choice.modes.equilibrium.status != EquilibriumStatus::buckled) break;
   }
   if (!any || choice.modes.order.empty()) {
-    if (options.error_estimate) {
-      choice.error = resolution_error(scene, options, choice.modes, choice.segments);
-    }
+    if (options.error_estimate) estimate_error(scene, options, choice);
     return choice;
   }
 
@@ -148,36 +164,25 @@ SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options) {
   for (std::size_t m = 0; m < members; ++m) {
     if (free[m]) largest = std::max(largest, phase[m]);
   }
-  const auto share_out = [&](int n) {
-    std::vector<int> segments = choice.segments;
+  const std::size_t wanted = choice.modes.order.size();
+  int n = kFirst;
+  for (int round = 0; round < kRounds; ++round) {
     for (std::size_t m = 0; m < members; ++m) {
       if (!free[m]) continue;
       const double part = largest > 0 ? std::max(0.25, phase[m] / largest) : 1;
       segments[m] = std::max(kFewest, static_cast<int>(std::ceil(n * part)));
     }
-    return segments;
-  };
-  SegmentChoice best;
-  int n = kFirst;
-  for (int round = 0; round < kRounds; ++round) {
-    SegmentChoice trial;
-    trial.segments = share_out(n);
-    trial.modes = find_modes(scene, options, trial.segments);
-    trial.error.relative = 1;
-    if (trial.modes.order.size() >= choice.modes.order.size()) {
-      auto error = resolution_error(scene, options, trial.modes, trial.segments);
-      if (error.known) trial.error = std::move(error);
-    }
-    const double ratio = trial.error.relative / accuracy;
-    if (best.segments.empty() || trial.error.relative < best.error.relative) {
-      best = std::move(trial);
-    }
+    ResolvedModes trial = modes_with(scene, options, segments);
+    if (trial.modes.order.size() >= wanted) estimate_error(scene, options, trial);
+    if (!trial.known) trial.relative_error = 1;
+    const double ratio = trial.relative_error / accuracy;
+    if (round == 0 || trial.relative_error < choice.relative_error) choice = std::move(trial);
     if (ratio <= 1 || n == kMostSegments) break;
     // Between second and fourth order.
     n = std::min(kMostSegments,
                  static_cast<int>(std::ceil(n * std::clamp(std::cbrt(ratio), 1.2, 4.0))));
   }
-  return best;
+  return choice;
 }
 
 }  // namespace rigfit::model

@@ -16,30 +16,17 @@ namespace rigfit::model {
 /// Segments that a member gets at most.
 inline constexpr int kMostSegments = 2000;
 
-struct ResolutionError {
-  double relative = 0;                  ///< largest of all modes of `modes`
-  std::vector<double> extrapolated_hz;  ///< by ChainModes::order
-  bool known = false;  ///< false: a finer chain found no equilibrium or fewer modes
-};
-
-/// `segments` by member: those of `modes`.
-[[nodiscard]] ResolutionError resolution_error(const Scene& scene, const ModesOptions& options,
-                                               const ChainModes& modes,
-                                               const std::vector<int>& segments);
+/// Neville's value at h = 0 of the points first..last in powers of h^2.
+[[nodiscard]] double neville(const std::vector<double>& h, const std::vector<double>& f,
+                             std::size_t first, std::size_t last);
 
 /// By member: the phase (rad) that a wave of the highest of `modes` runs through on it. There must
 /// be a mode.
 [[nodiscard]] std::vector<double> wave_phases(const Scene& scene, const ChainModes& modes);
 
-struct SegmentChoice {
-  std::vector<int> segments;  ///< by member
-  ChainModes modes;
-  ResolutionError error;
-};
-
 /// Members that say "auto" (all where `options` ask for an accuracy) get what the scene's or that
 /// accuracy asks for, shared out by the phase a wave of the highest asked frequency runs through on
-/// each; others keep their number.
-[[nodiscard]] SegmentChoice choose_segments(const Scene& scene, const ModesOptions& options);
+/// each; others keep their number. The error of what is given is estimated where `options` say so.
+[[nodiscard]] ResolvedModes choose_segments(const Scene& scene, const ModesOptions& options);
 
 }  // namespace rigfit::model

@@ -17,20 +17,6 @@ constexpr std::size_t kSmallest = 2, kLargest = 4;  // windows: chains that a va
 constexpr int kForShapes = 16;       // the finest chain's factor where its shapes are asked for
 constexpr double kRounding = 1e-11;  // relative, of eigenvalues
 
-/// Neville's value at h = 0 of the points first..last in powers of h^2.
-double neville(const std::vector<double>& h, const std::vector<double>& f, std::size_t first,
-               std::size_t last) {
-  std::vector<double> column(f.begin() + static_cast<std::ptrdiff_t>(first),
-                             f.begin() + static_cast<std::ptrdiff_t>(last) + 1);
-  for (std::size_t d = 1; d < column.size(); ++d) {
-    for (std::size_t k = 0; k + d < column.size(); ++k) {
-      const double ratio = h[first + k] / h[first + k + d];
-      column[k] = column[k + 1] + (column[k + 1] - column[k]) / (ratio * ratio - 1);
-    }
-  }
-  return column[0];
-}
-
 /// A mode followed through the chains.
 struct Track {
   int motion = 0;
@@ -56,39 +42,29 @@ class Extrapolation {
     return true;
   }
 
-  /// Takes the modes asked for by the window that errs least, and keeps them where they are the
-  /// best so far; false: the estimate is above `accuracy` or not certain, or the chains are too
-  /// few.
+  /// Takes the modes asked for from the largest window, and keeps them where they are the best so
+  /// far; false: the estimate is above `accuracy` or not certain, or the chains are too few.
   bool meets(double accuracy) {
     const std::vector<Track*> asked = asked_tracks();
     std::size_t shortest = chains_;
     for (const Track* track : asked) shortest = std::min(shortest, track->hz.size());
     if (shortest < kSmallest + 2) return false;
-    std::vector<SequenceLimit> best;
-    double least = 0;
-    bool sure = false;
-    for (std::size_t window = kSmallest; window <= kLargest && window + 2 <= shortest; ++window) {
-      std::vector<SequenceLimit> found;
-      found.reserve(asked.size());
-      double worst = 0;
-      bool certain = true;
-      for (const Track* track : asked) {
-        found.push_back(sequence_limit(track->h, track->hz, window));
-        const double error = found.back().error / found.back().value;
-        if (error < worst) continue;
-        worst = error;
-        certain = found.back().certain || error <= kRounding;
-      }
-      if (!best.empty() && (sure > certain || (sure == certain && worst >= least))) continue;
-      best = std::move(found);
-      least = worst;
-      sure = certain;
+    const std::size_t window = std::min(kLargest, shortest - 2);
+    std::vector<SequenceLimit> found;
+    double worst = 0;
+    bool sure = true;
+    for (const Track* track : asked) {
+      found.push_back(sequence_limit(track->h, track->hz, window));
+      const double error = found.back().error / found.back().value;
+      if (error < worst) continue;
+      worst = error;
+      sure = found.back().certain || error <= kRounding;
     }
-    if (sure || !out_.known || least < out_.relative_error) take_over(asked, best, least);
-    return sure && least <= accuracy;
+    if (sure || !out_.known || worst < out_.relative_error) take_over(asked, found, worst);
+    return sure && worst <= accuracy;
   }
 
-  ExtrapolatedModes take() {
+  ResolvedModes take() {
     if (out_.segments.empty()) keep();
     return std::move(out_);
   }
@@ -183,7 +159,7 @@ class Extrapolation {
   std::vector<Track> tracks_;            // tracks in the last chain, motion by motion
   std::vector<Eigen::MatrixXd> shapes_;  // likewise, at the samples
   std::vector<Eigen::VectorXd> omega2_;
-  ExtrapolatedModes out_;
+  ResolvedModes out_;
 };
 
 }  // namespace
@@ -202,8 +178,8 @@ SequenceLimit sequence_limit(const std::vector<double>& h, const std::vector<dou
   return out;
 }
 
-ExtrapolatedModes extrapolate_modes(const Scene& scene, const ModesOptions& options,
-                                    const SequenceStart& start, double accuracy) {
+ResolvedModes extrapolate_modes(const Scene& scene, const ModesOptions& options,
+                                const SequenceStart& start, double accuracy) {
   Extrapolation extrapolation(scene, options, start);
   const std::vector<int> least = start.segments(1);
   const int most = *std::max_element(least.begin(), least.end());
@@ -218,13 +194,6 @@ ExtrapolatedModes extrapolate_modes(const Scene& scene, const ModesOptions& opti
   return extrapolation.take();
 }
 
-void ResolvedModes::put_frequencies(std::vector<NaturalMode>& described) const {
-  for (std::size_t i = 0; i < std::min(frequency_hz.size(), described.size()); ++i) {
-    described[i].frequency_hz = frequency_hz[i];
-    described[i].extrapolated_hz = limit_hz[i];
-  }
-}
-
 ResolvedModes resolve_modes(const Scene& scene, const ModesOptions& options) {
   constexpr int kCoarse = 12;
   const bool open = std::all_of(scene.members.begin(), scene.members.end(), [&](const Member& m) {
@@ -237,22 +206,12 @@ ResolvedModes resolve_modes(const Scene& scene, const ModesOptions& options) {
     const SequenceStart start =
         coarse.order.empty() ? SequenceStart{} : sequence_start(scene, coarse, accuracy);
     if (start.resolved && !coarse.order.empty()) {
-      ExtrapolatedModes limit = extrapolate_modes(scene, options, start, accuracy);
-      if (limit.known && limit.relative_error <= accuracy) {
-        return {std::move(limit.modes),    std::move(limit.segments), std::move(limit.frequency_hz),
-                std::move(limit.limit_hz), limit.relative_error,      true};
-      }
+      ResolvedModes limit = extrapolate_modes(scene, options, start, accuracy);
+      limit.extrapolated = true;
+      if (limit.known && limit.relative_error <= accuracy) return limit;
     }
   }
-  SegmentChoice choice = choose_segments(scene, options);
-  ResolvedModes out{std::move(choice.modes), std::move(choice.segments), {}, {}, 0, false};
-  out.relative_error = choice.error.relative;
-  for (std::size_t i = 0; i < out.modes.order.size(); ++i) {
-    out.frequency_hz.push_back(out.modes.frequency_hz(i));
-  }
-  out.limit_hz = choice.error.extrapolated_hz;
-  if (out.limit_hz.size() < out.frequency_hz.size()) out.limit_hz = out.frequency_hz;
-  return out;
+  return choose_segments(scene, options);
 }
 
 }  // namespace rigfit::model

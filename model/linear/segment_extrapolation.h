@@ -13,7 +13,7 @@
 // The value given is that of w chains, v_w. Its error is e = |v_w - v_(w+1)| and what v_(w+1) errs
 // itself, taken as twice u = |v_(w+1) - v_(w+2)|. With u <= e / 3, and as long as v_(w+1) errs by
 // no more than that, e + 2 u lies between one and five times the error, between one and 2.5 times
-// where v_(w+1) errs by u at most. w is the one of the smallest such estimate.
+// where v_(w+1) errs by u at most. w is four, or less where there are not yet six chains.
 #pragma once
 
 #include <vector>
@@ -32,16 +32,6 @@ struct SequenceLimit {
 /// `h` falling, `f` at each; at least `window` + 2 points, `window` from 1.
 [[nodiscard]] SequenceLimit sequence_limit(const std::vector<double>& h,
                                            const std::vector<double>& f, std::size_t window);
-
-/// Modes of a chain with their extrapolated frequencies.
-struct ExtrapolatedModes {
-  ChainModes modes;  ///< the finest chain used; `order` by rising extrapolated frequency
-  std::vector<double> frequency_hz;  ///< by ChainModes::order
-  std::vector<double> limit_hz;      ///< SequenceLimit::limit, likewise
-  double relative_error = 0;         ///< estimated, of `frequency_hz`, largest of all
-  std::vector<int> segments;         ///< number of segments in that chain, by member
-  bool known = false;  ///< false: a chain found no equilibrium or a mode could not be followed
-};
 
 /// Even segments up to a place on a member.
 struct Stretch {
@@ -67,24 +57,15 @@ struct SequenceStart {
 
 /// Chains are added until the estimate meets `accuracy` (relative) or a member has 2000 segments;
 /// the finest is kept: where shapes or damping are asked for, of a fifth of a radian a segment at
-/// most. Uses of `options`: those of find_modes but `rotary_inertia`.
-[[nodiscard]] ExtrapolatedModes extrapolate_modes(const Scene& scene, const ModesOptions& options,
-                                                  const SequenceStart& start, double accuracy);
+/// most. Uses of `options`: those of find_modes but `rotary_inertia`. Not `known` where a chain
+/// finds no equilibrium or a mode cannot be followed.
+[[nodiscard]] ResolvedModes extrapolate_modes(const Scene& scene, const ModesOptions& options,
+                                              const SequenceStart& start, double accuracy);
 
 /// The modes that an analysis is made of: extrapolated where `options` ask for an accuracy or every
 /// member leaves its segments to the program; of one chain (segment_choice.h) where a member has
 /// its number, and where short chains do not follow the powers of their segments' length (a column
 /// that buckles when cut coarsely).
-struct ResolvedModes {
-  ChainModes modes;
-  std::vector<int> segments;         ///< by member
-  std::vector<double> frequency_hz;  ///< by ChainModes::order
-  std::vector<double> limit_hz;      ///< NaturalMode::extrapolated_hz, likewise
-  double relative_error = 0;         ///< estimated, of `frequency_hz`, largest of all
-  bool extrapolated = false;
-  /// The same into modes described from `modes`, in their order.
-  void put_frequencies(std::vector<NaturalMode>& described) const;
-};
 [[nodiscard]] ResolvedModes resolve_modes(const Scene& scene, const ModesOptions& options);
 
 }  // namespace rigfit::model

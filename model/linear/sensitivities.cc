@@ -114,8 +114,7 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
   out.frequency.setZero(count, columns);
   out.damping_ratio.setZero(count, columns);
   if (modes.equilibrium.status != EquilibriumStatus::converged) return out;
-  out.analysis.modes = natural_modes(modes, scene, options);
-  resolved.put_frequencies(out.analysis.modes);
+  out.analysis.modes = natural_modes(resolved, scene, options);
   out.analysis.complete = modes.complete();
   for (const MotionModes& motion : modes.motions) out.analysis.unknowns += motion.assembly->size();
 
@@ -150,11 +149,10 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
         above.omega2 = motion.omega2 + (step.high - step.value) * rates.omega2;
         below.shapes = motion.shapes + (step.low - step.value) * rates.shapes;
         above.shapes = motion.shapes + (step.high - step.value) * rates.shapes;
-        const DampedModes d0 = damped_modes(below, rigs[0].state, rigs[0].scene);
-        const DampedModes d1 = damped_modes(above, rigs[1].state, rigs[1].scene);
+        const Eigen::VectorXcd p0 = damped_poles(below, rigs[0].state, rigs[0].scene);
+        const Eigen::VectorXcd p1 = damped_poles(above, rigs[1].state, rigs[1].scene);
         for (Eigen::Index i = 0; i < damping_rate.size(); ++i) {
-          damping_rate[i] =
-              (damping_ratio_of(d1.poles[i]) - damping_ratio_of(d0.poles[i])) / step.width();
+          damping_rate[i] = (damping_ratio_of(p1[i]) - damping_ratio_of(p0[i])) / step.width();
         }
       }
       for (Eigen::Index i = 0; i < count; ++i) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "model/motion/motion_damper.h"
 #include "model/motion/motion_kernel.h"
 #include "model/motion/step_forces.h"
 #include "model/motion/vector_loops.h"
@@ -14,6 +13,8 @@ namespace rigfit::model {
 namespace {
 
 constexpr double kSlowing = 1.0 / 8;  // kappa / h^2
+constexpr double kStability = 3.2;    // omega h at the highest frequency of the start; less than
+                                      // 2 sqrt(3) to leave room for stiffening by motion
 
 // Dampers act at least every four steps, or once in the interval asked for; the steps of a sample
 // are a multiple of the pieces between.
@@ -31,11 +32,10 @@ class ExplicitRun {
       : problem_(problem),
         options_(options),
         kernel_(*problem.chain),
-        damper_(problem, kernel_),
         h_(step),
         substeps_(substeps),
         piece_(substeps / damping_pieces(substeps, step * static_cast<double>(substeps), options)),
-        damped_(damper_.active()),
+        damped_(!problem.modal_damping.none()),
         memory_(kArrays * static_cast<std::size_t>(kernel_.size()), 0.0) {
     q_ = kernel_.positions(problem.start);
     rest_ = kernel_.positions(problem.rest);
@@ -52,16 +52,23 @@ class ExplicitRun {
     for (const auto quantity : problem_.quantities) {
       velocity_wanted_ = velocity_wanted_ || described(quantity).derivatives == 1;
     }
+    for (std::size_t k = 0; k < (damped_ ? 2 : 0); ++k) {
+      const ModalDamping& damping = problem.modal_damping;
+      const double time = h_ * static_cast<double>(piece_) / (k == 0 ? 2 : 1);
+      const Eigen::VectorXd lost =
+          (-time * damping.rate).unaryExpr([](double x) { return std::expm1(x); });
+      decay_[k] = damping.shapes * lost.asDiagonal() * damping.momentum.transpose();
+    }
   }
 
   MotionOutput run() {
     const long rows = options_.sampling.rows();
     const long stride = options_.sampling.energy_stride();
     // Steps that slow waves are unstable where the chain turns too far: nothing of that may stay.
-    const double growth = kernel_.mass().kappa() > 0 ? 0.003 : 0.1;
+    const double growth = kernel_.kappa() > 0 ? 0.003 : 0.1;
     MotionOutput out;
     out.step_s = h_;
-    out.axial_slowing_s2 = kernel_.mass().kappa();
+    out.axial_slowing_s2 = kernel_.kappa();
     out.samples.resize(rows, static_cast<Eigen::Index>(sensor_rows_.size()));
     out.steps = (rows - 1) * substeps_;
     const StepForces forces(problem_, h_, out.steps);
@@ -72,44 +79,37 @@ class ExplicitRun {
     evaluate();
     const double piece = h_ * static_cast<double>(piece_);
     for (long row = 0; row < rows; ++row) {
-      const bool account =
-          options_.sampling.energy_samples > 0 && (row % stride == 0 || row == rows - 1);
-      const bool watch = account || row % 16 == 0;
+      const bool account = row % stride == 0 || row == rows - 1;
       // The dampers' two halves around a sample are one where nobody looks at the velocity between.
-      const bool between = watch || velocity_wanted_;
+      const bool between = account || velocity_wanted_;
       if (damped_) {
         v_before_ = v_;
-        if (row > 0 && between) damp(piece / 2);
+        if (row > 0 && between) damp(Part::half);
       }
-      if (watch || velocity_wanted_) processed_velocity();
-      if (watch) {
-        const double kinetic = kernel_.mass().slowed_product(vp_.data(), vp_.data()) / 2;
+      if (between) processed_velocity();
+      if (account) {
+        const double kinetic = kernel_.slowed_product(vp_, vp_) / 2;
         const double potential = kernel_.potential(ahead_);
         const double energy = potential + kinetic - supplied_ + dissipated_;
         if (row == 0) start_energy = energy;
         const double apart = row == 0 ? std::abs(energy - kernel_.potential(rest_)) : 0;
         moving = std::max({moving, apart, kinetic, std::abs(supplied_)});
-        // Reversible steps keep the energy to a small fraction; beyond this they are unstable. What
-        // dampers take is only counted for an account: without one, less energy says nothing.
-        const bool closed = !damped_ || options_.sampling.energy_samples > 0;
-        const double change = energy - start_energy;
+        // Reversible steps keep the energy to a small fraction; beyond this they are unstable.
         const double unseen = 1e-9 * std::abs(start_energy) + out.energy.rounding;
-        if (!std::isfinite(energy) ||
-            (closed ? std::abs(change) : change) > growth * moving + unseen) {
+        if (!std::isfinite(energy) || std::abs(energy - start_energy) > growth * moving + unseen) {
           out.reason = "the energy grew without a load";
           return out;
         }
-        if (account)
-          out.energy.add(potential, kernel_.mass_product(vp_, vp_) / 2, supplied_, dissipated_);
+        out.energy.add(potential, kernel_.mass_product(vp_, vp_) / 2, supplied_, dissipated_);
       }
       sample(out, row);
       if (row + 1 == rows) break;
       if (damped_) {
-        damp(between || row == 0 ? piece / 2 : piece);
+        damp(between || row == 0 ? Part::half : Part::whole);
         add_damping(out, row, row > 0 ? piece : piece / 2);
       }
       for (long i = 0; i < substeps_; ++i) {
-        if (damped_ && i > 0 && i % piece_ == 0) damp(piece);
+        if (damped_ && i > 0 && i % piece_ == 0) damp(Part::whole);
         step(forces, row * substeps_ + i);
       }
     }
@@ -124,7 +124,8 @@ class ExplicitRun {
     const double half = h_ / 2;
     const bool loaded = forces.active(number) || forces.active(number + 1);
     if (loaded) supplied_ += half * work(forces, number, half);
-    kick_and_drift(n, half, h_, a_.data(), v_.data(), q_.data());
+    add_multiple(n, v_.data(), half, a_.data(), v_.data());
+    add_multiple(n, q_.data(), h_, v_.data(), q_.data());
     if (loaded) load(forces, number + 1);
     evaluate();
     if (loaded) supplied_ += half * work(forces, number + 1, half);
@@ -206,18 +207,23 @@ class ExplicitRun {
     vp_ = v_ - h_ * h_ / 12 * rate_;
   }
 
-  // The dampers alone for `time`; what they take from the kinetic energy of processed velocities,
-  // (v' - v) P (v' + v) / 2 with P = (1 + h^2/12 da/dq)' M (1 + h^2/12 da/dq), if it is asked for.
-  void damp(double time) {
-    const bool counted = options_.sampling.energy_samples > 0;
-    if (counted) change_ = v_;
-    damper_.apply(time, ahead_, v_);
-    if (!counted) return;
-    sum_ = v_ + change_;
+  enum class Part { half, whole };
+  // The dampers alone for a piece or half of one, every mode's velocity decaying; what they take
+  // from the kinetic energy of processed velocities, (v' - v) P (v' + v) / 2 with
+  // P = (1 + h^2/12 da/dq)' M (1 + h^2/12 da/dq).
+  void damp(Part part) {
+    const Eigen::MatrixXd& decay = decay_[part == Part::half ? 0 : 1];
+    const auto unknowns = static_cast<int>(decay.rows());
+    const Eigen::VectorXd u = kernel_.unknowns(v_);
+    Eigen::VectorXd w = u;
+    add_product(unknowns, unknowns, decay.data(), u.data(), w.data());
+    change_ = sum_ = v_;
+    v_ = kernel_.entry_values(w);
+    sum_ += v_;
     change_ = v_ - change_;
     processed(change_);
     processed(sum_);
-    dissipated_ -= kernel_.mass().slowed_product(change_.data(), sum_.data()) / 2;
+    dissipated_ -= kernel_.slowed_product(change_, sum_) / 2;
   }
   // w - h^2/12 (da/dq) w, by a difference from a(q) of the last step; loads do not change with q.
   void processed(Eigen::Ref<Eigen::VectorXd> w) {
@@ -256,7 +262,6 @@ class ExplicitRun {
   const MotionProblem& problem_;
   const ExplicitOptions& options_;
   MotionKernel<D> kernel_;
-  MotionDamper<D> damper_;
   double h_;
   long substeps_, piece_;
   double supplied_ = 0, dissipated_ = 0;
@@ -270,6 +275,7 @@ class ExplicitRun {
                               rate_ = take(), other_ = take(), scratch_ = take(),
                               v_before_ = take(), change_ = take(), sum_ = take();
   std::vector<typename MotionKernel<D>::Row> load_rows_, sensor_rows_;
+  Eigen::MatrixXd decay_[2];  // what the dampers add to unknowns in half a piece and in a whole one
 };
 
 template <int D>
@@ -280,6 +286,7 @@ double power_method(MotionKernel<D>& kernel, const ChainState& state) {
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     x(i) = (i % 2 == 0 ? 1 : -1) * (1 + 0.3 * std::sin(1.7 * static_cast<double>(i)));
   }
+  x = kernel.entry_values(kernel.unknowns(x));  // without what is held
   double lambda = 0;
   // Small against a segment, large against rounding of positions.
   const double size = 1e-6 * (q.maxCoeff() - q.minCoeff());
@@ -289,11 +296,9 @@ double power_method(MotionKernel<D>& kernel, const ChainState& state) {
     kernel.acceleration(up.data(), nullptr, plus.data());
     kernel.acceleration(down.data(), nullptr, minus.data());
     const Eigen::VectorXd next = (minus - plus) / (2 * factor);
-    const double norm = kernel.mass().slowed_product(next.data(), next.data());
-    const double own = kernel.mass().slowed_product(next.data(), x.data());
+    const double norm = kernel.slowed_product(next, next), own = kernel.slowed_product(next, x);
     if (!(norm > 0) || !(own > 0)) break;
-    // |K x|_M^2 / (x K x): a Rayleigh quotient one half-step ahead. The first few x have parts in
-    // directions that are held.
+    // |K x|_M^2 / (x K x): a Rayleigh quotient one half-step ahead.
     lambda = norm / own;
     x = next;
   }
@@ -325,12 +330,12 @@ MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& o
     substeps = steps_for(*options.step_s);
   } else {
     const double own = highest(0);
-    substeps = own_steps = own > 0 ? steps_for(options.stability / own) : 1;
+    substeps = own_steps = own > 0 ? steps_for(kStability / own) : 1;
     // Fewer, with axial waves slowed, where that is enough for stability.
     if (options.slowed_step_s > 0) {
       for (long fewer = steps_for(options.slowed_step_s); fewer < substeps; ++fewer) {
         const double h = sample / static_cast<double>(whole_pieces(fewer, options));
-        if (highest(kSlowing * h * h) * h > options.stability) continue;
+        if (highest(kSlowing * h * h) * h > kStability) continue;
         substeps = fewer;
         slowing = kSlowing;
         break;
@@ -342,8 +347,7 @@ MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& o
     substeps = whole_pieces(substeps, options);
     const double h = sample / static_cast<double>(substeps);
     out = ExplicitRun<D>(problem, options, h, substeps, slowing * h * h).run();
-    const bool closes =
-        !options.drift || options.step_s || attempt == 4 || out.energy.drift() <= *options.drift;
+    const bool closes = options.step_s || attempt == 4 || out.energy.drift() <= options.drift;
     if (out.completed && closes) return out;
     if (attempt == 1 && slowing > 0) {  // the chain turns too far for it
       slowing = 0;
@@ -354,15 +358,6 @@ MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& o
 }
 
 }  // namespace
-
-double highest_frequency(const Chain& chain, Motion motion, const ChainState& state) {
-  if (motion == Motion::in_plane) {
-    MotionKernel<2> kernel(chain);
-    return power_method<2>(kernel, state);
-  }
-  MotionKernel<3> kernel(chain);
-  return power_method<3>(kernel, state);
-}
 
 MotionOutput explicit_motion(const MotionProblem& problem, const ExplicitOptions& options) {
   return problem.motion == Motion::in_plane ? run_explicit<2>(problem, options)

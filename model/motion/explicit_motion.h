@@ -15,12 +15,13 @@
 // their speed. A wave of frequency omega then runs slow by (omega h)^2/16, relative; all else keeps
 // the scheme's order.
 //
-// Forces enter as averages over a step that keep the impulse exact. Dampers act between steps
-// (Strang splitting, motion_damper.h); what they take is counted in processed velocities, so that
-// the account closes for the fastest waves too. Joint dampers that overdamp waves (joints_overdamp)
-// are in balance with the elastic forces that they would be split from: stiff_motion.h takes them.
+// Forces enter as averages over a step that keep the impulse exact. Modal ratios act between steps
+// (Strang splitting), each mode's velocity decaying exactly. Joint dampers are left to
+// stiff_motion.h: C(q) changes with the motion, and those that overdamp waves are in balance with
+// the elastic forces that they would be split from.
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "model/motion/motion_problem.h"
@@ -29,9 +30,7 @@ namespace rigfit::model {
 
 struct ExplicitOptions {
   SamplingOptions sampling;
-  std::optional<double> step_s;  ///< largest step; else `stability` over the highest frequency
-  double stability = 3.2;  ///< omega h at the highest frequency of the start; less than 2 sqrt(3)
-                           ///< to leave room for stiffening by motion
+  std::optional<double> step_s;  ///< largest step; else 3.2 over the highest frequency
   /// Slow axial waves as far as steps of this size need (s); zero: not at all. Where the chain
   /// turns too far from its members' chords for that, steps are smaller.
   double slowed_step_s = 0;
@@ -39,17 +38,13 @@ struct ExplicitOptions {
   /// errs by (omega time)^2 / 24, relative.
   double damper_interval_s = 0;
   /// Largest drift of the energy balance (EnergyBalance::drift): a step of the scheme's own choice
-  /// is halved, up to four times, until the account closes that well. Unset: not looked at.
-  std::optional<double> drift;
+  /// is halved, up to four times, until the account closes that well.
+  double drift = std::numeric_limits<double>::infinity();
 };
 
-/// kernel_supports(chain, 2 or 3) must hold for the motion, joints_overdamp(chain) must not. When
+/// kernel_supports(chain, 2 or 3) must hold for the motion, and no joint may have a damper. When
 /// the energy grows without reason the step is halved, up to four times; then `completed` is false.
 [[nodiscard]] MotionOutput explicit_motion(const MotionProblem& problem,
                                            const ExplicitOptions& options);
-
-/// Highest natural frequency (rad/s) of the chain in the given state, from below within a few
-/// percent, by the power method.
-[[nodiscard]] double highest_frequency(const Chain& chain, Motion motion, const ChainState& state);
 
 }  // namespace rigfit::model

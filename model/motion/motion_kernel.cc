@@ -45,16 +45,15 @@ MotionKernel<D>::MotionKernel(const Chain& chain)
     }
     if (support.rotation >= 0) turning_[at(support.rotation)].spring += support.rotational(2);
   }
-  std::vector<typename NodeMass<D>::Shared> shared;
   gravity_ = entry_values(assembly_.weight());
   for (const SharedNode& node : shared_) {
-    shared.push_back({node.entries, {node.held[0], node.held[1], node.held[2]}});
     // A shared node's weight is in its first entry.
     for (std::size_t k = 1; k < node.entries.size(); ++k) {
       for (int c = 0; c < D; ++c) gravity_(c * entries_ + node.entries[k]) = 0;
     }
   }
-  mass_ = NodeMass<D>({members_.begin(), members_.end()}, std::move(shared), entries_);
+  mass_ =
+      NodeMass<D>({members_.begin(), members_.end()}, {shared_.begin(), shared_.end()}, entries_);
 }
 
 template <int D>
@@ -213,46 +212,12 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
     for (const SharedNode& node : shared_) {
       const int entry = node.entries[0];
       for (int c = 0; c < D; ++c) {
-        for (int d = 0; d < D; ++d) {
-          acceleration[c * entries_ + entry] -=
-              node.spring(c, d) * (positions[d * entries_ + entry] - node.anchor(d));
-        }
+        acceleration[c * entries_ + entry] -=
+            node.spring(c) * (positions[c * entries_ + entry] - node.anchor(c));
       }
     }
   }
   mass_.solve(acceleration);
-}
-
-template <int D>
-double MotionKernel<D>::potential(const Entries& positions) {
-  tangents(positions.data());
-  turn_nodes();
-  double sum = 0;
-  for (const MemberPlan& plan : members_) {
-    for (int i = 0; i < plan.segments; ++i) {
-      const double N = axial_force_[at(plan.entry[at(i)])];
-      if (plan.axial[at(i)] > 0) sum += N * N / (2 * plan.axial[at(i)]);
-    }
-    for (int i = 0; i <= plan.segments; ++i) {
-      const int before = i > 0 ? plan.entry[at(i - 1)] : plan.end_side(0);
-      const int behind = plan.entry[at(i)];  // that of the last node: the end's side
-      double square = 0;                     // 1 - t.u = |t - u|^2 / 2, without cancellation
-      for (int c = 0; c < D; ++c) {
-        const double difference = direction_[c][at(behind)] - direction_[c][at(before)];
-        square += difference * difference;
-      }
-      sum += plan.joint[at(i)] * square / 2;
-    }
-  }
-  sum -= gravity_.dot(positions);
-  for (const SharedNode& node : shared_) {
-    Eigen::Vector3d away = -node.anchor;
-    for (int c = 0; c < D; ++c) away(c) += positions(c * entries_ + node.entries[0]);
-    if constexpr (D == 2) away(2) = 0;
-    sum += away.dot(node.spring * away) / 2;
-  }
-  for (const Turning& node : turning_) sum += node.spring * (1 - node.cosine);
-  return sum;
 }
 
 template <int D>
@@ -274,15 +239,14 @@ Eigen::VectorXd MotionKernel<D>::positions(const ChainState& state) const {
 }
 
 template <int D>
-ChainState MotionKernel<D>::state(const Entries& positions) const {
+ChainState MotionKernel<D>::state(const Entries& positions) {
   ChainState result = drawn_state(*chain_);
   assembly_.advance(result, unknowns(positions - this->positions(result)), 1, result);
   if constexpr (D == 2) {
-    MotionKernel copy = *this;
-    copy.tangents(positions.data());
-    copy.turn_nodes();
+    tangents(positions.data());
+    turn_nodes();
     for (std::size_t r = 0; r < turning_.size(); ++r) {
-      const double c = copy.turning_[r].cosine, s = copy.turning_[r].sine;
+      const double c = turning_[r].cosine, s = turning_[r].sine;
       result.rotation[r] << c, -s, 0, s, c, 0, 0, 0, 1;
     }
   }

@@ -39,17 +39,10 @@ class MotionKernel {
 
   /// Length of the arrays below: D times the entries, component after component.
   [[nodiscard]] int size() const { return D * entries_; }
-  [[nodiscard]] int entries() const { return entries_; }
-  /// Entries of the nodes of every segment of the chain, in its order.
-  [[nodiscard]] const std::vector<std::array<int, 2>>& segment_entries() const {
-    return segment_entries_;
-  }
 
   [[nodiscard]] Eigen::VectorXd positions(const ChainState& state) const;
   /// The state with these positions; rotations as they follow.
-  [[nodiscard]] ChainState state(const Entries& positions) const;
-  /// The same energies in the unknowns of the motion.
-  [[nodiscard]] const Assembly& assembly() const { return assembly_; }
+  [[nodiscard]] ChainState state(const Entries& positions);
   /// Rates of its unknowns for velocities of the entries (those of turning nodes zero).
   [[nodiscard]] Eigen::VectorXd unknowns(const Entries& entries) const;
   /// The way back: entries from the unknowns.
@@ -60,18 +53,24 @@ class MotionKernel {
   /// uses the kernel's own scratch space.
   void acceleration(const double* positions, const double* external, double* acceleration);
 
-  /// x . (M y) for two arrays of entries (momentum, kinetic energy).
+  /// x . (M y) for two arrays of entries (momentum, kinetic energy), and the same with what slowing
+  /// the axial waves adds.
   [[nodiscard]] double mass_product(const Entries& x, const Entries& y) const {
     return mass_.product(x.data(), y.data());
+  }
+  [[nodiscard]] double slowed_product(const Entries& x, const Entries& y) const {
+    return mass_.slowed_product(x.data(), y.data());
   }
   /// From here on accelerations are those of a mass that slows axial waves (node_mass.h) along the
   /// members' chords in the given positions; zero gives all waves their own speed again.
   void slow_axial(double kappa, const Entries& positions) {
     mass_.slow_axial(kappa, positions.data());
   }
-  [[nodiscard]] const NodeMass<D>& mass() const { return mass_; }
-  /// Potential energy, J, up to a constant: without the weight of what is held.
-  [[nodiscard]] double potential(const Entries& positions);
+  [[nodiscard]] double kappa() const { return mass_.kappa(); }
+  /// Potential energy, J.
+  [[nodiscard]] double potential(const Entries& positions) {
+    return assembly_.potential(state(positions));
+  }
 
   /// Sparse weights of a point's motion along a direction: displacement = sum weight * x[index].
   struct Row {
@@ -108,11 +107,9 @@ class MotionKernel {
       return end == 0 ? this->offset + kLanes * this->rows - 1 : this->entry.back();
     }
   };
-  struct SharedNode {
+  struct SharedNode : NodeMass<D>::Shared {
     int node = 0;
-    std::vector<int> entries;
-    bool held[3] = {false, false, false};
-    Eigen::Matrix3d spring = Eigen::Matrix3d::Zero();  // to the ground
+    Eigen::Vector3d spring = Eigen::Vector3d::Zero();  // to the ground
     Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
   };
   struct Turning {

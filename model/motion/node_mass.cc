@@ -89,13 +89,11 @@ void NodeMass<D>::slow_axial(double kappa, const double* positions) {
     if (plan.along >= 0) continue;
     plan.along = 0;
     plan.rotated = any_rotated_ = true;
-    if constexpr (D == 2) {
-      plan.axes << chord(0), -chord(1), chord(1), chord(0);
-    } else {
-      Eigen::Vector3d other = Eigen::Vector3d::Unit(std::abs(chord(2)) < 0.7 ? 2 : 0);
-      other = (other - chord * chord.dot(other)).normalized();
-      plan.axes << chord, other, chord.cross(other);
-    }
+    Eigen::Vector3d to = Eigen::Vector3d::Zero();
+    to.head<D>() = chord;
+    plan.axes = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), to)
+                    .toRotationMatrix()
+                    .template topLeftCorner<D, D>();
   }
   reduce();
 }

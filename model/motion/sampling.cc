@@ -19,8 +19,6 @@ long SamplingOptions::rows() const {
   return static_cast<long>(std::floor(duration_s * rate_hz * (1 + 1e-12))) + 1;
 }
 
-long SamplingOptions::energy_stride() const {
-  return energy_samples > 0 ? std::max(1L, (rows() - 1) / energy_samples) : rows();
-}
+long SamplingOptions::energy_stride() const { return std::max(1L, (rows() - 1) / 20); }
 
 }  // namespace rigfit::model

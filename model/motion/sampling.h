@@ -1,17 +1,18 @@
-// Sampling of a time history, and its energy balance.
+// Sampling of a time history, its energy balance, and what came of a motion.
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
+#include <string>
 
 namespace rigfit::model {
 
-/// Duration, rate and number of instants of the energy balance.
+/// Duration and rate.
 struct SamplingOptions {
   double duration_s = 1;
   double rate_hz = 1000;
-  int energy_samples = 200;         ///< instants of the energy balance after the first; 0: none
   [[nodiscard]] long rows() const;  ///< samples at 0, 1/rate, ... up to the duration
-  /// Rows between two instants of the balance.
+  /// Rows between two of the some 20 instants of the energy balance.
   [[nodiscard]] long energy_stride() const;
 };
 
@@ -30,6 +31,17 @@ struct EnergyBalance {
 
  private:
   std::optional<double> start_;
+};
+
+/// A motion that was computed.
+struct MotionOutput {
+  Eigen::MatrixXd samples;  ///< rows x sensors, at 0, 1/rate, ...
+  EnergyBalance energy;
+  double step_s = 0;
+  double axial_slowing_s2 = 0;  ///< kappa of node_mass.h; 0: axial waves at their own speed
+  long steps = 0;
+  bool completed = false;  ///< false: diverged or did not converge, samples are not to be used
+  std::string reason;      ///< for a person, when not completed
 };
 
 }  // namespace rigfit::model

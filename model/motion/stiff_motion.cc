@@ -26,6 +26,7 @@ using Owned = std::unique_ptr<std::remove_pointer_t<T>, Free>;
 
 constexpr double kTurned = 0.5;  // rad, from where increments are counted
 constexpr double kFar = 1e30;
+constexpr long kMostSteps = 50'000'000;  // over the whole response
 
 class StiffRun {
  public:
@@ -60,13 +61,6 @@ class StiffRun {
     for (std::size_t s = 0; s < chain.sensors.size(); ++s) {
       sensor_rows_.push_back(assembly_.row_of(chain.sensors[s], chain.sensor_direction[s]));
       if (described(problem.quantities[s]).derivatives == 2) acceleration_wanted_ = true;
-    }
-    if (!problem.modal_damping.none()) {
-      const auto& modal = problem.modal_damping;
-      momentum_.resize(n_, modal.shapes.cols());
-      for (Eigen::Index r = 0; r < momentum_.cols(); ++r) {
-        momentum_.col(r) = mass_ * Eigen::VectorXd(modal.shapes.col(r));
-      }
     }
     force_ = drag_ = full_ = rest_ = u_ = Eigen::VectorXd::Zero(n_);
     w_ = problem.start_velocity.size() == n_ ? problem.start_velocity : rest_;
@@ -121,21 +115,20 @@ class StiffRun {
         const int flag =
             IDASolve(memory_, std::min(*stop, target), &t, y.get(), rate.get(), IDA_NORMAL);
         const long steps = finished_ + steps_so_far();
-        if (flag < 0 || steps > options_.max_steps) {
+        if (flag < 0 || steps > kMostSteps) {
           out.reason = flag < 0 ? "the integrator gave up" : "too many steps";
           return out;
         }
         set(of(y.get()), of(rate.get()));
         if (*stop <= t + close || turned()) {
           finished_ += steps_so_far();
-          if (turned()) anchor(of(y.get()));
           start(t, of(y.get()), of(rate.get()));
           IDAReInit(memory_, t, y.get(), rate.get());
           factored_step_ = -1;
         }
       }
       sample(out, row, target);
-      if (options_.sampling.energy_samples > 0 && (row % stride == 0 || row == rows - 1)) {
+      if (row % stride == 0 || row == rows - 1) {
         const double kinetic = w_.dot(mass_ * w_) / 2;
         out.energy.add(assembly_.potential(state_), kinetic, of(y.get())(size_ - 2),
                        of(y.get())(size_ - 1));
@@ -171,7 +164,6 @@ class StiffRun {
       factor_.solve_in_place(force_);
       assembly_.advance(state_, force_, -1, state_);
     }
-    anchor_ = state_;
   }
 
   void set_tolerances(Values absolute) const {
@@ -212,11 +204,8 @@ class StiffRun {
       const Segment& s = chain.segments[k];
       const Eigen::Vector3d e = state_.position.col(s.b) - state_.position.col(s.a);
       const Eigen::Vector3d t = e.normalized(), t0 = tangent_at_anchor(s);
-      Eigen::Vector3d de = Eigen::Vector3d::Zero();
-      for (int axis = 0; axis < 3; ++axis) {
-        const int a = numbering.displacement(axis, s.a), b = numbering.displacement(axis, s.b);
-        de[axis] = (b >= 0 ? u_(b) : 0) - (a >= 0 ? u_(a) : 0);
-      }
+      const Eigen::Vector3d de =
+          numbering.displacement_in(u_, s.b) - numbering.displacement_in(u_, s.a);
       u_(twist) -= t0.cross(t).dot(de) / (e.norm() * (1 + t0.dot(t)));
     }
     for (Eigen::Index r = 0; r < numbering.rotation.cols(); ++r) {
@@ -254,37 +243,23 @@ class StiffRun {
     }
     return false;
   }
-  void anchor(Values y) {
+
+  // Increments anew from the present state, and the rates that go with them at `t`: accelerations
+  // from the equations, and of what has no inertia the rates that it had.
+  void start(double t, Values y, Values rate) {
     anchor_ = state_;
     y.head(n_).setZero();
-  }
-
-  // Rates that go with `y` at `t`: accelerations from the equations, and of what has no inertia
-  // the rates that it had.
-  void start(double t, Values y, Values rate) {
     for (std::size_t k = 0; k < massive_.size(); ++k) {
       y(n_ + static_cast<Eigen::Index>(k)) = w_(massive_[k]);
     }
-    const Eigen::VectorXd before = rate_of_increments(y, w_);
     const double power = forces(t);
-    rate.head(n_) = before;
+    rate.head(n_) = w_;
     mass_factor_.solve_in_place(force_);
     for (std::size_t k = 0; k < massive_.size(); ++k) {
       rate(n_ + static_cast<Eigen::Index>(k)) = -force_(massive_[k]);
     }
     rate(size_ - 2) = power;
     rate(size_ - 1) = drag_.dot(w_);
-  }
-  // q' for which T(q) q' = w, by iteration: T differs from one by the turn.
-  Eigen::VectorXd rate_of_increments(const Values& y, const Eigen::VectorXd& w) {
-    full_ = y.head(n_);
-    Eigen::VectorXd rate = w;
-    for (int i = 0; i < 20; ++i) {
-      u_ = rate;
-      turn_rates(full_);
-      rate += w - u_;
-    }
-    return rate;
   }
 
   // force_ = dV/dq + C w + D w - f at the present state, drag_ its damping; the loads' power.
@@ -295,8 +270,8 @@ class StiffRun {
       assembly_.damping(state_, damping_);
       damping_.multiply(w_, drag_);
     }
-    if (momentum_.size() > 0) {
-      drag_ += momentum_ * problem_.modal_damping.rate.cwiseProduct(momentum_.transpose() * w_);
+    if (const ModalDamping& modal = problem_.modal_damping; !modal.none()) {
+      drag_ += modal.momentum * modal.rate.cwiseProduct(modal.momentum.transpose() * w_);
     }
     force_ += drag_;
     double power = 0;
@@ -384,8 +359,7 @@ class StiffRun {
       if (q.derivatives > 0) {
         value = q.derivatives == 1 ? sensor_rows_[s].dot(w_) : -sensor_rows_[s].dot(force_);
       } else if (q.reading == SensorReading::axial_force) {
-        assembly_.axial_forces(state_, axial_);
-        value = axial_(chain.sensors[s].segment);
+        value = axial_forces(chain, state_)(chain.sensors[s].segment);
       } else {
         value = chain.sensor_direction[s].dot(
             position_of(chain.sensors[s], state_.position - problem_.rest.position));
@@ -404,8 +378,7 @@ class StiffRun {
   std::vector<int> massive_;
   std::vector<Eigen::VectorXd> load_rows_, sensor_rows_;
   std::vector<LoadForce> forces_;
-  Eigen::MatrixXd momentum_;
-  Eigen::VectorXd u_, w_, force_, drag_, full_, rest_, axial_;
+  Eigen::VectorXd u_, w_, force_, drag_, full_, rest_;
   bool acceleration_wanted_ = false;
   void* memory_ = nullptr;
   long finished_ = 0, factored_step_ = -1;

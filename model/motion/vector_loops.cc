@@ -15,14 +15,6 @@ RIGFIT_VECTOR_CLONES void add_multiple(int n, const double* x, double factor,
   for (int i = 0; i < n; ++i) out[i] = x[i] + factor * y[i];
 }
 
-RIGFIT_VECTOR_CLONES void kick_and_drift(int n, double half, double h, const double* __restrict a,
-                                         double* __restrict v, double* __restrict q) {
-  for (int i = 0; i < n; ++i) {
-    v[i] += half * a[i];
-    q[i] += h * v[i];
-  }
-}
-
 RIGFIT_VECTOR_CLONES void add_product(int rows, int columns, const double* __restrict A,
                                       const double* __restrict x, double* __restrict y) {
   int c = 0;

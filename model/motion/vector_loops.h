@@ -7,8 +7,6 @@ namespace rigfit::model {
 
 /// out = x + factor y; `out` may be x.
 void add_multiple(int n, const double* x, double factor, const double* y, double* out);
-/// v += half a, q += h v.
-void kick_and_drift(int n, double half, double h, const double* a, double* v, double* q);
 /// y += A x, A of rows x columns stored column after column.
 void add_product(int rows, int columns, const double* A, const double* x, double* y);
 

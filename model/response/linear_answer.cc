@@ -48,8 +48,13 @@ PoleModel coupled_poles(const Eigen::VectorXd& omega, const Eigen::MatrixXd& dam
 
 }  // namespace
 
-double hung_weight(const Scene& scene, const Load& load) {
-  return load.kind == Load::Kind::release ? load.mass * scene.gravity.norm() : 0;
+Eigen::VectorXd hung_weights(const Scene& scene) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(scene.loads.size()));
+  for (Eigen::Index l = 0; l < weights.size(); ++l) {
+    const Load& load = scene.loads[static_cast<std::size_t>(l)];
+    if (load.kind == Load::Kind::release) weights(l) = load.mass * scene.gravity.norm();
+  }
+  return weights;
 }
 
 Eigen::VectorXd renumbered(const Eigen::VectorXd& x, const Numbering& from, const Numbering& to) {
@@ -79,8 +84,8 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
   out.omega.resize(count);
   out.ratio.resize(count);
   Eigen::MatrixXd sensor_shape(sensors, count), load_shape(count, loads);
-  out.coupled = has_joint_dampers(scene);
-  Eigen::MatrixXd damping = Eigen::MatrixXd::Zero(out.coupled ? count : 0, out.coupled ? count : 0);
+  const bool coupled = has_joint_dampers(scene);  // by the dampers
+  Eigen::MatrixXd damping = Eigen::MatrixXd::Zero(coupled ? count : 0, coupled ? count : 0);
 
   Eigen::MatrixXd direct = Eigen::MatrixXd::Zero(sensors, loads);
   Eigen::Index first = 0;
@@ -91,16 +96,13 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
     const Eigen::VectorXd omega2 = motion.omega2.cwiseMax(0.0);
     out.ratio.segment(first, n) = modal_ratios(motion, rest, scene);
     out.omega.segment(first, n) = omega2.cwiseSqrt();
-    std::vector<Eigen::VectorXd> load_rows, sensor_rows;
-    for (Eigen::Index l = 0; l < loads; ++l) {
-      load_rows.push_back(load_row(*motion.assembly, static_cast<int>(l)));
-      load_shape.col(l).segment(first, n).noalias() = shapes.transpose() * load_rows.back();
-    }
-    for (Eigen::Index s = 0; s < sensors; ++s) {
-      sensor_rows.push_back(sensor_row(*motion.assembly, rest, scene, static_cast<int>(s)));
-      sensor_shape.row(s).segment(first, n).noalias() = sensor_rows.back().transpose() * shapes;
-    }
-    if (out.coupled) {
+    const Eigen::MatrixXd load = load_rows(*motion.assembly);
+    const Eigen::MatrixXd sensor = sensor_rows(*motion.assembly, rest, scene);
+    const Eigen::MatrixXd own_load = shapes.transpose() * load;
+    const Eigen::MatrixXd own_sensor = sensor.transpose() * shapes;
+    load_shape.middleRows(first, n) = own_load;
+    sensor_shape.middleCols(first, n) = own_sensor;
+    if (coupled) {
       EnvelopeMatrix c = motion.assembly->matrix();
       motion.assembly->damping(rest, c);
       Eigen::MatrixXd product(shapes.rows(), n);
@@ -114,29 +116,17 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
       // The modes left out follow a force without delay: K^-1 less what the others give.
       EnvelopeFactor factor;
       factor.factor(motion.stiffness);
-      for (std::size_t l = 0; l < load_rows.size(); ++l) {
-        Eigen::VectorXd x = load_rows[l];
-        factor.solve_in_place(x);
-        const auto column = static_cast<Eigen::Index>(l);
-        for (Eigen::Index s = 0; s < sensors; ++s) {
-          direct(s, column) +=
-              sensor_rows[static_cast<std::size_t>(s)].dot(x) -
-              sensor_shape.row(s).segment(first, n).dot(load_shape.col(column)
-                                                            .segment(first, n)
-                                                            .cwiseQuotient(omega2.cwiseMax(1e-300))
-                                                            .transpose());
-        }
-      }
+      Eigen::MatrixXd x = load;
+      factor.solve_in_place(x);
+      direct += sensor.transpose() * x -
+                own_sensor * omega2.cwiseMax(1e-300).cwiseInverse().asDiagonal() * own_load;
     }
     first += n;
   }
 
-  Eigen::VectorXd start = Eigen::VectorXd::Zero(count);
-  for (Eigen::Index l = 0; l < loads; ++l) {
-    start += hung_weight(scene, scene.loads[static_cast<std::size_t>(l)]) *
-             load_shape.col(l).cwiseQuotient(out.omega.cwiseAbs2().cwiseMax(1e-300));
-  }
-  if (out.coupled) {
+  const Eigen::VectorXd start =
+      (load_shape * hung_weights(scene)).cwiseQuotient(out.omega.cwiseAbs2().cwiseMax(1e-300));
+  if (coupled) {
     damping.diagonal() += 2 * out.ratio.cwiseProduct(out.omega);
     out.modal = coupled_poles(out.omega, damping, load_shape, start);
   } else {
@@ -149,9 +139,7 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
   out.sensors.output.imag() = sensor_shape * out.modal.output.imag();
   if (out.truncated) out.sensors.direct = direct;
   out.sensors.offset = Eigen::VectorXd::Zero(sensors);
-  const Assembly& assembly = *modes.motions.front().assembly;
-  Eigen::VectorXd axial(static_cast<Eigen::Index>(modes.chain->segments.size()));
-  assembly.axial_forces(rest, axial);
+  const Eigen::VectorXd axial = axial_forces(*modes.chain, rest);
   for (Eigen::Index s = 0; s < sensors; ++s) {
     const int segment = modes.chain->sensors[static_cast<std::size_t>(s)].segment;
     const auto quantity = scene.sensors[static_cast<std::size_t>(s)].quantity;

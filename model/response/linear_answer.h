@@ -14,7 +14,6 @@ namespace rigfit::model {
 struct LinearAnswer {
   PoleModel sensors;                    ///< output: the scene's sensors
   PoleModel modal;                      ///< the same poles; output: each mode's coordinate
-  bool coupled = false;                 ///< joint dampers couple the modes
   Eigen::VectorXd omega;                ///< rad/s, modes of all motions one after the other
   Eigen::VectorXd ratio;                ///< from the members' damping ratios alone
   std::vector<ChainModes::Which> mode;  ///< motion and mode of each
@@ -23,8 +22,8 @@ struct LinearAnswer {
 
 [[nodiscard]] LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene);
 
-/// Weight of the mass hung by a release, N along the load's direction.
-[[nodiscard]] double hung_weight(const Scene& scene, const Load& load);
+/// By load, the weight of the mass that a release hangs there, N along its direction; else zero.
+[[nodiscard]] Eigen::VectorXd hung_weights(const Scene& scene);
 
 /// Increments of one numbering's unknowns as another's; what the other lacks is left out.
 [[nodiscard]] Eigen::VectorXd renumbered(const Eigen::VectorXd& x, const Numbering& from,

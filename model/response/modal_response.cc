@@ -37,51 +37,32 @@ Complex sine_integral(Complex s, double Omega, double a, double T) {
 }
 
 // Samples of a system left to itself: y_n = Re sum_r w_r z_r lambda_r^n, all sensors, `z` its state
-// at the first row.
+// at the first row. The powers of a block of rows are those of every block.
 void free_samples(const PoleModel& model, const Eigen::MatrixXcd& weights, double step,
                   const Eigen::VectorXcd& z, Eigen::Ref<Eigen::MatrixXd> out) {
-  constexpr Eigen::Index kBlock = 64, kRestart = 64;
-  const Eigen::Index sensors = weights.rows(), rows = out.rows();
-  if (sensors == 0 || rows == 0) return;
-  // Poles that no sensor sees are left out: together less than 1e-13 of what there is.
-  std::vector<Eigen::Index> seen;
-  const Eigen::MatrixXd size = weights.cwiseAbs() * z.cwiseAbs().asDiagonal();
-  const Eigen::VectorXd all = size.rowwise().sum();
-  for (Eigen::Index r = 0; r < z.size(); ++r) {
-    const double share = 1e-13 / static_cast<double>(z.size());
-    if ((size.col(r).array() > share * all.array()).any()) seen.push_back(r);
-  }
-  const auto poles = static_cast<Eigen::Index>(seen.size());
+  constexpr Eigen::Index kBlock = 256;
+  const Eigen::Index sensors = weights.rows(), rows = out.rows(), poles = z.size();
   const Eigen::Index blocks = (rows + kBlock - 1) / kBlock;
-  Eigen::MatrixXd powers(kBlock * sensors, 2 * poles), states(2 * poles, blocks);
+  Eigen::MatrixXd powers(kBlock, 2 * poles), states(2 * poles, blocks * sensors);
   for (Eigen::Index p = 0; p < poles; ++p) {
-    const Eigen::Index r = seen[static_cast<std::size_t>(p)];
-    const Complex lambda = std::exp(model.poles(r) * step);
+    const Complex s = model.poles(p), lambda = std::exp(s * step);
     Complex power = 1;
     for (Eigen::Index k = 0; k < kBlock; ++k, power *= lambda) {
-      for (Eigen::Index s = 0; s < sensors; ++s) {
-        const Complex value = weights(s, r) * power;
-        powers(s * kBlock + k, 2 * p) = value.real();
-        powers(s * kBlock + k, 2 * p + 1) = -value.imag();
-      }
+      powers(k, 2 * p) = power.real();
+      powers(k, 2 * p + 1) = -power.imag();
     }
-    // The recurrence rounds once a block; restarted from the closed form it stays within a few
-    // roundings however long the response.
-    const double span = step * static_cast<double>(kBlock);
-    const Complex jump = std::exp(model.poles(r) * span);
-    Complex state = z(r);
-    for (Eigen::Index j = 0; j < blocks; ++j, state *= jump) {
-      if (j % kRestart == 0) state = z(r) * std::exp(model.poles(r) * (span * double(j)));
-      states(2 * p, j) = state.real();
-      states(2 * p + 1, j) = state.imag();
+    for (Eigen::Index j = 0; j < blocks; ++j) {
+      const Complex state = z(p) * std::exp(s * (step * static_cast<double>(kBlock * j)));
+      for (Eigen::Index k = 0; k < sensors; ++k) {
+        const Complex value = weights(k, p) * state;
+        states(2 * p, k * blocks + j) = value.real();
+        states(2 * p + 1, k * blocks + j) = value.imag();
+      }
     }
   }
   const Eigen::MatrixXd samples = powers * states;
-  for (Eigen::Index j = 0; j < blocks; ++j) {
-    const Eigen::Index count = std::min(kBlock, rows - j * kBlock);
-    for (Eigen::Index s = 0; s < sensors; ++s) {
-      out.col(s).segment(j * kBlock, count) = samples.col(j).segment(s * kBlock, count);
-    }
+  for (Eigen::Index k = 0; k < sensors; ++k) {
+    out.col(k) = Eigen::Map<const Eigen::VectorXd>(samples.data() + k * blocks * kBlock, rows);
   }
 }
 
@@ -92,7 +73,7 @@ PoleModel pole_model(const Eigen::VectorXd& omega, const Eigen::VectorXd& dampin
                      const Eigen::VectorXd& displacement) {
   const Eigen::Index modes = omega.size();
   assert(load_shape.rows() == modes && sensor_shape.cols() == modes);
-  assert(displacement.size() == 0 || displacement.size() == modes);
+  assert(displacement.size() == modes);
   Eigen::Index poles = 0;
   for (Eigen::Index r = 0; r < modes; ++r) poles += damping_ratio(r) < 1 ? 1 : 2;
   PoleModel model;
@@ -100,33 +81,23 @@ PoleModel pole_model(const Eigen::VectorXd& omega, const Eigen::VectorXd& dampin
   model.input.resize(poles, load_shape.cols());
   model.output.resize(sensor_shape.rows(), poles);
   model.initial = Eigen::VectorXcd::Zero(poles);
-  const auto start = [&](Eigen::Index r) {
-    return displacement.size() == 0 ? 0.0 : displacement(r);
-  };
   Eigen::Index p = 0;
   for (Eigen::Index r = 0; r < modes; ++r) {
     const double w = omega(r);
     double zeta = damping_ratio(r);
     // Two equal poles have no such expansion; 1e-8 beside them the response differs by as much.
     if (std::abs(zeta - 1) < 1e-8) zeta = zeta < 1 ? 1 - 1e-8 : 1 + 1e-8;
-    if (zeta < 1) {
-      const double wd = w * std::sqrt((1 - zeta) * (1 + zeta));
-      model.poles(p) = {-zeta * w, wd};
+    // Both roots, the slow one without cancellation; one of a conjugate pair stands for both.
+    const bool pair = zeta < 1;
+    const Complex root = w * std::sqrt(Complex((zeta - 1) * (zeta + 1)));
+    const Complex fast = -zeta * w - root, slow = w * w / fast;
+    for (int k = 0; k < (pair ? 1 : 2); ++k, ++p) {
+      const Complex own = k == 0 ? slow : fast, other = k == 0 ? fast : slow;
+      model.poles(p) = own;
       model.input.row(p) = load_shape.row(r).cast<Complex>();
-      model.output.col(p) = sensor_shape.col(r).cast<Complex>() * Complex(0, -1 / wd);
-      model.initial(p) = Complex(zeta * w, wd) * start(r);
-      ++p;
-    } else {
-      const double root = w * std::sqrt((zeta - 1) * (zeta + 1));
-      const double fast = -zeta * w - root, slow = w * w / fast;
-      for (int k = 0; k < 2; ++k) {
-        const double own = k == 0 ? slow : fast, other = k == 0 ? fast : slow;
-        model.poles(p) = own;
-        model.input.row(p) = load_shape.row(r).cast<Complex>();
-        model.output.col(p) = sensor_shape.col(r).cast<Complex>() / (own - other);
-        model.initial(p) = -other * start(r);
-        ++p;
-      }
+      model.output.col(p) =
+          sensor_shape.col(r).cast<Complex>() * ((pair ? 2.0 : 1.0) / (own - other));
+      model.initial(p) = -other * displacement(r);
     }
   }
   return model;
@@ -141,11 +112,6 @@ ModalPropagator::ModalPropagator(const PoleModel& model, const std::vector<Load>
     forces_.emplace_back(loads[l], records[l]);
     last_force_ = std::max(last_force_, forces_.back().end_s());
   }
-}
-
-Eigen::VectorXcd ModalPropagator::initial() const {
-  if (model_.initial.size() > 0) return model_.initial;
-  return Eigen::VectorXcd::Zero(model_.poles.size());
 }
 
 void ModalPropagator::advance(Eigen::VectorXcd& z, double t0, double t1) const {
@@ -219,7 +185,7 @@ Eigen::MatrixXd modal_response(const PoleModel& model,
   }
 
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows, sensors);
-  Eigen::VectorXcd z = propagator.initial();
+  Eigen::VectorXcd z = model.initial;
   Eigen::Index row = 0;
   // Sample by sample while any force acts, then freely.
   const double last_force = propagator.last_force_s();

@@ -7,8 +7,7 @@
 //   z1 = e^x z0 + b h [ phi1(x) f0 + phi2(x) (f1 - f0) ]          force linear between samples
 //   phi1 = (e^x - 1)/x, phi2 = (e^x - 1 - x)/x^2
 // and a half-sine pulse is integrated in closed form, whatever the step. Without force the samples
-// in a block are one real matrix (powers of e^{s h}, times what the sensors see) times the states
-// at the blocks' starts: 10 s at 2 kHz take half a millisecond.
+// in a block are one real matrix (powers of e^{s h}) times the states at the blocks' starts.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,14 +23,14 @@ struct PoleModel {
   Eigen::MatrixXcd input;   ///< poles x loads: b
   Eigen::MatrixXcd output;  ///< sensors x poles: c of the displacement along the sensor's direction
                             ///< (of the tension for a force sensor)
-  Eigen::VectorXcd initial;  ///< z at t = 0; empty: at rest
+  Eigen::VectorXcd initial;  ///< z at t = 0
   Eigen::VectorXd offset;    ///< sensors: added to every sample (static tension); empty: zero
   Eigen::MatrixXd direct;    ///< sensors x loads: what the force adds at once to a displacement
                              ///< or tension, for modes left out; empty: nothing
 };
 
 /// Poles of mass-normalised modes: `load_shape` modes x loads, `sensor_shape` sensors x modes,
-/// started from the modal displacements `displacement` (empty: rest).
+/// started from the modal displacements `displacement`.
 [[nodiscard]] PoleModel pole_model(const Eigen::VectorXd& omega,
                                    const Eigen::VectorXd& damping_ratio,
                                    const Eigen::MatrixXd& load_shape,
@@ -55,8 +54,6 @@ class ModalPropagator {
 
   [[nodiscard]] double last_force_s() const { return last_force_; }  ///< 0: no force at all
   [[nodiscard]] const LoadForce& force(std::size_t load) const { return forces_[load]; }
-  /// z at t = 0.
-  [[nodiscard]] Eigen::VectorXcd initial() const;
   void advance(Eigen::VectorXcd& z, double t0, double t1) const;
 
  private:

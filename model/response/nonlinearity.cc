@@ -49,17 +49,8 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
 
   // Modal coordinates where the strain energy is greatest. A hung mass' own state is the start.
   const ModalPropagator propagator(answer.modal, scene.loads, records);
-  Eigen::VectorXcd z = propagator.initial();
-  const auto coordinates = [&]() -> Eigen::VectorXd {
-    if (answer.coupled) return (answer.modal.output * z).real();
-    Eigen::VectorXd q = Eigen::VectorXd::Zero(count);
-    for (Eigen::Index p = 0, r = 0; p < z.size(); ++p) {
-      while (r < count && answer.modal.output(r, p) == std::complex<double>(0)) ++r;
-      if (r == count) break;
-      q(r) += (answer.modal.output(r, p) * z(p)).real();
-    }
-    return q;
-  };
+  Eigen::VectorXcd z = answer.modal.initial;
+  const auto coordinates = [&]() -> Eigen::VectorXd { return (answer.modal.output * z).real(); };
   const auto energies = [&](const Eigen::VectorXd& q) -> Eigen::VectorXd {
     return 0.5 * (answer.omega.cwiseProduct(q)).cwiseAbs2();
   };
@@ -76,7 +67,7 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
       propagator.advance(z, begin + (end - begin) * (i - 1) / instants, t);
       const Eigen::VectorXd here = coordinates();
       const double energy = energies(here).sum();
-      if (energy > greatest) greatest = energy, q = here, out.time_s = t;
+      if (energy > greatest) greatest = energy, q = here;
     }
   }
   out.energy_J = greatest;
@@ -120,10 +111,7 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
     stiffness.multiply(u, load);
   }
   if (last_force == 0) {  // the hung masses themselves
-    load.setZero();
-    for (std::size_t l = 0; l < scene.loads.size(); ++l) {
-      load += hung_weight(scene, scene.loads[l]) * load_row(assembly, static_cast<int>(l));
-    }
+    load = load_rows(assembly) * hung_weights(scene);
   }
   if (lowest.empty()) return out;
   // Eigenvalues in both extremes; one alone when there is no equilibrium the other way.

@@ -14,12 +14,11 @@
 
 #include "model/linear/modes.h"
 #include "model/response/linear_answer.h"
-#include "model/statics/loaded_state.h"
+#include "model/statics/equilibrium.h"
 
 namespace rigfit::model {
 
 struct Nonlinearity {
-  double time_s = 0;           ///< time of the most deflected state
   double frequency_shift = 0;  ///< relative; 1 when no deflected equilibrium was found
   /// Frequency of the mode with most of the energy among the lowest.
   double frequency_at_rest_hz = 0;

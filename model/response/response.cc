@@ -15,7 +15,7 @@
 #include "model/response/response_estimates.h"
 #include "model/response/response_modes.h"
 #include "model/scene/scene_error.h"
-#include "model/statics/loaded_state.h"
+#include "model/statics/equilibrium.h"
 
 namespace rigfit::model {
 namespace {
@@ -56,23 +56,18 @@ ModalDamping modal_damping(const ChainModes& modes, const LinearAnswer& answer,
                            const Assembly& assembly) {
   ModalDamping damping;
   if (answer.ratio.isZero(0)) return damping;
-  std::vector<Eigen::VectorXd> shapes;
-  std::vector<double> rates;
-  for (std::size_t i = 0; i < answer.mode.size(); ++i) {
-    const auto r = static_cast<Eigen::Index>(i);
-    const MotionModes& motion = modes.motions[static_cast<std::size_t>(answer.mode[i].motion)];
-    if (answer.ratio(r) == 0) continue;
-    Eigen::VectorXd shape = renumbered(motion.shapes.col(answer.mode[i].mode),
-                                       motion.assembly->numbering(), assembly.numbering());
-    if (shape.isZero(0)) continue;
-    shapes.push_back(std::move(shape));
-    rates.push_back(2 * answer.ratio(r) * answer.omega(r));
-  }
-  damping.shapes.resize(assembly.size(), static_cast<Eigen::Index>(shapes.size()));
-  damping.rate.resize(static_cast<Eigen::Index>(shapes.size()));
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    damping.shapes.col(static_cast<Eigen::Index>(i)) = shapes[i];
-    damping.rate(static_cast<Eigen::Index>(i)) = rates[i];
+  const Eigen::Index count = answer.omega.size();
+  damping.shapes.resize(assembly.size(), count);
+  damping.momentum = damping.shapes;
+  damping.rate = 2 * answer.ratio.cwiseProduct(answer.omega);
+  EnvelopeMatrix mass = assembly.matrix();
+  assembly.mass(mass);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto [m, k] = answer.mode[static_cast<std::size_t>(i)];
+    const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
+    damping.shapes.col(i) =
+        renumbered(motion.shapes.col(k), motion.assembly->numbering(), assembly.numbering());
+    damping.momentum.col(i) = mass * Eigen::VectorXd(damping.shapes.col(i));
   }
   return damping;
 }
@@ -82,10 +77,7 @@ std::string not_explicit(const MotionProblem& problem) {
   if (!kernel_supports(*problem.chain, problem.motion == Motion::in_plane ? 2 : 3)) {
     return "the explicit solver takes neither torsion nor, in space, nodes that turn";
   }
-  if (problem.joint_damping && joints_overdamp(*problem.chain)) {
-    return "joint dampers overdamp waves of segments, which the explicit solver does not take";
-  }
-  return {};
+  return problem.joint_damping ? "the explicit solver takes no joint dampers" : "";
 }
 
 }  // namespace
@@ -112,8 +104,6 @@ class Simulation {
     }
     out_.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     if (!good) return std::move(out_);
-    out_.completed = out_.samples.allFinite();
-    if (!out_.completed) out_.reason = "the motion is not finite";
     out_.energy_drift = out_.energy.drift();
     say_what_was_left_out();
     return std::move(out_);
@@ -156,12 +146,7 @@ class Simulation {
     plane_ = !options_.space && plane_is_enough(chain);
     problem_.motion = plane_ ? Motion::in_plane : Motion::space;
     out_.motion = plane_ ? "plane" : "space";
-    const MotionModes* own = nullptr;
-    for (const MotionModes& motion : modes_.motions) {
-      if (motion.motion == problem_.motion) own = &motion;
-    }
-    if (!own) made_ = std::make_unique<Assembly>(chain, problem_.motion);
-    assembly_ = own ? own->assembly.get() : made_.get();
+    assembly_ = std::make_unique<Assembly>(chain, problem_.motion);
     out_.unknowns = assembly_->size();
 
     shift_ = estimate_nonlinearity(modes_, answer_, scene_, records_, options_.sampling.duration_s,
@@ -190,7 +175,9 @@ class Simulation {
     out_.samples = modal_response(answer_.sensors, problem_.quantities, scene_.loads, records_,
                                   out_.step_s, rows);
     out_.steps = static_cast<long>(rows) - 1;
-    return true;
+    out_.completed = out_.samples.allFinite();
+    if (!out_.completed) out_.reason = "the motion is not finite";
+    return out_.completed;
   }
 
   bool run_exact() {
@@ -202,11 +189,7 @@ class Simulation {
     problem_.records = records_;
     problem_.joint_damping = has_joint_dampers(scene_);
     problem_.modal_damping = modal_damping(modes_, answer_, *assembly_);
-    Eigen::VectorXd weight = Eigen::VectorXd::Zero(assembly_->size());
-    for (std::size_t l = 0; l < scene_.loads.size(); ++l) {
-      const double force = hung_weight(scene_, scene_.loads[l]);
-      if (force != 0) weight += force * load_row(*assembly_, static_cast<int>(l));
-    }
+    const Eigen::VectorXd weight = load_rows(*assembly_) * hung_weights(scene_);
     LoadedState loaded = loaded_state(*assembly_, rest, weight);
     if (!loaded.converged) {
       out_.reason = "no equilibrium was found with the hung mass on";
@@ -222,14 +205,8 @@ class Simulation {
       out_.reason = why + ": use stiff";
       return false;
     }
-    MotionOutput motion = integrate();
-    out_.samples = std::move(motion.samples);
-    out_.energy = std::move(motion.energy);
-    out_.steps = motion.steps;
-    out_.step_s = motion.step_s;
-    out_.reason = motion.reason;
-    slowing_s2_ = motion.axial_slowing_s2;
-    return motion.completed;
+    static_cast<MotionOutput&>(out_) = integrate();
+    return out_.completed;
   }
 
   MotionOutput integrate() {
@@ -281,11 +258,11 @@ class Simulation {
     } else {
       out_.kept.push_back("geometrically exact stiffness");
     }
-    if (slowing_s2_ > 0) {
+    if (out_.axial_slowing_s2 > 0) {
       const StepErrors errors = explicit_step_errors(
-          modes_, answer_, weights_, shift_.frequency_shift, out_.step_s, slowing_s2_);
+          modes_, answer_, weights_, shift_.frequency_shift, out_.step_s, out_.axial_slowing_s2);
       // kappa omega^2 / 2 = 1 %
-      const double at_hz = std::sqrt(0.02 / slowing_s2_) / (2 * std::numbers::pi);
+      const double at_hz = std::sqrt(0.02 / out_.axial_slowing_s2) / (2 * std::numbers::pi);
       std::ostringstream what;
       what.precision(3);
       what << "axial waves at their own speed (1 % slow at " << at_hz << " Hz)";
@@ -329,10 +306,8 @@ class Simulation {
   ModeWeights weights_;
   Nonlinearity shift_;
   MotionProblem problem_;
-  std::unique_ptr<Assembly> made_;
-  const Assembly* assembly_ = nullptr;
+  std::unique_ptr<Assembly> assembly_;
   bool plane_ = false;
-  double slowing_s2_ = 0;
 };
 
 }  // namespace

@@ -3,12 +3,12 @@
 // The linear response is computed first, and from it the shift of frequencies with amplitude is
 // estimated (nonlinearity.h). If the shift is within the scene's accuracy, the exact modal response
 // is returned. Otherwise the non-linear equations are integrated, in the plane when nothing pushes
-// the scene out of it. The explicit scheme is used unless it would take many times the work of the
-// stiff one or cannot handle the scene (joint dampers that overdamp waves, torsion, nodes that turn
-// in space). Only motions that a load drives are computed; axial waves are slowed
-// (explicit_motion.h) where the estimated error allows it; "auto" members get enough segments to
-// keep the error of frequencies below the scene's accuracy. Every choice can be forced, and effects
-// left out are listed with their estimated error (response_estimates.h).
+// the scene out of it, by the explicit scheme or, where that cannot handle the scene (joint
+// dampers, torsion, nodes that turn in space), by the stiff one. Only motions that a load drives
+// are computed; axial waves are slowed (explicit_motion.h) where the estimated error allows it;
+// "auto" members get enough segments to keep the error of frequencies below the scene's accuracy.
+// Every choice can be forced, and effects left out are listed with their estimated error
+// (response_estimates.h).
 //
 // A hung mass acts as mass x |gravity| along the load's direction and is removed at t = 0. Sensors
 // read displacements from the unloaded equilibrium, or the axial force with its static part.
@@ -57,11 +57,9 @@ struct ResponseOptions {
 };
 
 /// The time history, and how it was computed.
-struct ResponseResult {
+struct ResponseResult : MotionOutput {
   Equilibrium equilibrium;  ///< check `status` first: the rest is set only if it converged
-  bool completed = false;
   bool impossible = false;  ///< the scene does not allow the options
-  std::string reason;       ///< for a person, when not completed
   /// Estimated error of a linear solution forced on a non-linear motion: the phase error due to the
   /// shift of frequencies over half of the duration; else 0.
   double linear_error = 0;
@@ -69,7 +67,6 @@ struct ResponseResult {
 
   double rate_hz = 0;
   std::vector<std::string> sensors;  ///< names
-  Eigen::MatrixXd samples;           ///< rows (0, 1/rate, ...) x sensors
 
   ResponseSolver solver = ResponseSolver::modal;
   bool nonlinear = false;           ///< whether the estimated shift exceeds the scene's accuracy
@@ -78,14 +75,11 @@ struct ResponseResult {
   double frequency_moving_hz = 0;   ///< its estimate in motion
   std::string motion;               ///< "plane" or "space"
   int unknowns = 0;
-  long steps = 0;
-  double step_s = 0;
   double wall_s = 0;          ///< time to compute the samples, s; later estimates not counted
   double energy_drift = 0;    ///< 0 for the modal solver, whose samples are exact
   std::vector<int> segments;  ///< by member
   /// Relative error of frequencies, weighted by energy; negative: not estimated.
   double resolution_error = -1;
-  EnergyBalance energy;
   std::vector<std::string> members;  ///< names
   std::vector<std::string> kept;
   std::vector<LeftOut> left_out;

@@ -18,11 +18,8 @@ double stretching(const ChainModes& modes, const LinearAnswer& answer, int mode)
   double sum = 0;
   for (const Segment& s : chain.segments) {
     const Eigen::Vector3d t = (rest.position.col(s.b) - rest.position.col(s.a)).normalized();
-    double stretch = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const int a = numbering.displacement(axis, s.a), b = numbering.displacement(axis, s.b);
-      stretch += t[axis] * ((b >= 0 ? shape(b) : 0) - (a >= 0 ? shape(a) : 0));
-    }
+    const double stretch =
+        t.dot(numbering.displacement_in(shape, s.b) - numbering.displacement_in(shape, s.a));
     sum += s.EA / s.length * stretch * stretch;
   }
   const double omega2 = motion.omega2(k);

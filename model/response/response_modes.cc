@@ -13,13 +13,7 @@ constexpr int kAllModes = 400;  // unknowns of a motion up to which all modes ar
 constexpr int kSomeModes = 200;
 constexpr double kUsualSegments = 30, kMostAutoSegments = 400;
 
-bool driven(const MotionModes& motion) {
-  const auto loads = static_cast<int>(motion.assembly->chain().loads.size());
-  for (int l = 0; l < loads; ++l) {
-    if (!load_row(*motion.assembly, l).isZero(1e-12)) return true;
-  }
-  return false;
-}
+bool driven(const MotionModes& motion) { return !load_rows(*motion.assembly).isZero(1e-12); }
 
 }  // namespace
 
@@ -34,13 +28,7 @@ ChainModes response_modes(const Scene& scene, const ResponseModesOptions& option
     motion.complete = true;
     if (any ? !driven(motion) : k > 0) continue;
     const int count = options.modes > 0 ? options.modes : n <= kAllModes ? n : kSomeModes;
-    Eigenpairs pairs = lowest_eigenpairs(motion.stiffness, motion.mass, std::min(n, count));
-    motion.omega2 = std::move(pairs.values);
-    motion.shapes = std::move(pairs.vectors);
-    motion.complete = pairs.complete;
-    for (Eigen::Index i = 0; i < motion.omega2.size(); ++i) {
-      out.order.push_back({static_cast<int>(k), static_cast<int>(i)});
-    }
+    motion.take(lowest_eigenpairs(motion.stiffness, motion.mass, std::min(n, count)));
   }
   return out;
 }
@@ -55,7 +43,7 @@ ModeWeights mode_weights(const LinearAnswer& answer, const Scene& scene,
   out.mode_of_pole.assign(static_cast<std::size_t>(poles), 0);
   if (poles == 0) return out;
   const ModalPropagator propagator(model, scene.loads, records);
-  Eigen::VectorXcd z = propagator.initial();
+  Eigen::VectorXcd z = model.initial;
   const double begin = std::min(duration_s, propagator.last_force_s());
   propagator.advance(z, 0, begin);
 
@@ -104,30 +92,24 @@ double resolution_error(const Scene& scene, const ResponseModesOptions& options,
   const ChainModes fine = prepare_motions(scene, ModesOptions{}, finer.segments);
   if (fine.motions.size() != modes.motions.size()) return 1;
   double error = 0;
+  Eigen::Index first = 0;
   for (std::size_t k = 0; k < modes.motions.size(); ++k) {
+    const Eigen::Index own = modes.motions[k].omega2.size();
+    const Eigen::VectorXd energy = weights.energy.segment(first, own);
     // The lowest modes that hold all but a thousandth of this motion's energy.
-    std::vector<std::size_t> own;
-    double all = 0;
-    for (std::size_t i = 0; i < answer.mode.size(); ++i) {
-      if (answer.mode[i].motion != static_cast<int>(k)) continue;
-      own.push_back(i);
-      all += weights.energy(static_cast<Eigen::Index>(i));
+    int count = 0;
+    for (double held = 0; count < own && held < 0.999 * energy.sum(); ++count) {
+      held += energy(count);
     }
-    std::size_t count = 0;
-    for (double held = 0; count < own.size() && held < 0.999 * all; ++count) {
-      held += weights.energy(static_cast<Eigen::Index>(own[count]));
-    }
-    if (count == 0) continue;
-    const int top = answer.mode[own[count - 1]].mode + 1;
     const Eigen::VectorXd values =
-        lowest_eigenpairs(fine.motions[k].stiffness, fine.motions[k].mass, top).values;
-    if (values.size() < top) return 1;
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto mode = static_cast<Eigen::Index>(own[i]);
-      const double other = std::sqrt(std::max(values(answer.mode[own[i]].mode), 0.0));
+        lowest_eigenpairs(fine.motions[k].stiffness, fine.motions[k].mass, count).values;
+    if (values.size() < count) return 1;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const double other = std::sqrt(std::max(values(i), 0.0));
       if (!(other > 0)) continue;
-      error += weights.energy(mode) * std::abs(answer.omega(mode) / other - 1) * 4 / 3;
+      error += energy(i) * std::abs(answer.omega(first + i) / other - 1) * 4 / 3;
     }
+    first += own;
   }
   return error;
 }

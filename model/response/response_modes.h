@@ -16,7 +16,7 @@ struct ResponseModesOptions {
 };
 
 /// Equilibrium and matrices of every motion; modes only of those that a load drives (of the first
-/// when none does). `order` holds all modes found.
+/// when none does). `order` stays empty.
 [[nodiscard]] ChainModes response_modes(const Scene& scene, const ResponseModesOptions& options);
 
 /// What each mode and each pole of a linear answer has of the motion after the last force.

@@ -3,7 +3,7 @@
 //
 // A quantity is linear in the motion: y = (d/dt)^n r q, with a row r. To add one, add its
 // enumerator to Sensor::Quantity, its line to sensor_quantity.cc and a test. If it reads
-// another part of the motion, add also its row to `sensor_row` (model/linear/modes.cc) and its
+// another part of the motion, add also its row to `sensor_rows` (model/linear/modes.cc) and its
 // value to MotionKernel::sensor_value (model/motion).
 #pragma once
 

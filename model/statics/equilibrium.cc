@@ -15,6 +15,7 @@ constexpr int kMostIterations = 40;  // Newton iterations of each continuation s
 constexpr double kResidual = 1e-9;   // largest unbalanced force over the largest member force
 constexpr double kSmallStep = 1e-9;  // largest last displacement over the rig's extent
 constexpr int kMostContinuationSteps = 60;
+constexpr double kLongestWay = 0.25;  // way of a load step, of the rig's extent
 
 /// What of the rig acts at a stage of the continuation, 1: all of it.
 void scale_bending(Chain& chain, const Chain& whole, double part) {
@@ -39,15 +40,21 @@ void scale_bending(Chain& chain, const Chain& whole, double part) {
   }
 }
 
+Motion motion_at_rest(const Chain& chain) {
+  return chain.planar ? Motion::in_plane : Motion::space;
+}
+
 class Solver {
  public:
-  explicit Solver(Chain& chain)
+  /// The lengths of cables with a tension are sought unless the chain is settled.
+  Solver(Chain& chain, Motion motion)
       : chain_(chain),
-        assembly_(chain, chain.planar ? Motion::in_plane : Motion::space),
+        assembly_(chain, motion),
         tangent_(assembly_.matrix()),
         force_(assembly_.size()) {
     for (std::size_t m = 0; m < chain.members.size(); ++m) {
-      if (chain.members[m].target_tension) targets_.push_back(static_cast<int>(m));
+      if (chain.members[m].target_tension && !chain.settled)
+        targets_.push_back(static_cast<int>(m));
     }
     const auto n = assembly_.size();
     const auto k = static_cast<Eigen::Index>(targets_.size());
@@ -62,7 +69,7 @@ class Solver {
       const double coordinate = chain.drawn.col(support.node).cwiseAbs().maxCoeff() + extent_;
       for (int axis = 0; axis < 3; ++axis) {
         const int i = numbering.displacement(axis, support.node);
-        const double stiffness = support.translational.row(axis).cwiseAbs().sum();
+        const double stiffness = support.translational[axis];
         if (i >= 0)
           support_rounding_[i] +=
               16 * std::numeric_limits<double>::epsilon() * stiffness * coordinate;
@@ -74,14 +81,16 @@ class Solver {
     }
   }
 
-  /// Newton from `state`. `hold`: stiffness with which scene nodes are held where drawn, N/m.
-  bool solve(ChainState& state, double hold) {
+  /// Newton from `state`. `hold`: stiffness with which scene nodes are held where drawn, N/m;
+  /// `load`: forces on the unknowns, or none.
+  bool solve(ChainState& state, double hold, const Eigen::VectorXd& load = {}) {
     const auto k = static_cast<Eigen::Index>(targets_.size());
-    assembly_.axial_forces(state, axial_);
+    axial_ = axial_forces(chain_, state);
     double last_step = std::numeric_limits<double>::infinity();
     for (int iteration = 0; iteration <= kMostIterations; ++iteration) {
       assembly_.force_and_tangent(state, force_, tangent_, &axial_);
       if (hold > 0) add_hold(state, hold);
+      if (load.size() > 0) force_ -= load;
       if (!chain_.settled) stiffen_idle_rotations();
       measure(state);
       for (Eigen::Index i = 0; i < k; ++i) {
@@ -114,7 +123,7 @@ class Solver {
 
   double residual = 0;
   int iterations = 0;
-  const Assembly& assembly() const { return assembly_; }
+  [[nodiscard]] double extent() const { return extent_; }  ///< m
 
  private:
   /// Node rotations that nothing bears yet get a stiffness in the step, not in the force.
@@ -146,13 +155,10 @@ class Solver {
   void measure(const ChainState& state) {
     unbalanced_ =
         force_.size() > 0 ? (force_.cwiseAbs() - support_rounding_).cwiseMax(0).maxCoeff() : 0;
-    scale_ = 0;
+    scale_ = axial_forces(chain_, state).cwiseAbs().maxCoeff();
     double stiffest = 0;
-    for (std::size_t k = 0; k < chain_.segments.size(); ++k) {
-      const Segment& s = chain_.segments[k];
-      const double length = (state.position.col(s.b) - state.position.col(s.a)).norm();
-      scale_ = std::max(
-          {scale_, std::abs(s.EA * (length / s.length - 1)), s.mass * chain_.gravity.norm()});
+    for (const Segment& s : chain_.segments) {
+      scale_ = std::max(scale_, s.mass * chain_.gravity.norm());
       stiffest = std::max(stiffest, s.EA / s.length);
     }
     for (const InnerJoint& joint : chain_.inner_joints) {
@@ -170,12 +176,7 @@ class Solver {
     double factor = 1;
     const Eigen::Matrix3Xi& unknown = assembly_.numbering().displacement;
     const auto shift = [&](int node) {
-      Eigen::Vector3d d = Eigen::Vector3d::Zero();
-      for (int axis = 0; axis < 3; ++axis) {
-        const int i = unknown(axis, node);
-        if (i >= 0) d[axis] = column_[i];
-      }
-      return d;
+      return assembly_.numbering().displacement_in(column_, node);
     };
     for (std::size_t k = 0; k < chain_.segments.size(); ++k) {
       const Segment& s = chain_.segments[k];
@@ -196,12 +197,12 @@ class Solver {
                           chain_.members[std::size_t(targets_[std::size_t(i)])].unstretched_length;
       if (part * factor > 1.0 / 3) factor = 1.0 / (3 * part);
     }
+    axial_ = axial_forces(chain_, state);
     for (std::size_t k = 0; k < chain_.segments.size(); ++k) {
       const Segment& s = chain_.segments[k];
       const Eigen::Vector3d e = state.position.col(s.b) - state.position.col(s.a);
-      const double length = e.norm();
-      axial_[Eigen::Index(k)] = s.EA * (length / s.length - 1) +
-                                factor * s.EA / s.length * e.dot(shift(s.b) - shift(s.a)) / length;
+      axial_[Eigen::Index(k)] +=
+          factor * s.EA / s.length * e.dot(shift(s.b) - shift(s.a)) / e.norm();
     }
     for (Eigen::Index i = 0; i < lengths_.size(); ++i) {
       const int m = targets_[std::size_t(i)];
@@ -240,19 +241,8 @@ class Solver {
 }  // namespace
 
 const char* name_of(EquilibriumStatus status) {
-  switch (status) {
-    case EquilibriumStatus::converged:
-      return "converged";
-    case EquilibriumStatus::slack:
-      return "slack";
-    case EquilibriumStatus::buckled:
-      return "buckled";
-    case EquilibriumStatus::mechanism:
-      return "mechanism";
-    case EquilibriumStatus::not_converged:
-      break;
-  }
-  return "not converged";
+  constexpr const char* kNames[] = {"converged", "slack", "buckled", "mechanism", "not converged"};
+  return kNames[static_cast<std::size_t>(status)];
 }
 
 ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
@@ -270,7 +260,7 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
   for (const bool with_bending : {true, false}) {
     chain = drawn;
     if (!hang_cables(chain, scene, with_bending, result)) return result;
-    Solver solver(chain);
+    Solver solver(chain, motion_at_rest(chain));
     const bool converged = solver.solve(state, 0);
     result.iterations += solver.iterations;
     result.residual = solver.residual;
@@ -295,7 +285,7 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
   for (const ChainMember& member : chain.members) {
     if (member.target_tension) force_scale = std::max(force_scale, *member.target_tension);
   }
-  Solver solver(chain);
+  Solver solver(chain, motion_at_rest(chain));
   double done = 0, step = 0.25;
   for (int k = 0; k < kMostContinuationSteps && done < 1; ++k) {
     const double part = std::min(1.0, done + step);
@@ -342,6 +332,40 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
   return result;
 }
 
+LoadedState loaded_state(const Assembly& assembly, const ChainState& equilibrium,
+                         const Eigen::VectorXd& load) {
+  LoadedState out;
+  out.state = equilibrium;
+  out.converged = load.isZero(0);
+  Chain chain = assembly.chain();
+  Solver solver(chain, assembly.numbering().motion);
+  Eigen::VectorXd force(assembly.size());
+  EnvelopeMatrix tangent = assembly.matrix();
+  EnvelopeFactor factor;
+  double done = 0, step = 1;
+  while (!out.converged && step > 1e-4) {
+    const double fraction = std::min(1.0, done + step);
+    ChainState trial = out.state;
+    bool good = solver.solve(trial, 0, fraction * load);
+    // On the path that leads there from rest, not on another that a long step has found.
+    const double moved = (trial.position - out.state.position).cwiseAbs().maxCoeff();
+    if (moved > kLongestWay * solver.extent() && step > 1e-3) good = false;
+    if (good) {
+      assembly.force_and_tangent(trial, force, tangent);
+      good = factor.factor(tangent) && factor.negative_pivots() == 0;
+    }
+    if (good) {
+      out.state = std::move(trial);
+      done = fraction;
+      out.converged = done >= 1;
+      step = std::min(2 * step, 1 - done);
+    } else {
+      step = std::min(step, 1 - done) / 2;
+    }
+  }
+  return out;
+}
+
 Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium, const Scene& scene) {
   Equilibrium out;
   out.status = equilibrium.status;
@@ -349,7 +373,8 @@ Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium, co
   out.residual = equilibrium.residual;
   out.iterations = equilibrium.iterations;
   if (equilibrium.status != EquilibriumStatus::converged) return out;
-  const Assembly assembly(chain, chain.planar ? Motion::in_plane : Motion::space);
+  const Assembly assembly(chain, motion_at_rest(chain));
+  const Eigen::VectorXd axial = axial_forces(chain, equilibrium.state);
   const Eigen::Matrix3d back = chain.axes.transpose();
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
     const ChainMember& member = chain.members[m];
@@ -364,18 +389,13 @@ Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium, co
     }
     const Eigen::Vector3d from = at.positions.col(0);
     const Eigen::Vector3d chord = (at.positions.rightCols<1>() - from).normalized();
-    double mean = 0;
-    at.tension_max_N = -std::numeric_limits<double>::infinity();
     for (int i = 0; i < member.segments; ++i) {
       const Eigen::Vector3d d = at.positions.col(i) - from;
       at.sag_m = std::max(at.sag_m, (d - chord * chord.dot(d)).norm());
-      const Segment& s = chain.segments[static_cast<std::size_t>(member.first_segment + i)];
-      const double length = (at.positions.col(i + 1) - at.positions.col(i)).norm();
-      const double force = s.EA * (length / s.length - 1);
-      mean += force * s.length / member.unstretched_length;
-      at.tension_max_N = std::max(at.tension_max_N, force);
     }
-    at.tension_N = member.cable ? assembly.tension(equilibrium.state, static_cast<int>(m)) : mean;
+    at.tension_max_N = axial.segment(member.first_segment, member.segments).maxCoeff();
+    at.tension_N = member.cable ? assembly.tension(equilibrium.state, static_cast<int>(m))
+                                : mean_force(chain, member, axial);
     out.members.push_back(std::move(at));
   }
   return out;

@@ -21,6 +21,17 @@ namespace rigfit::model {
 [[nodiscard]] ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
                                                 std::vector<RestMotion>* motions = nullptr);
 
+/// Where a settled chain rests under additional dead loads.
+struct LoadedState {
+  bool converged = false;
+  ChainState state;
+};
+/// `load`: generalised forces in the assembly's unknowns, N and N m. By load steps, none of which
+/// moves anything by more than a quarter of the rig or ends in an unstable state: a slender beam
+/// that its load bends through ninety degrees has other equilibria too.
+[[nodiscard]] LoadedState loaded_state(const Assembly& assembly, const ChainState& equilibrium,
+                                       const Eigen::VectorXd& load);
+
 /// What a user sees of it, in the scene's axes.
 [[nodiscard]] Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium,
                                    const Scene& scene);

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <limits>
 #include <vector>
 
 namespace rigfit::model {
@@ -39,6 +37,14 @@ const Member* free_to_twist(const Scene& scene) {
 
 }  // namespace
 
+double mean_force(const Chain& chain, const ChainMember& member, const Eigen::VectorXd& axial) {
+  double mean = 0;
+  for (int k = member.first_segment; k < member.first_segment + member.segments; ++k) {
+    mean += axial[k] * chain.segments[std::size_t(k)].length / member.unstretched_length;
+  }
+  return mean;
+}
+
 const char* how_to_tighten(const Member& cable) {
   if (cable.unstretched_length) return "give it a shorter unstretched_length";
   if (cable.stretch) return "give it a larger stretch";
@@ -47,19 +53,12 @@ const char* how_to_tighten(const Member& cable) {
 
 std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
                                    ChainEquilibrium& result) {
-  for (std::size_t m = 0; m < chain.members.size(); ++m) {
-    const ChainMember& member = chain.members[m];
+  const Eigen::VectorXd axial = axial_forces(chain, result.state);
+  for (const ChainMember& member : chain.members) {
     if (!member.cable) continue;
     const Member& given = scene.members[static_cast<std::size_t>(member.scene_member)];
-    double mean = 0, least = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < member.segments; ++i) {
-      const Segment& s = chain.segments[static_cast<std::size_t>(member.first_segment + i)];
-      const double length =
-          (result.state.position.col(s.b) - result.state.position.col(s.a)).norm();
-      const double force = s.EA * (length / s.length - 1);
-      mean += force * s.length / member.unstretched_length;
-      least = std::min(least, force);
-    }
+    const double mean = mean_force(chain, member, axial);
+    const double least = axial.segment(member.first_segment, member.segments).minCoeff();
     const bool limp = given.EI[0] == 0 && given.EI[1] == 0;
     if (!(mean > 0) || (limp && !(least > 0))) {
       result.status = EquilibriumStatus::slack;

@@ -12,6 +12,10 @@ namespace rigfit::model {
 std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
                                    ChainEquilibrium& result);
 
+/// Mean of the segments' axial forces along a member, N.
+[[nodiscard]] double mean_force(const Chain& chain, const ChainMember& member,
+                                const Eigen::VectorXd& axial);
+
 /// What to change about a slack cable.
 [[nodiscard]] const char* how_to_tighten(const Member& cable);
 

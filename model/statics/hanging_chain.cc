@@ -185,7 +185,7 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
       return out;
     }
   } else {
-    // The length falls as the force rises: bisection in its logarithm, then secants.
+    // The length falls as the force rises: bisection in its logarithm.
     const double wanted = member.unstretched_length;
     if (wanted > kLongest * chord.norm()) {
       out.reason = fmt::format("it is more than {} times as long as its span", kLongest);
@@ -193,30 +193,19 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
     }
     double low = std::log(1e-6 * std::max(p.total_by_length * wanted, 1e-12 * p.EA[0]));
     double high = std::log(2 * p.EA[0] * (1 + chord.norm() / wanted));
-    const auto excess = [&](double log_force, double& v, double& l) {
+    const auto too_long = [&](double log_force) {
       const double force = std::exp(log_force);
-      if (!catenary(p, force, v, l) || !solve(p, force, v, l)) return 1.0;  // too long
-      return l / wanted - 1;
+      return !catenary(p, force, v0, length) || !solve(p, force, v0, length) || length > wanted;
     };
-    double f_low = excess(low, v0, length), f_high = excess(high, v0, length);
-    if (f_high > 0 || f_low < 0) {
+    if (too_long(high) || !too_long(low)) {
       out.reason = "no horizontal tension holds it at its unstretched length";
       return out;
     }
-    double x = high;
-    for (int iteration = 0; iteration < 200 && high - low > 1e-13 * (1 + std::abs(high));
-         ++iteration) {
-      // Illinois' rule on the bracket, bisection while it is wide.
-      x = high - low > 1 ? 0.5 * (low + high) : (low * f_high - high * f_low) / (f_high - f_low);
-      if (!(x > low && x < high)) x = 0.5 * (low + high);
-      const double f = excess(x, v0, length);
-      if (std::abs(f) < 1e-14) break;
-      if (f > 0) {
-        low = x, f_low = f, f_high /= 2;
-      } else {
-        high = x, f_high = f, f_low /= 2;
-      }
+    while (high - low > 1e-13 * (1 + std::abs(high))) {
+      const double middle = 0.5 * (low + high);
+      (too_long(middle) ? low : high) = middle;
     }
+    const double x = high;
     horizontal = std::exp(x);
     if (!catenary(p, horizontal, v0, length) || !solve(p, horizontal, v0, length)) {
       out.reason = "no horizontal tension holds it at its unstretched length";
@@ -269,16 +258,8 @@ bool hang_cables(Chain& chain, const Scene& scene, bool with_bending, ChainEquil
       state.position.col(member.nodes[i]) = start.positions[i];
     }
     chain.set_unstretched_length(static_cast<int>(m), start.unstretched_length);
-    for (int i = 0; i < member.segments; ++i) {  // frames follow
-      const Segment& s = chain.segments[static_cast<std::size_t>(member.first_segment) +
-                                        static_cast<std::size_t>(i)];
-      if (s.frame < 0) continue;
-      const Eigen::Vector3d t = (chain.drawn.col(s.b) - chain.drawn.col(s.a)).normalized();
-      const Eigen::Vector3d after =
-          (state.position.col(s.b) - state.position.col(s.a)).normalized();
-      state.director.col(s.frame) = transported(state.director.col(s.frame), t, after);
-    }
   }
+  carry_frames(chain, drawn_state(chain), state);
   return true;
 }
 

@@ -34,7 +34,7 @@ void extrapolate(const Case& one, std::uint64_t seed, study::Table& table) {
   for (auto& stretches : finer.stretches) {
     for (Stretch& stretch : stretches) stretch.segments = (7 * stretch.segments + 3) / 4;
   }
-  const ExtrapolatedModes truth = extrapolate_modes(scene, options, finer, 3e-9);
+  const ResolvedModes truth = extrapolate_modes(scene, options, finer, 3e-9);
   const auto [found, seconds] =
       study::timed([&] { return extrapolate_modes(scene, options, start, one.accuracy); });
   double worst = 0;

@@ -90,7 +90,6 @@ Json run(RespondCommand& options, VerbContext& context) {
                             "add a [[sensor]] with the member and position to look at");
   }
   wanted.resolution_estimate = true;
-  wanted.sampling.energy_samples = 20;  // for the drift
   wanted.records.resize(scene.loads.size());
   for (std::size_t l = 0; l < scene.loads.size(); ++l) {
     if (scene.loads[l].kind != model::Load::Kind::record) continue;

@@ -44,8 +44,7 @@ TEST(DampedModes, OfUnevenDampersAgreeWithTheDenseQuadraticProblem) {
   ASSERT_EQ(modes.equilibrium.status, EquilibriumStatus::converged) << modes.equilibrium.reason;
   for (const MotionModes& motion : modes.motions) {
     if (motion.motion == Motion::out_of_plane) continue;  // its mass matrix is singular in rotation
-    const DampedModes damped = damped_modes(motion, modes.equilibrium.state, scene);
-    EXPECT_TRUE(damped.dampers);
+    const Eigen::VectorXcd poles = damped_poles(motion, modes.equilibrium.state, scene);
     std::vector<Complex> dense;
     {
       // Regularised: a rotation's inertia so small that it moves the poles by less than 1e-9.
@@ -58,14 +57,13 @@ TEST(DampedModes, OfUnevenDampersAgreeWithTheDenseQuadraticProblem) {
       }
       dense = dense_poles(copy, modes.equilibrium.state);
     }
-    for (Index i = 0; i < damped.poles.size(); ++i) {
-      EXPECT_TRUE(damped.converged[i]);
+    for (Index i = 0; i < poles.size(); ++i) {
       const auto nearest =
           *std::min_element(dense.begin(), dense.end(), [&](const auto& x, const auto& y) {
-            return std::abs(x - damped.poles[i]) < std::abs(y - damped.poles[i]);
+            return std::abs(x - poles[i]) < std::abs(y - poles[i]);
           });
-      EXPECT_LT(std::abs(nearest - damped.poles[i]), 1e-6 * std::abs(nearest)) << i;
-      EXPECT_GT(damping_ratio_of(damped.poles[i]), 1e-6);
+      EXPECT_LT(std::abs(nearest - poles[i]), 1e-6 * std::abs(nearest)) << i;
+      EXPECT_GT(damping_ratio_of(poles[i]), 1e-6);
     }
   }
 }

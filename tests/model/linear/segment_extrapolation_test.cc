@@ -31,7 +31,7 @@ TEST(SequenceLimit, KnowsWhenItDoesNotConverge) {
 }
 
 /// A truth of other places and finer stretches than `start` has.
-ExtrapolatedModes truth_of(const Scene& scene, const ModesOptions& options, SequenceStart start) {
+ResolvedModes truth_of(const Scene& scene, const ModesOptions& options, SequenceStart start) {
   for (auto& stretches : start.stretches) {
     for (Stretch& stretch : stretches) stretch.segments = (7 * stretch.segments + 3) / 4;
   }
@@ -51,8 +51,8 @@ TEST(ExtrapolatedModes, EstimateTheirErrorWithinAFactorOfThree) {
     const ChainModes coarse =
         find_modes(scene, options, std::vector<int>(scene.members.size(), 12));
     const SequenceStart start = sequence_start(scene, coarse, accuracy);
-    const ExtrapolatedModes found = extrapolate_modes(scene, options, start, accuracy);
-    const ExtrapolatedModes truth = truth_of(scene, options, start);
+    const ResolvedModes found = extrapolate_modes(scene, options, start, accuracy);
+    const ResolvedModes truth = truth_of(scene, options, start);
     ASSERT_TRUE(found.known && truth.known) << seed;
     double worst = 0;
     for (std::size_t i = 0; i < found.frequency_hz.size(); ++i) {
@@ -86,7 +86,7 @@ TEST(ExtrapolatedModes, HaveNodesWhereMassesStand) {
   options.shapes = options.damped = false;
   const ModalAnalysis found = analyse_modes(scene, options);
   EXPECT_TRUE(found.extrapolated);
-  const ExtrapolatedModes truth = truth_of(scene, options, start);
+  const ResolvedModes truth = truth_of(scene, options, start);
   for (std::size_t i = 0; i < found.modes.size(); ++i) {
     EXPECT_NEAR(found.modes[i].frequency_hz / truth.limit_hz[i], 1, 1e-6) << i;
   }

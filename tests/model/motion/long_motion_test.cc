@@ -4,7 +4,6 @@
 #include "model/linear/modes.h"
 #include "model/motion/explicit_motion.h"
 #include "model/statics/equilibrium.h"
-#include "model/statics/loaded_state.h"
 #include "tests/scenes.h"
 #include "tests/test.h"
 
@@ -17,18 +16,16 @@ struct FlyingBeam {
   Chain chain;
   MotionProblem problem;
 
-  explicit FlyingBeam(bool damped) {
+  FlyingBeam() {
     Scene scene =
         testing::span(testing::member(Member::Kind::beam, "beam", "", "", 4, 0.3, 1e5, 0.6),
                       testing::node("a", {0, 0, 0}), testing::node("b", {1, 0, 0}));
     scene.gravity.setZero();
-    if (damped) scene.members[0].damping = {.axial = 1e-2, .bending = 1e-6, .torsion = 0};
     chain = Chain::from_scene(scene);
     chain.settled = true;
     problem.chain = &chain;
     problem.motion = Motion::space;
     problem.rest = problem.start = drawn_state(chain);
-    problem.joint_damping = damped;
     const Assembly assembly(chain, Motion::space);
     problem.start_velocity.setZero(assembly.size());
     const Eigen::Vector3d spin(0.5, 3, 10);
@@ -85,26 +82,23 @@ struct FlyingBeam {
 TEST(LongMotion, EnergyAndMomentaStayOverAMillionSteps) {
   constexpr long kSteps = 1'000'000;
   constexpr double kPhase = 0.35;  // omega h of the highest frequency: a tenth of what is stable
-  for (const bool damped : {false, true}) {
-    const FlyingBeam beam(damped);
-    ExplicitOptions run;
-    run.step_s = kPhase / highest_frequency(beam.chain, Motion::space, beam.problem.start);
-    run.sampling.duration_s = *run.step_s * static_cast<double>(kSteps);
-    run.sampling.rate_hz = 1000 / run.sampling.duration_s;
-    run.sampling.energy_samples = 200;
-    const MotionOutput out = explicit_motion(beam.problem, run);
-    ASSERT_TRUE(out.completed) << out.reason;
-    EXPECT_GE(out.steps, kSteps);
-    const double order = std::pow(kPhase, 4) / 144;
-    EXPECT_LE(out.energy.drift(), order);
-    const auto start = beam.momenta(out.samples, 0);
-    for (Index row = 1; row < out.samples.rows(); ++row) {
-      const Eigen::Matrix<double, 6, 1> change = beam.momenta(out.samples, row) - start;
-      EXPECT_LE(change.head<3>().norm() / start.head<3>().norm(),
-                1.1e-16 * static_cast<double>(kSteps) * 10);
-      EXPECT_LE(change.tail<3>().norm() / start.tail<3>().norm(), order);
-    }
-    EXPECT_EQ(out.energy.dissipated > 0, damped);
+  const FlyingBeam beam;
+  ExplicitOptions run;
+  run.sampling.rate_hz = run.sampling.duration_s = 1;
+  run.step_s = explicit_motion(beam.problem, run).step_s * kPhase / 3.2;
+  run.sampling.duration_s = *run.step_s * static_cast<double>(kSteps);
+  run.sampling.rate_hz = 1000 / run.sampling.duration_s;
+  const MotionOutput out = explicit_motion(beam.problem, run);
+  ASSERT_TRUE(out.completed) << out.reason;
+  EXPECT_GE(out.steps, kSteps);
+  const double order = std::pow(kPhase, 4) / 144;
+  EXPECT_LE(out.energy.drift(), order);
+  const auto start = beam.momenta(out.samples, 0);
+  for (Index row = 1; row < out.samples.rows(); ++row) {
+    const Eigen::Matrix<double, 6, 1> change = beam.momenta(out.samples, row) - start;
+    EXPECT_LE(change.head<3>().norm() / start.head<3>().norm(),
+              1.1e-16 * static_cast<double>(kSteps) * 10);
+    EXPECT_LE(change.tail<3>().norm() / start.tail<3>().norm(), order);
   }
 }
 
@@ -153,7 +147,7 @@ TEST(LoadedState, BeamBentThroughNinetyDegreesIsTheElastica) {
       const ChainEquilibrium rest = find_equilibrium(chain, scene);
       const Assembly assembly(chain, Motion::in_plane);
       const LoadedState loaded =
-          loaded_state(assembly, rest.state, truth.force_N * load_row(assembly, 0));
+          loaded_state(assembly, rest.state, truth.force_N * load_rows(assembly));
       ASSERT_TRUE(loaded.converged) << degrees;
       const Eigen::Vector3d end =
           chain.axes.transpose() * loaded.state.position.col(chain.members[0].nodes.back());

@@ -10,7 +10,7 @@ namespace rigfit::model::response_estimates_test {
 using Quantity = Sensor::Quantity;
 
 ResponseResult respond(const Scene& scene, ResponseOptions options, double duration, double rate) {
-  options.sampling = {.duration_s = duration, .rate_hz = rate, .energy_samples = 0};
+  options.sampling = {.duration_s = duration, .rate_hz = rate};
   ResponseResult result = simulate_response(scene, options);
   EXPECT_TRUE(result.completed) << result.reason;
   return result;
