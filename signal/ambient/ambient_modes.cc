@@ -158,31 +158,18 @@ MatrixXd AmbientAnalysis::filters() {
 /// The row that takes a mode's residue from half spectra on the lines of its band.
 VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& poles, bool last) const {
   const auto& band = bands_[static_cast<std::size_t>(mode)];
-  const double s = spectrum_->decay, low = spectrum_->omega[band.from] - s,
-               high = spectrum_->omega[band.from + band.count - 1] + s;
-  // Those in the band, and of the modes that are left in the last pass on either side the nearest,
-  // whose tails bend more than a straight line does. (Noise beside a mode would spoil its filter.)
-  std::vector<Complex> used{poles[mode]};
-  std::optional<Complex> beside[2];
-  for (Index j = 0; j < size(); ++j) {
-    const Complex pole = poles[j];
-    const double w = pole.imag();
-    if (j == mode || (band.nulled[static_cast<std::size_t>(j)] && gap_(mode, j) < 1)) continue;
-    auto& nearest = beside[w > high];
-    if (w > low && w < high) {
-      used.push_back(pole);
-    } else if (!nearest || (w > high) == (w < nearest->imag())) {
-      nearest = pole;
-    }
-  }
-  for (const auto& pole : beside) {
-    if (last && pole && std::ssize(used) + 3 < band.count) used.push_back(*pole);
+  // Those of the fit in its band and, in the last pass, the nearest on either side, whose tails
+  // bend more than a straight line does. (Noise beside a mode would spoil its filter.)
+  std::vector<Index> used{mode};
+  for (Index a = 0; a < (last ? std::ssize(band.modes) : band.moving); ++a) {
+    const Index other = band.modes[static_cast<std::size_t>(a)];
+    if (other != mode && std::ssize(used) + 3 < band.count) used.push_back(other);
   }
   const auto n = static_cast<Index>(used.size());
   const VectorXd weight = band.S0.cwiseSqrt().cwiseInverse();
   MatrixXcd X(band.count, n + 2);
   for (Index a = 0; a < n; ++a) {
-    X.col(a) = spectrum_->basis(used[static_cast<std::size_t>(a)], band.from, band.count);
+    X.col(a) = spectrum_->basis(poles[used[static_cast<std::size_t>(a)]], band.from, band.count);
   }
   X.col(n).setOnes();
   X.col(n + 1) = VectorXd::LinSpaced(band.count, -1, 1).cast<Complex>();

@@ -1,7 +1,5 @@
 #include "signal/modal/local_modes.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -73,15 +71,6 @@ double total_significance(const LocalMode& mode) {
                          [](double sum, const PointPole& p) { return sum + p.significance; });
 }
 
-/// Lowest and highest Im p of a track, widened by its half bandwidth.
-bool covers(const LocalMode& mode, const ModalBand& band, Complex pole) {
-  const double half = band.window + mode.decay.value.value + band.window - pole.real();
-  const auto [low, high] = std::minmax_element(
-      mode.points.begin(), mode.points.end(),
-      [](const auto& a, const auto& b) { return a.pole.imag() < b.pole.imag(); });
-  return pole.imag() > low->pole.imag() - half && pole.imag() < high->pole.imag() + half;
-}
-
 /// Widest drift between points, half-power bandwidths.
 constexpr double kDriftBandwidths = 20;
 
@@ -143,9 +132,9 @@ std::vector<std::vector<PointPole>> link_points(const ModalBand& band,
 
 }  // namespace
 
-LocalModes find_local_modes(const ModalBand& band, const std::vector<Complex>& common,
-                            const ModalOptions& options) {
-  LocalModes result;
+std::vector<LocalMode> find_local_modes(const ModalBand& band, const std::vector<Complex>& common,
+                                        const ModalOptions& options) {
+  std::vector<LocalMode> modes;
   const auto points = columns_of_points(band);
   const auto count = static_cast<Index>(points.size());
   const PointPoleOptions with = point_options(options, points.size());
@@ -160,22 +149,14 @@ LocalModes find_local_modes(const ModalBand& band, const std::vector<Complex>& c
   const double needed =
       count < 2 ? 1 : std::max(2.0, std::ceil(kShareOfPoints * static_cast<double>(count)));
   for (std::vector<PointPole>& track : link_points(band, std::move(all))) {
-    LocalMode mode;
-    mode.points = std::move(track);
-    average(mode);
-    if (static_cast<double>(mode.points.size()) < needed) {
-      const Complex pole(-mode.decay.value.value, mode.frequency.value.value);
-      result.weak.emplace_back(pole, 0, "points",
-                               fmt::format("{} of {} points show it, of which {:.0f} are asked",
-                                           mode.points.size(), count, needed));
-      continue;
-    }
-    result.modes.push_back(std::move(mode));
+    if (static_cast<double>(track.size()) < needed) continue;
+    modes.emplace_back().points = std::move(track);
+    average(modes.back());
   }
-  std::sort(result.modes.begin(), result.modes.end(), [](const auto& a, const auto& b) {
+  std::sort(modes.begin(), modes.end(), [](const auto& a, const auto& b) {
     return a.frequency.value.value < b.frequency.value.value;
   });
-  return result;
+  return modes;
 }
 
 std::vector<MatrixXcd> frfs_of_points(const ModalBand& band) {
@@ -270,16 +251,16 @@ bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& check
   return true;
 }
 
-FoundModes as_found_modes(const ModalBand& band, const LocalModes& local, const FrfNoise& noise,
-                          const std::vector<PoleCluster>& clusters) {
+FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& local,
+                          const FrfNoise& noise) {
   FoundModes found;
-  const auto count = static_cast<Index>(local.modes.size());
+  const auto count = static_cast<Index>(local.size());
   const MatrixXcd& H = band.lines.H;
   ModalRefineResult& fit = found.fit;
   fit.end = StepsEnd::converged;
   fit.poles.resize(count);
   for (Index r = 0; r < count; ++r) {
-    const LocalMode& mode = local.modes[static_cast<std::size_t>(r)];
+    const LocalMode& mode = local[static_cast<std::size_t>(r)];
     fit.poles[r] = {-mode.decay.value.value, mode.frequency.value.value};
   }
   ModalRefineOptions held;
@@ -293,7 +274,7 @@ FoundModes as_found_modes(const ModalBand& band, const LocalModes& local, const 
   found.covariance.significance.resize(count);
   const auto points = columns_of_points(band);
   for (Index r = 0; r < count; ++r) {
-    const LocalMode& mode = local.modes[static_cast<std::size_t>(r)];
+    const LocalMode& mode = local[static_cast<std::size_t>(r)];
     found.covariance.poles(2 * r, 2 * r) = std::pow(mode.decay.value.std, 2);
     found.covariance.poles(2 * r + 1, 2 * r + 1) = std::pow(mode.frequency.value.std, 2);
     found.covariance.significance[r] = total_significance(mode);
@@ -305,12 +286,8 @@ FoundModes as_found_modes(const ModalBand& band, const LocalModes& local, const 
         found.covariance.residue_std_re(r, columns[i]) = point.residue_std[at];
       }
     }
-    double presence = static_cast<double>(mode.points.size()) / static_cast<double>(points.size());
-    for (const PoleCluster& cluster : clusters) {
-      const Complex pole = cluster.pole_rad_s + band.window;
-      if (covers(mode, band, pole)) presence = std::max(presence, cluster.presence);
-    }
-    found.presence.push_back(presence);
+    found.presence.push_back(static_cast<double>(mode.points.size()) /
+                             static_cast<double>(points.size()));
   }
   found.covariance.residue_std_im = found.covariance.residue_std_re;
   const MatrixXcd without = synthesise(band.lines.s, band.lines.power, fit.poles, fit.residues,

@@ -11,7 +11,6 @@
 
 #include <Eigen/Core>
 #include <complex>
-#include <string>
 #include <vector>
 
 #include "signal/modal/point_poles.h"
@@ -35,15 +34,10 @@ struct LocalMode {
   MeanOverPoints frequency;       ///< of Im p, rad/s
 };
 
-struct LocalModes {
-  std::vector<LocalMode> modes;      ///< by rising frequency
-  std::vector<RejectedColumn> weak;  ///< tracks that are no modes
-};
-
-/// `common`: candidates of all FRFs together, window removed.
-[[nodiscard]] LocalModes find_local_modes(const ModalBand& band,
-                                          const std::vector<std::complex<double>>& common,
-                                          const ModalOptions& options);
+/// Modes by rising frequency. `common`: candidates of all FRFs together, window removed.
+[[nodiscard]] std::vector<LocalMode> find_local_modes(
+    const ModalBand& band, const std::vector<std::complex<double>>& common,
+    const ModalOptions& options);
 
 /// Each pole of a global fit as every group (point, hit) shows it, the other poles held beside it;
 /// a group that does not show it is left out. Empty tracks where none does. `groups`: FRFs on the
@@ -73,8 +67,7 @@ void join_split_modes(const ModalBand& band, const Eigen::VectorXcd& poles,
                                     const FoundModes& found);
 
 /// The same form as a global search gives, for export.
-[[nodiscard]] FoundModes as_found_modes(const ModalBand& band, const LocalModes& local,
-                                        const FrfNoise& noise,
-                                        const std::vector<PoleCluster>& clusters);
+[[nodiscard]] FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& local,
+                                        const FrfNoise& noise);
 
 }  // namespace rigfit::signal

@@ -13,6 +13,7 @@
 #include "signal/modal/mode_warnings.h"
 #include "signal/modes/mac.h"
 #include "signal/modes/modal_band.h"
+#include "signal/modes/modal_synthesis.h"
 #include "signal/modes/mode_search.h"
 #include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
@@ -86,14 +87,12 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
   };
   if (holds && !has_twins(band, found.fit.poles)) return keep();
   if (!found.exhausted && !solved) return search;
-  LocalModes local =
+  std::vector<LocalMode> local =
       find_local_modes(band, local_candidates(band, clusters, found, noise, options), options);
-  if (holds && static_cast<Index>(local.modes.size()) >= found.fit.poles.size()) return keep();
+  if (holds && std::ssize(local) >= found.fit.poles.size()) return keep();
   search.local = true;
-  local.weak.insert(local.weak.begin(), found.dropped.begin(), found.dropped.end());
-  found = as_found_modes(band, local, noise, clusters);
-  found.dropped = std::move(local.weak);
-  search.points = std::move(local.modes);
+  found = as_found_modes(band, local, noise);
+  search.points = std::move(local);
   return search;
 }
 
@@ -201,27 +200,6 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& searc
   result.auto_mac = auto_mac(shapes);
 }
 
-/// The fit with each mode's residues as the one shape that is exported: where two modes share a
-/// frequency, residues of several inputs are of no single one.
-MatrixXcd with_one_shape_each(const ModalBand& band, const FoundModes& found,
-                              const ModalModel& model) {
-  const Index inputs = band.lines.inputs, count = std::ssize(model.modes);
-  VectorXcd poles(count);
-  MatrixXcd residues(count, band.lines.H.cols());
-  for (Index r = 0; r < count; ++r) {
-    const IdentifiedMode& mode = model.modes[static_cast<std::size_t>(r)];
-    poles[r] = mode.pole_rad_s + band.window;
-    for (Index c = 0; c < residues.cols(); ++c) {
-      residues(r, c) = mode.shape[c / inputs] * mode.participation[c % inputs];
-    }
-  }
-  const VectorXcd none = VectorXcd::Zero(residues.cols());
-  const auto sum_of = [&](const VectorXcd& of, const MatrixXcd& with) {
-    return synthesise(band.lines.s, band.lines.power, of, with, none, none);
-  };
-  return found.model + sum_of(poles, residues) - sum_of(found.fit.poles, found.fit.residues);
-}
-
 /// Rms misfit over rms FRF: of each FRF, and within half a bandwidth of each mode (three lines at
 /// least); where points have their own poles, that of their fits.
 void measure_errors(const ModalBand& band, const MatrixXcd& fitted, ModalModel& model) {
@@ -239,32 +217,6 @@ void measure_errors(const ModalBand& band, const MatrixXcd& fitted, ModalModel& 
     for (const ModeAtPoint& point : mode.points) sum += point.misfit * point.misfit;
     mode.reconstruction_error = std::sqrt(sum / static_cast<double>(mode.points.size()));
   }
-}
-
-/// Columns without a mode: clusters that were given up, and tracks too short to be clusters.
-void list_rejected(const ModalBand& band, const ModalOptions& options,
-                   const std::vector<RejectedColumn>& dropped, ModalResult& result) {
-  const auto is_mode = [&](Complex pole) {
-    return std::any_of(result.model.modes.begin(), result.model.modes.end(), [&](const auto& mode) {
-      const double halves = 2 * band.window - pole.real() - mode.pole_rad_s.real();
-      return std::abs(pole - mode.pole_rad_s) < 2 * options.clusters.radius * halves;
-    });
-  };
-  for (const RejectedColumn& column : dropped) {
-    if (!is_mode(column.pole_rad_s)) result.rejected.push_back(column);
-  }
-  PoleClusterOptions shorter = options.clusters;
-  shorter.min_presence /= 2;
-  for (const PoleCluster& cluster : cluster_poles(result.stabilisation, band.spacing_hz, shorter)) {
-    const Complex pole = cluster.pole_rad_s + band.window;
-    if (cluster.presence >= options.clusters.min_presence || is_mode(pole)) continue;
-    result.rejected.emplace_back(
-        pole, cluster.presence, "presence",
-        fmt::format("in {:.0f} % of the upper half of the orders, of which {:.0f} % are asked",
-                    100 * cluster.presence, 100 * options.clusters.min_presence));
-  }
-  std::sort(result.rejected.begin(), result.rejected.end(),
-            [](const auto& a, const auto& b) { return a.frequency_hz < b.frequency_hz; });
 }
 
 /// Modes left out whose resonance reaches into the band.
@@ -322,12 +274,13 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   band.beside = poles_beside(frfs, band, options);
   set_background(background, band);
   result.stabilisation = stabilise(band, H, first, options.lscf, 0, result.lines_used);
-  result.clusters = cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
+  const std::vector<PoleCluster> clusters =
+      cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
   const auto search_all = [&] {
-    Search found = search_of(band, result.clusters, first, options);
+    Search found = search_of(band, clusters, first, options);
     if (!found.exhausted && allow_for_cut_off(frfs, found.found.fit.poles, found.misfit_of(H),
                                               found.found.noise, options.max_work, band)) {
-      found = search_of(band, result.clusters, first, options);
+      found = search_of(band, clusters, first, options);
     }
     return found;
   };
@@ -361,14 +314,15 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     result.background = band.lines.background * found.fit.background;
     result.background_hz = band.frequency_hz;
   }
-  list_rejected(band, options, found.dropped, result);
   tell_modes_at_ends(band, result);
   if (model.modes.empty()) {
     model.notes.push_back(
         {"no_modes", "nothing in the band stands out of the noise as a resonance", ""});
   }
-  const MatrixXcd fitted =
-      inputs == 1 || search.local ? found.model : with_one_shape_each(band, found, model);
+  // Where two modes share a frequency, residues of several inputs are of no single shape.
+  const MatrixXcd fitted = inputs == 1 || search.local
+                               ? found.model
+                               : synthesised(result, band.frequency_hz, frfs.form).H;
   measure_errors(band, fitted, model);
   if (has_error_bars) {
     const MatrixXcd& m = found.model;

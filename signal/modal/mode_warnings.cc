@@ -130,49 +130,13 @@ void check_misfit(ModalResult& result, const ModalBand& band,
 
 namespace {
 
-bool damping_is_uncertain(const IdentifiedMode& mode) {
-  return !(mode.damping_ratio.std < 0.25 * std::abs(mode.damping_ratio.value));
-}
-
-std::string damping_known_to(const IdentifiedMode& mode) {
-  const double part = mode.damping_ratio.std / std::max(std::abs(mode.damping_ratio.value), 1e-300);
-  if (!(part < 10)) return "damping known to 1000 % or worse";
-  return fmt::format("damping known to {:.0f} % only", 100 * part);
-}
-
-/// A line narrower than the record can show, without a window: as likely a steady tone as a mode.
-bool steady(const IdentifiedMode& mode, const ModalBand& band) {
-  return left_at_the_end(band, mode.pole_rad_s - band.window) > 0.5;
-}
-
-/// The steady tone within four half bandwidths of a mode that is none itself; 0: there is none.
-double tone_beside(const ModalModel& model, std::size_t r, const ModalBand& band) {
-  const IdentifiedMode& mode = model.modes[r];
-  if (steady(mode, band)) return 0;
-  for (const IdentifiedMode& other : model.modes) {
-    const double apart = std::abs(other.pole_rad_s.imag() - mode.pole_rad_s.imag());
-    if (steady(other, band) && apart < 4 * (band.window - mode.pole_rad_s.real())) {
-      return other.frequency_hz.value;
-    }
-  }
-  return 0;
-}
-
 /// Noise that goes with the FRFs and is common to those of an input, such as noise on its force,
-/// over the FRF at one line, and the lines within the half-power bandwidth.
-struct SharedNoise {
-  double part = 0, lines = 1;
-};
-
-SharedNoise shared_noise(const IdentifiedMode& mode, const ModalBand& band, const FrfNoise& noise) {
-  SharedNoise shared;
-  const double decay = band.window - mode.pole_rad_s.real();
-  shared.lines = std::max(1.0, decay / (0.5 * kTwoPi * band.spacing_hz));
-  if (noise.common.size() == 0 || noise.line.size() != band.frequency_hz.size()) return shared;
+/// over the FRF at the line next to a mode.
+double shared_noise(const IdentifiedMode& mode, const ModalBand& band, const FrfNoise& noise) {
+  if (noise.common.size() == 0 || noise.line.size() != band.frequency_hz.size()) return 0;
   Index nearest = 0;
   (band.frequency_hz.array() - mode.pole_rad_s.imag() / kTwoPi).abs().minCoeff(&nearest);
-  shared.part = std::sqrt(2 * noise.line[nearest] * noise.common.maxCoeff());
-  return shared;
+  return std::sqrt(2 * noise.line[nearest] * noise.common.maxCoeff());
 }
 
 }  // namespace
@@ -183,82 +147,59 @@ void judge_modes(ModalResult& result, const ModalBand& band,
   for (std::size_t r = 0; r < model.modes.size(); ++r) {
     IdentifiedMode& mode = model.modes[r];
     std::vector<std::string> doubts;
-    if (!mode.doubt.empty()) doubts.push_back(mode.doubt);
-    const double decay = -mode.pole_rad_s.real(), measured = decay + band.window;
-    if (mode.damping_dominated_by_window) {
-      doubts.push_back(fmt::format(
-          "the window gives {:.0f} % of the measured decay rate: damping refused, frequency kept",
-          100 * band.window / measured));
-    } else if (damping_is_uncertain(mode)) {
-      doubts.push_back(damping_known_to(mode));
-    }
+    const auto doubt = [&](bool holds, const std::string& why) {
+      if (holds) doubts.push_back(why);
+    };
+    const bool global = mode.refinement == "global";
+    const double measured = band.window - mode.pole_rad_s.real(), half = measured / kTwoPi;
+    const double f = mode.frequency_hz.value, scatter = mode.between_points_std_hz;
+    doubt(!mode.doubt.empty(), mode.doubt);
+    doubt(mode.damping_dominated_by_window,
+          fmt::format("the window gives {:.0f} % of the measured decay rate: damping refused, "
+                      "frequency kept",
+                      100 * band.window / measured));
+    const double damping =
+        mode.damping_ratio.std / std::max(std::abs(mode.damping_ratio.value), 1e-300);
+    doubt(!mode.damping_dominated_by_window && !(damping < 0.25),
+          fmt::format("damping known to {:.0f} % only", 100 * std::min(10.0, damping)));
     // 5 % of variance: residues less than some 4 times what the test of presence asks for.
-    if (mode.significance < 4) {
-      doubts.push_back(
+    doubt(mode.significance < 4,
           fmt::format("weak: {:.1f} times the least that is told from noise", mode.significance));
-    }
-    if (steady(mode, band)) {
-      doubts.push_back(fmt::format(
-          "{:.0f} % of it are left at the end of the records: a steady tone such as mains "
-          "hum, or a mode that needs longer records",
-          100 * left_at_the_end(band, mode.pole_rad_s - band.window)));
-    } else if (const double tone = tone_beside(model, r, band); tone > 0) {
-      doubts.push_back(fmt::format(
-          "a steady tone at {:.4g} Hz lies within its resonance: it is no noise, error bars do not "
-          "allow for it",
-          tone));
-    }
-    const double f = mode.frequency_hz.value, half = measured / kTwoPi;
+    // A line narrower than the record can show: as likely a steady tone as a mode.
+    const double left = left_at_the_end(band, mode.pole_rad_s - band.window);
+    doubt(left > 0.5,
+          fmt::format("{:.0f} % of it are left at the end of the records: a steady tone such as "
+                      "mains hum, or a mode that needs longer records",
+                      100 * left));
     // Structures, hits and sensors are not linear to better than some percent of a strong
     // resonance.
-    if (const double part =
-            prominence(band, mode.pole_rad_s, mode.shape.norm() * mode.participation.norm(), 1);
-        part < 0.1) {
-      doubts.push_back(fmt::format(
-          "its peak is {:.2g} % of the FRFs around it, less than 10 %: what a non-linear "
-          "structure or differing hits add to a stronger mode looks like this",
-          100 * part));
-    }
-    if (f - half < result.low_hz || f + half > result.high_hz) {
-      doubts.push_back("its resonance is cut by the end of the band");
-    }
-    if (mode.between_points_std_hz * kTwoPi > 4 * measured) {
-      doubts.push_back(
+    const double peak =
+        prominence(band, mode.pole_rad_s, mode.shape.norm() * mode.participation.norm(), 1);
+    doubt(peak < 0.1,
+          fmt::format("its peak is {:.2g} % of the FRFs around it, less than 10 %: what a "
+                      "non-linear structure or differing hits add to a stronger mode looks like "
+                      "this",
+                      100 * peak));
+    doubt(f - half < result.low_hz || f + half > result.high_hz,
+          "its resonance is cut by the end of the band");
+    doubt(scatter > 4 * half,
           fmt::format("its frequency differs between points by {:.2g} Hz rms, {:.1f} half "
-                      "bandwidths: the points "
-                      "do not show one and the same rig",
-                      mode.between_points_std_hz, mode.between_points_std_hz * kTwoPi / measured));
-    }
-    const double unexplained = mode.refinement == "global"
-                                   ? misfit_beyond_noise(band, result.noise, mode, misfit)
-                                   : mode.reconstruction_error;
-    if (unexplained > 0.3) {
-      doubts.push_back(fmt::format("{:.0f} % of the FRFs around it are not explained by it{}",
-                                   100 * unexplained,
-                                   mode.refinement == "global" ? ", nor by noise" : ""));
-    }
+                      "bandwidths: the points do not show one and the same rig",
+                      scatter, scatter / half));
+    const double unexplained =
+        global ? misfit_beyond_noise(band, result.noise, mode, misfit) : mode.reconstruction_error;
+    doubt(unexplained > 0.3, fmt::format("{:.0f} % of the FRFs around it are not explained by it{}",
+                                         100 * unexplained, global ? ", nor by noise" : ""));
     // Standard deviations are of first order in the noise. Noise that goes with the FRF and is the
     // same for all of them weighs single lines of the peak by chance; beyond a tenth of the peak,
     // all its lines together, that is no small change.
-    if (const SharedNoise shared = shared_noise(mode, band, result.noise);
-        mode.refinement == "global" && shared.part > 0.1 * std::sqrt(shared.lines)) {
-      doubts.push_back(fmt::format(
-          "noise that all FRFs share, as that on the force, has {:.0f} % of them at each of the "
-          "{:.1f} lines of its resonance: error bars do not allow for so much; use a force window",
-          100 * shared.part, shared.lines));
-    }
-    if (mode.presence < 0.6) {
-      doubts.push_back(
-          fmt::format("present in {:.0f} % of the model orders only", 100 * mode.presence));
-    }
-    if (mode.shape.size() >= 3) {
-      // Noise of the residues alone lowers the collinearity by about its share of the power.
-      const double share = mode.shape_std.squaredNorm() / mode.shape.squaredNorm();
-      if (mode.modal_phase_collinearity < 0.8 - 2 * share) {
-        doubts.push_back(
-            fmt::format("complex shape: phase collinearity {:.2f}", mode.modal_phase_collinearity));
-      }
-    }
+    const double shared = shared_noise(mode, band, result.noise);
+    const double lines = std::max(1.0, 2 * half / band.spacing_hz);
+    doubt(global && shared > 0.1 * std::sqrt(lines),
+          fmt::format("noise that all FRFs share, as that on the force, has {:.0f} % of them at "
+                      "each of the {:.1f} lines of its resonance: error bars do not allow for so "
+                      "much; use a force window",
+                      100 * shared, lines));
     for (const std::size_t other : {r - 1, r + 1}) {  // r - 1 wraps below 0 and is left out
       if (other >= model.modes.size()) continue;
       const double likeness = result.auto_mac(static_cast<Index>(r), static_cast<Index>(other));
@@ -267,20 +208,17 @@ void judge_modes(ModalResult& result, const ModalBand& band,
                            (measured + others);
       // Where shapes do not tell: a cubic spring adds poles that decay 3, 5, ... times as fast.
       const bool shapes = mode.shape.size() >= 3;
-      if (shapes ? likeness > 0.9 && apart < 2 : measured > 2 * others && apart < 1) {
-        doubts.push_back(
+      doubt(shapes ? likeness > 0.9 && apart < 2 : measured > 2 * others && apart < 1,
             fmt::format("{} the mode at {:.4g} Hz{}, resonances overlap: "
                         "one mode that changed between hits, or a non-linear one, looks like this",
                         shapes ? "same shape as" : "more than twice as wide as",
                         model.modes[other].frequency_hz.value,
                         shapes ? fmt::format(" (MAC {:.2f})", likeness) : ""));
-      }
     }
     mode.doubtful = !doubts.empty();
     mode.doubt = fmt::format("{}", fmt::join(doubts, "; "));
     // Records that end before the mode has decayed scale its residue by 1 - exp(-decay * length),
     // whose phase the record does not tell; poles stay right.
-    const double left = left_at_the_end(band, mode.pole_rad_s - band.window);
     if (left > 0.01) {
       model.notes.push_back({"decay_cut_off",
                              fmt::format("{:.1f} % of the amplitude are left at the end of the "

@@ -35,38 +35,11 @@ struct ModalOptions {
   int searches = 3;  ///< largest number of searches of the residual for more modes; 0: none
 };
 
-/// A column of the stabilisation diagram that was rejected as a mode, and the test it failed.
-struct RejectedColumn {
-  RejectedColumn(std::complex<double> pole, double present, std::string test, std::string why)
-      : pole_rad_s(pole),
-        frequency_hz(std::abs(pole) / kTwoPi),
-        damping_ratio(-pole.real() / std::abs(pole)),
-        presence(present),
-        code(std::move(test)),
-        reason(std::move(why)) {}
-
-  std::complex<double> pole_rad_s;             ///< as the diagram shows it, window removed
-  double frequency_hz = 0, damping_ratio = 0;  ///< of this pole
-  double presence = 0;                         ///< share of the upper half of the orders, 0..1
-  /// "presence", "band", "damping", "prominence", "significance", "twin"; for local fits also
-  /// "points" (too few show it).
-  std::string code;
-  std::string reason;  ///< for a person, with the figure and the limit
-
-  static constexpr auto fields() {
-    using T = RejectedColumn;
-    return std::tuple{field("frequency_hz", &T::frequency_hz), field("code", &T::code),
-                      field("reason", &T::reason)};
-  }
-};
-
 struct ModalResult {
   ModalModel model;
-  LscfResult stabilisation;              ///< window not removed
-  std::vector<PoleCluster> clusters;     ///< clusters of that diagram, window not removed
-  std::vector<RejectedColumn> rejected;  ///< columns without a mode, by rising frequency
-  FrfNoise noise;                        ///< estimated from the fit's residual
-  Eigen::MatrixXd auto_mac;              ///< modes x modes
+  LscfResult stabilisation;  ///< window not removed
+  FrfNoise noise;            ///< estimated from the fit's residual
+  Eigen::MatrixXd auto_mac;  ///< modes x modes
   StepsEnd end = StepsEnd::converged;
   int iterations = 0;
   Eigen::Index lines_used = 0;

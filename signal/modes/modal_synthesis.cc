@@ -36,20 +36,15 @@ FrfSet synthesised(const ModalModel& model, const Eigen::Ref<const Eigen::Vector
     set.frequency_hz = frequency_hz;
   }
 
-  Eigen::VectorXcd poles(modes), lower(responses * inputs), upper(responses * inputs);
+  Eigen::VectorXcd poles(modes);
   Eigen::MatrixXcd residues(modes, responses * inputs);
-  for (Index o = 0; o < responses; ++o) {
-    for (Index i = 0; i < inputs; ++i) {
-      const Index c = set.column(o, i);
-      lower[c] = model.lower_residual(o, i);
-      upper[c] = model.upper_residual(o, i);
-      for (Index r = 0; r < modes; ++r) {
-        const IdentifiedMode& mode = model.modes[static_cast<std::size_t>(r)];
-        poles[r] = mode.pole_rad_s;
-        residues(r, c) = mode.shape[o] * mode.participation[i];
-      }
-    }
+  for (Index r = 0; r < modes; ++r) {
+    const IdentifiedMode& mode = model.modes[static_cast<std::size_t>(r)];
+    poles[r] = mode.pole_rad_s;
+    residues.row(r) = (mode.participation * mode.shape.transpose()).reshaped().transpose();
   }
+  const Eigen::VectorXcd lower = model.lower_residual.transpose().reshaped(),
+                         upper = model.upper_residual.transpose().reshaped();
   set.H = synthesise(laplace_lines(set.frequency_hz, decay_rate_1_s), power_of_s(form), poles,
                      residues, lower, upper);
   return set;

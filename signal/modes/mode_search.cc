@@ -1,13 +1,10 @@
 #include "signal/modes/mode_search.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <functional>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "signal/numerics/numbers.h"
@@ -24,7 +21,6 @@ using Eigen::VectorXd;
 struct Candidate {
   Complex pole;  ///< window removed
   double presence = 0;
-  std::optional<Complex> column;  ///< pole in the whole band's diagram; none: found later
 };
 
 class ModeSearch {
@@ -37,11 +33,9 @@ class ModeSearch {
         (2 * frfs + 2) * std::log(2 * static_cast<double>(of.frequency_hz.size()) * frfs);
   }
 
-  /// `first`: the clusters are the diagram's, whose fate is told.
-  void add(const std::vector<PoleCluster>& clusters, bool first = false) {
+  void add(const std::vector<PoleCluster>& clusters) {
     for (const PoleCluster& cluster : clusters) {
-      const Complex pole = cluster.pole_rad_s + band().window;
-      candidates.push_back({pole, cluster.presence, first ? std::optional(pole) : std::nullopt});
+      candidates.push_back({cluster.pole_rad_s + band().window, cluster.presence});
     }
     std::sort(candidates.begin(), candidates.end(),
               [](const auto& a, const auto& b) { return a.pole.imag() < b.pole.imag(); });
@@ -143,14 +137,8 @@ class ModeSearch {
         }
       }
     }
-    note(candidates[worst], "twin", "the lines of the band cannot tell it from the mode beside it");
     candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(worst));
     return true;
-  }
-
-  void note(const Candidate& candidate, const char* code, const std::string& reason) {
-    if (candidate.column)
-      found.dropped.emplace_back(*candidate.column, candidate.presence, code, reason);
   }
 
   /// All that left the band, became a background or are no larger than what no model explains.
@@ -158,28 +146,11 @@ class ModeSearch {
     const VectorXd& f = band().frequency_hz;
     std::vector<Candidate> kept;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const auto r = static_cast<Index>(i);
-      const Complex raw = found.fit.poles[r] - band().window;
+      const Complex pole = found.fit.poles[static_cast<Index>(i)], raw = pole - band().window;
       const double damped = raw.imag() / kTwoPi, ratio = -raw.real() / std::abs(raw);
-      const double most = options().lscf.max_damping_ratio, least = options().min_prominence;
-      if (!(damped > f[0] && damped < f[f.size() - 1])) {
-        note(candidates[i], "band",
-             fmt::format("the FRFs do not hold it there: fitted, it wanders to {:.4g} Hz, out of "
-                         "the band",
-                         damped));
-      } else if (!(ratio <= most)) {
-        note(candidates[i], "damping",
-             fmt::format("fitted, it is damped by {:.0f} %, more than {:.0f} %: a background, not "
-                         "a resonance",
-                         100 * ratio, 100 * most));
-      } else if (const double peak =
-                     prominence(band(), found.fit.poles[r], found.fit.residues.row(r).norm(), 0);
-                 !(peak >= least)) {
-        note(candidates[i], "prominence",
-             fmt::format("its peak is {:.1g} of the response around it, less than {:.1g}: too "
-                         "small for any sensor or model",
-                         peak, least));
-      } else {
+      const double residues = found.fit.residues.row(static_cast<Index>(i)).norm();
+      if (damped > f[0] && damped < f[f.size() - 1] && ratio <= options().lscf.max_damping_ratio &&
+          prominence(band(), pole, residues, 0) >= options().min_prominence) {
         kept.push_back(candidates[i]);
       }
     }
@@ -215,10 +186,6 @@ class ModeSearch {
     }
     std::sort(drop.rbegin(), drop.rend());
     for (const std::size_t r : drop) {
-      note(candidates[r], "significance",
-           fmt::format(
-               "its residues stand out of the noise by {:.2g} of what a mode must",
-               std::sqrt(found.covariance.significance[static_cast<Index>(r)] / found.penalty)));
       candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(r));
     }
     return !drop.empty();
@@ -291,7 +258,7 @@ std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& le
 FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& clusters,
                         const FrfNoise& first, const ModalOptions& options) {
   ModeSearch search(band, options, first);
-  search.add(clusters, true);
+  search.add(clusters);
   search.settle();
   Index parts = 1;
   for (int pass = 0;

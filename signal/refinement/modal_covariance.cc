@@ -60,56 +60,21 @@ struct ResidueFilter {
   MatrixXd columns, covariance;
 };
 
-/// What is left of a mode's significance when noise common to the FRFs of input `i` may imitate it:
-/// the errors of its residues have, besides the FRFs' own, a part along the FRFs at the line that
-/// weighs most (Sherman-Morrison for that rank one). `share`: |filter|^2 of the mode's residue by
-/// line, over its sum; `h`: sum of |model|^2 / a_c over the input's FRFs by line; `length`: sum of
-/// |residue|^2 / a_c.
-double outside_common_noise(const Eigen::Ref<const MatrixXcd>& model, const FrfNoise& noise,
-                            const VectorXd& inverse_variance, const VectorXd& share,
-                            const Eigen::Ref<const VectorXd>& h, const Eigen::RowVectorXcd& residue,
-                            double length, Index i) {
-  if (!(noise.common[i] > 0) || !(length > 0)) return 1;
-  Index most = 0;
-  double highest = 0, mean = 0;
-  for (Index k = 0; k < h.size(); ++k) {
-    const double part = share[k] * h[k];
-    mean += part;
-    if (part > highest) highest = part, most = k;
-  }
-  if (!(highest > 0)) return 1;
-  const double strength = noise.common[i] * mean / h[most];
-  Complex along = 0;
-  for (Index c = i; c < model.cols(); c += noise.inputs()) {
-    along += inverse_variance[c] * std::conj(residue[c]) * model(most, c);
-  }
-  return 1 - strength * std::norm(along) / (length * (1 + strength * h[most]));
-}
-
 /// ModalCovariance::significance.
 VectorXd significance_of(const Eigen::Ref<const MatrixXcd>& model, const FrfNoise& noise,
-                         const ModalRefineResult& fit, const PoleFilter& of,
-                         const ResidueFilter& filter) {
-  const Index lines = model.rows(), inputs = noise.inputs(), frfs = model.cols();
-  MatrixXd h = MatrixXd::Zero(lines, inputs);
-  for (Index c = 0; c < frfs; ++c) {
-    if (!(noise.common[c % inputs] > 0)) continue;
-    h.col(c % inputs) += of.inverse_variance[c] * model.col(c).cwiseAbs2();
-  }
+                         const ModalRefineResult& fit, const ResidueFilter& filter) {
+  const Index lines = model.rows();
   VectorXd significance = VectorXd::Zero(fit.poles.size());
   for (Index r = 0; r < significance.size(); ++r) {
     const Eigen::Matrix2d inverse = filter.covariance.block<2, 2>(2 * r, 2 * r).inverse();
     const VectorXd both = filter.columns.middleCols<2>(2 * r).rowwise().squaredNorm();
     const VectorXd share = (both.head(lines) + both.tail(lines)) / both.sum();
-    for (Index i = 0; i < inputs; ++i) {
-      double own = 0, length = 0;
-      for (Index c = i; c < frfs; c += inputs) {
-        const Eigen::Vector2d residue(fit.residues(r, c).real(), fit.residues(r, c).imag());
-        own += of.inverse_variance[c] * residue.dot(inverse * residue);
-        length += of.inverse_variance[c] * residue.squaredNorm();
-      }
-      significance[r] += own * outside_common_noise(model, noise, of.inverse_variance, share,
-                                                    h.col(i), fit.residues.row(r), length, i);
+    for (Index c = 0; c < model.cols(); ++c) {
+      const double variance =
+          noise.column[c] + noise.common[c % noise.inputs()] * share.dot(model.col(c).cwiseAbs2());
+      if (!(variance > 0 && std::isfinite(variance))) continue;
+      const Eigen::Vector2d residue(fit.residues(r, c).real(), fit.residues(r, c).imag());
+      significance[r] += residue.dot(inverse * residue) / variance;
     }
   }
   return significance;
@@ -139,17 +104,10 @@ MatrixXcd unstacked(const Eigen::Ref<const MatrixXd>& columns) {
 /// poles.
 MatrixXd common_scores(const MatrixXcd& model, const MatrixXd& score, const MatrixXcd& residues,
                        const VectorXd& inverse_variance, Index inputs, Index i) {
-  const MatrixXcd columns = unstacked(score);
-  MatrixXcd sum = MatrixXcd::Zero(columns.rows(), columns.cols());
-  for (Index r = 0; r < residues.rows(); ++r) {
-    VectorXcd plain = VectorXcd::Zero(model.rows()), turned = plain;
-    for (Index c = i; c < model.cols(); c += inputs) {
-      plain += (inverse_variance[c] * residues(r, c).real()) * model.col(c).conjugate();
-      turned += (inverse_variance[c] * residues(r, c).imag()) * model.col(c).conjugate();
-    }
-    const auto x = columns.col(2 * r), y = columns.col(2 * r + 1);
-    sum.col(2 * r) = x.cwiseProduct(plain) + y.cwiseProduct(turned);
-    sum.col(2 * r + 1) = y.cwiseProduct(plain) - x.cwiseProduct(turned);
+  MatrixXcd sum = MatrixXcd::Zero(model.rows(), score.cols());
+  for (Index c = i; c < model.cols(); c += inputs) {
+    const VectorXcd weight = inverse_variance[c] * model.col(c).conjugate();
+    sum += weight.asDiagonal() * unstacked(turned_columns(score, residues.col(c)));
   }
   return stacked(sum, VectorXd::Ones(sum.rows()));
 }
@@ -163,7 +121,7 @@ ModalCovariance modal_significance(const FrfLines& data, const FrfNoise& noise,
   ModalCovariance result;
   result.full_rank = of.usable();
   if (!result.full_rank) return result;
-  result.significance = significance_of(model, noise, fit, of, ResidueFilter(of, noise));
+  result.significance = significance_of(model, noise, fit, ResidueFilter(of, noise));
   return result;
 }
 
@@ -193,7 +151,7 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
   result.poles = (0.5 * (result.poles + result.poles.transpose())).eval();
   const ResidueFilter residue_filter(of, noise);
   const auto& [filter, filter_covariance] = residue_filter;
-  result.significance = significance_of(model, noise, fit, of, residue_filter);
+  result.significance = significance_of(model, noise, fit, residue_filter);
 
   // The poles' errors are information^-1 sum_c T_c' outside' error_c / a_c.
   const MatrixXd filter_score = filter.transpose() * correlated_score;
@@ -230,18 +188,6 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
     }
   }
   return result;
-}
-
-MatrixXd pole_errors(const FrfLines& data, const FrfNoise& noise, const ModalRefineResult& fit,
-                     const Eigen::Ref<const MatrixXcd>& error) {
-  const Index size = 2 * fit.poles.size();
-  const PoleFilter filter(data, noise, fit);
-  if (!filter.usable()) return {};
-  const MatrixXd scores = filter.outside.transpose() * stacked(error, filter.weight);
-  MatrixXcd turned = fit.residues.conjugate().cwiseProduct(from_pairs(scores)) *
-                     filter.inverse_variance.asDiagonal();
-  return filter.information.solve(Eigen::Map<const MatrixXd>(
-      reinterpret_cast<const double*>(turned.data()), size, turned.cols()));
 }
 
 }  // namespace rigfit::signal

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "signal/spectra/fft.h"
+#include "signal/spectra/line_means.h"
 
 namespace rigfit::signal {
 namespace {
@@ -24,23 +25,6 @@ using Eigen::VectorXd;
 Index half_window(Index lines, Index columns) {
   const Index width = std::max<Index>(7, 200 / std::max<Index>(columns, 1) + 1);
   return std::min(width / 2, (lines - 1) / 2);
-}
-
-/// sum of numerator over sum of denominator in a window around each line.
-VectorXd window_ratio(const VectorXd& numerator, const VectorXd& denominator, Index half) {
-  const Index lines = numerator.size();
-  VectorXd above(lines + 1), below(lines + 1);
-  above[0] = below[0] = 0;
-  for (Index k = 0; k < lines; ++k) {
-    above[k + 1] = above[k] + numerator[k];
-    below[k + 1] = below[k] + denominator[k];
-  }
-  VectorXd result(lines);
-  for (Index k = 0; k < lines; ++k) {
-    const Index first = std::max<Index>(0, k - half), last = std::min(lines, k + half + 1);
-    result[k] = (above[last] - above[first]) / std::max(below[last] - below[first], 1e-300);
-  }
-  return result;
 }
 
 /// Smallest variance that rounding lets be told from zero, per FRF; infinite for a dead one.
@@ -86,7 +70,9 @@ void update_lines(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& powe
                   const VectorXd& freedom) {
   const ArrayXXd variance = model_variance(noise, power);
   const VectorXd ratio = (squares / variance).rowwise().mean().matrix();
-  noise.line = window_ratio(ratio, freedom, half_window(squares.rows(), squares.cols()));
+  const Index half = half_window(squares.rows(), squares.cols());
+  noise.line =
+      mean_over_lines(ratio.array(), half) / mean_over_lines(freedom.array(), half).max(1e-300);
   normalise_lines(noise);
 }
 
@@ -215,40 +201,24 @@ Complex line_correlation(const FrfNoise& noise, Index d) {
 
 MatrixXd correlated(const FrfNoise& noise, const Eigen::Ref<const MatrixXd>& stacked_columns) {
   if (!(noise.correlation_lines > 0)) return stacked_columns;
+  // A sum over lines is a product over times: those of the spectrum with the window that rho is the
+  // transform of. Lines from `lines` on, so that their conjugates below 0 Hz stay apart.
   const Index lines = stacked_columns.rows() / 2;
-  const Index length = good_fft_length(2 * lines);
-  // The convolution over lines by real transforms: of the real and of the imaginary part of rho
-  // (even and odd in d) with those of the column.
-  RealFft fft(length);
-  const auto spectrum_of = [&](const auto& values) {
-    auto time = fft.time();
-    time.setZero();
-    time.head(lines) = values;
-    fft.forward();
-    return Eigen::VectorXcd(fft.spectrum());
-  };
-  Eigen::VectorXcd rho[2];
-  for (int part = 0; part < 2; ++part) {
-    auto time = fft.time();
-    time.setZero();
-    for (Index d = 0; d < lines; ++d) {
-      const Complex value = line_correlation(noise, d);
-      time[d] = part == 0 ? value.real() : value.imag();
-      if (d > 0) time[length - d] = part == 0 ? value.real() : -value.imag();
-    }
-    fft.forward();
-    rho[part] = fft.spectrum();
-  }
+  RealFft fft(good_fft_length(6 * lines));
+  fft.spectrum().setZero();
+  for (Index d = 0; d < lines; ++d) fft.spectrum()[d] = line_correlation(noise, d);
+  fft.inverse();
+  const VectorXd window = static_cast<double>(fft.length()) * fft.time();
   MatrixXd result(stacked_columns.rows(), stacked_columns.cols());
   for (Index c = 0; c < stacked_columns.cols(); ++c) {
-    const Eigen::VectorXcd re = spectrum_of(stacked_columns.col(c).head(lines));
-    const Eigen::VectorXcd im = spectrum_of(stacked_columns.col(c).tail(lines));
-    fft.spectrum() = re.cwiseProduct(rho[0]) - im.cwiseProduct(rho[1]);
+    fft.spectrum().setZero();
+    fft.spectrum().segment(lines, lines).real() = stacked_columns.col(c).head(lines);
+    fft.spectrum().segment(lines, lines).imag() = stacked_columns.col(c).tail(lines);
     fft.inverse();
-    result.col(c).head(lines) = fft.time().head(lines);
-    fft.spectrum() = re.cwiseProduct(rho[1]) + im.cwiseProduct(rho[0]);
-    fft.inverse();
-    result.col(c).tail(lines) = fft.time().head(lines);
+    fft.time().array() *= window.array();
+    fft.forward();
+    result.col(c).head(lines) = fft.spectrum().segment(lines, lines).real();
+    result.col(c).tail(lines) = fft.spectrum().segment(lines, lines).imag();
   }
   return result;
 }

@@ -193,9 +193,7 @@ Plot stabilisation_plot(const std::string& id, const signal::ModalResult& found,
   };
   PlotSeries chosen{"modes identified", Origin::modelled, 2};
   for (const auto& mode : found.model.modes) upright(chosen, mode.frequency_hz.value);
-  PlotSeries rejected{"columns rejected", origin, 2, Style::dashed};
-  for (const auto& column : found.rejected) upright(rejected, column.frequency_hz);
-  for (auto* series : {&other, &stable, &rejected, &chosen}) plot.add(std::move(*series));
+  for (auto* series : {&other, &stable, &chosen}) plot.add(std::move(*series));
   return plot;
 }
 

@@ -109,8 +109,7 @@ class ModalPart : public TestPart {
          {"misfit_over_error_bars",
           modal.misfit_over_error_bars ? Json(*modal.misfit_over_error_bars) : Json(nullptr)},
          {"hits", std::move(hits)},
-         {"modes", describe::json_of(modal.model.modes)},
-         {"rejected_columns", describe::json_of(modal.rejected)}});
+         {"modes", describe::json_of(modal.model.modes)}});
   }
 
   /// A place left out is refused here: the campaign asked for it. A mode whose damping is refused
