@@ -56,10 +56,7 @@ double search_share(const AmbientSignals& signals) {
 AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOptions& options,
                                   AmbientResult& result, std::vector<Index> references) {
   AmbientCandidates found;
-  auto& spectrum = found.spectrum;
-  Eigen::MatrixXcd &pairs = found.pairs, &shapes = found.shapes;
-  Eigen::VectorXcd& poles = found.poles;
-  Eigen::VectorXd& presence = found.presence;
+  auto& [spectrum, pairs, poles, presence, shapes] = found;
   const double duration = static_cast<double>(signals.samples()) / signals.rate_hz();
   const double rate = signals.rate_hz(), low = result.low_hz, high = result.high_hz;
   const Index No = signals.channels();
@@ -75,7 +72,8 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
     group_correlations(signals, MatrixXd::Identity(No, No), lags,
                        {1, search_share(signals), std::max(options.threads, 1)},
                        [&](int, const MatrixXd& R) {
-                         pairs = spectrum->half(R.bottomRows(lags + 1), 0, pairs.rows());
+                         const Index lines = found.pairs.rows();
+                         found.pairs = found.spectrum->half(R.bottomRows(lags + 1), 0, lines);
                        });
     if (references.empty()) references = telling_channels(pairs, No);
     const auto Ni = static_cast<Index>(references.size());

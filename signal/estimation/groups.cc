@@ -54,14 +54,6 @@ GroupMean mean_over_groups(std::span<const double> x, std::span<const double> v)
   return p;
 }
 
-JackknifeVariance jackknife_variance(std::span<const double> without) {
-  const auto G = static_cast<double>(without.size());
-  const double mean = std::accumulate(without.begin(), without.end(), 0.0) / G;
-  double squares = 0;
-  for (const double x : without) squares += (x - mean) * (x - mean);
-  return {(G - 1) / G * squares, G - 1};
-}
-
 double coverage_factor(double coverage, double degrees_of_freedom) {
   const double p = 0.5 + 0.5 * coverage;
   return degrees_of_freedom > 0 ? gsl_cdf_tdist_Pinv(p, degrees_of_freedom)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -131,30 +132,24 @@ MatrixXcd cut_off_background(const Eigen::Ref<const VectorXcd>& s, int power, do
 }
 
 VectorXcd poles_beside(const FrfSet& frfs, const ModalBand& band, const ModalOptions& options) {
-  const auto& f = frfs.frequency_hz;
+  const Eigen::ArrayXd f = frfs.frequency_hz.array();
   const double low = band.frequency_hz[0], high = band.frequency_hz[band.frequency_hz.size() - 1];
-  const double width = high - low;
+  const double reach = kBeside * (high - low), first = std::max(0.0, low - reach);
   std::vector<Complex> poles;
-  const auto lines_within = [&](double from, double to) {
-    return (f.array() > 0 && f.array() > from && f.array() < to).count();
-  };
-  const auto add = [&](const VectorXcd& found, double from, double to) {
-    for (const Complex pole : found) {
-      const double at = pole.imag() / kTwoPi;
-      if (at > from && at < to) poles.push_back(pole);
-    }
-  };
-  const double above = high + kBeside * width, below = std::max(0.0, low - kBeside * width);
-  if (lines_within(high, above) >= kLinesBeside) {
-    add(poles_between(frfs, high - kBeside * width, above, options), high, above);
-  }
-  if (lines_within(below, low) >= kLinesBeside) {
-    add(poles_between(frfs, below, low + kBeside * width, options), below, low);
+  for (const bool above : {false, true}) {
+    const double from = above ? high : first, to = above ? high + reach : low;
+    if ((f > 0 && f > from && f < to).count() < kLinesBeside) continue;
+    const VectorXcd found = above ? poles_between(frfs, high - reach, to, options)
+                                  : poles_between(frfs, from, low + reach, options);
+    std::copy_if(found.begin(), found.end(), std::back_inserter(poles), [&](Complex pole) {
+      return pole.imag() > kTwoPi * from && pole.imag() < kTwoPi * to;
+    });
   }
   return Eigen::Map<const VectorXcd>(poles.data(), static_cast<Index>(poles.size()));
 }
 
-void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& band) {
+void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& band,
+                    const std::vector<VectorXcd>& more) {
   FrfLines& lines = band.lines;
   const VectorXcd scale = lines.s.array().pow(lines.power);
   MatrixXcd columns(lines.s.size(), 0);
@@ -163,6 +158,7 @@ void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& ba
   const Index residuals = columns.cols();
   columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
   columns.rightCols(background.cols()) = background;
+  for (const VectorXcd& column : more) add_column(column, columns);
   for (const int next : {-4, 2, -6, 4})
     add_column(lines.s.array().pow(lines.power + next), columns);
   for (const Complex pole : band.beside) {
@@ -213,27 +209,22 @@ bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const VectorXcd>& po
                             : std::min(kLongestLead / band.spacing_hz, terms / width);
   MatrixXcd background =
       cut_off_background(band.lines.s, band.lines.power, std::max(before, span), span);
-  if (by_pole) {
-    MatrixXcd columns = powers_of_s(band.lines.s, band.lines.power, false);
-    const Index residuals = columns.cols();
-    columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
-    columns.rightCols(background.cols()) = background;
-    for (const Complex pole : poles) {
-      const double left = left_at_the_end(band, pole - band.window);
-      if (left < kLeft || left > kTone) continue;
-      for (const Complex p : {pole, std::conj(pole)}) {
-        const Eigen::ArrayXcd s = band.lines.s.array();
-        const Eigen::ArrayXcd turned = ((s - band.window) * lead).exp();
-        add_column((turned - std::exp((p - band.window) * lead)) / (s - p), columns);
-      }
+  std::vector<VectorXcd> more;
+  for (const Complex pole : poles) {
+    const double left = left_at_the_end(band, pole - band.window);
+    if (!by_pole || left < kLeft || left > kTone) continue;
+    for (const Complex p : {pole, std::conj(pole)}) {
+      const Eigen::ArrayXcd s = band.lines.s.array();
+      const Eigen::ArrayXcd turned = ((s - band.window) * lead).exp();
+      more.emplace_back((turned - std::exp((p - band.window) * lead)) / (s - p));
     }
-    background = columns.rightCols(columns.cols() - residuals);
   }
   if (!(span > 0) && misfit.size() > 0 && !misfit_shows(background, misfit, noise.line, kSure)) {
     background = cut_off_background(band.lines.s, band.lines.power, 0, 0);
+    more.clear();
     if (!misfit_shows(background, misfit, noise.line, kLikely)) return false;
   }
-  set_background(background, band);
+  set_background(background, band, more);
   return true;
 }
 

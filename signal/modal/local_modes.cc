@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <tuple>
 #include <utility>
 
 #include "signal/estimation/groups.h"
@@ -21,6 +19,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
+/// Rms misfit over rms FRF that one pole must leave before a second within its resonance counts.
+constexpr double kTwinMisfit = 0.1;
 /// Share of the points that must show a mode.
 constexpr double kShareOfPoints = 0.3;
 /// Misfit relative to the FRFs around a mode. A global fit that leaves less has found the modes
@@ -29,23 +29,14 @@ constexpr double kSmallMisfit = 0.01;
 /// A twentieth of a half bandwidth changes a peak by 5 % at its flanks.
 constexpr double kScatterThatMatters = 0.05;
 
-PointPoleOptions point_options(const ModalOptions& options, std::size_t points) {
-  PointPoleOptions result;
-  result.clusters = options.clusters;
-  result.max_damping_ratio = options.lscf.max_damping_ratio;
-  // Work of all diagrams, order^4 each, bounded to that of 16 points of order 40.
-  const double order = 40 * std::pow(16.0 / std::max(16.0, static_cast<double>(points)), 0.25);
-  result.max_order = std::min(options.lscf.max_order, static_cast<int>(order));
-  return result;
-}
-
-/// Mean over points; +-1.96 standard deviations hold 95 %.
-MeanOverPoints mean_of(const std::vector<double>& value, const std::vector<double>& std) {
-  std::vector<double> variance;
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    variance.push_back(std::pow(std::max(std[i], 1e-12 * std::abs(value[i])), 2));
+/// Mean over points of a part of their poles; +-1.96 standard deviations hold 95 %.
+MeanOverPoints mean_of(const std::vector<PointPole>& points, double (*part)(Complex)) {
+  std::vector<double> values, variances;
+  for (const PointPole& point : points) {
+    values.push_back(part(point.pole));
+    variances.push_back(std::pow(std::max(point.std, 1e-12 * std::abs(values.back())), 2));
   }
-  const GroupMean mean = mean_over_groups(value, variance);
+  const GroupMean mean = mean_over_groups(values, variances);
   const double wider = coverage_factor(0.95, mean.degrees) / coverage_factor(0.95, 0);
   return {{mean.mean, wider * std::sqrt(mean.variance)},
           std::sqrt(mean.between_variance),
@@ -53,111 +44,12 @@ MeanOverPoints mean_of(const std::vector<double>& value, const std::vector<doubl
           mean.chance};
 }
 
-/// Values over the points of a track.
 void average(LocalMode& mode) {
-  std::vector<double> decay, decay_std, frequency, frequency_std;
-  for (const PointPole& point : mode.points) {
-    decay.push_back(-point.pole.real());
-    decay_std.push_back(point.std_re);
-    frequency.push_back(point.pole.imag());
-    frequency_std.push_back(point.std_im);
-  }
-  mode.decay = mean_of(decay, decay_std);
-  mode.frequency = mean_of(frequency, frequency_std);
-}
-
-double total_significance(const LocalMode& mode) {
-  return std::accumulate(mode.points.begin(), mode.points.end(), 0.0,
-                         [](double sum, const PointPole& p) { return sum + p.significance; });
-}
-
-/// Widest drift between points, half-power bandwidths.
-constexpr double kDriftBandwidths = 20;
-
-/// Distance when two poles may be one mode, negative when not.
-double link_distance(const ModalBand& band, const PointPole& a, const PointPole& b) {
-  const double ha = band.window - a.pole.real(), hb = band.window - b.pole.real();
-  const double apart = std::abs(a.pole - b.pole) / (ha + hb + 0.5 * kTwoPi * band.spacing_hz);
-  if (apart < 1) return apart;
-  const bool clear = a.explained > 0.8 && b.explained > 0.8;
-  const bool alike = std::max(ha, hb) < 2.5 * std::min(ha, hb);
-  const bool within = std::abs(a.pole.imag() - b.pole.imag()) < kDriftBandwidths * (ha + hb);
-  return clear && alike && within ? apart : -1;
-}
-
-/// Poles of different points that are one mode, by point: nearest pairs first, at most one of a
-/// point, so that a close pair counts as two modes only where the same points show both.
-std::vector<std::vector<PointPole>> link_points(const ModalBand& band,
-                                                std::vector<PointPole> poles) {
-  std::sort(poles.begin(), poles.end(),
-            [](const auto& a, const auto& b) { return a.pole.imag() < b.pole.imag(); });
-  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
-  for (std::size_t i = 0; i < poles.size(); ++i) {
-    for (std::size_t j = i + 1; j < poles.size(); ++j) {
-      // Broad poles reach furthest; beyond a fifth of the frequency nothing is one mode.
-      if (poles[j].pole.imag() > 1.5 * poles[i].pole.imag()) break;
-      if (poles[i].point == poles[j].point) continue;
-      const double distance = link_distance(band, poles[i], poles[j]);
-      if (distance >= 0) pairs.emplace_back(distance, i, j);
-    }
-  }
-  std::sort(pairs.begin(), pairs.end());
-  std::vector<std::size_t> owner(poles.size());
-  std::iota(owner.begin(), owner.end(), std::size_t{0});
-  std::vector<std::vector<std::size_t>> members(poles.size());
-  for (std::size_t i = 0; i < poles.size(); ++i) members[i] = {i};
-  for (const auto& [distance, i, j] : pairs) {
-    const std::size_t a = owner[i], b = owner[j];
-    if (a == b) continue;
-    const bool shared = std::any_of(members[a].begin(), members[a].end(), [&](std::size_t m) {
-      return std::any_of(members[b].begin(), members[b].end(),
-                         [&](std::size_t n) { return poles[m].point == poles[n].point; });
-    });
-    if (shared) continue;
-    for (const std::size_t n : members[b]) owner[n] = a;
-    members[a].insert(members[a].end(), members[b].begin(), members[b].end());
-    members[b].clear();
-  }
-  std::vector<std::vector<PointPole>> tracks;
-  for (const auto& group : members) {
-    if (group.empty()) continue;
-    std::vector<PointPole> track;
-    for (const std::size_t m : group) track.push_back(poles[m]);
-    std::sort(track.begin(), track.end(),
-              [](const auto& a, const auto& b) { return a.point < b.point; });
-    tracks.push_back(std::move(track));
-  }
-  return tracks;
+  mode.decay = mean_of(mode.points, [](Complex pole) { return -pole.real(); });
+  mode.frequency = mean_of(mode.points, [](Complex pole) { return pole.imag(); });
 }
 
 }  // namespace
-
-std::vector<LocalMode> find_local_modes(const ModalBand& band, const std::vector<Complex>& common,
-                                        const ModalOptions& options) {
-  std::vector<LocalMode> modes;
-  const auto points = columns_of_points(band);
-  const auto count = static_cast<Index>(points.size());
-  const PointPoleOptions with = point_options(options, points.size());
-  std::vector<PointPole> all;
-  for (Index i = 0; i < count; ++i) {
-    for (PointPole& pole :
-         point_poles(band, band.lines.H(Eigen::all, points[static_cast<std::size_t>(i)]), i, common,
-                     with)) {
-      all.push_back(std::move(pole));
-    }
-  }
-  const double needed =
-      count < 2 ? 1 : std::max(2.0, std::ceil(kShareOfPoints * static_cast<double>(count)));
-  for (std::vector<PointPole>& track : link_points(band, std::move(all))) {
-    if (static_cast<double>(track.size()) < needed) continue;
-    modes.emplace_back().points = std::move(track);
-    average(modes.back());
-  }
-  std::sort(modes.begin(), modes.end(), [](const auto& a, const auto& b) {
-    return a.frequency.value.value < b.frequency.value.value;
-  });
-  return modes;
-}
 
 std::vector<MatrixXcd> frfs_of_points(const ModalBand& band) {
   std::vector<MatrixXcd> all;
@@ -168,14 +60,12 @@ std::vector<MatrixXcd> frfs_of_points(const ModalBand& band) {
 }
 
 std::vector<LocalMode> check_groups(const ModalBand& band, const std::vector<MatrixXcd>& groups,
-                                    const VectorXcd& poles, const ModalOptions& options) {
+                                    const VectorXcd& poles, const ModalOptions& options,
+                                    double twin_misfit) {
   std::vector<LocalMode> modes(static_cast<std::size_t>(poles.size()));
-  PointPoleOptions with = point_options(options, groups.size());
-  with.max_order = 0;
-  with.twin_misfit = 0;  // the global fit has chosen them
-  const std::vector<Complex> common(poles.begin(), poles.end());
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    for (const PointPole& found : point_poles(band, groups[i], Index(i), common, with)) {
+    for (const PointPole& found :
+         point_poles(band, groups[i], Index(i), poles, twin_misfit, options)) {
       Index nearest = 0;
       (poles.array() - found.pole).abs().minCoeff(&nearest);
       LocalMode& mode = modes[static_cast<std::size_t>(nearest)];
@@ -192,26 +82,50 @@ std::vector<LocalMode> check_groups(const ModalBand& band, const std::vector<Mat
   return modes;
 }
 
-void join_split_modes(const ModalBand& band, const VectorXcd& poles,
-                      std::vector<LocalMode>& modes) {
+void join_split_modes(const ModalBand& band, std::vector<LocalMode>& modes) {
+  const auto shows = [](const LocalMode& mode, Index point) {
+    return std::any_of(mode.points.begin(), mode.points.end(),
+                       [&](const PointPole& one) { return one.point == point; });
+  };
   for (std::size_t r = 0; r < modes.size(); ++r) {
     for (std::size_t q = 0; q < r; ++q) {
-      const Complex a = poles[static_cast<Index>(r)], b = poles[static_cast<Index>(q)];
       auto &more = modes[r].points.size() > modes[q].points.size() ? modes[r] : modes[q],
            &fewer = &more == &modes[r] ? modes[q] : modes[r];
-      const bool both =
-          std::any_of(more.points.begin(), more.points.end(), [&](const PointPole& one) {
-            return std::any_of(fewer.points.begin(), fewer.points.end(),
-                               [&](const PointPole& other) { return one.point == other.point; });
-          });
-      if (both || fewer.points.empty() || std::abs(a - b) > 2 * band.window - a.real() - b.real()) {
-        continue;
+      std::size_t both = 0;
+      bool touch = false;
+      for (const PointPole& a : fewer.points) {
+        both += shows(more, a.point);
+        touch |= std::any_of(more.points.begin(), more.points.end(), [&](const PointPole& b) {
+          return std::abs(a.pole - b.pole) < 2 * band.window - a.pole.real() - b.pole.real();
+        });
       }
-      more.points.insert(more.points.end(), fewer.points.begin(), fewer.points.end());
+      if (!touch || 4 * both > fewer.points.size()) continue;
+      for (const PointPole& one : fewer.points) {
+        if (!shows(more, one.point)) more.points.push_back(one);
+      }
+      std::sort(more.points.begin(), more.points.end(),
+                [](const PointPole& a, const PointPole& b) { return a.point < b.point; });
       fewer.points.clear();
       average(more);
     }
   }
+}
+
+std::vector<LocalMode> find_local_modes(const ModalBand& band, const std::vector<Complex>& common,
+                                        const ModalOptions& options) {
+  const std::vector<MatrixXcd> points = frfs_of_points(band);
+  const auto poles = Eigen::Map<const VectorXcd>(common.data(), std::ssize(common));
+  std::vector<LocalMode> modes = check_groups(band, points, poles, options, kTwinMisfit);
+  join_split_modes(band, modes);
+  const auto count = static_cast<double>(points.size());
+  const double needed = count < 2 ? 1 : std::max(2.0, std::ceil(kShareOfPoints * count));
+  std::erase_if(modes, [&](const LocalMode& mode) {
+    return static_cast<double>(mode.points.size()) < needed;
+  });
+  std::sort(modes.begin(), modes.end(), [](const auto& a, const auto& b) {
+    return a.frequency.value.value < b.frequency.value.value;
+  });
+  return modes;
 }
 
 namespace {
@@ -229,14 +143,19 @@ bool scatter_matters(const LocalMode& mode) {
 
 }  // namespace
 
+bool is_touched(const ModalBand& band, const VectorXcd& poles, Index r, double times) {
+  for (Index q = 0; q < poles.size(); ++q) {
+    const double halves = 2 * band.window - poles[r].real() - poles[q].real();
+    if (q != r && std::abs(poles[r].imag() - poles[q].imag()) < times * halves) return true;
+  }
+  return false;
+}
+
 bool has_twins(const ModalBand& band, const VectorXcd& poles) {
-  if (std::min(band.lines.inputs, band.lines.H.cols() / band.lines.inputs) > 1) return false;
-  if (band.lines.H.cols() < 2) return false;
+  const Index inputs = band.lines.inputs, frfs = band.lines.H.cols();
+  if (std::min(inputs, frfs / inputs) > 1 || frfs < 2) return false;
   for (Index r = 0; r < poles.size(); ++r) {
-    for (Index q = 0; q < r; ++q) {
-      const double halves = 2 * band.window - poles[r].real() - poles[q].real();
-      if (std::abs(poles[r].imag() - poles[q].imag()) < 0.5 * halves) return true;
-    }
+    if (is_touched(band, poles, r, 0.5)) return true;
   }
   return false;
 }
@@ -252,8 +171,9 @@ bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& check
 }
 
 FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& local,
-                          const FrfNoise& noise) {
+                          const FrfNoise& noise, bool exhausted) {
   FoundModes found;
+  found.exhausted = exhausted;
   const auto count = static_cast<Index>(local.size());
   const MatrixXcd& H = band.lines.H;
   ModalRefineResult& fit = found.fit;
@@ -277,8 +197,9 @@ FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& l
     const LocalMode& mode = local[static_cast<std::size_t>(r)];
     found.covariance.poles(2 * r, 2 * r) = std::pow(mode.decay.value.std, 2);
     found.covariance.poles(2 * r + 1, 2 * r + 1) = std::pow(mode.frequency.value.std, 2);
-    found.covariance.significance[r] = total_significance(mode);
+    found.covariance.significance[r] = 0;
     for (const PointPole& point : mode.points) {
+      found.covariance.significance[r] += point.significance;
       const auto& columns = points[static_cast<std::size_t>(point.point)];
       for (std::size_t i = 0; i < columns.size(); ++i) {
         const auto at = static_cast<Index>(i);

@@ -1,12 +1,12 @@
 // Modes from local fits, point by point: what is left standing where a common-pole model of all
 // FRFs fits no better than its misfit lets it.
 //
-// Candidates come from stabilisation diagrams of the whole band, of overlapping parts of it and of
-// every point by itself (point_poles.h), and are linked over the points: where their bandwidths
-// touch (|p - q| below the sum of the half bandwidths) or, where both stand clear of their
-// surroundings, within 20 half-power bandwidths and 2 % of each other and with like damping (a mode
-// that drifts). A mode is such a track that enough points show. Its pole is the
-// random-effects mean over points (estimation/groups.h).
+// Candidates come from stabilisation diagrams of the whole band and of overlapping parts of it.
+// Each point's own poles (point_poles.h) go to the nearest candidate within twice the half
+// bandwidths of both; candidates that hardly a point shows together are one mode where poles of
+// their points touch (|p - q| below the sum of the half bandwidths), as where a mode drifts. A mode
+// is what enough points show. Its pole is the random-effects mean over points
+// (estimation/groups.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -40,21 +40,25 @@ struct LocalMode {
     const ModalOptions& options);
 
 /// Each pole of a global fit as every group (point, hit) shows it, the other poles held beside it;
-/// a group that does not show it is left out. Empty tracks where none does. `groups`: FRFs on the
-/// lines of the band.
+/// a group that does not show it is left out. No points where none does. `groups`: FRFs on the
+/// lines of the band; `twin_misfit`: see point_poles().
 [[nodiscard]] std::vector<LocalMode> check_groups(const ModalBand& band,
                                                   const std::vector<Eigen::MatrixXcd>& groups,
                                                   const Eigen::VectorXcd& poles,
-                                                  const ModalOptions& options);
+                                                  const ModalOptions& options,
+                                                  double twin_misfit = 0);
 
-/// Makes one mode of two whose bandwidths touch where no group shows both: poles that differ
-/// between groups look like two in a fit of all. The one that more groups show takes all, the other
-/// is left empty. `modes`: of check_groups().
-void join_split_modes(const ModalBand& band, const Eigen::VectorXcd& poles,
-                      std::vector<LocalMode>& modes);
+/// Makes one mode of two where poles of their groups touch and at most a quarter of the groups of
+/// one show both: poles that differ between groups look like two in a fit of all. The one that more
+/// groups show takes all, the other is left empty. `modes`: of check_groups().
+void join_split_modes(const ModalBand& band, std::vector<LocalMode>& modes);
 
 /// FRFs of every point.
 [[nodiscard]] std::vector<Eigen::MatrixXcd> frfs_of_points(const ModalBand& band);
+
+/// Whether the frequency of another pole lies within so many times the sum of both half bandwidths.
+[[nodiscard]] bool is_touched(const ModalBand& band, const Eigen::VectorXcd& poles, Eigen::Index r,
+                              double times);
 
 /// Two poles whose frequencies lie within half their bandwidths: FRFs of one reference may not tell
 /// such a pair from one mode that varies between points.
@@ -66,8 +70,8 @@ void join_split_modes(const ModalBand& band, const Eigen::VectorXcd& poles,
 [[nodiscard]] bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& checked,
                                     const FoundModes& found);
 
-/// The same form as a global search gives, for export.
+/// The same form as a global search gives, for export. `exhausted`: as that search was.
 [[nodiscard]] FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& local,
-                                        const FrfNoise& noise);
+                                        const FrfNoise& noise, bool exhausted);
 
 }  // namespace rigfit::signal

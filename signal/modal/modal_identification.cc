@@ -32,11 +32,6 @@ using Eigen::VectorXd;
 /// Modes of a band, and how they came about.
 struct Search {
   FoundModes found;
-  /// Misfit of all FRFs; empty without a fit.
-  [[nodiscard]] MatrixXcd misfit_of(const MatrixXcd& H) const {
-    return found.model.size() > 0 ? MatrixXcd(H - found.model) : MatrixXcd();
-  }
-  bool exhausted = false;         ///< all FRFs together took too much work
   bool local = false;             ///< modes of local fits; else maximum likelihood of all FRFs
   std::vector<LocalMode> points;  ///< each mode as the points show it
 };
@@ -74,7 +69,6 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
   Search search;
   search.found = search_modes(band, clusters, noise, options);
   FoundModes& found = search.found;
-  search.exhausted = found.exhausted;
   const bool solved = !found.exhausted && found.fit.residues.cols() > 0;
   bool holds = false;
   if (solved && found.covariance.full_rank) {
@@ -91,7 +85,7 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
       find_local_modes(band, local_candidates(band, clusters, found, noise, options), options);
   if (holds && std::ssize(local) >= found.fit.poles.size()) return keep();
   search.local = true;
-  found = as_found_modes(band, local, noise);
+  found = as_found_modes(band, local, noise, found.exhausted);
   search.points = std::move(local);
   return search;
 }
@@ -144,8 +138,8 @@ void fill_points(const FrfSet& frfs, const ModalBand& band, const LocalMode& loc
     point.point = by_input ? frfs.inputs[at] : frfs.responses[at];
     point.order = found.point;
     const double magnitude = std::abs(found.pole);
-    point.frequency_hz = {magnitude / kTwoPi, found.std_im / kTwoPi};
-    point.damping_ratio = {-found.pole.real() / magnitude, found.std_re / magnitude};
+    point.frequency_hz = {magnitude / kTwoPi, found.std / kTwoPi};
+    point.damping_ratio = {-found.pole.real() / magnitude, found.std / magnitude};
     point.misfit = found.misfit;
     mode.points.push_back(point);
   }
@@ -278,8 +272,10 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
       cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
   const auto search_all = [&] {
     Search found = search_of(band, clusters, first, options);
-    if (!found.exhausted && allow_for_cut_off(frfs, found.found.fit.poles, found.misfit_of(H),
-                                              found.found.noise, options.max_work, band)) {
+    const FoundModes& modes = found.found;
+    const MatrixXcd misfit = modes.model.size() > 0 ? MatrixXcd(H - modes.model) : MatrixXcd();
+    if (!modes.exhausted &&
+        allow_for_cut_off(frfs, modes.fit.poles, misfit, modes.noise, options.max_work, band)) {
       found = search_of(band, clusters, first, options);
     }
     return found;

@@ -52,25 +52,16 @@ std::vector<HitsOnInput> hits_of(const FrfSet& frfs, const ModalBand& band) {
   return all;
 }
 
-/// Whether the resonance of another mode touches that of mode r. A single hit, which is of one
+/// Each mode as the single hits show it; none where resonances of two touch: a hit, which is of one
 /// reference, may show both as one.
-bool is_touched(const ModalBand& band, const VectorXcd& poles, Index r) {
-  for (Index q = 0; q < poles.size(); ++q) {
-    const double halves = 2 * band.window - poles[r].real() - poles[q].real();
-    if (q != r && std::abs(poles[r].imag() - poles[q].imag()) < halves) return true;
-  }
-  return false;
-}
-
-/// Each mode as the single hits show it; none where two may be one in a hit.
 std::vector<LocalMode> modes_of_hits(const ModalBand& band, const std::vector<MatrixXcd>& hits,
                                      const VectorXcd& poles, bool local,
                                      const ModalOptions& options) {
   std::vector<LocalMode> own = check_groups(band, hits, poles, options);
   const bool several = band.lines.inputs > 1;
-  if (local || !several) join_split_modes(band, poles, own);
+  if (local || !several) join_split_modes(band, own);
   for (std::size_t r = 0; r < own.size(); ++r) {
-    if (!local && several && is_touched(band, poles, static_cast<Index>(r))) own[r] = {};
+    if (!local && several && is_touched(band, poles, static_cast<Index>(r), 1)) own[r] = {};
   }
   return own;
 }

@@ -14,9 +14,7 @@
 
 namespace rigfit::signal {
 
-using Complex = std::complex<double>;
 using Eigen::Index;
-using Eigen::VectorXcd;
 
 namespace {
 
@@ -24,47 +22,32 @@ namespace {
 /// matter.
 constexpr double kSystematic = 0.2;
 
-/// Correlation (real part) of the misfit over noise with that `lag` lines on; FRFs taken together.
-struct LagCorrelation {
-  double value = 0, frfs = 0;
-};
-
-LagCorrelation correlation_at(const FrfNoise& noise,
-                              const Eigen::Ref<const Eigen::MatrixXcd>& misfit, Index lag) {
-  const Index pairs = misfit.rows() - lag;
-  Complex product = 0;
-  double power = 0;
-  LagCorrelation result;
-  for (Index c = 0; c < misfit.cols(); ++c) {
-    if (!std::isfinite(noise.column[c])) continue;
-    const VectorXcd r = misfit.col(c).cwiseQuotient(noise.line.cwiseSqrt().cast<Complex>()) /
-                        std::sqrt(noise.column[c]);
-    product += r.head(pairs).dot(r.tail(pairs));
-    power += 0.5 * (r.head(pairs).squaredNorm() + r.tail(pairs).squaredNorm());
-    ++result.frfs;
-  }
-  if (!(power > 0)) return {};
-  result.value = product.real() / power;
-  return result;
-}
-
 }  // namespace
 
 MisfitCorrelation misfit_correlation(const FrfNoise& noise,
                                      const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
   MisfitCorrelation result;
-  if (misfit.rows() < 2) return result;
-  const Index lags = std::clamp<Index>(misfit.rows() / 5, 1, 8);
+  std::vector<Index> alive;
+  for (Index c = 0; c < misfit.cols(); ++c) {
+    if (std::isfinite(noise.column[c])) alive.push_back(c);
+  }
+  const Index lines = misfit.rows(), lags = std::clamp<Index>(lines / 5, 1, 8);
+  if (lines < 2 || alive.empty()) return result;
+  const Eigen::MatrixXcd over = noise.line.cwiseSqrt().cwiseInverse().asDiagonal() *
+                                misfit(Eigen::all, alive) *
+                                noise.column(alive).cwiseSqrt().cwiseInverse().asDiagonal();
   double more = 0;
   for (Index d = 1; d <= lags; ++d) {
-    const LagCorrelation found = correlation_at(noise, misfit, d);
-    if (!(found.frfs > 0)) return result;
-    const double excess = found.value - line_correlation(noise, d).real();
+    const auto first = over.topRows(lines - d), second = over.bottomRows(lines - d);
+    const double power = 0.5 * (first.squaredNorm() + second.squaredNorm());
+    if (!(power > 0)) return result;
+    const double excess = first.conjugate().cwiseProduct(second).sum().real() / power -
+                          line_correlation(noise, d).real();
     more += 2 * (1 - static_cast<double>(d) / (static_cast<double>(lags) + 1)) * excess;
     if (d > 1) continue;
     result.excess = excess;
-    const double chance = 5 / std::sqrt(2 * found.frfs * static_cast<double>(misfit.rows() - 1));
-    result.systematic = excess > std::max(chance, kSystematic);
+    const double pairs = static_cast<double>(std::ssize(alive) * (lines - 1));
+    result.systematic = excess > std::max(5 / std::sqrt(2 * pairs), kSystematic);
   }
   if (result.systematic) result.inflation = 1 + std::max(0.0, more);
   return result;

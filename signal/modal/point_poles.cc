@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "signal/modes/mode_search.h"
 #include "signal/numerics/numbers.h"
 #include "signal/refinement/local_fit.h"
 #include "signal/refinement/modal_noise.h"
@@ -17,6 +16,9 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
+
+/// Half width of the window, half bandwidths of the mode, and at least so many lines.
+constexpr double kBandwidths = 6, kLines = 8;
 
 double half_bandwidth(const ModalBand& band, Complex pole) { return band.window - pole.real(); }
 
@@ -31,18 +33,12 @@ struct Window {
   Index first = 0, count = 0, stride = 1;
 };
 
-Window window_around(const ModalBand& band, const std::vector<Complex>& group, double bandwidths,
-                     Index least) {
-  const VectorXd& f = band.frequency_hz;
-  double low = f[f.size() - 1], high = f[0];
+Window window_around(const ModalBand& band, const std::vector<Complex>& group, double bandwidths) {
+  Index first = band.frequency_hz.size(), end = 0;
   for (const Complex p : group) {
-    const double reach = std::max(bandwidths * half_bandwidth(band, p) / kTwoPi,
-                                  static_cast<double>(least) * band.spacing_hz);
-    low = std::min(low, p.imag() / kTwoPi - reach);
-    high = std::max(high, p.imag() / kTwoPi + reach);
+    const auto [from, count] = lines_around(band, p, kLines, bandwidths);
+    first = std::min(first, from), end = std::max(end, from + count);
   }
-  const Index first = std::lower_bound(f.begin(), f.end(), low) - f.begin();
-  const Index end = std::upper_bound(f.begin(), f.end(), high) - f.begin();
   return {first, std::max<Index>(0, end - first), std::max<Index>(1, (end - first) / 1000)};
 }
 
@@ -61,20 +57,19 @@ double line_inflation(const ModalBand& band, Index lines) {
 /// Fits of the candidates of one point.
 class PointFit {
  public:
-  PointFit(const ModalBand& of, const MatrixXcd& frfs, const PointPoleOptions& with)
-      : band(of), options(with), H(frfs) {
+  PointFit(const ModalBand& of, const MatrixXcd& frfs, double twins, double damping)
+      : band(of), H(frfs), twin_misfit(twins), max_damping_ratio(damping) {
     const double values = 2 * static_cast<double>(H.size());
     penalty = (2 * static_cast<double>(H.cols()) + 2) * std::log(values);
   }
 
   const ModalBand& band;
-  const PointPoleOptions& options;
   const MatrixXcd& H;
-  double penalty = 0;
+  double twin_misfit = 0, max_damping_ratio = 0, penalty = 0;
 
   LocalFit fit(const std::vector<Complex>& group, const std::vector<Complex>& others,
                double bandwidths, int order, Window& window) const {
-    window = window_around(band, group, bandwidths, options.lines);
+    window = window_around(band, group, bandwidths);
     const Index count = window.count / window.stride;
     VectorXcd s(count), start(static_cast<Index>(group.size()));
     MatrixXcd part(count, H.cols());
@@ -141,7 +136,7 @@ class PointFit {
         std::vector<Complex> fewer = group;
         fewer.erase(fewer.begin() + r);
         Window window;
-        const LocalFit fit = this->fit(fewer, others, options.bandwidths, 2, window);
+        const LocalFit fit = this->fit(fewer, others, kBandwidths, 2, window);
         if (!fit.usable) continue;
         double worst = 0;
         const double left = std::max(misfit_around(both, span, both.poles[r]),
@@ -152,7 +147,7 @@ class PointFit {
           }
           worst = std::max(worst, misfit_around(fit, window, pole));
         }
-        if (worst < options.twin_misfit && worst < asked * left) return r;
+        if (worst < twin_misfit && worst < asked * left) return r;
       }
     }
     return -1;
@@ -183,7 +178,7 @@ class PointFit {
 
   bool plausible(Complex pole) const {
     const Complex raw = pole - band.window;
-    return raw.real() < 0 && -raw.real() < options.max_damping_ratio * std::abs(raw);
+    return raw.real() < 0 && -raw.real() < max_damping_ratio * std::abs(raw);
   }
 };
 
@@ -212,28 +207,6 @@ std::vector<Complex> other_poles(const std::vector<std::vector<Complex>>& groups
   return others;
 }
 
-std::vector<Complex> candidates_of(const PointFit& point, const std::vector<Complex>& common) {
-  const ModalBand& band = point.band;
-  std::vector<Complex> found;
-  if (point.options.max_order > 0) {
-    LscfOptions lscf_options;
-    lscf_options.max_order = point.options.max_order;
-    lscf_options.max_damping_ratio = point.options.max_damping_ratio;
-    const LscfResult diagram = lscf(band.frequency_hz, point.H, 1, {}, {}, lscf_options);
-    for (const PoleCluster& cluster :
-         cluster_poles(diagram, band.spacing_hz, point.options.clusters)) {
-      found.push_back(cluster.pole_rad_s + band.window);
-    }
-  }
-  for (const Complex p : common) {
-    if (std::none_of(found.begin(), found.end(),
-                     [&](Complex q) { return apart(band, p, q) < 1; })) {
-      found.push_back(p);
-    }
-  }
-  return found;
-}
-
 /// What the final fit of a group says about its pole r; `moved`: how far the pole goes with another
 /// window and background.
 PointPole described(const PointFit& point, const LocalFit& fit, const Window& window, Index r,
@@ -248,7 +221,7 @@ PointPole described(const PointFit& point, const LocalFit& fit, const Window& wi
   const double variance = inflation * 1.1 * mean / freedom;
   const double own = 0.5 * std::max({0.0, variance * fit.covariance(r, r).real(),
                                      inflation * fit.robust_covariance(r, r).real()});
-  pole.std_re = pole.std_im = std::sqrt(own + 0.5 * moved * moved);
+  pole.std = std::sqrt(own + 0.5 * moved * moved);
   const Complex power = std::pow(pole.pole, point.band.lines.power);
   pole.residues = (fit.amplitudes.row(r) / power).transpose();
   pole.residue_std.resize(pole.residues.size());
@@ -283,12 +256,12 @@ std::vector<std::vector<Index>> columns_of_points(const ModalBand& band) {
 }
 
 std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, Index index,
-                                   const std::vector<Complex>& common,
-                                   const PointPoleOptions& options) {
+                                   const VectorXcd& common, double twin_misfit,
+                                   const ModalOptions& options) {
   std::vector<PointPole> result;
   if (H.cols() == 0) return result;
-  const PointFit point(band, H, options);
-  std::vector<std::vector<Complex>> groups = groups_of(band, candidates_of(point, common));
+  const PointFit point(band, H, twin_misfit, options.lscf.max_damping_ratio);
+  std::vector<std::vector<Complex>> groups = groups_of(band, {common.begin(), common.end()});
   Window window;
   // Rounds: each group against what the others were in the round before; what does not stand out
   // goes, the weakest first.
@@ -296,7 +269,7 @@ std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, In
     for (std::size_t g = 0; g < groups.size(); ++g) {
       const std::vector<Complex> others = other_poles(groups, g);
       while (!groups[g].empty()) {
-        const LocalFit fit = point.fit(groups[g], others, options.bandwidths, 2, window);
+        const LocalFit fit = point.fit(groups[g], others, kBandwidths, 2, window);
         Index worst = fit.usable ? point.weakest(fit) : Index(groups[g].size()) - 1;
         if (worst < 0) worst = point.needless_twin(groups[g], others, fit, window);
         if (worst < 0) {
@@ -313,11 +286,11 @@ std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, In
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const std::vector<Complex> others = other_poles(groups, g);
-    const LocalFit fit = point.fit(groups[g], others, options.bandwidths, 2, window);
+    const LocalFit fit = point.fit(groups[g], others, kBandwidths, 2, window);
     if (!fit.usable) continue;
     Window narrow;
     const std::vector<Complex> start(fit.poles.begin(), fit.poles.end());
-    const LocalFit again = point.fit(start, others, 0.5 * options.bandwidths, 1, narrow);
+    const LocalFit again = point.fit(start, others, 0.5 * kBandwidths, 1, narrow);
     for (Index r = 0; r < fit.poles.size(); ++r) {
       if (!point.plausible(fit.poles[r])) continue;
       const double half =

@@ -1,11 +1,10 @@
 // Poles of each measured point by itself: the points of a roving test are measured one after the
 // other, and what is warm, loaded or touched differently has other frequencies at each of them.
 //
-// Points are the struck ones (inputs) or those with a sensor (responses), whichever are more. A
-// point's candidates are the columns of its own stabilisation diagram and those of all FRFs
-// together; each is fitted on the lines around it (local_fit.h), neighbours that overlap jointly,
-// the others held, and given up when it does not stand out of the misfit around it, or when its
-// pole moves by more than half its half bandwidth with another window and background: such a pole
+// Points are the struck ones (inputs) or those with a sensor (responses), whichever are more. Each
+// candidate is fitted on the lines around it (local_fit.h), neighbours that overlap jointly, the
+// others held, and given up when it does not stand out of the misfit around it, or when its pole
+// moves by more than half its half bandwidth with another window and background: such a pole
 // describes the background. The misfit counts as noise, correlated between lines as a window makes
 // it.
 #pragma once
@@ -15,7 +14,7 @@
 #include <vector>
 
 #include "signal/modes/modal_band.h"
-#include "signal/poles/pole_clusters.h"
+#include "signal/modes/modal_result.h"
 
 namespace rigfit::signal {
 
@@ -23,8 +22,7 @@ namespace rigfit::signal {
 struct PointPole {
   Eigen::Index point = 0;
   std::complex<double> pole;    ///< rad/s, window removed
-  double std_re = 0;            ///< std of the decay rate, rad/s
-  double std_im = 0;            ///< std of the damped frequency, rad/s
+  double std = 0;               ///< std of the decay rate and of the damped frequency, each, rad/s
   Eigen::VectorXcd residues;    ///< receptance, one a column of the point
   Eigen::VectorXd residue_std;  ///< std of the real and the imaginary part, each
   /// Twice the fall of the misfit with this pole over the misfit's variance, correlated lines
@@ -40,21 +38,11 @@ struct PointPole {
 /// Columns of `H` of every point, in the order in which the file lists the points.
 [[nodiscard]] std::vector<std::vector<Eigen::Index>> columns_of_points(const ModalBand& band);
 
-struct PointPoleOptions {
-  int max_order = 40;      ///< model order of a point's own diagram; 0: none
-  double bandwidths = 6;   ///< half width of the window, half bandwidths of the mode
-  Eigen::Index lines = 8;  ///< and at least so many lines on either side
-  /// Rms misfit over rms FRF that one pole must leave before a second within its resonance counts.
-  double twin_misfit = 0.1;
-  PoleClusterOptions clusters;
-  double max_damping_ratio = 0.2;
-};
-
 /// `H`: FRFs of the point (or of a hit) on the lines of the band; `common`: starting poles, window
-/// removed. By rising frequency.
+/// removed; `twin_misfit`: rms misfit over rms FRF that one pole must leave before a second within
+/// its resonance counts. By rising frequency.
 [[nodiscard]] std::vector<PointPole> point_poles(const ModalBand& band, const Eigen::MatrixXcd& H,
-                                                 Eigen::Index point,
-                                                 const std::vector<std::complex<double>>& common,
-                                                 const PointPoleOptions& options);
+                                                 Eigen::Index point, const Eigen::VectorXcd& common,
+                                                 double twin_misfit, const ModalOptions& options);
 
 }  // namespace rigfit::signal

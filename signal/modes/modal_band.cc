@@ -85,11 +85,12 @@ FrfNoise first_noise(const ModalBand& band) {
   return noise;
 }
 
-std::pair<Index, Index> lines_around(const ModalBand& band, std::complex<double> pole,
-                                     double least) {
+std::pair<Index, Index> lines_around(const ModalBand& band, std::complex<double> pole, double least,
+                                     double half_bandwidths) {
   const VectorXd& f = band.frequency_hz;
   const double centre = pole.imag() / kTwoPi;
-  const double half = std::max((band.window - pole.real()) / kTwoPi, least * band.spacing_hz);
+  const double half =
+      std::max(half_bandwidths * (band.window - pole.real()) / kTwoPi, least * band.spacing_hz);
   const auto low = std::lower_bound(f.begin(), f.end(), centre - half);
   const auto high = std::upper_bound(low, f.end(), centre + half);
   return {low - f.begin(), high - low};

@@ -32,11 +32,12 @@ struct ModalBand {
 /// What the noise of its FRFs is taken for before any fit: error bars where there are some.
 [[nodiscard]] FrfNoise first_noise(const ModalBand& band);
 
-/// Lines within the half bandwidth of a pole (window removed), `least` spacings at least to either
-/// side: the first and how many.
+/// Lines within so many half bandwidths of a pole (window removed), `least` spacings at least to
+/// either side: the first and how many.
 [[nodiscard]] std::pair<Eigen::Index, Eigen::Index> lines_around(const ModalBand& band,
                                                                  std::complex<double> pole,
-                                                                 double least = 1);
+                                                                 double least = 1,
+                                                                 double half_bandwidths = 1);
 
 /// Peak of a mode with residues of this norm over all FRFs, over the rms of the FRFs on the lines
 /// within its half bandwidth; `none` where these are 0.

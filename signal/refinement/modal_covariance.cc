@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <complex>
-#include <vector>
 
 #include "signal/numerics/scaled_gram.h"
 #include "signal/refinement/modal_basis.h"
@@ -136,56 +135,38 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
   const MatrixXcd model = fitted_frfs(data, fit);
   const auto& [weight, inverse_variance, basis, factor, gain, outside, information] = of;
   const MatrixXd score = spread_rows(of, noise, outside);
-  const MatrixXd correlated_score = correlated(noise, score);
   MatrixXd middle =
-      summed_turns(score.transpose() * correlated_score, fit.residues, inverse_variance);
-  std::vector<MatrixXd> correlated_common(static_cast<std::size_t>(inputs));
+      summed_turns(score.transpose() * correlated(noise, score), fit.residues, inverse_variance);
   for (Index i = 0; i < inputs; ++i) {
     if (!(noise.common[i] > 0)) continue;
     const MatrixXd common = common_scores(model, score, fit.residues, inverse_variance, inputs, i);
-    MatrixXd& with = correlated_common[static_cast<std::size_t>(i)];
-    with = correlated(noise, common);
-    middle += noise.common[i] * (common.transpose() * with);
+    middle += noise.common[i] * (common.transpose() * correlated(noise, common));
   }
   result.poles = information.solve(information.solve(middle).transpose());
   result.poles = (0.5 * (result.poles + result.poles.transpose())).eval();
-  const ResidueFilter residue_filter(of, noise);
-  const auto& [filter, filter_covariance] = residue_filter;
-  result.significance = significance_of(model, noise, fit, residue_filter);
+  const ResidueFilter filter(of, noise);
+  result.significance = significance_of(model, noise, fit, filter);
 
-  // The poles' errors are information^-1 sum_c T_c' outside' error_c / a_c.
-  const MatrixXd filter_score = filter.transpose() * correlated_score;
+  // The columns' filters see nothing of what moves the poles, where noise is independent of line
+  // and FRF; else the covariance of the two parts is left out.
   result.residue_std_re.resize(modes, frfs);
   result.residue_std_im.resize(modes, frfs);
+  const MatrixXcd columns = unstacked(filter.columns.leftCols(size));
   for (Index c = 0; c < frfs; ++c) {
-    const auto residues = fit.residues.col(c);
-    const MatrixXd through_poles = turned_columns(gain, residues);
-    const bool alive = inverse_variance[c] > 0;
-    MatrixXd with_poles =
-        MatrixXd::Zero(basis.cols(), size);  // covariance with what the poles' errors sum
-    VectorXd variance = VectorXd::Zero(basis.cols());
-    if (alive) {
-      with_poles = turned_columns(filter_score, residues);
-      variance = noise.column[c] * filter_covariance.diagonal();
+    const MatrixXd through_poles = turned_columns(gain.topRows(size), fit.residues.col(c));
+    VectorXd variance = (through_poles * result.poles).cwiseProduct(through_poles).rowwise().sum();
+    if (inverse_variance[c] > 0) {
+      variance += noise.column[c] * filter.covariance.diagonal().head(size);
     }
-    const double common = noise.common[c % inputs];
-    if (common > 0) {
-      // <filter_j, H e> = <on_common_j, e> for the error H e of this FRF.
-      const MatrixXcd conjugate = model.col(c).conjugate().asDiagonal() * unstacked(filter);
-      const MatrixXd on_common = stacked(conjugate.leftCols(size), VectorXd::Ones(model.rows()));
-      with_poles.topRows(size) +=
-          common *
-          (on_common.transpose() * correlated_common[static_cast<std::size_t>(c % inputs)]);
-      variance.head(size) +=
+    if (const double common = noise.common[c % inputs]; common > 0) {
+      const MatrixXcd with = model.col(c).conjugate().asDiagonal() * columns;
+      const MatrixXd on_common = stacked(with, VectorXd::Ones(model.rows()));
+      variance +=
           common * on_common.cwiseProduct(correlated(noise, on_common)).colwise().sum().transpose();
     }
-    const MatrixXd cross = information.solve(with_poles.transpose()).transpose();
-    variance +=
-        (through_poles * result.poles - 2 * cross).cwiseProduct(through_poles).rowwise().sum();
-    for (Index r = 0; r < modes; ++r) {
-      result.residue_std_re(r, c) = std::sqrt(std::max(0.0, variance[2 * r]));
-      result.residue_std_im(r, c) = std::sqrt(std::max(0.0, variance[2 * r + 1]));
-    }
+    const MatrixXd std = variance.cwiseMax(0).cwiseSqrt().reshaped(2, modes);
+    result.residue_std_re.col(c) = std.row(0);
+    result.residue_std_im.col(c) = std.row(1);
   }
   return result;
 }

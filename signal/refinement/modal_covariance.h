@@ -4,7 +4,7 @@
 // columns, C the modelled covariance of the errors: noise of each FRF's own, noise common to the
 // FRFs of an input (which goes with |H|), and the correlation of lines under an exponential window.
 // The error of a residue is the filter of its column on the FRF's error less what the poles' errors
-// carry into it; both parts and their covariance count. Source: Pintelon, Schoukens, System
+// carry into it; the variances of both parts count. Source: Pintelon, Schoukens, System
 // Identification, 2nd ed., ch. 9.
 #pragma once
 

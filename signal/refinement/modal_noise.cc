@@ -109,6 +109,17 @@ void update_commons_by_line(FrfNoise& noise, const ArrayXXd& squares, const Arra
   }
 }
 
+/// All parts, where noise common to FRFs shows in that way only. The line factor comes last: given
+/// the choice, it would take a resonance's share for itself.
+void update_by_line(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& power,
+                    const VectorXd& freedom, const VectorXd& least) {
+  for (int round = 0; round < 12; ++round) {
+    update_columns(noise, squares, power, freedom.array(), least);
+    update_commons_by_line(noise, squares, power, freedom.array());
+    if (round >= 4) update_lines(noise, squares, power, freedom);
+  }
+}
+
 }  // namespace
 
 FrfNoise noise_unknown(const Eigen::Ref<const MatrixXcd>& H, Index inputs,
@@ -131,12 +142,7 @@ FrfNoise noise_from_std(const Eigen::Ref<const MatrixXcd>& H,
   const VectorXd freedom = VectorXd::Ones(H.rows()), least = floor_of(H);
   FrfNoise noise = noise_unknown(H, inputs, correlation_lines);
   noise.column = squares.colwise().mean().transpose().matrix().cwiseMax(least);
-  for (int round = 0; round < 12; ++round) {
-    // The line factor comes last: given the choice, it would take a resonance's share for itself.
-    update_columns(noise, squares, power, freedom.array(), least);
-    update_commons_by_line(noise, squares, power, freedom.array());
-    if (round >= 4) update_lines(noise, squares, power, freedom);
-  }
+  update_by_line(noise, squares, power, freedom, least);
   return noise;
 }
 
@@ -153,16 +159,13 @@ FrfNoise noise_from_residuals(const Eigen::Ref<const MatrixXcd>& model,
   const VectorXd freedom = (1 - leverage.array()).max(0.02);
   FrfNoise noise = noise_unknown(model, inputs, correlation_lines);
   noise.column = (squares.colwise().sum().transpose() / freedom.sum()).matrix().cwiseMax(least);
-  const bool single = model.cols() == inputs;
-  for (int round = 0; round < (single ? 12 : 6); ++round) {
-    // With one FRF alone the line factor would take a resonance's share for itself.
-    if (!single || round >= 8) update_lines(noise, squares, power, freedom);
+  if (model.cols() == inputs) {
+    update_by_line(noise, squares, power, freedom, least);
+    return noise;
+  }
+  for (int round = 0; round < 6; ++round) {
+    update_lines(noise, squares, power, freedom);
     update_columns(noise, squares, power, freedom.array(), least);
-    if (single) {
-      // Noise on the force of one FRF alone shows only in that way.
-      update_commons_by_line(noise, squares, power, freedom.array());
-      continue;
-    }
     // The common factor seen by all FRFs of an input together: variance q (b + 1 / h).
     const MatrixXd h = signal_to_noise(noise, power);
     for (Index i = 0; i < inputs; ++i) {

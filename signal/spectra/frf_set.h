@@ -54,10 +54,10 @@ struct FrfSet {
   /// determines how the noise of neighbouring lines correlates (modal_noise.h).
   double pre_trigger_s = 0;
   /// FRFs of the single hits in the average, layout as H, fewer lines; columns of inputs with fewer
-  /// hits are NaN. They show what changes between hits (hit_scatter.h). Empty: not kept.
+  /// hits are NaN. They show what changes between hits (mode_hits.h). Empty: not kept.
   std::vector<Eigen::MatrixXcd> by_hit;
   /// Integral of the force over each hit's pulse by input, then hit, in the order of `by_hit`: the
-  /// force's unit times s, usually N s. They weight the hits (hit_jackknife.h). Empty: unknown.
+  /// force's unit times s, usually N s. They weight the hits (mode_hits.h). Empty: unknown.
   std::vector<std::vector<double>> hit_impulse;
   /// Noise on the force left by a force window, and responses cut off at the end of a block, add to
   /// H the transform of a signal that lies within this time of the hit, s, and so is smooth over
