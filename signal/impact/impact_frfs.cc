@@ -329,10 +329,8 @@ class Analysis {
     if (known && !same) {
       // One form for all: accelerances, to which the others are multiplied.
       for (std::size_t r = 0; r < forms.size(); ++r) {
-        const int power = forms[r] == FrfForm::receptance ? 2
-                          : forms[r] == FrfForm::mobility ? 1
-                                                          : 0;
-        if (frfs.H.rows() > 0) multiply_by_s(frfs, static_cast<Index>(r), power);
+        const int derivatives = static_cast<int>(forms[r]);
+        if (frfs.H.rows() > 0) multiply_by_s(frfs, static_cast<Index>(r), 2 - derivatives);
       }
       frfs.form = FrfForm::accelerance;
       test_.notes.push_back(

@@ -44,6 +44,15 @@ MeanOverPoints mean_of(const std::vector<PointPole>& points, double (*part)(Comp
           mean.chance};
 }
 
+/// Whether poles of two points touch or, of a mode that is `drifting` and stands clear of its
+/// surroundings at both, lie within 20 half-power bandwidths.
+bool may_be_one(const ModalBand& band, const PointPole& a, const PointPole& b, bool drifting) {
+  const double ha = band.window - a.pole.real(), hb = band.window - b.pole.real();
+  if (!drifting) return std::abs(a.pole - b.pole) < ha + hb;
+  return std::min(a.explained, b.explained) > 0.8 && std::max(ha, hb) < 2.5 * std::min(ha, hb) &&
+         std::abs(a.pole.imag() - b.pole.imag()) < 20 * (ha + hb);
+}
+
 void average(LocalMode& mode) {
   mode.decay = mean_of(mode.points, [](Complex pole) { return -pole.real(); });
   mode.frequency = mean_of(mode.points, [](Complex pole) { return pole.imag(); });
@@ -82,32 +91,34 @@ std::vector<LocalMode> check_groups(const ModalBand& band, const std::vector<Mat
   return modes;
 }
 
-void join_split_modes(const ModalBand& band, std::vector<LocalMode>& modes) {
+void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMode>& modes) {
   const auto shows = [](const LocalMode& mode, Index point) {
     return std::any_of(mode.points.begin(), mode.points.end(),
                        [&](const PointPole& one) { return one.point == point; });
   };
-  for (std::size_t r = 0; r < modes.size(); ++r) {
-    for (std::size_t q = 0; q < r; ++q) {
-      auto &more = modes[r].points.size() > modes[q].points.size() ? modes[r] : modes[q],
-           &fewer = &more == &modes[r] ? modes[q] : modes[r];
-      std::size_t both = 0;
-      bool touch = false;
-      for (const PointPole& a : fewer.points) {
-        both += shows(more, a.point);
-        touch |= std::any_of(more.points.begin(), more.points.end(), [&](const PointPole& b) {
-          return std::abs(a.pole - b.pole) < 2 * band.window - a.pole.real() - b.pole.real();
-        });
-      }
-      if (!touch || 4 * both > fewer.points.size()) continue;
-      for (const PointPole& one : fewer.points) {
-        if (!shows(more, one.point)) more.points.push_back(one);
-      }
-      std::sort(more.points.begin(), more.points.end(),
-                [](const PointPole& a, const PointPole& b) { return a.point < b.point; });
-      fewer.points.clear();
-      average(more);
+  // Those that touch first, all of them: what lies between two that drift belongs to one of them.
+  const std::size_t size = modes.size(), all = size * size;
+  for (std::size_t pair = 0; pair < (drifting ? 2 * all : all); ++pair) {
+    const std::size_t r = pair % all / size, q = pair % size;
+    if (q >= r) continue;
+    auto &more = modes[r].points.size() > modes[q].points.size() ? modes[r] : modes[q],
+         &fewer = &more == &modes[r] ? modes[q] : modes[r];
+    std::size_t both = 0;
+    bool linked = false;
+    for (const PointPole& a : fewer.points) {
+      both += shows(more, a.point);
+      linked |= std::any_of(more.points.begin(), more.points.end(), [&](const PointPole& b) {
+        return may_be_one(band, a, b, pair >= all);
+      });
     }
+    if (!linked || 4 * both > fewer.points.size()) continue;
+    for (const PointPole& one : fewer.points) {
+      if (!shows(more, one.point)) more.points.push_back(one);
+    }
+    std::sort(more.points.begin(), more.points.end(),
+              [](const PointPole& a, const PointPole& b) { return a.point < b.point; });
+    fewer.points.clear();
+    average(more);
   }
 }
 
@@ -116,7 +127,7 @@ std::vector<LocalMode> find_local_modes(const ModalBand& band, const std::vector
   const std::vector<MatrixXcd> points = frfs_of_points(band);
   const auto poles = Eigen::Map<const VectorXcd>(common.data(), std::ssize(common));
   std::vector<LocalMode> modes = check_groups(band, points, poles, options, kTwinMisfit);
-  join_split_modes(band, modes);
+  join_split_modes(band, true, modes);
   const auto count = static_cast<double>(points.size());
   const double needed = count < 2 ? 1 : std::max(2.0, std::ceil(kShareOfPoints * count));
   std::erase_if(modes, [&](const LocalMode& mode) {

@@ -102,10 +102,7 @@ void allow_for_misfit(const MatrixXcd& H, FoundModes& found) {
 void fill_shape(const ModalRefineResult& fit, const ModalCovariance& covariance, Index r,
                 Index inputs, IdentifiedMode& mode) {
   const Index responses = fit.residues.cols() / inputs;
-  MatrixXcd residue(responses, inputs);
-  for (Index c = 0; c < fit.residues.cols(); ++c) {
-    residue(c / inputs, c % inputs) = fit.residues(r, c);
-  }
+  const MatrixXcd residue = fit.residues.row(r).reshaped(inputs, responses).transpose();
   Index strongest = 0;
   if (inputs == 1) {
     mode.shape = residue.col(0);
@@ -119,10 +116,9 @@ void fill_shape(const ModalRefineResult& fit, const ModalCovariance& covariance,
     mode.shape = residue * v * std::conj(v[strongest]);
   }
   mode.shape_std.resize(responses, 2);
-  for (Index o = 0; o < responses; ++o) {
-    mode.shape_std(o, 0) = covariance.residue_std_re(r, o * inputs + strongest);
-    mode.shape_std(o, 1) = covariance.residue_std_im(r, o * inputs + strongest);
-  }
+  const auto own = Eigen::seqN(strongest, responses, inputs);
+  mode.shape_std.col(0) = covariance.residue_std_re.row(r).transpose()(own);
+  mode.shape_std.col(1) = covariance.residue_std_im.row(r).transpose()(own);
   mode.modal_phase_collinearity = modal_phase_collinearity(mode.shape);
 }
 
@@ -153,12 +149,8 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& searc
   const Index inputs = band.lines.inputs;
   const auto responses = static_cast<Index>(frfs.responses.size());
   ModalModel& model = result.model;
-  model.lower_residual.resize(responses, inputs);
-  model.upper_residual.resize(responses, inputs);
-  for (Index c = 0; c < fit.lower.size(); ++c) {
-    model.lower_residual(c / inputs, c % inputs) = fit.lower[c];
-    model.upper_residual(c / inputs, c % inputs) = fit.upper[c];
-  }
+  model.lower_residual = fit.lower.reshaped(inputs, responses).transpose();
+  model.upper_residual = fit.upper.reshaped(inputs, responses).transpose();
   std::vector<Index> order(found.presence.size());
   for (std::size_t r = 0; r < order.size(); ++r) order[r] = static_cast<Index>(r);
   std::sort(order.begin(), order.end(),

@@ -52,20 +52,6 @@ std::vector<HitsOnInput> hits_of(const FrfSet& frfs, const ModalBand& band) {
   return all;
 }
 
-/// Each mode as the single hits show it; none where resonances of two touch: a hit, which is of one
-/// reference, may show both as one.
-std::vector<LocalMode> modes_of_hits(const ModalBand& band, const std::vector<MatrixXcd>& hits,
-                                     const VectorXcd& poles, bool local,
-                                     const ModalOptions& options) {
-  std::vector<LocalMode> own = check_groups(band, hits, poles, options);
-  const bool several = band.lines.inputs > 1;
-  if (local || !several) join_split_modes(band, own);
-  for (std::size_t r = 0; r < own.size(); ++r) {
-    if (!local && several && is_touched(band, poles, static_cast<Index>(r), 1)) own[r] = {};
-  }
-  return own;
-}
-
 /// Chi-square of the scatter between hits over their own errors, and its degrees of freedom.
 std::pair<double, double> scatter_of(const LocalMode& own) {
   const double others = std::max(0.0, static_cast<double>(own.points.size()) - 1);
@@ -156,10 +142,16 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
   for (const HitsOnInput& hits : all) {
     if (hits.H.size() > 1) every.insert(every.end(), hits.H.begin(), hits.H.end());
   }
-  const std::vector<LocalMode> own_modes = modes_of_hits(band, every, poles, local, options);
+  std::vector<LocalMode> own_modes = check_groups(band, every, poles, options);
+  const bool several = band.lines.inputs > 1;
+  if (local || !several) join_split_modes(band, false, own_modes);
+  // A hit, which is of one reference, may show two modes whose resonances touch as one.
+  const auto touched = [&](std::size_t r) {
+    return !local && several && is_touched(band, poles, static_cast<Index>(r), 1);
+  };
   std::pair<double, double> sum{0, 0};
-  for (const LocalMode& own : own_modes) {
-    const auto [squares, degrees] = scatter_of(own);
+  for (std::size_t r = 0; r < own_modes.size(); ++r) {
+    const auto [squares, degrees] = touched(r) ? std::pair(0.0, 0.0) : scatter_of(own_modes[r]);
     sum.first += squares, sum.second += degrees;
   }
   const bool all_differ = beyond_chance(sum, kAll);
@@ -169,28 +161,31 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
   for (std::size_t r = 0; r < own_modes.size(); ++r) {
     const LocalMode& own = own_modes[r];
     IdentifiedMode& mode = model.modes[r];
+    const bool unknown = touched(r) || own.points.size() < 2;
     const Complex pole = mode.pole_rad_s;
-    if (own.points.size() < 2) {
-      if (all_differ)
-        widen(times * mode.frequency_hz.std, times * mode.damping_ratio.std, r, model);
-      continue;
-    }
     const double omega = std::abs(pole);
-    const bool own_differ = beyond_chance(scatter_of(own), kMode);
+    const bool own_differ = !unknown && beyond_chance(scatter_of(own), kMode);
     const auto shown = std::count_if(own.points.begin(), own.points.end(), [&](const auto& hit) {
       return std::abs(hit.pole - pole) < band.window - pole.real();
     });
-    mode.between_hits = {static_cast<int>(shown), own.frequency.between_std / kTwoPi,
-                         own.decay.between_std / omega, all_differ || own_differ};
-    if (!mode.between_hits.beyond_noise) continue;
+    if (!unknown) {
+      mode.between_hits = {static_cast<int>(shown), own.frequency.between_std / kTwoPi,
+                           own.decay.between_std / omega, all_differ || own_differ};
+    }
+    if (!all_differ && !own_differ) continue;
     largest = std::max(largest, mode.between_hits.frequency_std_hz / mode.frequency_hz.value);
-    if (static_cast<double>(shown) < kShareOfHits * static_cast<double>(every.size())) {
+    if (!touched(r) &&
+        static_cast<double>(shown) < kShareOfHits * static_cast<double>(every.size())) {
       mode.doubt = fmt::format("only {} of {} single hits show it", shown, every.size());
     } else if (own_differ) {
       means = true;
       set_pole(mode, {-own.decay.value.value, own.frequency.value.value}, band.window);
     }
-    widen(own.frequency.value.std / kTwoPi, own.decay.value.std / omega, r, model);
+    if (unknown) {
+      widen(times * mode.frequency_hz.std, times * mode.damping_ratio.std, r, model);
+    } else {
+      widen(own.frequency.value.std / kTwoPi, own.decay.value.std / omega, r, model);
+    }
   }
   if (!all_differ || !(largest > 0)) return;
   model.notes.push_back(

@@ -21,6 +21,8 @@ namespace {
 /// Correlation of neighbouring lines of a misfit beyond that of noise: more makes error bars
 /// matter.
 constexpr double kSystematic = 0.2;
+/// Share of a mode's amplitude that is left at the end of the records, from which it may be a tone.
+constexpr double kSteady = 0.5;
 
 }  // namespace
 
@@ -150,10 +152,18 @@ void judge_modes(ModalResult& result, const ModalBand& band,
           fmt::format("weak: {:.1f} times the least that is told from noise", mode.significance));
     // A line narrower than the record can show: as likely a steady tone as a mode.
     const double left = left_at_the_end(band, mode.pole_rad_s - band.window);
-    doubt(left > 0.5,
+    doubt(left > kSteady,
           fmt::format("{:.0f} % of it are left at the end of the records: a steady tone such as "
                       "mains hum, or a mode that needs longer records",
                       100 * left));
+    for (const IdentifiedMode& other : model.modes) {
+      const bool tone = left_at_the_end(band, other.pole_rad_s - band.window) > kSteady;
+      const double apart = std::abs(other.pole_rad_s.imag() - mode.pole_rad_s.imag());
+      doubt(tone && left <= kSteady && apart < 4 * measured,
+            fmt::format("a steady tone at {:.4g} Hz lies within its resonance: it is no noise, "
+                        "error bars do not allow for it",
+                        other.frequency_hz.value));
+    }
     // Structures, hits and sensors are not linear to better than some percent of a strong
     // resonance.
     const double peak =
@@ -183,6 +193,10 @@ void judge_modes(ModalResult& result, const ModalBand& band,
                       "each of the {:.1f} lines of its resonance: error bars do not allow for so "
                       "much; use a force window",
                       100 * shared, lines));
+    // Noise of the residues alone lowers the collinearity by about its share of the power.
+    const double noise = mode.shape_std.squaredNorm() / mode.shape.squaredNorm();
+    doubt(mode.shape.size() >= 3 && mode.modal_phase_collinearity < 0.8 - 2 * noise,
+          fmt::format("complex shape: phase collinearity {:.2f}", mode.modal_phase_collinearity));
     for (const std::size_t other : {r - 1, r + 1}) {  // r - 1 wraps below 0 and is left out
       if (other >= model.modes.size()) continue;
       const double likeness = result.auto_mac(static_cast<Index>(r), static_cast<Index>(other));

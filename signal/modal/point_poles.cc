@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "signal/numerics/numbers.h"
 #include "signal/refinement/local_fit.h"
@@ -28,19 +29,11 @@ double apart(const ModalBand& band, Complex p, Complex q) {
          (half_bandwidth(band, p) + half_bandwidth(band, q) + 0.5 * kTwoPi * band.spacing_hz);
 }
 
-/// First line and number of lines of a window around a group of poles.
-struct Window {
-  Index first = 0, count = 0, stride = 1;
+/// A fit with its lines and FRFs.
+struct WindowFit : LocalFit {
+  VectorXcd s;
+  MatrixXcd H;
 };
-
-Window window_around(const ModalBand& band, const std::vector<Complex>& group, double bandwidths) {
-  Index first = band.frequency_hz.size(), end = 0;
-  for (const Complex p : group) {
-    const auto [from, count] = lines_around(band, p, kLines, bandwidths);
-    first = std::min(first, from), end = std::max(end, from + count);
-  }
-  return {first, std::max<Index>(0, end - first), std::max<Index>(1, (end - first) / 1000)};
-}
 
 /// Variance of a mean of lines that an exponential window correlates over that of independent ones.
 double line_inflation(const ModalBand& band, Index lines) {
@@ -67,19 +60,21 @@ class PointFit {
   const MatrixXcd& H;
   double twin_misfit = 0, max_damping_ratio = 0, penalty = 0;
 
-  LocalFit fit(const std::vector<Complex>& group, const std::vector<Complex>& others,
-               double bandwidths, int order, Window& window) const {
-    window = window_around(band, group, bandwidths);
-    const Index count = window.count / window.stride;
-    VectorXcd s(count), start(static_cast<Index>(group.size()));
-    MatrixXcd part(count, H.cols());
-    for (Index k = 0; k < count; ++k) {
-      s[k] = band.lines.s[window.first + k * window.stride];
-      part.row(k) = H.row(window.first + k * window.stride);
+  WindowFit fit(const std::vector<Complex>& group, const std::vector<Complex>& others,
+                double bandwidths, int order) const {
+    Index first = band.frequency_hz.size(), end = 0;
+    for (const Complex p : group) {
+      const auto [from, count] = lines_around(band, p, kLines, bandwidths);
+      first = std::min(first, from), end = std::max(end, from + count);
     }
-    for (Index r = 0; r < start.size(); ++r) start[r] = group[static_cast<std::size_t>(r)];
+    const Index stride = std::max<Index>(1, (end - first) / 1000);
+    const Index count = std::max<Index>(0, end - first) / stride;
+    const auto rows = Eigen::seqN(first, count, stride);
+    const VectorXcd start = Eigen::Map<const VectorXcd>(group.data(), std::ssize(group));
     std::vector<Complex> near;
     if (count < 2) return {};
+    const VectorXcd s = band.lines.s(rows);
+    const MatrixXcd part = H(rows, Eigen::all);
     for (const Complex p : others) {
       const double beyond = 3 * half_bandwidth(band, p);
       if (p.imag() > s[0].imag() - beyond && p.imag() < s[count - 1].imag() + beyond) {
@@ -98,7 +93,7 @@ class PointFit {
         result = fit_locally(s, part, weight, result.poles, fixed, order);
       }
     }
-    return result;
+    return {std::move(result), s, part};
   }
 
   /// The weakest pole of a group that does not stand out; -1: all do.
@@ -121,7 +116,7 @@ class PointFit {
   /// or several times what two of like damping at a distance leave: a resonance that is not quite
   /// linear is fitted better by two poles than by one.
   Index needless_twin(const std::vector<Complex>& group, const std::vector<Complex>& others,
-                      const LocalFit& both, const Window& span) const {
+                      const WindowFit& both) const {
     for (Index r = 0; r < both.poles.size(); ++r) {
       for (Index q = 0; q < both.poles.size(); ++q) {
         if (q == r || apart(band, both.poles[r], both.poles[q]) > 1.5) continue;
@@ -135,17 +130,16 @@ class PointFit {
                                                       : 4;
         std::vector<Complex> fewer = group;
         fewer.erase(fewer.begin() + r);
-        Window window;
-        const LocalFit fit = this->fit(fewer, others, kBandwidths, 2, window);
+        const WindowFit fit = this->fit(fewer, others, kBandwidths, 2);
         if (!fit.usable) continue;
         double worst = 0;
-        const double left = std::max(misfit_around(both, span, both.poles[r]),
-                                     misfit_around(both, span, both.poles[q]));
+        const double left =
+            std::max(misfit_around(both, both.poles[r]), misfit_around(both, both.poles[q]));
         for (const Complex pole : fit.poles) {
           if (apart(band, pole, both.poles[r]) > 1.5 && apart(band, pole, both.poles[q]) > 1.5) {
             continue;
           }
-          worst = std::max(worst, misfit_around(fit, window, pole));
+          worst = std::max(worst, misfit_around(fit, pole));
         }
         if (worst < twin_misfit && worst < asked * left) return r;
       }
@@ -154,14 +148,13 @@ class PointFit {
   }
 
   /// Rms misfit over rms FRF within the half bandwidth of a pole.
-  double misfit_around(const LocalFit& fit, const Window& window, Complex pole) const {
+  double misfit_around(const WindowFit& fit, Complex pole) const {
     const double half = std::max(half_bandwidth(band, pole), kTwoPi * band.spacing_hz);
     double above = 0, below = 0;
     for (Index k = 0; k < fit.residual.rows(); ++k) {
-      const Index line = window.first + k * window.stride;
-      if (std::abs(band.lines.s[line].imag() - pole.imag()) > half) continue;
+      if (std::abs(fit.s[k].imag() - pole.imag()) > half) continue;
       above += fit.residual.row(k).squaredNorm();
-      below += H.row(line).squaredNorm();
+      below += fit.H.row(k).squaredNorm();
     }
     return below > 0 ? std::sqrt(above / below) : 0;
   }
@@ -209,8 +202,7 @@ std::vector<Complex> other_poles(const std::vector<std::vector<Complex>>& groups
 
 /// What the final fit of a group says about its pole r; `moved`: how far the pole goes with another
 /// window and background.
-PointPole described(const PointFit& point, const LocalFit& fit, const Window& window, Index r,
-                    double moved) {
+PointPole described(const PointFit& point, const WindowFit& fit, Index r, double moved) {
   PointPole pole;
   pole.pole = fit.poles[r];
   const double inflation = line_inflation(point.band, fit.residual.rows());
@@ -233,7 +225,7 @@ PointPole described(const PointFit& point, const LocalFit& fit, const Window& wi
   }
   const double gain = fit.gain.row(r).sum(), left = fit.misfit.sum();
   pole.explained = gain > 0 ? gain / (gain + left) : 0;
-  pole.misfit = point.misfit_around(fit, window, pole.pole);
+  pole.misfit = point.misfit_around(fit, pole.pole);
   return pole;
 }
 
@@ -262,16 +254,15 @@ std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, In
   if (H.cols() == 0) return result;
   const PointFit point(band, H, twin_misfit, options.lscf.max_damping_ratio);
   std::vector<std::vector<Complex>> groups = groups_of(band, {common.begin(), common.end()});
-  Window window;
   // Rounds: each group against what the others were in the round before; what does not stand out
   // goes, the weakest first.
   for (int round = 0; round < 2; ++round) {
     for (std::size_t g = 0; g < groups.size(); ++g) {
       const std::vector<Complex> others = other_poles(groups, g);
       while (!groups[g].empty()) {
-        const LocalFit fit = point.fit(groups[g], others, kBandwidths, 2, window);
+        const WindowFit fit = point.fit(groups[g], others, kBandwidths, 2);
         Index worst = fit.usable ? point.weakest(fit) : Index(groups[g].size()) - 1;
-        if (worst < 0) worst = point.needless_twin(groups[g], others, fit, window);
+        if (worst < 0) worst = point.needless_twin(groups[g], others, fit);
         if (worst < 0) {
           for (Index r = 0; r < fit.poles.size(); ++r) {
             groups[g][static_cast<std::size_t>(r)] = fit.poles[r];
@@ -286,18 +277,17 @@ std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, In
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const std::vector<Complex> others = other_poles(groups, g);
-    const LocalFit fit = point.fit(groups[g], others, kBandwidths, 2, window);
+    const WindowFit fit = point.fit(groups[g], others, kBandwidths, 2);
     if (!fit.usable) continue;
-    Window narrow;
     const std::vector<Complex> start(fit.poles.begin(), fit.poles.end());
-    const LocalFit again = point.fit(start, others, 0.5 * kBandwidths, 1, narrow);
+    const WindowFit again = point.fit(start, others, 0.5 * kBandwidths, 1);
     for (Index r = 0; r < fit.poles.size(); ++r) {
       if (!point.plausible(fit.poles[r])) continue;
       const double half =
           std::max(half_bandwidth(band, fit.poles[r]), 0.5 * kTwoPi * band.spacing_hz);
       double moved = again.usable ? std::abs(again.poles[r] - fit.poles[r]) : half;
       if (moved > 0.5 * half) continue;
-      PointPole pole = described(point, fit, window, r, moved);
+      PointPole pole = described(point, fit, r, moved);
       pole.point = index;
       if (pole.significance > point.penalty) result.push_back(std::move(pole));
     }

@@ -129,9 +129,9 @@ TEST(ModalIdentification, TwoInputsGiveShapesAndParticipations) {
 }
 
 // FRFs of two inputs at which two modes of one frequency have different shapes: one pole, whose
-// residues are of no single shape. The second singular value is 0.4 of the first.
+// residues are of no single shape. The second singular value is 0.4 of the first. Under a window.
 TEST(ModalIdentification, ModesOfOneFrequencyAreSaid) {
-  FrfSet set{.form = FrfForm::accelerance};
+  FrfSet set{.form = FrfForm::accelerance, .exponential_decay_rate_1_s = 0.3};
   set.frequency_hz = Eigen::VectorXd::LinSpaced(500, 1, 60);
   set.responses = {{"p1", 1, 3}, {"p2", 2, 3}, {"p3", 3, 3}};
   set.inputs = {{"p1", 1, 3}, {"p2", 2, 3}};
@@ -141,7 +141,7 @@ TEST(ModalIdentification, ModesOfOneFrequencyAreSaid) {
     set.H = Eigen::MatrixXcd(500, 6);
     Normal normal(3);
     for (Index k = 0; k < 500; ++k) {
-      const Complex s(0, 2 * kPi * set.frequency_hz[k]);
+      const Complex s(0.3, 2 * kPi * set.frequency_hz[k]);
       const double w = 2 * kPi * 30;
       const Complex mode = s * s / (s * s + 0.02 * w * s + w * w);
       for (Index c = 0; c < 6; ++c) {
@@ -151,7 +151,7 @@ TEST(ModalIdentification, ModesOfOneFrequencyAreSaid) {
     const ModalResult result = identify_modes(set);
     ASSERT_EQ(result.model.modes.size(), 1u);
     EXPECT_EQ(says(result.model.notes, "systematic_misfit"), second > 0);
-    EXPECT_EQ(result.model.modes[0].reconstruction_error > 0.3, second > 0);
+    EXPECT_EQ(result.model.modes[0].reconstruction_error > 0.1, second > 0);
   }
 }
 
