@@ -102,7 +102,13 @@ void VerbContext::tell(const std::vector<ident::Finding>& findings) {
 
 void VerbContext::input(const std::string& path) {
   if (!known_.insert(path).second) return;
-  inputs_.push_back(hashes_inputs ? input_of(path) : Input{path, "", {}});
+  Input one = hashes_inputs ? input_of(path) : Input{path, "", {}};
+  const auto twin = std::ranges::find(inputs_, one.sha256, &Input::sha256);
+  if (!one.sha256.empty() && twin != inputs_.end() && !path.ends_with(".toml")) {
+    warn("same_data",
+         "Leave it out: it holds what " + twin->path + " holds, and counts as new data", path);
+  }
+  inputs_.push_back(std::move(one));
 }
 
 void VerbContext::check_inputs() const {

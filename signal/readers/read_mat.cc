@@ -1,6 +1,7 @@
 #include "signal/readers/read_recording.h"
 
 #include <fmt/format.h>
+#include <hdf5.h>
 #include <matio.h>
 #include <zlib.h>
 
@@ -270,6 +271,7 @@ void collect(matvar_t& variable, const std::string& name, int depth,
 /// The numeric arrays of a file. What is too large for the file is refused before it is read.
 std::vector<MatArray> arrays_in(std::string_view bytes, const std::filesystem::path& path) {
   check_mat_headers(bytes, path);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its own messages; libmatio goes on without data
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      &Mat_Close);
   if (!file) {
@@ -278,7 +280,9 @@ std::vector<MatArray> arrays_in(std::string_view bytes, const std::filesystem::p
   }
   std::vector<MatArray> arrays;
   const bool hdf5 = Mat_GetVersion(file.get()) == MAT_FT_MAT73;
+  bool any = false;
   while (matvar_t* const next = Mat_VarReadNextInfo(file.get())) {
+    any = true;
     const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(next, &Mat_VarFree);
     const std::string name = next->name == nullptr ? "" : to_utf8(next->name);
     if (name.empty() || name.starts_with("__") || name.starts_with("#")) continue;
@@ -295,6 +299,7 @@ std::vector<MatArray> arrays_in(std::string_view bytes, const std::filesystem::p
     }
     collect(*next, name, 0, arrays);
   }
+  if (!any) throw file_error(path, "breaks off, or holds no variable", "copy the file again");
   return arrays;
 }
 

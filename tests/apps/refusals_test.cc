@@ -344,6 +344,7 @@ TEST(Refusals, OfRecordings) {
        {"inspect @empty.csv", 3, "empty.csv"},
        {"inspect @", 3, "rigfit-test"},
        {"inspect", 2, "FILE"},
+       {"inspect @two.csv @two.csv", 2, "is given twice"},
        {"decay", 2, "file is required"},
        {"decay @decay.csv --channel gyro", 3, "\"a\""},
        {"frf @two.csv", 2, "--force"},

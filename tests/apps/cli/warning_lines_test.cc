@@ -2,6 +2,7 @@
 #include "apps/cli/warning_lines.h"
 
 #include "apps/cli/verb_context.h"
+#include "tests/temporary_folder.h"
 #include "tests/test.h"
 
 namespace rigfit::apps::warning_lines_test {
@@ -45,6 +46,19 @@ TEST(WarningLines, NormalOperationIsANote) {
   ASSERT_EQ(context.warnings().size(), 1u);
   ASSERT_EQ(context.notes().size(), 1u);
   EXPECT_EQ(context.notes()[0].code, "start_chosen");
+}
+
+TEST(WarningLines, ACopyOfARecordingIsNoSecondOne) {
+  const testing::TemporaryFolder folder;
+  std::ostringstream out;
+  VerbContext context(out);
+  context.silent = true;
+  for (const char* name : {"a.csv", "a.toml", "b.toml", "b.csv"}) {
+    context.input(folder.write(name, std::string("t,x\n0,") + (name[2] == 'c' ? "1" : "2")));
+  }
+  ASSERT_EQ(context.warnings().size(), 1u);
+  EXPECT_THAT(context.warnings()[0].message, HasSubstr("a.csv"));
+  EXPECT_THAT(context.warnings()[0].where, HasSubstr("b.csv"));
 }
 
 }  // namespace rigfit::apps::warning_lines_test

@@ -170,6 +170,8 @@ TEST_F(Mat, ArraysOfOneLengthWithARateOrATime) {
     ASSERT_EQ(recording.channels.size(), 3u);
     EXPECT_EQ(recording.channel("acc 2").samples[0], 20);
     EXPECT_EQ(recording.channel("force").samples[3], 3);
+    fs::resize_file(path_, fs::file_size(path_) / 2);
+    EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("breaks off"));
     fs::remove(path_);
   }
   write({array("t", ramp(40, 0.001), 40, 1), array("x", ramp(40, 2), 40, 1)});
