@@ -185,7 +185,7 @@ std::string key_reference(const std::string& document) {
       };
       add_row(text, both(1, " "), both(3, "; "), width);
     } else if (!line.empty() || !text.empty()) {
-      text += line + '\n';
+      text += wrapped(line, 0, width) + '\n';
     }
   }
   return text;
