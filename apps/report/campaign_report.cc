@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <chrono>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -103,8 +104,8 @@ std::vector<Answer> all_answers(std::span<const ReportPart> parts) {
   return answers;
 }
 
-/// Writes everything: page, figures, data, and report.json, of which `document` is the text, made
-/// beside the figures. `parts`: the overview first.
+/// Writes everything: page, figures, data, files for other programs, and report.json, of which
+/// `document` is the text, made beside the figures. `parts`: the overview first.
 void write_report_files(const fs::path& folder, const PageFrame& frame,
                         std::span<const ReportPart> parts, const ReportOptions& options,
                         const std::function<std::string()>& document, VerbContext& context) {
@@ -118,6 +119,10 @@ void write_report_files(const fs::path& folder, const PageFrame& frame,
     tasks.emplace_back([&] { appendix = appendix_page(frame, rest); });
   }
   for (const auto& part : parts) {
+    for (const auto& [file, content] : part.files) {
+      make_output_folder((folder / file).parent_path());
+      put(folder / file, content);
+    }
     each_figure(part.blocks, [&](const auto& figure, const std::string&) {
       tasks.emplace_back([&folder, &figure, &options] {
         put(folder / "data" / (figure.id + ".csv"), csv_of(figure));
@@ -204,8 +209,17 @@ std::unique_ptr<TestPart> part_of(const Campaign& campaign, const CampaignTest& 
 }
 
 /// Reads the recordings, works out the campaign, shows what came of it: the parts in the order of
-/// the page.
-std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbContext& context) {
+/// the page. `times`: what each stage took.
+std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbContext& context,
+                                       ReportTable& times) {
+  using Clock = std::chrono::steady_clock;
+  const auto took = [&](const std::string& stage, double time_s) {
+    times.rows.push_back({stage, fmt::format("{:.2g}", time_s)});
+  };
+  const auto since = [](Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+  };
+  const auto begin = Clock::now();
   const std::size_t tests = campaign.tests.size(), fits = campaign.fits.size();
   std::size_t files = 0;
   for (const auto& test : campaign.tests) {
@@ -218,6 +232,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
     shown.push_back(part_of(campaign, campaign.tests[i], context));
   }
   ident::in_parallel(tests, context.threads, [&](std::size_t i) { shown[i]->read(advance); });
+  took("recordings read", since(begin));
 
   ident::CampaignInputs inputs;
   inputs.threads = context.threads;
@@ -228,6 +243,9 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
     inputs.fits.back().options.threads = context.threads;
   }
   auto result = ident::run_campaign(std::move(inputs));
+  for (std::size_t i = 0; i < tests; ++i) took(campaign.tests[i].title, result.test_s[i]);
+  for (std::size_t i = 0; i < fits; ++i) took(campaign.fits[i].title, result.fit_s[i]);
+  const auto drawn = Clock::now();
 
   std::vector<std::vector<ReportPart>> pages(tests + fits);
   ident::in_parallel(pages.size(), context.threads, [&](std::size_t i) {
@@ -241,6 +259,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
   std::vector<ReportPart> parts;
   for (auto& page : pages) std::ranges::move(page, std::back_inserter(parts));
   parts.push_back(scenes_part(campaign));
+  took("figures and tables", since(drawn));
   return parts;
 }
 
@@ -250,7 +269,9 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
                      VerbContext& context, std::vector<Answer>* given) {
   begin_folder(folder, campaign.title, options);
   take_inputs(campaign, context);
-  std::vector<ReportPart> parts = campaign_parts(campaign, context);
+  PageFrame frame{campaign.title, campaign.source, campaign.description, campaign.report,
+                  options.style};
+  std::vector<ReportPart> parts = campaign_parts(campaign, context, frame.times);
   std::vector<Answer*> found;
   for (auto& part : parts) {
     for (auto& answer : part.answers) found.push_back(&answer);
@@ -274,9 +295,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
       result[part.json_key].push_back(part.json);
     }
   }
-  finish(folder,
-         {campaign.title, campaign.source, campaign.description, campaign.report, options.style},
-         parts, options, result, context);
+  finish(folder, std::move(frame), parts, options, result, context);
   return result;
 }
 

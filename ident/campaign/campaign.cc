@@ -1,6 +1,7 @@
 #include "ident/campaign/campaign.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <utility>
@@ -158,10 +159,14 @@ CampaignResult run_campaign(CampaignInputs inputs) {
   auto& in = result.inputs;
   result.tests.resize(in.tests.size());
   result.fits.resize(in.fits.size());
+  result.test_s.resize(in.tests.size());
+  result.fit_s.resize(in.fits.size());
   // `work` for each test or fit, one after the other where `threads` is 1.
-  const auto stage = [&](const auto& all, bool last, const auto& work) {
-    in_parallel(all.size(), in.threads, [&](std::size_t i) {
+  const auto stage = [&](std::vector<double>& spent_s, bool last, const auto& work) {
+    in_parallel(spent_s.size(), in.threads, [&](std::size_t i) {
+      const auto begin = std::chrono::steady_clock::now();
       work(i);
+      spent_s[i] += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
       if (last && in.advance) in.advance();
     });
   };
@@ -172,13 +177,13 @@ CampaignResult run_campaign(CampaignInputs inputs) {
     outcome.model =
         modal_states(test->setup, *test->scene, result.known, outcome.test.states, test->published);
   };
-  stage(in.tests, false, [&](std::size_t i) {
+  stage(result.test_s, false, [&](std::size_t i) {
     result.tests[i] = std::visit([](auto& test) { return analysed(test); }, in.tests[i]);
   });
   result.known = known_values(result.tests);
-  stage(in.tests, false, modelled);
-  stage(in.fits, true, [&](std::size_t i) { result.fits[i] = run_fit(in.fits[i], result); });
-  stage(in.tests, true, [&](std::size_t i) {
+  stage(result.test_s, false, modelled);
+  stage(result.fit_s, true, [&](std::size_t i) { result.fits[i] = run_fit(in.fits[i], result); });
+  stage(result.test_s, true, [&](std::size_t i) {
     const auto* test = std::get_if<DecayInputs>(&in.tests[i]);
     if (test) result.tests[i] = run_decays(*test, result);
   });

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -126,6 +127,8 @@ struct ReportPart {
   std::vector<ModeOfModel> modes;
   Json json = Json::object();  ///< merged into the document under the part's key
   std::string json_key;        ///< a list in the document that gets `json` appended; empty: none
+  /// Path in the report's folder and content of files for other programs.
+  std::vector<std::pair<std::string, std::string>> files;
 };
 
 }  // namespace rigfit::apps

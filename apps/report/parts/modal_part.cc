@@ -1,4 +1,5 @@
 #include "apps/report/parts/parts.h"
+#include "signal/writers/write_uff.h"
 
 namespace rigfit::apps {
 namespace {
@@ -98,6 +99,12 @@ class ModalPart : public TestPart {
     add_rows(modes_, {label_of(state.tension_N)}, describe::table_of(state.modal->model.modes),
              state.origin);
     const auto& modal = *state.modal;
+    const auto give = [&](const char* what, std::string content) {
+      part_.files.emplace_back(fmt::format("uff/{}-{}-{}.uff", test_.name, what, word),
+                               std::move(content));
+    };
+    if (state.hammer.accepted_hits() > 0) give("frf", signal::uff_text(state.hammer.frfs));
+    give("modes", signal::uff_text(modal.model));
     part_.json["states"].push_back(
         {{"tension_N", state.tension_N ? Json(*state.tension_N) : Json(nullptr)},
          {"origin", word_of(state.origin)},
