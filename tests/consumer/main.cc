@@ -2,9 +2,11 @@
 #include <cmath>
 #include <cstdio>
 
+#include <rigfit/ident.h>
+#include <rigfit/model.h>
+#include <rigfit/signal.h>
+
 #include "ident/stiffness/stiffness_law.h"
-#include "model/scene/scene.h"
-#include "signal/recording/recording.h"
 
 int main() {
   rigfit::model::Scene scene;

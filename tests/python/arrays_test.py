@@ -202,10 +202,24 @@ class Results(unittest.TestCase):
             self.skipTest("pandas is not installed")
         frame = self.result.to_frame()
         self.assertEqual(list(frame["measured_hz"]), [7.36, 14.59, 22.15, 29.9])
-        modes = rigfit.modes(CABLE, count=4).to_frame()
+        found = rigfit.modes(CABLE, count=4)
+        modes, every = found.to_frame(), found.to_frame(all=True)
         self.assertEqual(len(modes), 4)
+        self.assertLess(set(modes), set(every))
         table = rigfit.read(DATA / "virtual_laboratory/bench/axial/L1m-1.csv").to_frame()
         self.assertIsInstance(table, pandas.DataFrame)
+
+    def test_notebook(self):
+        shown = self.result._repr_html_()
+        self.assertIn("<td>7.36 +- 0.01</td>", shown)
+        self.assertIn("<details>", shown)
+        self.assertLess(len(shown), 20000)
+
+    def test_block(self):
+        block = rigfit.Recording(np.arange(64.0).reshape(2, 32), fs=100, names=["force", "acc"])
+        self.assertEqual(block["acc"].data[0], 32)
+        with self.assertRaisesRegex(rigfit.Error, "names"):
+            rigfit.Recording(np.zeros((2, 32)), fs=100, names=["force"])
 
     def test_packages_that_are_missing(self):
         frf = rigfit.frf(recording(hits(1 << 14, 2)), "force")

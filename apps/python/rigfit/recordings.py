@@ -46,21 +46,32 @@ class Recording(Sequence):
 
     Parameters
     ----------
-    channels : list of dict, or dict of name to array
+    channels : list of dict, dict of name to array, or array
+        An array is channels x samples, with ``names``.
         In SEP005 style: ``name`` and ``data`` (one dimension), and where known ``fs`` (Hz), ``unit_str``,
         ``direction``. NaN is a missing sample. The arrays are copied.
     fs : float, optional
         Sample rate in Hz, where the channels do not say it.
     units : dict of name to str, optional
         Where the channels do not say them.
+    names : list of str, optional
+        Of the rows of an array.
     start_time_s : float
     name : str
         For messages and results.
     """
 
-    def __init__(self, channels, fs=None, units=None, start_time_s=0.0, name="recording"):
+    def __init__(self, channels, fs=None, units=None, start_time_s=0.0, name="recording", *, names=None):
         name = checks.text("name", name)
         start = checks.number("start_time_s", start_time_s)
+        if isinstance(channels, np.ndarray):
+            rows = np.atleast_2d(channels)
+            names = [f"channel {i + 1}" for i in range(len(rows))] if names is None else list(names)
+            if rows.ndim != 2 or not len(names) == len(set(names)) == len(rows):
+                checks.fail("names", f"must be a name of its own for each row of channels x samples: {len(names)} for an array of shape {channels.shape}")
+            channels, names = dict(zip(names, rows)), None
+        if names is not None:
+            checks.fail("names", "belong to an array of channels x samples; here the channels have names")
         if isinstance(channels, Mapping):
             channels = [{"name": key, "data": data} for key, data in channels.items()]
         channels = [channels] if isinstance(channels, Channel) else channels

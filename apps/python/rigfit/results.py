@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 import copy
+import html
 import importlib
 
 import numpy as np
@@ -49,11 +50,25 @@ class Records(list):
         """As in the JSON document."""
         return [one.to_dict() if isinstance(one, Record) else one for one in self]
 
-    def to_frame(self):
-        """A pandas.DataFrame, a row a record; an estimate is two columns or more, ``x``, ``x_std``, ``x_low`` ..."""
-        rows = pandas().json_normalize(self.to_dict(), sep="_")
-        rows.columns = [name.removesuffix("_value") for name in rows.columns]
-        return rows[[name for name in rows if not rows[name].map(lambda cell: isinstance(cell, list)).any()]]
+    def to_frame(self, all=False):
+        """A pandas.DataFrame, a row a record; an estimate is two columns, ``x`` and ``x_std``. ``all``: also ``x_low`` and what is nested."""
+        rows = pandas().json_normalize(self.to_dict(), sep=".")
+        kept = [name for name in rows if (all or "." not in name or name.endswith((".value", ".std"))) and
+                not rows[name].map(lambda cell: isinstance(cell, list)).any()]
+        return rows[kept].rename(columns=lambda name: name.removesuffix(".value").replace(".", "_"))
+
+    def _repr_html_(self):
+        """Twenty rows of five columns; further columns stand behind a fold."""
+        keys = dict.fromkeys(key for one in self for key in one if not isinstance(one[key], (list, Record)) or
+                             isinstance(one[key], Estimate))
+
+        def table(names):
+            rows = [names] + [[_shown(one.get(name)) for name in names] for one in self[:20]]
+            return "<table>" + "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>"
+                                       for row in rows) + "</table>"
+        first, rest = list(keys)[:5], list(keys)[5:15]
+        more = f"<p>{len(self) - 20} more</p>" if len(self) > 20 else ""
+        return table(first) + more + (f"<details><summary>more columns</summary>{table(rest)}</details>" if rest else "")
 
 
 def _shown(value):
@@ -172,10 +187,15 @@ class Result(Record):
     def __repr__(self):
         return self._printed.rstrip("\n") or super().__repr__()
 
-    def to_frame(self):
-        """A pandas.DataFrame of the main list of the result."""
+    def to_frame(self, all=False):
+        """A pandas.DataFrame of the main list of the result; ``all``: every column."""
         rows = wrapped(self._fields.get(self.main, []))
-        return rows.to_frame() if isinstance(rows, Records) else pandas().DataFrame()
+        return rows.to_frame(all) if isinstance(rows, Records) else pandas().DataFrame()
+
+    def _repr_html_(self):
+        rows = wrapped(self._fields.get(self.main, []))
+        printed = f"<pre>{html.escape(repr(self)[:6000])}</pre>"
+        return rows._repr_html_() + f"<details><summary>as printed</summary>{printed}</details>" if isinstance(rows, Records) else printed
 
 
 def _result(name, main, doc, base=object, **kinds):
