@@ -211,7 +211,7 @@ class Results(unittest.TestCase):
 
     def test_notebook(self):
         shown = self.result._repr_html_()
-        self.assertIn("<td>7.36 +- 0.01</td>", shown)
+        self.assertIn("<td>14.59</td>", shown)
         self.assertIn("<details>", shown)
         self.assertLess(len(shown), 20000)
 
