@@ -85,7 +85,7 @@ class PointFit {
     // Columns weigh by what a first fit leaves of them; a tenth of the mean keeps one that is
     // fitted by chance from deciding alone.
     VectorXd weight = VectorXd::Ones(H.cols());
-    LocalFit result = fit_locally(s, part, weight, start, fixed, order);
+    LocalFit result = fit_locally(s, part, weight, start, fixed, order, 0.3);
     if (result.usable && H.cols() > 1) {
       const double mean = result.misfit.mean();
       if (mean > 0) {

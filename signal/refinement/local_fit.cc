@@ -76,7 +76,7 @@ State state_at(const VectorXcd& s, const MatrixXcd& H, const VectorXd& weight,
 LocalFit fit_locally(const Eigen::Ref<const VectorXcd>& s, const Eigen::Ref<const MatrixXcd>& H,
                      const Eigen::Ref<const VectorXd>& weight,
                      const Eigen::Ref<const VectorXcd>& start,
-                     const Eigen::Ref<const VectorXcd>& fixed, int order) {
+                     const Eigen::Ref<const VectorXcd>& fixed, int order, double step_in_std) {
   if (H.rows() != s.size() || weight.size() != H.cols()) {
     throw std::invalid_argument("fit_locally: sizes do not fit");
   }
@@ -91,6 +91,7 @@ LocalFit fit_locally(const Eigen::Ref<const VectorXcd>& s, const Eigen::Ref<cons
   if (!state.usable) return fit;
   PoleStepOptions steps;
   steps.max_iterations = 30;
+  steps.step_in_std = step_in_std;
   steps.freedom = static_cast<double>(2 * fit.freedom * H.cols());
   steps.rounding = 1e-28 * H.colwise().squaredNorm().dot(weight);
   steps.undamped = s[0].real();

@@ -36,13 +36,13 @@ struct LocalFit {
 };
 
 /// `s`: lines of the window; `H`: lines x columns; `weight`: w_c; `start`: free poles; `fixed`:
-/// neighbours; `background_order`: d. Poles stay stable (Re p below Re s) and, in Im, within the
-/// window.
+/// neighbours; `background_order`: d; `step_in_std`: where the steps of the poles end. Poles stay
+/// stable (Re p below Re s) and, in Im, within the window.
 [[nodiscard]] LocalFit fit_locally(const Eigen::Ref<const Eigen::VectorXcd>& s,
                                    const Eigen::Ref<const Eigen::MatrixXcd>& H,
                                    const Eigen::Ref<const Eigen::VectorXd>& weight,
                                    const Eigen::Ref<const Eigen::VectorXcd>& start,
                                    const Eigen::Ref<const Eigen::VectorXcd>& fixed,
-                                   int background_order = 2);
+                                   int background_order = 2, double step_in_std = 1e-2);
 
 }  // namespace rigfit::signal
