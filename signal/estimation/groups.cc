@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 
 namespace rigfit::signal {
 namespace {
@@ -51,6 +52,14 @@ GroupMean mean_over_groups(std::span<const double> x, std::span<const double> v)
   p.variance = 1 / sw;
   if (between > 0) p.degrees = expected * std::sqrt(p.variance / between);
   return p;
+}
+
+JackknifeVariance jackknife_variance(std::span<const double> without) {
+  const auto G = static_cast<double>(without.size());
+  const double mean = std::accumulate(without.begin(), without.end(), 0.0) / G;
+  double squares = 0;
+  for (const double x : without) squares += (x - mean) * (x - mean);
+  return {(G - 1) / G * squares, G - 1};
 }
 
 double coverage_factor(double coverage, double degrees_of_freedom) {

@@ -10,9 +10,11 @@
 //   (G - 1) sqrt(variance / the part of it due to tau^2),
 // which is G - 1 when scatter dominates. For three groups, G - 1 throughout would cover 97.7 % when
 // they agree, and the power 2 of Welch and Satterthwaite 89 % when the scatter is as large as v;
-// the square root covers between 92 and 97.5 % (groups_test.cc). Sources: Cochran, Biometrics 10
-// (1954) 101; Paule and Mandel, J. Res. NBS 87 (1982) 377; Hartung and Knapp, Statist. Med. 20
-// (2001) 3875.
+// the square root covers between 92 and 97.5 % (groups_test.cc). Jackknife: a quantity x computed
+// from all groups has the variance (G - 1) / G sum (x_(-g) - mean)^2, with x_(-g) its value without
+// group g, and Student's t with G - 1 degrees. Sources: Cochran, Biometrics 10 (1954) 101; Paule
+// and Mandel, J. Res. NBS 87 (1982) 377; Hartung and Knapp, Statist. Med. 20 (2001) 3875; Efron,
+// The Jackknife (1982), ch. 3.
 #pragma once
 
 #include <span>
@@ -34,6 +36,14 @@ struct GroupMean {
 /// Needs at least one value and as many positive `variances`.
 [[nodiscard]] GroupMean mean_over_groups(std::span<const double> values,
                                          std::span<const double> variances);
+
+struct JackknifeVariance {
+  double variance = 0;
+  double degrees = 0;  ///< G - 1
+};
+
+/// `without`: the value computed without group g, for each of the groups (at least two).
+[[nodiscard]] JackknifeVariance jackknife_variance(std::span<const double> without);
 
 /// Two-sided quantile for a coverage such as 0.95: Student's t, or the normal's for no (<= 0)
 /// degrees of freedom.

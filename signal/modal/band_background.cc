@@ -148,8 +148,7 @@ VectorXcd poles_beside(const FrfSet& frfs, const ModalBand& band, const ModalOpt
   return Eigen::Map<const VectorXcd>(poles.data(), static_cast<Index>(poles.size()));
 }
 
-void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& band,
-                    const std::vector<VectorXcd>& more) {
+void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& band) {
   FrfLines& lines = band.lines;
   const VectorXcd scale = lines.s.array().pow(lines.power);
   MatrixXcd columns(lines.s.size(), 0);
@@ -158,7 +157,6 @@ void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& ba
   const Index residuals = columns.cols();
   columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
   columns.rightCols(background.cols()) = background;
-  for (const VectorXcd& column : more) add_column(column, columns);
   for (const int next : {-4, 2, -6, 4})
     add_column(lines.s.array().pow(lines.power + next), columns);
   for (const Complex pole : band.beside) {
@@ -209,22 +207,27 @@ bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const VectorXcd>& po
                             : std::min(kLongestLead / band.spacing_hz, terms / width);
   MatrixXcd background =
       cut_off_background(band.lines.s, band.lines.power, std::max(before, span), span);
-  std::vector<VectorXcd> more;
-  for (const Complex pole : poles) {
-    const double left = left_at_the_end(band, pole - band.window);
-    if (!by_pole || left < kLeft || left > kTone) continue;
-    for (const Complex p : {pole, std::conj(pole)}) {
-      const Eigen::ArrayXcd s = band.lines.s.array();
-      const Eigen::ArrayXcd turned = ((s - band.window) * lead).exp();
-      more.emplace_back((turned - std::exp((p - band.window) * lead)) / (s - p));
+  if (by_pole) {
+    MatrixXcd columns = powers_of_s(band.lines.s, band.lines.power, false);
+    const Index residuals = columns.cols();
+    columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
+    columns.rightCols(background.cols()) = background;
+    for (const Complex pole : poles) {
+      const double left = left_at_the_end(band, pole - band.window);
+      if (left < kLeft || left > kTone) continue;
+      for (const Complex p : {pole, std::conj(pole)}) {
+        const Eigen::ArrayXcd s = band.lines.s.array();
+        const Eigen::ArrayXcd turned = ((s - band.window) * lead).exp();
+        add_column((turned - std::exp((p - band.window) * lead)) / (s - p), columns);
+      }
     }
+    background = columns.rightCols(columns.cols() - residuals);
   }
   if (!(span > 0) && misfit.size() > 0 && !misfit_shows(background, misfit, noise.line, kSure)) {
     background = cut_off_background(band.lines.s, band.lines.power, 0, 0);
-    more.clear();
     if (!misfit_shows(background, misfit, noise.line, kLikely)) return false;
   }
-  set_background(background, band, more);
+  set_background(background, band);
   return true;
 }
 

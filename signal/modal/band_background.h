@@ -37,7 +37,6 @@
 
 #include <Eigen/Core>
 #include <complex>
-#include <vector>
 
 #include "signal/modes/modal_band.h"
 #include "signal/modes/modal_result.h"
@@ -63,10 +62,9 @@ namespace rigfit::signal {
 [[nodiscard]] Eigen::VectorXcd poles_beside(const FrfSet& frfs, const ModalBand& band,
                                             const ModalOptions& options);
 
-/// Sets `band.lines.background` to the orthonormal columns `background`, and what `more`, the next
-/// of the residual terms and `band.beside` add to them, as far as it is more than 1 part in 1000.
-void set_background(const Eigen::Ref<const Eigen::MatrixXcd>& background, ModalBand& band,
-                    const std::vector<Eigen::VectorXcd>& more = {});
+/// Sets `band.lines.background` to the orthonormal columns `background`, and what the next of the
+/// residual terms and `band.beside` add to them, as far as it is more than 1 part in 1000.
+void set_background(const Eigen::Ref<const Eigen::MatrixXcd>& background, ModalBand& band);
 
 /// Amplitude that a pole leaves at the end of the records, of that at the hit. `raw`: window
 /// included.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "signal/estimation/groups.h"
@@ -45,12 +46,13 @@ MeanOverPoints mean_of(const std::vector<PointPole>& points, double (*part)(Comp
 }
 
 /// Whether poles of two points touch or, of a mode that is `drifting` and stands clear of its
-/// surroundings at both, lie within 20 half-power bandwidths.
+/// surroundings at both, lie within 20 half-power bandwidths and a factor of 1.5.
 bool may_be_one(const ModalBand& band, const PointPole& a, const PointPole& b, bool drifting) {
   const double ha = band.window - a.pole.real(), hb = band.window - b.pole.real();
   if (!drifting) return std::abs(a.pole - b.pole) < ha + hb;
   return std::min(a.explained, b.explained) > 0.8 && std::max(ha, hb) < 2.5 * std::min(ha, hb) &&
-         std::abs(a.pole.imag() - b.pole.imag()) < 20 * (ha + hb);
+         std::abs(a.pole.imag() - b.pole.imag()) < 20 * (ha + hb) &&
+         std::max(a.pole.imag(), b.pole.imag()) < 1.5 * std::min(a.pole.imag(), b.pole.imag());
 }
 
 void average(LocalMode& mode) {
@@ -96,29 +98,42 @@ void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMod
     return std::any_of(mode.points.begin(), mode.points.end(),
                        [&](const PointPole& one) { return one.point == point; });
   };
-  // Those that touch first, all of them: what lies between two that drift belongs to one of them.
-  const std::size_t size = modes.size(), all = size * size;
-  for (std::size_t pair = 0; pair < (drifting ? 2 * all : all); ++pair) {
-    const std::size_t r = pair % all / size, q = pair % size;
-    if (q >= r) continue;
-    auto &more = modes[r].points.size() > modes[q].points.size() ? modes[r] : modes[q],
-         &fewer = &more == &modes[r] ? modes[q] : modes[r];
+  const auto linked = [&](const LocalMode& more, const LocalMode& fewer, bool drift) {
     std::size_t both = 0;
-    bool linked = false;
+    bool any = false;
     for (const PointPole& a : fewer.points) {
       both += shows(more, a.point);
-      linked |= std::any_of(more.points.begin(), more.points.end(), [&](const PointPole& b) {
-        return may_be_one(band, a, b, pair >= all);
-      });
+      any |= std::any_of(more.points.begin(), more.points.end(),
+                         [&](const PointPole& b) { return may_be_one(band, a, b, drift); });
     }
-    if (!linked || 4 * both > fewer.points.size()) continue;
-    for (const PointPole& one : fewer.points) {
-      if (!shows(more, one.point)) more.points.push_back(one);
+    return any && 4 * both <= fewer.points.size();
+  };
+  // Those that touch first, all of them: what lies between two that drift belongs to one of them.
+  for (int drift = 0; drift <= (drifting ? 1 : 0);) {
+    LocalMode *more = nullptr, *fewer = nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    for (LocalMode& a : modes) {
+      for (LocalMode& b : modes) {
+        if (a.points.size() < b.points.size() || (a.points.size() == b.points.size() && &a <= &b) ||
+            !linked(a, b, drift > 0)) {
+          continue;
+        }
+        const double apart = std::abs(a.frequency.value.value - b.frequency.value.value) /
+                             (2 * band.window + a.decay.value.value + b.decay.value.value);
+        if (apart < least) least = apart, more = &a, fewer = &b;
+      }
     }
-    std::sort(more.points.begin(), more.points.end(),
+    if (more == nullptr) {
+      ++drift;
+      continue;
+    }
+    for (const PointPole& one : fewer->points) {
+      if (!shows(*more, one.point)) more->points.push_back(one);
+    }
+    std::sort(more->points.begin(), more->points.end(),
               [](const PointPole& a, const PointPole& b) { return a.point < b.point; });
-    fewer.points.clear();
-    average(more);
+    *fewer = {};
+    average(*more);
   }
 }
 

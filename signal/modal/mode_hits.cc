@@ -12,6 +12,7 @@
 #include "signal/estimation/groups.h"
 #include "signal/modal/local_modes.h"
 #include "signal/numerics/numbers.h"
+#include "signal/refinement/modal_covariance.h"
 
 namespace rigfit::signal {
 namespace {
@@ -28,38 +29,109 @@ constexpr double kShareOfHits = 2.0 / 3;     // that must show a mode
 
 /// Hits on one point.
 struct HitsOnInput {
-  std::vector<MatrixXcd> H;  ///< on the lines of the band
-  VectorXd weight;           ///< in the average; sum 1
+  std::vector<MatrixXcd> H;     ///< on the lines of the band
+  std::vector<MatrixXd> moved;  ///< changes of (Re p, Im p) by each hit, by mode: 2 x modes
+  VectorXd weight;              ///< in the average; sum 1
 };
 
-std::vector<HitsOnInput> hits_of(const FrfSet& frfs, const ModalBand& band) {
-  std::vector<HitsOnInput> all;
-  for (std::size_t i = 0; i < frfs.inputs.size(); ++i) {
-    std::vector<double> weights;
-    HitsOnInput& hits = all.emplace_back();
-    for (std::size_t h = 0; h < frfs.by_hit.size(); ++h) {
-      MatrixXcd H = frfs.by_hit[h](
-          band.rows, Eigen::seq(static_cast<Index>(i), Eigen::last, band.lines.inputs));
-      if (!H.allFinite()) continue;
-      hits.H.push_back(std::move(H));
-      const bool known = i < frfs.hit_impulse.size() && h < frfs.hit_impulse[i].size();
-      weights.push_back(known ? std::pow(frfs.hit_impulse[i][h], 2) : kNaN);
+/// What the hits say of one mode.
+struct ModeOfHits {
+  double fits = 0, shown = 0;     ///< hits, and those that show it within its half bandwidth
+  Eigen::Array2d variance{0, 0};  ///< of the average's frequency and damping ratio
+  double squares = 0;             ///< for Satterthwaite's degrees of freedom
+  LocalMode own;                  ///< the hits' own poles and their mean
+
+  /// Cochran's Q of the hits' own poles and its degrees of freedom.
+  [[nodiscard]] std::pair<double, double> own_scatter() const {
+    const double others = std::max(0.0, static_cast<double>(own.points.size()) - 1);
+    return {own.decay.Q + own.frequency.Q, 2 * others};
+  }
+  [[nodiscard]] double degrees() const {
+    return squares > 0 ? variance[0] * variance[0] / squares : 0;
+  }
+};
+
+std::vector<HitsOnInput> hits_of(const FrfSet& frfs, const ModalBand& band, const FoundModes& found,
+                                 const std::vector<Index>& order, bool local) {
+  const Index inputs = band.lines.inputs;
+  std::vector<HitsOnInput> all(frfs.inputs.size());
+  std::vector<std::vector<double>> weights(all.size());
+  for (std::size_t h = 0; h < frfs.by_hit.size(); ++h) {
+    const MatrixXcd H = frfs.by_hit[h](band.rows, Eigen::all);
+    MatrixXd moved;
+    if (!local) {
+      MatrixXcd error = H - band.lines.H;
+      for (Index c = 0; c < H.cols(); ++c) {
+        if (!error.col(c).allFinite()) error.col(c).setZero();
+      }
+      moved = pole_errors(band.lines, found.noise, found.fit, error);
     }
-    hits.weight = Eigen::Map<const VectorXd>(weights.data(), std::ssize(weights));
-    if (!hits.weight.allFinite() || !(hits.weight.array() > 0).all()) hits.weight.setOnes();
-    hits.weight /= std::max(hits.weight.sum(), 1e-300);
+    for (Index i = 0; i < inputs; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const MatrixXcd own = H(Eigen::all, Eigen::seq(i, Eigen::last, inputs));
+      if (!own.allFinite()) continue;
+      all[at].H.push_back(own);
+      const bool known = at < frfs.hit_impulse.size() && h < frfs.hit_impulse[at].size();
+      weights[at].push_back(known ? std::pow(frfs.hit_impulse[at][h], 2) : kNaN);
+      if (moved.size() == 0) continue;
+      const MatrixXd parts = moved(Eigen::all, Eigen::seq(i, Eigen::last, inputs));
+      const VectorXd sum = parts.rowwise().sum();
+      const MatrixXd by_mode = sum.reshaped(2, sum.size() / 2);
+      all[at].moved.emplace_back(by_mode(Eigen::all, order));
+    }
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].weight = Eigen::Map<const VectorXd>(weights[i].data(), std::ssize(weights[i]));
+    if (!all[i].weight.allFinite() || !(all[i].weight.array() > 0).all()) all[i].weight.setOnes();
+    all[i].weight /= std::max(all[i].weight.sum(), 1e-300);
   }
   return all;
 }
 
-/// Chi-square of the scatter between hits over their own errors, and its degrees of freedom.
-std::pair<double, double> scatter_of(const LocalMode& own) {
-  const double others = std::max(0.0, static_cast<double>(own.points.size()) - 1);
-  return {own.decay.Q + own.frequency.Q, 2 * others};
+/// Adds the variance of mode `r` of the average by leaving out one hit at a time.
+void add_jackknife(const HitsOnInput& hits, Index r, Complex pole, ModeOfHits& mode) {
+  if (hits.moved.empty()) return;
+  const auto count = std::ssize(hits.moved);
+  MatrixXd change(2, count);
+  for (Index h = 0; h < count; ++h) {
+    change.col(h) = pole_jacobian(pole) * hits.moved[static_cast<std::size_t>(h)].col(r);
+  }
+  for (Index part = 0; part < 2; ++part) {
+    const Eigen::ArrayXd weighted = change.row(part).transpose().cwiseProduct(hits.weight);
+    const Eigen::ArrayXd without = (weighted.sum() - weighted) / (1 - hits.weight.array());
+    const double variance = jackknife_variance({without.data(), hits.moved.size()}).variance;
+    mode.variance[part] += variance;
+    if (part == 0) mode.squares += variance * variance / static_cast<double>(count - 1);
+  }
 }
 
-bool beyond_chance(std::pair<double, double> scatter, double chance) {
-  return scatter.second > 0 && gsl_cdf_chisq_Q(scatter.first, scatter.second) < chance;
+std::vector<ModeOfHits> modes_of_hits(const ModalBand& band, const std::vector<HitsOnInput>& all,
+                                      const VectorXcd& poles, bool local,
+                                      const ModalOptions& options) {
+  std::vector<ModeOfHits> modes(static_cast<std::size_t>(poles.size()));
+  std::vector<MatrixXcd> every;
+  for (const HitsOnInput& hits : all) {
+    if (hits.H.size() < 2) continue;
+    every.insert(every.end(), hits.H.begin(), hits.H.end());
+    for (std::size_t r = 0; r < modes.size(); ++r) {
+      add_jackknife(hits, static_cast<Index>(r), poles[static_cast<Index>(r)], modes[r]);
+    }
+  }
+  std::vector<LocalMode> own = check_groups(band, every, poles, options);
+  if (local || all.size() == 1) join_split_modes(band, false, own);
+  for (std::size_t r = 0; r < modes.size(); ++r) {
+    ModeOfHits& mode = modes[r];
+    const Complex pole = poles[static_cast<Index>(r)];
+    // A single hit, which is of one reference, may show two modes that touch as one.
+    if (!local && all.size() > 1 && is_touched(band, poles, static_cast<Index>(r), 1)) continue;
+    mode.fits = static_cast<double>(every.size());
+    mode.shown = static_cast<double>(
+        std::count_if(own[r].points.begin(), own[r].points.end(), [&](const PointPole& hit) {
+          return std::abs(hit.pole - pole) < band.window - pole.real();
+        }));
+    mode.own = std::move(own[r]);
+  }
+  return modes;
 }
 
 /// Raises the standard deviations of a mode.
@@ -92,8 +164,6 @@ void widen_shapes(const ModalBand& band, const std::vector<HitsOnInput>& all,
     const auto count = std::ssize(hits.H);
     const auto [first, lines] = lines_around(band, mode.pole_rad_s, 1);
     if (count < 2 || lines < 1) continue;
-    const auto degrees = static_cast<double>(count - 1);
-    const Eigen::ArrayXd weight = hits.weight, pull = weight / (1 - weight);
     double squares = 0;
     const Index responses = mode.shape.size();
     MatrixXd variance(responses, 2);
@@ -106,13 +176,16 @@ void widen_shapes(const ModalBand& band, const std::vector<HitsOnInput>& all,
         const auto at = static_cast<std::size_t>(h);
         part[h] = fit.dot(hits.H[at].col(o).segment(first, lines)) / size;
       }
-      const Eigen::ArrayXcd moved = pull * (part - (part * weight).sum());  // without one hit
-      variance.row(o) << moved.real().square().sum(), moved.imag().square().sum();
-      variance.row(o) *= degrees / static_cast<double>(count);
+      const Eigen::ArrayXcd weighted = part * hits.weight.array();
+      const Eigen::ArrayXcd without = (weighted.sum() - weighted) / (1 - hits.weight.array());
+      const Eigen::ArrayXd re = without.real(), im = without.imag();
+      variance(o, 0) = jackknife_variance({re.data(), hits.H.size()}).variance;
+      variance(o, 1) = jackknife_variance({im.data(), hits.H.size()}).variance;
       const double noise =
           fit.cwiseAbs().cwiseProduct(band.H_std.col(c).segment(first, lines)).squaredNorm();
       squares += variance.row(o).sum() * size * size / std::max(noise, 1e-300);
     }
+    const auto degrees = static_cast<double>(count - 1);
     if (!(gsl_cdf_chisq_Q(degrees * squares, degrees * 2 * static_cast<double>(responses)) <
           kAll)) {
       continue;
@@ -133,59 +206,61 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
                     const ModalOptions& options, ModalModel& model) {
   if (frfs.by_hit.size() < 2 || frfs.by_hit.front().rows() <= band.rows.back()) return;
   VectorXcd poles(std::ssize(model.modes));
-  for (Index r = 0; r < poles.size(); ++r) {
-    poles[r] = model.modes[static_cast<std::size_t>(r)].pole_rad_s;
+  std::vector<Index> order(model.modes.size());  // of the fit's poles
+  for (std::size_t r = 0; r < order.size(); ++r) {
+    const Complex pole = poles[static_cast<Index>(r)] = model.modes[r].pole_rad_s;
+    (found.fit.poles.array() - pole).abs().minCoeff(&order[r]);
   }
-  const std::vector<HitsOnInput> all = hits_of(frfs, band);
+  const std::vector<HitsOnInput> all = hits_of(frfs, band, found, order, local);
   widen_shapes(band, all, found, model);
-  std::vector<MatrixXcd> every;
-  for (const HitsOnInput& hits : all) {
-    if (hits.H.size() > 1) every.insert(every.end(), hits.H.begin(), hits.H.end());
+  const std::vector<ModeOfHits> hits = modes_of_hits(band, all, poles, local, options);
+
+  // Chi-square of the scatter between hits over what noise gives, and its degrees of freedom.
+  std::vector<std::pair<double, double>> scatter;
+  double squares = 0, degrees = 0;
+  for (std::size_t r = 0; r < hits.size(); ++r) {
+    const ModeOfHits& one = hits[r];
+    const IdentifiedMode& mode = model.modes[r];
+    scatter.push_back(one.own_scatter());
+    if (one.degrees() > 0 && mode.frequency_hz.std > 0 && mode.damping_ratio.std > 0) {
+      scatter.back() = {one.degrees() * (one.variance[0] / std::pow(mode.frequency_hz.std, 2) +
+                                         one.variance[1] / std::pow(mode.damping_ratio.std, 2)),
+                        2 * one.degrees()};
+    }
+    squares += scatter.back().first, degrees += scatter.back().second;
   }
-  std::vector<LocalMode> own_modes = check_groups(band, every, poles, options);
-  const bool several = band.lines.inputs > 1;
-  if (local || !several) join_split_modes(band, false, own_modes);
-  // A hit, which is of one reference, may show two modes whose resonances touch as one.
-  const auto touched = [&](std::size_t r) {
-    return !local && several && is_touched(band, poles, static_cast<Index>(r), 1);
-  };
-  std::pair<double, double> sum{0, 0};
-  for (std::size_t r = 0; r < own_modes.size(); ++r) {
-    const auto [squares, degrees] = touched(r) ? std::pair(0.0, 0.0) : scatter_of(own_modes[r]);
-    sum.first += squares, sum.second += degrees;
-  }
-  const bool all_differ = beyond_chance(sum, kAll);
-  const double times = std::sqrt(sum.first / std::max(sum.second, 1.0));
+  if (!(degrees > 0)) return;
+  const bool all_differ = gsl_cdf_chisq_Q(squares, degrees) < kAll;
   double largest = 0;
   bool means = false;
-  for (std::size_t r = 0; r < own_modes.size(); ++r) {
-    const LocalMode& own = own_modes[r];
+  for (std::size_t r = 0; r < hits.size(); ++r) {
+    const ModeOfHits& one = hits[r];
     IdentifiedMode& mode = model.modes[r];
-    const bool unknown = touched(r) || own.points.size() < 2;
-    const Complex pole = mode.pole_rad_s;
-    const double omega = std::abs(pole);
-    const bool own_differ = !unknown && beyond_chance(scatter_of(own), kMode);
-    const auto shown = std::count_if(own.points.begin(), own.points.end(), [&](const auto& hit) {
-      return std::abs(hit.pole - pole) < band.window - pole.real();
-    });
-    if (!unknown) {
-      mode.between_hits = {static_cast<int>(shown), own.frequency.between_std / kTwoPi,
-                           own.decay.between_std / omega, all_differ || own_differ};
-    }
-    if (!all_differ && !own_differ) continue;
+    if (!(scatter[r].second > 0)) continue;
+    const double omega = std::abs(mode.pole_rad_s);
+    const auto [own_Q, own_degrees] = one.own_scatter();
+    const bool own_differ = own_degrees > 0 && gsl_cdf_chisq_Q(own_Q, own_degrees) < kMode;
+    const bool differs =
+        all_differ || own_differ || gsl_cdf_chisq_Q(scatter[r].first, scatter[r].second) < kMode;
+    mode.between_hits = {static_cast<int>(one.shown), one.own.frequency.between_std / kTwoPi,
+                         one.own.decay.between_std / omega, differs};
+    if (!differs) continue;
     largest = std::max(largest, mode.between_hits.frequency_std_hz / mode.frequency_hz.value);
-    if (!touched(r) &&
-        static_cast<double>(shown) < kShareOfHits * static_cast<double>(every.size())) {
-      mode.doubt = fmt::format("only {} of {} single hits show it", shown, every.size());
-    } else if (own_differ) {
+    const bool few = one.shown < kShareOfHits * one.fits;
+    if (few) {
+      mode.doubt = fmt::format("only {:.0f} of {:.0f} single hits show it", one.shown, one.fits);
+    }
+    double f_std = 0, z_std = 0;
+    if (one.degrees() > 0) {
+      const double wider = coverage_factor(0.95, one.degrees()) / coverage_factor(0.95, 0);
+      f_std = wider * std::sqrt(one.variance[0]), z_std = wider * std::sqrt(one.variance[1]);
+    }
+    if (own_differ && !few) {
       means = true;
-      set_pole(mode, {-own.decay.value.value, own.frequency.value.value}, band.window);
+      set_pole(mode, {-one.own.decay.value.value, one.own.frequency.value.value}, band.window);
+      f_std = one.own.frequency.value.std / kTwoPi, z_std = one.own.decay.value.std / omega;
     }
-    if (unknown) {
-      widen(times * mode.frequency_hz.std, times * mode.damping_ratio.std, r, model);
-    } else {
-      widen(own.frequency.value.std / kTwoPi, own.decay.value.std / omega, r, model);
-    }
+    widen(f_std, z_std, r, model);
   }
   if (!all_differ || !(largest > 0)) return;
   model.notes.push_back(
@@ -194,7 +269,7 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
            "frequencies differ from hit to hit by up to {:.2g} % (one standard deviation), modes "
            "{:.1f} times as much as noise gives: the structure, the hammer or the place struck "
            "changes; {}error bars are those of the scatter between hits",
-           100 * largest, times,
+           100 * largest, std::sqrt(squares / degrees),
            means ? "values are means over the hits where their own poles differ, " : ""),
        ""});
 }

@@ -1,16 +1,17 @@
 // What single hits say of the modes of their average: hits are groups (estimation/groups.h).
 //
-// Every hit's own poles are fitted on the lines around each mode (point_poles.h). Where they differ
-// by more than their own errors (chi-square) the mode becomes their random-effects mean, since the
-// average of FRFs that differ is no FRF of one structure (its peaks are wider), and its standard
-// deviation is at least that of this mean. Points struck one after the other are independent.
-// Where several were struck and resonances of two modes touch, a hit by itself may show both as
-// one: there the average's poles stay, and where hits differ in all modes together their standard
-// deviations grow by the root of chi-square over its degrees of freedom.
+// Uncertainty of the average: the difference of a hit's FRFs from it goes through the linear filter
+// of the average's own fit (pole_errors()), one Gauss-Newton step to the poles that the hit would
+// have given; leaving out one hit at a time (weighed by their squared impulses, as H1 weighs them)
+// gives the variance. Hits differ where that variance is more than the fit's noise gives. Then
+// every hit's own poles are fitted on the lines around each mode (point_poles.h): where those
+// differ by more than their own errors the mode becomes their random-effects mean, since the
+// average of FRFs that differ is no FRF of one structure (its peaks are wider). Points struck one
+// after the other are independent. Where several were struck and resonances of two modes touch, a
+// hit by itself may show both as one: there the average's poles stay.
 //
 // Shapes: size and phase of each hit's FRFs around a mode, over the fit's, scatter with the
-// hammer's gain and with the place that is met; their jackknife variance is added (hits weighed by
-// their squared impulses, as H1 weighs them).
+// hammer's gain and with the place that is met; their jackknife variance is added.
 #pragma once
 
 #include "signal/modes/modal_band.h"

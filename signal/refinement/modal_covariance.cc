@@ -171,4 +171,16 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
   return result;
 }
 
+MatrixXd pole_errors(const FrfLines& data, const FrfNoise& noise, const ModalRefineResult& fit,
+                     const Eigen::Ref<const MatrixXcd>& error) {
+  const Index size = 2 * fit.poles.size();
+  const PoleFilter filter(data, noise, fit);
+  if (!filter.usable()) return {};
+  const MatrixXd scores = filter.outside.transpose() * stacked(error, filter.weight);
+  MatrixXcd turned = fit.residues.conjugate().cwiseProduct(from_pairs(scores)) *
+                     filter.inverse_variance.asDiagonal();
+  return filter.information.solve(Eigen::Map<const MatrixXd>(
+      reinterpret_cast<const double*>(turned.data()), size, turned.cols()));
+}
+
 }  // namespace rigfit::signal

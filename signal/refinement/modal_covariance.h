@@ -35,4 +35,10 @@ struct ModalCovariance {
                                                  const ModalRefineResult& fit,
                                                  const Eigen::Ref<const Eigen::MatrixXcd>& model);
 
+/// Errors of (Re p_1, Im p_1, Re p_2, ...) that the error of each FRF (lines x FRFs) makes to first
+/// order: parts of the poles x FRFs, to be added up. Empty when the poles cannot be told apart.
+[[nodiscard]] Eigen::MatrixXd pole_errors(const FrfLines& data, const FrfNoise& noise,
+                                          const ModalRefineResult& fit,
+                                          const Eigen::Ref<const Eigen::MatrixXcd>& error);
+
 }  // namespace rigfit::signal

@@ -57,6 +57,18 @@ TEST(Groups, IntervalsOfThreeCover) {
   }
 }
 
+// The jackknife of a mean is the textbook's s^2 / G.
+TEST(Groups, JackknifeOfAMeanIsItsVariance) {
+  const std::vector<double> x{3, 1, 4, 1, 5};
+  std::vector<double> without;
+  double sum = 0, squares = 0;
+  for (const double a : x) sum += a;
+  for (const double a : x) without.push_back((sum - a) / 4), squares += std::pow(a - sum / 5, 2);
+  const JackknifeVariance j = jackknife_variance(without);
+  EXPECT_NEAR(j.variance, squares / 4 / 5, 1e-14);
+  EXPECT_EQ(j.degrees, 4);
+}
+
 TEST(Groups, CoverageFactorIsStudents) {
   EXPECT_NEAR(coverage_factor(0.95, 4), 2.776445, 1e-6);
   EXPECT_NEAR(coverage_factor(0.95, 0), 1.959964, 1e-6);
