@@ -164,7 +164,9 @@ class Studies {
     fine.step_s = natural.step_s / parts;
     const ResponseResult finest = simulate(fine);
     if (!finest.completed || !coarser.completed || !(coarser.step_s > finest.step_s)) {
-      study.skipped = "the reference fails: " + finest.reason + coarser.reason;
+      const std::string reason = finest.reason + coarser.reason;
+      study.skipped = "the reference fails: " +
+                      (reason.empty() ? "no scheme with steps of its own takes the scene" : reason);
       return study;
     }
     const auto& truth = finest.samples;

@@ -174,7 +174,7 @@ ResolvedModes choose_segments(const Scene& scene, const ModesOptions& options) {
     }
     ResolvedModes trial = modes_with(scene, options, segments);
     if (trial.modes.order.size() >= wanted) estimate_error(scene, options, trial);
-    if (!trial.known) trial.relative_error = 1;
+    if (!trial.known) trial.relative_error = 1, trial.limit_hz = trial.frequency_hz;
     const double ratio = trial.relative_error / accuracy;
     if (round == 0 || trial.relative_error < choice.relative_error) choice = std::move(trial);
     if (ratio <= 1 || n == kMostSegments) break;

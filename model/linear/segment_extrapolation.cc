@@ -42,26 +42,36 @@ class Extrapolation {
     return true;
   }
 
-  /// Takes the modes asked for from the largest window, and keeps them where they are the best so
-  /// far; false: the estimate is above `accuracy` or not certain, or the chains are too few.
+  /// Takes the modes asked for by the window that errs least, and keeps them where they are the
+  /// best so far; false: the estimate is above `accuracy` or not certain, or the chains are too
+  /// few.
   bool meets(double accuracy) {
     const std::vector<Track*> asked = asked_tracks();
     std::size_t shortest = chains_;
     for (const Track* track : asked) shortest = std::min(shortest, track->hz.size());
     if (shortest < kSmallest + 2) return false;
-    const std::size_t window = std::min(kLargest, shortest - 2);
-    std::vector<SequenceLimit> found;
-    double worst = 0;
-    bool sure = true;
-    for (const Track* track : asked) {
-      found.push_back(sequence_limit(track->h, track->hz, window));
-      const double error = found.back().error / found.back().value;
-      if (error < worst) continue;
-      worst = error;
-      sure = found.back().certain || error <= kRounding;
+    std::vector<SequenceLimit> best;
+    double least = 0;
+    bool sure = false;
+    for (std::size_t window = kSmallest; window <= kLargest && window + 2 <= shortest; ++window) {
+      std::vector<SequenceLimit> found;
+      found.reserve(asked.size());
+      double worst = 0;
+      bool certain = true;
+      for (const Track* track : asked) {
+        found.push_back(sequence_limit(track->h, track->hz, window));
+        const double error = found.back().error / found.back().value;
+        if (error < worst) continue;
+        worst = error;
+        certain = found.back().certain || error <= kRounding;
+      }
+      if (!best.empty() && (sure > certain || (sure == certain && worst >= least))) continue;
+      best = std::move(found);
+      least = worst;
+      sure = certain;
     }
-    if (sure || !out_.known || worst < out_.relative_error) take_over(asked, found, worst);
-    return sure && worst <= accuracy;
+    if (sure || !out_.known || least < out_.relative_error) take_over(asked, best, least);
+    return sure && least <= accuracy;
   }
 
   ResolvedModes take() {

@@ -13,7 +13,7 @@
 // The value given is that of w chains, v_w. Its error is e = |v_w - v_(w+1)| and what v_(w+1) errs
 // itself, taken as twice u = |v_(w+1) - v_(w+2)|. With u <= e / 3, and as long as v_(w+1) errs by
 // no more than that, e + 2 u lies between one and five times the error, between one and 2.5 times
-// where v_(w+1) errs by u at most. w is four, or less where there are not yet six chains.
+// where v_(w+1) errs by u at most. w is the one of the smallest such estimate.
 #pragma once
 
 #include <vector>

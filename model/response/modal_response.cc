@@ -30,10 +30,13 @@ Complex phi2(Complex x) {
 
 // int_0^T e^{s (T - tau)} sin(Omega (a + tau)) dtau
 Complex sine_integral(Complex s, double Omega, double a, double T) {
-  const Complex i(0, 1), decay = std::exp(s * T);
-  const Complex plus = std::exp(i * Omega * a) * decay * T * phi1((i * Omega - s) * T);
-  const Complex minus = std::exp(-i * Omega * a) * decay * T * phi1((-i * Omega - s) * T);
-  return (plus - minus) / (2.0 * i);
+  const auto part = [&](Complex w) {  // int_0^T e^{s (T - tau)} e^{w (a + tau)} dtau
+    const Complex x = (w - s) * T;
+    return std::exp(w * a) * (std::abs(x) > 0.5 ? (std::exp(w * T) - std::exp(s * T)) / (w - s)
+                                                : std::exp(s * T) * T * phi1(x));
+  };
+  const Complex i(0, 1);
+  return (part(i * Omega) - part(-i * Omega)) / (2.0 * i);
 }
 
 // Samples of a system left to itself: y_n = Re sum_r w_r z_r lambda_r^n, all sensors, `z` its state

@@ -76,7 +76,8 @@ class Recording(Sequence):
             channels = [{"name": key, "data": data} for key, data in channels.items()]
         channels = [channels] if isinstance(channels, Channel) else channels
         if not isinstance(channels, (list, tuple)) or not channels:
-            checks.fail("channels", f"must be a dict or a list of channels, not {checks.kind(channels)}")
+            checks.fail("channels", "is empty" if isinstance(channels, (list, tuple)) else
+                        f"must be a dict or a list of channels, not {checks.kind(channels)}")
         if units is not None and not isinstance(units, Mapping):
             checks.fail("units", f"must be a dict of channel name to unit, not {checks.kind(units)}")
         rates, given = set(), []

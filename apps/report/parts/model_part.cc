@@ -95,8 +95,10 @@ ReportTable pairs_table(const CampaignTest& test, const ModalStates& states) {
                  known = std::isfinite(row.frequency_hz.value);
       if (of_table && state.recorded && !known && row.models_hz.empty()) continue;
       std::vector<Cell> cells{std::exchange(label, ""),
-                              Cell(with_signs(describe::estimate_text(row.frequency_hz.value,
-                                                                      row.frequency_hz.std, "")),
+                              Cell(is_known_to(row.frequency_hz.value, row.frequency_hz.std)
+                                       ? with_signs(describe::estimate_text(
+                                             row.frequency_hz.value, row.frequency_hz.std, ""))
+                                       : shown(row.frequency_hz.value, 4),
                                    row.origin)};
       const auto add = [&](double hz) {
         cells.emplace_back(shown(hz, 4));
