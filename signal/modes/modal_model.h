@@ -72,7 +72,7 @@ struct IdentifiedMode {
   Eigen::VectorXcd participation;        ///< one per input
   double modal_phase_collinearity = 0;   ///< MPC, 0..1
   double reconstruction_error = 0;       ///< rms misfit over rms FRF near the mode
-  /// Share of the orders of the stabilisation diagram that show the mode, 0..1.
+  /// Share of the orders of the stabilisation diagram, of local modes of the points, that show it.
   double presence = 0;
   /// Strength of the residues of all FRFs against noise: the root of the sum over FRFs of
   /// residue' covariance^-1 residue, over the value that a false mode reaches by chance.

@@ -25,7 +25,7 @@ namespace rigfit::signal {
 struct FoundModes {
   ModalRefineResult fit;         ///< no residues when the lines determine no mode
   ModalCovariance covariance;    ///< from search_modes(): rank and significance alone
-  std::vector<double> presence;  ///< share of the model orders that hold a mode's pole, by mode
+  std::vector<double> presence;  ///< IdentifiedMode::presence, by mode
   FrfNoise noise;                ///< from what the fit leaves
   Eigen::MatrixXcd model;        ///< lines x FRFs; empty without residues
   double penalty = 0;            ///< the least significance of a mode

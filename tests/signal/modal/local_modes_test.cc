@@ -39,6 +39,44 @@ TEST(LocalModes, AModeThatDriftsBetweenPointsIsOne) {
   }
 }
 
+// Members with modes of their own: at half of the points 20 Hz, at the others 36 Hz. With 2 %
+// damping 20 half-power bandwidths reach from one to the other.
+TEST(LocalModes, ModesOfDifferentMembersAreTwo) {
+  testing::DefectiveFrfOptions options = small_set();
+  options.damping_ratio = 0.02, options.scatter = 0.15, options.points = 6;
+  options.low_hz = 5, options.high_hz = 75, options.spacing_hz = 0.05;
+  options.frequency_hz = Eigen::Vector3d(12, 20, 60);
+  FrfSet set = testing::defective_frfs(options);
+  options.frequency_hz[1] = 36, options.seed = 4;
+  const FrfSet other = testing::defective_frfs(options);
+  set.H.conservativeResize(Eigen::NoChange, 12);
+  set.H.rightCols(6) = other.H;
+  for (Index i = 0; i < 6; ++i) {
+    set.inputs.push_back({fmt::format("q{}", i), static_cast<int>(20 + i), 3});
+    set.hit_impulse.push_back({1});
+  }
+  std::vector<double> found;
+  for (const auto& mode : identify_modes(set).model.modes) found.push_back(mode.frequency_hz.value);
+  EXPECT_THAT(found, ElementsAre(::testing::DoubleNear(12, 0.3), ::testing::DoubleNear(20, 0.5),
+                                 ::testing::DoubleNear(36, 0.9), ::testing::DoubleNear(60, 1.5)));
+}
+
+// What drifts by 4 % lies at some points nearer to the next mode than to its own first place.
+TEST(LocalModes, TenThatDriftKeepTheirPoints) {
+  testing::DefectiveFrfOptions options = small_set();
+  options.frequency_hz.resize(10);
+  options.frequency_hz << 22.4, 35.7, 41.8, 59.2, 78.5, 94.9, 122.4, 143.8, 169.3, 194;
+  options.damping_ratio = 4e-3, options.drift = 5, options.points = 16;
+  options.low_hz = 10, options.high_hz = 250, options.spacing_hz = 0.25;
+  const auto modes = identify_modes(testing::defective_frfs(options)).model.modes;
+  ASSERT_EQ(modes.size(), 10u);
+  for (std::size_t r = 0; r < 10; ++r) {
+    const double f = options.frequency_hz[static_cast<Index>(r)];
+    EXPECT_NEAR(modes[r].frequency_hz.value, f, 4 * modes[r].frequency_hz.std);
+    EXPECT_LT(modes[r].frequency_hz.std, 0.006 * f);
+  }
+}
+
 // Points that agree: all FRFs together, without scatter to speak of.
 TEST(LocalModes, PointsThatAgreeAreFittedTogether) {
   const testing::DefectiveFrfOptions options = small_set();
