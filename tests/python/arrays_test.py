@@ -5,6 +5,7 @@ import os
 import pathlib
 import signal
 import subprocess
+import pickle
 import sys
 import tempfile
 import threading
@@ -214,6 +215,9 @@ class Results(unittest.TestCase):
         self.assertIn("<td>14.59</td>", shown)
         self.assertIn("<details>", shown)
         self.assertLess(len(shown), 20000)
+        modes = rigfit.modes(CABLE, count=2)
+        self.assertIn("<svg", modes.plot()._repr_svg_())
+        self.assertEqual(pickle.loads(pickle.dumps(modes)).to_dict(), modes.to_dict())
 
     def test_block(self):
         block = rigfit.Recording(np.arange(64.0).reshape(2, 32), fs=100, names=["force", "acc"])

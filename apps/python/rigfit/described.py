@@ -175,11 +175,13 @@ def verb(name, result, raw=None, without=()):
                     if std is not None:
                         values[options[key]["std"]] = checks.number(f"{key} std", std, 0)
                 values[options[key]["key"]] = value if key in raw else plain(key, options[key], value)
-            answer = function(**{p.name: given.get(p.name) for p in own}, options=values)
+            def work(**more):
+                return function(**{p.name: given.get(p.name) for p in own}, options={**values, **more})
+            answer = work()
             if isinstance(answer, result):
                 return answer
             extra = answer[-1] if isinstance(answer[-1], dict) and len(answer) > 3 else {}
-            return finish(result, *answer[:3], **extra)
+            return finish(result, *answer[:3], **extra, **({"_work": work} if "plot" in options else {}))
 
         called.__signature__ = signature
         lines = [inspect.cleandoc(function.__doc__ or ""), "", "Parameters", "----------"]

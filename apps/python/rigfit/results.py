@@ -4,6 +4,8 @@ from collections.abc import Mapping
 import copy
 import html
 import importlib
+import pathlib
+import tempfile
 
 import numpy as np
 
@@ -166,6 +168,13 @@ class Estimate(Record):
         return value if self.std is None else f"{value} +- {self.std:.2g}"
 
 
+class Picture(str):
+    """An SVG, which a notebook shows."""
+
+    def _repr_svg_(self):
+        return str(self)
+
+
 class Result(Record):
     """What a function found: the JSON document of the verb of that name.
 
@@ -191,6 +200,18 @@ class Result(Record):
         """A pandas.DataFrame of the main list of the result; ``all``: every column."""
         rows = wrapped(self._fields.get(self.main, []))
         return rows.to_frame(all) if isinstance(rows, Records) else pandas().DataFrame()
+
+    def __getstate__(self):
+        return {key: one for key, one in self.__dict__.items() if key != "_work"}  # copies do no work
+
+    def plot(self):
+        """The picture that ``plot=F.svg`` writes, for a notebook; the work is done again for it."""
+        if "_work" not in self.__dict__:
+            raise Error("there is no picture of this result", code="no_plot")
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "plot.svg")
+            self.__dict__["_work"](plot=str(file))
+            return Picture(file.read_text(encoding="utf-8"))
 
     def _repr_html_(self):
         rows = wrapped(self._fields.get(self.main, []))
