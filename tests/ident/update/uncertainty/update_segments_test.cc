@@ -33,7 +33,8 @@ double closed_form_hz(double tension, double EI, int n) {
 std::vector<UpdateState> four_tensions(double std, Normal* normal) {
   std::vector<UpdateState> states;
   for (const double T : {100.0, 200.0, 300.0, 400.0}) {
-    auto& state = states.emplace_back(std::to_string(T), cable(0, "pinned", 1.1 * T, 0.8, 0));
+    auto& state = states.emplace_back();
+    state.name = std::to_string(T), state.scene = cable(0, "pinned", 1.1 * T, 0.8, 0);
     for (int n = 1; n <= 6; ++n) {
       const double hz = closed_form_hz(T, 0.6, n), off = normal ? std * (*normal)() : 0;
       state.measured.push_back(testing::mode_of(hz * (1 + off), std * hz, ModePlane::out));
