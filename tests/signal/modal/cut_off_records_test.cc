@@ -118,7 +118,7 @@ TEST(CutOffRecords, WhereTheSpanOfAKnownLeadTakesTooMuchEachPoleAddsTwoFunctions
   }
   columns.col(2) = s.array().square();
   columns.col(3).setOnes();
-  columns.rightCols(3) = band.lines.background;
+  columns.rightCols(3) = band.lines.background.leftCols(3);  // behind them terms of modes far away
   const auto left = [&](Index used) {
     const Eigen::MatrixXcd X = columns.leftCols(used).colwise().normalized();
     return (H - X * X.householderQr().solve(H)).norm() / H.norm();
