@@ -146,12 +146,7 @@ class Studies {
     ResponseOptions fine = base_;
     fine.solver = ResponseSolver::explicit_motion;
     fine.axial = true;
-    ResponseResult natural = simulate(fine);
-    if (natural.impossible) {
-      fine.axial.reset();
-      fine.solver = ResponseSolver::stiff_motion;
-      natural = simulate(fine);
-    }
+    const ResponseResult natural = simulate(fine);
     if (!natural.completed) {
       study.skipped = "the reference fails: " + natural.reason;
       return study;
@@ -163,10 +158,8 @@ class Studies {
     const ResponseResult coarser = simulate(fine);
     fine.step_s = natural.step_s / parts;
     const ResponseResult finest = simulate(fine);
-    if (!finest.completed || !coarser.completed || !(coarser.step_s > finest.step_s)) {
-      const std::string reason = finest.reason + coarser.reason;
-      study.skipped = "the reference fails: " +
-                      (reason.empty() ? "no scheme with steps of its own takes the scene" : reason);
+    if (!finest.completed || !coarser.completed) {
+      study.skipped = "the reference fails: " + finest.reason + coarser.reason;
       return study;
     }
     const auto& truth = finest.samples;
@@ -181,11 +174,9 @@ class Studies {
       fine.step_s = natural.step_s / part;
       add(study, truth, name_of(fine.solver), fine);
     }
-    if (fine.solver == ResponseSolver::explicit_motion) {
-      options.solver = ResponseSolver::explicit_motion;
-      options.axial = false;
-      add(study, truth, "explicit, axial waves slowed", options);
-    }
+    options.solver = ResponseSolver::explicit_motion;
+    options.axial = false;
+    add(study, truth, "explicit, axial waves slowed", options);
     options = base_;
     options.solver = ResponseSolver::stiff_motion;
     for (const double tolerance : {1e-4, 1e-6, 1e-8}) {

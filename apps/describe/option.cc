@@ -67,7 +67,7 @@ std::string Option::fill(const Json& given) const {
   if (!is_list() && given.is_array()) return fmt::format("is a list, and no {}", wanted());
   for (const Json& one : list) {
     if (auto misfit = misfit_of(*this, one); !misfit.empty()) return misfit;
-    if (name == "FILE" && std::count(list.begin(), list.end(), one) > 1) {
+    if (each_once && std::count(list.begin(), list.end(), one) > 1) {
       return fmt::format("\"{}\" is given twice: name each once", one.get<std::string>());
     }
   }

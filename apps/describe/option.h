@@ -44,6 +44,7 @@ struct Option {
   std::vector<std::string> not_with, only_with;   ///< other options
   bool is_required = false;
   bool is_file = false, is_written = false;  ///< a file that is there, one to write
+  bool each_once = false;                    ///< no entry of a list twice
 
   Option required() { return is_required = true, std::move(*this); }
   Option positive() { return lowest = 0, above_lowest = true, std::move(*this); }
@@ -57,6 +58,7 @@ struct Option {
   Option group(std::string title) { return heading = std::move(title), std::move(*this); }
   Option writes() { return is_written = true, std::move(*this); }
   Option file() { return is_file = true, std::move(*this); }  ///< that is there to be read
+  Option once() { return each_once = true, std::move(*this); }
   Option excludes(std::string other) {
     return not_with.push_back(std::move(other)), std::move(*this);
   }

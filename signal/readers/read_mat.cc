@@ -268,10 +268,26 @@ void collect(matvar_t& variable, const std::string& name, int depth,
   arrays.push_back(std::move(array));
 }
 
+/// Without HDF5's own messages on standard error: what they are about shows in what is read.
+class SilentHdf5 {
+ public:
+  SilentHdf5() {
+    H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~SilentHdf5() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
+  SilentHdf5(const SilentHdf5&) = delete;
+  SilentHdf5& operator=(const SilentHdf5&) = delete;
+
+ private:
+  H5E_auto2_t print_ = nullptr;
+  void* data_ = nullptr;
+};
+
 /// The numeric arrays of a file. What is too large for the file is refused before it is read.
 std::vector<MatArray> arrays_in(std::string_view bytes, const std::filesystem::path& path) {
   check_mat_headers(bytes, path);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its own messages; libmatio goes on without data
+  const SilentHdf5 silent;
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      &Mat_Close);
   if (!file) {

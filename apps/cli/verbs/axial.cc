@@ -54,7 +54,9 @@ Json run(AxialCommand& command, VerbContext& context) {
 
 describe::Options options_of(AxialCommand& c) {
   describe::Options options{
-      option("FILE", c.files, "Recordings of the tension (or motion) after an impulse").required(),
+      option("FILE", c.files, "Recordings of the tension (or motion) after an impulse")
+          .once()
+          .required(),
       option("--length", c.lengths, "Cable length, m: for all, each file, or each group of files")
           .required()
           .positive()};

@@ -76,6 +76,7 @@ describe::Options options_of(BendingCommand& c) {
       option("FILE", c.files,
              "Records or tables with tension, load and deflection, or tables of tension and EI "
              "(with std, or low and high)")
+          .once()
           .required()
           .file(),
       option("--load", c.columns.load, "Name of the load column"),

@@ -115,6 +115,7 @@ Json run(FrfCommand& options, VerbContext& context) {
 describe::Options options_of(FrfCommand& c) {
   describe::Options options{
       option("FILE", c.impact.files, "Recordings (CSV, LVM, UFF 58): continuous or one a hit")
+          .once()
           .required()};
   for (auto& one : options_of(c.impact)) options.push_back(std::move(one));
   for (auto& one : options) one.is_required |= one.name == "--force";

@@ -72,6 +72,7 @@ describe::Options options_of(InspectCommand& c) {
   return {option("FILE", c.files,
                  "Recordings: CSV and other tables of text, UFF 58, LabVIEW .lvm, WAV, MATLAB "
                  ".mat, NumPy .npy")
+              .once()
               .required()};
 }
 

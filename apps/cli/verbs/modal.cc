@@ -172,6 +172,7 @@ describe::Options options_of(ModalCommand& c) {
              "FRFs: a UFF file, a .mat file, or text tables of frequency, real and imaginary part "
              "(or magnitude and phase); or, with --force, recordings of hits; or, with --ambient, "
              "recordings of motion under unknown forces, a set-up each")
+          .once()
           .required(),
       option("--order", c.order, "Highest model order of the stabilisation diagram").within(2, 400),
       option("--out", c.out, "Modes as UFF 55").writes(),

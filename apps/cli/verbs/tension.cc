@@ -65,7 +65,8 @@ Json run(TensionCommand& command, VerbContext& context) {
 }
 
 describe::Options options_of(TensionCommand& c) {
-  describe::Options options{option("FILE", c.files, "Recordings of the cable's motion: its modes")};
+  describe::Options options{
+      option("FILE", c.files, "Recordings of the cable's motion: its modes").once()};
   for (auto& key : as_command_line(keys_of(c.test))) {
     if (key.name == "--channels") key.name = "--channel";
     if (key.name == "--orders") key.name = "--order";

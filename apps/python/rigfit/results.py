@@ -68,7 +68,7 @@ class Records(list):
             rows = [names] + [[_shown(one.get(name)) for name in names] for one in self[:20]]
             return "<table>" + "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>"
                                        for row in rows) + "</table>"
-        first, rest = list(keys)[:5], list(keys)[5:15]
+        first, rest = list(keys)[:5], list(keys)[5:]
         more = f"<p>{len(self) - 20} more</p>" if len(self) > 20 else ""
         return table(first) + more + (f"<details><summary>more columns</summary>{table(rest)}</details>" if rest else "")
 
@@ -215,7 +215,9 @@ class Result(Record):
 
     def _repr_html_(self):
         rows = wrapped(self._fields.get(self.main, []))
-        printed = f"<pre>{html.escape(repr(self)[:6000])}</pre>"
+        lines = repr(self).splitlines()
+        rest = [f"... {len(lines) - 80} lines more: print(result)"] if len(lines) > 80 else []
+        printed = f"<pre>{html.escape(chr(10).join(lines[:80] + rest))}</pre>"
         return rows._repr_html_() + f"<details><summary>as printed</summary>{printed}</details>" if isinstance(rows, Records) else printed
 
 
