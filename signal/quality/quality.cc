@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
 #include "signal/recording/clipping.h"
 
@@ -40,16 +39,6 @@ std::string at_time(Eigen::Index sample, const Recording& recording) {
           ? recording.time_s[sample]
           : recording.start_time_s + static_cast<double>(sample) / recording.sample_rate_hz;
   return fmt::format("{:.6g} s", time);
-}
-
-double median_of(const Eigen::VectorXd& values) { return median({values.begin(), values.end()}); }
-
-/// Missing samples replaced by the last one that is there, for slow trends only.
-Eigen::VectorXd without_gaps(Eigen::VectorXd samples) {
-  const auto first = std::ranges::find_if(samples, [](double x) { return std::isfinite(x); });
-  double last = first == samples.end() ? 0 : *first;
-  for (double& x : samples) x = last = std::isfinite(x) ? x : last;
-  return samples;
 }
 
 /// Smallest step between the values there are, and how many there are. Steps below 1e-7 of the
@@ -101,12 +90,6 @@ std::vector<Run> improbable_runs(const Eigen::VectorXd& x) {
   return runs;
 }
 
-bool rests_at_zero(Quantity quantity) {
-  using enum Quantity;  // loads, positions and temperatures have a mean of their own
-  return quantity == acceleration || quantity == velocity || quantity == angular_velocity ||
-         quantity == angular_acceleration || quantity == voltage || quantity == unknown;
-}
-
 ChannelQuality check_channel(const Recording& recording, const Channel& channel) {
   ChannelQuality q;
   q.channel = &channel;
@@ -138,19 +121,18 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
   const double std = std::sqrt((finite - q.mean).square().mean());
   if (!(q.max > q.min)) {
     if (count > 1) {
-      q.stuck_samples = count;
       add("stuck", count, 0, "all samples have the same value, {}", with_unit(q.min, channel));
     }
     return q;
   }
 
   long distinct = 0;
-  q.quantum = quantum_of(there, q.max - q.min, distinct);
+  const double quantum = quantum_of(there, q.max - q.min, distinct);
   if (count >= 16 && distinct <= 2) {
     add("one_bit", 0, -1, "only {} different values", distinct);
-  } else if (count >= 16 && q.quantum > 0 && std < kStepsPerRms * q.quantum) {
+  } else if (count >= 16 && quantum > 0 && std < kStepsPerRms * quantum) {
     add("coarse_quantisation", 0, -1, "steps of {} are coarse for a standard deviation of {}",
-        with_unit(q.quantum, channel), with_unit(std, channel));
+        with_unit(quantum, channel), with_unit(std, channel));
   }
 
   if (distinct > 2) {
@@ -175,7 +157,6 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
     for (const Run& run : improbable_runs(x)) {
       const double value = x[run.first];
       if ((value == q.max || value == q.min) && q.clipped_samples > 0) continue;
-      q.stuck_samples += run.length;
       if (run.first + run.length == n || run.first == 0) {
         add("stuck", run.length, run.first, "the same value, {}, for {} samples {}",
             with_unit(value, channel), run.length,
@@ -191,26 +172,6 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
       add("dropouts", dropped, first, "{} dropouts ({} samples; the longest {}), first at {}",
           dropouts, dropped, longest, at_time(first, recording));
     }
-  }
-
-  const Eigen::VectorXd filled = without_gaps(x);
-  // Slow things.
-  const Eigen::Index tenth = n / 10;
-  if (tenth >= 4) {
-    const double begin = median_of(filled.head(tenth)), end = median_of(filled.tail(tenth));
-    q.drift = end - begin;
-    const Eigen::ArrayXd rest =
-        filled.array() - q.drift / (0.9 * static_cast<double>(n)) *
-                             Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
-    const double left = std::sqrt((rest - rest.mean()).square().mean());
-    if (std::abs(q.drift) > left && std::abs(q.drift) > 2 * q.quantum) {
-      add("drift", 0, -1, "drifts by {} over the record, with a standard deviation of {} beside",
-          with_unit(q.drift, channel), with_unit(left, channel));
-    }
-  }
-  if (count >= 16 && rests_at_zero(channel.quantity) && std > 0 && std::abs(q.mean) > std) {
-    add("offset", 0, -1, "mean {} is {:.2g} times the standard deviation",
-        with_unit(q.mean, channel), std::abs(q.mean) / std);
   }
   return q;
 }

@@ -3,8 +3,7 @@
 // Each finding has a code for programs, a sentence for people and the samples that it concerns:
 // `clipped` (flat tops at the extremes, at or below the nominal range), `missing` (NaN, empty),
 // `dropouts` (runs of exactly the same value, mostly zero, inside a moving signal), `stuck` (no
-// motion at all, or only in a part), `offset`, `drift`, `one_bit`,
-// `coarse_quantisation`. The readers check the times.
+// motion at all, or only in a part), `one_bit`, `coarse_quantisation`. The readers check the times.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,9 +37,6 @@ struct ChannelQuality {
          rms = 0;  ///< SI, without missing samples; NaN when there are none
   long missing_samples = 0;
   long clipped_samples = 0;
-  long stuck_samples = 0;  ///< samples in runs of equal values too long for chance
-  double quantum = 0;      ///< smallest step between values, SI; 0: none found
-  double drift = 0;        ///< change of the mean over the record, SI
   std::vector<QualityFinding> findings;
 
   static constexpr auto fields() {
@@ -53,9 +49,6 @@ struct ChannelQuality {
         field("rms", &T::rms, "", "rms", "", 4),
         field("clipped_samples", &T::clipped_samples, "", "clipped", "flat tops at the extremes"),
         field("missing_samples", &T::missing_samples, "", "missing", ""),
-        field("stuck_samples", &T::stuck_samples),
-        field("quantum", &T::quantum),
-        field("drift", &T::drift),
         field("findings", &T::findings)};
   }
 };
