@@ -331,7 +331,7 @@ describe::Json value_of(document::TomlTable& table, const Option& key) {
     case describe::Kind::texts:
       break;
   }
-  return table.string_or_strings(key.name);
+  return table.strings(key.name);
 }
 
 }  // namespace

@@ -67,10 +67,9 @@ signal::Recording load_untold(const fs::path& path, VerbContext& context,
   }
   std::vector<RecordingDescription> descriptions;  // what wins stands last
   context.input(path.string());
-  for (const auto& file : {signal::description_of_folder(path), signal::description_beside(path)}) {
-    if (!file || *file == path) continue;
-    context.input(file->string());
-    descriptions.push_back(signal::read_description(*file));
+  for (const auto& file : signal::descriptions_of(path)) {
+    context.input(file.string());
+    descriptions.push_back(signal::read_description(file));
   }
   descriptions.push_back(given);
   signal::ReadOptions used = context.reading;

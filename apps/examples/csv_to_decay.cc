@@ -15,8 +15,8 @@ int main(int argc, char** argv) try {
     return 2;
   }
   signal::Recording recording = signal::read_recording(argv[1]);
-  if (const auto beside = signal::description_beside(argv[1])) {
-    signal::apply_description(signal::read_description(*beside), recording);
+  for (const auto& file : signal::descriptions_of(argv[1])) {
+    signal::apply_description(signal::read_description(file), recording);
   }
   const signal::Channel& channel = recording.channel(argv[2]);
   const signal::DecayResult decay =

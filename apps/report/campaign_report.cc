@@ -190,10 +190,7 @@ void take_inputs(const Campaign& campaign, VerbContext& context) {
     for (const auto& group : test.recordings) {
       for (const auto& file : group.files) {
         add(file);
-        for (const auto& said :
-             {signal::description_of_folder(file), signal::description_beside(file)}) {
-          if (said) add(*said);
-        }
+        for (const auto& said : signal::descriptions_of(file)) add(said);
       }
     }
   }

@@ -76,7 +76,7 @@ void read_damping(TomlTable& table, Member& member) {
 
 void read_joints(TomlTable& table, Member& member) {
   if (!table.has("joint")) return;
-  auto words = table.string_or_strings("joint");
+  auto words = table.strings("joint");
   if (words.size() == 1) words.push_back(words[0]);
   if (words.size() != 2) {
     throw table.error("joint", fmt::format("has {} values", words.size()),

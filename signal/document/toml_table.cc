@@ -1,6 +1,7 @@
 #include "document/toml_table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <toml++/toml.h>
 #include <algorithm>
@@ -10,6 +11,8 @@
 #include <iterator>
 #include <limits>
 #include <numeric>
+#include <set>
+#include <sstream>
 #include <utility>
 
 namespace rigfit::document {
@@ -30,30 +33,15 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// "a", "b" or "c".
-std::string listed(const std::vector<std::string>& words, const char* quote) {
-  std::string text;
-  for (const auto& word : words) {
-    text += text.empty() ? "" : &word == &words.back() ? " or " : ", ";
-    text += quote + word + quote;
-  }
-  return text;
-}
-
 std::string in_unit(const std::string& unit) { return unit.empty() ? "" : " in " + unit; }
 
-/// What a value is, for messages: `the string "4 N"`, `a table`.
+/// What a value is, for messages: `a table`, or as it is written.
 std::string described(const toml::node& node) {
-  if (const auto* text = node.as_string()) {
-    const std::string& value = text->get();
-    return "the string \"" + (value.size() > 60 ? value.substr(0, 57) + "..." : value) + "\"";
-  }
-  if (const auto* value = node.as_boolean()) return value->get() ? "true" : "false";
-  if (const auto* value = node.as_integer()) return fmt::format("{}", value->get());
-  if (const auto* value = node.as_floating_point()) return fmt::format("{}", value->get());
   if (node.is_table()) return "a table";
   if (const auto* list = node.as_array()) return fmt::format("a list of {}", list->size());
-  return "a date or time";
+  std::ostringstream text;
+  text << (node.is_string() ? "the string " : "") << toml::node_view<const toml::node>(node);
+  return text.str().substr(0, 60);
 }
 
 }  // namespace
@@ -76,10 +64,10 @@ struct TomlTable::Node {
   std::shared_ptr<const toml::table> root;  // keeps `table` alive; copies would lose their lines
   const toml::table* table = nullptr;
   std::string file;
-  std::vector<std::string> asked;
+  std::set<std::string> asked;
 
   const toml::node* find(const std::string& key) {
-    if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.push_back(key);
+    asked.insert(key);
     return table->get(key);
   }
   std::shared_ptr<Node> child(const toml::table& of) const {
@@ -158,9 +146,10 @@ std::string broken(double value, Bound bound, bool infinite_allowed) {
 }  // namespace
 
 template <typename Kind>
-const auto* TomlTable::typed(const std::string& key, const char* kind,
-                             const std::string& remedy) const {
+const auto* TomlTable::typed(const std::string& key, const char* kind, const std::string& remedy,
+                             bool needed) const {
   const toml::node* node = node_->find(key);
+  if (!node && needed) throw error(key, "is missing", remedy);
   const auto* value = node ? node->as<Kind>() : nullptr;
   if (!node || value) return value;
   throw error(key, fmt::format("must be {}, got {}", kind, described(*node)), remedy);
@@ -217,9 +206,8 @@ bool TomlTable::boolean_or(const std::string& key, bool fallback) {
 }
 
 std::string TomlTable::string(const std::string& key) {
-  const auto* value = typed<std::string>(key, "a string", "put it in double quotes");
-  if (!value) throw error(key, "is missing", "add `" + key + " = \"...\"`");
-  return value->get();
+  if (!has(key)) throw error(key, "is missing", "add `" + key + " = \"...\"`");
+  return typed<std::string>(key, "a string", "put it in double quotes")->get();
 }
 
 std::string TomlTable::string_or(const std::string& key, const std::string& fallback) {
@@ -233,8 +221,8 @@ std::string TomlTable::choice_or(const std::string& key, const std::vector<std::
   if (std::find(words.begin(), words.end(), value) != words.end()) return value;
   const auto nearest = nearest_word(value, words);
   throw error(key, "does not know \"" + value + "\"",
-              (nearest ? "did you mean \"" + *nearest + "\"? It" : "it") + " must be " +
-                  listed(words, "\""));
+              (nearest ? "did you mean \"" + *nearest + "\"? It" : "it") +
+                  fmt::format(" must be \"{}\"", fmt::join(words, "\" or \"")));
 }
 
 std::vector<double> TomlTable::numbers(const std::string& key, std::size_t min_size,
@@ -246,10 +234,9 @@ std::vector<double> TomlTable::numbers(const std::string& key, std::size_t min_s
                                          : min_size == max_size ? std::string()
                                                                 : fmt::format(" to {}", max_size),
                                          in_unit(unit));
-  const auto* list = typed<toml::array>(key, "a list of numbers", remedy);
-  if (!list) throw error(key, "is missing", remedy);
-  if (list->size() < min_size || list->size() > max_size) {
-    throw error(key, fmt::format("has {} values", list->size()), remedy);
+  const std::size_t size = typed<toml::array>(key, "a list of numbers", remedy, true)->size();
+  if (size < min_size || size > max_size) {
+    throw error(key, fmt::format("has {} values", size), remedy);
   }
   std::vector<double> values;
   each(key, "a list of numbers", "a number", remedy, [&](const toml::node& item) {
@@ -266,6 +253,7 @@ std::vector<double> TomlTable::numbers(const std::string& key, std::size_t min_s
 std::vector<std::string> TomlTable::strings(const std::string& key) {
   const std::string remedy = "write " + key + " = [\"...\", \"...\"]";
   if (!has(key)) throw error(key, "is missing", remedy);
+  if (is_string(key)) return {string(key)};
   std::vector<std::string> values;
   each(key, "a list of strings", "a string", remedy, [&](const toml::node& item) {
     if (const auto* value = item.as_string()) values.push_back(value->get());
@@ -274,14 +262,8 @@ std::vector<std::string> TomlTable::strings(const std::string& key) {
   return values;
 }
 
-std::vector<std::string> TomlTable::string_or_strings(const std::string& key) {
-  if (is_array(key)) return strings(key);
-  return {string(key)};
-}
-
 TomlTable TomlTable::table(const std::string& key) {
-  const auto* table = typed<toml::table>(key, "a table", "write " + key + " = { ... }");
-  if (!table) throw error(key, "is missing", "add a table `" + key + " = { ... }`");
+  const auto* table = typed<toml::table>(key, "a table", "write " + key + " = { ... }", true);
   return {node_->child(*table), path_of(key)};
 }
 
@@ -311,16 +293,15 @@ std::vector<std::string> TomlTable::keys() const {
 
 void TomlTable::finish() const {
   for (const auto& key : keys()) {
-    if (std::find(node_->asked.begin(), node_->asked.end(), key) != node_->asked.end()) continue;
-    const auto nearest = nearest_word(key, node_->asked);
-    auto known = node_->asked;
-    std::sort(known.begin(), known.end());
-    const auto found = node_->table->find(key);
-    const auto& begin = found->first.source().begin;
+    if (node_->asked.contains(key)) continue;
+    const std::vector<std::string> known(node_->asked.begin(), node_->asked.end());
+    const auto nearest = nearest_word(key, known);
+    const auto& begin = node_->table->find(key)->first.source().begin;
     throw DocumentError(
         {node_->file, static_cast<long>(begin.line), static_cast<long>(begin.column), path_of(key)},
         "this key is not known here",
-        nearest ? "did you mean \"" + *nearest + "\"?" : "known keys: " + listed(known, ""));
+        nearest ? "did you mean \"" + *nearest + "\"?"
+                : fmt::format("known keys: {}", fmt::join(known, ", ")));
   }
 }
 

@@ -50,9 +50,8 @@ class TomlTable {
   /// `infinite_allowed`: plus infinity (`inf`) passes too, as a stiffness that is fixed.
   std::vector<double> numbers(const std::string& key, std::size_t min_size, std::size_t max_size,
                               Bound bound, const std::string& unit, bool infinite_allowed = false);
-  std::vector<std::string> strings(const std::string& key);
   /// Strings given as one string or as a list of them.
-  std::vector<std::string> string_or_strings(const std::string& key);
+  std::vector<std::string> strings(const std::string& key);
   TomlTable table(const std::string& key);
   std::vector<TomlTable> tables_or_empty(const std::string& key);
   [[nodiscard]] bool is_string(const std::string& key) const;
@@ -74,9 +73,11 @@ class TomlTable {
   [[nodiscard]] std::string path_of(const std::string& key) const {
     return path_.empty() ? key : path_ + "." + key;
   }
-  /// The key's value of this kind ("a table", for messages); null where the key is absent.
+  /// The key's value of this kind ("a table", for messages); where the key is absent, null, or an
+  /// error if it is `needed`.
   template <typename Kind>
-  const auto* typed(const std::string& key, const char* kind, const std::string& remedy) const;
+  const auto* typed(const std::string& key, const char* kind, const std::string& remedy,
+                    bool needed = false) const;
   /// Calls `take` with every item of a list; false from it is an item of a wrong kind.
   template <typename Item>
   void each(const std::string& key, const char* kind, const char* item_kind,

@@ -28,18 +28,13 @@ int digits_at(std::string_view s, std::size_t& at, std::size_t most) {
 }  // namespace
 
 std::size_t parse_number(std::string_view text, char decimal, double& value) {
-  // Blanks between the sign and the number: "+    1.00".
-  const std::size_t digits = std::min(text.find_first_not_of(' ', 1), text.size());
-  if (digits > 1 && digits < text.size() && is_digit(text[digits]) &&
-      (text[0] == '+' || text[0] == '-')) {
-    const std::size_t length = parse_number(text.substr(digits), decimal, value);
-    if (text[0] == '-') value = -value;
-    return digits + length;
-  }
-  const std::size_t begin = text.starts_with('+') ? 1 : 0;
-  const std::size_t first = text.starts_with('-') ? 1 : begin;
+  const bool is_negative = text.starts_with('-');
+  // Also with blanks behind the sign: "+    1.00".
+  const std::size_t begin = is_negative || text.starts_with('+')
+                                ? std::min(text.find_first_not_of(' ', 1), text.size())
+                                : 0;
   // std::from_chars takes "inf" and "nan", too.
-  if (first >= text.size() || (!is_digit(text[first]) && text[first] != decimal)) return 0;
+  if (begin >= text.size() || (!is_digit(text[begin]) && text[begin] != decimal)) return 0;
   const auto read = [&](std::string_view number) {
     const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
     const auto length = static_cast<std::size_t>(end - number.data());
@@ -47,6 +42,7 @@ std::size_t parse_number(std::string_view text, char decimal, double& value) {
     if (error == std::errc::result_out_of_range) {
       value = std::strtod(std::string(number.substr(0, length)).c_str(), nullptr);
     }
+    if (is_negative) value = -value;
     return error == std::errc::invalid_argument ? 0 : begin + length;
   };
   text.remove_prefix(begin);
@@ -116,6 +112,18 @@ void split_fields(std::string_view line, const CsvDialect& dialect, std::vector<
   }
 }
 
+CsvRow::CsvRow(std::string_view line, const CsvDialect& dialect) {
+  split_fields(line.substr(0, std::size_t{1} << 22), dialect, fields);
+  for (const auto& field : fields) kinds.push_back(kind_of(field.text, dialect.decimal));
+  numbers = std::ranges::count(kinds, FieldKind::number);
+  words = std::ranges::count(kinds, FieldKind::text);
+}
+
+std::vector<CsvField> without_empty_end(std::vector<CsvField> fields) {
+  while (!fields.empty() && fields.back().text.empty()) fields.pop_back();
+  return fields;
+}
+
 bool is_missing_word(std::string_view field) {
   if (field.empty() || field.size() > 10) return false;
   if (std::all_of(field.begin(), field.end(), [](char c) { return c == '-' || c == '*'; })) {
@@ -133,38 +141,33 @@ bool parse_clock(std::string_view field, double& seconds, int& decimals) {
   if (field.size() < 4 || field.size() > 48) return false;
   std::size_t at = 0;
   const auto sign = [&] { return at < field.size() ? field[at] : '\0'; };
-  int a = digits_at(field, at, 4);
+  // The number behind the next sign, if that is one of these; -1: there is none.
+  const auto behind = [&](std::string_view signs, std::size_t digits) {
+    if (at >= field.size() || signs.find(field[at]) == signs.npos) return -1;
+    return digits_at(field, ++at, digits);
+  };
+  int hours = digits_at(field, at, 4);
   double day_seconds = 0;
-  if (const char dash = sign(); a >= 0 && (dash == '-' || dash == '/' || dash == '.')) {
+  if (const char dash = sign(); hours >= 0 && (dash == '-' || dash == '/' || dash == '.')) {
     const bool year_first = at == 4;
-    ++at;
-    int b = digits_at(field, at, 2);
-    if (b < 0 || sign() != dash) return false;
-    ++at;
-    int c = digits_at(field, at, 4);
+    const std::string_view dashes(&dash, 1);
+    int a = hours, b = behind(dashes, 2), c = behind(dashes, 4);
     if (!year_first) std::swap(a, c);
     if (b > 12) std::swap(b, c);  // month first
-    if (a < 0 || b < 1 || b > 12 || c < 1 || c > 31 || (sign() != ' ' && sign() != 'T')) {
-      return false;
-    }
+    if (a < 0 || b < 1 || b > 12 || c < 1 || c > 31) return false;
     // Days that a month does not have run over into the next one.
     const std::chrono::sys_days month = std::chrono::year(a) / b / 1;
     day_seconds = 86400.0 * static_cast<double>(month.time_since_epoch().count() + c - 1);
-    ++at;
-    while (sign() == ' ') ++at;
-    a = digits_at(field, at, 4);
+    while (field.substr(at).starts_with("  ")) ++at;
+    hours = behind(" T", 4);
   }
-  if (a < 0 || a > 999 || sign() != ':') return false;
-  int hours = a;
-  ++at;
-  const int minutes = digits_at(field, at, 2);
-  if (minutes < 0 || minutes > 59) return false;
+  const int minutes = behind(":", 2);
+  if (hours < 0 || hours > 999 || minutes < 0 || minutes > 59) return false;
   int whole = 0;
   double fraction = 0;
   decimals = 0;
   if (sign() == ':') {
-    ++at;
-    whole = digits_at(field, at, 2);
+    whole = behind(":", 2);
     if (whole < 0 || whole > 60) return false;
     if (sign() == '.' || sign() == ',' || sign() == ':') {
       double unit = 0.1;
@@ -192,19 +195,8 @@ FieldKind kind_of(std::string_view field, char decimal) {
 }
 
 std::size_t line_end(std::string_view bytes, std::size_t from) {
-  // Both signs are looked for in pieces: in a file that has only one of them the search for the
-  // other would run to the end of the file for every line.
-  std::size_t piece = 256;
-  while (from < bytes.size()) {
-    const auto window = bytes.substr(from, piece);
-    const std::size_t lf = window.find('\n');
-    const std::size_t cr = window.substr(0, lf).find('\r');
-    if (cr != std::string_view::npos) return from + cr;
-    if (lf != std::string_view::npos) return from + lf;
-    from += window.size();
-    piece = std::min<std::size_t>(2 * piece, 1 << 16);
-  }
-  return bytes.size();
+  while (from < bytes.size() && bytes[from] != '\n' && bytes[from] != '\r') ++from;
+  return from;
 }
 
 std::size_t next_line(std::string_view bytes, std::size_t end) {

@@ -37,7 +37,13 @@ class BodyParser {
     // Room for all lines. Every field but the last of a line costs at least its separator.
     const auto lines = std::ranges::count(body, '\n') + std::ranges::count(body, '\r') + 1;
     const auto stored = std::ranges::count(wanted, true);
-    if (lines * stored > 2 * std::ssize(body) + 4096) throw ragged();
+    if (lines * stored > 2 * std::ssize(body) + 4096) {
+      throw RecordingError(
+          {file, layout.body_line, 0, "", ""},
+          fmt::format("the lines hold far fewer fields than the widest has columns ({})",
+                      layout.columns.size()),
+          "give a table whose lines all have the same columns");
+    }
     columns_.resize(layout.columns.size());
     target_.resize(layout.columns.size(), nullptr);
     for (std::size_t c = 0; c < target_.size(); ++c) {
@@ -53,19 +59,15 @@ class BodyParser {
     for (std::string_view rest = bytes_.substr(layout_.body); !rest.empty();) {
       const std::size_t at = bytes_.size() - rest.size();
       const std::string_view line = take_line(rest);
-      const bool has_end = at + line.size() < bytes_.size();
-      const Eigen::Index rows = rows_;
-      const long short_rows = short_rows_;
-      try {
-        parse_line(line);
-        incomplete_last_ = !has_end && short_rows_ > short_rows && rows > 0;
-      } catch (const BadField& bad) {
-        incomplete_last_ = !has_end && rows > 0;
-        if (has_end && ends_table(at, bad)) break;
-        if (!incomplete_last_) throw refusal(bad);
-      }
       // A logger that lost its power: the line is not whole.
-      if (incomplete_last_) rows_ = rows, short_rows_ = short_rows;
+      const bool may_break = at + line.size() == bytes_.size() && rows_ > 0;
+      try {
+        incomplete_last_ = !parse_line(line, may_break);
+      } catch (const BadField& bad) {
+        incomplete_last_ = may_break;
+        if (!may_break && ends_table(at, bad)) break;
+        if (!may_break) throw refusal(bad);
+      }
       if (progress && at - told > kStride) {
         progress(at);
         told = at;
@@ -76,15 +78,13 @@ class BodyParser {
   }
 
  private:
-  /// Throws BadField.
-  void parse_line(std::string_view line) {
+  /// False: fields are absent, and are to be taken for a sign that the line is not whole. Throws
+  /// BadField.
+  bool parse_line(std::string_view line, bool may_break) {
     const bool by_tabs = layout_.dialect.separator == '\t';
     const std::size_t first = line.find_first_not_of(by_tabs ? " " : " \t");
-    if (first == std::string_view::npos) return;
-    if (line[first] == '#' || line[first] == '%') {
-      ++comment_lines_;
-      return;
-    }
+    if (first == std::string_view::npos) return true;
+    if (line[first] == '#' || line[first] == '%') return ++comment_lines_ > 0;
     split_fields(line, layout_.dialect, fields_);
     for (std::size_t c = 0; c < fields_.size(); ++c) {
       const std::string_view text = fields_[c].text;
@@ -107,8 +107,9 @@ class BodyParser {
       target_[c][rows_] = kNaN;
       lacking = true;
     }
+    if (lacking && may_break) return false;
     short_rows_ += lacking ? 1 : 0;
-    ++rows_;
+    return ++rows_ > 0;
   }
 
   [[nodiscard]] double value_of(std::string_view text, std::size_t c) const {
@@ -185,12 +186,6 @@ class BodyParser {
     note(all - rows_, "left_out", "{} rows without any number at the end left out");
   }
 
-  [[nodiscard]] RecordingError ragged() const {
-    return {{file_, layout_.body_line, 0, "", ""},
-            "the lines hold far fewer fields than the widest has columns (" +
-                std::to_string(layout_.columns.size()) + ")",
-            "give a table whose lines all have the same columns"};
-  }
   [[nodiscard]] RecordingError refusal(const BadField& bad) const {
     return text_error(bytes_, file_, bad.text, bad.problem, bad.remedy,
                       bad.column < wanted_.size() ? layout_.columns[bad.column].name : "");
@@ -208,11 +203,6 @@ class BodyParser {
   long short_rows_ = 0, comment_lines_ = 0, footer_line_ = 0;  ///< rows and lines; line or 0
   bool incomplete_last_ = false;
 };
-
-/// 1-based line of a part of the text.
-long line_of(std::string_view bytes, std::string_view part) {
-  return line_number(bytes, static_cast<std::size_t>(part.data() - bytes.data()));
-}
 
 /// Refuses "1,023", "1|5" or "0;3" in a column of texts: numbers with another decimal sign, whole
 /// ones with their thousands parted, or lines parted by another sign.
@@ -333,12 +323,12 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
     const CsvColumn& column = layout.columns[c];
     if (!column.unread.empty()) {
       refuse_other_writing(bytes, file, column, layout.dialect.decimal);
+      const auto at = static_cast<std::size_t>(column.unread.data() - bytes.data());
       add_note(table.notes, "data_left_out", column.name,
                "column {} is left out: \"{}\"{} is no number; rewrite or part it if it holds data",
                c + 1, to_utf8(column.unread),
-               table.notes.size() < kMostListed
-                   ? fmt::format(" (line {})", line_of(bytes, column.unread))
-                   : "");
+               table.notes.size() < kMostListed ? fmt::format(" (line {})", line_number(bytes, at))
+                                                : "");
     } else if (column.name.empty()) {
       unnamed.push_back(c + 1);
     } else {

@@ -61,8 +61,13 @@ struct CsvLayout {
 [[nodiscard]] CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
                                         const ReadOptions& options = {});
 
-/// Whether a line is one of numbers, as the columns hold them.
-[[nodiscard]] bool is_csv_row(std::string_view line, const CsvLayout& layout);
+/// Reads names, units, ranges and the rate from the lines above the table, parts of `bytes`. Throws
+/// RecordingError where two rates differ or a title's line breaks.
+void read_csv_header(const std::vector<std::string_view>& lines, std::string_view bytes,
+                     const std::string& file, const ReadOptions& options, CsvLayout& layout);
+
+/// Whether a text above a table is a unit, known to `parse_unit` or not.
+[[nodiscard]] bool is_unit_text(std::string_view text);
 
 /// Sets `decimals` of the columns of a layout that a reader made itself.
 void find_csv_decimals(std::string_view bytes, CsvLayout& layout);

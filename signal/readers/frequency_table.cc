@@ -31,10 +31,16 @@ Index place(std::vector<MeasuredPoint>& points, const MeasuredPoint& point) {
   return at;
 }
 
+/// Finite, rising and not negative.
+bool rises(const Eigen::VectorXd& values) {
+  const Index n = values.size();
+  return values.allFinite() && values[0] >= 0 &&
+         (values.tail(n - 1).array() > values.head(n - 1).array()).all();
+}
+
 void check_lines(const FrfPart& part, const FrfPart& first) {
   const auto& f = part.frequency_hz;
-  const Index n = f.size();
-  if (!f.allFinite() || f[0] < 0 || !(f.tail(n - 1).array() > f.head(n - 1).array()).all()) {
+  if (!rises(f)) {
     throw refused_frf(part, "the frequencies do not rise", "export the FRFs again");
   }
   if (!same_lines(f, first.frequency_hz)) {
@@ -74,13 +80,6 @@ bool speaks_of_spectra(const std::string& text) {
   return std::regex_search(text, kSpectrum) || std::regex_search(text, kDecibel);
 }
 
-/// Finite, rising and not negative.
-bool rises(const Eigen::VectorXd& values) {
-  const Eigen::Index n = values.size();
-  return n >= 3 && values.allFinite() && values[0] >= 0 &&
-         (values.tail(n - 1).array() > values.head(n - 1).array()).all();
-}
-
 /// Frequencies that do not rise, of a table of spectra or of one whose first frequency comes again.
 void refuse_repeated(const CsvTable& table, std::size_t column) {
   const auto& f = table.channels[column].samples;
@@ -107,7 +106,7 @@ PartOfFrf part_of(const std::string& title) {
   static constexpr std::pair<std::string_view, Part> kWords[] = {
       {"|imaginary|imaginaer|imaginär|imag|im|", Part::imaginary},
       {"|real|re|", Part::real},
-      {"|magnitude|mag|amplitude|ampl|amp|modulus|abs|betrag|gain|", Part::magnitude},
+      {"|magnitude|mag|spl|amplitude|ampl|amp|modulus|abs|betrag|gain|", Part::magnitude},
       {"|phase|angle|arg|", Part::phase},
       {"|coherence|coh|gamma2|kohaerenz|kohärenz|", Part::coherence},
   };
@@ -145,17 +144,16 @@ std::vector<Columns> pairs_of(const CsvTable& table) {
     const bool polar = part.part == Part::magnitude || part.part == Part::phase;
     if (part.part == Part::real || part.part == Part::magnitude) {
       found.push_back({part.base, polar, &function});
-    } else if (part.part == Part::imaginary || part.part == Part::phase) {
-      // A pair of this name that lacks its second part.
+    } else if (part.part != Part::other) {
+      // Belongs to a pair of this name that lacks it.
+      const bool is_coherence = part.part == Part::coherence;
+      const auto member = is_coherence ? &Columns::coherence : &Columns::second;
       const auto one = std::ranges::find_if(found, [&](const Columns& c) {
-        return c.base == part.base && c.polar == polar && c.second == nullptr;
+        const bool fits =
+            is_coherence ? found.size() == 1 : c.base == part.base && c.polar == polar;
+        return c.*member == nullptr && (fits || (is_coherence && c.base == part.base));
       });
-      if (one != found.end()) one->second = &function;
-    } else if (part.part == Part::coherence) {
-      const auto one = std::ranges::find_if(found, [&](const Columns& c) {
-        return c.coherence == nullptr && (c.base == part.base || found.size() == 1);
-      });
-      if (one != found.end()) one->coherence = &function;
+      if (one != found.end()) (*one).*member = &function;
     }
   }
   std::erase_if(found, [](const Columns& c) { return c.second == nullptr; });
@@ -182,19 +180,6 @@ Eigen::VectorXcd values_of(const Columns& columns, FrfSet& set, const std::strin
   return parts(magnitude * phase.cos(), magnitude * phase.sin());
 }
 
-/// Form and unit by the first FRF's columns; their numbers are in SI already where the unit is
-/// known.
-void set_form(const CsvTable& table, const Columns& columns, FrfSet& set) {
-  if (const auto unit = parse_frf_unit(columns.first->source_unit)) {
-    set.form = unit->form;
-    set.unit = unit->unit;
-    return;
-  }
-  add_note(set.notes, "no_unit", table.file,
-           "the FRFs have no unit that is known: the numbers are kept as they are; "
-           "frequencies and damping do not depend on it");
-}
-
 }  // namespace
 
 std::optional<FrfUnit> parse_frf_unit(const std::string& text) {
@@ -209,10 +194,16 @@ bool same_lines(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
          (a - b).cwiseAbs().maxCoeff() <= 1e-6 * std::max(1e-300, b.cwiseAbs().maxCoeff());
 }
 
-FrfSet set_of_parts(const std::vector<FrfPart>& parts) {
+FrfSet set_of_parts(const std::vector<FrfPart>& parts, const std::string& unit) {
   FrfSet set;
   const FrfPart& first = parts.front();
   set.form = first.form;
+  set.unit = unit;
+  if (unit.empty()) {
+    add_note(set.notes, "no_unit", first.file,
+             "the FRFs have no unit that is known: the numbers are kept as they are; "
+             "frequencies and damping do not depend on it");
+  }
   std::map<std::pair<Index, Index>, const FrfPart*> placed;
   for (const auto& part : parts) {
     check_lines(part, first);
@@ -283,7 +274,7 @@ std::optional<std::size_t> frequency_column(const CsvTable& table) {
     if (table.is_time(k)) return std::nullopt;
     titles += lower_case(table.columns[k].name + " " + table.columns[k].unit) + '\n';
   }
-  if (table.channels.size() < 2) return std::nullopt;
+  if (table.channels.size() < 2 || table.channels[0].samples.size() < 3) return std::nullopt;
   // The frequencies stand first, or behind a column of line numbers.
   for (std::size_t k = 0; k < std::min<std::size_t>(2, table.channels.size() - 1); ++k) {
     const CsvColumn& column = table.columns[k];
@@ -323,7 +314,8 @@ std::optional<CsvTable> frequency_table_of(CsvTable table) {
 }
 
 FrfSet frfs_of(const std::vector<CsvTable>& tables) {
-  FrfSet about;  // form, unit and notes
+  FrfSet about;                 // notes
+  std::optional<FrfUnit> unit;  // of the first; where it is known the numbers are in SI already
   std::vector<FrfPart> parts;
   for (const auto& table : tables) {
     const std::string stem = std::filesystem::path(table.file).stem().string();
@@ -332,26 +324,24 @@ FrfSet frfs_of(const std::vector<CsvTable>& tables) {
       throw file_error(table.file, "is a spectrum without phase, not an FRF",
                        "export frequency, real and imaginary part (or magnitude and phase)");
     }
-    if (parts.empty()) set_form(table, pairs.front(), about);
+    if (parts.empty()) unit = parse_frf_unit(pairs.front().first->source_unit);
     about.notes.insert(about.notes.end(), table.notes.begin(), table.notes.end());
     for (const auto& columns : pairs) {
       const std::string name = columns.base.empty() ? stem
                                : tables.size() == 1 ? columns.base
                                                     : stem + " " + columns.base;
-      FrfPart part{{name, static_cast<int>(parts.size()) + 1, 0},
-                   {"force", 0, 0},
-                   about.form,
-                   table.channels[0].samples,
-                   values_of(columns, about, table.file),
-                   {},
-                   {},
-                   table.file};
+      FrfPart part;
+      part.response = {name, static_cast<int>(parts.size()) + 1, 0};
+      part.input.name = "force";
+      part.form = unit.value_or(FrfUnit()).form;
+      part.frequency_hz = table.channels[0].samples;
+      part.H = values_of(columns, about, table.file);
+      part.file = table.file;
       if (columns.coherence != nullptr) part.coherence = columns.coherence->samples;
       parts.push_back(std::move(part));
     }
   }
-  FrfSet set = set_of_parts(parts);
-  set.unit = about.unit;
+  FrfSet set = set_of_parts(parts, unit.value_or(FrfUnit()).unit);
   set.notes.insert(set.notes.begin(), about.notes.begin(), about.notes.end());
   return set;
 }

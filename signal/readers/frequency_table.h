@@ -41,11 +41,12 @@ struct FrfPart {
 /// Whether two functions have the same frequencies, but for printing (1e-6 of the last).
 [[nodiscard]] bool same_lines(const Eigen::VectorXd& a, const Eigen::VectorXd& b);
 
-/// Frequencies, points, values, coherence and standard deviation of one FRF at least. A first or
-/// last line without numbers is left out with a note (0 Hz in mobility, a file cut short). Throws
+/// Frequencies, points, values, coherence and standard deviation of one FRF at least, in `unit`
+/// (empty: not known, which is noted). A first or last line without numbers is left out with a note
+/// (0 Hz in mobility, a file cut short). Throws
 /// RecordingError where frequencies do not rise or differ, forms differ, an FRF between two of the
 /// points is absent or there twice, and for values that are no numbers.
-[[nodiscard]] FrfSet set_of_parts(const std::vector<FrfPart>& parts);
+[[nodiscard]] FrfSet set_of_parts(const std::vector<FrfPart>& parts, const std::string& unit);
 
 /// The column that holds the frequencies; empty: the table is none over frequency.
 [[nodiscard]] std::optional<std::size_t> frequency_column(const CsvTable& table);

@@ -132,16 +132,12 @@ Recording recording_of_arrays(CsvTable table, const std::filesystem::path& path,
 Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options) {
   const std::string file = path.string();
-  const auto byte = [&](std::size_t at) -> std::size_t {
-    return static_cast<unsigned char>(bytes[at]);
-  };
   if (bytes.size() < 12 || bytes.substr(0, 6) != "\x93NUMPY") {
     throw file_error(file, "is no NumPy array", "save it with numpy.save");
   }
-  const bool long_header = byte(6) >= 2;
-  const std::size_t begin = long_header ? 12 : 10;
-  std::size_t length = byte(8) | byte(9) << 8;
-  if (long_header) length |= byte(10) << 16 | byte(11) << 24;
+  const std::size_t begin = static_cast<unsigned char>(bytes[6]) >= 2 ? 12 : 10;  // by version
+  const auto length = static_cast<std::size_t>(
+      matrix_of({'u', begin - 8, is_swapped(false)}, bytes.data() + 8, 1, 1)(0, 0));
   if (length > bytes.size() - begin) {
     throw file_error(file, "breaks off inside its header", "copy the file again");
   }
@@ -189,10 +185,8 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
                      "save it again as PCM or floating point WAV");
   }
   const int coding = info.format & SF_FORMAT_SUBMASK;
-  const bool whole = coding == SF_FORMAT_PCM_S8 || coding == SF_FORMAT_PCM_U8 ||
-                     coding == SF_FORMAT_PCM_16 || coding == SF_FORMAT_PCM_24 ||
-                     coding == SF_FORMAT_PCM_32;
-  if (!whole && coding != SF_FORMAT_FLOAT && coding != SF_FORMAT_DOUBLE) {
+  const bool whole = coding <= SF_FORMAT_PCM_U8;  // then come the two of floating point
+  if (coding > SF_FORMAT_DOUBLE) {
     throw file_error(path, "holds compressed sound",
                      "save it as PCM or floating point WAV, which keeps the signal");
   }

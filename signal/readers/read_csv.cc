@@ -36,9 +36,8 @@ bool counts_samples(const Eigen::VectorXd& values) {
 
 bool rises_evenly(const CsvTable& table, std::size_t k) {
   const auto& channel = table.channels[k];
-  const auto& samples = channel.samples;
-  return channel.quantity == Quantity::time ? looks_like_time(samples, table.columns[k].decimals, 3)
-                                            : looks_like_time(samples, table.columns[k].decimals);
+  return looks_like_time(channel.samples, table.columns[k].decimals,
+                         channel.quantity == Quantity::time ? 3 : 24);
 }
 
 /// Refuses a last column without a title, and more titles than columns where the times do not stand
@@ -148,11 +147,6 @@ void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table
     if (std::isfinite(start)) column.samples.array() -= start;
   } else if (options.time_unit_s > 0) {
     unit_s = options.time_unit_s / column.si_per_source;
-    if (unit_s != 1 && !column.source_unit.empty()) {
-      add_note(recording.notes, "read_as", column.name,
-               "the file says \"{}\" of the times; the unit asked for is taken",
-               column.source_unit);
-    }
   }
   TimeAxis axis = axis_in(unit_s);
   if (options.time_unit_s == 0 && column.source_unit.empty() && !is_clock && axis.rate_hz > 0) {

@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 #include <matio.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -24,144 +22,6 @@
 
 namespace rigfit::signal {
 namespace {
-
-using namespace std::string_view_literals;
-
-// Types of elements and classes of arrays (MAT-File Format, The MathWorks, version 5).
-constexpr std::uint32_t kInt8 = 1, kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15;
-constexpr std::uint32_t kCell = 1, kStruct = 2, kObject = 3, kFunction = 16, kOpaque = 17;
-constexpr std::uint32_t kDouble = 6, kUint64Array = 15;  // and between them the other numbers
-constexpr std::size_t kTagBytes = 8, kMostDimensions = 32;
-constexpr int kDeepestHeader = 64;
-constexpr std::size_t kPiece = 1 << 16;  // bytes unpacked at once
-
-/// Bytes of a number of a type of elements.
-std::size_t bytes_of(std::uint32_t type) {
-  return type <= 2 ? 1 : type <= 4 ? 2 : type <= 7 ? 4 : 8;
-}
-
-/// What `packed` unpacks to; up to where it breaks off.
-std::string unpacked(std::string_view packed) {
-  std::string out;
-  z_stream stream{};
-  if (inflateInit(&stream) != Z_OK) return out;
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
-  stream.avail_in = static_cast<uInt>(packed.size());
-  for (int state = Z_OK; state == Z_OK;) {
-    const std::size_t had = out.size(), piece = std::max(had, kPiece);
-    out.resize(had + piece);
-    stream.next_out = reinterpret_cast<Bytef*>(out.data() + had);
-    stream.avail_out = static_cast<uInt>(piece);
-    state = inflate(&stream, Z_NO_FLUSH);
-    out.resize(had + piece - stream.avail_out);
-  }
-  inflateEnd(&stream);
-  return out;
-}
-
-/// An element of a file or of a variable.
-struct Element {
-  std::uint32_t type = 0;
-  std::string_view data;  ///< without tag and padding
-};
-
-/// Reads the elements of a file's byte order.
-class Elements {
- public:
-  explicit Elements(bool swapped) : swapped_(swapped) {}
-
-  /// Those that stand behind each other in `rest`; none where one of them breaks off.
-  [[nodiscard]] std::vector<Element> in(std::string_view rest) const {
-    std::vector<Element> found;
-    while (rest.size() >= kTagBytes) {
-      const std::uint32_t type = word(rest, 0);
-      const std::size_t small = type >> 16;  // bytes of data in the tag itself, up to four
-      const std::size_t size = small > 0 ? small : word(rest, 1);
-      const bool is_padded = type != kMatrix && type != kCompressed;
-      const std::size_t stated = small > 0 ? 0 : is_padded ? (size + 7) / 8 * 8 : size;
-      if (small > 4 || stated > rest.size() - kTagBytes) return {};
-      found.push_back({type & 0xffffU, rest.substr(small > 0 ? 4 : kTagBytes, size)});
-      rest.remove_prefix(kTagBytes + stated);
-    }
-    return found;
-  }
-
-  /// Whether a variable, packed or not, can hold what its header states, and so can the variables
-  /// that it is made of.
-  [[nodiscard]] bool can_hold(const Element& variable, int depth = 0) const {
-    if (variable.type == kCompressed) {
-      const std::string text = unpacked(variable.data);
-      const auto inside = in(text);
-      return !inside.empty() && inside[0].type == kMatrix && can_hold(inside[0], depth);
-    }
-    if (variable.type != kMatrix) return true;
-    if (variable.data.empty()) return depth > 0;
-    const auto parts = in(variable.data);
-    const auto is = [&](std::size_t k, std::uint32_t type) {
-      return k < parts.size() && parts[k].type == type;
-    };
-    if (depth > kDeepestHeader || !is(0, kUint32) || parts[0].data.size() != 8) return false;
-    const std::uint32_t array_class = word(parts[0].data, 0) & 0xffU;
-    if (array_class == kOpaque) return true;  // without dimensions
-    const bool has_fields = array_class == kStruct || array_class == kObject;
-    if (!is(1, kInt32) || parts[1].data.size() > 4 * kMostDimensions || !is(2, kInt8)) return false;
-    double count = 1;
-    for (std::size_t d = 0; d < parts[1].data.size() / 4; ++d) count *= word(parts[1].data, d);
-    if (array_class >= kDouble && array_class <= kUint64Array) {
-      // Real parts, and where there are some the imaginary ones.
-      return std::all_of(parts.begin() + 3, parts.end(), [&](const Element& part) {
-        return count * static_cast<double>(bytes_of(part.type)) ==
-               static_cast<double>(part.data.size());
-      });
-    }
-    if (!has_fields && array_class != kCell && array_class != kFunction) return true;
-    std::size_t first = 3;  // first of the parts that are variables
-    if (array_class == kObject && !is(first++, kInt8)) return false;  // name of its class
-    if (has_fields) {
-      if (!is(first, kInt32) || parts[first].data.size() != 4 || !is(first + 1, kInt8))
-        return false;
-      const std::size_t length = word(parts[first].data, 0);  // a field's name has so many bytes
-      if (length == 0) return false;
-      const std::size_t fields = parts[first + 1].data.size() / length;
-      count *= static_cast<double>(fields);
-      first += 2;
-    }
-    return count <= static_cast<double>(parts.size() - first) &&
-           std::all_of(parts.begin() + static_cast<std::ptrdiff_t>(first), parts.end(),
-                       [&](const Element& part) { return can_hold(part, depth + 1); });
-  }
-
- private:
-  [[nodiscard]] std::uint32_t word(std::string_view data, std::size_t k) const {
-    std::uint32_t value = 0;
-    std::memcpy(&value, data.data() + 4 * k, 4);
-    return swapped_ ? __builtin_bswap32(value) : value;
-  }
-
-  bool swapped_;
-};
-
-/// Walks the headers of a file of version 5 before libmatio, which reserves memory by the sizes
-/// that they state and loops over them. Throws when the file is of another version than 5 to 7.3,
-/// breaks off, or has an array, struct, cell or function handle of other sizes than its header
-/// states. Of version 7.3 (HDF5) only the version is looked at.
-void check_mat_headers(std::string_view bytes, const std::filesystem::path& path) {
-  const std::string_view header = bytes.substr(0, 128);
-  const auto version = header.size() == 128 ? header.substr(124) : ""sv;
-  if (version == "\0\2IM"sv || version == "\2\0MI"sv) return;  // HDF5: version 7.3
-  const bool big_endian = version == "\1\0MI"sv;
-  if (!big_endian && version != "\0\1IM"sv) {
-    throw file_error(path, "is no MATLAB file of version 5 to 7.3",
-                     "save it again, by save(F, '-v7')");
-  }
-  const Elements elements(is_swapped(big_endian));
-  const auto variables = elements.in(bytes.substr(128));
-  if (variables.empty() ||
-      !std::ranges::all_of(variables, [&](const Element& one) { return elements.can_hold(one); })) {
-    throw file_error(path, "breaks off, or states more elements than it can hold",
-                     "copy the file again");
-  }
-}
 
 constexpr int kDeepest = 6;             // structs in structs
 constexpr Eigen::Index kShortest = 16;  // samples of an array that is taken without being named
@@ -191,59 +51,46 @@ struct MatArray {
 /// Whether arrays of a class hold numbers.
 bool is_numeric(matio_classes type) { return type >= MAT_C_DOUBLE && type <= MAT_C_UINT64; }
 
-/// Elements of an array by its dimensions; more than `most`: most + 1.
-std::size_t elements_of(const matvar_t& variable, std::size_t most) {
+/// Elements of an array by its dimensions.
+double elements_of(const matvar_t& variable) {
   double count = variable.dims == nullptr || variable.rank < 1 ? 0 : 1;
   for (int d = 0; count > 0 && d < variable.rank; ++d) {
     count *= static_cast<double>(variable.dims[d]);
   }
-  return count > static_cast<double>(most) ? most + 1 : static_cast<std::size_t>(count);
+  return count;
 }
 
-/// Calls `take` with each of the `count` elements of a struct or cell and what its name has behind
-/// that of the whole; does nothing for other arrays.
-template <typename Take>
-void each_element(matvar_t& variable, std::size_t count, Take&& take) {
-  if (variable.data == nullptr) return;
+/// Calls `take` with a variable, and where it returns true with those that it is made of.
+void each_variable(matvar_t& variable, const std::string& name, int depth,
+                   const std::function<bool(matvar_t&, const std::string&)>& take) {
   const bool is_struct = variable.class_type == MAT_C_STRUCT;
+  if (depth > kDeepest || !take(variable, name) || variable.data == nullptr ||
+      (!is_struct && variable.class_type != MAT_C_CELL)) {
+    return;
+  }
+  const auto count = static_cast<std::size_t>(elements_of(variable));  // held, as arrays_in asks
   char* const* const names = is_struct ? Mat_VarGetStructFieldnames(&variable) : nullptr;
   const unsigned fields = names == nullptr ? 0 : Mat_VarGetNumberOfFields(&variable);
   for (std::size_t k = 0; k < count; ++k) {
     const std::string at = count > 1 ? fmt::format("({})", k + 1) : "";
     for (unsigned f = 0; f < fields; ++f) {
       matvar_t* const field = Mat_VarGetStructFieldByIndex(&variable, f, k);
-      if (field != nullptr && names[f] != nullptr) take(*field, at + "." + to_utf8(names[f]));
+      if (field == nullptr || names[f] == nullptr) continue;
+      each_variable(*field, name + at + "." + to_utf8(names[f]), depth + 1, take);
     }
-    if (variable.class_type != MAT_C_CELL) continue;
-    matvar_t* const cell = Mat_VarGetCell(&variable, static_cast<int>(k));
-    if (cell != nullptr) take(*cell, fmt::format("{{{}}}", k + 1));
+    matvar_t* const cell = is_struct ? nullptr : Mat_VarGetCell(&variable, static_cast<int>(k));
+    if (cell != nullptr)
+      each_variable(*cell, fmt::format("{}{{{}}}", name, k + 1), depth + 1, take);
   }
 }
 
-/// Whether an HDF5 file can hold as many numbers as a variable states, its elements included:
-/// deflate packs at most a thousand to one.
-bool is_held(matvar_t& variable, std::size_t file_bytes, int depth) {
-  const std::size_t most = file_bytes * 1100 + 4096;
-  const std::size_t count = elements_of(variable, most);
-  if (count > most) return false;
-  if (depth >= kDeepest) return true;
-  bool held = true;
-  each_element(variable, count, [&](matvar_t& element, const std::string&) {
-    held = held && is_held(element, file_bytes, depth + 1);
-  });
-  return held;
-}
-
-/// Adds the numeric arrays of a variable that was read.
-void collect(matvar_t& variable, const std::string& name, int depth,
-             std::vector<MatArray>& arrays) {
-  if (depth > kDeepest) return;
-  const std::size_t count = elements_of(variable, SIZE_MAX / 2);  // held, as is_held says
-  if (count == 0 || variable.data == nullptr) return;
-  each_element(variable, count, [&](matvar_t& element, const std::string& own) {
-    collect(element, name + own, depth + 1, arrays);
-  });
-  if (variable.class_type == MAT_C_STRUCT || variable.class_type == MAT_C_CELL) return;
+/// Adds a variable that was read, if it is a numeric array.
+void add_numbers(const matvar_t& variable, const std::string& name, std::vector<MatArray>& arrays) {
+  const double count = elements_of(variable);
+  if (count == 0 || variable.data == nullptr || variable.class_type == MAT_C_STRUCT ||
+      variable.class_type == MAT_C_CELL) {
+    return;
+  }
   if (variable.rank != 2) {
     arrays.push_back({fmt::format("{} of {} dimensions", name, variable.rank), {}, {}, false});
     return;
@@ -252,7 +99,9 @@ void collect(matvar_t& variable, const std::string& name, int depth,
   const auto cols = static_cast<Eigen::Index>(variable.dims[1]);
   // The data must be as many numbers of the class's own size.
   const std::size_t size = Mat_SizeOfClass(variable.class_type);
-  if (!is_numeric(variable.class_type) || size == 0 || variable.nbytes / size < count) return;
+  if (!is_numeric(variable.class_type) || size == 0 ||
+      static_cast<double>(variable.nbytes / size) < count)
+    return;
   const void *re = variable.data, *im = nullptr;
   if (variable.isComplex != 0) {
     const auto* const split = static_cast<const mat_complex_split_t*>(variable.data);
@@ -268,26 +117,16 @@ void collect(matvar_t& variable, const std::string& name, int depth,
   arrays.push_back(std::move(array));
 }
 
-/// Without HDF5's own messages on standard error: what they are about shows in what is read.
-class SilentHdf5 {
- public:
-  SilentHdf5() {
-    H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~SilentHdf5() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
-  SilentHdf5(const SilentHdf5&) = delete;
-  SilentHdf5& operator=(const SilentHdf5&) = delete;
-
- private:
-  H5E_auto2_t print_ = nullptr;
-  void* data_ = nullptr;
-};
-
 /// The numeric arrays of a file. What is too large for the file is refused before it is read.
 std::vector<MatArray> arrays_in(std::string_view bytes, const std::filesystem::path& path) {
   check_mat_headers(bytes, path);
-  const SilentHdf5 silent;
+  // HDF5's own messages on standard error are silent here: they show in what is read.
+  H5E_auto2_t print = nullptr;
+  void* data = nullptr;
+  H5Eget_auto2(H5E_DEFAULT, &print, &data);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const std::shared_ptr<void> later(
+      nullptr, [print, data](void*) { H5Eset_auto2(H5E_DEFAULT, print, data); });
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      &Mat_Close);
   if (!file) {
@@ -302,7 +141,13 @@ std::vector<MatArray> arrays_in(std::string_view bytes, const std::filesystem::p
     const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(next, &Mat_VarFree);
     const std::string name = next->name == nullptr ? "" : to_utf8(next->name);
     if (name.empty() || name.starts_with("__") || name.starts_with("#")) continue;
-    if (hdf5 && !is_held(*next, bytes.size(), 0)) {
+    // Deflate packs at most a thousand to one.
+    const double most = hdf5 ? 1100 * static_cast<double>(bytes.size()) + 4096 : 1e18;
+    bool held = true;
+    each_variable(*next, name, 0, [&](const matvar_t& one, const std::string&) {
+      return held = held && elements_of(one) <= most;
+    });
+    if (!held) {
       throw file_error(path, "states more numbers than the file can hold", "copy the file again",
                        name);
     }
@@ -313,7 +158,10 @@ std::vector<MatArray> arrays_in(std::string_view bytes, const std::filesystem::p
     if (Mat_VarReadDataAll(file.get(), next) != 0) {
       throw file_error(path, "breaks off inside a variable", "copy the file again", name);
     }
-    collect(*next, name, 0, arrays);
+    each_variable(*next, name, 0, [&](const matvar_t& one, const std::string& own) {
+      add_numbers(one, own, arrays);
+      return true;
+    });
   }
   if (!any) throw file_error(path, "breaks off, or holds no variable", "copy the file again");
   return arrays;
@@ -540,16 +388,13 @@ FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
                      {},
                      path.string()});
   }
-  FrfSet set = set_of_parts(parts);
+  FrfSet set = set_of_parts(parts, "");
   if (by_rate) {
     add_note(set.notes, "read_as", frfs.name,
              "no vector of frequencies: by the sampling rate and block "
              "length in the file they go to {:.9g} Hz",
              frequency_hz[frequency_hz.size() - 1]);
   }
-  add_note(set.notes, "no_unit", frfs.name,
-           "the FRFs have no unit: the numbers are kept as they are; frequencies and "
-           "damping do not depend on it");
   return set;
 }
 

@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -26,8 +25,6 @@ namespace {
 
 constexpr int kHeaderLines = 11;  // lines of text behind the dataset's number
 
-bool is_mark(std::string_view line) { return trim_blanks(line) == "-1"; }
-
 std::string text_field(std::string_view line, std::size_t from, std::size_t width) {
   const std::string text(trim_blanks(to_utf8(UffText::columns(line, from, width))));
   return text == "NONE" || text == "None" || text == "none" ? "" : text;
@@ -47,19 +44,16 @@ class Uff58Reader {
  public:
   Uff58Reader(std::string_view bytes, const std::string& file,
               const std::function<void(std::size_t)>& done_with)
-      : text_(bytes, file), done_with_(done_with) {}
+      : text_(bytes, file), size_(bytes.size()), done_with_(done_with) {}
 
-  Uff58File read() {
+  std::vector<Uff58> read() {
+    std::vector<Uff58> functions;
     while (const auto type = text_.next_dataset()) {
-      if (*type == 58) {
-        out_.functions.push_back(read_function());
-        if (done_with_) done_with_(text_.next());
-        continue;
-      }
-      out_.other_datasets.push_back(*type);
+      if (*type == 58) functions.push_back(read_function());
+      if (*type == 58 && done_with_) done_with_(size_ - text_.rest().size());
       text_.skip_to_end();
     }
-    return std::move(out_);
+    return functions;
   }
 
  private:
@@ -125,9 +119,6 @@ class Uff58Reader {
     if (!f.even) f.x = numbers.row(0);
     f.real = numbers.row(real);
     if (f.complex) f.imag = numbers.row(real + 1);
-    if (!text_.skip_to_end()) {
-      out_.remarks.push_back(fmt::format("the dataset in line {} has no end mark (-1)", f.line));
-    }
     return f;
   }
 
@@ -153,8 +144,8 @@ class Uff58Reader {
 
   Eigen::MatrixXd text_numbers(Eigen::Index values, Eigen::Index count) {
     std::string_view rest = text_.rest();
-    const std::size_t begin = text_.next(), end = text_.mark(begin).value_or(begin + rest.size());
-    rest = rest.substr(0, end - begin);
+    const auto mark = UffText::mark(rest);
+    if (mark) rest.remove_suffix(mark->size());
     Eigen::MatrixXd numbers(values, count);
     for (Eigen::Index k = 0; k < numbers.size(); ++k) {
       const auto value = text_.next_number(rest);
@@ -165,7 +156,7 @@ class Uff58Reader {
       }
       numbers.data()[k] = *value;
     }
-    if (rest.empty() && end == begin + text_.rest().size()) throw text_.broken_off(rest);
+    if (rest.empty() && !mark) throw text_.broken_off(rest);
     if (text_.next_number(rest)) {
       throw text_.error(rest, fmt::format("the dataset holds more than {} values", count),
                         "export the file again");
@@ -174,14 +165,9 @@ class Uff58Reader {
   }
 
   UffText text_;
+  const std::size_t size_;
   const std::function<void(std::size_t)>& done_with_;
-  Uff58File out_;
 };
-
-constexpr std::pair<int, Quantity> kDataTypes[] = {
-    {3, Quantity::strain},        {5, Quantity::temperature}, {8, Quantity::displacement},
-    {13, Quantity::force},        {9, Quantity::force},       {11, Quantity::velocity},
-    {12, Quantity::acceleration}, {15, Quantity::pressure},   {17, Quantity::time}};
 
 // ---- Functions as channels and FRFs
 
@@ -236,9 +222,9 @@ Channel channel_of(const Uff58& f, std::vector<Note>& notes) {
   return channel;
 }
 
-std::string kinds_in(const Uff58File& file) {
+std::string kinds_in(const std::vector<Uff58>& functions) {
   std::set<std::string> kinds;
-  for (const auto& f : file.functions) kinds.insert(uff58_function_name(f.function_type));
+  for (const auto& f : functions) kinds.insert(uff58_function_name(f.function_type));
   return fmt::format("{}", fmt::join(kinds, ", "));
 }
 
@@ -252,7 +238,7 @@ bool same_times(const Uff58& a, const Uff58& b) {
 
 /// Functions as channels with names of their own. Those of other times than the first are left out,
 /// with a note.
-void take_channels(const Uff58File& file, const Functions& functions, Recording& recording) {
+void take_channels(const Functions& functions, Recording& recording) {
   recording.format = functions.front()->binary ? "uff58-binary" : "uff58-ascii";
   Functions taken;
   std::map<std::string, int> times;
@@ -278,12 +264,7 @@ void take_channels(const Uff58File& file, const Functions& functions, Recording&
     if (times[name] > 1 && point.node != 0) name += " " + point_text(point);
     name = unused_name(name, used);
   }
-  for (const auto& remark : file.remarks) add_note(recording.notes, "uff_remark", "", "{}", remark);
   note_unitless(recording);
-  if (file.other_datasets.empty()) return;
-  const std::set<int> others(file.other_datasets.begin(), file.other_datasets.end());
-  add_note(recording.notes, "left_out", "", "datasets other than 58 are not read: {}",
-           fmt::join(others, ", "));
 }
 
 void take_abscissa(const Uff58& first, Recording& recording) {
@@ -367,173 +348,8 @@ void add_to_parts(const Uff58& f, const std::string& file, Eigen::VectorXd FrfPa
 
 }  // namespace
 
-std::optional<int> UffText::next_dataset() {
-  const auto start = mark(next_);
-  if (!start) return std::nullopt;
-  next_ = *start;
-  // Two marks in a row: one dataset's end and the next one's beginning, or an
-  // end written twice.
-  while (next_ < bytes_.size()) {
-    const std::size_t end = line_end(bytes_, next_);
-    const auto text = bytes_.substr(next_, end - next_);
-    next_ = next_line(bytes_, end);
-    if (is_mark(text)) continue;
-    head_ = text;
-    int type = 0;
-    const auto number = trim_blanks(head_.substr(0, 6));
-    const auto parsed = std::from_chars(number.data(), number.data() + number.size(), type);
-    if (parsed.ec == std::errc() && type > 0) return type;
-    throw error(number, "no dataset number behind the -1 mark",
-                "export the file again; each dataset begins with a line of -1 "
-                "and its number");
-  }
-  return std::nullopt;
-}
-
-std::optional<std::string_view> UffText::line() {
-  if (next_ >= bytes_.size()) return std::nullopt;
-  const std::size_t end = line_end(bytes_, next_);
-  const auto line = bytes_.substr(next_, end - next_);
-  if (is_mark(line)) return std::nullopt;
-  if (end == bytes_.size()) throw broken_off(line);
-  next_ = next_line(bytes_, end);
-  return line;
-}
-
-std::string_view UffText::needed_line() {
-  if (const auto found = line()) return *found;
-  throw broken_off(bytes_.substr(next_, 0));
-}
-
-bool UffText::skip_to_end() {
-  // Binary values behind a 58b that was not read are no lines; its header says
-  // how many.
-  const auto head_end = static_cast<std::size_t>(head_.data() - bytes_.data()) + head_.size();
-  if (columns(head_, 0, 7) == "58b" && next_ == next_line(bytes_, head_end)) {
-    const double lines = number(head_, 19, 12), size = number(head_, 31, 12);
-    for (double k = 0; k < std::min(lines, 1000.0); ++k) {
-      if (!line()) break;
-    }
-    const auto left = static_cast<double>(bytes_.size() - next_);
-    if (size > 0 && size <= left) next_ += static_cast<std::size_t>(size);
-  }
-  const auto end = mark(next_);
-  next_ = end ? next_line(bytes_, line_end(bytes_, *end)) : bytes_.size();
-  return end.has_value();
-}
-
-std::optional<std::size_t> UffText::mark(std::size_t from) const {
-  for (std::size_t hit = bytes_.find("-1", from); hit != std::string_view::npos;
-       hit = bytes_.find("-1", hit + 2)) {
-    std::size_t start = hit;
-    while (start > from && (bytes_[start - 1] == ' ' || bytes_[start - 1] == '\t')) --start;
-    const bool begins = start <= from || bytes_[start - 1] == '\n' || bytes_[start - 1] == '\r';
-    const std::size_t behind = std::min(bytes_.find_first_not_of(" \t", hit + 2), bytes_.size());
-    if (begins && (behind == bytes_.size() || bytes_[behind] == '\n' || bytes_[behind] == '\r')) {
-      return start;
-    }
-  }
-  return std::nullopt;
-}
-
-long UffText::line_of(std::string_view part) const {
-  const auto at = static_cast<std::size_t>(part.data() - bytes_.data());
-  if (at < counted_to_) counted_to_ = 0, counted_ = 1;
-  while (true) {
-    const std::size_t next = next_line(bytes_, line_end(bytes_, counted_to_));
-    if (next > at || next >= bytes_.size()) return counted_;
-    counted_to_ = next;
-    ++counted_;
-  }
-}
-
-RecordingError UffText::broken_off(std::string_view at) const {
-  return error(at, "the dataset of line " + std::to_string(line_of(head_)) + " breaks off",
-               "copy or export the file again");
-}
-
-RecordingError UffText::error(std::string_view value, std::string problem,
-                              std::string remedy) const {
-  return text_error(bytes_, file_, value, std::move(problem), std::move(remedy));
-}
-
-std::string_view UffText::columns(std::string_view line, std::size_t from, std::size_t width) {
-  return trim_blanks(line.substr(std::min(from, line.size()), width));
-}
-
-double UffText::number(std::string_view line, std::size_t from, std::size_t width) const {
-  const auto text = columns(line, from, width);
-  double value = 0;
-  if (text.empty() || (parse_whole_number(text, '.', value) && std::isfinite(value))) return value;
-  throw error(text, "not a number", "this record has fixed columns; export the file again");
-}
-
-int UffText::integer(std::string_view line, std::size_t from, std::size_t width,
-                     const char* problem, int low, int high) const {
-  const double value = number(line, from, width);
-  if (value >= low && value <= high && value == std::floor(value)) return static_cast<int>(value);
-  throw error(columns(line, from, width), problem,
-              "this record has fixed columns; export the file again");
-}
-
-std::optional<double> UffText::next_number(std::string_view& rest) const {
-  constexpr const char* kBlanks = " \t\n\r\v\f";
-  rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks), rest.size()));
-  if (rest.empty()) return std::nullopt;
-  double value = 0;
-  std::size_t length = parse_number(rest, '.', value);
-  const auto word = rest.substr(0, rest.find_first_of(kBlanks));
-  if (length == 0 && is_missing_word(word)) {
-    length = word.size();
-    value = kNaN;
-  }
-  if (length == 0 || std::isinf(value)) {
-    throw error(word, length == 0 ? "not a number" : "a number too large for a double",
-                "fix the value, or export the file again");
-  }
-  rest.remove_prefix(length);
-  return value;
-}
-
-const char* uff58_function_name(int type) {
-  constexpr const char* kNames[] = {"general function",
-                                    "time response",
-                                    "auto spectrum",
-                                    "cross spectrum",
-                                    "frequency response function",
-                                    "transmissibility",
-                                    "coherence",
-                                    "auto correlation",
-                                    "cross correlation",
-                                    "power spectral density",
-                                    "energy spectral density",
-                                    "probability density",
-                                    "spectrum"};
-  return type >= 0 && type < std::ssize(kNames) ? kNames[type] : "function of another type";
-}
-
-std::string uff58_direction(int direction) {
-  static constexpr const char* kAxes[] = {"", "X", "Y", "Z", "RX", "RY", "RZ"};
-  if (direction == 0 || std::abs(direction) > 6) return "";
-  return std::string(direction > 0 ? "+" : "-") + kAxes[std::abs(direction)];
-}
-
-Quantity uff58_quantity(int data_type) {
-  for (const auto& [type, quantity] : kDataTypes) {
-    if (type == data_type) return quantity;
-  }
-  return Quantity::unknown;
-}
-
-int uff58_data_type(Quantity quantity) {
-  for (const auto& [type, of] : kDataTypes) {
-    if (of == quantity && of != Quantity::time) return type;
-  }
-  return 1;
-}
-
-Uff58File read_uff58(std::string_view bytes, const std::string& file,
-                     const std::function<void(std::size_t)>& done_with) {
+std::vector<Uff58> read_uff58(std::string_view bytes, const std::string& file,
+                              const std::function<void(std::size_t)>& done_with) {
   return Uff58Reader(bytes, file, done_with).read();
 }
 
@@ -549,18 +365,18 @@ double Uff58::noted(const std::string& key, double fallback) const {
 Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options) {
   const std::string name = path.string();
-  const Uff58File file = read_uff58(bytes, name, options.done_with);
+  const std::vector<Uff58> functions = read_uff58(bytes, name, options.done_with);
   Recording recording;
   recording.path = path;
   Functions histories;
-  for (const auto& f : file.functions) {
+  for (const auto& f : functions) {
     if (is_time_history(f)) histories.push_back(&f);
   }
   if (histories.empty()) {
-    const bool any = !file.functions.empty();
+    const bool any = !functions.empty();
     throw RecordingError(
-        {name, any ? file.functions.front().line : 1, 0, "", ""},
-        any ? "holds no time history, but: " + kinds_in(file) : "holds no dataset 58",
+        {name, any ? functions.front().line : 1, 0, "", ""},
+        any ? "holds no time history, but: " + kinds_in(functions) : "holds no dataset 58",
         "give a recording over time (FRFs are taken by `modal`)");
   }
   const double written = histories.front()->noted("channels");
@@ -570,12 +386,12 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
                                      written, histories.size()),
                          "copy the file again");
   }
-  if (const std::size_t others = file.functions.size() - histories.size(); others > 0) {
+  if (const std::size_t others = functions.size() - histories.size(); others > 0) {
     add_note(recording.notes, "left_out", "",
              "{} functions that are no time histories are left out (the file holds: {})", others,
-             kinds_in(file));
+             kinds_in(functions));
   }
-  take_channels(file, histories, recording);
+  take_channels(histories, recording);
   take_abscissa(*histories.front(), recording);
   take_stated_rate(options.sample_rate_hz, recording);
   return recording;
@@ -583,10 +399,10 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
 
 FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) {
   const std::string name = path.string();
-  const Uff58File file = read_uff58(bytes, name);
+  const std::vector<Uff58> functions = read_uff58(bytes, name);
   const Uff58* first = nullptr;
   std::vector<FrfPart> parts;
-  for (const auto& f : file.functions) {
+  for (const auto& f : functions) {
     if (f.function_type != uff58_function::kFrf || !f.complex) continue;
     if (first == nullptr) first = &f;
     FrfPart part = part_of(f, name);
@@ -597,11 +413,11 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
   }
   if (first == nullptr) {
     throw RecordingError(
-        {name, file.functions.empty() ? 1 : file.functions.front().line, 0, "", ""},
+        {name, functions.empty() ? 1 : functions.front().line, 0, "", ""},
         "holds no frequency response function (dataset 58, function type 4, complex)",
         "estimate them with `frf`, or give the recordings themselves");
   }
-  for (const auto& f : file.functions) {
+  for (const auto& f : functions) {
     const auto what = f.remark.find("what");
     if (f.function_type == uff58_function::kCoherence && !f.complex) {
       add_to_parts(f, name, &FrfPart::coherence, parts);
@@ -610,11 +426,7 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
       add_to_parts(f, name, &FrfPart::H_std, parts);
     }
   }
-  FrfSet set = set_of_parts(parts);
-  set.unit = scale_of(*first).unit;
-  if (set.unit.empty()) {
-    add_note(set.notes, "no_unit", "", "the FRFs have no unit: the numbers are kept as they are");
-  }
+  FrfSet set = set_of_parts(parts, scale_of(*first).unit);
   const auto positive = [&](const char* key) { return std::max(0.0, first->noted(key)); };
   set.averages = static_cast<int>(std::min(positive("averages"), 1e9));
   set.sample_rate_hz = positive("rate");
@@ -622,7 +434,6 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
   set.pre_trigger_s = positive("pre");
   set.force_noise_span_s = positive("span");
   set.sample_rate_relative_std = positive("rate_u");
-  for (const auto& text : file.remarks) add_note(set.notes, "uff_remark", "", "{}", text);
   return set;
 }
 

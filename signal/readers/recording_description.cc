@@ -186,7 +186,7 @@ RecordingDescription read_description(document::TomlTable& table) {
       "separator", {"comma", "semicolon", "tab", "blank", "space", ",", ";", "\t", "\\t", " "},
       ""));
   reading.format = table.choice_or("format", format_names(), "");
-  if (table.has("variables")) reading.variables = table.string_or_strings("variables");
+  if (table.has("variables")) reading.variables = table.strings("variables");
   for (auto& entry : table.tables_or_empty("channel")) {
     description.channels.push_back(read_channel(entry));
     entry.finish();
@@ -255,18 +255,15 @@ void apply_description(const RecordingDescription& description, Recording& recor
   note_unitless(recording);  // what is described has its unit from the description
 }
 
-std::optional<fs::path> description_beside(const fs::path& recording) {
-  fs::path beside = recording;
-  beside.replace_extension(".toml");
-  std::error_code ignored;
-  return beside != recording && fs::is_regular_file(beside, ignored) ? std::optional(beside)
-                                                                     : std::nullopt;
-}
-
-std::optional<fs::path> description_of_folder(const fs::path& recording) {
-  const fs::path common = recording.parent_path() / "channels.toml";
-  std::error_code ignored;
-  return fs::is_regular_file(common, ignored) ? std::optional(common) : std::nullopt;
+std::vector<fs::path> descriptions_of(const fs::path& recording) {
+  fs::path own = recording;
+  own.replace_extension(".toml");
+  std::vector<fs::path> files{recording.parent_path() / "channels.toml", own};
+  std::erase_if(files, [&](const fs::path& file) {
+    std::error_code ignored;
+    return file == recording || !fs::is_regular_file(file, ignored);
+  });
+  return files;
 }
 
 RecordingDescription read_description(const fs::path& file) {

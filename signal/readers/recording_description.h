@@ -54,12 +54,9 @@ struct RecordingDescription {
   bool of_folder = false;  ///< channels that one of its recordings lacks are ignored
 };
 
-/// The TOML file with the recording's name in its folder, if there is one.
-[[nodiscard]] std::optional<std::filesystem::path> description_beside(
-    const std::filesystem::path& recording);
-
-/// `channels.toml` in a recording's folder, which describes all recordings there, if there is one.
-[[nodiscard]] std::optional<std::filesystem::path> description_of_folder(
+/// Of `channels.toml` in a recording's folder, which describes all recordings there, and the TOML
+/// file of its own name, those that there are. The latter counts where both say something.
+[[nodiscard]] std::vector<std::filesystem::path> descriptions_of(
     const std::filesystem::path& recording);
 
 /// Names of the formats that are read.

@@ -28,7 +28,8 @@ namespace rigfit::signal {
 /// columns, numbers. Lines and fields are views of the file's bytes.
 class UffText {
  public:
-  UffText(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+  UffText(std::string_view bytes, const std::string& file)
+      : bytes_(bytes), rest_(bytes), file_(file) {}
 
   /// Goes behind the line with the number of the next dataset, which it
   /// returns; nothing at the end of the file. Throws RecordingError for a mark
@@ -47,13 +48,10 @@ class UffText {
   bool skip_to_end();
 
   /// What comes next up to the file's end, and going behind `bytes` of it.
-  [[nodiscard]] std::string_view rest() const { return bytes_.substr(next_); }
-  void skip(std::size_t bytes) { next_ += bytes; }
-  /// Offset of what comes next.
-  [[nodiscard]] std::size_t next() const { return next_; }
-  /// Offset of the next line that holds "-1" and nothing else, at or behind the
-  /// line start `from`.
-  [[nodiscard]] std::optional<std::size_t> mark(std::size_t from) const;
+  [[nodiscard]] std::string_view rest() const { return rest_; }
+  void skip(std::size_t bytes) { rest_.remove_prefix(bytes); }
+  /// The first of the lines that holds "-1" and nothing else, and those behind it.
+  [[nodiscard]] static std::optional<std::string_view> mark(std::string_view lines);
 
   /// 1-based line of a part of the file; lines behind binary values are counted
   /// as their bytes have it.
@@ -80,11 +78,10 @@ class UffText {
   [[nodiscard]] std::optional<double> next_number(std::string_view& rest) const;
 
  private:
-  std::string_view bytes_;
+  std::string_view bytes_, rest_;
   const std::string& file_;
-  std::size_t next_ = 0;
   std::string_view head_;
-  mutable std::size_t counted_to_ = 0;  // start of line `counted_`
+  mutable std::size_t counted_to_ = 0;  // in line `counted_`
   mutable long counted_ = 1;
 };
 
@@ -129,16 +126,10 @@ struct Uff58 {
   [[nodiscard]] double noted(const std::string& key, double fallback = 0) const;
 };
 
-struct Uff58File {
-  std::vector<Uff58> functions;
-  std::vector<int> other_datasets;   ///< numbers of datasets that are not 58
-  std::vector<std::string> remarks;  ///< such as a missing end mark, for a person
-};
-
-/// `done_with` is told how far the file has been read. Throws RecordingError with the line for
-/// anything that cannot be read.
-[[nodiscard]] Uff58File read_uff58(std::string_view bytes, const std::string& file,
-                                   const std::function<void(std::size_t)>& done_with = {});
+/// The datasets 58 of a file. `done_with` is told how far the file has been read. Throws
+/// RecordingError with the line for anything that cannot be read.
+[[nodiscard]] std::vector<Uff58> read_uff58(std::string_view bytes, const std::string& file,
+                                            const std::function<void(std::size_t)>& done_with = {});
 
 /// "+X" to "-RZ" of a direction's code; empty: none.
 [[nodiscard]] std::string uff58_direction(int direction);

@@ -67,8 +67,6 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
   }
 }
 
-bool is_surrogate(wchar_t c) { return c >= 0xD800 && c < 0xE000; }
-
 std::string trimmed(std::string_view s) { return std::string(trim_blanks(s)); }
 
 /// Plain ASCII: superscripts and powers as digits, micro as u, degree as deg, dots as '.', without
@@ -279,22 +277,20 @@ std::optional<UnitQuotient> parse_quotient(const std::string& text, Quantity bel
 
 TitledUnit split_title(std::string_view title) {
   const std::string s = trimmed(to_utf8(title));
-  for (const auto& [open, close] :
-       {std::pair{'[', ']'}, std::pair{'(', ')'}, std::pair{'{', '}'}}) {
-    if (s.empty() || s.back() != close) continue;
+  const std::size_t kind = s.empty() ? s.npos : std::string_view("])}").find(s.back());
+  if (kind != s.npos) {
+    const char open = "[({"[kind];
     // The bracket that belongs to the last one.
-    std::size_t at = s.size();
-    for (int depth = 0; at-- > 0;) {
-      depth += s[at] == close ? 1 : s[at] == open ? -1 : 0;
-      if (depth == 0) break;
+    std::size_t at = s.size() - 1;
+    for (int depth = 1; at > 0 && depth > 0;) {
+      --at;
+      depth += s[at] == s.back() ? 1 : s[at] == open ? -1 : 0;
     }
-    if (at == std::string::npos) continue;
     const std::string name = trimmed(std::string_view(s).substr(0, at));
     const std::string inside = trimmed(std::string_view(s).substr(at + 1, s.size() - at - 2));
-    if (name.empty()) break;
     // "Excitation (Trigger)" is a name; a bracket is a unit when it is one or when square.
-    if (parse_unit(inside) || open == '[' || lower_case(inside) == "counts") return {name, inside};
-    break;
+    const bool is_unit = parse_unit(inside) || open == '[' || lower_case(inside) == "counts";
+    if (!name.empty() && is_unit) return {name, inside};
   }
   for (const std::string_view sign : {" / ", ", ", ": ", " in "}) {
     const std::size_t at = lower_case(s).rfind(sign);
@@ -332,9 +328,11 @@ std::string to_utf8(std::string_view bytes) {
   std::replace_if(
       out.begin(), out.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
   std::wstring wide = pugi::as_wide(out);
+  // No surrogates, nor what is beyond Unicode.
   const bool valid =
-      pugi::as_utf8(wide.c_str()) == out &&
-      std::ranges::none_of(wide, [](wchar_t c) { return is_surrogate(c) || c > 0x10FFFF; });
+      pugi::as_utf8(wide.c_str()) == out && std::ranges::none_of(wide, [](wchar_t c) {
+        return (c >= 0xD800 && c < 0xE000) || c > 0x10FFFF;
+      });
   if (valid) return out;
   wide.clear();
   for (const char c : out) {

@@ -18,7 +18,7 @@ TEST(TomlTable, ReadsEveryKindAndFinishesWhenAllIsUsed) {
   EXPECT_TRUE(table.boolean_or("heavy", false));
   EXPECT_THAT(table.numbers("place", 3, 3, Bound::any, "m"), ElementsAre(1, 2.5, -3));
   EXPECT_THAT(table.strings("names"), ElementsAre("a", "b"));
-  EXPECT_THAT(table.string_or_strings("one"), ElementsAre("c"));
+  EXPECT_THAT(table.strings("one"), ElementsAre("c"));
   EXPECT_EQ(table.choice_or("kind", {"cable", "beam"}, "beam"), "cable");
   auto support = table.table("support");
   EXPECT_EQ(support.numbers("stiff", 2, 2, Bound::not_negative, "N/m", true)[1], 1000);

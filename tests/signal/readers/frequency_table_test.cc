@@ -19,7 +19,7 @@ std::string table(const std::string& titles, const std::function<std::string(dou
 }
 
 FrfSet frfs(const std::string& text) {
-  const auto found = frequency_table_in(text, "frf.txt");
+  const auto found = frequency_table_in(text, "name of twenty letters.txt");  // on the heap
   if (!found) throw std::logic_error("no table over frequency");
   return frfs_of({*found});
 }
@@ -40,7 +40,7 @@ TEST(FrfTables, AsAnalysersWriteThem) {
       table("freq [Hz]\tRe ((m/s^2)/N)\tIm ((m/s^2)/N)\n", cartesian),
       table("Frequency (Hz);Magnitude ((m/s^2)/N);Phase (deg);Coherence\n",
             polar(";{:.8e};{:.8f};{:.2f}", to_degrees)),
-      table("Frequency (Hz);Magnitude ((m/s^2)/N);Phase (rad);Coherence\n",
+      table("* Freq(Hz);SPL ((m/s^2)/N);Phase (rad);Coherence\n",
             polar(";{:.8e};{:.8f};{:.2f}", 1))};
   for (const auto& text : texts) {
     const FrfSet set = frfs(text);
