@@ -88,6 +88,7 @@ std::vector<CsvColumn> columns_of(const std::vector<Row>& rows) {
   std::vector<CsvColumn> columns;
   for (const auto& row : rows) columns.resize(std::max(columns.size(), row.fields.size()));
   for (std::size_t c = 0; c < columns.size(); ++c) {
+    columns[c].place = c;
     const auto count = [&](FieldKind kind) {
       return std::ranges::count_if(rows, [&](const Row& row) { return row.kind(c) == kind; });
     };

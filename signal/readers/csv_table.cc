@@ -30,31 +30,25 @@ struct BadField {
 
 class BodyParser {
  public:
-  BodyParser(std::string_view bytes, const CsvLayout& layout, const std::vector<bool>& wanted,
-             const std::string& file)
-      : bytes_(bytes), layout_(layout), wanted_(wanted), file_(file) {
-    const auto body = bytes.substr(layout.body);
+  BodyParser(std::string_view bytes, CsvTable& table)
+      : bytes_(bytes), table_(table), layout_(table.layout), columns_(layout_.columns.size()) {
+    const auto body = bytes.substr(layout_.body);
     // Room for all lines. Every field but the last of a line costs at least its separator.
     const auto lines = std::ranges::count(body, '\n') + std::ranges::count(body, '\r') + 1;
-    const auto stored = std::ranges::count(wanted, true);
+    const auto stored = std::ranges::count(layout_.columns, true, &CsvColumn::wanted);
     if (lines * stored > 2 * std::ssize(body) + 4096) {
       throw RecordingError(
-          {file, layout.body_line, 0, "", ""},
+          {table.file, layout_.body_line, 0, "", ""},
           fmt::format("the lines hold far fewer fields than the widest has columns ({})",
-                      layout.columns.size()),
+                      columns_.size()),
           "give a table whose lines all have the same columns");
     }
-    columns_.resize(layout.columns.size());
-    target_.resize(layout.columns.size(), nullptr);
-    for (std::size_t c = 0; c < target_.size(); ++c) {
-      if (!wanted_[c]) continue;
-      columns_[c].resize(lines);
-      target_[c] = columns_[c].data();
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      if (layout_.columns[c].wanted) columns_[c].resize(lines);
     }
   }
 
-  std::vector<Eigen::VectorXd> parse(std::vector<Note>& notes,
-                                     const std::function<void(std::size_t)>& progress) {
+  std::vector<Eigen::VectorXd> parse(const std::function<void(std::size_t)>& progress) {
     std::size_t told = layout_.body;
     for (std::string_view rest = bytes_.substr(layout_.body); !rest.empty();) {
       const std::size_t at = bytes_.size() - rest.size();
@@ -73,7 +67,7 @@ class BodyParser {
         told = at;
       }
     }
-    trim(notes);
+    trim();
     return std::move(columns_);
   }
 
@@ -88,23 +82,23 @@ class BodyParser {
     split_fields(line, layout_.dialect, fields_);
     for (std::size_t c = 0; c < fields_.size(); ++c) {
       const std::string_view text = fields_[c].text;
-      if (c >= target_.size() && !text.empty()) {
+      if (c >= columns_.size() && !text.empty()) {
         throw BadField{text, c, "more fields than the table has columns",
                        "check for decimal commas, or for a separator inside a field"};
       }
-      if (c < target_.size() && target_[c] != nullptr) target_[c][rows_] = value_of(text, c);
+      if (c < columns_.size() && layout_.columns[c].wanted) columns_[c][rows_] = value_of(text, c);
     }
     // What is not there is missing. Between blanks nobody can say which it is, but in the last
     // line.
     if (short_) throw refusal(*short_);
-    if (fields_.size() < target_.size() && layout_.dialect.separator == ' ') {
+    if (fields_.size() < columns_.size() && layout_.dialect.separator == ' ') {
       short_ = {line, fields_.size(), "fewer fields than the table has columns",
                 "write \"nan\" where nothing was measured, or put commas between columns"};
     }
     bool lacking = false;
-    for (std::size_t c = fields_.size(); c < target_.size(); ++c) {
-      if (target_[c] == nullptr) continue;
-      target_[c][rows_] = kNaN;
+    for (std::size_t c = fields_.size(); c < columns_.size(); ++c) {
+      if (!layout_.columns[c].wanted) continue;
+      columns_[c][rows_] = kNaN;
       lacking = true;
     }
     if (lacking && may_break) return false;
@@ -138,20 +132,18 @@ class BodyParser {
   /// Whether some line from `at` on looks like a row: it begins as a number, with any sign behind
   /// the first digits, or lines behind the first one have numbers in at least half of the columns.
   [[nodiscard]] bool holds_rows(std::size_t at) const {
-    const auto columns = std::count(wanted_.begin(), wanted_.end(), true);
-    std::vector<CsvField> fields;
+    const auto columns = std::ranges::count(layout_.columns, true, &CsvColumn::wanted);
     std::string_view rest = bytes_.substr(at);
     for (bool first = true; !rest.empty(); first = false) {
       const auto line = take_line(rest);
       double value = 0;
       if (parse_number(trim_blanks(line), '.', value) > 0) return true;
       if (first) continue;
-      split_fields(line, layout_.dialect, fields);
-      long numbers = 0;
-      for (std::size_t c = 0; c < std::min(fields.size(), wanted_.size()); ++c) {
-        const FieldKind kind = kind_of(fields[c].text, layout_.dialect.decimal);
-        numbers += wanted_[c] && (kind == FieldKind::number || kind == FieldKind::clock) ? 1 : 0;
-      }
+      const CsvRow row(line, layout_.dialect);
+      const auto numbers = std::ranges::count_if(layout_.columns, [&](const CsvColumn& column) {
+        const FieldKind kind = row.kind(column.place);
+        return column.wanted && (kind == FieldKind::number || kind == FieldKind::clock);
+      });
       if (numbers > 0 && 2 * numbers >= columns) return true;
     }
     return false;
@@ -159,23 +151,23 @@ class BodyParser {
 
   /// Leaves out rows of nothing at the end (spreadsheets have them) and room that is not used, and
   /// notes what is not read.
-  void trim(std::vector<Note>& notes) {
+  void trim() {
     const auto is_empty = [&](Eigen::Index row) {
-      return std::none_of(target_.begin(), target_.end(), [&](const double* column) {
-        return column != nullptr && !std::isnan(column[row]);
+      return std::ranges::none_of(columns_, [&](const Eigen::VectorXd& column) {
+        return column.size() > 0 && !std::isnan(column[row]);
       });
     };
     const Eigen::Index all = rows_;
     while (rows_ > 0 && is_empty(rows_ - 1)) --rows_;
     if (rows_ == 0) {
-      throw RecordingError({file_, layout_.body_line, 0, "", ""}, "the table holds no numbers",
-                           "check the recording, or record again");
+      throw RecordingError({table_.file, layout_.body_line, 0, "", ""},
+                           "the table holds no numbers", "check the recording, or record again");
     }
-    for (std::size_t c = 0; c < target_.size(); ++c) {
-      if (wanted_[c]) columns_[c].conservativeResize(rows_);
+    for (auto& column : columns_) {
+      if (column.size() > 0) column.conservativeResize(rows_);
     }
     const auto note = [&](long count, const char* code, const char* message) {
-      if (count > 0) add_note(notes, code, "", fmt::runtime(message), count);
+      if (count > 0) add_note(table_.notes, code, "", fmt::runtime(message), count);
     };
     note(short_rows_, "incomplete",
          "{} lines have fewer fields than the table has columns; what is absent counts as missing");
@@ -187,16 +179,14 @@ class BodyParser {
   }
 
   [[nodiscard]] RecordingError refusal(const BadField& bad) const {
-    return text_error(bytes_, file_, bad.text, bad.problem, bad.remedy,
-                      bad.column < wanted_.size() ? layout_.columns[bad.column].name : "");
+    return text_error(bytes_, table_.file, bad.text, bad.problem, bad.remedy,
+                      bad.column < columns_.size() ? layout_.columns[bad.column].name : "");
   }
 
   const std::string_view bytes_;
+  CsvTable& table_;
   const CsvLayout& layout_;
-  const std::vector<bool>& wanted_;
-  const std::string& file_;
-  std::vector<Eigen::VectorXd> columns_;
-  std::vector<double*> target_;  ///< of the columns that are wanted; null: of another
+  std::vector<Eigen::VectorXd> columns_;  ///< those that are not wanted are empty
   std::vector<CsvField> fields_;
   Eigen::Index rows_ = 0;
   std::optional<BadField> short_;                              ///< the line before, between blanks
@@ -251,17 +241,16 @@ void refuse_series(const CsvTable& table, const std::vector<Eigen::VectorXd>& co
 
 }  // namespace
 
-std::vector<Eigen::VectorXd> parse_csv_body(std::string_view bytes, const CsvLayout& layout,
-                                            const std::vector<bool>& wanted,
-                                            const std::string& file, std::vector<Note>& notes,
+std::vector<Eigen::VectorXd> parse_csv_body(std::string_view bytes, CsvTable& table,
                                             const std::function<void(std::size_t)>& progress) {
-  return BodyParser(bytes, layout, wanted, file).parse(notes, progress);
+  return BodyParser(bytes, table).parse(progress);
 }
 
-void CsvTable::add(CsvColumn description, std::size_t place, Eigen::VectorXd numbers) {
+void CsvTable::add(CsvColumn description, Eigen::VectorXd numbers) {
   Channel channel;
-  const std::string first =
-      description.name.empty() ? "column " + std::to_string(place + 1) : description.name;
+  const std::string first = description.name.empty()
+                                ? "column " + std::to_string(description.place + 1)
+                                : description.name;
   channel.name = unused_name(first, used_);
   if (channel.name != first) {
     add_note(notes, "duplicate_name", channel.name,
@@ -289,7 +278,6 @@ void CsvTable::add(CsvColumn description, std::size_t place, Eigen::VectorXd num
   }
   channels.push_back(std::move(channel));
   columns.push_back(std::move(description));
-  places.push_back(place);
 }
 
 CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
@@ -298,16 +286,15 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
   table.file = file;
   table.layout = find_csv_layout(bytes, file, options);
   const CsvLayout& layout = table.layout;
-  std::vector<bool> wanted;
-  for (const CsvColumn& column : layout.columns) {
+  for (CsvColumn& column : table.layout.columns) {
     const bool named = !column.name.empty();
     // Without a name among named ones, and mostly empty: somebody's side calculation.
-    wanted.push_back(column.has_data()
-                         ? named || !layout.has_names || column.filled >= 0.5
-                         : named && column.kind == FieldKind::empty && !layout.more_titles);
+    column.wanted = column.has_data()
+                        ? named || !layout.has_names || column.filled >= 0.5
+                        : named && column.kind == FieldKind::empty && !layout.more_titles;
   }
-  std::vector<Note> of_body;
-  auto columns = parse_csv_body(bytes, layout, wanted, file, of_body, options.done_with);
+  auto columns = parse_csv_body(bytes, table, options.done_with);
+  const std::vector<Note> of_body = std::exchange(table.notes, {});
   refuse_series(table, columns);
   const std::size_t n = layout.columns.size();
 
@@ -319,8 +306,8 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
   }
   std::vector<std::size_t> unnamed;
   for (std::size_t c = 0; c < n; ++c) {
-    if (wanted[c]) continue;
     const CsvColumn& column = layout.columns[c];
+    if (column.wanted) continue;
     if (!column.unread.empty()) {
       refuse_other_writing(bytes, file, column, layout.dialect.decimal);
       const auto at = static_cast<std::size_t>(column.unread.data() - bytes.data());
@@ -341,7 +328,7 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
   }
   table.notes.insert(table.notes.end(), of_body.begin(), of_body.end());
   for (std::size_t c = 0; c < n; ++c) {
-    if (wanted[c]) table.add(layout.columns[c], c, std::move(columns[c]));
+    if (layout.columns[c].wanted) table.add(layout.columns[c], std::move(columns[c]));
   }
   return table;
 }

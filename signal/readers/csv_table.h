@@ -33,6 +33,9 @@ struct CsvColumn {
   /// Most digits behind the decimal sign in the last lines looked at that hold a number; 400: none.
   int decimals = 400;
 
+  bool wanted = true;     ///< to be read as a channel
+  std::size_t place = 0;  ///< in the file
+
   /// The first text of a column of words that also holds numbers, or texts that begin as numbers: a
   /// part of the file; empty: none.
   std::string_view unread{};
@@ -79,29 +82,18 @@ void find_csv_decimals(std::string_view bytes, CsvLayout& layout);
 /// Whether a column of this name holds times.
 [[nodiscard]] bool is_time_name(const std::string& name);
 
-/// Parses the lines of a table of numbers straight into columns: one per column of the layout,
-/// those that `wanted` does not mark empty, NaN where there is no number. Notes what is left out or
-/// missing. Throws RecordingError with line and column for a field that is neither a number nor a
-/// word for none, for too many fields, for a table without numbers, and for one so ragged that most
-/// of it would be empty. `progress`, when given, is told now and then how many bytes are done with.
-[[nodiscard]] std::vector<Eigen::VectorXd> parse_csv_body(
-    std::string_view bytes, const CsvLayout& layout, const std::vector<bool>& wanted,
-    const std::string& file, std::vector<Note>& notes,
-    const std::function<void(std::size_t)>& progress = {});
-
 /// A table of columns, of text or of arrays, as channels: which are taken, under which names and in
 /// which units, and what is left out.
 struct CsvTable {
   std::string file;  ///< for messages
   CsvLayout layout;
   std::vector<Channel> channels;
-  std::vector<CsvColumn> columns;   ///< of each channel
-  std::vector<std::size_t> places;  ///< of each channel's column in the file
+  std::vector<CsvColumn> columns;  ///< of each channel
   std::vector<Note> notes;
 
   /// Adds a column's numbers as a channel, with a name of its own and in SI, and notes what is
   /// wrong with it.
-  void add(CsvColumn description, std::size_t place, Eigen::VectorXd numbers);
+  void add(CsvColumn description, Eigen::VectorXd numbers);
   /// By its clock times, unit or name.
   [[nodiscard]] bool is_time(std::size_t channel) const {
     return columns[channel].kind == FieldKind::clock ||
@@ -111,6 +103,14 @@ struct CsvTable {
  private:
   std::set<std::string> used_;  ///< names
 };
+
+/// Parses the lines of a table of numbers straight into columns: one per column of its layout,
+/// those that are not wanted empty, NaN where there is no number. Notes what is left out or
+/// missing. Throws RecordingError with line and column for a field that is neither a number nor a
+/// word for none, for too many fields, for a table without numbers, and for one so ragged that most
+/// of it would be empty. `progress`, when given, is told now and then how many bytes are done with.
+[[nodiscard]] std::vector<Eigen::VectorXd> parse_csv_body(
+    std::string_view bytes, CsvTable& table, const std::function<void(std::size_t)>& progress = {});
 
 /// `bytes`: text as text_without_mark gives it. Throws RecordingError.
 [[nodiscard]] CsvTable read_csv_columns(std::string_view bytes, const std::string& file,

@@ -107,7 +107,8 @@ void add_array(const Eigen::MatrixXd& values, const std::string& name, bool sing
     if (single && largest > 0) {
       column.decimals = -static_cast<int>(std::ceil(std::log10(6e-8 * largest)));
     }
-    table.add(std::move(column), place, std::move(numbers));
+    column.place = place;
+    table.add(std::move(column), std::move(numbers));
   }
 }
 

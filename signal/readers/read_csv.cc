@@ -77,7 +77,8 @@ std::optional<std::size_t> find_times(const CsvTable& table, const ReadOptions& 
   const std::size_t channels = table.channels.size();
   if (channels < 2) return time;
   const auto unnamed = [&](std::size_t k) {
-    return table.columns[k].name.empty() && (!table.layout.has_names || table.places[k] == k);
+    return table.columns[k].name.empty() &&
+           (!table.layout.has_names || table.columns[k].place == k);
   };
   const auto counts = [&](std::size_t k) { return counts_samples(table.channels[k].samples); };
   std::size_t at = 0;
@@ -97,7 +98,7 @@ std::optional<std::size_t> find_times(const CsvTable& table, const ReadOptions& 
   const Channel& channel = table.channels[time.value_or(at)];
   if (time) {
     if (!channel.source_unit.empty() || table.layout.has_names) return time;
-    add_note(notes, "read_as", "", "column {} {}", table.places[*time] + 1,
+    add_note(notes, "read_as", "", "column {} {}", table.columns[*time].place + 1,
              given ? "is taken as time in the unit given"
                    : "rises in equal steps: taken as time in seconds");
   } else if (at == 0 && unnamed(0) && channel.samples.size() > 2 && channel.samples.allFinite() &&
@@ -223,7 +224,7 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
     if (std::find(left_out.begin(), left_out.end(), k) != left_out.end()) continue;
     if (layout.has_names && table.columns[k].name.empty()) {
       add_note(recording.notes, "titles_not_matched", table.channels[k].name,
-               "Give it a title: the header has none for column {}", table.places[k] + 1);
+               "Give it a title: the header has none for column {}", table.columns[k].place + 1);
     }
     recording.channels.push_back(std::move(table.channels[k]));
   }

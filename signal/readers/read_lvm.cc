@@ -138,15 +138,15 @@ class LvmReader {
     }
     layout.body_line = line_number(bytes_, layout.body);
     layout.has_names = true;
-    std::vector<bool> wanted;
     for (std::size_t c = 0; c < titles.size(); ++c) {
       const auto title = titles[c].text;
       CsvColumn column;
       column.name = to_utf8(title);
-      wanted.push_back(c + 1 < titles.size() || (title != "Comment" && !title.empty()));
+      column.place = c;
+      column.wanted = c + 1 < titles.size() || (title != "Comment" && !title.empty());
       if (title == "X_Value" || (c == 0 && title == "X")) {
         x_columns_.push_back(c);
-      } else if (wanted[c]) {
+      } else if (column.wanted) {
         values_.push_back(c);
         column.unit = header_.text("Y_Unit_Label", c);
       }
@@ -156,7 +156,7 @@ class LvmReader {
       throw error(titles_line, "the table holds no numbers", "record again");
     }
     find_csv_decimals(text, layout);
-    return parse_csv_body(text, layout, wanted, table_.file, table_.notes, options_.done_with);
+    return parse_csv_body(text, table_, options_.done_with);
   }
 
   Recording recording_of(std::vector<Eigen::VectorXd> columns) {
@@ -180,7 +180,7 @@ class LvmReader {
       CsvColumn title = layout.columns[*x];
       title.name = "X_Value";
       title.unit = "s";
-      table_.add(std::move(title), 0, times);
+      table_.add(std::move(title), times);
     }
     const double step = header_.number("Delta_X", reference, 0);
     const double start = header_.number("X0", reference, 0);
@@ -199,7 +199,7 @@ class LvmReader {
             layout.columns[reference].name, header_.text("X0", c), header_.text("Delta_X", c));
         continue;
       }
-      table_.add(layout.columns[c], c, std::move(columns[c]));
+      table_.add(layout.columns[c], std::move(columns[c]));
       const Channel& channel = table_.channels.back();
       const auto held = static_cast<double>(channel.samples.size() - channel.missing_samples);
       const double samples = header_.number("Samples", c, 0);
