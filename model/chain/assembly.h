@@ -58,8 +58,8 @@ class Assembly {
   /// d force / d (unstretched length of a member), at fixed state.
   void length_derivative(const ChainState& state, int member,
                          Eigen::Ref<Eigen::VectorXd> derivative) const;
-  /// The member's tension, N: component along its tension direction of the internal force (axial
-  /// and shear) of its middle segment; and its derivatives.
+  /// The member's tension at its middle, N: component along its tension direction of the internal
+  /// force (axial and shear) of its middle segment and of the weight from there; its derivatives.
   [[nodiscard]] double tension(const ChainState& state, int member) const;
   /// `gradient` by the unknowns (skipped unless it has their size), `by_length` by the member's
   /// unstretched length. Exact for members without a frame; with one the product of torque and

@@ -44,8 +44,12 @@ double Assembly::tension_gradient(const ChainState& state, int index,
   const Directed here = directed(*chain_, state, k);
   const Eigen::Vector3d t = here.directors.col(0);
   const double force = s.EA * (here.length / s.length - 1);
-  double tension = force * t.dot(h);
-  by_length = -s.EA * here.length / s.length / member.unstretched_length * t.dot(h);
+  // The weight between the segment's middle and the member's.
+  const double from = member.places[std::size_t(middle)],
+               to = member.places[std::size_t(middle) + 1];
+  const double between = s.mass * ((from + to) / 2 - 0.5) / (to - from) * chain_->gravity.dot(h);
+  double tension = force * t.dot(h) + between;
+  by_length = (between - s.EA * here.length / s.length * t.dot(h)) / member.unstretched_length;
   // d (h . internal force) / de of the segment and of its neighbours.
   Eigen::Vector3d own =
       h * (force / here.length) + t * (t.dot(h) * (s.EA / s.length - force / here.length));

@@ -1,5 +1,7 @@
 #include "model/linear/segment_extrapolation.h"
 
+#include <cmath>
+
 #include "model/linear/modal_analysis.h"
 #include "tests/model/linear/random_scenes.h"
 #include "tests/reference/closed_forms.h"
@@ -115,6 +117,29 @@ TEST(ExtrapolatedModes, MeetAMillionth) {
     for (std::size_t i = 0; i < 6; ++i) {
       EXPECT_NEAR(found.modes[i].frequency_hz / truth[i / 2], 1, 1e-6) << layers << i;
     }
+  }
+}
+
+/// A string that hangs under its own weight, T = T_m + m g (x - L / 2), has frequencies where
+/// J0(a) Y0(b) = J0(b) Y0(a) with a, b = 2 w sqrt(T / m) / g at its ends.
+TEST(ExtrapolatedModes, OfAHeavyVerticalCableHaveItsTensionInTheMiddle) {
+  Scene scene = paper_cable(3, 1e-7, 0);
+  scene.nodes[1].position = {0, -2.4, 0};
+  scene.members[0].EA = 1e9;
+  scene.accuracy = 1e-6;
+  const ModalAnalysis found = analyse_modes(scene, {});
+  ASSERT_TRUE(found.extrapolated);
+  EXPECT_LT(found.relative_error_estimate, 1e-6);
+  const double m = 0.16667, g = scene.gravity.norm();
+  const auto cross = [&](double frequency_hz) {
+    const double scale = 4 * M_PI * frequency_hz / g;
+    const double a = scale * std::sqrt(3 / m - 1.2 * g), b = scale * std::sqrt(3 / m + 1.2 * g);
+    return std::cyl_bessel_j(0, a) * std::cyl_neumann(0, b) -
+           std::cyl_bessel_j(0, b) * std::cyl_neumann(0, a);
+  };
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double f = found.modes[i].frequency_hz;
+    EXPECT_LT(cross(f * (1 - 2e-6)) * cross(f * (1 + 2e-6)), 0) << i;
   }
 }
 
