@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "signal/numerics/numbers.h"
@@ -60,8 +61,10 @@ class PointFit {
   const MatrixXcd& H;
   double twin_misfit = 0, max_damping_ratio = 0, penalty = 0;
 
+  /// `ends_at`: step of the poles, in standard uncertainties, that ends the fit. Tests bear 0.3: it
+  /// adds 0.09 of a degree of freedom to the misfit.
   WindowFit fit(const std::vector<Complex>& group, const std::vector<Complex>& others,
-                double bandwidths, int order) const {
+                double bandwidths, int order, double ends_at = 0.3) const {
     Index first = band.frequency_hz.size(), end = 0;
     for (const Complex p : group) {
       const auto [from, count] = lines_around(band, p, kLines, bandwidths);
@@ -82,17 +85,16 @@ class PointFit {
       }
     }
     const VectorXcd fixed = Eigen::Map<const VectorXcd>(near.data(), Index(near.size()));
-    // Several columns weigh by what a first fit leaves of them, whose steps may end early: 0.3 of a
-    // standard uncertainty adds 0.09 of a degree of freedom to the misfit. A tenth of the mean
-    // keeps a column that is fitted by chance from deciding alone.
+    // Several columns weigh by what a first fit leaves of them; a tenth of the mean keeps a column
+    // that is fitted by chance from deciding alone.
     VectorXd weight = VectorXd::Ones(H.cols());
-    LocalFit result = H.cols() > 1 ? fit_locally(s, part, weight, start, fixed, order, 0.3)
-                                   : fit_locally(s, part, weight, start, fixed, order);
+    LocalFit result =
+        fit_locally(s, part, weight, start, fixed, order, H.cols() > 1 ? 0.3 : ends_at);
     if (result.usable && H.cols() > 1) {
       const double mean = result.misfit.mean();
       if (mean > 0) {
         weight = mean / (result.misfit.array() + 0.1 * mean);
-        result = fit_locally(s, part, weight, result.poles, fixed, order);
+        result = fit_locally(s, part, weight, result.poles, fixed, order, ends_at);
       }
     }
     return {std::move(result), s, part};
@@ -113,12 +115,12 @@ class PointFit {
     return worst;
   }
 
-  /// A pole of a group that another one beside it makes needless; -1: none. Where resonances
-  /// overlap, one pole must leave more than `twin_misfit` of the FRFs before a second is believed,
-  /// or several times what two of like damping at a distance leave: a resonance that is not quite
-  /// linear is fitted better by two poles than by one.
+  /// A pole of a group that another one beside it makes needless, and the fit `without` it; -1:
+  /// none. Where resonances overlap, one pole must leave more than `twin_misfit` of the FRFs before
+  /// a second is believed, or several times what two of like damping at a distance leave: a
+  /// resonance that is not quite linear is fitted better by two poles than by one.
   Index needless_twin(const std::vector<Complex>& group, const std::vector<Complex>& others,
-                      const WindowFit& both) const {
+                      const WindowFit& both, std::optional<WindowFit>& without) const {
     for (Index r = 0; r < both.poles.size(); ++r) {
       for (Index q = 0; q < both.poles.size(); ++q) {
         if (q == r || apart(band, both.poles[r], both.poles[q]) > 1.5) continue;
@@ -143,7 +145,10 @@ class PointFit {
           }
           worst = std::max(worst, misfit_around(fit, pole));
         }
-        if (worst < twin_misfit && worst < asked * left) return r;
+        if (worst < twin_misfit && worst < asked * left) {
+          without = fit;
+          return r;
+        }
       }
     }
     return -1;
@@ -261,17 +266,16 @@ std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, In
   for (int round = 0; round < 2; ++round) {
     for (std::size_t g = 0; g < groups.size(); ++g) {
       const std::vector<Complex> others = other_poles(groups, g);
-      while (!groups[g].empty()) {
-        const WindowFit fit = point.fit(groups[g], others, kBandwidths, 2);
-        Index worst = fit.usable ? point.weakest(fit) : Index(groups[g].size()) - 1;
-        if (worst < 0) worst = point.needless_twin(groups[g], others, fit);
+      for (std::optional<WindowFit> fit, without; !groups[g].empty(); fit.swap(without)) {
+        if (!fit) fit = point.fit(groups[g], others, kBandwidths, 2);
+        Index worst = fit->usable ? point.weakest(*fit) : Index(groups[g].size()) - 1;
+        if (worst < 0) worst = point.needless_twin(groups[g], others, *fit, without);
         if (worst < 0) {
-          for (Index r = 0; r < fit.poles.size(); ++r) {
-            groups[g][static_cast<std::size_t>(r)] = fit.poles[r];
-          }
+          groups[g].assign(fit->poles.begin(), fit->poles.end());
           break;
         }
         groups[g].erase(groups[g].begin() + worst);
+        fit.reset();
       }
     }
     std::vector<Complex> kept = other_poles(groups, groups.size());
@@ -279,10 +283,10 @@ std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, In
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const std::vector<Complex> others = other_poles(groups, g);
-    const WindowFit fit = point.fit(groups[g], others, kBandwidths, 2);
+    const WindowFit fit = point.fit(groups[g], others, kBandwidths, 2, 1e-2);
     if (!fit.usable) continue;
     const std::vector<Complex> start(fit.poles.begin(), fit.poles.end());
-    const WindowFit again = point.fit(start, others, 0.5 * kBandwidths, 1);
+    const WindowFit again = point.fit(start, others, 0.5 * kBandwidths, 1, 1e-2);
     for (Index r = 0; r < fit.poles.size(); ++r) {
       if (!point.plausible(fit.poles[r])) continue;
       const double half =
