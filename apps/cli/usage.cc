@@ -14,10 +14,7 @@
 #include "apps/campaign/campaign.h"
 #include "apps/cli/assets.h"
 #include "apps/cli/exit_code.h"
-#include "apps/describe/json_of.h"
 #include "document/toml_table.h"
-#include "ident/campaign/single_tests/axial_campaign.h"
-#include "ident/campaign/single_tests/tension_campaign.h"
 
 namespace rigfit::apps {
 namespace {
@@ -146,14 +143,13 @@ std::string program_help(const Verbs& verbs, std::size_t width) {
 
 /// The JSON schema of described results, built from their descriptions; under `$defs` what each
 /// verb of that name gives. A report's document has lists of the same objects by kind of test.
-describe::Json result_schema() {
-  auto axial = describe::schema_of<ident::AxialTestResult>();
-  axial["properties"]["samples"] = describe::schema_of<std::vector<ident::AxialRecord>>();
-  return {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
-          {"title", "results of rigfit, schema version 2"},
-          {"$defs",
-           {{"axial", std::move(axial)},
-            {"tension", describe::schema_of<ident::TensionCampaignResult>()}}}};
+Json result_schema(const Verbs& verbs) {
+  Json all{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+           {"title", "results of rigfit, schema version 2"}};
+  for (const auto& verb : verbs) {
+    if (verb.schema != nullptr) all["$defs"][verb.name] = verb.schema();
+  }
+  return all;
 }
 
 }  // namespace
@@ -229,7 +225,7 @@ void help(const Verbs& verbs, const std::vector<std::string>& arguments, std::os
   } else if (const auto keys = key_reference(word); !keys.empty()) {
     out << keys;
   } else if (word == "schema") {
-    out << result_schema().dump(2) << '\n';
+    out << result_schema(verbs).dump(2) << '\n';
   } else {
     auto known = names_of(verbs);
     if (std::ranges::find(known, word) == known.end()) {

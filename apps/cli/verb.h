@@ -19,8 +19,9 @@ struct Verb {
   describe::Options options;
   /// The verb's own keys; the envelope is added around them.
   std::function<Json(VerbContext&)> run;
-  bool draws = false;  ///< takes --plot: adds figures to VerbContext::plots
-  bool reads = false;  ///< its files are recordings: takes the options of reading
+  bool draws = false;          ///< takes --plot: adds figures to VerbContext::plots
+  bool reads = false;          ///< its files are recordings: takes the options of reading
+  Json (*schema)() = nullptr;  ///< of the described part of its result; null: none is described
 };
 
 using Verbs = std::vector<Verb>;
@@ -29,7 +30,7 @@ using Verbs = std::vector<Verb>;
 template <class Command>
 [[nodiscard]] Verb verb_of(std::string name, std::string does, std::string example,
                            Json (*run)(Command&, VerbContext&), bool draws = false,
-                           bool reads = false) {
+                           bool reads = false, Json (*schema)() = nullptr) {
   auto command = std::make_shared<Command>();
   return {std::move(name),
           std::move(does),
@@ -37,7 +38,8 @@ template <class Command>
           options_of(*command),
           [command, run](VerbContext& context) { return run(*command, context); },
           draws,
-          reads};
+          reads,
+          schema};
 }
 
 /// What a person says of every recording of a run, as in the TOML file beside it.

@@ -146,4 +146,12 @@ template <class M>
   }
 }
 
+/// The schema of an object that has at least these keys.
+[[nodiscard]] inline Json schema_of_keys(Json properties) {
+  Json all{{"type", "object"}, {"required", Json::array()}};
+  for (const auto& [key, schema] : properties.items()) all["required"].push_back(key);
+  all["properties"] = std::move(properties);
+  return all;
+}
+
 }  // namespace rigfit::describe

@@ -31,9 +31,13 @@ TEST_F(LaboratoryReport, GoesTheWholeWay) {
 }
 
 TEST_F(LaboratoryReport, IsAsItsSchemaSays) {
-  const Document schema = parsed(run_line("help schema").out)["$defs"]["axial"];
-  for (const auto& test : document_["axial"]) {
-    EXPECT_THAT(schema_errors(test, schema), ::testing::IsEmpty());
+  const Document schemas = parsed(run_line("help schema").out)["$defs"];
+  const std::pair<const char*, const char*> lists[] = {
+      {"axial", "axial"}, {"bending", "bending"}, {"fits", "update"}};
+  for (const auto& [list, verb] : lists) {
+    for (const auto& test : document_[list]) {
+      EXPECT_THAT(schema_errors(test, schemas[verb]), ::testing::IsEmpty()) << list;
+    }
   }
 }
 
@@ -49,7 +53,7 @@ TEST_F(LaboratoryReport, FindsWhatIsTrueOfTheRig) {
   }
   const auto& axial = named(document_["axial"], "test", "axial");
   expect_within(axial["EA_N"], 205000, 3, "EA");
-  for (const auto& parameter : named(document_["fits"], "fit", "fit-beam")["parameters"]) {
+  for (const auto& parameter : named(document_["fits"], "name", "fit-beam")["parameters"]) {
     ASSERT_TRUE(parameter["reference"].is_number());
     expect_within(parameter, parameter["reference"], 3, parameter["name"]);
   }
@@ -57,7 +61,7 @@ TEST_F(LaboratoryReport, FindsWhatIsTrueOfTheRig) {
 
 // The rig's fit: what it can tell is true; that it cannot tell the mass at the tip, it says.
 TEST_F(LaboratoryReport, FitsBeamAndCablesAndPredictsTheTensionHeldOut) {
-  const auto& rig = named(document_["fits"], "fit", "fit-rig");
+  const auto& rig = named(document_["fits"], "name", "fit-rig");
   for (const auto& parameter : rig["parameters"]) {
     if (!parameter["reference"].is_number() || !parameter["identifiable"].get<bool>()) continue;
     expect_within(parameter, parameter["reference"], 3, parameter["name"]);

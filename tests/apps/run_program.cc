@@ -10,6 +10,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "tests/apps/json_schema.h"
+
 namespace rigfit::apps {
 nlohmann::json parsed(const std::string& text) {
   return nlohmann::json::parse(text, nullptr, false);
@@ -67,7 +69,13 @@ ProgramRun run_line(const std::string& line, const std::vector<std::string>& val
 nlohmann::json document_of(const std::string& line, const std::vector<std::string>& values) {
   const ProgramRun run = run_line(line + " --json -", values);
   EXPECT_EQ(run.exit_code, 0) << line << "\n" << run.err;
-  return parsed(run.out);
+  static const nlohmann::json schemas = parsed(run_line("help schema").out)["$defs"];
+  nlohmann::json document = parsed(run.out);
+  const std::string verb = line.substr(0, line.find(' '));
+  if (schemas.contains(verb)) {
+    EXPECT_EQ(schema_errors(document, schemas[verb]), std::vector<std::string>{}) << line;
+  }
+  return document;
 }
 
 std::vector<std::vector<double>> columns(const std::string& csv, std::string* header) {

@@ -32,7 +32,8 @@ struct ProgramRun {
 /// What a program wrote as JSON; is_discarded() when it is none.
 [[nodiscard]] nlohmann::json parsed(const std::string& text);
 
-/// The document of such a line with `--json -`; anything but exit code 0 fails the test.
+/// The document of such a line with `--json -`; anything but exit code 0 fails the test, and
+/// a result that is not as `rigfit help schema` says.
 [[nodiscard]] nlohmann::json document_of(const std::string& line,
                                          const std::vector<std::string>& values = {});
 

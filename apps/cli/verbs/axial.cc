@@ -1,6 +1,7 @@
 // rigfit axial: EA, damping ratio and damper of a cable from hanging-mass records.
 
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 
 namespace rigfit::apps {
@@ -68,7 +69,12 @@ describe::Options options_of(AxialCommand& c) {
 
 Verb axial_verb() {
   return verb_of<AxialCommand>("axial", "EA and axial damping from hanging-mass records",
-                               kAxialExample, run, true, true);
+                               kAxialExample, run, true, true, []() -> Json {
+                                 Json all = describe::schema_of<ident::AxialTestResult>();
+                                 all["properties"]["samples"] =
+                                     describe::schema_of<std::vector<ident::AxialRecord>>();
+                                 return all;
+                               });
 }
 
 }  // namespace rigfit::apps

@@ -2,6 +2,7 @@
 
 #include "apps/bench/bench_study.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 
 namespace rigfit::apps {
 namespace {
@@ -62,7 +63,9 @@ Verb bench_verb() {
       "Examples:\n"
       "  rigfit bench --quick\n"
       "  rigfit bench testdata/scenes/cable-release.toml --plot time-error.svg",
-      run, true);
+      run, true, false, []() -> Json {
+        return describe::schema_of_keys({{"rows", describe::schema_of<std::vector<BenchRow>>()}});
+      });
 }
 
 }  // namespace rigfit::apps

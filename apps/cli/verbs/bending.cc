@@ -2,6 +2,7 @@
 
 #include "apps/campaign_file/bending_files.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::apps {
@@ -109,7 +110,13 @@ Verb bending_verb() {
       "Example:\n  printf 'tension_N,EI_Nm2\\n25,0.2549\\n100,0.4948\\n200,0.5972\\n300,0.8283\\n' "
       "> "
       "ei.csv\n  rigfit bending ei.csv --strand 195e9 133 0.397e-3 6.35e-3 --json ei.json",
-      run, true, true);
+      run, true, true, []() -> Json {
+        using Result = ident::BendingCampaignResult;
+        return describe::schema_of_keys(
+            {{"tests", describe::schema_of<decltype(Result::points)>()},
+             {"laws", describe::schema_of<std::vector<ident::FittedLaw>>()},
+             {"bounds", describe::schema_of<decltype(Result::bounds)>()}});
+      });
 }
 
 }  // namespace rigfit::apps

@@ -2,6 +2,7 @@
 #include "ident/campaign/single_tests/decay_campaign.h"
 
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 
 namespace rigfit::apps {
 namespace {
@@ -63,7 +64,7 @@ describe::Options options_of(DecayCommand& c) {
 
 Verb decay_verb() {
   return verb_of<DecayCommand>("decay", "Frequency and damping of a free decay", kDecayExample, run,
-                               true, true);
+                               true, true, describe::schema_of<ident::ChannelDecays>);
 }
 
 }  // namespace rigfit::apps

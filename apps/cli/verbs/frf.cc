@@ -1,6 +1,7 @@
 // rigfit frf: hammer hits to averaged FRFs with coherence and error bars.
 
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 #include "signal/writers/write_csv.h"
 #include "signal/writers/write_uff.h"
 
@@ -133,7 +134,10 @@ Verb frf_verb() {
       "Example:\n  rigfit frf hits.csv --force hammer --response a1 a2 --out frf.uff --json -\n"
       "  rigfit frf p1.csv p2.csv --struck a1 a2 --force hammer --response a1 a2 --out frf.uff\n"
       "Exit code 4: no hit can be used; the hits and their reasons are given all the same.",
-      run, true, true);
+      run, true, true, []() -> Json {
+        return describe::schema_of_keys(
+            {{"hits", describe::schema_of<std::vector<signal::Hit>>()}});
+      });
 }
 
 }  // namespace rigfit::apps

@@ -2,6 +2,7 @@
 
 #include "apps/campaign_file/bending_files.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 #include "signal/quality/quality.h"
 #include "signal/readers/read_recording.h"
 
@@ -83,7 +84,12 @@ Verb inspect_verb() {
       "inspect",
       "Read recordings and check their quality: rate, channels, units, clipping, "
       "dropouts, missing samples, offset, drift, noise, hum, quantisation",
-      kInspectExample, run, true, true);
+      kInspectExample, run, true, true, []() -> Json {
+        Json one = describe::schema_of<signal::Recording>();
+        one["properties"]["channels"] = describe::schema_of<std::vector<signal::ChannelQuality>>();
+        return describe::schema_of_keys(
+            {{"recordings", {{"type", "array"}, {"items", std::move(one)}}}});
+      });
 }
 
 }  // namespace rigfit::apps

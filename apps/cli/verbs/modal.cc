@@ -2,6 +2,7 @@
 // from ambient motion.
 
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 #include "signal/ambient/ambient_modes.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/modes/modal_synthesis.h"
@@ -222,7 +223,11 @@ Verb modal_verb() {
       "  rigfit modal setup1.csv setup2.csv --ambient --reference top --band 0.3 8\n"
       "Exit code 4: no mode stands out, or a window's damping dominates that of a mode (the\n"
       "frequency is given all the same).",
-      run, true, true);
+      run, true, true, []() -> Json {
+        return {{"anyOf",
+                 {describe::schema_of<signal::ModalResult>(),
+                  describe::schema_of<signal::AmbientResult>()}}};
+      });
 }
 
 }  // namespace rigfit::apps

@@ -1,6 +1,7 @@
 // rigfit modes: static equilibrium of a scene, then its natural modes.
 
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 #include "model/linear/modal_analysis.h"
 
 namespace rigfit::apps {
@@ -98,7 +99,11 @@ Verb modes_verb() {
   return verb_of<ModesCommand>(
       "modes", "Static equilibrium of a scene, then its natural modes",
       "Example:\n  rigfit modes testdata/jalali2021/scenes/cable.toml --count 6 --json modes.json",
-      run, true);
+      run, true, false, []() -> Json {
+        return describe::schema_of_keys(
+            {{"modes", describe::schema_of<std::vector<model::NaturalMode>>()},
+             {"equilibrium", describe::schema_of<decltype(model::ModalAnalysis::equilibrium)>()}});
+      });
 }
 
 }  // namespace rigfit::apps

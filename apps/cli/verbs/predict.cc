@@ -2,6 +2,7 @@
 
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 #include "ident/predict/scene_prediction.h"
 
 namespace rigfit::apps {
@@ -134,7 +135,10 @@ describe::Options options_of(PredictCommand& c) {
 Verb predict_verb() {
   return verb_of<PredictCommand>(
       "predict", "Modes of another scene with the parameters of a fit, with intervals",
-      kPredictExample, run);
+      kPredictExample, run, false, false, []() -> Json {
+        return describe::schema_of_keys(
+            {{"modes", describe::schema_of<decltype(ident::ModePrediction::modes)>()}});
+      });
 }
 
 }  // namespace rigfit::apps

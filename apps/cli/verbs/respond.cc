@@ -1,6 +1,7 @@
 // rigfit respond: the time response of a scene at its sensors.
 
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 #include "model/response/response.h"
 #include "model/scene/scene_error.h"
 #include "model/scene/sensor_quantity.h"
@@ -164,7 +165,7 @@ Verb respond_verb() {
       "Example:\n"
       "  rigfit respond testdata/scenes/cable-release.toml --duration 10 --rate 2000 "
       "--out response.csv",
-      run, true);
+      run, true, false, describe::schema_of<model::ResponseResult>);
 }
 
 }  // namespace rigfit::apps

@@ -2,6 +2,7 @@
 
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
 #include "signal/readers/csv_fields.h"
 
@@ -85,9 +86,9 @@ describe::Options options_of(TensionCommand& c) {
 }  // namespace
 
 Verb tension_verb() {
-  return verb_of<TensionCommand>("tension",
-                                 "Tension of a cable, hanger or stay from its frequencies",
-                                 kExample, run, true, true);
+  return verb_of<TensionCommand>(
+      "tension", "Tension of a cable, hanger or stay from its frequencies", kExample, run, true,
+      true, describe::schema_of<ident::TensionCampaignResult>);
 }
 
 }  // namespace rigfit::apps

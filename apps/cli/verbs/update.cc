@@ -5,6 +5,7 @@
 
 #include "apps/campaign_file/update_data.h"
 #include "apps/cli/verbs/all.h"
+#include "apps/describe/json_of.h"
 #include "ident/campaign/fit_findings.h"
 #include "ident/update/model_candidates.h"
 #include "ident/update/model_update.h"
@@ -286,7 +287,7 @@ Verb update_verb() {
       "  rigfit update testdata/jalali2021/scenes/beam.toml \\\n"
       "    --measured testdata/jalali2021/table2_beam_frequencies.csv --column bond_graph_Hz \\\n"
       "    --plane in --free beam.EI_z tip.mass --out beam.updated.toml --json fit.json",
-      run, true);
+      run, true, false, describe::schema_of<ident::UpdateResult>);
 }
 
 }  // namespace rigfit::apps

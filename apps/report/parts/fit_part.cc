@@ -14,7 +14,7 @@ class Fit {
     part_.title = fit.title;
     part_.json_key = "fits";
     part_.brief = {fit.name + "-parameters", fit.name + "-errors", fit.name + "-errors-by-mode"};
-    part_.json["fit"] = fit.name;
+    part_.json["name"] = fit.name;
     for (const auto& state : updates_) measured_ += state.measured.size();
   }
 
@@ -31,8 +31,6 @@ class Fit {
       if (result_.scenes.empty() || result_.pairs.empty()) return std::move(part_);
     }
     part_.json.update(describe::json_of(result_));
-    part_.json["misfit"] = part_.json["fit"];  // "fit" is its name here
-    part_.json["fit"] = fit_.name;
     if (!held_.empty()) part_.json["hold_out"] = describe::json_of(held_);
     for (const auto& finding : answer_.findings) {
       part_.warnings.push_back(

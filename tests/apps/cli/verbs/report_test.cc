@@ -28,7 +28,7 @@ TEST_F(PublishedTables, WritesPageDocumentDataAndFigures) {
 // The load cell's errors, or tensions known to 2 %, leave nearly all of the cable's disagreement;
 // free tensions explain more than half of it. States are held out.
 TEST_F(PublishedTables, FitsOfTheCableShowWhatTensionsExplain) {
-  const auto fit = [](const char* name) { return named(document_["fits"], "fit", name); };
+  const auto fit = [](const char* name) { return named(document_["fits"], "name", name); };
   const auto rms = [](const Document& one) { return one.at("rms_relative_error").get<double>(); };
   const double published = fit("fit-cable-tension-free")["rms_relative_error_before"];
   EXPECT_GT(rms(fit("fit-cable-load-cell")), 0.8 * published);
