@@ -23,8 +23,7 @@ using Eigen::VectorXd;
 
 // The window then widens a mode by a third; with 4, of pairs 0.5 % apart 5 % more are lost.
 constexpr double kDecayTimesOfLags = 12;
-constexpr Index kSearchSamples = 1 << 21;  // candidates and filters need no more
-constexpr double kMostValues = 1 << 23;    // 128 MiB of spectra
+constexpr double kMostValues = 1 << 23;  // 128 MiB of spectra
 
 /// The six channels that tell most: pivots of the QR of the spectral matrices over their traces.
 std::vector<Index> telling_channels(const MatrixXcd& half, Index n) {
@@ -48,11 +47,6 @@ VectorXcd phase_real(VectorXcd v) {
   return v * std::polar(1.0, -0.5 * std::arg(v.cwiseProduct(v).sum()));
 }
 
-double search_share(const AmbientSignals& signals) {
-  return std::min(1.0,
-                  static_cast<double>(kSearchSamples) / static_cast<double>(signals.samples()));
-}
-
 AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOptions& options,
                                   AmbientResult& result, std::vector<Index> references) {
   AmbientCandidates found;
@@ -69,8 +63,7 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
     spectrum.emplace(rate, lags, low, high);
     if (spectrum->omega.size() < 2 * kFewestLines) return found;
     pairs.setZero(spectrum->omega.size(), No * No);
-    group_correlations(signals, MatrixXd::Identity(No, No), lags,
-                       {1, search_share(signals), std::max(options.threads, 1)},
+    group_correlations(signals, MatrixXd::Identity(No, No), lags, {1, std::max(options.threads, 1)},
                        [&](int, const MatrixXd& R) {
                          const Index lines = found.pairs.rows();
                          found.pairs = found.spectrum->half(R.bottomRows(lags + 1), 0, lines);
@@ -90,9 +83,8 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
     LscfOptions lscf_options;
     lscf_options.participation = true;
     // Noise takes its share of the poles: one to 15 lines. In a narrow band 120 lose modes of close
-    // pairs, and they lengthen the work of a record of which a part is searched.
-    const Index most = search_share(signals) < 1 ? 60 : 120;
-    const Index poles_asked = std::clamp<Index>(hz.size() / 15, 60, most);
+    // pairs.
+    const Index poles_asked = std::clamp<Index>(hz.size() / 15, 60, 120);
     lscf_options.max_order = options.max_order > 0
                                  ? options.max_order
                                  : static_cast<int>(std::clamp<Index>(poles_asked / Ni, 8, 40));

@@ -25,9 +25,6 @@ inline constexpr Eigen::Index kFewestLines = 8;
 /// `shape` at length 1, turned to be as real as it can be.
 [[nodiscard]] Eigen::VectorXcd phase_real(Eigen::VectorXcd shape);
 
-/// Part of the samples that the search uses: a day of 100 Hz is searched in a quarter of it.
-[[nodiscard]] double search_share(const AmbientSignals& signals);
-
 struct AmbientCandidates {
   std::optional<LagSpectrum> spectrum;  ///< its lags follow from the narrowest candidate
   Eigen::MatrixXcd

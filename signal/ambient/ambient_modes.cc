@@ -361,7 +361,7 @@ void AmbientAnalysis::run(std::vector<Index> references) {
     // Candidates that do not hold their own peak leave, those that the fewest orders have first:
     // they disturb the others.
     for (bool more = true; more;) {
-      fit_pass({1, search_share(signals_), threads});
+      fit_pass({1, threads});
       double least = 2;
       for (Index i = 0; i < size(); ++i) {
         if (fit_.own_share[i] < kLeastOwnShare) least = std::min(least, presence_[i]);
@@ -373,7 +373,7 @@ void AmbientAnalysis::run(std::vector<Index> references) {
       more = !holding.empty() && std::ssize(holding) < size();
       if (more) keep(holding);
     }
-    fit_pass({options_.groups, 1, threads});
+    fit_pass({options_.groups, threads});
     if (size() > 0) judge();
   }
   if (result_.modes.empty()) {

@@ -1,7 +1,6 @@
 #include "signal/ambient/group_correlations.h"
 
 #include <algorithm>
-#include <cmath>
 #include <future>
 #include <vector>
 
@@ -14,31 +13,24 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 
-constexpr Index kStretches = 4;  // a group has so many where a share is used
-
 /// Sums of products with x(t), t in [from, to), by lag. `block`: samples of all channels.
 MatrixXd correlation(const std::function<MatrixXd(Index first, Index count)>& block,
-                     const MatrixXd& filters, Index from, Index to, double share, Index lags) {
+                     const MatrixXd& filters, Index from, Index to, Index lags) {
   const Index channels = filters.rows(), signals = filters.cols(), span = 2 * lags + 1;
-  const Index stretches = share < 1 ? kStretches : 1, whole = (to - from) / stretches;
-  const auto used = static_cast<Index>(std::ceil(share * static_cast<double>(whole)));
   // Half of a transform is wasted, but spectra of all pairs are held: twice as long ones would take
   // 0.16 GB more of 16 channels and 20000 lags. 2^16 samples stay in a processor's cache.
   const Index usual = std::max<Index>(1 << 16, 4 * lags);
-  const Index length = good_fft_length(std::min(used + 2 * lags, usual));
+  const Index length = good_fft_length(std::min(to - from + 2 * lags, usual));
   const Index piece = length - 2 * lags;
   RealFft fft(length);
   MatrixXcd sums = MatrixXcd::Zero(fft.lines(), channels * signals);
-  for (Index s = 0; s < stretches; ++s, from += whole) {
-    for (Index a = from; a < from + used; a += piece) {
-      const Index count = std::min(piece, from + used - a);
-      const MatrixXd wide = block(a - lags, count + 2 * lags);
-      const MatrixXcd Y = real_spectra(wide, length);
-      const MatrixXcd X = real_spectra(wide.middleRows(lags, count) * filters, length);
-      for (Index p = 0; p < sums.cols(); ++p) {
-        sums.col(p).array() +=
-            X.col(p / channels).array().conjugate() * Y.col(p % channels).array();
-      }
+  for (; from < to; from += piece) {
+    const Index count = std::min(piece, to - from);
+    const MatrixXd wide = block(from - lags, count + 2 * lags);
+    const MatrixXcd Y = real_spectra(wide, length);
+    const MatrixXcd X = real_spectra(wide.middleRows(lags, count) * filters, length);
+    for (Index p = 0; p < sums.cols(); ++p) {
+      sums.col(p).array() += X.col(p / channels).array().conjugate() * Y.col(p % channels).array();
     }
   }
   MatrixXd R(span, sums.cols());
@@ -57,7 +49,7 @@ void group_correlations(const AmbientSignals& signals, const MatrixXd& filters, 
                         const std::function<void(int group, const MatrixXd& R)>& receive) {
   const Index n = signals.samples(), groups = options.groups;
   const auto summed = [&](Index g, const auto& block, const MatrixXd& combined) {
-    return correlation(block, combined, n * g / groups, n * (g + 1) / groups, options.share, lags);
+    return correlation(block, combined, n * g / groups, n * (g + 1) / groups, lags);
   };
   Eigen::ArrayXd products = Eigen::ArrayXd::Zero(2 * lags + 1);
   const auto mask = [&](Index first, Index count) { return signals.mask(first, count); };

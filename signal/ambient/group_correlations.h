@@ -18,8 +18,6 @@ namespace rigfit::signal {
 
 struct GroupOptions {
   int groups = 1;
-  double share =
-      1;  ///< part of each group's samples that is used, in four stretches if less than 1
   int threads = 1;
 };
 
