@@ -245,10 +245,6 @@ class StateReader {
     if (!decay.refusal.empty()) throw Refused(path + ": " + decay.refusal);
     auto& state = timed_state(source, scene, recording.sample_rate_relative_std);
     for (const auto& found : decay.modes) {
-      if (found.doubtful) {
-        context_.warn("doubtful", found.doubt, path);
-        continue;
-      }
       auto& mode = state.measured.emplace_back();
       mode.frequency_hz = found.frequency_hz;
       mode.damping_ratio = found.damping_ratio;

@@ -35,7 +35,7 @@ std::vector<KnownTone> steady_lines(const Eigen::Ref<const Eigen::VectorXd>& y, 
   for (std::size_t k = 0; k < kMostSteadyTones; ++k) {
     const DecaySamples samples = decay_samples(left, 0, to - from);
     if (5 * static_cast<Index>(samples.missing.size()) > to - from) break;
-    const auto lines = search_lines(without_trend(left), search);
+    const auto lines = search_decays(without_trend(left), search);
     if (lines.empty()) break;
     const auto free = fit_poles(samples, {lines.front().pole});
     if (!free) break;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "signal/numerics/numbers.h"
@@ -16,11 +15,10 @@ using Eigen::Index;
 std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DecayBand& band) {
   Eigen::VectorXd y = samples.values;
   for (const Index j : samples.missing) y(j) = kNaN;
-  const std::pair<double, double> rails[] = {{1, y.maxCoeff<Eigen::PropagateNumbers>()},
-                                             {-1, y.minCoeff<Eigen::PropagateNumbers>()}};
   std::vector<Index> clipped;
   Eigen::VectorXd left = y;
-  for (const auto& [sign, rail] : rails) {
+  for (const double rail :
+       {y.maxCoeff<Eigen::PropagateNumbers>(), y.minCoeff<Eigen::PropagateNumbers>()}) {
     if ((y.array() == rail).count() > 1) left = (y.array() == rail).select(kNaN, left);
   }
   DecaySamples others = decay_samples(left, 0, y.size());
@@ -33,7 +31,9 @@ std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DecayBand& 
       y.size(), fit->offset,
       fit->offset + fit->drift * static_cast<double>(y.size() - 1) / static_cast<double>(y.size()));
   for (std::size_t m = 0; m < fit->poles.size(); ++m) says += fit->mode_signal(m);
-  for (const auto& [sign, rail] : rails) {
+  // The high rail, then the low one.
+  for (const double sign : {1.0, -1.0}) {
+    const double rail = sign * (sign * y).maxCoeff<Eigen::PropagateNumbers>();
     std::vector<Index> at;
     double sum = 0;
     for (Index j = 0; j < y.size(); ++j) {

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
 #include "signal/numerics/power_sums.h"
 #include "signal/sinusoids/decay_modes.h"
@@ -35,11 +36,11 @@ struct Jump {
 };
 
 // Local maxima of |J| that stand out of what the record shows elsewhere, over 2 and over 6 cycles.
-std::vector<Jump> jumps(const Eigen::VectorXd& y, double w, const Eigen::VectorXi& missing_before) {
+std::vector<Jump> jumps(const Eigen::VectorXd& y, double w) {
   const Index n = y.size(), cycle = averaging_cycle(w);
   const RunningAmplitude running(y, w);
   const Index step = std::max<Index>(1, cycle / 8);
-  const double largest = running.largest(cycle, step);
+  const double largest = running.largest(cycle);
   std::vector<Jump> found;
   for (const Index cycles : {2, 6}) {
     const Index length = cycles * cycle;
@@ -50,20 +51,14 @@ std::vector<Jump> jumps(const Eigen::VectorXd& y, double w, const Eigen::VectorX
           1.5 * running.over(j - length, j) - 0.5 * running.over(j - 2 * length, j - length);
       const Complex behind =
           1.5 * running.over(j, j + length) - 0.5 * running.over(j + length, j + 2 * length);
-      // A gap is no impact; the end of the record is none either.
-      const Index from = std::max<Index>(0, j - 2 * length), to = std::min(n, j + 2 * length);
-      const bool gap = missing_before(to) > missing_before(from);
-      const double jump = gap || j + 2 * length > n + length ? 0 : std::abs(behind - before);
-      const bool clear = jump > 0.1 * std::abs(before);
-      size.push_back(clear ? jump : 0);
+      const double jump = std::abs(behind - before);
+      size.push_back(jump > 0.1 * std::abs(before) ? jump : 0);
       powers.push_back(jump * jump);
     }
     if (powers.empty()) break;
-    const auto middle = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2);
-    std::nth_element(powers.begin(), middle, powers.end());
     // |J|^2 of noise is exponential: its median is ln 2 of its mean.
     const double places = static_cast<double>(n) / static_cast<double>(length);
-    const double noise = std::sqrt(*middle / std::numbers::ln2 * std::log(1 + 1e3 * places));
+    const double noise = std::sqrt(median(powers) / std::numbers::ln2 * std::log(1 + 1e3 * places));
     const double least = std::max(kLeastShare * largest, noise);
     const auto reach = static_cast<std::ptrdiff_t>(2 * cycle / step);
     for (auto k = size.begin(); k != size.end(); ++k) {
@@ -77,74 +72,58 @@ std::vector<Jump> jumps(const Eigen::VectorXd& y, double w, const Eigen::VectorX
   return found;
 }
 
-struct Side {
-  double sum_squares = 0;
-  Index parameters = 2, samples = 0;
-  std::optional<DampedSinusoidsFit> fit;
-};
-
-// The damped sinusoids of `values`, NaN where missing.
-Side fitted(const Eigen::VectorXd& values) {
-  Side side;
+// The damped sinusoids of `values`, NaN where missing; nothing where hardly any are there.
+std::optional<DampedSinusoidsFit> fitted(const Eigen::VectorXd& values) {
   const DecaySamples samples = decay_samples(values, 0, values.size());
-  side.samples = values.size() - std::ssize(samples.missing);
-  side.sum_squares = without_trend(values).squaredNorm();
-  side.fit = find_decay_modes(samples, {0, 0.5, true}, {}, kModes);
-  if (side.fit) {
-    side.sum_squares = side.fit->residual_sum_squares;
-    side.parameters = side.fit->jacobian_gram.rows();
-  }
-  return side;
+  auto fit = find_decay_modes(samples, {0, 0.5, true}, {}, kModes);
+  return fit ? fit : fit_poles(samples, {});
 }
 
 // Complex amplitude of what a fit has within a tenth of w, at sample `at` of it: several modes
 // there may be what one that changes looks like.
-Complex amplitude_near(const Side& side, double w, Index at) {
+Complex amplitude_near(const DampedSinusoidsFit& fit, double w, Index at) {
   Complex sum = 0;
-  for (std::size_t m = 0; side.fit && m < side.fit->poles.size(); ++m) {
-    const Complex pole = side.fit->poles[m];
-    if (std::abs(pole.imag() - w) > 0.1 * w) continue;
-    sum += side.fit->amplitudes[m] * std::exp(pole * static_cast<double>(at));
+  for (std::size_t m = 0; m < fit.poles.size(); ++m) {
+    if (std::abs(fit.poles[m].imag() - w) > 0.1 * w) continue;
+    sum += fit.amplitudes[m] * std::exp(fit.poles[m] * static_cast<double>(at));
   }
   return sum;
 }
 
 // Whether two decays, the second behind the jump, explain the samples of [from, to) better than
 // one.
-bool is_impact(const Eigen::VectorXd& y, const Jump& place, Index from, Index to, Index half_cycle,
-               double largest) {
+bool is_impact(const Eigen::Ref<const Eigen::VectorXd>& y, const Jump& place, Index from, Index to,
+               Index half_cycle, double largest) {
   const Index at = place.at;
   const Index gap_from = at - half_cycle, gap_to = at + half_cycle;
   if (gap_from - from < 4 * half_cycle || to - gap_to < 4 * half_cycle) return false;
   if (gap_from - from < 24 || to - gap_to < 24) return false;
-  const Side before = fitted(y.segment(from, gap_from - from));
-  const Side behind = fitted(y.segment(gap_to, to - gap_to));
-  if (!behind.fit) return false;  // an impact sets something off
   Eigen::VectorXd both = y.segment(from, to - from);
   both.segment(gap_from - from, gap_to - gap_from).setConstant(kNaN);
-  const Side one = fitted(both);
-  const double apart = before.sum_squares + behind.sum_squares;
-  const auto degrees =
-      static_cast<double>(before.samples + behind.samples - before.parameters - behind.parameters);
-  const auto more = static_cast<double>(
-      std::max<Index>(2, before.parameters + behind.parameters - one.parameters));
+  const auto before = fitted(y.segment(from, gap_from - from)), one = fitted(both),
+             behind = fitted(y.segment(gap_to, to - gap_to));
+  // An impact sets something off.
+  if (!before || !one || !behind || behind->poles.empty()) return false;
+  const double apart = before->residual_sum_squares + behind->residual_sum_squares;
+  const auto degrees = static_cast<double>(before->degrees + behind->degrees);
+  const double more = std::max(2.0, static_cast<double>(one->degrees) - degrees);
   if (degrees < 4) return false;
-  const double ratio = (one.sum_squares - apart) / more / std::max(apart / degrees, 1e-300);
+  const double ratio =
+      (one->residual_sum_squares - apart) / more / std::max(apart / degrees, 1e-300);
   if (!(ratio > 0) || gsl_cdf_fdist_Q(ratio, more, degrees) > kImpactChance) return false;
-  const auto noise = residual_noise(behind.fit->residual, behind.fit->degrees);
-  const auto noise_before =
-      before.fit ? residual_noise(before.fit->residual, before.fit->degrees) : noise;
-  const Complex now = amplitude_near(behind, place.w, -half_cycle);
-  const Complex then = amplitude_near(before, place.w, at - from);
+  const Complex now = amplitude_near(*behind, place.w, -half_cycle);
+  const Complex then = amplitude_near(*before, place.w, at - from);
   if (now == 0.0) return false;
   // What friction takes leaves the phase as it is.
   const Complex kept = then == 0.0 ? 1.0 : now / then;
-  const double lost = std::clamp(kept.real(), 0.0, 1.0), f = place.w / kTwoPi;
+  const double lost = std::clamp(kept.real(), 0.0, 1.0);
   const double jump = std::norm(now - lost * then);
   // The end of a line through n amplitudes has 4 times the variance of their mean, 4 s^2 / n.
-  const double variance =
-      16 * (noise.white_equivalent(f) / static_cast<double>(behind.samples) +
-            noise_before.white_equivalent(f) / static_cast<double>(before.samples));
+  double variance = 0;
+  for (const auto* side : {&*before, &*behind}) {
+    variance += 16 / static_cast<double>(side->samples) *
+                residual_noise(side->residual, side->degrees).white_equivalent(place.w / kTwoPi);
+  }
   return jump > std::pow(kLeastShare * largest, 2) && jump > -std::log(kImpactChance) * variance;
 }
 
@@ -157,9 +136,9 @@ RunningAmplitude::RunningAmplitude(const Eigen::Ref<const Eigen::VectorXd>& y, d
   for (Index j = 0; j < y.size(); ++j) sums_(j + 1) = sums_(j) + y(j) * z(j);
 }
 
-double RunningAmplitude::largest(Index length, Index step) const {
+double RunningAmplitude::largest(Index length) const {
   double largest = 0;
-  for (Index j = 0; j + length < sums_.size(); j += step) {
+  for (Index j = 0; j + length < sums_.size(); j += std::max<Index>(1, length / 4)) {
     largest = std::max(largest, std::abs(over(j, j + length)));
   }
   return largest;
@@ -177,18 +156,17 @@ Index averaging_cycle(double w) {
   return static_cast<Index>(std::ceil(std::max({4.0, 1 / f, 1 / std::max(1 - 2 * f, 1e-6)})));
 }
 
-std::vector<Index> further_hits(const Eigen::VectorXd& y, const std::vector<double>& w,
-                                const Eigen::VectorXi& missing_before) {
+std::vector<Index> further_hits(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                const std::vector<double>& w) {
   if (w.empty()) return {};
   const Index n = y.size(), cycle = averaging_cycle(w.front());
   if (n < 8 * cycle) return {};
+  const Eigen::VectorXd x = without_trend(y);
   std::vector<Jump> found;
   for (const double each : w) {
-    for (const Jump& jump : jumps(y, each, missing_before)) found.push_back(jump);
+    for (const Jump& jump : jumps(x, each)) found.push_back(jump);
   }
-  if (found.empty()) return {};
-  const double largest =
-      RunningAmplitude(y, w.front()).largest(cycle, std::max<Index>(1, cycle / 4));
+  const double largest = RunningAmplitude(x, w.front()).largest(cycle);
   // The largest first: what stands beside an impact already found, and every place close to it, is
   // its own skirt.
   std::sort(found.begin(), found.end(),

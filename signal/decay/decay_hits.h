@@ -8,6 +8,7 @@
 // a ten cycles before and behind are fitted apart and together. It is an impact when two fits
 // explain more than one (Fisher's test) and the amplitudes of both, taken to t, differ by more than
 // a twentieth of the record's largest, a loss that leaves the phase as it is (friction) aside.
+// Missing samples are left out of these fits: a gap is no impact.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,8 +23,8 @@ class RunningAmplitude {
   RunningAmplitude(const Eigen::Ref<const Eigen::VectorXd>& y, double w);
   /// Complex amplitude over samples [from, to); those outside of the record count as zero.
   [[nodiscard]] std::complex<double> over(Eigen::Index from, Eigen::Index to) const;
-  /// The largest over `length` samples, every `step`-th of them as the first.
-  [[nodiscard]] double largest(Eigen::Index length, Eigen::Index step) const;
+  /// The largest over `length` samples that begin a quarter of it apart.
+  [[nodiscard]] double largest(Eigen::Index length) const;
 
  private:
   Eigen::VectorXcd sums_;
@@ -33,11 +34,9 @@ class RunningAmplitude {
 /// negative frequency comes close, a cycle of the beat with it.
 [[nodiscard]] Eigen::Index averaging_cycle(double w);
 
-/// Samples at which further impacts start, in time. `y`: trend removed, 0 where missing; `w`: of
-/// the modes looked at, rad per sample, the strongest first; `missing_before`: number of missing
-/// samples before each (one more than `y`).
-[[nodiscard]] std::vector<Eigen::Index> further_hits(const Eigen::VectorXd& y,
-                                                     const std::vector<double>& w,
-                                                     const Eigen::VectorXi& missing_before);
+/// Samples at which further impacts start, in time. `y`: NaN where missing; `w`: of the modes
+/// looked at, rad per sample, the strongest first.
+[[nodiscard]] std::vector<Eigen::Index> further_hits(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                                     const std::vector<double>& w);
 
 }  // namespace rigfit::signal

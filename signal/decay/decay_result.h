@@ -31,7 +31,6 @@ struct DecayMode {
   Estimate damping_ratio;
   Interval frequency_interval_95_hz, damping_ratio_interval_95;
   double amplitude = 0;  ///< at the start of the window, the signal's unit
-  double phase_rad = 0;  ///< phase of the cosine at the start of the window
   double energy = 0;     ///< sum of squares over the window: sets the order
   double cycles = 0;     ///< damped cycles in the window
   /// Energy over the largest that coloured noise reaches with probability kFalseAlarm.
@@ -44,9 +43,6 @@ struct DecayMode {
   /// One exponential leaves more than noise here: a second mode that beats too slowly for the
   /// record, or a mode that changes as it decays.
   bool company = false;
-  /// Noise could look like this mode; `doubt` says why.
-  bool doubtful = false;
-  std::string doubt;
 };
 
 struct DecayResult {
@@ -57,11 +53,8 @@ struct DecayResult {
   /// All decays of the record, in time (decay_window.h), and which of them was fitted.
   std::vector<DecayWindow> decays;
   std::size_t fitted_decay = 0;
-  std::vector<DecayMode> modes;  ///< strongest first
-  /// Covariance of (f_1, zeta_1, f_2, zeta_2, ...), Hz and 1, order of `modes`.
-  Eigen::MatrixXd covariance;
+  std::vector<DecayMode> modes;         ///< strongest first
   std::vector<DecayMode> steady_tones;  ///< hum: do not decay while the modes do
-  double offset = 0, drift_per_s = 0;   ///< background at the start of the window
   double noise_std = 0;                 ///< standard deviation of the residual
   double signal_to_noise_db = 0;        ///< strongest mode's power at the start over the noise's
   Eigen::Index degrees_of_freedom = 0;
@@ -110,11 +103,8 @@ struct Described<signal::DecayMode> {
       field("cycles", &T::cycles, "", "cycles", "in the window", 4),
       field("r_squared", &T::r_squared, "", "R2", "share of the signal that the mode explains", 4),
       field("detection", &T::detection, "", "", "energy over the most that noise reaches"),
-      field("doubtful", &T::doubtful, "", "", "noise could look like this mode"),
-      field("doubt", where(&T::doubtful, &T::doubt), "", "remark", "why"),
       field("amplitude", &T::amplitude, "", "amplitude", "at the window's start, channel's unit",
-            4),
-      field("phase_rad", &T::phase_rad, "rad", "", "of the cosine at the window's start")};
+            4)};
 };
 
 }  // namespace rigfit::describe

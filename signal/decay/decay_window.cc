@@ -51,17 +51,10 @@ bool quiet_before(const Eigen::VectorXd& y, double w, Index start, Index cycle) 
   const RunningAmplitude running(y, w);
   const double after = std::abs(running.over(start, start + cycle));
   const Index until = start < 4 * cycle ? start : start - cycle;
-  for (Index j = 0; j + cycle <= until; j += std::max<Index>(1, cycle / 2)) {
+  for (Index j = 0; j + cycle <= until; j += cycle / 2) {
     if (std::abs(running.over(j, j + cycle)) > 0.3 * after) return false;
   }
   return true;
-}
-
-// Whether a decay is under way in the record's first samples, before the first impact.
-bool decays_before(const Eigen::VectorXd& y, double w, Index first, Index cycle) {
-  const RunningAmplitude running(y, w);
-  return std::abs(running.over(0, std::min(2 * cycle, first))) >
-         0.1 * running.largest(cycle, std::max<Index>(1, cycle / 2));
 }
 
 }  // namespace
@@ -85,22 +78,12 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
                                      const DecayBand& band) {
   const Index n = recorded_until(samples);
   const auto y = samples.head(n);
-  DecayWindow whole;
-  whole.end = n;
   const Eigen::VectorXd x = without_trend(y);
-  Eigen::VectorXi missing_before(n + 1);  // missing samples before each
-  missing_before(0) = 0;
-  for (Index j = 0; j < n; ++j) missing_before(j + 1) = missing_before(j) + !std::isfinite(y(j));
-  if (n < 16 || !(x.squaredNorm() > 0)) return {whole};
-
-  DecaySearchOptions search;
-  search.candidates = 4;
-  auto all = decay_peaks(x);
-  if (!band.all) {
-    std::erase_if(all, [&](const DecayCandidate& c) { return !band.contains(c.pole); });
-  }
-  const auto candidates = distinct_decays(all, n, search);
-  if (candidates.empty()) return {whole};
+  if (n < 16 || !(x.squaredNorm() > 0)) return {{0, n}};
+  auto candidates = search_decays(x, {.candidates = 64});
+  std::erase_if(candidates, [&](const DecayCandidate& c) { return !band.contains(c.pole); });
+  if (candidates.empty()) return {{0, n}};
+  candidates.resize(std::min<std::size_t>(4, candidates.size()));
 
   // The candidate that gains most by starting later tells where the event is; hum gains nothing.
   // Where many modes sum, the onset of some is found late: those that are quiet before come first.
@@ -121,10 +104,8 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
     if (found > std::pair(quiet, gain)) std::tie(quiet, gain) = found, onset = best.start, w = each;
   }
   const Index cycle = averaging_cycle(w);
-  std::erase(strong, w);
-  strong.insert(strong.begin(), w);
-
-  std::vector<Index> starts = further_hits(x, strong, missing_before);
+  std::iter_swap(strong.begin(), std::ranges::find(strong, w));
+  std::vector<Index> starts = further_hits(y, strong);
   // A record that was cut off at a rail and comes off it steps its amplitude too.
   const double high = y.maxCoeff<Eigen::PropagateNumbers>();
   const double low = y.minCoeff<Eigen::PropagateNumbers>();
@@ -139,25 +120,18 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
   }
   std::sort(starts.begin(), starts.end());
   // A decay that the record begins with.
-  if (starts.empty() ||
-      (starts.front() > 4 * cycle && !(quiet && starts.front() >= onset - 4 * cycle) &&
-       decays_before(x, w, starts.front(), cycle))) {
+  const RunningAmplitude running(x, w);
+  if (starts.empty() || (!quiet && starts.front() > 4 * cycle &&
+                         std::abs(running.over(0, 2 * cycle)) > 0.1 * running.largest(cycle))) {
     starts.insert(starts.begin(), 0);
   }
   std::vector<DecayWindow> windows;
   for (std::size_t k = 0; k < starts.size(); ++k) {
-    DecayWindow window;
-    window.start = starts[k];
-    window.end = n;
-    if (k + 1 < starts.size()) {
-      window.end = std::max<Index>(starts[k + 1] - 2 * cycle, starts[k] + 1);
-    }
+    const Index start = starts[k];
+    const Index end = k + 1 < starts.size() ? std::max(starts[k + 1] - 2 * cycle, start + 1) : n;
     // An impact lasts: half a cycle is left to it (more where the fit then shows so).
-    if (window.start > 0) {
-      window.start =
-          std::min(window.start + static_cast<Index>(std::ceil(0.5 * kTwoPi / w)), window.end - 1);
-    }
-    windows.push_back(window);
+    const auto lasts = static_cast<Index>(start > 0 ? std::ceil(0.5 * kTwoPi / w) : 0);
+    windows.push_back({std::min(start + lasts, end - 1), end});
   }
   return windows;
 }

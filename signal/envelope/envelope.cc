@@ -1,7 +1,5 @@
 #include "signal/envelope/envelope.h"
 
-#include <gsl/gsl_fit.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -24,36 +22,24 @@ constexpr std::size_t kPoints = 8, kLeastCycles = 2;
 // Drop in chi-squared that a law of one coefficient more must bring: five standard uncertainties.
 constexpr double kLawGain = 25;
 
-struct FittedLine {
-  double level = 0, slope = 0, slope_variance = 0, chi2 = 0;
-  [[nodiscard]] double at(double x) const { return level + slope * x; }
+/// Coefficients of a weighted polynomial, and their standard uncertainties.
+struct Polynomial {
+  Eigen::VectorXd coefficients, std;
+  double widening = 1;  // of std, by the misfit: from below 1 up, or NaN where there is no freedom
 };
 
-FittedLine weighted_line(const double* x, const double* weight, const double* y, std::size_t n) {
-  FittedLine line;
-  double level_variance = 0, covariance = 0;
-  gsl_fit_wlinear(x, 1, weight, 1, y, 1, n, &line.level, &line.slope, &level_variance, &covariance,
-                  &line.slope_variance, &line.chi2);
-  return line;
-}
-
-/// Variance of the slope where the line's misfit beyond the noise counts as uncertainty.
-double widened_variance(const FittedLine& line, std::size_t n) {
-  return line.slope_variance * (n > 2 ? std::max(1.0, line.chi2 / static_cast<double>(n - 2)) : 1);
-}
-
-/// By the curve of ln|C| over time: under friction damping rises as the motion dies.
-DecayLaw law_of(const CycleAmplitudes& cycles) {
-  const auto n = static_cast<Index>(cycles.time_s.size());
-  const Eigen::Map<const Eigen::ArrayXd> time(cycles.time_s.data(), n),
-      weight(cycles.weight.data(), n), log_size(cycles.log_size.data(), n);
-  const Eigen::ArrayXd std = weight.sqrt(), t = time / time(n - 1);
-  Eigen::MatrixXd X(n, 3);
-  X << std, std * t, std * t.square();
+Polynomial polynomial(const double* x, const double* weight, const double* y, std::size_t count,
+                      Index terms) {
+  const auto n = static_cast<Index>(count);
+  const Eigen::Map<const Eigen::ArrayXd> t(x, n), w(weight, n), values(y, n);
+  Eigen::MatrixXd X(n, terms);
+  for (Index k = 0; k < terms; ++k) X.col(k) = w.sqrt() * t.pow(static_cast<double>(k));
   const auto qr = thin_qr(X);
-  const double curve = qr.Q.col(2).dot((std * log_size).matrix()) * (qr.R(2, 2) > 0 ? 1 : -1);
-  if (!(curve * curve > kLawGain)) return DecayLaw::exponential;
-  return curve < 0 ? DecayLaw::friction : DecayLaw::drag;
+  const auto R = qr.R.triangularView<Eigen::Upper>();
+  const Eigen::VectorXd z = w.sqrt() * values, along = qr.Q.transpose() * z;
+  const Eigen::MatrixXd inverse = R.solve(Eigen::MatrixXd::Identity(terms, terms));
+  return {inverse * along, inverse.rowwise().norm(),
+          (z - qr.Q * along).norm() / std::sqrt(static_cast<double>(n - terms))};
 }
 
 }  // namespace
@@ -106,16 +92,15 @@ LogDecrement log_decrement(const CycleAmplitudes& cycles) {
     result.refusal = "fewer than three cycles above the noise";
     return result;
   }
-  const FittedLine line =
-      weighted_line(cycles.time_s.data(), cycles.weight.data(), cycles.log_size.data(), n);
+  const auto line =
+      polynomial(cycles.time_s.data(), cycles.weight.data(), cycles.log_size.data(), n, 2);
   const double period = kTwoPi / (cycles.pole.imag() * cycles.sample_rate_hz);
-  const double delta = -line.slope * period;
+  const double delta = -line.coefficients(1) * period;
   if (!(delta >= 0)) {
     result.refusal = "the amplitude does not fall";
     return result;
   }
-  const double delta_std =
-      period * std::sqrt(line.slope_variance * line.chi2 / static_cast<double>(n - 2));
+  const double delta_std = period * line.std(1) * line.widening;
   const double root = std::hypot(kTwoPi, delta);
   result.damping_ratio = {delta / root, delta_std * kTwoPi * kTwoPi / (root * root * root)};
   return result;
@@ -124,34 +109,37 @@ LogDecrement log_decrement(const CycleAmplitudes& cycles) {
 EnvelopeResult envelope_of(const CycleAmplitudes& cycles) {
   EnvelopeResult result;
   const std::size_t count = cycles.time_s.size(), spans = std::min(kPoints, count / kLeastCycles);
+  const auto through = [&](const std::vector<double>& values, std::size_t from, std::size_t n,
+                           Index terms) {
+    return polynomial(cycles.time_s.data() + from, cycles.weight.data() + from,
+                      values.data() + from, n, terms);
+  };
   const double omega = cycles.pole.imag() * cycles.sample_rate_hz;
   std::vector<double> times, frequencies, frequency_weights;
   for (std::size_t s = 0; s < spans; ++s) {
     const std::size_t from = count * s / spans, n = count * (s + 1) / spans - from;
-    const double* time = cycles.time_s.data() + from;
-    const double* weight = cycles.weight.data() + from;
-    const FittedLine size = weighted_line(time, weight, cycles.log_size.data() + from, n);
-    const FittedLine turn = weighted_line(time, weight, cycles.turn.data() + from, n);
-    const double middle = 0.5 * (time[0] + time[n - 1]), std = std::sqrt(size.slope_variance);
-    const double rate = -size.slope, w = omega + turn.slope, modulus = std::hypot(rate, w);
-    EnvelopePoint point;
-    point.time_s = middle;
-    point.amplitude = std::exp(size.at(middle));
-    point.frequency_hz = {w / kTwoPi, std / kTwoPi};
-    point.damping_ratio = {rate / modulus, std / modulus};
-    result.points.push_back(point);
-    times.push_back(middle);
-    frequencies.push_back(w / kTwoPi), frequency_weights.push_back(kTwoPi * kTwoPi / (std * std));
+    const auto size = through(cycles.log_size, from, n, 2), turn = through(cycles.turn, from, n, 2);
+    const double middle = 0.5 * (cycles.time_s[from] + cycles.time_s[from + n - 1]);
+    const double rate = -size.coefficients(1), std = size.std(1);
+    const double w = omega + turn.coefficients(1), modulus = std::hypot(rate, w);
+    times.push_back(middle), frequencies.push_back(w / kTwoPi);
+    frequency_weights.push_back(kTwoPi * kTwoPi / (std * std));
+    // As in the modes: no free oscillation takes energy in.
+    result.points.push_back({middle,
+                             std::exp(size.coefficients(0) - rate * middle),
+                             {w / kTwoPi, std / kTwoPi},
+                             {std::max(0.0, rate / modulus), std / modulus}});
   }
   if (spans < 2) return result;
-  const FittedLine drift =
-      weighted_line(times.data(), frequency_weights.data(), frequencies.data(), spans);
+  const auto drift =
+      polynomial(times.data(), frequency_weights.data(), frequencies.data(), spans, 2);
   const double lasted = times.back() - times.front();
-  result.frequency_drift_hz = {drift.slope * lasted,
-                               std::sqrt(widened_variance(drift, spans)) * lasted};
-  result.law = law_of(cycles);
-  // As in the modes: no free oscillation takes energy in.
-  for (auto& p : result.points) p.damping_ratio.value = std::max(0.0, p.damping_ratio.value);
+  const double widening = spans > 2 ? std::max(1.0, drift.widening) : 1;
+  result.frequency_drift_hz = {drift.coefficients(1) * lasted, drift.std(1) * widening * lasted};
+  const auto size = through(cycles.log_size, 0, count, 3);
+  const double curve = size.coefficients(2) / size.std(2);
+  // Under friction damping rises as the motion dies.
+  if (curve * curve > kLawGain) result.law = curve < 0 ? DecayLaw::friction : DecayLaw::drag;
   return result;
 }
 

@@ -28,6 +28,11 @@ struct Column {
   Complex factor;
 };
 
+/// Real and imaginary parts in turn, down the columns.
+Eigen::Map<Eigen::MatrixXd> parts_of(Eigen::MatrixXcd& z) {
+  return {reinterpret_cast<double*>(z.data()), 2 * z.rows(), z.cols()};
+}
+
 /// Linear parameters at given poles, and what is left. The background is a mode after the others,
 /// of pole 0.
 class Problem {
@@ -43,10 +48,12 @@ class Problem {
     y_.setZero(block, blocks);
     y_.reshaped().head(y.size()) = y;
     for (const Index j : missing) y_.reshaped()(j) = 0;
+    times_ = Eigen::VectorXd::LinSpaced(y_.size(), 0, static_cast<double>(y_.size() - 1) / n_)
+                 .reshaped(block, blocks);
     residual_ = y_;
     fit.residual_sum_squares = y_.squaredNorm();
-    basis_.resize(block, 2 * m_ + 2);
-    heads_.setOnes(blocks, m_ + 1);
+    basis_.resize(block, 2 * m_);
+    heads_.resize(m_, blocks);
     for (Index k = 0; k < 4 * m_; ++k) {
       const Complex pole = start[static_cast<std::size_t>(k / 4)];
       // Parts of a pole on an axis that stay, and the amplitude's imaginary part of an offset.
@@ -107,12 +114,12 @@ class Problem {
     fit.poles.assign(at.begin(), at.end());
     fit.amplitudes.assign(fit.poles.size(), 0);
     fit.offset = fit.drift = 0;
-    for (Index m = 0; m <= m_; ++m) {
-      const ArrayXcd z = powers(poles_(m), basis_.rows());
+    for (Index m = 0; m < m_; ++m) {
+      const ArrayXcd z = powers(at(m), basis_.rows());
       basis_.col(2 * m) = z.real(), basis_.col(2 * m + 1) = z.imag();
       // Not by powers(), which would put one rounding of a phase into half of the blocks.
-      for (Index b = 0; b < heads_.rows(); ++b) {
-        heads_(b, m) = std::exp(poles_(m) * static_cast<double>(b * basis_.rows()));
+      for (Index b = 0; b < heads_.cols(); ++b) {
+        heads_(m, b) = std::exp(at(m) * static_cast<double>(b * basis_.rows()));
       }
     }
     heads_ = (heads_.abs() > kNegligible).select(heads_, Complex(0));
@@ -145,46 +152,27 @@ class Problem {
   // Residual at the present linear parameters, its sum of squares and the gradient. `first`: all of
   // them are 0, and only their part of the gradient is asked for.
   void project(bool first) {
-    const Index blocks = heads_.rows(), size = basis_.cols();
-    const Eigen::ArrayXd l =
-        Eigen::ArrayXd::LinSpaced(basis_.rows(), 0, static_cast<double>(basis_.rows() - 1)) / n_;
-    const Eigen::ArrayXd times =
-        Eigen::ArrayXd::LinSpaced(blocks, 0, static_cast<double>((blocks - 1) * basis_.rows())) /
-        n_;
-    basis_.col(size - 1) = l;  // the background's are 1 and j/N
     residual_ = y_;
     if (!first) {
-      Eigen::MatrixXd factors(size, blocks);
-      for (Index m = 0; m < m_; ++m) {
-        const ArrayXcd c = fit.amplitudes[static_cast<std::size_t>(m)] * heads_.col(m);
-        factors.row(2 * m) = c.real(), factors.row(2 * m + 1) = -c.imag();
-      }
-      factors.row(size - 2) = fit.offset + fit.drift * times;
-      factors.row(size - 1).setConstant(fit.drift);
-      residual_.noalias() -= basis_ * factors;
+      const Eigen::Map<const Eigen::VectorXcd> c(fit.amplitudes.data(), m_);
+      // Conjugated: Re(c z) is the product of (Re, Im) of conj(c) with those of z.
+      Eigen::MatrixXcd factors = (c.asDiagonal() * heads_.matrix()).conjugate();
+      residual_.noalias() -= basis_ * parts_of(factors);
+      residual_.array() -= fit.offset + fit.drift * times_.array();
       residual_.reshaped().tail(residual_.size() - fit.samples).setZero();
       for (const Index j : missing_) residual_.reshaped()(j) = 0;
     }
     fit.residual_sum_squares = residual_.squaredNorm();
-    // Sums of the residual with z^j and (j/N) z^j, by mode; the background's second is j/N.
-    Eigen::MatrixXd columns(basis_.rows(), first ? size : 2 * size - 2);
-    columns.leftCols(size) = basis_;
-    if (!first) columns.rightCols(size - 2) = l.matrix().asDiagonal() * basis_.leftCols(size - 2);
-    const Eigen::MatrixXd with = columns.transpose() * residual_;
-    const auto sums = [&](Index row, Index m) {
-      ArrayXcd sum(blocks);
-      sum.real() = with.row(row).transpose().array(),
-      sum.imag() = with.row(row + 1).transpose().array();
-      return (sum * heads_.col(m)).eval();
+    // Sums of the residual with z^j and (j/N) z^j, by mode, the background's 1 and j/N.
+    Eigen::MatrixXcd products = Eigen::MatrixXcd::Zero(m_ + 1, 2), with(m_, heads_.cols());
+    const auto multiply = [&](const Eigen::MatrixXd& samples, Index power) {
+      products(m_, power) = samples.sum();
+      if (first && power == 1) return;
+      parts_of(with).noalias() = basis_.transpose() * samples;
+      products.col(power).head(m_) = (with.array() * heads_).rowwise().sum();
     };
-    Eigen::MatrixXcd products = Eigen::MatrixXcd::Zero(m_ + 1, 2);
-    for (Index m = 0; m < m_; ++m) {
-      const ArrayXcd zero = sums(2 * m, m);
-      products(m, 0) = zero.sum();
-      if (!first) products(m, 1) = (times * zero + sums(size + 2 * m, m)).sum();
-    }
-    products(m_, 0) = with.row(size - 2).sum();
-    products(m_, 1) = with.row(size - 1).sum() + with.row(size - 2).dot(times.matrix());
+    multiply(residual_, 0);
+    multiply(residual_.cwiseProduct(times_), 1);
     gradient_.resize(fit.jacobian_gram.rows());
     for (Index k = 0; k < gradient_.size(); ++k) {
       const auto [power, factor] = column(k);
@@ -242,7 +230,9 @@ class Problem {
     }
   }
 
-  Eigen::MatrixXd y_, residual_;  // a block a column, 0 where missing and behind the end
+  // A block a column; 0 where missing and behind the end.
+  Eigen::MatrixXd y_, residual_;
+  Eigen::MatrixXd times_;  // j/N
   std::span<const Index> missing_;
   double n_;
   Index m_;
@@ -250,8 +240,8 @@ class Problem {
   std::span<const KnownTone> known_;  // the first poles'
   // Parameters that are free, in the order of `jacobian_gram`: linear ones, and parts of poles.
   std::vector<Index> linear_, moving_;
-  Eigen::MatrixXd basis_;   // in a block: Re z^l and Im z^l of each mode, 1 and l/N
-  Eigen::ArrayXXcd heads_;  // z^b, b the first sample of each block, by mode
+  Eigen::MatrixXd basis_;   // in a block: Re z^l and Im z^l of each mode
+  Eigen::ArrayXXcd heads_;  // modes x blocks: z^b, b the first sample of each
   Eigen::VectorXd gradient_;
 };
 

@@ -3,7 +3,6 @@
 #include <gsl/gsl_cdf.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -38,7 +37,7 @@ class DecayModeSearch {
     search.lowest = lowest, search.highest = highest, search.candidates = 3;
     // Half of what noise may show: Fisher's test of the fit decides.
     search.energy_over_noise = (first ? 0.5 : 1) * threshold();
-    const auto found = distinct_decays(decay_peaks(fit.residual, search), n_, search);
+    const auto found = search_decays(fit.residual, search);
     std::optional<DampedSinusoidsFit> best;
     for (const auto& candidate : found) {
       if (first && candidate.energy < 0.3 * found.front().energy) break;
@@ -65,7 +64,9 @@ class DecayModeSearch {
     const double white = more.residual_sum_squares / static_cast<double>(more.degrees);
     for (std::size_t m = 0; m < more.poles.size(); ++m) {
       if (is_offset(more.poles[m])) continue;
-      if (!plausible_decay(more.poles[m], n_)) return false;
+      // Under a third of a cycle, or growing by e^2.9, at the bounds of the fit.
+      const Complex over_record = more.poles[m] * static_cast<double>(n_);
+      if (over_record.imag() < 0.3 * kTwoPi || over_record.real() > 2.9) return false;
       const auto k = static_cast<Index>(4 * m);
       const double a_std = std::sqrt(white * more.unit_covariance(k + 2, k + 2));
       const double w_std = std::sqrt(white * more.unit_covariance(k + 3, k + 3));
@@ -141,8 +142,8 @@ class DecayModeSearch {
   Index n_;
 };
 
-/// The mode that noise passes for most readily where the noise is larger while the mode lasts than
-/// over the record; nothing when all stand out.
+/// The mode that noise passes for most readily, of the residual's colour and as large as it is
+/// while the mode lasts; nothing when all stand out.
 std::optional<std::size_t> passing_for_noise(const DampedSinusoidsFit& fit) {
   const ResidualNoise noise = residual_noise(fit.residual, fit.degrees);
   const FitUncertainty uneven = fit_uncertainty(fit, noise);
@@ -155,7 +156,7 @@ std::optional<std::size_t> passing_for_noise(const DampedSinusoidsFit& fit) {
     const double widening = uneven.widening_of_mode(m);
     const double variance = widening * noise.white_equivalent(fit.poles[m].imag() / kTwoPi);
     const double evidence = mode_energy(fit, m) / std::max(needed * variance, 1e-300);
-    if (widening > 1 && evidence < least) least = evidence, weakest = m;
+    if (evidence < least) least = evidence, weakest = m;
   }
   return weakest;
 }
@@ -187,19 +188,10 @@ bool DecayBand::contains(Complex pole) const {
   return !is_tone(pole) && !is_offset(pole) && (all || (f >= low && f <= high));
 }
 
-bool plausible_decay(Complex pole, Index samples) {
-  const double cycles = pole.imag() / kTwoPi * static_cast<double>(samples);
-  return cycles > 0.3 && pole.real() * static_cast<double>(samples) < 2.9;
-}
-
 double damping_ratio_of(Complex pole) { return -pole.real() / std::abs(pole); }
 
 double mode_energy(const DampedSinusoidsFit& fit, std::size_t m) {
-  std::array<Complex, 1> plain, square;
-  power_sums(std::exp(2.0 * fit.poles[m]), fit.samples, plain);
-  power_sums(std::exp(2.0 * fit.poles[m].real()), fit.samples, square);
-  const Complex c = fit.amplitudes[m];
-  return 0.5 * ((c * c * plain[0]).real() + std::norm(c) * square[0].real());
+  return fit.mode_signal(m).squaredNorm();
 }
 
 std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,

@@ -4,7 +4,7 @@
 // A mode is taken when the energy that it explains exceeds what the best of all cells of the search
 // (decay_search.h) takes out of noise with the chance kFalseAlarm, when its pole is determined by
 // the samples, and when it does not merely correct another mode that departs from an exponential.
-// A mode that noise could imitate, because the noise is larger while the mode lasts
+// A mode that noise of the residual's colour could imitate, as large as it is while the mode lasts
 // (residual_noise.h), is removed at the end.
 #pragma once
 
@@ -58,9 +58,6 @@ inline constexpr int kMostModes = 12;
                                         std::span<const std::size_t> modes);
 /// The mode with the largest energy in the band.
 [[nodiscard]] std::size_t strongest_mode(const DampedSinusoidsFit& fit, const DecayBand& band);
-/// Whether a pole can be an oscillation within `samples`: damping ratio under 0.9, at least 0.3
-/// cycles, growth by at most e^2.9.
-[[nodiscard]] bool plausible_decay(std::complex<double> pole, Eigen::Index samples);
 /// -Re p / |p|.
 [[nodiscard]] double damping_ratio_of(std::complex<double> pole);
 

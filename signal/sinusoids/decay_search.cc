@@ -56,7 +56,7 @@ Eigen::VectorXd without_trend(const Eigen::Ref<const Eigen::VectorXd>& y) {
 namespace {
 
 // So many peaks are kept: what is distinct among them is enough.
-constexpr std::size_t kKeep = 64;
+constexpr std::ptrdiff_t kKeep = 64;
 
 /// Adds the peaks of the filter of decay rate a, and keeps the strongest.
 void add_peaks(const LineSpectrum& spectrum, double a, const DecaySearchOptions& options,
@@ -69,19 +69,11 @@ void add_peaks(const LineSpectrum& spectrum, double a, const DecaySearchOptions&
   const Index first = std::max<Index>(1, static_cast<Index>(std::ceil(lowest * per_cycle)));
   const Index last = std::min<Index>(power.size() - 1,
                                      static_cast<Index>(std::floor(options.highest * per_cycle)));
-  double least = 1e-16 * spectrum.total;
-  // Long records have a peak for every third line. What is left out from here on is too weak for
-  // its parabola, which adds an eighth at most, to lift it among those that are kept.
-  const auto keep_strongest = [&] {
-    if (found.size() <= kKeep) return;
-    const auto weakest = found.begin() + static_cast<std::ptrdiff_t>(kKeep) - 1;
-    std::ranges::nth_element(found, weakest, std::greater(), &DecayCandidate::energy);
-    found.resize(kKeep);
-    least = std::max(least, found.back().energy / 1.125);
-  };
   for (Index k = first; k <= last; ++k) {
     const double p = power(k);
-    if (p < least || (k > first && power(k - 1) > p) || (k < last && power(k + 1) >= p)) continue;
+    if (p < 1e-16 * spectrum.total || (k > first && power(k - 1) > p) ||
+        (k < last && power(k + 1) >= p))
+      continue;
     double shift = 0, peak = p;
     if (k + 1 < power.size()) {
       const double left = power(k - 1), right = power(k + 1), bend = left - 2 * p + right;
@@ -92,13 +84,10 @@ void add_peaks(const LineSpectrum& spectrum, double a, const DecaySearchOptions&
     }
     const double frequency = std::clamp((static_cast<double>(k) + shift) / per_cycle, lowest, 0.5);
     found.push_back({Complex(-std::max(a, kFreeDecay / n), kTwoPi * frequency), peak, 0});
-    if (found.size() >= 4 * kKeep) keep_strongest();
   }
-  keep_strongest();
-}
-
-void read_noise(std::vector<DecayCandidate>& peaks, const LineSpectrum& undamped) {
-  for (auto& c : peaks) c.noise_variance = noise_near(undamped, c.pole);
+  if (std::ssize(found) <= kKeep) return;
+  std::ranges::nth_element(found, found.begin() + kKeep, std::greater(), &DecayCandidate::energy);
+  found.erase(found.begin() + kKeep, found.end());
 }
 
 /// The output of the filter of decay rate a.
@@ -140,48 +129,28 @@ double noise_near(const LineSpectrum& undamped, Complex pole) {
   return std::max(middle / (2 * std::numbers::ln2), 1e-30 * undamped.total / n);
 }
 
-std::vector<DecayCandidate> search_lines(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                         const DecaySearchOptions& options) {
-  if (y.size() < 4) return {};
-  const LineSpectrum undamped = line_spectrum(y);
-  std::vector<DecayCandidate> found;
-  add_peaks(undamped, 0, options, found);
-  read_noise(found, undamped);
-  return distinct_decays(std::move(found), y.size(), options);
-}
-
-std::vector<DecayCandidate> decay_peaks(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                        const DecaySearchOptions& options) {
+std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                          const DecaySearchOptions& options) {
   const auto n = static_cast<double>(y.size());
   if (y.size() < 4) return {};
   const LineSpectrum undamped = line_spectrum(y);
-  std::vector<DecayCandidate> found;
-  add_peaks(undamped, 0, options, found);
+  std::vector<DecayCandidate> peaks, distinct;
+  add_peaks(undamped, 0, options, peaks);
   for (double decays = 1; decays <= 2 * n; decays *= 2.5) {
-    add_peaks(filtered(y, decays / n), decays / n, options, found);
+    add_peaks(filtered(y, decays / n), decays / n, options, peaks);
   }
-  read_noise(found, undamped);
-  return found;
-}
-
-std::vector<DecayCandidate> distinct_decays(std::vector<DecayCandidate> peaks, Index samples,
-                                            const DecaySearchOptions& options) {
   // Strongest first: what is weaker may be no more than the spread skirt of what is stronger.
-  std::erase_if(peaks, [&](const DecayCandidate& c) {
-    return c.energy < options.energy_over_noise * c.noise_variance;
-  });
-  std::sort(peaks.begin(), peaks.end(),
-            [](const auto& l, const auto& r) { return l.energy > r.energy; });
-  // Distinct: further apart than the lines' own widths.
-  std::vector<DecayCandidate> distinct;
-  for (const auto& c : peaks) {
+  std::ranges::sort(peaks, std::greater(), &DecayCandidate::energy);
+  for (auto& c : peaks) {
     if (static_cast<int>(distinct.size()) >= options.candidates) break;
-    const bool same = std::any_of(distinct.begin(), distinct.end(), [&](const DecayCandidate& d) {
-      const double width =
-          kTwoPi / static_cast<double>(samples) - 0.5 * (c.pole.real() + d.pole.real());
+    // Distinct: further apart than the lines' own widths.
+    const bool same = std::ranges::any_of(distinct, [&](const DecayCandidate& d) {
+      const double width = kTwoPi / n - 0.5 * (c.pole.real() + d.pole.real());
       return std::abs(c.pole.imag() - d.pole.imag()) < 1.5 * width;
     });
-    if (!same) distinct.push_back(c);
+    if (same) continue;
+    c.noise_variance = noise_near(undamped, c.pole);
+    if (c.energy >= options.energy_over_noise * c.noise_variance) distinct.push_back(c);
   }
   return distinct;
 }

@@ -43,18 +43,10 @@ struct LineSpectrum {
 /// White-equivalent variance of a sample beside a pole.
 [[nodiscard]] double noise_near(const LineSpectrum& spectrum, std::complex<double> pole);
 
-/// Strongest distinct peaks of the undamped filter alone.
-[[nodiscard]] std::vector<DecayCandidate> search_lines(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                                       const DecaySearchOptions& options = {});
-
-/// The strongest peaks of the damped bank between `lowest` and `highest`, with their noise,
-/// unordered and not distinct. `y` should have its offset and trend removed.
-[[nodiscard]] std::vector<DecayCandidate> decay_peaks(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                                      const DecaySearchOptions& options = {});
-/// The strongest distinct ones of `peaks` of a record of `samples` samples, by energy.
-[[nodiscard]] std::vector<DecayCandidate> distinct_decays(std::vector<DecayCandidate> peaks,
-                                                          Eigen::Index samples,
-                                                          const DecaySearchOptions& options = {});
+/// The strongest distinct peaks of the bank, by energy. `y` should have its offset and trend
+/// removed.
+[[nodiscard]] std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                                        const DecaySearchOptions& options = {});
 
 /// Energy over noise that the best of all cells of the bank exceeds in noise alone with probability
 /// `false_alarm`.

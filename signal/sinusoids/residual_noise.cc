@@ -44,10 +44,6 @@ Eigen::ArrayXd prediction_errors(const Eigen::MatrixXd& covariance) {
 
 }  // namespace
 
-double prediction_error(const Eigen::Ref<const Eigen::VectorXd>& x, Index order) {
-  return prediction_errors(autocovariance(x, std::min(order, x.size() - 1))).tail<1>().value();
-}
-
 ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual, Index degrees) {
   ResidualNoise noise;
   const double sum = residual.squaredNorm();
@@ -68,21 +64,6 @@ ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual, 
       covariance.topLeftCorner(order, order).llt().solve(covariance.col(0).segment(1, order));
   noise.innovation_variance *= errors(order) / sum;
   return noise;
-}
-
-double FitUncertainty::widening(Index k) const {
-  return deviation(k) > kUneven ? std::max(1.0, variance_ratio(k)) : 1;
-}
-
-double FitUncertainty::widening_of_mode(std::size_t m) const {
-  const auto k = static_cast<Index>(4 * m);
-  return std::max({widening(k), widening(k + 1), widening(k + 2), widening(k + 3)});
-}
-
-Eigen::MatrixXd FitUncertainty::widened() const {
-  Eigen::VectorXd factor(covariance.rows());
-  for (Index k = 0; k < factor.size(); ++k) factor(k) = std::sqrt(widening(k));
-  return factor.asDiagonal() * covariance * factor.asDiagonal();
 }
 
 FitUncertainty fit_uncertainty(const DampedSinusoidsFit& fit, const ResidualNoise& noise) {
@@ -124,10 +105,11 @@ FitUncertainty fit_uncertainty(const DampedSinusoidsFit& fit, const ResidualNois
   out.covariance =
       order > 0 ? (variance * products).eval() : (noise.variance * fit.unit_covariance).eval();
   const double scatter = fourth_powers - squares * squares / std::max(count, 1.0);
-  out.variance_ratio = with_e / (variance * weights).max(1e-300);
-  out.deviation =
-      (with_e - variance * weights) /
+  const Eigen::ArrayXd even = variance * weights;
+  const Eigen::ArrayXd deviation =
+      (with_e - even) /
       ((squared_weights - weights.square() / count) * scatter / count).max(1e-300).sqrt();
+  out.widening = (deviation > kUneven).select((with_e / even.max(1e-300)).max(1), 1);
   return out;
 }
 

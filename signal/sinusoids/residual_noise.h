@@ -36,23 +36,16 @@ struct ResidualNoise {
 [[nodiscard]] ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual,
                                            Eigen::Index degrees);
 
-/// Sum of squares of what an autoregression of that order leaves of `x` (zeros where missing).
-[[nodiscard]] double prediction_error(const Eigen::Ref<const Eigen::VectorXd>& x,
-                                      Eigen::Index order);
-
-/// An element a parameter, order of `DampedSinusoidsFit::jacobian_gram`.
 struct FitUncertainty {
-  Eigen::MatrixXd covariance;      ///< under noise of constant variance
-  Eigen::VectorXd variance_ratio;  ///< the sandwich's variance over that
-  Eigen::VectorXd deviation;       ///< z
+  Eigen::MatrixXd covariance;  ///< under noise of constant variance
+  /// Factor on the variance of each parameter, order of `DampedSinusoidsFit::jacobian_gram`: the
+  /// sandwich's where z is above 3.09, which even noise exceeds once in a thousand times, else 1.
+  Eigen::ArrayXd widening;
 
-  /// Factor on the variance of parameter k: 1 where z is below 3.09, which even noise exceeds once
-  /// in a thousand times.
-  [[nodiscard]] double widening(Eigen::Index k) const;
-  /// The largest of those of a mode's four parameters.
-  [[nodiscard]] double widening_of_mode(std::size_t m) const;
-  /// The covariance where the variance changes.
-  [[nodiscard]] Eigen::MatrixXd widened() const;
+  /// The largest factor of a mode's four parameters.
+  [[nodiscard]] double widening_of_mode(std::size_t m) const {
+    return widening.segment<4>(static_cast<Eigen::Index>(4 * m)).maxCoeff();
+  }
 };
 
 /// `fit` must not be rank-deficient.

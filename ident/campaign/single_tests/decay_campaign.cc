@@ -32,7 +32,7 @@ const signal::DecayMode* same_mode(const signal::DecayMode& mode,
   double least = 0.05 * mode.frequency_hz.value;
   for (const auto& one : other.modes) {
     const double apart = std::abs(one.frequency_hz.value - mode.frequency_hz.value);
-    if (apart < least && !one.doubtful) least = apart, best = &one;
+    if (apart < least) least = apart, best = &one;
   }
   return best;
 }
