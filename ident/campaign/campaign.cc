@@ -70,8 +70,7 @@ bool apply_fit(const CampaignResult& so_far, std::size_t index, std::optional<do
   }
   for (const auto& parameter : so_far.inputs.fits[index].free) {
     if (!own && parameter.per_state) continue;
-    const auto& targets = parameter.targets;
-    for (const auto& name : targets.empty() ? std::vector{parameter.name} : targets) {
+    for (const auto& name : parameter.all_targets()) {
       model::set_parameter(scene, name, model::parameter(result.scenes[from], name));
     }
   }

@@ -149,7 +149,7 @@ std::string text_of(const PlanTest& test, const PlanCandidates& candidates,
 // Parameters whose value differs between the states become one per state.
 void part_by_state(const std::vector<UpdateState>& states, std::vector<FreeParameter>& free) {
   for (auto& parameter : free) {
-    const auto& target = parameter.targets.empty() ? parameter.name : parameter.targets.front();
+    const auto target = parameter.all_targets().front();
     const double own = model::parameter(states.front().scene, target);
     if (std::ranges::all_of(states, [&](const auto& state) {
           return model::parameter(state.scene, target) == own;
@@ -211,7 +211,7 @@ std::string what_it_takes(const PlanCandidates& candidates, const PlannedGoal& g
   const double wanted = goal.wanted_std / by_coordinate(candidates, i);
   const double excess = least(i, i) - wanted * wanted;
   if (excess <= 0) {
-    return candidates.problem.inputs().empty()
+    return candidates.problem.size() == candidates.problem.parameter_count()
                ? "allow more sensors, hits or longer records"
                : "allow more sensors, hits or longer records, or know the uncertain inputs better";
   }

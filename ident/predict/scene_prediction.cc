@@ -277,8 +277,6 @@ std::vector<HeldAgainst> held_against(const ModePrediction& prediction,
     one.predicted_hz = mode.frequency_hz;
     one.relative_error = mode.frequency_hz.value / f.value - 1;
     const double std = std::isfinite(f.std) ? f.std : 0;
-    one.standard_units =
-        (mode.frequency_hz.value - f.value) / std::hypot(mode.frequency_hz.std, std);
     // The measured value's own uncertainty is part of what the interval must hold.
     const double reach = coverage_factor(0.95, 0) * std;
     one.inside = f.value >= std::min(mode.low_hz, mode.frequency_hz.value - reach) &&

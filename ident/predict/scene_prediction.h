@@ -133,7 +133,6 @@ struct HeldAgainst {
   int mode = -1;  ///< index in the prediction; -1: not paired, and what follows is NaN
   signal::Estimate predicted_hz{signal::kNaN, signal::kNaN};
   double relative_error = signal::kNaN;  ///< predicted over measured - 1
-  double standard_units = signal::kNaN;  ///< difference over the std of both together
   bool inside = false;                   ///< the measured frequency in the predicted 95 % interval
 
   [[nodiscard]] bool paired() const { return mode >= 0; }
@@ -153,7 +152,6 @@ struct HeldAgainst {
                       field("predicted_hz", within(&T::predicted_hz, &Estimate::value)),
                       field("", where(&T::paired, &T::error), "%", "error", ""),
                       field("relative_error", &T::relative_error),
-                      field("standard_units", &T::standard_units, "", "over std", "", 3),
                       field("inside", where(&T::paired, &T::inside), "", "in 95 %", "")};
   }
 };

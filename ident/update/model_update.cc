@@ -19,8 +19,7 @@ namespace {
 using signal::kNaN;
 
 // The answer's values, and its pairs.
-void state_values(const UpdateProblem& problem, const UpdateSolution& answer,
-                  UpdateResult& result) {
+void state_values(const UpdateProblem& problem, const UpdateAnswer& answer, UpdateResult& result) {
   const auto& coordinates = problem.coordinates();
   result.coordinates = answer.q;
   for (std::size_t j = 0; j < result.parameters.size(); ++j) {
@@ -42,7 +41,7 @@ void state_values(const UpdateProblem& problem, const UpdateSolution& answer,
 
 // Everything in the result that follows from the answer.
 void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
-                  const UpdateSolution& answer, UpdateResult& result) {
+                  const UpdateAnswer& answer, UpdateResult& result) {
   const auto& matches = answer.matches.matches;
   result.status = answer.converged ? UpdateStatus::converged : UpdateStatus::not_converged;
   if (!answer.converged) {
@@ -62,11 +61,10 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
 
 // Moves the answer, pairs kept, to the minimum of `trial`, which `problem` becomes; neither moves
 // where no minimum is found.
-bool move_to(UpdateProblem trial, const UpdateOptions& options, UpdateProblem& problem,
-             UpdateSolution& answer) {
+bool move_to(UpdateProblem trial, UpdateProblem& problem, UpdateAnswer& answer) {
   Eigen::VectorXd q = answer.q;
   double cost = 0;
-  if (!minimise(trial, answer.matches.matches, options, q, cost)) return false;
+  if (!minimise(trial, answer.matches.matches, q, cost)) return false;
   answer.q = std::move(q);
   problem = std::move(trial);
   return true;
@@ -75,16 +73,16 @@ bool move_to(UpdateProblem trial, const UpdateOptions& options, UpdateProblem& p
 // The minimum without an error of the model (the search allows for one), with noisy lines of FRFs
 // by their difference and the error of "auto" segments taken off, twice over as the parameters
 // move; then, where its misfit asks for it, the minimum with an error of the model.
-UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateSolution& answer) {
+UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateAnswer& answer) {
   constexpr int kPasses = 2;
   const auto& matches = answer.matches.matches;
   // What the search left is no minimum of this problem.
-  if (!move_to(problem.with(&UpdateVariant::frf_differences, true), options, problem, answer)) {
+  if (!move_to(problem.with(&UpdateVariant::frf_differences, true), problem, answer)) {
     answer.converged = false;
   }
   for (int pass = 0; pass < kPasses && options.segment_uncertainty; ++pass) {
     UpdateProblem resolved = problem.with_resolved_modes(answer.q);
-    if (!resolved.variant().segment_errors || !move_to(resolved, options, problem, answer)) break;
+    if (!resolved.variant().segment_errors || !move_to(resolved, problem, answer)) break;
   }
   UpdateFit fit = misfit_of(problem, matches, answer.q);
   if (!(fit.p_value < kUnlikelyMisfit) || (problem.has_frfs() && !fit.stated)) return fit;
@@ -93,7 +91,7 @@ UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateSol
   auto& allowed = problem.has_frfs() ? fit.frf_model_std : fit.model_std;
   if (move_to(problem.has_frfs() ? problem.with(&UpdateVariant::frf_model_std, tau)
                                  : problem.with_model_std(tau),
-              options, problem, answer)) {
+              problem, answer)) {
     allowed = tau;
   }
   return fit;
@@ -103,15 +101,16 @@ UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateSol
 // so that the pairs stay; its own parameters stay as they were known before. `problem` and `answer`
 // as settled with the state in.
 HeldOut hold_out(const UpdateProblem& problem, const UpdateOptions& options,
-                 const UpdateSolution& answer, const UpdateResult& result, int s) {
+                 const UpdateAnswer& answer, const UpdateResult& result, int s) {
   HeldOut held;
   held.state = s;
   held.name = problem.states()[static_cast<std::size_t>(s)].name;
   UpdateProblem others = problem.with(&UpdateVariant::held_out, s);
-  UpdateSolution rest = answer;
+  const UpdateProblem alone = problem.with(&UpdateVariant::only, s);
+  UpdateAnswer rest = answer;
   std::erase_if(rest.matches.matches, [&](const auto& match) { return match.state == s; });
-  held.status = move_to(others, options, others, rest) ? UpdateStatus::converged
-                                                       : UpdateStatus::not_converged;
+  held.status =
+      move_to(others, others, rest) ? UpdateStatus::converged : UpdateStatus::not_converged;
   for (Eigen::Index j = 0; j < problem.size(); ++j) {
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
     if (coordinate.state == s) rest.q[j] = coordinate.start;
@@ -123,12 +122,12 @@ HeldOut hold_out(const UpdateProblem& problem, const UpdateOptions& options,
   held.rms_before = rms_of_pairs(before);
   if (problem.has_frfs()) {
     const Eigen::VectorXd start = problem.start();
-    held.frf_before = others.rms_log_frf_error(start, s);
+    held.frf_before = alone.rms_log_frf_error(start);
     held.frf_fitted = others.rms_log_frf_error(rest.q);
-    held.frf_predicted = others.rms_log_frf_error(rest.q, s);
+    held.frf_predicted = alone.rms_log_frf_error(rest.q);
   }
   std::string failure;
-  const auto found = problem.match(rest.q, failure, s);
+  const auto found = alone.match(rest.q, failure);
   held.pairs = problem.pairs(rest.q, found.matches);
   held.rms_predicted = rms_of_pairs(held.pairs);
   UpdateResult fit;
@@ -167,30 +166,26 @@ std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions
     answers = find_answers(problem.modes_alone(), options, result.starts, failure);
   } else if (problem.has_frfs()) {
     answers.resize(1);
-    answers.front().solution.q = problem.start();
+    answers.front().q = problem.start();
     result.starts = 1;
   } else {
     failure = "no mode and no FRF was measured";
   }
-  if (answers.empty()) return answers;
-  if (problem.modes_only()) return answers;
+  if (answers.empty() || problem.modes_only()) return answers;
   if (options.segment_uncertainty) {
-    const auto& first = answers.front().solution;
+    const auto& first = answers.front();
     problem = problem.with_resolving_segments(first.matches.matches, first.q);
-    result.segment_factor = problem.variant().segment_factor;
   }
   UpdateAnswer best;
   for (auto& answer : answers) {
-    auto& solution = answer.solution;
-    solution.converged =
-        minimise(problem, solution.matches.matches, options, solution.q, solution.cost);
-    if (!cost_of(problem, solution.matches.matches, solution.q, solution.cost)) {
-      continue;
+    answer.converged = minimise(problem, answer.matches.matches, answer.q, answer.cost);
+    if (cost_of(problem, answer.matches.matches, answer.q, answer.cost) &&
+        answer.cost < best.cost) {
+      best = answer;
     }
-    if (solution.cost < best.solution.cost) best = answer;
   }
   failure = "no response of the model there";
-  return best.solution.q.size() > 0 ? std::vector<UpdateAnswer>{best} : std::vector<UpdateAnswer>{};
+  return best.q.size() > 0 ? std::vector<UpdateAnswer>{best} : std::vector<UpdateAnswer>{};
 }
 
 struct SettledAnswer {
@@ -206,8 +201,8 @@ std::vector<SettledAnswer> settled_answers(const UpdateProblem& problem,
                                            UpdateResult& result) {
   std::vector<SettledAnswer> settled;
   for (auto answer : answers) {
-    UpdateProblem whole = problem.with_hits(answer.solution.q);
-    const UpdateFit fit = settle(options, whole, answer.solution);
+    UpdateProblem whole = problem.with_hits(answer.q);
+    const UpdateFit fit = settle(options, whole, answer);
     // Where the model cannot be solved the evidence of the search stands.
     if (problem.modes_only()) (void)weigh(whole, answer);
     settled.push_back({std::move(whole), std::move(answer), fit});
@@ -225,7 +220,7 @@ std::vector<SettledAnswer> settled_answers(const UpdateProblem& problem,
 
 /// A fit with the error of the scenes' own segments taken off says what they shift.
 void state_segment_shifts(const UpdateProblem& settled, const UpdateOptions& options,
-                          const UpdateSolution& answer, UpdateResult& result) {
+                          const UpdateAnswer& answer, UpdateResult& result) {
   const auto& states = settled.states();
   const bool given = std::any_of(states.begin(), states.end(), [](const UpdateState& state) {
     return std::any_of(state.scene.members.begin(), state.scene.members.end(),
@@ -233,8 +228,8 @@ void state_segment_shifts(const UpdateProblem& settled, const UpdateOptions& opt
   });
   if (!given || !options.segment_uncertainty || !settled.modes_only()) return;
   UpdateProblem resolved = settled.with_resolved_modes(answer.q, true);
-  UpdateSolution there = answer;
-  if (!move_to(resolved, options, resolved, there)) return;
+  UpdateAnswer there = answer;
+  if (!move_to(resolved, resolved, there)) return;
   for (std::size_t j = 0; j < result.parameters.size(); ++j) {
     auto& parameter = result.parameters[j];
     parameter.segment_shift =
@@ -283,15 +278,15 @@ UpdateResult update_model(const std::vector<UpdateState>& states,
   for (auto& [whole, answer, fit] : settled) {  // each with its own uncertainty
     UpdateResult other = plain;
     other.fit = fit;
-    state_answer(whole, options, answer.solution, other);
+    state_answer(whole, options, answer, other);
     alternatives.push_back(
-        {answer.solution.matches, other, answer.weight, answer.log_evidence, fit.model_std});
+        {answer.matches, other, answer.weight, answer.log_evidence, fit.model_std});
     if (alternatives.size() > 1) continue;
-    state_segment_shifts(whole, options, answer.solution, other);
+    state_segment_shifts(whole, options, answer, other);
     for (int s = 0; s < static_cast<int>(states.size()); ++s) {
-      other.scenes.push_back(whole.scene_at(s, answer.solution.q));
+      other.scenes.push_back(whole.scene_at(s, answer.q));
       if (!options.hold_out || states.size() < 2) continue;
-      other.held.push_back(hold_out(whole, options, answer.solution, other, s));
+      other.held.push_back(hold_out(whole, options, answer, other, s));
     }
     result = std::move(other);
     if (!problem.modes_only()) break;

@@ -37,14 +37,9 @@ struct VirtualAxialTest {
   SensorModel load_cell;
 };
 
-struct AxialTruth {
-  double frequency_hz = 0;  ///< damped
-  double damping_ratio = 0;
-};
-
 /// Exact damped frequency of the continuous system. Throws std::invalid_argument for values that
 /// are not positive and finite or a damping ratio outside [0, 1).
-[[nodiscard]] AxialTruth axial_truth(const VirtualAxialTest& test);
+[[nodiscard]] double axial_frequency_hz(const VirtualAxialTest& test);
 
 /// One record: channel "tension" in N.
 [[nodiscard]] signal::Recording virtual_axial_record(const VirtualAxialTest& test, Random& random);

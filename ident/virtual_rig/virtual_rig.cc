@@ -65,14 +65,12 @@ model::Load struck(const model::Scene& scene, const model::Load& meant,
 }
 
 // What the hammer's load cell reads, which sits along the hammer, whatever the blow's direction.
-Eigen::VectorXd hammer_force(const std::vector<model::Load>& loads, const Eigen::Vector3d& meant,
-                             double dt, Eigen::Index rows) {
+Eigen::VectorXd hammer_force(const std::vector<model::Load>& loads, double dt, Eigen::Index rows) {
   Eigen::VectorXd force = Eigen::VectorXd::Zero(rows);
   for (const auto& load : loads) {
-    const double sign = load.direction.dot(meant) < 0 ? -1 : 1;
     const model::LoadForce pulse(load, nullptr);
     for (Eigen::Index i = 0; i < rows; ++i) {
-      force[i] += sign * pulse.at(static_cast<double>(i) * dt);
+      force[i] += pulse.at(static_cast<double>(i) * dt);
     }
   }
   return force;
@@ -150,8 +148,7 @@ class Laboratory {
     record.recording = virtual_recording(options_.sample_rate_hz);
     if (hit > 0) {
       add_channel(record.recording, "force", signal::Quantity::force,
-                  decimated(hammer_force(scene_.loads, load.direction, 1 / rate, response.rows()),
-                            oversampled),
+                  decimated(hammer_force(scene_.loads, 1 / rate, response.rows()), oversampled),
                   &options_.instruments.hammer, random, load.direction);
     }
     for (std::size_t i = 0; i < sensors_.size(); ++i) {

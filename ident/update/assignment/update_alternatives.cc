@@ -17,6 +17,8 @@ namespace rigfit::ident {
 namespace {
 
 constexpr double kSearchError = 0.05;  // the model's, while looking around
+// The cost to a thousandth is ln(evidence) to a hundredth or so; what is kept is fitted anew.
+constexpr double kSearched = 1e-3;
 constexpr double kDampingErrors = 10;  // relative to those in frequency
 // Model error while assigning: the planes of a taut cable agree to 1e-5, its segments err by more.
 constexpr double kLeastStd = 2e-3;
@@ -50,10 +52,10 @@ double log_sum(double a, double b) {
 
 bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
   const UpdateProblem plain = problem.with_model_std(0);
-  const UpdateMatches& found = answer.solution.matches;
+  const UpdateMatches& found = answer.matches;
   Eigen::VectorXd r;
   Eigen::MatrixXd J;
-  if (!plain.residuals(answer.solution.q, found.matches, r, &J)) return false;
+  if (!plain.residuals(answer.q, found.matches, r, &J)) return false;
   const auto rows = plain.frequency_rows(found.matches);
   answer.log_evidence = -std::numeric_limits<double>::infinity();
   double best = answer.log_evidence;
@@ -100,10 +102,7 @@ namespace {
 class Search {
  public:
   Search(const UpdateProblem& problem, const UpdateOptions& options)
-      : problem_(problem), options_(options) {
-    // The cost to a thousandth is ln(evidence) to a hundredth or so; what is kept is fitted anew.
-    options_.function_tolerance = std::max(options_.function_tolerance, 1e-3);
-  }
+      : problem_(problem), options_(options) {}
 
   std::vector<UpdateAnswer> run(int& fits, std::string& failure) {
     std::vector<UpdateAnswer> answers;
@@ -115,21 +114,16 @@ class Search {
       }
     }
     start = within_bounds(std::move(start));
-    for (auto& seed : seeds_at(start, failure)) {
-      std::vector<UpdateAnswer> one{settled(std::move(seed))};
-      ++fits;
-      failure = one.front().solution.failure;
-      merge(std::move(one), answers);
-    }
-    const bool sure = !answers.empty() && explained(answers.front());
-    if (options_.starts > 1 && !sure) {
-      std::vector<Seed> seeds = look_around();
-      std::vector<UpdateAnswer> found(seeds.size());
-      in_parallel(seeds.size(), options_.threads,
-                  [&](std::size_t k) { found[k] = settled(std::move(seeds[k])); });
+    const auto settle = [&](std::vector<UpdateAnswer> seeds, int threads) {
+      in_parallel(seeds.size(), threads,
+                  [&](std::size_t k) { seeds[k] = settled(std::move(seeds[k])); });
+      if (fits == 0 && !seeds.empty()) failure = seeds.back().failure;
       fits += static_cast<int>(seeds.size());
-      merge(std::move(found), answers);
-    }
+      merge(std::move(seeds), answers);
+    };
+    settle(seeds_at(start, failure), 1);
+    const bool sure = !answers.empty() && explained(answers.front());
+    if (options_.starts > 1 && !sure) settle(look_around(), options_.threads);
     std::vector<UpdateAnswer> heaviest = std::exchange(answers, {});
     in_parallel(heaviest.size(), options_.threads, [&](std::size_t k) {
       if (!negligible(heaviest[k], heaviest)) leave_out_false(heaviest[k]);
@@ -141,11 +135,6 @@ class Search {
   }
 
  private:
-  struct Seed {
-    Eigen::VectorXd q;
-    UpdateMatches matches;
-  };
-
   static bool negligible(const UpdateAnswer& one, const std::vector<UpdateAnswer>& all) {
     return one.log_evidence < all.front().log_evidence - kNegligible;
   }
@@ -153,19 +142,19 @@ class Search {
   // The answers stay in order of evidence; of two that are one the heavier stays.
   static void merge(std::vector<UpdateAnswer> found, std::vector<UpdateAnswer>& answers) {
     for (auto& one : found) {
-      if (one.solution.q.size() > 0) answers.push_back(std::move(one));
+      if (one.q.size() > 0) answers.push_back(std::move(one));
     }
     std::ranges::stable_sort(answers, std::greater{}, &UpdateAnswer::log_evidence);
     for (auto& other : std::exchange(answers, {})) {
       const bool known = std::ranges::any_of(answers, [&](const UpdateAnswer& kept) {
-        return other.solution.matches.matches == kept.solution.matches.matches || near(kept, other);
+        return other.matches.matches == kept.matches.matches || near(kept, other);
       });
       if (!known) answers.push_back(std::move(other));
     }
   }
 
   static bool near(const UpdateAnswer& heavier, const UpdateAnswer& other) {
-    const Eigen::VectorXd d = heavier.solution.q - other.solution.q;
+    const Eigen::VectorXd d = heavier.q - other.q;
     return d.dot(heavier.hessian * d) < 9;
   }
 
@@ -211,13 +200,13 @@ class Search {
   void add_exchanged(std::vector<UpdateAnswer>& answers) const {
     for (std::size_t k = 0, found = answers.size(); k < found; ++k) {
       for (const auto& [what, exchange] : exchanges()) {
-        Eigen::VectorXd q = answers[k].solution.q;
+        Eigen::VectorXd q = answers[k].q;
         for (const auto& [i, j] : exchange) std::swap(q[i], q[j]);
         std::string failure;
         for (auto& seed : seeds_at(within_bounds(std::move(q)), failure)) {
           UpdateAnswer other = settled(std::move(seed));
           const auto same = [&](const UpdateAnswer& one) { return near(one, other); };
-          if (other.solution.q.size() == 0 || negligible(other, answers) ||
+          if (other.q.size() == 0 || negligible(other, answers) ||
               std::ranges::any_of(answers, same))
             continue;
           answers.push_back(std::move(other));
@@ -237,70 +226,64 @@ class Search {
   }
 
   // Fitted and assigned anew until the assignment stays; of those that were seen the best.
-  UpdateAnswer settled(Seed seed, double error = kSearchError) const {
+  UpdateAnswer settled(UpdateAnswer from, double error = kSearchError) const {
     const UpdateProblem problem = problem_.remembering();
-    UpdateAnswer best;
-    best.log_evidence = -std::numeric_limits<double>::infinity();
-    best.solution.failure = "no measured mode lies near any modelled one";
-    Eigen::VectorXd q = std::move(seed.q);
-    UpdateMatches matches = std::move(seed.matches);
+    UpdateAnswer best{.failure = "no measured mode lies near any modelled one",
+                      .log_evidence = -std::numeric_limits<double>::infinity()};
     std::vector<std::vector<UpdateMatch>> seen;
     for (int round = 0; round < kRounds; ++round) {
-      if (std::ranges::all_of(matches.matches, &UpdateMatch::cross_plane)) break;
-      UpdateAnswer here;
-      auto& [at, found, cost, converged, failure] = here.solution;
-      at = q, found = matches;
-      converged = minimise(held_about(q, problem.with_model_std(error, kDampingErrors * error)),
-                           matches.matches, options_, at, cost);
+      if (std::ranges::all_of(from.matches.matches, &UpdateMatch::cross_plane)) break;
+      UpdateAnswer here{from.q, from.matches};
+      here.converged =
+          minimise(held_about(from.q, problem.with_model_std(error, kDampingErrors * error)),
+                   from.matches.matches, here.q, here.cost, kSearched);
       if (!weigh(problem, here)) break;
-      found = problem.with_model_std(std::max(here.error, kLeastStd)).assign(at, failure);
-      if (!failure.empty()) {
-        best.solution.failure = failure;
+      auto& found = here.matches;
+      found = problem.with_model_std(std::max(here.error, kLeastStd)).assign(here.q, here.failure);
+      if (!here.failure.empty()) {
+        best.failure = here.failure;
         break;
       }
-      const bool same = found.matches == matches.matches;
+      const bool same = found.matches == from.matches.matches;
       const bool again =
           !same && (round + 1 == kRounds || std::ranges::count(seen, found.matches) > 0);
       const bool done = same && close(here.error, error);
-      if (same) here.log_evidence += found.without_densities() - matches.without_densities();
-      converged = converged && same;
-      q = at, matches = found, error = here.error;
-      const bool usable = same || (again && best.solution.q.size() == 0 && weigh(problem, here));
+      if (same) here.log_evidence += found.without_densities() - from.matches.without_densities();
+      here.converged = here.converged && same;
+      from = {here.q, found}, error = here.error;
+      const bool usable = same || (again && best.q.size() == 0 && weigh(problem, here));
       if (usable && (done || here.log_evidence > best.log_evidence)) best = std::move(here);
       if (done || again) break;
-      if (!same) seen.push_back(matches.matches);
+      if (!same) seen.push_back(from.matches.matches);
     }
     return best;
   }
 
   // Whether chance cannot have made the answer fit.
   bool explained(const UpdateAnswer& answer) const {
-    const auto& solution = answer.solution;
+    const UpdateProblem plain = problem_.with_model_std(0);
     Eigen::VectorXd r;
-    if (!problem_.with_model_std(0).residuals(solution.q, solution.matches.matches, r, nullptr)) {
-      return false;
-    }
+    if (!plain.residuals(answer.q, answer.matches.matches, r, nullptr)) return false;
     double squares = 0;
-    const auto rows = problem_.frequency_rows(solution.matches.matches);
+    const auto rows = plain.frequency_rows(answer.matches.matches);
     for (const auto& row : rows) {
-      const auto& match = solution.matches.matches[row.match];
-      squares += std::pow(
-          r[row.row] * problem_.with_model_std(0).relative_std(match.state, match.measured), 2);
+      const auto& match = answer.matches.matches[row.match];
+      squares += std::pow(r[row.row] * plain.relative_std(match.state, match.measured), 2);
     }
     const double degrees = static_cast<double>(rows.size()) +
                            static_cast<double>(problem_.prior_count()) -
                            static_cast<double>(problem_.size());
     const double error =
         std::max(1e-6, std::sqrt(squares / std::max<double>(1, static_cast<double>(rows.size()))));
-    const double lost = -solution.matches.log_missed - solution.matches.log_false;
+    const double lost = -answer.matches.log_missed - answer.matches.log_false;
     return degrees * std::log(0.1 / error) - lost > kSure;
   }
 
   // Assignments at q, with its frequencies as they are and scaled; none without a model there.
-  std::vector<Seed> seeds_at(const Eigen::VectorXd& q, std::string& failure) const {
+  std::vector<UpdateAnswer> seeds_at(const Eigen::VectorXd& q, std::string& failure) const {
     const UpdateProblem wide = problem_.with_model_std(kSearchError).remembering();
     std::string here;
-    std::vector<Seed> seeds{{q, wide.assign(q, here)}, {q, wide.assign(q, here, -1, true)}};
+    std::vector<UpdateAnswer> seeds{{q, wide.assign(q, here)}, {q, wide.assign(q, here, true)}};
     if (!here.empty()) {
       failure = here;
       return {};
@@ -348,23 +331,24 @@ class Search {
     return all;
   }
 
-  std::vector<Seed> look_around() const {
+  std::vector<UpdateAnswer> look_around() const {
     const auto points = places();
-    std::vector<std::vector<Seed>> found(points.size());
+    std::vector<std::vector<UpdateAnswer>> found(points.size());
     in_parallel(points.size(), options_.threads, [&](std::size_t k) {
       std::string failure;
       found[k] = seeds_at(points[k], failure);
     });
-    std::vector<Seed> seeds;
+    std::vector<UpdateAnswer> seeds;
     for (auto& some : found) {
       for (auto& seed : some) seeds.push_back(std::move(seed));
     }
     std::ranges::stable_sort(seeds, std::greater{},
-                             [](const Seed& one) { return one.matches.log_likelihood; });
-    std::vector<Seed> best;
+                             [](const UpdateAnswer& one) { return one.matches.log_likelihood; });
+    std::vector<UpdateAnswer> best;
     for (auto& seed : seeds) {
-      const bool known = std::ranges::any_of(
-          best, [&](const Seed& other) { return other.matches.matches == seed.matches.matches; });
+      const bool known = std::ranges::any_of(best, [&](const UpdateAnswer& other) {
+        return other.matches.matches == seed.matches.matches;
+      });
       if (known || best.size() == kSeeds) continue;
       best.push_back(std::move(seed));
     }
@@ -375,36 +359,40 @@ class Search {
   // most off the misfit, r_i^2 / (1 - h_ii), are left out as long as the evidence rises: at most a
   // fifth of them, or a wrong model would be left with what it can follow.
   void leave_out_false(UpdateAnswer& answer) const {
-    const std::size_t most_out =
-        std::max<std::size_t>(1, answer.solution.matches.matches.size() / 5);
-    for (std::size_t out = 0;
-         out < most_out && answer.solution.q.size() > 0 && answer.error > kLeastStd; ++out) {
-      const auto& solution = answer.solution;
+    const std::size_t most_out = std::max<std::size_t>(1, answer.matches.matches.size() / 5);
+    for (std::size_t out = 0; out < most_out && answer.q.size() > 0 && answer.error > kLeastStd;
+         ++out) {
       const UpdateProblem here =
           problem_.with_model_std(answer.error, kDampingErrors * answer.error);
       Eigen::VectorXd r;
       Eigen::MatrixXd J;
-      const auto& all = solution.matches.matches;
-      if (!here.residuals(solution.q, all, r, &J) || J.rows() < J.cols()) return;
+      const auto& all = answer.matches.matches;
+      if (!here.residuals(answer.q, all, r, &J) || J.rows() < J.cols()) return;
       const Eigen::MatrixXd Q = signal::thin_qr(J).Q;
       double most = 0;
       std::size_t worst = all.size();
-      for (const auto& row : here.frequency_rows(all)) {
+      const auto rows = here.frequency_rows(all);
+      for (const auto& row : rows) {
         const double free = 1 - Q.row(row.row).squaredNorm();
         const double gained = r[row.row] * r[row.row] / std::max(free, 1e-6);
         if (gained > most) most = gained, worst = row.match;
       }
       if (worst == all.size()) return;
-      Seed rest{solution.q, solution.matches};
+      // The model's error falls with the misfit, in all other pairs; a false mode costs more.
+      const double left = std::max(1e-9, 1 - most / r.squaredNorm());
+      if (-0.5 * static_cast<double>(rows.size()) * std::log(left) <
+          -std::log(options_.assignment.false_mode))
+        return;
+      UpdateAnswer rest{answer.q, answer.matches};
       rest.matches.matches.erase(rest.matches.matches.begin() + static_cast<std::ptrdiff_t>(worst));
       UpdateAnswer without = settled(std::move(rest), answer.error);
-      if (without.solution.q.size() == 0 || without.log_evidence <= answer.log_evidence) return;
+      if (without.q.size() == 0 || without.log_evidence <= answer.log_evidence) return;
       answer = std::move(without);
     }
   }
 
   const UpdateProblem& problem_;
-  UpdateOptions options_;
+  const UpdateOptions& options_;
 };
 
 }  // namespace

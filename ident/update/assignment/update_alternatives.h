@@ -38,14 +38,6 @@
 
 namespace rigfit::ident {
 
-struct UpdateAnswer {
-  UpdateSolution solution;
-  double error = 0;  ///< tau of largest posterior probability
-  double log_evidence = 0;
-  Eigen::MatrixXd hessian;  ///< second derivatives of -ln(posterior), by coordinate
-  double weight = 1;
-};
-
 /// Evidence, error and Hessian of an answer at its solution, such as one whose problem has the
 /// error of its segments taken off since; false where there is no model.
 [[nodiscard]] bool weigh(const UpdateProblem& problem, UpdateAnswer& answer);

@@ -51,13 +51,13 @@ UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelle
   return result;
 }
 
-UpdateMatches UpdateProblem::assign(const Eigen::VectorXd& q, std::string& failure, int only,
+UpdateMatches UpdateProblem::assign(const Eigen::VectorXd& q, std::string& failure,
                                     bool scaled) const {
   constexpr double kStep = 0.1, kReach = 0.7;  // ln f: see update_alternatives.h
   UpdateMatches all;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     const auto& state = states_[static_cast<std::size_t>(s)];
-    if (!takes_part(s, only) || state.measured.empty()) continue;
+    if (!takes_part(s) || state.measured.empty()) continue;
     UpdateStateModes modelled = modes(s, q, false);
     if (!modelled.failure.empty()) {
       failure = (state.name.empty() ? "" : state.name + ": ") + modelled.failure;

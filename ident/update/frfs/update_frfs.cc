@@ -68,11 +68,11 @@ UpdateProblem::FrfRows UpdateProblem::rows_of(int state, const MeasuredFrf& frf)
   return rows;
 }
 
-std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows(int only) const {
+std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows() const {
   std::vector<FrfRows> all;
   Eigen::Index row = 0;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
-    if (!takes_part(s, only)) continue;
+    if (!takes_part(s)) continue;
     for (const auto& frf : states_[static_cast<std::size_t>(s)].frfs) {
       all.push_back(rows_of(s, frf));
       all.back().first = row;
@@ -153,9 +153,9 @@ bool UpdateProblem::frf_residuals(const Eigen::VectorXd& q, const std::vector<Fr
   return true;
 }
 
-double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q, int only) const {
+double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q) const {
   const UpdateProblem logarithms = with(&UpdateVariant::frf_differences, false);
-  const auto all = logarithms.frf_rows(only);
+  const auto all = logarithms.frf_rows();
   double squares = 0, count = 0;
   for (const auto& rows : all) count += static_cast<double>(rows.line.size());
   Eigen::VectorXd r(static_cast<Eigen::Index>(2 * count));

@@ -33,6 +33,9 @@ struct FreeParameter {
                                                           ///< stay positive
   double high = std::numeric_limits<double>::infinity();
 
+  [[nodiscard]] std::vector<std::string> all_targets() const {
+    return targets.empty() ? std::vector{name} : targets;
+  }
   [[nodiscard]] double factor(std::size_t target) const {
     return target < factors.size() ? factors[target] : 1;
   }
@@ -113,8 +116,7 @@ struct UpdateOptions {
   /// 1: finds the answer near the scene's own values. More: fits to modes search the whole range of
   /// the parameters (update_alternatives.h), fits of FRFs that of their modes.
   int starts = 4;
-  double function_tolerance = 1e-9;  ///< relative change of the cost
-  int threads = 1;                   ///< work on starts in parallel
+  int threads = 1;  ///< work on starts in parallel
   /// True: the error of "auto" segments is subtracted from frequencies (update_segments.cc). False:
   /// the data come from a model with these segments.
   bool segment_uncertainty = true;

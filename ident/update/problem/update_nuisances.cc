@@ -37,6 +37,10 @@ double least_of(std::vector<double> values) {
   return values[static_cast<std::size_t>(at)];
 }
 
+std::string in_state(const UpdateState& state) {
+  return state.name.empty() ? "" : " [" + state.name + "]";
+}
+
 }  // namespace
 
 UpdateProblem UpdateProblem::with_hits(Eigen::VectorXd& q) const {
@@ -54,12 +58,15 @@ void UpdateProblem::add_nuisance(UpdateCoordinate coordinate) {
   coordinate.logarithmic = false;
   coordinate.high = std::numeric_limits<double>::infinity(), coordinate.low = -coordinate.high;
   coordinate.prior_std = 1;
-  coordinates_.push_back(coordinate);
+  std::erase_if(coordinate.effects, [&](const auto& effect) {  // a fitted one has its own value
+    return is_moved(effect.state, effect.target, parameters_);
+  });
+  coordinates_.push_back(std::move(coordinate));
   ++priors_;
 }
 
 void UpdateProblem::add_places_of_hits(const Eigen::VectorXd& q) {
-  std::vector<UncertainInput> places;  // added when q is no longer asked for
+  std::vector<UpdateCoordinate> places;  // added when q is no longer asked for
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     const auto& state = states_[static_cast<std::size_t>(s)];
     if (!takes_part(s)) continue;
@@ -68,7 +75,7 @@ void UpdateProblem::add_places_of_hits(const Eigen::VectorXd& q) {
       const std::string target = load.name + ".position";
       model::Scene scene;
       std::string failure;
-      if (!load.place.node.empty() || is_stated(s, target)) continue;
+      if (!load.place.node.empty() || is_moved(s, target, size())) continue;
       if (!fixed_scene(s, q, scene, failure)) continue;
       std::vector<double> largest;  // standard uncertainty that each line allows
       for (const auto& frf : state.frfs) {
@@ -84,12 +91,13 @@ void UpdateProblem::add_places_of_hits(const Eigen::VectorXd& q) {
         }
       }
       if (largest.empty()) continue;
-      const std::string name = "place of the hits of " + load.name;
-      places.push_back({state.name.empty() ? name : name + " [" + state.name + "]",
+      places.push_back({"place of the hits of " + load.name + in_state(state),
+                        -1,
+                        -1,
                         {{s, target, least_of(std::move(largest))}}});
     }
   }
-  for (auto& place : places) add_input(std::move(place));
+  for (auto& place : places) add_nuisance(std::move(place));
 }
 
 void UpdateProblem::add_forces() {
@@ -112,9 +120,9 @@ void UpdateProblem::add_forces() {
       }
       const double std = least_of(std::move(relative)) * std::sqrt(2.0 / kDelays);
       for (int j = 0; std > 0 && highest > 0 && j < kDelays; ++j) {
-        add_nuisance({.parameter = -1, .force = static_cast<int>(forces_.size())});
         const double share = static_cast<double>(j) / (kDelays - 1) - 0.5;
-        forces_.push_back({s, l, std, share * kWindow / highest});
+        add_nuisance({.name = "force of the hits of " + state.scene.loads[l].name + in_state(state),
+                      .force = {s, l, std, share * kWindow / highest}});
       }
     }
   }
@@ -122,13 +130,10 @@ void UpdateProblem::add_forces() {
 
 void UpdateProblem::add_force_noise(const Eigen::VectorXd& q, const std::vector<FrfRows>& all,
                                     Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
-  if (forces_.empty()) return;
   for (const auto& rows : all) {
     for (Eigen::Index j = parameters_; j < size(); ++j) {
-      const int index = coordinates_[static_cast<std::size_t>(j)].force;
-      if (index < 0) continue;
-      const Force& force = forces_[static_cast<std::size_t>(index)];
-      if (force.state != rows.state || force.load != rows.frf->load) continue;
+      const auto& force = coordinates_[static_cast<std::size_t>(j)].force;
+      if (!(force.std > 0) || force.state != rows.state || force.load != rows.frf->load) continue;
       for (std::size_t k = 0; k < rows.line.size(); ++k) {
         const auto row = rows.first + 2 * static_cast<Eigen::Index>(k);
         const std::complex<double> slope =

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -22,11 +23,6 @@ double largest_of(const Eigen::VectorXd& shape) {
 }
 
 constexpr double kAssumedDampingStd = 0.2;  // relative; it only sets the weight
-
-bool is_joint_damper(const std::string& name) {
-  return name.ends_with(".damping_axial") || name.ends_with(".damping_bending") ||
-         name.ends_with(".damping_torsion");
-}
 
 // Scale of a quantity that starts at zero: 1 % of the scene's mass for masses, 1 % of the largest
 // tension for a load cell's zero, else 1.
@@ -70,16 +66,14 @@ const UpdateModelMode* UpdateStateModes::find(model::ModePlane plane, int order)
 
 UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
                              const std::vector<FreeParameter>& free, const UpdateOptions& options)
-    : states_(states), free_(free), options_(options) {
-  options_.inputs.clear();
-  for (auto& parameter : free_) {
-    if (parameter.targets.empty()) parameter.targets = {parameter.name};
-    for (const auto& target : parameter.targets) {
+    : states_(states), options_(options) {
+  for (const auto& parameter : free) {
+    for (const auto& target : parameter.all_targets()) {
       damping_free_ = damping_free_ || target.find("damping") != std::string::npos;
-      joint_dampers_ = joint_dampers_ || is_joint_damper(target);
     }
   }
   if (states_.empty()) throw std::invalid_argument("update: no scene");
+  std::vector<std::set<std::string>> present;  // parameters of each state's scene
   for (const auto& state : states_) {
     for (const auto& frf : state.frfs) {
       if (frf.sensor >= state.scene.sensors.size() || frf.load >= state.scene.loads.size() ||
@@ -101,22 +95,19 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       if (damping_fitted(mode)) damping_ = true;
     }
     const auto names = model::parameter_names(state.scene);
-    present_.emplace_back(names.begin(), names.end());
-    for (const auto& member : state.scene.members) {
-      const auto& [axial, bending, torsion] = member.damping;
-      joint_dampers_ = joint_dampers_ || axial > 0 || bending > 0 || torsion > 0;
-    }
+    present.emplace_back(names.begin(), names.end());
   }
-  for (std::size_t p = 0; p < free_.size(); ++p) {
-    const FreeParameter& parameter = free_[p];
-    const auto& first = parameter.targets.front();
+  for (std::size_t p = 0; p < free.size(); ++p) {
+    const FreeParameter& parameter = free[p];
+    const auto targets = parameter.all_targets();
+    const auto& first = targets.front();
     std::size_t home = 0;  // the first state that has the first target
     // A shared parameter need not be in every scene, but each of its targets in one.
-    for (const auto& target : parameter.targets) {
+    for (const auto& target : targets) {
       const auto at =
-          std::ranges::find_if(present_, [&](const auto& names) { return names.contains(target); });
-      if (at == present_.end()) (void)model::parameter(states_[0].scene, target);  // says what is
-      if (&target == &first) home = static_cast<std::size_t>(at - present_.begin());
+          std::ranges::find_if(present, [&](const auto& names) { return names.contains(target); });
+      if (at == present.end()) (void)model::parameter(states_[0].scene, target);  // says what is
+      if (&target == &first) home = static_cast<std::size_t>(at - present.begin());
     }
     const std::size_t copies = parameter.per_state ? states_.size() : 1;
     for (std::size_t copy = 0; copy < copies; ++copy) {
@@ -127,9 +118,17 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       if (!prior && parameter.prior_relative_std > 0) {
         prior = signal::Estimate{own(), parameter.prior_relative_std * std::abs(own())};
       }
-      UpdateCoordinate q;
-      q.parameter = static_cast<int>(p);
-      q.state = parameter.per_state ? static_cast<int>(copy) : -1;
+      UpdateCoordinate q{parameter.name, static_cast<int>(p)};
+      if (parameter.per_state) {
+        q.state = static_cast<int>(copy);
+        q.name += " [" + states_[copy].name + "]";
+      }
+      for (std::size_t s = 0; s < states_.size(); ++s) {
+        for (std::size_t t = 0; t < targets.size(); ++t) {
+          if ((parameter.per_state && s != copy) || !present[s].contains(targets[t])) continue;
+          q.effects.push_back({static_cast<int>(s), targets[t], parameter.factor(t)});
+        }
+      }
       const bool positive = !may_be_negative(first);
       q.logarithmic = positive && start > 0;
       if (!q.logarithmic) q.scale = start != 0 ? std::abs(start) : scale_at_zero(scene, first);
@@ -148,7 +147,7 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
         throw std::invalid_argument(
             fmt::format("update: {} has no usable start or bounds", parameter.name));
       }
-      coordinates_.push_back(q);
+      coordinates_.push_back(std::move(q));
     }
   }
   parameters_ = size();
@@ -157,20 +156,22 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
     const double std = states_[s].clock_relative_std;
     if (std > 0) clock.effects.push_back({static_cast<int>(s), clock.name, std});
   }
-  for (const auto& input : options.inputs) add_input(input);
-  if (!clock.effects.empty()) add_input(std::move(clock));
+  for (const auto& input : options.inputs) add_nuisance({input.name, -1, -1, input.effects});
+  if (!clock.effects.empty()) add_nuisance({clock.name, -1, -1, clock.effects});
+  for (std::size_t s = 0; s < states_.size(); ++s) {
+    for (const auto& member : states_[s].scene.members) {
+      const auto& [axial, bending, torsion] = member.damping;
+      joint_dampers_ = joint_dampers_ || axial > 0 || bending > 0 || torsion > 0;
+    }
+    for (const auto& name : targets_of(static_cast<int>(s)).names) {
+      const bool damper = name.find(".damping_") != std::string::npos && !name.ends_with("_ratio");
+      joint_dampers_ = joint_dampers_ || damper;
+    }
+  }
 }
 
 const MeasuredMode& UpdateProblem::measured(int state, int mode) const {
   return states_[static_cast<std::size_t>(state)].measured[static_cast<std::size_t>(mode)];
-}
-
-void UpdateProblem::add_input(UncertainInput input) {
-  for (const auto& effect : input.effects) {
-    joint_dampers_ = joint_dampers_ || is_joint_damper(effect.target);
-  }
-  add_nuisance({.parameter = -1, .input = static_cast<int>(options_.inputs.size())});
-  options_.inputs.push_back(std::move(input));
 }
 
 Eigen::VectorXd UpdateProblem::start() const {
@@ -181,22 +182,7 @@ Eigen::VectorXd UpdateProblem::start() const {
 
 std::vector<std::string> UpdateProblem::names() const {
   std::vector<std::string> names;
-  for (const auto& q : coordinates_) {
-    if (q.input >= 0) {
-      names.push_back(options_.inputs[static_cast<std::size_t>(q.input)].name);
-      continue;
-    }
-    if (q.force >= 0) {
-      const auto& force = forces_[static_cast<std::size_t>(q.force)];
-      const auto& state = states_[static_cast<std::size_t>(force.state)];
-      names.push_back("force of the hits of " + state.scene.loads[force.load].name +
-                      (state.name.empty() ? "" : " [" + state.name + "]"));
-      continue;
-    }
-    const auto& name = free_[static_cast<std::size_t>(q.parameter)].name;
-    names.push_back(
-        q.state < 0 ? name : name + " [" + states_[static_cast<std::size_t>(q.state)].name + "]");
-  }
+  for (const auto& q : coordinates_) names.push_back(q.name);
   return names;
 }
 
@@ -206,8 +192,9 @@ model::Scene UpdateProblem::scene_at(int state, const Eigen::VectorXd& q) const 
   for (std::size_t t = names.size(); t-- > 0;) {  // inputs first
     const auto [j, factor] = owner[t];
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
-    const double value = coordinate.input >= 0 ? model::parameter(scene, names[t]) + q[j] * factor
-                                               : factor * coordinate.value(q[j]);
+    const double value = coordinate.parameter < 0
+                             ? model::parameter(scene, names[t]) + q[j] * factor
+                             : factor * coordinate.value(q[j]);
     model::set_parameter(scene, names[t], value);
   }
   return scene;
@@ -236,24 +223,10 @@ bool UpdateProblem::fixed_scene(int state, const Eigen::VectorXd& q, model::Scen
 UpdateProblem::Targets UpdateProblem::targets_of(int state) const {
   Targets targets;
   for (Eigen::Index j = 0; j < size(); ++j) {
-    const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
-    if (coordinate.force >= 0) continue;
-    if (coordinate.input >= 0) {
-      for (const auto& effect :
-           options_.inputs[static_cast<std::size_t>(coordinate.input)].effects) {
-        if (effect.state != state || effect.target == kSampleRateTarget) continue;
-        if (is_free(state, effect.target)) continue;  // has the value of the free parameter
-        targets.names.push_back(effect.target);
-        targets.owner.emplace_back(j, effect.change);
-      }
-      continue;
-    }
-    if (coordinate.state >= 0 && coordinate.state != state) continue;
-    const auto& parameter = free_[static_cast<std::size_t>(coordinate.parameter)];
-    for (std::size_t t = 0; t < parameter.targets.size(); ++t) {
-      if (!present_[static_cast<std::size_t>(state)].contains(parameter.targets[t])) continue;
-      targets.names.push_back(parameter.targets[t]);
-      targets.owner.emplace_back(j, parameter.factor(t));
+    for (const auto& effect : coordinates_[static_cast<std::size_t>(j)].effects) {
+      if (effect.state != state || effect.target == kSampleRateTarget) continue;
+      targets.names.push_back(effect.target);
+      targets.owner.emplace_back(j, effect.change);
     }
   }
   return targets;
@@ -370,8 +343,8 @@ UpdateStateModes UpdateProblem::solved_modes(int state, const Eigen::VectorXd& q
   return result;
 }
 
-UpdateMatches UpdateProblem::match(const Eigen::VectorXd& q, std::string& failure, int only) const {
-  return with_model_std(kListStd).assign(q, failure, only);
+UpdateMatches UpdateProblem::match(const Eigen::VectorXd& q, std::string& failure) const {
+  return with_model_std(kListStd).assign(q, failure);
 }
 
 double UpdateProblem::relative_std(int state, int mode) const {
@@ -390,9 +363,7 @@ double UpdateProblem::damping_relative_std(int state, int mode) const {
 std::vector<std::pair<Eigen::Index, double>> UpdateProblem::rate_changes(int state) const {
   std::vector<std::pair<Eigen::Index, double>> changes;
   for (Eigen::Index j = parameters_; j < size(); ++j) {
-    const int input = coordinates_[static_cast<std::size_t>(j)].input;
-    if (input < 0) continue;
-    for (const auto& effect : options_.inputs[static_cast<std::size_t>(input)].effects) {
+    for (const auto& effect : coordinates_[static_cast<std::size_t>(j)].effects) {
       if (effect.state == state && effect.target == kSampleRateTarget) {
         changes.emplace_back(j, effect.change);
       }

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -25,11 +24,17 @@ namespace rigfit::ident {
 /// One unknown as it is fitted: q = ln(value) where the value is positive by nature, else
 /// value / scale.
 struct UpdateCoordinate {
-  int parameter = 0;  ///< index into the free parameters
-  /// What is known to its standard uncertainty, q in units of it: index into the inputs, or into
-  /// the forces that lines of FRFs share (update_nuisances.cc); -1: neither.
-  int input = -1, force = -1;
-  int state = -1;  ///< -1: shared
+  std::string name;
+  int parameter = -1;  ///< index into the free parameters; -1: known to an uncertainty, in units q
+  int state = -1;      ///< -1: shared
+  /// What it is the value of (times `change`), or moves by `change` where it is no free parameter.
+  std::vector<UncertainInput::Effect> effects = {};
+  /// Noise of the hammer at one delay, in all lines of a load (update_nuisances.cc); std 0: none.
+  struct Force {
+    int state = 0;
+    std::size_t load = 0;
+    double std = 0, delay_s = 0;
+  } force = {};
   bool logarithmic = true;
   double scale = 1;
   double start = 0, low = 0, high = 0;  ///< q
@@ -74,6 +79,7 @@ using SegmentErrors = std::map<std::pair<model::ModePlane, int>, double>;
 /// What problems of one fit differ by.
 struct UpdateVariant {
   int held_out = -1;  ///< a state that takes no part; -1: none
+  int only = -1;      ///< the state that alone takes part; -1: all
   /// Times the segments of the scenes (at least 8, where there are as many).
   double segment_factor = 1;
   /// No member has more than twice the segments of "auto", or of the modes that may pair.
@@ -98,9 +104,8 @@ class UpdateProblem {
   [[nodiscard]] Eigen::VectorXd start() const;
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] const std::vector<UpdateState>& states() const { return states_; }
-  /// Whether a state is `only`, or where that is -1 none that is held out.
-  [[nodiscard]] bool takes_part(int state, int only = -1) const {
-    return only >= 0 ? state == only : state != variant_.held_out;
+  [[nodiscard]] bool takes_part(int state) const {
+    return state != variant_.held_out && (variant_.only < 0 || state == variant_.only);
   }
   /// A copy that differs in one thing: `problem.with(&UpdateVariant::segment_factor, 2.0)`.
   template <typename T>
@@ -125,9 +130,6 @@ class UpdateProblem {
   /// This problem with place and force of the hits of FRFs as further coordinates, each with its
   /// normal prior (update_nuisances.cc); q becomes a place in it.
   [[nodiscard]] UpdateProblem with_hits(Eigen::VectorXd& q) const;
-  [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return options_.inputs; }
-  /// Whether a scene parameter is fitted or moved by an input in that state.
-  [[nodiscard]] bool is_stated(int state, const std::string& target) const;
   /// Lines of one FRF that are fitted: two residuals each, from row `first` on.
   struct FrfRows {
     int state = 0;
@@ -137,16 +139,14 @@ class UpdateProblem {
     std::vector<double> relative_std = {};
     std::vector<char> difference = {};  ///< 1: residual H / H_measured - 1, else their logarithm
   };
-  [[nodiscard]] std::vector<FrfRows> frf_rows(int only = -1) const;
+  [[nodiscard]] std::vector<FrfRows> frf_rows() const;
   [[nodiscard]] model::Scene scene_at(int state, const Eigen::VectorXd& q) const;
   /// `matches`: modes are asked for that these need; null: all that may pair.
   [[nodiscard]] UpdateStateModes modes(int state, const Eigen::VectorXd& q, bool derivatives,
                                        const std::vector<UpdateMatch>* matches = nullptr) const;
 
-  /// Pairs for lists of every state that takes part (or `only` that one); `failure` says why there
-  /// are none.
-  [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, std::string& failure,
-                                    int only = -1) const;
+  /// Pairs for lists of every state that takes part; `failure` says why there are none.
+  [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, std::string& failure) const;
 
   /// Residuals over their standard deviations: FRFs, frequencies and dampings of the fitted pairs
   /// in order, then priors. False when some state has no modes or a pair's mode is gone.
@@ -155,9 +155,9 @@ class UpdateProblem {
   [[nodiscard]] Eigen::Index residual_count(const std::vector<UpdateMatch>& matches) const;
   [[nodiscard]] bool has_modes() const;
   [[nodiscard]] bool has_frfs() const;
-  /// Rms of |ln(H_model / H_measured)| over the fitted lines of the states that take part (or
-  /// `only` that one); NaN without any or without a model.
-  [[nodiscard]] double rms_log_frf_error(const Eigen::VectorXd& q, int only = -1) const;
+  /// Rms of |ln(H_model / H_measured)| over the fitted lines of the states that take part; NaN
+  /// without any or without a model.
+  [[nodiscard]] double rms_log_frf_error(const Eigen::VectorXd& q) const;
   [[nodiscard]] Eigen::Index frf_lines() const;
   /// Residuals of FRF lines that share their noise with others, and say nothing of their own.
   [[nodiscard]] double shared_residuals() const;
@@ -165,10 +165,9 @@ class UpdateProblem {
   [[nodiscard]] std::vector<UpdatedPair> pairs(const Eigen::VectorXd& q,
                                                const std::vector<UpdateMatch>& matches) const;
 
-  /// The assignment of the largest likelihood (mode_assignment.h) in every state that takes part
-  /// (or `only` that one); `scaled`: with all frequencies of a state times one factor of up to two
-  /// either way.
-  [[nodiscard]] UpdateMatches assign(const Eigen::VectorXd& q, std::string& failure, int only = -1,
+  /// The assignment of the largest likelihood (mode_assignment.h) in every state that takes part;
+  /// `scaled`: with all frequencies of a state times one factor of up to two either way.
+  [[nodiscard]] UpdateMatches assign(const Eigen::VectorXd& q, std::string& failure,
                                      bool scaled = false) const;
 
   /// Rows of the residuals that are frequencies of fitted pairs, with their match.
@@ -226,13 +225,13 @@ class UpdateProblem {
   }
   [[nodiscard]] int mode_count(int state) const;  // that may pair
   [[nodiscard]] Targets targets_of(int state) const;
-  [[nodiscard]] bool is_free(int state, const std::string& target) const;
+  /// Whether one of the first `count` coordinates moves a scene parameter of that state.
+  [[nodiscard]] bool is_moved(int state, const std::string& target, Eigen::Index count) const;
   /// Changes of a state's sample rate by one standard uncertainty of each coordinate; empty: none.
   [[nodiscard]] std::vector<std::pair<Eigen::Index, double>> rate_changes(int state) const;
   void add_places_of_hits(const Eigen::VectorXd& q);
   void add_forces();
   void add_nuisance(UpdateCoordinate coordinate);
-  void add_input(UncertainInput input);
   void add_force_noise(const Eigen::VectorXd& q, const std::vector<FrfRows>& all,
                        Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
   [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
@@ -242,16 +241,8 @@ class UpdateProblem {
                                    Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
 
   std::vector<UpdateState> states_;
-  std::vector<FreeParameter> free_;
   UpdateOptions options_;
   std::vector<UpdateCoordinate> coordinates_;
-  std::vector<std::set<std::string>> present_;  // parameters of each state's scene
-  struct Force {  // noise of the hammer at one delay, in all lines of a load
-    int state = 0;
-    std::size_t load = 0;
-    double std = 0, delay_s = 0;
-  };
-  std::vector<Force> forces_;
   Eigen::Index parameters_ = 0, priors_ = 0;
   bool uncertainties_known_ = true, damping_free_ = false, damping_ = false, joint_dampers_ = false;
   UpdateVariant variant_;

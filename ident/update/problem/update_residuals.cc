@@ -95,20 +95,12 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
   return r.allFinite() && (jacobian == nullptr || jacobian->allFinite());
 }
 
-bool UpdateProblem::is_free(int state, const std::string& target) const {
-  return present_[static_cast<std::size_t>(state)].contains(target) &&
-         std::any_of(free_.begin(), free_.end(), [&](const FreeParameter& parameter) {
-           return std::count(parameter.targets.begin(), parameter.targets.end(), target) > 0;
-         });
-}
-
-bool UpdateProblem::is_stated(int state, const std::string& target) const {
-  return is_free(state, target) ||
-         std::ranges::any_of(options_.inputs, [&](const UncertainInput& input) {
-           return std::ranges::any_of(input.effects, [&](const auto& effect) {
-             return effect.state == state && effect.target == target;
-           });
-         });
+bool UpdateProblem::is_moved(int state, const std::string& target, Eigen::Index count) const {
+  return std::any_of(coordinates_.begin(), coordinates_.begin() + count, [&](const auto& one) {
+    return std::ranges::any_of(one.effects, [&](const auto& effect) {
+      return effect.state == state && effect.target == target;
+    });
+  });
 }
 
 }  // namespace rigfit::ident

@@ -143,7 +143,6 @@ struct UpdateResult : FittedValues {
   double chi_squared = 0, degrees_of_freedom = 0;  ///< with the final weights of the fit
   double variance_factor = 1;
   double coverage_factor = 1.96;     ///< for 95 %
-  double segment_factor = 1;         ///< times the segments that "auto" members have for modes
   int starts = 0;                    ///< local fits of the search
   std::vector<model::Scene> scenes;  ///< updated, by state
   std::vector<HeldOut> held = {};    ///< each state, if asked for

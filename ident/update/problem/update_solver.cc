@@ -50,7 +50,7 @@ class UpdateCost : public ceres::CostFunction {
 }  // namespace
 
 bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-              const UpdateOptions& options, Eigen::VectorXd& q, double& cost, int held) {
+              Eigen::VectorXd& q, double& cost, double tolerance, int held) {
   if (held >= 0 && q.size() == 1) return cost_of(problem, matches, q, cost);
   Eigen::VectorXd u = q;
   UpdateCost function(problem, matches);
@@ -71,7 +71,7 @@ bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matc
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.logging_type = ceres::SILENT;
   solver.max_num_iterations = 60;
-  solver.function_tolerance = options.function_tolerance;
+  solver.function_tolerance = tolerance;
   solver.parameter_tolerance = 1e-9;
   solver.gradient_tolerance = 1e-9;
   // What the pairs leave open would otherwise run off along its valley.

@@ -11,18 +11,24 @@
 
 namespace rigfit::ident {
 
-struct UpdateSolution {
-  Eigen::VectorXd q;  ///< empty: there is none, see `failure`
-  UpdateMatches matches;
+/// An assignment of the modes, and the minimum with it.
+struct UpdateAnswer {
+  Eigen::VectorXd q = {};  ///< empty: there is none, see `failure`
+  UpdateMatches matches = {};
   double cost = std::numeric_limits<double>::infinity();
   bool converged = false;
-  std::string failure;
+  std::string failure = {};
+  double error = 0;  ///< tau of largest posterior probability (update_alternatives.h)
+  double log_evidence = 0;
+  Eigen::MatrixXd hessian = {};  ///< second derivatives of -ln(posterior), by coordinate
+  double weight = 1;
 };
 
-/// With fixed pairs, from q, which becomes the answer. False when it did not converge. `held`: a
-/// coordinate that stays as it is; -1: none.
+/// With fixed pairs, from q, which becomes the answer, until the cost changes by less than
+/// `tolerance` of it. False when it did not converge. `held`: a coordinate that stays as it is; -1:
+/// none.
 [[nodiscard]] bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                            const UpdateOptions& options, Eigen::VectorXd& q, double& cost,
+                            Eigen::VectorXd& q, double& cost, double tolerance = 1e-9,
                             int held = -1);
 
 /// Half the sum of squares; false when there is no model.

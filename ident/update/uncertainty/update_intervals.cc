@@ -31,12 +31,8 @@ bool at_bound(const UpdateCoordinate& coordinate, double q, double reach) {
 }
 
 // One end of the profile interval of coordinate j, in q; NaN: the cost stays below.
-double profile_end(const UpdateProblem& problem, const UpdateOptions& given,
-                   const std::vector<UpdateMatch>& matches, const UpdateResult& solution,
-                   Eigen::Index j, double direction, double least) {
-  UpdateOptions options = given;
-  // A cost of 200 to 0.02: with a deviance of k^2, about 4, the root is then known to kProfiled.
-  options.function_tolerance = std::max(given.function_tolerance, 1e-4);
+double profile_end(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                   const UpdateResult& solution, Eigen::Index j, double direction, double least) {
   const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
   const double goal = solution.coverage_factor;
   const double at = solution.coordinates[j];
@@ -46,7 +42,8 @@ double profile_end(const UpdateProblem& problem, const UpdateOptions& given,
   const auto above_goal = [&](double step) {  // the root of the deviance over its goal; < 0: inside
     q[j] = at + direction * step;
     double cost = 0;
-    (void)minimise(problem, matches, options, q, cost, static_cast<int>(j));
+    // A cost of 200 to 0.02: with a deviance of k^2, about 4, the root is then known to kProfiled.
+    (void)minimise(problem, matches, q, cost, 1e-4, static_cast<int>(j));
     const double above = deviance_at(problem, matches, q, solution.variance_factor) - least;
     return std::isnan(above) ? kNaN : std::sqrt(std::max(0.0, above)) / goal - 1;
   };
@@ -127,8 +124,8 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
       const double own = std::isfinite(known.std[j]) ? known.std[j] : 0;
       const double all = std::isfinite(parameter.std) ? parameter.std / by : 0;
       const double more = result.coverage_factor * std::sqrt(std::max(0.0, all * all - own * own));
-      const double one = profile_end(problem, options, matches, result, j, -1, least);
-      const double other = profile_end(problem, options, matches, result, j, 1, least);
+      const double one = profile_end(problem, matches, result, j, -1, least);
+      const double other = profile_end(problem, matches, result, j, 1, least);
       low = q - std::hypot(q - one, more), high = q + std::hypot(other - q, more);
     }
     const auto value = [&](double at) { return std::isfinite(at) ? coordinate.value(at) : kNaN; };

@@ -20,7 +20,7 @@ AxialDecay decay_of(const Rig& rig, double length) {
                         .damping_ratio = rig.zeta};
   return {.name = "record",
           .length_m = length,
-          .damped_frequency_hz = {axial_truth(test).frequency_hz, 0.01},
+          .damped_frequency_hz = {axial_frequency_hz(test), 0.01},
           .damping_ratio = {rig.zeta, 2e-4}};
 }
 

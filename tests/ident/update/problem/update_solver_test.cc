@@ -30,7 +30,7 @@ TEST(UpdateSolver, LeavesABoundWhereTheSlopeLeadsInwards) {
     Eigen::VectorXd q(2);
     q << std::log(0.9 * testing::kTension), std::log(start * kHalf);
     double cost = 0;
-    EXPECT_TRUE(minimise(problem, matches, options, q, cost));
+    EXPECT_TRUE(minimise(problem, matches, q, cost));
     EXPECT_NEAR(std::exp(q[0]), testing::kTension, 1e-6 * testing::kTension) << start;
     EXPECT_NEAR(std::exp(q[1]), 0.7 * kHalf, 1e-5 * kHalf) << start;
   }
