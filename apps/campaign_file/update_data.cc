@@ -243,6 +243,7 @@ class StateReader {
     options.band_low_hz = data_.band_low_hz, options.band_high_hz = data_.band_high_hz;
     const auto decay = signal::estimate_decay(channel.samples, recording.sample_rate_hz, options);
     if (!decay.refusal.empty()) throw Refused(path + ": " + decay.refusal);
+    for (const auto& note : decay.notes) context_.warn(note.code, note.message, path);
     auto& state = timed_state(source, scene, recording.sample_rate_relative_std);
     for (const auto& found : decay.modes) {
       auto& mode = state.measured.emplace_back();

@@ -142,10 +142,12 @@ std::string program_help(const Verbs& verbs, std::size_t width) {
 }
 
 /// The JSON schema of described results, built from their descriptions; under `$defs` what each
-/// verb of that name gives. A report's document has lists of the same objects by kind of test.
+/// verb of that name gives that found an answer. A report's document has lists of the same objects
+/// by kind of test.
 Json result_schema(const Verbs& verbs) {
-  Json all{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
-           {"title", "results of rigfit, schema version 2"}};
+  Json all{
+      {"$schema", "https://json-schema.org/draft/2020-12/schema"},
+      {"title", "results of rigfit, schema version 2; one with exit code 4 or 5 may lack keys"}};
   for (const auto& verb : verbs) {
     if (verb.schema != nullptr) all["$defs"][verb.name] = verb.schema();
   }

@@ -87,7 +87,8 @@ class Judgement {
       const Complex p = fit_.poles[m];
       const auto s = static_cast<Index>(4 * m) + 2, w = s + 1;
       const Eigen::Matrix2d of_pole = covariance.block<2, 2>(s, s);
-      const double variance = noise_.white_equivalent(p.imag() / kTwoPi);
+      const double variance =
+          uncertainty.widening_of_mode(m) * noise_.white_equivalent(p.imag() / kTwoPi);
       fall_.push_back(-p.real() * n), fall_std_.push_back(std::sqrt(covariance(s, s)) * n);
 
       DecayMode mode;
@@ -206,21 +207,24 @@ class Judgement {
   /// Why the strongest mode is no free decay; empty when it is one.
   [[nodiscard]] std::string driven() const {
     const std::size_t main = kept_.front();
-    const auto& poles = fit_.poles;
+    const Complex strongest = fit_.poles[main];
     const double amplitude = modes_[main].amplitude;
     // What a random amplitude looks like to a fit: several modes within a few lines or widths.
-    const auto beside = [&](std::size_t m) {
-      const double width = std::max(-poles[main].real(), std::abs(poles[m].real()));
+    const auto near = [&](Complex pole) {
+      const double width = std::max(-strongest.real(), std::abs(pole.real()));
       const double lines = 4 * kTwoPi / static_cast<double>(fit_.samples);
-      return m != main &&
-             std::abs(poles[m].imag() - poles[main].imag()) < std::max(lines, 3 * width);
+      return std::abs(pole.imag() - strongest.imag()) < std::max(lines, 3 * width);
     };
+    const auto beside = [&](std::size_t m) { return m != main && near(fit_.poles[m]); };
     if (std::any_of(growing_.begin(), growing_.end(), [&](std::size_t m) {
           return beside(m) && modes_[m].amplitude * std::exp(-fall_[m]) > 0.2 * amplitude;
         })) {
       return "its amplitude grows again";
     }
-    if (std::count_if(kept_.begin(), kept_.end(), beside) >= 2) {
+    // Noise whose colour is that of the residual beside them passes for some of them.
+    if (std::count_if(kept_.begin(), kept_.end(), beside) +
+            std::ranges::count_if(fit_.noise_like, near) >=
+        2) {
       return "its amplitude rises and falls at random";
     }
     return {};

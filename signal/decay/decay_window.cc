@@ -121,8 +121,9 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
   std::sort(starts.begin(), starts.end());
   // A decay that the record begins with.
   const RunningAmplitude running(x, w);
-  if (starts.empty() || (!quiet && starts.front() > 4 * cycle &&
-                         std::abs(running.over(0, 2 * cycle)) > 0.1 * running.largest(cycle))) {
+  if (starts.empty() ||
+      (!(quiet && starts.front() >= onset - 4 * cycle) && starts.front() > 4 * cycle &&
+       std::abs(running.over(0, 2 * cycle)) > 0.1 * running.largest(cycle))) {
     starts.insert(starts.begin(), 0);
   }
   std::vector<DecayWindow> windows;

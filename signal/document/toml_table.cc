@@ -39,9 +39,12 @@ std::string in_unit(const std::string& unit) { return unit.empty() ? "" : " in "
 std::string described(const toml::node& node) {
   if (node.is_table()) return "a table";
   if (const auto* list = node.as_array()) return fmt::format("a list of {}", list->size());
+  if (const auto* string = node.as_string(); string && string->get().size() > 60) {
+    return "the string \"" + string->get().substr(0, 57) + "...\"";
+  }
   std::ostringstream text;
   text << (node.is_string() ? "the string " : "") << toml::node_view<const toml::node>(node);
-  return text.str().substr(0, 60);
+  return text.str();
 }
 
 }  // namespace

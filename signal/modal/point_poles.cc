@@ -61,10 +61,8 @@ class PointFit {
   const MatrixXcd& H;
   double twin_misfit = 0, max_damping_ratio = 0, penalty = 0;
 
-  /// `ends_at`: step of the poles, in standard uncertainties, that ends the fit. Tests bear 0.3: it
-  /// adds 0.09 of a degree of freedom to the misfit.
   WindowFit fit(const std::vector<Complex>& group, const std::vector<Complex>& others,
-                double bandwidths, int order, double ends_at = 0.3) const {
+                double bandwidths, int order) const {
     Index first = band.frequency_hz.size(), end = 0;
     for (const Complex p : group) {
       const auto [from, count] = lines_around(band, p, kLines, bandwidths);
@@ -85,16 +83,17 @@ class PointFit {
       }
     }
     const VectorXcd fixed = Eigen::Map<const VectorXcd>(near.data(), Index(near.size()));
-    // Several columns weigh by what a first fit leaves of them; a tenth of the mean keeps a column
-    // that is fitted by chance from deciding alone.
+    // Several columns weigh by what a first fit leaves of them, whose steps may end early: 0.3 of a
+    // standard uncertainty adds 0.09 of a degree of freedom to the misfit. A tenth of the mean
+    // keeps a column that is fitted by chance from deciding alone.
     VectorXd weight = VectorXd::Ones(H.cols());
-    LocalFit result =
-        fit_locally(s, part, weight, start, fixed, order, H.cols() > 1 ? 0.3 : ends_at);
+    LocalFit result = H.cols() > 1 ? fit_locally(s, part, weight, start, fixed, order, 0.3)
+                                   : fit_locally(s, part, weight, start, fixed, order);
     if (result.usable && H.cols() > 1) {
       const double mean = result.misfit.mean();
       if (mean > 0) {
         weight = mean / (result.misfit.array() + 0.1 * mean);
-        result = fit_locally(s, part, weight, result.poles, fixed, order, ends_at);
+        result = fit_locally(s, part, weight, result.poles, fixed, order);
       }
     }
     return {std::move(result), s, part};
@@ -283,10 +282,10 @@ std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, In
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const std::vector<Complex> others = other_poles(groups, g);
-    const WindowFit fit = point.fit(groups[g], others, kBandwidths, 2, 1e-2);
+    const WindowFit fit = point.fit(groups[g], others, kBandwidths, 2);
     if (!fit.usable) continue;
     const std::vector<Complex> start(fit.poles.begin(), fit.poles.end());
-    const WindowFit again = point.fit(start, others, 0.5 * kBandwidths, 1, 1e-2);
+    const WindowFit again = point.fit(start, others, 0.5 * kBandwidths, 1);
     for (Index r = 0; r < fit.poles.size(); ++r) {
       if (!point.plausible(fit.poles[r])) continue;
       const double half =

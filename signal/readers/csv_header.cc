@@ -365,7 +365,7 @@ void read_csv_header(const std::vector<std::string_view>& lines, std::string_vie
 
 double rate_of_label(const std::string& text, double number, const std::string& unit_text) {
   std::string label = normal_label(text);
-  std::erase(label, ' ');
+  if (label.size() > 3) std::erase(label, ' ');  // "F.S." is full scale, no sample rate
   const bool is_interval = is_listed(kIntervalLabels, label);
   if (!is_interval && !is_listed(kRateLabels, label)) return 0;
   const auto unit = parse_unit(unit_text);

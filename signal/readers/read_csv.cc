@@ -148,6 +148,11 @@ void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table
     if (std::isfinite(start)) column.samples.array() -= start;
   } else if (options.time_unit_s > 0) {
     unit_s = options.time_unit_s / column.si_per_source;
+    if (unit_s != 1 && !column.source_unit.empty()) {
+      add_note(recording.notes, "read_as", column.name,
+               "the file says \"{}\" of the times; the unit asked for is taken",
+               column.source_unit);
+    }
   }
   TimeAxis axis = axis_in(unit_s);
   if (options.time_unit_s == 0 && column.source_unit.empty() && !is_clock && axis.rate_hz > 0) {

@@ -40,7 +40,9 @@ constexpr Foreign kForeign[] = {
      "open it in a spreadsheet program and save the sheet as CSV (UTF-8)"},
     {"PK\x03\x04", "a workbook or another zip archive (.xlsx, .ods, .zip, .npz)",
      "save the sheet as CSV (UTF-8), or unpack it and give the recording itself"},
-    {"<", kPage, kOfPage},
+    {"<?xml", kPage, kOfPage},
+    {"<!doctype", kPage, kOfPage},
+    {"<html", kPage, kOfPage},
     {"{\"", kPage, kOfPage},
     {"{\n", kPage, kOfPage},
     {"[{", kPage, kOfPage}};

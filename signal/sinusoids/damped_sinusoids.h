@@ -53,6 +53,8 @@ struct DampedSinusoidsFit {
   Eigen::MatrixXd unit_covariance;
   int iterations = 0;
   StepsEnd end = StepsEnd::iteration_limit;  ///< rank-deficient: no covariance
+  /// Poles that find_decay_modes() took out again, since noise passes for them.
+  std::vector<std::complex<double>> noise_like = {};
 
   /// Mode m alone at every sample.
   [[nodiscard]] Eigen::VectorXd mode_signal(std::size_t m) const;

@@ -66,7 +66,7 @@ class DecayModeSearch {
       if (is_offset(more.poles[m])) continue;
       // Under a third of a cycle, or growing by e^2.9, at the bounds of the fit.
       const Complex over_record = more.poles[m] * static_cast<double>(n_);
-      if (over_record.imag() < 0.3 * kTwoPi || over_record.real() > 2.9) return false;
+      if (!(over_record.imag() >= 0.3 * kTwoPi && over_record.real() <= 2.9)) return false;
       const auto k = static_cast<Index>(4 * m);
       const double a_std = std::sqrt(white * more.unit_covariance(k + 2, k + 2));
       const double w_std = std::sqrt(white * more.unit_covariance(k + 3, k + 3));
@@ -226,6 +226,8 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
     poles.erase(poles.begin() + static_cast<std::ptrdiff_t>(*m));
     auto fewer = fit_poles(samples, poles);
     if (!fewer) break;
+    fewer->noise_like = std::move(fit->noise_like);
+    fewer->noise_like.push_back(fit->poles[*m]);
     fit = std::move(fewer);
   }
   return fit;

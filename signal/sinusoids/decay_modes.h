@@ -5,7 +5,7 @@
 // (decay_search.h) takes out of noise with the chance kFalseAlarm, when its pole is determined by
 // the samples, and when it does not merely correct another mode that departs from an exponential.
 // A mode that noise of the residual's colour could imitate, as large as it is while the mode lasts
-// (residual_noise.h), is removed at the end.
+// (residual_noise.h), is removed at the end, unless it is the only one.
 #pragma once
 
 #include <Eigen/Core>

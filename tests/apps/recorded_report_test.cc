@@ -35,8 +35,8 @@ TEST_F(LaboratoryReport, IsAsItsSchemaSays) {
   const std::pair<const char*, const char*> lists[] = {
       {"axial", "axial"}, {"bending", "bending"}, {"fits", "update"}};
   for (const auto& [list, verb] : lists) {
-    for (const auto& test : document_[list]) {
-      EXPECT_THAT(schema_errors(test, schemas[verb]), ::testing::IsEmpty()) << list;
+    for (const auto& test : document_.at(list)) {
+      EXPECT_THAT(schema_errors(test, schemas.at(verb)), ::testing::IsEmpty()) << list;
     }
   }
 }

@@ -7,6 +7,7 @@
 
 #include <iomanip>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -72,8 +73,10 @@ nlohmann::json document_of(const std::string& line, const std::vector<std::strin
   static const nlohmann::json schemas = parsed(run_line("help schema").out)["$defs"];
   nlohmann::json document = parsed(run.out);
   const std::string verb = line.substr(0, line.find(' '));
-  if (schemas.contains(verb)) {
-    EXPECT_EQ(schema_errors(document, schemas[verb]), std::vector<std::string>{}) << line;
+  const std::set<std::string> not_described{"export", "new",      "plan",
+                                            "report", "resample", "synthesize"};
+  if (!not_described.contains(verb)) {
+    EXPECT_EQ(schema_errors(document, schemas.at(verb)), std::vector<std::string>{}) << line;
   }
   return document;
 }

@@ -83,7 +83,7 @@ Verb inspect_verb() {
   return verb_of<InspectCommand>(
       "inspect",
       "Read recordings and check their quality: rate, channels, units, clipping, "
-      "dropouts, missing samples, offset, drift, noise, hum, quantisation",
+      "dropouts, missing samples, quantisation",
       kInspectExample, run, true, true, []() -> Json {
         Json one = describe::schema_of<signal::Recording>();
         one["properties"]["channels"] = describe::schema_of<std::vector<signal::ChannelQuality>>();

@@ -369,20 +369,22 @@ class Search {
       const auto& all = answer.matches.matches;
       if (!here.residuals(answer.q, all, r, &J) || J.rows() < J.cols()) return;
       const Eigen::MatrixXd Q = signal::thin_qr(J).Q;
-      double most = 0;
+      double most = 0, sum = 0;
+      bool dampings = false;
       std::size_t worst = all.size();
       const auto rows = here.frequency_rows(all);
       for (const auto& row : rows) {
-        const double free = 1 - Q.row(row.row).squaredNorm();
-        const double gained = r[row.row] * r[row.row] / std::max(free, 1e-6);
+        const double free = 1 - Q.row(row.row).squaredNorm(), square = r[row.row] * r[row.row];
+        const double gained = square / std::max(free, 1e-6);
+        sum += square;
+        dampings |= row.damping >= 0;
         if (gained > most) most = gained, worst = row.match;
       }
       if (worst == all.size()) return;
       // The model's error falls with the misfit, in all other pairs; a false mode costs more.
-      const double left = std::max(1e-9, 1 - most / r.squaredNorm());
-      if (-0.5 * static_cast<double>(rows.size()) * std::log(left) <
-          -std::log(options_.assignment.false_mode))
-        return;
+      const double left = std::max(1e-9, 1 - most / sum);
+      const double gain = -0.5 * static_cast<double>(rows.size()) * std::log(left);
+      if (!dampings && gain < -std::log(options_.assignment.false_mode)) return;
       UpdateAnswer rest{answer.q, answer.matches};
       rest.matches.matches.erase(rest.matches.matches.begin() + static_cast<std::ptrdiff_t>(worst));
       UpdateAnswer without = settled(std::move(rest), answer.error);

@@ -4,6 +4,7 @@
 
 #include "signal/decay/decay_window.h"
 #include "signal/sinusoids/damped_sinusoids.h"
+#include "tests/normal.h"
 #include "tests/signal/decays.h"
 #include "tests/test.h"
 
@@ -300,6 +301,27 @@ TEST(DecayStart, MovesBehindWhatIsLeftOfTheBlow) {
     }
   }
   EXPECT_GE(moved, 3);
+}
+
+// A tone whose amplitude and phase wander by a second and two: a machine that goes on.
+TEST(Decay, OfARunningMachineIsRefusedOrMarked) {
+  int refused = 0;
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    testing::Normal normal(seed);
+    double amplitude = normal(), phase = normal();
+    Eigen::VectorXd y(2500);
+    for (Index j = 0; j < y.size(); ++j) {
+      amplitude += -amplitude / 250 + normal() / std::sqrt(125);
+      phase += -phase / 500 + normal() / std::sqrt(250);
+      const double time = static_cast<double>(j) / 250;
+      y[j] = (1 + 0.25 * amplitude) * std::cos(2 * kPi * 22.15 * time + 0.1 * phase);
+      y[j] += 0.02 * normal();
+    }
+    const auto result = estimate_decay(y, 250);
+    refused += !result.refusal.empty();
+    EXPECT_TRUE(!result.refusal.empty() || !result.notes.empty()) << seed;
+  }
+  EXPECT_GE(refused, 15);
 }
 
 // A swing that comes to rest on a coarse scale is no logger that stopped; a cut is one.

@@ -114,6 +114,8 @@ TEST(Times, WithoutAUnitInWholeNumbersAreSuspected) {
   EXPECT_NEAR(given.sample_rate_hz, 500, 1e-9);
   EXPECT_FALSE(says(given.notes, "time_axis"));
   EXPECT_TRUE(says(read("fs = 500 Hz\n" + text).notes, "rates_disagree"));
+  EXPECT_FALSE(says(read("F.S.;200\n" + text).notes, "rates_disagree"));  // full scale
+  EXPECT_TRUE(says(read("t [ms];<a>\n" + text.substr(4), {.time_unit_s = 1}).notes, "read_as"));
 }
 
 TEST(RateOfStep, OfFewDigitsIsTheUsualRateWithItsUncertainty) {
