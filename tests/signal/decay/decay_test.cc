@@ -150,6 +150,21 @@ TEST(Decay, ASecondBlowOfATenthIsADecayOfItsOwn) {
   EXPECT_GE(found, 8);
 }
 
+// The record begins within a decay; a blow comes before the loudest one.
+TEST(Decay, OneThatTheRecordBeginsWithIsADecayOfItsOwn) {
+  int found = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(6000);
+    add_decay(y, {20, 0.01, 0.2}, 500);
+    add_decay(y, {20, 0.01, 0.3}, 500, -kPi / 2, 1500);
+    add_decay(y, {20, 0.01, 1}, 500, -kPi / 2, 3500);
+    add_noise(y, 0.002, random);
+    found += estimate_decay(y, 500).decays.size() == 3;
+  }
+  EXPECT_GE(found, 8);
+}
+
 // Ten modes set off at once shift each other's onset: for some it is found cycles late.
 TEST(Decay, StartsAfterTheQuietBeforeTenModes) {
   for (unsigned seed = 11; seed <= 20; ++seed) {
