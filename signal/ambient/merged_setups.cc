@@ -24,8 +24,7 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 using Indices = std::vector<Index>;
 
-constexpr double kSetupsDiffer = 0.01;  // chance of the scatter where set-ups agree
-constexpr double kGainChance = 1e-3;    // that a change of gain is called which is none
+constexpr double kSetupsDiffer = 0.01;  // chance of a scatter or a gain where set-ups agree
 
 /// Set-up and its mode.
 using Matched = std::map<std::size_t, const AmbientMode*>;
@@ -243,7 +242,7 @@ void find_gain_changes(const Setups& setups, const std::vector<Matched>& sets,
       if (changes.size() < 3) continue;
       const double middle = median(changes), n = static_cast<double>(changes.size());
       const double std = robust_std(changes, middle) / std::sqrt(n);
-      if (std::abs(middle) < coverage_factor(1 - kGainChance, n - 1) * std + 0.01) continue;
+      if (std::abs(middle) < coverage_factor(1 - kSetupsDiffer, n - 1) * std + 0.01) continue;
       const auto name = [&](std::size_t r) {
         return setups.results[k].channels[static_cast<std::size_t>(setups.references[k][r])];
       };

@@ -22,8 +22,6 @@ using Eigen::Index;
 // answered only where noise made them larger are biased: at 4 times, 4.5 dB in 50 cycles, by a
 // tenth of a standard uncertainty.
 constexpr double kLeastDetection = 4;
-// An amplitude that falls by less is known from its start alone.
-constexpr double kShortFall = 0.7;
 
 /// Whether mode m leaves what an amplitude and a phase that depart from an exponential, with t^2
 /// and t^3, take out, and noise would not (four unknowns; noise may be larger while the mode
@@ -242,14 +240,6 @@ class Judgement {
 
   void say() {
     const DecayMode& mode = result_.modes.front();
-    const double fall = std::max(0.0, fall_[kept_.front()]);
-    if (fall < kShortFall) {
-      result_.note("record_short",
-                   fmt::format("Record for longer: the amplitude falls by {:.2g} % only within the "
-                               "{:.2g} cycles of the window, and the answer leans on offset and "
-                               "drift",
-                               100 * (1 - std::exp(-fall)), mode.cycles));
-    }
     if (!(mode.damping_ratio.value > 2 * mode.damping_ratio.std)) {
       result_.note("damping_not_resolved",
                    fmt::format("damping ratio {:.3g} is not distinguishable from zero (standard "

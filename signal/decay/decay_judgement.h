@@ -1,11 +1,10 @@
 // Which modes of a fit are given, whether a decay is refused, and what a person should know before
-// using its numbers. There are six reasons:
+// using its numbers. There are five reasons:
 //
 //   refused  no_decay        grows, keeps its amplitude, is driven, or nothing is in the band
 //            too_noisy       noise could look like it, or its frequency is hardly determined
 //   said     not_one_decay   what is left at a mode is no noise: a neighbour, a change, excitation
 //            not_exponential damping or frequency change along the decay
-//            record_short    the record shows less than half a time constant or three cycles
 //            damping_not_resolved
 //
 // A random amplitude, of a mode that is driven, looks to a fit like several modes within a few

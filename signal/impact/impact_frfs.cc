@@ -214,14 +214,10 @@ class Analysis {
     return usable;
   }
 
-  /// Lines of single hits that are kept: those modes are looked for in, as far as memory allows.
+  /// Lines of single hits that are kept: those modes are looked for in.
   Index lines_of_hits() const {
     const double high = options_.hits.band_hz ? options_.hits.band_hz->second : usable_hz();
-    const auto lines = static_cast<Index>(std::ceil(1.02 * high * block_duration())) + 10;
-    constexpr Index kMost = 4'000'000;  // complex values, 64 MB
-    const auto hits = static_cast<Index>(test_.search.hits.size());
-    const auto responses = static_cast<Index>(test_.responses.size());
-    return lines * hits * responses <= kMost ? lines : 0;
+    return static_cast<Index>(std::ceil(1.02 * high * block_duration())) + 10;
   }
 
   /// Incoherent power per degree of freedom without a hit over that with it, at most, of an

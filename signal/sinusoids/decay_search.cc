@@ -18,9 +18,6 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 // Beyond this many time constants the window holds nothing of the sinusoid.
 constexpr double kWindowTimeConstants = 8;
-// Above this length the spectrum is not interpolated by zeros: half a line costs at most 60 % of
-// the peak and the fit that follows finds the rest.
-constexpr Index kNoPaddingFrom = 1 << 16;
 
 // Median of the power around line k, over as many lines as tell the noise from the peak.
 double local_median(const Eigen::VectorXd& power, Index k, Index reach) {
@@ -97,7 +94,7 @@ LineSpectrum filtered(const Eigen::Ref<const Eigen::VectorXd>& y, double a) {
   if (y.size() < 4) return out;
   const Index length = static_cast<Index>(
       std::clamp(std::ceil(kWindowTimeConstants / a), 4.0, static_cast<double>(y.size())));
-  RealFft fft(good_fft_length(length < kNoPaddingFrom ? 2 * length : length));
+  RealFft fft(good_fft_length(2 * length));
   auto time = fft.time();
   time.tail(time.size() - length).setZero();
   const double q = std::exp(-a);

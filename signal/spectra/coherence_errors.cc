@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "signal/estimation/robust.h"
@@ -63,10 +64,10 @@ void error_bars_from_coherence(FrfSet& frfs, int averages,
                           ""});
   }
   const int n = frfs.averages > 0 ? frfs.averages : 2;
-  constexpr double kSmallest = 1e-8;  // what eight digits tell from 0 and from 1
+  const double smallest = std::numeric_limits<float>::epsilon();  // of single precision
   frfs.H_std.resize(frfs.H.rows(), frfs.H.cols());
   for (Index c = 0; c < frfs.H.cols(); ++c) {
-    const ArrayXd g2 = frfs.coherence.col(c).array().max(kSmallest).min(1 - kSmallest);
+    const ArrayXd g2 = frfs.coherence.col(c).array().max(smallest).min(1 - smallest);
     const ArrayXd noise = frfs.H.col(c).array().abs2() * (1 - g2) / g2;
     const ArrayXd wide = mean_over_lines(noise, kSmoothingLines),
                   narrow = mean_over_lines(noise, kNarrow);

@@ -250,11 +250,6 @@ TEST(Decay, RefusesWithAReason) {
   EXPECT_THROW((void)estimate_decay(Eigen::VectorXd::Random(500), 0), std::invalid_argument);
 }
 
-TEST(Decay, SaysWhenTheRecordIsShorterThanTheDecay) {
-  EXPECT_TRUE(
-      says(estimate_decay(decays(13, {{50, 1e-4}}, 500, 500, 0.01), 500).notes, "record_short"));
-}
-
 // Hum of a twentieth of the amplitude, 0.2 to 0.3 Hz beside a mode that it stands alone before for
 // half a second and beats with for a second, 0.3 times: 200 records at 40 dB. Mean squares of
 // errors over standard uncertainties to 4 sqrt(2 / 200) = 0.4; where the tone is fitted beside a
