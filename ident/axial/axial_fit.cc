@@ -21,10 +21,11 @@ double relative(const signal::Estimate& input) {
 }
 
 // Compliance under the mass of a rod of stiffness kc, without what is not told.
-double told_chain(const AxialSetup& setup, double kc, double W, double length) {
+template <class T>
+T told_chain(const AxialSetup& setup, double kc, const T& W, double length) {
   const double frame = setup.frame_stiffness_N_m.value, adapter = setup.adapter_stiffness_N_m.value;
-  return rod_compliance(kc, W * setup.mass_per_length_kg_m.value * length,
-                        frame > 0 ? 1 / frame : 0) +
+  return rod_compliance(T(kc), W * setup.mass_per_length_kg_m.value * length,
+                        T(frame > 0 ? 1 / frame : 0)) +
          (adapter > 0 ? 1 / adapter : 0);
 }
 
@@ -141,12 +142,9 @@ AxialFit fit_axial(std::span<const AxialLengthData> data, const AxialSetup& setu
     const auto rod = rod_of(setup, length.W, one.length_m);
     length.scatter = between_std / rod.by_omega_squared;
     length.std = std::hypot(std::max(one.log_omega_squared_std, kLeastStd), length.scatter);
-    constexpr double kStep = 1.0001;
-    const double by_W =
-        1 + std::log(told_chain(setup, rod.cable_N_m, length.W * kStep, one.length_m) /
-                     told_chain(setup, rod.cable_N_m, length.W / kStep, one.length_m)) /
-                (2 * std::log(kStep));
-    length.residual_std = by_W * length.std;
+    const ceres::Jet<double, 1> W(length.W, 0);
+    const auto chain = told_chain(setup, rod.cable_N_m, W, one.length_m);
+    length.residual_std = (1 + length.W * chain.v[0] / chain.a) * length.std;
     if (lengths.empty()) unit = 1 / rod.cable_N_m, z[kLogEA] = std::log(one.length_m / unit);
     lengths.push_back(length);
     moments += Eigen::Vector4d(1, one.length_m, 1 / rod.cable_N_m, one.length_m / rod.cable_N_m);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_qrng.h>
+#include <gsl/gsl_statistics_double.h>
 
 #include <algorithm>
 #include <array>
@@ -64,12 +65,7 @@ std::vector<double> sorted_draws(const ComplianceMeasurement& measured, double t
 }
 
 double quantile(const std::vector<double>& sorted, double p) {
-  const double place = p * static_cast<double>(sorted.size()) - 0.5;
-  const auto below = static_cast<std::size_t>(
-      std::clamp(std::floor(place), 0.0, static_cast<double>(sorted.size() - 2)));
-  const double weight = std::clamp(place - static_cast<double>(below), 0.0, 1.0);
-  if (weight == 0) return sorted[below];
-  return (1 - weight) * sorted[below] + weight * sorted[below + 1];
+  return gsl_stats_quantile_from_sorted_data(sorted.data(), 1, sorted.size(), p);
 }
 
 }  // namespace

@@ -15,9 +15,6 @@
 namespace rigfit::ident {
 namespace {
 
-// Accuracy of frequencies that are compared: a hundredth of a std of 1e-4.
-constexpr double kCompared = 1e-6;
-
 /// The targets of a parameter that a scene has, each with the factor from the value to it.
 using Targets = std::vector<std::pair<std::string, double>>;
 
@@ -242,7 +239,7 @@ ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& 
   if (std::all_of(scene.members.begin(), scene.members.end(), [&](const auto& member) {
         return options.segments.value_or(member.segments) <= 0;
       })) {
-    modes.accuracy = kCompared;
+    modes.accuracy = kComparedAccuracy;
   }
   const auto spread = spread_of(
       scene, selection, [&](const model::Scene& at) { return modes_of(at, found.modes, modes); });

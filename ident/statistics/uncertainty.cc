@@ -16,9 +16,6 @@ namespace {
 
 using signal::kNaN;
 
-// Singular values below this share of the largest are zero as far as a Jacobian's accuracy goes.
-constexpr double kRankTolerance = 1e-8;
-
 std::string describe(const OpenDirection& open, const std::vector<std::string>& names) {
   const auto name = [&](int j) { return names[static_cast<std::size_t>(j)]; };
   if (open.parameters.size() == 1) {
@@ -57,7 +54,8 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinV);
   const Eigen::VectorXd& s = svd.singularValues();
   const Eigen::MatrixXd& V = svd.matrixV();
-  const double floor = s[0] * kRankTolerance;
+  // Smaller singular values are zero as far as a Jacobian's accuracy goes.
+  const double floor = s[0] * std::sqrt(std::numeric_limits<double>::epsilon());
   result.directions = V;
   result.singular_values = s;
   result.scales = scales;

@@ -12,7 +12,6 @@
 #include <stdexcept>
 
 #include "ident/statistics/uncertainty.h"
-#include "signal/numerics/least_squares.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -30,15 +29,15 @@ double reference_tension(const std::vector<StiffnessPoint>& points) {
   return std::exp(sum / static_cast<double>(points.size()));
 }
 
-/// EI at the geometric mean of the tensions, and the exponent: a line in the logarithms.
-std::pair<double, double> power_through(const std::vector<StiffnessPoint>& points) {
-  const double T0 = reference_tension(points), n = static_cast<double>(points.size());
-  double mean = 0, xx = 0, xy = 0;
+/// Exponent of a power law: the slope of a line in the logarithms.
+double exponent_of(const std::vector<StiffnessPoint>& points) {
+  const double T0 = reference_tension(points);
+  double xx = 0, xy = 0;
   for (const auto& point : points) {
-    const double x = std::log(point.tension_N / T0), y = std::log(point.EI_Nm2);
-    mean += y / n, xx += x * x, xy += x * y;  // the mean of x is zero
+    const double x = std::log(point.tension_N / T0);  // the mean of x is zero
+    xx += x * x, xy += x * std::log(point.EI_Nm2);
   }
-  return {std::exp(mean), xx > 0 ? xy / xx : 0};
+  return xx > 0 ? xy / xx : 0;
 }
 
 struct Data {
@@ -54,21 +53,12 @@ std::string added(double value) {
   return fmt::format("{} {:.5g}", value < 0 ? "-" : "+", std::abs(value));
 }
 
-// A straight line over g(T), and the start of its fit: relative errors, by linear regression.
+// A straight line over g(T), which is found from any start.
 double straight(double g, const double* p, Gradient& by) {
   by << 1, g, 0;
   return p[0] + p[1] * g;
 }
-std::vector<double> regression(const Data& data, double (*g)(double)) {
-  const auto n = static_cast<Eigen::Index>(data.points.size());
-  Eigen::MatrixX2d A(n, 2);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto& point = data.points[static_cast<std::size_t>(i)];
-    A.row(i) << 1 / point.EI_Nm2, g(point.tension_N) / point.EI_Nm2;
-  }
-  const Eigen::MatrixXd line = signal::least_squares(A, Eigen::VectorXd::Ones(n)).x;
-  return {line(0), line(1)};
-}
+Starts level(const Data& data, const Bounds&) { return {{data.points.front().EI_Nm2, 0}}; }
 
 Starts saturating_starts(const Data& data, const Bounds& bounds) {
   double smallest = data.points[0].EI_Nm2, largest = smallest, last = data.points[0].tension_N;
@@ -106,18 +96,14 @@ const Law& law_of(LawKind kind) {
       {"linear",
        {{"a", 0, kNaN, "N m2"}, {"b", 0, kNaN, "m2"}},
        [](double T, double, const double* p, Gradient& by) { return straight(T, p, by); },
-       [](const Data& data, const Bounds&) {
-         return Starts{regression(data, [](double T) { return T; })};
-       },
+       level,
        [](const double* p, double) { return fmt::format("EI = {:.5g} {} T", p[0], added(p[1])); }},
       {"square root",
        {{"a", 0, kNaN, "N m2"}, {"b", 0, kNaN, "N^0.5 m2"}},
        [](double T, double, const double* p, Gradient& by) {
          return straight(std::sqrt(T), p, by);
        },
-       [](const Data& data, const Bounds&) {
-         return Starts{regression(data, [](double T) { return std::sqrt(T); })};
-       },
+       level,
        [](const double* p, double) {
          return fmt::format("EI = {:.5g} {} sqrt(T)", p[0], added(p[1]));
        }},
@@ -128,10 +114,7 @@ const Law& law_of(LawKind kind) {
          by << power, p[0] * power * std::log(T / T0), 0;
          return p[0] * power;
        },
-       [](const Data& data, const Bounds&) {
-         const auto [a, b] = power_through(data.points);
-         return Starts{{a, b}};
-       },
+       level,
        [](const double* p, double T0) {
          return fmt::format("EI = {:.5g} (T / {:.5g})^{:.4g}", p[0], T0, p[1]);
        }},
@@ -471,7 +454,7 @@ std::vector<double> change_by_tension(const std::vector<StiffnessPoint>& points)
       std::minmax_element(points.begin(), points.end(),
                           [](const auto& a, const auto& b) { return a.tension_N < b.tension_N; });
   if (!(high->tension_N > 1.05 * low->tension_N)) return change;
-  const double exponent = power_through(points).second;
+  const double exponent = exponent_of(points);
   for (std::size_t i = 0; i < points.size(); ++i) {
     change[i] = exponent * points[i].EI_Nm2 / points[i].tension_N * points[i].tension_std_N;
   }

@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/model_update.h"
 #include "ident/update/uncertainty/update_uncertainty.h"
 
@@ -101,11 +102,10 @@ CandidateComparison compare_candidates(const std::vector<ModelCandidate>& candid
     comparison.candidates.push_back(std::move(one));
   }
   if (comparison.heaviest < 0) return comparison;
-  constexpr double kNone = 7;  // ln of a weight of 0.001, which counts as 0
   double sum = 0;
   for (auto& one : comparison.candidates) {
     const double less = most - one.result.log_evidence;
-    one.weight = std::isfinite(less) && less < kNone ? std::exp(-less) : 0;
+    one.weight = std::isfinite(less) && less < kNegligible ? std::exp(-less) : 0;
     sum += one.weight;
   }
   for (auto& one : comparison.candidates) one.weight /= sum;

@@ -19,14 +19,11 @@ namespace {
 constexpr double kSearchError = 0.05;  // the model's, while looking around
 // The cost to a thousandth is ln(evidence) to a hundredth or so; what is kept is fitted anew.
 constexpr double kSearched = 1e-3;
-constexpr double kDampingErrors = 10;  // relative to those in frequency
 // Model error while assigning: the planes of a taut cable agree to 1e-5, its segments err by more.
 constexpr double kLeastStd = 2e-3;
 constexpr double kSure = 12;       // see the header
 constexpr std::size_t kSeeds = 8;  // local fits from all over the range
 constexpr int kRounds = 6;
-constexpr double kApart = 0.1;           // in ln(value): what parts two parameters that start alike
-constexpr double kNegligible = 7;        // ln of the ratio of weights
 constexpr double kDampingRange = 4.605;  // ln(100): range of an unpaired damping ratio
 
 double width_of(const UpdateCoordinate& coordinate) {
@@ -110,7 +107,7 @@ class Search {
     // Two that start alike would stay so: their difference has no slope there.
     for (const auto& [what, exchange] : exchanges()) {
       for (const auto& [i, j] : exchange) {
-        if (start[i] == start[j]) start[i] -= kApart, start[j] += kApart;
+        if (start[i] == start[j]) start[i] -= kSearchError, start[j] += kSearchError;
       }
     }
     start = within_bounds(std::move(start));

@@ -23,7 +23,7 @@ bool solved_together(const MeasuredFrf& a, const MeasuredFrf& b) {
   return a.decay_rate_1_s == b.decay_rate_1_s && a.frequency_hz == b.frequency_hz;
 }
 
-constexpr double kRateStep = 1e-7;  // relative: a resonance is wider than 1e-4 of its frequency
+const double kRateStep = std::sqrt(std::numeric_limits<double>::epsilon());
 
 model::FrfSensitivities frfs_at(const model::Scene& scene, const Eigen::VectorXd& lines,
                                 const std::vector<std::string>& names, double decay_rate_1_s) {
@@ -43,13 +43,13 @@ double lines_per_independent(double decay_rate_1_s, double line_spacing_hz) {
 }
 
 UpdateProblem::FrfRows UpdateProblem::rows_of(int state, const MeasuredFrf& frf) const {
-  constexpr double kNoisy = 0.1, kAssumed = 0.05;  // assumed: it only sets the weight
-  constexpr double kLargest = 0.5;                 // beyond, a logarithm has no information
+  constexpr double kNoisy = 0.1;
+  constexpr double kLargest = 0.5;  // beyond, a logarithm has no information
   FrfRows rows{.state = state, .frf = &frf};
   for (Eigen::Index k = 0; k < frf.H.size(); ++k) {
     const double size = std::abs(frf.H[k]);
     if (!(size > 0) || !std::isfinite(size)) continue;
-    double own = kAssumed;
+    double own = options_.assumed_relative_std;
     if (frf.std.size() > 0) {
       own = frf.std[k] / size;
       if (!std::isfinite(own)) continue;

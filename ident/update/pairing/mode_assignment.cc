@@ -106,8 +106,8 @@ std::vector<int> least_cost_assignment(const Eigen::Ref<const Eigen::MatrixXd>& 
   Eigen::VectorXd of_row = Eigen::VectorXd::Zero(n + 1), of_column = Eigen::VectorXd::Zero(m + 1);
   Eigen::VectorXi row_of = Eigen::VectorXi::Zero(m + 1), previous = row_of;
   for (int row = 1; row <= n; ++row) {
-    constexpr double kFar = std::numeric_limits<double>::infinity();
-    Eigen::VectorXd slack = Eigen::VectorXd::Constant(m + 1, kFar);
+    const double far = std::numeric_limits<double>::infinity();
+    Eigen::VectorXd slack = Eigen::VectorXd::Constant(m + 1, far);
     Eigen::VectorXi visited = Eigen::VectorXi::Zero(m + 1);
     row_of[0] = row;
     int column = 0;
@@ -115,7 +115,7 @@ std::vector<int> least_cost_assignment(const Eigen::Ref<const Eigen::MatrixXd>& 
       visited[column] = 1;
       const int current = row_of[column];
       int next = 0;
-      double smallest = kFar;
+      double smallest = far;
       for (int j = 1; j <= m; ++j) {
         if (visited[j]) continue;
         const double reduced = cost(current - 1, j - 1) - of_row[current] - of_column[j];

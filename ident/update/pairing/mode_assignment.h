@@ -110,4 +110,8 @@ struct ModeAssignment : AssignmentLikelihood {
                                                const std::vector<PairingMode>& modelled);
 inline constexpr double kListStd = 0.05;
 
+/// Relative accuracy of frequencies for vanishing segments that are compared: a hundredth of a
+/// standard uncertainty of 1e-4.
+inline constexpr double kComparedAccuracy = 1e-6;
+
 }  // namespace rigfit::ident

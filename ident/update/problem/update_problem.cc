@@ -22,7 +22,7 @@ double largest_of(const Eigen::VectorXd& shape) {
   return shape.size() > 0 ? shape.cwiseAbs().maxCoeff() : 0;
 }
 
-constexpr double kAssumedDampingStd = 0.2;  // relative; it only sets the weight
+constexpr double kAssumedDampingStd = 0.2;  // relative; a weight, also in the evidence
 
 // Scale of a quantity that starts at zero: 1 % of the scene's mass for masses, 1 % of the largest
 // tension for a load cell's zero, else 1.

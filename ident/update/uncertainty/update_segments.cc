@@ -19,7 +19,7 @@ namespace rigfit::ident {
 namespace {
 
 // Frequencies for vanishing segments: relative accuracy as a share of what they are known to.
-constexpr double kShareOfStd = 0.1, kLeastAccuracy = 1e-6;
+constexpr double kShareOfStd = 0.1;
 }  // namespace
 
 bool UpdateProblem::is_resolved(int state) const {
@@ -27,15 +27,15 @@ bool UpdateProblem::is_resolved(int state) const {
          !(*variant_.segment_errors)[static_cast<std::size_t>(state)].empty();
 }
 
-UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q, bool given) const {
+UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q) const {
   UpdateProblem other = with(&UpdateVariant::segment_errors, nullptr);
   auto errors = std::make_shared<std::vector<SegmentErrors>>(states_.size());
   for (std::size_t s = 0; s < states_.size(); ++s) {
     const auto& state = states_[s];
     const int index = static_cast<int>(s);
     const model::Scene scene = scene_at(index, q);
-    const bool open = given || std::all_of(scene.members.begin(), scene.members.end(),
-                                           [](const auto& member) { return member.segments == 0; });
+    const bool open = std::ranges::all_of(
+        scene.members, [](int n) { return n == 0; }, &model::Member::segments);
     if (state.measured.empty() || state.modes_lead_only || !open) continue;
     double accuracy = scene.accuracy;
     for (std::size_t m = 0; m < state.measured.size(); ++m) {
@@ -44,7 +44,7 @@ UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q, bool 
     model::ModesOptions asked;
     asked.count = mode_count(index);
     asked.shapes = asked.error_estimate = false;
-    asked.accuracy = std::max(accuracy, kLeastAccuracy);
+    asked.accuracy = std::max(accuracy, kComparedAccuracy);
     const auto here = other.modes(index, q, false);
     const auto limit = model::analyse_modes(scene, asked);
     if (!here.failure.empty() || !limit.extrapolated) continue;

@@ -162,10 +162,9 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
 
   Eigen::VectorXd scales = Eigen::VectorXd::Ones(n);
   for (Eigen::Index j = 0; j < n; ++j) {
-    constexpr double kTold = 10;  // priors of inputs always tell them
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
     if (j >= count) {
-      scales[j] = kTold;
+      scales[j] = 2 / kMaxRelativeStd;  // known to 1 by its prior: priors of inputs tell them
     } else if (!coordinate.logarithmic) {
       scales[j] = std::max(1.0, std::abs(q[j]));
     }
