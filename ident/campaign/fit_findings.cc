@@ -101,6 +101,13 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
   for (const auto& open : result.open) refuse("not_identifiable", open);
   for (const auto& p : result.parameters) {
     if (p.at_bound) warn("at_bound", "Check its bound, at which the fit ended", p.name);
+    if (p.identifiable && std::abs(p.segment_shift) > 0.5 * p.std) {
+      warn("segments",
+           fmt::format("Take more segments, or \"auto\": too few make the value about {:.2g} off, "
+                       "which is most of its uncertainty",
+                       p.segment_shift),
+           p.name);
+    }
     if (p.identifiable && !std::isfinite(p.std_from_data)) {
       warn("from_prior", "Add data that depend on it, or hold it: it is known from its prior only",
            p.name);

@@ -218,6 +218,25 @@ std::vector<SettledAnswer> settled_answers(const UpdateProblem& problem,
   return settled;
 }
 
+/// A fit with the error of the scenes' own segments taken off says what they shift.
+void state_segment_shifts(const UpdateProblem& settled, const UpdateOptions& options,
+                          const UpdateAnswer& answer, UpdateResult& result) {
+  const auto& states = settled.states();
+  const bool given = std::any_of(states.begin(), states.end(), [](const UpdateState& state) {
+    return std::any_of(state.scene.members.begin(), state.scene.members.end(),
+                       [](const auto& member) { return member.segments != 0; });
+  });
+  if (!given || !options.segment_uncertainty || !settled.modes_only()) return;
+  UpdateProblem resolved = settled.with_resolved_modes(answer.q, true);
+  UpdateAnswer there = answer;
+  if (!move_to(resolved, resolved, there)) return;
+  for (std::size_t j = 0; j < result.parameters.size(); ++j) {
+    auto& parameter = result.parameters[j];
+    parameter.segment_shift =
+        parameter.value - settled.coordinates()[j].value(there.q[static_cast<Eigen::Index>(j)]);
+  }
+}
+
 }  // namespace
 
 UpdateResult update_model(const std::vector<UpdateState>& states,
@@ -263,6 +282,7 @@ UpdateResult update_model(const std::vector<UpdateState>& states,
     alternatives.push_back(
         {answer.matches, other, answer.weight, answer.log_evidence, fit.model_std});
     if (alternatives.size() > 1) continue;
+    state_segment_shifts(whole, options, answer, other);
     for (int s = 0; s < static_cast<int>(states.size()); ++s) {
       other.scenes.push_back(whole.scene_at(s, answer.q));
       if (!options.hold_out || states.size() < 2) continue;

@@ -22,6 +22,7 @@ using Eigen::VectorXd;
 constexpr Index kSide = 14;           // lines 3 to 14 beside a line are its neighbours
 constexpr Index kLobe = 3;            // a Hann window's lobe ends before
 constexpr double kFalseTones = 1e-3;  // chance of one in a recording of noise
+constexpr std::size_t kMostTones = 40;
 
 struct Line {
   Index k = 0, channel = 0;
@@ -75,7 +76,7 @@ std::vector<Line> outstanding(const AmbientSignals& signals, RealFft& fft, Index
   for (const Line& line : all) {
     const bool known =
         std::ranges::any_of(kept, [&](const Line& l) { return std::abs(l.k - line.k) < kLobe; });
-    if (!known) kept.push_back(line);
+    if (!known && kept.size() < kMostTones) kept.push_back(line);
   }
   return kept;
 }

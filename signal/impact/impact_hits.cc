@@ -17,6 +17,7 @@ namespace rigfit::signal {
 namespace {
 using Eigen::Index;
 
+constexpr double kTriggerNoise = 10;  // standard deviations of the noise
 constexpr double kHitWindow =
     0.25;  // s around a peak, within which pulses are no hits of their own
 
@@ -56,7 +57,7 @@ std::vector<Index> find_peaks(const ForceTrace& trace, int sign, double trigger,
   const auto value = [&](Index k) { return sign == 0 ? std::abs(trace.x[k]) : sign * trace.x[k]; };
   double largest = 0;
   for (Index k = 0; k < trace.x.size(); ++k) largest = std::max(largest, value(k));
-  const double level = std::max(trigger * largest, kBeyondNoise * trace.noise);
+  const double level = std::max(trigger * largest, kTriggerNoise * trace.noise);
   std::vector<Index> peaks;
   if (!(largest > 0)) return peaks;
   Index last_above = -1;

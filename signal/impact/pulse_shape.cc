@@ -31,7 +31,7 @@ PulseShape pulse_shape(const VectorXd& samples, Index first, Index length) {
   });
   Index peak = 0;
   const double height = x.cwiseAbs().maxCoeff(&peak);
-  if (!(height > kBeyondNoise * noise)) return {};
+  if (!(height > 6 * noise)) return {};
   const double sign = x[peak] > 0 ? 1 : -1;
   Index pulse_first = peak, pulse_last = peak;
   while (pulse_first > 0 && sign * x[pulse_first - 1] > kPulseEdge * height) --pulse_first;
@@ -73,6 +73,7 @@ Eigen::VectorXd correlate(const Eigen::Ref<const Eigen::VectorXd>& force, Index 
 
 SecondContact find_second_contact(const Eigen::Ref<const Eigen::VectorXd>& force, Index pulse_first,
                                   Index peak, Index pulse_last, double smallest) {
+  constexpr double kNoise = 6;      // it exceeds so many standard deviations of the filtered noise
   constexpr double kRinging = 0.5;  // swings to the other side of this part of its height
   SecondContact result;
   const double height = force[peak];
@@ -99,7 +100,7 @@ SecondContact find_second_contact(const Eigen::Ref<const Eigen::VectorXd>& force
     }
     noise = rest.empty() ? 0 : std::sqrt(sum / static_cast<double>(rest.size()));
   }
-  const double least = std::max(smallest * height, kBeyondNoise * noise);
+  const double least = std::max(smallest * height, kNoise * noise);
   result.smallest_visible = least / height;
 
   for (Index k = 1; k + 1 < n; ++k) {

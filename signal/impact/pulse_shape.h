@@ -18,9 +18,6 @@ namespace rigfit::signal {
 /// A pulse ends below this part of its peak.
 inline constexpr double kPulseEdge = 0.1;
 
-/// Standard deviations of noise that a pulse or a second contact exceeds: with a chance of 1e-9.
-inline constexpr double kBeyondNoise = 6;
-
 /// As it is made: neither.
 struct PulseShape {
   double opposite = 0.4;  ///< largest swing to the other side, of the peak, 0..1

@@ -24,9 +24,6 @@ using Eigen::VectorXd;
 constexpr double kTwinMisfit = 0.1;
 /// Share of the points that must show a mode.
 constexpr double kShareOfPoints = 0.3;
-/// Misfit relative to the FRFs around a mode. A global fit that leaves less has found the modes
-/// that are there; measured structures are not linear to much better.
-constexpr double kSmallMisfit = 0.01;
 /// A twentieth of a half bandwidth changes a peak by 5 % at its flanks.
 constexpr double kScatterThatMatters = 0.05;
 
@@ -186,14 +183,9 @@ bool has_twins(const ModalBand& band, const VectorXcd& poles) {
   return false;
 }
 
-bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& checked,
-                      const FoundModes& found) {
-  const MatrixXcd misfit = band.lines.H - found.model;
-  for (std::size_t r = 0; r < checked.size(); ++r) {
-    if (part_left(band, misfit, found.fit.poles[static_cast<Index>(r)]) < kSmallMisfit) continue;
-    if (points_differ(checked[r]) && scatter_matters(checked[r])) return false;
-  }
-  return true;
+bool global_fit_holds(const std::vector<LocalMode>& checked) {
+  return std::ranges::none_of(
+      checked, [](const LocalMode& mode) { return points_differ(mode) && scatter_matters(mode); });
 }
 
 FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& local,

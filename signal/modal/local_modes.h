@@ -66,11 +66,9 @@ void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMod
 /// such a pair from one mode that varies between points.
 [[nodiscard]] bool has_twins(const ModalBand& band, const Eigen::VectorXcd& poles);
 
-/// Whether the modes of a global fit are to be kept: around every mode it leaves less than 1 % of
-/// the FRFs, or the points agree on the pole (chance above 1e-4) or scatter about it by less than
-/// 5 % of its half bandwidth.
-[[nodiscard]] bool global_fit_holds(const ModalBand& band, const std::vector<LocalMode>& checked,
-                                    const FoundModes& found);
+/// Whether the modes of a global fit are to be kept: of every mode the points agree on the pole
+/// (chance above 1e-4) or scatter about it by less than 5 % of its half bandwidth.
+[[nodiscard]] bool global_fit_holds(const std::vector<LocalMode>& checked);
 
 /// The same form as a global search gives, for export. `exhausted`: as that search was.
 [[nodiscard]] FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& local,

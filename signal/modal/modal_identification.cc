@@ -73,7 +73,7 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
   bool holds = false;
   if (solved && found.covariance.full_rank) {
     search.points = check_groups(band, frfs_of_points(band), found.fit.poles, options);
-    holds = global_fit_holds(band, search.points, found);
+    holds = global_fit_holds(search.points);
   }
   const auto keep = [&] {
     found.covariance = modal_covariance(band.lines, found.noise, found.fit);
@@ -93,7 +93,7 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
 /// Raises variances by what correlates in the misfit: their formula is that of noise.
 void allow_for_misfit(const MatrixXcd& H, FoundModes& found) {
   if (found.model.size() == 0 || !found.covariance.full_rank) return;
-  const double inflation = misfit_correlation(found.noise, H - found.model).inflation;
+  const double inflation = misfit_inflation(found.noise, H - found.model);
   found.covariance.poles *= inflation;
   found.covariance.residue_std_re *= std::sqrt(inflation);
   found.covariance.residue_std_im *= std::sqrt(inflation);

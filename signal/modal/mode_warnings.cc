@@ -18,23 +18,18 @@ using Eigen::Index;
 
 namespace {
 
-/// Correlation of neighbouring lines of a misfit beyond that of noise: more makes error bars
-/// matter.
-constexpr double kSystematic = 0.2;
 /// Share of a mode's amplitude that is left at the end of the records, from which it may be a tone.
 constexpr double kSteady = 0.5;
 
 }  // namespace
 
-MisfitCorrelation misfit_correlation(const FrfNoise& noise,
-                                     const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
-  MisfitCorrelation result;
+double misfit_inflation(const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
   std::vector<Index> alive;
   for (Index c = 0; c < misfit.cols(); ++c) {
     if (std::isfinite(noise.column[c])) alive.push_back(c);
   }
   const Index lines = misfit.rows(), lags = std::clamp<Index>(lines / 5, 1, 8);
-  if (lines < 2 || alive.empty()) return result;
+  if (lines < 2 || alive.empty()) return 1;
   const Eigen::MatrixXcd over = noise.line.cwiseSqrt().cwiseInverse().asDiagonal() *
                                 misfit(Eigen::all, alive) *
                                 noise.column(alive).cwiseSqrt().cwiseInverse().asDiagonal();
@@ -42,17 +37,12 @@ MisfitCorrelation misfit_correlation(const FrfNoise& noise,
   for (Index d = 1; d <= lags; ++d) {
     const auto first = over.topRows(lines - d), second = over.bottomRows(lines - d);
     const double power = 0.5 * (first.squaredNorm() + second.squaredNorm());
-    if (!(power > 0)) return result;
+    if (!(power > 0)) return 1;
     const double excess = first.conjugate().cwiseProduct(second).sum().real() / power -
                           line_correlation(noise, d).real();
     more += 2 * (1 - static_cast<double>(d) / (static_cast<double>(lags) + 1)) * excess;
-    if (d > 1) continue;
-    result.excess = excess;
-    const double pairs = static_cast<double>(std::ssize(alive) * (lines - 1));
-    result.systematic = excess > std::max(5 / std::sqrt(2 * pairs), kSystematic);
   }
-  if (result.systematic) result.inflation = 1 + std::max(0.0, more);
-  return result;
+  return 1 + std::max(0.0, more);
 }
 
 double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise, const IdentifiedMode& mode,
@@ -87,9 +77,8 @@ double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise, const I
 void check_misfit(ModalResult& result, const ModalBand& band,
                   const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
                   const Eigen::Ref<const Eigen::MatrixXcd>& of_one_shape_each) {
-  const MisfitCorrelation found = misfit_correlation(result.noise, misfit);
   for (const IdentifiedMode& mode : result.model.modes) {
-    double part = found.systematic ? 0 : misfit_beyond_noise(band, result.noise, mode, misfit);
+    double part = misfit_beyond_noise(band, result.noise, mode, misfit);
     // As prominent as a mode has to be (judge_modes).
     const double beside = misfit_beyond_noise(band, result.noise, mode, of_one_shape_each);
     if (band.lines.inputs > 1 && beside > 0.1) part = beside;
@@ -102,15 +91,6 @@ void check_misfit(ModalResult& result, const ModalBand& band,
                      100 * part),
          fmt::format("{:.4g} Hz", mode.frequency_hz.value)});
   }
-  if (!found.systematic) return;
-  result.model.notes.push_back(
-      {"systematic_misfit",
-       fmt::format(
-           "Look for non-linearity, a change between hits or points, modes outside the band "
-           "or a filter in the chain: the misfit of neighbouring lines correlates by {:.2f} "
-           "more than noise does. Error bars count its size, not what it shifts",
-           found.excess),
-       ""});
 }
 
 namespace {

@@ -9,18 +9,11 @@
 
 namespace rigfit::signal {
 
-struct MisfitCorrelation {
-  double excess = 0;  ///< correlation of the weighted misfit at neighbouring lines beyond noise's
-  bool systematic = false;  ///< more than five standard deviations of that under noise, and 0.2
-  /// Variance of what a fit takes from lines of the misfit over that of noise: where the excess is
-  /// systematic 1 and twice the sum of the correlations beyond noise's, by Bartlett's weights to 8
-  /// lines (Newey and West, Econometrica 55 (1987) 703).
-  double inflation = 1;
-};
-
-/// `misfit`: lines x FRFs.
-[[nodiscard]] MisfitCorrelation misfit_correlation(
-    const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+/// Variance of what a fit takes from lines of a misfit over that of noise: 1 and twice the sum of
+/// its correlations beyond noise's, by Bartlett's weights to 8 lines (Newey and West, Econometrica
+/// 55 (1987) 703). `misfit`: lines x FRFs.
+[[nodiscard]] double misfit_inflation(const FrfNoise& noise,
+                                      const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
 /// Rms of what a model leaves of the FRFs around a mode beyond noise, over the rms of the FRFs.
 ///
@@ -32,10 +25,9 @@ struct MisfitCorrelation {
                                          const IdentifiedMode& mode,
                                          const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
-/// Notes a misfit that correlates between lines beyond chance and enough to matter for the error
-/// bars; where there is none, modes around which the model leaves more than noise; and modes whose
-/// residues of several inputs are of more than one shape. `misfit`: lines x FRFs;
-/// `of_one_shape_each`: that of the modes as they are given, each with one shape.
+/// Notes modes around which the model leaves more than noise, and modes whose residues of several
+/// inputs are of more than one shape. `misfit`: lines x FRFs; `of_one_shape_each`: that of the
+/// modes as they are given, each with one shape.
 void check_misfit(ModalResult& result, const ModalBand& band,
                   const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
                   const Eigen::Ref<const Eigen::MatrixXcd>& of_one_shape_each);

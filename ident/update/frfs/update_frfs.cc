@@ -43,13 +43,13 @@ double lines_per_independent(double decay_rate_1_s, double line_spacing_hz) {
 }
 
 UpdateProblem::FrfRows UpdateProblem::rows_of(int state, const MeasuredFrf& frf) const {
-  constexpr double kNoisy = 0.1;
-  constexpr double kLargest = 0.5;  // beyond, a logarithm has no information
+  constexpr double kNoisy = 0.1, kAssumed = 0.05;  // assumed: it only sets the weight
+  constexpr double kLargest = 0.5;                 // beyond, a logarithm has no information
   FrfRows rows{.state = state, .frf = &frf};
   for (Eigen::Index k = 0; k < frf.H.size(); ++k) {
     const double size = std::abs(frf.H[k]);
     if (!(size > 0) || !std::isfinite(size)) continue;
-    double own = options_.assumed_relative_std;
+    double own = kAssumed;
     if (frf.std.size() > 0) {
       own = frf.std[k] / size;
       if (!std::isfinite(own)) continue;

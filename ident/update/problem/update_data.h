@@ -105,8 +105,8 @@ struct UpdateState {
 
 /// The defaults suit most fits.
 struct UpdateOptions {
-  /// Relative standard uncertainty of frequencies and lines of FRFs that come without one. It only
-  /// sets their weight; the scatter about the fit gives the variance.
+  /// Relative standard uncertainty of frequencies that come without one. It only sets their weight;
+  /// the scatter about the fit gives the variance.
   double assumed_relative_std = 0.01;
   /// Model error, relative in FRFs, added to every line's uncertainty.
   double frf_model_relative_std = 0;

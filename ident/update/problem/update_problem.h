@@ -121,8 +121,9 @@ class UpdateProblem {
   /// A further relative error of the model, of its own in every frequency and damping ratio.
   [[nodiscard]] UpdateProblem with_model_std(double frequency, double damping = 0) const;
   /// This problem with the error of "auto" segments, found at q, taken off the frequencies that
-  /// count as data (update_segments.cc).
-  [[nodiscard]] UpdateProblem with_resolved_modes(const Eigen::VectorXd& q) const;
+  /// count as data (update_segments.cc); `given`: of segments that a scene gives as well.
+  [[nodiscard]] UpdateProblem with_resolved_modes(const Eigen::VectorXd& q,
+                                                  bool given = false) const;
   /// This problem with so many segments of its "auto" members that twice as many change its
   /// residuals at q by a third of their standard deviation, all together: no parameter by more of
   /// its own.

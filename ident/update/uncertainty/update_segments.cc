@@ -27,15 +27,16 @@ bool UpdateProblem::is_resolved(int state) const {
          !(*variant_.segment_errors)[static_cast<std::size_t>(state)].empty();
 }
 
-UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q) const {
+UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q, bool given) const {
   UpdateProblem other = with(&UpdateVariant::segment_errors, nullptr);
   auto errors = std::make_shared<std::vector<SegmentErrors>>(states_.size());
   for (std::size_t s = 0; s < states_.size(); ++s) {
     const auto& state = states_[s];
     const int index = static_cast<int>(s);
     const model::Scene scene = scene_at(index, q);
-    const bool open = std::ranges::all_of(
-        scene.members, [](int n) { return n == 0; }, &model::Member::segments);
+    const bool open =
+        given || std::ranges::all_of(
+                     scene.members, [](int n) { return n == 0; }, &model::Member::segments);
     if (state.measured.empty() || state.modes_lead_only || !open) continue;
     double accuracy = scene.accuracy;
     for (std::size_t m = 0; m < state.measured.size(); ++m) {
