@@ -21,7 +21,7 @@ struct Verb {
   std::function<Json(VerbContext&)> run;
   bool draws = false;          ///< takes --plot: adds figures to VerbContext::plots
   bool reads = false;          ///< its files are recordings: takes the options of reading
-  Json (*schema)() = nullptr;  ///< of the described part of its result; null: none is described
+  Json (*schema)() = nullptr;  ///< of its result
 };
 
 using Verbs = std::vector<Verb>;
@@ -29,8 +29,8 @@ using Verbs = std::vector<Verb>;
 /// A verb of a struct of options, for which there is `options_of`.
 template <class Command>
 [[nodiscard]] Verb verb_of(std::string name, std::string does, std::string example,
-                           Json (*run)(Command&, VerbContext&), bool draws = false,
-                           bool reads = false, Json (*schema)() = nullptr) {
+                           Json (*run)(Command&, VerbContext&), bool draws, bool reads,
+                           Json (*schema)()) {
   auto command = std::make_shared<Command>();
   return {std::move(name),
           std::move(does),

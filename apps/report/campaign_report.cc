@@ -147,14 +147,10 @@ void write_report_files(const fs::path& folder, const PageFrame& frame,
 
 /// The lines of the summary: for the document, and on the terminal.
 Json summary_json(const std::vector<ReportPart>& parts, VerbContext& context) {
-  static constexpr std::array<const char*, 3> kKinds{"result", "error", "recorded"};
   Json summary = Json::array();
   for (const auto& part : parts) {
     for (const auto& item : part.summary) {
-      summary.push_back({{"kind", kKinds[static_cast<std::size_t>(item.kind)]},
-                         {"label", item.label},
-                         {"text", item.text},
-                         {"origin", item.origin ? Json(word_of(*item.origin)) : Json(nullptr)}});
+      summary.push_back(describe::json_of(item));
       context.out << fmt::format("{}: {}\n", item.label, item.text);
     }
   }
@@ -294,6 +290,17 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
   }
   finish(folder, std::move(frame), parts, options, result, context);
   return result;
+}
+
+Json report_schema() {
+  using describe::schema_of;
+  Json all = describe::schema_of_keys({{"title", schema_of<std::string>()},
+                                       {"source", schema_of<std::string>()},
+                                       {"seed", schema_of<long>()},
+                                       {"summary", schema_of<std::vector<SummaryItem>>()}});
+  all["properties"]["answers"] = schema_of<std::vector<Answer>>();
+  all["properties"]["comparison"] = comparison_schema();
+  return all;
 }
 
 Json compared_campaigns(const Campaign& before, const Campaign& after, const fs::path& folder,

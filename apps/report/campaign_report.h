@@ -24,6 +24,9 @@ struct ReportOptions {
                                    const ReportOptions& options, VerbContext& context,
                                    std::vector<Answer>* given = nullptr);
 
+/// The schema of what both give; parts of a campaign are lists of what its verbs give.
+[[nodiscard]] Json report_schema();
+
 /// Two campaigns, before and after: each reported under `folder` in a folder of
 /// its own, before/ and after/, and the comparison as report.html and report.json.
 [[nodiscard]] Json compared_campaigns(const Campaign& before, const Campaign& after,
@@ -44,5 +47,7 @@ struct ComparedReport {
 /// `before, after {value, std}, change, change_std, verdict`. A verdict says "changed" from three
 /// standard uncertainties of the difference on, "perhaps changed" from 1.96 on.
 [[nodiscard]] ReportPart compare_reports(const ComparedReport& before, const ComparedReport& after);
+/// The schema of that list.
+[[nodiscard]] Json comparison_schema();
 
 }  // namespace rigfit::apps

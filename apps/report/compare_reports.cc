@@ -20,6 +20,9 @@ double mark_of(const Answer& answer) {
   return std::isfinite(answer.mode_hz) ? answer.mode_hz : answer.value;
 }
 
+struct Change;
+std::string quantity_of(const Change& change);
+
 /// A value before, after, or both, and what became of it.
 struct Change {
   const Answer* before = nullptr;
@@ -30,6 +33,29 @@ struct Change {
 
   [[nodiscard]] bool both() const { return before && after; }
   [[nodiscard]] const Answer& one() const { return after ? *after : *before; }
+
+  [[nodiscard]] const std::string& key() const { return one().key; }
+  [[nodiscard]] std::string unit() const { return unit_of(one()); }
+  using Side = std::optional<signal::Estimate>;
+  static Side side(const Answer* a) {
+    return a ? Side(signal::Estimate{a->value, a->std}) : Side();
+  }
+  [[nodiscard]] Side side_before() const { return side(before); }
+  [[nodiscard]] Side side_after() const { return side(after); }
+  static constexpr auto fields() {
+    using T = Change;
+    using describe::field;
+    return std::tuple{field("key", &T::key),
+                      field("quantity", quantity_of),
+                      field("unit", &T::unit),
+                      field("before", &T::side_before),
+                      field("after", &T::side_after),
+                      field("change", &T::value),
+                      field("change_std", &T::std, "", "", "both independent"),
+                      field("relative_change", &T::relative),
+                      field("changed", &T::changed),
+                      field("verdict", &T::verdict)};
+  }
 };
 
 Change change_of(const Answer* before, const Answer* after) {
@@ -87,11 +113,6 @@ std::string quantity_of(const Change& change) {
 
 std::string shown_side(const Answer* answer) { return answer ? value_words(*answer) : "–"; }
 
-Json side_json(const Answer* answer) {
-  if (!answer) return nullptr;
-  return describe::json_of(signal::Estimate{answer->value, answer->std});
-}
-
 /// The change for the first page.
 Answer answer_of(const Change& change) {
   Answer answer;
@@ -112,6 +133,8 @@ Answer answer_of(const Change& change) {
 }
 
 }  // namespace
+
+Json comparison_schema() { return describe::schema_of<std::vector<Change>>(); }
 
 ReportPart compare_reports(const ComparedReport& before, const ComparedReport& after) {
   ReportPart part;
@@ -137,9 +160,9 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
        {"change"},
        {"relative"},
        {"verdict", {}, false}}};
-  Json list = Json::array();
   std::size_t changed = 0;
-  for (const auto& change : changes_of(before.answers, after.answers)) {
+  const auto changes = changes_of(before.answers, after.answers);
+  for (const auto& change : changes) {
     const Answer& one = change.one();
     Cell verdict(change.verdict);
     verdict.doubtful = change.changed;
@@ -147,16 +170,6 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
                           shown_side(change.before), shown_side(change.after),
                           with_signs(describe::estimate_text(change.value, change.std, one.unit)),
                           shown_percent(change.relative), std::move(verdict)});
-    list.push_back({{"key", one.key},
-                    {"quantity", quantity_of(change)},
-                    {"unit", describe::json_of(one)["unit"]},
-                    {"before", side_json(change.before)},
-                    {"after", side_json(change.after)},
-                    {"change", describe::number_json(change.value)},
-                    {"change_std", describe::number_json(change.std)},
-                    {"relative_change", describe::number_json(change.relative)},
-                    {"changed", change.changed},
-                    {"verdict", change.verdict}});
     if (!change.both()) continue;
     changed += change.changed;
     part.answers.push_back(answer_of(change));
@@ -166,7 +179,7 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
        fmt::format("{} of {} compared", changed, counted(part.answers.size(), "value"))});
   part.brief = {table.id};
   part.blocks.push_back(std::move(table));
-  part.json = std::move(list);
+  part.json = describe::json_of(changes);
   return part;
 }
 

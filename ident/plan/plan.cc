@@ -168,12 +168,14 @@ double by_coordinate(const PlanCandidates& candidates, Eigen::Index i) {
       candidates.problem.coordinates()[static_cast<std::size_t>(i)].derivative(candidates.q[i]));
 }
 
-// Standard uncertainties of the values; NaN: not determined.
-std::vector<double> planned_stds(const PlanCandidates& candidates, const Eigen::MatrixXd& C) {
-  std::vector<double> stds;
+std::vector<PlannedStd> planned_stds(const PlanCandidates& candidates, const Eigen::MatrixXd& C) {
+  const auto names = candidates.problem.names();
+  std::vector<PlannedStd> stds;
   for (Eigen::Index i = 0; i < C.rows(); ++i) {
-    stds.push_back(is_determined(C(i, i)) ? by_coordinate(candidates, i) * std::sqrt(C(i, i))
-                                          : signal::kNaN);
+    const auto j = static_cast<std::size_t>(i);
+    stds.push_back({names[j], candidates.problem.coordinates()[j].value(candidates.q[i]),
+                    is_determined(C(i, i)) ? by_coordinate(candidates, i) * std::sqrt(C(i, i))
+                                           : signal::kNaN});
   }
   return stds;
 }
@@ -195,13 +197,20 @@ PlannedGoal planned_goal(const PlanCandidates& candidates, const std::vector<Fre
 }
 
 // What no measurement determines: the null space of all data, without priors.
-std::vector<OpenDirection> open_directions(const PlanCandidates& candidates,
-                                           const std::vector<PlannedMode>& modes) {
+std::vector<PlanGap> plan_gaps(const PlanCandidates& candidates,
+                               const std::vector<PlannedMode>& modes) {
   const Eigen::Index n = candidates.problem.parameter_count();
   auto names = candidates.problem.names();
   names.resize(static_cast<std::size_t>(n));
   const Eigen::MatrixXd rows = plan_rows(candidates, modes).leftCols(n);
-  return identifiability(rows, Eigen::VectorXd::Ones(n), names).open;
+  std::vector<PlanGap> gaps;
+  for (const auto& open : identifiability(rows, Eigen::VectorXd::Ones(n), names).open) {
+    auto& gap = gaps.emplace_back();
+    gap.message = open.message;
+    for (const int p : open.parameters)
+      gap.parameters.push_back(names[static_cast<std::size_t>(p)]);
+  }
+  return gaps;
 }
 
 // What would reach a goal that the plan misses. `least`: covariance with everything measured.
@@ -294,7 +303,7 @@ PlanResult plan_measurements(const std::vector<UpdateState>& states,
   const Tests everything = all_tests(candidates, options);
   const auto all_modes = planned_modes(candidates, options, everything);
   const Eigen::MatrixXd least = plan_covariance(candidates, all_modes);
-  result.not_identifiable = open_directions(candidates, all_modes);
+  result.not_identifiable = plan_gaps(candidates, all_modes);
   std::vector<std::pair<Eigen::Index, double>> targets;
   for (const auto& one : goals) {
     const auto goal = planned_goal(candidates, free, one);
@@ -314,14 +323,11 @@ PlanResult plan_measurements(const std::vector<UpdateState>& states,
   }
   const auto after = planned_stds(candidates, planner.covariance(now)),
              best = planned_stds(candidates, least);
-  const auto names = candidates.problem.names();
   for (std::size_t j = 0; j < before.size(); ++j) {
-    const double value =
-        candidates.problem.coordinates()[j].value(candidates.q[static_cast<Eigen::Index>(j)]);
-    result.parameters.push_back({names[j], value, before[j], after[j], best[j]});
+    result.parameters.push_back({after[j], before[j].std, best[j].std});
   }
   for (auto& goal : result.goals) {
-    goal.reached = after[goal.parameter] <= goal.wanted_std;
+    goal.reached = after[goal.parameter].std <= goal.wanted_std;
     if (!goal.reached) goal.takes = what_it_takes(candidates, goal, least);
   }
   result.modes = planned_modes(candidates, options, now);

@@ -95,8 +95,13 @@ PlanStateModes state_modes(int state, const PlanCandidates& candidates,
     if (mode.order > options.modes || mode.frequency_hz > kUsableShare * options.sample_rate_hz) {
       continue;
     }
-    result.modes.push_back({static_cast<std::size_t>(state), mode.dlog_frequency, mode.dlog_damping,
-                            natural.plane, mode.order - 1, mode.frequency_hz,
+    result.modes.push_back({static_cast<std::size_t>(state),
+                            {},
+                            mode.dlog_frequency,
+                            mode.dlog_damping,
+                            natural.plane,
+                            mode.order - 1,
+                            mode.frequency_hz,
                             natural.damping_ratio});
     result.amplitude.push_back(decay_amplitudes(natural, candidates, options));
   }
@@ -167,6 +172,7 @@ std::vector<PlannedMode> planned_modes(const PlanCandidates& candidates, const P
                                                             : 1 / (std::sqrt(pole) * omega);
       mode.frequency_std = std::hypot(own, model_std);
       // Frequency and decay rate are known equally well.
+      mode.state_name = candidates.problem.states()[mode.state].name;
       mode.damping_std = rate > 0 ? std::hypot(own * omega / rate, options.damping_model_std) : 0;
       planned.push_back(mode);
     }

@@ -1,17 +1,23 @@
 // Options and result of a plan of measurements.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "ident/statistics/uncertainty.h"
 #include "ident/update/problem/update_data.h"
 #include "ident/virtual_rig/virtual_rig.h"
 #include "model/linear/natural_mode.h"
+#include "signal/numerics/estimate.h"
 
 namespace rigfit::ident {
+
+using describe::field;
 
 /// The standard uncertainty to which a free parameter (of one per state: that of the first) is to
 /// be known.
@@ -49,26 +55,68 @@ struct PlanOptions {
 /// A mode that the plan measures, as an update will get it.
 struct PlannedMode {
   std::size_t state = 0;
+  std::string state_name = {};
   Eigen::VectorXd dlog_frequency, dlog_damping;  ///< d ln f, d ln zeta by coordinate
   model::ModePlane plane = model::ModePlane::in;
   int order = 0;  ///< among the modes of its plane, from 0
   double frequency_hz = 0, damping_ratio = 0;
   double frequency_std = 0, damping_std = 0;  ///< relative, the model's error included
+
+  [[nodiscard]] signal::Estimate frequency() const {
+    return {frequency_hz, frequency_std * frequency_hz};
+  }
+  [[nodiscard]] signal::Estimate damping() const {
+    return {damping_ratio, damping_std * damping_ratio};
+  }
+  [[nodiscard]] int order_from_one() const { return order + 1; }
+  static constexpr auto fields() {
+    using T = PlannedMode;
+    return std::tuple{field("state", &T::state_name), field("plane", &T::plane),
+                      field("order", &T::order_from_one),
+                      field("frequency_hz", &T::frequency, "Hz", "", "as an update will get it"),
+                      field("damping_ratio", &T::damping)};
+  }
+};
+
+/// To what a parameter is known.
+struct PlannedStd {
+  std::string name;
+  double value = 0, std = 0;  ///< NaN: not determined, as below
+
+  [[nodiscard]] double relative_std() const { return std / std::abs(value); }
+  static constexpr auto fields() {
+    using T = PlannedStd;
+    return std::tuple{field("name", &T::name), field("value", &T::value),
+                      field("std", &T::std, "", "std", "that is predicted; null: not determined"),
+                      field("relative_std", &T::relative_std)};
+  }
 };
 
 /// One step: a hammer test, or one with a further sensor, more hits or longer records.
 struct PlanProposal {
-  std::string what;         ///< the test after this step, for a person
-  double cost_s = 0;        ///< time on the rig that the step adds
-  std::vector<double> std;  ///< for every parameter after it; NaN: not determined
+  std::string what;   ///< the test after this step, for a person
+  double cost_s = 0;  ///< time on the rig that the step adds
+  std::vector<PlannedStd> parameters;
+
+  static constexpr auto fields() {
+    using T = PlanProposal;
+    return std::tuple{
+        field("what", &T::what), field("cost", &T::cost_s, "s", "cost", "on the rig"),
+        field("parameters", &T::parameters, "", "", "to what each is known after it")};
+  }
 };
 
-struct PlannedParameter {
-  std::string name;
-  double value = 0;
-  double std_before = 0;  ///< by priors alone; NaN: not determined, as below
-  double std = 0;         ///< after all steps
+/// `std`: after all steps.
+struct PlannedParameter : PlannedStd {
+  double std_before = 0;  ///< by priors alone
   double best_std = 0;    ///< with everything that can be measured
+
+  static constexpr auto fields() {
+    using T = PlannedParameter;
+    return std::tuple_cat(PlannedStd::fields(),
+                          std::tuple{field("std_before", &T::std_before, "", "", "by priors alone"),
+                                     field("best_std", &T::best_std, "", "", "with everything")});
+  }
 };
 
 struct PlannedGoal {
@@ -77,6 +125,24 @@ struct PlannedGoal {
   double wanted_std = 0;      ///< in the parameter's unit
   bool reached = false;
   std::string takes;  ///< what it would take, in words; empty when reached
+
+  [[nodiscard]] const std::string& name() const { return goal.parameter; }
+  static constexpr auto fields() {
+    using T = PlannedGoal;
+    return std::tuple{field("name", &T::name), field("std", &T::wanted_std),
+                      field("reached", &T::reached), field("takes", &T::takes)};
+  }
+};
+
+/// What nothing that can be measured separates or determines.
+struct PlanGap {
+  std::vector<std::string> parameters;
+  std::string message;
+
+  static constexpr auto fields() {
+    using T = PlanGap;
+    return std::tuple{field("parameters", &T::parameters), field("message", &T::message)};
+  }
 };
 
 struct PlanResult {
@@ -85,9 +151,15 @@ struct PlanResult {
   std::vector<PlanProposal> proposals;
   std::vector<PlannedGoal> goals;
   std::vector<PlannedMode> modes;  ///< what the proposals together identify
-  /// What nothing that can be measured separates or determines; indices of `parameters`.
-  std::vector<OpenDirection> not_identifiable;
+  std::vector<PlanGap> not_identifiable;
   std::vector<std::string> left_out;  ///< states without an equilibrium
+
+  static constexpr auto fields() {
+    using T = PlanResult;
+    return std::tuple{field("goals", &T::goals), field("parameters", &T::parameters),
+                      field("proposals", &T::proposals), field("modes", &T::modes),
+                      field("not_identifiable", &T::not_identifiable)};
+  }
 };
 
 }  // namespace rigfit::ident

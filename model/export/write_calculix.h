@@ -18,8 +18,11 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
 
@@ -38,6 +41,18 @@ struct CalculixMember {
   double tension_N = 0;              ///< tension in the deck, where the cable lies as in the scene
   double scene_tension_N = 0;        ///< axial force at rest, a cable's horizontal one
   double axial_stiffness_ratio = 1;  ///< about rest, deck's over scene's
+
+  static constexpr std::string_view title = "at rest";
+  static constexpr auto fields() {
+    using T = CalculixMember;
+    using describe::field;
+    return std::tuple{
+        field("member", &T::name, "", "member", ""),
+        field("deck_tension_N", &T::tension_N, "N", "tension in the deck", ""),
+        field("scene_tension_N", &T::scene_tension_N, "N", "in the scene", "a cable's horizontal"),
+        field("axial_stiffness_ratio", &T::axial_stiffness_ratio, "", "axial stiffness ratio",
+              "about rest")};
+  }
 };
 
 /// An input deck and what it leaves out.

@@ -64,7 +64,8 @@ double left_out_error(const Eigen::VectorXd& t, const Eigen::VectorXd& y) {
 }
 
 /// Uneven samples at even times of `rate_hz`.
-Recording made_even(const Recording& recording, double rate_hz, std::vector<double>& errors) {
+Recording made_even(const Recording& recording, double rate_hz,
+                    std::vector<ResampledChannel>& channels) {
   const Eigen::VectorXd& t = recording.time_s;
   const Index n = t.size();
   if (!t.allFinite() || !(t.tail(n - 1).array() > t.head(n - 1).array()).all()) {
@@ -82,8 +83,9 @@ Recording made_even(const Recording& recording, double rate_hz, std::vector<doub
   const auto at = Eigen::VectorXd::NullaryExpr(samples, [&](Index k) {
                     return t[0] + static_cast<double>(k) / rate_hz;
                   }).eval();
-  for (auto& channel : even.channels) {
-    errors.push_back(left_out_error(t, channel.samples));
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    auto& channel = even.channels[c];
+    channels[c].error_rms = left_out_error(t, channel.samples);
     channel.samples = splined(t, channel.samples, at);
   }
   return even;
@@ -139,6 +141,7 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
         "take the channel or those lines out");
   }
   ResampleResult result{recording, recording.sample_rate_hz, {}};
+  for (const auto& one : recording.channels) result.channels.push_back({one.name, one.unit, 0});
   if (const Index n = recording.time_s.size(); n > 0) {
     const Eigen::VectorXd steps = recording.time_s.tail(n - 1) - recording.time_s.head(n - 1);
     const double usual = median({steps.begin(), steps.end()});
@@ -149,14 +152,13 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
       throw file_error(recording.path, "has gaps in its times, across which nothing is known",
                        "resample the parts between the gaps");
     }
-    result.recording = made_even(recording, even, result.error_rms);
+    result.recording = made_even(recording, even, result.channels);
     add_note(result.recording.notes, "assumed", "",
              "uneven times, usual step {:.6g} s, to even ones at {:.9g} Hz by a "
              "cubic spline",
              usual, even);
     if (rate_hz == 0) rate_hz = even;
   } else {
-    result.error_rms.assign(recording.channels.size(), 0);
     if (rate_hz == 0 || rate_hz == recording.sample_rate_hz) return result;
     check_size(recording, recording.duration_s(), rate_hz);
   }
@@ -169,7 +171,7 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
     for (std::size_t c = 0; c < recording.channels.size(); ++c) {
       const auto& x = result.recording.channels[c].samples;
       const double rms = std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
-      result.error_rms[c] = std::hypot(result.error_rms[c], kStopBand * rms);
+      result.channels[c].error_rms = std::hypot(result.channels[c].error_rms, kStopBand * rms);
     }
     filter_to(rate_hz, result.recording);
   }

@@ -8,19 +8,47 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
 
+struct ResampledChannel {
+  std::string name, unit;
+  double error_rms = 0;
+
+  static constexpr std::string_view title = "largest error";
+  static constexpr auto fields() {
+    using T = ResampledChannel;
+    using describe::field;
+    return std::tuple{field("name", &T::name, "", "channel", ""),
+                      field("unit", &T::unit, "", "unit", ""),
+                      field("error_rms", &T::error_rms, "", "rms", "at most, in its unit", 2)};
+  }
+};
+
 struct ResampleResult {
   Recording recording;  ///< even, at the rate asked for; notes say what was done
   double from_hz = 0;   ///< rate before; for uneven times from the median step
-  /// Rms error of each channel, in its unit. For the spline each sample is compared with the spline
+  /// Each with its rms error. For the spline each sample is compared with the spline
   /// through the others: an upper bound, since these are twice as far apart. For the filter it is
   /// 1e-4 of the channel's rms.
-  std::vector<double> error_rms;
+  std::vector<ResampledChannel> channels;
+
+  [[nodiscard]] double sample_rate_hz() const { return recording.sample_rate_hz; }
+  [[nodiscard]] Eigen::Index samples() const { return recording.samples(); }
+  static constexpr auto fields() {
+    using T = ResampleResult;
+    using describe::field;
+    return std::tuple{field("from_hz", &T::from_hz, "Hz", "", "rate before"),
+                      field("sample_rate_hz", &T::sample_rate_hz, "Hz", "rate", "", 9),
+                      field("samples", &T::samples, "", "samples", ""),
+                      field("channels", &T::channels, "", "channels", "")};
+  }
 };
 
 /// `rate_hz` 0 takes the rate of the median step. Throws RecordingError for a recording without

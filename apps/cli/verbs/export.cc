@@ -17,17 +17,29 @@ struct ExportOptions {
   model::CalculixOptions deck;
 };
 
+struct ExportResult {
+  std::vector<std::string> files;
+  std::vector<model::CalculixMember> members;
+
+  static constexpr auto fields() {
+    using T = ExportResult;
+    return std::tuple{
+        describe::field("files", &T::files, "", "", ""),
+        describe::field("members", &T::members, "", "members", "of the CalculiX deck")};
+  }
+};
+
 /// Writes a deck, with `comments` before it that begin with `mark`; its name goes to `result`.
 void write_deck(const std::filesystem::path& path, const auto& deck, const char* mark,
-                const std::vector<std::string>& comments, const std::string& scene, Json& result,
-                VerbContext& context) {
+                const std::vector<std::string>& comments, const std::string& scene,
+                ExportResult& result, VerbContext& context) {
   for (const auto& note : deck.notes) context.warn("not_exported_exactly", note, scene);
   make_output_folder(path.parent_path());
   std::string all;
   for (const auto& line : comments) all += fmt::format("{} {}\n", mark, line);
   context.write(path, all + deck.text);
   context.out << fmt::format("wrote {}\n", path.string());
-  result["files"].push_back(path.string());
+  result.files.push_back(path.string());
 }
 
 Json run(ExportOptions& options, VerbContext& context) {
@@ -52,8 +64,7 @@ Json run(ExportOptions& options, VerbContext& context) {
     throw NotConverged(options.scene +
                        ": no equilibrium to export: " + analysis.equilibrium.reason);
   }
-  Json result;
-  result["files"] = Json::array();
+  ExportResult result;
   const auto path = [&](const std::string& folder, const char* end) {
     return std::filesystem::path(folder) / (stem + end);
   };
@@ -61,19 +72,15 @@ Json run(ExportOptions& options, VerbContext& context) {
     write_deck(path(options.moordyn, ".txt"), model::moordyn_input(scene, analysis.equilibrium),
                "!", comments, options.scene, result, context);
   }
-  if (options.calculix.empty()) return result;
-  const auto deck = model::calculix_deck(scene, analysis.equilibrium, options.deck);
-  write_deck(path(options.calculix, ".inp"), deck, "**", comments, options.scene, result, context);
-  context.out << fmt::format("run it there with: ccx {}\n", stem);
-  result["members"] = describe::json_list(deck.members, [&](const auto& member) {
-    context.out << fmt::format("{}: {:.6g} N at rest in the deck, {:.6g} N in the scene\n",
-                               member.name, member.tension_N, member.scene_tension_N);
-    return Json{{"member", member.name},
-                {"deck_tension_N", member.tension_N},
-                {"scene_tension_N", member.scene_tension_N},
-                {"axial_stiffness_ratio", member.axial_stiffness_ratio}};
-  });
-  return result;
+  if (!options.calculix.empty()) {
+    const auto deck = model::calculix_deck(scene, analysis.equilibrium, options.deck);
+    write_deck(path(options.calculix, ".inp"), deck, "**", comments, options.scene, result,
+               context);
+    context.out << fmt::format("run it there with: ccx {}\n", stem);
+    result.members = deck.members;
+  }
+  describe::print(context.out, describe::sheet_of(result));
+  return describe::json_of(result);
 }
 
 describe::Options options_of(ExportOptions& c) {
@@ -94,9 +101,9 @@ Verb export_verb() {
   return verb_of<ExportOptions>(
       "export", "Write a scene as input of another program (CalculiX, MoorDyn)",
       "The CalculiX deck's tensions at rest are the scene's; both are printed, with the ratio of "
-      "the axial stiffnesses about rest (1 + 1.5 T/EA) in the JSON.\nExample:\n  rigfit export "
+      "the axial stiffnesses about rest (1 + 1.5 T/EA).\nExample:\n  rigfit export "
       "testdata/jalali2021/scenes/cable.toml --calculix build/ccx",
-      run);
+      run, false, false, describe::schema_of<ExportResult>);
 }
 
 }  // namespace rigfit::apps

@@ -343,7 +343,10 @@ Verb new_verb() {
       "Examples:\n"
       "  rigfit new my-rig --from hits/*.csv --sensitivity \"CH8=2.27 mV/N\"\n"
       "  rigfit new my-rig --example && rigfit report my-rig/campaign.toml",
-      run, false, true);
+      run, false, true, []() -> Json {
+        return describe::schema_of_keys(
+            {{"files", describe::schema_of<std::vector<std::string>>()}});
+      });
 }
 
 }  // namespace rigfit::apps

@@ -41,7 +41,7 @@ void print_plan(const ident::PlanResult& plan, VerbContext& context) {
   };
   add("known before", 0, [&](auto p) { return plan.parameters[p].std_before; });
   for (const auto& proposal : plan.proposals) {
-    add(proposal.what, proposal.cost_s, [&](auto p) { return proposal.std[p]; });
+    add(proposal.what, proposal.cost_s, [&](auto p) { return proposal.parameters[p].std; });
   }
   describe::print(out, table);
   for (const auto& goal : plan.goals) {
@@ -51,46 +51,6 @@ void print_plan(const ident::PlanResult& plan, VerbContext& context) {
                        std_digits(goal.wanted_std), goal.reached ? "reached" : "out of reach",
                        std_digits(one.best_std));
   }
-}
-
-Json std_json(const ident::PlannedParameter& one, double std) {
-  return {{"name", one.name}, {"std", std}, {"relative_std", std / std::abs(one.value)}};
-}
-
-Json plan_json(const ident::PlanResult& plan, const std::vector<ident::UpdateState>& states) {
-  using describe::json_list, describe::json_of, signal::Estimate;
-  Json json;
-  json["goals"] = json_list(plan.goals, [](const ident::PlannedGoal& one) -> Json {
-    return {{"name", one.goal.parameter},
-            {"std", one.wanted_std},
-            {"reached", one.reached},
-            {"takes", one.takes}};
-  });
-  json["parameters"] = json_list(plan.parameters, [](const ident::PlannedParameter& one) {
-    Json row = std_json(one, one.std);
-    row.update({{"value", one.value}, {"std_before", one.std_before}, {"best_std", one.best_std}});
-    return row;
-  });
-  json["proposals"] = json_list(plan.proposals, [&](const ident::PlanProposal& one) -> Json {
-    std::size_t p = 0;
-    const auto known = [&](const auto& parameter) { return std_json(parameter, one.std[p++]); };
-    return {{"what", one.what},
-            {"cost", one.cost_s},
-            {"parameters", json_list(plan.parameters, known)}};
-  });
-  json["modes"] = json_list(plan.modes, [&](const ident::PlannedMode& one) -> Json {
-    const double f = one.frequency_hz, zeta = one.damping_ratio;
-    return {{"state", states[one.state].name},
-            {"plane", model::name_of(one.plane)},
-            {"order", one.order + 1},
-            {"frequency_hz", json_of(Estimate{f, one.frequency_std * f})},
-            {"damping_ratio", json_of(Estimate{zeta, one.damping_std * zeta})}};
-  });
-  json["not_identifiable"] = json_list(plan.not_identifiable, [&](const auto& one) -> Json {
-    const auto name = [&](int p) { return plan.parameters[static_cast<std::size_t>(p)].name; };
-    return {{"parameters", json_list(one.parameters, name)}, {"message", one.message}};
-  });
-  return json;
 }
 
 void tell_plan(const ident::PlanResult& plan, VerbContext& context) {
@@ -132,7 +92,7 @@ Json run(PlanCommand& command, VerbContext& context) {
   if (!plan.failure.empty()) throw NotConverged(command.scene + ": " + plan.failure);
   print_plan(plan, context);
   tell_plan(plan, context);
-  return plan_json(plan, states.states);
+  return describe::json_of(plan);
 }
 
 describe::Options options_of(PlanCommand& c) {
@@ -178,7 +138,7 @@ Verb plan_verb() {
       "when a goal is out of reach.\nExample:\n"
       "  rigfit plan testdata/jalali2021/scenes/cable.toml --goal cable.EI=5% \\\n"
       "    --free cable.tension --input right.x=0.002",
-      run);
+      run, false, false, describe::schema_of<ident::PlanResult>);
 }
 
 }  // namespace rigfit::apps

@@ -64,7 +64,7 @@ Verb report_verb() {
       "report", "Everything a campaign names, from recordings to model against test",
       "Example:\n  rigfit report testdata/jalali2021/campaign.toml --out report\n"
       "  rigfit report spring.toml autumn.toml --out change --pdf",
-      run);
+      run, false, false, report_schema);
 }
 
 }  // namespace rigfit::apps

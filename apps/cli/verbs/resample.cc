@@ -21,22 +21,11 @@ Json run(ResampleCommand& command, VerbContext& context) {
   for (std::size_t k = known; k < result.recording.notes.size(); ++k) {
     context.out << result.recording.notes[k].message << '\n';
   }
-  std::size_t c = 0;
-  const auto error = [&](const signal::Channel& channel) -> Json {
-    const double rms = result.error_rms[c++];
-    context.out << fmt::format("{}: error at most {:.2g} {} rms\n", channel.name, rms,
-                               channel.unit);
-    return {{"name", channel.name}, {"unit", channel.unit}, {"error_rms", rms}};
-  };
-  Json json{{"from_hz", result.from_hz},
-            {"sample_rate_hz", result.recording.sample_rate_hz},
-            {"samples", result.recording.samples()},
-            {"channels", describe::json_list(result.recording.channels, error)}};
+  Json json = describe::json_of(result);
   if (context.at_hand) {
     context.at_hand->resampled = std::make_shared<signal::Recording>(result.recording);
   }
-  context.out << fmt::format("{} samples at {:.9g} Hz\n", result.recording.samples(),
-                             result.recording.sample_rate_hz);
+  describe::print(context.out, describe::sheet_of(result));
   // Nine digits: rounding stays below the filter's error.
   const auto csv = [&] { return signal::csv_text(result.recording, {}, 9); };
   write_result(command.out, csv, "recording", "out", json, context);
@@ -57,7 +46,7 @@ Verb resample_verb() {
       "resample", "A recording at another rate (with a filter), or uneven times made even",
       "Example:\n  rigfit resample uneven.csv --out even.csv\n"
       "  rigfit resample fast.wav --rate 4000 --out slow.csv",
-      run, false, true);
+      run, false, true, describe::schema_of<signal::ResampleResult>);
 }
 
 }  // namespace rigfit::apps

@@ -289,7 +289,11 @@ Verb synthesize_verb() {
       "synthesize", "Virtual laboratory: recordings a rig like this would give, with their truth",
       "Example:\n  rigfit synthesize testdata/jalali2021/scenes/cable.toml --out build/virtual "
       "--seed 7\n      --bending-span 1 --axial-length 0.7 1.0 1.3",
-      run);
+      run, false, false, []() -> Json {
+        return describe::schema_of_keys(
+            {{"data", describe::schema_of<std::string>()},
+             {"files", describe::schema_of<std::vector<std::string>>()}});
+      });
 }
 
 }  // namespace rigfit::apps

@@ -79,14 +79,14 @@ def _shown(value):
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-_NAMED = {"name", "source", "key"}  # a row of parameters, of a budget or of answers, not an estimate
+NAMED = {"name", "source", "key"}  # a row of parameters, of a budget or of answers, not an estimate
 
 
 def wrapped(value):
     """What an attribute gives: Estimate, Record, Records or the plain value."""
     if isinstance(value, dict):
-        return Estimate(value) if {"value", "std"} <= set(value) and not _NAMED & set(value) else Record(value)
-    if isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
+        return Estimate(value) if {"value", "std"} <= set(value) and not NAMED & set(value) else Record(value)
+    if isinstance(value, list) and all(isinstance(one, dict) for one in value):
         return Records(wrapped(one) for one in value)
     return value
 
@@ -218,7 +218,7 @@ class Result(Record):
         lines = repr(self).splitlines()
         rest = [f"... {len(lines) - 80} lines more: print(result)"] if len(lines) > 80 else []
         printed = f"<pre>{html.escape(chr(10).join(lines[:80] + rest))}</pre>"
-        return rows._repr_html_() + f"<details><summary>as printed</summary>{printed}</details>" if isinstance(rows, Records) else printed
+        return rows._repr_html_() + f"<details><summary>as printed</summary>{printed}</details>" if isinstance(rows, Records) and rows else printed
 
 
 def _result(name, main, doc, base=object, **kinds):
@@ -249,44 +249,36 @@ class _WithSamples:
         return pandas().DataFrame({name: self.__dict__["response"][:, i] for i, name in enumerate(names)}, self.time_s)
 
 
-InspectResult = _result("InspectResult", "recordings", "Quality of recordings: ``recordings``.", recordings="Records")
-ResampleResult = _result(
-    "ResampleResult", "channels", "A recording at another rate: ``recording``; ``channels`` with ``error_rms``.",
-    channels="Records", from_hz="float", sample_rate_hz="float")
+InspectResult = _result("InspectResult", "recordings", "Quality of recordings: ``recordings``.")
+ResampleResult = _result("ResampleResult", "channels", "A recording at another rate: ``recording``; ``channels`` with ``error_rms``.")
 DecayResult = _result(
-    "DecayResult", "modes", "Free decay: ``modes``, strongest first, ``decays``, ``frequency_drift_hz``, ``amplitude_dependence``.",
-    modes="Records", decays="Records", channel="str", unit="str")
+    "DecayResult", "modes", "Free decay: ``modes``, strongest first, ``decays``, ``frequency_drift_hz``, ``amplitude_dependence``.")
 FrfResult = _result("FrfResult", "hits", "Averaged FRFs of hits: ``hits``, ``averages`` and the arrays.", base=_WithFrfs,
-                    hits="Records", averages="int", units="str")
+                    averages="int", units="str")
 ModalResult = _result(
     "ModalResult", "modes", "Modes of FRFs: ``modes`` with ``frequency_hz``, ``damping_ratio``, ``shape``; ``stabilisation`` ...",
-    modes="Records", auto_mac="list[list[float]]")
-BendingResult = _result("BendingResult", "tests", "EI at each tension: ``tests``, ``laws``, ``curve``, ``bounds``.", tests="Records", laws="Records")
+    auto_mac="list[list[float]]")
+BendingResult = _result("BendingResult", "tests", "EI at each tension: ``tests``, ``laws``, ``curve``, ``bounds``.")
 AxialResult = _result(
-    "AxialResult", "samples", "Hanging-mass test: ``EA_N``, ``damping_ratio``, ``damping_Ns_m``, ``samples``, ``budget``.",
-    EA_N="Estimate", damping_ratio="Estimate", damping_Ns_m="Estimate", samples="Records", budget="Records")
-ModesResult = _result("ModesResult", "modes", "Natural modes of a scene.", modes="Records", equilibrium="Record",
-                      relative_error_estimate="float")
+    "AxialResult", "samples", "Hanging-mass test: ``EA_N``, ``damping_ratio``, ``damping_Ns_m``, ``samples``, ``budget``.")
+ModesResult = _result("ModesResult", "modes", "Natural modes of a scene.", relative_error_estimate="float")
 SceneFrfs = _result(
     "SceneFrfs", "", "FRFs of a scene: ``frequency_hz`` and ``H``, lines x sensors x loads; ``sensors``, ``loads``, ``units``.",
     sensors="list[str]", loads="list[str]", units="list[str]", H="NDArray[Any]", frequency_hz="NDArray[Any]")
 RespondResult = _result("RespondResult", "sensors", "Time response: ``time_s``, ``response`` (rows x sensors).", base=_WithSamples,
-                        sensors="Records", solver="str", nonlinear="bool", time_s="NDArray[Any]", response="NDArray[Any]")
+                        sensors="Records", time_s="NDArray[Any]", response="NDArray[Any]")
 UpdateResult = _result(
     "UpdateResult", "parameters", "A fit: ``parameters``, ``pairs``, ``alternatives``, ``fit``; ``covariance`` of the parameters in "
     "their order (None where one of them cannot be identified), ``fitted_scenes``.\n\nWhere models were compared, it is of the "
     "heaviest, with ``candidates`` and ``averaged``.",
-    parameters="Records", pairs="Records", alternatives="Records", fit="Record", candidates="Records", averaged="Records",
-    fitted_scenes="list[Scene]", covariance="NDArray[Any] | None")
+    candidates="Records", averaged="Records", fitted_scenes="list[Scene]", covariance="NDArray[Any] | None")
 TensionResult = _result(
     "TensionResult", "modes", "Tension of a cable: ``tension_N``, ``EI_Nm2``, ``candidates``, ``modes``, ``formulas``, ``budget``.",
-    tension_N="Estimate", EI_Nm2="Estimate", ends="str", candidates="Records", modes="Records", formulas="Record",
-    budget="Records")
+    EI_Nm2="Estimate")
 PredictResult = _result(
     "PredictResult", "modes", "Modes of another scene with a fit's parameters: ``modes`` (``frequency_hz`` with low, high), "
     "``interval``; ``measured`` where it was compared.",
-    modes="Records", interval="str", parameters_used="list[str]", measured="Records")
-SynthesizeResult = _result("SynthesizeResult", "", "Files that a virtual laboratory wrote: ``files``.", files="list[str]")
+    interval="str", parameters_used="list[str]", measured="Records")
+SynthesizeResult = _result("SynthesizeResult", "", "Files that a virtual laboratory wrote: ``files``.")
 ReportResult = _result(
-    "ReportResult", "answers", "The document of a report: ``answers``, ``summary``, ``fits`` ...; the page is ``report.html``.",
-    title="str", answers="Records", summary="Records")
+    "ReportResult", "answers", "The document of a report: ``answers``, ``summary``, ``fits`` ...; the page is ``report.html``.")

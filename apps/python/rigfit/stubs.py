@@ -5,6 +5,8 @@ import pathlib
 import sys
 
 import rigfit
+from rigfit import _core
+from rigfit.results import NAMED, Result
 
 _HEAD = """from collections.abc import Iterator, Mapping, Sequence
 import os
@@ -38,11 +40,38 @@ def _signature(function, bound=False):
     return f"({', '.join(parameters)}) -> {returns}: ..."
 
 
+def _type(schema):
+    """The type of what a key of a result gives (results.wrapped)."""
+    if "anyOf" in schema:
+        kinds = " | ".join(_type(one) for one in schema["anyOf"]).split(" | ")
+        return " | ".join(dict.fromkeys(kinds))  # a number may be null anyway
+    kind, keys = schema.get("type", "Any"), set(schema.get("properties", ()))
+    if isinstance(kind, list):
+        return "float | None"
+    if kind == "array":
+        items = schema.get("items", {})
+        return "Records" if items.get("type") == "object" else f"list[{_type(items)}]"
+    if kind == "object":
+        return "Estimate" if {"value", "std"} <= keys and not NAMED & keys else "Record"
+    return {"string": "str", "integer": "int", "boolean": "bool", "null": "None", "number": "float"}.get(kind, "Any")
+
+
+def _keys(kind):
+    """Types of a class: of a verb's result, what its schema has, and what is no key of the document."""
+    verb = kind.__name__.removesuffix("Result").lower()
+    keys = {}
+    if issubclass(kind, Result) and verb not in ("", kind.__name__.lower()):
+        schema = _core.schema(verb)
+        for one in schema.get("anyOf", [schema]):
+            keys |= {key: _type(of) for key, of in one["properties"].items()}
+    return keys | kind.__dict__.get("__annotations__", {})
+
+
 def _class(kind):
     bases = [base.__name__ for base in kind.__bases__ if base.__module__.startswith("rigfit") or base.__module__ == "builtins"]
     bases = [base for base in bases if base not in ("object", "pybind11_object")]
     lines = [f"class {kind.__name__}{'(' + ', '.join(bases) + ')' if bases else ''}:"]
-    for name, kind_of in kind.__dict__.get("__annotations__", {}).items():
+    for name, kind_of in _keys(kind).items():
         lines.append(f"    {name}: {kind_of if isinstance(kind_of, str) else kind_of.__name__}")
     for name, member in vars(kind).items():
         if isinstance(member, property):

@@ -17,6 +17,7 @@
 #include "apps/cli/exit_code.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
+#include "apps/cli/usage.h"
 #include "document/document_error.h"
 #include "signal/recording/recording_error.h"
 
@@ -201,6 +202,10 @@ py::list described_options(const std::string& verb) {
         "written"_a = o.is_written, "type"_a = o.value_name, "default"_a = o.default_text()));
   }
   return list;
+}
+
+py::object result_schema(const std::string& verb) {
+  return to_python(apps::verb_named(apps::all_verbs(), verb).schema());
 }
 
 int abandoned_calls() { return abandoned; }

@@ -34,6 +34,9 @@ void run_unlocked(std::function<void()> work);
 /// What the Python layer makes arguments, checks and docstrings of: each option of a verb.
 [[nodiscard]] py::list described_options(const std::string& verb);
 
+/// The JSON schema of a verb's result.
+[[nodiscard]] py::object result_schema(const std::string& verb);
+
 /// "mass_per_length" of "--mass-per-length".
 [[nodiscard]] std::string key_of(const std::string& option);
 

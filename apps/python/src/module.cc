@@ -91,6 +91,7 @@ PYBIND11_MODULE(_core, module) {
   module.attr("version") = RIGFIT_VERSION;
   module.def("run", &rigfit::python::run);
   module.def("options", &rigfit::python::described_options);
+  module.def("schema", &rigfit::python::result_schema);
   module.def("abandoned_calls", &rigfit::python::abandoned_calls);
   rigfit::python::bind_objects(module);
 }

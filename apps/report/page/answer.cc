@@ -44,6 +44,10 @@ std::string quantity_words(const Answer& answer) {
   return state_words(answer.quantity) + (named ? ", " + answer.structure : std::string());
 }
 
+std::string unit_of(const Answer& answer) {
+  return answer.unit.empty() || answer.unit == "%" ? "1" : answer.unit;
+}
+
 std::string value_words(const Answer& answer) {
   if (!answer.determined) return std::isfinite(answer.value) ? "not determined" : "none";
   return with_signs(describe::estimate_text(answer.value, answer.std, answer.unit));

@@ -39,6 +39,8 @@ struct Answer {
 
 /// "Tip mass, rig".
 [[nodiscard]] std::string quantity_words(const Answer& answer);
+/// "N", "1" of a ratio.
+[[nodiscard]] std::string unit_of(const Answer& answer);
 /// "2.1714 ± 0.0045", in the unit that is shown (describe::shown_unit).
 [[nodiscard]] std::string value_words(const Answer& answer);
 /// "2.163 to 2.180"; empty where no interval is known.
@@ -78,23 +80,21 @@ namespace rigfit::describe {
 template <>
 struct Described<apps::Answer> {
   using T = apps::Answer;
-  static constexpr auto fields = std::tuple{
-      field("key", &T::key, "", "", "the same in every report of the campaign"),
-      field("quantity", &T::quantity, "", "", ""),
-      field("value", &T::value, "", "", "SI; null: not determined"),
-      field("std", &T::std, "", "", "standard uncertainty"),
-      field("low", &T::low, "", "", "95 %; null: open"),
-      field("high", &T::high, "", "", "95 %; null: open"),
-      field(
-          "unit", [](const T& a) { return a.unit.empty() || a.unit == "%" ? "1" : a.unit; }, "", "",
-          ""),
-      field("how", &T::how, "", "", "what it was found from"),
-      field("verdict", &apps::verdict_words, "", "", "how well it is known, and agrees"),
-      field("determined", &T::determined, "", "", "by these data"),
-      field("structure", &T::structure, "", "", "what it belongs to"),
-      field("recommended", &T::recommended, "", "", "no other answer is known better"),
-      field("mode_hz", &T::mode_hz, "Hz", "", "of the mode that it belongs to"),
-      field("reference", &T::reference, "", "", "as known otherwise")};
+  static constexpr auto fields =
+      std::tuple{field("key", &T::key, "", "", "the same in every report of the campaign"),
+                 field("quantity", &T::quantity, "", "", ""),
+                 field("value", &T::value, "", "", "SI; null: not determined"),
+                 field("std", &T::std, "", "", "standard uncertainty"),
+                 field("low", &T::low, "", "", "95 %; null: open"),
+                 field("high", &T::high, "", "", "95 %; null: open"),
+                 field("unit", &apps::unit_of, "", "", ""),
+                 field("how", &T::how, "", "", "what it was found from"),
+                 field("verdict", &apps::verdict_words, "", "", "how well it is known, and agrees"),
+                 field("determined", &T::determined, "", "", "by these data"),
+                 field("structure", &T::structure, "", "", "what it belongs to"),
+                 field("recommended", &T::recommended, "", "", "no other answer is known better"),
+                 field("mode_hz", &T::mode_hz, "Hz", "", "of the mode that it belongs to"),
+                 field("reference", &T::reference, "", "", "as known otherwise")};
 };
 
 }  // namespace rigfit::describe

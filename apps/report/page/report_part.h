@@ -106,6 +106,19 @@ struct SummaryItem {
   Kind kind = Kind::result;
   std::string label, text;
   std::optional<Origin> origin = std::nullopt;
+
+  [[nodiscard]] const char* kind_word() const {
+    return kind == Kind::result ? "result" : kind == Kind::error ? "error" : "recorded";
+  }
+  [[nodiscard]] std::optional<std::string> origin_word() const {
+    return origin ? std::optional<std::string>(word_of(*origin)) : std::nullopt;
+  }
+  static constexpr auto fields() {
+    using T = SummaryItem;
+    using describe::field;
+    return std::tuple{field("kind", &T::kind_word), field("label", &T::label),
+                      field("text", &T::text), field("origin", &T::origin_word)};
+  }
 };
 
 /// A measured mode and the frequency that a model has for it.
