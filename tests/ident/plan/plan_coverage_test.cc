@@ -120,7 +120,7 @@ TEST(PlanCoverage, OfNoisyRecords) {
   for (Index p = 0; p < C.rows(); ++p) {
     const auto& coordinate = candidates.problem.coordinates()[p];
     const double value = coordinate.value(candidates.q[p]);
-    predicted.push_back({free[p].name, value, 0, value * std::sqrt(C(p, p)), 0});
+    predicted.push_back({{free[p].name, value, value * std::sqrt(C(p, p))}, 0, 0});
   }
 
   Normal normal(5);
