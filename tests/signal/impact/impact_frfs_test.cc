@@ -119,6 +119,24 @@ TEST(ImpactTest, AKnockDuringOneRingDownIsAnOutlierAndCleanHitsAreNot) {
   }
 }
 
+// A soft hammer drives lines to 200 Hz; above there is noise only, which is none of the hit's.
+TEST(ImpactTest, ASpoiltHitOfASoftHammerIsAnOutlier) {
+  const auto truth = testing::ten_mode_truth(4);
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const ImpactRecordOptions record{.block_samples = 16384, .noise = 0.05, .seed = seed};
+    auto hits = testing::hammer_hits(record);
+    for (auto& hit : hits) hit.duration_s = 8e-3;
+    Recording recording = testing::impact_recording(truth, hits, record);
+    const auto from = static_cast<Index>((hits[2].time_s - 0.05) * record.sample_rate_hz);
+    for (std::size_t c = 1; c < recording.channels.size(); ++c) {
+      recording.channels[c].samples.segment(from, record.block_samples) *= 1.3;
+    }
+    const ImpactTest test = analyse(recording, 4, {});
+    EXPECT_EQ(test.frfs.averages, 4) << seed;
+    EXPECT_THAT(test.search.hits[2].faults, ElementsAre(HitFault::outlier)) << seed;
+  }
+}
+
 TEST(ImpactTest, SaysWhatCannotBeTrusted) {
   const auto truth = testing::ten_mode_truth(2);
   ImpactRecordOptions record;
