@@ -171,8 +171,8 @@ std::vector<PlannedMode> planned_modes(const PlanCandidates& candidates, const P
       const double own = options.frequency_relative_std > 0 ? options.frequency_relative_std
                                                             : 1 / (std::sqrt(pole) * omega);
       mode.frequency_std = std::hypot(own, model_std);
-      // Frequency and decay rate are known equally well.
       mode.state_name = candidates.problem.states()[mode.state].name;
+      // Frequency and decay rate are known equally well.
       mode.damping_std = rate > 0 ? std::hypot(own * omega / rate, options.damping_model_std) : 0;
       planned.push_back(mode);
     }

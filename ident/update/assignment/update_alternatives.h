@@ -25,10 +25,10 @@
 //
 // The search is skipped where the answer near the start explains the measured modes and could not
 // do so by chance: the degrees of freedom times ln(0.1 / error), less the ln(likelihood) that
-// missed and false modes cost, exceed 12. A false mode that such an answer pairs is
-// left out all the same where the evidence rises without it: its error becomes the model's, of all
-// modes. Without damping ratios that is tried only where the misfit that it takes off, n / 2 ln of
-// the ratio of chi-squares over n pairs, is more than a false mode costs.
+// missed and false modes cost, exceed 12. A false mode that such an answer pairs is left out all
+// the same where the evidence rises without it: its error becomes the model's, of all modes.
+// Without damping ratios that is tried only where the misfit that it takes off, n / 2 ln of the
+// ratio of chi-squares over n pairs, is more than a false mode costs.
 //
 // Sources: Kass and Raftery, JASA 90 (1995) 773; Beck and Katafygiotis, J. Eng. Mech. 124 (1998)
 // 455. For the update and its checks, not for users.
