@@ -23,7 +23,7 @@ const std::vector<std::string>& kinds_of_tests() {
   return kinds;
 }
 
-TensionTest::TensionTest() { inputs.cable.length_m = inputs.cable.mass_per_length = {0, 0}; }
+TensionTest::TensionTest() { cable.length_m = cable.mass_per_length = {0, 0}; }
 
 std::optional<model::ModePlane> plane_named(const std::string& word) {
   if (word == "in") return model::ModePlane::in;
@@ -32,16 +32,12 @@ std::optional<model::ModePlane> plane_named(const std::string& word) {
 }
 
 void BendingTest::complete() {
-  auto& options = campaign.test;
   if (!beam()) return;
-  options.ends = ends == "pinned"       ? ident::BeamEnds::pinned
-                 : ends == "cantilever" ? ident::BeamEnds::cantilever
-                                        : ident::BeamEnds::clamped;
+  test.ends = ends == "pinned"       ? ident::BeamEnds::pinned
+              : ends == "cantilever" ? ident::BeamEnds::cantilever
+                                     : ident::BeamEnds::clamped;
   // Without tension these have no effect.
-  options.tension_zero_std_N = options.tension_calibration_std = 0;
-  options.clamp_stiffness_Nm_rad = 0;
-  if (!rectangle_m.empty()) section.rectangle_m = {rectangle_m[0], rectangle_m[1]};
-  campaign.second_moment_m4 = ident::second_moment(section);
+  test.tension_zero_std_N = test.tension_calibration_std = test.clamp_stiffness_Nm_rad = 0;
 }
 
 void TensionTest::complete() {
@@ -52,16 +48,15 @@ void TensionTest::complete() {
         fmt::format("the orders {} are not one whole number for each of {} frequencies",
                     fmt::join(orders, " "), frequencies_hz.size()));
   }
-  auto& cable = inputs.cable;
   if (EI_Nm2) cable.EI_Nm2 = {*EI_Nm2, EI_std_Nm2};
   if (EA_N) cable.EA_N = {*EA_N, EA_std_N};
-  inputs.options.ends = ident::cable_ends(ends);
+  options.ends = ident::cable_ends(ends);
   for (std::size_t i = 0; i < frequencies_hz.size(); ++i) {
     ident::MeasuredMode mode;
     mode.frequency_hz = {frequencies_hz[i], frequency_std_hz > 0 ? frequency_std_hz : std::nan("")};
     if (i < orders.size()) mode.order = static_cast<int>(std::lround(orders[i]));
-    mode.plane = inputs.plane;
-    inputs.modes.push_back(std::move(mode));
+    mode.plane = plane;
+    modes.push_back(std::move(mode));
   }
 }
 
@@ -97,12 +92,12 @@ Options keys_of(RecordingGroup& g) {
 
 Options channel_keys_of(BendingTest& t) {
   return {
-      option("tension", t.tension_channel, "Name of the channel; default: by name and quantity"),
-      option("load", t.load_channel, ""), option("deflection", t.deflection_channel, "")};
+      option("tension", t.channels.tension, "Name of the channel; default: by name and quantity"),
+      option("load", t.channels.load, ""), option("deflection", t.channels.deflection, "")};
 }
 
 Options keys_of(BendingTest& t) {
-  auto& test = t.campaign.test;
+  auto& test = t.test;
   Options keys{option("span", test.span_m.value,
                       "Clear length between clamps or supports; cantilever: to the load", "m")
                    .required()
@@ -111,7 +106,7 @@ Options keys_of(BendingTest& t) {
                       "0: a beam without tension, by dead weights or a testing machine", "N")
                    .from_zero()
                    .excludes("table"),
-               option("rectangle", t.rectangle_m,
+               option("rectangle", t.section.rectangle_m,
                       "Its section, width and height (along the load): gives the modulus", "m")
                    .count(2)
                    .positive()
@@ -147,7 +142,7 @@ Options keys_of(BendingTest& t) {
 }
 
 Options keys_of(AxialTest& t) {
-  auto& s = t.inputs.setup;
+  auto& s = t.setup;
   auto frame = option("frame_stiffness", s.frame_stiffness_N_m.value,
                       "What gives way above the cable; not given: one length gives EA from below "
                       "only",
@@ -180,17 +175,17 @@ Options keys_of(AxialTest& t) {
              "Of what else gives way in series; 0: rigid", "m/N")
           .from_zero(),
       option("catalogue_EA", s.catalogue_EA_N, "To compare with", "N").from_zero(),
-      option("channel", t.inputs.channel, "Of the tension (or motion); default: the only one"),
-      band("band", t.inputs.band_low_hz, t.inputs.band_high_hz, "Where the axial frequency is")};
+      option("channel", t.channel, "Of the tension (or motion); default: the only one"),
+      band("band", t.band_low_hz, t.band_high_hz, "Where the axial frequency is")};
 }
 
 Options keys_of(DecayTest& t) {
-  return {option("channels", t.inputs.options.channels, "Default: all"),
-          band("band", t.inputs.options.decay.band_low_hz, t.inputs.options.decay.band_high_hz,
-               "Where decays are looked for"),
-          option("load", t.inputs.load,
-                 "The scene's release or impact, simulated and laid over the records")
-              .needs("scene")};
+  return {
+      option("channels", t.options.channels, "Default: all"),
+      band("band", t.options.decay.band_low_hz, t.options.decay.band_high_hz,
+           "Where decays are looked for"),
+      option("load", t.load, "The scene's release or impact, simulated and laid over the records")
+          .needs("scene")};
 }
 
 Options keys_of(ident::SceneUse& use) {
@@ -202,7 +197,7 @@ Options keys_of(ident::SceneUse& use) {
 }
 
 Options keys_of(ModalTest& t) {
-  auto& options = t.inputs.options;
+  auto& options = t.options;
   auto& hammer = options.hammer;
   Options keys{option("planes", t.planes, "What the test sees: in and out of the plane of gravity")
                    .one_of({"in", "out"})};
@@ -234,8 +229,8 @@ Options keys_of(ModalTest& t) {
 }
 
 Options keys_of(TensionTest& t) {
-  auto& cable = t.inputs.cable;
-  auto& options = t.inputs.options;
+  auto& cable = t.cable;
+  auto& options = t.options;
   return {
       option("length", cable.length_m.value, "Between the ends, along the chord", "m")
           .required()
@@ -257,7 +252,7 @@ Options keys_of(TensionTest& t) {
           .within(-90, 90),
       option("ends", t.ends, "Kinds of ends")
           .one_of({ident::kCableEndsWords.begin(), ident::kCableEndsWords.end()}),
-      choice("plane", t.inputs.plane, {"any", "in", "out"}, "The motion that was measured"),
+      choice("plane", t.plane, {"any", "in", "out"}, "The motion that was measured"),
       option("missed", options.missed, "Probability that a mode was not seen").within(0.001, 0.9),
       option("false", options.false_mode, "Probability that a mode is none of the cable's")
           .within(0.001, 0.9),
@@ -267,9 +262,8 @@ Options keys_of(TensionTest& t) {
           .positive(),
       option("measured", t.measured, "Table of frequencies, or modes as UFF 55"),
       option("column", t.column, "Of the frequencies in that table").needs("measured"),
-      option("channels", t.inputs.channels, "Of the recordings; default: all").needs("recording"),
-      band("band", t.inputs.band_low_hz, t.inputs.band_high_hz, "Where modes are looked for")
-          .needs("recording")};
+      option("channels", t.channels, "Of the recordings; default: all").needs("recording"),
+      band("band", t.band_low_hz, t.band_high_hz, "Where modes are looked for").needs("recording")};
 }
 
 Options reference_keys_of(CampaignTest& t) {

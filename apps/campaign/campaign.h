@@ -73,40 +73,35 @@ struct RecordingGroup {
 // The kinds of tests: what the analysis takes (ident/campaign) without the recordings, and keys
 // that the analysis has in another form.
 
-struct BendingTest {
-  ident::BendingCampaign campaign;  ///< its sources: the published EI values, if there are any
-  /// Names of the channels; empty: as `rigfit bending` finds them.
-  std::string tension_channel, load_channel, deflection_channel;
-  std::optional<double> tension_N;  ///< 0: a beam without tension
-  std::string ends = "clamped";     ///< how the beam is held
-  std::vector<double> rectangle_m;
-  ident::BeamSection section;
+/// The channels of a load-deflection table or record.
+struct LoadDeflection {
+  std::string tension, load, deflection;  ///< tension: empty where there is none
+  bool operator==(const LoadDeflection&) const = default;
+};
 
-  BendingTest() { campaign.test.span_m = {0, 0}; }
-  /// Takes what was read over into `campaign`: ends and section of a beam.
+struct BendingTest : ident::BendingCampaign {  // its sources: the published EI values, if any
+  LoadDeflection channels;                     ///< empty: as load_deflection finds them
+  std::optional<double> tension_N;             ///< 0: a beam without tension
+  std::string ends = "clamped";                ///< how the beam is held
+
+  BendingTest() { test.span_m = {0, 0}; }
+  /// Takes the ends of a beam over into `test`.
   void complete();
   [[nodiscard]] bool beam() const { return tension_N.has_value(); }
-  [[nodiscard]] bool published() const { return !campaign.sources.empty(); }
+  [[nodiscard]] bool published() const { return !sources.empty(); }
 };
 
-struct AxialTest {
-  ident::AxialInputs inputs;
-};
+using AxialTest = ident::AxialInputs;
+using DecayTest = ident::DecayInputs;
 
-struct DecayTest {
-  ident::DecayInputs inputs;
-};
-
-struct ModalTest {
-  ident::ModalInputs inputs;
-  std::vector<std::string> models;  ///< labels of the published models, as in `inputs.published`
+struct ModalTest : ident::ModalInputs {
+  std::vector<std::string> models;  ///< labels of the published models, as in `published`
   std::string load;
   std::vector<std::string> planes{"in"};
   std::vector<double> direction;
 };
 
-struct TensionTest {
-  ident::TensionInputs inputs;
+struct TensionTest : ident::TensionInputs {
   std::string ends = "compare";
   std::optional<double> EI_Nm2, EA_N;
   double EI_std_Nm2 = 0, EA_std_N = 0;
@@ -115,7 +110,7 @@ struct TensionTest {
   std::string measured, column;
 
   TensionTest();
-  /// Takes what was read over into `inputs`: cable and ends; adds the frequencies to its modes.
+  /// Takes what was read over into the inputs: cable and ends; adds the frequencies to its modes.
   /// Throws std::invalid_argument where orders are no whole number for each of them.
   void complete();
 };

@@ -20,12 +20,6 @@ namespace rigfit::apps {
 [[nodiscard]] const signal::Channel* channel_like(const signal::Recording& recording,
                                                   const std::vector<std::string>& beginnings);
 
-/// The channels of a load-deflection table or record.
-struct LoadDeflection {
-  std::string tension, load, deflection;  ///< tension: empty where there is none
-  bool operator==(const LoadDeflection&) const = default;
-};
-
 /// By names ("tension", "load", "deflection" ...), else by their quantities: one displacement and a
 /// force (or mass) that rises and falls with it; of two forces the one that does so least, or that
 /// hardly changes, is the tension. Empty: the recording is something else.
@@ -34,10 +28,10 @@ struct LoadDeflection {
 /// Names of columns; empty: the first whose name begins in one of the usual ways, such as
 /// "tension", "preload"; "load", "force", "Q"; "deflection", "displacement", "lvdt", "d".
 struct BendingColumns : LoadDeflection {
-  /// How a person names one, with {} for tension, load or deflection.
-  std::string remedy = "name it with --{}";
   /// A beam without tension: no tension column is looked for. Loads may be masses (dead weights).
   bool without_tension = false;
+  /// How a person names one, with {} for tension, load or deflection.
+  std::string remedy = "name it with --{}";
 };
 
 /// A recording or table as every reader of it; times and their faults do not matter here and are

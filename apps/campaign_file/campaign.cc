@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <set>
 #include <stdexcept>
 
@@ -77,48 +78,35 @@ void read_inside(TomlTable& table, const std::string& key, const describe::Optio
   inside.finish();
 }
 
-enum class Blanks { refused, allowed };
-
-/// Positive numbers of a column, by row; NaN where blanks are allowed.
-std::vector<double> numbers_of(TomlTable& table, const TextTable& results, const std::string& key,
-                               Blanks blanks) {
-  std::size_t column = 0;
-  const std::string title = table.string(key);
+/// The column that a key names; an error at the key where the table has none.
+std::string column_in(TomlTable& table, const std::string& key, const TextTable& results) {
+  std::string title = table.string(key);
   try {
-    column = results.column(title);
+    static_cast<void>(results.column(title));
   } catch (const model::SceneError& error) {
     throw table.error(key, results.file + " " + error.problem(), error.remedy());
   }
-  std::vector<double> numbers;
-  for (const auto& row : results.rows) {
-    const double value = numbers.emplace_back(results.number(row, column));
-    if (value > 0 || (blanks == Blanks::allowed && std::isnan(value))) continue;
-    throw table.error(key,
-                      fmt::format("{}, line {}: the value is {}", results.file, row.line,
-                                  std::isnan(value) ? "blank" : "not positive"),
-                      blanks == Blanks::allowed
-                          ? "give frequencies in Hz, and nothing where none was found"
-                          : "give every row a positive number in this column");
-  }
-  return numbers;
+  return title;
+}
+
+describe::Option needed(const std::string& column, double& value) {
+  return option(column, value, "a number in this column of every row").required().positive();
 }
 
 /// The published EI values of a bending test, with their uncertainty where a column has it.
 ident::BendingSource published_values(TomlTable& table, const TextTable& results) {
-  const auto tension = numbers_of(table, results, "tension", Blanks::refused);
-  const auto EI = numbers_of(table, results, "EI", Blanks::refused);
-  const auto beginning = [&](const TextTable::Row& row, const std::string& with) {
-    for (std::size_t i = 0; i < results.columns.size(); ++i) {
-      if (results.columns[i].name.starts_with(with)) return results.number(row, i);
+  const auto tension = column_in(table, "tension", results), EI = column_in(table, "EI", results);
+  ident::BendingSource source{results.file, {}, {}, Origin::published};
+  for (const auto& row : results.rows) {
+    auto& point = source.values.emplace_back(ident::StiffnessPoint());
+    describe::Options columns{needed(tension, point.tension_N), needed(EI, point.EI_Nm2)};
+    for (const auto& column : results.columns | std::views::reverse) {  // the first one wins
+      for (const auto& [beginning, value] :
+           {std::pair{"std", &point.std}, {"low", &point.low}, {"high", &point.high}}) {
+        if (column.name.starts_with(beginning)) columns.push_back(option(column.name, *value, ""));
+      }
     }
-    return signal::kNaN;
-  };
-  ident::BendingSource source;
-  source.name = results.file;
-  for (std::size_t i = 0; i < EI.size(); ++i) {
-    const auto& row = results.rows[i];
-    source.values.push_back(
-        {tension[i], EI[i], beginning(row, "std"), beginning(row, "low"), beginning(row, "high")});
+    fill_row(results, row, columns);
   }
   return source;
 }
@@ -230,7 +218,6 @@ class Reader {
 
   void read_kind(TomlTable& table, CampaignTest& test, BendingTest& bending) {
     read_keys(table, keys_of(bending));
-    auto& campaign = bending.campaign;
     if (bending.beam()) {
       if (*bending.tension_N > 0) {
         throw table.error("tension", "is not 0",
@@ -239,11 +226,11 @@ class Reader {
       }
       bending.complete();
     } else {
-      campaign.strand = campaign_.strand;
+      bending.strand = campaign_.strand;
     }
     if (!table.has("recording") && !bending.beam()) {
       TomlTable results = table.table("table");
-      campaign.sources.push_back(published_values(results, read_results(results)));
+      bending.sources.push_back(published_values(results, read_results(results)));
       results.finish();
       return;
     }
@@ -266,16 +253,15 @@ class Reader {
   }
 
   void read_kind(TomlTable& table, CampaignTest& test, DecayTest& decay) {
-    auto& inputs = decay.inputs;
     read_keys(table, keys_of(decay));
     if (table.has("scene")) {
-      inputs.scene = scene_use(table, test, inputs.sensors);
-      const auto loads = names_of(inputs.scene->scene.loads);
-      if (!inputs.load.empty()) {
-        static_cast<void>(place_of(inputs.load, loads, table, "load", "load of the scene",
-                                   "add it to the scene"));
+      decay.scene = scene_use(table, test, decay.sensors);
+      const auto loads = names_of(decay.scene->scene.loads);
+      if (!decay.load.empty()) {
+        static_cast<void>(
+            place_of(decay.load, loads, table, "load", "load of the scene", "add it to the scene"));
       } else if (loads.size() == 1) {
-        inputs.load = loads.front();
+        decay.load = loads.front();
       } else {
         throw table.error(
             "load", "is missing although the scene has " + std::to_string(loads.size()) + " loads",
@@ -283,18 +269,17 @@ class Reader {
       }
     }
     read_recordings(table, test);
-    check_tensions(table, test, inputs.scene, std::nullopt);
+    check_tensions(table, test, decay.scene, std::nullopt);
   }
 
   void read_kind(TomlTable& table, CampaignTest& test, TensionTest& tension) {
     read_keys(table, keys_of(tension));
-    auto& inputs = tension.inputs;
-    inputs.name = test.name;
+    tension.name = test.name;
     if (!tension.measured.empty()) {
       const fs::path file = folder_ / tension.measured;
       campaign_.inputs.push_back(file.string());
-      for (auto& row : read_measured_modes(file, tension.column, inputs.plane, {})) {
-        inputs.modes.push_back(std::move(row.mode));
+      for (auto& row : read_measured_modes(file, tension.column, tension.plane, {})) {
+        tension.modes.push_back(std::move(row.mode));
       }
     }
     try {
@@ -304,7 +289,7 @@ class Reader {
     }
     if (table.has("recording")) {
       read_recordings(table, test);
-    } else if (inputs.modes.empty()) {
+    } else if (tension.modes.empty()) {
       throw table.error("frequencies", "is missing, and there is no recording",
                         "give frequencies = [...], measured = \"table.csv\" or [[test.recording]]");
     }
@@ -312,26 +297,25 @@ class Reader {
   }
 
   void read_kind(TomlTable& table, CampaignTest& test, ModalTest& modal) {
-    auto& inputs = modal.inputs;
     const bool recorded = table.has("recording");
     if (table.has("scene") || !recorded || table.has("table")) {
-      inputs.scene = scene_use(table, test, inputs.setup.sensors);
+      modal.scene = scene_use(table, test, modal.setup.sensors);
     }
     read_keys(table, keys_of(modal));
     // In both planes: any mode may lie in either.
     const auto& planes = modal.planes;
     if (std::ranges::count(planes, planes[0]) == std::ssize(planes)) {
-      inputs.setup.plane = plane_named(planes[0]);
+      modal.setup.plane = plane_named(planes[0]);
     }
-    auto& hammer = inputs.options.hammer;
-    if (recorded && !inputs.options.ambient && hammer.force.empty()) {
+    const auto& options = modal.options;
+    if (recorded && !options.ambient && options.hammer.force.empty()) {
       throw table.error("force", "is missing", "name the hammer's channel, or say ambient = true");
     }
     if (recorded) read_hits(table, test, modal);
     std::optional<bool> by_tension;
     if (!recorded || table.has("table")) by_tension = read_published(table, recorded, modal);
-    check_tensions(table, test, inputs.scene, by_tension);
-    inputs.name = test.name;
+    check_tensions(table, test, modal.scene, by_tension);
+    modal.name = test.name;
   }
 
   void read_hits(TomlTable& table, CampaignTest& test, ModalTest& modal) const {
@@ -340,11 +324,11 @@ class Reader {
       if (!(direction.norm() > 0)) {
         throw table.error("direction", "is zero", "give the direction struck and measured along");
       }
-      modal.inputs.setup.direction = direction.normalized();
+      modal.setup.direction = direction.normalized();
     }
     std::vector<std::string> impacts;
-    if (modal.inputs.scene) {
-      for (const auto& load : modal.inputs.scene->scene.loads) {
+    if (modal.scene) {
+      for (const auto& load : modal.scene->scene.loads) {
         if (load.kind == model::Load::Kind::impact) impacts.push_back(load.name);
       }
       if (modal.load.empty() && impacts.size() == 1) modal.load = impacts.front();
@@ -354,7 +338,7 @@ class Reader {
       const bool own = !group.load.empty();
       if (!own) group.load = modal.load;
       // Without a scene, places struck have any names.
-      if (group.load.empty() || !modal.inputs.scene) continue;
+      if (group.load.empty() || !modal.scene) continue;
       static_cast<void>(place_of(group.load, impacts, table, own ? "recording" : "load",
                                  "impact of the scene", "add it to the scene"));
     }
@@ -364,24 +348,25 @@ class Reader {
   bool read_published(TomlTable& table, bool recorded, ModalTest& modal) {
     TomlTable results = table.table("table");
     const TextTable found = read_results(results);
-    std::vector<double> tension, measured;
-    if (results.has("tension")) tension = numbers_of(results, found, "tension", Blanks::refused);
-    if (!recorded || results.has("measured")) {
-      measured = numbers_of(results, found, "measured", Blanks::allowed);
-    }
-    auto& published = modal.inputs.published;
-    published.resize(found.rows.size());
-    for (std::size_t i = 0; i < published.size(); ++i) {
-      if (!tension.empty()) published[i].tension_N = tension[i];
-      published[i].measured_hz = measured.empty() ? signal::kNaN : measured[i];
-    }
+    std::string tension, measured;
+    if (results.has("tension")) tension = column_in(results, "tension", found);
+    if (!recorded || results.has("measured")) measured = column_in(results, "measured", found);
+    std::vector<std::string> theirs;
     if (results.has("models")) {
       TomlTable models = results.table("models");
-      for (const auto& label : models.keys()) {
-        const auto theirs = numbers_of(models, found, label, Blanks::allowed);
-        for (std::size_t i = 0; i < theirs.size(); ++i) published[i].models_hz.push_back(theirs[i]);
-        modal.models.push_back(label);
+      modal.models = models.keys();
+      for (const auto& label : modal.models) theirs.push_back(column_in(models, label, found));
+    }
+    for (const auto& row : found.rows) {
+      auto& one = modal.published.emplace_back();
+      one.models_hz.assign(theirs.size(), signal::kNaN);
+      describe::Options columns;
+      if (!tension.empty()) columns.push_back(needed(tension, one.tension_N.emplace()));
+      if (!measured.empty()) columns.push_back(option(measured, one.measured_hz, "").positive());
+      for (std::size_t k = 0; k < theirs.size(); ++k) {
+        columns.push_back(option(theirs[k], one.models_hz[k], "").positive());
       }
+      fill_row(found, row, columns);
     }
     results.finish();
     return !tension.empty();

@@ -33,7 +33,7 @@ Json bending_json(const ident::BendingCampaign& campaign,
   return json;
 }
 
-Json hits_json(const std::vector<ident::StruckPlace>& places, const ident::HammerTest& test) {
+Json hits_json(const std::vector<signal::StruckPoint>& places, const ident::HammerTest& test) {
   Json hits = Json::array();
   for (std::size_t p = 0; p < test.tests.size(); ++p) {
     for (const signal::Hit& hit : test.tests[p].search.hits) {

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "apps/cli/verb_context.h"
-#include "ident/campaign/modal/hammer_campaign.h"
+#include "ident/campaign/modal/modal_campaign.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 
@@ -20,7 +20,7 @@ namespace rigfit::apps {
 
 /// `hits[]` of a hammer test, accepted and rejected; each with the point `struck` when the hammer
 /// roves.
-[[nodiscard]] Json hits_json(const std::vector<ident::StruckPlace>& places,
+[[nodiscard]] Json hits_json(const std::vector<signal::StruckPoint>& places,
                              const ident::HammerTest& test);
 
 /// A document that the program wrote, with that key. `by`: the command that writes one.

@@ -96,30 +96,22 @@ std::vector<ModelVersion> versions(const DecayInputs& test, const std::string& c
   return all;
 }
 
-/// The decays of one recording, by channel.
-DecaysOutcome run_recording(const DecayInputs& test, std::size_t index,
-                            const CampaignResult& so_far) {
-  const TestRecording& one = test.recordings[index];
-  DecaysOutcome result{run_decay_test(one, test.options), {}};
-  for (auto& found : result.channels) {
-    found.recording = index;
-    auto& answers = result.answers.emplace_back();
-    if (found.result.modes.empty() || !test.scene) continue;
-    answers = release_answers(found, test.options.decay,
-                              versions(test, found.channel, one.tension_N, so_far),
-                              so_far.inputs.threads);
-  }
-  return result;
-}
-
-DecaysOutcome run_decays(const DecayInputs& test, const CampaignResult& so_far) {
-  std::vector<DecaysOutcome> each(test.recordings.size());
-  in_parallel(each.size(), so_far.inputs.threads,
-              [&](std::size_t r) { each[r] = run_recording(test, r, so_far); });
-  DecaysOutcome all;
+DecayTest run_decays(const DecayInputs& test, const CampaignResult& so_far) {
+  const int threads = so_far.inputs.threads;
+  std::vector<DecayTest> each(test.recordings.size());
+  in_parallel(each.size(), threads, [&](std::size_t r) {
+    const TestRecording& one = test.recordings[r];
+    each[r] = run_decay_test(one, test.options);
+    for (auto& found : each[r].channels) {
+      found.recording = r;
+      if (found.result.modes.empty() || !test.scene) continue;
+      found.answers = release_answers(
+          found, test.options.decay, versions(test, found.channel, one.tension_N, so_far), threads);
+    }
+  });
+  DecayTest all;
   for (auto& one : each) {
     std::ranges::move(one.channels, std::back_inserter(all.channels));
-    std::ranges::move(one.answers, std::back_inserter(all.answers));
     std::ranges::move(one.findings, std::back_inserter(all.findings));
   }
   return all;
@@ -132,7 +124,7 @@ TestResult analysed(const TensionInputs& test) { return tension_campaign(test); 
 TestResult analysed(ModalInputs& test) {
   return ModalOutcome{run_modal_test(std::exchange(test.recordings, {}), test.options), {}};
 }
-TestResult analysed(const DecayInputs&) { return DecaysOutcome(); }  // after the fits
+TestResult analysed(const DecayInputs&) { return DecayTest(); }  // after the fits
 
 KnownValues known_values(const std::vector<TestResult>& tests) {
   KnownValues known;

@@ -72,15 +72,9 @@ struct ModalOutcome {
   std::vector<ModalState> model;  ///< by rising tension; empty: no scene
 };
 
-/// The channels of all recordings.
-struct DecaysOutcome : DecayTest {
-  /// By channel: "as given", then by fit; empty: not modelled.
-  std::vector<std::vector<ReleaseAnswer>> answers;
-};
-
-/// By the kind of the inputs, in their order.
+/// By the kind of the inputs, in their order; decays: the channels of all recordings.
 using TestResult = std::variant<BendingCampaignResult, AxialCampaignResult, TensionCampaignResult,
-                                ModalOutcome, DecaysOutcome>;
+                                ModalOutcome, DecayTest>;
 
 struct CampaignFitOutcome {
   std::vector<const ModalState*> states;  ///< in the result's modal tests

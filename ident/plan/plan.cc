@@ -206,9 +206,7 @@ std::vector<PlanGap> plan_gaps(const PlanCandidates& candidates,
   std::vector<PlanGap> gaps;
   for (const auto& open : identifiability(rows, Eigen::VectorXd::Ones(n), names).open) {
     auto& gap = gaps.emplace_back();
-    gap.message = open.message;
-    for (const int p : open.parameters)
-      gap.parameters.push_back(names[static_cast<std::size_t>(p)]);
+    gap.message = open.message, gap.parameters = open.parameters;
   }
   return gaps;
 }

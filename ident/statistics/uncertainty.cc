@@ -16,21 +16,34 @@ namespace {
 
 using signal::kNaN;
 
-std::string describe(const OpenDirection& open, const std::vector<std::string>& names) {
-  const auto name = [&](int j) { return names[static_cast<std::size_t>(j)]; };
-  if (open.parameters.size() == 1) {
-    return fmt::format("the data do not determine {}", name(open.parameters[0]));
-  }
+/// Named are those that this direction alone makes undetermined, and that matter in it.
+OpenDirection open_direction(const Eigen::VectorXd& direction,
+                             const std::vector<std::string>& names) {
+  std::vector<std::size_t> order(names.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto size = [&](std::size_t j) {
+    return std::abs(direction[static_cast<Eigen::Index>(j)]);
+  };
+  std::ranges::stable_sort(order, std::greater(), size);
+  const double least = 0.05 * size(order[0]);
+  OpenDirection open;
   std::string list, combination;
-  const double strongest = open.direction[open.parameters[0]];
-  for (std::size_t i = 0; i < open.parameters.size(); ++i) {
-    const int j = open.parameters[i];
-    list += (i == 0 ? "" : i + 1 == open.parameters.size() ? " and " : ", ") + name(j);
-    combination += fmt::format("{}{} by {:+.2g} %", i == 0 ? "" : ", ", name(j),
-                               open.direction[j] / strongest);
+  std::erase_if(order, [&](std::size_t j) { return size(j) < least; });
+  for (const std::size_t j : order) {
+    const bool first = open.parameters.empty();
+    open.parameters.push_back(names[j]);
+    list += (first ? "" : open.parameters.size() == order.size() ? " and " : ", ") + names[j];
+    combination += fmt::format(
+        "{}{} by {:+.2g} %", first ? "" : ", ", names[j],
+        direction[static_cast<Eigen::Index>(j)] / direction[static_cast<Eigen::Index>(order[0])]);
   }
-  return fmt::format("the data cannot separate {} (changing {} together changes nothing measured)",
-                     list, combination);
+  open.message =
+      order.size() == 1
+          ? "the data do not determine " + list
+          : fmt::format(
+                "the data cannot separate {} (changing {} together changes nothing measured)", list,
+                combination);
+  return open;
 }
 
 }  // namespace
@@ -56,10 +69,8 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
   const Eigen::MatrixXd& V = svd.matrixV();
   // Smaller singular values are zero as far as a Jacobian's accuracy goes.
   const double floor = s[0] * std::sqrt(std::numeric_limits<double>::epsilon());
-  result.directions = V;
-  result.singular_values = s;
-  result.scales = scales;
-  result.null_below = floor;
+  result.directions = scales.asDiagonal() * V;
+  result.singular_values = (s.array() > floor).select(s, 0);
 
   // A direction that is zero to the Jacobian's accuracy keeps the floor, which makes every
   // parameter in it hopeless without spoiling those that merely touch it by rounding.
@@ -69,22 +80,7 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
       V * inverse.array().square().matrix().asDiagonal() * V.transpose();
 
   for (Eigen::Index i = n - 1; i >= 0; --i) {
-    if (inverse[i] <= max_relative_std) continue;
-    OpenDirection open;
-    open.direction = V.col(i);
-    std::vector<int> order(static_cast<std::size_t>(n));
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-      return std::abs(open.direction[a]) > std::abs(open.direction[b]);
-    });
-    // Named are those that this direction alone makes undetermined, and that matter in it.
-    for (int j : order) {
-      if (std::abs(open.direction[j]) >= 0.05 * std::abs(open.direction[order[0]])) {
-        open.parameters.push_back(j);
-      }
-    }
-    open.message = describe(open, names);
-    result.open.push_back(std::move(open));
+    if (inverse[i] > max_relative_std) result.open.push_back(open_direction(V.col(i), names));
   }
 
   const Eigen::VectorXd own = relative.diagonal().cwiseSqrt();
@@ -97,11 +93,11 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
 }
 
 double Identifiability::std_of(const Eigen::Ref<const Eigen::VectorXd>& gradient) const {
-  if (gradient.size() != scales.size() || !gradient.allFinite()) return kNaN;
-  const Eigen::VectorXd by = directions.transpose() * scales.cwiseProduct(gradient);
+  if (gradient.size() != directions.rows() || !gradient.allFinite()) return kNaN;
+  const Eigen::VectorXd by = directions.transpose() * gradient;
   double variance = 0;
   for (Eigen::Index i = 0; i < by.size(); ++i) {
-    if (singular_values[i] > null_below) {
+    if (singular_values[i] > 0) {
       variance += std::pow(by[i] / singular_values[i], 2);
     } else if (std::abs(by[i]) > 1e-6 * by.norm()) {
       return kNaN;

@@ -23,9 +23,8 @@ inline constexpr double kMaxRelativeStd = 1;
 
 /// A direction in parameter space that the data do not determine.
 struct OpenDirection {
-  std::vector<int> parameters;  ///< those that take part, the strongest first
-  Eigen::VectorXd direction;    ///< relative change of all, unit length
-  std::string message;          ///< for a person, with the names
+  std::vector<std::string> parameters;  ///< those that take part, the strongest first
+  std::string message;                  ///< for a person
 };
 
 struct Identifiability {
@@ -33,10 +32,8 @@ struct Identifiability {
   Eigen::VectorXd std;         ///< NaN where not identifiable
   Eigen::MatrixXd covariance;  ///< rows and columns of unidentifiable parameters are NaN
   std::vector<OpenDirection> open;
-  Eigen::MatrixXd directions;       ///< V: columns, of relative change
-  Eigen::VectorXd singular_values;  ///< of J S, falling
-  Eigen::VectorXd scales;           ///< S
-  double null_below = 0;            ///< singular values not above this are zero
+  Eigen::MatrixXd directions;       ///< columns of S V
+  Eigen::VectorXd singular_values;  ///< of J S, falling; 0 where they are that to its accuracy
 
   /// Standard uncertainty of a quantity with this gradient by the parameters. It may be determined
   /// even where the parameters are not; NaN when it is not.

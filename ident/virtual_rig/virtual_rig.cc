@@ -151,34 +151,22 @@ class Laboratory {
                   decimated(hammer_force(scene_.loads, 1 / rate, response.rows()), oversampled),
                   &options_.instruments.hammer, random, load.direction);
     }
+    // By model::Sensor::Quantity; velocities are read as they are.
+    using enum signal::Quantity;
+    constexpr signal::Quantity quantities[] = {acceleration, velocity, displacement, force};
+    const auto& own = options_.instruments;
+    const SensorModel* instruments[] = {&own.accelerometer, nullptr, &own.lvdt, &own.tension_cell};
     for (std::size_t i = 0; i < sensors_.size(); ++i) {
       const auto column = static_cast<Eigen::Index>(2 * i);
-      const auto [quantity, sees] = instrument_of(sensors_[i].quantity);
-      add_channel(record.recording, sensors_[i].name, quantity,
-                  decimated(response.col(column), oversampled), sees, random, sensors_[i].direction,
-                  decimated(response.col(column + 1), oversampled));
+      const auto kind = static_cast<std::size_t>(sensors_[i].quantity);
+      add_channel(record.recording, sensors_[i].name, quantities[kind],
+                  decimated(response.col(column), oversampled), instruments[kind], random,
+                  sensors_[i].direction, decimated(response.col(column + 1), oversampled));
     }
     return record;
   }
 
  private:
-  /// Velocities are read as they are.
-  [[nodiscard]] std::pair<signal::Quantity, const SensorModel*> instrument_of(
-      model::Sensor::Quantity quantity) const {
-    using Quantity = model::Sensor::Quantity;
-    const auto& instruments = options_.instruments;
-    switch (quantity) {
-      case Quantity::acceleration:
-        return {signal::Quantity::acceleration, &instruments.accelerometer};
-      case Quantity::force:
-        return {signal::Quantity::force, &instruments.tension_cell};
-      case Quantity::displacement:
-        return {signal::Quantity::displacement, &instruments.lvdt};
-      default:
-        return {signal::Quantity::velocity, nullptr};
-    }
-  }
-
   model::Scene scene_;
   const VirtualRigOptions& options_;
   const Simulate& simulate_;

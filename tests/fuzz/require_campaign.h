@@ -24,11 +24,11 @@ inline void require_sound(const Campaign& campaign) {
     bool published = false;
     if (test.is<BendingTest>()) {
       const auto& bending = test.as<BendingTest>();
-      const double span = bending.campaign.test.span_m.value;
+      const double span = bending.test.span_m.value;
       require(std::isfinite(span) && span > 0, "span");
       published = bending.published();
     } else if (test.is<ModalTest>()) {
-      const auto& modal = test.as<ModalTest>().inputs;
+      const auto& modal = test.as<ModalTest>();
       published = !modal.published.empty();
       require(!published || modal.scene, "published modes without a scene");
       const auto& band = modal.options.hammer.impact.hits.band_hz;
@@ -36,7 +36,7 @@ inline void require_sound(const Campaign& campaign) {
       const auto& direction = modal.setup.direction;
       require(!direction || std::abs(direction->norm() - 1) < 1e-9, "direction");
     } else if (test.is<TensionTest>()) {
-      published = !test.as<TensionTest>().inputs.modes.empty();
+      published = !test.as<TensionTest>().modes.empty();
     }
     require(published || !test.recordings.empty(), "a test without data");
     for (const auto& group : test.recordings) {

@@ -80,7 +80,7 @@ struct ImpactCommand {
 
 struct ImpactRun {
   /// The points struck and the recordings of each; one without a name unless the hammer roves.
-  std::vector<ident::StruckPlace> places;
+  std::vector<signal::StruckPoint> places;
   ident::HammerTest test;
 };
 

@@ -38,7 +38,7 @@ std::vector<double> length_of_each_file(const AxialCommand& c) {
 
 Json run(AxialCommand& command, VerbContext& context) {
   const auto lengths = length_of_each_file(command);
-  auto& inputs = command.test.inputs;
+  auto& inputs = command.test;
   inputs.threads = context.threads;
   for (std::size_t i = 0; i < command.files.size(); ++i) {
     signal::Recording recording = load_recording(command.files[i], context);

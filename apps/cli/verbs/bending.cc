@@ -10,19 +10,16 @@ namespace {
 
 struct BendingCommand {
   std::vector<std::string> files;
-  BendingColumns columns;  ///< tension "0": a beam without tension
-  BendingTest test;
+  BendingTest test;            ///< its channel of tension "0": a beam without
   std::vector<double> strand;  ///< E, elements, element diameter, strand diameter
 };
 
 /// Ends and section of a beam without tension.
 void take_beam(BendingCommand& command) {
   auto& test = command.test;
-  command.columns.without_tension = command.columns.tension == "0";
-  if (command.columns.without_tension) {
+  if (test.channels.tension == "0") {
     test.tension_N = 0;
-  } else if (test.ends != BendingTest().ends || !test.rectangle_m.empty() ||
-             test.section.diameter_m > 0 || test.section.second_moment_m4 > 0) {
+  } else if (test.ends != BendingTest().ends || test.section.second_moment().value > 0) {
     throw UsageError("--ends and a cross-section belong to a beam without tension: --tension 0");
   }
   test.complete();
@@ -30,18 +27,19 @@ void take_beam(BendingCommand& command) {
 
 void read_source(const std::string& file, BendingCommand& command, VerbContext& context) {
   std::vector<Finding> warnings;
-  auto source = bending_source(load_bending_file(file, context), command.columns, warnings);
-  if (source.values.empty() && !(command.test.campaign.test.span_m.value > 0)) {
+  auto source = bending_source(load_bending_file(file, context),
+                               {command.test.channels, command.test.beam()}, warnings);
+  if (source.values.empty() && !(command.test.test.span_m.value > 0)) {
     throw UsageError(
         "--span is needed for load-deflection records: the clear length between the clamps in "
         "metres");
   }
   context.tell(warnings);
-  command.test.campaign.sources.push_back(std::move(source));
+  command.test.sources.push_back(std::move(source));
 }
 
 Json run(BendingCommand& command, VerbContext& context) {
-  auto& campaign = command.test.campaign;
+  auto& campaign = command.test;
   take_beam(command);  // before files are read
   for (const auto& file : command.files) read_source(file, command, context);
   if (!command.strand.empty()) {
@@ -50,10 +48,7 @@ Json run(BendingCommand& command, VerbContext& context) {
   }
   const auto found = ident::analyse_bending_campaign(campaign);
   context.tell(found.findings);
-  if (context.plots) {
-    const std::vector<Origin> origins(campaign.sources.size(), Origin::measured);
-    context.plots->add(bending_blocks("bending", campaign, found, origins));
-  }
+  if (context.plots) context.plots->add(bending_blocks("bending", campaign, found));
   const bool beams = campaign.test.ends != ident::BeamEnds::tensioned;
   auto& out = context.out;
   describe::print(out, describe::table_of(found.points));
@@ -80,20 +75,20 @@ describe::Options options_of(BendingCommand& c) {
           .once()
           .required()
           .file(),
-      option("--load", c.columns.load, "Name of the load column"),
-      option("--deflection", c.columns.deflection, "Name of the deflection column"),
+      option("--load", c.test.channels.load, "Name of the load column"),
+      option("--deflection", c.test.channels.deflection, "Name of the deflection column"),
       option("--strand", c.strand,
              "Young's modulus (Pa), number of wires, wire diameter (m), strand diameter (m): "
              "bounds on EI")
           .count(4)
           .positive(),
-      option("--relative-std", c.test.campaign.assumed_relative_std,
+      option("--relative-std", c.test.assumed_relative_std,
              "Relative standard uncertainty of EI values that come without one")
           .within(0.0, 1.0)};
   for (auto& key : as_command_line(keys_of(c.test))) {
     key.is_required = false;  // tables of EI have no span
     if (key.name == "--tension") {
-      key = option("--tension", c.columns.tension,
+      key = option("--tension", c.test.channels.tension,
                    "Name of the tension column; 0: there is no tension (a beam, by dead weights or "
                    "a testing machine)");
     }

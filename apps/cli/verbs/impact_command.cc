@@ -1,5 +1,5 @@
 // A hammer test on the command line, shared by the verbs that begin with one: its options and its
-// analysis (ident/campaign/modal/hammer_campaign.h).
+// analysis (ident/campaign/modal/modal_campaign.h).
 
 #include "apps/cli/verbs/all.h"
 
@@ -7,11 +7,11 @@ namespace rigfit::apps {
 namespace {
 
 /// The recordings by the place struck, in the order of the files.
-std::vector<ident::StruckPlace> read_places(VerbContext& context, const ImpactCommand& command) {
-  std::vector<ident::StruckPlace> places;
+std::vector<signal::StruckPoint> read_places(VerbContext& context, const ImpactCommand& command) {
+  std::vector<signal::StruckPoint> places;
   for (std::size_t f = 0; f < command.files.size(); ++f) {
     const std::string name = command.struck.empty() ? "" : command.struck[f];
-    auto place = std::ranges::find(places, name, &ident::StruckPlace::name);
+    auto place = std::ranges::find(places, name, &signal::StruckPoint::name);
     if (place == places.end()) place = places.insert(places.end(), {name, {}});
     place->recordings.push_back(load_recording(command.files[f], context));
   }

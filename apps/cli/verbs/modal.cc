@@ -131,10 +131,11 @@ Json run(ModalCommand& options, VerbContext& context) {
 
   signal::ModalOptions modal;
   modal.lscf.max_order = options.order;
-  const auto identified = ident::identify(measured.frfs, options.band(), measured.usable_hz, modal);
-  const auto& findings = identified.findings;
-  if (!identified.modal) throw Refused(findings.front().message, findings.front().code);
-  const signal::ModalResult& found = *identified.modal;
+  std::vector<Finding> findings;
+  const auto identified =
+      ident::identify(measured.frfs, options.band(), measured.usable_hz, modal, findings);
+  if (!identified) throw Refused(findings.front().message, findings.front().code);
+  const signal::ModalResult& found = *identified;
   const signal::ModalModel& model = found.model;
   context.tell(findings);
   result.update(describe::json_of(found));

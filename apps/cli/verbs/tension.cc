@@ -36,7 +36,7 @@ void add_mass(const std::string& text, ident::CableDescription& cable) {
 }
 
 Json run(TensionCommand& command, VerbContext& context) {
-  auto& inputs = command.test.inputs;
+  auto& inputs = command.test;
   if (const auto& file = command.test.measured; !file.empty()) {
     for (auto& row : measured_modes(file, command.test.column, inputs.plane, {}, context)) {
       inputs.modes.push_back(std::move(row.mode));
@@ -74,8 +74,7 @@ describe::Options options_of(TensionCommand& c) {
     options.push_back(std::move(key));
   }
   options.push_back(converted(
-                        "--mass-at",
-                        [&c](const auto& text) { add_mass(text, c.test.inputs.cable); },
+                        "--mass-at", [&c](const auto& text) { add_mass(text, c.test.cable); },
                         "Masses or clamps on the cable: place from 0 to 1 of its length, kg "
                         "(the largest relative std counts for all)",
                         describe::Kind::texts)

@@ -21,7 +21,6 @@
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/plot.h"
 #include "apps/report/page/tables.h"
-#include "ident/campaign/modal/hammer_campaign.h"
 #include "ident/campaign/modal/modal_model.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
@@ -66,14 +65,13 @@ inline constexpr double kNormal95 = 1.959963984540054;
 
 /// The model's response to the same release or tap: record and responses over the first half
 /// second. Empty series where nothing could be computed.
-[[nodiscard]] Plot release_plot(const std::string& id, const ident::RecordedDecay& decay,
-                                const std::vector<ident::ReleaseAnswer>& answers);
+[[nodiscard]] Plot release_plot(const std::string& id, const ident::ChannelDecays& decay);
 
 // Hammer tests
 
 struct HammerFigures {
-  const std::vector<ident::StruckPlace>* places = nullptr;  ///< null: FRFs from a file
-  const ident::HammerTest* test = nullptr;                  ///< null: FRFs from a file
+  const std::vector<signal::StruckPoint>* places = nullptr;  ///< null: FRFs from a file
+  const ident::HammerTest* test = nullptr;                   ///< null: FRFs from a file
   const signal::FrfSet& frfs;
   double low_hz = 0, high_hz = 0;              ///< without modes; 0: to the last line
   const signal::ModalResult* modal = nullptr;  ///< shown in their band; null: no modes
@@ -107,12 +105,11 @@ struct HammerFigures {
                                               const CampaignTest* test = nullptr);
 
 /// EI of the usable points with 95 % intervals, laws that converged (the closest with its 95 %
-/// band), bounds; the records of every point; tables. `origins` by source. Ids are `id` with "-EI",
-/// "-results", "-load-deflection" ...
+/// band), bounds; the records of every point; tables. Ids are `id` with "-EI", "-results",
+/// "-load-deflection" ...
 [[nodiscard]] std::vector<Block> bending_blocks(const std::string& id,
                                                 const ident::BendingCampaign& campaign,
-                                                const ident::BendingCampaignResult& result,
-                                                const std::vector<Origin>& origins);
+                                                const ident::BendingCampaignResult& result);
 
 /// A tension: measured and modelled frequencies over mode number, a series a kind of ends; their
 /// errors; tables. Ids are `id` with "-frequencies", "-ends" ...

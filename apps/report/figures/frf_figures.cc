@@ -86,11 +86,11 @@ void add_force(PlotSeries& series, const signal::Recording& recording, Index cha
 }
 
 /// Every hit as its force pulse: all rejected ones and the first accepted ones.
-Plot hits_plot(const std::string& id, const std::vector<ident::StruckPlace>& places,
+Plot hits_plot(const std::string& id, const std::vector<signal::StruckPoint>& places,
                const ident::HammerTest& test, Origin origin) {
   constexpr std::size_t kMost = 24;
   Plot plot{id, "Hits, kept and rejected", "", "time from the pulse, ms",
-            "force, " + test.force_unit};
+            "force, " + places.front().recordings.front().channel(test.force).unit};
   for (const bool accepted : {false, true}) {
     for (std::size_t p = 0; p < test.tests.size() && p < places.size(); ++p) {
       const auto& search = test.tests[p].search;

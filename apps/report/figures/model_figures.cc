@@ -65,8 +65,8 @@ std::vector<Plot> response_plots(const std::string& id, const model::Scene& scen
   return plots;
 }
 
-Plot release_plot(const std::string& id, const ident::RecordedDecay& decay,
-                  const std::vector<ident::ReleaseAnswer>& answers) {
+Plot release_plot(const std::string& id, const ident::ChannelDecays& decay) {
+  const auto& answers = decay.answers;
   constexpr double kBefore_s = 0.02, kFirst_s = 0.5;
   const bool large =
       std::ranges::any_of(answers, [](const auto& answer) { return answer.response.nonlinear; });

@@ -104,7 +104,6 @@ Plot axial_length_plot(const std::string& id, const ident::AxialTestResult& r, O
 }
 
 Plot load_deflection_plot(const std::string& id, const ident::BendingCampaign& campaign,
-                          const std::vector<Origin>& origins,
                           const ident::BendingCampaignResult& result) {
   const bool tensioned = campaign.test.ends == ident::BeamEnds::tensioned;
   Plot plot{id, "Load against deflection",
@@ -116,9 +115,9 @@ Plot load_deflection_plot(const std::string& id, const ident::BendingCampaign& c
             "deflection, mm", "load, N"};
   for (const auto& one : result.points) {
     if (!one.analysis) continue;
-    const std::string file = short_name(campaign.sources[one.source].name);
+    const std::string file = short_name(one.file);
     PlotSeries series{tensioned ? fmt::format("{:.0f} N: {}", one.point.tension_N, file) : file,
-                      origins[one.source], static_cast<int>(plot.series.size())};
+                      one.origin, static_cast<int>(plot.series.size())};
     const Eigen::Index n = one.record.load_N.size();
     for (Eigen::Index i = 0; i < n; i += 1 + n / 600) {
       const double d = one.record.deflection_m[i], load = one.record.load_N[i];
@@ -129,8 +128,7 @@ Plot load_deflection_plot(const std::string& id, const ident::BendingCampaign& c
   return plot;
 }
 
-Plot stiffness_plot(const std::string& id, const std::vector<Origin>& origins,
-                    const ident::BendingCampaignResult& result) {
+Plot stiffness_plot(const std::string& id, const ident::BendingCampaignResult& result) {
   const auto& bounds = result.bounds;
   Plot plot{id,
             "Bending stiffness against tension",
@@ -144,13 +142,14 @@ Plot stiffness_plot(const std::string& id, const std::vector<Origin>& origins,
   std::vector<PlotSeries> points;  // a series an origin
   for (const auto& one : result.points) {
     if (!one.usable()) continue;
-    const Origin origin = origins[one.source];
     low = std::min(low, one.point.tension_N), high = std::max(high, one.point.tension_N);
-    auto at = std::ranges::find(points, origin, &PlotSeries::origin);
+    auto at = std::ranges::find(points, one.origin, &PlotSeries::origin);
     if (at == points.end()) {
-      const auto name =
-          origin == Origin::published ? "published EI" : fmt::format("EI, {}", name_of(origin));
-      at = points.insert(at, {name, origin, 2 + static_cast<int>(points.size()), Style::points});
+      const auto name = one.origin == Origin::published
+                            ? "published EI"
+                            : fmt::format("EI, {}", name_of(one.origin));
+      at =
+          points.insert(at, {name, one.origin, 2 + static_cast<int>(points.size()), Style::points});
     }
     at->add(one.point.tension_N, one.point.EI_Nm2, one.point.low, one.point.high);
   }
@@ -229,18 +228,17 @@ std::vector<Block> axial_blocks(const std::string& id, const ident::AxialCampaig
 // Bending tests -----------------------------------------------------------------------------------
 
 std::vector<Block> bending_blocks(const std::string& id, const ident::BendingCampaign& campaign,
-                                  const ident::BendingCampaignResult& result,
-                                  const std::vector<Origin>& origins) {
+                                  const ident::BendingCampaignResult& result) {
   const bool tensioned = campaign.test.ends == ident::BeamEnds::tensioned;
   std::vector<Block> blocks;
   if (result.points.empty()) return blocks;
-  if (tensioned) add(blocks, stiffness_plot(id + "-EI", origins, result));
+  if (tensioned) add(blocks, stiffness_plot(id + "-EI", result));
   auto rows = result.points;
   for (auto& row : rows) row.file = short_name(row.file);
   add(blocks,
       described_table(id + "-results", "EI with its standard uncertainty and 95 % interval.",
-                      describe::table_of(std::move(rows)), origins.front()));
-  add(blocks, load_deflection_plot(id + "-load-deflection", campaign, origins, result));
+                      describe::table_of(std::move(rows)), campaign.sources.front().origin));
+  add(blocks, load_deflection_plot(id + "-load-deflection", campaign, result));
   if (const auto& laws = result.curve.laws().laws; tensioned && !laws.empty()) {
     add(blocks, Paragraph{"For the model: " + result.curve.sentence(), Paragraph::Kind::note});
     add(blocks, described_table(id + "-laws", "Laws for EI(T), the closest first.",

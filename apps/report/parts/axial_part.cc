@@ -5,8 +5,7 @@ namespace {
 
 class AxialPart : public TestPart {
  public:
-  AxialPart(const CampaignTest& test, int threads)
-      : TestPart(test, "axial", test.as<AxialTest>().inputs) {
+  AxialPart(const CampaignTest& test, int threads) : TestPart(test, "axial") {
     std::get<ident::AxialInputs>(inputs_).threads = threads;
   }
 

@@ -8,10 +8,8 @@ namespace {
 class BendingPart : public TestPart {
  public:
   explicit BendingPart(const CampaignTest& test)
-      : TestPart(test, "bending", test.as<BendingTest>().campaign),
-        kind_(test.as<BendingTest>()),
-        from_(kind_.campaign.sources.size(), Origin::published) {
-    part_.json["span_m"] = kind_.campaign.test.span_m.value;
+      : TestPart(test, "bending"), kind_(test.as<BendingTest>()) {
+    part_.json["span_m"] = kind_.test.span_m.value;
   }
 
   std::vector<ReportPart> show(ident::TestInputs& given, ident::TestResult& found) override {
@@ -22,10 +20,10 @@ class BendingPart : public TestPart {
     part_.json["laws_decided"] = !kind_.beam() && laws.decided;
     tell(result.findings);
     for (std::size_t i = 0; i < result.points.size(); ++i) {
-      part_.json["tests"][i]["origin"] = word_of(from_[result.points[i].source]);
+      part_.json["tests"][i]["origin"] = word_of(result.points[i].origin);
     }
     const std::string& name = test_.name;
-    add(part_.blocks, bending_blocks(name, inputs, result, from_));
+    add(part_.blocks, bending_blocks(name, inputs, result));
     if (!kind_.beam() && !laws.laws.empty() && !laws.decided) {
       part_.warnings.push_back({"law_not_decided", result.curve.sentence(), name});
     }
@@ -36,18 +34,15 @@ class BendingPart : public TestPart {
 
  private:
   void take(LoadedRecording entry, const RecordingGroup& group) override {
-    const BendingColumns columns{
-        {kind_.tension_channel, kind_.load_channel, kind_.deflection_channel},
-        "name it in the campaign, channels = {{ {} = \"...\" }}",
-        kind_.beam()};
+    const BendingColumns columns{kind_.channels, kind_.beam(),
+                                 "name it in the campaign, channels = {{ {} = \"...\" }}"};
     try {
-      std::get<ident::BendingCampaign>(inputs_).sources.push_back(
-          bending_source(*entry.recording, columns, part_.warnings));
+      auto source = bending_source(*entry.recording, columns, part_.warnings);
+      source.origin = group.origin();
+      std::get<ident::BendingCampaign>(inputs_).sources.push_back(std::move(source));
     } catch (const signal::RecordingError& error) {
       refuse(part_, "channel", error.what(), entry.file);
-      return;
     }
-    from_.push_back(group.origin());
   }
 
   /// EI of every point on the first page; of specimens the first one.
@@ -67,14 +62,9 @@ class BendingPart : public TestPart {
                          kind_.published() ? "published"
                          : kind_.beam()    ? "bending test without tension"
                                            : "bending test",
-                         "N m²", {point.EI_Nm2, point.std}, from_[one.source]);
+                         "N m²", {point.EI_Nm2, point.std}, one.origin);
       EI.low = point.low;
       EI.high = point.high;
-      if (!kind_.beam() && one.analysis) {  // with what the tests share
-        EI.std = one.analysis->stiffness.EI_Nm2.std;
-        EI.low = one.analysis->stiffness.low;
-        EI.high = one.analysis->stiffness.high;
-      }
       EI.rank = kind_.beam() && found > 1 ? 1 : 0;
       const auto& modulus = one.modulus_Pa;
       if (kind_.beam() && std::isfinite(modulus.value)) {
@@ -85,7 +75,7 @@ class BendingPart : public TestPart {
         E.value = modulus.value;
         E.std = modulus.std;
         // The section's uncertainty widens the interval of EI.
-        const auto& I = inputs.second_moment_m4;
+        const auto I = inputs.section.second_moment();
         const double width = 1.959964 * I.std / I.value;
         E.low = modulus.value * (1 - std::hypot(1 - EI.low / EI.value, width));
         E.high = modulus.value * (1 + std::hypot(EI.high / EI.value - 1, width));
@@ -99,7 +89,6 @@ class BendingPart : public TestPart {
   }
 
   const BendingTest& kind_;
-  std::vector<Origin> from_;  ///< origins of the sources
 };
 
 }  // namespace

@@ -5,8 +5,7 @@ namespace {
 
 class DecayPart : public TestPart {
  public:
-  DecayPart(const Campaign& campaign, const CampaignTest& test)
-      : TestPart(test, "decays", test.as<DecayTest>().inputs) {
+  DecayPart(const Campaign& campaign, const CampaignTest& test) : TestPart(test, "decays") {
     auto& inputs = std::get<ident::DecayInputs>(inputs_);
     for (std::size_t f = 0; f < campaign.fits.size(); ++f) {
       for (const std::size_t seen : campaign.fits[f].predicts) {
@@ -17,7 +16,7 @@ class DecayPart : public TestPart {
 
   std::vector<ReportPart> show(ident::TestInputs& inputs, ident::TestResult& result) override {
     const auto& recordings = std::get<ident::DecayInputs>(inputs).recordings;
-    auto& outcome = std::get<ident::DecaysOutcome>(result);
+    auto& outcome = std::get<ident::DecayTest>(result);
     tell(outcome.findings);
     table_ = {test_.name + "-modes",
               "Oscillations found in each record, strongest first; those of the model by the same "
@@ -29,12 +28,11 @@ class DecayPart : public TestPart {
     part_.json["records"] = Json::array();
     PlotGroup group{test_.name + "-decays", "Decays", {}};
     std::optional<std::size_t> last;
-    for (std::size_t c = 0; c < outcome.channels.size(); ++c) {
-      auto& channel = outcome.channels[c];
+    for (auto& channel : outcome.channels) {
       const std::size_t r = channel.recording;
       if (last != r) group.tabs.push_back({short_name(recordings[r].name), {}});
       last = r;
-      tell_channel(channel, outcome.answers[c], recordings[r], group.tabs.back());
+      tell_channel(channel, recordings[r], group.tabs.back());
     }
     std::erase_if(group.tabs, [](const PlotTab& tab) { return tab.plots.empty(); });
     part_.brief = {table_.id};
@@ -50,8 +48,8 @@ class DecayPart : public TestPart {
   }
 
  private:
-  void tell_channel(ident::ChannelDecays& decay, const std::vector<ident::ReleaseAnswer>& answers,
-                    const ident::TestRecording& recorded, PlotTab& tab) {
+  void tell_channel(ident::ChannelDecays& decay, const ident::TestRecording& recorded,
+                    PlotTab& tab) {
     if (decay.result.modes.empty()) return;
     const std::string id = fmt::format("{}-{}", test_.name, decays_.size() + 1);
     tab.plots.push_back(decay_plot(id, decay));
@@ -66,11 +64,11 @@ class DecayPart : public TestPart {
     add_answers(decay, at.empty() ? at : ", " + at);
     add_rows(table_, {short_name(decay.file), decay.channel, at, "record"},
              describe::table_of(decay.result.modes), decay.origin);
-    if (!answers.empty()) {
-      tab.plots.push_back(release_plot(id, decay, answers));
+    if (!decay.answers.empty()) {
+      tab.plots.push_back(release_plot(id, decay));
       if (tab.plots.back().series.empty()) tab.plots.pop_back();
       json["models"] = Json::array();
-      for (const auto& answer : answers) {
+      for (const auto& answer : decay.answers) {
         if (!answer.failure.empty()) {
           refuse(part_, "no_model", answer.failure,
                  fmt::format("{}: {}, {}", test_.title, short_name(decay.file), answer.label));
@@ -105,7 +103,7 @@ class DecayPart : public TestPart {
   void list_model(const ident::RecordedDecay& decay, const ident::ReleaseAnswer& model) {
     std::vector<signal::DecayMode> modes;
     for (const auto& mode : decay.result.modes) {
-      const auto* same = ident::same_oscillation(mode, model);
+      const auto* same = ident::same_mode(mode, model.found);
       if (!same) continue;
       modes.push_back(*same);
       if (&mode != &decay.result.modes.front()) continue;

@@ -8,7 +8,7 @@ namespace {
 class ModalPart : public TestPart {
  public:
   ModalPart(const Campaign& campaign, const CampaignTest& test)
-      : TestPart(test, "recorded_modal", test.as<ModalTest>().inputs), campaign_(campaign) {
+      : TestPart(test, "recorded_modal"), campaign_(campaign) {
     part_.id = test.name + "-recordings";
     part_.test = test.name;
   }
@@ -131,7 +131,7 @@ class ModalPart : public TestPart {
     }
   }
 
-  void list_hits(const ident::StruckPlace& struck, const signal::ImpactTest& test,
+  void list_hits(const signal::StruckPoint& struck, const signal::ImpactTest& test,
                  std::optional<double> tension_N) {
     std::string label = label_of(tension_N);
     for (std::size_t r = 0; r < struck.recordings.size(); ++r) {

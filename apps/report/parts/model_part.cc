@@ -226,7 +226,7 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                       const ModalStates& states) {
   const auto published = published_models(test);
   const auto& scene = campaign.scenes[*test.scene].name;
-  const auto& plane = test.as<ModalTest>().inputs.setup.plane;
+  const auto& plane = test.as<ModalTest>().setup.plane;
   ReportPart part;
   part.id = part.test = test.name;
   part.title = test.title;

@@ -104,8 +104,9 @@ Plot all_modes_plot(const std::vector<ReportPart>& parts) {
 
 }  // namespace
 
-TestPart::TestPart(const CampaignTest& test, const char* json_key, ident::TestInputs inputs)
-    : test_(test), inputs_(std::move(inputs)) {
+TestPart::TestPart(const CampaignTest& test, const char* json_key)
+    : test_(test),
+      inputs_(std::visit([](const auto& kind) { return ident::TestInputs(kind); }, test.kind)) {
   part_.id = test.name;
   part_.title = test.title;
   part_.json_key = json_key;

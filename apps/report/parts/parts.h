@@ -22,9 +22,8 @@ namespace rigfit::apps {
 
 class TestPart {
  public:
-  /// `json_key`: the list of the document that gets the test's results. `inputs`: those of the
-  /// campaign without the recordings.
-  TestPart(const CampaignTest& test, const char* json_key, ident::TestInputs inputs);
+  /// `json_key`: the list of the document that gets the test's results.
+  TestPart(const CampaignTest& test, const char* json_key);
   TestPart(const TestPart&) = delete;
   TestPart& operator=(const TestPart&) = delete;
   virtual ~TestPart() = default;
@@ -49,8 +48,8 @@ class TestPart {
                               std::optional<double> reference = std::nullopt) const;
 
   const CampaignTest& test_;
-  ident::TestInputs inputs_;
-  std::size_t files_ = 0;  ///< recordings that the campaign names
+  ident::TestInputs inputs_;  ///< those of the campaign, then with the recordings
+  std::size_t files_ = 0;     ///< recordings that the campaign names
   ReportPart part_;
 };
 using TestPartPtr = std::unique_ptr<TestPart>;

@@ -5,8 +5,7 @@ namespace {
 
 class TensionPart : public TestPart {
  public:
-  explicit TensionPart(const CampaignTest& test)
-      : TestPart(test, "tension", test.as<TensionTest>().inputs) {}
+  explicit TensionPart(const CampaignTest& test) : TestPart(test, "tension") {}
 
   std::vector<ReportPart> show(ident::TestInputs&, ident::TestResult& result) override {
     const auto& found = std::get<ident::TensionCampaignResult>(result);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -13,45 +14,104 @@
 namespace rigfit::ident {
 namespace {
 
+using Eigen::Index;
+using signal::Hit;
+using signal::HitFault;
+using signal::ImpactTest;
 using signal::Recording;
+using signal::StruckPoint;
 
-const char* kRenameRemedy =
-    "; name and scale its channels in a TOML file beside it or in the campaign";
+/// The responses asked for, else every channel besides the force that all recordings have.
+std::vector<std::string> response_names(const std::vector<StruckPoint>& places,
+                                        const HammerTestOptions& options, Index force,
+                                        std::vector<Finding>& findings) {
+  const Recording& first = places.front().recordings.front();
+  for (const auto& name : options.responses) {
+    if (first.channel_index(name) == force) {
+      throw std::invalid_argument("\"" + name + "\" is the force: it cannot be a response too");
+    }
+  }
+  if (!options.responses.empty()) return options.responses;
+  std::vector<std::string> names;
+  for (Index c = 0; c < static_cast<Index>(first.channels.size()); ++c) {
+    if (c == force) continue;
+    const std::string& title = first.channels[static_cast<std::size_t>(c)].name;
+    const bool own = first.channel_index(title) == c;
+    const std::string name = own ? title : "#" + std::to_string(c + 1);
+    try {
+      for (const auto& place : places) {
+        for (const auto& recording : place.recordings) (void)recording.channel_index(name);
+      }
+      names.push_back(name);
+    } catch (const signal::RecordingError& error) {
+      findings.push_back(
+          {"data_left_out",
+           fmt::format("Name the channel alike in all recordings: {}; it is left out "
+                       "of the responses",
+                       error.what()),
+           title});
+    }
+  }
+  return names;
+}
+
+/// Why no hit was accepted, by the faults that most of them have.
+Finding all_rejected(const HammerTest& test) {
+  std::map<HitFault, int> count;
+  const Hit* first = nullptr;
+  for (const ImpactTest& one : test.tests) {
+    for (const Hit& hit : one.search.hits) {
+      if (first == nullptr) first = &hit;
+      for (const HitFault fault : hit.faults) ++count[fault];
+    }
+  }
+  std::string why;
+  for (const auto& [fault, hits] : count) {
+    why += fmt::format("{}{} ({})", why.empty() ? "" : ", ", name_of(fault), hits);
+  }
+  const std::size_t total = test.hits();
+  return {count.contains(HitFault::unresolved_pulse) ? "pulse_not_resolved" : "no_hit_accepted",
+          fmt::format("Repeat the hits: {} of {} rejected ({}), so there is no FRF; first: {}",
+                      total, total, why, first->reason),
+          "", true};
+}
+
+/// Index among the responses of the driving point that the options name.
+std::optional<Index> driving_response(const Recording& first, const HammerTestOptions& options,
+                                      const std::vector<std::string>& responses) {
+  if (options.driving_point.empty()) return {};
+  const Index driving = first.channel_index(options.driving_point);
+  for (std::size_t r = 0; r < responses.size(); ++r) {
+    if (first.channel_index(responses[r]) == driving) return static_cast<Index>(r);
+  }
+  throw std::invalid_argument("the driving point \"" + options.driving_point +
+                              "\" is not among the responses");
+}
 
 /// Why a recording cannot take part; empty: it can.
 std::string unusable(const Recording& recording, const ModalTestOptions& options,
                      double usual_rate_hz) {
   const auto& hammer = options.hammer;
-  if (recording.time_s.size() > 0) return "its samples are not evenly spaced in time";
-  if (!(recording.sample_rate_hz > 0)) {
-    return "gives no sample rate; add sample_rate_hz to its [[test.recording]]";
-  }
-  if (!options.ambient && usual_rate_hz > 0 &&
-      std::abs(recording.sample_rate_hz / usual_rate_hz - 1) > 1e-6) {
+  if (const auto uneven = not_uniform(recording)) return uneven->message;
+  if (options.ambient) return "";  // its set-ups may have other channels
+  if (usual_rate_hz > 0 && std::abs(recording.sample_rate_hz / usual_rate_hz - 1) > 1e-6) {
     return fmt::format(
         "is sampled at {:g} Hz, the others at {:g} Hz; analyse it as a test of its own",
         recording.sample_rate_hz, usual_rate_hz);
   }
-  if (options.ambient) return "";  // its set-ups may have other channels
   std::vector<std::string> needed = hammer.responses;
   needed.push_back(hammer.force);
   for (const auto& name : needed) {
     try {
-      static_cast<void>(recording.channel_index(name));
+      const bool force = name == hammer.force;
+      const auto& unit = recording.channel(name).unit;
+      if (force ? unit.empty() || unit == "N" : unit != "N") continue;
+      return fmt::format(
+          "its channel \"{}\" is in {}{}; name and scale its channels in a TOML file beside it or "
+          "in the campaign",
+          name, unit, force ? ", not in N: it is no force" : ": a force is no response");
     } catch (const signal::RecordingError& error) {
       return fmt::format("has no channel \"{}\": {}", name, error.what());
-    }
-  }
-  const auto& force = recording.channel(hammer.force);
-  if (!force.unit.empty() && force.unit != "N") {
-    return fmt::format("its channel \"{}\" is in {}, not in N: it is no force{}", hammer.force,
-                       force.unit, kRenameRemedy);
-  }
-  for (const auto& name : hammer.responses) {
-    const auto& response = recording.channel(name);
-    if (response.unit == "N") {
-      return fmt::format("its channel \"{}\" is in N: a force is no response{}", name,
-                         kRenameRemedy);
     }
   }
   return "";
@@ -81,9 +141,9 @@ std::vector<ModalTestState> sorted(std::vector<TestRecording>& recordings,
       state->tension_N = one.tension_N;
       state->origin = one.origin;
     }
-    auto place = std::ranges::find(state->places, one.place, &StruckPlace::name);
+    auto place = std::ranges::find(state->places, one.place, &StruckPoint::name);
     if (place == state->places.end()) {
-      place = state->places.insert(state->places.end(), StruckPlace{one.place, {}});
+      place = state->places.insert(state->places.end(), StruckPoint{one.place, {}});
     }
     place->recordings.push_back(std::move(one.recording));
   }
@@ -119,10 +179,8 @@ void analyse(ModalTestState& state, const ModalTestOptions& options) {
     const Recording& first = state.places[p].recordings.front();
     state.force_directions.push_back(direction_of(first.channel(options.hammer.force)));
   }
-  auto modes = identify(state.hammer.frfs, options.hammer.impact.hits.band_hz,
-                        state.hammer.usable_hz, options.modal);
-  state.modal = std::move(modes.modal);
-  state.findings.insert(state.findings.end(), modes.findings.begin(), modes.findings.end());
+  state.modal = identify(state.hammer.frfs, options.hammer.impact.hits.band_hz,
+                         state.hammer.usable_hz, options.modal, state.findings);
 }
 
 /// Modes without a force: of each recording, joined by the references.
@@ -163,6 +221,106 @@ void analyse_ambient(ModalTestState& state, const ModalTestOptions& options) {
 }
 
 }  // namespace
+
+std::size_t HammerTest::hits() const {
+  std::size_t count = 0;
+  for (const ImpactTest& test : tests) count += test.search.hits.size();
+  return count;
+}
+
+std::size_t HammerTest::accepted_hits() const {
+  std::size_t count = 0;
+  for (const ImpactTest& test : tests) count += static_cast<std::size_t>(test.frfs.averages);
+  return count;
+}
+
+HammerTest analyse_hammer_test(std::vector<StruckPoint>& places, const HammerTestOptions& options) {
+  HammerTest test;
+  const Recording& first = places.front().recordings.front();
+  const Index force = first.channel_index(options.force);
+  test.force = first.channels[static_cast<std::size_t>(force)].name;
+  test.responses = response_names(places, options, force, test.findings);
+  if (test.responses.empty()) {
+    test.findings.push_back(
+        {"no_response",
+         "Record the responses too: the test has no channel besides the force that "
+         "all recordings have, and so no FRF",
+         first.path.string(), true});
+    return test;
+  }
+  if (places.size() == 1 && places.front().name.empty()) {
+    places.front().response = driving_response(first, options, test.responses);
+  }
+  static_cast<signal::RovingHammer&>(test) =
+      signal::analyse_roving_hammer(places, options.force, test.responses, options.impact);
+  // Where no place is left, that is said for all.
+  if (test.frfs.averages == 0) {
+    std::erase_if(test.notes, [](const auto& note) { return note.code == "point_left_out"; });
+  }
+  add_notes(test.notes, test.findings);
+  if (test.hits() == 0) {
+    test.findings.push_back(
+        {"no_hit",
+         fmt::format("Check that \"{0}\" is the force and the sign of its pulses: no "
+                     "hit in \"{0}\" rises above the noise",
+                     test.force),
+         first.path.string(), true});
+    return test;
+  }
+  double& rate_std = test.frfs.sample_rate_relative_std;
+  for (const auto& place : places) {
+    for (const auto& recording : place.recordings) {
+      rate_std = std::max(rate_std, recording.sample_rate_relative_std);
+    }
+  }
+  add_notes(test.frfs.notes, test.findings);
+  if (test.accepted_hits() == 0) {
+    test.findings.push_back(all_rejected(test));
+    return test;
+  }
+  test.usable_hz = std::numeric_limits<double>::infinity();
+  for (const ImpactTest& one : test.tests) {
+    test.amplitudes = test.amplitudes && one.amplitudes;
+    if (one.frfs.averages > 0) test.usable_hz = std::min(test.usable_hz, one.usable_hz);
+  }
+  return test;
+}
+
+std::optional<signal::ModalResult> identify(const signal::FrfSet& frfs,
+                                            const std::optional<std::pair<double, double>>& band_hz,
+                                            double usable_hz, signal::ModalOptions options,
+                                            std::vector<Finding>& findings) {
+  options.low_hz = band_hz ? band_hz->first : 0;
+  options.high_hz = band_hz ? band_hz->second : usable_hz;
+  signal::ModalResult found;
+  try {
+    found = signal::identify_modes(frfs, options);
+  } catch (const std::invalid_argument& error) {
+    findings.push_back({"no_modes", error.what(), "", true});
+    return std::nullopt;
+  }
+  const double rate_relative_std = frfs.sample_rate_relative_std;
+  if (rate_relative_std > 0 && !found.model.modes.empty()) {
+    tell_rate(rate_relative_std, found.model.modes.front().frequency_hz, "", findings);
+    add_rate_uncertainty(rate_relative_std, found.model);
+  }
+  add_notes(found.model.notes, findings, "", {"no_modes", "rank_deficient"});
+  for (const auto& mode : found.model.modes) {
+    const bool window = mode.damping_dominated_by_window;
+    if (!window && !mode.doubtful) continue;
+    findings.push_back({window ? "window_damping" : "doubtful_mode", mode.doubt,
+                        fmt::format("{:.4g} Hz", mode.frequency_hz.value), window});
+  }
+  if (found.end != signal::StepsEnd::converged && !found.model.modes.empty()) {
+    findings.push_back(
+        {"not_converged",
+         fmt::format("Narrow the band: the refinement ended by {} after {} iterations, so that "
+                     "frequencies and damping are near, not at, the best fit",
+                     name_of(found.end), found.iterations),
+         "", false});
+  }
+  return found;
+}
 
 ModalTest run_modal_test(std::vector<TestRecording> recordings, const ModalTestOptions& options) {
   ModalTest test;

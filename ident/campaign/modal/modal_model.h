@@ -37,8 +37,8 @@ struct Instrumented {
 /// A frequency of a table, with those of published models beside it.
 struct PublishedMode {
   std::optional<double> tension_N;
-  double measured_hz = 0;         ///< NaN: dash
-  std::vector<double> models_hz;  ///< by published model; NaN: dash
+  double measured_hz = signal::kNaN;  ///< NaN: dash
+  std::vector<double> models_hz;      ///< by published model; NaN: dash
 };
 
 /// A measured mode, its shape at the instrumented scene's sensors; a frequency of NaN is a dash.

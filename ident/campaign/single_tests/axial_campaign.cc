@@ -51,7 +51,6 @@ AxialCampaignResult find(const AxialInputs& inputs, std::size_t index) {
   for (const auto& window : signal::find_decays(channel->samples, band)) {
     AxialRecord d{estimated_decay(entry, *channel, window.start, window.end, options)};
     d.recording = index, d.length_m = entry.length_m;
-    d.start_s = d.start_time_s + static_cast<double>(d.result.start) / rate;
     const std::string where = fmt::format("{}: {} at {:.4g} s", entry.name, d.channel, d.start_s);
     if (!d.result.refusal_code.empty() || d.result.modes.empty()) {
       d.left_out = d.result.refusal_code.empty() ? "no_mode" : d.result.refusal_code;

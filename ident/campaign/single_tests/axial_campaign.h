@@ -29,7 +29,6 @@ struct AxialInputs {
 /// One decay of a recording.
 struct AxialRecord : RecordedDecay {
   double length_m = 0;
-  double start_s = 0;  ///< start of the fitted window on the recording's time axis
   /// Index of the axial mode in `result`; empty: refused or none found, see the findings.
   std::optional<std::size_t> mode = {};
   std::string left_out = {};               ///< code of the reason; empty: used

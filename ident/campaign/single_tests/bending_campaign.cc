@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "ident/bending/bending_equation.h"
 #include "ident/statistics/uncertainty.h"
@@ -67,7 +68,7 @@ void add_record(const BendingSource& source, BendingPoint one, const BendingCamp
           std::tie(result.stiffness.EI_Nm2, result.stiffness.low, result.stiffness.high);
       one.point.EI_Nm2 = EI.value, one.point.std = EI.std;
       one.point.low = low, one.point.high = high;
-      const auto &slope = result.compliance_m_N, &I = campaign.second_moment_m4;
+      const auto &slope = result.compliance_m_N, I = campaign.section.second_moment();
       if (one.beam()) one.slope_N_m = {1 / slope.value, slope.std / slope.value / slope.value};
       if (one.beam() && I.value > 0 && EI.value > 0) {
         const double modulus = EI.value / I.value;
@@ -162,12 +163,21 @@ void gather_specimens(BendingCampaignResult& result) {
 
 }  // namespace
 
+signal::Estimate BeamSection::second_moment() const {
+  double moment = second_moment_m4;
+  if (!rectangle_m.empty()) {
+    moment = rectangle_m[0] * std::pow(rectangle_m[1], 3) / 12;
+  } else if (diameter_m > 0) {
+    moment = std::numbers::pi * std::pow(diameter_m, 4) / 64;
+  }
+  if (!(moment > 0)) return {};
+  return {moment, relative_std * moment};
+}
+
 BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) {
   BendingCampaignResult result;
-  for (std::size_t k = 0; k < campaign.sources.size(); ++k) {
-    const auto& source = campaign.sources[k];
-    BendingPoint point;
-    point.source = k, point.file = source.name;
+  for (const auto& source : campaign.sources) {
+    BendingPoint point{source.name, source.origin, {}, {}, {}, {}, {}, {}};
     if (source.values.empty()) {
       add_record(source, point, campaign, result.points);
     } else {

@@ -10,65 +10,51 @@
 // curve is empty, and EI and modulus come with the scatter between specimens.
 #pragma once
 
-#include <array>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "document/describe.h"
 #include "ident/bending/bending_analysis.h"
-#include "ident/statistics/finding.h"
+#include "ident/campaign/single_tests/test_recording.h"
 #include "ident/stiffness/stiffness_curve.h"
 
 namespace rigfit::ident {
 
 /// Cross-section of a beam bent without tension, given in one of three ways or not at all.
 struct BeamSection {
-  std::optional<std::array<double, 2>> rectangle_m;  ///< width, height
-  double diameter_m = 0;                             ///< round and solid; 0: not given
-  double second_moment_m4 = 0;                       ///< 0: not given
+  std::vector<double> rectangle_m;  ///< width, height; empty: not given
+  double diameter_m = 0;            ///< round and solid; 0: not given
+  double second_moment_m4 = 0;      ///< 0: not given
   /// Relative standard uncertainty of the second moment: three times that of a height, four times
   /// that of a diameter.
   double relative_std = 0;
-};
 
-/// Second moment of area about the axis of bending, m^4: w h^3 / 12 (h along the load) or
-/// pi d^4 / 64; NaN where no section is given.
-[[nodiscard]] inline signal::Estimate second_moment(const BeamSection& section) {
-  double moment = section.second_moment_m4;
-  if (section.rectangle_m) {
-    const auto [width, height] = *section.rectangle_m;
-    moment = width * height * height * height / 12;
-  } else if (section.diameter_m > 0) {
-    const double square = section.diameter_m * section.diameter_m;
-    moment = std::numbers::pi * square * square / 64;
-  }
-  if (!(moment > 0)) return {};
-  return {moment, section.relative_std * moment};
-}
+  /// Second moment of area about the axis of bending, m^4: w h^3 / 12 (h along the load) or
+  /// pi d^4 / 64; NaN where no section is given.
+  [[nodiscard]] signal::Estimate second_moment() const;
+};
 
 /// One file: a load-deflection record or table, or (`record` empty) EI values.
 struct BendingSource {
   std::string name;  ///< for messages and results
   BendingRecord record;
   std::vector<StiffnessPoint> values;
+  Origin origin = Origin::measured;
 };
 
 struct BendingCampaign {
   std::vector<BendingSource> sources;
   BendingTestOptions test;  ///< span and calibrations with uncertainties; for records only
   std::optional<StrandGeometry> strand;
-  /// Second moment of the cross-section about the axis of bending, m^4; NaN: not known. Without
-  /// tension it gives Young's modulus in bending, EI / I.
-  signal::Estimate second_moment_m4;
+  BeamSection section = {};         ///< without tension it gives Young's modulus in bending, EI / I
   double assumed_relative_std = 0;  ///< for EI values without an uncertainty; 0: unknown
 };
 
 /// One tension of one source, as it is printed and written.
 struct BendingPoint {
-  std::size_t source = 0;
-  std::string file;                ///< name of the source
+  std::string file;  ///< name of the source
+  Origin origin = Origin::measured;
   std::optional<std::size_t> row;  ///< of EI values, from 1; empty: from a record
   BendingRecord record;            ///< the rows at this tension; empty: EI values
   std::optional<BendingTestResult> analysis;

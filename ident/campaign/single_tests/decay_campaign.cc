@@ -25,18 +25,6 @@ Index sample_at(const signal::Recording& recording, double time_s, bool up) {
       std::clamp(up ? std::ceil(j - 1e-6) : std::floor(j + 1e-6) + 1, 0.0, n));
 }
 
-/// The mode of another decay that is this one: the nearest within 5 % of its frequency.
-const signal::DecayMode* same_mode(const signal::DecayMode& mode,
-                                   const signal::DecayResult& other) {
-  const signal::DecayMode* best = nullptr;
-  double least = 0.05 * mode.frequency_hz.value;
-  for (const auto& one : other.modes) {
-    const double apart = std::abs(one.frequency_hz.value - mode.frequency_hz.value);
-    if (apart < least) least = apart, best = &one;
-  }
-  return best;
-}
-
 /// Pools a quantity of modes of several decays; returns its scatter between them.
 double pool(const std::vector<const signal::DecayMode*>& modes,
             signal::Estimate signal::DecayMode::*quantity, signal::Estimate& mean,
@@ -58,7 +46,7 @@ std::vector<PooledMode> pooled(const ChannelDecays& channel) {
   for (const auto& mode : channel.result.modes) {
     std::vector<const signal::DecayMode*> modes;
     for (const auto& decay : channel.decays) {
-      const auto* same = decay.fitted ? same_mode(mode, *decay.result) : nullptr;
+      const auto* same = decay.fitted ? same_mode(mode, *decay.result, 0.05) : nullptr;
       if (same && same->frequency_hz.std > 0 && same->damping_ratio.std > 0) modes.push_back(same);
     }
     if (modes.empty()) continue;
@@ -98,11 +86,7 @@ ChannelDecays channel_decays(const TestRecording& recorded, const signal::Channe
   if (options.start_s) decay.choose_window = decay.trim_start = false;
   ChannelDecays found{estimated_decay(recorded, channel, from, to, decay)};
   const std::string where = recorded.name + ": " + channel.name;
-  const auto time = [](const RecordedDecay& one, Index sample) {
-    return one.start_time_s + static_cast<double>(sample) / one.sample_rate_hz;
-  };
   const auto& strongest = found.result;
-  found.start_s = time(found, strongest.start), found.end_s = time(found, strongest.end - 1);
   add_notes(strongest.notes, findings, where);
   if (!strongest.refusal_code.empty()) {
     findings.push_back({strongest.refusal_code, strongest.refusal, where, true});
@@ -110,7 +94,7 @@ ChannelDecays channel_decays(const TestRecording& recorded, const signal::Channe
   decay.choose_window = false;
   for (std::size_t k = 0; k < strongest.decays.size(); ++k) {
     const auto& window = strongest.decays[k];
-    FoundDecay one{time(found, window.start), time(found, window.end - 1), false, {}};
+    FoundDecay one{found.time_s(window.start), found.time_s(window.end - 1), false, {}};
     if (k == strongest.fitted_decay) {
       one = {found.start_s, found.end_s, strongest.refusal_code.empty(), {}};
       if (options.each) one.result = strongest;
@@ -121,7 +105,7 @@ ChannelDecays channel_decays(const TestRecording& recorded, const signal::Channe
       const std::string at = fmt::format("{} at {:.6g} s", where, one.start_s);
       one.fitted = own.result.refusal_code.empty();
       if (one.fitted) {
-        one.start_s = time(own, own.result.start), one.end_s = time(own, own.result.end - 1);
+        one.start_s = own.start_s, one.end_s = own.end_s;
       } else {
         findings.push_back(
             {own.result.refusal_code, "this decay is left out: " + own.result.refusal, at});
@@ -165,17 +149,12 @@ RecordedDecay estimated_decay(const TestRecording& recorded, const signal::Chann
                               Index from, Index to, signal::DecayOptions options) {
   const double rate = recorded.recording.sample_rate_hz;
   options.start_time_s = recorded.recording.start_time_s + static_cast<double>(from) / rate;
-  RecordedDecay decay{recorded.name,
-                      channel.name,
-                      channel.unit,
-                      recorded.origin,
-                      rate,
-                      options.start_time_s,
-                      {},
-                      {},
-                      0};
+  RecordedDecay decay{recorded.name,   channel.name, channel.unit,
+                      recorded.origin, rate,         options.start_time_s};
   decay.samples = channel.samples.segment(from, to - from);
   decay.result = signal::estimate_decay(decay.samples, rate, options);
+  decay.start_s = decay.time_s(decay.result.start),
+  decay.end_s = decay.time_s(decay.result.end - 1);
   return decay;
 }
 
@@ -252,16 +231,13 @@ std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
   return answers;
 }
 
-const signal::DecayMode* same_oscillation(const signal::DecayMode& mode,
-                                          const ReleaseAnswer& answer) {
-  const auto off = [&](const signal::DecayMode& other) {
-    return std::abs(std::log(other.frequency_hz.value / mode.frequency_hz.value));
+const signal::DecayMode* same_mode(const signal::DecayMode& mode, const signal::DecayResult& other,
+                                   double within) {
+  const auto off = [&](const signal::DecayMode& one) {
+    return std::abs(std::log(one.frequency_hz.value / mode.frequency_hz.value));
   };
-  const signal::DecayMode* nearest = nullptr;
-  for (const auto& other : answer.found.modes) {
-    if (off(other) < 0.15 && (!nearest || off(other) < off(*nearest))) nearest = &other;
-  }
-  return nearest;
+  const auto nearest = std::ranges::min_element(other.modes, {}, off);
+  return nearest != other.modes.end() && off(*nearest) < within ? &*nearest : nullptr;
 }
 
 }  // namespace rigfit::ident

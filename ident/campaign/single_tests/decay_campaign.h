@@ -31,7 +31,7 @@ struct DecayTestOptions {
   signal::DecayOptions decay;            ///< its band; window and start time are set here
 };
 
-/// One decay of a channel. Times are those of the file.
+/// One decay of a channel.
 struct FoundDecay {
   double start_s = 0, end_s = 0;              ///< window as fitted, or as found if not fitted
   bool fitted = false;                        ///< a fit was made
@@ -45,27 +45,42 @@ struct PooledMode {
   std::size_t decays = 0;                                      ///< number that show the mode
 };
 
-/// Samples of a recording as they were given to the estimator, and what came of them.
+/// Samples of a recording as they were given to the estimator, and what came of them. Times are
+/// those of the file.
 struct RecordedDecay {
   std::string file, channel, unit;
   Origin origin = Origin::measured;
   double sample_rate_hz = 0;
   double start_time_s = 0;  ///< time of samples[0], s
-  Eigen::VectorXd samples;
-  signal::DecayResult result;  ///< the strongest decay (signal/decay/decay.h)
-  std::size_t recording = 0;   ///< index of a test's recordings
+  Eigen::VectorXd samples = {};
+  signal::DecayResult result = {};  ///< the strongest decay (signal/decay/decay.h)
+  double start_s = 0, end_s = 0;    ///< window of `result`
+  std::size_t recording = 0;        ///< index of a test's recordings
+
+  [[nodiscard]] double time_s(Eigen::Index sample) const {
+    return start_time_s + static_cast<double>(sample) / sample_rate_hz;
+  }
 };
 /// `samples`: of the channel, the first of them sample `from` of the recording.
 [[nodiscard]] RecordedDecay estimated_decay(const TestRecording& recorded,
                                             const signal::Channel& channel, Eigen::Index from,
                                             Eigen::Index to, signal::DecayOptions options);
 
+/// Response of one version of the model to a release or tap.
+struct ReleaseAnswer {
+  std::string label;               ///< of the version
+  model::ResponseResult response;  ///< first sensor only
+  Eigen::Index start = 0;          ///< sample of the record where it begins
+  signal::DecayResult found;  ///< decay of the response, from the record's estimator and window
+  std::string failure;        ///< why there is no answer; empty: there is one
+};
+
 /// The samples between start and end.
 struct ChannelDecays : RecordedDecay {
-  double start_s = 0, end_s = 0;        ///< window of `result`
   std::vector<FoundDecay> decays = {};  ///< in time, one at least
-  std::vector<PooledMode> pooled =
-      {};  ///< with `each`, in the order of the strongest decay's modes
+  /// With `each`, in the order of the strongest decay's modes.
+  std::vector<PooledMode> pooled = {};
+  std::vector<ReleaseAnswer> answers = {};  ///< "as given", then by fit; empty: not modelled
 };
 
 /// One entry per channel, but for one that is missing and for recordings with uneven times. `where`
@@ -87,15 +102,6 @@ struct ModelVersion {
   model::Scene scene;  ///< instrumented as the test was
 };
 
-/// Response of one version to a release or tap.
-struct ReleaseAnswer {
-  std::string label;
-  model::ResponseResult response;  ///< first sensor only
-  Eigen::Index start = 0;          ///< sample of the record where it begins
-  signal::DecayResult found;  ///< decay of the response, from the record's estimator and window
-  std::string failure;        ///< why there is no answer; empty: there is one
-};
-
 /// Simulates every version, whose scenes have one load and one sensor, for as long as the record
 /// lasts, at most 10 s, and shifts each in time to best match the record.
 [[nodiscard]] std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
@@ -103,10 +109,11 @@ struct ReleaseAnswer {
                                                          const std::vector<ModelVersion>& versions,
                                                          int threads);
 
-/// The oscillation of an answer that corresponds to `mode`: the nearest in frequency within 15 %;
-/// null when there is none.
-[[nodiscard]] const signal::DecayMode* same_oscillation(const signal::DecayMode& mode,
-                                                        const ReleaseAnswer& answer);
+/// The mode of another decay that corresponds to `mode`: the nearest in frequency within that part
+/// of it, by default an answer's of the model; null when there is none.
+[[nodiscard]] const signal::DecayMode* same_mode(const signal::DecayMode& mode,
+                                                 const signal::DecayResult& other,
+                                                 double within = 0.15);
 
 }  // namespace rigfit::ident
 

@@ -168,7 +168,7 @@ TEST(BeamTest, DeadWeightsAcceptedCurvedAndStoppedRefused) {
 
 TEST(BeamCampaign, SpecimensModulusAndLengthsInMillimetres) {
   BendingCampaign campaign{.test = options_of(BeamEnds::pinned, 0.064),
-                           .second_moment_m4 = {0.010 * std::pow(0.004, 3) / 12, 0}};
+                           .section = {.rectangle_m = {0.010, 0.004}}};
   for (unsigned k = 0; k < 3; ++k) {
     Coupon c;
     c.K = 19 + k;
@@ -177,7 +177,7 @@ TEST(BeamCampaign, SpecimensModulusAndLengthsInMillimetres) {
   const auto result = analyse_bending_campaign(campaign);
   ASSERT_TRUE(result.specimens.has_value());
   EXPECT_EQ(result.specimens->count, 3u);
-  const double modulus = 20e3 * std::pow(0.064, 3) / 48 / campaign.second_moment_m4.value;
+  const double modulus = 20e3 * std::pow(0.064, 3) / 48 / campaign.section.second_moment().value;
   EXPECT_NEAR(result.specimens->modulus_Pa, modulus, 0.01 * modulus);
   EXPECT_NEAR(result.specimens->relative_scatter, 0.05, 0.005);  // of 19, 20, 21
   EXPECT_TRUE(result.curve.empty());

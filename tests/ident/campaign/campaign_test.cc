@@ -101,7 +101,7 @@ TEST(Campaign, DecaysAreThoseOfTheDecayTestAndAMissingChannelIsRefused) {
       {.name = "release", .recording = signal::read_recording(file), .tension_N = 200.0});
   decays.options.channels = {"accelerometer", "not there"};
   const auto result = run_campaign({.tests = {decays}});
-  const auto& found = std::get<DecaysOutcome>(result.tests.at(0));
+  const auto& found = std::get<DecayTest>(result.tests.at(0));
   ASSERT_EQ(found.channels.size(), 1u);
   EXPECT_EQ(std::ranges::count(found.findings, true, &Finding::refused), 1);
   decays.options.channels.pop_back();

@@ -144,7 +144,7 @@ TEST(ModalTest, AmbientMotionIsJoinedOverItsSetUps) {
 }
 
 TEST(HammerTest, ContradictingOptionsAreRefused) {
-  const std::vector<StruckPlace> places{{"", {hit(1)}}};
+  std::vector<signal::StruckPoint> places{{"", {hit(1)}}};
   HammerTestOptions wrong{.force = "force", .responses = {"force"}};
   EXPECT_THROW((void)analyse_hammer_test(places, wrong), std::invalid_argument);
   wrong.responses = {"beam 0.65 m"};
