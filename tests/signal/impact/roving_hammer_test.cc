@@ -83,14 +83,14 @@ TEST_F(Roving, LeavesOutAPointWithoutAUsableHitAndRefusesMixedRates) {
   first = of(0, 0.002, 1);
   third = of(2, 0.002, 2);
   for (Recording& recording : third) recording.channels[0].samples.setZero();
-  const std::vector<StruckPoint> points{{"a1", first}, {"a3", third}};
+  std::vector<StruckPoint> points{{"a1", first}, {"a3", third}};
   const std::vector<std::string> responses{"a1", "a3"};
   const RovingHammer roving = analyse_roving_hammer(points, "force", responses);
   ASSERT_EQ(roving.frfs.inputs.size(), 1u);
   EXPECT_EQ(roving.frfs.inputs[0].name, "a1");
   EXPECT_TRUE(says(roving.notes, "point_left_out"));
 
-  third.front().sample_rate_hz *= 2;
+  points[1].recordings.front().sample_rate_hz *= 2;
   EXPECT_THROW((void)analyse_roving_hammer(points, "force", responses), RecordingError);
 }
 
