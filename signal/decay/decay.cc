@@ -56,6 +56,8 @@ class Estimation {
                    fmt::format("the fit starts at {:.6g} s, after the impact or release",
                                time_of(result_.start)));
     }
+    result_.residual = fit_->residual;
+    result_.fitted = fit_->signal();
     judge_decay(*fit_, band_, rate_, result_);
     if (std::ssize(result_.modes) >= kMostModes) {
       result_.note("more_modes",
@@ -302,10 +304,9 @@ void take_back(const NarrowRecord& narrow, DecayResult& result) {
   }
   result.start = narrow.record_sample(result.start);
   result.end = narrow.record_sample(result.end - 1) + 1;
-  // The std of white noise of the same density at the record's rate.
-  result.noise_std *= std::sqrt(step);
-  result.signal_to_noise_db -= 10 * std::log10(step);
-  result.residual.resize(0);
+  result.noise_std /= narrow.noise_gain;
+  result.signal_to_noise_db += 20 * std::log10(narrow.noise_gain);
+  result.step = narrow.step;
   result.note(
       "fitted_in_band",
       fmt::format("every {}th sample was fitted, behind a filter: what counts lies far below the "

@@ -42,7 +42,6 @@ class Judgement {
     describe();
     result_.noise_std = std::sqrt(noise_.variance);
     result_.degrees_of_freedom = fit_.degrees;
-    result_.residual = fit_.residual;
     const double amplitude = modes_[strongest_mode(fit_, band_)].amplitude;
     result_.signal_to_noise_db =
         10 * std::log10(0.5 * amplitude * amplitude / std::max(noise_.variance, 1e-300));

@@ -60,8 +60,11 @@ struct DecayResult {
   Eigen::Index degrees_of_freedom = 0;
   /// Factor on a standard uncertainty for a 95 % interval (Student).
   double coverage_factor_95 = 1.96;
-  EnvelopeResult envelope;   ///< for the strongest mode
-  Eigen::VectorXd residual;  ///< in the window; 0 where samples are missing
+  EnvelopeResult envelope;  ///< for the strongest mode
+  /// What is left of the window's samples `start`, `start` + `step`, ..., in the band where one is
+  /// given; 0 where samples are missing. And the fit there.
+  Eigen::VectorXd residual, fitted;
+  Eigen::Index step = 1;
   std::vector<Note> notes;
 
   /// Ends the result without an answer.

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Index;
 
 // A blow is spread over the filter's reach, which is half a cycle at the end of the band then.
-constexpr double kSamplesPerCycle = 32;
+constexpr double kSamplesPerCycle = 8;
 
 }  // namespace
 
@@ -19,15 +19,17 @@ std::optional<NarrowRecord> narrow_record(const Eigen::Ref<const Eigen::VectorXd
   NarrowRecord out;
   out.step = band.all ? 1 : static_cast<Index>(1 / (kSamplesPerCycle * band.high));
   if (out.step < 2) return {};
-  // 16 narrow samples to either side.
-  const auto narrow = static_cast<double>(out.step);
-  const LowPass filter(0.4 / narrow, 0.6 / narrow, 100);
+  const double narrow = 1 / static_cast<double>(out.step), band_end = narrow / kSamplesPerCycle;
+  // What lies beyond the stop band's edge would be folded into the band; 4.3 narrow samples to
+  // either side.
+  const LowPass filter(band_end, narrow - band_end, 100);
   out.first = static_cast<Index>(filter.half_length());
   if (y.size() <= 2 * out.first) return {};
   if (!y.allFinite() || recorded_until(y) < y.size() || clipped_samples(y, 0).count > 0) return {};
   Eigen::VectorXd h = Eigen::VectorXd::NullaryExpr(
       2 * out.first + 1, [&](Index k) { return filter.at(static_cast<double>(k - out.first)); });
   h /= h.sum();
+  out.noise_gain = h.norm();
   out.samples.resize((y.size() - 1 - 2 * out.first) / out.step + 1);
   for (Index i = 0; i < out.samples.size(); ++i) {
     out.samples(i) = h.dot(y.segment(i * out.step, h.size()));

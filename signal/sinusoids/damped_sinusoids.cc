@@ -28,6 +28,11 @@ struct Column {
   Complex factor;
 };
 
+/// Sums of (j/N)^k (z_a z_b)^j and (j/N)^k (z_a conj z_b)^j, k = 0, 1, 2.
+struct PairSums {
+  std::array<Complex, 3> plain, conjugate;
+};
+
 /// Real and imaginary parts in turn, down the columns.
 Eigen::Map<Eigen::MatrixXd> parts_of(Eigen::MatrixXcd& z) {
   return {reinterpret_cast<double*>(z.data()), 2 * z.rows(), z.cols()};
@@ -42,7 +47,8 @@ class Problem {
       : missing_(missing),
         n_(static_cast<double>(y.size())),
         m_(static_cast<Index>(start.size())),
-        poles_(Eigen::VectorXcd::Zero(m_ + 1)) {
+        poles_(Eigen::VectorXcd::Zero(m_ + 1)),
+        pairs_(static_cast<std::size_t>((m_ + 1) * (m_ + 2) / 2)) {
     const Index block = std::clamp<Index>(y.size(), 1, kBlock),
                 blocks = (y.size() + block - 1) / block;
     y_.setZero(block, blocks);
@@ -123,6 +129,7 @@ class Problem {
       }
     }
     heads_ = (heads_.abs() > kNegligible).select(heads_, Complex(0));
+    sum_pairs();
     fill_gram();
     const ScaledGram factor(fit.jacobian_gram(linear_, linear_));
     if (!factor.usable()) return false;
@@ -202,13 +209,22 @@ class Problem {
     return {first, first + 1, first + 3};
   }
 
+  void sum_pairs() {
+    auto pair = pairs_.begin();
+    for (Index a = 0; a <= m_; ++a) {
+      for (Index b = 0; b <= a; ++b, ++pair) {
+        power_sums(std::exp(poles_(a) + poles_(b)), fit.samples, pair->plain);
+        power_sums(std::exp(poles_(a) + std::conj(poles_(b))), fit.samples, pair->conjugate);
+      }
+    }
+  }
+
   void fill_gram() {
     auto& gram = fit.jacobian_gram;
+    auto pair = pairs_.begin();
     for (Index a = 0; a <= m_; ++a) {
       for (Index b = 0; b <= a; ++b) {
-        std::array<Complex, 3> plain, conjugate;
-        power_sums(std::exp(poles_(a) + poles_(b)), fit.samples, plain);
-        power_sums(std::exp(poles_(a) + std::conj(poles_(b))), fit.samples, conjugate);
+        const auto& [plain, conjugate] = *pair++;
         for (Index k = 4 * a; k < std::min(4 * a + 4, gram.rows()); ++k) {
           const Column p = column(k);
           for (Index l = 4 * b; l < std::min(4 * b + 4, gram.rows()); ++l) {
@@ -237,6 +253,7 @@ class Problem {
   double n_;
   Index m_;
   Eigen::VectorXcd poles_;            // with the background's
+  std::vector<PairSums> pairs_;       // of each pole with those before it and itself
   std::span<const KnownTone> known_;  // the first poles'
   // Parameters that are free, in the order of `jacobian_gram`: linear ones, and parts of poles.
   std::vector<Index> linear_, moving_;
@@ -290,6 +307,13 @@ KnownTone KnownTone::at(Index later) const {
 
 Eigen::VectorXd DampedSinusoidsFit::mode_signal(std::size_t m) const {
   return (amplitudes[m] * powers(poles[m], samples)).real();
+}
+
+Eigen::VectorXd DampedSinusoidsFit::signal() const {
+  const double last = 1 - 1 / static_cast<double>(samples);
+  Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(samples, offset, offset + drift * last);
+  for (std::size_t m = 0; m < poles.size(); ++m) y += mode_signal(m);
+  return y;
 }
 
 Eigen::MatrixXd DampedSinusoidsFit::jacobian_rows(Index first, Index count) const {

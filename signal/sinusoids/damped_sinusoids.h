@@ -58,6 +58,8 @@ struct DampedSinusoidsFit {
 
   /// Mode m alone at every sample.
   [[nodiscard]] Eigen::VectorXd mode_signal(std::size_t m) const;
+  /// All modes on the background, at every sample.
+  [[nodiscard]] Eigen::VectorXd signal() const;
   /// `count` rows of J from `first` on; columns in the order of `jacobian_gram`.
   [[nodiscard]] Eigen::MatrixXd jacobian_rows(Eigen::Index first, Eigen::Index count) const;
 };

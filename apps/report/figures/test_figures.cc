@@ -23,8 +23,8 @@ std::string unit_words(const std::string& unit) {
 
 Plot decay_plot(const std::string& id, const ident::RecordedDecay& decay) {
   Plot plot{id, "Decay and fit: " + short_name(decay.file),
-            "The record, the damped oscillations fitted to it, and the residual. A residual that "
-            "looks like noise means that the fit is complete.",
+            "The record, the damped oscillations fitted to it, and the residual, both in the band "
+            "where one is given. A residual that looks like noise means that the fit is complete.",
             "time, s", fmt::format("{}, {}", decay.channel, unit_words(decay.unit))};
   const auto time = [&](Eigen::Index i) {
     return decay.start_time_s + static_cast<double>(i) / decay.sample_rate_hz;
@@ -34,10 +34,11 @@ Plot decay_plot(const std::string& id, const ident::RecordedDecay& decay) {
   for (Eigen::Index i = 0; i < decay.samples.size(); ++i) record.add(time(i), decay.samples[i]);
   const auto& r = decay.result;
   for (Eigen::Index i = 0; i < r.residual.size(); ++i) {
-    const double y = decay.samples[r.start + i];
-    fit.add(time(r.start + i), y - r.residual[i]);
-    residual.add(time(r.start + i),
-                 std::isfinite(y) ? r.residual[i] : std::numeric_limits<double>::quiet_NaN());
+    const Eigen::Index at = r.start + i * r.step;
+    fit.add(time(at), r.fitted[i]);
+    residual.add(time(at), std::isfinite(decay.samples[at])
+                               ? r.residual[i]
+                               : std::numeric_limits<double>::quiet_NaN());
   }
   for (auto* series : {&record, &fit, &residual}) plot.add(std::move(*series));
   return plot;
