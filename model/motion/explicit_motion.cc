@@ -6,7 +6,6 @@
 
 #include "model/motion/motion_kernel.h"
 #include "model/motion/step_forces.h"
-#include "model/motion/vector_loops.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
@@ -16,13 +15,11 @@ constexpr double kSlowing = 1.0 / 8;  // kappa / h^2
 constexpr double kStability = 3.2;    // omega h at the highest frequency of the start; less than
                                       // 2 sqrt(3) to leave room for stiffening by motion
 
-// Dampers act at least every four steps, or once in the interval asked for; the steps of a sample
-// are a multiple of the pieces between.
-long damping_pieces(long substeps, double interval_s, const ExplicitOptions& options) {
-  const double step = interval_s / static_cast<double>(substeps);
-  const long together = std::max(4L, static_cast<long>(options.damper_interval_s / step));
-  return (substeps + together - 1) / together;
-}
+// Damped modes in single precision, a quarter of the time: it rounds what an interval loses.
+struct Dampers {
+  Eigen::MatrixXf momentum, shapes;
+  Eigen::VectorXf lost;  // of each mode's velocity in an interval, relative
+};
 
 template <int D>
 class ExplicitRun {
@@ -34,8 +31,7 @@ class ExplicitRun {
         kernel_(*problem.chain),
         h_(step),
         substeps_(substeps),
-        piece_(substeps / damping_pieces(substeps, step * static_cast<double>(substeps), options)),
-        damped_(!problem.modal_damping.none()),
+        period_(2 * std::max(1L, static_cast<long>(options.damper_interval_s / (2 * step)))),
         memory_(kArrays * static_cast<std::size_t>(kernel_.size()), 0.0) {
     q_ = kernel_.positions(problem.start);
     rest_ = kernel_.positions(problem.rest);
@@ -52,13 +48,13 @@ class ExplicitRun {
     for (const auto quantity : problem_.quantities) {
       velocity_wanted_ = velocity_wanted_ || described(quantity).derivatives == 1;
     }
-    for (std::size_t k = 0; k < (damped_ ? 2 : 0); ++k) {
-      const ModalDamping& damping = problem.modal_damping;
-      const double time = h_ * static_cast<double>(piece_) / (k == 0 ? 2 : 1);
-      const Eigen::VectorXd lost =
-          (-time * damping.rate).unaryExpr([](double x) { return std::expm1(x); });
-      decay_[k] = damping.shapes * lost.asDiagonal() * damping.momentum.transpose();
+    for (const DampedModes& modes : problem.damped_modes) {
+      const double interval = h_ * static_cast<double>(period_);
+      const Eigen::VectorXd lost = (-interval * modes.rate).array().expm1();
+      dampers_.push_back(
+          {modes.momentum.cast<float>(), modes.shapes.cast<float>(), lost.cast<float>()});
     }
+    for (std::size_t s = 0; s < sensor_rows_.size(); ++s) drags_.push_back(drag(s));
   }
 
   MotionOutput run() {
@@ -77,16 +73,9 @@ class ExplicitRun {
     double start_energy = 0, moving = kick(forces);
     load(forces, 0);
     evaluate();
-    const double piece = h_ * static_cast<double>(piece_);
     for (long row = 0; row < rows; ++row) {
       const bool account = row % stride == 0 || row == rows - 1;
-      // The dampers' two halves around a sample are one where nobody looks at the velocity between.
-      const bool between = account || velocity_wanted_;
-      if (damped_) {
-        v_before_ = v_;
-        if (row > 0 && between) damp(Part::half);
-      }
-      if (between) processed_velocity();
+      if (account || velocity_wanted_) processed_velocity();
       if (account) {
         const double kinetic = kernel_.slowed_product(vp_, vp_) / 2;
         const double potential = kernel_.potential(ahead_);
@@ -103,14 +92,10 @@ class ExplicitRun {
         out.energy.add(potential, kernel_.mass_product(vp_, vp_) / 2, supplied_, dissipated_);
       }
       sample(out, row);
-      if (row + 1 == rows) break;
-      if (damped_) {
-        damp(between || row == 0 ? Part::half : Part::whole);
-        add_damping(out, row, row > 0 ? piece : piece / 2);
-      }
-      for (long i = 0; i < substeps_; ++i) {
-        if (damped_ && i > 0 && i % piece_ == 0) damp(Part::whole);
-        step(forces, row * substeps_ + i);
+      for (long i = 0; i < substeps_ && row + 1 < rows; ++i) {
+        const long number = row * substeps_ + i;
+        step(forces, number);
+        if (!dampers_.empty() && (number + 1) % period_ == period_ / 2) damp();
       }
     }
     out.completed = out.samples.allFinite();
@@ -120,16 +105,15 @@ class ExplicitRun {
 
  private:
   void step(const StepForces& forces, long number) {
-    const int n = kernel_.size();
     const double half = h_ / 2;
     const bool loaded = forces.active(number) || forces.active(number + 1);
     if (loaded) supplied_ += half * work(forces, number, half);
-    add_multiple(n, v_.data(), half, a_.data(), v_.data());
-    add_multiple(n, q_.data(), h_, v_.data(), q_.data());
+    v_ += half * a_;
+    q_ += h_ * v_;
     if (loaded) load(forces, number + 1);
     evaluate();
     if (loaded) supplied_ += half * work(forces, number + 1, half);
-    add_multiple(n, v_.data(), half, a_.data(), v_.data());
+    v_ += half * a_;
   }
 
   // Energy that a step adds at most by rounding positions to within d, J: that of nodes moved by d
@@ -145,7 +129,7 @@ class ExplicitRun {
   void evaluate() {
     const double* external = loaded_ ? external_.data() : nullptr;
     kernel_.acceleration(q_.data(), external, first_.data());
-    add_multiple(kernel_.size(), q_.data(), h_ * h_ / 12, first_.data(), ahead_.data());
+    ahead_ = q_ + h_ * h_ / 12 * first_;
     kernel_.acceleration(ahead_.data(), external, a_.data());
   }
 
@@ -195,10 +179,9 @@ class ExplicitRun {
   }
   // d a(q)/dt along v, central difference over two steps.
   void acceleration_rate() {
-    const int n = kernel_.size();
-    add_multiple(n, q_.data(), h_, v_.data(), scratch_.data());
+    scratch_ = q_ + h_ * v_;
     kernel_.acceleration(scratch_.data(), nullptr, rate_.data());
-    add_multiple(n, q_.data(), -h_, v_.data(), scratch_.data());
+    scratch_ = q_ - h_ * v_;
     kernel_.acceleration(scratch_.data(), nullptr, other_.data());
     rate_ = (rate_ - other_) / (2 * h_);
   }
@@ -207,18 +190,21 @@ class ExplicitRun {
     vp_ = v_ - h_ * h_ / 12 * rate_;
   }
 
-  enum class Part { half, whole };
-  // The dampers alone for a piece or half of one, every mode's velocity decaying; what they take
-  // from the kinetic energy of processed velocities, (v' - v) P (v' + v) / 2 with
+  // The dampers alone for an interval, every mode's velocity decaying; what they take from the
+  // kinetic energy of processed velocities, (v' - v) P (v' + v) / 2 with
   // P = (1 + h^2/12 da/dq)' M (1 + h^2/12 da/dq).
-  void damp(Part part) {
-    const Eigen::MatrixXd& decay = decay_[part == Part::half ? 0 : 1];
-    const auto unknowns = static_cast<int>(decay.rows());
-    const Eigen::VectorXd u = kernel_.unknowns(v_);
-    Eigen::VectorXd w = u;
-    add_product(unknowns, unknowns, decay.data(), u.data(), w.data());
+  void damp() {
+    Eigen::VectorXd u = kernel_.unknowns(v_);
+    for (std::size_t k = 0; k < dampers_.size(); ++k) {
+      const Dampers& modes = dampers_[k];
+      const std::vector<int>& own = problem_.damped_modes[k].unknowns;
+      const Eigen::VectorXf velocity = u(own).template cast<float>();
+      const Eigen::VectorXf mode = modes.momentum.transpose() * velocity;
+      const Eigen::VectorXf change = modes.shapes * modes.lost.cwiseProduct(mode);
+      u(own) += change.cast<double>();
+    }
     change_ = sum_ = v_;
-    v_ = kernel_.entry_values(w);
+    v_ = kernel_.entry_values(u);
     sum_ += v_;
     change_ = v_ - change_;
     processed(change_);
@@ -228,29 +214,48 @@ class ExplicitRun {
   // w - h^2/12 (da/dq) w, by a difference from a(q) of the last step; loads do not change with q.
   void processed(Eigen::Ref<Eigen::VectorXd> w) {
     const double* external = loaded_ ? external_.data() : nullptr;
-    const int n = kernel_.size();
-    add_multiple(n, q_.data(), h_, w.data(), scratch_.data());
+    scratch_ = q_ + h_ * w;
     kernel_.acceleration(scratch_.data(), external, other_.data());
-    add_multiple(n, other_.data(), -1, first_.data(), other_.data());
-    add_multiple(n, w.data(), -h_ / 12, other_.data(), w.data());
+    w -= h_ / 12 * (other_ - first_);
   }
-  // The dampers' part of accelerations at a sample, of which they act half before and half after.
-  void add_damping(MotionOutput& out, long row, double time) const {
-    for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
-      if (described(problem_.quantities[s]).derivatives != 2) continue;
-      out.samples(row, static_cast<Eigen::Index>(s)) +=
-          (sensor_rows_[s].dot(v_.data()) - sensor_rows_[s].dot(v_before_.data())) / time;
+  // What the dampers add to a sensor's reading, as weights of the entries' velocities: their force
+  // an acceleration (`now`); to velocities, and so to that force, a part of the interval's loss
+  // between -1/2 just after they have acted and 1/2 just before (`part`).
+  struct Drag {
+    Eigen::VectorXd now, part;
+  };
+  Drag drag(std::size_t sensor) const {
+    const int derivatives = described(problem_.quantities[sensor]).derivatives;
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(kernel_.size());
+    const auto& row = sensor_rows_[sensor];
+    for (std::size_t i = 0; i < row.index.size(); ++i) weights(row.index[i]) = row.weight[i];
+    weights = kernel_.unknowns(weights);
+    Eigen::VectorXd now = Eigen::VectorXd::Zero(weights.size()), part = now;
+    for (std::size_t k = 0; derivatives > 0 && k < dampers_.size(); ++k) {
+      const DampedModes& modes = problem_.damped_modes[k];
+      Eigen::VectorXd mode = modes.shapes.transpose() * weights(modes.unknowns);
+      if (derivatives == 2) {
+        mode = -mode.cwiseProduct(modes.rate);
+        now(modes.unknowns) = modes.momentum * mode;
+      }
+      part(modes.unknowns) = modes.momentum * mode.cwiseProduct(dampers_[k].lost.cast<double>());
     }
+    return {kernel_.covector(now), kernel_.covector(part)};
   }
 
   void sample(MotionOutput& out, long row) const {
     const double* p = ahead_.data();
+    const double since =  // the dampers acted, in intervals, less 1/2
+        static_cast<double>((row * substeps_ + period_ / 2) % period_) /
+            static_cast<double>(period_) -
+        0.5;
     for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
-      const auto column = static_cast<Eigen::Index>(s);
       const SensorQuantity& q = described(problem_.quantities[s]);
-      out.samples(row, column) =
-          q.derivatives == 0 ? kernel_.reading(q.reading, s, sensor_rows_[s], p, rest_.data())
-                             : sensor_rows_[s].dot(q.derivatives == 1 ? vp_.data() : a_.data());
+      double& value = out.samples(row, static_cast<Eigen::Index>(s));
+      value = q.derivatives == 0 ? kernel_.reading(q.reading, s, sensor_rows_[s], p, rest_.data())
+                                 : sensor_rows_[s].dot(q.derivatives == 1 ? vp_.data() : a_.data());
+      if (dampers_.empty() || q.derivatives == 0) continue;
+      value += drags_[s].now.dot(v_) + since * drags_[s].part.dot(v_);
     }
   }
 
@@ -263,19 +268,21 @@ class ExplicitRun {
   const ExplicitOptions& options_;
   MotionKernel<D> kernel_;
   double h_;
-  long substeps_, piece_;
+  long substeps_;
+  long period_;  // steps from one action of the dampers to the next
   double supplied_ = 0, dissipated_ = 0;
-  bool loaded_ = false, damped_ = false, velocity_wanted_ = false;
+  bool loaded_ = false, velocity_wanted_ = false;
   // Arrays of entries, each on the boundary of a cache line.
-  static constexpr std::size_t kArrays = 14;
+  static constexpr std::size_t kArrays = 13;
   LaneVector memory_;
   std::size_t taken_ = 0;
   Eigen::Map<Eigen::VectorXd> q_ = take(), v_ = take(), a_ = take(), first_ = take(),
                               ahead_ = take(), external_ = take(), rest_ = take(), vp_ = take(),
-                              rate_ = take(), other_ = take(), scratch_ = take(),
-                              v_before_ = take(), change_ = take(), sum_ = take();
+                              rate_ = take(), other_ = take(), scratch_ = take(), change_ = take(),
+                              sum_ = take();
   std::vector<typename MotionKernel<D>::Row> load_rows_, sensor_rows_;
-  Eigen::MatrixXd decay_[2];  // what the dampers add to unknowns in half a piece and in a whole one
+  std::vector<Dampers> dampers_;  // by the problem's damped modes
+  std::vector<Drag> drags_;       // by sensor
 };
 
 template <int D>
@@ -305,13 +312,6 @@ double power_method(MotionKernel<D>& kernel, const ChainState& state) {
   return std::sqrt(lambda);
 }
 
-// Steps of a sample: a multiple of the pieces between which dampers act.
-long whole_pieces(long substeps, const ExplicitOptions& options) {
-  const double interval = 1 / options.sampling.rate_hz;
-  while (substeps % damping_pieces(substeps, interval, options) != 0) ++substeps;
-  return substeps;
-}
-
 template <int D>
 MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& options) {
   const double sample = 1 / options.sampling.rate_hz;
@@ -334,7 +334,7 @@ MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& o
     // Fewer, with axial waves slowed, where that is enough for stability.
     if (options.slowed_step_s > 0) {
       for (long fewer = steps_for(options.slowed_step_s); fewer < substeps; ++fewer) {
-        const double h = sample / static_cast<double>(whole_pieces(fewer, options));
+        const double h = sample / static_cast<double>(fewer);
         if (highest(kSlowing * h * h) * h > kStability) continue;
         substeps = fewer;
         slowing = kSlowing;
@@ -344,7 +344,6 @@ MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& o
   }
   MotionOutput out;
   for (int attempt = 0; attempt < 5; ++attempt, substeps *= 2) {
-    substeps = whole_pieces(substeps, options);
     const double h = sample / static_cast<double>(substeps);
     out = ExplicitRun<D>(problem, options, h, substeps, slowing * h * h).run();
     const bool closes = options.step_s || attempt == 4 || out.energy.drift() <= options.drift;

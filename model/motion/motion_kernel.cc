@@ -3,8 +3,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "model/motion/vector_loops.h"
-
 namespace rigfit::model {
 namespace {
 
@@ -45,13 +43,7 @@ MotionKernel<D>::MotionKernel(const Chain& chain)
     }
     if (support.rotation >= 0) turning_[at(support.rotation)].spring += support.rotational(2);
   }
-  gravity_ = entry_values(assembly_.weight());
-  for (const SharedNode& node : shared_) {
-    // A shared node's weight is in its first entry.
-    for (std::size_t k = 1; k < node.entries.size(); ++k) {
-      for (int c = 0; c < D; ++c) gravity_(c * entries_ + node.entries[k]) = 0;
-    }
-  }
+  gravity_ = covector(assembly_.weight());
   mass_ =
       NodeMass<D>({members_.begin(), members_.end()}, {shared_.begin(), shared_.end()}, entries_);
 }
@@ -207,7 +199,10 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
     loops_->forces(plan.lanes, entries_, scratch(plan), gravity_.data() + plan.offset,
                    acceleration + plan.offset);
   }
-  if (external) add_multiple(size(), acceleration, 1, external, acceleration);
+  if (external) {
+    Eigen::Map<Eigen::VectorXd>(acceleration, size()) +=
+        Eigen::Map<const Eigen::VectorXd>(external, size());
+  }
   if (springs_) {
     for (const SharedNode& node : shared_) {
       const int entry = node.entries[0];
@@ -279,6 +274,17 @@ Eigen::VectorXd MotionKernel<D>::entry_values(const Eigen::VectorXd& unknowns) c
         const int k = numbering.displacement(c, node);
         if (k >= 0) result(c * entries_ + members_[m].entry[at(i)]) = unknowns(k);
       }
+    }
+  }
+  return result;
+}
+
+template <int D>
+Eigen::VectorXd MotionKernel<D>::covector(const Eigen::VectorXd& weights) const {
+  Eigen::VectorXd result = entry_values(weights);
+  for (const SharedNode& node : shared_) {
+    for (std::size_t k = 1; k < node.entries.size(); ++k) {
+      for (int c = 0; c < D; ++c) result(c * entries_ + node.entries[k]) = 0;
     }
   }
   return result;

@@ -47,6 +47,8 @@ class MotionKernel {
   [[nodiscard]] Eigen::VectorXd unknowns(const Entries& entries) const;
   /// The way back: entries from the unknowns.
   [[nodiscard]] Eigen::VectorXd entry_values(const Eigen::VectorXd& unknowns) const;
+  /// Weights of the unknowns as weights of entries: those of a shared node are in its first.
+  [[nodiscard]] Eigen::VectorXd covector(const Eigen::VectorXd& weights) const;
 
   /// acceleration = M^-1 (external - dV/dx), zero where held. Entries' arrays; `external` (N, may
   /// be null) is given in any one of a shared node's entries or split among them. Not thread-safe:

@@ -14,12 +14,13 @@
 
 namespace rigfit::model {
 
-/// Modal ratios as a viscous force: each mode's velocity decays at `rate`.
-struct ModalDamping {
-  Eigen::MatrixXd shapes;    ///< unknowns (of the problem's motion) x modes, mass-normalised
-  Eigen::MatrixXd momentum;  ///< M times the shapes
-  Eigen::VectorXd rate;      ///< 2 zeta omega, 1/s
-  [[nodiscard]] bool none() const { return rate.size() == 0 || rate.isZero(0); }
+/// Modal ratios as a viscous force: each mode's velocity decays at `rate`. The modes of one of the
+/// chain's motions (in the plane, out of it), which do not move the others' unknowns.
+struct DampedModes {
+  std::vector<int> unknowns;  ///< those of the problem's motion that the modes move
+  Eigen::MatrixXd shapes;     ///< these unknowns x modes, mass-normalised
+  Eigen::MatrixXd momentum;   ///< M times the shapes
+  Eigen::VectorXd rate;       ///< 2 zeta omega, 1/s
 };
 
 struct MotionProblem {
@@ -32,7 +33,7 @@ struct MotionProblem {
   std::vector<const ForceHistory*> records;  ///< one a load, null where it has none
   std::vector<Sensor::Quantity> quantities;  ///< one a sensor of the chain
   bool joint_damping = false;
-  ModalDamping modal_damping;
+  std::vector<DampedModes> damped_modes;  ///< empty: no modal damping
 };
 
 }  // namespace rigfit::model

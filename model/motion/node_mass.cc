@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "model/chain/index.h"
-#include "model/motion/vector_loops.h"
 
 namespace rigfit::model {
 template <int D>
@@ -24,8 +23,8 @@ NodeMass<D>::NodeMass(std::vector<Member> members, std::vector<Shared> shared, i
       free_.push_back({static_cast<int>(k), c});
     }
   }
-  force_.resize(free_.size());
-  motion_.resize(free_.size());
+  force_.resize(std::ssize(free_));
+  motion_.resize(std::ssize(free_));
   reduce();
 }
 
@@ -159,7 +158,7 @@ void NodeMass<D>::solve(double* values) {
     const Shared& node = shared_[at(free_[i].node)];
     double sum = 0;
     for (const int entry : node.entries) sum += values[free_[i].component * entries_ + entry];
-    force_[i] = sum;
+    force_(static_cast<Eigen::Index>(i)) = sum;
   }
   for (std::size_t m = 0; m < members_.size(); ++m) {
     const Plan& plan = plans_[m];
@@ -179,7 +178,7 @@ void NodeMass<D>::solve(double* values) {
   // Without the rounding of their members' turns: a node's entries stay the same.
   for (std::size_t i = 0; i < free_.size(); ++i) {
     for (const int entry : shared_[at(free_[i].node)].entries) {
-      values[free_[i].component * entries_ + entry] = motion_[i];
+      values[free_[i].component * entries_ + entry] = motion_(static_cast<Eigen::Index>(i));
     }
   }
 }
@@ -204,15 +203,11 @@ void NodeMass<D>::solve_ends(double* values) {
       if (plan.rotated) pull = plan.axes * pull;
       // The rows of a node follow each other by component, where they are free.
       for (int i = first; i < count && free_[at(i)].node == node; ++i) {
-        force_[at(i)] -= pull(free_[at(i)].component);
+        force_(i) -= pull(free_[at(i)].component);
       }
     }
   }
-  for (int i = 0; i < count; ++i) motion_[at(i)] = 0;
-  for (int j = 0; j < count; ++j) {
-    add_multiple(count, motion_.data(), force_[at(j)],
-                 inverse_.data() + static_cast<std::ptrdiff_t>(j) * count, motion_.data());
-  }
+  motion_.noalias() = inverse_ * force_;
   // The inner nodes follow their ends.
   for (std::size_t m = 0; m < members_.size(); ++m) {
     const Plan& plan = plans_[m];
@@ -222,14 +217,16 @@ void NodeMass<D>::solve_ends(double* values) {
       if (first < 0) continue;
       Eigen::Matrix<double, D, 1> own = Eigen::Matrix<double, D, 1>::Zero();
       for (int i = first; i < count && free_[at(i)].node == node; ++i) {
-        own(free_[at(i)].component) = motion_[at(i)];
+        own(free_[at(i)].component) = motion_(i);
       }
       if (plan.rotated) own = plan.axes.transpose() * own;
       for (int c = 0; c < D; ++c) {
         const Inner& inner = c == plan.along ? plan.slowed : plan.plain;
         const LaneVector& from = end == 0 ? inner.from_first : inner.from_last;
         double* a = values + std::ptrdiff_t{c} * entries_ + member.offset;
-        add_multiple(kLanes * member.rows, a, -own(c), from.data(), a);
+        const Eigen::Index slots = std::ssize(from);
+        Eigen::Map<Eigen::VectorXd>(a, slots) -=
+            own(c) * Eigen::Map<const Eigen::VectorXd>(from.data(), slots);
       }
     }
   }

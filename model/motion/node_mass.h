@@ -85,7 +85,7 @@ class NodeMass {
   std::vector<Free> free_;       // components of shared nodes that move, node by node
   std::vector<int> first_free_;  // first free component of each shared node; -1: held altogether
   Eigen::MatrixXd inverse_;      // inverse of the free components' reduced mass
-  std::vector<double> force_, motion_;
+  Eigen::VectorXd force_, motion_;
   const LaneLoops<D>* loops_ = &lane_loops<D>();
 };
 

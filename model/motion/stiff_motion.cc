@@ -270,8 +270,9 @@ class StiffRun {
       assembly_.damping(state_, damping_);
       damping_.multiply(w_, drag_);
     }
-    if (const ModalDamping& modal = problem_.modal_damping; !modal.none()) {
-      drag_ += modal.momentum * modal.rate.cwiseProduct(modal.momentum.transpose() * w_);
+    for (const DampedModes& modes : problem_.damped_modes) {
+      const Eigen::VectorXd velocity = modes.momentum.transpose() * w_(modes.unknowns);
+      drag_(modes.unknowns) += modes.momentum * modes.rate.cwiseProduct(velocity);
     }
     force_ += drag_;
     double power = 0;

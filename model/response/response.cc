@@ -52,24 +52,36 @@ bool plane_is_enough(const Chain& chain) {
       [](const Eigen::Vector3d& direction) { return std::abs(direction.z()) <= 1e-12; });
 }
 
-ModalDamping modal_damping(const ChainModes& modes, const LinearAnswer& answer,
-                           const Assembly& assembly) {
-  ModalDamping damping;
-  if (answer.ratio.isZero(0)) return damping;
-  const Eigen::Index count = answer.omega.size();
-  damping.shapes.resize(assembly.size(), count);
-  damping.momentum = damping.shapes;
-  damping.rate = 2 * answer.ratio.cwiseProduct(answer.omega);
+std::vector<DampedModes> damped_modes(const ChainModes& modes, const LinearAnswer& answer,
+                                      const Assembly& assembly) {
+  std::vector<DampedModes> out;
   EnvelopeMatrix mass = assembly.matrix();
   assembly.mass(mass);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto [m, k] = answer.mode[static_cast<std::size_t>(i)];
-    const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
-    damping.shapes.col(i) =
-        renumbered(motion.shapes.col(k), motion.assembly->numbering(), assembly.numbering());
-    damping.momentum.col(i) = mass * Eigen::VectorXd(damping.shapes.col(i));
+  Eigen::Index first = 0;
+  for (const MotionModes& motion : modes.motions) {
+    const Eigen::Index count = motion.omega2.size();
+    const auto own = Eigen::seqN(first, count);
+    first += count;
+    if (answer.ratio(own).isZero(0)) continue;
+    const auto to_problem = [&](const Eigen::VectorXd& x) {
+      return renumbered(x, motion.assembly->numbering(), assembly.numbering());
+    };
+    DampedModes damped;
+    const Eigen::VectorXd moved = to_problem(Eigen::VectorXd::Ones(motion.assembly->size()));
+    for (int i = 0; i < assembly.size(); ++i) {
+      if (moved(i) > 0) damped.unknowns.push_back(i);
+    }
+    damped.shapes.resize(static_cast<Eigen::Index>(damped.unknowns.size()), count);
+    damped.momentum = damped.shapes;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Eigen::VectorXd shape = to_problem(motion.shapes.col(i));
+      damped.shapes.col(i) = shape(damped.unknowns);
+      damped.momentum.col(i) = (mass * shape)(damped.unknowns);
+    }
+    damped.rate = 2 * answer.ratio(own).cwiseProduct(answer.omega(own));
+    out.push_back(std::move(damped));
   }
-  return damping;
+  return out;
 }
 
 // Why the explicit scheme does not take a problem, as a reason for a person; empty: it does.
@@ -188,7 +200,7 @@ class Simulation {
     problem_.loads = scene_.loads;
     problem_.records = records_;
     problem_.joint_damping = has_joint_dampers(scene_);
-    problem_.modal_damping = modal_damping(modes_, answer_, *assembly_);
+    problem_.damped_modes = damped_modes(modes_, answer_, *assembly_);
     const Eigen::VectorXd weight = load_rows(*assembly_) * hung_weights(scene_);
     LoadedState loaded = loaded_state(*assembly_, rest, weight);
     if (!loaded.converged) {
@@ -226,13 +238,13 @@ class Simulation {
     ExplicitOptions run;
     run.sampling = options_.sampling;
     run.step_s = options_.step_s;
-    // (2 pi / 16)^2 / 24: within a per cent of the damping of the fastest mode that matters.
-    run.damper_interval_s = 1 / (16 * std::max(shift_.upper_frequency_hz, 1e-3));
+    const double interval = 1 / options_.sampling.rate_hz;
+    run.damper_interval_s =
+        damper_interval(answer_, weights_, shift_.upper_frequency_hz, interval, scene_.accuracy);
     // A step that is asked for is meant for the dampers too: they converge with it.
     if (options_.step_s) {
       run.damper_interval_s = std::min(run.damper_interval_s, 4 * *options_.step_s);
     }
-    const double interval = 1 / options_.sampling.rate_hz;
     // Waves slowed because they were told to may cost energy; nothing else may.
     if (options_.axial.value_or(true)) run.drift = scene_.accuracy;
     if (options_.axial) {

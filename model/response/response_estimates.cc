@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace rigfit::model {
 namespace {
@@ -56,6 +57,27 @@ double slowed_step(const ChainModes& modes, const LinearAnswer& answer, const Mo
     if (errors.scheme + errors.slowed_axial <= accuracy) return h;
   }
   return 0;
+}
+
+double damper_interval(const LinearAnswer& answer, const ModeWeights& weights, double upper_hz,
+                       double sample_s, double accuracy) {
+  const Eigen::VectorXcd& s = answer.modal.poles;
+  const double rate2 = weights.sensors.dot(s.real().cwiseAbs2());
+  const double sixteenth = 1 / (16 * std::max(upper_hz, 1e-3));
+  double T = std::min(sixteenth, std::sqrt(2 * accuracy / std::max(rate2, 1e-12)));
+  const auto error = [&] {
+    double sum = 0;
+    for (Eigen::Index p = 0; p < s.size(); ++p) {
+      const double x = std::abs(s(p)) * T;
+      if (x * sample_s > std::numbers::pi * T) continue;
+      sum += weights.sensors(p) * std::norm(s(p).real() * T / x * std::min(1.0, x * x / 12));
+    }
+    return std::sqrt(sum);
+  };
+  while (T > sample_s && (T > sixteenth / 2 || error() > accuracy)) {
+    T = std::max(T / 1.5, sample_s);
+  }
+  return T;
 }
 
 double truncated_part(const LinearAnswer& answer, const ModeWeights& weights, const Scene& scene) {

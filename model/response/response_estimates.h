@@ -30,6 +30,15 @@ struct StepErrors {
                                  const ModeWeights& weights, double shift, double interval_s,
                                  double accuracy);
 
+/// Interval T at which modal dampers act in an explicit run: a sixteenth of a period of `upper_hz`,
+/// up to which 99 % of the motion's energy lies, or less. For a mode, x = omega T, its frequency
+/// errs by (zeta x)^2 / 6, relative: less than a third of `accuracy`. What sensors read of it errs
+/// by zeta x^2 / 12, by zeta at most. Where samples are so dense that one interval a sample is
+/// more than enough, that is less than `accuracy` by the linear answer up to half of the sampling
+/// rate, and T half of that part of a period, for what the motion excites beyond it.
+[[nodiscard]] double damper_interval(const LinearAnswer& answer, const ModeWeights& weights,
+                                     double upper_hz, double sample_s, double accuracy);
+
 /// Root-mean-square part of what the sensors read that lies in modes beyond those found, by the
 /// fall of amplitudes (1 / omega^2 in displacement) over the upper half of those that were. One
 /// when it cannot be said.
