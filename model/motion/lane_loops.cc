@@ -95,37 +95,7 @@ RIGFIT_INLINE Lanes<W> left(const Lanes<W>& a) {
   return out;
 }
 
-// The largest |1 - (L/l)^2| up to which the series of 1/sqrt(1 - u) to u^7 is good to rounding: the
-// next term is 0.196 u^8.
-constexpr double kSeries = 0.0124;
-
-// Constants in all lanes.
-#define RIGFIT_ALL(x) \
-  { x, x, x, x, x, x, x, x }
-alignas(64) constexpr double kOne[kLanes] = RIGFIT_ALL(1);
-// 1/2, 3/8, 5/16 ... of (1 - u)^(-1/2).
-alignas(64) constexpr double kRoot[7][kLanes] = {RIGFIT_ALL(0.5),          RIGFIT_ALL(0.375),
-                                                 RIGFIT_ALL(0.3125),       RIGFIT_ALL(0.2734375),
-                                                 RIGFIT_ALL(0.24609375),   RIGFIT_ALL(0.2255859375),
-                                                 RIGFIT_ALL(0.20947265625)};
-#undef RIGFIT_ALL
-
-// With q = (L/l)^2, u = 1 - q: 1/L = (1/l) (1 + u g(u)), (L - l)/l = u (g (1 - u) - 1), without a
-// square root and without cancellation; q = 1 in padding slots.
-// Differences of a row's positions to the next nodes', and their square.
-template <int D, int W>
-RIGFIT_INLINE Lanes<W> edges(int r, int rows, std::ptrdiff_t stride, const double* positions,
-                             Lanes<W>* e) {
-  using L = Lanes<W>;
-  L square = L::zero();
-  for (int c = 0; c < D; ++c) {
-    const double* x = positions + c * stride + static_cast<std::ptrdiff_t>(r) * kLanes;
-    const L next = r + 1 < rows ? L::load(x + kLanes) : left<1, W>(L::load(positions + c * stride));
-    e[c] = next - L::load(x);
-    square = c == 0 ? e[c] * e[c] : square + e[c] * e[c];
-  }
-  return square;
-}
+alignas(64) constexpr double kOne[kLanes] = {1, 1, 1, 1, 1, 1, 1, 1};
 
 template <int D, int W>
 RIGFIT_INLINE void tangents(const LaneMember& member, std::ptrdiff_t stride,
@@ -133,38 +103,16 @@ RIGFIT_INLINE void tangents(const LaneMember& member, std::ptrdiff_t stride,
   using L = Lanes<W>;
   const int rows = member.rows;
   const L one = L::load(kOne);
-  L largest = L::zero();
   for (int r = 0; r < rows; ++r) {
     const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(r) * kLanes;
-    L e[D];
-    const L square = edges<D, W>(r, rows, stride, positions, e);
-    const L q =
-        square * L::load(member.inverse_square.data() + at) + L::load(member.pad.data() + at);
-    const L u = one - q;
-    const auto pair = [&](int k)
-                          RIGFIT_ALWAYS { return L::load(kRoot[k]) + L::load(kRoot[k + 1]) * u; };
-    const L u2 = u * u, u4 = u2 * u2;
-    largest = largest + u4;
-    const L g = (pair(0) + u2 * pair(2)) + u4 * (pair(4) + u2 * L::load(kRoot[6]));
-    const L inverse = L::load(member.inverse_length.data() + at) * (one + u * g);
-    (L::load(member.axial.data() + at) * (u * (g * q - one))).store(scratch.tension + at);
-    inverse.store(scratch.inverse + at);
+    L e[D], square;
     for (int c = 0; c < D; ++c) {
-      (e[c] * inverse + L::load(member.fill[c].data() + at)).store(scratch.direction[c] + at);
+      const double* x = positions + c * stride;
+      e[c] = (r + 1 < rows ? L::load(x + at + kLanes) : left<1, W>(L::load(x))) - L::load(x + at);
+      square = c == 0 ? e[c] * e[c] : square + e[c] * e[c];
     }
-  }
-  double sum[kLanes];
-  largest.store(sum);
-  double all = 0;
-  for (const double value : sum) all += value;
-  if (all <= kSeries * kSeries * kSeries * kSeries) return;
-  // Stretched further than that: by square roots.
-  for (int r = 0; r < rows; ++r) {
-    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(r) * kLanes;
-    L e[D];
-    const L square = edges<D, W>(r, rows, stride, positions, e);
     const L ratio = root<W>(square * L::load(member.inverse_square.data() + at) +
-                            L::load(member.pad.data() + at));
+                            L::load(member.pad.data() + at));  // L/l, 1 in padding slots
     const L inverse = L::load(member.inverse_length.data() + at) / ratio;
     (L::load(member.axial.data() + at) * (ratio - one)).store(scratch.tension + at);
     inverse.store(scratch.inverse + at);

