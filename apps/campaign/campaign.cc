@@ -212,7 +212,7 @@ Options keys_of(ModalTest& t) {
   for (auto& key :
        {option("force", hammer.force, "Channel of the hammer; required with recordings of hits"),
         option("load", t.load, "The place struck: the scene's load; default: its only impact"),
-        option("direction", t.direction, "Struck and measured along it").count(3),
+        option("direction", t.direction_xyz, "Struck and measured along it").count(3),
         choice("estimator", hammer.impact.estimator, {"h1", "h2", "hv"},
                "Noise on responses, on the force, on both"),
         option("force_window", hammer.impact.force_window_s,
@@ -286,20 +286,19 @@ Options keys_of(CampaignFit& f) {
 }
 
 Options keys_of(FitParameter& p) {
-  auto& free = p.free;
-  return {option("name", free.name, "A parameter of the scene, or of people").required(),
-          option("of", free.targets, "The scene's parameters that share the value"),
-          option("factors", free.factors, "From the value to each of them; default: 1"),
-          option("per_state", free.per_state, "A value in every state"),
-          option("start", free.start, "Default: the scene's value"),
-          option("prior", p.prior, "From an earlier test").needs("prior_std"),
+  return {option("name", p.name, "A parameter of the scene, or of people").required(),
+          option("of", p.targets, "The scene's parameters that share the value"),
+          option("factors", p.factors, "From the value to each of them; default: 1"),
+          option("per_state", p.per_state, "A value in every state"),
+          option("start", p.start, "Default: the scene's value"),
+          option("prior", p.prior_value, "From an earlier test").needs("prior_std"),
           option("prior_std", p.prior_std, "Its standard uncertainty").positive().needs("prior"),
           option("prior_std_percent", p.prior_std_percent,
                  "Instead: of each state's own value, such as a load cell's reading", "%")
               .from_zero()
               .excludes("prior"),
-          option("low", free.low, "Bound"),
-          option("high", free.high, "Bound"),
+          option("low", p.low, "Bound"),
+          option("high", p.high, "Bound"),
           option("reference", p.reference, "An earlier value, shown beside the one found")};
 }
 

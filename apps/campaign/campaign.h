@@ -98,7 +98,7 @@ struct ModalTest : ident::ModalInputs {
   std::vector<std::string> models;  ///< labels of the published models, as in `published`
   std::string load;
   std::vector<std::string> planes{"in"};
-  std::vector<double> direction;
+  std::vector<double> direction_xyz;
 };
 
 struct TensionTest : ident::TensionInputs {
@@ -136,9 +136,8 @@ struct CampaignTest {
 /// Words of `kind`, in the order of the variant.
 [[nodiscard]] const std::vector<std::string>& kinds_of_tests();
 
-struct FitParameter {
-  ident::FreeParameter free;
-  std::optional<double> prior, prior_std;
+struct FitParameter : ident::FreeParameter {
+  std::optional<double> prior_value, prior_std;
   double prior_std_percent = 0;
   std::optional<double> reference;  ///< an earlier value, shown beside the one found
 };

@@ -67,12 +67,11 @@ std::vector<int> nodes_of_sensors(const model::Scene& scene, const signal::UffMo
   return nodes;
 }
 
-}  // namespace
-
-std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& path,
-                                                  const std::string& column,
-                                                  std::optional<model::ModePlane> plane,
-                                                  const std::vector<std::string>& sensors) {
+/// Shapes at the sensors of the scene, in their order.
+std::vector<MeasuredTableRow> modes_of_table(const std::filesystem::path& path,
+                                             const std::string& column,
+                                             std::optional<model::ModePlane> plane,
+                                             const std::vector<std::string>& sensors) {
   const TextTable table = read_text_table(path);
   const std::string frequency = column.empty() ? "frequency_hz" : column;
   (void)table.column(frequency);  // there is one
@@ -112,6 +111,8 @@ std::vector<MeasuredTableRow> read_measured_modes(const std::filesystem::path& p
   return rows;
 }
 
+}  // namespace
+
 Eigen::Vector3d position_of(const model::Scene& scene, const model::Place& place) {
   const auto node = [&](const std::string& name) -> Eigen::Vector3d {
     const auto at = std::ranges::find(scene.nodes, name, &model::SceneNode::name);
@@ -138,7 +139,7 @@ std::vector<MeasuredTableRow> measured_modes(const std::string& path, const std:
   if (!is_universal_file(path)) {
     std::vector<std::string> sensors;
     for (const auto& sensor : scene.sensors) sensors.push_back(sensor.name);
-    return read_measured_modes(path, column, plane, sensors);
+    return modes_of_table(path, column, plane, sensors);
   }
   if (!column.empty()) throw UsageError(path + " is a universal file: --column is of tables");
   const signal::UffModes file = signal::read_uff_modes(path);

@@ -25,23 +25,18 @@ struct MeasuredTableRow {
   std::optional<double> tension_N;
 };
 
-/// `column`: of the frequency; empty: "frequency_hz". `plane`: for rows that name none. `sensors`:
-/// the scene's, in the order that shapes are wanted. Throws model::SceneError with file and line.
-[[nodiscard]] std::vector<MeasuredTableRow> read_measured_modes(
-    const std::filesystem::path& path, const std::string& column,
-    std::optional<model::ModePlane> plane, const std::vector<std::string>& sensors);
-
 /// Where a sensor or load of the scene is, m, along straight members.
 [[nodiscard]] Eigen::Vector3d position_of(const model::Scene& scene, const model::Place& place);
 
 /// Whether the file begins as a universal file does.
 [[nodiscard]] bool is_universal_file(const std::filesystem::path& path);
 
-/// A table, or a universal file's datasets 55, as an input of the run. A sensor's node is the one
-/// of the file that is where the sensor is in the scene (within 1/1000 of its extent; the
-/// coordinates of both must agree); shapes are taken where every sensor has a node, and a warning
-/// says where not. Throws as above, signal::RecordingError, UsageError for a `column` of a
-/// universal file.
+/// A table, or a universal file's datasets 55, as an input of the run. `column`: of the frequency;
+/// empty: "frequency_hz". `plane`: for rows that name none. A sensor's node is the one of the file
+/// that is where the sensor is in the scene (within 1/1000 of its extent; the coordinates of both
+/// must agree); shapes are taken where every sensor has a node, and a warning says where not.
+/// Throws model::SceneError with file and line, signal::RecordingError, UsageError for a `column`
+/// of a universal file.
 [[nodiscard]] std::vector<MeasuredTableRow> measured_modes(const std::string& path,
                                                            const std::string& column,
                                                            std::optional<model::ModePlane> plane,

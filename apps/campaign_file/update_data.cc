@@ -270,13 +270,11 @@ bool has_parameter(const model::Scene& scene, const std::string& name) {
 /// Known values as inputs that move the cables of all states together.
 std::vector<ident::UncertainInput> known_inputs(const ident::KnownValues& known,
                                                 const UpdateStates& states) {
-  std::vector<ident::SceneUse> uses;
-  for (const auto& state : states.states) uses.push_back(use_of_cables(state.scene));
-  std::vector<ident::StateUse> of_states;
-  for (std::size_t s = 0; s < uses.size(); ++s) {
-    of_states.push_back({static_cast<int>(s), &uses[s], states.tension[s]});
+  std::vector<ident::StateUse> uses;
+  for (std::size_t s = 0; s < states.states.size(); ++s) {
+    uses.push_back({static_cast<int>(s), use_of_cables(states.states[s].scene), states.tension[s]});
   }
-  return ident::known_inputs(known, of_states);
+  return ident::known_inputs(known, uses);
 }
 
 /// What an input changes in a state.

@@ -1,7 +1,6 @@
 #include "ident/campaign/campaign.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <utility>
@@ -43,7 +42,7 @@ CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
       UpdateState state = fit_state(test, modal);
       if (state.measured.empty()) continue;
       const int index = static_cast<int>(result.states.size());
-      uses.push_back({index, &*test.scene, modal.tension_N});
+      uses.push_back({index, *test.scene, modal.tension_N});
       result.states.push_back(&modal);
       result.given.push_back(std::move(state));
     }
@@ -52,7 +51,6 @@ CampaignFitOutcome run_fit(const FitInputs& fit, const CampaignResult& so_far) {
   UpdateOptions options = fit.options;
   std::ranges::move(known_inputs(so_far.known, uses), std::back_inserter(options.inputs));
   result.result = update_model(result.given, fit.free, options);
-  result.findings = fit_findings(result.result);
   return result;
 }
 
@@ -150,33 +148,27 @@ CampaignResult run_campaign(CampaignInputs inputs) {
   auto& in = result.inputs;
   result.tests.resize(in.tests.size());
   result.fits.resize(in.fits.size());
-  result.test_s.resize(in.tests.size());
-  result.fit_s.resize(in.fits.size());
-  // `work` for each test or fit, one after the other where `threads` is 1.
-  const auto stage = [&](std::vector<double>& spent_s, bool last, const auto& work) {
-    in_parallel(spent_s.size(), in.threads, [&](std::size_t i) {
-      const auto begin = std::chrono::steady_clock::now();
-      work(i);
-      spent_s[i] += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-      if (last && in.advance) in.advance();
-    });
+  const auto advance = [&] {
+    if (in.advance) in.advance();
   };
-  const auto modelled = [&](std::size_t i) {
-    const auto* test = std::get_if<ModalInputs>(&in.tests[i]);
-    if (!test || !test->scene) return;
-    auto& outcome = std::get<ModalOutcome>(result.tests[i]);
-    outcome.model =
-        modal_states(test->setup, *test->scene, result.known, outcome.test.states, test->published);
-  };
-  stage(result.test_s, false, [&](std::size_t i) {
+  in_parallel(in.tests.size(), in.threads, [&](std::size_t i) {
     result.tests[i] = std::visit([](auto& test) { return analysed(test); }, in.tests[i]);
   });
   result.known = known_values(result.tests);
-  stage(result.test_s, false, modelled);
-  stage(result.fit_s, true, [&](std::size_t i) { result.fits[i] = run_fit(in.fits[i], result); });
-  stage(result.test_s, true, [&](std::size_t i) {
+  in_parallel(in.tests.size(), in.threads, [&](std::size_t i) {
+    const auto* test = std::get_if<ModalInputs>(&in.tests[i]);
+    if (!test || !test->scene) return;
+    auto& outcome = std::get<ModalOutcome>(result.tests[i]);
+    outcome.model = modal_states(*test, result.known, outcome.test.states);
+  });
+  in_parallel(in.fits.size(), in.threads, [&](std::size_t i) {
+    result.fits[i] = run_fit(in.fits[i], result);
+    advance();
+  });
+  in_parallel(in.tests.size(), in.threads, [&](std::size_t i) {
     const auto* test = std::get_if<DecayInputs>(&in.tests[i]);
     if (test) result.tests[i] = run_decays(*test, result);
+    advance();
   });
   return result;
 }

@@ -16,26 +16,14 @@
 #include <variant>
 #include <vector>
 
-#include "ident/campaign/fit_findings.h"
-#include "ident/campaign/modal/modal_campaign.h"
 #include "ident/campaign/modal/modal_model.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 #include "ident/campaign/single_tests/decay_campaign.h"
-#include "ident/campaign/single_tests/scene_use.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
+#include "ident/update/problem/update_result.h"
 
 namespace rigfit::ident {
-
-/// A hammer test; with a scene, its modes are compared with the model's.
-struct ModalInputs {
-  std::string name;                       ///< used in the names of its states
-  std::vector<TestRecording> recordings;  ///< may be empty: published modes only
-  ModalTestOptions options;
-  std::vector<PublishedMode> published;
-  TestSetup setup;
-  std::optional<SceneUse> scene;
-};
 
 /// Free decays; with a scene, they are compared with the responses of the model and of `fits` to
 /// the same release or tap.
@@ -80,24 +68,17 @@ struct CampaignFitOutcome {
   std::vector<const ModalState*> states;  ///< in the result's modal tests
   std::vector<UpdateState> given;         ///< to the fit, in the order of `states`
   UpdateResult result;                    ///< without states: nothing was fitted
-  std::vector<Finding> findings;
 };
 
 /// Contains its inputs. Its parts point to each other, so it can be moved but not copied.
 struct CampaignResult {
   CampaignResult() = default;
-  CampaignResult(const CampaignResult&) = delete;
-  CampaignResult& operator=(const CampaignResult&) = delete;
-  CampaignResult(CampaignResult&&) = default;
-  CampaignResult& operator=(CampaignResult&&) = default;
-  ~CampaignResult() = default;
+  CampaignResult(CampaignResult&&) = default;  // and so no copy
 
   CampaignInputs inputs;          ///< recordings of hits are moved to the results
   std::vector<TestResult> tests;  ///< as inputs.tests
   std::vector<CampaignFitOutcome> fits;
   KnownValues known;  ///< from the first bending and axial tests with a result
-  /// Time that each took, s; on several threads that of work beside it as well.
-  std::vector<double> test_s, fit_s;
 };
 
 /// Works through tests and fits on `threads` threads; the numbers do not depend on their count.

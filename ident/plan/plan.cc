@@ -197,18 +197,13 @@ PlannedGoal planned_goal(const PlanCandidates& candidates, const std::vector<Fre
 }
 
 // What no measurement determines: the null space of all data, without priors.
-std::vector<PlanGap> plan_gaps(const PlanCandidates& candidates,
-                               const std::vector<PlannedMode>& modes) {
+std::vector<OpenDirection> plan_gaps(const PlanCandidates& candidates,
+                                     const std::vector<PlannedMode>& modes) {
   const Eigen::Index n = candidates.problem.parameter_count();
   auto names = candidates.problem.names();
   names.resize(static_cast<std::size_t>(n));
   const Eigen::MatrixXd rows = plan_rows(candidates, modes).leftCols(n);
-  std::vector<PlanGap> gaps;
-  for (const auto& open : identifiability(rows, Eigen::VectorXd::Ones(n), names).open) {
-    auto& gap = gaps.emplace_back();
-    gap.message = open.message, gap.parameters = open.parameters;
-  }
-  return gaps;
+  return identifiability(rows, Eigen::VectorXd::Ones(n), names).open;
 }
 
 // What would reach a goal that the plan misses. `least`: covariance with everything measured.

@@ -134,24 +134,14 @@ struct PlannedGoal {
   }
 };
 
-/// What nothing that can be measured separates or determines.
-struct PlanGap {
-  std::vector<std::string> parameters;
-  std::string message;
-
-  static constexpr auto fields() {
-    using T = PlanGap;
-    return std::tuple{field("parameters", &T::parameters), field("message", &T::message)};
-  }
-};
-
 struct PlanResult {
   std::string failure;  ///< why there is no plan; empty: there is one
   std::vector<PlannedParameter> parameters;
   std::vector<PlanProposal> proposals;
   std::vector<PlannedGoal> goals;
   std::vector<PlannedMode> modes;  ///< what the proposals together identify
-  std::vector<PlanGap> not_identifiable;
+  /// What nothing that can be measured separates or determines.
+  std::vector<OpenDirection> not_identifiable;
   std::vector<std::string> left_out;  ///< states without an equilibrium
 
   static constexpr auto fields() {

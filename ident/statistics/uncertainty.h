@@ -11,8 +11,10 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/estimation/groups.h"
 
 namespace rigfit::ident {
@@ -25,6 +27,12 @@ inline constexpr double kMaxRelativeStd = 1;
 struct OpenDirection {
   std::vector<std::string> parameters;  ///< those that take part, the strongest first
   std::string message;                  ///< for a person
+
+  static constexpr auto fields() {
+    using T = OpenDirection;
+    return std::tuple{describe::field("parameters", &T::parameters),
+                      describe::field("message", &T::message)};
+  }
 };
 
 struct Identifiability {

@@ -17,10 +17,8 @@ namespace {
 /// Throws for a value that is not positive and finite, or else where `good` is false.
 void check(const std::string& test, std::initializer_list<double> positive, bool good,
            const char* what) {
-  for (const double value : positive) {
-    if (!(std::isfinite(value) && value > 0)) {
-      throw std::invalid_argument(test + ": values must be positive and finite");
-    }
+  if (!std::ranges::all_of(positive, [](double x) { return x > 0 && std::isfinite(x); })) {
+    throw std::invalid_argument(test + ": values must be positive and finite");
   }
   if (!good) throw std::invalid_argument(test + ": " + what);
 }

@@ -33,7 +33,7 @@ inline void require_sound(const Campaign& campaign) {
       require(!published || modal.scene, "published modes without a scene");
       const auto& band = modal.options.hammer.impact.hits.band_hz;
       require(!band || band->first < band->second, "band");
-      const auto& direction = modal.setup.direction;
+      const auto& direction = modal.direction;
       require(!direction || std::abs(direction->norm() - 1) < 1e-9, "direction");
     } else if (test.is<TensionTest>()) {
       published = !test.as<TensionTest>().modes.empty();
@@ -49,9 +49,9 @@ inline void require_sound(const Campaign& campaign) {
       require(test < campaign.tests.size(), "a test that is not there");
     }
     for (const auto& parameter : fit.parameters) {
-      const auto& free = parameter.free;
-      require(!free.targets.empty() && free.low < free.high, "a parameter to fit");
-      require(free.factors.empty() || free.factors.size() == free.targets.size(), "factors");
+      const auto& [targets, factors] = std::tie(parameter.targets, parameter.factors);
+      require(!targets.empty() && parameter.low < parameter.high, "a parameter to fit");
+      require(factors.empty() || factors.size() == targets.size(), "factors");
     }
   }
 }

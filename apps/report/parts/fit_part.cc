@@ -32,7 +32,7 @@ class Fit {
     }
     part_.json.update(describe::json_of(result_));
     if (!held_.empty()) part_.json["hold_out"] = describe::json_of(held_);
-    for (const auto& finding : answer_.findings) {
+    for (const auto& finding : ident::fit_findings(result_)) {
       part_.warnings.push_back(
           {finding.code, finding.message,
            finding.where.empty() ? fit_.name : parameter_words(finding.where)});
@@ -76,12 +76,11 @@ class Fit {
 
   [[nodiscard]] Answer answer_of(const ident::UpdatedParameter& parameter) const {
     const auto spec = std::ranges::find_if(fit_.parameters, [&](const FitParameter& p) {
-      return parameter.name == p.free.name || parameter.name.starts_with(p.free.name + " [");
+      return parameter.name == p.name || parameter.name.starts_with(p.name + " [");
     });
     const bool named = spec != fit_.parameters.end();
-    const std::string name = named ? spec->free.name : parameter.name;
-    const std::string target =
-        named && !spec->free.targets.empty() ? spec->free.targets.front() : name;
+    const std::string name = named ? spec->name : parameter.name;
+    const std::string target = named && !spec->targets.empty() ? spec->targets.front() : name;
     Answer answer;
     answer.key = fit_.name + "/" + parameter.name;
     answer.quantity = parameter_words(name);

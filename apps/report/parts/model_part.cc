@@ -136,9 +136,9 @@ ReportTable error_table(const CampaignTest& test, const ModalStates& states) {
       return error.rows == 0 ? Cell("–")
                              : Cell(fmt::format("{} ({})", percent_words(error.value), error.rows));
     };
-    std::vector<Cell> cells{label, cell(rms_of_model(some))};
+    std::vector<Cell> cells{label, cell(rms_error(some))};
     for (std::size_t k = 0; k < published.size(); ++k) {
-      cells.push_back(cell(rms_of_published(some, k)));
+      cells.push_back(cell(rms_error(some, k)));
     }
     table.rows.push_back(std::move(cells));
   };
@@ -226,7 +226,7 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                       const ModalStates& states) {
   const auto published = published_models(test);
   const auto& scene = campaign.scenes[*test.scene].name;
-  const auto& plane = test.as<ModalTest>().setup.plane;
+  const auto& plane = test.as<ModalTest>().plane;
   ReportPart part;
   part.id = part.test = test.name;
   part.title = test.title;
@@ -267,7 +267,7 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                                      label, state.rig.scene, state.analysis, state.rows));
     part.json["states"].push_back(state_json(state, published));
   }
-  const auto ours = rms_of_model(states);
+  const auto ours = rms_error(states);
   part.json["rms_relative_error"] = ours.value;
   part.json["paired_rows"] = ours.rows;
   part.json["published_models"] = Json::object();
@@ -275,7 +275,7 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
       ours.rows > 0 ? fmt::format("rigfit {} over {} modes", percent_words(ours.value), ours.rows)
                     : std::string("no mode could be paired");
   for (std::size_t k = 0; k < published.size(); ++k) {
-    const auto theirs = rms_of_published(states, k);
+    const auto theirs = rms_error(states, k);
     part.json["published_models"][published[k]] = {{"rms_relative_error", theirs.value},
                                                    {"rows", theirs.rows}};
     if (theirs.rows == 0) continue;

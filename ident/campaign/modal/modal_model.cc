@@ -16,21 +16,6 @@ namespace {
 
 using signal::kNaN;
 
-/// Over all rows, of their relative errors; NaN: none.
-template <class Error>
-RmsError rms_of(const std::vector<ModalState>& states, const Error& error) {
-  double sum = 0;
-  RmsError rms;
-  for (const auto& state : states) {
-    for (const auto& row : state.rows) {
-      const double e = error(state, row);
-      if (std::isfinite(e)) sum += e * e, ++rms.rows;
-    }
-  }
-  rms.value = rms.rows > 0 ? std::sqrt(sum / rms.rows) : kNaN;
-  return rms;
-}
-
 /// The state of that tension, made when there is none; tensions that agree to a part in 200 are
 /// one.
 ModalState& state_of(std::vector<ModalState>& states, std::optional<double> tension) {
@@ -78,12 +63,7 @@ double typical_segments_error(const model::ModalAnalysis& analysis) {
 void pair_rows(const model::ModalAnalysis& analysis, std::vector<MeasuredRow>& rows) {
   // Recorded and published rows are two tests: the same mode may be seen by both.
   std::set<Origin> origins;
-  for (auto& row : rows) {
-    row.mode.reset();
-    row.mac = kNaN;
-    row.other_plane = false;
-    origins.insert(row.origin);
-  }
+  for (const auto& row : rows) origins.insert(row.origin);
   std::vector<PairingMode> modelled;
   for (const auto& mode : analysis.modes) {
     if (!(mode.frequency_hz > 0)) continue;
@@ -112,7 +92,7 @@ void pair_rows(const model::ModalAnalysis& analysis, std::vector<MeasuredRow>& r
 
 }  // namespace
 
-Instrumented instrumented(model::Scene scene, const TestSetup& test,
+Instrumented instrumented(model::Scene scene, const ModalInputs& test,
                           const ModalTestState& recorded) {
   Instrumented rig;
   const auto form = recorded.hammer.frfs.form;
@@ -158,16 +138,15 @@ std::string state_label(std::optional<double> tension_N) {
   return tension_N ? fmt::format("{:g} N", *tension_N) : std::string("as built");
 }
 
-std::vector<ModalState> modal_states(const TestSetup& test, const SceneUse& use,
-                                     const KnownValues& known,
-                                     const std::vector<ModalTestState>& recorded,
-                                     const std::vector<PublishedMode>& published) {
+std::vector<ModalState> modal_states(const ModalInputs& test, const KnownValues& known,
+                                     const std::vector<ModalTestState>& recorded) {
   std::vector<ModalState> states;
-  const std::size_t models = published.empty() ? 0 : published.front().models_hz.size();
+  const SceneUse& use = *test.scene;
+  const std::size_t models = test.published.empty() ? 0 : test.published.front().models_hz.size();
   for (const auto& one : recorded) {
     if (one.has_modes()) add_recorded(states, one, models);
   }
-  for (const auto& one : published) add_published(states, one);
+  for (const auto& one : test.published) add_published(states, one);
   std::sort(states.begin(), states.end(),
             [](const ModalState& a, const ModalState& b) { return a.tension_N < b.tension_N; });
   for (auto& state : states) {
@@ -194,17 +173,20 @@ std::vector<ModalState> modal_states(const TestSetup& test, const SceneUse& use,
   return states;
 }
 
-RmsError rms_of_model(const std::vector<ModalState>& states) {
-  return rms_of(states, [](const ModalState& state, const MeasuredRow& row) {
-    if (!row.mode || (state.recorded && row.origin != state.recorded->origin)) return kNaN;
-    return state.analysis.modes[*row.mode].frequency_hz / row.frequency_hz.value - 1;
-  });
-}
-
-RmsError rms_of_published(const std::vector<ModalState>& states, std::size_t model) {
-  return rms_of(states, [&](const ModalState&, const MeasuredRow& row) {
-    return row.models_hz.size() > model ? row.models_hz[model] / row.frequency_hz.value - 1 : kNaN;
-  });
+RmsError rms_error(const std::vector<ModalState>& states, std::optional<std::size_t> published) {
+  RmsError rms{0, 0};
+  for (const auto& state : states) {
+    for (const auto& row : state.rows) {
+      const bool own = !state.recorded || row.origin == state.recorded->origin;
+      double hz = kNaN;
+      if (published && row.models_hz.size() > *published) hz = row.models_hz[*published];
+      if (!published && row.mode && own) hz = state.analysis.modes[*row.mode].frequency_hz;
+      const double error = hz / row.frequency_hz.value - 1;
+      if (std::isfinite(error)) rms.value += error * error, ++rms.rows;
+    }
+  }
+  rms.value = std::sqrt(rms.value / rms.rows);
+  return rms;
 }
 
 }  // namespace rigfit::ident

@@ -13,11 +13,24 @@
 #include "ident/campaign/single_tests/test_recording.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 
-/// Set-up of a test, as far as its scene needs it.
-struct TestSetup {
+/// A frequency of a table, with those of published models beside it.
+struct PublishedMode {
+  std::optional<double> tension_N;
+  double measured_hz = signal::kNaN;  ///< NaN: dash
+  std::vector<double> models_hz;      ///< by published model; NaN: dash
+};
+
+/// A hammer test; with a scene, its modes are compared with the model's.
+struct ModalInputs {
+  std::string name;                       ///< used in the names of its states
+  std::vector<TestRecording> recordings;  ///< may be empty: published modes only
+  ModalTestOptions options;
+  std::vector<PublishedMode> published;
+  std::optional<SceneUse> scene;
   /// Direction of hits and sensors, overriding the scene's; unit vector.
   std::optional<Eigen::Vector3d> direction;
   std::map<std::string, std::string> sensors;  ///< channel -> sensor, where names differ
@@ -31,22 +44,15 @@ struct Instrumented {
 };
 
 /// `scene` with the sensors and loads of these FRFs; those missing in the scene are left out.
-[[nodiscard]] Instrumented instrumented(model::Scene scene, const TestSetup& test,
+[[nodiscard]] Instrumented instrumented(model::Scene scene, const ModalInputs& test,
                                         const ModalTestState& recorded);
-
-/// A frequency of a table, with those of published models beside it.
-struct PublishedMode {
-  std::optional<double> tension_N;
-  double measured_hz = signal::kNaN;  ///< NaN: dash
-  std::vector<double> models_hz;      ///< by published model; NaN: dash
-};
 
 /// A measured mode, its shape at the instrumented scene's sensors; a frequency of NaN is a dash.
 struct MeasuredRow : MeasuredMode {
   Origin origin = Origin::published;
   std::vector<double> models_hz;    ///< by published model; NaN: dash
   std::optional<std::size_t> mode;  ///< index of the modelled mode paired with it
-  double mac = 0;                   ///< MAC of that pair; NaN: fewer than two sensors
+  double mac = signal::kNaN;        ///< MAC of that pair; NaN: fewer than two sensors
   bool other_plane = false;         ///< that mode lies in another plane than the test's
 };
 
@@ -65,21 +71,20 @@ struct ModalState {
 /// "200 N", or "as built" without a tension.
 [[nodiscard]] std::string state_label(std::optional<double> tension_N);
 
-/// Modes of the scene at every state of the test that has modes, by rising tension, and their
-/// pairing. `recorded` must outlive the result. Tensions that agree to a part in 200 are one state.
-[[nodiscard]] std::vector<ModalState> modal_states(const TestSetup& test, const SceneUse& use,
+/// Modes of the test's scene at every state that has modes, by rising tension, and their pairing.
+/// `recorded` must outlive the result. Tensions that agree to a part in 200 are one state.
+[[nodiscard]] std::vector<ModalState> modal_states(const ModalInputs& test,
                                                    const KnownValues& known,
-                                                   const std::vector<ModalTestState>& recorded,
-                                                   const std::vector<PublishedMode>& published);
+                                                   const std::vector<ModalTestState>& recorded);
 
 struct RmsError {
   double value = 0;  ///< rms relative error; NaN without rows
   int rows = 0;
 };
 /// Rms error over the rows from the test's own recordings, or else over the published ones; leakage
-/// from the other plane counts as paired.
-[[nodiscard]] RmsError rms_of_model(const std::vector<ModalState>& states);
-/// The same of a published model, over all rows that it has a frequency of.
-[[nodiscard]] RmsError rms_of_published(const std::vector<ModalState>& states, std::size_t model);
+/// from the other plane counts as paired. Of a published model: over all rows that it has a
+/// frequency of.
+[[nodiscard]] RmsError rms_error(const std::vector<ModalState>& states,
+                                 std::optional<std::size_t> published = std::nullopt);
 
 }  // namespace rigfit::ident

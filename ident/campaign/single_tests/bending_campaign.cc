@@ -26,11 +26,10 @@ double shared_relative_std(const BendingTestResult& test, const BendingTestOptio
   const auto& EI = test.stiffness;
   const double span = options.span_m.value > 0 ? options.span_m.std / options.span_m.value : 0;
   const double shared =
-      std::sqrt(std::pow(EI.log_sensitivity_span * span, 2) +
-                std::pow(EI.log_sensitivity_compliance, 2) *
-                    (std::pow(options.load_calibration_std, 2) +
-                     std::pow(options.deflection_calibration_std, 2)) +
-                std::pow(EI.log_sensitivity_tension * options.tension_calibration_std, 2));
+      std::hypot(EI.log_sensitivity_span * span,
+                 EI.log_sensitivity_compliance *
+                     std::hypot(options.load_calibration_std, options.deflection_calibration_std),
+                 EI.log_sensitivity_tension * options.tension_calibration_std);
   return std::isfinite(shared) ? shared : 0;
 }
 

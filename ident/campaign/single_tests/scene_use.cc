@@ -32,7 +32,7 @@ std::vector<UncertainInput> known_inputs(const KnownValues& known,
     for (const auto& one : states) {
       const double change = std_in(one);
       if (!std::isfinite(change) || change == 0) continue;
-      for (const auto& target : one.use->*names) {
+      for (const auto& target : one.use.*names) {
         input.effects.push_back({one.state, target, change});
       }
     }

@@ -31,7 +31,7 @@ struct SceneUse {
 /// State `state` of a fit, at that tension.
 struct StateUse {
   int state = 0;
-  const SceneUse* use = nullptr;
+  SceneUse use;
   std::optional<double> tension_N;
 };
 

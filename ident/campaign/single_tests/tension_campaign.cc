@@ -70,7 +70,7 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
       MeasuredMode measured;
       measured.frequency_hz = {frequency.value, std::hypot(frequency.std, least)};
       measured.plane = inputs.plane;
-      campaign.peaks.push_back({index, name, measured.frequency_hz, mode.mode.damping_ratio.value});
+      campaign.peaks.push_back({name, measured.frequency_hz, mode.mode.damping_ratio.value});
       campaign.modes.push_back(std::move(measured));
     }
   }

@@ -28,7 +28,6 @@ struct TensionInputs {
 };
 
 struct TensionPeak {
-  std::size_t recording = 0;  ///< index of the inputs' recordings
   std::string file;
   signal::Estimate frequency_hz;
   double damping_ratio = 0;

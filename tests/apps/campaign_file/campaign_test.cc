@@ -34,7 +34,7 @@ TEST_F(CampaignFiles, AreReadWhole) {
   ASSERT_EQ(campaign.tests.size(), 2u);
   EXPECT_EQ(campaign.tests[0].as<BendingTest>().test.span_m.value, 1.0);
   const auto& modal = campaign.tests[1].as<ModalTest>();
-  EXPECT_EQ(modal.setup.plane, model::ModePlane::in);
+  EXPECT_EQ(modal.plane, model::ModePlane::in);
   EXPECT_THAT(modal.scene->EI_of, ElementsAre("cable.EI"));
   EXPECT_EQ(modal.models[0], "FE");
   EXPECT_EQ(campaign.inputs.size(), 4u);

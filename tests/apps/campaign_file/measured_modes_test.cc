@@ -135,6 +135,16 @@ TEST(MeasuredModes, UniversalFilesHaveATensionOfTheirOwn) {
   EXPECT_EQ(run("--tension 150 160").exit_code, 2);
 }
 
+TEST(MeasuredModes, ATensionTestOfACampaignTakesAUniversalFile) {
+  const TemporaryFolder folder;
+  folder.write("modes.uff", mode_shapes(folder.write("truth.toml", cable(150, 0.5, 0.2))));
+  const auto campaign = read_campaign(
+      folder.write("c.toml",
+                   "title = \"t\"\n[[test]]\nname = \"t\"\nkind = \"tension\"\nlength = 1.2\n"
+                   "mass_per_length = 0.2\nmeasured = \"modes.uff\"\n"));
+  EXPECT_EQ(campaign.tests.at(0).as<TensionTest>().modes.size(), 8u);
+}
+
 TEST(MeasuredModes, NodesElsewhereAreSaid) {
   const TemporaryFolder folder;
   const auto scene_file = folder.write("scene.toml", beam(2.1, 0.02));
