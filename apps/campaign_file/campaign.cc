@@ -59,7 +59,7 @@ std::vector<std::string> names_of(const std::vector<Named>& all) {
 void check_parameter(const model::Scene& scene, const std::string& parameter,
                      const TomlTable& table, const std::string& key) {
   const auto names = model::parameter_names(scene);
-  place_of(parameter, names, table, key, "parameter of the scene",
+  place_of(parameter, names, table, key, "parameter",
            fmt::format("use one of: {}", fmt::join(names, ", ")));
 }
 

@@ -345,11 +345,12 @@ class Identification {
       return;
     }
     if (r.between_lengths_std_N > 0) {
-      note("lengths_disagree",
-           fmt::format("Measure the lengths and clamp them again: EA differs between lengths by "
-                       "more than their uncertainties ({}); a scatter of {:.2g} N between lengths "
-                       "is in the uncertainty",
-                       p_text(r.homogeneity_p), r.between_lengths_std_N));
+      note(
+          "lengths_disagree",
+          fmt::format("Measure the lengths and clamp them again: EA differs between lengths by "
+                      "more than their uncertainties ({}); a scatter of {:.2g} N between lengths "
+                      "is in the uncertainty",
+                      "probability " + probability_text(r.homogeneity_p), r.between_lengths_std_N));
     }
     const auto& s = r.series_compliance_m_N;
     if (!(std::abs(s.value) > 2 * s.std) || r.lengths.size() < 2) return;

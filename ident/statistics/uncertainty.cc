@@ -111,6 +111,4 @@ std::string probability_text(double p) {
   return p < 1e-6 ? "below 1e-6" : fmt::format("{:.2g}", p);
 }
 
-std::string p_text(double p) { return (p < 1e-6 ? "p " : "p = ") + probability_text(p); }
-
 }  // namespace rigfit::ident

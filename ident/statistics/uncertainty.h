@@ -59,8 +59,6 @@ struct Identifiability {
 /// A probability with two digits: "0.012", "below 1e-6", where it depends on the assumed
 /// distribution more than on the data; "-" for NaN, where nothing is left over to judge by.
 [[nodiscard]] std::string probability_text(double p);
-/// "p = 0.012", "p below 1e-6".
-[[nodiscard]] std::string p_text(double p);
 
 using signal::coverage_factor;
 

@@ -75,8 +75,7 @@ measured = "test_Hz"
     return {"report", campaign_, "--out", at(out), "--quiet"};
   }
 
-  /// What two clean runs agree on, by name: all but measured times and the page, which holds them
-  /// and its own command line.
+  /// What two clean runs agree on, by name: all but the page, which holds its own command line.
   [[nodiscard]] std::map<std::string, std::string> clean_report() const {
     EXPECT_EQ(run_program(report_to("clean")).exit_code, 0);
     EXPECT_EQ(run_program(report_to("clean-2")).exit_code, 0);

@@ -220,6 +220,22 @@ void analyse_ambient(ModalTestState& state, const ModalTestOptions& options) {
   for (const auto& one : found.modes) modal.model.modes.push_back(one.mode);
 }
 
+/// To the modes' frequencies, those at their points and the covariance of the poles, where it
+/// couples all frequencies.
+void add_rate_to_model(double relative_std, signal::ModalModel& model) {
+  const auto modes = static_cast<Index>(model.modes.size());
+  Eigen::VectorXd by_rate = Eigen::VectorXd::Zero(2 * modes);
+  for (Index r = 0; r < modes; ++r) {
+    auto& mode = model.modes[static_cast<std::size_t>(r)];
+    by_rate[2 * r] = relative_std * mode.frequency_hz.value;
+    add_rate_uncertainty(relative_std, mode.frequency_hz);
+    for (auto& point : mode.points) add_rate_uncertainty(relative_std, point.frequency_hz);
+  }
+  if (model.pole_covariance.rows() == by_rate.size()) {
+    model.pole_covariance += by_rate * by_rate.transpose();
+  }
+}
+
 }  // namespace
 
 std::size_t HammerTest::hits() const {
@@ -302,7 +318,7 @@ std::optional<signal::ModalResult> identify(const signal::FrfSet& frfs,
   const double rate_relative_std = frfs.sample_rate_relative_std;
   if (rate_relative_std > 0 && !found.model.modes.empty()) {
     tell_rate(rate_relative_std, found.model.modes.front().frequency_hz, "", findings);
-    add_rate_uncertainty(rate_relative_std, found.model);
+    add_rate_to_model(rate_relative_std, found.model);
   }
   add_notes(found.model.notes, findings, "", {"no_modes", "rank_deficient"});
   for (const auto& mode : found.model.modes) {

@@ -107,12 +107,13 @@ void add_findings(const TensionInputs& inputs, TensionCampaignResult& campaign) 
                "ends (--ends), orders (--order), masses or EI, or fit a scene (update)",
                100 * best.fit.rms_error, 100 * best.fit.worst_error, result.candidates.size()));
   } else if (best.fit.ruled_out()) {
-    warn("systematic_misfit",
-         fmt::format("Enlarge the uncertainties of the frequencies, or name what the cable lacks "
-                     "here (masses, ends): chi-square is {:.4g} for {:.3g} degrees of freedom "
-                     "({}). The interval counts a model error of {:.2g} %",
-                     best.fit.chi2, best.fit.degrees_of_freedom, p_text(best.fit.p_value),
-                     100 * best.fit.model_std));
+    warn(
+        "systematic_misfit",
+        fmt::format("Enlarge the uncertainties of the frequencies, or name what the cable lacks "
+                    "here (masses, ends): chi-square is {:.4g} for {:.3g} degrees of freedom "
+                    "({}). The interval counts a model error of {:.2g} %",
+                    best.fit.chi2, best.fit.degrees_of_freedom,
+                    "probability " + probability_text(best.fit.p_value), 100 * best.fit.model_std));
   }
   for (const auto& mode : best.modes) {
     if (mode.order > 0) continue;

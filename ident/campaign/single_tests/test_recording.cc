@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
-#include <Eigen/Core>
 #include <cmath>
 
 namespace rigfit::ident {
@@ -27,20 +26,6 @@ void add_rate_uncertainty(double relative_std, signal::Estimate& frequency_hz,
       frequency_hz.value - std::hypot(frequency_hz.value - interval_95_hz->low, half);
   interval_95_hz->high =
       frequency_hz.value + std::hypot(interval_95_hz->high - frequency_hz.value, half);
-}
-
-void add_rate_uncertainty(double relative_std, signal::ModalModel& model) {
-  const auto modes = static_cast<Eigen::Index>(model.modes.size());
-  Eigen::VectorXd by_rate = Eigen::VectorXd::Zero(2 * modes);
-  for (Eigen::Index r = 0; r < modes; ++r) {
-    auto& mode = model.modes[static_cast<std::size_t>(r)];
-    by_rate[2 * r] = relative_std * mode.frequency_hz.value;
-    add_rate_uncertainty(relative_std, mode.frequency_hz);
-    for (auto& point : mode.points) add_rate_uncertainty(relative_std, point.frequency_hz);
-  }
-  if (model.pole_covariance.rows() == by_rate.size()) {
-    model.pole_covariance += by_rate * by_rate.transpose();
-  }
 }
 
 void tell_rate(double relative_std, const signal::Estimate& frequency_hz, const std::string& where,

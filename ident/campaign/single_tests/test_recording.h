@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "ident/statistics/finding.h"
-#include "signal/modes/modal_model.h"
 #include "signal/numerics/estimate.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::ident {
 
@@ -42,10 +42,6 @@ struct TestRecording {
 /// Adds e to a frequency and, half by half, to its 95 % interval; null: none.
 void add_rate_uncertainty(double relative_std, signal::Estimate& frequency_hz,
                           signal::Interval* interval_95_hz = nullptr);
-
-/// The same of the modes' frequencies, those at their points and the covariance of the poles, where
-/// it couples all frequencies.
-void add_rate_uncertainty(double relative_std, signal::ModalModel& model);
 
 /// Adds "rate_uncertainty" where it adds half a percent and more to the standard uncertainty of the
 /// first frequency, which comes without it; `where`: as of a Finding.

@@ -1,5 +1,7 @@
 // Mode shapes of other programs (UFF 55) as what a scene is fitted to.
 #include "apps/campaign_file/measured_modes.h"
+
+#include "apps/campaign/campaign.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
 #include "signal/writers/write_uff.h"
