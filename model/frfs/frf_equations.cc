@@ -12,6 +12,15 @@ namespace rigfit::model {
 
 using Complex = std::complex<double>;
 
+namespace {
+
+/// Real parts above imaginary parts.
+Eigen::Map<Eigen::Matrix2Xd> real_rows(Eigen::Ref<Eigen::VectorXcd> x) {
+  return {reinterpret_cast<double*>(x.data()), 2, x.size()};
+}
+
+}  // namespace
+
 Complex laplace_variable(double frequency_hz, double decay_rate_1_s) {
   return {decay_rate_1_s, 2 * M_PI * frequency_hz};
 }
@@ -37,21 +46,52 @@ FrfEquations frf_equations(const MotionModes& motion, const ChainState& state, c
   return out;
 }
 
-FrfSolver::FrfSolver(const FrfEquations& equations, const Eigen::MatrixXd& right)
+FrfSolver::FrfSolver(const FrfEquations& equations, const Eigen::MatrixXd& right, double farthest)
     : equations_(equations),
       wanted_(right.cols()),
       joint_(!equations.damping.values().isZero(0)),
       dynamic_(equations.motion->stiffness.envelope()),
-      gain_(equations.zeta.size()),
-      outside_(right) {
+      gain_(equations.zeta.size()) {
   const Eigen::Index dampers = equations.zeta.size();
   right_.resize(right.rows(), wanted_ + dampers);
   right_.leftCols(wanted_) = right.cast<Complex>();
   right_.rightCols(dampers) = equations.dampers.cast<Complex>();
   solution_.resize(right.rows(), wanted_);
-  if (dampers == 0) return;
+  if (dampers == 0 || joint_) return;
   modal_ = equations.motion->shapes.transpose() * right;
-  outside_ -= equations.dampers * modal_;
+  expand(right - equations.dampers * modal_, farthest);
+}
+
+void FrfSolver::expand(const Eigen::MatrixXd& outside, double farthest) {
+  const MotionModes& motion = *equations_.motion;
+  EnvelopeFactor stiffness;
+  stiffness.factor(motion.stiffness);
+  std::vector<Eigen::MatrixXd> terms;
+  double size = 1, first = 0;
+  while (size > 1e-14 * first) {
+    const auto k = terms.size();
+    if (k == 64) return;
+    Eigen::MatrixXd term = outside;
+    for (Eigen::Index c = 0; c < wanted_; ++c) {
+      Eigen::VectorXd x = outside.col(c);
+      if (k > 0) x = motion.mass * Eigen::VectorXd(terms.back().col(c));
+      stiffness.solve_in_place(x);
+      // Rounding along the modes, which would grow by (|s| / omega_r)^2 a term, is taken out.
+      term.col(c) = x - motion.shapes * (equations_.dampers.transpose() * x);
+    }
+    size = term.norm() * std::pow(farthest, 2 * static_cast<double>(k));
+    if (k == 0) first = size;
+    terms.push_back(std::move(term));
+  }
+  const auto count = std::ssize(terms);
+  parts_.resize(count + gain_.size());
+  for (Eigen::Index c = 0; c < wanted_; ++c) {
+    auto& basis = basis_.emplace_back(parts_.size(), outside.rows());
+    for (Eigen::Index k = 0; k < count; ++k) {
+      basis.row(k) = terms[static_cast<std::size_t>(k)].col(c).transpose();
+    }
+    basis.bottomRows(gain_.size()) = motion.shapes.transpose();
+  }
 }
 
 const Eigen::MatrixXcd& FrfSolver::solve(Complex s) {
@@ -59,10 +99,7 @@ const Eigen::MatrixXcd& FrfSolver::solve(Complex s) {
   for (Eigen::Index r = 0; r < gain_.size(); ++r) {
     gain_[r] = 2 * equations_.zeta[r] * std::sqrt(motion.omega2[r]) * s;
   }
-  dynamic_.values() = motion.stiffness.values().cast<Complex>() + s * s * motion.mass.values();
-  if (joint_) dynamic_.values() += s * equations_.damping.values();
-  factor_.factor(dynamic_);
-  if (joint_ || s == Complex(0)) {
+  if (basis_.empty()) {
     solve_jointly(s);
   } else {
     solve_by_modes(s);
@@ -71,6 +108,10 @@ const Eigen::MatrixXcd& FrfSolver::solve(Complex s) {
 }
 
 void FrfSolver::solve_jointly(Complex s) {
+  const MotionModes& motion = *equations_.motion;
+  dynamic_.values() = motion.stiffness.values().cast<Complex>() + s * s * motion.mass.values();
+  if (joint_) dynamic_.values() += s * equations_.damping.values();
+  factor_.factor(dynamic_);
   Eigen::MatrixXcd all = right_;
   factor_.solve_in_place(all);
   solution_ = all.leftCols(wanted_);
@@ -86,17 +127,15 @@ void FrfSolver::solve_jointly(Complex s) {
 }
 
 void FrfSolver::solve_by_modes(Complex s) {
-  const MotionModes& motion = *equations_.motion;
-  solution_ = outside_.cast<Complex>();
-  factor_.solve_in_place(solution_);
-  if (gain_.size() == 0) return;
-  // Near a damped mode's frequency the matrix is nearly singular along it: rounding is taken out.
-  small_ = modal_.cast<Complex>();
-  for (Eigen::Index r = 0; r < gain_.size(); ++r) {
-    small_.row(r) /= motion.omega2[r] + s * s + gain_[r];
+  const auto dampers = gain_.size();
+  parts_[0] = 1;
+  for (Eigen::Index k = 1; k < parts_.size() - dampers; ++k) parts_[k] = -s * s * parts_[k - 1];
+  for (Eigen::Index c = 0; c < wanted_; ++c) {
+    for (Eigen::Index r = 0; r < dampers; ++r) {
+      parts_.tail(dampers)[r] = modal_(r, c) / (equations_.motion->omega2[r] + s * s + gain_[r]);
+    }
+    real_rows(solution_.col(c)).noalias() = real_rows(parts_) * basis_[static_cast<std::size_t>(c)];
   }
-  small_.noalias() -= equations_.dampers.transpose().cast<Complex>() * solution_;
-  solution_.noalias() += motion.shapes.cast<Complex>() * small_;
 }
 
 ChainModes frf_modes(const Scene& scene, const Eigen::VectorXd& frequency_hz,

@@ -243,7 +243,8 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
       right.conservativeResize(Eigen::NoChange, loads + sensors);
       right.rightCols(sensors) = equations.sensors;
     }
-    FrfSolver solver(equations, right);
+    const double highest = lines > 0 ? frequency_hz.maxCoeff() : 0;
+    FrfSolver solver(equations, right, std::abs(laplace_variable(highest, decay_rate_1_s)));
     const Eigen::VectorXd gain =
         2 * equations.zeta.cwiseProduct(motion.omega2.head(equations.zeta.size()).cwiseSqrt());
     for (std::size_t line = 0; line < lines; ++line) {
