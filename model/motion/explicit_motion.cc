@@ -106,13 +106,12 @@ class ExplicitRun {
  private:
   void step(const StepForces& forces, long number) {
     const double half = h_ / 2;
-    const bool loaded = forces.active(number) || forces.active(number + 1);
-    if (loaded) supplied_ += half * work(forces, number, half);
+    supplied_ += half * power();
     v_ += half * a_;
     q_ += h_ * v_;
-    if (loaded) load(forces, number + 1);
+    load(forces, number + 1);
     evaluate();
-    if (loaded) supplied_ += half * work(forces, number + 1, half);
+    supplied_ += half * power();
     v_ += half * a_;
   }
 
@@ -139,12 +138,7 @@ class ExplicitRun {
   }
   void push(const auto& force) {
     external_.setZero();
-    for (std::size_t l = 0; l < load_rows_.size(); ++l) {
-      const double f = force(l);
-      for (std::size_t i = 0; i < load_rows_[l].index.size(); ++i) {
-        external_(load_rows_[l].index[i]) += load_rows_[l].weight[i] * f;
-      }
-    }
+    for (std::size_t l = 0; l < load_rows_.size(); ++l) external_ += force(l) * load_rows_[l];
   }
   // Energy that the loads at their largest give to a chain at rest in one step, J: an account of
   // less says nothing, because no step resolves where a force begins.
@@ -154,17 +148,8 @@ class ExplicitRun {
     kernel_.acceleration(q_.data(), nullptr, other_.data());
     return h_ * h_ / 2 * external_.dot(first_ - other_);
   }
-  // Force times mean velocity of the kick v -> v + half a: the power, whose product with `half` is
-  // the work.
-  double work(const StepForces& forces, long step, double half) const {
-    double sum = 0;
-    for (std::size_t l = 0; l < forces.count(); ++l) {
-      const double f = forces.at(l, step);
-      if (f == 0) continue;
-      sum += f * (load_rows_[l].dot(v_.data()) + half / 2 * load_rows_[l].dot(a_.data()));
-    }
-    return sum;
-  }
+  // Of the loads by the mean velocity of half a kick, v -> v + h/2 a.
+  [[nodiscard]] double power() const { return loaded_ ? external_.dot(v_ + h_ / 4 * a_) : 0; }
 
   // The scheme's own variables for the start: q - h^2/12 a(q), v + h^2/12 da/dt.
   void preprocess() {
@@ -226,10 +211,7 @@ class ExplicitRun {
   };
   Drag drag(std::size_t sensor) const {
     const int derivatives = described(problem_.quantities[sensor]).derivatives;
-    Eigen::VectorXd weights = Eigen::VectorXd::Zero(kernel_.size());
-    const auto& row = sensor_rows_[sensor];
-    for (std::size_t i = 0; i < row.index.size(); ++i) weights(row.index[i]) = row.weight[i];
-    weights = kernel_.unknowns(weights);
+    const Eigen::VectorXd weights = kernel_.unknowns(sensor_rows_[sensor]);
     Eigen::VectorXd now = Eigen::VectorXd::Zero(weights.size()), part = now;
     for (std::size_t k = 0; derivatives > 0 && k < dampers_.size(); ++k) {
       const DampedModes& modes = problem_.damped_modes[k];
@@ -244,18 +226,22 @@ class ExplicitRun {
   }
 
   void sample(MotionOutput& out, long row) const {
-    const double* p = ahead_.data();
     const double since =  // the dampers acted, in intervals, less 1/2
         static_cast<double>((row * substeps_ + period_ / 2) % period_) /
             static_cast<double>(period_) -
         0.5;
     for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
       const SensorQuantity& q = described(problem_.quantities[s]);
+      const Eigen::VectorXd& sensor = sensor_rows_[s];
       double& value = out.samples(row, static_cast<Eigen::Index>(s));
-      value = q.derivatives == 0 ? kernel_.reading(q.reading, s, sensor_rows_[s], p, rest_.data())
-                                 : sensor_rows_[s].dot(q.derivatives == 1 ? vp_.data() : a_.data());
-      if (dampers_.empty() || q.derivatives == 0) continue;
-      value += drags_[s].now.dot(v_) + since * drags_[s].part.dot(v_);
+      if (q.reading == SensorReading::axial_force) {
+        value = kernel_.axial_force(problem_.chain->sensors[s].segment, ahead_.data());
+      } else if (q.derivatives == 0) {
+        value = sensor.dot(ahead_ - rest_);
+      } else {
+        value = sensor.dot(q.derivatives == 1 ? vp_ : a_);
+        if (!dampers_.empty()) value += (drags_[s].now + since * drags_[s].part).dot(v_);
+      }
     }
   }
 
@@ -280,7 +266,7 @@ class ExplicitRun {
                               ahead_ = take(), external_ = take(), rest_ = take(), vp_ = take(),
                               rate_ = take(), other_ = take(), scratch_ = take(), change_ = take(),
                               sum_ = take();
-  std::vector<typename MotionKernel<D>::Row> load_rows_, sensor_rows_;
+  std::vector<Eigen::VectorXd> load_rows_, sensor_rows_;
   std::vector<Dampers> dampers_;  // by the problem's damped modes
   std::vector<Drag> drags_;       // by sensor
 };

@@ -26,7 +26,6 @@ MotionKernel<D>::MotionKernel(const Chain& chain)
     : chain_(&chain), assembly_(chain, D == 2 ? Motion::in_plane : Motion::space) {
   assert(kernel_supports(chain, D));
   entry_of_node_.assign(at(chain.nodes), -1);
-  segment_entries_.resize(chain.segments.size());
   turning_.resize(chain.rotating_node.size());
   if constexpr (D == 2) {
     for (std::size_t r = 0; r < turning_.size(); ++r) {
@@ -124,9 +123,7 @@ void MotionKernel<D>::set_lanes(const ChainMember& member, MemberPlan& plan) {
   }
   lanes.pad.assign(slots, 1);
   for (int i = 0; i < plan.segments; ++i) {
-    const int index = member.first_segment + i;
-    const Segment& segment = chain_->segments[at(index)];
-    segment_entries_[at(index)] = {plan.entry[at(i)], plan.entry[at(i + 1)]};
+    const Segment& segment = chain_->segments[at(member.first_segment + i)];
     plan.axial.push_back(segment.EA / segment.length);
     const std::size_t slot = at(plan.entry[at(i)] - plan.offset);
     lanes.axial[slot] = segment.EA;
@@ -291,31 +288,14 @@ Eigen::VectorXd MotionKernel<D>::covector(const Eigen::VectorXd& weights) const 
 }
 
 template <int D>
-typename MotionKernel<D>::Row MotionKernel<D>::row(const ChainPoint& point,
-                                                   const Eigen::Vector3d& direction) const {
-  Row result;
-  for (int i = 0; i < point.count; ++i) {
-    const int entry = entry_of_node_[at(point.node[at(i)])];
-    if (entry < 0) continue;
-    for (int c = 0; c < D; ++c) {
-      const double weight = point.weight[at(i)] * direction(c);
-      if (weight == 0) continue;
-      result.index.push_back(c * entries_ + entry);
-      result.weight.push_back(weight);
-    }
-  }
-  return result;
-}
-
-template <int D>
 double MotionKernel<D>::axial_force(int segment, const double* positions) const {
-  const std::array<int, 2>& entry = segment_entries_[at(segment)];
+  const Segment& s = chain_->segments[at(segment)];
+  const int first = entry_of_node_[at(s.a)], second = entry_of_node_[at(s.b)];
   double square = 0;
   for (int c = 0; c < D; ++c) {
-    const double e = positions[c * entries_ + entry[1]] - positions[c * entries_ + entry[0]];
+    const double e = positions[c * entries_ + second] - positions[c * entries_ + first];
     square += e * e;
   }
-  const Segment& s = chain_->segments[at(segment)];
   return s.EA / s.length * (std::sqrt(square) - s.length);
 }
 

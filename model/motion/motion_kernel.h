@@ -12,7 +12,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <vector>
 
 #include "model/chain/assembly.h"
@@ -20,7 +19,6 @@
 #include "model/chain/index.h"
 #include "model/motion/lane_loops.h"
 #include "model/motion/node_mass.h"
-#include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
 
@@ -58,10 +56,10 @@ class MotionKernel {
   /// x . (M y) for two arrays of entries (momentum, kinetic energy), and the same with what slowing
   /// the axial waves adds.
   [[nodiscard]] double mass_product(const Entries& x, const Entries& y) const {
-    return mass_.product(x.data(), y.data());
+    return mass_.product(x.data(), y.data(), 0);
   }
   [[nodiscard]] double slowed_product(const Entries& x, const Entries& y) const {
-    return mass_.slowed_product(x.data(), y.data());
+    return mass_.product(x.data(), y.data(), mass_.kappa());
   }
   /// From here on accelerations are those of a mass that slows axial waves (node_mass.h) along the
   /// members' chords in the given positions; zero gives all waves their own speed again.
@@ -74,27 +72,13 @@ class MotionKernel {
     return assembly_.potential(state(positions));
   }
 
-  /// Sparse weights of a point's motion along a direction: displacement = sum weight * x[index].
-  struct Row {
-    std::vector<int> index;
-    std::vector<double> weight;
-    [[nodiscard]] double dot(const double* x) const {
-      double sum = 0;
-      for (std::size_t i = 0; i < index.size(); ++i) sum += weight[i] * x[index[i]];
-      return sum;
-    }
-  };
-  [[nodiscard]] Row row(const ChainPoint& point, const Eigen::Vector3d& direction) const;
+  /// Weights of a point's motion along a direction, without what is held: displacement = row . x.
+  [[nodiscard]] Eigen::VectorXd row(const ChainPoint& point,
+                                    const Eigen::Vector3d& direction) const {
+    return covector(assembly_.row_of(point, direction));
+  }
   /// Axial force of a segment, N.
   [[nodiscard]] double axial_force(int segment, const double* positions) const;
-  /// What sensor `s` of the chain, with its row, reads there before it is differentiated.
-  [[nodiscard]] double reading(SensorReading what, std::size_t s, const Row& row,
-                               const double* positions, const double* rest) const {
-    if (what == SensorReading::axial_force) {
-      return axial_force(chain_->sensors[s].segment, positions);
-    }
-    return row.dot(positions) - row.dot(rest);
-  }
 
  private:
   struct MemberPlan : NodeMass<D>::Member {
@@ -138,7 +122,6 @@ class MotionKernel {
   std::vector<SharedNode> shared_;
   std::vector<Turning> turning_;
   std::vector<int> entry_of_node_;
-  std::vector<std::array<int, 2>> segment_entries_;
   Eigen::VectorXd gravity_;  // D x entries
   NodeMass<D> mass_;
   bool springs_ = false;

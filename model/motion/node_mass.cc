@@ -233,7 +233,7 @@ void NodeMass<D>::solve_ends(double* values) {
 }
 
 template <int D>
-double NodeMass<D>::product(const double* x, const double* y) const {
+double NodeMass<D>::product(const double* x, const double* y, double kappa) const {
   double sum = 0;
   for (std::size_t m = 0; m < members_.size(); ++m) {
     const Member& member = members_[m];
@@ -248,28 +248,19 @@ double NodeMass<D>::product(const double* x, const double* y) const {
         sum += member.off[at(i)] * (a[entry[i]] * b[entry[i + 1]] + a[entry[i + 1]] * b[entry[i]]);
       }
     }
-  }
-  return sum;
-}
-
-template <int D>
-double NodeMass<D>::slowed_product(const double* x, const double* y) const {
-  double sum = 0;
-  for (std::size_t m = 0; kappa_ > 0 && m < members_.size(); ++m) {
-    const Plan& plan = plans_[m];
-    const Member& member = members_[m];
-    const Eigen::Matrix<double, D, 1> axis = plan.axes.col(plan.along);
+    if (!(kappa > 0)) continue;
+    const Eigen::Matrix<double, D, 1> axis = plans_[m].axes.col(plans_[m].along);
     for (int i = 0; i < member.segments; ++i) {
-      const int a = member.entry[at(i)], b = member.entry[at(i + 1)];
       double dx = 0, dy = 0;
       for (int c = 0; c < D; ++c) {
-        dx += axis(c) * (x[c * entries_ + b] - x[c * entries_ + a]);
-        dy += axis(c) * (y[c * entries_ + b] - y[c * entries_ + a]);
+        const int here = c * entries_ + entry[i], next = c * entries_ + entry[i + 1];
+        dx += axis(c) * (x[next] - x[here]);
+        dy += axis(c) * (y[next] - y[here]);
       }
-      sum += kappa_ * member.axial[at(i)] * dx * dy;
+      sum += kappa * member.axial[at(i)] * dx * dy;
     }
   }
-  return product(x, y) + sum;
+  return sum;
 }
 
 template class NodeMass<2>;

@@ -47,10 +47,8 @@ class NodeMass {
   /// acceleration is put in all of them, zero where held. Not thread-safe (own scratch space).
   void solve(double* values);
 
-  /// x . (M y), the mass itself.
-  [[nodiscard]] double product(const double* x, const double* y) const;
-  /// The same with what slowing the axial waves adds.
-  [[nodiscard]] double slowed_product(const double* x, const double* y) const;
+  /// x . (M y), with what slowing axial waves by `kappa` adds.
+  [[nodiscard]] double product(const double* x, const double* y, double kappa) const;
 
  private:
   // Factors of a member's inner nodes, and what they take from and give to the end nodes.

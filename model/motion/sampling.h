@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -11,9 +13,12 @@ namespace rigfit::model {
 struct SamplingOptions {
   double duration_s = 1;
   double rate_hz = 1000;
-  [[nodiscard]] long rows() const;  ///< samples at 0, 1/rate, ... up to the duration
+  /// Samples at 0, 1/rate, ... up to the duration.
+  [[nodiscard]] long rows() const {
+    return static_cast<long>(std::floor(duration_s * rate_hz * (1 + 1e-12))) + 1;
+  }
   /// Rows between two of the some 20 instants of the energy balance.
-  [[nodiscard]] long energy_stride() const;
+  [[nodiscard]] long energy_stride() const { return std::max(1L, (rows() - 1) / 20); }
 };
 
 /// Energy balance of a motion, J.
@@ -25,7 +30,14 @@ struct EnergyBalance {
   double rounding = 0;    ///< by scheme or tolerance: kinetic energy below it is no motion
 
   /// Adds the next instant.
-  void add(double potential_J, double kinetic_J, double supplied_J, double dissipated_J);
+  void add(double potential_J, double kinetic_J, double supplied_J, double dissipated_J) {
+    const double left = potential_J + kinetic_J - supplied_J + dissipated_J;
+    if (!start_) start_ = left;
+    supplied = supplied_J;
+    dissipated = dissipated_J;
+    kinetic = std::max(kinetic, kinetic_J);
+    worst = std::max(worst, std::abs(left - *start_));
+  }
   /// `worst` over the largest kinetic energy; zero without motion.
   [[nodiscard]] double drift() const { return kinetic > rounding ? worst / kinetic : 0; }
 

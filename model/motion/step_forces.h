@@ -32,7 +32,6 @@ class StepForces {
     for (const double f : loads_[l].value) size = std::max(size, std::abs(f));
     return size;
   }
-  [[nodiscard]] std::size_t count() const { return loads_.size(); }
 
  private:
   struct LoadSteps {

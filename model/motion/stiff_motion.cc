@@ -52,7 +52,8 @@ class StiffRun {
       }
     }
     mass_factor_.factor(inertia_);
-    size_ = n_ + static_cast<Eigen::Index>(massive_.size()) + 2;
+    moving_ = std::ssize(massive_);
+    size_ = n_ + moving_ + 2;
     const Chain& chain = *problem.chain;
     for (std::size_t l = 0; l < chain.loads.size(); ++l) {
       load_rows_.push_back(assembly_.row_of(chain.loads[l], chain.load_direction[l]));
@@ -91,9 +92,7 @@ class StiffRun {
     solver->ops->solve = &StiffRun::solve;
     IDASetLinearSolver(memory_, solver.get(), nullptr);
 
-    for (std::size_t k = 0; k < massive_.size(); ++k) {
-      full_(massive_[k]) = of(tolerance.get())(n_ + static_cast<Eigen::Index>(k));
-    }
+    full_(massive_) = velocities(of(tolerance.get()));
     out.energy.rounding = full_.dot(mass_ * full_) / 2;
     std::vector<double> stops;  // where a force or its slope jumps
     for (const LoadForce& force : forces_) {
@@ -144,6 +143,8 @@ class StiffRun {
  private:
   using Values = Eigen::Map<Eigen::VectorXd>;
   Values of(N_Vector vector) const { return {N_VGetArrayPointer(vector), size_}; }
+  // The velocities of the unknowns with inertia, behind the increments of all.
+  [[nodiscard]] Values velocities(Values y) const { return {y.data() + n_, moving_}; }
   [[nodiscard]] long steps_so_far() const {
     long steps = 0;
     IDAGetNumSteps(memory_, &steps);
@@ -152,14 +153,12 @@ class StiffRun {
 
   // What has no inertia is in balance at every instant, so at the start too.
   void rest_massless() {
-    for (int i = 0; i < 4 && static_cast<Eigen::Index>(massive_.size()) < n_; ++i) {
+    for (int i = 0; i < 4 && moving_ < n_; ++i) {
       assembly_.force_and_tangent(state_, force_, tangent_);
       system_ = tangent_;
       const double held = 1e12 * tangent_.values().cwiseAbs().maxCoeff();
-      for (const int k : massive_) {
-        system_.add(k, k, held);
-        force_(k) = 0;
-      }
+      for (const int k : massive_) system_.add(k, k, held);
+      force_(massive_).setZero();
       factor_.factor(system_);
       factor_.solve_in_place(force_);
       assembly_.advance(state_, force_, -1, state_);
@@ -188,9 +187,7 @@ class StiffRun {
     u_ = rate.head(n_);
     turn_rates(full_);
     w_ = u_;
-    for (std::size_t k = 0; k < massive_.size(); ++k) {
-      w_(massive_[k]) = y(n_ + static_cast<Eigen::Index>(k));
-    }
+    w_(massive_) = velocities(y);
   }
 
   // u = T(q) q': a twist's parallel transport from the anchor's tangent t0 to t turns by
@@ -249,15 +246,11 @@ class StiffRun {
   void start(double t, Values y, Values rate) {
     anchor_ = state_;
     y.head(n_).setZero();
-    for (std::size_t k = 0; k < massive_.size(); ++k) {
-      y(n_ + static_cast<Eigen::Index>(k)) = w_(massive_[k]);
-    }
+    velocities(y) = w_(massive_);
     const double power = forces(t);
     rate.head(n_) = w_;
     mass_factor_.solve_in_place(force_);
-    for (std::size_t k = 0; k < massive_.size(); ++k) {
-      rate(n_ + static_cast<Eigen::Index>(k)) = -force_(massive_[k]);
-    }
+    velocities(rate) = -force_(massive_);
     rate(size_ - 2) = power;
     rate(size_ - 1) = drag_.dot(w_);
   }
@@ -293,11 +286,8 @@ class StiffRun {
     self.set(values, rates);
     const double power = self.forces(t);
     self.full_.setZero();
-    for (std::size_t k = 0; k < self.massive_.size(); ++k) {
-      const Eigen::Index row = n + static_cast<Eigen::Index>(k);
-      self.full_(self.massive_[k]) = rates(row);
-      out(row) = self.u_(self.massive_[k]) - values(row);
-    }
+    self.full_(self.massive_) = self.velocities(rates);
+    self.velocities(out) = self.u_(self.massive_) - self.velocities(values);
     self.mass_.multiply(self.full_, self.rest_);
     out.head(n) = self.rest_ + self.force_;
     out(self.size_ - 2) = rates(self.size_ - 2) - power;
@@ -329,9 +319,7 @@ class StiffRun {
     Values left = self.of(x);
     const Eigen::Index n = self.n_;
     self.full_.setZero();
-    for (std::size_t k = 0; k < self.massive_.size(); ++k) {
-      self.full_(self.massive_[k]) = right(n + static_cast<Eigen::Index>(k));
-    }
+    self.full_(self.massive_) = self.velocities(right);
     self.mass_.multiply(self.full_, self.rest_);
     Eigen::VectorXd q = right.head(n) + cj * self.rest_;
     if (self.problem_.joint_damping) {
@@ -340,10 +328,7 @@ class StiffRun {
     }
     self.factor_.solve_in_place(q);
     left.head(n) = q;
-    for (std::size_t k = 0; k < self.massive_.size(); ++k) {
-      const Eigen::Index row = n + static_cast<Eigen::Index>(k);
-      left(row) = cj * q(self.massive_[k]) - right(row);
-    }
+    self.velocities(left) = cj * q(self.massive_) - self.velocities(right);
     left.tail<2>() = right.tail<2>() / cj;
     return 0;
   }
@@ -375,7 +360,7 @@ class StiffRun {
   ChainState anchor_, state_;
   EnvelopeMatrix mass_, inertia_, damping_, tangent_, system_;
   EnvelopeFactor mass_factor_, factor_;
-  Eigen::Index n_, size_ = 0;
+  Eigen::Index n_, moving_ = 0, size_ = 0;
   std::vector<int> massive_;
   std::vector<Eigen::VectorXd> load_rows_, sensor_rows_;
   std::vector<LoadForce> forces_;

@@ -40,15 +40,14 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
   Nonlinearity out;
   const Eigen::Index count = answer.omega.size();
   if (count == 0) return out;
-  double last_force = 0, begin = duration_s;
+  const ModalPropagator propagator(answer.modal, scene.loads, records);
+  const double last_force = propagator.last_force_s();
+  double begin = duration_s;
   for (std::size_t l = 0; l < scene.loads.size(); ++l) {
-    const LoadForce force(scene.loads[l], records[l]);
-    last_force = std::max(last_force, force.end_s());
-    for (const double corner : force.corners()) begin = std::clamp(corner, 0.0, begin);
+    for (const double t : propagator.force(l).corners()) begin = std::clamp(t, 0.0, begin);
   }
 
   // Modal coordinates where the strain energy is greatest. A hung mass' own state is the start.
-  const ModalPropagator propagator(answer.modal, scene.loads, records);
   Eigen::VectorXcd z = answer.modal.initial;
   const auto coordinates = [&]() -> Eigen::VectorXd { return (answer.modal.output * z).real(); };
   const auto energies = [&](const Eigen::VectorXd& q) -> Eigen::VectorXd {

@@ -126,19 +126,18 @@ class Simulation {
     out_.rate_hz = options_.sampling.rate_hz;
     for (const Sensor& sensor : scene_.sensors) out_.sensors.push_back(sensor.name);
     for (const Member& member : scene_.members) out_.members.push_back(member.name);
-    wanted_.modes = options_.modes;
     const bool any_auto = std::any_of(scene_.members.begin(), scene_.members.end(),
                                       [](const Member& m) { return m.segments <= 0; });
     if (any_auto && !options_.segments) {
       ResponseResolution choice =
-          choose_response_segments(scene_, wanted_, records_, options_.sampling.duration_s);
+          choose_response_segments(scene_, records_, options_.sampling.duration_s);
       modes_ = std::move(choice.modes);
       answer_ = std::move(choice.answer);
       out_.resolution_error = choice.relative_error;
-      wanted_.segments = choice.segments;
     } else {
-      if (options_.segments) wanted_.segments.assign(scene_.members.size(), *options_.segments);
-      modes_ = response_modes(scene_, wanted_);
+      std::vector<int> segments;
+      if (options_.segments) segments.assign(scene_.members.size(), *options_.segments);
+      modes_ = response_modes(scene_, segments);
     }
     out_.equilibrium = describe(*modes_.chain, modes_.equilibrium, scene_);
     if (modes_.equilibrium.status != EquilibriumStatus::converged || modes_.motions.empty()) {
@@ -301,7 +300,7 @@ class Simulation {
       out_.kept.push_back("motion out of the plane");
     }
     if (out_.resolution_error < 0 && options_.resolution_estimate) {
-      out_.resolution_error = resolution_error(scene_, wanted_, modes_, answer_, weights_);
+      out_.resolution_error = resolution_error(scene_, modes_, answer_, weights_);
     }
     if (out_.resolution_error >= 0) {
       leave_out("bending within segments", out_.resolution_error);
@@ -312,7 +311,6 @@ class Simulation {
   const ResponseOptions& options_;
   const std::vector<const ForceHistory*> records_;
   ResponseResult out_;
-  ResponseModesOptions wanted_;
   ChainModes modes_;
   LinearAnswer answer_;
   ModeWeights weights_;

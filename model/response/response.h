@@ -49,9 +49,6 @@ struct ResponseOptions {
   /// Local tolerance of the stiff scheme; empty: a thousandth of the scene's accuracy.
   std::optional<double> relative_tolerance;
   std::vector<ForceHistory> records;  ///< by load of the scene; used for kind `record`
-  /// Number of modes of each motion in the linear answer; 0: all up to 400 unknowns a motion, else
-  /// the lowest 200.
-  int modes = 0;
   /// Also estimate the error due to segments where no member is "auto" (doubles the time).
   bool resolution_estimate = false;
 };

@@ -17,8 +17,8 @@ bool driven(const MotionModes& motion) { return !load_rows(*motion.assembly).isZ
 
 }  // namespace
 
-ChainModes response_modes(const Scene& scene, const ResponseModesOptions& options) {
-  ChainModes out = prepare_motions(scene, ModesOptions{}, options.segments);
+ChainModes response_modes(const Scene& scene, const std::vector<int>& segments) {
+  ChainModes out = prepare_motions(scene, ModesOptions{}, segments);
   bool any = false;
   for (const MotionModes& motion : out.motions) any = any || driven(motion);
   for (std::size_t k = 0; k < out.motions.size(); ++k) {
@@ -27,8 +27,7 @@ ChainModes response_modes(const Scene& scene, const ResponseModesOptions& option
     motion.shapes.resize(n, 0);
     motion.complete = true;
     if (any ? !driven(motion) : k > 0) continue;
-    const int count = options.modes > 0 ? options.modes : n <= kAllModes ? n : kSomeModes;
-    motion.take(lowest_eigenpairs(motion.stiffness, motion.mass, std::min(n, count)));
+    motion.take(lowest_eigenpairs(motion.stiffness, motion.mass, n <= kAllModes ? n : kSomeModes));
   }
   return out;
 }
@@ -81,15 +80,11 @@ ModeWeights mode_weights(const LinearAnswer& answer, const Scene& scene,
   return out;
 }
 
-double resolution_error(const Scene& scene, const ResponseModesOptions& options,
-                        const ChainModes& modes, const LinearAnswer& answer,
+double resolution_error(const Scene& scene, const ChainModes& modes, const LinearAnswer& answer,
                         const ModeWeights& weights) {
-  ResponseModesOptions finer = options;
-  finer.segments.clear();
-  for (const ChainMember& member : modes.chain->members) {
-    finer.segments.push_back(2 * member.segments);
-  }
-  const ChainModes fine = prepare_motions(scene, ModesOptions{}, finer.segments);
+  std::vector<int> finer;
+  for (const ChainMember& member : modes.chain->members) finer.push_back(2 * member.segments);
+  const ChainModes fine = prepare_motions(scene, ModesOptions{}, finer);
   if (fine.motions.size() != modes.motions.size()) return 1;
   double error = 0;
   Eigen::Index first = 0;
@@ -114,26 +109,25 @@ double resolution_error(const Scene& scene, const ResponseModesOptions& options,
   return error;
 }
 
-ResponseResolution choose_response_segments(const Scene& scene, const ResponseModesOptions& options,
+ResponseResolution choose_response_segments(const Scene& scene,
                                             const std::vector<const ForceHistory*>& records,
                                             double duration_s) {
   ResponseResolution now;
   double n = kUsualSegments;
   for (int round = 0; round < 4; ++round) {
-    ResponseModesOptions trial = options;
-    trial.segments.clear();
+    std::vector<int> trial;
     for (const Member& member : scene.members) {
-      trial.segments.push_back(member.segments > 0 ? member.segments : static_cast<int>(n));
+      trial.push_back(member.segments > 0 ? member.segments : static_cast<int>(n));
     }
     ChainModes modes = response_modes(scene, trial);
     if (modes.equilibrium.status != EquilibriumStatus::converged) {
-      if (round == 0) now.modes = std::move(modes), now.segments = trial.segments;
+      if (round == 0) now.modes = std::move(modes);
       break;
     }
-    now = {trial.segments, std::move(modes), {}, 0};
+    now = {std::move(modes), {}, 0};
     now.answer = linear_answer(now.modes, scene);
     const ModeWeights weights = mode_weights(now.answer, scene, records, duration_s);
-    now.relative_error = resolution_error(scene, trial, now.modes, now.answer, weights);
+    now.relative_error = resolution_error(scene, now.modes, now.answer, weights);
     const double ratio = now.relative_error / scene.accuracy;
     if (ratio <= 1 || n >= kMostAutoSegments) break;
     n = std::min(std::ceil(1.05 * n * std::clamp(std::sqrt(ratio), 1.05, 4.0)), kMostAutoSegments);

@@ -2,7 +2,6 @@
 // each matters.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "model/linear/modes.h"
@@ -10,14 +9,10 @@
 
 namespace rigfit::model {
 
-struct ResponseModesOptions {
-  std::vector<int> segments;  ///< by member; empty: the scene's own, 30 where it says "auto"
-  int modes = 0;  ///< modes of each motion; 0: all up to 400 unknowns a motion, else the lowest 200
-};
-
 /// Equilibrium and matrices of every motion; modes only of those that a load drives (of the first
-/// when none does). `order` stays empty.
-[[nodiscard]] ChainModes response_modes(const Scene& scene, const ResponseModesOptions& options);
+/// when none does): all up to 400 unknowns a motion, else the lowest 200. `segments` by member;
+/// empty: the scene's own, 30 where it says "auto". `order` stays empty.
+[[nodiscard]] ChainModes response_modes(const Scene& scene, const std::vector<int>& segments);
 
 /// What each mode and each pole of a linear answer has of the motion after the last force.
 struct ModeWeights {
@@ -33,21 +28,18 @@ struct ModeWeights {
                                        double duration_s);
 
 struct ResponseResolution {
-  std::vector<int> segments;  ///< by member
   ChainModes modes;
   LinearAnswer answer;
   double relative_error = 0;  ///< error of the modes' frequencies, weighted by their energy
 };
 
 /// The frequencies' error by segments: from twice as many, second order; weighted by energy.
-[[nodiscard]] double resolution_error(const Scene& scene, const ResponseModesOptions& options,
-                                      const ChainModes& modes, const LinearAnswer& answer,
-                                      const ModeWeights& weights);
+[[nodiscard]] double resolution_error(const Scene& scene, const ChainModes& modes,
+                                      const LinearAnswer& answer, const ModeWeights& weights);
 
 /// Members that say "auto" get as many segments, all the same number, as bring that error below the
 /// scene's accuracy: 30 to 400.
 [[nodiscard]] ResponseResolution choose_response_segments(
-    const Scene& scene, const ResponseModesOptions& options,
-    const std::vector<const ForceHistory*>& records, double duration_s);
+    const Scene& scene, const std::vector<const ForceHistory*>& records, double duration_s);
 
 }  // namespace rigfit::model
