@@ -35,17 +35,9 @@ std::vector<std::string> matches(const fs::path& pattern) {
 
 }  // namespace
 
-std::shared_ptr<const signal::Recording> recording_at_hand(const std::string& key,
-                                                           const VerbContext& context) {
-  if (!context.at_hand) return nullptr;
-  const auto known = context.at_hand->recordings.find(key);
-  return known == context.at_hand->recordings.end() ? nullptr : known->second;
-}
-
 model::Scene scene_of(const std::string& key, VerbContext& context) {
-  if (context.at_hand) {
-    const auto known = context.at_hand->scenes.find(key);
-    if (known != context.at_hand->scenes.end()) return *known->second;
+  if (context.at_hand && context.at_hand->scenes.contains(key)) {
+    return *context.at_hand->scenes.at(key);
   }
   context.input(key);
   return model::read_scene(key);
@@ -60,8 +52,8 @@ void tell_notes(const signal::Recording& recording, VerbContext& context) {
 
 signal::Recording load_untold(const fs::path& path, VerbContext& context,
                               const RecordingDescription& given) {
-  if (const auto known = recording_at_hand(path.string(), context)) {
-    signal::Recording copy = *known;
+  if (context.at_hand && context.at_hand->recordings.contains(path.string())) {
+    signal::Recording copy = *context.at_hand->recordings.at(path.string());
     if (!(copy.sample_rate_hz > 0)) copy.sample_rate_hz = context.reading.sample_rate_hz;
     return copy;
   }

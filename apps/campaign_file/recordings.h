@@ -39,10 +39,6 @@ struct AtHand {
   std::vector<model::Scene> fitted_scenes;
 };
 
-/// The recording of that key; null: it is a file.
-[[nodiscard]] std::shared_ptr<const signal::Recording> recording_at_hand(
-    const std::string& key, const VerbContext& context);
-
 /// The scene of that key, or of the file, which is an input of the run.
 [[nodiscard]] model::Scene scene_of(const std::string& key, VerbContext& context);
 

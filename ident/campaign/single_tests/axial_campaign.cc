@@ -128,7 +128,7 @@ void choose_modes(const AxialInputs& inputs, AxialCampaignResult& result) {
   }
 }
 
-constexpr double kLongest = 100;  // m of cable in a hanging-mass test
+constexpr double kLongest = 100;  // m: in a hanging-mass test 0.1 m of cable, given in mm
 
 // Mean tension of a channel of force over the weight that hangs on the cable; NaN: no force, or a
 // cell that was set to zero under the mass. Such a cell swings by a share of the weight about a

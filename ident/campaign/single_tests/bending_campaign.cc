@@ -127,7 +127,7 @@ void suspect_lengths(const BendingCampaign& campaign, BendingCampaignResult& res
     if (high > low) deflection = std::max(deflection, high - low);
   }
   const double span = campaign.test.span_m.value;
-  constexpr double kLongestSpan = 20;  // m, of a bench
+  constexpr double kLongestSpan = 20;  // m: the shortest span of a bench, given in mm
   if (!(deflection > 0 && span > 0)) return;
   const double part = deflection / span;
   if (span < kLongestSpan && part < 0.5) {

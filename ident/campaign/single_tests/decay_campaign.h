@@ -102,8 +102,8 @@ struct ModelVersion {
   model::Scene scene;  ///< instrumented as the test was
 };
 
-/// Simulates every version, whose scenes have one load and one sensor, for as long as the record
-/// lasts, at most 10 s, and shifts each in time to best match the record.
+/// Simulates every version, whose scenes have one load and one sensor, to the end of the record's
+/// decay, and shifts each in time to best match the record.
 [[nodiscard]] std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
                                                          const signal::DecayOptions& options,
                                                          const std::vector<ModelVersion>& versions,
