@@ -16,7 +16,8 @@
 namespace rigfit::ident {
 namespace {
 
-// A table of at most this many rows is split by tension; a longer one is a record of one test.
+// A table of at most this many rows is split by tension; a longer one is a record of one test, in
+// which a spike of the tension is no test of its own (a logger at 20 Hz writes as much in 20 s).
 constexpr Eigen::Index kLongestTable = 400;
 
 /// Uncertainty of a test's EI that it shares with others of the same span and instruments, relative
