@@ -62,17 +62,15 @@ double slowed_step(const ChainModes& modes, const LinearAnswer& answer, const Mo
 double damper_interval(const LinearAnswer& answer, const ModeWeights& weights, double upper_hz,
                        double sample_s, double accuracy) {
   const Eigen::VectorXcd& s = answer.modal.poles;
-  const double rate2 = weights.sensors.dot(s.real().cwiseAbs2());
+  const auto seen = (s.cwiseAbs().array() * sample_s <= std::numbers::pi).cast<double>();
+  const Eigen::VectorXd weight = weights.sensors.array() * seen;
+  const Eigen::VectorXd rate2 = s.real().cwiseAbs2(), omega2 = s.cwiseAbs2().cwiseMax(1e-300);
   const double sixteenth = 1 / (16 * std::max(upper_hz, 1e-3));
-  double T = std::min(sixteenth, std::sqrt(2 * accuracy / std::max(rate2, 1e-12)));
+  double T = std::min({sixteenth, std::sqrt(2 * accuracy / std::max(weight.dot(rate2), 1e-12)),
+                       1 / std::max(s.real().lpNorm<Eigen::Infinity>(), 1e-6)});
   const auto error = [&] {
-    double sum = 0;
-    for (Eigen::Index p = 0; p < s.size(); ++p) {
-      const double x = std::abs(s(p)) * T;
-      if (x * sample_s > std::numbers::pi * T) continue;
-      sum += weights.sensors(p) * std::norm(s(p).real() * T / x * std::min(1.0, x * x / 12));
-    }
-    return std::sqrt(sum);
+    const auto part = (omega2.array() * T * T / 12).min(1.0);
+    return std::sqrt((weight.array() * rate2.array() / omega2.array() * part.square()).sum());
   };
   while (T > sample_s && (T > sixteenth / 2 || error() > accuracy)) {
     T = std::max(T / 1.5, sample_s);
