@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <chrono>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -201,8 +202,17 @@ std::unique_ptr<TestPart> part_of(const Campaign& campaign, const CampaignTest& 
 }
 
 /// Reads the recordings, works out the campaign, shows what came of it: the parts in the order of
-/// the page.
-std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbContext& context) {
+/// the page. `times`: what each stage took.
+std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbContext& context,
+                                       ReportTable& times) {
+  using Clock = std::chrono::steady_clock;
+  const auto took = [&](const std::string& stage, double time_s) {
+    times.rows.push_back({stage, fmt::format("{:.2g}", time_s)});
+  };
+  const auto since = [](Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+  };
+  const auto begin = Clock::now();
   const std::size_t tests = campaign.tests.size(), fits = campaign.fits.size();
   std::size_t files = 0;
   for (const auto& test : campaign.tests) {
@@ -215,6 +225,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
     shown.push_back(part_of(campaign, campaign.tests[i], context));
   }
   ident::in_parallel(tests, context.threads, [&](std::size_t i) { shown[i]->read(advance); });
+  took("recordings read", since(begin));
 
   ident::CampaignInputs inputs;
   inputs.threads = context.threads;
@@ -225,6 +236,9 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
     inputs.fits.back().options.threads = context.threads;
   }
   auto result = ident::run_campaign(std::move(inputs));
+  for (std::size_t i = 0; i < tests; ++i) took(campaign.tests[i].title, result.test_s[i]);
+  for (std::size_t i = 0; i < fits; ++i) took(campaign.fits[i].title, result.fit_s[i]);
+  const auto drawn = Clock::now();
 
   std::vector<std::vector<ReportPart>> pages(tests + fits);
   ident::in_parallel(pages.size(), context.threads, [&](std::size_t i) {
@@ -238,6 +252,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
   std::vector<ReportPart> parts;
   for (auto& page : pages) std::ranges::move(page, std::back_inserter(parts));
   parts.push_back(scenes_part(campaign));
+  took("figures and tables", since(drawn));
   return parts;
 }
 
@@ -249,7 +264,7 @@ Json campaign_report(const Campaign& campaign, const fs::path& folder, const Rep
   take_inputs(campaign, context);
   PageFrame frame{campaign.title, campaign.source, campaign.description, campaign.report,
                   options.style};
-  std::vector<ReportPart> parts = campaign_parts(campaign, context);
+  std::vector<ReportPart> parts = campaign_parts(campaign, context, frame.times);
   std::vector<Answer*> found;
   for (auto& part : parts) {
     for (auto& answer : part.answers) found.push_back(&answer);

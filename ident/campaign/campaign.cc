@@ -1,6 +1,7 @@
 #include "ident/campaign/campaign.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <utility>
@@ -148,24 +149,34 @@ CampaignResult run_campaign(CampaignInputs inputs) {
   auto& in = result.inputs;
   result.tests.resize(in.tests.size());
   result.fits.resize(in.fits.size());
+  result.test_s.resize(in.tests.size());
+  result.fit_s.resize(in.fits.size());
   const auto advance = [&] {
     if (in.advance) in.advance();
   };
-  in_parallel(in.tests.size(), in.threads, [&](std::size_t i) {
+  // `work` for each test or fit, one after the other where `threads` is 1.
+  const auto each = [&](std::vector<double>& spent_s, const auto& work) {
+    in_parallel(spent_s.size(), in.threads, [&](std::size_t i) {
+      const auto begin = std::chrono::steady_clock::now();
+      work(i);
+      spent_s[i] += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    });
+  };
+  each(result.test_s, [&](std::size_t i) {
     result.tests[i] = std::visit([](auto& test) { return analysed(test); }, in.tests[i]);
   });
   result.known = known_values(result.tests);
-  in_parallel(in.tests.size(), in.threads, [&](std::size_t i) {
+  each(result.test_s, [&](std::size_t i) {
     const auto* test = std::get_if<ModalInputs>(&in.tests[i]);
     if (!test || !test->scene) return;
     auto& outcome = std::get<ModalOutcome>(result.tests[i]);
     outcome.model = modal_states(*test, result.known, outcome.test.states);
   });
-  in_parallel(in.fits.size(), in.threads, [&](std::size_t i) {
+  each(result.fit_s, [&](std::size_t i) {
     result.fits[i] = run_fit(in.fits[i], result);
     advance();
   });
-  in_parallel(in.tests.size(), in.threads, [&](std::size_t i) {
+  each(result.test_s, [&](std::size_t i) {
     const auto* test = std::get_if<DecayInputs>(&in.tests[i]);
     if (test) result.tests[i] = run_decays(*test, result);
     advance();

@@ -79,6 +79,8 @@ struct CampaignResult {
   std::vector<TestResult> tests;  ///< as inputs.tests
   std::vector<CampaignFitOutcome> fits;
   KnownValues known;  ///< from the first bending and axial tests with a result
+  /// Time that each took, s; on several threads that of work beside it as well.
+  std::vector<double> test_s, fit_s;
 };
 
 /// Works through tests and fits on `threads` threads; the numbers do not depend on their count.

@@ -37,7 +37,7 @@ class ModeRateFinder {
     const Eigen::Index count = motion_.omega2.size();
     rates.omega2.setZero(count);
     rates.shapes.setZero(motion_.shapes.rows(), count);
-    if (dk.values().isZero(0) && dm.values().isZero(0)) return rates;  // such as a joint's damping
+    if (dk.values().isZero(0) && dm.values().isZero(0)) return rates;  // such as a damping ratio
     for (Eigen::Index i = 0; i < count; ++i) {
       const Eigen::VectorXd phi = motion_.shapes.col(i);
       const Eigen::VectorXd dk_phi = dk * phi, dm_phi = dm * phi;
@@ -97,26 +97,6 @@ void difference_anew(const Scene& scene, const ParameterAccess& access, const Pa
   }
 }
 
-/// By a damping ratio, which moves neither the rig nor its matrices.
-void damp_more(const Scene& scene, const ParameterAccess& access, const ParameterStep& step,
-               const ChainModes& modes, Eigen::Index p, ModeSensitivities& out) {
-  std::array<std::vector<Eigen::VectorXcd>, 2> poles;
-  for (const std::size_t side : {0, 1}) {
-    Scene damped = scene;
-    access.set(damped, side == 0 ? step.low : step.high);
-    for (const MotionModes& motion : modes.motions) {
-      poles[side].push_back(damped_poles(motion, modes.equilibrium.state, damped));
-    }
-  }
-  for (Eigen::Index i = 0; i < out.damping_ratio.rows(); ++i) {
-    const auto& which = modes.order[std::size_t(i)];
-    const auto ratio = [&](std::size_t side) {
-      return damping_ratio_of(poles[side][std::size_t(which.motion)][which.mode]);
-    };
-    out.damping_ratio(i, p) = (ratio(1) - ratio(0)) / step.width();
-  }
-}
-
 }  // namespace
 
 ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
@@ -147,10 +127,6 @@ ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
   for (Eigen::Index p = 0; p < columns; ++p) {
     const ParameterAccess& access = wanted[std::size_t(p)];
     ParameterStep step = parameter_step(access, scene, extent);
-    if (access.name.ends_with(".damping_ratio")) {
-      if (options.damped) damp_more(scene, access, step, modes, p, out);
-      continue;
-    }
     std::array<PerturbedEquilibrium, 2> rigs;
     if (!mover.move(access, step, rigs)) {
       difference_anew(scene, access, step, modes, options, p, out);

@@ -6,6 +6,7 @@
 
 #include "model/motion/motion_kernel.h"
 #include "model/motion/step_forces.h"
+#include "model/motion/vector_loops.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
@@ -15,11 +16,22 @@ constexpr double kSlowing = 1.0 / 8;  // kappa / h^2
 constexpr double kStability = 3.2;    // omega h at the highest frequency of the start; less than
                                       // 2 sqrt(3) to leave room for stiffening by motion
 
-// Damped modes in single precision, a quarter of the time: it rounds what an interval loses.
 struct Dampers {
-  Eigen::MatrixXf momentum, shapes;
-  Eigen::VectorXf lost;  // of each mode's velocity in an interval, relative
+  Eigen::VectorXd lost;  // of each mode's velocity in an interval, relative
+  // What an interval adds to velocities is their product with one after the other. In single
+  // precision, which rounds what is lost: half the time.
+  std::vector<Eigen::MatrixXf> factors;
 };
+Dampers dampers_of(const DampedModes& modes, double interval) {
+  Dampers out{(-interval * modes.rate).array().expm1(), {}};
+  const Eigen::MatrixXd to_modes = out.lost.asDiagonal() * modes.momentum.transpose();
+  if (2 * to_modes.rows() < to_modes.cols()) {
+    out.factors = {to_modes.cast<float>(), modes.shapes.cast<float>()};
+  } else {
+    out.factors = {(modes.shapes * to_modes).cast<float>()};
+  }
+  return out;
+}
 
 template <int D>
 class ExplicitRun {
@@ -49,10 +61,7 @@ class ExplicitRun {
       velocity_wanted_ = velocity_wanted_ || described(quantity).derivatives == 1;
     }
     for (const DampedModes& modes : problem.damped_modes) {
-      const double interval = h_ * static_cast<double>(period_);
-      const Eigen::VectorXd lost = (-interval * modes.rate).array().expm1();
-      dampers_.push_back(
-          {modes.momentum.cast<float>(), modes.shapes.cast<float>(), lost.cast<float>()});
+      dampers_.push_back(dampers_of(modes, h_ * static_cast<double>(period_)));
     }
     for (std::size_t s = 0; s < sensor_rows_.size(); ++s) drags_.push_back(drag(s));
   }
@@ -181,11 +190,13 @@ class ExplicitRun {
   void damp() {
     Eigen::VectorXd u = kernel_.unknowns(v_);
     for (std::size_t k = 0; k < dampers_.size(); ++k) {
-      const Dampers& modes = dampers_[k];
       const std::vector<int>& own = problem_.damped_modes[k].unknowns;
-      const Eigen::VectorXf velocity = u(own).template cast<float>();
-      const Eigen::VectorXf mode = modes.momentum.transpose() * velocity;
-      const Eigen::VectorXf change = modes.shapes * modes.lost.cwiseProduct(mode);
+      Eigen::VectorXf change = u(own).template cast<float>();
+      for (const Eigen::MatrixXf& factor : dampers_[k].factors) {
+        Eigen::VectorXf product = Eigen::VectorXf::Zero(factor.rows());
+        add_product(factor, change, product);
+        change.swap(product);
+      }
       u(own) += change.cast<double>();
     }
     change_ = sum_ = v_;
@@ -220,7 +231,7 @@ class ExplicitRun {
         mode = -mode.cwiseProduct(modes.rate);
         now(modes.unknowns) = modes.momentum * mode;
       }
-      part(modes.unknowns) = modes.momentum * mode.cwiseProduct(dampers_[k].lost.cast<double>());
+      part(modes.unknowns) = modes.momentum * mode.cwiseProduct(dampers_[k].lost);
     }
     return {kernel_.covector(now), kernel_.covector(part)};
   }

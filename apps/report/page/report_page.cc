@@ -384,6 +384,7 @@ class PageWriter {
                       counted(frame_.inputs.size(), "input file") + " and their SHA-256"};
     for (const auto& [path, hash] : frame_.inputs) table.rows.push_back({path, hash});
     blocks_.add(table);
+    if (frame_.style == ReportStyle::lab && !frame_.times.rows.empty()) blocks_.add(frame_.times);
     html_ += blocks_.taken() + "</section>\n";
   }
 

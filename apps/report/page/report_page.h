@@ -29,6 +29,8 @@ struct PageFrame {
   std::string repeat = {};  ///< command line that makes the report again
   std::vector<std::pair<std::string, std::string>> inputs = {};  ///< path, SHA-256
   std::vector<std::pair<std::string, std::string>> links = {};   ///< other pages: file, title
+  ReportTable times = {
+      "times", "Time of each stage of this report.", {{"stage", {}, false}, {"time, s"}}};
 };
 
 /// report.html. `overview` (parts/parts.h) stands on the first page.

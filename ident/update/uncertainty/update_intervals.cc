@@ -38,29 +38,19 @@ double profile_end(const UpdateProblem& problem, const std::vector<UpdateMatch>&
   const double at = solution.coordinates[j];
   const double bound = direction > 0 ? coordinate.high : coordinate.low;
   const double own = solution.identifiability.std[j];
-  // The others move along the ridge: at first as the covariance says, then as they did last.
-  const auto or_none = [](double by) { return std::isfinite(by) ? by : 0; };
-  const Eigen::VectorXd linear =
-      (direction / (own * own) * solution.identifiability.covariance.col(j)).unaryExpr(or_none);
-  Eigen::VectorXd q, along = linear;
+  Eigen::VectorXd q = solution.coordinates;
   const auto above_goal = [&](double step) {  // the root of the deviance over its goal; < 0: inside
-    q = solution.coordinates + step * along;
-    for (Eigen::Index i = 0; i < q.size(); ++i) {
-      const auto& other = problem.coordinates()[static_cast<std::size_t>(i)];
-      q[i] = std::clamp(q[i], other.low, other.high);
-    }
     q[j] = at + direction * step;
     double cost = 0;
     // A cost of 200 to 0.02: with a deviance of k^2, about 4, the root is then known to kProfiled.
     (void)minimise(problem, matches, q, cost, 1e-4, static_cast<int>(j));
-    along = (q - solution.coordinates) / step;
     const double above = deviance_at(problem, matches, q, solution.variance_factor) - least;
     return std::isnan(above) ? kNaN : std::sqrt(std::max(0.0, above)) / goal - 1;
   };
   const double farthest = std::abs(bound - at);
   if (!std::isfinite(own) && std::isfinite(bound)) {  // often open up to the bound
     if (above_goal(farthest) < 0) return kNaN;
-    along = linear;
+    q = solution.coordinates;
   }
   // The root is nearly a straight line in q, but for a kink where another parameter ends.
   double inside = 0, root_inside = -1, outside = kNaN, root_outside = kNaN;

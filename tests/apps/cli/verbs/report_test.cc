@@ -22,6 +22,7 @@ TEST_F(PublishedTables, WritesPageDocumentDataAndFigures) {
   EXPECT_LT(page.size(), 8'000'000u);
   EXPECT_TRUE(page.ends_with("</html>\n"));
   EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
+  EXPECT_THAT(page, HasSubstr("Time of each stage"));
   EXPECT_THAT(run_.out, HasSubstr("report.html"));
 }
 
