@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <ranges>
 #include <set>
 #include <stdexcept>
 
@@ -93,11 +92,11 @@ ident::BendingSource published_values(TomlTable& table, const TextTable& results
   for (const auto& row : results.rows) {
     auto& point = source.values.emplace_back(ident::StiffnessPoint());
     describe::Options columns{needed(tension, point.tension_N), needed(EI, point.EI_Nm2)};
-    for (const auto& column : results.columns | std::views::reverse) {  // the first one wins
-      for (const auto& [beginning, value] :
-           {std::pair{"std", &point.std}, {"low", &point.low}, {"high", &point.high}}) {
-        if (column.name.starts_with(beginning)) columns.push_back(option(column.name, *value, ""));
-      }
+    for (const auto& [beginning, value] :
+         {std::pair{"std", &point.std}, {"low", &point.low}, {"high", &point.high}}) {
+      const auto first = std::ranges::find_if(
+          results.columns, [&](const auto& column) { return column.name.starts_with(beginning); });
+      if (first != results.columns.end()) columns.push_back(option(first->name, *value, ""));
     }
     fill_row(results, row, columns);
   }

@@ -141,7 +141,8 @@ std::vector<MeasuredTableRow> measured_modes(const std::string& path, const std:
     for (const auto& sensor : scene.sensors) sensors.push_back(sensor.name);
     return modes_of_table(path, column, plane, sensors);
   }
-  if (!column.empty()) throw UsageError(path + " is a universal file: --column is of tables");
+  if (!column.empty())
+    throw UsageError(path + " is a universal file: a column (--column) is that of a table");
   const signal::UffModes file = signal::read_uff_modes(path);
   std::vector<std::string> remarks = file.remarks;
   std::string why;

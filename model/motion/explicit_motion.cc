@@ -43,7 +43,7 @@ class ExplicitRun {
         kernel_(*problem.chain),
         h_(step),
         substeps_(substeps),
-        period_(2 * std::max(1L, static_cast<long>(options.damper_interval_s / (2 * step)))),
+        period_(2 * std::max(1L, std::lround(options.damper_interval_s / (2 * step)))),
         memory_(kArrays * static_cast<std::size_t>(kernel_.size()), 0.0) {
     q_ = kernel_.positions(problem.start);
     rest_ = kernel_.positions(problem.rest);

@@ -64,18 +64,11 @@ double damper_interval(const LinearAnswer& answer, const ModeWeights& weights, d
   const Eigen::VectorXcd& s = answer.modal.poles;
   const auto seen = (s.cwiseAbs().array() * sample_s <= std::numbers::pi).cast<double>();
   const Eigen::VectorXd weight = weights.sensors.array() * seen;
-  const Eigen::VectorXd rate2 = s.real().cwiseAbs2(), omega2 = s.cwiseAbs2().cwiseMax(1e-300);
+  const Eigen::VectorXd rate2 = s.real().cwiseAbs2();
   const double sixteenth = 1 / (16 * std::max(upper_hz, 1e-3));
-  double T = std::min({sixteenth, std::sqrt(2 * accuracy / std::max(weight.dot(rate2), 1e-12)),
-                       1 / std::max(s.real().lpNorm<Eigen::Infinity>(), 1e-6)});
-  const auto error = [&] {
-    const auto part = (omega2.array() * T * T / 12).min(1.0);
-    return std::sqrt((weight.array() * rate2.array() / omega2.array() * part.square()).sum());
-  };
-  while (T > sample_s && (T > sixteenth / 2 || error() > accuracy)) {
-    T = std::max(T / 1.5, sample_s);
-  }
-  return T;
+  return std::min({sample_s, sixteenth,
+                   std::sqrt(2 * accuracy / std::max(weight.dot(rate2), 1e-12)),
+                   1 / std::max(s.real().lpNorm<Eigen::Infinity>(), 1e-6)});
 }
 
 double truncated_part(const LinearAnswer& answer, const ModeWeights& weights, const Scene& scene) {

@@ -30,15 +30,12 @@ struct StepErrors {
                                  const ModeWeights& weights, double shift, double interval_s,
                                  double accuracy);
 
-/// Interval T at which modal dampers act in an explicit run: a sixteenth of a period of `upper_hz`,
-/// up to which 99 % of the motion's energy lies, or less. For a mode, x = omega T, its frequency
-/// errs by (zeta x)^2 / 6, relative: less than a third of `accuracy` by what sensors read up to
-/// half of the sampling rate. Their reading of it errs by zeta x^2 / 12, by zeta at most: less than
-/// `accuracy` by the linear answer, and T half of that part of a period, for what the motion
-/// excites beyond it, both where samples are so dense that one interval a sample is more than
-/// enough. No mode's velocity falls by more than exp(-2) at once: axial modes follow what bending
-/// shortens, and ring where they are stopped (displacements of a beam struck erred by 4e-4, not
-/// 1e-5).
+/// Interval T at which modal dampers act in an explicit run: a sample (between samples, the phase
+/// of a hit in a longer one would show), or a sixteenth of a period of `upper_hz`, up to which 99 %
+/// of the motion's energy lies, or less: a mode's frequency errs by (zeta omega T)^2 / 6, relative,
+/// less than a third of `accuracy` by what sensors read up to half of the sampling rate. No mode's
+/// velocity falls by more than exp(-2) at once: axial modes follow what bending shortens, and ring
+/// where they are stopped (displacements of a beam struck erred by 4e-4, not 1e-5).
 [[nodiscard]] double damper_interval(const LinearAnswer& answer, const ModeWeights& weights,
                                      double upper_hz, double sample_s, double accuracy);
 

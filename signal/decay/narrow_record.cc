@@ -11,13 +11,16 @@ using Eigen::Index;
 
 // A blow is spread over the filter's reach, which is half a cycle at the end of the band then.
 constexpr double kSamplesPerCycle = 8;
+// What tells a start and a background of a short record: from 130 on, nothing is lost.
+constexpr Index kFewest = 256;
 
 }  // namespace
 
 std::optional<NarrowRecord> narrow_record(const Eigen::Ref<const Eigen::VectorXd>& y,
                                           const DecayBand& band) {
   NarrowRecord out;
-  out.step = band.all ? 1 : static_cast<Index>(1 / (kSamplesPerCycle * band.high));
+  if (band.all) return {};
+  out.step = std::min(static_cast<Index>(1 / (kSamplesPerCycle * band.high)), y.size() / kFewest);
   if (out.step < 2) return {};
   const double narrow = 1 / static_cast<double>(out.step), band_end = narrow / kSamplesPerCycle;
   // What lies beyond the stop band's edge would be folded into the band; 4.3 narrow samples to

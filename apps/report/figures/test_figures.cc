@@ -23,8 +23,9 @@ std::string unit_words(const std::string& unit) {
 
 Plot decay_plot(const std::string& id, const ident::RecordedDecay& decay) {
   Plot plot{id, "Decay and fit: " + short_name(decay.file),
-            "The record, the damped oscillations fitted to it, and the residual, both in the band "
-            "where one is given. A residual that looks like noise means that the fit is complete.",
+            "The record, the damped oscillations fitted to it, and the residual, both without what "
+            "lies far above a band that is given. A residual that looks like noise means that the "
+            "fit is complete.",
             "time, s", fmt::format("{}, {}", decay.channel, unit_words(decay.unit))};
   const auto time = [&](Eigen::Index i) {
     return decay.start_time_s + static_cast<double>(i) / decay.sample_rate_hz;

@@ -10,6 +10,8 @@
 
 #include "ident/statistics/in_parallel.h"
 #include "signal/estimation/groups.h"
+#include "signal/impact/impact_hits.h"
+#include "signal/numerics/numbers.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::ident {
@@ -203,9 +205,16 @@ std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
     const auto& version = versions[k];
     model::ResponseOptions response;
     response.sampling.rate_hz = rate;
-    // It begins within the record, whose decay is compared.
-    response.sampling.duration_s =
-        std::max(kAlike_s, static_cast<double>(decays.result.end) / rate);
+    // As long as the decay is, or until its strongest mode has died away.
+    const auto& found = decays.result;
+    double lasts = static_cast<double>(found.end - found.start) / rate;
+    if (!found.modes.empty() && found.modes.front().damping_ratio.value > 0) {
+      const auto& mode = found.modes.front();
+      lasts = std::min(lasts,
+                       -std::log(signal::kRungDown) /
+                           (signal::kTwoPi * mode.frequency_hz.value * mode.damping_ratio.value));
+    }
+    response.sampling.duration_s = kAlike_s + lasts;
     ReleaseAnswer& answer = answers[k];
     answer.label = version.label;
     answer.response = model::simulate_response(version.scene, response);

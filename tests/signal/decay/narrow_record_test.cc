@@ -68,6 +68,23 @@ TEST(NarrowRecord, ModesAboveTheBandDoNotHideThoseInIt) {
   EXPECT_GE(held, 50);  // of 60 at 95 %: fewer by chance once in 1,000
 }
 
+// A record of a quarter of a second keeps enough samples to tell where it starts.
+TEST(NarrowRecord, ShortRecordsStartWhereTheyAreStruck) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(1250);
+    testing::add_decay(y, {22, 0.02, 1}, 5000, 0.5, 100);
+    testing::add_decay(y, {60, 0.02, 0.5}, 5000, 0.5, 100);
+    testing::add_noise(y, 0.02, random);
+    DecayOptions options;
+    options.band_low_hz = 10, options.band_high_hz = 40;
+    const DecayResult found = estimate_decay(y, 5000, options);
+    EXPECT_GE(found.start, 100) << seed;
+    ASSERT_FALSE(found.modes.empty()) << seed;
+    EXPECT_NEAR(found.modes[0].damping_ratio.value, 0.02, 0.004) << seed;
+  }
+}
+
 TEST(NarrowRecord, IsNotMadeOfGapsOrRailsOrForABandNearTheRate) {
   const Eigen::VectorXd y = record(6, 0.3);
   const DecayBand band{0.003, 0.0075, false};
