@@ -95,7 +95,8 @@ ident::BendingSource published_values(TomlTable& table, const TextTable& results
     for (const auto& [beginning, value] :
          {std::pair{"std", &point.std}, {"low", &point.low}, {"high", &point.high}}) {
       const auto first = std::ranges::find_if(
-          results.columns, [&](const auto& column) { return column.name.starts_with(beginning); });
+          results.columns,
+          [word = beginning](const auto& column) { return column.name.starts_with(word); });
       if (first != results.columns.end()) columns.push_back(option(first->name, *value, ""));
     }
     fill_row(results, row, columns);
