@@ -50,6 +50,7 @@ std::size_t place_of(const std::string& name, const std::vector<std::string>& na
 template <class Named>
 std::vector<std::string> names_of(const std::vector<Named>& all) {
   std::vector<std::string> names;
+  names.reserve(all.size());
   for (const auto& one : all) names.push_back(one.name);
   return names;
 }
