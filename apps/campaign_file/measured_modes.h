@@ -35,8 +35,8 @@ struct MeasuredTableRow {
 /// empty: "frequency_hz". `plane`: for rows that name none. A sensor's node is the one of the file
 /// that is where the sensor is in the scene (within 1/1000 of its extent; the coordinates of both
 /// must agree); shapes are taken where every sensor has a node, and a warning says where not.
-/// Throws model::SceneError with file and line, signal::RecordingError, UsageError for a `column`
-/// of a universal file.
+/// Throws model::SceneError with file and line, signal::RecordingError, UsageError where a
+/// universal file has a `column`.
 [[nodiscard]] std::vector<MeasuredTableRow> measured_modes(const std::string& path,
                                                            const std::string& column,
                                                            std::optional<model::ModePlane> plane,

@@ -9,8 +9,8 @@
 // them without damping,
 //   (K + s^2 M)^-1 b = sum_k (-s^2)^k (K^-1 M)^k K^-1 b,
 // which converges by (|s| / omega)^2 a term, omega the first mode that is not carried: twice the
-// highest line, so that some 25 vectors serve all lines in place of a factorisation each (four
-// times as fast). With joint dampers the sum is inverted by Woodbury's formula, line by line.
+// highest line, so that some 25 vectors serve all lines in place of a factorisation each. With
+// joint dampers the sum is inverted by Woodbury's formula, line by line.
 #pragma once
 
 #include <Eigen/Core>
@@ -57,7 +57,7 @@ class FrfSolver {
   Eigen::MatrixXd modal_;  ///< the right sides' part along the damped modes
   /// By right side: the series' vectors, by power of -s^2, and the modes' shapes, row by row.
   std::vector<Eigen::MatrixXd> basis_;
-  Eigen::VectorXcd parts_;  ///< of them at a line
+  Eigen::VectorXcd parts_;  ///< their factors at a line
 };
 
 /// The rig at rest with what its FRFs at these lines need: its motions' matrices and, where a

@@ -17,9 +17,9 @@ constexpr double kStability = 3.2;    // omega h at the highest frequency of the
                                       // 2 sqrt(3) to leave room for stiffening by motion
 
 struct Dampers {
-  Eigen::VectorXd lost;  // of each mode's velocity in an interval, relative
+  Eigen::VectorXd lost;  // the share of each mode's velocity that an interval takes, negative
   // What an interval adds to velocities is their product with one after the other. In single
-  // precision, which rounds what is lost: half the time.
+  // precision, which rounds what is lost and halves what is read from memory.
   std::vector<Eigen::MatrixXf> factors;
 };
 Dampers dampers_of(const DampedModes& modes, double interval) {
@@ -43,7 +43,7 @@ class ExplicitRun {
         kernel_(*problem.chain),
         h_(step),
         substeps_(substeps),
-        period_(2 * std::max(1L, std::lround(options.damper_interval_s / (2 * step)))),
+        period_(2 * std::max(1L, static_cast<long>(options.damper_interval_s / (2 * step)))),
         memory_(kArrays * static_cast<std::size_t>(kernel_.size()), 0.0) {
     q_ = kernel_.positions(problem.start);
     rest_ = kernel_.positions(problem.rest);
@@ -157,7 +157,7 @@ class ExplicitRun {
     kernel_.acceleration(q_.data(), nullptr, other_.data());
     return h_ * h_ / 2 * external_.dot(first_ - other_);
   }
-  // Of the loads by the mean velocity of half a kick, v -> v + h/2 a.
+  // The loads' power by the mean velocity of half a kick, v -> v + h/2 a.
   [[nodiscard]] double power() const { return loaded_ ? external_.dot(v_ + h_ / 4 * a_) : 0; }
 
   // The scheme's own variables for the start: q - h^2/12 a(q), v + h^2/12 da/dt.

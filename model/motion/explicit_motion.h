@@ -39,7 +39,7 @@ struct ExplicitOptions {
   /// Slow axial waves as far as steps of this size need (s); zero: not at all. Where the chain
   /// turns too far from its members' chords for that, steps are smaller.
   double slowed_step_s = 0;
-  /// Time between two actions of the dampers (s), to the nearest even number of steps.
+  /// Time between two actions of the dampers (s): the even number of steps below it, or two.
   double damper_interval_s = 0;
   /// Largest drift of the energy balance (EnergyBalance::drift): a step of the scheme's own choice
   /// is halved, up to four times, until the account closes that well.

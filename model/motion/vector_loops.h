@@ -1,5 +1,6 @@
-// A dense product as the processor runs it best: three times as fast as with the two double lanes
-// that every processor has, which is a third of a hammer hit's simulation.
+// A dense product as the processor runs it best (AVX-512). Eigen's for any x86-64 in its place
+// takes 1.4 times as long in `rigfit synthesize testdata/jalali2021/scenes/cable.toml` (143 against
+// 104 s of processor time, side by side).
 #pragma once
 
 #include <Eigen/Core>

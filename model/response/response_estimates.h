@@ -30,10 +30,10 @@ struct StepErrors {
                                  const ModeWeights& weights, double shift, double interval_s,
                                  double accuracy);
 
-/// Interval T at which modal dampers act in an explicit run: a sample (between samples, the phase
-/// of a hit in a longer one would show), or a sixteenth of a period of `upper_hz`, up to which 99 %
-/// of the motion's energy lies, or less: a mode's frequency errs by (zeta omega T)^2 / 6, relative,
-/// less than a third of `accuracy` by what sensors read up to half of the sampling rate. No mode's
+/// Interval T at which modal dampers act in an explicit run: a sample (in a longer one the phase at
+/// which a hit comes would show), or a sixteenth of a period of `upper_hz`, below which 99 % of the
+/// motion's energy lies, or less: a mode's frequency errs by (zeta omega T)^2 / 6, relative, less
+/// than a third of `accuracy` by what sensors read up to half of the sampling rate. No mode's
 /// velocity falls by more than exp(-2) at once: axial modes follow what bending shortens, and ring
 /// where they are stopped (displacements of a beam struck erred by 4e-4, not 1e-5).
 [[nodiscard]] double damper_interval(const LinearAnswer& answer, const ModeWeights& weights,

@@ -21,7 +21,7 @@ namespace rigfit::signal {
 
 struct StruckPoint {
   std::string name;  ///< empty: the only point, its input has the name of the force
-  std::vector<Recording> recordings;  ///< of hits on the point, with the same channels
+  std::vector<Recording> recordings;  ///< hits on the point, all with the same channels
   /// The response at the point, an index; none: that of the point's name, if there is one.
   std::optional<Eigen::Index> response = {};
 };

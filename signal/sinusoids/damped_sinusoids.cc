@@ -253,7 +253,7 @@ class Problem {
   double n_;
   Index m_;
   Eigen::VectorXcd poles_;            // with the background's
-  std::vector<PairSums> pairs_;       // of each pole with those before it and itself
+  std::vector<PairSums> pairs_;       // each pole's with those before it and itself
   std::span<const KnownTone> known_;  // the first poles'
   // Parameters that are free, in the order of `jacobian_gram`: linear ones, and parts of poles.
   std::vector<Index> linear_, moving_;

@@ -68,7 +68,7 @@ struct RecordedDecay {
 
 /// Response of one version of the model to a release or tap.
 struct ReleaseAnswer {
-  std::string label;               ///< of the version
+  std::string label;               ///< the version's
   model::ResponseResult response;  ///< first sensor only
   Eigen::Index start = 0;          ///< sample of the record where it begins
   signal::DecayResult found;  ///< decay of the response, from the record's estimator and window
@@ -102,15 +102,16 @@ struct ModelVersion {
   model::Scene scene;  ///< instrumented as the test was
 };
 
-/// Simulates every version, whose scenes have one load and one sensor, to the end of the record's
-/// decay, and shifts each in time to best match the record.
+/// Simulates every version, whose scenes have one load and one sensor, as long as the record's
+/// decay lasts or until its strongest mode has died away, and shifts each in time to best match the
+/// record.
 [[nodiscard]] std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
                                                          const signal::DecayOptions& options,
                                                          const std::vector<ModelVersion>& versions,
                                                          int threads);
 
-/// The mode of another decay that corresponds to `mode`: the nearest in frequency within that part
-/// of it, by default an answer's of the model; null when there is none.
+/// The mode of another decay that corresponds to `mode`: the nearest in frequency, no farther than
+/// that part (by default an answer's, which the model gives); null when there is none.
 [[nodiscard]] const signal::DecayMode* same_mode(const signal::DecayMode& mode,
                                                  const signal::DecayResult& other,
                                                  double within = 0.15);

@@ -138,7 +138,7 @@ TEST_F(CampaignFiles, MistakesInWhatItNamesAreRefusedInTheirFile) {
   EXPECT_THAT(message("EI.csv", "tension_N,EI_Nm2\n25,0\n"), HasSubstr("0 is no positive number"));
   EXPECT_THAT(message("EI.csv", "\n"), HasSubstr("no rows"));
   EXPECT_EQ(message("EI.csv", folder_.read("EI.csv")), "accepted");
-  // Of columns that begin with "std", the first is EI's.
+  // The first column that begins with "std" is EI's.
   EXPECT_EQ(message("EI.csv", "tension_N,EI_Nm2,std_EI,std_method\n25,0.2,,type A\n"), "accepted");
 }
 
