@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "signal/numerics/numbers.h"
+
 namespace rigfit::ident {
 namespace {
 
@@ -18,15 +20,6 @@ constexpr double kLeastStd = 1e-5;
 // An input known exactly still has a sensitivity.
 double relative(const signal::Estimate& input) {
   return input.value > 0 ? std::max(input.std / input.value, 1e-7) : 0;
-}
-
-// Compliance under the mass of a rod of stiffness kc, without what is not told.
-template <class T>
-T told_chain(const AxialSetup& setup, double kc, const T& W, double length) {
-  const double frame = setup.frame_stiffness_N_m.value, adapter = setup.adapter_stiffness_N_m.value;
-  return rod_compliance(T(kc), W * setup.mass_per_length_kg_m.value * length,
-                        T(frame > 0 ? 1 / frame : 0)) +
-         (adapter > 0 ? 1 / adapter : 0);
 }
 
 struct Length : AxialLengthData {
@@ -83,28 +76,35 @@ struct Residuals {
   }
 };
 
-// Contributions to ln EA, which moves with each residual of unit variance by its gain.
-void add_shares(const Residuals& model, const Eigen::VectorXd& gain, AxialFit& fit) {
+// Contributions to EA, whose logarithm moves with each residual of unit variance by its gain.
+void add_budget(const Residuals& model, const Eigen::VectorXd& gain, AxialFit& fit) {
   const AxialSetup& setup = model.setup;
   const auto n = static_cast<Eigen::Index>(model.lengths.size());
-  AxialShare frequency{"frequency", "Hz", 0, 0, 0, 0}, scatter{"between lengths", "N", 0, 0, 1, 0};
-  AxialShare length{"length", "m", 0, setup.length_std_m.value_or(0), 0, 0};
+  const double each = 1 / static_cast<double>(n), length_std = setup.length_std_m.value_or(0);
+  double own = 0, between = 0, cut = 0, by_length = 0, length = 0, frequency = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
     const Length& one = model.lengths[static_cast<std::size_t>(i)];
-    const double part = std::pow(one.scatter / one.std, 2), own = gain[n + kShared + i];
-    frequency.variance += (1 - part) * gain[i] * gain[i];
-    scatter.variance += part * gain[i] * gain[i];
-    length.value += one.length_m / static_cast<double>(n);
-    length.by_input += own / (relative({one.length_m, length.std}) * one.length_m);
-    if (length.std > 0) length.variance += own * own;
+    const double part = std::pow(one.scatter / one.std, 2), g = gain[n + kShared + i];
+    own += (1 - part) * gain[i] * gain[i];
+    between += part * gain[i] * gain[i];
+    cut += length_std > 0 ? g * g : 0;
+    by_length += g / (relative({one.length_m, length_std}) * one.length_m);
+    length += each * one.length_m;
+    frequency += each * std::sqrt(one.W) / signal::kTwoPi;
   }
-  fit.shares = {frequency, scatter, length};
+  const auto push = [&](const char* source, const char* unit, const signal::Estimate& input,
+                        double by_input, double variance) {
+    fit.budget.push_back({source, unit, input.value, input.std, fit.EA_N * by_input,
+                          fit.EA_N * std::sqrt(variance), variance});
+    fit.EA_relative_std = std::hypot(fit.EA_relative_std, std::sqrt(variance));
+  };
+  push("frequency", "Hz", {frequency, std::sqrt(own) * frequency / 2}, 2 / frequency, own);
+  push("between lengths", "N", {signal::kNaN, fit.EA_N * fit.between_std}, 1 / fit.EA_N, between);
+  push("length", "m", {length, length_std}, by_length, cut);
   const auto add = [&](Shared which, const char* source, const char* unit,
                        const signal::Estimate& input, double step) {
     const double g = gain[n + which];
-    if (!(step > 0)) return;
-    fit.shares.push_back(
-        {source, unit, input.value, input.std, g / step, input.std > 0 ? g * g : 0});
+    if (step > 0) push(source, unit, input, g / step, input.std > 0 ? g * g : 0);
   };
   const auto value = [&](Shared which, const char* source, const char* unit,
                          const signal::Estimate& input) {
@@ -142,9 +142,7 @@ AxialFit fit_axial(std::span<const AxialLengthData> data, const AxialSetup& setu
     const auto rod = rod_of(setup, length.W, one.length_m);
     length.scatter = between_std / rod.by_omega_squared;
     length.std = std::hypot(std::max(one.log_omega_squared_std, kLeastStd), length.scatter);
-    const ceres::Jet<double, 1> W(length.W, 0);
-    const auto chain = told_chain(setup, rod.cable_N_m, W, one.length_m);
-    length.residual_std = (1 + length.W * chain.v[0] / chain.a) * length.std;
+    length.residual_std = rod.misfit_by_omega_squared * length.std;
     if (lengths.empty()) unit = 1 / rod.cable_N_m, z[kLogEA] = std::log(one.length_m / unit);
     lengths.push_back(length);
     moments += Eigen::Vector4d(1, one.length_m, 1 / rod.cable_N_m, one.length_m / rod.cable_N_m);
@@ -189,10 +187,7 @@ AxialFit fit_axial(std::span<const AxialLengthData> data, const AxialSetup& setu
   if (series) {
     fit.compliance_m_N = {unit * z[kSeries], unit * gains.row(kSeries).norm()};
   }
-  add_shares(*model, gains.row(kLogEA), fit);
-  double variance = 0;  // without what stands in for exact inputs
-  for (const auto& share : fit.shares) variance += share.variance;
-  fit.EA_relative_std = std::sqrt(variance);
+  add_budget(*model, gains.row(kLogEA), fit);
   fit.converged = std::isfinite(fit.EA_relative_std) && fit.EA_N > 0;
   return fit;
 }

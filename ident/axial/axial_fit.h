@@ -50,23 +50,28 @@ struct AxialLengthData {
   double log_omega_squared_std = 0;  ///< std of that mean
 };
 
-/// What an input does to ln EA.
-struct AxialShare {
-  std::string source, unit;
-  double value = 0, std = 0;  ///< value and std of the input
-  double by_input = 0;  ///< d ln EA / d input (of all lengths together, where it is each one's)
-  double variance = 0;  ///< variance of ln EA from this input
+/// What an input does to EA.
+struct BudgetRow {
+  std::string source;
+  std::string unit;
+  double value = 0, std = 0;  ///< value and std of the input; NaN where it is no single number
+  double sensitivity = 0;     ///< d EA / d input, N per unit (of all lengths together, where it is
+                              ///< each one's)
+  double contribution_N = 0;  ///< |sensitivity| std
+  double share = 0;           ///< share of the variance of EA; in a fit: variance of ln EA
+  double degrees_of_freedom = 0;  ///< 0: taken as known (type B)
+  char type = 'B';
 };
 
 struct AxialFit {
-  bool converged = false;  ///< false: nothing below holds
-  double EA_N = 0;         ///< per unit strain, of the cable alone
-  double EA_relative_std = 0;
+  bool converged = false;                 ///< false: nothing below holds
+  double EA_N = 0;                        ///< per unit strain, of the cable alone
+  double EA_relative_std = 0;             ///< without what stands in for exact inputs
   signal::Estimate compliance_m_N{0, 0};  ///< s
   double chi2 = 0;
-  int degrees = 0;                 ///< lengths less free parameters
-  double between_std = 0;          ///< relative
-  std::vector<AxialShare> shares;  ///< frequency, between lengths, then the inputs
+  int degrees = 0;                ///< lengths less free parameters
+  double between_std = 0;         ///< relative
+  std::vector<BudgetRow> budget;  ///< frequency, between lengths, length, then the other inputs
 };
 
 /// The cable as a rod, by its frequency under what is told of mass, adapter and frame.

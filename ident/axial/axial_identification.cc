@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_statistics_double.h>
 
 #include <algorithm>
 #include <cmath>
@@ -82,13 +83,20 @@ struct Repeatability {
   double variance = 0, degrees = 0;  // degrees 0: from the fits
 };
 
-Repeatability repeatability(const std::vector<std::vector<double>>& groups, double stated) {
+// The records of a length.
+struct Group {
+  std::vector<double> log_W, zeta;
+};
+
+double mean_of(const std::vector<double>& x) { return gsl_stats_mean(x.data(), 1, x.size()); }
+
+Repeatability repeatability(const std::map<double, Group>& groups,
+                            std::vector<double> Group::*which, double stated) {
   double squares = 0, degrees = 0;
-  for (const auto& group : groups) {
-    double mean = 0;
-    for (double x : group) mean += x / static_cast<double>(group.size());
-    for (double x : group) squares += (x - mean) * (x - mean);
-    degrees += static_cast<double>(group.size()) - 1;
+  for (const auto& [length, group] : groups) {
+    const auto& x = group.*which;
+    squares += gsl_stats_tss(x.data(), 1, x.size());
+    degrees += static_cast<double>(x.size()) - 1;
   }
   const double seen = degrees > 0 ? squares / degrees : 0;
   if (seen > stated || (degrees >= 5 && seen > 0.2 * stated)) return {seen, degrees};
@@ -116,45 +124,32 @@ class Identification {
   }
 
   void gather(std::span<const AxialDecay> decays) {
-    std::map<double, std::vector<std::size_t>> by_length;
+    std::map<double, Group> by_length;
     double stated = 0, stated_zeta = 0;  // variances of ln omega^2 and of zeta, of one record
     const double each = 1 / static_cast<double>(decays.size());
-    for (std::size_t i = 0; i < decays.size(); ++i) {
-      const auto& d = decays[i];
-      by_length[d.length_m].push_back(i);
-      const double zeta = d.damping_ratio.value;
-      const auto rod = rod_of(setup_, omega_squared(d), d.length_m);
+    for (const auto& d : decays) {
+      const double zeta = d.damping_ratio.value, W = omega_squared(d);
+      auto& group = by_length[d.length_m];
+      group.log_W.push_back(std::log(W)), group.zeta.push_back(zeta);
+      const auto rod = rod_of(setup_, W, d.length_m);
       const double std = 2 * std::hypot(d.damped_frequency_hz.std / d.damped_frequency_hz.value,
                                         zeta / (1 - zeta * zeta) * d.damping_ratio.std);
       const double EA = rod.cable_N_m * d.length_m;
-      result_.samples.push_back({d.name,
-                                 d.length_m,
+      result_.samples.push_back({d.length_m,
                                  rod.series_N_m,
                                  rod.cable_N_m,
                                  {EA, EA * rod.by_omega_squared * std},
-                                 d.damping_ratio,
                                  damper_of(zeta, rod.series_N_m)});
       stated += each * std * std;
       stated_zeta += each * d.damping_ratio.std * d.damping_ratio.std;
     }
-    std::vector<std::vector<double>> log_groups, zeta_groups;
-    for (const auto& [length, members] : by_length) {
-      log_groups.emplace_back(), zeta_groups.emplace_back();
-      for (std::size_t i : members) {
-        log_groups.back().push_back(std::log(omega_squared(decays[i])));
-        zeta_groups.back().push_back(decays[i].damping_ratio.value);
-      }
-    }
-    const auto repeat = repeatability(log_groups, stated);
-    const auto repeat_zeta = repeatability(zeta_groups, stated_zeta);
+    const auto repeat = repeatability(by_length, &Group::log_W, stated);
+    const auto repeat_zeta = repeatability(by_length, &Group::zeta, stated_zeta);
     repeat_degrees_ = repeat.degrees;
     std::vector<double> zeta, zeta_variance;
-    for (std::size_t g = 0; g < log_groups.size(); ++g) {
-      const double count = static_cast<double>(log_groups[g].size());
-      const double length = std::next(by_length.begin(), static_cast<std::ptrdiff_t>(g))->first;
-      double mean_log = 0, mean_zeta = 0;
-      for (double x : log_groups[g]) mean_log += x / count;
-      for (double x : zeta_groups[g]) mean_zeta += x / count;
+    for (const auto& [length, group] : by_length) {
+      const double count = static_cast<double>(group.zeta.size());
+      const double mean_log = mean_of(group.log_W), mean_zeta = mean_of(group.zeta);
       const double std = std::sqrt(repeat.variance / count);
       lengths_.push_back({length, mean_log, std});
       zeta.push_back(mean_zeta);
@@ -163,11 +158,11 @@ class Identification {
       const double EA = rod.cable_N_m * length;
       const double of_length = (1 + rod.by_length) * length_std_.value_or(kNaN) / length;
       result_.lengths.push_back({length,
-                                 static_cast<int>(log_groups[g].size()),
+                                 static_cast<int>(group.zeta.size()),
                                  {EA, EA * std::hypot(rod.by_omega_squared * std, of_length)},
                                  {mean_zeta, std::sqrt(repeat_zeta.variance / count)},
                                  damper_of(mean_zeta, rod.series_N_m)});
-      result_.reference_length_m += length / static_cast<double>(log_groups.size());
+      result_.reference_length_m += length / static_cast<double>(by_length.size());
     }
     const auto damping = signal::mean_over_groups(zeta, zeta_variance);
     result_.damping_ratio = {damping.mean, std::sqrt(damping.variance)};
@@ -224,9 +219,9 @@ class Identification {
 
   // Half the interval of ln EA.
   [[nodiscard]] double expanded(const AxialFit& fit, double coverage) const {
-    double scattering = fit.shares[0].variance, degrees = repeat_degrees_;
+    double scattering = fit.budget[0].share, degrees = repeat_degrees_;
     if (fit.between_std > 0) {
-      scattering += fit.shares[1].variance, degrees = std::max(1, fit.degrees);
+      scattering += fit.budget[1].share, degrees = std::max(1, fit.degrees);
     }
     const double rest = fit.EA_relative_std * fit.EA_relative_std - scattering;
     return std::hypot(coverage_factor(coverage, degrees) * std::sqrt(scattering),
@@ -234,35 +229,16 @@ class Identification {
   }
 
   void budget(const AxialFit& fit) {
-    const double total = fit.EA_relative_std * fit.EA_relative_std, EA = fit.EA_N;
-    for (auto share : fit.shares) {
-      const bool frequency = share.source == "frequency", scatter = share.unit == "N";
-      if (scatter && !(fit.between_std > 0)) continue;
-      if (frequency) {
-        for (const auto& one : lengths_) {
-          share.value += std::exp(0.5 * one.log_omega_squared) /
-                         (2 * std::numbers::pi * static_cast<double>(lengths_.size()));
-        }
-        share.by_input = 2 / share.value, share.std = std::sqrt(share.variance) / share.by_input;
-      }
-      BudgetRow row{share.source,
-                    share.unit,
-                    share.value,
-                    share.std,
-                    EA * share.by_input,
-                    EA * std::sqrt(share.variance),
-                    share.variance / total,
-                    0,
-                    'B'};
-      if (scatter) row.value = kNaN, row.std = EA * fit.between_std, row.sensitivity = 1;
-      if (frequency || scatter) {
-        row.type = 'A', row.degrees_of_freedom = frequency ? repeat_degrees_ : fit.degrees;
-      }
-      if (share.source == "length" && !length_std_) {
-        by_lengths_ = row.contribution_N, row.std = row.contribution_N = row.share = kNaN;
-      }
-      result_.budget.push_back(std::move(row));
+    result_.budget = fit.budget;
+    auto &frequency = result_.budget[0], &between = result_.budget[1], &length = result_.budget[2];
+    frequency.type = between.type = 'A';
+    frequency.degrees_of_freedom = repeat_degrees_, between.degrees_of_freedom = fit.degrees;
+    for (auto& row : result_.budget) row.share /= std::pow(fit.EA_relative_std, 2);
+    if (!length_std_) {
+      by_lengths_ = length.contribution_N;
+      length.std = length.contribution_N = length.share = kNaN;
     }
+    if (!(fit.between_std > 0)) result_.budget.erase(result_.budget.begin() + 1);
     std::stable_sort(result_.budget.begin(), result_.budget.end(),
                      [](const BudgetRow& a, const BudgetRow& b) {
                        return std::isfinite(b.share) && !(a.share <= b.share);

@@ -38,12 +38,10 @@ struct AxialDecay {
 };
 
 struct AxialSample {
-  std::string name;
   double length_m = 0;
   double stiffness_N_m = 0;        ///< k, static, adapter included
   double cable_stiffness_N_m = 0;  ///< kc
   signal::Estimate EA_N;           ///< std from the record alone
-  signal::Estimate damping_ratio;
   double damping_Ns_m = 0;
 };
 
@@ -53,17 +51,6 @@ struct AxialLength {
   signal::Estimate EA_N;  ///< std from repeats and this length, not from shared inputs
   signal::Estimate damping_ratio;
   double damping_Ns_m = 0;
-};
-
-struct BudgetRow {
-  std::string source;
-  std::string unit;
-  double value = 0, std = 0;      ///< value and std of the input; NaN where it is no single number
-  double sensitivity = 0;         ///< d EA / d input, N per unit
-  double contribution_N = 0;      ///< |sensitivity| std
-  double share = 0;               ///< share of the variance of EA
-  double degrees_of_freedom = 0;  ///< 0: taken as known (type B)
-  char type = 'B';
 };
 
 struct AxialTestResult {

@@ -40,6 +40,7 @@ struct RodStiffness {
   double cable_N_m = 0;
   double series_N_m = 0;                       ///< static, adapter and frame included
   double by_omega_squared = 0, by_length = 0;  ///< d ln kc / d ln input
+  double misfit_by_omega_squared = 0;          ///< d ln(W M / K) / d ln W, where kc stays
 };
 
 /// Solved to rounding by Brent's method (GSL) on the frequency equation without its poles.
