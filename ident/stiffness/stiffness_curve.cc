@@ -227,7 +227,7 @@ std::vector<StiffnessTerm> StiffnessCurve::uncertainty(std::span<const double> t
       const Eigen::MatrixXd factor = law.covariance.llt().matrixL();
       for (Eigen::Index j = 0; j < factor.cols(); ++j) {
         add(fmt::format("EI(T), {} law, term {}", name_of(law.kind), j + 1), each([&](double T) {
-              return scale * law_gradient(law, clamped(T)).dot(factor.col(j));
+              return scale * predict(law, clamped(T)).by_parameter.dot(factor.col(j));
             }));
       }
     }

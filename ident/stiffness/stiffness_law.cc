@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <stdexcept>
 
@@ -18,10 +19,7 @@ namespace rigfit::ident {
 namespace {
 
 using signal::kNaN;
-constexpr int kMaxParameters = 3;
-using Gradient = Eigen::Matrix<double, kMaxParameters, 1>;
 using Bounds = std::optional<StiffnessBounds>;
-using Starts = std::vector<std::vector<double>>;
 
 double reference_tension(const std::vector<StiffnessPoint>& points) {
   double sum = 0;
@@ -53,14 +51,33 @@ std::string added(double value) {
   return fmt::format("{} {:.5g}", value < 0 ? "-" : "+", std::abs(value));
 }
 
-// A straight line over g(T), which is found from any start.
-double straight(double g, const double* p, Gradient& by) {
-  by << 1, g, 0;
-  return p[0] + p[1] * g;
+/// EI by a law's own parameters p: (a, b), or (EImin, EImax, Th). Scalar: double or ceres::Jet.
+template <class S>
+S stiffness(LawKind kind, double T, double T0, const S* p) {
+  using std::pow;
+  if (kind == LawKind::saturating) return p[0] + (p[1] - p[0]) * T / (T + p[2]);
+  if (kind == LawKind::power) return p[0] * pow(T / T0, p[1]);
+  return p[0] + p[1] * (kind == LawKind::linear ? T : std::sqrt(T));
 }
-Starts level(const Data& data, const Bounds&) { return {{data.points.front().EI_Nm2, 0}}; }
 
-Starts saturating_starts(const Data& data, const Bounds& bounds) {
+/// EI in N m2, T in N.
+std::string formula_of(LawKind kind, double T0, const std::vector<double>& p) {
+  switch (kind) {
+    case LawKind::linear:
+      return fmt::format("EI = {:.5g} {} T", p[0], added(p[1]));
+    case LawKind::square_root:
+      return fmt::format("EI = {:.5g} {} sqrt(T)", p[0], added(p[1]));
+    case LawKind::power:
+      return fmt::format("EI = {:.5g} (T / {:.5g})^{:.4g}", p[0], T0, p[1]);
+    case LawKind::saturating:
+      break;
+  }
+  return fmt::format("EI = {:.5g} {} T / (T + {:.5g})", p[0], added(p[1] - p[0]), p[2]);
+}
+
+/// Where the search begins; all but the saturating law are found from a level line.
+std::vector<std::vector<double>> starts(LawKind kind, const Data& data, const Bounds& bounds) {
+  if (kind != LawKind::saturating) return {{data.points.front().EI_Nm2, 0}};
   double smallest = data.points[0].EI_Nm2, largest = smallest, last = data.points[0].tension_N;
   for (const auto& point : data.points) {
     smallest = std::min(smallest, point.EI_Nm2);
@@ -72,7 +89,7 @@ Starts saturating_starts(const Data& data, const Bounds& bounds) {
     const double share = std::clamp((largest - low) / (high - low), 1e-6, 1 - 1e-6);
     return {{low, high, last * (1 - share) / share}};
   }
-  Starts several;
+  std::vector<std::vector<double>> several;
   for (double half : {0.1, 1.0, 10.0}) {
     const double T_half = half * last;
     const double top = 0.5 * smallest + (largest - 0.5 * smallest) * (last + T_half) / last;
@@ -81,100 +98,47 @@ Starts saturating_starts(const Data& data, const Bounds& bounds) {
   return several;
 }
 
-/// A law by its own parameters p: (a, b), or (EImin, EImax, Th); T0 is the power law's.
-struct Law {
-  const char* name;
-  std::vector<LawParameter> parameters;
-  /// EI and its derivatives.
-  double (*value)(double T, double T0, const double* p, Gradient& by);
-  Starts (*starts)(const Data&, const Bounds&);
-  std::string (*formula)(const double* p, double T0);  ///< EI in N m2, T in N
-};
-
-const Law& law_of(LawKind kind) {
-  static const std::array<Law, 4> laws{{
-      {"linear",
-       {{"a", 0, kNaN, "N m2"}, {"b", 0, kNaN, "m2"}},
-       [](double T, double, const double* p, Gradient& by) { return straight(T, p, by); },
-       level,
-       [](const double* p, double) { return fmt::format("EI = {:.5g} {} T", p[0], added(p[1])); }},
-      {"square root",
-       {{"a", 0, kNaN, "N m2"}, {"b", 0, kNaN, "N^0.5 m2"}},
-       [](double T, double, const double* p, Gradient& by) {
-         return straight(std::sqrt(T), p, by);
-       },
-       level,
-       [](const double* p, double) {
-         return fmt::format("EI = {:.5g} {} sqrt(T)", p[0], added(p[1]));
-       }},
-      {"power",
-       {{"a", 0, kNaN, "N m2"}, {"b", 0, kNaN, "1"}},
-       [](double T, double T0, const double* p, Gradient& by) {
-         const double power = std::pow(T / T0, p[1]);
-         by << power, p[0] * power * std::log(T / T0), 0;
-         return p[0] * power;
-       },
-       level,
-       [](const double* p, double T0) {
-         return fmt::format("EI = {:.5g} (T / {:.5g})^{:.4g}", p[0], T0, p[1]);
-       }},
-      {"saturating",
-       {{"EI_min", 0, kNaN, "N m2"}, {"EI_max", 0, kNaN, "N m2"}, {"T_half", 0, kNaN, "N"}},
-       [](double T, double, const double* p, Gradient& by) {
-         const double share = T / (T + p[2]);
-         by << 1 - share, share, -(p[1] - p[0]) * T / ((T + p[2]) * (T + p[2]));
-         return p[0] + (p[1] - p[0]) * share;
-       },
-       saturating_starts,
-       [](const double* p, double) {
-         return fmt::format("EI = {:.5g} {} T / (T + {:.5g})", p[0], added(p[1] - p[0]), p[2]);
-       }},
-  }};
-  return laws[static_cast<std::size_t>(kind)];
-}
-
-std::vector<LawParameter> parameters_of(LawKind kind, const StiffnessLawOptions& options) {
-  auto parameters = law_of(kind).parameters;
-  if (kind == LawKind::saturating && options.bounds) {
-    parameters[0].value = options.bounds->EI_min_Nm2;
-    parameters[1].value = options.bounds->EI_max_Nm2;
-    parameters[0].fixed = parameters[1].fixed = true;
-    parameters[0].std = parameters[1].std = 0;
+std::vector<LawParameter> parameters_of(LawKind kind, const Bounds& bounds) {
+  if (kind != LawKind::saturating) {
+    constexpr std::array units{"m2", "N^0.5 m2", "1"};
+    return {{"a", 0, kNaN, "N m2"}, {"b", 0, kNaN, units[static_cast<std::size_t>(kind)]}};
   }
-  return parameters;
+  const auto [low, high] = bounds.value_or(StiffnessBounds());
+  const bool fixed = bounds.has_value();
+  const double std = fixed ? 0 : kNaN;
+  return {{"EI_min", low, std, "N m2", fixed},
+          {"EI_max", high, std, "N m2", fixed},
+          {"T_half", 0, kNaN, "N"}};
 }
 
 // Points, then where the tension lies within the tests, a standard normal of all together.
-class LawCost : public ceres::CostFunction {
- public:
-  LawCost(const Law& law, const Data& data, int parameters) : law_(law), data_(data) {
-    set_num_residuals(static_cast<int>(data.points.size()) + 1);
-    *mutable_parameter_block_sizes() = {parameters, 1};
-  }
-  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    const Eigen::Index n = data_.sigma.size(), p = parameter_block_sizes()[0];
-    Gradient gradient;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const auto& point = data_.points[static_cast<std::size_t>(i)];
-      const double EI = law_.value(point.tension_N, data_.reference_tension, x[0], gradient);
-      residuals[i] = (EI + data_.change[i] * x[1][0] - point.EI_Nm2) / data_.sigma[i];
-      if (!std::isfinite(residuals[i])) return false;
-      if (!jacobians) continue;
-      for (Eigen::Index j = 0; jacobians[0] && j < p; ++j) {
-        jacobians[0][i * p + j] = gradient[j] / data_.sigma[i];
-      }
-      if (jacobians[1]) jacobians[1][i] = data_.change[i] / data_.sigma[i];
+struct LawResiduals {
+  LawKind kind;
+  const Data& data;
+
+  template <class S>
+  bool operator()(S const* const* x, S* residuals) const {
+    using std::isfinite;
+    for (std::size_t i = 0; i < data.points.size(); ++i) {
+      const auto& point = data.points[i];
+      const auto k = static_cast<Eigen::Index>(i);
+      const S EI = stiffness(kind, point.tension_N, data.reference_tension, x[0]);
+      residuals[i] = (EI + data.change[k] * x[1][0] - point.EI_Nm2) / data.sigma[k];
+      if (!isfinite(residuals[i])) return false;
     }
-    residuals[n] = x[1][0];
-    if (jacobians && jacobians[0]) std::fill_n(jacobians[0] + n * p, p, 0.0);
-    if (jacobians && jacobians[1]) jacobians[1][n] = 1;
+    residuals[data.points.size()] = x[1][0];
     return true;
   }
-
- private:
-  const Law& law_;
-  const Data& data_;
 };
+
+ceres::CostFunction* cost_of(LawKind kind, const Data& data, int parameters) {
+  auto* const cost =
+      new ceres::DynamicAutoDiffCostFunction<LawResiduals>(new LawResiduals{kind, data});
+  cost->AddParameterBlock(parameters);
+  cost->AddParameterBlock(1);
+  cost->SetNumResiduals(static_cast<int>(data.points.size()) + 1);
+  return cost;
+}
 
 Data prepare(const std::vector<StiffnessPoint>& points, const StiffnessLawOptions& options) {
   Data data;
@@ -214,10 +178,9 @@ ceres::Solver::Options tight() {
 }
 
 FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options) {
-  const Law& form = law_of(kind);
   FittedLaw law;
   law.kind = kind;
-  law.parameters = parameters_of(kind, options);
+  law.parameters = parameters_of(kind, options.bounds);
   law.reference_tension_N = kind == LawKind::power ? data.reference_tension : 1;
   for (const auto& point : data.points) {
     law.common_relative_std = std::max(law.common_relative_std, point.shared_relative_std);
@@ -227,13 +190,13 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   for (int j = 0; j < size; ++j) {
     (law.parameters[static_cast<std::size_t>(j)].fixed ? fixed : free).push_back(j);
   }
-  const LawCost cost(form, data, size);
+  const std::unique_ptr<ceres::CostFunction> cost(cost_of(kind, data, size));
   double best_cost = std::numeric_limits<double>::infinity(), best_place = 0;
   std::vector<double> best;
-  for (auto start : form.starts(data, options.bounds)) {
+  for (auto start : starts(kind, data, options.bounds)) {
     ceres::Problem problem;
     double place = 0;
-    problem.AddResidualBlock(new LawCost(form, data, size), nullptr, start.data(), &place);
+    problem.AddResidualBlock(cost_of(kind, data, size), nullptr, start.data(), &place);
     if (!fixed.empty()) {
       problem.SetManifold(start.data(), new ceres::SubsetManifold(size, fixed));
     }
@@ -257,7 +220,7 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   }
   if (!law.converged) remark("the fit had not settled after 500 iterations");
   for (std::size_t j = 0; j < law.parameters.size(); ++j) law.parameters[j].value = best[j];
-  law.formula = form.formula(best.data(), law.reference_tension_N);
+  law.formula = formula_of(kind, law.reference_tension_N, best);
 
   // Free parameters, then where the tension lies within the tests.
   const auto n = static_cast<Eigen::Index>(data.points.size());
@@ -267,7 +230,7 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   RowMajor by_law(n + 1, size);
   const double* const at[] = {best.data(), &best_place};
   double* const by[] = {by_law.data(), by_place.data()};
-  (void)cost.Evaluate(at, residuals.data(), const_cast<double**>(by));
+  (void)cost->Evaluate(at, residuals.data(), const_cast<double**>(by));
   Eigen::MatrixXd jacobian(n + 1, p + 1);
   jacobian << by_law(Eigen::all, free), by_place;
 
@@ -327,26 +290,12 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
 
 }  // namespace
 
-const char* name_of(LawKind kind) { return law_of(kind).name; }
+const char* name_of(LawKind kind) {
+  constexpr std::array names{"linear", "square root", "power", "saturating"};
+  return names[static_cast<std::size_t>(kind)];
+}
 
 namespace {
-
-// EI of a law and its derivatives by the free parameters.
-double evaluate(const FittedLaw& law, double tension_N, Eigen::VectorXd& by) {
-  if (!(std::isfinite(tension_N) && tension_N > 0)) {
-    throw std::invalid_argument("stiffness law: the tension must be positive");
-  }
-  double values[kMaxParameters] = {0, 0, 0};
-  std::vector<int> free;
-  for (std::size_t j = 0; j < law.parameters.size(); ++j) {
-    values[j] = law.parameters[j].value;
-    if (!law.parameters[j].fixed) free.push_back(static_cast<int>(j));
-  }
-  Gradient gradient;
-  const double EI = law_of(law.kind).value(tension_N, law.reference_tension_N, values, gradient);
-  by = gradient(free);
-  return EI;
-}
 
 // Orders the laws, best first, those that AICc cannot rank behind, and sets their Akaike weights,
 // `decided` and `sentence`.
@@ -392,16 +341,22 @@ void rank_laws(StiffnessLaws& result, std::size_t points) {
 
 }  // namespace
 
-Eigen::VectorXd law_gradient(const FittedLaw& law, double tension_N) {
-  Eigen::VectorXd by;
-  evaluate(law, tension_N, by);
-  return by;
-}
-
 StiffnessPrediction predict(const FittedLaw& law, double tension_N) {
+  if (!(std::isfinite(tension_N) && tension_N > 0)) {
+    throw std::invalid_argument("stiffness law: the tension must be positive");
+  }
+  using Jet = ceres::Jet<double, 3>;
+  std::array<Jet, 3> values;
+  std::vector<int> free;
+  for (std::size_t j = 0; j < law.parameters.size(); ++j) {
+    const int place = static_cast<int>(j);
+    values[j] = Jet(law.parameters[j].value, place);
+    if (!law.parameters[j].fixed) free.push_back(place);
+  }
+  const Jet EI = stiffness(law.kind, tension_N, law.reference_tension_N, values.data());
   StiffnessPrediction prediction;
-  Eigen::VectorXd by;
-  prediction.EI_Nm2 = evaluate(law, tension_N, by);
+  prediction.EI_Nm2 = EI.a;
+  const Eigen::VectorXd by = prediction.by_parameter = EI.v(free);
   const double own = law.covariance.rows() == by.size() ? by.dot(law.covariance * by) : kNaN;
   const double common = law.common_relative_std * prediction.EI_Nm2;
   prediction.std = std::sqrt(own + common * common);
@@ -418,7 +373,7 @@ StiffnessLaws fit_stiffness_laws(const std::vector<StiffnessPoint>& points,
   result.weighted = data.weighted;
   for (LawKind kind : options.laws) {
     std::size_t free = 0;
-    for (const auto& parameter : parameters_of(kind, options)) free += !parameter.fixed;
+    for (const auto& parameter : parameters_of(kind, options.bounds)) free += !parameter.fixed;
     if (free <= points.size()) result.laws.push_back(fit(kind, data, options));
   }
   rank_laws(result, points.size());

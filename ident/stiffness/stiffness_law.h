@@ -110,8 +110,9 @@ struct FittedLaw {
 
 struct StiffnessPrediction {
   double EI_Nm2 = 0;
-  double std = 0;            ///< std of the law
-  double low = 0, high = 0;  ///< 95 % band of the law
+  double std = 0;                ///< std of the law
+  double low = 0, high = 0;      ///< 95 % band of the law
+  Eigen::VectorXd by_parameter;  ///< d EI / d (free parameter), in the order of the covariance
 };
 
 struct StiffnessLaws {
@@ -123,8 +124,6 @@ struct StiffnessLaws {
 
 /// EI by a law at a tension > 0, with its bands, which are NaN where a parameter is not determined.
 [[nodiscard]] StiffnessPrediction predict(const FittedLaw& law, double tension_N);
-/// d EI / d (free parameter), in the order of the covariance, at a tension > 0.
-[[nodiscard]] Eigen::VectorXd law_gradient(const FittedLaw& law, double tension_N);
 
 /// Throws std::invalid_argument for fewer than two points, or values that are not positive and
 /// finite. Laws with more parameters than points are left out.
