@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <stdexcept>
 
 #include "ident/bending/bending_strokes.h"
@@ -67,6 +68,7 @@ class Analysis {
     if (-Q_.minCoeff() > Q_.maxCoeff()) Q_ = -Q_, d_ = -d_;
 
     zero_ = d_.minCoeff();
+    runs_ = find_strokes(d_, std::max(0.2 * range_d_, 6 * deflection_noise_));
     find_clamp_slip();
     if (fit_strokes()) {
       solve_for_EI();
@@ -82,47 +84,42 @@ class Analysis {
 
   void take_complete_rows(const BendingRecord& record) {
     const Eigen::Index n = record.load_N.size();
-    const Eigen::VectorXd tension = beam() ? Eigen::VectorXd::Zero(n) : record.tension_N;
-    if (record.deflection_m.size() != n || tension.size() != n) {
+    Q_ = record.load_N, d_ = record.deflection_m, P_ = record.tension_N;
+    if (beam()) P_.setZero(n);
+    if (d_.size() != n || P_.size() != n) {
       throw std::invalid_argument("bending test: channels of different lengths");
     }
     if (!(options_.span_m.value > 0)) {
       throw std::invalid_argument("bending test: the span must be positive");
     }
-    P_.resize(n), Q_.resize(n), d_.resize(n);
-    Eigen::Index kept = 0;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      if (!std::isfinite(tension[i]) || !std::isfinite(record.load_N[i]) ||
-          !std::isfinite(record.deflection_m[i])) {
-        continue;
-      }
-      P_[kept] = tension[i];
-      Q_[kept] = record.load_N[i];
-      d_[kept++] = record.deflection_m[i];
-    }
-    P_.conservativeResize(kept), Q_.conservativeResize(kept), d_.conservativeResize(kept);
-    if (kept < n) {
+    keep([&](Eigen::Index i) { return std::isfinite(P_[i] + Q_[i] + d_[i]); });
+    if (d_.size() < n) {
       note("missing",
            fmt::format("Check the channels for gaps: {} of {} rows miss a value and are left out",
-                       n - kept, n));
+                       n - d_.size(), n));
     }
   }
 
   void leave_spikes_out() {
-    std::vector<Eigen::Index> rows, kept;
+    std::set<Eigen::Index> rows;
     if (d_.size() < kShortStroke) return;  // rows off the line are left out
     for (const Eigen::VectorXd* channel : {&d_, &Q_, &P_}) {
-      for (const auto i : find_spikes(*channel)) rows.push_back(i);
+      for (const auto i : find_spikes(*channel)) rows.insert(i);
     }
     if (rows.empty()) return;
-    std::sort(rows.begin(), rows.end());
-    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    const Eigen::Index first = *rows.begin();
     note("spike",
          fmt::format("Check row {} ({:.4g} N, {:.4g} m): it is the first of {} with a spike, "
                      "which are left out",
-                     rows[0] + 1, Q_[rows[0]], d_[rows[0]], rows.size()));
+                     first + 1, Q_[first], d_[first], rows.size()));
+    keep([&](Eigen::Index i) { return !rows.contains(i); });
+  }
+
+  /// The rows that are good.
+  void keep(const auto& good) {
+    std::vector<Eigen::Index> kept;
     for (Eigen::Index i = 0; i < d_.size(); ++i) {
-      if (!std::binary_search(rows.begin(), rows.end(), i)) kept.push_back(i);
+      if (good(i)) kept.push_back(i);
     }
     P_ = P_(kept).eval(), Q_ = Q_(kept).eval(), d_ = d_(kept).eval();
   }
@@ -138,11 +135,11 @@ class Analysis {
 
   // While the cable is deflected its tension can only rise; what it loses for good slipped.
   void find_clamp_slip() {
-    const auto least = std::max(0.2 * range_d_, 6 * deflection_noise_);
-    const double noise = std::max(sample_noise(P_), 0.0);
+    if (beam()) return;
+    const double noise = sample_noise(P_);
     double worst = 0;
-    for (const StrokeRange& run : find_strokes(d_, least)) {
-      if (beam() || run.direction < 0) continue;
+    for (const StrokeRange& run : runs_) {
+      if (run.direction < 0) continue;
       double highest = -std::numeric_limits<double>::infinity();
       for (Eigen::Index i = run.first + 2; i + 2 <= run.last; ++i) {
         const double local = signal::median({P_[i - 2], P_[i - 1], P_[i], P_[i + 1], P_[i + 2]});
@@ -150,7 +147,7 @@ class Analysis {
         worst = std::max(worst, highest - local);
       }
     }
-    if (!beam() && worst > std::max(0.02 * mean_tension_, 8 * noise)) {
+    if (worst > std::max(0.02 * mean_tension_, 8 * noise)) {
       const std::string message = fmt::format(
           "the tension fell by {:.3g} N ({:.1f} %) while the cable was being loaded, so a clamp "
           "slipped or the frame gave way",
@@ -179,8 +176,6 @@ class Analysis {
 
   /// False where there is no line.
   bool fit_strokes() {
-    const double least = std::max(0.2 * range_d_, 6 * deflection_noise_);
-    runs_ = find_strokes(d_, least);
     Eigen::Index longest = 0;
     for (const auto& run : runs_) longest = std::max(longest, run.last - run.first + 1);
     averaged_ = longest >= kShortStroke;

@@ -198,6 +198,10 @@ BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) 
       result.findings.push_back(std::move(finding));
     }
   }
+  if (std::ranges::none_of(result.points,
+                           [](const auto& p) { return p.usable() || p.refused(); })) {
+    result.findings.push_back({"no_EI", "no test gives an EI", "", true});
+  }
   name_exact_inputs(campaign.test, result);
   suspect_lengths(campaign, result);
   if (campaign.test.ends != BeamEnds::tensioned) {

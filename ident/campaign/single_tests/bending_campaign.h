@@ -79,8 +79,8 @@ struct BendingCampaignResult {
   StiffnessCurve curve;              ///< law through the usable points; empty: none
   std::optional<StiffnessBounds> bounds;
   std::optional<BeamSpecimens> specimens;  ///< if two or more gave an EI without tension
-  /// Those of the points, then on all together: "taken_as_exact", "outside_bounds",
-  /// "length_suspected", "large_deflection".
+  /// Those of the points, then on all together: "no_EI" (refused), "taken_as_exact",
+  /// "outside_bounds", "length_suspected", "large_deflection".
   std::vector<Finding> findings;
 };
 
