@@ -156,68 +156,31 @@ void add_effect(const std::string& input, Eigen::Index parameter, double change,
   fitted.inputs.try_emplace(input, Eigen::VectorXd::Zero(size)).first->second[parameter] = change;
 }
 
-FittedParameters fitted_parameters(const UpdateResult& fit,
-                                   const std::vector<FreeParameter>& free) {
-  FittedParameters fitted;
-  std::vector<std::size_t> kept;
-  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
-    const auto& parameter = fit.parameters[i];
-    if (!parameter.identifiable || parameter.state > 0) continue;
-    KnownParameter known{parameter.name, parameter.value};
-    for (const auto& one : free) {
-      if (one.name != parameter.name) continue;
-      known.targets = one.targets;
-      known.factors = one.factors;
-    }
-    fitted.parameters.push_back(std::move(known));
-    kept.push_back(i);
-  }
-  fitted.covariance = fit.covariance(kept, kept).unaryExpr([](double value) {
-    return std::isfinite(value) ? value : 0;
-  });
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    for (const auto& term : fit.parameters[kept[i]].budget) {
-      if (!std::isfinite(term.change)) continue;
-      add_effect(term.source, static_cast<Eigen::Index>(i), term.change, fitted);
-    }
-  }
-  return fitted;
-}
-
-std::vector<AddedInput> add_scene_inputs(const model::Scene& scene,
-                                         const std::vector<SceneInput>& inputs,
+std::vector<SceneInput> add_scene_inputs(const model::Scene& scene, std::vector<SceneInput> inputs,
                                          FittedParameters& fitted) {
-  std::vector<AddedInput> added;
-  added.reserve(inputs.size());
   const auto of_fit = static_cast<Eigen::Index>(fitted.parameters.size());
-  for (const auto& input : inputs) {
-    AddedInput one{input.name, input.value.value_or(model::parameter(scene, input.name)),
-                   input.std};
-    if (input.relative) one.std *= std::abs(one.value);
-    if (!(one.std > 0) || !std::isfinite(one.std) || !std::isfinite(one.value)) {
-      throw std::invalid_argument("the uncertainty of " + input.name + " is not positive");
+  for (auto& one : inputs) {
+    const double value = one.value.value_or(model::parameter(scene, one.name));
+    one.value = value;
+    if (one.relative) one.std *= std::abs(value);
+    if (!(one.std > 0) || !std::isfinite(one.std) || !std::isfinite(value)) {
+      throw std::invalid_argument("the uncertainty of " + one.name + " is not positive");
     }
-    for (const auto& parameter : fitted.parameters) {
-      const auto& targets = parameter.targets;
-      one.fitted =
-          one.fitted || parameter.name == input.name || std::ranges::count(targets, input.name) > 0;
-    }
-    if (!one.fitted) {
-      const auto n = static_cast<Eigen::Index>(fitted.parameters.size());
-      fitted.parameters.push_back({input.name, one.value});
-      fitted.covariance.conservativeResize(n + 1, n + 1);
-      fitted.covariance.row(n).setZero();
-      fitted.covariance.col(n).setZero();
-      fitted.covariance(n, n) = one.std * one.std;
-      if (const auto effect = fitted.inputs.find(input.name); effect != fitted.inputs.end()) {
-        one.of_fit = true;
-        fitted.covariance.col(n).head(of_fit) = one.std * effect->second.head(of_fit);
-        fitted.covariance.row(n) = fitted.covariance.col(n).transpose();
-      }
-    }
-    added.push_back(one);
+    one.fitted = std::ranges::any_of(fitted.parameters, [&](const auto& parameter) {
+      return parameter.name == one.name || std::ranges::count(parameter.targets, one.name) > 0;
+    });
+    if (one.fitted) continue;
+    const auto n = static_cast<Eigen::Index>(fitted.parameters.size());
+    fitted.parameters.push_back({one.name, value});
+    fitted.covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(n + 1, n + 1));
+    fitted.covariance(n, n) = one.std * one.std;
+    const auto effect = fitted.inputs.find(one.name);
+    one.of_fit = effect != fitted.inputs.end();
+    if (!one.of_fit) continue;
+    fitted.covariance.col(n).head(of_fit) = one.std * effect->second.head(of_fit);
+    fitted.covariance.row(n) = fitted.covariance.col(n).transpose();
   }
-  return added;
+  return inputs;
 }
 
 ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& fitted,

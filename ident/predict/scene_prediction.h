@@ -25,7 +25,6 @@
 
 #include "document/describe.h"
 #include "ident/update/problem/update_data.h"
-#include "ident/update/problem/update_result.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
 #include "signal/numerics/numbers.h"
@@ -53,10 +52,6 @@ struct FittedParameters {
 /// Sets the effect of an input on a parameter, which is counted from 0.
 void add_effect(const std::string& input, Eigen::Index parameter, double change,
                 FittedParameters& fitted);
-
-/// Values and covariance of the parameters that a fit identified.
-[[nodiscard]] FittedParameters fitted_parameters(const UpdateResult& fit,
-                                                 const std::vector<FreeParameter>& free);
 
 struct PredictionOptions {
   int count = 6;                     ///< modes
@@ -96,30 +91,24 @@ struct SceneInput {
   std::optional<double> value = {};  ///< not given: the scene's own
   double std = 0;                    ///< > 0
   bool relative = false;             ///< `std` is relative to the value
-};
-
-struct AddedInput {
-  std::string name;
-  double value = 0, std = 0;
-  bool of_fit = false;  ///< an input of the fit as well
-  bool fitted = false;  ///< a parameter of the fit: not added
+  bool of_fit = false;               ///< once added: an input of the fit as well
+  bool fitted = false;               ///< a parameter of the fit: not added
 
   static constexpr auto fields() {
-    using T = AddedInput;
+    using T = SceneInput;
     return std::tuple{field("name", &T::name), field("value", &T::value), field("std", &T::std),
                       field("shared_with_fit", &T::of_fit)};
   }
 };
 
-/// Adds the inputs to `fitted` as parameters. With p the fit's parameters and x the inputs the
-/// joint covariance is cov(p, p) = C, cov(x, x) = s^2, cov(p, x) = change s, where `change` is by
-/// how much p moves with one standard uncertainty of the input in the fit, if the fit had an input
-/// of that name (it is then the same quantity, and what C holds of it counts once), else 0. An
-/// input that the fit found as a parameter keeps the fit's value and covariance (GUM, 5.2). Throws
-/// model::SceneError for a name that the scene does not have, std::invalid_argument for an
-/// uncertainty that is not positive and finite.
-std::vector<AddedInput> add_scene_inputs(const model::Scene& scene,
-                                         const std::vector<SceneInput>& inputs,
+/// Adds the inputs to `fitted` as parameters; returns them with their value and its std. With p the
+/// fit's parameters and x the inputs the joint covariance is cov(p, p) = C, cov(x, x) = s^2, cov(p,
+/// x) = change s, where `change` is by how much p moves with one standard uncertainty of the input
+/// in the fit, if the fit had an input of that name (it is then the same quantity, and what C holds
+/// of it counts once), else 0. An input that the fit found as a parameter keeps the fit's value and
+/// covariance (GUM, 5.2). Throws model::SceneError for a name that the scene does not have,
+/// std::invalid_argument for an uncertainty that is not positive and finite.
+std::vector<SceneInput> add_scene_inputs(const model::Scene& scene, std::vector<SceneInput> inputs,
                                          FittedParameters& fitted);
 
 /// Throws std::invalid_argument when no parameter is one of the scene's: the message names both.

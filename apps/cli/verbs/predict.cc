@@ -35,26 +35,23 @@ void apply_maps(const std::vector<std::string>& maps, ident::FittedParameters& f
 }
 
 /// Adds the inputs of `--input` and says what became of each.
-std::vector<ident::AddedInput> add_inputs(const model::Scene& scene, const PredictCommand& command,
+std::vector<ident::SceneInput> add_inputs(const model::Scene& scene, const PredictCommand& command,
                                           VerbContext& context, ident::FittedParameters& fitted) {
   std::vector<ident::SceneInput> inputs;
   for (const auto& text : command.inputs) {
     const auto given =
         named_numbers("--input", text, "NAME=STD, NAME=0.5% or NAME=VALUE,STD", 1, 2, true);
-    auto& input = inputs.emplace_back();
-    input.name = given.name;
-    if (given.numbers.size() > 1) input.value = given.numbers[0];
-    input.relative = given.relative;
-    input.std = given.numbers.back();
+    inputs.push_back({given.name, {}, given.numbers.back(), given.relative});
+    if (given.numbers.size() > 1) inputs.back().value = given.numbers[0];
   }
-  auto added = ident::add_scene_inputs(scene, inputs, fitted);
+  auto added = ident::add_scene_inputs(scene, std::move(inputs), fitted);
   for (const auto& one : added) {
     if (!one.fitted) continue;
     context.warn("input_is_fitted",
                  one.name + " is a parameter of the fit, whose value and uncertainty are used",
                  command.scene);
   }
-  std::erase_if(added, [](const ident::AddedInput& one) { return one.fitted; });
+  std::erase_if(added, [](const ident::SceneInput& one) { return one.fitted; });
   return added;
 }
 
