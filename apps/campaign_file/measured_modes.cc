@@ -92,16 +92,14 @@ std::vector<MeasuredTableRow> modes_of_table(const std::filesystem::path& path,
     for (const char* name : {"frequency_std", "frequency_std_hz", "std_hz", "std"}) {
       keys.push_back(option(name, mode.frequency_hz.std, "").positive());
     }
+    std::vector<double> shape(sensors.size(), kNaN);
+    for (std::size_t s = 0; s < sensors.size(); ++s) {
+      keys.push_back(option("shape:" + sensors[s], shape[s], ""));
+    }
     fill_row(table, line, keys);
     if (std::isnan(mode.frequency_hz.value)) continue;  // a dash: not measured
-    Eigen::VectorXcd shape(static_cast<Eigen::Index>(sensors.size()));
-    bool whole = !sensors.empty();
-    for (std::size_t s = 0; s < sensors.size(); ++s) {
-      const double component = table.number(line, "shape:" + sensors[s]);
-      whole = whole && std::isfinite(component);
-      shape[static_cast<Eigen::Index>(s)] = component;
-    }
-    if (whole) row.mode.shape = shape;
+    const Eigen::Map<Eigen::VectorXd> at(shape.data(), static_cast<Eigen::Index>(shape.size()));
+    if (at.size() > 0 && at.allFinite()) mode.shape = at.cast<std::complex<double>>();
     rows.push_back(std::move(row));
   }
   if (rows.empty()) {

@@ -52,31 +52,6 @@ ExitCode exit_code_of(const std::exception& error) {
   return ExitCode::fault;
 }
 
-void VerbContext::warn(std::string code, std::string message, std::string where) {
-  const bool note = is_note(code);
-  auto& list = note ? notes_ : warnings_;
-  list.push_back({std::move(code), std::move(message), std::move(where)});
-  if (!note) unsaid_.push_back(list.back());
-}
-
-void VerbContext::end(ExitCode code, const char* word, Finding why) {
-  if (!silent) {
-    Progress::erase();
-    std::cerr << word << ' ' << (why.where.empty() ? "" : why.where + ": ") << why.message << '\n';
-  }
-  if (exit_code != code) ended_by_ = why;
-  warnings_.push_back(std::move(why));
-  exit_code = code;
-}
-
-void VerbContext::refuse(std::string code, std::string message, std::string where) {
-  end(ExitCode::refused, "refused:", {std::move(code), std::move(message), std::move(where), true});
-}
-
-void VerbContext::fail(std::string message, std::string where) {
-  end(ExitCode::not_converged, "error:", {"not_converged", std::move(message), std::move(where)});
-}
-
 void VerbContext::say_warnings() const {
   if (quiet || silent) return;
   if (!unsaid_.empty()) Progress::erase();
@@ -88,15 +63,20 @@ void VerbContext::say_warnings() const {
     std::cerr << "note: " << line << '\n';
 }
 
-void VerbContext::tell(const std::vector<ident::Finding>& findings) {
-  for (const auto& finding : findings) {
-    if (finding.refused) {
-      refuse(finding.code, finding.message, finding.where);
-    } else if (finding.code == "not_converged") {
-      fail(finding.message, finding.where);
-    } else {
-      warn(finding.code, finding.message, finding.where);
+void VerbContext::tell(const std::vector<Finding>& findings) {
+  for (const auto& one : findings) {
+    const bool ends = one.refused || one.code == "not_converged", note = !ends && is_note(one.code);
+    (note ? notes_ : warnings_).push_back(one);
+    if (!ends && !note) unsaid_.push_back(one);
+    if (!ends) continue;
+    if (!silent) {
+      Progress::erase();
+      std::cerr << (one.refused ? "refused: " : "error: ")
+                << (one.where.empty() ? "" : one.where + ": ") << one.message << '\n';
     }
+    const auto code = one.refused ? ExitCode::refused : ExitCode::not_converged;
+    if (exit_code != code) ended_by_ = one;
+    exit_code = code;
   }
 }
 

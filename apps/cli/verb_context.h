@@ -59,11 +59,17 @@ class VerbContext {
 
   /// A finding of the document, a warning or a note by its code (warning_lines.h). Warnings are
   /// said on standard error at the end, unless quiet.
-  void warn(std::string code, std::string message, std::string where = "");
+  void warn(const std::string& code, const std::string& message, const std::string& where = "") {
+    tell({{code, message, where}});
+  }
   /// A warning that also ends the run with exit code 4: part of what was asked cannot be had.
-  void refuse(std::string code, std::string message, std::string where = "");
+  void refuse(const std::string& code, const std::string& message, const std::string& where = "") {
+    tell({{code, message, where, true}});
+  }
   /// A warning that ends the run with exit code 5: it did not converge.
-  void fail(std::string message, std::string where = "");
+  void fail(const std::string& message, const std::string& where = "") {
+    warn("not_converged", message, where);
+  }
   /// What an analysis found: refused, failed ("not_converged") or warned of.
   void tell(const std::vector<Finding>& findings);
   /// Names a file as an input of this run, before it is read: hashed now, and again at the end if
@@ -85,7 +91,6 @@ class VerbContext {
   const std::vector<Input>& inputs() const { return inputs_; }
 
  private:
-  void end(ExitCode code, const char* word, Finding why);
   void say_warnings() const;
 
   std::vector<Finding> warnings_, notes_;

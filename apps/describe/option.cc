@@ -100,11 +100,12 @@ std::optional<Misfit> fill(const Options& options, const Json& given,
   return std::nullopt;
 }
 
+std::string on_command_line(std::string name) {
+  std::replace(name.begin(), name.end(), '_', '-');
+  return "--" + name;
+}
+
 Options as_command_line(Options keys) {
-  const auto on_command_line = [](std::string name) {
-    std::replace(name.begin(), name.end(), '_', '-');
-    return "--" + name;
-  };
   for (auto& key : keys) key.name = on_command_line(key.name);
   for (auto& key : keys) {
     for (auto* others : {&key.not_with, &key.only_with}) {

@@ -91,8 +91,11 @@ struct Misfit {
     const Options& options, const Json& given,
     const std::function<bool(const std::string&)>& has = [](const auto&) { return false; });
 
-/// Keys of a file as options of a command line: "mass_per_length" is "--mass-per-length". What they
-/// need or exclude counts where it is an option too.
+/// "--mass-per-length" of "mass_per_length".
+[[nodiscard]] std::string on_command_line(std::string name);
+
+/// Keys of a file as options of a command line. What they need or exclude counts where it is an
+/// option too.
 [[nodiscard]] Options as_command_line(Options keys);
 
 /// Into a flag, number, text, list of them, or an optional one; in place of an optional number a

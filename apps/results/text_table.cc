@@ -84,18 +84,6 @@ std::size_t TextTable::column(const std::string& title) const {
                                   : fmt::format("its columns: \"{}\"", fmt::join(names, "\", \"")));
 }
 
-double TextTable::number(const Row& row, const std::string& title) const {
-  const auto index = find(title);
-  return index < 0 ? std::numeric_limits<double>::quiet_NaN()
-                   : number(row, static_cast<std::size_t>(index));
-}
-
-std::string TextTable::text(const Row& row, const std::string& title) const {
-  const auto index = find(title);
-  if (index < 0) return {};
-  return std::string(signal::trim_blanks(row.cells[static_cast<std::size_t>(index)]));
-}
-
 double TextTable::number(const Row& row, std::size_t column) const {
   const std::string& cell = row.cells[column];
   const auto& of = columns[column];
@@ -124,10 +112,13 @@ void fill_row(const TextTable& table, const TextTable::Row& row, const describe:
   using describe::Json, describe::Kind;
   Json given = Json::object();
   for (const auto& option : options) {
+    const auto column = table.find(option.name);
+    if (column < 0) continue;
+    const auto at = static_cast<std::size_t>(column);
     if (option.kind == Kind::text) {
-      const std::string cell = table.text(row, option.name);
+      const std::string cell(signal::trim_blanks(row.cells[at]));
       if (!cell.empty()) given[option.name] = cell;
-    } else if (const double x = table.number(row, option.name); std::isfinite(x)) {
+    } else if (const double x = table.number(row, at); std::isfinite(x)) {
       const bool whole = option.kind == Kind::integer && x == std::round(x) && std::abs(x) < 1e9;
       given[option.name] = whole ? Json(std::lround(x)) : Json(x);
     }

@@ -43,9 +43,6 @@ struct TextTable {
   [[nodiscard]] std::ptrdiff_t find(const std::string& title) const;
   /// The same; throws model::SceneError with the nearest title or all there are when it is missing.
   [[nodiscard]] std::size_t column(const std::string& title) const;
-  /// The cell under a title, blanks around it taken off; NaN, empty: there is no such column.
-  [[nodiscard]] double number(const Row& row, const std::string& title) const;
-  [[nodiscard]] std::string text(const Row& row, const std::string& title) const;
 };
 
 /// Fills options from the cells of a row, by their names as titles; a blank keeps the default.

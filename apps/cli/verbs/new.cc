@@ -112,12 +112,6 @@ std::pair<std::string, std::string> kind_of(const signal::Recording& recording,
           "to rigfit axial for EA"};
 }
 
-/// "--mass-per-length" of "mass_per_length".
-std::string option_of(std::string key) {
-  std::ranges::replace(key, '_', '-');
-  return "--" + key;
-}
-
 /// The channels of a test, as keys.
 std::string channel_keys(const std::string& kind, const signal::Recording& recording,
                          const signal::Channel* hammer, const std::optional<LoadDeflection>& bent) {
@@ -167,7 +161,8 @@ GuessedTest test_of(const signal::Recording& recording, const NewCommand& comman
     const double value = command.numbers.at(key);
     if (value == 0) {
       throw UsageError(fmt::format("{}: a test of kind {}: give the {}, {}",
-                                   recording.path.string(), test.kind, key, option_of(key)));
+                                   recording.path.string(), test.kind, key,
+                                   describe::on_command_line(key)));
     }
     auto& keys = test.kind == "axial" && key == std::string("length") ? of_recording : test.keys;
     keys += fmt::format("{} = {}  # {}\n", key, value, unit);
@@ -219,7 +214,7 @@ void check_options(const std::string& text, const std::vector<std::string>& chan
   for (const auto& [key, value] : command.numbers) {
     if (value == 0 || text.find(fmt::format("\n{} = ", key)) != std::string::npos) continue;
     throw UsageError(
-        option_of(key) +
+        describe::on_command_line(key) +
         " belongs to none of these tests: give the files of such a test alone, with --kind");
   }
   for (const auto& [name, value] : command.sensitivities) {
@@ -327,10 +322,10 @@ describe::Options options_of(NewCommand& c) {
           .type("\"CHANNEL=2.27 mV/N\"")
           .needs("--from")};
   for (const auto& [key, kinds, unit] : kNeeded) {
-    options.push_back(
-        option(option_of(key), c.numbers[key], fmt::format("Of tests of kind {}", kinds), unit)
-            .positive()
-            .needs("--from"));
+    options.push_back(option(describe::on_command_line(key), c.numbers[key],
+                             fmt::format("Of tests of kind {}", kinds), unit)
+                          .positive()
+                          .needs("--from"));
   }
   return options;
 }

@@ -44,8 +44,8 @@ TEST(TextTable, ReadsWhatARecordingReaderReads) {
   }
   // A suffix that looks like a unit stays a name: neither inches nor degrees Celsius.
   const auto names = read_text_table(folder.write("n.csv", "f_in,case_C\n5,6\n7,8\n"));
-  EXPECT_EQ(names.number(names.rows[0], "f_in"), 5);
-  EXPECT_EQ(names.number(names.rows[1], "case_C"), 8);
+  EXPECT_EQ(names.number(names.rows[0], 0), 5);
+  EXPECT_EQ(names.number(names.rows[1], 1), 8);
 }
 
 TEST(TextTable, RefusesWhatIsNoTable) {
