@@ -1,6 +1,7 @@
 #include "ident/axial/axial_fit.h"
 
 #include <ceres/ceres.h>
+#include <gsl/gsl_fit.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -133,8 +134,8 @@ RodStiffness rod_of(const AxialSetup& setup, double omega_squared, double length
 AxialFit fit_axial(std::span<const AxialLengthData> data, const AxialSetup& setup, bool series,
                    double between_std) {
   std::vector<Length> lengths;
-  double unit = 0, squares = 0;                       // m/N; of lengths, m2
-  Eigen::Vector4d moments = Eigen::Vector4d::Zero();  // sums of 1, L, 1 / k, L / k
+  double unit = 0;  // m/N
+  std::vector<double> at_m, compliance;
   Eigen::VectorXd z = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(kShared + data.size()));
   for (const auto& one : data) {
     Length length{one};
@@ -145,17 +146,14 @@ AxialFit fit_axial(std::span<const AxialLengthData> data, const AxialSetup& setu
     length.residual_std = rod.misfit_by_omega_squared * length.std;
     if (lengths.empty()) unit = 1 / rod.cable_N_m, z[kLogEA] = std::log(one.length_m / unit);
     lengths.push_back(length);
-    moments += Eigen::Vector4d(1, one.length_m, 1 / rod.cable_N_m, one.length_m / rod.cable_N_m);
-    squares += one.length_m * one.length_m;
+    at_m.push_back(one.length_m), compliance.push_back(1 / rod.cable_N_m);
   }
   // From the straight line of compliance over length: far from it the compliance's place would run
   // to one of the ends and stay.
-  const double slope = (moments[0] * moments[3] - moments[1] * moments[2]) /
-                       (moments[0] * squares - moments[1] * moments[1]);
-  if (series && slope > 0) {
-    z[kLogEA] = -std::log(slope);
-    z[kSeries] = (moments[2] - slope * moments[1]) / (moments[0] * unit);
-  }
+  double offset = 0, slope = 0, v00 = 0, v01 = 0, v11 = 0, squares = 0;
+  gsl_fit_linear(at_m.data(), 1, compliance.data(), 1, at_m.size(), &offset, &slope, &v00, &v01,
+                 &v11, &squares);
+  if (series && slope > 0) z[kLogEA] = -std::log(slope), z[kSeries] = offset / unit;
   AxialFit fit;
   fit.between_std = between_std;
   const auto n = static_cast<Eigen::Index>(lengths.size()), rows = n + z.size();

@@ -3,6 +3,7 @@
 #include <ceres/ceres.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <gsl/gsl_fit.h>
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -25,17 +26,6 @@ double reference_tension(const std::vector<StiffnessPoint>& points) {
   double sum = 0;
   for (const auto& point : points) sum += std::log(point.tension_N);
   return std::exp(sum / static_cast<double>(points.size()));
-}
-
-/// Exponent of a power law: the slope of a line in the logarithms.
-double exponent_of(const std::vector<StiffnessPoint>& points) {
-  const double T0 = reference_tension(points);
-  double xx = 0, xy = 0;
-  for (const auto& point : points) {
-    const double x = std::log(point.tension_N / T0);  // the mean of x is zero
-    xx += x * x, xy += x * std::log(point.EI_Nm2);
-  }
-  return xx > 0 ? xy / xx : 0;
 }
 
 struct Data {
@@ -371,7 +361,8 @@ StiffnessLaws fit_stiffness_laws(const std::vector<StiffnessPoint>& points,
   const Data data = prepare(points, options);
   StiffnessLaws result;
   result.weighted = data.weighted;
-  for (LawKind kind : options.laws) {
+  for (const LawKind kind :
+       {LawKind::linear, LawKind::square_root, LawKind::power, LawKind::saturating}) {
     std::size_t free = 0;
     for (const auto& parameter : parameters_of(kind, options.bounds)) free += !parameter.fixed;
     if (free <= points.size()) result.laws.push_back(fit(kind, data, options));
@@ -409,7 +400,14 @@ std::vector<double> change_by_tension(const std::vector<StiffnessPoint>& points)
       std::minmax_element(points.begin(), points.end(),
                           [](const auto& a, const auto& b) { return a.tension_N < b.tension_N; });
   if (!(high->tension_N > 1.05 * low->tension_N)) return change;
-  const double exponent = exponent_of(points);
+  std::vector<double> x, y;
+  for (const auto& one : points) {
+    x.push_back(std::log(one.tension_N)), y.push_back(std::log(one.EI_Nm2));
+  }
+  // The slope of a line in the logarithms is the exponent.
+  double offset = 0, exponent = 0, v00 = 0, v01 = 0, v11 = 0, squares = 0;
+  gsl_fit_linear(x.data(), 1, y.data(), 1, x.size(), &offset, &exponent, &v00, &v01, &v11,
+                 &squares);
   for (std::size_t i = 0; i < points.size(); ++i) {
     change[i] = exponent * points[i].EI_Nm2 / points[i].tension_N * points[i].tension_std_N;
   }

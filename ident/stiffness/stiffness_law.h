@@ -72,8 +72,6 @@ struct StiffnessPoint {
 [[nodiscard]] double own_std(const StiffnessPoint& point);
 
 struct StiffnessLawOptions {
-  std::vector<LawKind> laws{LawKind::linear, LawKind::square_root, LawKind::power,
-                            LawKind::saturating};
   std::optional<StiffnessBounds> bounds =
       std::nullopt;  ///< bounds of the strand; they fix the saturating law's ends
   /// Used for points without an interval instead of their scatter; 0: the scatter is used.

@@ -124,8 +124,8 @@ TEST(StiffnessLaws, BandsCover) {
   for (int trial = 0; trial < kTrials; ++trial) {
     auto points = points_of(truth, 0.03, kTensions);
     for (auto& point : points) point.EI_Nm2 *= 1 + 0.03 * normal();
-    const auto laws = fit_stiffness_laws(points, {.laws = {LawKind::square_root}});
-    const auto band = predict(laws.laws[0], 120);
+    const auto laws = fit_stiffness_laws(points);
+    const auto band = predict(law_of(laws, LawKind::square_root), 120);
     covered += holds(band, truth(120));
   }
   // The variance is raised when the scatter exceeds the weights and never lowered, so coverage is
@@ -136,14 +136,16 @@ TEST(StiffnessLaws, BandsCover) {
 
 TEST(StiffnessLaws, CommonUncertaintyWidensTheBandOnly) {
   auto points = points_of([](double T) { return 0.2 + 0.002 * T; }, 0.01, kTensions);
-  const auto plain = fit_stiffness_laws(points, {.laws = {LawKind::linear}});
+  const auto plain_laws = fit_stiffness_laws(points);
   for (auto& point : points) {
     point.shared_relative_std = 0.03;
     point.std = std::hypot(point.std, 0.03 * point.EI_Nm2);
   }
-  const auto common = fit_stiffness_laws(points, {.laws = {LawKind::linear}});
-  EXPECT_NEAR(plain.laws[0].parameters[0].value, common.laws[0].parameters[0].value, 1e-12);
-  const double wide = predict(common.laws[0], 100).std, narrow = predict(plain.laws[0], 100).std;
+  const auto common_laws = fit_stiffness_laws(points);
+  const auto& plain = law_of(plain_laws, LawKind::linear);
+  const auto& common = law_of(common_laws, LawKind::linear);
+  EXPECT_NEAR(plain.parameters[0].value, common.parameters[0].value, 1e-12);
+  const double wide = predict(common, 100).std, narrow = predict(plain, 100).std;
   EXPECT_NEAR(wide * wide - narrow * narrow, std::pow(0.03 * 0.4, 2), 1e-9);
 }
 
