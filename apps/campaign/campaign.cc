@@ -307,7 +307,6 @@ namespace {
 /// The value of a key, of its kind; throws DocumentError for another one.
 describe::Json value_of(document::TomlTable& table, const Option& key) {
   using document::Bound;
-  constexpr std::size_t kMost = 1000;
   switch (key.kind) {
     case describe::Kind::flag:
       return table.boolean_or(key.name, false);
@@ -318,7 +317,7 @@ describe::Json value_of(document::TomlTable& table, const Option& key) {
       if (!key.words.empty() && table.is_string(key.name)) return table.string(key.name);
       return table.number(key.name, Bound::any, key.unit);
     case describe::Kind::numbers:
-      return table.numbers(key.name, 1, kMost, Bound::any, key.unit);
+      return table.numbers(key.name, 1, SIZE_MAX, Bound::any, key.unit);
     case describe::Kind::text:
       return table.string(key.name);
     case describe::Kind::texts:

@@ -14,18 +14,9 @@
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
+using namespace std::chrono_literals;
 
 namespace {
-
-/// The file that a chain of links ends at, whether it is there or not.
-fs::path target_of(fs::path path) {
-  constexpr int kMostLinks = 40;  // as the kernel follows
-  std::error_code none;
-  for (int k = 0; k < kMostLinks && fs::is_symlink(path, none); ++k) {
-    path = path.parent_path() / fs::read_symlink(path, none);
-  }
-  return path;
-}
 
 [[noreturn]] void cannot_write(const fs::path& path, int reason) {
   const char* remedy = reason == ENOSPC || reason == EDQUOT || reason == EFBIG
@@ -36,6 +27,15 @@ fs::path target_of(fs::path path) {
                            : "name another file, or change its rights";
   throw OutputError("cannot write " + path.string() + ": " +
                     std::generic_category().message(reason) + "; " + remedy);
+}
+
+/// The file that a chain of links ends at, whether it is there or not.
+fs::path target_of(fs::path path) {
+  std::error_code error;
+  (void)fs::status(path, error);
+  if (error == std::errc::too_many_symbolic_link_levels) cannot_write(path, ELOOP);
+  while (fs::is_symlink(path, error)) path = path.parent_path() / fs::read_symlink(path, error);
+  return path;
 }
 
 /// 0, or why not all of it could be written.
@@ -51,16 +51,14 @@ int write_all(int file, std::string_view content) {
 
 /// Devices and pipes: into what is there.
 void write_through(const fs::path& path, std::string_view content) {
-  constexpr int kTries = 500;
-  constexpr auto kWait = std::chrono::milliseconds(20);  // 10 s for a pipe's reader to come
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
   int file = -1;
-  for (int k = 0; k < kTries; ++k) {
-    file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-    if (file >= 0 || errno != ENXIO) break;
-    std::this_thread::sleep_for(kWait);
-    errno = ENXIO;
+  while ((file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) < 0) {
+    // A pipe's reader has 10 s to come.
+    if (errno != ENXIO || Clock::now() - begin > 10s) cannot_write(path, errno);
+    std::this_thread::sleep_for(20ms);
   }
-  if (file < 0) cannot_write(path, errno);
   ::fcntl(file, F_SETFL, 0);  // waits while a pipe is full
   auto* const before = std::signal(SIGPIPE, SIG_IGN);
   const int reason = write_all(file, content);

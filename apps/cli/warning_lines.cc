@@ -15,7 +15,6 @@ constexpr auto kAnswerMayBeWrong = std::to_array<std::string_view>({
     "time_axis",         "at_bound",         "extrapolated",   "curved",         "unpaired",
     "systematic_misfit", "shapes_disagree",
 });
-constexpr std::array<std::string_view, 1> kTakenAsSaid = {"taken_as_exact"};
 // What was done, in normal operation: reading, choosing, leaving out with a reason.
 constexpr auto kNotes = std::to_array<std::string_view>(
     {"decay_cut_off", "decaying_offset", "double_hit_hidden", "doubtful_mode", "fitted_in_band",
@@ -34,10 +33,10 @@ Level level_of(std::string_view code) {
   const auto in = [&](const auto& list) {
     return std::find(list.begin(), list.end(), code) != list.end();
   };
-  return in(kAnswerMayBeWrong) ? Level::answer_may_be_wrong
-         : in(kTakenAsSaid)    ? Level::taken_as_said
-         : in(kNotes)          ? Level::note
-                               : Level::look_at;
+  return in(kAnswerMayBeWrong)      ? Level::answer_may_be_wrong
+         : code == "taken_as_exact" ? Level::taken_as_said
+         : in(kNotes)               ? Level::note
+                                    : Level::look_at;
 }
 
 std::string FindingKind::listed() const {

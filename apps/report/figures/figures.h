@@ -39,9 +39,6 @@
 
 namespace rigfit::apps {
 
-/// Two-sided 95 % of a normal distribution, in standard deviations.
-inline constexpr double kNormal95 = 1.959963984540054;
-
 /// Name of a file without its folders.
 [[nodiscard]] std::string short_name(const std::string& file);
 /// "m/s^2" as people write it.

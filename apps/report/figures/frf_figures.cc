@@ -125,10 +125,11 @@ Plot magnitude_plot(const std::string& id, const signal::FrfSet& frfs, const Lin
   plot.log_y = true;
   add_frfs(plot, frfs, range, origin, [&](Index k, Index c) { return std::abs(frfs.H(k, c)); });
   if (frfs.H_std.size() == 0) return plot;
+  const double k95 = signal::coverage_factor(0.95, 0);
   for (auto& series : plot.series) {
     for (Index k = range.first; k <= range.last; ++k) {
       const double size = series.y[static_cast<std::size_t>(k - range.first)];
-      const double half = kNormal95 * frfs.H_std(k, series.variant);
+      const double half = k95 * frfs.H_std(k, series.variant);
       series.low.push_back(std::max(size - half, kLowestShown * size));
       series.high.push_back(size + half);
     }

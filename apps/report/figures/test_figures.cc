@@ -327,12 +327,13 @@ std::vector<Block> fit_blocks(const std::string& id, const std::vector<ident::Up
   add_pairs(before, result.pairs_before);
   for (const auto& one : result.held) add_pairs(held, one.pairs);
   bool bars = false;
+  const double k95 = ident::coverage_factor(0.95, 0);
   for (const auto& pair : result.pairs) {
     if (pair.cross_plane) continue;
     const auto& mode = states[static_cast<std::size_t>(pair.state)]
                            .measured[static_cast<std::size_t>(pair.measured)];
     const double error = 100 * pair.relative_error,
-                 half = 100 * kNormal95 * mode.frequency_hz.std / pair.measured_hz;
+                 half = 100 * k95 * mode.frequency_hz.std / pair.measured_hz;
     bars = bars || std::isfinite(half);
     fitted.add(pair.measured_hz, error, error - half, error + half);
   }

@@ -36,6 +36,8 @@ TEST(OutputFile, LinksAndPipesStayWhatTheyAre) {
   write_whole_file(folder / "again", "content");
   EXPECT_TRUE(fs::is_symlink(folder / "link") && fs::is_symlink(folder / "again"));
   EXPECT_EQ(temporary.read("to/there.json"), "content");
+  fs::create_symlink("circle", folder / "circle");
+  EXPECT_THROW(write_whole_file(folder / "circle", "content"), OutputError);
 
   const fs::path pipe = folder / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);

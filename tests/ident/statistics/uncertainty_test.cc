@@ -36,12 +36,12 @@ TEST(Identifiability, NamesTwoThatOnlyActTogether) {
 }
 
 TEST(Identifiability, VagueIsNotDetermined) {
-  // One residual of standard deviation 1 per parameter: relative standard deviations 0.1 and 10.
-  const auto known = identifiability(Eigen::Vector2d(10, 0.1).asDiagonal().toDenseMatrix(),
+  // One residual of standard deviation 1 per parameter: relative standard deviations 0.8 and 1.25.
+  const auto known = identifiability(Eigen::Vector2d(1.25, 0.8).asDiagonal().toDenseMatrix(),
                                      Eigen::Vector2d(1, 1), {"a", "b"});
   EXPECT_TRUE(known.identifiable[0]);
   EXPECT_FALSE(known.identifiable[1]);
-  EXPECT_NEAR(known.std[0], 0.1, 1e-14);
+  EXPECT_NEAR(known.std[0], 0.8, 1e-14);
   EXPECT_EQ(known.open.size(), 1U);
 }
 
