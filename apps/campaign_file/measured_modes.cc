@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <map>
 
 #include "apps/results/text_table.h"
 #include "model/scene/scene_error.h"
@@ -39,11 +39,9 @@ constexpr double kSamePlace = 1e-3;
 /// says so.
 std::vector<int> nodes_of_sensors(const model::Scene& scene, const signal::UffModes& file,
                                   std::string& why) {
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
-  for (const auto& node : scene.nodes) {
-    low = low.cwiseMin(node.position), high = high.cwiseMax(node.position);
-  }
-  const double reach = scene.nodes.empty() ? 0 : kSamePlace * (high - low).norm();
+  Eigen::AlignedBox3d rig;
+  for (const auto& node : scene.nodes) rig.extend(node.position);
+  const double reach = rig.isEmpty() ? 0 : kSamePlace * rig.diagonal().norm();
   std::vector<int> nodes;
   for (const auto& sensor : scene.sensors) {
     const Eigen::Vector3d at = position_of(scene, sensor.place);
@@ -155,15 +153,13 @@ std::vector<MeasuredTableRow> measured_modes(const std::string& path, const std:
     row.mode.damping_ratio = {found.damping_ratio > 0 ? found.damping_ratio : signal::kNaN,
                               signal::kNaN};
     row.mode.plane = plane;
-    std::map<int, const signal::UffNodeShape*> at;
-    for (const auto& one : found.shape) at.emplace(one.node, &one);
     Eigen::VectorXcd shape(static_cast<Eigen::Index>(nodes.size()));
     bool whole = !nodes.empty() && !found.shape.empty();
     for (std::size_t s = 0; s < nodes.size() && whole; ++s) {
-      const auto one = at.find(nodes[s]);
-      whole = one != at.end();
+      const auto one = std::ranges::find(found.shape, nodes[s], &signal::UffNodeShape::node);
+      whole = one != found.shape.end();
       if (!whole) break;
-      const Eigen::Vector3cd moves(one->second->translation.data());
+      const Eigen::Vector3cd moves(one->translation.data());
       shape[static_cast<Eigen::Index>(s)] =
           scene.sensors[s].direction.cast<std::complex<double>>().dot(moves);
     }

@@ -71,18 +71,14 @@ model::Load struck(const model::Scene& scene, const model::Load& meant,
 Eigen::VectorXd decimated(const Eigen::Ref<const Eigen::VectorXd>& x, int factor) {
   const signal::LowPass filter(0.4 / factor, 0.5 / factor, 80);
   const int half = static_cast<int>(filter.half_length());
-  Eigen::VectorXd taps(half + 1);
-  for (int k = 0; k <= half; ++k) taps[k] = filter.at(k);
-  taps /= taps[0] + 2 * taps.tail(half).sum();
-
-  const Eigen::Index size = x.size();
-  const auto sample = [&](Eigen::Index i) { return x[std::clamp<Eigen::Index>(i, 0, size - 1)]; };
-  Eigen::VectorXd out((size + factor - 1) / factor);
+  Eigen::VectorXd taps(2 * half + 1), longer(x.size() + 2 * half);
+  for (int k = -half; k <= half; ++k) taps[half + k] = filter.at(std::abs(k));
+  taps /= taps.sum();
+  longer << Eigen::VectorXd::Constant(half, x[0]), x,
+      Eigen::VectorXd::Constant(half, x[x.size() - 1]);
+  Eigen::VectorXd out((x.size() + factor - 1) / factor);
   for (Eigen::Index j = 0; j < out.size(); ++j) {
-    const Eigen::Index i = j * factor;
-    double sum = taps[0] * sample(i);
-    for (int k = 1; k <= half; ++k) sum += taps[k] * (sample(i - k) + sample(i + k));
-    out[j] = sum;
+    out[j] = taps.dot(longer.segment(j * factor, taps.size()));
   }
   return out;
 }

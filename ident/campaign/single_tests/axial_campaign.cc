@@ -150,18 +150,11 @@ void contradictions(const AxialInputs& inputs, AxialCampaignResult& result) {
   const auto refuse = [&](const char* code, std::string message, const std::string& where) {
     result.findings.push_back({code, std::move(message), where, true});
   };
-  struct Seen {
-    double low = INFINITY, high = 0;
-    std::string lowest, highest;
-  };
-  std::map<double, Seen> by_length;
+  std::map<double, std::vector<const AxialRecord*>> by_length;
   std::vector<double> shares;
   for (const auto& d : result.decays) {
     if (!d.mode) continue;
-    const double f = d.axial().damped_frequency_hz.value;
-    auto& seen = by_length[d.length_m];
-    if (f < seen.low) seen.low = f, seen.lowest = d.file;
-    if (f > seen.high) seen.high = f, seen.highest = d.file;
+    by_length[d.length_m].push_back(&d);
     const double weight =
         model::kStandardGravity *
         (inputs.setup.mass_kg.value + 0.5 * inputs.setup.mass_per_length_kg_m.value * d.length_m);
@@ -169,7 +162,10 @@ void contradictions(const AxialInputs& inputs, AxialCampaignResult& result) {
         share_of_weight(inputs.recordings[d.recording].recording.channel(d.channel), weight);
     if (std::isfinite(share)) shares.push_back(share);
   }
-  for (const auto& [length, seen] : by_length) {
+  const auto frequency = [](const AxialRecord* d) { return d->axial().damped_frequency_hz.value; };
+  for (const auto& [length, records] : by_length) {
+    const auto [lowest, highest] = std::ranges::minmax(records, {}, frequency);
+    const double low = frequency(lowest), high = frequency(highest);
     if (length > kLongest) {
       refuse("length_suspected",
              fmt::format("Give lengths in m: {:.4g} m of cable is no hanging-mass test (as mm: "
@@ -178,14 +174,13 @@ void contradictions(const AxialInputs& inputs, AxialCampaignResult& result) {
              "");
     }
     // 5 % of frequency: 10 % of length, or of the mass.
-    if (seen.high > 1.05 * seen.low) {
+    if (high > 1.05 * low) {
       refuse("lengths_mixed",
              fmt::format("Give each file its length (--length, one a file or a group of files): "
                          "at {:.4g} m one record swings at {:.4g} Hz, {} at {:.4g} Hz; as one "
                          "length EA would be off by up to {:.0f} %",
-                         length, seen.low, seen.highest, seen.high,
-                         100 * (std::pow(seen.high / seen.low, 2) - 1)),
-             seen.lowest);
+                         length, low, highest->file, high, 100 * (std::pow(high / low, 2) - 1)),
+             lowest->file);
     }
   }
   const double share = shares.empty() ? 1 : signal::median(shares);
