@@ -8,6 +8,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "ident/statistics/uncertainty.h"
 #include "ident/update/pairing/mode_assignment.h"
 #include "model/scene/parameters.h"
 #include "signal/numerics/numbers.h"
