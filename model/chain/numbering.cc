@@ -1,15 +1,14 @@
 #include "model/chain/numbering.h"
 
 #include <algorithm>
-#include <deque>
 #include <utility>
 #include <vector>
 
 namespace rigfit::model {
 namespace {
 
-/// Rank of each node in a breadth-first walk from a node at the rig's edge: neighbours get near
-/// ranks (E. Cuthill and J. McKee, Proc. 24th ACM Nat. Conf., 1969).
+/// All nodes by a breadth-first walk from a node at the rig's edge: neighbours come near each other
+/// (E. Cuthill and J. McKee, Proc. 24th ACM Nat. Conf., 1969).
 std::vector<int> walk(const Chain& chain) {
   const auto n = static_cast<std::size_t>(chain.nodes);
   std::vector<int> begin(n + 1, 0), neighbour(2 * chain.segments.size());
@@ -23,8 +22,8 @@ std::vector<int> walk(const Chain& chain) {
     neighbour[static_cast<std::size_t>(fill[static_cast<std::size_t>(s.a)]++)] = s.b;
     neighbour[static_cast<std::size_t>(fill[static_cast<std::size_t>(s.b)]++)] = s.a;
   }
-  std::vector<int> rank(n, -1), order;
-  order.reserve(n);
+  std::vector<int> all, order;
+  all.reserve(n), order.reserve(n);
   const auto breadth_first = [&](int start, std::vector<int>& mark) {
     order.clear();
     order.push_back(start);
@@ -39,10 +38,9 @@ std::vector<int> walk(const Chain& chain) {
       }
     }
   };
-  int next_rank = 0;
   std::vector<int> mark(n, -1);
   for (int start = 0; start < chain.nodes; ++start) {
-    if (rank[static_cast<std::size_t>(start)] >= 0) continue;
+    if (mark[static_cast<std::size_t>(start)] >= 0) continue;
     int edge = start;
     for (int sweep = 0; sweep < 2; ++sweep) {  // the farthest node of the farthest
       breadth_first(edge, mark);
@@ -50,9 +48,9 @@ std::vector<int> walk(const Chain& chain) {
       for (const int node : order) mark[static_cast<std::size_t>(node)] = -1;
     }
     breadth_first(edge, mark);
-    for (const int node : order) rank[static_cast<std::size_t>(node)] = next_rank++;
+    all.insert(all.end(), order.begin(), order.end());
   }
-  return rank;
+  return all;
 }
 
 /// For each unknown the lowest one that it is coupled with through a segment, joint or support; a
@@ -133,52 +131,32 @@ Numbering number_unknowns(const Chain& chain, Motion motion) {
   out.rotation.setConstant(3, rotations, -1);
 
   const std::vector<bool> borne = borne_rotations(chain);
-
-  struct Unknown {
-    int nodes[2];  // it stands behind the lower one
-    int kind;
-    int* number;
-    long key = 0;
-  };
-  std::vector<Unknown> unknowns;
-  unknowns.reserve(static_cast<std::size_t>(3 * chain.nodes));
-  const auto add = [&](int a, int b, int kind, int& number) {
-    number = 0;
-    unknowns.push_back({{a, b}, kind, &number});
-  };
-  const auto wanted = [motion](int axis) {
-    return motion == Motion::space || (motion == Motion::in_plane ? axis < 2 : axis == 2);
-  };
-  for (int node = 0; node < chain.nodes; ++node) {
+  const std::vector<int> order = walk(chain);
+  std::vector<int> rank(order.size()), rotation(order.size(), -1);
+  for (std::size_t k = 0; k < order.size(); ++k) rank[std::size_t(order[k])] = static_cast<int>(k);
+  for (std::size_t r = 0; r < borne.size(); ++r) {
+    if (borne[r]) rotation[std::size_t(chain.rotating_node[r])] = static_cast<int>(r);
+  }
+  // Segments that twist, by the rank of their first node.
+  std::vector<std::vector<Eigen::Index>> twisting(order.size());
+  for (Eigen::Index s = 0; motion != Motion::in_plane && s < segments; ++s) {
+    const Segment& segment = chain.segments[static_cast<std::size_t>(s)];
+    const int first = std::min(rank[std::size_t(segment.a)], rank[std::size_t(segment.b)]);
+    if (segment.frame >= 0) twisting[static_cast<std::size_t>(first)].push_back(s);
+  }
+  const bool space = motion == Motion::space, in_plane = motion == Motion::in_plane;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const int node = order[k], r = rotation[static_cast<std::size_t>(node)];
     for (int axis = 0; axis < 3; ++axis) {
-      if (!wanted(axis) || chain.fixed(axis, node)) continue;
-      add(node, node, 1, out.displacement(axis, node));
+      const bool here = space || in_plane == (axis < 2);
+      if (here && !chain.fixed(axis, node)) out.displacement(axis, node) = out.size++;
     }
-  }
-  for (Eigen::Index r = 0; r < rotations; ++r) {
-    const auto k = static_cast<std::size_t>(r);
-    if (!borne[k]) continue;
-    for (int axis = 0; axis < 3; ++axis) {
-      const bool here = motion == Motion::space || (motion == Motion::in_plane) == (axis == 2);
-      if (!here || chain.rotation_fixed(axis, r)) continue;
-      add(chain.rotating_node[k], chain.rotating_node[k], 2, out.rotation(axis, r));
+    for (int axis = 0; r >= 0 && axis < 3; ++axis) {
+      const bool here = space || in_plane == (axis == 2);
+      if (here && !chain.rotation_fixed(axis, r)) out.rotation(axis, r) = out.size++;
     }
+    for (const Eigen::Index s : twisting[k]) out.twist[s] = out.size++;
   }
-  if (motion != Motion::in_plane) {
-    for (Eigen::Index s = 0; s < segments; ++s) {
-      const Segment& segment = chain.segments[static_cast<std::size_t>(s)];
-      if (segment.frame >= 0) add(segment.a, segment.b, 3, out.twist[s]);
-    }
-  }
-  const std::vector<int> rank = walk(chain);
-  const auto rank_of = [&](int node) { return rank[static_cast<std::size_t>(node)]; };
-  for (Unknown& x : unknowns) {
-    x.key = 4L * std::min(rank_of(x.nodes[0]), rank_of(x.nodes[1])) + x.kind;
-  }
-  std::stable_sort(unknowns.begin(), unknowns.end(),
-                   [](const Unknown& x, const Unknown& y) { return x.key < y.key; });
-  out.size = static_cast<int>(unknowns.size());
-  for (std::size_t k = 0; k < unknowns.size(); ++k) *unknowns[k].number = static_cast<int>(k);
   out.envelope = Envelope::from_rows(first_coupled(chain, out));
   return out;
 }

@@ -59,7 +59,7 @@ void UpdateProblem::add_nuisance(UpdateCoordinate coordinate) {
   coordinate.high = std::numeric_limits<double>::infinity(), coordinate.low = -coordinate.high;
   coordinate.prior_std = 1;
   std::erase_if(coordinate.effects, [&](const auto& effect) {  // a fitted one has its own value
-    return is_moved(effect.state, effect.target, parameters_);
+    return effect.change == 0 || is_moved(effect.state, effect.target, parameters_);
   });
   coordinates_.push_back(std::move(coordinate));
   ++priors_;
