@@ -171,9 +171,8 @@ std::vector<Eigen::MatrixXcd> rate_anew(Scene scene, const Chain& chain,
 
 FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
                                               const Eigen::VectorXd& frequency_hz,
-                                              const std::vector<std::string>& parameters,
+                                              const std::vector<ParameterAccess>& wanted,
                                               const ModesOptions& options, double decay_rate_1_s) {
-  const std::vector<ParameterAccess> wanted = parameters_named(scene, parameters);
   FrfSensitivities out;
   out.frfs.frequency_hz = frequency_hz;
   const ChainModes modes = frf_modes(scene, frequency_hz, options);

@@ -26,12 +26,11 @@ struct FrfSensitivities {
   std::vector<std::vector<Eigen::MatrixXcd>> rate;
 };
 
-/// `parameters` by name (modal_analysis.h); throws SceneError for an unknown one. Lines must not be
-/// negative. Of `options`, segments, rotary inertia and torsion are used. For a node moved out of
-/// the plane of symmetry the derivative comes from differences of FRFs.
+/// Lines must not be negative. Of `options`, segments, rotary inertia and torsion are used. For a
+/// node moved out of the plane of symmetry the derivative comes from differences of FRFs.
 [[nodiscard]] FrfSensitivities synthesize_frf_sensitivities(
     const Scene& scene, const Eigen::VectorXd& frequency_hz,
-    const std::vector<std::string>& parameters, const ModesOptions& options = {},
+    const std::vector<ParameterAccess>& parameters, const ModesOptions& options = {},
     double decay_rate_1_s = 0);
 
 }  // namespace rigfit::model

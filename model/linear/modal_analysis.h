@@ -46,10 +46,15 @@ struct ModeSensitivities {
   Eigen::MatrixXd damping_ratio;  ///< modes x parameters
 };
 
-/// Modes and their derivatives by `parameters` (names as in parameters.h). The derivatives are
-/// empty unless the equilibrium converged; throws SceneError for an unknown name.
-[[nodiscard]] ModeSensitivities analyse_mode_sensitivities(
-    const Scene& scene, const std::vector<std::string>& parameters,
+/// Modes and their derivatives by `parameters`; zero unless the equilibrium converged.
+[[nodiscard]] ModeSensitivities mode_sensitivities_by(
+    const Scene& scene, const std::vector<ParameterAccess>& parameters,
     const ModesOptions& options = {});
+/// The same by name, as in parameters.h; throws SceneError for an unknown one.
+[[nodiscard]] inline ModeSensitivities analyse_mode_sensitivities(
+    const Scene& scene, const std::vector<std::string>& parameters,
+    const ModesOptions& options = {}) {
+  return mode_sensitivities_by(scene, parameters_named(scene, parameters), options);
+}
 
 }  // namespace rigfit::model

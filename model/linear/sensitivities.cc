@@ -99,10 +99,9 @@ void difference_anew(const Scene& scene, const ParameterAccess& access, const Pa
 
 }  // namespace
 
-ModeSensitivities analyse_mode_sensitivities(const Scene& scene,
-                                             const std::vector<std::string>& parameters,
-                                             const ModesOptions& options) {
-  const std::vector<ParameterAccess> wanted = parameters_named(scene, parameters);
+ModeSensitivities mode_sensitivities_by(const Scene& scene,
+                                        const std::vector<ParameterAccess>& wanted,
+                                        const ModesOptions& options) {
   ModeSensitivities out;
   const ResolvedModes resolved = resolve_modes(scene, options);
   const ChainModes& modes = resolved.modes;

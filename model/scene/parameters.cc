@@ -162,6 +162,18 @@ std::vector<ParameterAccess> parameters_named(const Scene& scene,
   return chosen;
 }
 
+ParameterAccess moved_together(const std::vector<ParameterAccess>& parameters,
+                               const std::vector<double>& factors) {
+  ParameterAccess out = parameters.front();
+  out.set = [parameters, factors](Scene& scene, double value) {
+    const double by = (value - parameters[0].get(scene)) / factors[0];
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+      parameters[k].set(scene, parameters[k].get(scene) + by * factors[k]);
+    }
+  };
+  return out;
+}
+
 double parameter(const Scene& scene, const std::string& name) {
   const auto all = scene_parameters(scene);
   if (const auto* one = find(all, name)) return one->get(scene);

@@ -42,5 +42,9 @@ struct ParameterAccess {
 /// The parameters with these names, in their order; throws SceneError for an unknown name.
 [[nodiscard]] std::vector<ParameterAccess> parameters_named(const Scene& scene,
                                                             const std::vector<std::string>& names);
+/// One parameter for several that change together, each by its factor over the first's: the value
+/// of the first, which moves the others from where they are.
+[[nodiscard]] ParameterAccess moved_together(const std::vector<ParameterAccess>& parameters,
+                                             const std::vector<double>& factors);
 
 }  // namespace rigfit::model

@@ -26,9 +26,10 @@ bool solved_together(const MeasuredFrf& a, const MeasuredFrf& b) {
 const double kRateStep = std::sqrt(std::numeric_limits<double>::epsilon());
 
 model::FrfSensitivities frfs_at(const model::Scene& scene, const Eigen::VectorXd& lines,
-                                const std::vector<std::string>& names, double decay_rate_1_s) {
-  if (!names.empty()) {
-    return model::synthesize_frf_sensitivities(scene, lines, names, {}, decay_rate_1_s);
+                                const std::vector<model::ParameterAccess>& parameters,
+                                double decay_rate_1_s) {
+  if (!parameters.empty()) {
+    return model::synthesize_frf_sensitivities(scene, lines, parameters, {}, decay_rate_1_s);
   }
   model::FrfSensitivities plain;
   plain.frfs = model::synthesize_frfs(scene, lines, {}, decay_rate_1_s);
@@ -110,11 +111,13 @@ bool UpdateProblem::frf_residuals(const Eigen::VectorXd& q, const std::vector<Fr
     if (!same_state) {
       std::string failure;
       if (!fixed_scene(rows.state, q, scene, failure)) return false;
-      if (jacobian != nullptr) targets = targets_of(rows.state), rates = rate_changes(rows.state);
+      if (jacobian != nullptr) {
+        targets = targets_together(rows.state, scene), rates = rate_changes(rows.state);
+      }
     }
     if (!same_state || !solved_together(frf, *last->frf)) {
       const Eigen::VectorXd lines_hz = rate * frf.frequency_hz;
-      solved = frfs_at(scene, lines_hz, targets.names, frf.decay_rate_1_s);
+      solved = frfs_at(scene, lines_hz, targets.access, frf.decay_rate_1_s);
       if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
       if (!rates.empty()) {
         beside = frfs_at(scene, (1 + kRateStep) * lines_hz, {}, frf.decay_rate_1_s);
@@ -140,7 +143,7 @@ bool UpdateProblem::frf_residuals(const Eigen::VectorXd& q, const std::vector<Fr
         (*jacobian)(row, j) += slope.real() / std;
         (*jacobian)(row + 1, j) += slope.imag() / std;
       };
-      for (std::size_t t = 0; t < targets.names.size(); ++t) {
+      for (std::size_t t = 0; t < targets.access.size(); ++t) {
         const auto [j, factor] = targets.owner[t];
         const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
         add(j, factor * coordinate.derivative(q[j]) * solved.rate[t][k](sensor, load));

@@ -80,8 +80,9 @@ void UpdateProblem::add_places_of_hits(const Eigen::VectorXd& q) {
       std::vector<double> largest;  // standard uncertainty that each line allows
       for (const auto& frf : state.frfs) {
         if (frf.load != l || frf.std.size() == 0) continue;
-        const auto solved = model::synthesize_frf_sensitivities(scene, frf.frequency_hz, {target},
-                                                                {}, frf.decay_rate_1_s);
+        const auto solved = model::synthesize_frf_sensitivities(
+            scene, frf.frequency_hz, model::parameters_named(scene, {target}), {},
+            frf.decay_rate_1_s);
         if (solved.frfs.H.empty()) continue;
         for (const auto line : rows_of(s, frf).line) {
           const auto k = static_cast<std::size_t>(line);

@@ -163,7 +163,7 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       const auto& [axial, bending, torsion] = member.damping;
       joint_dampers_ = joint_dampers_ || axial > 0 || bending > 0 || torsion > 0;
     }
-    for (const auto& name : targets_of(static_cast<int>(s)).names) {
+    for (const auto& [name, unit, get, set] : targets_of(static_cast<int>(s)).access) {
       const bool damper = name.find(".damping_") != std::string::npos && !name.ends_with("_ratio");
       joint_dampers_ = joint_dampers_ || damper;
     }
@@ -188,14 +188,12 @@ std::vector<std::string> UpdateProblem::names() const {
 
 model::Scene UpdateProblem::scene_at(int state, const Eigen::VectorXd& q) const {
   model::Scene scene = states_[static_cast<std::size_t>(state)].scene;
-  const auto [names, owner] = targets_of(state);
-  for (std::size_t t = names.size(); t-- > 0;) {  // inputs first
+  const auto [access, owner] = targets_of(state);
+  for (std::size_t t = access.size(); t-- > 0;) {  // inputs first
     const auto [j, factor] = owner[t];
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
-    const double value = coordinate.parameter < 0
-                             ? model::parameter(scene, names[t]) + q[j] * factor
-                             : factor * coordinate.value(q[j]);
-    model::set_parameter(scene, names[t], value);
+    access[t].set(scene, coordinate.parameter < 0 ? access[t].get(scene) + q[j] * factor
+                                                  : factor * coordinate.value(q[j]));
   }
   return scene;
 }
@@ -222,14 +220,35 @@ bool UpdateProblem::fixed_scene(int state, const Eigen::VectorXd& q, model::Scen
 
 UpdateProblem::Targets UpdateProblem::targets_of(int state) const {
   Targets targets;
+  std::vector<std::string> names;
   for (Eigen::Index j = 0; j < size(); ++j) {
     for (const auto& effect : coordinates_[static_cast<std::size_t>(j)].effects) {
       if (effect.state != state || effect.target == kSampleRateTarget) continue;
-      targets.names.push_back(effect.target);
+      names.push_back(effect.target);
       targets.owner.emplace_back(j, effect.change);
     }
   }
+  targets.access = model::parameters_named(states_[static_cast<std::size_t>(state)].scene, names);
   return targets;
+}
+
+UpdateProblem::Targets UpdateProblem::targets_together(int state, const model::Scene& scene) const {
+  Targets together;
+  const auto [access, owner] = targets_of(state);
+  for (std::size_t t = 0; t < owner.size();) {
+    const Eigen::Index j = owner[t].first;
+    std::vector<model::ParameterAccess> parts;
+    std::vector<double> factors;
+    for (; t < owner.size() && owner[t].first == j; ++t) {
+      // One that is zero comes first: it may be stepped to one side only.
+      const bool first = access[t].get(scene) == 0;
+      parts.insert(first ? parts.begin() : parts.end(), access[t]);
+      factors.insert(first ? factors.begin() : factors.end(), owner[t].second);
+    }
+    together.access.push_back(model::moved_together(parts, factors));
+    together.owner.emplace_back(j, factors.front());
+  }
+  return together;
 }
 
 UpdateProblem::ModeNeed UpdateProblem::need_of(int state,
@@ -286,7 +305,7 @@ UpdateStateModes UpdateProblem::solved_modes(int state, const Eigen::VectorXd& q
   UpdateStateModes result;
   model::Scene scene;
   if (!fixed_scene(state, q, scene, result.failure)) return result;
-  const auto [targets, owner] = derivatives ? targets_of(state) : Targets{};
+  const auto [targets, owner] = derivatives ? targets_together(state, scene) : Targets{};
   model::ModesOptions modes;
   modes.count = mode_count(state);
   if (need != ModeNeed{}) modes.by_plane = {need.in, need.out}, modes.count = need.in + need.out;
@@ -298,7 +317,7 @@ UpdateStateModes UpdateProblem::solved_modes(int state, const Eigen::VectorXd& q
   if (targets.empty()) {
     solved.analysis = model::analyse_modes(scene, modes);
   } else {
-    solved = model::analyse_mode_sensitivities(scene, targets, modes);
+    solved = model::mode_sensitivities_by(scene, targets, modes);
   }
   const auto& analysis = solved.analysis;
   if (analysis.equilibrium.status != model::EquilibriumStatus::converged) {

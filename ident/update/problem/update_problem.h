@@ -202,7 +202,7 @@ class UpdateProblem {
 
  private:
   struct Targets {
-    std::vector<std::string> names;
+    std::vector<model::ParameterAccess> access;
     std::vector<std::pair<Eigen::Index, double>> owner;  // coordinate, factor
   };
 
@@ -228,6 +228,8 @@ class UpdateProblem {
   }
   [[nodiscard]] int mode_count(int state) const;  // that may pair
   [[nodiscard]] Targets targets_of(int state) const;
+  /// With one for all targets of a coordinate.
+  [[nodiscard]] Targets targets_together(int state, const model::Scene& scene) const;
   /// Whether one of the first `count` coordinates moves a scene parameter of that state.
   [[nodiscard]] bool is_moved(int state, const std::string& target, Eigen::Index count) const;
   /// Changes of a state's sample rate by one standard uncertainty of each coordinate; empty: none.

@@ -11,7 +11,8 @@ namespace rigfit::model::frf_sensitivities_test {
 void expect_differences(const Scene& scene, const std::vector<std::string>& names,
                         const Eigen::VectorXd& lines, double relative_step, double tolerance,
                         double window = 0) {
-  const FrfSensitivities found = synthesize_frf_sensitivities(scene, lines, names, {}, window);
+  const FrfSensitivities found =
+      synthesize_frf_sensitivities(scene, lines, parameters_named(scene, names), {}, window);
   ASSERT_EQ(found.frfs.equilibrium.status, EquilibriumStatus::converged);
   const SynthesizedFrfs plain = synthesize_frfs(scene, lines, {}, window);
   for (std::size_t k = 0; k < plain.H.size(); ++k) {
@@ -103,7 +104,8 @@ TEST(FrfSensitivities, OfANodeMovedOutOfThePlane) {
   scene.sensors.push_back({"out", {"", "left cable", 0.5}, {0, 0, 1}, {}});
   scene.sensors.push_back({"in", {"", "left cable", 0.5}, {0, 1, 0}, {}});
   const Eigen::VectorXd lines = Eigen::VectorXd::LinSpaced(10, 3, 25);
-  const FrfSensitivities found = synthesize_frf_sensitivities(scene, lines, {"left.z"});
+  const FrfSensitivities found =
+      synthesize_frf_sensitivities(scene, lines, parameters_named(scene, {"left.z"}));
   double in = 0, out = 0;
   for (const auto& rate : found.rate[0]) {
     out = std::max(out, std::abs(rate(0, 0)));
@@ -118,8 +120,7 @@ TEST(FrfSensitivities, OfANodeMovedOutOfThePlane) {
 }
 
 TEST(FrfSensitivities, NamesAnUnknownParameter) {
-  EXPECT_THROW((void)synthesize_frf_sensitivities(cable(200), Eigen::VectorXd::Ones(1), {"EI"}),
-               SceneError);
+  EXPECT_THROW((void)parameters_named(cable(200), {"EI"}), SceneError);
 }
 
 }  // namespace rigfit::model::frf_sensitivities_test

@@ -102,6 +102,22 @@ TEST(ModeSensitivities, OfNodesOutOfThePlane) {
   }
 }
 
+/// Several numbers as one: the sum of their rates, each times its factor over the first's.
+TEST(Sensitivities, OfWhatMovesTogetherAddUp) {
+  Scene scene = testing::cable_beam_rig(100, 0.4948, 8);
+  scene.members[0].damping_ratio = 0.01;
+  const std::vector<std::string> names{"beam.EI_z", "tip.mass", "beam.damping_ratio"};
+  const auto parameters = parameters_named(scene, names);
+  const ModesOptions options{.count = 5, .error_estimate = false};
+  const ModeSensitivities each = mode_sensitivities_by(scene, parameters, options);
+  const ModeSensitivities all =
+      mode_sensitivities_by(scene, {moved_together(parameters, {-200, 0.1, 1e-3})}, options);
+  const Eigen::Vector3d factor(1, 0.1 / -200, 1e-3 / -200);
+  EXPECT_LT((all.frequency - each.frequency * factor).norm(), 1e-6 * all.frequency.norm());
+  EXPECT_LT((all.damping_ratio - each.damping_ratio * factor).norm(),
+            1e-6 * all.damping_ratio.norm());
+}
+
 /// To an accuracy asked for the members' own segments say nothing, nor do masses between nodes:
 /// frequencies are those of a chain of 2400 segments, rates those of differences of such chains.
 TEST(Sensitivities, ToAnAskedAccuracyNeedNoSegments) {
