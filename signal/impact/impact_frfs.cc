@@ -257,7 +257,6 @@ class Analysis {
         hits.push_back(&hit);
         blocks.push_back(block_of(hit));
       }
-      test_.frfs.averages = static_cast<int>(blocks.size());
       if (blocks.empty()) return {};
       FrfEstimate estimate = average_frfs(blocks, frf);
       if (hits.size() < 3) return estimate;
@@ -280,18 +279,13 @@ class Analysis {
 
   void describe(const FrfEstimate& estimate) {
     FrfSet& frfs = test_.frfs;
-    frfs.frequency_hz = estimate.frequency_hz;
+    frfs = estimate;
     frfs.sample_rate_hz = test_.search.sample_rate_hz;
-    frfs.exponential_decay_rate_1_s = estimate.H.rows() > 0 ? decay_rate() : 0;
     double pre_trigger = 0;
     for (const Hit& hit : test_.search.hits) {
       if (hit.accepted) pre_trigger += static_cast<double>(hit.peak_sample - hit.block_first);
     }
     frfs.pre_trigger_s = pre_trigger / std::max(1, frfs.averages) / test_.search.sample_rate_hz;
-    frfs.H = estimate.H;
-    frfs.H_std = estimate.H_std;
-    frfs.coherence = estimate.coherence;
-    frfs.by_hit = estimate.by_hit;
     frfs.hit_impulse.emplace_back();
     for (const Hit& hit : test_.search.hits) {
       if (hit.accepted) frfs.hit_impulse.back().push_back(impulse_of(hit));

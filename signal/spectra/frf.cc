@@ -214,6 +214,8 @@ FrfEstimate average_frfs(std::span<const FrfBlock> blocks, const FrfOptions& opt
   }
   FrfEstimate result;
   result.frequency_hz = line_frequencies(options.block_samples, options.sample_rate_hz);
+  result.averages = static_cast<int>(blocks.size());
+  result.exponential_decay_rate_1_s = options.exponential_decay_rate_1_s;
   Averager averager(blocks, options, result);
   averager.run();
   return result;

@@ -32,6 +32,7 @@
 #include <vector>
 
 #include "signal/spectra/force_noise.h"
+#include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
 
@@ -44,17 +45,13 @@ struct FrfOptions {
   Eigen::Index block_samples = 0;
   /// Rate a of the window exp(-a t) on force and response; 0: none.
   double exponential_decay_rate_1_s = 0;
-  Eigen::Index by_hit_lines = 0;  ///< lines in `FrfEstimate::by_hit`; 0: not filled
+  Eigen::Index by_hit_lines = 0;  ///< lines in `FrfSet::by_hit`; 0: not filled
 };
 
-struct FrfEstimate {
-  Eigen::VectorXd frequency_hz;
-  Eigen::MatrixXcd H;                    ///< lines x responses
-  Eigen::MatrixXd H_std;                 ///< std of real and imaginary part, each; empty: unknown
-  Eigen::MatrixXd coherence;             ///< empty for one hit (it would be 1)
-  Eigen::VectorXd force_power;           ///< mean |X|^2 per hit, unscaled, by line
-  std::vector<Eigen::MatrixXcd> by_hit;  ///< H of each hit by itself, first lines x responses
-  Eigen::VectorXd force_noise;           ///< its part that is noise, by line; empty: unknown
+/// Without names of points, form and unit; no coherence for one hit (it would be 1).
+struct FrfEstimate : FrfSet {
+  Eigen::VectorXd force_power;  ///< mean |X|^2 per hit, unscaled, by line
+  Eigen::VectorXd force_noise;  ///< its part that is noise, by line; empty: unknown
   /// Part of the response power (all responses, each relative to its own) not explained by the
   /// force, per degree of freedom, where the force is within 20 dB of its maximum. 0 and empty for
   /// fewer than three hits.
