@@ -4,9 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace rigfit::signal {
+
+std::vector<double> finite_values(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  std::vector<double> finite;
+  std::ranges::copy_if(values, std::back_inserter(finite),
+                       [](double x) { return std::isfinite(x); });
+  return finite;
+}
 
 double median(std::vector<double> values) {
   return values.empty() ? 0 : gsl_stats_median(values.data(), 1, values.size());

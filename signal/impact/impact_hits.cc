@@ -21,15 +21,6 @@ constexpr double kTriggerNoise = 10;  // standard deviations of the noise
 constexpr double kHitWindow =
     0.25;  // s around a peak, within which pulses are no hits of their own
 
-std::vector<double> finite_values(const Eigen::Ref<const Eigen::VectorXd>& x) {
-  std::vector<double> values;
-  values.reserve(static_cast<std::size_t>(x.size()));
-  for (const double value : x) {
-    if (std::isfinite(value)) values.push_back(value);
-  }
-  return values;
-}
-
 /// What is known about a channel as a whole.
 struct ChannelFacts {
   double rest;

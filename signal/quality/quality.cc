@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
 #include "signal/recording/clipping.h"
 
@@ -95,9 +95,7 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
   q.channel = &channel;
   const Eigen::VectorXd& x = channel.samples;
   const Eigen::Index n = x.size();
-  const auto is_finite = [](double value) { return std::isfinite(value); };
-  std::vector<double> there;
-  std::ranges::copy_if(x, std::back_inserter(there), is_finite);
+  const std::vector<double> there = finite_values(x);
   const auto count = static_cast<Eigen::Index>(there.size());
   q.missing_samples = n - count;
   const auto add = [&]<typename... Values>(const char* code, long samples, Eigen::Index first,
@@ -107,7 +105,8 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
         {code, fmt::format(message, std::forward<Values>(values)...), samples, first});
   };
   if (q.missing_samples > 0) {
-    const auto first = std::ranges::find_if_not(x, is_finite) - x.begin();
+    const auto first =
+        std::ranges::find_if_not(x, [](double v) { return std::isfinite(v); }) - x.begin();
     add("missing", q.missing_samples, first, "{} of {} samples missing, first at {}",
         q.missing_samples, n, at_time(first, recording));
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -49,9 +48,7 @@ ClippedSamples clipped_samples(const Samples& channel, double nominal_range) {
   const Index n = channel.size();
   ClippedSamples result;
   result.at.assign(static_cast<std::size_t>(n), false);
-  std::vector<double> finite;
-  std::ranges::copy_if(channel, std::back_inserter(finite),
-                       [](double x) { return std::isfinite(x); });
+  std::vector<double> finite = finite_values(channel);
   if (finite.empty()) return result;
   double quantum = std::numeric_limits<double>::infinity();
   for (Index k = 1; k < n; ++k) {

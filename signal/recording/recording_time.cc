@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <utility>
 #include <vector>
@@ -126,8 +125,7 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double print
   const bool slips = std::round(step / resolution) == 1 && has_slips(t, place, resolution);
   if (!axis.uniform || slips) {
     const Eigen::ArrayXd all = time_s.tail(n - 1) - time_s.head(n - 1);  // NaN beside missing times
-    std::vector<double> steps;
-    std::ranges::copy_if(all, std::back_inserter(steps), [](double h) { return std::isfinite(h); });
+    std::vector<double> steps = finite_values(all.matrix());
     if (steps.empty()) return axis;
     const double usual = median(steps);
     // Gaps bias the line. The mean of the steps that are no gaps does not see them, and printing,

@@ -7,6 +7,7 @@
 #include <functional>
 #include <numbers>
 
+#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/spectra/fft.h"
@@ -23,10 +24,7 @@ constexpr double kWindowTimeConstants = 8;
 double local_median(const Eigen::VectorXd& power, Index k, Index reach) {
   const Index lo = std::clamp<Index>(k - reach, 1, power.size() - 1);
   const Index hi = std::clamp<Index>(k + reach, lo, power.size() - 1);
-  std::vector<double> around(power.data() + lo, power.data() + hi + 1);
-  const auto middle = around.begin() + std::ssize(around) / 2;
-  std::ranges::nth_element(around, middle);
-  return *middle;
+  return median({power.data() + lo, power.data() + hi + 1});
 }
 
 }  // namespace
