@@ -62,6 +62,12 @@ JackknifeVariance jackknife_variance(std::span<const double> without) {
   return {(G - 1) / G * squares, G - 1};
 }
 
+double GroupMean::std_95() const { return widening_95(degrees) * std::sqrt(variance); }
+
+double widening_95(double degrees_of_freedom) {
+  return coverage_factor(0.95, degrees_of_freedom) / coverage_factor(0.95, 0);
+}
+
 double coverage_factor(double coverage, double degrees_of_freedom) {
   const double p = 0.5 + 0.5 * coverage;
   return degrees_of_freedom > 0 ? gsl_cdf_tdist_Pinv(p, degrees_of_freedom)

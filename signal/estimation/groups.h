@@ -17,6 +17,7 @@
 // The Jackknife (1982), ch. 3.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,11 @@ struct GroupMean {
   double chance = 1;            ///< probability of such a Q where groups agree
   double degrees = 0;  ///< degrees of freedom of `variance`; 0: only the known v_g contribute
   std::vector<double> weights;  ///< sum 1
+
+  /// The standard deviation of which +-1.96 hold 95 %.
+  [[nodiscard]] double std_95() const;
+  /// tau
+  [[nodiscard]] double between_std() const { return std::sqrt(between_variance); }
 };
 
 /// Needs at least one value and as many positive `variances`.
@@ -44,6 +50,9 @@ struct JackknifeVariance {
 
 /// `without`: the value computed without group g, for each of the groups (at least two).
 [[nodiscard]] JackknifeVariance jackknife_variance(std::span<const double> without);
+
+/// Factor on a standard deviation of so many degrees of freedom so that +-1.96 of it hold 95 %.
+[[nodiscard]] double widening_95(double degrees_of_freedom);
 
 /// Two-sided quantile for a coverage such as 0.95: Student's t, or the normal's for no (<= 0)
 /// degrees of freedom.

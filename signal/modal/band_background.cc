@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 /// Share of a column outside of those before, from which it counts.
 constexpr double kPart = 1e-3;
 
-/// Orthonormal columns s^power, s^(power - 2) and, with `middle`, s^(power - 1).
+/// Orthonormal columns s^(power - 2), s^power and, with `middle`, s^(power - 1).
 MatrixXcd powers_of_s(const VectorXcd& s, int power, bool middle) {
   MatrixXcd columns(s.size(), middle ? 3 : 2);
   columns.col(0) = s.array().pow(power - 2);
@@ -79,6 +79,13 @@ VectorXcd poles_between(const FrfSet& frfs, double low_hz, double high_hz,
       search_modes(part, cluster_poles(diagram, part.spacing_hz, options.clusters), noise, once);
   if (found.exhausted || !found.covariance.full_rank) return {};
   return found.fit.poles;
+}
+
+/// The residual terms and, outside of them, the orthonormal columns `more`.
+MatrixXcd with_residuals(const FrfLines& lines, const MatrixXcd& more) {
+  MatrixXcd columns(lines.s.size(), 2 + more.cols());
+  columns << powers_of_s(lines.s, lines.power, false), more;
+  return columns;
 }
 
 /// The part of `column` outside of the orthonormal `columns`, over its size; added where it counts.
@@ -151,19 +158,14 @@ VectorXcd poles_beside(const FrfSet& frfs, const ModalBand& band, const ModalOpt
 void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& band) {
   FrfLines& lines = band.lines;
   const VectorXcd scale = lines.s.array().pow(lines.power);
-  MatrixXcd columns(lines.s.size(), 0);
-  add_column(lines.s.array().pow(lines.power - 2), columns);
-  add_column(scale, columns);
-  const Index residuals = columns.cols();
-  columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
-  columns.rightCols(background.cols()) = background;
+  MatrixXcd columns = with_residuals(lines, background);
   for (const int next : {-4, 2, -6, 4})
     add_column(lines.s.array().pow(lines.power + next), columns);
   for (const Complex pole : band.beside) {
     add_column(scale.array() / (lines.s.array() - pole), columns);
     add_column(scale.array() / (lines.s.array() - std::conj(pole)), columns);
   }
-  lines.background = columns.rightCols(columns.cols() - residuals);
+  lines.background = columns.rightCols(columns.cols() - 2);
 }
 
 double left_at_the_end(const ModalBand& band, Complex raw) {
@@ -208,10 +210,7 @@ bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const VectorXcd>& po
   MatrixXcd background =
       cut_off_background(band.lines.s, band.lines.power, std::max(before, span), span);
   if (by_pole) {
-    MatrixXcd columns = powers_of_s(band.lines.s, band.lines.power, false);
-    const Index residuals = columns.cols();
-    columns.conservativeResize(Eigen::NoChange, residuals + background.cols());
-    columns.rightCols(background.cols()) = background;
+    MatrixXcd columns = with_residuals(band.lines, background);
     for (const Complex pole : poles) {
       const double left = left_at_the_end(band, pole - band.window);
       if (left < kLeft || left > kTone) continue;
@@ -221,7 +220,7 @@ bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const VectorXcd>& po
         add_column((turned - std::exp((p - band.window) * lead)) / (s - p), columns);
       }
     }
-    background = columns.rightCols(columns.cols() - residuals);
+    background = columns.rightCols(columns.cols() - 2);
   }
   if (!(span > 0) && misfit.size() > 0 && !misfit_shows(background, misfit, noise.line, kSure)) {
     background = cut_off_background(band.lines.s, band.lines.power, 0, 0);

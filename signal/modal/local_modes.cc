@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "signal/estimation/groups.h"
 #include "signal/numerics/numbers.h"
 #include "signal/refinement/modal_basis.h"
 #include "signal/refinement/modal_noise.h"
@@ -27,26 +26,21 @@ constexpr double kShareOfPoints = 0.3;
 /// A twentieth of a half bandwidth changes a peak by 5 % at its flanks.
 constexpr double kScatterThatMatters = 0.05;
 
-/// Mean over points of a part of their poles; +-1.96 standard deviations hold 95 %.
-MeanOverPoints mean_of(const std::vector<PointPole>& points, double (*part)(Complex)) {
+/// Mean over points of a part of their poles.
+GroupMean mean_of(const std::vector<PointPole>& points, double (*part)(Complex)) {
   std::vector<double> values, variances;
   for (const PointPole& point : points) {
     values.push_back(part(point.pole));
     variances.push_back(std::pow(std::max(point.std, 1e-12 * std::abs(values.back())), 2));
   }
-  const GroupMean mean = mean_over_groups(values, variances);
-  const double wider = coverage_factor(0.95, mean.degrees) / coverage_factor(0.95, 0);
-  return {{mean.mean, wider * std::sqrt(mean.variance)},
-          std::sqrt(mean.between_variance),
-          mean.cochran_Q,
-          mean.chance};
+  return mean_over_groups(values, variances);
 }
 
 /// Whether poles of two points touch or, of a mode that is `drifting` and stands clear of its
 /// surroundings at both, lie within 20 half-power bandwidths and a factor of 1.5.
 bool may_be_one(const ModalBand& band, const PointPole& a, const PointPole& b, bool drifting) {
+  if (!drifting) return apart(a.pole, b.pole, band.window) < 1;
   const double ha = band.window - a.pole.real(), hb = band.window - b.pole.real();
-  if (!drifting) return std::abs(a.pole - b.pole) < ha + hb;
   return std::min(a.explained, b.explained) > 0.8 && std::max(ha, hb) < 2.5 * std::min(ha, hb) &&
          std::abs(a.pole.imag() - b.pole.imag()) < 20 * (ha + hb) &&
          std::max(a.pole.imag(), b.pole.imag()) < 1.5 * std::min(a.pole.imag(), b.pole.imag());
@@ -77,9 +71,8 @@ std::vector<LocalMode> check_groups(const ModalBand& band, const std::vector<Mat
       Index nearest = 0;
       (poles.array() - found.pole).abs().minCoeff(&nearest);
       LocalMode& mode = modes[static_cast<std::size_t>(nearest)];
-      const bool near = std::abs(poles[nearest] - found.pole) <
-                        2 * (2 * band.window - poles[nearest].real() - found.pole.real());
-      if (near && (mode.points.empty() || mode.points.back().point != found.point)) {
+      if (apart(poles[nearest], found.pole, band.window) < 2 &&
+          (mode.points.empty() || mode.points.back().point != found.point)) {
         mode.points.push_back(found);
       }
     }
@@ -115,9 +108,9 @@ void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMod
             !linked(a, b, drift > 0)) {
           continue;
         }
-        const double apart = std::abs(a.frequency.value.value - b.frequency.value.value) /
-                             (2 * band.window + a.decay.value.value + b.decay.value.value);
-        if (apart < least) least = apart, more = &a, fewer = &b;
+        const double distance = std::abs(a.frequency.mean - b.frequency.mean) /
+                                (2 * band.window + a.decay.mean + b.decay.mean);
+        if (distance < least) least = distance, more = &a, fewer = &b;
       }
     }
     if (more == nullptr) {
@@ -145,23 +138,21 @@ std::vector<LocalMode> find_local_modes(const ModalBand& band, const std::vector
   std::erase_if(modes, [&](const LocalMode& mode) {
     return static_cast<double>(mode.points.size()) < needed;
   });
-  std::sort(modes.begin(), modes.end(), [](const auto& a, const auto& b) {
-    return a.frequency.value.value < b.frequency.value.value;
-  });
+  std::sort(modes.begin(), modes.end(),
+            [](const auto& a, const auto& b) { return a.frequency.mean < b.frequency.mean; });
   return modes;
 }
 
 namespace {
 
 bool points_differ(const LocalMode& mode) {
-  return mode.points.size() > 1 &&
-         std::min(mode.decay.excess_chance, mode.frequency.excess_chance) < 1e-4;
+  return mode.points.size() > 1 && std::min(mode.decay.chance, mode.frequency.chance) < 1e-4;
 }
 
 /// Between points, over the mode's half bandwidth: less does not move a fit of all FRFs together.
 bool scatter_matters(const LocalMode& mode) {
-  return mode.frequency.between_std > kScatterThatMatters * mode.decay.value.value ||
-         mode.decay.between_std > kScatterThatMatters * mode.decay.value.value;
+  return mode.frequency.between_std() > kScatterThatMatters * mode.decay.mean ||
+         mode.decay.between_std() > kScatterThatMatters * mode.decay.mean;
 }
 
 }  // namespace
@@ -199,7 +190,7 @@ FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& l
   fit.poles.resize(count);
   for (Index r = 0; r < count; ++r) {
     const LocalMode& mode = local[static_cast<std::size_t>(r)];
-    fit.poles[r] = {-mode.decay.value.value, mode.frequency.value.value};
+    fit.poles[r] = {-mode.decay.mean, mode.frequency.mean};
   }
   ModalRefineOptions held;
   held.max_iterations = 0;
@@ -213,8 +204,8 @@ FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& l
   const auto points = columns_of_points(band);
   for (Index r = 0; r < count; ++r) {
     const LocalMode& mode = local[static_cast<std::size_t>(r)];
-    found.covariance.poles(2 * r, 2 * r) = std::pow(mode.decay.value.std, 2);
-    found.covariance.poles(2 * r + 1, 2 * r + 1) = std::pow(mode.frequency.value.std, 2);
+    found.covariance.poles(2 * r, 2 * r) = std::pow(mode.decay.std_95(), 2);
+    found.covariance.poles(2 * r + 1, 2 * r + 1) = std::pow(mode.frequency.std_95(), 2);
     found.covariance.significance[r] = 0;
     for (const PointPole& point : mode.points) {
       found.covariance.significance[r] += point.significance;

@@ -13,25 +13,18 @@
 #include <complex>
 #include <vector>
 
+#include "signal/estimation/groups.h"
 #include "signal/modal/point_poles.h"
 #include "signal/modes/modal_band.h"
 #include "signal/modes/modal_result.h"
 #include "signal/modes/mode_search.h"
-#include "signal/numerics/estimate.h"
 
 namespace rigfit::signal {
 
-struct MeanOverPoints {
-  Estimate value;            ///< +-1.96 std hold 95 %
-  double between_std = 0;    ///< tau: scatter between points beyond their own errors
-  double Q = 0;              ///< Cochran's, of points that are equal
-  double excess_chance = 1;  ///< of a Q as large
-};
-
 struct LocalMode {
   std::vector<PointPole> points;  ///< one a point that shows it
-  MeanOverPoints decay;           ///< of -Re p, rad/s
-  MeanOverPoints frequency;       ///< of Im p, rad/s
+  GroupMean decay;                ///< of -Re p, rad/s
+  GroupMean frequency;            ///< of Im p, rad/s
 };
 
 /// Modes by rising frequency. `common`: candidates of all FRFs together, window removed.

@@ -45,7 +45,7 @@ std::vector<Complex> local_candidates(const ModalBand& band,
   std::vector<Complex> candidates;
   const auto add = [&](Complex pole) {
     const bool known = std::any_of(candidates.begin(), candidates.end(), [&](Complex other) {
-      return std::abs(other - pole) < 0.5 * (2 * band.window - other.real() - pole.real());
+      return apart(other, pole, band.window) < 0.5;
     });
     if (!known && pole.real() < band.window) candidates.push_back(pole);
   };
@@ -125,7 +125,7 @@ void fill_shape(const ModalRefineResult& fit, const ModalCovariance& covariance,
 /// A mode as the points show it, and how it varies between them.
 void fill_points(const FrfSet& frfs, const ModalBand& band, const LocalMode& local,
                  IdentifiedMode& mode) {
-  mode.between_points_std_hz = local.frequency.between_std / kTwoPi;
+  mode.between_points_std_hz = local.frequency.between_std() / kTwoPi;
   if (columns_of_points(band).size() < 2) return;
   const bool by_input = points_are_inputs(band);
   for (const PointPole& found : local.points) {

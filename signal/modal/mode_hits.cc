@@ -44,7 +44,7 @@ struct ModeOfHits {
   /// Cochran's Q of the hits' own poles and its degrees of freedom.
   [[nodiscard]] std::pair<double, double> own_scatter() const {
     const double others = std::max(0.0, static_cast<double>(own.points.size()) - 1);
-    return {own.decay.Q + own.frequency.Q, 2 * others};
+    return {own.decay.cochran_Q + own.frequency.cochran_Q, 2 * others};
   }
   [[nodiscard]] double degrees() const {
     return squares > 0 ? variance[0] * variance[0] / squares : 0;
@@ -190,7 +190,7 @@ void widen_shapes(const ModalBand& band, const std::vector<HitsOnInput>& all,
           kAll)) {
       continue;
     }
-    variance *= std::pow(coverage_factor(0.95, degrees) / coverage_factor(0.95, 0), 2);
+    variance *= std::pow(widening_95(degrees), 2);
     for (Index o = 0; o < responses; ++o) {
       const double re = std::norm(mode.shape[o].real()), im = std::norm(mode.shape[o].imag());
       auto std = mode.shape_std.row(o);
@@ -242,8 +242,8 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
     const bool own_differ = own_degrees > 0 && gsl_cdf_chisq_Q(own_Q, own_degrees) < kMode;
     const bool differs =
         all_differ || own_differ || gsl_cdf_chisq_Q(scatter[r].first, scatter[r].second) < kMode;
-    mode.between_hits = {static_cast<int>(one.shown), one.own.frequency.between_std / kTwoPi,
-                         one.own.decay.between_std / omega, differs};
+    mode.between_hits = {static_cast<int>(one.shown), one.own.frequency.between_std() / kTwoPi,
+                         one.own.decay.between_std() / omega, differs};
     if (!differs) continue;
     largest = std::max(largest, mode.between_hits.frequency_std_hz / mode.frequency_hz.value);
     const bool few = one.shown < kShareOfHits * one.fits;
@@ -252,13 +252,13 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
     }
     double f_std = 0, z_std = 0;
     if (one.degrees() > 0) {
-      const double wider = coverage_factor(0.95, one.degrees()) / coverage_factor(0.95, 0);
+      const double wider = widening_95(one.degrees());
       f_std = wider * std::sqrt(one.variance[0]), z_std = wider * std::sqrt(one.variance[1]);
     }
     if (own_differ && !few) {
       means = true;
-      set_pole(mode, {-one.own.decay.value.value, one.own.frequency.value.value}, band.window);
-      f_std = one.own.frequency.value.std / kTwoPi, z_std = one.own.decay.value.std / omega;
+      set_pole(mode, {-one.own.decay.mean, one.own.frequency.mean}, band.window);
+      f_std = one.own.frequency.std_95() / kTwoPi, z_std = one.own.decay.std_95() / omega;
     }
     widen(f_std, z_std, r, model);
   }

@@ -24,10 +24,9 @@ constexpr double kBandwidths = 6, kLines = 8;
 
 double half_bandwidth(const ModalBand& band, Complex pole) { return band.window - pole.real(); }
 
-/// Distance in half bandwidths of both; below half a line no data tell poles apart.
-double apart(const ModalBand& band, Complex p, Complex q) {
-  return std::abs(p - q) /
-         (half_bandwidth(band, p) + half_bandwidth(band, q) + 0.5 * kTwoPi * band.spacing_hz);
+/// Below half a line no data tell poles apart.
+double gap(const ModalBand& band, Complex p, Complex q) {
+  return apart(p, q, band.window, kTwoPi * band.spacing_hz);
 }
 
 /// A fit with its lines and FRFs.
@@ -122,7 +121,7 @@ class PointFit {
                       const WindowFit& both, std::optional<WindowFit>& without) const {
     for (Index r = 0; r < both.poles.size(); ++r) {
       for (Index q = 0; q < both.poles.size(); ++q) {
-        if (q == r || apart(band, both.poles[r], both.poles[q]) > 1.5) continue;
+        if (q == r || gap(band, both.poles[r], both.poles[q]) > 1.5) continue;
         if (both.gain.row(r).sum() > both.gain.row(q).sum()) continue;
         const double hr = half_bandwidth(band, both.poles[r]);
         const double hq = half_bandwidth(band, both.poles[q]);
@@ -139,7 +138,7 @@ class PointFit {
         const double left =
             std::max(misfit_around(both, both.poles[r]), misfit_around(both, both.poles[q]));
         for (const Complex pole : fit.poles) {
-          if (apart(band, pole, both.poles[r]) > 1.5 && apart(band, pole, both.poles[q]) > 1.5) {
+          if (gap(band, pole, both.poles[r]) > 1.5 && gap(band, pole, both.poles[q]) > 1.5) {
             continue;
           }
           worst = std::max(worst, misfit_around(fit, pole));
@@ -188,7 +187,7 @@ std::vector<std::vector<Complex>> groups_of(const ModalBand& band, std::vector<C
   for (const Complex p : poles) {
     const bool joins = !groups.empty() && groups.back().size() < 6 &&
                        std::any_of(groups.back().begin(), groups.back().end(),
-                                   [&](Complex q) { return apart(band, p, q) < 2; });
+                                   [&](Complex q) { return gap(band, p, q) < 2; });
     if (joins) {
       groups.back().push_back(p);
     } else {

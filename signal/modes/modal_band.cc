@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
 #include "signal/refinement/modal_basis.h"
 
@@ -47,15 +48,9 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
   }
   ModalBand band;
   const auto count = static_cast<Index>(rows.size());
-  band.frequency_hz.resize(count);
-  band.lines.H.resize(count, columns);
-  band.H_std.resize(frfs.H_std.size() ? count : 0, frfs.H_std.size() ? columns : 0);
-  for (Index i = 0; i < count; ++i) {
-    const Index k = rows[static_cast<std::size_t>(i)];
-    band.frequency_hz[i] = frfs.frequency_hz[k];
-    band.lines.H.row(i) = frfs.H.row(k);
-    if (band.H_std.size()) band.H_std.row(i) = frfs.H_std.row(k);
-  }
+  band.frequency_hz = frfs.frequency_hz(rows);
+  band.lines.H = frfs.H(rows, Eigen::all);
+  if (frfs.H_std.size() > 0) band.H_std = frfs.H_std(rows, Eigen::all);
   // A line without an error bar among others that have one cannot be weighed against them.
   if (band.H_std.size() && !(band.H_std.allFinite() && band.H_std.maxCoeff() > 0)) {
     band.H_std.resize(0, 0);
@@ -65,9 +60,8 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
   }
   band.rows = std::move(rows);
   band.window = frfs.exponential_decay_rate_1_s;
-  VectorXd steps = band.frequency_hz.tail(count - 1) - band.frequency_hz.head(count - 1);
-  std::nth_element(steps.begin(), steps.begin() + (count - 1) / 2, steps.end());
-  band.spacing_hz = steps[(count - 1) / 2];
+  const VectorXd steps = band.frequency_hz.tail(count - 1) - band.frequency_hz.head(count - 1);
+  band.spacing_hz = median({steps.begin(), steps.end()});
   band.correlation_lines = band.window / band.spacing_hz;
   band.lead = frfs.pre_trigger_s * band.spacing_hz;
   band.lines.s = laplace_lines(band.frequency_hz, band.window);

@@ -161,9 +161,7 @@ class ModeSearch {
 
   /// Distance of two candidates in their bandwidths.
   double distance(std::size_t a, std::size_t b) const {
-    return std::abs(candidates[a].pole - candidates[b].pole) /
-           (std::abs(candidates[a].pole.real() - band().window) +
-            std::abs(candidates[b].pole.real() - band().window));
+    return apart(candidates[a].pole, candidates[b].pole, band().window);
   }
 
   /// The weakest first; of candidates whose resonances overlap only one at a time, since two that
@@ -241,9 +239,7 @@ std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& le
         continue;
       }
       const auto twin = std::find_if(found.begin(), found.end(), [&](const PoleCluster& other) {
-        return std::abs(other.pole_rad_s - cluster.pole_rad_s) <
-               options.clusters.radius *
-                   (std::abs(other.pole_rad_s.real()) + std::abs(cluster.pole_rad_s.real()));
+        return apart(other.pole_rad_s, cluster.pole_rad_s) < options.clusters.radius;
       });
       if (twin == found.end()) {
         found.push_back(cluster);

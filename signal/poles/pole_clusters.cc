@@ -12,10 +12,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-double distance(Complex p, Complex q, double spacing_rad_s) {
-  return std::abs(p - q) / (std::abs(p.real()) + std::abs(q.real()) + 0.5 * spacing_rad_s);
-}
-
 bool alike(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b, double least) {
   return a.size() == 0 || b.size() == 0 || std::norm(a.dot(b)) > least;
 }
@@ -43,7 +39,7 @@ std::vector<Track> track_poles(const LscfResult& stabilisation, double spacing,
     for (std::size_t t = 0; t < tracks.size(); ++t) {
       if (tracks[t].orders.back() - order > options.max_gap + 1) continue;
       for (std::size_t i = begin; i < end; ++i) {
-        const double d = distance(tracks[t].poles.back(), all[i].pole_rad_s, spacing);
+        const double d = apart(tracks[t].poles.back(), all[i].pole_rad_s, 0, spacing);
         if (d < options.radius &&
             alike(tracks[t].participation, all[i].participation, options.min_alike)) {
           pairs.emplace_back(d, t, i);
@@ -105,7 +101,7 @@ std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation, double l
   std::vector<PoleCluster> kept;
   for (const PoleCluster& cluster : clusters) {
     const bool again = std::any_of(kept.begin(), kept.end(), [&](const PoleCluster& other) {
-      return distance(cluster.pole_rad_s, other.pole_rad_s, spacing) < options.radius &&
+      return apart(cluster.pole_rad_s, other.pole_rad_s, 0, spacing) < options.radius &&
              alike(cluster.participation, other.participation, options.min_alike);
     });
     if (!again) kept.push_back(cluster);

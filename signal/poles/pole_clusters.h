@@ -34,6 +34,14 @@ struct PoleCluster {
   Eigen::VectorXcd participation = {};  ///< that of the highest order's pole; may be empty
 };
 
+/// Distance of two poles over the sum of their half bandwidths and half of the lines' `spacing`,
+/// rad/s. `window`: its decay rate, where poles are given without it.
+[[nodiscard]] inline double apart(std::complex<double> p, std::complex<double> q, double window = 0,
+                                  double spacing = 0) {
+  return std::abs(p - q) /
+         (std::abs(p.real() - window) + std::abs(q.real() - window) + spacing / 2);
+}
+
 /// Clusters by rising frequency. `line_spacing_hz` is that of the FRFs.
 [[nodiscard]] std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation,
                                                      double line_spacing_hz,

@@ -9,10 +9,9 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
-Complex integer_power(Complex s, int power) {
-  Complex result = 1;
-  for (int i = 0; i < power; ++i) result *= s;
-  for (int i = 0; i > power; --i) result /= s;
+Eigen::ArrayXcd power_of(const Eigen::Ref<const Eigen::VectorXcd>& s, int power) {
+  Eigen::ArrayXcd result = Eigen::ArrayXcd::Ones(s.size());
+  for (int k = 0; k < power; ++k) result *= s.array();
   return result;
 }
 
@@ -20,8 +19,7 @@ Complex integer_power(Complex s, int power) {
 /// p)^k.
 void fill_pole_columns(const Eigen::Ref<const Eigen::VectorXcd>& s, int power, int k,
                        const Eigen::Ref<const Eigen::VectorXcd>& poles, Eigen::MatrixXcd& columns) {
-  const Eigen::ArrayXcd scale =
-      s.unaryExpr([&](Complex value) { return integer_power(value, power); });
+  const Eigen::ArrayXcd scale = power_of(s, power);
   for (Index r = 0; r < poles.size(); ++r) {
     Eigen::ArrayXcd f = (s.array() - poles[r]).inverse();
     Eigen::ArrayXcd g = (s.array() - std::conj(poles[r])).inverse();
@@ -33,16 +31,7 @@ void fill_pole_columns(const Eigen::Ref<const Eigen::VectorXcd>& s, int power, i
 
 }  // namespace
 
-int power_of_s(FrfForm form) {
-  switch (form) {
-    case FrfForm::mobility:
-      return 1;
-    case FrfForm::accelerance:
-      return 2;
-    default:
-      return 0;
-  }
-}
+int power_of_s(FrfForm form) { return form == FrfForm::unknown ? 0 : static_cast<int>(form); }
 
 Eigen::VectorXcd laplace_lines(const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
                                double decay_rate_1_s) {
@@ -57,12 +46,10 @@ Eigen::MatrixXd stacked_basis(const Eigen::Ref<const Eigen::VectorXcd>& s, int p
                               const Eigen::Ref<const Eigen::VectorXd>& line_weight) {
   Eigen::MatrixXcd columns(s.size(), 2 * poles.size() + 4);
   fill_pole_columns(s, power, 1, poles, columns);
-  for (Index residual = 0; residual < 2; ++residual) {
-    const Index at = 2 * (poles.size() + residual);
-    const int of_s = residual == 0 ? power - 2 : power;
-    columns.col(at) = s.unaryExpr([&](Complex value) { return integer_power(value, of_s); });
-    columns.col(at + 1) = Complex(0, 1) * columns.col(at);
-  }
+  const Index lower = 2 * poles.size(), upper = lower + 2;
+  columns.col(upper) = power_of(s, power);
+  columns.col(lower) = columns.col(upper).array() / s.array().square();
+  for (const Index at : {lower, upper}) columns.col(at + 1) = Complex(0, 1) * columns.col(at);
   return stacked(columns, line_weight);
 }
 
