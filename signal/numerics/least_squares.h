@@ -5,16 +5,8 @@
 
 namespace rigfit::signal {
 
-struct LeastSquares {
-  Eigen::MatrixXd x;  ///< columns x right-hand sides; 0 where a column depends on others
-  Eigen::VectorXd left_sum_squares;  ///< residual sum of squares, by right-hand side
-  /// Ratio of the largest to the smallest pivot; columns that cannot be told apart make it large,
-  /// up to infinity.
-  double condition = 0;
-};
-
-/// Minimises |A x - y| for each column of `y`. A: rows x columns.
-[[nodiscard]] LeastSquares least_squares(const Eigen::Ref<const Eigen::MatrixXd>& A,
-                                         const Eigen::Ref<const Eigen::MatrixXd>& y);
+/// The least |A x - y|^2. A: rows x columns, which may depend on each other.
+[[nodiscard]] double least_sum_squares(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                                       const Eigen::Ref<const Eigen::VectorXd>& y);
 
 }  // namespace rigfit::signal

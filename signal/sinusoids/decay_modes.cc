@@ -133,7 +133,7 @@ class DecayModeSearch {
     for (int k = 1; k < 6; ++k) polynomials.col(k) = polynomials.col(k - 1).cwiseProduct(t);
     for (Index j : samples_.missing) polynomials.row(j).setZero();
     const double left = fit.residual_sum_squares;
-    const double polynomial = least_squares(polynomials, samples_.values).left_sum_squares[0];
+    const double polynomial = least_sum_squares(polynomials, samples_.values);
     return left < 0.5 * polynomial ||
            polynomial - left > threshold() * left / static_cast<double>(fit.degrees);
   }
@@ -246,7 +246,7 @@ double departing_residual(const DampedSinusoidsFit& fit, std::span<const Index> 
     for (Index k = 0; k < 4; ++k, z *= t) own.col(2 * k) = z.real(), own.col(2 * k + 1) = z.imag();
   }
   for (const Index j : missing) columns.row(j).setZero();
-  return least_squares(columns, fit.residual).left_sum_squares[0];
+  return least_sum_squares(columns, fit.residual);
 }
 
 std::size_t strongest_mode(const DampedSinusoidsFit& fit, const DecayBand& band) {

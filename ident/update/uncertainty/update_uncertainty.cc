@@ -111,7 +111,7 @@ double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
     for (Eigen::Index i = 0; i < r.size(); ++i) {
       if (own[i] > 0) w[i] = own[i] / std::hypot(own[i], std::exp(log_tau));
     }
-    return signal::least_squares(w.asDiagonal() * J, w.cwiseProduct(r)).left_sum_squares[0] - dof;
+    return signal::least_sum_squares(w.asDiagonal() * J, w.cwiseProduct(r)) - dof;
   };
   const double low = std::log(1e-9), high = 0;
   if (dof <= 0 || excess(low) <= 0 || excess(high) > 0) return 0;
