@@ -11,16 +11,12 @@
 #include "signal/ambient/ambient_result.h"
 #include "signal/ambient/ambient_signals.h"
 #include "signal/ambient/resonance_fit.h"
+#include "signal/poles/pole_clusters.h"
 
 namespace rigfit::signal {
 
 /// A band needs as many: a pole, a residue and a line have six parameters.
 inline constexpr Eigen::Index kFewestLines = 8;
-
-/// Distance of two poles over the sum of their half bandwidths.
-[[nodiscard]] inline double half_bandwidths(std::complex<double> a, std::complex<double> b) {
-  return std::abs(a - b) / -(a.real() + b.real());
-}
 
 /// `shape` at length 1, turned to be as real as it can be.
 [[nodiscard]] Eigen::VectorXcd phase_real(Eigen::VectorXcd shape);

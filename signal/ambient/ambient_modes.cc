@@ -11,7 +11,6 @@
 
 #include "signal/ambient/ambient_candidates.h"
 #include "signal/ambient/ambient_signals.h"
-#include "signal/ambient/ambient_tones.h"
 #include "signal/ambient/group_correlations.h"
 #include "signal/ambient/resonance_fit.h"
 #include "signal/estimation/groups.h"
@@ -116,7 +115,7 @@ void AmbientAnalysis::set_bands() {
   keep(wide_enough);
   gap_.resize(size(), size());
   for (Index i = 0; i < size(); ++i) {
-    for (Index j = 0; j < size(); ++j) gap_(i, j) = half_bandwidths(poles_[i], poles_[j]);
+    for (Index j = 0; j < size(); ++j) gap_(i, j) = apart(poles_[i], poles_[j]);
     bands_[static_cast<std::size_t>(i)].nulled.assign(static_cast<std::size_t>(size()), false);
   }
 }
@@ -312,10 +311,10 @@ void AmbientAnalysis::judge() {
             fmt::format("damping is known to {:.0f} %", 100 * found.log_damping_std));
     }
     for (Index j = 0; j < size(); ++j) {
-      const double apart = half_bandwidths(pole, poles_[j]);
-      if (j == i || apart > 1) continue;
+      const double distance = apart(pole, poles_[j]);
+      if (j == i || distance > 1) continue;
       const bool alike = mac(shapes_.col(i), shapes_.col(j)) > 0.9;
-      if (apart < 0.5 && alike &&
+      if (distance < 0.5 && alike &&
           (presence_[j] > presence_[i] || (presence_[j] == presence_[i] && j < i))) {
         doubt("close_modes",
               fmt::format("cannot be told from the mode at {:.4g} Hz, which has its shape",
@@ -326,7 +325,7 @@ void AmbientAnalysis::judge() {
             {"close_modes",
              fmt::format("check the shapes of the modes at {:.5g} and {:.5g} Hz, {:.2f} bandwidths "
                          "apart: within their bandwidths shapes mix",
-                         f, std::abs(poles_[j]) / kTwoPi, apart),
+                         f, std::abs(poles_[j]) / kTwoPi, distance),
              where});
       }
     }
@@ -341,7 +340,7 @@ void AmbientAnalysis::run(std::vector<Index> references) {
   result_.duration_s = duration_;
   result_.low_hz = options_.low_hz > 0 ? options_.low_hz : 100 / duration_;
   result_.high_hz = options_.high_hz > 0 ? std::min(options_.high_hz, rate / 2) : 0.4 * rate;
-  result_.tones = take_out_tones(signals_, result_.low_hz, result_.high_hz);
+  result_.tones = signals_.take_out_tones(result_.low_hz, result_.high_hz);
   AmbientCandidates found = find_candidates(signals_, options_, result_, std::move(references));
   spectrum_ = std::move(found.spectrum), pairs_ = std::move(found.pairs);
   poles_ = std::move(found.poles), presence_ = std::move(found.presence);

@@ -3,14 +3,86 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
 
+#include "signal/numerics/numbers.h"
 #include "signal/numerics/power_sums.h"
 #include "signal/recording/recording_error.h"
+#include "signal/spectra/fft.h"
 
 namespace rigfit::signal {
 
 using Eigen::Index;
 using Eigen::VectorXd;
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::MatrixXcd;
+using Eigen::VectorXcd;
+
+constexpr Index kSide = 14;           // lines 3 to 14 beside a line are its neighbours
+constexpr Index kLobe = 3;            // a Hann window's lobe ends before
+constexpr double kFalseTones = 1e-3;  // chance of one in a recording of noise
+constexpr std::size_t kMostTones = 40;
+
+struct Line {
+  Index k = 0, channel = 0;
+  double F = 0;
+};
+
+/// Leaves the spectrum in `fft`: of a day of samples a copy is large.
+void hann_spectrum(const AmbientSignals& signals, Index channel, RealFft& fft) {
+  signals.read(channel, 0, fft.time());
+  const Index n = fft.length(), block = std::min<Index>(n, 1 << 16);
+  const double turn = kTwoPi / static_cast<double>(n);
+  const VectorXcd turns = powers({0, turn}, block);
+  for (Index k = 0; k < n; k += block) {
+    const Index count = std::min(block, n - k);
+    const Complex first = std::polar(0.5, turn * static_cast<double>(k));
+    fft.time().segment(k, count).array() *= 0.5 - (first * turns.head(count)).real().array();
+  }
+  fft.forward();
+}
+
+/// Lines of exp(i 2 pi f n), f in lines, under a Hann window: at k - kSide .. k + kSide.
+VectorXcd hann_lines(double f, Index k, Index n) {
+  const auto sum = [n](double d) {  // of exp(2 pi i d m / n) over m
+    const double u = kTwoPi * d / static_cast<double>(n);
+    if (std::abs(d) < 1e-9) return Complex(static_cast<double>(n));
+    return (1.0 - std::polar(1.0, kTwoPi * d)) / (1.0 - std::polar(1.0, u));
+  };
+  VectorXcd lines(2 * kSide + 1);
+  for (Index j = -kSide; j <= kSide; ++j) {
+    const double d = f - static_cast<double>(k + j);
+    lines[j + kSide] = 0.5 * sum(d) - 0.25 * sum(d + 1) - 0.25 * sum(d - 1);
+  }
+  return lines;
+}
+
+/// The strongest outstanding lines; no two within a lobe.
+std::vector<Line> outstanding(const AmbientSignals& signals, RealFft& fft, Index low, Index high) {
+  const double tests = static_cast<double>((high - low) * signals.channels());
+  const double limit = 12 * (std::pow(tests / kFalseTones, 1.0 / 12) - 1);
+  std::vector<Line> all, kept;
+  for (Index c = 0; c < signals.channels(); ++c) {
+    hann_spectrum(signals, c, fft);
+    const VectorXd power = fft.spectrum().cwiseAbs2();
+    for (Index k = low; k < high; ++k) {
+      if (power[k] < power[k - 1] || power[k] < power[k + 1]) continue;
+      const double beside = power.segment(k - kSide, 12).sum() + power.segment(k + kLobe, 12).sum();
+      if (24 * power[k] > limit * beside) all.push_back({k, c, 24 * power[k] / beside});
+    }
+  }
+  std::ranges::sort(all, std::greater(), &Line::F);
+  for (const Line& line : all) {
+    const bool known =
+        std::ranges::any_of(kept, [&](const Line& l) { return std::abs(l.k - line.k) < kLobe; });
+    if (!known && kept.size() < kMostTones) kept.push_back(line);
+  }
+  return kept;
+}
+
+}  // namespace
 
 AmbientSignals::AmbientSignals(const Recording& recording, const std::vector<Index>& channels)
     : samples_(recording.samples()), rate_hz_(recording.sample_rate_hz) {
@@ -86,6 +158,49 @@ Eigen::MatrixXd AmbientSignals::mask(Index first, Index count) const {
   VectorXd result = VectorXd::Ones(count);
   blank(first, result);
   return result;
+}
+
+std::vector<AmbientTone> AmbientSignals::take_out_tones(double low_hz, double high_hz) {
+  std::vector<AmbientTone> tones;
+  if (samples() < 256) return tones;
+  RealFft fft(good_fft_length_below(samples()));
+  const Index n = fft.length();
+  const double line_hz = rate_hz() / static_cast<double>(n);
+  const Index low = std::max<Index>(kSide + 1, static_cast<Index>(low_hz / line_hz));
+  const Index high = std::min(fft.lines() - kSide - 1, static_cast<Index>(high_hz / line_hz));
+  const auto lines = low < high ? outstanding(*this, fft, low, high) : std::vector<Line>();
+  if (lines.empty()) return tones;
+  std::vector<MatrixXcd> around(lines.size(), MatrixXcd(2 * kSide + 1, channels()));
+  for (Index c = 0; c < channels(); ++c) {
+    hann_spectrum(*this, c, fft);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      around[i].col(c) = fft.spectrum().segment(lines[i].k - kSide, 2 * kSide + 1);
+    }
+  }
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const Index k = lines[i].k;
+    // Beside its largest line a steady tone has r = (1 + d) / (2 - d) of it, d lines further on.
+    const Eigen::Vector3d size =
+        (around[i].middleRows(kSide - 1, 3) * around[i].row(kSide).adjoint()).cwiseAbs();
+    const double side = size[2] > size[0] ? 1 : -1, r = std::max(size[0], size[2]) / size[1];
+    const double f = static_cast<double>(k) + side * (2 * r - 1) / (1 + r);
+    const VectorXcd kernel = hann_lines(f, k, n);
+    const auto middle = kernel.segment(kSide - kLobe, 2 * kLobe + 1);
+    VectorXcd amplitude =
+        (middle.adjoint() * around[i].middleRows(kSide - kLobe, 2 * kLobe + 1)).transpose() /
+        middle.squaredNorm();
+    const VectorXd left =
+        (around[i].col(lines[i].channel) - kernel * amplitude[lines[i].channel]).cwiseAbs2();
+    const double beside = (left.head(12).sum() + left.tail(12).sum()) / 24;
+    if (left.segment(kSide - 2, 5).mean() > 4 * beside) continue;
+    amplitude *= 2 / present();  // both halves of the spectrum, of what samples there are
+    tones_.emplace_back(kTwoPi * f / static_cast<double>(n), amplitude);
+    Index strongest = 0;
+    const double largest = amplitude.cwiseAbs().cwiseProduct(scale()).maxCoeff(&strongest);
+    tones.push_back({f * line_hz, largest, strongest});
+  }
+  std::ranges::sort(tones, {}, &AmbientTone::frequency_hz);
+  return tones;
 }
 
 }  // namespace rigfit::signal

@@ -1,6 +1,16 @@
 // The channels of a recording of ambient motion, read in blocks: less their means and the tones
 // taken out, over their standard deviations, 0 where any channel misses a sample. Nothing is
 // copied: a day of many channels is held once, by the recording, which has to outlive this.
+//
+// Steady sinusoids (hum, machines) in ambient motion, found, fitted and taken out.
+//
+// A line k of the Hann-windowed transform of the whole recording is tested against the lines 3 to
+// 14 beside it, in every channel: F = P_k / mean P. The 24 Hann lines count as 12 independent ones
+// of two degrees of freedom each, so that noise exceeds F with the chance (1 + F / 12)^-12. One
+// frequency and an amplitude and phase for each channel are fitted to the lines near k. It is a
+// tone only when the lines within 2 of it then fall to the level of their neighbours: a narrow mode
+// keeps its lines. The amplitude is constant over the recording; a machine whose speed drifts by
+// more than a line spacing stays.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "signal/ambient/ambient_result.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
@@ -21,7 +32,6 @@ class AmbientSignals {
   [[nodiscard]] Eigen::Index samples() const { return samples_; }
   [[nodiscard]] Eigen::Index channels() const { return static_cast<Eigen::Index>(x_.size()); }
   [[nodiscard]] double rate_hz() const { return rate_hz_; }
-  [[nodiscard]] bool complete() const { return gaps_.empty(); }
   /// Share of the samples that all channels have.
   [[nodiscard]] double present() const { return present_; }
   /// Standard deviations: units of the channels for 1 of a block.
@@ -34,10 +44,9 @@ class AmbientSignals {
   /// 1 where all channels have a sample, else 0.
   [[nodiscard]] Eigen::MatrixXd mask(Eigen::Index first, Eigen::Index count) const;
 
-  /// Takes Re(amplitude exp(i omega n)), n the sample, out of every channel: one amplitude each.
-  void subtract(double omega, const Eigen::VectorXcd& amplitude) {
-    tones_.emplace_back(omega, amplitude);
-  }
+  /// Takes tones of low_hz .. high_hz out, the strongest 40 at most; gives them by rising
+  /// frequency.
+  std::vector<AmbientTone> take_out_tones(double low_hz, double high_hz);
 
  private:
   void blank(Eigen::Index first, Eigen::Ref<Eigen::VectorXd> samples) const;
@@ -47,7 +56,7 @@ class AmbientSignals {
   double rate_hz_ = 0, present_ = 1;
   Eigen::VectorXd mean_, scale_;
   std::vector<std::pair<Eigen::Index, Eigen::Index>> gaps_;  ///< first, end
-  std::vector<std::pair<double, Eigen::VectorXcd>> tones_;
+  std::vector<std::pair<double, Eigen::VectorXcd>> tones_;   ///< omega, amplitudes
 };
 
 }  // namespace rigfit::signal

@@ -6,15 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "signal/decay/decay_background.h"
-#include "signal/decay/decay_clipping.h"
 #include "signal/decay/decay_judgement.h"
 #include "signal/decay/narrow_record.h"
+#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/sinusoids/decay_modes.h"
@@ -78,18 +77,15 @@ class Estimation {
                       options_.band_low_hz, 0.5 * rate_));
       return false;
     }
-    Index finite = 0;
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const double v : y_) {
-      if (std::isfinite(v)) ++finite, low = std::min(low, v), high = std::max(high, v);
-    }
-    if (finite < kFewestSamples) {
+    const std::vector<double> finite = finite_values(y_);
+    if (std::ssize(finite) < kFewestSamples) {
       result_.refuse(
           "too_few_samples",
           fmt::format("{} samples: one damped sinusoid with offset and drift has 6 unknowns",
-                      finite));
+                      finite.size()));
       return false;
     }
+    const auto [low, high] = std::ranges::minmax(finite);
     if (!(high - low > 1e-14 * std::max(std::abs(high), std::abs(low)))) {
       result_.refuse("constant", "the signal does not change: nothing vibrates in this channel");
       return false;

@@ -5,6 +5,14 @@
 // A tone within a line's width of a mode cannot be told from it while the mode lasts, but it can
 // before the impact and behind the decay: there tones are looked for, and what the samples before
 // the impact say of them counts in the fit.
+//
+// Clipped samples of a decay seen from its fit: a fit to all other samples goes beyond the rail
+// where they are.
+//
+// The samples at the record's extremes are left out, the rest is fitted, and the fit is compared
+// there. In an unclipped record the extremes are its luckiest samples and the fit lies inside them.
+// In a clipped record the fit lies outside, by more than the noise:
+//   sum_j max(0, fit_j - rail)^2 / s^2 > chi-squared of as many degrees, 1e-4.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,5 +36,9 @@ namespace rigfit::signal {
 /// of the residual's colour would with the chance kFalseAlarm.
 [[nodiscard]] std::optional<DampedSinusoidsFit> with_offset(const DecaySamples& samples,
                                                             const DampedSinusoidsFit& fit);
+
+/// The samples on a rail, which say nothing of the decay but that it went there.
+[[nodiscard]] std::vector<Eigen::Index> clipped_by_fit(const DecaySamples& samples,
+                                                       const DecayBand& band);
 
 }  // namespace rigfit::signal

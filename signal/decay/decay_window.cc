@@ -1,21 +1,206 @@
 #include "signal/decay/decay_window.h"
 
+#include <gsl/gsl_cdf.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <numbers>
+#include <optional>
 #include <tuple>
 #include <utility>
 
-#include "signal/decay/decay_hits.h"
+#include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
+#include "signal/numerics/power_sums.h"
 #include "signal/sinusoids/decay_search.h"
+#include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {
 namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
+
+// Amplitudes under this share of the record's largest are no impact.
+constexpr double kLeastShare = 0.05;
+// Cycles on either side of an impact that are fitted.
+constexpr Index kCycles = 10;
+// Modes that such a stretch is given: with twelve one decay imitates a blow.
+constexpr int kModes = 6;
+// Chance that noise alone passes for an impact, for each place that is tested.
+constexpr double kImpactChance = 1e-6;
+
+/// Mean of y exp(-i w j), twice, over any samples: a running sum.
+class RunningAmplitude {
+ public:
+  RunningAmplitude(const Eigen::Ref<const Eigen::VectorXd>& y, double w) : sums_(y.size() + 1) {
+    const Eigen::ArrayXcd z = powers(Complex(0, -w), y.size());
+    sums_(0) = 0;
+    for (Index j = 0; j < y.size(); ++j) sums_(j + 1) = sums_(j) + y(j) * z(j);
+  }
+  /// Complex amplitude over samples [from, to); those outside of the record count as zero.
+  [[nodiscard]] Complex over(Index from, Index to) const {
+    const Index last = sums_.size() - 1;
+    const auto length = static_cast<double>(std::max<Index>(1, to - from));
+    from = std::clamp<Index>(from, 0, last), to = std::clamp<Index>(to, 0, last);
+    return to > from ? 2.0 * (sums_(to) - sums_(from)) / length : 0;
+  }
+  /// The largest over `length` samples that begin a quarter of it apart.
+  [[nodiscard]] double largest(Index length) const {
+    double largest = 0;
+    for (Index j = 0; j + length < sums_.size(); j += std::max<Index>(1, length / 4)) {
+      largest = std::max(largest, std::abs(over(j, j + length)));
+    }
+    return largest;
+  }
+
+ private:
+  Eigen::VectorXcd sums_;
+};
+
+/// Samples over which an amplitude is averaged: a cycle, and near half the sample rate, where the
+/// negative frequency comes close, a cycle of the beat with it.
+Index averaging_cycle(double w) {
+  const double f = w / kTwoPi;
+  return static_cast<Index>(std::ceil(std::max({4.0, 1 / f, 1 / std::max(1 - 2 * f, 1e-6)})));
+}
+
+struct Jump {
+  Index at = 0;
+  double size = 0;
+  double w = 0;  // rad per sample, mode that jumps
+};
+
+// Local maxima of |J| that stand out of what the record shows elsewhere, over 2 and over 6 cycles.
+std::vector<Jump> jumps(const Eigen::VectorXd& y, double w) {
+  const Index n = y.size(), cycle = averaging_cycle(w);
+  const RunningAmplitude running(y, w);
+  const Index step = std::max<Index>(1, cycle / 8);
+  const double largest = running.largest(cycle);
+  std::vector<Jump> found;
+  for (const Index cycles : {2, 6}) {
+    const Index length = cycles * cycle;
+    if (n < 4 * length) break;
+    std::vector<double> size, powers;
+    for (Index j = 2 * cycle; j + length <= n; j += step) {
+      const Complex before =
+          1.5 * running.over(j - length, j) - 0.5 * running.over(j - 2 * length, j - length);
+      const Complex behind =
+          1.5 * running.over(j, j + length) - 0.5 * running.over(j + length, j + 2 * length);
+      const double jump = std::abs(behind - before);
+      size.push_back(jump > 0.1 * std::abs(before) ? jump : 0);
+      powers.push_back(jump * jump);
+    }
+    if (powers.empty()) break;
+    // |J|^2 of noise is exponential: its median is ln 2 of its mean.
+    const double places = static_cast<double>(n) / static_cast<double>(length);
+    const double noise = std::sqrt(median(powers) / std::numbers::ln2 * std::log(1 + 1e3 * places));
+    const double least = std::max(kLeastShare * largest, noise);
+    const auto reach = static_cast<std::ptrdiff_t>(2 * cycle / step);
+    for (auto k = size.begin(); k != size.end(); ++k) {
+      if (*k < least) continue;
+      const auto from = k - std::min<std::ptrdiff_t>(reach, k - size.begin());
+      const auto to = k + std::min<std::ptrdiff_t>(reach + 1, size.end() - k);
+      if (std::max_element(from, to) != k) continue;
+      found.push_back({2 * cycle + static_cast<Index>(k - size.begin()) * step, *k, w});
+    }
+  }
+  return found;
+}
+
+// The damped sinusoids of `values`, NaN where missing; nothing where hardly any are there.
+std::optional<DampedSinusoidsFit> fitted(const Eigen::VectorXd& values) {
+  const DecaySamples samples = decay_samples(values, 0, values.size());
+  auto fit = find_decay_modes(samples, {0, 0.5, true}, {}, kModes);
+  return fit ? fit : fit_poles(samples, {});
+}
+
+// Complex amplitude of what a fit has within a tenth of w, at sample `at` of it: several modes
+// there may be what one that changes looks like.
+Complex amplitude_near(const DampedSinusoidsFit& fit, double w, Index at) {
+  Complex sum = 0;
+  for (std::size_t m = 0; m < fit.poles.size(); ++m) {
+    if (std::abs(fit.poles[m].imag() - w) > 0.1 * w) continue;
+    sum += fit.amplitudes[m] * std::exp(fit.poles[m] * static_cast<double>(at));
+  }
+  return sum;
+}
+
+// Whether two decays, the second behind the jump, explain the samples of [from, to) better than
+// one.
+bool is_impact(const Eigen::Ref<const Eigen::VectorXd>& y, const Jump& place, Index from, Index to,
+               Index half_cycle, double largest) {
+  const Index at = place.at;
+  const Index gap_from = at - half_cycle, gap_to = at + half_cycle;
+  if (gap_from - from < 4 * half_cycle || to - gap_to < 4 * half_cycle) return false;
+  if (gap_from - from < 24 || to - gap_to < 24) return false;
+  Eigen::VectorXd both = y.segment(from, to - from);
+  both.segment(gap_from - from, gap_to - gap_from).setConstant(kNaN);
+  const auto before = fitted(y.segment(from, gap_from - from)), one = fitted(both),
+             behind = fitted(y.segment(gap_to, to - gap_to));
+  // An impact sets something off.
+  if (!before || !one || !behind || behind->poles.empty()) return false;
+  const double apart = before->residual_sum_squares + behind->residual_sum_squares;
+  const auto degrees = static_cast<double>(before->degrees + behind->degrees);
+  const double more = std::max(2.0, static_cast<double>(one->degrees) - degrees);
+  if (degrees < 4) return false;
+  const double ratio =
+      (one->residual_sum_squares - apart) / more / std::max(apart / degrees, 1e-300);
+  if (!(ratio > 0) || gsl_cdf_fdist_Q(ratio, more, degrees) > kImpactChance) return false;
+  const Complex now = amplitude_near(*behind, place.w, -half_cycle);
+  const Complex then = amplitude_near(*before, place.w, at - from);
+  if (now == 0.0) return false;
+  // What friction takes leaves the phase as it is.
+  const Complex kept = then == 0.0 ? 1.0 : now / then;
+  const double lost = std::clamp(kept.real(), 0.0, 1.0);
+  const double jump = std::norm(now - lost * then);
+  // The end of a line through n amplitudes has 4 times the variance of their mean, 4 s^2 / n.
+  double variance = 0;
+  for (const auto* side : {&*before, &*behind}) {
+    variance += 16 / static_cast<double>(side->samples) *
+                residual_noise(side->residual, side->degrees).white_equivalent(place.w / kTwoPi);
+  }
+  return jump > std::pow(kLeastShare * largest, 2) && jump > -std::log(kImpactChance) * variance;
+}
+
+/// Samples at which further impacts start, in time. `y`: NaN where missing; `w`: of the modes
+/// looked at, rad per sample, the strongest first.
+std::vector<Index> further_hits(const Eigen::Ref<const Eigen::VectorXd>& y,
+                                const std::vector<double>& w) {
+  if (w.empty()) return {};
+  const Index n = y.size(), cycle = averaging_cycle(w.front());
+  if (n < 8 * cycle) return {};
+  const Eigen::VectorXd x = without_trend(y);
+  std::vector<Jump> found;
+  for (const double each : w) {
+    for (const Jump& jump : jumps(x, each)) found.push_back(jump);
+  }
+  const double largest = RunningAmplitude(x, w.front()).largest(cycle);
+  // The largest first: what stands beside an impact already found, and every place close to it, is
+  // its own skirt.
+  std::sort(found.begin(), found.end(),
+            [](const Jump& l, const Jump& r) { return l.size > r.size; });
+  std::vector<Index> tested, hits;
+  const Index half_cycle = (cycle + 1) / 2;
+  for (const Jump& jump : found) {
+    if (std::any_of(tested.begin(), tested.end(),
+                    [&](Index t) { return std::abs(t - jump.at) < 3 * cycle; })) {
+      continue;
+    }
+    tested.push_back(jump.at);
+    Index from = std::max<Index>(0, jump.at - kCycles * cycle);
+    Index to = std::min(n, jump.at + kCycles * cycle);
+    for (const Index hit : hits) {
+      if (hit < jump.at) from = std::max(from, hit + half_cycle);
+      if (hit > jump.at) to = std::min(to, hit - half_cycle);
+    }
+    if (is_impact(y, jump, from, to, half_cycle, largest)) hits.push_back(jump.at);
+  }
+  std::sort(hits.begin(), hits.end());
+  return hits;
+}
 
 struct Onset {
   Index start = 0;

@@ -4,8 +4,19 @@
 // The onset is the start s that maximises the energy a causal damped sinusoid takes out of the
 // samples from s on, |sum_{j>=s} y_j exp(-(a + i w)(j - s))|^2 / energy of the exponential, which a
 // backward recursion gives for all s in O(N), for several w and a. A record that decays from its
-// first sample on is kept whole, whatever its noise. decay_hits.h finds further impacts. If a band
-// is given, onset and impacts are those of the modes in it.
+// first sample on is kept whole, whatever its noise. If a band is given, onset and impacts are
+// those of the modes in it.
+//
+// Further impacts: where a decay ends because the next one starts. The complex amplitude of a mode,
+// z(t), changes smoothly along a decay, along a beat and under friction; an impact steps it. With
+// means over L cycles z_-2, z_-1 before and z_1, z_2 behind t, both sides are extrapolated to t by
+// a straight line,
+//   J(t) = (3 z_1 - z_2) / 2 - (3 z_-1 - z_-2) / 2,
+// which for z = exp(-a t) is of third order in a L. Where |J| stands out, the damped sinusoids of
+// a ten cycles before and behind are fitted apart and together. It is an impact when two fits
+// explain more than one (Fisher's test) and the amplitudes of both, taken to t, differ by more than
+// a twentieth of the record's largest, a loss that leaves the phase as it is (friction) aside.
+// Missing samples are left out of these fits: a gap is no impact.
 #pragma once
 
 #include <Eigen/Core>

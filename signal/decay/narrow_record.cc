@@ -11,14 +11,14 @@ using Eigen::Index;
 
 // A blow is spread over the filter's reach, which is half a cycle at the end of the band then.
 constexpr double kSamplesPerCycle = 8;
-// Records of 130 narrow samples still start where whole ones do, those of 80 start before they are
-// struck (narrow_record_test.cc): twice as many.
-constexpr Index kFewest = 256;
 
 }  // namespace
 
 std::optional<NarrowRecord> narrow_record(const Eigen::Ref<const Eigen::VectorXd>& y,
                                           const DecayBand& band) {
+  // Records of 130 narrow samples still start where whole ones do, those of 80 start before they
+  // are struck (narrow_record_test.cc): twice as many.
+  constexpr Index kFewest = 256;
   NarrowRecord out;
   if (band.all) return {};
   out.step = std::min(static_cast<Index>(1 / (kSamplesPerCycle * band.high)), y.size() / kFewest);
