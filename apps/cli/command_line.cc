@@ -51,14 +51,17 @@ void check_outputs(const Verb& verb, const Json& given) {
     if (!option.is_written || !given.contains(option.name)) continue;
     const std::string file = given[option.name];
     if (file.empty() || file == "-") continue;
-    std::error_code none;
-    const auto path = fs::weakly_canonical(fs::absolute(file), none);
+    std::error_code fault, none;
+    const auto path = fs::weakly_canonical(fs::absolute(file), fault);
     const auto kind = fs::status(file, none).type();
     const bool folder = kind == fs::file_type::directory;
+    const bool circle = fault == std::errc::too_many_symbolic_link_levels;
     if (folder || !fs::is_directory(path.parent_path(), none)) {
-      throw OutputError(fmt::format(
-          "cannot write {}: {}; name another file", file,
-          folder ? "it is a folder" : "there is no folder " + path.parent_path().string()));
+      throw OutputError(fmt::format("cannot write {}: {}; name another file", file,
+                                    circle ? fault.message()
+                                    : folder
+                                        ? "it is a folder"
+                                        : "there is no folder " + path.parent_path().string()));
     }
     if (kind != fs::file_type::not_found && kind != fs::file_type::regular) continue;
     if (const auto [at, is_new] = taken.emplace(path, option.name); !is_new) {

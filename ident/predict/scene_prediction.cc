@@ -163,7 +163,7 @@ std::vector<SceneInput> add_scene_inputs(const model::Scene& scene, std::vector<
   for (auto& one : inputs) {
     const double value = one.value.value_or(model::parameter(scene, one.name));
     one.value = value;
-    if (one.relative) one.std *= std::abs(value);
+    if (one.relative) one.std *= std::abs(value), one.relative = false;
     if (!(one.std > 0) || !std::isfinite(one.std) || !std::isfinite(value)) {
       throw std::invalid_argument("the uncertainty of " + one.name + " is not positive");
     }

@@ -236,8 +236,9 @@ class Estimation {
     if (!strongest) return false;
     poles.push_back(*strongest);
     auto fit = find_decay_modes(samples_, band_, poles);
-    if (fit) fit_ = std::move(fit);
-    return fit.has_value();
+    if (!fit) return false;
+    fit_ = std::move(fit);
+    return true;
   }
 
   // Moves the start on by half a cycle of the strongest mode at a time, while the first half cycle

@@ -111,6 +111,8 @@ TEST_F(PlotOption, WhatCannotBeWrittenIsRefusedFirst) {
   EXPECT_THAT(refused(folder.at("none/f.svg"), 3), HasSubstr("there is no folder"));
   std::filesystem::create_directory(folder.path() / "d.svg");
   EXPECT_THAT(refused(folder.at("d.svg"), 3), HasSubstr("cannot write"));
+  std::filesystem::create_symlink("circle.svg", folder.path() / "circle.svg");
+  EXPECT_THAT(refused(folder.at("circle.svg"), 3), HasSubstr("symbolic links"));
 }
 
 }  // namespace rigfit::apps::plot_option_test
