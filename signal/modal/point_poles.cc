@@ -24,7 +24,7 @@ constexpr double kBandwidths = 6, kLines = 8;
 
 double half_bandwidth(const ModalBand& band, Complex pole) { return band.window - pole.real(); }
 
-/// Below half a line no data tell poles apart.
+/// In half bandwidths; below half a line no data tell poles apart.
 double gap(const ModalBand& band, Complex p, Complex q) {
   return apart(p, q, band.window, kTwoPi * band.spacing_hz);
 }

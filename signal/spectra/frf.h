@@ -48,7 +48,8 @@ struct FrfOptions {
   Eigen::Index by_hit_lines = 0;  ///< lines in `FrfSet::by_hit`; 0: not filled
 };
 
-/// Without names of points, form and unit; no coherence for one hit (it would be 1).
+/// Names of points, form, unit, rate, pre-trigger and impulses are left empty; one hit has no
+/// coherence (it would be 1).
 struct FrfEstimate : FrfSet {
   Eigen::VectorXd force_power;  ///< mean |X|^2 per hit, unscaled, by line
   Eigen::VectorXd force_noise;  ///< its part that is noise, by line; empty: unknown

@@ -112,7 +112,8 @@ class Search {
     }
     start = within_bounds(std::move(start));
     const auto settle = [&](std::vector<UpdateAnswer> seeds, int threads) {
-      seeds = settled(std::move(seeds), threads, answers);
+      in_parallel(seeds.size(), threads,
+                  [&](std::size_t k) { seeds[k] = settled(std::move(seeds[k])); });
       if (fits == 0 && !seeds.empty()) failure = seeds.back().failure;
       fits += static_cast<int>(seeds.size());
       merge(std::move(seeds), answers);
@@ -151,7 +152,7 @@ class Search {
 
   static bool near(const UpdateAnswer& heavier, const UpdateAnswer& other) {
     const Eigen::VectorXd d = heavier.q - other.q;
-    return heavier.hessian.size() > 0 && d.dot(heavier.hessian * d) < 9;
+    return d.dot(heavier.hessian * d) < 9;
   }
 
   Eigen::VectorXd within_bounds(Eigen::VectorXd q) const {
@@ -200,7 +201,7 @@ class Search {
         for (const auto& [i, j] : exchange) std::swap(q[i], q[j]);
         std::string failure;
         for (auto& seed : seeds_at(within_bounds(std::move(q)), failure)) {
-          UpdateAnswer other = settled({std::move(seed)}, 1).front();
+          UpdateAnswer other = settled(std::move(seed));
           const auto same = [&](const UpdateAnswer& one) { return near(one, other); };
           if (other.q.size() == 0 || negligible(other, answers) ||
               std::ranges::any_of(answers, same))
@@ -221,69 +222,38 @@ class Search {
     return problem;
   }
 
-  // A search from a seed: fitted and assigned anew until the assignment stays.
-  struct Way {
-    UpdateProblem problem;  // remembers
-    UpdateAnswer from;
-    UpdateAnswer best = {.failure = "no measured mode lies near any modelled one",
-                         .log_evidence = -std::numeric_limits<double>::infinity()};
-    std::vector<std::vector<UpdateMatch>> seen = {};
-    bool done = false;
-  };
-
-  // The best of the answers that were seen on the way from each seed. Of ways that meet, or come to
-  // one of the answers known, one goes on.
-  std::vector<UpdateAnswer> settled(std::vector<UpdateAnswer> seeds, int threads,
-                                    const std::vector<UpdateAnswer>& known = {}) const {
-    std::vector<Way> ways;
-    ways.reserve(seeds.size());
-    for (auto& seed : seeds) ways.push_back({problem_.remembering(), std::move(seed)});
+  // Fitted and assigned anew until the assignment stays; of those that were seen the best.
+  UpdateAnswer settled(UpdateAnswer from, double error = kSearchError) const {
+    const UpdateProblem problem = problem_.remembering();
+    UpdateAnswer best{.failure = "no measured mode lies near any modelled one",
+                      .log_evidence = -std::numeric_limits<double>::infinity()};
+    std::vector<std::vector<UpdateMatch>> seen;
     for (int round = 0; round < kRounds; ++round) {
-      in_parallel(ways.size(), threads, [&](std::size_t k) {
-        if (!ways[k].done) go_on(ways[k], round + 1 == kRounds);
-      });
-      for (std::size_t k = 0; k < ways.size(); ++k) {
-        Way& way = ways[k];
-        const auto meets = [&](const UpdateAnswer& other) {
-          return other.matches.matches == way.from.matches.matches && near(other, way.from);
-        };
-        const auto at_k = ways.begin() + static_cast<std::ptrdiff_t>(k);
-        if (std::ranges::none_of(known, meets) &&
-            std::none_of(ways.begin(), at_k, [&](const Way& one) { return meets(one.from); }))
-          continue;
-        way.done = true;
-        if (way.best.matches.matches == way.from.matches.matches) way.best.q.resize(0);
+      if (std::ranges::all_of(from.matches.matches, &UpdateMatch::cross_plane)) break;
+      UpdateAnswer here{from.q, from.matches};
+      here.converged =
+          minimise(held_about(from.q, problem.with_model_std(error, kDampingErrors * error)),
+                   from.matches.matches, here.q, here.cost, kSearched);
+      if (!weigh(problem, here)) break;
+      auto& found = here.matches;
+      found = problem.with_model_std(std::max(here.error, kLeastStd)).assign(here.q, here.failure);
+      if (!here.failure.empty()) {
+        best.failure = here.failure;
+        break;
       }
+      const bool same = found.matches == from.matches.matches;
+      const bool again =
+          !same && (round + 1 == kRounds || std::ranges::count(seen, found.matches) > 0);
+      const bool done = same && close(here.error, error);
+      if (same) here.log_evidence += found.without_densities() - from.matches.without_densities();
+      here.converged = here.converged && same;
+      from = {here.q, found}, error = here.error;
+      const bool usable = same || (again && best.q.size() == 0 && weigh(problem, here));
+      if (usable && (done || here.log_evidence > best.log_evidence)) best = std::move(here);
+      if (done || again) break;
+      if (!same) seen.push_back(from.matches.matches);
     }
-    for (std::size_t k = 0; k < ways.size(); ++k) seeds[k] = std::move(ways[k].best);
-    return seeds;
-  }
-
-  static void go_on(Way& way, bool last) {
-    way.done = true;
-    auto& [problem, from, best, seen, done] = way;
-    const double error = from.error;
-    if (std::ranges::all_of(from.matches.matches, &UpdateMatch::cross_plane)) return;
-    UpdateAnswer here{from.q, from.matches};
-    here.converged =
-        minimise(held_about(from.q, problem.with_model_std(error, kDampingErrors * error)),
-                 from.matches.matches, here.q, here.cost, kSearched);
-    if (!weigh(problem, here)) return;
-    auto& found = here.matches;
-    found = problem.with_model_std(std::max(here.error, kLeastStd)).assign(here.q, here.failure);
-    if (!here.failure.empty()) {
-      best.failure = here.failure;
-      return;
-    }
-    const bool same = found.matches == from.matches.matches;
-    const bool again = !same && (last || std::ranges::count(seen, found.matches) > 0);
-    done = again || (same && close(here.error, error));
-    if (same) here.log_evidence += found.without_densities() - from.matches.without_densities();
-    here.converged = here.converged && same;
-    if (!same) seen.push_back(found.matches);
-    from = {.q = here.q, .matches = found, .error = here.error, .hessian = here.hessian};
-    const bool usable = same || (again && best.q.size() == 0 && weigh(problem, here));
-    if (usable && ((same && done) || here.log_evidence > best.log_evidence)) best = std::move(here);
+    return best;
   }
 
   // Whether chance cannot have made the answer fit.
@@ -315,7 +285,6 @@ class Search {
       failure = here;
       return {};
     }
-    for (auto& seed : seeds) seed.error = kSearchError;
     if (seeds[0].matches.matches == seeds[1].matches.matches) seeds.pop_back();
     return seeds;
   }
@@ -413,9 +382,9 @@ class Search {
       const double left = std::max(1e-9, 1 - most / sum);
       const double gain = -0.5 * static_cast<double>(rows.size()) * std::log(left);
       if (!dampings && gain < -std::log(options_.assignment.false_mode)) return;
-      UpdateAnswer rest{.q = answer.q, .matches = answer.matches, .error = answer.error};
+      UpdateAnswer rest{answer.q, answer.matches};
       rest.matches.matches.erase(rest.matches.matches.begin() + static_cast<std::ptrdiff_t>(worst));
-      UpdateAnswer without = settled({std::move(rest)}, 1).front();
+      UpdateAnswer without = settled(std::move(rest), answer.error);
       if (without.q.size() == 0 || without.log_evidence <= answer.log_evidence) return;
       answer = std::move(without);
     }

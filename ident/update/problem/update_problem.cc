@@ -240,11 +240,16 @@ UpdateProblem::Targets UpdateProblem::targets_together(int state, const model::S
     std::vector<model::ParameterAccess> parts;
     std::vector<double> factors;
     for (; t < owner.size() && owner[t].first == j; ++t) {
-      // One that is zero comes first: it may be stepped to one side only.
-      const bool first = access[t].get(scene) == 0;
-      parts.insert(first ? parts.begin() : parts.end(), access[t]);
-      factors.insert(first ? factors.begin() : factors.end(), owner[t].second);
+      // Places may leave the plane of symmetry, what is zero may be stepped to one side only.
+      if (access[t].unit == "m" || access[t].get(scene) == 0) {
+        together.access.push_back(access[t]);
+        together.owner.push_back(owner[t]);
+        continue;
+      }
+      parts.push_back(access[t]);
+      factors.push_back(owner[t].second);
     }
+    if (parts.empty()) continue;
     together.access.push_back(model::moved_together(parts, factors));
     together.owner.emplace_back(j, factors.front());
   }

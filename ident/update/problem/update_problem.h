@@ -228,7 +228,7 @@ class UpdateProblem {
   }
   [[nodiscard]] int mode_count(int state) const;  // that may pair
   [[nodiscard]] Targets targets_of(int state) const;
-  /// With one for all targets of a coordinate.
+  /// With one for all targets of a coordinate that can be moved together.
   [[nodiscard]] Targets targets_together(int state, const model::Scene& scene) const;
   /// Whether one of the first `count` coordinates moves a scene parameter of that state.
   [[nodiscard]] bool is_moved(int state, const std::string& target, Eigen::Index count) const;
