@@ -121,6 +121,7 @@ void add_budget(const Residuals& model, const Eigen::VectorXd& gain, AxialFit& f
     add(kSeries, "compliance in series", "m/N", {0, known}, known);
     add(kPlace, "place of the compliance", "1", {0.5, place}, place);
   }
+  for (auto& row : fit.budget) row.share /= std::pow(fit.EA_relative_std, 2);
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ struct BudgetRow {
   double sensitivity = 0;     ///< d EA / d input, N per unit (of all lengths together, where it is
                               ///< each one's)
   double contribution_N = 0;  ///< |sensitivity| std
-  double share = 0;           ///< share of the variance of EA; in a fit: variance of ln EA
+  double share = 0;           ///< share of the variance of EA
   double degrees_of_freedom = 0;  ///< 0: taken as known (type B)
   char type = 'B';
 };

@@ -223,9 +223,9 @@ class Identification {
     if (fit.between_std > 0) {
       scattering += fit.budget[1].share, degrees = std::max(1, fit.degrees);
     }
-    const double rest = fit.EA_relative_std * fit.EA_relative_std - scattering;
-    return std::hypot(coverage_factor(coverage, degrees) * std::sqrt(scattering),
-                      coverage_factor(coverage, 0) * std::sqrt(std::max(0.0, rest)));
+    return fit.EA_relative_std *
+           std::hypot(coverage_factor(coverage, degrees) * std::sqrt(scattering),
+                      coverage_factor(coverage, 0) * std::sqrt(std::max(0.0, 1 - scattering)));
   }
 
   void budget(const AxialFit& fit) {
@@ -233,7 +233,6 @@ class Identification {
     auto &frequency = result_.budget[0], &between = result_.budget[1], &length = result_.budget[2];
     frequency.type = between.type = 'A';
     frequency.degrees_of_freedom = repeat_degrees_, between.degrees_of_freedom = fit.degrees;
-    for (auto& row : result_.budget) row.share /= std::pow(fit.EA_relative_std, 2);
     if (!length_std_) {
       by_lengths_ = length.contribution_N;
       length.std = length.contribution_N = length.share = kNaN;

@@ -2,7 +2,7 @@
 // taken out, over their standard deviations, 0 where any channel misses a sample. Nothing is
 // copied: a day of many channels is held once, by the recording, which has to outlive this.
 //
-// Steady sinusoids (hum, machines) in ambient motion, found, fitted and taken out.
+// Steady sinusoids (hum, machines) are found, fitted and taken out.
 //
 // A line k of the Hann-windowed transform of the whole recording is tested against the lines 3 to
 // 14 beside it, in every channel: F = P_k / mean P. The 24 Hann lines count as 12 independent ones

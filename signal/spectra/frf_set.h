@@ -14,6 +14,7 @@
 
 namespace rigfit::signal {
 
+/// Those that are known by the power of s that they have over a receptance.
 enum class FrfForm { receptance, mobility, accelerance, unknown };
 [[nodiscard]] const char* name_of(FrfForm form);
 /// "m/N", "(m/s)/N", "(m/s^2)/N", "" for unknown.
