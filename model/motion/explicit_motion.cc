@@ -21,14 +21,30 @@ struct Dampers {
   // What an interval adds to velocities is their product with one after the other. In single
   // precision, which rounds what is lost and halves what is read from memory.
   std::vector<Eigen::MatrixXf> factors;
+  // Entries: one of each unknown, to read; all that change, and with which of these unknowns.
+  std::vector<int> read, changed, with;
 };
-Dampers dampers_of(const DampedModes& modes, double interval) {
-  Dampers out{(-interval * modes.rate).array().expm1(), {}};
-  const Eigen::MatrixXd to_modes = out.lost.asDiagonal() * modes.momentum.transpose();
+// `number`: by entry its unknown's, counted from 1; 0: held.
+Dampers dampers_of(const DampedModes& modes, double interval, const Eigen::VectorXd& number) {
+  Dampers out{(-interval * modes.rate).array().expm1(), {}, {}, {}, {}};
+  std::vector<int> rows;  // of the modes' unknowns: turning nodes have no velocity
+  for (std::size_t row = 0; row < modes.unknowns.size(); ++row) {
+    const std::size_t before = out.changed.size();
+    for (int entry = 0; entry < number.size(); ++entry) {
+      if (number(entry) == modes.unknowns[row] + 1) out.changed.push_back(entry);
+    }
+    out.with.resize(out.changed.size(), static_cast<int>(rows.size()));
+    if (out.changed.size() == before) continue;
+    out.read.push_back(out.changed[before]);
+    rows.push_back(static_cast<int>(row));
+  }
+  const Eigen::MatrixXd to_modes =
+      out.lost.asDiagonal() * modes.momentum(rows, Eigen::all).transpose();
+  const Eigen::MatrixXd shapes = modes.shapes(rows, Eigen::all);
   if (2 * to_modes.rows() < to_modes.cols()) {
-    out.factors = {to_modes.cast<float>(), modes.shapes.cast<float>()};
+    out.factors = {to_modes.cast<float>(), shapes.cast<float>()};
   } else {
-    out.factors = {(modes.shapes * to_modes).cast<float>()};
+    out.factors = {(shapes * to_modes).cast<float>()};
   }
   return out;
 }
@@ -60,8 +76,11 @@ class ExplicitRun {
     for (const auto quantity : problem_.quantities) {
       velocity_wanted_ = velocity_wanted_ || described(quantity).derivatives == 1;
     }
+    const Eigen::Index n = kernel_.unknowns(v_).size();
+    const Eigen::VectorXd number =
+        kernel_.entry_values(Eigen::VectorXd::LinSpaced(n, 1, static_cast<double>(n)));
     for (const DampedModes& modes : problem.damped_modes) {
-      dampers_.push_back(dampers_of(modes, h_ * static_cast<double>(period_)));
+      dampers_.push_back(dampers_of(modes, h_ * static_cast<double>(period_), number));
     }
     for (std::size_t s = 0; s < sensor_rows_.size(); ++s) drags_.push_back(drag(s));
   }
@@ -116,12 +135,12 @@ class ExplicitRun {
   void step(const StepForces& forces, long number) {
     const double half = h_ / 2;
     supplied_ += half * power();
-    v_ += half * a_;
-    q_ += h_ * v_;
+    add(v_, half, a_, v_);
+    add(q_, h_, v_, q_);
     load(forces, number + 1);
     evaluate();
     supplied_ += half * power();
-    v_ += half * a_;
+    add(v_, half, a_, v_);
   }
 
   // Energy that a step adds at most by rounding positions to within d, J: that of nodes moved by d
@@ -134,10 +153,16 @@ class ExplicitRun {
     return sum;
   }
 
+  // out = x + factor y
+  static void add(const Entries& x, double factor, const Entries& y,
+                  Eigen::Ref<Eigen::VectorXd> out) {
+    add_multiple(x.size(), x.data(), factor, y.data(), out.data());
+  }
+
   void evaluate() {
     const double* external = loaded_ ? external_.data() : nullptr;
     kernel_.acceleration(q_.data(), external, first_.data());
-    ahead_ = q_ + h_ * h_ / 12 * first_;
+    add(q_, h_ * h_ / 12, first_, ahead_);
     kernel_.acceleration(ahead_.data(), external, a_.data());
   }
 
@@ -188,19 +213,16 @@ class ExplicitRun {
   // kinetic energy of processed velocities, (v' - v) P (v' + v) / 2 with
   // P = (1 + h^2/12 da/dq)' M (1 + h^2/12 da/dq).
   void damp() {
-    Eigen::VectorXd u = kernel_.unknowns(v_);
-    for (std::size_t k = 0; k < dampers_.size(); ++k) {
-      const std::vector<int>& own = problem_.damped_modes[k].unknowns;
-      Eigen::VectorXf change = u(own).template cast<float>();
-      for (const Eigen::MatrixXf& factor : dampers_[k].factors) {
-        Eigen::VectorXf product = Eigen::VectorXf::Zero(factor.rows());
-        add_product(factor, change, product);
-        change.swap(product);
-      }
-      u(own) += change.cast<double>();
-    }
     change_ = sum_ = v_;
-    v_ = kernel_.entry_values(u);
+    for (const Dampers& dampers : dampers_) {
+      damped_ = v_(dampers.read).template cast<float>();
+      for (const Eigen::MatrixXf& factor : dampers.factors) {
+        product_.setZero(factor.rows());
+        add_product(factor, damped_, product_);
+        damped_.swap(product_);
+      }
+      v_(dampers.changed) += damped_(dampers.with).template cast<double>();
+    }
     sum_ += v_;
     change_ = v_ - change_;
     processed(change_);
@@ -210,9 +232,10 @@ class ExplicitRun {
   // w - h^2/12 (da/dq) w, by a difference from a(q) of the last step; loads do not change with q.
   void processed(Eigen::Ref<Eigen::VectorXd> w) {
     const double* external = loaded_ ? external_.data() : nullptr;
-    scratch_ = q_ + h_ * w;
+    add(q_, h_, w, scratch_);
     kernel_.acceleration(scratch_.data(), external, other_.data());
-    w -= h_ / 12 * (other_ - first_);
+    add(w, -h_ / 12, other_, w);
+    add(w, h_ / 12, first_, w);
   }
   // What the dampers add to a sensor's reading, as weights of the entries' velocities: their force
   // an acceleration (`now`); to velocities, and so to that force, a part of the interval's loss
@@ -280,6 +303,7 @@ class ExplicitRun {
   std::vector<Eigen::VectorXd> load_rows_, sensor_rows_;
   std::vector<Dampers> dampers_;  // by the problem's damped modes
   std::vector<Drag> drags_;       // by sensor
+  Eigen::VectorXf damped_, product_;
 };
 
 template <int D>

@@ -10,4 +10,7 @@ namespace rigfit::model {
 /// y += A x.
 void add_product(const Eigen::MatrixXf& A, const Eigen::VectorXf& x, Eigen::VectorXf& y);
 
+/// out = x + factor y, of n values; `out` may be x or y.
+void add_multiple(Eigen::Index n, const double* x, double factor, const double* y, double* out);
+
 }  // namespace rigfit::model
