@@ -212,7 +212,10 @@ class Analysis {
                             std::max(kStraight * range_Q_, 4 * noise / std::sqrt(samples)), part)) {
           continue;
         }
-        off_ += stroke.left_out;
+        // Friction jumps in the rows at turns.
+        for (std::size_t i = 1; i + 1 < stroke.off.size(); ++i) {
+          if (stroke.used[i] != 0) off_ += stroke.off[i];
+        }
         toe_ = std::max(toe_, stroke.loading ? part.at_turn : part.at_end);
         if (stroke.loading) stop_ = std::max(stop_, part.at_end);
         far_end_ = std::max(far_end_, part.at_end);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "signal/estimation/robust.h"
 
@@ -45,7 +46,9 @@ std::vector<Eigen::Index> find_spikes(const Eigen::VectorXd& x) {
   const double central = signal::quantile(values, 0.9) - signal::quantile(values, 0.1);
   const double limit = std::max(12 * scale, 0.05 * central);
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (off[static_cast<std::size_t>(i)] > limit) spikes.push_back(i);
+    const bool end = i == 0 || i == n - 1;
+    if (!(off[static_cast<std::size_t>(i)] > (end ? std::max(limit, central) : limit))) continue;
+    if (end || (x[i] - x[i - 1]) * (x[i] - x[i + 1]) > 0) spikes.push_back(i);
   }
   return spikes;
 }
@@ -82,7 +85,7 @@ TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x, const Eige
                     bool averaged) {
   const Eigen::Index samples = run.last - run.first + 1;
   const Eigen::Index n = averaged ? std::min(samples, kShortStroke) : samples;
-  TableStroke stroke{run.direction > 0, Eigen::VectorXd(n), Eigen::VectorXd(n), {}};
+  TableStroke stroke{run.direction > 0, Eigen::VectorXd(n), Eigen::VectorXd(n), {}, {}};
   const auto u = x.segment(run.first, samples), v = load.segment(run.first, samples);
   // Distance of each sample from the median of its row, along the stroke's mean slope.
   std::vector<double> off;
@@ -95,6 +98,7 @@ TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x, const Eige
   }
   const double most = averaged ? kOffRow * 1.4826 * signal::median(off) : 0;
   Eigen::Index rows = 0;
+  int off_here = 0;
   for (Eigen::Index k = 0; k < n; ++k) {
     const Eigen::Index from = k * samples / n, to = (k + 1) * samples / n;
     double count = 0, x_sum = 0, load_sum = 0;
@@ -102,8 +106,9 @@ TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x, const Eige
       if (most > 0 && off[static_cast<std::size_t>(i)] > most) continue;
       x_sum += u[i], load_sum += v[i], ++count;
     }
-    stroke.left_out += static_cast<int>(static_cast<double>(to - from) - count);
+    off_here += static_cast<int>(static_cast<double>(to - from) - count);
     if (count == 0) continue;  // of two samples far apart neither is known to be right
+    stroke.off.push_back(std::exchange(off_here, 0));
     stroke.x_m[rows] = x_sum / count, stroke.load_N[rows] = load_sum / count;
     ++rows;
   }

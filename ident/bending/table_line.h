@@ -31,7 +31,7 @@ struct TableStroke {
   bool loading = true;
   Eigen::VectorXd x_m, load_N;
   std::vector<char> used;  ///< 0: left out before
-  int left_out = 0;        ///< samples far off the others of their average
+  std::vector<int> off;    ///< samples far off the others of their average, not in it; or empty
 };
 
 struct TableLine {

@@ -283,6 +283,19 @@ TEST(BendingTest, SpikesOfShortStrokesAreLeftOut) {
   }
 }
 
+// At a turn the load falls by twice the friction: samples on its way down are no spikes.
+TEST(BendingTest, TurnsWithFrictionAreNoSpikes) {
+  simulated::Bending test;
+  test.rows = 400, test.load_noise = test.deflection_noise = 1e-4;
+  test.friction = simulated::Friction::bilinear, test.friction_travel_m = 1e-5;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    std::mt19937_64 random(seed);
+    test.friction_N = 0.1 + 0.1 * static_cast<double>(seed);
+    const auto result = analyse_bending_test(simulated::record(test, random), span_of(test.span_m));
+    EXPECT_EQ(codes(result).find("spike"), std::string::npos) << seed << codes(result);
+  }
+}
+
 TEST(BendingTest, AMillionSamplesGiveTheStiffness) {
   std::mt19937_64 random(3);
   simulated::Bending test;
