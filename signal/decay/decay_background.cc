@@ -36,7 +36,6 @@ std::vector<KnownTone> steady_lines(const Eigen::Ref<const Eigen::VectorXd>& y, 
   // One at a time: beside a strong one stand the side lobes of its line.
   for (std::size_t k = 0; k < kMostSteadyTones; ++k) {
     const DecaySamples samples = decay_samples(left, 0, to - from);
-    if (5 * static_cast<Index>(samples.missing.size()) > to - from) break;
     const auto lines = search_decays(without_trend(left), search);
     if (lines.empty()) break;
     const auto free = fit_poles(samples, {lines.front().pole});
@@ -84,16 +83,9 @@ std::optional<DampedSinusoidsFit> with_offset(const DecaySamples& samples,
   const double fastest = 2 * slowest_mode / kTwoPi;
   const double slowest = kLeastFall / static_cast<double>(fit.samples);
   if (!(fastest > 2 * slowest)) return {};
-  // Starts a factor of four apart, the best of which is kept.
-  std::optional<DampedSinusoidsFit> joint;
-  for (double start = 2 * slowest; start < fastest; start *= 4) {
-    std::vector<Complex> poles = fit.poles;
-    poles.emplace_back(-start);
-    auto one = fit_poles(samples, poles);
-    if (one && (!joint || one->residual_sum_squares < joint->residual_sum_squares)) {
-      joint = std::move(one);
-    }
-  }
+  std::vector<Complex> poles = fit.poles;
+  poles.emplace_back(-2 * slowest);
+  auto joint = fit_poles(samples, poles);
   if (!joint) return {};
   const double rate = -joint->poles.back().real();
   const double explained = fit.residual_sum_squares - joint->residual_sum_squares;

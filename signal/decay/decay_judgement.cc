@@ -205,7 +205,6 @@ class Judgement {
   [[nodiscard]] std::string driven() const {
     const std::size_t main = kept_.front();
     const Complex strongest = fit_.poles[main];
-    const double amplitude = modes_[main].amplitude;
     // What a random amplitude looks like to a fit: several modes within a few lines or widths.
     const auto near = [&](Complex pole) {
       const double width = std::max(-strongest.real(), std::abs(pole.real()));
@@ -213,11 +212,6 @@ class Judgement {
       return std::abs(pole.imag() - strongest.imag()) < std::max(lines, 3 * width);
     };
     const auto beside = [&](std::size_t m) { return m != main && near(fit_.poles[m]); };
-    if (std::any_of(growing_.begin(), growing_.end(), [&](std::size_t m) {
-          return beside(m) && modes_[m].amplitude * std::exp(-fall_[m]) > 0.2 * amplitude;
-        })) {
-      return "its amplitude grows again";
-    }
     // Noise whose colour is that of the residual beside them passes for some of them.
     if (std::count_if(kept_.begin(), kept_.end(), beside) +
             std::ranges::count_if(fit_.noise_like, near) >=
