@@ -82,20 +82,7 @@ class PointFit {
       }
     }
     const VectorXcd fixed = Eigen::Map<const VectorXcd>(near.data(), Index(near.size()));
-    // Several columns weigh by what a first fit leaves of them, whose steps may end early: 0.3 of a
-    // standard uncertainty adds 0.09 of a degree of freedom to the misfit. A tenth of the mean
-    // keeps a column that is fitted by chance from deciding alone.
-    VectorXd weight = VectorXd::Ones(H.cols());
-    LocalFit result = H.cols() > 1 ? fit_locally(s, part, weight, start, fixed, order, 0.3)
-                                   : fit_locally(s, part, weight, start, fixed, order);
-    if (result.usable && H.cols() > 1) {
-      const double mean = result.misfit.mean();
-      if (mean > 0) {
-        weight = mean / (result.misfit.array() + 0.1 * mean);
-        result = fit_locally(s, part, weight, result.poles, fixed, order);
-      }
-    }
-    return {std::move(result), s, part};
+    return {fit_locally(s, part, start, fixed, order), s, part};
   }
 
   /// The weakest pole of a group that does not stand out; -1: all do.
@@ -213,9 +200,7 @@ PointPole described(const PointFit& point, const WindowFit& fit, Index r, double
   const double inflation = line_inflation(point.band, fit.residual.rows());
   pole.significance = point.significance(fit, r, inflation);
   const auto freedom = static_cast<double>(fit.freedom);
-  // The fit's weights are relative: mean misfit over (misfit + a tenth of it).
-  const double mean = fit.misfit.mean();
-  const double variance = inflation * 1.1 * mean / freedom;
+  const double variance = inflation * fit.misfit.mean() / freedom;
   const double own = 0.5 * std::max({0.0, variance * fit.covariance(r, r).real(),
                                      inflation * fit.robust_covariance(r, r).real()});
   pole.std = std::sqrt(own + 0.5 * moved * moved);
