@@ -136,6 +136,7 @@ void fill_row(const TextTable& table, const TextTable::Row& row, const describe:
 
 TextTable read_text_table(const std::filesystem::path& path) {
   const signal::MappedFile mapped(path);
+  signal::refuse_foreign(mapped.bytes(), path);
   TextTable table;
   table.file = path.string();
   const auto error = [&](long line, const std::string& problem, const char* remedy) {

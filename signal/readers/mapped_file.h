@@ -22,4 +22,7 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
+/// Throws RecordingError for the files of other programs: what they are, how to export text.
+void refuse_foreign(std::string_view bytes, const std::filesystem::path& path);
+
 }  // namespace rigfit::signal

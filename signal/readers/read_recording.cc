@@ -54,6 +54,8 @@ struct Reader {
 constexpr Reader kReaders[] = {{"csv", read_csv}, {"lvm", read_lvm}, {"uff", read_uff},
                                {"wav", read_wav}, {"npy", read_npy}, {"mat", read_mat}};
 
+}  // namespace
+
 void refuse_foreign(std::string_view bytes, const std::filesystem::path& path) {
   std::string head = lower_case(bytes.substr(0, 512));
   head.erase(0, head.find_first_not_of("\xEF\xBB\xBF \t\r\n"));
@@ -63,8 +65,6 @@ void refuse_foreign(std::string_view bytes, const std::filesystem::path& path) {
     }
   }
 }
-
-}  // namespace
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
   const auto fail = [&](const std::string& problem, const std::string& remedy) {

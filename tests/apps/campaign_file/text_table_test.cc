@@ -74,6 +74,12 @@ TEST(TextTable, RefusesWhatIsNoTable) {
   EXPECT_THROW(static_cast<void>(read_text_table(folder.path() / "none.csv")),
                signal::RecordingError);
   EXPECT_THROW(static_cast<void>(read_text_table(folder.path())), signal::RecordingError);
+  try {
+    static_cast<void>(read_text_table(folder.write("book.xlsx", "PK\x03\x04 and so on\n1\n")));
+    FAIL() << "a workbook was read as a table";
+  } catch (const signal::RecordingError& error) {
+    EXPECT_NE(std::string(error.what()).find("save the sheet as CSV"), std::string::npos);
+  }
 }
 
 }  // namespace rigfit::apps::text_table_test
