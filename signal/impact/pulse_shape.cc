@@ -91,33 +91,16 @@ SecondContact find_second_contact(const Eigen::Ref<const Eigen::VectorXd>& force
     if (k < hit_first || k > hit_last) rest.push_back(y[k]);
   }
   const double level = median(rest);
-  double noise = robust_std(rest, level);
-  if (noise == 0) {
-    // More than half of the samples alike (coarse steps): the rms of what is not a contact.
-    double sum = 0;
-    for (const double value : rest) {
-      sum += std::pow(std::min(std::abs(value - level), smallest * height), 2);
-    }
-    noise = rest.empty() ? 0 : std::sqrt(sum / static_cast<double>(rest.size()));
-  }
-  const double least = std::max(smallest * height, kNoise * noise);
+  const double least = std::max(smallest * height, kNoise * robust_std(rest, level));
   result.smallest_visible = least / height;
 
   for (Index k = 1; k + 1 < n; ++k) {
-    if (y[k] - level < least || (k >= hit_first && k <= hit_last)) continue;
+    const double rise = y[k] - level;
+    if (rise < least || (k >= hit_first && k <= hit_last)) continue;
     if (y[k] <= y[k - 1] || y[k] < y[k + 1]) continue;
-
-    const Index around = 5 * width + 8;
-    std::vector<double> near;
-    for (Index j = std::max<Index>(0, k - around); j <= std::min(n - 1, k + around); ++j) {
-      if (j < hit_first || j > hit_last) near.push_back(y[j]);
-    }
-    const double base = median(near), rise = y[k] - base;
-    if (rise < least) continue;
-
     Index left = k, right = k;
-    while (left > 0 && y[left] - base > rise / 2) --left;
-    while (right + 1 < n && y[right] - base > rise / 2) ++right;
+    while (left > 0 && y[left] - level > rise / 2) --left;
+    while (right + 1 < n && y[right] - level > rise / 2) ++right;
     // Ringing dies away from the hit, so the swing between it and the hit is the larger one.
     const Index reach = 2 * (right - left + 1) + width;
     double lowest = y[k];
@@ -126,7 +109,7 @@ SecondContact find_second_contact(const Eigen::Ref<const Eigen::VectorXd>& force
     } else {
       lowest = y.segment(k + 1, std::min(peak, k + reach) - k).minCoeff();
     }
-    if (base - lowest >= kRinging * rise) continue;
+    if (level - lowest >= kRinging * rise) continue;
     if (rise / height > result.ratio) {
       result.ratio = rise / height;
       result.delay = k - peak;
