@@ -112,8 +112,7 @@ class Table {
     const signal::ScaledGram gram(A.transpose() * A);
     if (!gram.usable()) return fit;
     const Eigen::MatrixXd inverse = gram.inverse();
-    Eigen::VectorXd p = gram.solve_vector(A.transpose() * y);
-    p += gram.solve_vector(A.transpose() * (y - A * p));  // takes off what rounding left
+    const Eigen::VectorXd p = gram.solve_vector(A.transpose() * y);
     fit.residual = y - A * p;
     fit.squares = fit.residual.squaredNorm();
     fit.leverage = (A * inverse).cwiseProduct(A).rowwise().sum();

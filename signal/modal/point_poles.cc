@@ -213,8 +213,6 @@ PointPole described(const PointFit& point, const WindowFit& fit, Index r, double
         std::sqrt(0.5 * inflation * norm * fit.misfit[c] / freedom / std::norm(power)) +
         std::sqrt(own) / half_bandwidth(point.band, pole.pole) * std::abs(pole.residues[c]);
   }
-  const double gain = fit.gain.row(r).sum(), left = fit.misfit.sum();
-  pole.explained = gain > 0 ? gain / (gain + left) : 0;
   pole.misfit = point.misfit_around(fit, pole.pole);
   return pole;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "signal/numerics/least_squares.h"
 #include "signal/numerics/numbers.h"
