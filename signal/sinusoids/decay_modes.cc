@@ -64,15 +64,17 @@ class DecayModeSearch {
       const Complex over_record = pole * static_cast<double>(n_);
       if (!(over_record.imag() >= 0.3 * kTwoPi && over_record.real() <= 2.9)) return false;
     }
-    // Strongly damped ones explain transients as readily as modes: they must be well determined.
+    if (first) return true;
+    // One mode more must be well determined: strongly damped ones explain transients as readily.
     const Complex pole = more.poles.back();
-    const auto at = static_cast<Index>(4 * more.poles.size()) - 2;
-    const double variance = more.residual_sum_squares / static_cast<double>(more.degrees) *
-                            more.unit_covariance(at, at);
-    if (!first && damping_ratio_of(pole) > 0.15 &&
-        std::sqrt(variance) > 0.2 * std::abs(pole.real()))
-      return false;
-    return first || told_apart(fit, more, noise_variance);
+    const auto std_of = [&](std::size_t from_end) {
+      const auto at = static_cast<Index>(4 * more.poles.size() - from_end);
+      return std::sqrt(more.residual_sum_squares / static_cast<double>(more.degrees) *
+                       more.unit_covariance(at, at));
+    };
+    if (std_of(1) > 0.05 * pole.imag()) return false;
+    if (damping_ratio_of(pole) > 0.15 && std_of(2) > 0.2 * std::abs(pole.real())) return false;
+    return told_apart(fit, more, noise_variance);
   }
 
   // Modes that beat for less than 0.4 beats while both last are not told apart; under one and a
