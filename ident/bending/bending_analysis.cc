@@ -181,6 +181,8 @@ class Analysis {
     averaged_ = longest >= kShortStroke;
     if (averaged_) {
       std::erase_if(runs_, [](const auto& run) { return run.last - run.first + 1 < 4; });
+    } else {
+      arrange_table();
     }
     if (runs_.empty()) {
       refuse("no_loading", "Load and unload in strokes of four samples or more: none was found");
@@ -238,6 +240,22 @@ class Analysis {
       before = EI;
     }
     return true;
+  }
+
+  /// Strokes of a short table.
+  void arrange_table() {
+    Eigen::Index in_runs = 0;
+    for (const auto& run : runs_) in_runs += run.last - run.first + 1;
+    if (10 * in_runs < 7 * d_.size()) runs_ = {{0, d_.size() - 1, 1}};  // weights in any order
+    // Weights that are added at a stop move nothing any more; they belong to the loading.
+    for (std::size_t k = 0; k < runs_.size(); ++k) {
+      Eigen::Index& last = runs_[k].last;
+      while (runs_[k].direction > 0 && last + 1 < d_.size() && d_[last + 1] == d_[last] &&
+             Q_[last + 1] > Q_[last]) {
+        ++last;
+      }
+      if (k + 1 < runs_.size()) runs_[k + 1].first = std::max(runs_[k + 1].first, last);
+    }
   }
 
   void solve_for_EI() {

@@ -45,8 +45,9 @@ struct StraightPart {
 /// Samples of one channel (20 at least, else none) that lie off the mean of their neighbours and
 /// off the straight lines through the two samples before and after, all three, by more than 12
 /// robust standard deviations of that and by a twentieth of the channel's central 80 %, and not
-/// between their neighbours. A turn is on one of the two lines, a step too; the first and the last
-/// sample, which have one neighbour, must be off by that central part: friction begins with a jump.
+/// between those two samples before and behind. A turn is on one of the two lines, a step too; the
+/// first and the last sample, which have one neighbour, must be off by that central part: friction
+/// begins with a jump.
 [[nodiscard]] std::vector<Eigen::Index> find_spikes(const Eigen::VectorXd& channel);
 
 }  // namespace rigfit::ident

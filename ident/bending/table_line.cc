@@ -112,7 +112,8 @@ class Table {
     const signal::ScaledGram gram(A.transpose() * A);
     if (!gram.usable()) return fit;
     const Eigen::MatrixXd inverse = gram.inverse();
-    const Eigen::VectorXd p = gram.solve_vector(A.transpose() * y);
+    Eigen::VectorXd p = gram.solve_vector(A.transpose() * y);
+    p += gram.solve_vector(A.transpose() * (y - A * p));  // takes off what rounding left
     fit.residual = y - A * p;
     fit.squares = fit.residual.squaredNorm();
     fit.leverage = (A * inverse).cwiseProduct(A).rowwise().sum();

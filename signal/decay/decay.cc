@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -203,20 +204,41 @@ class Estimation {
       samples_ = samples_from(result_.start);
       std::vector<Complex> tones;
       for (const KnownTone& tone : tones_) tones.emplace_back(0, tone.value(2));
-      if (tones.empty()) break;
-      tones.push_back(fit_->poles[strongest_mode(*fit_, band_)]);
-      auto fit = find_decay_modes(samples_, band_, tones);
-      if (!fit) break;
-      fit_ = std::move(fit);
+      if (tones.empty() || !look_beside(tones)) break;
     }
     const auto joint = with_offset(samples_, *fit_);
     if (!joint) return;
-    fit_ = joint;
+    std::vector<Complex> poles;
+    std::ranges::copy_if(joint->poles, std::back_inserter(poles),
+                         [](Complex p) { return is_tone(p) || is_offset(p); });
+    if (!look_beside(poles)) return;
     result_.note(
         "decaying_offset",
         fmt::format("an offset of {:.4g} that dies away with a time constant of {:.3g} s "
                     "was fitted with the modes (an amplifier's high-pass?)",
-                    fit_->amplitudes.back().real(), -1 / (fit_->poles.back().real() * rate_)));
+                    joint->amplitudes.back().real(), -1 / (joint->poles.back().real() * rate_)));
+  }
+
+  /// The strongest mode that was not spent on one of `poles`, tones and an offset, and what more
+  /// stands out beside these; false where they cannot be told apart, or none is left.
+  bool look_beside(std::vector<Complex> poles) {
+    const auto n = static_cast<double>(fit_->samples);
+    double most = 0;
+    std::optional<Complex> strongest;
+    for (std::size_t m = 0; m < fit_->poles.size(); ++m) {
+      const Complex pole = fit_->poles[m];
+      const bool spent = std::ranges::any_of(poles, [&](Complex other) {
+        return std::abs(pole.imag() - other.imag()) < kTwoPi / n && std::abs(pole.real()) * n < 0.3;
+      });
+      const double energy = spent || is_offset(pole) ? 0 : mode_energy(*fit_, m);
+      if (energy > most) most = energy, strongest = pole;
+    }
+    if (!strongest) return false;
+    poles.push_back(*strongest);
+    auto fit = find_decay_modes(samples_, band_, poles);
+    if (!fit) return false;
+    fit_ = std::move(fit);
+    return true;
   }
 
   // Moves the start on by half a cycle of the strongest mode at a time, while the first half cycle
@@ -231,7 +253,9 @@ class Estimation {
       const Index next = result_.start + shift;
       if (static_cast<double>(next - first) > most) return;
       DecaySamples samples = samples_from(next);
-      auto fit = find_decay_modes(samples, band_);
+      const bool beside =
+          std::ranges::any_of(fit_->poles, [](Complex p) { return is_tone(p) || is_offset(p); });
+      auto fit = find_decay_modes(samples, band_, beside ? fit_->poles : std::vector<Complex>());
       if (!fit) return;
       result_.start = next, samples_ = std::move(samples), fit_ = std::move(fit);
       moved_start_ = true;

@@ -90,7 +90,7 @@ std::vector<Jump> jumps(const Eigen::VectorXd& y, double w) {
       const Complex behind =
           1.5 * running.over(j, j + length) - 0.5 * running.over(j + length, j + 2 * length);
       const double jump = std::abs(behind - before);
-      size.push_back(jump);
+      size.push_back(jump > 0.1 * std::abs(before) ? jump : 0);
       powers.push_back(jump * jump);
     }
     if (powers.empty()) break;
@@ -145,6 +145,7 @@ bool is_impact(const Eigen::Ref<const Eigen::VectorXd>& y, const Jump& place, In
   const double apart = before->residual_sum_squares + behind->residual_sum_squares;
   const auto degrees = static_cast<double>(before->degrees + behind->degrees);
   const double more = std::max(2.0, static_cast<double>(one->degrees) - degrees);
+  if (degrees < 4) return false;
   const double ratio =
       (one->residual_sum_squares - apart) / more / std::max(apart / degrees, 1e-300);
   if (!(ratio > 0) || gsl_cdf_fdist_Q(ratio, more, degrees) > kImpactChance) return false;
@@ -282,8 +283,8 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
     const Onset best = best_onset(x, each);
     const double now = best.energy - best.from_first;
     const Index cycle = averaging_cycle(each);
-    const bool late = now > detection_threshold(n, 1e-6) * c.noise_variance && best.start > cycle &&
-                      n - best.start > 3 * cycle;
+    const bool late = now > detection_threshold(n, 1e-6) * c.noise_variance &&
+                      now > 0.1 * best.energy && best.start > cycle && n - best.start > 3 * cycle;
     const std::pair found(late && quiet_before(x, each, best.start, cycle), now);
     if (found > std::pair(quiet, gain)) std::tie(quiet, gain) = found, onset = best.start, w = each;
   }
@@ -305,8 +306,9 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
   std::sort(starts.begin(), starts.end());
   // A decay that the record begins with.
   const RunningAmplitude running(x, w);
-  if (starts.empty() || (starts.front() > 4 * cycle &&
-                         std::abs(running.over(0, 2 * cycle)) > 0.1 * running.largest(cycle))) {
+  if (starts.empty() ||
+      (!(quiet && starts.front() >= onset - 4 * cycle) && starts.front() > 4 * cycle &&
+       std::abs(running.over(0, 2 * cycle)) > 0.1 * running.largest(cycle))) {
     starts.insert(starts.begin(), 0);
   }
   std::vector<DecayWindow> windows;

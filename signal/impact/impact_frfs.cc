@@ -17,6 +17,17 @@ namespace rigfit::signal {
 namespace {
 using Eigen::Index;
 
+/// Mean of a block's force outside of its pulse: what zero is during the hit.
+double level_beside(const FrfBlock& block, double otherwise) {
+  const auto size = static_cast<Index>(block.force.size());
+  const Index first = std::clamp<Index>(block.pulse_first, 0, size);
+  const Index last = std::clamp<Index>(block.pulse_last + 1, first, size);
+  const Eigen::Map<const Eigen::VectorXd> x(block.force.data(), size);
+  const Index beside = first + size - last;
+  if (beside < 32) return otherwise;
+  return (x.head(first).sum() + x.tail(size - last).sum()) / static_cast<double>(beside);
+}
+
 double scatter(const Eigen::Ref<const Eigen::VectorXd>& x) {
   constexpr Index kFewest = 16;  // a standard deviation from fewer is off by a fifth or more
   if (x.size() < kFewest) return 0;
@@ -118,7 +129,7 @@ class Analysis {
     // A hammer's signal rings after the pulse, filters before it too.
     block.pulse_first = hit.pulse_first - hit.block_first - 3 * width;
     block.pulse_last = hit.pulse_last - hit.block_first + 10 * width;
-    block.force_offset = hit.offset;
+    block.force_offset = level_beside(block, hit.offset);
     if (const double kept = kept_force(hit); kept > 0) {
       const auto samples = std::max(width, static_cast<Index>(std::ceil(kept * rate)));
       block.force_first = std::max<Index>(0, hit.pulse_first - width - hit.block_first);

@@ -36,6 +36,16 @@ GroupMean mean_of(const std::vector<PointPole>& points, double (*part)(Complex))
   return mean_over_groups(values, variances);
 }
 
+/// Whether poles of two points touch or, of a mode that is `drifting` and stands clear of its
+/// surroundings at both, lie within 20 half-power bandwidths and a factor of 1.5.
+bool may_be_one(const ModalBand& band, const PointPole& a, const PointPole& b, bool drifting) {
+  if (!drifting) return apart(a.pole, b.pole, band.window) < 1;
+  const double ha = band.window - a.pole.real(), hb = band.window - b.pole.real();
+  return std::min(a.explained, b.explained) > 0.8 && std::max(ha, hb) < 2.5 * std::min(ha, hb) &&
+         std::abs(a.pole.imag() - b.pole.imag()) < 20 * (ha + hb) &&
+         std::max(a.pole.imag(), b.pole.imag()) < 1.5 * std::min(a.pole.imag(), b.pole.imag());
+}
+
 void average(LocalMode& mode) {
   mode.decay = mean_of(mode.points, [](Complex pole) { return -pole.real(); });
   mode.frequency = mean_of(mode.points, [](Complex pole) { return pole.imag(); });
@@ -73,29 +83,29 @@ std::vector<LocalMode> check_groups(const ModalBand& band, const std::vector<Mat
   return modes;
 }
 
-void join_split_modes(const ModalBand& band, std::vector<LocalMode>& modes) {
+void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMode>& modes) {
   const auto shows = [](const LocalMode& mode, Index point) {
     return std::any_of(mode.points.begin(), mode.points.end(),
                        [&](const PointPole& one) { return one.point == point; });
   };
-  const auto linked = [&](const LocalMode& more, const LocalMode& fewer) {
+  const auto linked = [&](const LocalMode& more, const LocalMode& fewer, bool drift) {
     std::size_t both = 0;
     bool any = false;
     for (const PointPole& a : fewer.points) {
       both += shows(more, a.point);
-      any |= std::any_of(more.points.begin(), more.points.end(), [&](const PointPole& b) {
-        return apart(a.pole, b.pole, band.window) < 1;
-      });
+      any |= std::any_of(more.points.begin(), more.points.end(),
+                         [&](const PointPole& b) { return may_be_one(band, a, b, drift); });
     }
     return any && 4 * both <= fewer.points.size();
   };
-  while (true) {
+  // Those that touch first, all of them: what lies between two that drift belongs to one of them.
+  for (int drift = 0; drift <= (drifting ? 1 : 0);) {
     LocalMode *more = nullptr, *fewer = nullptr;
     double least = std::numeric_limits<double>::infinity();
     for (LocalMode& a : modes) {
       for (LocalMode& b : modes) {
         if (a.points.size() < b.points.size() || (a.points.size() == b.points.size() && &a <= &b) ||
-            !linked(a, b)) {
+            !linked(a, b, drift > 0)) {
           continue;
         }
         const double distance = std::abs(a.frequency.mean - b.frequency.mean) /
@@ -103,7 +113,10 @@ void join_split_modes(const ModalBand& band, std::vector<LocalMode>& modes) {
         if (distance < least) least = distance, more = &a, fewer = &b;
       }
     }
-    if (more == nullptr) return;
+    if (more == nullptr) {
+      ++drift;
+      continue;
+    }
     for (const PointPole& one : fewer->points) {
       if (!shows(*more, one.point)) more->points.push_back(one);
     }
@@ -119,7 +132,7 @@ std::vector<LocalMode> find_local_modes(const ModalBand& band, const std::vector
   const std::vector<MatrixXcd> points = frfs_of_points(band);
   const auto poles = Eigen::Map<const VectorXcd>(common.data(), std::ssize(common));
   std::vector<LocalMode> modes = check_groups(band, points, poles, options, kTwinMisfit);
-  join_split_modes(band, modes);
+  join_split_modes(band, true, modes);
   const auto count = static_cast<double>(points.size());
   const double needed = count < 2 ? 1 : std::max(2.0, std::ceil(kShareOfPoints * count));
   std::erase_if(modes, [&](const LocalMode& mode) {

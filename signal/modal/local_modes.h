@@ -4,8 +4,8 @@
 // Candidates come from stabilisation diagrams of the whole band and of overlapping parts of it.
 // Each point's own poles (point_poles.h) go to the nearest candidate within twice the half
 // bandwidths of both; candidates that hardly a point shows together are one mode where poles of
-// their points touch (|p - q| below the sum of the half bandwidths). A mode is what enough points
-// show. Its pole is the random-effects mean over points
+// their points touch (|p - q| below the sum of the half bandwidths) or drift (join_split_modes()).
+// A mode is what enough points show. Its pole is the random-effects mean over points
 // (estimation/groups.h).
 #pragma once
 
@@ -43,8 +43,10 @@ struct LocalMode {
 
 /// Makes one mode of two where poles of their groups touch and at most a quarter of the groups of
 /// one show both: poles that differ between groups look like two in a fit of all. The one that more
-/// groups show takes all, the other is left empty. `modes`: of check_groups().
-void join_split_modes(const ModalBand& band, std::vector<LocalMode>& modes);
+/// groups show takes all, the other is left empty. `drifting`: then also modes that stand clear of
+/// their surroundings within 20 half-power bandwidths, with like damping. `modes`: of
+/// check_groups().
+void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMode>& modes);
 
 /// FRFs of every point.
 [[nodiscard]] std::vector<Eigen::MatrixXcd> frfs_of_points(const ModalBand& band);

@@ -118,7 +118,7 @@ std::vector<ModeOfHits> modes_of_hits(const ModalBand& band, const std::vector<H
     }
   }
   std::vector<LocalMode> own = check_groups(band, every, poles, options);
-  if (local || all.size() == 1) join_split_modes(band, own);
+  if (local || all.size() == 1) join_split_modes(band, false, own);
   for (std::size_t r = 0; r < modes.size(); ++r) {
     ModeOfHits& mode = modes[r];
     const Complex pole = poles[static_cast<Index>(r)];

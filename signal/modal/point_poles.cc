@@ -82,7 +82,20 @@ class PointFit {
       }
     }
     const VectorXcd fixed = Eigen::Map<const VectorXcd>(near.data(), Index(near.size()));
-    return {fit_locally(s, part, start, fixed, order), s, part};
+    // Several columns weigh by what a first fit leaves of them, whose steps may end early: 0.3 of a
+    // standard uncertainty adds 0.09 of a degree of freedom to the misfit. A tenth of the mean
+    // keeps a column that is fitted by chance from deciding alone.
+    VectorXd weight = VectorXd::Ones(H.cols());
+    LocalFit result = H.cols() > 1 ? fit_locally(s, part, weight, start, fixed, order, 0.3)
+                                   : fit_locally(s, part, weight, start, fixed, order);
+    if (result.usable && H.cols() > 1) {
+      const double mean = result.misfit.mean();
+      if (mean > 0) {
+        weight = mean / (result.misfit.array() + 0.1 * mean);
+        result = fit_locally(s, part, weight, result.poles, fixed, order);
+      }
+    }
+    return {std::move(result), s, part};
   }
 
   /// The weakest pole of a group that does not stand out; -1: all do.
@@ -200,7 +213,9 @@ PointPole described(const PointFit& point, const WindowFit& fit, Index r, double
   const double inflation = line_inflation(point.band, fit.residual.rows());
   pole.significance = point.significance(fit, r, inflation);
   const auto freedom = static_cast<double>(fit.freedom);
-  const double variance = inflation * fit.misfit.mean() / freedom;
+  // The fit's weights are relative: mean misfit over (misfit + a tenth of it).
+  const double mean = fit.misfit.mean();
+  const double variance = inflation * 1.1 * mean / freedom;
   const double own = 0.5 * std::max({0.0, variance * fit.covariance(r, r).real(),
                                      inflation * fit.robust_covariance(r, r).real()});
   pole.std = std::sqrt(own + 0.5 * moved * moved);
@@ -213,6 +228,8 @@ PointPole described(const PointFit& point, const WindowFit& fit, Index r, double
         std::sqrt(0.5 * inflation * norm * fit.misfit[c] / freedom / std::norm(power)) +
         std::sqrt(own) / half_bandwidth(point.band, pole.pole) * std::abs(pole.residues[c]);
   }
+  const double gain = fit.gain.row(r).sum(), left = fit.misfit.sum();
+  pole.explained = gain > 0 ? gain / (gain + left) : 0;
   pole.misfit = point.misfit_around(fit, pole.pole);
   return pole;
 }

@@ -28,7 +28,8 @@ struct PointPole {
   /// Twice the fall of the misfit with this pole over the misfit's variance, correlated lines
   /// counted once: chi-square of 2 columns for a pole that is not there.
   double significance = 0;
-  double misfit = 0;  ///< rms misfit over rms FRF within the half bandwidth
+  double explained = 0;  ///< share of what the background leaves that this pole explains
+  double misfit = 0;     ///< rms misfit over rms FRF within the half bandwidth
 };
 
 /// Whether struck points vary (they are more than one and no fewer than the responses).

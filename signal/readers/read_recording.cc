@@ -27,7 +27,7 @@ struct Foreign {
 };
 
 constexpr const char *kPage = "a web page, XML or JSON document",
-                     *kOfPage = "export the recording itself as CSV, LVM or UFF 58";
+                     *kOfPage = "give the numbers as CSV, recordings also as LVM or UFF 58";
 constexpr Foreign kForeign[] = {
     {"TDSm", "a National Instruments TDMS file",
      "export it as LVM, CSV or UFF 58: in LabVIEW or DIAdem, or in Python by nptdms "

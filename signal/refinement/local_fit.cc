@@ -22,7 +22,7 @@ struct State : PoleStage {
   MatrixXcd coefficients;  ///< free poles x columns
   MatrixXcd residual;
   MatrixXcd outside;  ///< D: derivatives of the free poles' columns outside the model's
-  MatrixXcd analytic_information;  ///< sum_c conj(a_rc) a_qc (D_r' D_q)
+  MatrixXcd analytic_information;  ///< sum_c w_c conj(a_rc) a_qc (D_r' D_q)
 };
 
 MatrixXcd columns_of(const VectorXcd& s, const VectorXcd& poles, const VectorXcd& fixed,
@@ -42,8 +42,8 @@ MatrixXcd columns_of(const VectorXcd& s, const VectorXcd& poles, const VectorXcd
   return basis;
 }
 
-State state_at(const VectorXcd& s, const MatrixXcd& H, const VectorXcd& poles,
-               const VectorXcd& fixed, int order) {
+State state_at(const VectorXcd& s, const MatrixXcd& H, const VectorXd& weight,
+               const VectorXcd& poles, const VectorXcd& fixed, int order) {
   State state;
   state.poles = poles;
   MatrixXcd basis = columns_of(s, poles, fixed, order);
@@ -56,15 +56,16 @@ State state_at(const VectorXcd& s, const MatrixXcd& H, const VectorXcd& poles,
   state.coefficients =
       length.head(poles.size()).cwiseInverse().asDiagonal() * all.topRows(poles.size());
   state.residual = H - qr.Q * moments;
-  state.cost = state.residual.squaredNorm();
+  state.cost = state.residual.colwise().squaredNorm().transpose().dot(weight);
   MatrixXcd& D = state.outside;
   D.resize(s.size(), poles.size());
   for (Index r = 0; r < D.cols(); ++r) D.col(r) = (s.array() - poles[r]).square().inverse();
   D -= qr.Q * (qr.Q.adjoint() * D);
   const MatrixXcd conjugate = state.coefficients.conjugate();
   state.analytic_information =
-      (D.adjoint() * D).cwiseProduct(conjugate * state.coefficients.transpose());
-  state.set_analytic(conjugate.cwiseProduct(D.adjoint() * state.residual).rowwise().sum(),
+      (D.adjoint() * D)
+          .cwiseProduct(conjugate * weight.asDiagonal() * state.coefficients.transpose());
+  state.set_analytic(conjugate.cwiseProduct(D.adjoint() * state.residual) * weight.cast<Complex>(),
                      state.analytic_information);
   state.usable = std::isfinite(state.cost);
   return state;
@@ -73,23 +74,26 @@ State state_at(const VectorXcd& s, const MatrixXcd& H, const VectorXcd& poles,
 }  // namespace
 
 LocalFit fit_locally(const Eigen::Ref<const VectorXcd>& s, const Eigen::Ref<const MatrixXcd>& H,
+                     const Eigen::Ref<const VectorXd>& weight,
                      const Eigen::Ref<const VectorXcd>& start,
-                     const Eigen::Ref<const VectorXcd>& fixed, int order) {
-  if (H.rows() != s.size()) {
+                     const Eigen::Ref<const VectorXcd>& fixed, int order, double step_in_std) {
+  if (H.rows() != s.size() || weight.size() != H.cols()) {
     throw std::invalid_argument("fit_locally: sizes do not fit");
   }
   LocalFit fit;
   const Index free = start.size();
   fit.freedom = s.size() - free - fixed.size() - order - 1;
   if (fit.freedom < 2 || free == 0) return fit;
-  const auto at = [&](const VectorXcd& poles) { return state_at(s, H, poles, fixed, order); };
+  const auto at = [&](const VectorXcd& poles) {
+    return state_at(s, H, weight, poles, fixed, order);
+  };
   State state = at(start);
   if (!state.usable) return fit;
   PoleStepOptions steps;
   steps.max_iterations = 30;
-  steps.step_in_std = 1e-2;
+  steps.step_in_std = step_in_std;
   steps.freedom = static_cast<double>(2 * fit.freedom * H.cols());
-  steps.rounding = 1e-28 * H.squaredNorm();
+  steps.rounding = 1e-28 * H.colwise().squaredNorm().dot(weight);
   steps.undamped = s[0].real();
   steps.low = s[0].imag(), steps.high = s[s.size() - 1].imag();
   take_pole_steps(steps, at, state);
@@ -98,9 +102,9 @@ LocalFit fit_locally(const Eigen::Ref<const VectorXcd>& s, const Eigen::Ref<cons
   fit.residual = state.residual;
   fit.misfit = state.residual.colwise().squaredNorm().transpose();
   fit.covariance = hermitian_eigen(state.analytic_information).pseudo_inverse();
-  // Score of each line: sum_c conj(a_rc D_kr) times what is left.
-  const MatrixXcd score =
-      state.outside.conjugate().cwiseProduct(state.residual * fit.amplitudes.adjoint());
+  // Score of each line: sum_c w_c conj(a_rc D_kr) times what is left.
+  const MatrixXcd score = state.outside.conjugate().cwiseProduct(
+      state.residual * weight.asDiagonal() * fit.amplitudes.adjoint());
   fit.robust_covariance = fit.covariance * (score.transpose() * score.conjugate()) *
                           fit.covariance *
                           (static_cast<double>(s.size()) / static_cast<double>(fit.freedom));

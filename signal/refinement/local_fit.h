@@ -8,7 +8,7 @@
 // smooth there and part of the polynomial; a_rc is the receptance residue times p_r^n. The model is
 // analytic in the poles, so that complex least squares applies: amplitudes and background are
 // eliminated, poles move by steps (estimation/pole_steps.h) that never raise
-//   sum_c sum_k |H_c(s_k) - model|^2.
+//   sum_c w_c sum_k |H_c(s_k) - model|^2.
 // Source: Ewins, Modal Testing, 2nd ed., sec. 4.3 (single-mode methods and the compensation for
 // neighbouring modes).
 #pragma once
@@ -24,7 +24,8 @@ struct LocalFit {
   Eigen::VectorXd misfit;       ///< columns: sum over lines of |residual|^2
   /// Free poles x columns: by how much `misfit` rises without that pole, the others kept.
   Eigen::MatrixXd gain;
-  /// Covariance of the free poles for complex noise of variance 1, white over lines.
+  /// Covariance of the free poles for w_c = 1 / variance of a column's complex noise, white over
+  /// lines.
   Eigen::MatrixXcd covariance;
   /// The same from what the fit leaves at each line of all columns together (White, Econometrica 48
   /// (1980) 817): for noise that goes with |H| and is common to columns. Scatters when lines are
@@ -34,12 +35,14 @@ struct LocalFit {
   bool usable = false;       ///< false: too few lines, or columns of the model that depend
 };
 
-/// `s`: lines of the window; `H`: lines x columns; `start`: free poles; `fixed`: neighbours;
-/// `background_order`: d. Poles stay stable (Re p below Re s) and, in Im, within the window.
+/// `s`: lines of the window; `H`: lines x columns; `weight`: w_c; `start`: free poles; `fixed`:
+/// neighbours; `background_order`: d; `step_in_std`: where the steps of the poles end. Poles stay
+/// stable (Re p below Re s) and, in Im, within the window.
 [[nodiscard]] LocalFit fit_locally(const Eigen::Ref<const Eigen::VectorXcd>& s,
                                    const Eigen::Ref<const Eigen::MatrixXcd>& H,
+                                   const Eigen::Ref<const Eigen::VectorXd>& weight,
                                    const Eigen::Ref<const Eigen::VectorXcd>& start,
                                    const Eigen::Ref<const Eigen::VectorXcd>& fixed,
-                                   int background_order = 2);
+                                   int background_order = 2, double step_in_std = 1e-2);
 
 }  // namespace rigfit::signal

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "signal/numerics/least_squares.h"
 #include "signal/numerics/numbers.h"
@@ -16,6 +17,7 @@ namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
+constexpr Index kFewDegrees = 200;
 
 std::size_t modes_of(const DampedSinusoidsFit& fit) {
   return static_cast<std::size_t>(std::ranges::count_if(
@@ -57,24 +59,24 @@ class DecayModeSearch {
     const bool first = modes_of(fit) == 0;
     const double gain = fit.residual_sum_squares - more.residual_sum_squares;
     if (!first && !(gain > threshold() * noise_variance)) return false;
-    if (first && !passes_fisher(gain, more)) return false;
-    for (const Complex pole : more.poles) {
-      if (is_offset(pole)) continue;
+    // Few samples know little of the noise: Fisher's test as well.
+    if ((first || more.degrees < kFewDegrees) && !passes_fisher(gain, more)) return false;
+    const double white = more.residual_sum_squares / static_cast<double>(more.degrees);
+    for (std::size_t m = 0; m < more.poles.size(); ++m) {
+      if (is_offset(more.poles[m])) continue;
       // Under a third of a cycle, or growing by e^2.9, at the bounds of the fit.
-      const Complex over_record = pole * static_cast<double>(n_);
+      const Complex over_record = more.poles[m] * static_cast<double>(n_);
       if (!(over_record.imag() >= 0.3 * kTwoPi && over_record.real() <= 2.9)) return false;
+      const auto k = static_cast<Index>(4 * m);
+      const double a_std = std::sqrt(white * more.unit_covariance(k + 2, k + 2));
+      const double w_std = std::sqrt(white * more.unit_covariance(k + 3, k + 3));
+      if (first || m + 1 < more.poles.size()) continue;  // held its ground before
+      if (w_std > 0.05 * more.poles[m].imag()) return false;
+      // Strongly damped ones explain transients as readily as modes: they must be well determined.
+      if (damping_ratio_of(more.poles[m]) > 0.15 && a_std > 0.2 * std::abs(more.poles[m].real()))
+        return false;
     }
-    if (first) return true;
-    // One mode more must be well determined: strongly damped ones explain transients as readily.
-    const Complex pole = more.poles.back();
-    const auto std_of = [&](std::size_t from_end) {
-      const auto at = static_cast<Index>(4 * more.poles.size() - from_end);
-      return std::sqrt(more.residual_sum_squares / static_cast<double>(more.degrees) *
-                       more.unit_covariance(at, at));
-    };
-    if (std_of(1) > 0.05 * pole.imag()) return false;
-    if (damping_ratio_of(pole) > 0.15 && std_of(2) > 0.2 * std::abs(pole.real())) return false;
-    return told_apart(fit, more, noise_variance);
+    return first ? oscillates(more) : told_apart(fit, more, noise_variance);
   }
 
   // Modes that beat for less than 0.4 beats while both last are not told apart; under one and a
@@ -117,6 +119,23 @@ class DecayModeSearch {
     const double ratio = gain / 4 / std::max(fit.residual_sum_squares / degrees, 1e-300);
     const double cells = std::exp(0.5 * threshold()) * kFalseAlarm;
     return gsl_cdf_fdist_Q(ratio, 4, degrees) * cells < kFalseAlarm;
+  }
+
+  // An arc is no oscillation: where few cycles are seen, the fit must leave less than half of what
+  // a polynomial with as many coefficients leaves, or less by so much that noise would not show it.
+  bool oscillates(const DampedSinusoidsFit& fit) const {
+    const Complex p = fit.poles.back();
+    const double lasts =
+        p.real() < 0 ? std::min(static_cast<double>(n_), 3 / -p.real()) : static_cast<double>(n_);
+    if (p.imag() / kTwoPi * lasts > 3) return true;
+    Eigen::MatrixXd polynomials = Eigen::MatrixXd::Ones(n_, 6);
+    const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(n_, -1, 1);
+    for (int k = 1; k < 6; ++k) polynomials.col(k) = polynomials.col(k - 1).cwiseProduct(t);
+    for (Index j : samples_.missing) polynomials.row(j).setZero();
+    const double left = fit.residual_sum_squares;
+    const double polynomial = least_sum_squares(polynomials, samples_.values);
+    return left < 0.5 * polynomial ||
+           polynomial - left > threshold() * left / static_cast<double>(fit.degrees);
   }
 
   const DecaySamples& samples_;

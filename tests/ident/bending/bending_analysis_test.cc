@@ -296,6 +296,24 @@ TEST(BendingTest, TurnsWithFrictionAreNoSpikes) {
   }
 }
 
+// Weights in any order are one stroke.
+TEST(BendingTest, ATableInAnyOrderGivesTheStiffness) {
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    std::mt19937_64 random(seed);
+    simulated::Bending test;
+    test.rows = 24, test.strokes = 1, test.load_noise = test.deflection_noise = 0.001;
+    BendingRecord table = simulated::record(test, random);
+    std::vector<int> order(24);
+    std::iota(order.begin(), order.end(), 0);
+    std::shuffle(order.begin(), order.end(), random);
+    table.tension_N = table.tension_N(order).eval(), table.load_N = table.load_N(order).eval();
+    table.deflection_m = table.deflection_m(order).eval();
+    const auto result = analyse_bending_test(table, span_of(test.span_m));
+    ASSERT_FALSE(result.refused) << codes(result);
+    EXPECT_NEAR(result.stiffness.EI_Nm2.value, test.EI_Nm2, 0.05 * test.EI_Nm2) << seed;
+  }
+}
+
 TEST(BendingTest, AMillionSamplesGiveTheStiffness) {
   std::mt19937_64 random(3);
   simulated::Bending test;

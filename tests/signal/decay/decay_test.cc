@@ -313,6 +313,42 @@ TEST(DecayStart, MovesBehindWhatIsLeftOfTheBlow) {
   EXPECT_GE(moved, 3);
 }
 
+// A pulse of 50 ms over hum: the tone stays known while the start moves behind the blow.
+TEST(DecayStart, MovesBehindABlowBesideHum) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(2000);
+    add_decay(y, {20, 0.02}, 1000, seed, 500);
+    add_decay(y, {50, 0, 0.3}, 1000, 2 * seed);
+    for (Index j = 0; j < 50; ++j) y(500 + j) += 2 * std::sin(kPi * static_cast<double>(j) / 50);
+    add_noise(y, 0.007, random);
+    const auto result = estimate_decay(y, 1000);
+    ASSERT_FALSE(result.modes.empty()) << result.refusal;
+    EXPECT_NEAR(result.modes[0].damping_ratio.value, 0.02, 5e-4) << seed;
+  }
+}
+
+TEST(Decay, HumThatSoundsBeforeATapIsNoDecayOfItsOwn) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    std::mt19937_64 random(seed);
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(3000);
+    add_decay(y, {45, 0.01}, 1000, 0, 500);
+    add_decay(y, {50, 0, 0.15}, 1000, seed);
+    add_noise(y, 0.007, random);
+    EXPECT_EQ(estimate_decay(y, 1000).decays.size(), 1u) << seed;
+  }
+}
+
+TEST(Decay, ASmoothStepIsRefused) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(50, -5, 5);
+    y = y.unaryExpr([](double t) { return 2 / (1 + std::exp(-t)); }).eval();
+    add_noise(y, 0.1, random);
+    EXPECT_TRUE(estimate_decay(y, 100).modes.empty()) << seed;
+  }
+}
+
 // A tone whose amplitude and phase wander by a second and two: a machine that goes on.
 TEST(Decay, OfARunningMachineIsRefusedOrMarked) {
   int refused = 0;

@@ -39,6 +39,17 @@ TEST(LocalModes, AModeThatDriftsBetweenPointsIsOne) {
   }
 }
 
+// Points that scatter by three half-power bandwidths leave gaps that no point fills.
+TEST(LocalModes, ModesThatScatterBetweenPointsAreOneEach) {
+  testing::DefectiveFrfOptions options = small_set();
+  options.scatter = 3, options.points = 7;
+  for (options.seed = 1; options.seed <= 5; ++options.seed) {
+    const auto modes = identify_modes(testing::defective_frfs(options)).model.modes;
+    ASSERT_EQ(modes.size(), 2u) << options.seed;
+    for (const auto& mode : modes) EXPECT_GE(mode.points.size(), 6u) << options.seed;
+  }
+}
+
 // Members with modes of their own: at half of the points 20 Hz, at the others 36 Hz. With 2 %
 // damping 20 half-power bandwidths reach from one to the other.
 TEST(LocalModes, ModesOfDifferentMembersAreTwo) {
