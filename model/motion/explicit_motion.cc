@@ -24,27 +24,24 @@ struct Dampers {
   // Entries: one of each unknown, to read; all that change, and with which of these unknowns.
   std::vector<int> read, changed, with;
 };
-// `number`: by entry its unknown's, counted from 1; 0: held.
+// `number`: by entry its unknown's, counted from 1; 0: held. What no entry has turns a node,
+// without mass: its momentum is zero, whichever entry is read for it.
 Dampers dampers_of(const DampedModes& modes, double interval, const Eigen::VectorXd& number) {
-  Dampers out{(-interval * modes.rate).array().expm1(), {}, {}, {}, {}};
-  std::vector<int> rows;  // of the modes' unknowns: turning nodes have no velocity
-  for (std::size_t row = 0; row < modes.unknowns.size(); ++row) {
-    const std::size_t before = out.changed.size();
-    for (int entry = 0; entry < number.size(); ++entry) {
-      if (number(entry) == modes.unknowns[row] + 1) out.changed.push_back(entry);
-    }
-    out.with.resize(out.changed.size(), static_cast<int>(rows.size()));
-    if (out.changed.size() == before) continue;
-    out.read.push_back(out.changed[before]);
-    rows.push_back(static_cast<int>(row));
+  const auto& unknowns = modes.unknowns;
+  Dampers out{
+      (-interval * modes.rate).array().expm1(), {}, std::vector<int>(unknowns.size()), {}, {}};
+  for (int entry = 0; entry < number.size(); ++entry) {
+    const auto at = std::ranges::find(unknowns, static_cast<int>(number(entry)) - 1);
+    if (at == unknowns.end()) continue;
+    const auto row = at - unknowns.begin();
+    out.read[static_cast<std::size_t>(row)] = entry;
+    out.changed.push_back(entry), out.with.push_back(static_cast<int>(row));
   }
-  const Eigen::MatrixXd to_modes =
-      out.lost.asDiagonal() * modes.momentum(rows, Eigen::all).transpose();
-  const Eigen::MatrixXd shapes = modes.shapes(rows, Eigen::all);
+  const Eigen::MatrixXd to_modes = out.lost.asDiagonal() * modes.momentum.transpose();
   if (2 * to_modes.rows() < to_modes.cols()) {
-    out.factors = {to_modes.cast<float>(), shapes.cast<float>()};
+    out.factors = {to_modes.cast<float>(), modes.shapes.cast<float>()};
   } else {
-    out.factors = {(shapes * to_modes).cast<float>()};
+    out.factors = {(modes.shapes * to_modes).cast<float>()};
   }
   return out;
 }
@@ -135,12 +132,12 @@ class ExplicitRun {
   void step(const StepForces& forces, long number) {
     const double half = h_ / 2;
     supplied_ += half * power();
-    add(v_, half, a_, v_);
-    add(q_, h_, v_, q_);
+    v_ += half * a_;
+    q_ += h_ * v_;
     load(forces, number + 1);
     evaluate();
     supplied_ += half * power();
-    add(v_, half, a_, v_);
+    v_ += half * a_;
   }
 
   // Energy that a step adds at most by rounding positions to within d, J: that of nodes moved by d
@@ -153,16 +150,10 @@ class ExplicitRun {
     return sum;
   }
 
-  // out = x + factor y
-  static void add(const Entries& x, double factor, const Entries& y,
-                  Eigen::Ref<Eigen::VectorXd> out) {
-    add_multiple(x.size(), x.data(), factor, y.data(), out.data());
-  }
-
   void evaluate() {
     const double* external = loaded_ ? external_.data() : nullptr;
     kernel_.acceleration(q_.data(), external, first_.data());
-    add(q_, h_ * h_ / 12, first_, ahead_);
+    ahead_ = q_ + h_ * h_ / 12 * first_;
     kernel_.acceleration(ahead_.data(), external, a_.data());
   }
 
@@ -215,13 +206,13 @@ class ExplicitRun {
   void damp() {
     change_ = sum_ = v_;
     for (const Dampers& dampers : dampers_) {
-      damped_ = v_(dampers.read).template cast<float>();
+      Eigen::VectorXf change = v_(dampers.read).template cast<float>();
       for (const Eigen::MatrixXf& factor : dampers.factors) {
-        product_.setZero(factor.rows());
-        add_product(factor, damped_, product_);
-        damped_.swap(product_);
+        Eigen::VectorXf product = Eigen::VectorXf::Zero(factor.rows());
+        add_product(factor, change, product);
+        change.swap(product);
       }
-      v_(dampers.changed) += damped_(dampers.with).template cast<double>();
+      v_(dampers.changed) += change(dampers.with).template cast<double>();
     }
     sum_ += v_;
     change_ = v_ - change_;
@@ -232,10 +223,9 @@ class ExplicitRun {
   // w - h^2/12 (da/dq) w, by a difference from a(q) of the last step; loads do not change with q.
   void processed(Eigen::Ref<Eigen::VectorXd> w) {
     const double* external = loaded_ ? external_.data() : nullptr;
-    add(q_, h_, w, scratch_);
+    scratch_ = q_ + h_ * w;
     kernel_.acceleration(scratch_.data(), external, other_.data());
-    add(w, -h_ / 12, other_, w);
-    add(w, h_ / 12, first_, w);
+    w -= h_ / 12 * (other_ - first_);
   }
   // What the dampers add to a sensor's reading, as weights of the entries' velocities: their force
   // an acceleration (`now`); to velocities, and so to that force, a part of the interval's loss
@@ -303,7 +293,6 @@ class ExplicitRun {
   std::vector<Eigen::VectorXd> load_rows_, sensor_rows_;
   std::vector<Dampers> dampers_;  // by the problem's damped modes
   std::vector<Drag> drags_;       // by sensor
-  Eigen::VectorXf damped_, product_;
 };
 
 template <int D>

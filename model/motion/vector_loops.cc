@@ -1,24 +1,14 @@
 #include "model/motion/vector_loops.h"
 
-// Sanitizers instrument the choice of a clone before they are ready for it. ONE_BY_ONE: a loop
-// whose turns do not read what others write.
+// Sanitizers instrument the choice of a clone before they are ready for it.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define RIGFIT_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#define RIGFIT_ONE_BY_ONE _Pragma("GCC ivdep")
 #else
 #define RIGFIT_VECTOR_CLONES
-#define RIGFIT_ONE_BY_ONE
 #endif
 
 namespace rigfit::model {
-
-RIGFIT_VECTOR_CLONES void add_multiple(Eigen::Index n, const double* x, double factor,
-                                       const double* y, double* out) {
-  RIGFIT_ONE_BY_ONE
-  for (Eigen::Index i = 0; i < n; ++i) out[i] = x[i] + factor * y[i];
-}
-
 namespace {
 
 RIGFIT_VECTOR_CLONES void add_columns(Eigen::Index rows, Eigen::Index columns, const float* A,
