@@ -76,8 +76,9 @@ void check(std::span<const AxialDecay> decays, const AxialSetup& setup) {
   }
 }
 
-// Variance of one record: what the fits say or, where that is more, what the repeats at one length
-// show, which is Student's.
+// Variance of one record: what the repeats at one length show, which needs no trust in the fits and
+// is Student's; of few repeats, what the fits say where that is more. Far below what the fits say
+// are only repeats that are no repeats: copies, rounded values.
 struct Repeatability {
   double variance = 0, degrees = 0;  // degrees 0: from the fits
 };
@@ -98,7 +99,8 @@ Repeatability repeatability(const std::map<double, Group>& groups,
     degrees += static_cast<double>(x.size()) - 1;
   }
   const double seen = degrees > 0 ? squares / degrees : 0;
-  return seen > stated ? Repeatability{seen, degrees} : Repeatability{stated, 0};
+  if (seen > stated || (degrees >= 5 && seen > 0.2 * stated)) return {seen, degrees};
+  return {stated, 0};
 }
 
 class Identification {
@@ -275,7 +277,8 @@ class Identification {
   }
 
   // c = 2 zeta sqrt(k M) at the mean length. The chain's stiffness is that measured: it goes with
-  // the mass, and so c is proportional to it.
+  // the mass, and so c is proportional to it. What the cable's part of it is known to adds nothing
+  // but is left in, as an upper limit.
   void damper() {
     const double own = result_.reference_length_m / result_.EA_N.value;
     const double s = std::isfinite(result_.series_compliance_m_N.value)
@@ -283,7 +286,10 @@ class Identification {
                          : 0;
     const double k = 1 / std::max(own + told_compliance(setup_) + s, 0.1 * own);
     const double zeta = result_.damping_ratio.value, c = damper_of(zeta, k);
-    result_.damping_Ns_m = {c, std::hypot(damper_of(1, k) * result_.damping_ratio.std,
+    const double by_EA = result_.conditional || !std::isfinite(result_.EA_N.std)
+                             ? 0
+                             : 0.5 * k * own * result_.EA_N.std / result_.EA_N.value;
+    result_.damping_Ns_m = {c, std::hypot(damper_of(1, k) * result_.damping_ratio.std, c * by_EA,
                                           c * setup_.mass_kg.std / setup_.mass_kg.value)};
   }
 
