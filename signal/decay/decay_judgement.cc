@@ -173,13 +173,12 @@ class Judgement {
     }
     const std::size_t main = kept_.front();
     const DecayMode& mode = modes_[main];
-    if (driven()) {
+    if (const std::string why = driven(); !why.empty()) {
       return refuse("no_decay",
                     fmt::format("record a free decay (a tap, a release, a machine that is switched "
                                 "off) or name one by start and end: the oscillation at {:.4g} Hz "
-                                "does not die away by itself: its amplitude rises and falls at "
-                                "random",
-                                hz(main)));
+                                "does not die away by itself: {}",
+                                hz(main), why));
     }
     if (!std::isfinite(mode.damping_ratio.std) || mode.cycles < 1) {
       return refuse(
@@ -202,21 +201,30 @@ class Judgement {
     return false;
   }
 
-  /// Whether the strongest mode is what a random amplitude looks like to a fit: several modes
-  /// within a few lines or widths, of which noise of the residual's colour beside them may pass for
-  /// some.
-  [[nodiscard]] bool driven() const {
+  /// Why the strongest mode is no free decay; empty when it is one.
+  [[nodiscard]] std::string driven() const {
     const std::size_t main = kept_.front();
     const Complex strongest = fit_.poles[main];
+    const double amplitude = modes_[main].amplitude;
+    // What a random amplitude looks like to a fit: several modes within a few lines or widths.
     const auto near = [&](Complex pole) {
       const double width = std::max(-strongest.real(), std::abs(pole.real()));
       const double lines = 4 * kTwoPi / static_cast<double>(fit_.samples);
       return std::abs(pole.imag() - strongest.imag()) < std::max(lines, 3 * width);
     };
     const auto beside = [&](std::size_t m) { return m != main && near(fit_.poles[m]); };
-    return std::count_if(kept_.begin(), kept_.end(), beside) +
-               std::ranges::count_if(fit_.noise_like, near) >=
-           2;
+    if (std::any_of(growing_.begin(), growing_.end(), [&](std::size_t m) {
+          return beside(m) && modes_[m].amplitude * std::exp(-fall_[m]) > 0.2 * amplitude;
+        })) {
+      return "its amplitude grows again";
+    }
+    // Noise whose colour is that of the residual beside them passes for some of them.
+    if (std::count_if(kept_.begin(), kept_.end(), beside) +
+            std::ranges::count_if(fit_.noise_like, near) >=
+        2) {
+      return "its amplitude rises and falls at random";
+    }
+    return {};
   }
 
   /// Whether resonances touch: a third of a beat a time constant tells two modes from one that
