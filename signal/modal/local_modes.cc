@@ -46,6 +46,22 @@ bool may_be_one(const ModalBand& band, const PointPole& a, const PointPole& b, b
          std::max(a.pole.imag(), b.pole.imag()) < 1.5 * std::min(a.pole.imag(), b.pole.imag());
 }
 
+bool shows(const LocalMode& mode, Index point) {
+  return std::ranges::find(mode.points, point, &PointPole::point) != mode.points.end();
+}
+
+/// How many points show both modes.
+std::size_t in_common(const LocalMode& a, const LocalMode& b) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(b.points, [&](const PointPole& one) { return shows(a, one.point); }));
+}
+
+/// Whether enough of `count` points show a mode.
+bool shown_by_enough(const LocalMode& mode, std::size_t count) {
+  const double needed = std::max(2.0, std::ceil(kShareOfPoints * static_cast<double>(count)));
+  return static_cast<double>(mode.points.size()) >= (count < 2 ? 1 : needed);
+}
+
 void average(LocalMode& mode) {
   mode.decay = mean_of(mode.points, [](Complex pole) { return -pole.real(); });
   mode.frequency = mean_of(mode.points, [](Complex pole) { return pole.imag(); });
@@ -84,19 +100,13 @@ std::vector<LocalMode> check_groups(const ModalBand& band, const std::vector<Mat
 }
 
 void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMode>& modes) {
-  const auto shows = [](const LocalMode& mode, Index point) {
-    return std::any_of(mode.points.begin(), mode.points.end(),
-                       [&](const PointPole& one) { return one.point == point; });
-  };
   const auto linked = [&](const LocalMode& more, const LocalMode& fewer, bool drift) {
-    std::size_t both = 0;
     bool any = false;
     for (const PointPole& a : fewer.points) {
-      both += shows(more, a.point);
       any |= std::any_of(more.points.begin(), more.points.end(),
                          [&](const PointPole& b) { return may_be_one(band, a, b, drift); });
     }
-    return any && 4 * both <= fewer.points.size();
+    return any && 4 * in_common(more, fewer) <= fewer.points.size();
   };
   // Those that touch first, all of them: what lies between two that drift belongs to one of them.
   for (int drift = 0; drift <= (drifting ? 1 : 0);) {
@@ -133,11 +143,8 @@ std::vector<LocalMode> find_local_modes(const ModalBand& band, const std::vector
   const auto poles = Eigen::Map<const VectorXcd>(common.data(), std::ssize(common));
   std::vector<LocalMode> modes = check_groups(band, points, poles, options, kTwinMisfit);
   join_split_modes(band, true, modes);
-  const auto count = static_cast<double>(points.size());
-  const double needed = count < 2 ? 1 : std::max(2.0, std::ceil(kShareOfPoints * count));
-  std::erase_if(modes, [&](const LocalMode& mode) {
-    return static_cast<double>(mode.points.size()) < needed;
-  });
+  std::erase_if(modes,
+                [&](const LocalMode& mode) { return !shown_by_enough(mode, points.size()); });
   std::sort(modes.begin(), modes.end(),
             [](const auto& a, const auto& b) { return a.frequency.mean < b.frequency.mean; });
   return modes;
@@ -165,11 +172,24 @@ bool is_touched(const ModalBand& band, const VectorXcd& poles, Index r, double t
   return false;
 }
 
-bool has_twins(const ModalBand& band, const VectorXcd& poles) {
+bool has_twins(const ModalBand& band, const VectorXcd& poles,
+               const std::vector<LocalMode>& checked) {
   const Index inputs = band.lines.inputs, frfs = band.lines.H.cols();
-  if (std::min(inputs, frfs / inputs) > 1 || frfs < 2) return false;
+  if (frfs < 2) return false;
+  const bool several = std::min(inputs, frfs / inputs) > 1;
+  const std::size_t count = columns_of_points(band).size();
+  const auto few = [&](const LocalMode& mode) {
+    return !mode.points.empty() && !shown_by_enough(mode, count);
+  };
   for (Index r = 0; r < poles.size(); ++r) {
-    if (is_touched(band, poles, r, 0.5)) return true;
+    if (!several && is_touched(band, poles, r, 0.5)) return true;
+    const LocalMode& one = checked[static_cast<std::size_t>(r)];
+    for (Index q = 0; several && few(one) && q < r; ++q) {
+      const LocalMode& other = checked[static_cast<std::size_t>(q)];
+      if (few(other) && apart(poles[r], poles[q], band.window) < 2 && in_common(one, other) == 0) {
+        return true;
+      }
+    }
   }
   return false;
 }

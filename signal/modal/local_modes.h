@@ -55,9 +55,12 @@ void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMod
 [[nodiscard]] bool is_touched(const ModalBand& band, const Eigen::VectorXcd& poles, Eigen::Index r,
                               double times);
 
-/// Two poles whose frequencies lie within half their bandwidths: FRFs of one reference may not tell
-/// such a pair from one mode that varies between points.
-[[nodiscard]] bool has_twins(const ModalBand& band, const Eigen::VectorXcd& poles);
+/// Poles of a global fit that may be one mode that varies between points. FRFs of one reference may
+/// not tell it from two whose frequencies lie within half their bandwidths. Several references do;
+/// there it shows as poles whose resonances overlap, each at points of its own and at too few of
+/// them for a mode.
+[[nodiscard]] bool has_twins(const ModalBand& band, const Eigen::VectorXcd& poles,
+                             const std::vector<LocalMode>& checked);
 
 /// Whether the modes of a global fit are to be kept: of every mode the points agree on the pole
 /// (chance above 1e-4) or scatter about it by less than 5 % of its half bandwidth.

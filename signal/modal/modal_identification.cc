@@ -79,7 +79,7 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
     found.covariance = modal_covariance(band.lines, found.noise, found.fit);
     return search;
   };
-  if (holds && !has_twins(band, found.fit.poles)) return keep();
+  if (holds && !has_twins(band, found.fit.poles, search.points)) return keep();
   if (!found.exhausted && !solved) return search;
   std::vector<LocalMode> local =
       find_local_modes(band, local_candidates(band, clusters, found, noise, options), options);

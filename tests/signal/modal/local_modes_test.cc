@@ -39,6 +39,24 @@ TEST(LocalModes, AModeThatDriftsBetweenPointsIsOne) {
   }
 }
 
+// Six points a half-power bandwidth apart, two sensors: a common fit of a pole for each point
+// leaves noise alone.
+TEST(LocalModes, AModeThatDriftsBetweenPointsIsOneToTwoSensors) {
+  testing::DefectiveFrfOptions options = small_set();
+  options.drift = 5, options.points = 6, options.fixed = {0.37, 0.21};
+  options.spacing_hz = 0.02, options.noise = 5e-3;
+  for (options.seed = 1; options.seed <= 2; ++options.seed) {
+    const auto modes = identify_modes(testing::defective_frfs(options)).model.modes;
+    ASSERT_EQ(modes.size(), 2u) << options.seed;
+    for (Index r = 0; r < 2; ++r) {
+      const IdentifiedMode& mode = modes[static_cast<std::size_t>(r)];
+      EXPECT_EQ(mode.points.size(), 6u);
+      EXPECT_NEAR(mode.frequency_hz.value, options.frequency_hz[r], 1e-4 * mode.frequency_hz.value);
+      EXPECT_NEAR(mode.damping_ratio.value, 5e-4, 1e-5);
+    }
+  }
+}
+
 // Points that scatter by three half-power bandwidths leave gaps that no point fills.
 TEST(LocalModes, ModesThatScatterBetweenPointsAreOneEach) {
   testing::DefectiveFrfOptions options = small_set();
