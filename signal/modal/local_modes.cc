@@ -176,20 +176,28 @@ bool has_twins(const ModalBand& band, const VectorXcd& poles,
                const std::vector<LocalMode>& checked) {
   const Index inputs = band.lines.inputs, frfs = band.lines.H.cols();
   if (frfs < 2) return false;
-  const bool several = std::min(inputs, frfs / inputs) > 1;
-  const std::size_t count = columns_of_points(band).size();
-  const auto few = [&](const LocalMode& mode) {
-    return !mode.points.empty() && !shown_by_enough(mode, count);
-  };
-  for (Index r = 0; r < poles.size(); ++r) {
-    if (!several && is_touched(band, poles, r, 0.5)) return true;
-    const LocalMode& one = checked[static_cast<std::size_t>(r)];
-    for (Index q = 0; several && few(one) && q < r; ++q) {
-      const LocalMode& other = checked[static_cast<std::size_t>(q)];
-      if (few(other) && apart(poles[r], poles[q], band.window) < 2 && in_common(one, other) == 0) {
-        return true;
-      }
+  if (std::min(inputs, frfs / inputs) < 2) {
+    for (Index r = 0; r < poles.size(); ++r) {
+      if (is_touched(band, poles, r, 0.5)) return true;
     }
+    return false;
+  }
+  const std::size_t count = columns_of_points(band).size();
+  std::vector<LocalMode> few = checked;
+  std::erase_if(few, [&](const LocalMode& mode) {
+    return mode.points.empty() || shown_by_enough(mode, count);
+  });
+  std::ranges::sort(few, {}, [](const LocalMode& mode) { return mode.frequency.mean; });
+  const auto pole = [](const LocalMode& mode) {
+    return Complex(-mode.decay.mean, mode.frequency.mean);
+  };
+  LocalMode chain;
+  for (std::size_t k = 0; k < few.size(); ++k) {
+    const bool follows = k > 0 && apart(pole(few[k - 1]), pole(few[k]), band.window) < 2 &&
+                         in_common(chain, few[k]) == 0;
+    if (!follows) chain = {};
+    chain.points.insert(chain.points.end(), few[k].points.begin(), few[k].points.end());
+    if (follows && 2 * chain.points.size() >= count) return true;
   }
   return false;
 }
