@@ -57,8 +57,8 @@ void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMod
 
 /// Poles of a global fit that may be one mode that varies between points. FRFs of one reference may
 /// not tell it from two whose frequencies lie within half their bandwidths. Several references do;
-/// there it shows as poles whose resonances overlap, each at points of its own, too few of them for
-/// a mode, and at half of all points together.
+/// there it shows as poles whose resonances overlap, each at points of its own and too few of them
+/// for a mode. At half of all points together they are of the whole structure, at fewer of members.
 [[nodiscard]] bool has_twins(const ModalBand& band, const Eigen::VectorXcd& poles,
                              const std::vector<LocalMode>& checked);
 
