@@ -238,6 +238,22 @@ void Assembly::advance(const ChainState& state, const Eigen::VectorXd& increment
   }
 }
 
+Eigen::SparseMatrix<double, Eigen::RowMajor> Assembly::elongations(const ChainState& state) const {
+  const auto segments = static_cast<Eigen::Index>(chain_->segments.size());
+  Eigen::SparseMatrix<double, Eigen::RowMajor> result(segments, size());
+  result.reserve(Eigen::VectorXi::Constant(segments, 6));
+  for (Eigen::Index k = 0; k < segments; ++k) {
+    const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
+    const Eigen::Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
+    for (int axis = 0; axis < 3; ++axis) {
+      const int a = numbering_.displacement(axis, s.a), b = numbering_.displacement(axis, s.b);
+      if (a >= 0) result.insert(k, a) = -t[axis];
+      if (b >= 0) result.insert(k, b) = t[axis];
+    }
+  }
+  return result;
+}
+
 Eigen::VectorXd Assembly::row_of(const ChainPoint& point, const Eigen::Vector3d& direction) const {
   Eigen::VectorXd row = Eigen::VectorXd::Zero(size());
   for (int i = 0; i < point.count; ++i) {

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <vector>
 
 #include "model/algebra/envelope_matrix.h"
@@ -46,6 +47,9 @@ class Assembly {
   void advance(const ChainState& state, const Eigen::VectorXd& increment, double factor,
                ChainState& out) const;
 
+  /// Segments x unknowns: how fast each segment's length grows with the unknowns.
+  [[nodiscard]] Eigen::SparseMatrix<double, Eigen::RowMajor> elongations(
+      const ChainState& state) const;
   /// Gravity's forces, N.
   [[nodiscard]] Eigen::VectorXd weight() const;
   /// Elastic and gravity energy, J.

@@ -18,30 +18,28 @@ constexpr double kStability = 3.2;    // omega h at the highest frequency of the
 
 struct Dampers {
   Eigen::VectorXd lost;  // the share of each mode's velocity that an interval takes, negative
-  // What an interval adds to velocities is their product with one after the other. In single
-  // precision, which rounds what is lost and halves what is read from memory.
+  // Impulses that an interval gives to the unknowns and along the segments: the product of the
+  // velocities and the elongations' rates with one after the other. In single precision, which
+  // rounds what is lost and halves what is read from memory.
   std::vector<Eigen::MatrixXf> factors;
-  // Entries: one of each unknown, to read; all that change, and with which of these unknowns.
-  std::vector<int> read, changed, with;
+  std::vector<int> entries;  // of each unknown: one
 };
 // `number`: by entry its unknown's, counted from 1; 0: held. What no entry has turns a node,
 // without mass: its momentum is zero, whichever entry is read for it.
 Dampers dampers_of(const DampedModes& modes, double interval, const Eigen::VectorXd& number) {
   const auto& unknowns = modes.unknowns;
-  Dampers out{
-      (-interval * modes.rate).array().expm1(), {}, std::vector<int>(unknowns.size()), {}, {}};
+  Dampers out{(-interval * modes.rate).array().expm1(), {}, std::vector<int>(unknowns.size())};
   for (int entry = 0; entry < number.size(); ++entry) {
     const auto at = std::ranges::find(unknowns, static_cast<int>(number(entry)) - 1);
-    if (at == unknowns.end()) continue;
-    const auto row = at - unknowns.begin();
-    out.read[static_cast<std::size_t>(row)] = entry;
-    out.changed.push_back(entry), out.with.push_back(static_cast<int>(row));
+    if (at != unknowns.end()) out.entries[static_cast<std::size_t>(at - unknowns.begin())] = entry;
   }
-  const Eigen::MatrixXd to_modes = out.lost.asDiagonal() * modes.momentum.transpose();
+  Eigen::MatrixXd of_modes(modes.momentum.rows() + modes.axial.rows(), modes.rate.size());
+  of_modes << modes.momentum, modes.axial;
+  const Eigen::MatrixXd to_modes = out.lost.asDiagonal() * of_modes.transpose();
   if (2 * to_modes.rows() < to_modes.cols()) {
-    out.factors = {to_modes.cast<float>(), modes.shapes.cast<float>()};
+    out.factors = {to_modes.cast<float>(), of_modes.cast<float>()};
   } else {
-    out.factors = {(modes.shapes * to_modes).cast<float>()};
+    out.factors = {(of_modes * to_modes).cast<float>()};
   }
   return out;
 }
@@ -64,6 +62,8 @@ class ExplicitRun {
     v_ = problem.start_velocity.size() > 0 ? kernel_.entry_values(problem.start_velocity)
                                            : Eigen::VectorXd::Zero(kernel_.size());
     const Chain& chain = *problem.chain;
+    stretch_.setZero(std::ssize(chain.segments));
+    moving_.setZero(kernel_.size() + stretch_.size());
     for (std::size_t l = 0; l < chain.loads.size(); ++l) {
       load_rows_.push_back(kernel_.row(chain.loads[l], chain.load_direction[l]));
     }
@@ -100,6 +100,8 @@ class ExplicitRun {
     evaluate();
     for (long row = 0; row < rows; ++row) {
       const bool account = row % stride == 0 || row == rows - 1;
+      kernel_.stretch(v_.data(), stretch_);
+      moving_ << v_, stretch_;
       if (account || velocity_wanted_) processed_velocity();
       if (account) {
         const double kinetic = kernel_.slowed_product(vp_, vp_) / 2;
@@ -204,18 +206,23 @@ class ExplicitRun {
   // kinetic energy of processed velocities, (v' - v) P (v' + v) / 2 with
   // P = (1 + h^2/12 da/dq)' M (1 + h^2/12 da/dq).
   void damp() {
-    change_ = sum_ = v_;
+    kernel_.stretch(v_.data(), stretch_);
+    change_.setZero();
     for (const Dampers& dampers : dampers_) {
-      Eigen::VectorXf change = v_(dampers.read).template cast<float>();
+      const auto n = static_cast<Eigen::Index>(dampers.entries.size());
+      Eigen::VectorXf impulse(n + stretch_.size());
+      impulse << v_(dampers.entries).template cast<float>(), stretch_.template cast<float>();
       for (const Eigen::MatrixXf& factor : dampers.factors) {
         Eigen::VectorXf product = Eigen::VectorXf::Zero(factor.rows());
-        add_product(factor, change, product);
-        change.swap(product);
+        add_product(factor, impulse, product);
+        impulse.swap(product);
       }
-      v_(dampers.changed) += change(dampers.with).template cast<double>();
+      change_(dampers.entries) += impulse.head(n).template cast<double>();
+      kernel_.push(impulse.data() + n, change_.data());
     }
-    sum_ += v_;
-    change_ = v_ - change_;
+    kernel_.velocities(change_.data());
+    sum_ = 2 * v_ + change_;
+    v_ += change_;
     processed(change_);
     processed(sum_);
     dissipated_ -= kernel_.slowed_product(change_, sum_) / 2;
@@ -227,26 +234,33 @@ class ExplicitRun {
     kernel_.acceleration(scratch_.data(), external, other_.data());
     w -= h_ / 12 * (other_ - first_);
   }
-  // What the dampers add to a sensor's reading, as weights of the entries' velocities: their force
-  // an acceleration (`now`); to velocities, and so to that force, a part of the interval's loss
-  // between -1/2 just after they have acted and 1/2 just before (`part`).
+  // What the dampers add to a sensor's reading, as weights of the entries' velocities and then of
+  // the elongations' rates: their force an acceleration (`now`); to velocities, and so to that
+  // force, a part of the interval's loss between -1/2 just after they have acted and 1/2 just
+  // before (`part`).
   struct Drag {
     Eigen::VectorXd now, part;
   };
   Drag drag(std::size_t sensor) const {
     const int derivatives = described(problem_.quantities[sensor]).derivatives;
     const Eigen::VectorXd weights = kernel_.unknowns(sensor_rows_[sensor]);
-    Eigen::VectorXd now = Eigen::VectorXd::Zero(weights.size()), part = now;
+    Eigen::VectorXd now = Eigen::VectorXd::Zero(moving_.size()), part = now;
     for (std::size_t k = 0; derivatives > 0 && k < dampers_.size(); ++k) {
       const DampedModes& modes = problem_.damped_modes[k];
+      const auto add = [&](const Eigen::VectorXd& mode, Eigen::VectorXd& all) {
+        Eigen::VectorXd momentum = Eigen::VectorXd::Zero(weights.size());
+        momentum(modes.unknowns) = modes.momentum * mode;
+        all.head(kernel_.size()) += kernel_.covector(momentum);
+        all.tail(stretch_.size()) += modes.axial * mode;
+      };
       Eigen::VectorXd mode = modes.shapes.transpose() * weights(modes.unknowns);
       if (derivatives == 2) {
         mode = -mode.cwiseProduct(modes.rate);
-        now(modes.unknowns) = modes.momentum * mode;
+        add(mode, now);
       }
-      part(modes.unknowns) = modes.momentum * mode.cwiseProduct(dampers_[k].lost);
+      add(mode.cwiseProduct(dampers_[k].lost), part);
     }
-    return {kernel_.covector(now), kernel_.covector(part)};
+    return {now, part};
   }
 
   void sample(MotionOutput& out, long row) const {
@@ -264,7 +278,7 @@ class ExplicitRun {
         value = sensor.dot(ahead_ - rest_);
       } else {
         value = sensor.dot(q.derivatives == 1 ? vp_ : a_);
-        if (!dampers_.empty()) value += (drags_[s].now + since * drags_[s].part).dot(v_);
+        if (!dampers_.empty()) value += (drags_[s].now + since * drags_[s].part).dot(moving_);
       }
     }
   }
@@ -291,8 +305,9 @@ class ExplicitRun {
                               rate_ = take(), other_ = take(), scratch_ = take(), change_ = take(),
                               sum_ = take();
   std::vector<Eigen::VectorXd> load_rows_, sensor_rows_;
-  std::vector<Dampers> dampers_;  // by the problem's damped modes
-  std::vector<Drag> drags_;       // by sensor
+  Eigen::VectorXd stretch_, moving_;  // elongations' rates; behind all velocities, at a sample
+  std::vector<Dampers> dampers_;      // by the problem's damped modes
+  std::vector<Drag> drags_;           // by sensor
 };
 
 template <int D>

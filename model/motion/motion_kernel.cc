@@ -288,6 +288,38 @@ Eigen::VectorXd MotionKernel<D>::covector(const Eigen::VectorXd& weights) const 
 }
 
 template <int D>
+template <class Visit>
+void MotionKernel<D>::each_segment(const Visit& visit) const {
+  Eigen::Index segment = 0;
+  for (const MemberPlan& plan : members_) {
+    for (int i = 0; i < plan.segments; ++i, ++segment) {
+      for (int c = 0; c < D; ++c) {
+        const int from = plan.entry[at(i)];
+        visit(segment, c * entries_ + from, c * entries_ + plan.entry[at(i + 1)],
+              direction_[c][at(from)]);
+      }
+    }
+  }
+}
+
+template <int D>
+void MotionKernel<D>::stretch(const double* velocities, Eigen::VectorXd& rates) const {
+  rates.setZero();
+  each_segment([&](Eigen::Index segment, int from, int to, double direction) {
+    rates(segment) += direction * (velocities[to] - velocities[from]);
+  });
+}
+
+template <int D>
+void MotionKernel<D>::push(const float* thrusts, double* forces) const {
+  each_segment([&](Eigen::Index segment, int from, int to, double direction) {
+    const double force = direction * thrusts[segment];
+    forces[from] -= force;
+    forces[to] += force;
+  });
+}
+
+template <int D>
 double MotionKernel<D>::axial_force(int segment, const double* positions) const {
   const Segment& s = chain_->segments[at(segment)];
   const int first = entry_of_node_[at(s.a)], second = entry_of_node_[at(s.b)];

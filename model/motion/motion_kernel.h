@@ -77,6 +77,14 @@ class MotionKernel {
                                     const Eigen::Vector3d& direction) const {
     return covector(assembly_.row_of(point, direction));
   }
+  /// Rates of the segments' lengths, m/s, for velocities of the entries; in the directions that
+  /// the last acceleration was taken at.
+  void stretch(const double* velocities, Eigen::VectorXd& rates) const;
+  /// Adds thrusts that lengthen the segments (or impulses) to the entries' forces, in these
+  /// directions.
+  void push(const float* thrusts, double* forces) const;
+  /// Impulses of the entries become velocities.
+  void velocities(double* impulses) { mass_.solve(impulses); }
   /// Axial force of a segment, N.
   [[nodiscard]] double axial_force(int segment, const double* positions) const;
 
@@ -114,6 +122,8 @@ class MotionKernel {
   void tangents(const double* positions);
   [[nodiscard]] LaneScratch scratch(const MemberPlan& plan);
   void turn_nodes();
+  template <class Visit>
+  void each_segment(const Visit& visit) const;
 
   const Chain* chain_;
   Assembly assembly_;

@@ -1,7 +1,9 @@
 // A chain set in motion from a given state, and what came of it: shared by every integrator of the
 // geometrically exact equations
 //   M q'' + C(q) q' + D q' + dV/dq = sum of load rows x forces,
-// C from the joint dampers, D = sum over modes of M phi 2 zeta omega phi' M from modal ratios.
+// C from the joint dampers, D = sum over modes of p 2 zeta omega p' from modal ratios. At rest p =
+// M phi = K phi / omega^2; its part by the segments' elongations turns with them: bending shortens
+// a beam's chord, and in M phi that would be damped as an axial wave's motion.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +21,8 @@ namespace rigfit::model {
 struct DampedModes {
   std::vector<int> unknowns;  ///< those of the problem's motion that the modes move
   Eigen::MatrixXd shapes;     ///< these unknowns x modes, mass-normalised
-  Eigen::MatrixXd momentum;   ///< M times the shapes
+  Eigen::MatrixXd momentum;   ///< M times the shapes, without what the elongations give
+  Eigen::MatrixXd axial;      ///< segments x modes: axial stiffness times elongation over omega^2
   Eigen::VectorXd rate;       ///< 2 zeta omega, 1/s
 };
 

@@ -263,9 +263,13 @@ class StiffRun {
       assembly_.damping(state_, damping_);
       damping_.multiply(w_, drag_);
     }
+    const auto elongations = assembly_.elongations(state_);
     for (const DampedModes& modes : problem_.damped_modes) {
-      const Eigen::VectorXd velocity = modes.momentum.transpose() * w_(modes.unknowns);
-      drag_(modes.unknowns) += modes.momentum * modes.rate.cwiseProduct(velocity);
+      const Eigen::VectorXd force =
+          modes.rate.cwiseProduct(modes.momentum.transpose() * w_(modes.unknowns) +
+                                  modes.axial.transpose() * (elongations * w_));
+      drag_(modes.unknowns) += modes.momentum * force;
+      drag_ += elongations.transpose() * (modes.axial * force);
     }
     force_ += drag_;
     double power = 0;

@@ -57,6 +57,11 @@ std::vector<DampedModes> damped_modes(const ChainModes& modes, const LinearAnswe
   std::vector<DampedModes> out;
   EnvelopeMatrix mass = assembly.matrix();
   assembly.mass(mass);
+  const auto elongations = assembly.elongations(modes.equilibrium.state);
+  const auto& segments = modes.chain->segments;
+  Eigen::VectorXd stiffness(std::ssize(segments));
+  std::ranges::transform(segments, stiffness.begin(),
+                         [](const Segment& s) { return s.EA / s.length; });
   Eigen::Index first = 0;
   for (const MotionModes& motion : modes.motions) {
     const Eigen::Index count = motion.omega2.size();
@@ -73,10 +78,14 @@ std::vector<DampedModes> damped_modes(const ChainModes& modes, const LinearAnswe
     }
     damped.shapes.resize(static_cast<Eigen::Index>(damped.unknowns.size()), count);
     damped.momentum = damped.shapes;
+    damped.axial.resize(stiffness.size(), count);
     for (Eigen::Index i = 0; i < count; ++i) {
       const Eigen::VectorXd shape = to_problem(motion.shapes.col(i));
+      const Eigen::VectorXd axial = stiffness.cwiseProduct(elongations * shape) / motion.omega2(i);
+      const Eigen::VectorXd momentum = mass * shape - elongations.transpose() * axial;
       damped.shapes.col(i) = shape(damped.unknowns);
-      damped.momentum.col(i) = (mass * shape)(damped.unknowns);
+      damped.momentum.col(i) = momentum(damped.unknowns);
+      damped.axial.col(i) = axial;
     }
     damped.rate = 2 * answer.ratio(own).cwiseProduct(answer.omega(own));
     out.push_back(std::move(damped));

@@ -66,9 +66,8 @@ double damper_interval(const LinearAnswer& answer, const ModeWeights& weights, d
   const Eigen::VectorXd weight = weights.sensors.array() * seen;
   const Eigen::VectorXd rate2 = s.real().cwiseAbs2();
   const double sixteenth = 1 / (16 * std::max(upper_hz, 1e-3));
-  return std::min({sample_s, sixteenth,
-                   std::sqrt(2 * accuracy / std::max(weight.dot(rate2), 1e-12)),
-                   1 / std::max(s.real().lpNorm<Eigen::Infinity>(), 1e-6)});
+  return std::min(
+      {sample_s, sixteenth, std::sqrt(2 * accuracy / std::max(weight.dot(rate2), 1e-12))});
 }
 
 double truncated_part(const LinearAnswer& answer, const ModeWeights& weights, const Scene& scene) {

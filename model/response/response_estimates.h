@@ -33,9 +33,7 @@ struct StepErrors {
 /// Interval T at which modal dampers act in an explicit run: a sample (in a longer one the phase at
 /// which a hit comes would show), or a sixteenth of a period of `upper_hz`, below which 99 % of the
 /// motion's energy lies, or less: a mode's frequency errs by (zeta omega T)^2 / 6, relative, less
-/// than a third of `accuracy` by what sensors read up to half of the sampling rate. No mode's
-/// velocity falls by more than exp(-2) at once: axial modes follow what bending shortens, and ring
-/// where they are stopped (displacements of a beam struck erred by 4e-4, not 1e-5).
+/// than a third of `accuracy` by what sensors read up to half of the sampling rate.
 [[nodiscard]] double damper_interval(const LinearAnswer& answer, const ModeWeights& weights,
                                      double upper_hz, double sample_s, double accuracy);
 
