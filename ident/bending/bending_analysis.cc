@@ -67,7 +67,7 @@ class Analysis {
     if (Q_.dot((d_.array() - d_.mean()).matrix()) < 0) d_ = -d_;
     if (-Q_.minCoeff() > Q_.maxCoeff()) Q_ = -Q_, d_ = -d_;
 
-    zero_ = d_.minCoeff();
+    find_zero();
     runs_ = find_strokes(d_, std::max(0.2 * range_d_, 6 * deflection_noise_));
     find_clamp_slip();
     if (fit_strokes()) {
@@ -133,15 +133,29 @@ class Analysis {
   }
   BendingTestResult finish() { return std::move(result_); }
 
+  // The cable is straight where the load is nearest zero or, as a load cell has an offset, where
+  // the deflection begins: where its square from there shows more of the tension. Strokes may go
+  // both ways.
+  void find_zero() {
+    Eigen::Index unloaded = 0;
+    Q_.cwiseAbs().minCoeff(&unloaded);
+    const auto likeness = [&](double zero) {
+      const Eigen::ArrayXd square = (d_.array() - zero).square(), off = square - square.mean();
+      return (off * (P_.array() - mean_tension_)).sum() / off.matrix().norm();
+    };
+    zero_ = d_.minCoeff();
+    if (likeness(d_[unloaded]) > likeness(zero_)) zero_ = d_[unloaded];
+  }
+
   // While the cable is deflected its tension can only rise; what it loses for good slipped.
   void find_clamp_slip() {
     if (beam()) return;
     const double noise = sample_noise(P_);
     double worst = 0;
     for (const StrokeRange& run : runs_) {
-      if (run.direction < 0) continue;
       double highest = -std::numeric_limits<double>::infinity();
       for (Eigen::Index i = run.first + 2; i + 2 <= run.last; ++i) {
+        if (run.direction * (d_[i] - zero_) < 0) continue;  // unloaded
         const double local = signal::median({P_[i - 2], P_[i - 1], P_[i], P_[i + 1], P_[i + 2]});
         highest = std::max(highest, local);
         worst = std::max(worst, highest - local);
@@ -193,6 +207,9 @@ class Analysis {
     });
     const double slope = range_Q_ / range_d_;
     const double noise = std::hypot(load_noise_, deflection_noise_ * slope);
+    const double rounding =
+        averaged_ ? 0
+                  : std::hypot(read_step(Q_, false), read_step(d_, true) * slope) / std::sqrt(12.0);
     double EI = 0, before = -1;
     for (int pass = 0; pass < 8; ++pass) {
       const Eigen::VectorXd x = tension_corrected(EI);
@@ -222,7 +239,7 @@ class Analysis {
         straight_ = std::min(straight_, part.share);
         strokes.push_back(std::move(stroke));
       }
-      line_ = fit_table_line(strokes, averaged_);
+      line_ = fit_table_line(strokes, averaged_, rounding);
       if (!line_.usable) {
         refuse("no_slope",
                fmt::format("Add rows, or check the signs of load and deflection: {} rows give no "

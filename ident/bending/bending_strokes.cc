@@ -29,6 +29,26 @@ double sample_noise(const Eigen::VectorXd& x) {
   return robust > 0 ? robust : std::sqrt(squares / static_cast<double>(seconds.size()) / 6);
 }
 
+double read_step(const Eigen::VectorXd& values, bool read) {
+  // Euclid's algorithm, to what units round.
+  const double least = 1e-9 * values.cwiseAbs().maxCoeff();
+  double step = 0;
+  for (double rest : values) {
+    while (std::abs(rest) > least) step = std::exchange(rest, std::remainder(step, rest));
+  }
+  step = std::abs(step);
+  std::vector<double> changes;
+  for (Eigen::Index i = 1; i < values.size(); ++i) {
+    if (values[i] != values[i - 1]) changes.push_back(std::abs(values[i] - values[i - 1]));
+  }
+  if (signal::quantile(changes, 0.25) > 1.5 * step) return step;
+  double ten = std::pow(10, std::floor(std::log10(step) + 1e-6));
+  const double lead = step / ten;
+  if (!read || std::min({lead - 1, std::abs(lead - 2), std::abs(lead - 5)}) < 1e-6) return 0;
+  while (std::abs(std::remainder(step, ten)) > 1e-6 * step) ten /= 10;
+  return ten;
+}
+
 std::vector<Eigen::Index> find_spikes(const Eigen::VectorXd& x) {
   std::vector<Eigen::Index> spikes;
   const Eigen::Index n = x.size();

@@ -25,6 +25,12 @@ inline constexpr Eigen::Index kShortStroke = 40;
 /// hardly has; 0 under 20 samples.
 [[nodiscard]] double sample_noise(const Eigen::VectorXd& x);
 
+/// The step to which the values of a table were read: the largest number of which all are
+/// multiples. Values that change from row to row by no more than that (a quarter of them, or more)
+/// were set: 0. Where they were not, as `read` says, a dial was steady by chance: the largest power
+/// of ten of which they are multiples, unless they are round (1, 2 or 5 times it).
+[[nodiscard]] double read_step(const Eigen::VectorXd& values, bool read);
+
 /// The samples of a stroke, or `averaged` over as many that 40 remain, without those that lie eight
 /// robust standard deviations off the others of their average.
 [[nodiscard]] TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x,

@@ -29,24 +29,10 @@ struct Fit {
   Eigen::VectorXd residual, leverage;
 };
 
-/// The largest power of ten of which all values are multiples (to what units round), as they were
-/// written; 0: none.
-double written_step(const std::vector<TableStroke>& strokes, Eigen::VectorXd TableStroke::*which) {
-  for (double step = 1e3; step > 1e-11; step /= 10) {
-    if (std::ranges::all_of(strokes, [&](const TableStroke& stroke) {
-          const Eigen::ArrayXd steps = (stroke.*which).array() / step;
-          return (steps - steps.round()).abs().maxCoeff() <= 1e-9 * steps.abs().maxCoeff();
-        })) {
-      return step;
-    }
-  }
-  return 0;
-}
-
 class Table {
  public:
-  Table(const std::vector<TableStroke>& strokes, bool averaged)
-      : strokes_(strokes), averaged_(averaged) {
+  Table(const std::vector<TableStroke>& strokes, bool averaged, double rounding_N)
+      : strokes_(strokes), averaged_(averaged), rounding_(rounding_N) {
     double low = std::numeric_limits<double>::infinity(), high = -low, least = low, most = -low;
     for (const auto& stroke : strokes) {
       line_.used.push_back(stroke.used);
@@ -56,10 +42,6 @@ class Table {
       most = std::max(most, stroke.load_N.maxCoeff());
     }
     low_ = low, range_ = high - low, least_ = least, load_range_ = most - least;
-    // What was set is round; what was read is no finer than it was written.
-    rounding_ = std::min(written_step(strokes, &TableStroke::load_N),
-                         written_step(strokes, &TableStroke::x_m) * load_range_ / range_) /
-                std::sqrt(12.0);
   }
 
   TableLine run() {
@@ -134,7 +116,7 @@ class Table {
 
   /// Variance of the noise by a fit; hardly any numbers are good to more than six digits.
   [[nodiscard]] double variance(double squares, double freedom) const {
-    return freedom > 0 ? std::max(squares / freedom, rounding_ * rounding_) : 0;
+    return std::max(freedom > 0 ? squares / freedom : 0, rounding_ * rounding_);
   }
   [[nodiscard]] double tested(double squares, double freedom) const {
     return std::max(variance(squares, freedom), std::pow(1e-6 * load_range_, 2));
@@ -307,8 +289,9 @@ class Table {
 
 }  // namespace
 
-TableLine fit_table_line(const std::vector<TableStroke>& strokes, bool averaged) {
-  return strokes.empty() ? TableLine{} : Table(strokes, averaged).run();
+TableLine fit_table_line(const std::vector<TableStroke>& strokes, bool averaged,
+                         double rounding_N) {
+  return strokes.empty() ? TableLine{} : Table(strokes, averaged, rounding_N).run();
 }
 
 }  // namespace rigfit::ident

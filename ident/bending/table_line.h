@@ -49,7 +49,9 @@ struct TableLine {
   double curvature_half = 0;  ///< half-width of its 95 % interval; infinite: cannot be told
 };
 
-/// `averaged`: rows are averages of a record, whose ends are left out already.
-[[nodiscard]] TableLine fit_table_line(const std::vector<TableStroke>& strokes, bool averaged);
+/// `averaged`: rows are averages of a record, whose ends are left out already. `rounding_N`: std of
+/// a row by the steps to which it was read; the noise is no less.
+[[nodiscard]] TableLine fit_table_line(const std::vector<TableStroke>& strokes, bool averaged,
+                                       double rounding_N);
 
 }  // namespace rigfit::ident

@@ -1,6 +1,5 @@
 #include "ident/bending/bending_analysis.h"
 
-#include "ident/bending/table_line.h"
 #include "ident/virtual_rig/virtual_bench.h"
 #include "tests/coverage.h"
 #include "tests/test.h"
@@ -385,13 +384,36 @@ TEST(BendingTest, FrictionIsInTheIntervalOrRefused) {
   EXPECT_GE(held_or_refused, 36);  // as many of 40
 }
 
-// 0.7 mm at each 0.1 N: as straight as 0.1 mm lets one see.
-TEST(TableLine, ReadingsAreNoFinerThanTheyAreWritten) {
-  const TableStroke dial{.x_m = Eigen::VectorXd::LinSpaced(6, 0, 3.5e-3),
-                         .load_N = Eigen::VectorXd::LinSpaced(6, 0, 0.5),
-                         .used = std::vector<char>(6, 1)};
-  const TableLine line = fit_table_line({dial}, false);
-  EXPECT_NEAR(line.slope_std_N_m / line.slope_N_m, 1e-4 / 7e-4 / std::sqrt(12 * 17.5), 1e-9);
+// Six weights in grams on a dial: steady at 0.7 mm each by chance, as straight as 0.1 mm lets one
+// see; and in steps of 0.05 mm.
+TEST(BendingTest, ReadingsAreNoFinerThanTheyAreWritten) {
+  Eigen::VectorXd steady = Eigen::VectorXd::LinSpaced(6, 0, 350), dial = steady;
+  dial << 15, 85, 155, 225, 295, 365;
+  for (const auto& [hundredths, step] : {std::pair{steady, 10}, {dial, 5}}) {
+    const auto result =
+        analyse_bending_test({{}, 9.80665e-3 * 500 * steady / 70, 1e-5 * hundredths},
+                             {.span_m = {0.6, 0}, .ends = BeamEnds::pinned});
+    const double travel = hundredths[5] - hundredths[0];
+    EXPECT_NEAR(result.compliance_m_N.std / result.compliance_m_N.value,
+                step / (travel / 5) / std::sqrt(12 * 17.5), 1e-9);
+  }
+}
+
+// Deflected to both sides, the cable is unloaded from either end to the middle.
+TEST(BendingTest, StrokesToBothSidesGiveTheStiffness) {
+  BendingRecord record = exact_record(0.6, 25, 0.5, 3 / 1e-6);
+  const BendingRecord other = record;
+  record.tension_N.resize(200), record.load_N.resize(200), record.deflection_m.resize(200);
+  record.tension_N << other.tension_N, other.tension_N;
+  record.load_N << other.load_N, -other.load_N;
+  record.deflection_m << other.deflection_m, -other.deflection_m;
+  for (const double offset : {0.0, -0.5}) {  // of the load cell, with strokes to one side
+    const auto& some = offset == 0 ? record : other;
+    const auto result = analyse_bending_test(
+        {some.tension_N, some.load_N.array() + offset, some.deflection_m}, span_of(0.5));
+    ASSERT_TRUE(!result.refused && result.findings.empty()) << codes(result);
+    EXPECT_NEAR(result.stiffness.EI_Nm2.value, 0.6, 1e-6) << offset;
+  }
 }
 
 }  // namespace rigfit::ident::bending_analysis_test
