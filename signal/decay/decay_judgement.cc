@@ -145,7 +145,7 @@ class Judgement {
       // Hum, or known to change by less than a tenth over the record while others decay.
       if (is_tone(fit_.poles[m]) || (decays && std::abs(fall_[m]) + 2 * fall_std_[m] < 0.1)) {
         result_.steady_tones.push_back(modes_[m]);
-      } else if (band_.contains(fit_.poles[m])) {
+      } else if (band_.contains(fit_.poles[m]) && fit_.poles[m].imag() > fit_.drift_up_to) {
         const bool grows = fall_[m] < -0.05 && fall_[m] + 3 * fall_std_[m] < 0;
         (grows ? growing_ : kept_).push_back(m);
       }
@@ -257,6 +257,12 @@ class Judgement {
                       each.damped_frequency_hz.value));
     }
     say_whether_exponential(mode);
+    if (fit_.drift_up_to > 0) {
+      result_.note("slow_drift",
+                   fmt::format("Record for longer if modes up to {:.2g} Hz matter: what is there "
+                               "is no more than a drift, which was fitted with the modes",
+                               fit_.drift_up_to * rate_ / kTwoPi));
+    }
     for (const auto& tone : result_.steady_tones) {
       result_.note("steady_tone",
                    fmt::format("a steady tone at {:.6g} Hz (mains hum?) was fitted and kept out of "

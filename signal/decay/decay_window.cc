@@ -165,13 +165,12 @@ bool is_impact(const Eigen::Ref<const Eigen::VectorXd>& y, const Jump& place, In
   return jump > std::pow(kLeastShare * largest, 2) && jump > -std::log(kImpactChance) * variance;
 }
 
-/// Samples at which further impacts start, in time. `y`: NaN where missing; `w`: of the modes
-/// looked at, rad per sample, the strongest first.
-std::vector<Index> further_hits(const Eigen::Ref<const Eigen::VectorXd>& y,
+/// Samples at which impacts start, in time: `hits`, which are known, and further ones. `y`: NaN
+/// where missing; `w`: of the modes looked at, rad per sample, first the one that tells `hits`.
+std::vector<Index> with_further(std::vector<Index> hits, const Eigen::Ref<const Eigen::VectorXd>& y,
                                 const std::vector<double>& w) {
-  if (w.empty()) return {};
   const Index n = y.size(), cycle = averaging_cycle(w.front());
-  if (n < 8 * cycle) return {};
+  if (n < 8 * cycle) return hits;
   const Eigen::VectorXd x = without_trend(y);
   std::vector<Jump> found;
   for (const double each : w) {
@@ -182,7 +181,7 @@ std::vector<Index> further_hits(const Eigen::Ref<const Eigen::VectorXd>& y,
   // its own skirt.
   std::sort(found.begin(), found.end(),
             [](const Jump& l, const Jump& r) { return l.size > r.size; });
-  std::vector<Index> tested, hits;
+  std::vector<Index> tested = hits;
   const Index half_cycle = (cycle + 1) / 2;
   for (const Jump& jump : found) {
     if (std::any_of(tested.begin(), tested.end(),
@@ -233,7 +232,10 @@ Onset best_onset(const Eigen::VectorXd& y, double w) {
 // Whether what lies before an onset is small beside what follows: a beat that swells is not. Other
 // modes may shift the onset by a cycle, which is left out where there are three more before it.
 bool quiet_before(const Eigen::VectorXd& y, double w, Index start, Index cycle) {
-  const RunningAmplitude running(y, w);
+  // Less the line between half a cycle before and behind: a sway is straight for so long.
+  const Index half = cycle / 2, n = y.size() - 2 * half;
+  const RunningAmplitude running(y.segment(half, n) - 0.5 * (y.head(n) + y.tail(n)), w);
+  start = std::max<Index>(0, start - half);
   const double after = std::abs(running.over(start, start + cycle));
   const Index until = start < 4 * cycle ? start : start - cycle;
   for (Index j = 0; j + cycle <= until; j += cycle / 2) {
@@ -265,7 +267,7 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
   const auto y = samples.head(n);
   const Eigen::VectorXd x = without_trend(y);
   if (n < 16 || !(x.squaredNorm() > 0)) return {{0, n}};
-  auto candidates = search_decays(x, {.candidates = 64});
+  auto candidates = search_decays(x, {.lowest = band.low, .highest = band.high, .candidates = 64});
   std::erase_if(candidates, [&](const DecayCandidate& c) { return !band.contains(c.pole); });
   if (candidates.empty()) return {{0, n}};
   candidates.resize(std::min<std::size_t>(4, candidates.size()));
@@ -277,33 +279,32 @@ std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& sa
   double gain = 0, w = candidates.front().pole.imag();
   std::vector<double> strong;
   for (const auto& c : candidates) {
-    if (c.energy < 0.05 * candidates.front().energy) break;
     const double each = c.pole.imag();
-    strong.push_back(each);
+    const bool weak = c.energy < 0.05 * candidates.front().energy;
+    if (!weak) strong.push_back(each);
     const Onset best = best_onset(x, each);
     const double now = best.energy - best.from_first;
     const Index cycle = averaging_cycle(each);
     const bool late = now > detection_threshold(n, 1e-6) * c.noise_variance &&
                       now > 0.1 * best.energy && best.start > cycle && n - best.start > 3 * cycle;
     const std::pair found(late && quiet_before(x, each, best.start, cycle), now);
+    // Beside what is stronger, a tap: sway or hum goes on behind it, an earlier decay has gone.
+    if (weak && !(found.first && 2 * x.head(best.start).squaredNorm() < x.squaredNorm())) continue;
     if (found > std::pair(quiet, gain)) std::tie(quiet, gain) = found, onset = best.start, w = each;
   }
   const Index cycle = averaging_cycle(w);
-  std::iter_swap(strong.begin(), std::ranges::find(strong, w));
-  std::vector<Index> starts = further_hits(y, strong);
+  std::erase(strong, w);
+  strong.insert(strong.begin(), w);
+  std::vector<Index> starts = with_further(std::vector<Index>(quiet ? 1 : 0, onset), y, strong);
   // A record that was cut off at a rail and comes off it steps its amplitude too.
   const double high = y.maxCoeff<Eigen::PropagateNumbers>();
   const double low = y.minCoeff<Eigen::PropagateNumbers>();
   std::erase_if(starts, [&](Index start) {
+    if (quiet && start == onset) return false;
     const Index reach = std::min(start, 8 * cycle);
     const auto before = y.segment(start - reach, reach).array();
     return (before == high).count() > 1 || (before == low).count() > 1;
   });
-  if (quiet) {  // better placed than a jump is
-    std::erase_if(starts, [&](Index start) { return std::abs(start - onset) < 4 * cycle; });
-    starts.push_back(onset);
-  }
-  std::sort(starts.begin(), starts.end());
   // A decay that the record begins with.
   const RunningAmplitude running(x, w);
   if (starts.empty() ||

@@ -256,7 +256,7 @@ void take_times(const TimeAxis& axis, const Eigen::VectorXd& time_s, const std::
   }
   if (is_uneven) recording.time_s = time_s;
   if (!is_known && time_s.size() > 1) {
-    add_note(notes, "time_axis", name, "Give the sample rate: the times do not rise");
+    add_note(notes, "time_axis", name, "Sort the rows, or give the rate: the times do not rise");
   }
 }
 

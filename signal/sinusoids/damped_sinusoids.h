@@ -55,6 +55,8 @@ struct DampedSinusoidsFit {
   StepsEnd end = StepsEnd::iteration_limit;  ///< rank-deficient: no covariance
   /// Poles that find_decay_modes() took out again, since noise passes for them.
   std::vector<std::complex<double>> noise_like = {};
+  /// Modes up to here, radians per sample, are no more than a drift that does not oscillate.
+  double drift_up_to = 0;
 
   /// Mode m alone at every sample.
   [[nodiscard]] Eigen::VectorXd mode_signal(std::size_t m) const;

@@ -19,9 +19,37 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 constexpr Index kFewDegrees = 200;
 
+// Radians up to which a record holds no more numbers, 2 a cycle, than so many modes and a line.
+double few_cycles(std::size_t modes) { return kTwoPi * (2 * static_cast<double>(modes) + 1); }
+
+bool is_damped(Complex pole) { return !is_tone(pole) && !is_offset(pole); }
+
 std::size_t modes_of(const DampedSinusoidsFit& fit) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      fit.poles, [](Complex pole) { return !is_tone(pole) && !is_offset(pole); }));
+  return static_cast<std::size_t>(std::ranges::count_if(fit.poles, is_damped));
+}
+
+// An arc is no oscillation: a polynomial with as many coefficients as the modes up to a frequency
+// must leave twice what they do, or half of what they explain, or, where there is one, so much more
+// that noise would not show it.
+bool oscillate(const DecaySamples& samples, const DampedSinusoidsFit& fit, double up_to) {
+  const Index n = fit.samples;
+  Index count = 2;
+  Eigen::VectorXd values = fit.residual;
+  for (std::size_t m = 0; m < fit.poles.size(); ++m) {
+    if (!is_damped(fit.poles[m]) || fit.poles[m].imag() > up_to) continue;
+    values += fit.mode_signal(m), count += 4;
+  }
+  Eigen::MatrixXd polynomials = Eigen::MatrixXd::Ones(n, count);
+  const Eigen::VectorXd t = polynomials.col(1) = Eigen::VectorXd::LinSpaced(n, -1, 1);
+  for (Index k = 2; k < count; ++k) {  // Chebyshev's
+    polynomials.col(k) = 2 * t.cwiseProduct(polynomials.col(k - 1)) - polynomials.col(k - 2);
+  }
+  for (const Index j : samples.missing) polynomials.row(j).setZero(), values(j) = 0;
+  const double left = fit.residual_sum_squares;
+  const double more = least_sum_squares(polynomials, values) - left;
+  const double explained = least_sum_squares(polynomials.leftCols(2), values) - left;
+  const double noise = detection_threshold(n) * left / static_cast<double>(fit.degrees);
+  return more > left || more > 0.5 * explained || (count == 6 && more > noise);
 }
 
 class DecayModeSearch {
@@ -76,7 +104,10 @@ class DecayModeSearch {
       if (damping_ratio_of(more.poles[m]) > 0.15 && a_std > 0.2 * std::abs(more.poles[m].real()))
         return false;
     }
-    return first ? oscillates(more) : told_apart(fit, more, noise_variance);
+    if (!first) return told_apart(fit, more, noise_variance);
+    const Complex p = more.poles.back();
+    const double lasts = std::min(static_cast<double>(n_), 3 / std::max(-p.real(), 1e-300));
+    return p.imag() * lasts > few_cycles(1) || oscillate(samples_, more, p.imag());
   }
 
   // Modes that beat for less than 0.4 beats while both last are not told apart; under one and a
@@ -121,23 +152,6 @@ class DecayModeSearch {
     return gsl_cdf_fdist_Q(ratio, 4, degrees) * cells < kFalseAlarm;
   }
 
-  // An arc is no oscillation: where few cycles are seen, the fit must leave less than half of what
-  // a polynomial with as many coefficients leaves, or less by so much that noise would not show it.
-  bool oscillates(const DampedSinusoidsFit& fit) const {
-    const Complex p = fit.poles.back();
-    const double lasts =
-        p.real() < 0 ? std::min(static_cast<double>(n_), 3 / -p.real()) : static_cast<double>(n_);
-    if (p.imag() / kTwoPi * lasts > 3) return true;
-    Eigen::MatrixXd polynomials = Eigen::MatrixXd::Ones(n_, 6);
-    const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(n_, -1, 1);
-    for (int k = 1; k < 6; ++k) polynomials.col(k) = polynomials.col(k - 1).cwiseProduct(t);
-    for (Index j : samples_.missing) polynomials.row(j).setZero();
-    const double left = fit.residual_sum_squares;
-    const double polynomial = least_sum_squares(polynomials, samples_.values);
-    return left < 0.5 * polynomial ||
-           polynomial - left > threshold() * left / static_cast<double>(fit.degrees);
-  }
-
   const DecaySamples& samples_;
   Index n_;
 };
@@ -152,7 +166,7 @@ std::optional<std::size_t> passing_for_noise(const DampedSinusoidsFit& fit) {
   std::optional<std::size_t> weakest;
   double least = 1;
   for (std::size_t m = 0; m < fit.poles.size(); ++m) {
-    if (is_tone(fit.poles[m]) || is_offset(fit.poles[m])) continue;
+    if (!is_damped(fit.poles[m])) continue;
     const double widening = uneven.widening_of_mode(m);
     const double variance = widening * noise.white_equivalent(fit.poles[m].imag() / kTwoPi);
     const double evidence = mode_energy(fit, m) / std::max(needed * variance, 1e-300);
@@ -185,7 +199,7 @@ DecaySamples decay_samples(const Eigen::Ref<const Eigen::VectorXd>& y, Index sta
 
 bool DecayBand::contains(Complex pole) const {
   const double f = std::abs(pole) / kTwoPi;
-  return !is_tone(pole) && !is_offset(pole) && (all || (f >= low && f <= high));
+  return is_damped(pole) && (all || (f >= low && f <= high));
 }
 
 double damping_ratio_of(Complex pole) { return -pole.real() / std::abs(pole); }
@@ -230,6 +244,15 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
     fewer->noise_like.push_back(fit->poles[*m]);
     fit = std::move(fewer);
   }
+  std::vector<double> w;
+  for (const Complex p : fit->poles) {
+    if (is_damped(p)) w.push_back(p.imag());
+  }
+  std::ranges::sort(w);
+  const auto n = static_cast<double>(fit->samples);
+  std::size_t slow = 0;
+  while (slow < w.size() && w[slow] * n < few_cycles(slow + 1)) ++slow;
+  if (slow > 0 && !oscillate(samples, *fit, w[slow - 1])) fit->drift_up_to = w[slow - 1];
   return fit;
 }
 
@@ -253,7 +276,8 @@ std::size_t strongest_mode(const DampedSinusoidsFit& fit, const DecayBand& band)
   std::size_t best = 0;
   double most = -1;
   for (std::size_t m = 0; m < fit.poles.size(); ++m) {
-    const double energy = band.contains(fit.poles[m]) ? mode_energy(fit, m) : 0;
+    const bool mode = band.contains(fit.poles[m]) && fit.poles[m].imag() > fit.drift_up_to;
+    const double energy = mode ? mode_energy(fit, m) : 0;
     if (energy > most) most = energy, best = m;
   }
   return best;

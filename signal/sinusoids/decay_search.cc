@@ -138,10 +138,12 @@ std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd
   std::ranges::sort(peaks, std::greater(), &DecayCandidate::energy);
   for (auto& c : peaks) {
     if (static_cast<int>(distinct.size()) >= options.candidates) break;
-    // Distinct: further apart than the lines' own widths.
+    // Distinct: further apart than the lines' own widths, and more than the skirt there, whose
+    // energy falls with the square of the distance.
     const bool same = std::ranges::any_of(distinct, [&](const DecayCandidate& d) {
       const double width = kTwoPi / n - 0.5 * (c.pole.real() + d.pole.real());
-      return std::abs(c.pole.imag() - d.pole.imag()) < 1.5 * width;
+      const double apart = std::abs(c.pole.imag() - d.pole.imag());
+      return apart < 1.5 * width * std::sqrt(d.energy / c.energy);
     });
     if (same) continue;
     c.noise_variance = noise_near(undamped, c.pole);

@@ -91,6 +91,12 @@ std::vector<ModeOfDecay> possible_modes(const AxialInputs& inputs,
       all.push_back({k, m, std::log(rod.cable_N_m * d.length_m), mode.energy / energy});
     }
   }
+  // Where the damping of some is known, what does not die away is hum.
+  const auto steady = [&](const ModeOfDecay& one) {
+    const auto& damping = decays[one.decay].result.modes[one.mode].damping_ratio;
+    return !(damping.value > 2 * damping.std);
+  };
+  if (!std::ranges::all_of(all, steady)) std::erase_if(all, steady);
   return all;
 }
 

@@ -174,7 +174,7 @@ DecayTest run_decay_test(const TestRecording& recorded, const DecayTestOptions& 
   if (from >= to || std::isnan(options.start_s.value_or(0)) ||
       std::isnan(options.end_s.value_or(0))) {
     throw std::invalid_argument(
-        fmt::format("nothing between start and end: the record lasts from {} s to {} s",
+        fmt::format("give a start and a later end in the record, which lasts from {} s to {} s",
                     recording.start_time_s, recording.start_time_s + recording.duration_s()));
   }
   auto names = options.channels;

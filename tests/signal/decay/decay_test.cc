@@ -329,15 +329,41 @@ TEST(DecayStart, MovesBehindABlowBesideHum) {
   }
 }
 
+// Six cycles behind the tap of 12.3 Hz, the amplitude's jump there has its skirt.
 TEST(Decay, HumThatSoundsBeforeATapIsNoDecayOfItsOwn) {
-  for (unsigned seed = 1; seed <= 5; ++seed) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
     std::mt19937_64 random(seed);
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(3000);
-    add_decay(y, {45, 0.01}, 1000, 0, 500);
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(6000);
+    add_decay(y, seed % 2 ? Mode{45, 0.01} : Mode{12.3, 0.02}, 1000, 0, 1000);
     add_decay(y, {50, 0, 0.15}, 1000, seed);
     add_noise(y, 0.007, random);
     EXPECT_EQ(estimate_decay(y, 1000).decays.size(), 1u) << seed;
   }
+}
+
+// A sway of 3 and hum of 2 times the mode go on through the tap, which they hide by their energy.
+TEST(Decay, StartsAtATapBesideStrongerMotion) {
+  for (const Mode& stronger : {Mode{0.31, 0.05, 3}, Mode{50, 0, 2}}) {
+    std::mt19937_64 random(7);
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(6000);
+    add_decay(y, {12.3, 0.005}, 1000, 0.3, 500);
+    add_decay(y, stronger, 1000, 1);
+    add_noise(y, 0.007, random);
+    const auto result = estimate_decay(y, 1000);
+    EXPECT_GE(result.start, 500) << stronger.f;
+    ASSERT_FALSE(result.modes.empty()) << result.refusal;
+    expect_mode(result.modes.back(), 12.3, 0.005);
+  }
+}
+
+// A bump of a second: four modes between 0.2 and 0.8 Hz follow it, as a polynomial does.
+TEST(Decay, ASmoothDriftBesideAModeIsNoMode) {
+  Eigen::VectorXd y = decays(3, {{12.3, 0.005}}, 500, 4000, 0.007);
+  for (Index j = 0; j < 4000; ++j) y(j) += 0.3 * std::exp(-std::pow((j - 2000.0) / 400, 2));
+  const auto result = estimate_decay(y, 500);
+  ASSERT_EQ(result.modes.size(), 1U) << result.refusal;
+  expect_mode(result.modes.front(), 12.3, 0.005);
+  EXPECT_TRUE(says(result.notes, "slow_drift"));
 }
 
 TEST(Decay, ASmoothStepIsRefused) {

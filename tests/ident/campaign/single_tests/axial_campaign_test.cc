@@ -34,6 +34,17 @@ TEST(AxialCampaign, ACompliantRigIsToldFromItsLengths) {
   EXPECT_FALSE(r.conditional);
 }
 
+TEST(AxialCampaign, HumWithoutATapIsLeftOut) {
+  auto inputs = inputs_of({}, {0.7, 1.0, 1.3}, 5);
+  auto random = random_stream(5, 2);
+  const reference::AxialRig still{.length_m = 1.3, .hum_N = 20, .tap_N_s = 0};
+  inputs.recordings.push_back({"hum", reference::axial_rig_record(still, random), 1.3});
+  const auto result = axial_campaign(inputs);
+  ASSERT_TRUE(result.test);
+  EXPECT_LT(result.test->EA_low_N, still.EA_N);
+  EXPECT_GT(result.test->EA_high_N, still.EA_N);
+}
+
 TEST(AxialCampaign, OneLengthIsMarked) {
   reference::AxialRig rig;
   auto inputs = inputs_of(rig, {1.0}, 4);
