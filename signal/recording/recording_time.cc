@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -72,8 +73,23 @@ double round_rate(double rate_hz, double tolerance) {
 }
 
 namespace {
-// Rates known worse may be near several round ones.
+// Of worse known rates 100 times the interval would hold several of one digit.
 constexpr double kRounded = 3e-4;
+
+/// The least step (`side` 1) or the largest (-1) of a line that leaves all times within one digit,
+/// from a step beyond it. What a line leaves has a range that is convex in its step: Newton's
+/// method comes from outside. Where no line does, the least comes out above the largest.
+double outermost_step(const Eigen::ArrayXd& t, const Eigen::ArrayXd& place, double digit,
+                      double side, double step) {
+  for (;;) {
+    const Eigen::ArrayXd left = t - step * place;
+    Eigen::Index top = 0, low = 0;
+    const double beyond = left.maxCoeff(&top) - left.minCoeff(&low) - digit;
+    const double run = place[top] - place[low];
+    if (!(beyond > 1e-3 * digit && side * run > 0)) return step;
+    step += beyond / run;
+  }
+}
 
 /// Whether stamps of whole digits that resolve about one step show rows that are lost or doubled:
 /// they get ahead of the rows or fall behind, not for one row only (jitter). Where they do so many
@@ -152,40 +168,47 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double print
   }
   if (!(step > 0) || !std::isfinite(1 / step)) return axis;
 
-  const double span = std::max(1.0, static_cast<double>(n - 1));
-  // The step is known to about one printed digit over the whole record, and exactly where it is a
-  // whole number of them throughout.
+  const double span_s = std::max(1.0, static_cast<double>(n - 1)) * step;
+  // A step that is a whole number of printed digits throughout is exact.
   const double whole = resolution > 0 ? std::round(step / resolution) * resolution : 0;
   const bool exact = axis.uniform && whole > 0 &&
                      (t - t_mean - whole * place).abs().maxCoeff() <= 1e-3 * resolution;
-  if (exact) step = whole;
-  // Where samples share a stamp their rounding is spread evenly and averages: three deviations.
-  const double share = resolution > step ? 3 / std::sqrt(span) : 1;
-  const double tolerance = (exact ? 0 : share * resolution / (span * step)) + 1e-9;
+  double half = exact ? 0 : resolution / span_s;  // of the interval it is in, relative
+  if (exact) {
+    step = whole;
+  } else if (axis.uniform && !slips && half > 1e-9) {
+    const Eigen::ArrayXd since = t - t_mean;
+    const double beyond = (4 * resolution + 0.02 * step) * step / span_s;
+    const double least = outermost_step(since, place, resolution, 1, step - beyond);
+    const double most = outermost_step(since, place, resolution, -1, step + beyond);
+    if (least <= most) {
+      step = (least + most) / 2;
+      half = (most - least) / 2 / step;
+    } else {  // Jitter: sqrt(3) deviations of the line's slope, of samples with own stamps.
+      const double own = std::min(static_cast<double>(count), span_s / resolution);
+      half = 6 * std::sqrt((since - step * place).square().mean() / own) / span_s;
+    }
+  }
+  half += 1e-9;
   axis.rate_hz = 1 / step;
   axis.start_s = time_s[0];
-  if (stated_rate_hz > 0) {
-    // "Agrees": not further off than the clock errors of ordinary loggers (100 ppm) and printing.
-    axis.agrees_with_stated =
-        std::abs(axis.rate_hz / stated_rate_hz - 1) <= std::max(tolerance, 1e-4);
-    if (std::abs(axis.rate_hz / stated_rate_hz - 1) <= tolerance) axis.rate_hz = stated_rate_hz;
-  }
-  if (axis.rate_hz != stated_rate_hz && tolerance < kRounded) {
-    axis.rate_hz = round_rate(axis.rate_hz, tolerance);
-  } else if (axis.rate_hz != stated_rate_hz) {
-    axis.rate_relative_std = tolerance / std::sqrt(12.0);
+  const auto off = [&](double rate) { return std::abs(axis.rate_hz / rate - 1); };
+  // "Agrees": not further off than the clock errors of ordinary loggers (100 ppm) and printing.
+  axis.agrees_with_stated = !(stated_rate_hz > 0) || off(stated_rate_hz) <= std::max(half, 1e-4);
+  // The roundest rate of an interval 100 times as wide is in this one by chance once in 100 times.
+  const double round = half < kRounded ? round_rate(axis.rate_hz, 100 * half) : 0;
+  const double usual = off(stated_rate_hz) <= half ? stated_rate_hz : round;
+  if (off(usual) <= half) {
+    axis.rate_hz = usual;
+  } else if (half > 2e-9) {
+    axis.rate_relative_std = half / std::sqrt(3.0);
   }
   if (axis.uniform && !std::isfinite(axis.start_s)) axis.start_s = t_mean - step * k_mean;
   const Eigen::ArrayXd departure = t - t_mean - (axis.uniform ? 1 / axis.rate_hz : step) * place;
   axis.jitter_s = std::sqrt((departure - departure.mean()).square().mean());
   // Times near the largest double: sums over them are no numbers, nor is a rate from them.
-  if (!std::isfinite(axis.jitter_s) || !std::isfinite(axis.start_s) ||
-      !std::isfinite(axis.rate_hz)) {
-    TimeAxis none;
-    none.missing = axis.missing;
-    return none;
-  }
-  return axis;
+  const bool is_finite = std::isfinite(axis.jitter_s + axis.start_s + axis.rate_hz);
+  return is_finite ? axis : TimeAxis{.missing = axis.missing};
 }
 
 RateOfStep rate_of_step(double step_s, double half_digit) {
@@ -201,16 +224,15 @@ RateOfStep rate_of_step(double step_s, double half_digit) {
     return result;
   }
   result.relative_std = tolerance / std::sqrt(3.0);
-  std::vector<double> usual;
   const double power = std::exp2(std::round(std::log2(result.rate_hz)));
   const double decade = std::pow(10.0, std::floor(std::log10(result.rate_hz)) - 1);
   // Powers of two, those times 25 (51200 Hz and its parts), and rates of two digits.
   const double times25 = 25 * std::exp2(std::round(std::log2(result.rate_hz / 25)));
+  std::set<double> usual;
   for (const double rate : {power, times25, std::round(result.rate_hz / decade) * decade}) {
-    if (std::abs(1 / rate - step_s) > half_digit * (1 + 1e-9)) continue;
-    if (std::find(usual.begin(), usual.end(), rate) == usual.end()) usual.push_back(rate);
+    if (std::abs(1 / rate - step_s) <= half_digit * (1 + 1e-9)) usual.insert(rate);
   }
-  if (usual.size() == 1) result.rate_hz = usual.front();
+  if (usual.size() == 1) result.rate_hz = *usual.begin();
   return result;
 }
 

@@ -44,7 +44,7 @@ void shorten(std::vector<Note>& notes);
 
 struct TimeAxis {
   double rate_hz = 0;            ///< 0: not to be had (fewer than two times, or they do not rise)
-  double rate_relative_std = 0;  ///< rounding of the printed times; 0: an exact or a round rate
+  double rate_relative_std = 0;  ///< rounding of the printed times; 0: an exact or a usual rate
   double start_s = 0;
   double jitter_s = 0;  ///< rms departure from uniform sampling
   bool uniform = false;
@@ -61,13 +61,13 @@ struct TimeAxis {
 
 /// The sample rate that a column of times shows, and how far the column departs from it.
 ///
-/// t_k = start + k / rate, by least squares over all samples: the rounding of printed times
-/// averages out, where the median of their differences would keep it. Departures that printing
-/// explains (half of the last digit) and those below a hundredth of a step leave the sampling
-/// uniform; a row that is lost or doubled where one digit is about a step counts as a gap or as
-/// repeated all the same. `stated_rate_hz`: by a header; taken when the times agree with it; 0:
-/// none. A step that is a whole number of printed digits throughout is exact; else the roundest
-/// rate is taken where the times leave 3e-4 at most.
+/// t_k = start + k / rate: of printed times the middle of the steps whose line leaves all times
+/// within one digit, with half of their range over sqrt(3) as std; of others least squares.
+/// Departures that printing explains (half of the last digit) and those below a hundredth of a step
+/// leave the sampling uniform; a row that is lost or doubled where one digit is about a step counts
+/// as a gap or as repeated all the same. `stated_rate_hz`: by a header; taken when the times agree
+/// with it; 0: none. A step that is a whole number of printed digits throughout is exact; so is a
+/// rate far rounder than chance explains, where the times leave 3e-4 at most.
 [[nodiscard]] TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
                                  double printed_resolution_s = 0, double stated_rate_hz = 0);
 

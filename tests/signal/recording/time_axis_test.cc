@@ -15,8 +15,9 @@ Eigen::VectorXd times(Index n, double rate, double resolution) {
 }
 
 TEST(TimeAxis, RoundedTimesGiveTheExactRate) {
-  // 51.2 kHz printed to microseconds, to 10 us (half a step), 100 Hz printed to seconds.
-  for (const auto& [rate, resolution] : {std::pair{51200.0, 1e-6}, {51200.0, 1e-5}, {100.0, 1.0}}) {
+  // 51.2 kHz printed to microseconds, to 10 us (half a step), 100 and 1000 Hz printed to seconds.
+  for (const auto& [rate, resolution] :
+       {std::pair{51200.0, 1e-6}, {51200.0, 1e-5}, {100.0, 1.0}, {1000.0, 1.0}}) {
     const TimeAxis axis = time_axis(times(20000, rate, resolution), resolution);
     EXPECT_EQ(axis.rate_hz, rate) << resolution;
     EXPECT_TRUE(axis.uniform) << resolution;
@@ -32,6 +33,15 @@ TEST(TimeAxis, FewTimesAreNotRounded) {
   const TimeAxis axis = time_axis(times(24, 4096, 1e-4), 1e-4);
   EXPECT_NEAR(axis.rate_hz, 4096, 3 * axis.rate_relative_std * 4096);
   EXPECT_GT(axis.rate_relative_std, 1e-3);
+}
+
+// Printed digits leave an interval: its ends are sqrt(3) standard deviations off.
+TEST(TimeAxis, RatesThatAreNotUsualAreKnownToWhatWasPrinted) {
+  for (const double rate : {400 / 3.0, 512 / 3.0, 2000 / 3.0, 100.3156, 104.37, 96.1234}) {
+    const TimeAxis axis = time_axis(times(700, rate, 1e-3), 1e-3);
+    EXPECT_LE(std::abs(axis.rate_hz / rate - 1), 1.74 * axis.rate_relative_std) << rate;
+    EXPECT_LT(axis.rate_relative_std, 1e-3 / (700 / rate));
+  }
 }
 
 TEST(TimeAxis, StatedRateIsCheckedAndTakenWhenTimesCannotTell) {
