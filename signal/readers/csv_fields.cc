@@ -174,11 +174,17 @@ bool parse_clock(std::string_view field, double& seconds, int& decimals) {
       for (++at; is_digit(sign()); ++at, ++decimals, unit /= 10) fraction += unit * (sign() - '0');
     }
   }
+  while (sign() == ' ') ++at;
   const std::string rest = lower_case(trim_blanks(field.substr(at)));
   if (const bool after_noon = rest == "pm"; after_noon || rest == "am") {
     hours = hours % 12 + (after_noon ? 12 : 0);
   } else if (!rest.empty() && field[at] != 'Z') {
-    return false;
+    // "+02:00", "-0530", "+02" behind a date: hours, minutes off UTC.
+    const double side = rest[0] == '-' ? 1 : -1;
+    const int zone = behind("+-", 2),
+              part = sign() == ':' ? behind(":", 2) : digits_at(field, at, 2);
+    if (day_seconds == 0 || zone < 0 || at < field.size()) return false;
+    day_seconds += side * (3600.0 * zone + 60.0 * std::max(part, 0));
   }
   seconds = day_seconds + 3600.0 * hours + 60.0 * minutes + whole + fraction;
   return true;

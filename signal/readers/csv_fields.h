@@ -57,7 +57,8 @@ struct CsvRow {
 [[nodiscard]] bool is_missing_word(std::string_view field);
 
 /// Seconds since midnight, or since 1970-01-01 where there is a date (ISO "2026-04-09", also with
-/// '/' and '.', or day first); `decimals`: digits behind the seconds. False when it is no time.
+/// '/' and '.', or day first; in UTC where it has a zone); `decimals`: digits behind the seconds.
+/// False when it is no time.
 [[nodiscard]] bool parse_clock(std::string_view field, double& seconds, int& decimals);
 
 /// Characters of the number that `text` begins with; 0: it begins with none. `decimal` is '.' or

@@ -16,6 +16,8 @@
 namespace rigfit::signal {
 namespace {
 
+constexpr double kDay = 86400;  // s
+
 bool is_index_name(const std::string& name) {
   static constexpr std::string_view kWords =
       "|sample|samples|index|no|no.|nr|nr.|s/no|#|n|scan|point|row|record|sample no|sample no.|"
@@ -146,6 +148,12 @@ void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table
   if (is_clock) {
     const double start = column.samples[0];
     if (std::isfinite(start)) column.samples.array() -= start;
+    // Without a date a clock falls at midnight.
+    for (Eigen::Index k = column.samples.size() - 1; start < kDay && k > 0; --k) {
+      if (!(column.samples[k] - column.samples[k - 1] < -kDay / 2)) continue;
+      column.samples.tail(column.samples.size() - k).array() += kDay;
+      add_note(recording.notes, "read_as", column.name, "time without a date: goes on at midnight");
+    }
   } else if (options.time_unit_s > 0) {
     unit_s = options.time_unit_s / column.si_per_source;
     if (unit_s != 1 && !column.source_unit.empty()) {

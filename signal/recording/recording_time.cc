@@ -26,9 +26,11 @@ void take_stated_rate(double rate_hz, Recording& recording) {
   }
   if (!(rate_hz > 0)) return;
   recording.sample_rate_relative_std = 0;
-  if (of_file > 0 && std::abs(of_file / rate_hz - 1) > 1e-4) {
+  const bool is_uneven = recording.time_s.size() > 0;
+  if (is_uneven || (of_file > 0 && std::abs(of_file / rate_hz - 1) > 1e-4)) {
     add_note(recording.notes, "read_as", "",
-             "the file gives {:.9g} Hz; {:.9g} Hz is taken as asked", of_file, rate_hz);
+             "the file gives {}{:.9g} Hz; {:.9g} Hz is taken as asked",
+             is_uneven ? "uneven times, which are left out, and " : "", of_file, rate_hz);
     recording.time_s.resize(0);
   }
 }

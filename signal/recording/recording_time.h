@@ -22,8 +22,8 @@ void add_note(std::vector<Note>& notes, std::string code, std::string where,
 }
 
 /// Takes the sample rate that somebody states, as exact, in place of what the file gives; 0: none
-/// is stated. Notes "read_as" where the file's differs by more than 1e-4, relative: then
-/// its times no longer hold either and go. Notes "no_sample_rate" where there is none.
+/// is stated. Uneven times go. Notes "read_as" where there are any, or where the file's rate
+/// differs by more than 1e-4, relative. Notes "no_sample_rate" where there is none.
 void take_stated_rate(double rate_hz, Recording& recording);
 
 /// The unit of a channel as its file writes it: SI symbol, factor, offset and quantity. One that is

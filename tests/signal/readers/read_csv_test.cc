@@ -148,6 +148,20 @@ TEST(ReadCsv, ARateGivenByHandOverridesTheFilesAndSaysSo) {
   EXPECT_TRUE(says(recording.notes, "read_as"));
   EXPECT_THAT(codes(read("t (s),a\n0,1\n0.05,2\n0.1,3\n", options).notes),
               Not(Contains("read_as")));
+  const auto repeated = read("t (s),a\n0,1\n0.05,2\n0.05,3\n0.15,4\n0.2,5\n", options);
+  EXPECT_EQ(repeated.time_s.size(), 0);
+  EXPECT_TRUE(says(repeated.notes, "read_as") && says(repeated.notes, "time_axis"));
+}
+
+TEST(ReadCsv, ClocksGoOnOverMidnightAndInUtc) {
+  for (const std::string day : {"", "2026-03-29T"}) {
+    const std::string next = day.empty() ? "" : "2026-03-30T", zone = day.empty() ? "" : "+02:00";
+    const auto r =
+        read("Time,a (N)\n" + day + "23:59:59.50" + zone + ",1\n" + day + "23:59:59.75" + zone +
+             ",2\n" + next + "00:00:00.00" + zone + ",3\n" + next + "00:00:00.25" + zone + ",4\n");
+    EXPECT_EQ(r.sample_rate_hz, 4);
+    EXPECT_EQ(says(r.notes, "read_as"), day.empty());
+  }
 }
 
 TEST(ReadCsv, WideTablesAndRowsOfNothingLeaveTheTimesTheirDigits) {
