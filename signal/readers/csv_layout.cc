@@ -157,6 +157,27 @@ void refuse_decimal_commas(const std::vector<Row>& rows,
                        "the TOML file beside it), or write semicolons between columns");
 }
 
+/// Refuses a table by commas in quotes that all stand before three digits: decimals or thousands.
+void refuse_thousands(const std::vector<Row>& rows, long line, const std::string& file) {
+  std::string_view seen;
+  for (const auto& row : rows) {
+    for (std::size_t c = 0; c < row.fields.size(); ++c) {
+      const auto text = row.fields[c].text;
+      const std::size_t comma = text.find(','), sign = text.find_first_not_of("+-");
+      if (comma == text.npos || row.kind(c) != FieldKind::number) continue;
+      // No thousands begin with a zero or have four digits in front.
+      if (text.size() != comma + 4 || comma - sign > 3 || text[sign] == '0') return;
+      seen = text;
+    }
+  }
+  if (seen.empty()) return;
+  throw RecordingError(
+      {file, line, 0, "", std::string(seen)},
+      "the commas in quotes may part thousands or be decimal signs",
+      "say --decimal comma (key decimal of the TOML file beside it) where they are "
+      "decimal signs; else export without signs between thousands");
+}
+
 /// Whether a line is one of numbers, as the columns hold them.
 bool is_csv_row(std::string_view line, const CsvLayout& layout) {
   const Row row(line, layout.dialect);
@@ -254,6 +275,9 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
   if (layout.dialect.separator == ',' && layout.dialect.decimal == '.' && options.decimal == 0 &&
       options.separator == 0) {
     refuse_decimal_commas(rows, header, file, layout.dialect);
+  }
+  if (layout.dialect.separator == ',' && layout.dialect.decimal == ',' && options.decimal == 0) {
+    refuse_thousands(rows, layout.body_line, file);
   }
   find_csv_decimals(bytes, layout);
   for (const auto& line : header) {

@@ -29,6 +29,13 @@ TEST(DecimalCommas, WhatCanBeReadInTwoWaysIsAskedAbout) {
   EXPECT_EQ(read("1,-5\n4,7\n3,2\n").channels.size(), 2u);
 }
 
+TEST(DecimalCommas, InQuotesBeforeThreeDigitsAreAskedAbout) {
+  const std::string text = "\"load (N)\",\"travel (um)\"\n\"0\",\"0\"\n\"20,938\",\"30,121\"\n";
+  EXPECT_THAT(error_of([&] { return read(text); }).remedy(), HasSubstr("--decimal comma"));
+  EXPECT_EQ(read(text, {.decimal = ','}).channels[0].samples[1], 20.938);
+  EXPECT_EQ(read(text + "\"0,500\",\"0,100\"\n").channels[0].samples[1], 20.938);
+}
+
 TEST(Titles, ThatHoldBlanksStayWithTheirColumns) {
   // Parted by tabs, by wide gaps, with units in brackets: the table itself by blanks.
   for (const std::string title :
