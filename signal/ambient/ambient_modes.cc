@@ -54,9 +54,7 @@ class AmbientAnalysis {
  public:
   AmbientAnalysis(const Recording& recording, const AmbientOptions& options,
                   const std::vector<Index>& channels, AmbientResult& result)
-      : options_(options), signals_(recording, channels), result_(result) {
-    duration_ = static_cast<double>(signals_.samples()) / signals_.rate_hz();
-  }
+      : options_(options), signals_(recording, channels, result.low_hz), result_(result) {}
 
   void run(std::vector<Index> references);
 
@@ -72,7 +70,6 @@ class AmbientAnalysis {
   const AmbientOptions& options_;
   AmbientSignals signals_;
   AmbientResult& result_;
-  double duration_ = 0;
   std::optional<LagSpectrum> spectrum_;
   MatrixXcd pairs_;  ///< half spectra of all pairs: lines x channels^2
   VectorXcd poles_;
@@ -239,7 +236,7 @@ void AmbientAnalysis::fit_pass(const GroupOptions& options) {
 void AmbientAnalysis::judge() {
   const VectorXd& unit = signals_.scale();
   const Index G = poles_without_.cols();
-  const double length = duration_ * signals_.present();
+  const double length = result_.duration_s * signals_.present();
   for (Index i = 0; i < size(); ++i) {
     AmbientMode found;
     IdentifiedMode& mode = found.mode;
@@ -337,8 +334,6 @@ void AmbientAnalysis::judge() {
 
 void AmbientAnalysis::run(std::vector<Index> references) {
   const double rate = signals_.rate_hz();
-  result_.duration_s = duration_;
-  result_.low_hz = options_.low_hz > 0 ? options_.low_hz : 100 / duration_;
   result_.high_hz = options_.high_hz > 0 ? std::min(options_.high_hz, rate / 2) : 0.4 * rate;
   result_.tones = signals_.take_out_tones(result_.low_hz, result_.high_hz);
   AmbientCandidates found = find_candidates(signals_, options_, result_, std::move(references));
@@ -384,6 +379,8 @@ void AmbientAnalysis::run(std::vector<Index> references) {
 
 AmbientResult ambient_modes(const Recording& recording, const AmbientOptions& options) {
   AmbientResult result;
+  result.duration_s = static_cast<double>(recording.samples()) / recording.sample_rate_hz;
+  result.low_hz = options.low_hz > 0 ? options.low_hz : 100 / result.duration_s;
   std::vector<Index> channels, references;
   for (const auto& name : options.channels) channels.push_back(recording.channel_index(name));
   if (channels.empty()) {

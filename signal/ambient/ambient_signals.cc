@@ -84,7 +84,8 @@ std::vector<Line> outstanding(const AmbientSignals& signals, RealFft& fft, Index
 
 }  // namespace
 
-AmbientSignals::AmbientSignals(const Recording& recording, const std::vector<Index>& channels)
+AmbientSignals::AmbientSignals(const Recording& recording, const std::vector<Index>& channels,
+                               double low_hz)
     : samples_(recording.samples()), rate_hz_(recording.sample_rate_hz) {
   const std::string file = recording.path.string();
   if (!(rate_hz_ > 0) || recording.time_s.size() > 0) {
@@ -109,17 +110,43 @@ AmbientSignals::AmbientSignals(const Recording& recording, const std::vector<Ind
     throw RecordingError({file}, "at less than half of the times all channels have a sample",
                          "leave out the channels that miss samples");
   }
-  mean_ = VectorXd::Zero(this->channels());
   scale_ = VectorXd::Ones(this->channels());
+  find_drift(low_hz);
   VectorXd samples(samples_);
   for (Index c = 0; c < this->channels(); ++c) {
     read(c, 0, samples);
-    mean_[c] = samples.sum() / count;
-    read(c, 0, samples);
     scale_[c] = samples.norm() / std::sqrt(count);
-    if (!(scale_[c] > 1e-12 * std::abs(mean_[c]))) {
+    if (!(scale_[c] > 1e-12 * drift_.col(c).cwiseAbs().maxCoeff())) {
       const auto& name = recording.channels[static_cast<std::size_t>(channels[c])].name;
       throw RecordingError({file, 0, 0, name}, "the channel is constant", "leave it out");
+    }
+  }
+}
+
+void AmbientSignals::find_drift(double low_hz) {
+  const double half = 3 / low_hz * rate_hz_;
+  const auto reach = static_cast<Index>(std::min(half, static_cast<double>(samples_)));
+  const auto far = static_cast<double>(reach);
+  const VectorXd t = VectorXd::LinSpaced(2 * reach + 1, -far, far);
+  const VectorXd window = (t.array() * (kTwoPi / 4 / half)).cos().square().square();
+  knot_apart_ = std::max<Index>(reach / 16, 1);
+  drift_ = MatrixXd::Zero((samples_ - 1) / knot_apart_ + 4, channels());
+  for (Index i = 0; i < drift_.rows(); ++i) {
+    const Index begin = (i - 1) * knot_apart_ - reach, first = std::max<Index>(begin, 0);
+    const Index count = std::min(begin + 2 * reach + 1, samples_) - first;
+    if (count < 1) continue;
+    VectorXd w = window.segment(first - begin, count);
+    blank(first, w);
+    const double sum = w.sum(), mean = w.dot(t.segment(first - begin, count)) / sum;
+    if (!(sum > 0)) continue;
+    const VectorXd off = t.segment(first - begin, count).array() - mean;
+    const double spread = w.dot(off.cwiseAbs2());
+    // One sample alone has no slope.
+    if (spread > 1e-6 * sum) w.array() *= 1 - off.array() * (mean * sum / spread);
+    for (Index c = 0; c < channels(); ++c) {
+      VectorXd samples = x_[static_cast<std::size_t>(c)]->segment(first, count);
+      blank(first, samples);
+      drift_(i, c) = w.dot(samples) / sum;
     }
   }
 }
@@ -138,7 +165,17 @@ void AmbientSignals::read(Index channel, Index first, Eigen::Ref<VectorXd> sampl
   const VectorXd& x = *x_[static_cast<std::size_t>(channel)];
   const Index a = std::clamp<Index>(-first, 0, samples.size());
   const Index b = std::clamp<Index>(samples_ - first, a, samples.size());
-  samples.segment(a, b - a) = x.segment(first + a, b - a).array() - mean_[channel];
+  const auto apart = static_cast<double>(knot_apart_);
+  for (Index at = first + a; at < first + b;) {
+    const Index knot = at / knot_apart_, end = std::min((knot + 1) * knot_apart_, first + b);
+    const Eigen::Vector4d p = drift_.col(channel).segment(knot, 4);
+    const double c1 = (p[2] - p[0]) / 2, c3 = (p[3] - p[0]) / 2 + 1.5 * (p[1] - p[2]);
+    const double c2 = p[2] - p[1] - c1 - c3;
+    for (; at < end; ++at) {
+      const double u = static_cast<double>(at - knot * knot_apart_) / apart;
+      samples[at - first] = x[at] - (p[1] + u * (c1 + u * (c2 + u * c3)));
+    }
+  }
   samples.segment(a, b - a) /= scale_[channel];
   for (const auto& [omega, amplitude] : tones_) {
     const auto begins =

@@ -1,6 +1,10 @@
-// The channels of a recording of ambient motion, read in blocks: less their means and the tones
-// taken out, over their standard deviations, 0 where any channel misses a sample. Nothing is
+// The channels of a recording of ambient motion, read in blocks: less their drift and the tones
+// taken out, over their standard deviations, 0 where any channel misses a sample. No samples are
 // copied: a day of many channels is held once, by the recording, which has to outlive this.
+//
+// The drift is the value in the middle of straight lines fitted to 6 / low_hz s under Hann's window
+// squared, which pass nothing from low_hz / 2 on (-47 dB). It is held at a sixteenth of half the
+// window, and cubic between (Catmull and Rom).
 //
 // Steady sinusoids (hum, machines) are found, fitted and taken out.
 //
@@ -25,9 +29,10 @@ namespace rigfit::signal {
 
 class AmbientSignals {
  public:
-  /// Throws RecordingError when there is no constant sample rate, or a channel is constant or
-  /// misses more than half of its samples.
-  AmbientSignals(const Recording& recording, const std::vector<Eigen::Index>& channels);
+  /// `low_hz`: where the band begins. Throws RecordingError when there is no constant sample rate,
+  /// or a channel is constant or misses more than half of its samples.
+  AmbientSignals(const Recording& recording, const std::vector<Eigen::Index>& channels,
+                 double low_hz);
 
   [[nodiscard]] Eigen::Index samples() const { return samples_; }
   [[nodiscard]] Eigen::Index channels() const { return static_cast<Eigen::Index>(x_.size()); }
@@ -50,11 +55,14 @@ class AmbientSignals {
 
  private:
   void blank(Eigen::Index first, Eigen::Ref<Eigen::VectorXd> samples) const;
+  void find_drift(double low_hz);
 
   std::vector<const Eigen::VectorXd*> x_;
   Eigen::Index samples_ = 0;
   double rate_hz_ = 0, present_ = 1;
-  Eigen::VectorXd mean_, scale_;
+  Eigen::VectorXd scale_;
+  Eigen::MatrixXd drift_;        ///< knots x channels, from one knot before the first sample
+  Eigen::Index knot_apart_ = 1;  ///< samples
   std::vector<std::pair<Eigen::Index, Eigen::Index>> gaps_;  ///< first, end
   std::vector<std::pair<double, Eigen::VectorXcd>> tones_;   ///< omega, amplitudes
 };

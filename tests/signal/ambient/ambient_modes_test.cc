@@ -108,6 +108,18 @@ TEST(AmbientModes, ToneWithinAModesBandwidth) {
   expect_chain(sure(result), held_f, held_zeta);
 }
 
+TEST(AmbientModes, DriftBelowTheBandIsTakenOut) {
+  Recording recording = chain(6);
+  for (Index c = 0; c < 5; ++c) {
+    auto& x = recording.channels[c].samples;
+    const double size = 20 * x.norm() / std::sqrt(double(x.size()));
+    for (Index k = 0; k < x.size(); ++k)
+      x[k] += size * std::sin(kTwoPi * 3 * double(k) / double(x.size()) + double(c));
+  }
+  int held_f = 0, held_zeta = 0;
+  expect_chain(sure(ambient_modes(recording, band(0.3, 8))), held_f, held_zeta);
+}
+
 TEST(AmbientModes, MissingSamplesAreMissingProducts) {
   Recording recording = chain(5);
   for (Index k = 0; k < recording.samples(); ++k)
