@@ -21,13 +21,14 @@ struct ResampledChannel {
   std::string name, unit;
   double error_rms = 0;
 
-  static constexpr std::string_view title = "largest error";
+  static constexpr std::string_view title = "largest error, but at the two ends";
   static constexpr auto fields() {
     using T = ResampledChannel;
     using describe::field;
     return std::tuple{field("name", &T::name, "", "channel", ""),
                       field("unit", &T::unit, "", "unit", ""),
-                      field("error_rms", &T::error_rms, "", "rms", "at most, in its unit", 2)};
+                      field("error_rms", &T::error_rms, "", "rms",
+                            "at most, in its unit, but at the record's two ends", 2)};
   }
 };
 
@@ -36,7 +37,7 @@ struct ResampleResult {
   double from_hz = 0;   ///< rate before; for uneven times from the median step
   /// Each with its rms error. For the spline each sample is compared with the spline
   /// through the others: an upper bound, since these are twice as far apart. For the filter it is
-  /// 1e-4 of the channel's rms.
+  /// 1e-4 of the channel's rms, except within the filter's half length of the two ends.
   std::vector<ResampledChannel> channels;
 
   [[nodiscard]] double sample_rate_hz() const { return recording.sample_rate_hz; }

@@ -99,8 +99,8 @@ std::string plain(std::string_view text) {
   }
   for (const char* power : {"**", "^"}) replace_all(s, power, "");
   for (const char* power : {"-1", "-2"}) replace_all(s, "(" + std::string(power) + ")", power);
-  // Metre per second squared, though "ms" alone is a millisecond.
-  return s == "ms-2" ? "m/s2" : s == "ms-1" ? "m/s" : s;
+  // Metre per second squared, though "ms" alone is a millisecond. Exports drop the minus as well.
+  return s == "ms-2" || s == "ms2" ? "m/s2" : s == "ms-1" ? "m/s" : s;
 }
 
 struct Product {

@@ -276,9 +276,9 @@ std::string csv_text(const Recording& recording,
   const auto out = std::back_inserter(text);
   const bool own_time = recording.time_s.size() == recording.samples();
   for (Eigen::Index i = 0; i < recording.samples(); ++i) {
-    // Times of uniform sampling are written such that the rate can be read back from them.
+    // The rate can be read back from times that count from 1970 as well.
     fmt::format_to(
-        out, "{:.12g}",
+        out, "{:.15g}",
         own_time && recording.time_s.size() > 0
             ? recording.time_s[i]
             : recording.start_time_s + static_cast<double>(i) / recording.sample_rate_hz);

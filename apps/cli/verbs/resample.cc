@@ -16,15 +16,14 @@ struct ResampleCommand {
 
 Json run(ResampleCommand& command, VerbContext& context) {
   const signal::Recording recording = load_recording(command.file, context);
-  const std::size_t known = recording.notes.size();
   signal::ResampleResult result = signal::resampled(recording, command.rate_hz);
-  for (std::size_t k = known; k < result.recording.notes.size(); ++k) {
-    context.out << result.recording.notes[k].message << '\n';
-  }
   Json json = describe::json_of(result);
   if (context.at_hand) {
     context.at_hand->resampled = std::make_shared<signal::Recording>(result.recording);
   }
+  result.recording.notes.erase(result.recording.notes.begin(),
+                               result.recording.notes.begin() + std::ssize(recording.notes));
+  tell_notes(result.recording, context);  // without those told when it was read
   describe::print(context.out, describe::sheet_of(result));
   // Nine digits: rounding stays below the filter's error.
   const auto csv = [&] { return signal::csv_text(result.recording, {}, 9); };
