@@ -207,9 +207,8 @@ class Analysis {
     });
     const double slope = range_Q_ / range_d_;
     const double noise = std::hypot(load_noise_, deflection_noise_ * slope);
-    const double rounding =
-        averaged_ ? 0
-                  : std::hypot(read_step(Q_, false), read_step(d_, true) * slope) / std::sqrt(12.0);
+    const double step =
+        averaged_ ? 0 : std::hypot(read_step(Q_, false), read_step(d_, true) * slope);
     double EI = 0, before = -1;
     for (int pass = 0; pass < 8; ++pass) {
       const Eigen::VectorXd x = tension_corrected(EI);
@@ -239,7 +238,7 @@ class Analysis {
         straight_ = std::min(straight_, part.share);
         strokes.push_back(std::move(stroke));
       }
-      line_ = fit_table_line(strokes, averaged_, rounding);
+      line_ = fit_table_line(strokes, averaged_, step / std::sqrt(12.0));
       if (!line_.usable) {
         refuse("no_slope",
                fmt::format("Add rows, or check the signs of load and deflection: {} rows give no "

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "signal/estimation/groups.h"
 #include "signal/estimation/robust.h"
@@ -33,15 +32,15 @@ class Table {
  public:
   Table(const std::vector<TableStroke>& strokes, bool averaged, double rounding_N)
       : strokes_(strokes), averaged_(averaged), rounding_(rounding_N) {
-    double low = std::numeric_limits<double>::infinity(), high = -low, least = low, most = -low;
+    double high = -INFINITY, most = -INFINITY;
     for (const auto& stroke : strokes) {
       line_.used.push_back(stroke.used);
       both_ways_ = both_ways_ || stroke.loading != strokes.front().loading;
-      low = std::min(low, stroke.x_m.minCoeff()), high = std::max(high, stroke.x_m.maxCoeff());
-      least = std::min(least, stroke.load_N.minCoeff());
+      low_ = std::min(low_, stroke.x_m.minCoeff()), high = std::max(high, stroke.x_m.maxCoeff());
+      least_ = std::min(least_, stroke.load_N.minCoeff());
       most = std::max(most, stroke.load_N.maxCoeff());
     }
-    low_ = low, range_ = high - low, least_ = least, load_range_ = most - least;
+    range_ = high - low_, load_range_ = most - least_;
   }
 
   TableLine run() {
@@ -283,7 +282,7 @@ class Table {
 
   const std::vector<TableStroke>& strokes_;
   bool averaged_ = false, both_ways_ = false;
-  double low_ = 0, range_ = 0, least_ = 0, load_range_ = 0, rounding_ = 0;
+  double low_ = INFINITY, range_ = 0, least_ = INFINITY, load_range_ = 0, rounding_ = 0;
   TableLine line_;
 };
 
