@@ -82,7 +82,11 @@ UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateAns
   }
   for (int pass = 0; pass < kPasses && options.segment_uncertainty; ++pass) {
     UpdateProblem resolved = problem.with_resolved_modes(answer.q);
-    if (!resolved.variant().segment_errors || !move_to(resolved, problem, answer)) break;
+    if (!resolved.variant().segment_errors) break;
+    // Where no minimum is found, as in a flat valley, the segments' error is no misfit either.
+    double cost = 0;
+    answer.converged = minimise(resolved, matches, answer.q, cost) && answer.converged;
+    problem = std::move(resolved);
   }
   UpdateFit fit = misfit_of(problem, matches, answer.q);
   if (!(fit.p_value < kUnlikelyMisfit) || (problem.has_frfs() && !fit.stated)) return fit;

@@ -64,6 +64,26 @@ TEST(UpdateSegments, ClosedFormFrequenciesGiveTheirOwnParameters) {
   EXPECT_LT(left.rms_relative_error, 1e-6);
 }
 
+// Along the valley of tension, EI and springs the error of the segments is taken off all the same.
+TEST(UpdateSegments, AFlatValleyIsNoMisfit) {
+  auto scene = cable(0, "springs", 195, 0.62, 60);
+  for (auto& node : scene.nodes) {
+    node.support.kind = model::Support::Kind::elastic;
+    node.support.translational.setConstant(kInf);
+    node.support.rotational = {kInf, 3, 3};
+  }
+  std::mt19937_64 random(1);
+  const auto modes = testing::modes_of(scene, ModePlane::out, 8, 2e-4, &random);
+  for (auto& node : scene.nodes) node.support.rotational = {kInf, 5, 5};
+  scene.members[0].segments = 0;
+  const auto result =
+      update_model({{"cable", scene, modes}},
+                   {{"cable.EI"},
+                    {"cable.tension"},
+                    {.name = "springs", .targets = {"left.rotational_y", "right.rotational_y"}}});
+  EXPECT_GT(result.fit.p_value, 0.01);
+}
+
 TEST(UpdateSegments, IntervalsHoldTheClosedFormsParameters) {
   constexpr int kSeeds = 12;
   int covered = 0;
