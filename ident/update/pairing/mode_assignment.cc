@@ -44,11 +44,18 @@ bool other_plane(const std::optional<model::ModePlane>& test, const PairingMode&
   return planes_differ(test, mode.plane);
 }
 
-// How the test sees each modelled mode.
+// How the test sees each modelled mode; `log_missed`: of the peak that it is part of, 0 outside of
+// the band.
 struct Sight {
-  std::vector<double> probability, log_missed;  // log_missed: 0 outside of the band
-  std::vector<char> inside;
+  std::vector<double> probability, log_missed;
 };
+
+// A test that does not tell the planes apart sees modes that agree in both as one.
+bool one_peak(const std::optional<model::ModePlane>& test, const PairingMode& a,
+              const PairingMode& b) {
+  return &a == &b ||
+         (!test && std::abs(a.frequency_hz - b.frequency_hz) < kOnePeak * b.frequency_hz);
+}
 
 Sight sight_of(const std::optional<model::ModePlane>& plane, std::pair<double, double> band,
                const std::vector<PairingMode>& modelled, double relative_std,
@@ -78,7 +85,13 @@ Sight sight_of(const std::optional<model::ModePlane>& plane, std::pair<double, d
     if (low > 0) within *= 0.5 * std::erfc(-std::log(f / low) / soft / std::sqrt(2.0));
     sight.probability.push_back(seen);
     sight.log_missed.push_back(within * std::log(1 - seen));
-    sight.inside.push_back(within > 0.5);
+  }
+  const std::vector<double> own = sight.log_missed;
+  for (std::size_t j = 0; j < modelled.size(); ++j) {  // a peak as that mode which shows it best
+    for (std::size_t k = 0; k < modelled.size(); ++k) {
+      if (own[k] < sight.log_missed[j] && one_peak(plane, modelled[k], modelled[j]))
+        sight.log_missed[j] = own[k];
+    }
   }
   return sight;
 }
@@ -172,7 +185,6 @@ ModeAssignment assign_test(const std::vector<int>& test, const std::pair<double,
       cost(r, c) = std::min(0.0, -gain);
     }
   }
-  std::vector<char> taken(modelled.size(), 0);
   const auto chosen = least_cost_assignment(cost);
   for (Eigen::Index r = 0; r < rows; ++r) {
     const int i = test[static_cast<std::size_t>(r)];
@@ -183,25 +195,20 @@ ModeAssignment assign_test(const std::vector<int>& test, const std::pair<double,
       continue;
     }
     const auto j = static_cast<std::size_t>(c);
-    taken[j] = 1;
     const double density = log_mac_density(macs(r, c), options.mac_scale);
     result.log_detected += log_true + std::log(sight.probability[j]) + density;
     result.log_likelihood += normal(r, c);
     result.pairs.push_back({i, c, macs(r, c), plane && other_plane(plane, modelled[j])});
   }
-  // A test that does not tell the planes apart sees modes that agree in both as one.
-  const auto is_twin = [&](std::size_t j) {
-    return std::any_of(result.pairs.begin(), result.pairs.end(), [&](const ModePair& pair) {
-      const auto& other = modelled[static_cast<std::size_t>(pair.model)];
-      return std::abs(std::log(other.frequency_hz / modelled[j].frequency_hz)) < kOnePeak;
-    });
-  };
+  std::vector<std::size_t> counted;  // in a pair, or as missed
+  for (const auto& pair : result.pairs) counted.push_back(static_cast<std::size_t>(pair.model));
   for (std::size_t j = 0; j < modelled.size(); ++j) {
-    if (taken[j] || (!plane && is_twin(j))) continue;
+    const auto in_peak = [&](std::size_t k) { return one_peak(plane, modelled[k], modelled[j]); };
+    if (std::ranges::any_of(counted, in_peak)) continue;
+    counted.push_back(j);
     result.log_missed += sight.log_missed[j];
-    if (sight.inside[j] && sight.probability[j] >= 0.5) {
-      result.missed.push_back({static_cast<int>(j), sight.probability[j]});
-    }
+    const double seen = -std::expm1(sight.log_missed[j]);
+    if (seen >= 0.5) result.missed.push_back({static_cast<int>(j), seen});
   }
   result.log_likelihood += result.without_densities();
   return result;

@@ -97,6 +97,21 @@ TEST(CableTension, HangerPinnedBelowAndClampedAbove) {
   EXPECT_LT(result.high - result.low, 0.5 * 5e4);
 }
 
+// A sensor at mid-span, in a plane that is not stated.
+TEST(CableTension, OddModesAlone) {
+  const auto cable =
+      cable_of({2.4, 0.002}, {0.16667, 5e-4}, MassReference::installed, signal::Estimate{2e5, 2e4});
+  std::vector<MeasuredMode> odd;
+  const auto all = frequencies(cable, CableEnds::pinned, 200, 0.6, 7, 1e-3, true);
+  for (std::size_t k = 0; k < all.size(); k += 2) {
+    odd.push_back(all[k]);
+    odd.back().plane.reset();
+  }
+  const auto result = identify_tension(cable, odd, {.ends = {CableEnds::pinned}});
+  ASSERT_TRUE(result.solved) << result.message;
+  EXPECT_TRUE(result.decided && holds(result, 200));
+}
+
 TEST(CableTension, StiffOnesOfUnknownEI) {
   // L sqrt(T / EI) = 6: a quarter of T and a sixteenth of EI have these frequencies too, at twice
   // the order. Out of plane a sag of 0.7 % twists: the torsional rigidity that goes with EI shifts

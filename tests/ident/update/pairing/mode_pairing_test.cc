@@ -178,4 +178,13 @@ TEST(ModeAssignment, VisibleModesBelowTheMeasuredOnesAreCharged) {
   EXPECT_NEAR(outside.log_missed, 0, 1e-9);
 }
 
+// Of a test that does not tell the planes apart a peak that they share is missed once.
+TEST(ModeAssignment, APeakOfBothPlanesIsMissedOnce) {
+  const auto modelled = both(modes({10, 20, 30, 40}, ModePlane::in),
+                             modes({10.01, 20.01, 30.01, 40.01}, ModePlane::out));
+  const auto found = assign_modes(modes({10, 40}), {1e-3, 1e-3}, modelled, {}, {});
+  EXPECT_EQ(found.missed.size(), 2U);
+  EXPECT_NEAR(found.log_missed, 2 * std::log(1 - found.missed.at(0).probability), 1e-9);
+}
+
 }  // namespace rigfit::ident::mode_pairing_test
