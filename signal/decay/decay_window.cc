@@ -172,15 +172,15 @@ std::vector<Index> with_further(std::vector<Index> hits, const Eigen::Ref<const 
   const Index n = y.size(), cycle = averaging_cycle(w.front());
   if (n < 8 * cycle) return hits;
   const Eigen::VectorXd x = without_trend(y);
+  // The largest of each mode first: what stands beside an impact already found, and every place
+  // close to it, is its own skirt; modes that are told worse place it worse.
   std::vector<Jump> found;
   for (const double each : w) {
-    for (const Jump& jump : jumps(x, each)) found.push_back(jump);
+    auto own = jumps(x, each);
+    std::ranges::sort(own, std::greater(), &Jump::size);
+    found.insert(found.end(), own.begin(), own.end());
   }
   const double largest = RunningAmplitude(x, w.front()).largest(cycle);
-  // The largest first: what stands beside an impact already found, and every place close to it, is
-  // its own skirt.
-  std::sort(found.begin(), found.end(),
-            [](const Jump& l, const Jump& r) { return l.size > r.size; });
   std::vector<Index> tested = hits;
   const Index half_cycle = (cycle + 1) / 2;
   for (const Jump& jump : found) {

@@ -321,7 +321,7 @@ TEST(Refusals, OfRecordings) {
   expect_refused(
       files,
       {{"decay @norate.csv", 2, "gives no sample rate: say it with --sample-rate"},
-       {"decay @decay.csv --start 5 --end 6", 2, "the record lasts from 0 s to 1 s"},
+       {"decay @decay.csv --start 5 --end 6", 2, "in the record, which lasts from 0 s to 1 s"},
        {"decay @decay.csv --start 0.5 --end 0.504", 4, "refused: "},
        {"axial @norate.csv --mass 2.2 --length 1", 2, "say it with --sample-rate"},
        {"axial @uneven.csv --mass 2 --length 1", 4, "samples are not evenly spaced in time"},
