@@ -328,7 +328,7 @@ describe::Json value_of(document::TomlTable& table, const Option& key) {
 
 }  // namespace
 
-void read_keys(document::TomlTable& table, const Options& keys) {
+void read_keys(document::TomlTable& table, const Options& keys, const char* help) {
   describe::Json given = describe::Json::object();
   for (const auto& key : keys) {
     if (table.has(key.name)) given[key.name] = value_of(table, key);
@@ -336,8 +336,7 @@ void read_keys(document::TomlTable& table, const Options& keys) {
   const auto misfit =
       describe::fill(keys, given, [&](const std::string& other) { return table.has(other); });
   if (!misfit) return;
-  throw table.error(misfit->name, misfit->problem,
-                    "rigfit help campaign (of candidates: update) says what it takes");
+  throw table.error(misfit->name, misfit->problem, fmt::format("see `rigfit help {}`", help));
 }
 
 Options campaign_keys() {

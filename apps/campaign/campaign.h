@@ -184,8 +184,9 @@ struct Campaign {
 [[nodiscard]] describe::Options keys_of(FitParameter& parameter);
 
 /// Fills keys from a table; those that are absent keep their default. Throws DocumentError with
-/// file, line and key for what cannot be taken.
-void read_keys(document::TomlTable& table, const describe::Options& keys);
+/// file, line and key for what cannot be taken; `rigfit help` of `help` lists them.
+void read_keys(document::TomlTable& table, const describe::Options& keys,
+               const char* help = "campaign");
 
 /// Every key of a campaign, below the heading of its table, for `rigfit help campaign`.
 [[nodiscard]] describe::Options campaign_keys();

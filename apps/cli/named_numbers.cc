@@ -20,9 +20,9 @@ std::vector<std::string> parts_of(const std::string& text) {
 }  // namespace
 
 std::pair<std::string, std::string> named_text(const std::string& option, const std::string& text,
-                                               const std::string& form) {
+                                               const std::string& form, bool may_be_empty) {
   const auto equals = text.rfind('=');
-  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+  if (equals == std::string::npos || equals == 0 || (!may_be_empty && text.ends_with('='))) {
     throw UsageError(fmt::format("{}: write {}, not \"{}\"", option, form, text));
   }
   return {text.substr(0, equals), text.substr(equals + 1)};

@@ -8,10 +8,11 @@
 namespace rigfit::apps {
 
 /// Name and text of "NAME=TEXT"; throws UsageError with the option's name and `form`, how it is to
-/// be written, where one of them is empty.
+/// be written, where the name, or TEXT unless it `may_be_empty`, is empty.
 [[nodiscard]] std::pair<std::string, std::string> named_text(const std::string& option,
                                                              const std::string& text,
-                                                             const std::string& form);
+                                                             const std::string& form,
+                                                             bool may_be_empty = false);
 
 struct NamedNumbers {
   std::string name;

@@ -55,12 +55,9 @@ ExitCode exit_code_of(const std::exception& error) {
 void VerbContext::say_warnings() const {
   if (quiet || silent) return;
   if (!unsaid_.empty()) Progress::erase();
-  for (const auto& line : warning_lines(unsaid_, verbose ? unsaid_.size() : 5)) {
-    std::cerr << "warning: " << line << '\n';
-  }
+  for (const auto& line : warning_lines(unsaid_, verbose)) std::cerr << "warning: " << line << '\n';
   if (!verbose) return;
-  for (const auto& line : warning_lines(notes_, notes_.size()))
-    std::cerr << "note: " << line << '\n';
+  for (const auto& line : warning_lines(notes_, true)) std::cerr << "note: " << line << '\n';
 }
 
 void VerbContext::tell(const std::vector<Finding>& findings) {

@@ -70,11 +70,11 @@ void sort_by_level(std::vector<FindingKind>& kinds) {
                    [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
 }
 
-std::vector<std::string> warning_lines(std::span<const Finding> warnings, std::size_t most) {
+std::vector<std::string> warning_lines(std::span<const Finding> warnings, bool each) {
   std::vector<FindingKind> kinds;
-  for (const auto& one : warnings) add(kinds, one);
+  for (const auto& one : warnings) each ? kinds.push_back({one}) : void(add(kinds, one));
   sort_by_level(kinds);
-  const std::size_t shown = std::min(most, kinds.size());
+  const std::size_t shown = each ? kinds.size() : std::min<std::size_t>(5, kinds.size());
   std::vector<std::string> lines;
   std::size_t others = 0;
   for (const auto& kind : kinds) {
@@ -87,8 +87,8 @@ std::vector<std::string> warning_lines(std::span<const Finding> warnings, std::s
     if (!where.empty()) line += ": ";
     line += message;
     if (kind.count == 1) continue;
-    line += fmt::format(" ({} of this kind{}{})", kind.count, kind.places.empty() ? "" : ": ",
-                        kind.listed());
+    line += fmt::format(" ({} of this kind, --verbose prints each{}{})", kind.count,
+                        kind.places.empty() ? "" : ": ", kind.listed());
   }
   if (others > 0) {
     lines.push_back(fmt::format("{} more of {} other kinds: --verbose prints them", others,

@@ -1,7 +1,7 @@
 // Findings of a run have two levels. A warning asks for something or casts doubt on an answer; a
 // note says what was done (a start chosen, a column left out, hits rejected). People read those of
 // one kind (code) in one line, those that can change an answer first; on a terminal five lines are
-// enough, and notes are for --verbose. The JSON document of a verb holds each by itself.
+// enough. --verbose, which says notes too, and the JSON document of a verb hold each by itself.
 #pragma once
 
 #include <cstddef>
@@ -41,9 +41,10 @@ FindingKind* add(std::vector<FindingKind>& kinds, const Finding& one);
 /// Refusals first, then the gravest, then in the order they were said.
 void sort_by_level(std::vector<FindingKind>& kinds);
 
-/// Lines without their end; with more than `most` kinds a last line counts the others.
+/// Lines without their end: one a kind, of more than five kinds five and one that counts the
+/// others; `each`: one a finding.
 [[nodiscard]] std::vector<std::string> warning_lines(std::span<const Finding> warnings,
-                                                     std::size_t most = 5);
+                                                     bool each = false);
 
 }  // namespace rigfit::apps
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -19,13 +20,18 @@ namespace {
 /// The targets of a parameter that a scene has, each with the factor from the value to it.
 using Targets = std::vector<std::pair<std::string, double>>;
 
-Targets targets_in(const std::vector<std::string>& names, const KnownParameter& parameter) {
+Targets targets_in(const model::Scene& scene, const KnownParameter& parameter) {
+  const auto names = model::parameter_names(scene);
   const auto has = [&](const auto& name) { return std::ranges::count(names, name) > 0; };
   Targets found;
   for (std::size_t i = 0; i < parameter.targets.size(); ++i) {
-    if (!has(parameter.targets[i])) continue;
-    found.emplace_back(parameter.targets[i],
-                       i < parameter.factors.size() ? parameter.factors[i] : 1);
+    const auto& target = parameter.targets[i];
+    if (target.empty()) return {};
+    if (!has(target)) {
+      throw std::invalid_argument(fmt::format("{} cannot be \"{}\" here: use one of {}",
+                                              parameter.name, target, fmt::join(names, ", ")));
+    }
+    found.emplace_back(target, i < parameter.factors.size() ? parameter.factors[i] : 1);
   }
   if (!found.empty()) return found;
   std::string name = parameter.name;
@@ -53,13 +59,12 @@ struct Selection {
 };
 
 Selection select(const model::Scene& scene, const FittedParameters& fitted) {
-  const auto names = model::parameter_names(scene);
   Selection selection;
   std::vector<double> values;
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < fitted.parameters.size(); ++i) {
     const auto& parameter = fitted.parameters[i];
-    auto targets = targets_in(names, parameter);
+    auto targets = targets_in(scene, parameter);
     (targets.empty() ? selection.not_used : selection.used).push_back(parameter.name);
     if (targets.empty()) continue;
     selection.targets.push_back(std::move(targets));
@@ -67,10 +72,10 @@ Selection select(const model::Scene& scene, const FittedParameters& fitted) {
     kept.push_back(i);
   }
   if (kept.empty()) {
-    throw std::invalid_argument(
-        fmt::format("no parameter of the fit is one of this scene's: the fit has \"{}\"; the scene "
-                    "has \"{}\"",
-                    fmt::join(selection.not_used, "\" \""), fmt::join(names, "\" \"")));
+    throw std::invalid_argument(fmt::format(
+        "no parameter of the fit is one of this scene's: the fit has \"{}\"; the scene "
+        "has \"{}\"",
+        fmt::join(selection.not_used, "\" \""), fmt::join(model::parameter_names(scene), "\" \"")));
   }
   selection.value =
       Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
@@ -168,7 +173,8 @@ std::vector<SceneInput> add_scene_inputs(const model::Scene& scene, std::vector<
       throw std::invalid_argument("the uncertainty of " + one.name + " is not positive");
     }
     one.fitted = std::ranges::any_of(fitted.parameters, [&](const auto& parameter) {
-      return parameter.name == one.name || std::ranges::count(parameter.targets, one.name) > 0;
+      const auto targets = targets_in(scene, parameter);
+      return std::ranges::count(targets, one.name, &Targets::value_type::first) > 0;
     });
     if (one.fitted) continue;
     const auto n = static_cast<Eigen::Index>(fitted.parameters.size());
@@ -182,6 +188,26 @@ std::vector<SceneInput> add_scene_inputs(const model::Scene& scene, std::vector<
     fitted.covariance.row(n) = fitted.covariance.col(n).transpose();
   }
   return inputs;
+}
+
+std::vector<Finding> replaced_states(const model::Scene& scene, const FittedParameters& fitted) {
+  constexpr std::array kStates{"tension", "stretch", "unstretched_length", "temperature_change"};
+  std::vector<Finding> findings;
+  for (Eigen::Index p = 0; p < std::ssize(fitted.parameters); ++p) {
+    const auto& parameter = fitted.parameters[static_cast<std::size_t>(p)];
+    for (const auto& [target, factor] : targets_in(scene, parameter)) {
+      if (std::ranges::count(kStates, target.substr(target.rfind('.') + 1)) == 0) continue;
+      const double own = model::parameter(scene, target), value = factor * parameter.value,
+                   std = std::abs(factor) * std::sqrt(fitted.covariance(p, p));
+      if (std::abs(value - own) <= coverage_factor(0.95, 0) * std) continue;
+      findings.push_back({"input_is_fitted",
+                          fmt::format("Give --map {}= to keep the scene's {} of {:.6g}: the fit's "
+                                      "{:.6g} +- {:.2g} replaces it",
+                                      parameter.name, target, own, value, std),
+                          scene.file});
+    }
+  }
+  return findings;
 }
 
 ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& fitted,

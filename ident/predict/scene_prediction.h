@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "document/describe.h"
+#include "ident/statistics/finding.h"
 #include "ident/update/problem/update_data.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
@@ -35,8 +36,8 @@ namespace rigfit::ident {
 struct KnownParameter {
   std::string name;
   double value = 0;
-  /// Scene parameters that take it (model/scene/parameters.h); empty: `name`, or, for a member with
-  /// one EI only here or there, EI for EI_z.
+  /// Scene parameters that take it (model/scene/parameters.h), or one "" where none does; empty:
+  /// `name`, or, for a member with one EI only here or there, EI for EI_z.
   std::vector<std::string> targets = {};
   std::vector<double> factors = {};  ///< one per target; empty: 1
 };
@@ -110,6 +111,12 @@ struct SceneInput {
 /// std::invalid_argument for an uncertainty that is not positive and finite.
 std::vector<SceneInput> add_scene_inputs(const model::Scene& scene, std::vector<SceneInput> inputs,
                                          FittedParameters& fitted);
+
+/// "input_is_fitted" for each state of the scene's rig (tension, stretch, unstretched length,
+/// temperature) that lies outside the 95 % interval of the fit's parameter that replaces it. Throws
+/// std::invalid_argument for a target that the scene does not have, as all of these.
+[[nodiscard]] std::vector<Finding> replaced_states(const model::Scene& scene,
+                                                   const FittedParameters& fitted);
 
 /// Throws std::invalid_argument when no parameter is one of the scene's: the message names both.
 [[nodiscard]] ModePrediction predict_modes(const model::Scene& scene,

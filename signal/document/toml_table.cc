@@ -124,6 +124,9 @@ DocumentError TomlTable::error(const std::string& key, std::string problem,
   const toml::node* at = key.empty() ? nullptr : node_->table->get(key);
   const auto& begin = (at ? *at : static_cast<const toml::node&>(*node_->table)).source().begin;
   const bool root = !at && path_.empty();
+  const bool short_key = key.size() < 3;  // of its letters one is alike by chance, as in EA and EI
+  const auto like = at || short_key ? std::nullopt : nearest_word(key, keys(true));
+  if (like) remedy = fmt::format("rename \"{}\" if it is meant, or {}", *like, remedy);
   return {{node_->file, root ? 0 : static_cast<long>(begin.line),
            root ? 0 : static_cast<long>(begin.column), key.empty() ? path_ : path_of(key)},
           std::move(problem),
@@ -287,16 +290,17 @@ bool TomlTable::is_string(const std::string& key) const { return (*node_->table)
 bool TomlTable::is_table(const std::string& key) const { return (*node_->table)[key].is_table(); }
 bool TomlTable::is_array(const std::string& key) const { return (*node_->table)[key].is_array(); }
 
-std::vector<std::string> TomlTable::keys() const {
+std::vector<std::string> TomlTable::keys(bool unasked) const {
   std::vector<toml::key> found;
-  for (const auto& [key, value] : *node_->table) found.push_back(key);
+  for (const auto& [key, value] : *node_->table) {
+    if (!unasked || !node_->asked.contains(std::string(key))) found.push_back(key);
+  }
   std::ranges::sort(found, {}, [](const toml::key& key) { return key.source().begin; });
   return {found.begin(), found.end()};
 }
 
 void TomlTable::finish() const {
-  for (const auto& key : keys()) {
-    if (node_->asked.contains(key)) continue;
+  for (const auto& key : keys(true)) {
     const std::vector<std::string> known(node_->asked.begin(), node_->asked.end());
     const auto nearest = nearest_word(key, known);
     const auto& begin = node_->table->find(key)->first.source().begin;

@@ -57,12 +57,13 @@ class TomlTable {
   [[nodiscard]] bool is_string(const std::string& key) const;
   [[nodiscard]] bool is_table(const std::string& key) const;
   [[nodiscard]] bool is_array(const std::string& key) const;
-  /// All keys of this table, in file order.
-  [[nodiscard]] std::vector<std::string> keys() const;
+  /// All keys of this table, or those never asked for, in file order.
+  [[nodiscard]] std::vector<std::string> keys(bool unasked = false) const;
 
   /// Throws DocumentError for the first key that was never asked for, with the nearest known key.
   void finish() const;
-  /// An error at a key of this table (at the table itself when the key is absent or empty).
+  /// An error at a key of this table (at the table itself when the key is absent or empty; the
+  /// remedy of an absent one names a key like it that nothing has asked for).
   [[nodiscard]] DocumentError error(const std::string& key, std::string problem,
                                     std::string remedy) const;
 

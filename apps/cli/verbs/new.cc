@@ -7,6 +7,8 @@
 #include "apps/cli/assets.h"
 #include "apps/cli/output_file.h"
 #include "apps/cli/verbs/all.h"
+#include "signal/ambient/ambient_modes.h"
+#include "signal/decay/decay.h"
 #include "signal/readers/csv_fields.h"
 #include "signal/recording/recording_error.h"
 
@@ -86,6 +88,20 @@ signal::RecordingError unusable(const signal::Recording& recording, const char* 
   return {{.file = recording.path.string()}, problem, remedy};
 }
 
+/// Whether half of the channels or more show no decay, and all together modes of a motion that
+/// lasts: one decay is over in two of the groups that a sure mode's energy is in, degrees = 1.
+bool is_ambient(const signal::Recording& recording) try {
+  const double rate_hz = recording.sample_rate_hz;
+  const auto refused = std::ranges::count_if(recording.channels, [&](const auto& channel) {
+    return rate_hz > 0 && !signal::estimate_decay(channel.samples, rate_hz).refusal_code.empty();
+  });
+  if (2 * refused < std::ssize(recording.channels)) return false;
+  return std::ranges::any_of(signal::ambient_modes(recording).modes,
+                             [](const auto& one) { return !one.mode.doubtful && one.degrees > 1; });
+} catch (const signal::RecordingError&) {  // too short, or a channel that does not move
+  return false;
+}
+
 /// Kind of the test that a recording is of, and why it is taken for that.
 std::pair<std::string, std::string> kind_of(const signal::Recording& recording,
                                             const NewCommand& command,
@@ -107,13 +123,14 @@ std::pair<std::string, std::string> kind_of(const signal::Recording& recording,
             "load over deflection, no tension; how it is held is assumed; of a pulled cable EA is "
             "the slope times the length"};
   }
+  if (is_ambient(recording)) return {"modal", "no hammer, no decay, but modes: ambient motion"};
   return {"decay",
           "no hammer and no load-deflection pair: taken as free vibration; of a hung mass: give it "
-          "to rigfit axial for EA"};
+          "to rigfit axial for EA; of motion in the wind: kind = \"modal\", ambient = true"};
 }
 
-/// The channels of a test, as keys.
-std::string channel_keys(const std::string& kind, const signal::Recording& recording,
+/// The channels of a test, as keys; `said`: its kind is not guessed.
+std::string channel_keys(const std::string& kind, bool said, const signal::Recording& recording,
                          const signal::Channel* hammer, const std::optional<LoadDeflection>& bent) {
   if (kind == "bending" && !bent) {
     throw unusable(recording, "has no load and deflection that belong together",
@@ -142,10 +159,12 @@ std::string channel_keys(const std::string& kind, const signal::Recording& recor
   }
   if (kind == "axial") return "channel = " + toml_text(names.front()) + "\n";
   if (kind != "modal") return "channels = " + toml_text(names) + "\n";
-  if (hammer == nullptr) {
+  if (hammer == nullptr && said) {
     throw unusable(recording, "has no channel that looks like a hammer's",
-                   "name it \"hammer\" by a TOML file beside it");
+                   "name it \"hammer\" by a TOML file beside it; of ambient motion leave --kind "
+                   "out, or write ambient = true into the campaign");
   }
+  if (hammer == nullptr) return "ambient = true\nresponses = " + toml_text(names) + "\n";
   return "force = " + toml_text(hammer->name) + "\nresponses = " + toml_text(names) + "\n";
 }
 
@@ -167,7 +186,7 @@ GuessedTest test_of(const signal::Recording& recording, const NewCommand& comman
     auto& keys = test.kind == "axial" && key == std::string("length") ? of_recording : test.keys;
     keys += fmt::format("{} = {}  # {}\n", key, value, unit);
   }
-  test.keys += channel_keys(test.kind, recording, hammer, bent);
+  test.keys += channel_keys(test.kind, !command.kind.empty(), recording, hammer, bent);
   return test;
 }
 
@@ -225,9 +244,9 @@ void check_options(const std::string& text, const std::vector<std::string>& chan
 
 /// The campaign of the recordings, which become inputs. A force channel with short pulses makes
 /// hits; loads over deflections, with tension or without, a bending test; what is left a free
-/// decay. What cannot be used is warned of ("data_left_out"). Throws UsageError where a test needs
-/// a number that is not given or a number is given that no test takes, signal::RecordingError where
-/// no file can be read.
+/// decay, or ambient motion. What cannot be used is warned of ("data_left_out"). Throws UsageError
+/// where a test needs a number that is not given or a number is given that no test takes,
+/// signal::RecordingError where no file can be read.
 std::string guessed_campaign(const NewCommand& command, VerbContext& context) {
   std::vector<GuessedTest> tests;
   std::vector<std::string> channels;

@@ -21,13 +21,15 @@ constexpr const char* kPredictExample =
     "  rigfit update rig.toml --measured rig.csv --free beam.EI_z --json fit.json\n"
     "  rigfit predict beam.toml --from fit.json --count 5 --measured beam.csv";
 
-/// "NAME=TARGET[,-TARGET...]": what a parameter of the fit is called in the scene.
+/// "NAME=TARGET[,-TARGET...]": what a parameter of the fit is called in the scene; "NAME=": none.
 void apply_maps(const std::vector<std::string>& maps, ident::FittedParameters& fitted) {
   for (const auto& text : maps) {
-    const auto [name, list] = named_text("--map", text, "NAME=TARGET[,-TARGET...]");
+    const auto [name, list] = named_text("--map", text, "NAME=TARGET[,-TARGET...] or NAME=", true);
     const auto known = std::ranges::find(fitted.parameters, name, &ident::KnownParameter::name);
     if (known == fitted.parameters.end())
       throw UsageError("--map: the fit has no parameter " + name);
+    known->targets = {""};
+    if (list.empty()) continue;
     auto targets = signed_names("--map", list);
     known->targets = std::move(targets.names);
     known->factors = std::move(targets.signs);
@@ -48,7 +50,7 @@ std::vector<ident::SceneInput> add_inputs(const model::Scene& scene, const Predi
   for (const auto& one : added) {
     if (!one.fitted) continue;
     context.warn("input_is_fitted",
-                 one.name + " is a parameter of the fit, whose value and uncertainty are used",
+                 one.name + " is fitted: --map NAME= of the fit's parameter keeps this input",
                  command.scene);
   }
   std::erase_if(added, [](const ident::SceneInput& one) { return one.fitted; });
@@ -74,6 +76,7 @@ Json run(PredictCommand& command, VerbContext& context) {
   auto fitted = read_fit(command.from, command.accept_fit, context);
   apply_maps(command.maps, fitted);
   if (fitted.parameters.empty()) throw Refused("the fit identifies no parameter", "no_parameter");
+  context.tell(ident::replaced_states(scene, fitted));
   const auto inputs = add_inputs(scene, command, context, fitted);
   ident::ModePrediction prediction;
   try {
@@ -96,6 +99,7 @@ Json run(PredictCommand& command, VerbContext& context) {
     return json;
   }
   for (const auto& name : prediction.not_used) {
+    if (std::ranges::count(command.maps, name + "=") > 0) continue;
     context.warn("parameter_not_in_scene",
                  name + " of the fit is none of this scene's parameters: left out", command.scene);
   }
@@ -111,7 +115,8 @@ describe::Options options_of(PredictCommand& c) {
       option("scene", c.scene, "Scene file (TOML)").required(),
       option("--from", c.from, "JSON result of `rigfit update`").required(),
       option("--map", c.maps,
-             "What a parameter of the fit is called here: NAME=TARGET[,-TARGET...]"),
+             "What a parameter of the fit is called here, NAME=TARGET[,-TARGET...], or NAME= to "
+             "keep the scene's own value"),
       option(
           "--input", c.inputs,
           "A number of this scene that is known to a standard uncertainty: NAME=STD, NAME=0.5% or "

@@ -131,7 +131,8 @@ Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbCont
     read_keys(table,
               {option("name", name, "Of the candidate").required(),
                option("scene", file, "In place of SCENE, relative to this file"),
-               option("free", free, "Beside --free"), option("prior", priors, "Beside --prior")});
+               option("free", free, "Beside --free"), option("prior", priors, "Beside --prior")},
+              "update");
     table.finish();
     auto& own = models.emplace_back(states);
     if (!file.empty()) {

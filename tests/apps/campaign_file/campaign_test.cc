@@ -90,6 +90,7 @@ TEST_F(CampaignFiles, MistakesAreRefusedWithFileLineKeyAndRemedy) {
       {"kind = \"bending\"", "kind = \"bendnig\"", "test[0].kind", 17, "did you mean \"bending\""},
       {"span = 1.0", "span = 0", "test[0].span", 18, "positive"},
       {"span = 1.0", "", "test[0].span", 15, "is missing"},
+      {"span = 1.0", "spam = 1.0", "test[0].span", 15, "rename \"spam\""},
       {"span = 1.0", "span = 1.0\nscene = \"cable\"", "test[0].scene", 19, "not known here"},
       {"file = \"EI.csv\"", "file = \"IE.csv\"", "test[0].table.file", 20, "there is no file"},
       {"EI = \"EI_Nm2\"", "EI = \"EI_Nm\"", "test[0].table.EI", 22, "did you mean \"EI_Nm2\""},

@@ -11,12 +11,16 @@ Finding warning(std::string code, std::string message, std::string where = "") {
   return {std::move(code), std::move(message), std::move(where), false};
 }
 
-TEST(WarningLines, CountWhatIsAlike) {
-  EXPECT_THAT(warning_lines(std::vector<Finding>{
-                  warning("spike", "a spike", "a.csv"), warning("set", "3 mm are left", "b.csv"),
-                  warning("spike", "a spike", "c.csv"), warning("set", "5 mm are left", "d.csv")}),
-              ElementsAre("a.csv: a spike (2 of this kind: a.csv; c.csv)",
-                          "b.csv: 3 mm are left (2 of this kind: b.csv; d.csv)"));
+TEST(WarningLines, CountWhatIsAlikeOrSayEach) {
+  const std::vector<Finding> said{
+      warning("spike", "a spike", "a.csv"), warning("set", "3 mm are left", "b.csv"),
+      warning("spike", "a spike", "c.csv"), warning("set", "5 mm are left", "d.csv")};
+  EXPECT_THAT(
+      warning_lines(said),
+      ElementsAre("a.csv: a spike (2 of this kind, --verbose prints each: a.csv; c.csv)",
+                  "b.csv: 3 mm are left (2 of this kind, --verbose prints each: b.csv; d.csv)"));
+  EXPECT_THAT(warning_lines(said, true), ElementsAre("a.csv: a spike", "b.csv: 3 mm are left",
+                                                     "c.csv: a spike", "d.csv: 5 mm are left"));
 }
 
 TEST(WarningLines, GraveOnesFirstAndTheRestCounted) {
@@ -29,7 +33,7 @@ TEST(WarningLines, GraveOnesFirstAndTheRestCounted) {
   const auto lines = warning_lines(warnings);
   ASSERT_EQ(lines.size(), 6u);
   EXPECT_EQ(lines[0], "the data rule this model out");
-  EXPECT_EQ(lines[1], "message 0 (2 of this kind)");
+  EXPECT_EQ(lines[1], "message 0 (2 of this kind, --verbose prints each)");
   // Shown: one and four kinds of two; left: five kinds of two and what is taken as exact.
   EXPECT_THAT(lines[5], HasSubstr("11 more of 6 other kinds"));
   // Five kinds need no line that counts.

@@ -78,4 +78,20 @@ TEST(New, AFolderOfMixedFiles) {
   EXPECT_THAT(bent.out, HasSubstr("EA is the slope times the length"));
 }
 
+// 300 s of one mode under white noise (1.3 Hz, 2 %: 49 decay times), of which no part decays.
+TEST(New, AmbientMotionIsNoDecay) {
+  const TemporaryFolder folder;
+  std::mt19937 engine(1);
+  std::string text = "t [s],a [m/s2]\n";
+  const std::complex<double> step = std::exp(2 * kPi * 1.3 / 20 * std::complex(-0.02, 1.0));
+  std::complex<double> z = 0;
+  for (int k = 0; k < 6000; ++k) {
+    z = step * z + (engine() / 4294967296.0 - 0.5);
+    text += fmt::format("{:.2f},{:.5f}\n", 0.05 * k, z.imag());
+  }
+  const auto run = run_line("new {} --from {}", {folder.at("rig"), folder.write("wind.csv", text)});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(folder.read("rig/campaign.toml"), HasSubstr("ambient = true"));
+}
+
 }  // namespace rigfit::apps::new_test

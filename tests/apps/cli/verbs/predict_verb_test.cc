@@ -57,4 +57,29 @@ TEST(PredictVerb, TheBareBeamFromTheCoupledRig) {
             kPublished);
 }
 
+// A fit at 195 N in a scene of 200 N: the fit's tension is used and said, or the scene's kept; a
+// name that the scene lacks is wrong usage.
+TEST(PredictVerb, TheScenesTensionIsReplacedKnowingly) {
+  const TemporaryFolder folder;
+  const auto scene = folder.write("s.toml", kCableScene);
+  const Document both{{"parameters",
+                       {{{"name", "cable.EI"}, {"value", 0.6}, {"std", 0.01}},
+                        {{"name", "cable.tension"}, {"value", 195}, {"std", 1}}}}};
+  const auto fit = folder.write("f.json", both.dump());
+  const Document used = document_of("predict {} --from {} --count 1", {scene, fit});
+  EXPECT_THAT(
+      named(used["warnings"], "code", "input_is_fitted")["message"].get<std::string>(),
+      HasSubstr(
+          "--map cable.tension= to keep the scene's cable.tension of 200: the fit's 195 +- 1"));
+  const Document kept =
+      document_of("predict {} --from {} --count 1 --map cable.tension=", {scene, fit});
+  EXPECT_TRUE(kept["warnings"].empty());
+  EXPECT_NEAR(kept["modes"][0]["frequency_hz"]["value"].get<double>() /
+                  used["modes"][0]["frequency_hz"]["value"].get<double>(),
+              std::sqrt(200.0 / 195), 1e-3);  // a string's, but for EI
+  const auto wrong = run_line("predict {} --from {} --map cable.tension=cable.T", {scene, fit});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("cannot be \"cable.T\""));
+}
+
 }  // namespace rigfit::apps::predict_verb_test
