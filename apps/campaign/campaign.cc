@@ -216,7 +216,7 @@ Options keys_of(ModalTest& t) {
         choice("estimator", hammer.impact.estimator, {"h1", "h2", "hv"},
                "Noise on responses, on the force, on both"),
         option("force_window", hammer.impact.force_window_s,
-               "Force kept from the pulse's start; default: by the noise on the force", "s")
+               "Force kept from the pulse's start; default: three pulse lengths", "s")
             .positive(),
         option("exponential_window", hammer.impact.exponential_end_level,
                "Level of the window at the end of the block; its damping is taken off again")

@@ -18,9 +18,8 @@ constexpr auto kAnswerMayBeWrong = std::to_array<std::string_view>({
 // What was done, in normal operation: reading, choosing, leaving out with a reason.
 constexpr auto kNotes = std::to_array<std::string_view>(
     {"decay_cut_off", "decaying_offset", "double_hit_hidden", "doubtful_mode", "fitted_in_band",
-     "force_window_chosen", "friction", "hits_rejected", "left_out", "modes_beside", "read_as",
-     "remark", "resampled", "start_chosen", "thermal_expansion", "toe", "universal_file",
-     "window_damping"});
+     "friction", "hits_rejected", "left_out", "modes_beside", "read_as", "remark", "resampled",
+     "start_chosen", "thermal_expansion", "toe", "universal_file", "window_damping"});
 
 /// Without the folders of a file.
 std::string place_of(const std::string& where) {

@@ -86,7 +86,6 @@ class Analysis {
     if (recordings_.empty()) return std::move(test_);
     test_.search = find_hits(recordings_, force_, test_.responses, options_.hits);
     test_.notes = test_.search.notes;
-    choose_force_window();
     const FrfEstimate estimate = average_without_outliers();
     for (const Hit& hit : test_.search.hits) {
       if (hit.accepted && hit.has(HitFault::unresolved_pulse)) test_.amplitudes = false;
@@ -132,7 +131,8 @@ class Analysis {
     block.force_offset = level_beside(block, hit.offset);
     if (const double kept = kept_force(hit); kept > 0) {
       const auto samples = std::max(width, static_cast<Index>(std::ceil(kept * rate)));
-      block.force_first = std::max<Index>(0, hit.pulse_first - width - hit.block_first);
+      const auto earlier = static_cast<Index>(std::min(0.0, hit.second_hit_delay_s) * rate);
+      block.force_first = std::max<Index>(0, hit.pulse_first - width - hit.block_first + earlier);
       block.force_last = hit.pulse_first - hit.block_first + samples;
       block.force_taper = std::max<Index>(1, samples / 2);
     }
@@ -155,7 +155,8 @@ class Analysis {
 
   /// Force kept after the beginning of the pulse, s; 0: all of it.
   double kept_force(const Hit& hit) const {
-    return window_s_ < 0 ? 3 * hit.pulse_duration_s : window_s_;
+    const double second = std::max(0.0, hit.second_hit_delay_s);
+    return options_.force_window_s.value_or(second + 3 * hit.pulse_duration_s);
   }
 
   FrfOptions frf_options() const {
@@ -165,30 +166,6 @@ class Analysis {
     frf.block_samples = test_.search.block_samples;
     frf.exponential_decay_rate_1_s = decay_rate();
     return frf;
-  }
-
-  /// Measures the noise on the force without a window, and chooses one where it matters.
-  void choose_force_window() {
-    constexpr double kNoiseLimit = 1e-3;
-    window_s_ = 0;
-    std::vector<FrfBlock> blocks;
-    for (const Hit& hit : test_.search.hits) {
-      if (!hit.accepted) continue;
-      blocks.push_back(block_of(hit));
-      blocks.back().responses.clear();
-      blocks.back().response_offset.clear();
-      blocks.back().response_noise_std.clear();
-    }
-    if (!blocks.empty()) {
-      const FrfEstimate raw = average_frfs(blocks, frf_options());
-      if (raw.force_noise.size() > 0) test_.force_noise = median(noise_shares(raw));
-    }
-    if (options_.force_window_s) {
-      window_s_ = *options_.force_window_s;
-    } else if (test_.force_noise && *test_.force_noise > kNoiseLimit) {
-      window_s_ = -1;
-      test_.force_window_by_noise = true;
-    }
   }
 
   /// Noise over force, powers, at the lines of the band.
@@ -347,12 +324,11 @@ class Analysis {
 
   void judge(const FrfEstimate& estimate) {
     test_.usable_hz = usable_hz();
-    double end_level = 0, drop = 0, hidden = 0;
+    double end_level = 0, hidden = 0;
     for (const Hit& hit : test_.search.hits) {
       if (!hit.accepted) continue;
       test_.force_window_s += kept_force(hit) / test_.frfs.averages;
       end_level = std::max(end_level, hit.end_level);
-      drop = std::max(drop, hit.spectrum_drop_db);
       hidden = std::max(hidden, hit.smallest_second_hit);
     }
     judge_force_noise(estimate);
@@ -374,14 +350,6 @@ class Analysis {
                "Wait longer between hits, or use an exponential window: responses are still at "
                "{:.2g} % of their largest value at the end of the block",
                100 * left),
-           ""});
-    }
-    if (drop > kGoodSpectrumDrop) {
-      test_.notes.push_back(
-          {"force_noise",
-           fmt::format("Use a harder tip or a narrower band: the force spectrum falls by {:.1f} dB "
-                       "within the band",
-                       drop),
            ""});
     }
     if (hidden > 0.05) {
@@ -407,40 +375,34 @@ class Analysis {
   void judge_force_noise(const FrfEstimate& estimate) {
     const std::vector<double> shares = noise_shares(estimate);
     test_.force_noise_left = *std::max_element(shares.begin(), shares.end());
+    if (test_.force_window_s > 0) {
+      const Eigen::Map<const Eigen::ArrayXd> of_hit(shares.data(), std::ssize(shares));
+      test_.frfs.force_noise_std = std::sqrt(0.5 * of_hit.mean() / test_.frfs.averages);
+    }
     // From an error of 0.1 % of H on.
     if (test_.force_window_s > 0 && test_.force_noise_left > 1e-6) {
       test_.frfs.force_noise_span_s = force_noise_span();
     }
-    const auto percent = [](double part) {
-      return part >= 3 ? std::string("three times or more") : fmt::format("{:.2g} %", 100 * part);
-    };
-    if (!test_.force_noise) {
+    if (estimate.force_noise.size() == 0) {
       test_.notes.push_back({"force_noise",
                              "Record longer beside the hits: too few samples there to measure the "
                              "noise on the force, for which H1 is not corrected",
                              ""});
-    } else if (test_.force_window_by_noise) {
-      test_.notes.push_back(
-          {"force_window_chosen",
-           fmt::format("noise on the force has {} of its power at half of the lines and would "
-                       "lower H1: {:.3g} ms of force are kept from each pulse's start, which "
-                       "leaves {} at most{}",
-                       percent(*test_.force_noise), 1e3 * test_.force_window_s,
-                       percent(test_.force_noise_left),
-                       options_.estimator == FrfEstimator::h1 ? ", subtracted" : ""),
-           ""});
     }
     // What is subtracted is known to some 10 %; beyond a tenth of the force's power that is 1 %.
     if (test_.force_noise_left > 0.1) {
-      test_.notes.push_back({"force_noise",
-                             fmt::format("Use a force window, or a shorter one: noise has up to {} "
-                                         "of the force's power in the "
-                                         "band{}",
-                                         percent(test_.force_noise_left),
-                                         options_.estimator == FrfEstimator::h1
-                                             ? ", and H1 is corrected by its mean power only"
-                                             : ""),
-                             ""});
+      const double left = test_.force_noise_left;
+      test_.notes.push_back(
+          {"force_noise",
+           fmt::format("Use {}: noise has up to {} of the force's power in the band{}",
+                       test_.force_window_s > 0
+                           ? "a harder tip, a narrower band or a shorter force window"
+                           : "a force window",
+                       left >= 3 ? "three times or more" : fmt::format("{:.2g} %", 100 * left),
+                       options_.estimator == FrfEstimator::h1
+                           ? ", and H1 is corrected by its mean power only"
+                           : ""),
+           ""});
     }
   }
 
@@ -464,7 +426,6 @@ class Analysis {
   std::span<const Recording> recordings_;
   const ImpactTestOptions& options_;
   Index force_ = 0;
-  double window_s_ = 0;  ///< ImpactTestOptions::force_window_s, or what was chosen
   ImpactTest test_;
 };
 

@@ -26,10 +26,9 @@ struct ImpactTestOptions {
   HitOptions hits;
   FrfEstimator estimator = FrfEstimator::h1;
   /// Length of force kept after the beginning of the pulse, s; it is then faded out over half that
-  /// length. 0: the whole block. Negative: three durations of each hit's pulse. Not given: three
-  /// pulse durations when noise has more than a thousandth of the force's power in half of the
-  /// band's lines (a random error of H of 2 % per hit), else the whole block. Mains hum alone does
-  /// not cause a window, as a short one would spread its few lines over the band.
+  /// length. Not given: three durations of each hit's pulse, to which the delay of a second contact
+  /// too small for a double hit is added. 0: the whole block, whose noise weighs single lines of a
+  /// resonance by chance; for phases at frequencies near the corner of an AC-coupled force.
   std::optional<double> force_window_s;
   /// Rate of an exponential window on force and responses, 1/s. `exponential_end_level`, if
   /// positive, gives it instead by the level at the end of the block.
@@ -43,13 +42,9 @@ struct ImpactTest {
   FrfSet frfs;                          ///< no lines when no hit was accepted
   bool amplitudes = true;  ///< false: pulses not resolved, so only frequencies are valid
   double usable_hz = 0;    ///< smallest of the accepted hits: beyond, the force is too weak
-  /// Share of noise in the force's power without a window, median over the band's lines; H1 would
-  /// be too small by it. It is measured between hits. Empty: too few samples.
-  std::optional<double> force_noise;
   /// Share of noise left by the force window, at the worst line; H1 is corrected for it.
   double force_noise_left = 0;
-  double force_window_s = 0;           ///< length kept, mean over the hits; 0: no window
-  bool force_window_by_noise = false;  ///< chosen because of the noise, not by the user
+  double force_window_s = 0;  ///< length kept, mean over the hits; 0: no window
   std::vector<Note> notes;
 };
 

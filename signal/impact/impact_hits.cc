@@ -203,18 +203,21 @@ void judge_pulse(const Recording& recording, const Channel& force, const Channel
   }
 }
 
+/// Smallest second contact that counts as force, over the peak: an error of 0.1 % of H.
+constexpr double kContact = 1e-3;
+
 void judge_double_hit(const Channel& force, Index block_samples, int sign, double rate,
                       double smallest, Hit& hit) {
   const Index length = std::min(block_samples, hit.available);
   const Eigen::VectorXd block =
       sign * (force.samples.segment(hit.block_first, length).array() - hit.offset).matrix();
-  const SecondContact second = find_second_contact(block, hit.pulse_first - hit.block_first,
-                                                   hit.peak_sample - hit.block_first,
-                                                   hit.pulse_last - hit.block_first, smallest);
-  hit.smallest_second_hit = second.smallest_visible;
+  const SecondContact second = find_second_contact(
+      block, hit.pulse_first - hit.block_first, hit.peak_sample - hit.block_first,
+      hit.pulse_last - hit.block_first, std::min(kContact, smallest));
+  hit.smallest_second_hit = std::max(smallest, second.smallest_visible);
   hit.second_hit = second.ratio;
   hit.second_hit_delay_s = static_cast<double>(second.delay) / rate;
-  if (second.ratio > 0) {
+  if (second.ratio >= smallest) {
     hit.reject(HitFault::double_hit,
                fmt::format("double hit: {:.3g} % of the peak {:.4g} ms {}", 100 * second.ratio,
                            1e3 * std::abs(hit.second_hit_delay_s),

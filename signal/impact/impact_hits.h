@@ -55,8 +55,8 @@ struct HitOptions {
 /// the responses have fallen to this part of their largest value (or to the noise before the hit).
 inline constexpr double kRungDown = 0.01;
 /// Largest drop of the force spectrum in the band, dB below its maximum. ISO 7626-5 asks for a
-/// spectrum that is reasonably flat; 20 dB is the customary outer limit, 10 dB good practice.
-inline constexpr double kMostSpectrumDrop = 20, kGoodSpectrumDrop = 10;
+/// spectrum that is reasonably flat; 20 dB is the customary outer limit.
+inline constexpr double kMostSpectrumDrop = 20;
 
 struct Hit {
   std::size_t recording = 0;  ///< index of the recording it is in

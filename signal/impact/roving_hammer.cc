@@ -96,6 +96,7 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
     all.inputs.push_back(input);
     all.hit_impulse.push_back(one.hit_impulse.front());
     all.force_noise_span_s = std::max(all.force_noise_span_s, one.force_noise_span_s);
+    all.force_noise_std = std::max(all.force_noise_std, one.force_noise_std);
     all.averages = std::min(all.averages, one.averages);
     for (std::size_t h = 0; h < one.by_hit.size() && h < all.by_hit.size(); ++h) {
       all.by_hit[h](Eigen::all, Eigen::seqN(i, responses, inputs)) =

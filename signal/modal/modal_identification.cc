@@ -164,10 +164,12 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& searc
     jacobian.block<2, 2>(row, 2 * r) = pole_jacobian(fit.poles[r]);
     fill_shape(fit, covariance, r, inputs, mode);
     // A record that ends before the mode has decayed scales its residue by 1 - exp(raw * length),
-    // whose phase goes with that of the hit; as likely one way as another.
-    const double cut_off = left_at_the_end(band, fit.poles[r] - band.window) / std::sqrt(2.0);
+    // whose phase goes with that of the hit; as likely one way as another. So does noise of a
+    // force.
+    const double factor = std::hypot(
+        frfs.force_noise_std, left_at_the_end(band, fit.poles[r] - band.window) / std::sqrt(2.0));
     mode.shape_std = (mode.shape_std.array().square() +
-                      (cut_off * mode.shape.array().abs()).square().replicate(1, 2))
+                      (factor * mode.shape.array().abs()).square().replicate(1, 2))
                          .sqrt();
     mode.presence = found.presence[static_cast<std::size_t>(r)];
     mode.significance = std::sqrt(covariance.significance[r] / found.penalty);

@@ -18,8 +18,10 @@ using Eigen::Index;
 
 namespace {
 
-/// Share of a mode's amplitude that is left at the end of the records, from which it may be a tone.
-constexpr double kSteady = 0.5;
+/// Share of a mode's amplitude left at the end of the records from which it may be a tone. Only
+/// hits of ours are known to have records of 1 / line spacing: lines of stepped or periodic sines
+/// lie as far apart as one likes, though 60 half bandwidths (90 %) show no mode.
+double steady(const ModalBand& band) { return band.lead > 0 ? 0.5 : 0.9; }
 
 }  // namespace
 
@@ -132,14 +134,14 @@ void judge_modes(ModalResult& result, const ModalBand& band,
           fmt::format("weak: {:.1f} times the least that is told from noise", mode.significance));
     // A line narrower than the record can show: as likely a steady tone as a mode.
     const double left = left_at_the_end(band, mode.pole_rad_s - band.window);
-    doubt(left > kSteady,
+    doubt(left > steady(band),
           fmt::format("{:.0f} % of it are left at the end of the records: a steady tone such as "
                       "mains hum, or a mode that needs longer records",
                       100 * left));
     for (const IdentifiedMode& other : model.modes) {
-      const bool tone = left_at_the_end(band, other.pole_rad_s - band.window) > kSteady;
+      const bool tone = left_at_the_end(band, other.pole_rad_s - band.window) > steady(band);
       const double apart = std::abs(other.pole_rad_s.imag() - mode.pole_rad_s.imag());
-      doubt(tone && left <= kSteady && apart < 4 * measured,
+      doubt(tone && left <= steady(band) && apart < 4 * measured,
             fmt::format("a steady tone at {:.4g} Hz lies within its resonance: it is no noise, "
                         "error bars do not allow for it",
                         other.frequency_hz.value));
@@ -197,11 +199,16 @@ void judge_modes(ModalResult& result, const ModalBand& band,
     // Records that end before the mode has decayed scale its residue by 1 - exp(-decay * length),
     // whose phase the record does not tell; poles stay right.
     if (left > 0.01) {
-      model.notes.push_back({"decay_cut_off",
-                             fmt::format("{:.1f} % of the amplitude are left at the end of the "
-                                         "records: residues are uncertain by that, poles are not",
-                                         100 * left),
-                             fmt::format("{:.4g} Hz", f)});
+      const bool sine = band.lead == 0 && left > 0.5;
+      model.notes.push_back(
+          {sine ? "steady_tone" : "decay_cut_off",
+           fmt::format("{:.1f} % of the amplitude are left at the end of {}: residues are "
+                       "uncertain by that, poles are not{}",
+                       100 * left, sine ? "records of 1 / line spacing" : "the records",
+                       sine ? "; a steady tone such as mains hum looks like this too. FRFs of "
+                              "stepped or periodic sine are right as they are"
+                            : ""),
+           fmt::format("{:.4g} Hz", f)});
     }
   }
 }

@@ -64,6 +64,9 @@ struct FrfSet {
   /// H the transform of a signal that lies within this time of the hit, s, and so is smooth over
   /// lines. 0: there is neither.
   double force_noise_span_s = 0;
+  /// Standard deviation of Re and of Im of the relative error that noise under a force window gives
+  /// all FRFs of an input alike, mean over the band. It goes with the residues.
+  double force_noise_std = 0;
   int averages = 0;
   double sample_rate_hz = 0;
   /// Relative standard uncertainty of the rate, common to all frequencies

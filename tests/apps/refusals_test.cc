@@ -334,7 +334,7 @@ TEST(Refusals, OfRecordings) {
        {"bending @gaps.csv", 3, "gaps.csv"},
        {"frf @two.csv --force F --response F", 2, "\"F\" is the force: it cannot be a response"},
        {"frf @two.csv --force F --force-window x", 2,
-        "--force-window: \"x\" is no positive number or auto or off or by-noise"},
+        "--force-window: \"x\" is no positive number or auto or off"},
        {"frf @two.csv --force F --struck a b", 2, "--struck names 2 points for 1 file"},
        {"frf @two.csv --force F --response a", 4, "nothing in \"F\" rises above the noise"},
        {"modal @decay.csv --force a", 4, "has no channel besides the force"},

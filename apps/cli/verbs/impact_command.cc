@@ -23,16 +23,15 @@ std::vector<signal::StruckPoint> read_places(VerbContext& context, const ImpactC
 describe::Options options_of(ImpactCommand& c) {
   auto& impact = c.hammer.impact;
   auto& hits = impact.hits;
-  auto window =
-      option("--force-window", impact.force_window_s,
-             "Seconds of force kept from the pulse's start, auto (three pulse lengths), off, or "
-             "by-noise: auto where the noise on the force matters, else off (default)")
-          .positive()
-          .one_of({"auto", "off", "by-noise"})
-          .type("S|auto|off|by-noise");
+  auto window = option("--force-window", impact.force_window_s,
+                       "Seconds of force kept from the pulse's start, auto (three pulse lengths; "
+                       "default) or off")
+                    .positive()
+                    .one_of({"auto", "off"})
+                    .type("S|auto|off");
   window.set = [&impact](const Json& given) {
-    if (given == "by-noise") return impact.force_window_s.reset();
-    impact.force_window_s = given == "auto" ? -1 : given == "off" ? 0 : given.get<double>();
+    if (given == "auto") return impact.force_window_s.reset();
+    impact.force_window_s = given == "off" ? 0 : given.get<double>();
   };
   return {
       option("--force", c.hammer.force, "Force channel: name or #k"),

@@ -89,6 +89,22 @@ TEST(ModeWarnings, ASteadyToneOnALineIsDoubtfulAndLeavesTheModesAlone) {
   }
 }
 
+// Lines 9 to 25 half bandwidths apart: hits of ours, whose records are as long as the lines tell,
+// show as much of a mode as of a steady tone, FRFs from elsewhere may be of sines.
+TEST(ModeWarnings, ModesBetweenLinesAreDoubtfulWhereHitsAreOursElseShownWithAWarning) {
+  testing::DefectiveFrfOptions options;
+  options.damping_ratio = 2e-4, options.spacing_hz = 0.5;
+  options.points = 6, options.points_are_inputs = false;
+  FrfSet set = testing::defective_frfs(options);
+  for (const double before_s : {0.0, 0.01}) {
+    set.pre_trigger_s = before_s;
+    const ModalModel found = identify_modes(set).model;
+    ASSERT_EQ(found.modes.size(), 3u);
+    for (const auto& mode : found.modes) EXPECT_EQ(mode.doubtful, before_s > 0) << mode.doubt;
+    EXPECT_EQ(says(found.notes, "steady_tone"), before_s == 0);
+  }
+}
+
 // One FRF: what a cubic spring makes of a mode is a second pole that decays some three times as
 // fast.
 TEST(ModeWarnings, APoleWithinANarrowerOneIsNoSureMode) {
