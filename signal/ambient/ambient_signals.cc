@@ -130,7 +130,7 @@ void AmbientSignals::find_drift(double low_hz) {
   const VectorXd t = VectorXd::LinSpaced(2 * reach + 1, -far, far);
   const VectorXd window = (t.array() * (kTwoPi / 4 / half)).cos().square().square();
   knot_apart_ = std::max<Index>(reach / 16, 1);
-  drift_ = MatrixXd::Zero((samples_ - 1) / knot_apart_ + 4, channels());
+  drift_ = Eigen::MatrixXd::Zero((samples_ - 1) / knot_apart_ + 4, channels());
   for (Index i = 0; i < drift_.rows(); ++i) {
     const Index begin = (i - 1) * knot_apart_ - reach, first = std::max<Index>(begin, 0);
     const Index count = std::min(begin + 2 * reach + 1, samples_) - first;

@@ -80,8 +80,10 @@ TEST_F(SignalInvariance, OfTheUnitsOfForceAndMotion) {
     channel.samples *= channel.name == "force" ? 1e-3 : 1e3;
   }
   const FrfSet frfs = frfs_of(recording, names());
-  EXPECT_LT((frfs.H * 1e-6 - frfs_->H).cwiseAbs().maxCoeff(),
-            1e-12 * frfs_->H.cwiseAbs().maxCoeff());
+  // To 1400 Hz: the windowed force has hardly anything but rounding where its pulse has none.
+  const Eigen::MatrixXcd expected = frfs_->H.topRows(2801);
+  EXPECT_LT((frfs.H.topRows(2801) * 1e-6 - expected).cwiseAbs().maxCoeff(),
+            1e-13 * expected.cwiseAbs().maxCoeff());
   expect_same_modes(modes_of(frfs, 1));
 }
 
