@@ -38,7 +38,7 @@ class BodyParser {
     const auto stored = std::ranges::count(layout_.columns, true, &CsvColumn::wanted);
     if (lines * stored > 2 * std::ssize(body) + 4096) {
       throw RecordingError(
-          {table.file, layout_.body_line, 0, "", ""},
+          {table.file, layout_.body_line},
           fmt::format("the lines hold far fewer fields than the widest has columns ({})",
                       columns_.size()),
           "give a table whose lines all have the same columns");
@@ -160,8 +160,8 @@ class BodyParser {
     const Eigen::Index all = rows_;
     while (rows_ > 0 && is_empty(rows_ - 1)) --rows_;
     if (rows_ == 0) {
-      throw RecordingError({table_.file, layout_.body_line, 0, "", ""},
-                           "the table holds no numbers", "check the recording, or record again");
+      throw RecordingError({table_.file, layout_.body_line}, "the table holds no numbers",
+                           "check the recording, or record again");
     }
     for (auto& column : columns_) {
       if (column.size() > 0) column.conservativeResize(rows_);
@@ -282,6 +282,7 @@ void CsvTable::add(CsvColumn description, Eigen::VectorXd numbers) {
 
 CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
                           const ReadOptions& options) {
+  bytes = text_without_mark(bytes, file);
   CsvTable table;
   table.file = file;
   table.layout = find_csv_layout(bytes, file, options);

@@ -21,7 +21,7 @@ namespace {
 using Eigen::Index;
 
 RecordingError refused_frf(const FrfPart& part, std::string problem, std::string remedy) {
-  return {{part.file, part.line, 0, "", ""}, std::move(problem), std::move(remedy)};
+  return {{part.file, part.line}, std::move(problem), std::move(remedy)};
 }
 
 /// Place of the point in the list, added when it is new.
@@ -167,7 +167,7 @@ Eigen::VectorXcd values_of(const Columns& columns, FrfSet& set, const std::strin
   };
   if (!columns.polar) return parts(first.samples, columns.second->samples);
   if (columns.second->quantity != Quantity::angle) {
-    throw RecordingError({where, 0, 0, columns.second->name, ""}, "the phase has no unit",
+    throw RecordingError({where, 0, 0, columns.second->name}, "the phase has no unit",
                          "write it into its title: Phase (deg) or Phase (rad)");
   }
   const Eigen::ArrayXd phase = columns.second->samples;
@@ -299,18 +299,6 @@ std::string spectrum_without_frequencies(const CsvTable& table) {
     if (!word.empty()) return column.name.empty() ? word : column.name;
   }
   return is_dated ? "" : word_in(table.layout.heading, kSpectrum);
-}
-
-std::optional<CsvTable> frequency_table_of(CsvTable table) {
-  const auto at = frequency_column(table);
-  if (!at) return std::nullopt;
-  std::vector<Channel> kept;
-  for (std::size_t k = *at; k < table.channels.size(); ++k) {
-    if (k > *at && table.columns[k].kind != FieldKind::number) continue;
-    kept.push_back(std::move(table.channels[k]));
-  }
-  table.channels = std::move(kept);
-  return table;
 }
 
 FrfSet frfs_of(const std::vector<CsvTable>& tables) {

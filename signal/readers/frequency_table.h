@@ -56,10 +56,6 @@ struct FrfPart {
 /// none.
 [[nodiscard]] std::string spectrum_without_frequencies(const CsvTable& table);
 
-/// The table with the frequencies, which rise, as its first channel and functions of numbers behind
-/// them. Empty when it is none over frequency. Throws RecordingError.
-[[nodiscard]] std::optional<CsvTable> frequency_table_of(CsvTable table);
-
 /// FRFs of one input, of tables over frequency: each pair of columns of each table is a response.
 /// Magnitudes may be in dB. Throws RecordingError for tables without phase, of different lines, or
 /// with values that are no numbers.

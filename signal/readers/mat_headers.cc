@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/readers/array_columns.h"
+#include "signal/readers/csv_table.h"
 #include "signal/recording/recording_error.h"
 
 namespace rigfit::signal {

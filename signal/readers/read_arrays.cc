@@ -1,4 +1,4 @@
-#include "signal/readers/array_columns.h"
+#include "signal/readers/csv_table.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -75,16 +75,10 @@ Eigen::MatrixXd matrix_of(const NumberType& type, const char* bytes, Eigen::Inde
       }
     }
   };
-  take('f', float{});
-  take('f', double{});
-  take('i', std::int8_t{});
-  take('i', std::int16_t{});
-  take('i', std::int32_t{});
-  take('i', std::int64_t{});
-  take('u', std::uint8_t{});
-  take('u', std::uint16_t{});
-  take('u', std::uint32_t{});
-  take('u', std::uint64_t{});
+  const auto each = [&](char kind, auto... one) { (take(kind, one), ...); };
+  each('f', float{}, double{});
+  each('i', std::int8_t{}, std::int16_t{}, std::int32_t{}, std::int64_t{});
+  each('u', std::uint8_t{}, std::uint16_t{}, std::uint32_t{}, std::uint64_t{});
   return numbers;
 }
 

@@ -54,7 +54,7 @@ void refuse_shifted_titles(const CsvTable& table, std::optional<std::size_t> tim
   const bool more =
       table.layout.more_titles && (time ? at > 0 && !is_time(at) && is_time(at - 1) : is_time(at));
   if (!fewer && !more) return;
-  throw RecordingError({table.file, table.layout.body_line, 0, table.channels.back().name, ""},
+  throw RecordingError({table.file, table.layout.body_line, 0, table.channels.back().name},
                        fmt::format("there are {} titles than columns of numbers: they may stand a "
                                    "column beside their numbers",
                                    fewer ? "fewer" : "more"),
@@ -202,7 +202,7 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
                              const std::string& format, const ReadOptions& options) {
   const CsvLayout& layout = table.layout;
   const auto refusal = [&](const std::string& channel, const char* problem, std::string remedy) {
-    return RecordingError({path.string(), layout.body_line, 0, channel, ""}, problem,
+    return RecordingError({path.string(), layout.body_line, 0, channel}, problem,
                           std::move(remedy));
   };
   if (const auto column = frequency_column(table)) {
@@ -251,9 +251,7 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
 
 Recording read_csv(std::string_view bytes, const std::filesystem::path& path,
                    const ReadOptions& options) {
-  const std::string file = path.string();
-  return recording_of_table(read_csv_columns(text_without_mark(bytes, file), file, options), path,
-                            "csv", options);
+  return recording_of_table(read_csv_columns(bytes, path.string(), options), path, "csv", options);
 }
 
 }  // namespace rigfit::signal

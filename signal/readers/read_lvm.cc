@@ -29,19 +29,19 @@ struct LvmHeader {
                ? std::string()
                : row->second[column - 1];
   }
-  [[nodiscard]] double number(const std::string& key, std::size_t column, double otherwise) const {
+  [[nodiscard]] double number(const std::string& key, std::size_t column) const {
     double value = 0;
     const std::string own = text(key, column);
     return (parse_whole_number(own, '.', value) || parse_whole_number(own, ',', value)) &&
                    std::isfinite(value)
                ? value
-               : otherwise;
+               : 0;
   }
   /// Delta_X as a rate, uncertain by its last printed digit.
   [[nodiscard]] RateOfStep rate(std::size_t column) const {
     const std::string own = text("Delta_X", column);
     const int decimals = std::max(printed_decimals(own, '.'), printed_decimals(own, ','));
-    return rate_of_step(number("Delta_X", column, 0), 0.5 * std::pow(10.0, -decimals));
+    return rate_of_step(number("Delta_X", column), 0.5 * std::pow(10.0, -decimals));
   }
 };
 
@@ -182,12 +182,12 @@ class LvmReader {
       title.unit = "s";
       table_.add(std::move(title), times);
     }
-    const double step = header_.number("Delta_X", reference, 0);
-    const double start = header_.number("X0", reference, 0);
+    const double step = header_.number("Delta_X", reference);
+    const double start = header_.number("X0", reference);
     for (const std::size_t c : values_) {
-      const double own_step = header_.number("Delta_X", c, 0);
+      const double own_step = header_.number("Delta_X", c);
       bool other = step > 0 && ((own_step > 0 && std::abs(own_step / step - 1) > 1e-6) ||
-                                std::abs(header_.number("X0", c, 0) - start) > kSameTimes * step);
+                                std::abs(header_.number("X0", c) - start) > kSameTimes * step);
       if (const auto own = x_of(c); has_times && own != x_columns_.rend()) {
         other |= ((columns[*own] - times).array().abs() > kSameTimes * own_step).any();
       }
@@ -202,7 +202,7 @@ class LvmReader {
       table_.add(layout.columns[c], std::move(columns[c]));
       const Channel& channel = table_.channels.back();
       const auto held = static_cast<double>(channel.samples.size() - channel.missing_samples);
-      const double samples = header_.number("Samples", c, 0);
+      const double samples = header_.number("Samples", c);
       if (held > 0 && samples > 0 && samples != held) {
         add_note(table_.notes, "read_as", channel.name,
                  "the header states {:.0f} samples, the table holds {:.0f}",

@@ -162,8 +162,16 @@ std::optional<CsvTable> frequency_table_in(std::string_view bytes,
                                            const std::filesystem::path& path,
                                            const ReadOptions& options) {
   if (format_of(bytes) != "csv") return std::nullopt;
-  const std::string file = path.string();
-  return frequency_table_of(read_csv_columns(text_without_mark(bytes, file), file, options));
+  CsvTable table = read_csv_columns(bytes, path.string(), options);
+  const auto at = frequency_column(table);
+  if (!at) return std::nullopt;
+  std::vector<Channel> kept;
+  for (std::size_t k = *at; k < table.channels.size(); ++k) {
+    if (k > *at && table.columns[k].kind != FieldKind::number) continue;
+    kept.push_back(std::move(table.channels[k]));
+  }
+  table.channels = std::move(kept);
+  return table;
 }
 
 }  // namespace rigfit::signal

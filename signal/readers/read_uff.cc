@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "signal/numerics/numbers.h"
-#include "signal/readers/array_columns.h"
 #include "signal/readers/csv_fields.h"
+#include "signal/readers/csv_table.h"
 #include "signal/readers/frequency_table.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff58.h"
@@ -339,7 +339,7 @@ void add_to_parts(const Uff58& f, const std::string& file, Eigen::VectorXd FrfPa
   for (auto& part : parts) {
     if (part.response != own.response || part.input != own.input) continue;
     if (!same_lines(own.frequency_hz, part.frequency_hz)) {
-      throw RecordingError({file, f.line, 0, "", ""}, "has other frequencies than its FRF",
+      throw RecordingError({file, f.line}, "has other frequencies than its FRF",
                            "give functions over the same lines");
     }
     part.*values = f.real * (values == &FrfPart::H_std ? scale_of(f).factor : 1.0);
@@ -375,13 +375,13 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
   if (histories.empty()) {
     const bool any = !functions.empty();
     throw RecordingError(
-        {name, any ? functions.front().line : 1, 0, "", ""},
+        {name, any ? functions.front().line : 1},
         any ? "holds no time history, but: " + kinds_in(functions) : "holds no dataset 58",
         "give a recording over time (FRFs are taken by `modal`)");
   }
   const double written = histories.front()->noted("channels");
   if (written > static_cast<double>(histories.size())) {
-    throw RecordingError({name, histories.back()->line, 0, "", ""},
+    throw RecordingError({name, histories.back()->line},
                          fmt::format("breaks off: it was written with {} channels and holds {}",
                                      written, histories.size()),
                          "copy the file again");
@@ -413,7 +413,7 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
   }
   if (first == nullptr) {
     throw RecordingError(
-        {name, functions.empty() ? 1 : functions.front().line, 0, "", ""},
+        {name, functions.empty() ? 1 : functions.front().line},
         "holds no frequency response function (dataset 58, function type 4, complex)",
         "estimate them with `frf`, or give the recordings themselves");
   }

@@ -136,7 +136,7 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
         missing > 0 ? 0 : clipped_samples(channel.samples, channel.nominal_range).count;
     if (missing + clipped == 0) continue;
     throw RecordingError(
-        {recording.path.string(), 0, 0, channel.name, ""},
+        {recording.path.string(), 0, 0, channel.name},
         fmt::format("{} samples are {}", missing + clipped, missing > 0 ? "missing" : "clipped"),
         "take the channel or those lines out");
   }
