@@ -54,12 +54,12 @@ GroupMean mean_over_groups(std::span<const double> x, std::span<const double> v)
   return p;
 }
 
-JackknifeVariance jackknife_variance(std::span<const double> without) {
+double jackknife_variance(std::span<const double> without) {
   const auto G = static_cast<double>(without.size());
   const double mean = std::accumulate(without.begin(), without.end(), 0.0) / G;
   double squares = 0;
   for (const double x : without) squares += (x - mean) * (x - mean);
-  return {(G - 1) / G * squares, G - 1};
+  return (G - 1) / G * squares;
 }
 
 double GroupMean::std_95() const { return widening_95(degrees) * std::sqrt(variance); }

@@ -43,13 +43,9 @@ struct GroupMean {
 [[nodiscard]] GroupMean mean_over_groups(std::span<const double> values,
                                          std::span<const double> variances);
 
-struct JackknifeVariance {
-  double variance = 0;
-  double degrees = 0;  ///< G - 1
-};
-
-/// `without`: the value computed without group g, for each of the groups (at least two).
-[[nodiscard]] JackknifeVariance jackknife_variance(std::span<const double> without);
+/// Variance of a quantity, of G - 1 degrees of freedom, from its values without each of the groups
+/// (at least two).
+[[nodiscard]] double jackknife_variance(std::span<const double> without);
 
 /// Factor on a standard deviation of so many degrees of freedom so that +-1.96 of it hold 95 %.
 [[nodiscard]] double widening_95(double degrees_of_freedom);

@@ -35,7 +35,7 @@ MatrixXcd powers_of_s(const VectorXcd& s, int power, bool middle) {
 /// What exp(-i w t), `first` <= t <= `last`, span outside of `known`.
 MatrixXcd terms_between(const VectorXcd& s, const MatrixXcd& known, double first, double last) {
   const Index lines = s.size();
-  if (!(last > first) || lines < 2) return MatrixXcd(lines, 0);
+  if (!(last > first)) return MatrixXcd(lines, 0);
   const double low = s[0].imag(), high = s[lines - 1].imag();
   const double product = (last - first) * (high - low) / (kTwoPi);
   if (4 * (product + 4) > static_cast<double>(lines)) return MatrixXcd(lines, 0);
@@ -123,13 +123,11 @@ double affordable_terms(const ModalBand& band, Index poles, double max_work) {
 }  // namespace
 
 MatrixXcd smooth_background(const Eigen::Ref<const VectorXcd>& s, int power, double span_s) {
-  if (!(span_s > 0) || s.size() < 2) return MatrixXcd(s.size(), 0);
   return terms_between(s, powers_of_s(s, power, false), -span_s, span_s);
 }
 
 MatrixXcd cut_off_background(const Eigen::Ref<const VectorXcd>& s, int power, double before_s,
                              double after_s) {
-  if (s.size() < 3) return MatrixXcd(s.size(), 0);
   const MatrixXcd known = powers_of_s(s, power, true);
   const MatrixXcd smooth = terms_between(s, known, -before_s, after_s);
   MatrixXcd terms(s.size(), 1 + smooth.cols());

@@ -150,20 +150,6 @@ std::vector<LocalMode> find_local_modes(const ModalBand& band, const std::vector
   return modes;
 }
 
-namespace {
-
-bool points_differ(const LocalMode& mode) {
-  return mode.points.size() > 1 && std::min(mode.decay.chance, mode.frequency.chance) < 1e-4;
-}
-
-/// Between points, over the mode's half bandwidth: less does not move a fit of all FRFs together.
-bool scatter_matters(const LocalMode& mode) {
-  return mode.frequency.between_std() > kScatterThatMatters * mode.decay.mean ||
-         mode.decay.between_std() > kScatterThatMatters * mode.decay.mean;
-}
-
-}  // namespace
-
 bool is_touched(const ModalBand& band, const VectorXcd& poles, Index r, double times) {
   for (Index q = 0; q < poles.size(); ++q) {
     const double halves = 2 * band.window - poles[r].real() - poles[q].real();
@@ -203,8 +189,12 @@ bool has_twins(const ModalBand& band, const VectorXcd& poles,
 }
 
 bool global_fit_holds(const std::vector<LocalMode>& checked) {
-  return std::ranges::none_of(
-      checked, [](const LocalMode& mode) { return points_differ(mode) && scatter_matters(mode); });
+  return std::ranges::none_of(checked, [](const LocalMode& mode) {
+    const GroupMean &f = mode.frequency, &decay = mode.decay;
+    // Over the half bandwidth: less does not move a fit of all FRFs together.
+    return mode.points.size() > 1 && std::min(decay.chance, f.chance) < 1e-4 &&
+           std::max(decay.between_std(), f.between_std()) > kScatterThatMatters * decay.mean;
+  });
 }
 
 FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& local,

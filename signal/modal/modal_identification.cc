@@ -130,14 +130,12 @@ void fill_points(const FrfSet& frfs, const ModalBand& band, const LocalMode& loc
   const bool by_input = points_are_inputs(band);
   for (const PointPole& found : local.points) {
     const auto at = static_cast<std::size_t>(found.point);
-    ModeAtPoint point;
-    point.point = by_input ? frfs.inputs[at] : frfs.responses[at];
-    point.order = found.point;
     const double magnitude = std::abs(found.pole);
-    point.frequency_hz = {magnitude / kTwoPi, found.std / kTwoPi};
-    point.damping_ratio = {-found.pole.real() / magnitude, found.std / magnitude};
-    point.misfit = found.misfit;
-    mode.points.push_back(point);
+    mode.points.push_back({by_input ? frfs.inputs[at] : frfs.responses[at],
+                           found.point,
+                           {magnitude / kTwoPi, found.std / kTwoPi},
+                           {-found.pole.real() / magnitude, found.std / magnitude},
+                           found.misfit});
   }
 }
 
@@ -328,9 +326,8 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     }
     result.misfit_over_error_bars = std::sqrt(sum / static_cast<double>(count));
   }
-  check_misfit(result, band, H - found.model, H - fitted);
   allow_for_hits(frfs, band, found, search.local, options, model);
-  judge_modes(result, band, H - found.model);
+  judge_modes(result, band, H - found.model, H - fitted);
   return result;
 }
 

@@ -12,7 +12,7 @@
 #include "signal/estimation/groups.h"
 #include "signal/modal/local_modes.h"
 #include "signal/numerics/numbers.h"
-#include "signal/refinement/modal_covariance.h"
+#include "signal/refinement/modal_refine.h"
 
 namespace rigfit::signal {
 namespace {
@@ -99,7 +99,7 @@ void add_jackknife(const HitsOnInput& hits, Index r, Complex pole, ModeOfHits& m
   for (Index part = 0; part < 2; ++part) {
     const Eigen::ArrayXd weighted = change.row(part).transpose().cwiseProduct(hits.weight);
     const Eigen::ArrayXd without = (weighted.sum() - weighted) / (1 - hits.weight.array());
-    const double variance = jackknife_variance({without.data(), hits.moved.size()}).variance;
+    const double variance = jackknife_variance({without.data(), hits.moved.size()});
     mode.variance[part] += variance;
     if (part == 0) mode.squares += variance * variance / static_cast<double>(count - 1);
   }
@@ -179,8 +179,8 @@ void widen_shapes(const ModalBand& band, const std::vector<HitsOnInput>& all,
       const Eigen::ArrayXcd weighted = part * hits.weight.array();
       const Eigen::ArrayXcd without = (weighted.sum() - weighted) / (1 - hits.weight.array());
       const Eigen::ArrayXd re = without.real(), im = without.imag();
-      variance(o, 0) = jackknife_variance({re.data(), hits.H.size()}).variance;
-      variance(o, 1) = jackknife_variance({im.data(), hits.H.size()}).variance;
+      variance(o, 0) = jackknife_variance({re.data(), hits.H.size()});
+      variance(o, 1) = jackknife_variance({im.data(), hits.H.size()});
       const double noise =
           fit.cwiseAbs().cwiseProduct(band.H_std.col(c).segment(first, lines)).squaredNorm();
       squares += variance.row(o).sum() * size * size / std::max(noise, 1e-300);

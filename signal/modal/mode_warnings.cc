@@ -11,12 +11,14 @@
 
 #include "signal/modal/band_background.h"
 #include "signal/numerics/numbers.h"
+#include "signal/poles/pole_clusters.h"
 
 namespace rigfit::signal {
 
-using Eigen::Index;
-
 namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
 
 /// Share of a mode's amplitude left at the end of the records from which it may be a tone. Only
 /// hits of ours are known to have records of 1 / line spacing: lines of stepped or periodic sines
@@ -76,41 +78,11 @@ double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise, const I
   return beyond > 4 * chance ? std::sqrt(beyond / around) : 0;
 }
 
-void check_misfit(ModalResult& result, const ModalBand& band,
-                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
-                  const Eigen::Ref<const Eigen::MatrixXcd>& of_one_shape_each) {
-  for (const IdentifiedMode& mode : result.model.modes) {
-    double part = misfit_beyond_noise(band, result.noise, mode, misfit);
-    // As prominent as a mode has to be (judge_modes).
-    const double beside = misfit_beyond_noise(band, result.noise, mode, of_one_shape_each);
-    if (band.lines.inputs > 1 && beside > 0.1) part = beside;
-    if (part == 0) continue;
-    result.model.notes.push_back(
-        {"systematic_misfit",
-         fmt::format("Measure longer records and more points, or look for a change between hits: "
-                     "{:.2g} % of the FRFs around the mode are neither its own nor noise, as where "
-                     "a second mode lies within its resonance; error bars do not allow for it",
-                     100 * part),
-         fmt::format("{:.4g} Hz", mode.frequency_hz.value)});
-  }
-}
-
-namespace {
-
-/// Noise that goes with the FRFs and is common to those of an input, such as noise on its force,
-/// over the FRF at the line next to a mode.
-double shared_noise(const IdentifiedMode& mode, const ModalBand& band, const FrfNoise& noise) {
-  if (noise.common.size() == 0 || noise.line.size() != band.frequency_hz.size()) return 0;
-  Index nearest = 0;
-  (band.frequency_hz.array() - mode.pole_rad_s.imag() / kTwoPi).abs().minCoeff(&nearest);
-  return std::sqrt(2 * noise.line[nearest] * noise.common.maxCoeff());
-}
-
-}  // namespace
-
 void judge_modes(ModalResult& result, const ModalBand& band,
-                 const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+                 const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
+                 const Eigen::Ref<const Eigen::MatrixXcd>& of_one_shape_each) {
   ModalModel& model = result.model;
+  const FrfNoise& noise = result.noise;
   for (std::size_t r = 0; r < model.modes.size(); ++r) {
     IdentifiedMode& mode = model.modes[r];
     std::vector<std::string> doubts;
@@ -140,8 +112,8 @@ void judge_modes(ModalResult& result, const ModalBand& band,
                       100 * left));
     for (const IdentifiedMode& other : model.modes) {
       const bool tone = left_at_the_end(band, other.pole_rad_s - band.window) > steady(band);
-      const double apart = std::abs(other.pole_rad_s.imag() - mode.pole_rad_s.imag());
-      doubt(tone && left <= steady(band) && apart < 4 * measured,
+      const double distance = std::abs(other.pole_rad_s.imag() - mode.pole_rad_s.imag());
+      doubt(tone && left <= steady(band) && distance < 4 * measured,
             fmt::format("a steady tone at {:.4g} Hz lies within its resonance: it is no noise, "
                         "error bars do not allow for it",
                         other.frequency_hz.value));
@@ -161,14 +133,16 @@ void judge_modes(ModalResult& result, const ModalBand& band,
           fmt::format("its frequency differs between points by {:.2g} Hz rms, {:.1f} half "
                       "bandwidths: the points do not show one and the same rig",
                       scatter, scatter / half));
-    const double unexplained =
-        global ? misfit_beyond_noise(band, result.noise, mode, misfit) : mode.reconstruction_error;
+    const double beyond = misfit_beyond_noise(band, noise, mode, misfit);
+    const double unexplained = global ? beyond : mode.reconstruction_error;
     doubt(unexplained > 0.3, fmt::format("{:.0f} % of the FRFs around it are not explained by it{}",
                                          100 * unexplained, global ? ", nor by noise" : ""));
     // Standard deviations are of first order in the noise. Noise that goes with the FRF and is the
     // same for all of them weighs single lines of the peak by chance; beyond a tenth of the peak,
     // all its lines together, that is no small change.
-    const double shared = shared_noise(mode, band, result.noise);
+    Index nearest = 0;
+    (band.frequency_hz.array() - mode.pole_rad_s.imag() / kTwoPi).abs().minCoeff(&nearest);
+    const double shared = std::sqrt(2 * noise.line[nearest] * noise.common.maxCoeff());
     const double lines = std::max(1.0, 2 * half / band.spacing_hz);
     doubt(global && shared > 0.1 * std::sqrt(lines),
           fmt::format("noise that all FRFs share, as that on the force, has {:.0f} % of them at "
@@ -176,18 +150,18 @@ void judge_modes(ModalResult& result, const ModalBand& band,
                       "much; use a force window",
                       100 * shared, lines));
     // Noise of the residues alone lowers the collinearity by about its share of the power.
-    const double noise = mode.shape_std.squaredNorm() / mode.shape.squaredNorm();
-    doubt(mode.shape.size() >= 3 && mode.modal_phase_collinearity < 0.8 - 2 * noise,
+    const double part = mode.shape_std.squaredNorm() / mode.shape.squaredNorm();
+    doubt(mode.shape.size() >= 3 && mode.modal_phase_collinearity < 0.8 - 2 * part,
           fmt::format("complex shape: phase collinearity {:.2f}", mode.modal_phase_collinearity));
     for (const std::size_t other : {r - 1, r + 1}) {  // r - 1 wraps below 0 and is left out
       if (other >= model.modes.size()) continue;
       const double likeness = result.auto_mac(static_cast<Index>(r), static_cast<Index>(other));
-      const double others = band.window - model.modes[other].pole_rad_s.real(),
-                   apart = std::abs(mode.pole_rad_s - model.modes[other].pole_rad_s) /
-                           (measured + others);
+      const Complex beside = model.modes[other].pole_rad_s;
+      const double others = band.window - beside.real();
+      const double distance = apart(mode.pole_rad_s, beside, band.window);
       // Where shapes do not tell: a cubic spring adds poles that decay 3, 5, ... times as fast.
       const bool shapes = mode.shape.size() >= 3;
-      doubt(shapes ? likeness > 0.9 && apart < 2 : measured > 2 * others && apart < 1,
+      doubt(shapes ? likeness > 0.9 && distance < 2 : measured > 2 * others && distance < 1,
             fmt::format("{} the mode at {:.4g} Hz{}, resonances overlap: "
                         "one mode that changed between hits, or a non-linear one, looks like this",
                         shapes ? "same shape as" : "more than twice as wide as",
@@ -196,6 +170,19 @@ void judge_modes(ModalResult& result, const ModalBand& band,
     }
     mode.doubtful = !doubts.empty();
     mode.doubt = fmt::format("{}", fmt::join(doubts, "; "));
+    const double of_one_shape =
+        band.lines.inputs > 1 ? misfit_beyond_noise(band, noise, mode, of_one_shape_each) : 0;
+    // As prominent as a mode has to be.
+    if (const double more = of_one_shape > 0.1 ? of_one_shape : beyond; more > 0) {
+      model.notes.push_back(
+          {"systematic_misfit",
+           fmt::format("Measure longer records and more points, or look for a change between hits: "
+                       "{:.2g} % of the FRFs around the mode are neither its own nor noise, as "
+                       "where a second mode lies within its resonance; error bars do not allow for "
+                       "it",
+                       100 * more),
+           fmt::format("{:.4g} Hz", f)});
+    }
     // Records that end before the mode has decayed scale its residue by 1 - exp(-decay * length),
     // whose phase the record does not tell; poles stay right.
     if (left > 0.01) {

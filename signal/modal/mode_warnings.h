@@ -25,16 +25,12 @@ namespace rigfit::signal {
                                          const IdentifiedMode& mode,
                                          const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
 
-/// Notes modes around which the model leaves more than noise, and modes whose residues of several
-/// inputs are of more than one shape. `misfit`: lines x FRFs; `of_one_shape_each`: that of the
+/// Fills `doubtful` and adds to `doubt` of every mode. Notes modes around which the model leaves
+/// more than noise, modes whose residues of several inputs are of more than one shape, and what the
+/// record's length costs the residues. `misfit`: lines x FRFs; `of_one_shape_each`: that of the
 /// modes as they are given, each with one shape.
-void check_misfit(ModalResult& result, const ModalBand& band,
-                  const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
-                  const Eigen::Ref<const Eigen::MatrixXcd>& of_one_shape_each);
-
-/// Fills `doubtful` and adds to `doubt` of every mode; what the record's length costs the residues
-/// is noted. `misfit`: lines x FRFs.
 void judge_modes(ModalResult& result, const ModalBand& band,
-                 const Eigen::Ref<const Eigen::MatrixXcd>& misfit);
+                 const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
+                 const Eigen::Ref<const Eigen::MatrixXcd>& of_one_shape_each);
 
 }  // namespace rigfit::signal

@@ -6,8 +6,9 @@
 #include <optional>
 #include <utility>
 
+#include "signal/estimation/pole_steps.h"
+#include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
-#include "signal/refinement/local_fit.h"
 #include "signal/refinement/modal_noise.h"
 
 namespace rigfit::signal {
@@ -16,6 +17,7 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
@@ -29,11 +31,119 @@ double gap(const ModalBand& band, Complex p, Complex q) {
   return apart(p, q, band.window, kTwoPi * band.spacing_hz);
 }
 
-/// A fit with its lines and FRFs.
-struct WindowFit : LocalFit {
+/// Poles of one mode, or of few that overlap, on the lines s_k around them, with everything else as
+/// a smooth background: column c of the FRFs is
+///   H_c(s) = sum_r a_rc / (s - p_r) + sum_q a_qc / (s - p_q) + sum_{j=0..d} b_jc x^j,
+/// p_r free, p_q of neighbours and fixed, x the frequency scaled to -1..1 in the window. The factor
+/// s^n of mobility and accelerance, conjugate poles, modes further away and residual terms are
+/// smooth there and part of the polynomial; a_rc is the receptance residue times p_r^n. The model
+/// is analytic in the poles, so that complex least squares applies: amplitudes and background are
+/// eliminated, poles move by steps (estimation/pole_steps.h) that never raise
+///   sum_c w_c sum_k |H_c(s_k) - model|^2.
+/// `usable` is false for too few lines, and for columns of the model that depend. Source: Ewins,
+/// Modal Testing, 2nd ed., sec. 4.3 (single-mode methods, compensation for neighbouring modes).
+struct LocalFit : PoleStage {
   VectorXcd s;
-  MatrixXcd H;
+  MatrixXcd H;           ///< lines x columns
+  MatrixXcd amplitudes;  ///< free poles x columns: a_rc
+  MatrixXcd residual;    ///< lines x columns
+  VectorXd misfit;       ///< columns: sum over lines of |residual|^2
+  /// Free poles x columns: by how much `misfit` rises without that pole, the others kept.
+  MatrixXd gain;
+  /// sum_c w_c conj(a_rc) a_qc (D_r' D_q), D the derivatives of the free poles' columns outside the
+  /// model's.
+  MatrixXcd analytic_information;
+  MatrixXcd outside;  ///< D: lines x free poles
+  /// Covariance of the free poles for w_c = 1 / variance of a column's complex noise, white over
+  /// lines.
+  MatrixXcd covariance;
+  /// The same from what the fit leaves at each line of all columns together (White, Econometrica 48
+  /// (1980) 817): for noise that goes with |H| and is common to columns. Scatters when lines are
+  /// few.
+  MatrixXcd robust_covariance;
+  Index freedom = 0;  ///< complex values a column less unknowns: lines - poles - d - 1
 };
+
+MatrixXcd columns_of(const VectorXcd& s, const VectorXcd& poles, const VectorXcd& fixed,
+                     int order) {
+  const Index lines = s.size(), free = poles.size(), all = free + fixed.size();
+  MatrixXcd basis(lines, all + order + 1);
+  for (Index r = 0; r < all; ++r) {
+    basis.col(r) = (s.array() - (r < free ? poles[r] : fixed[r - free])).inverse();
+  }
+  const double low = s[0].imag(), high = s[lines - 1].imag();
+  const VectorXd x = (2 * s.imag().array() - low - high) / (high - low);
+  basis.col(all).setOnes();
+  for (int j = 1; j <= order; ++j) {
+    basis.col(all + j) = basis.col(all + j - 1).cwiseProduct(x.cast<Complex>());
+  }
+  return basis;
+}
+
+/// The fit at one set of free poles, without covariances.
+LocalFit fit_at(const VectorXcd& s, const MatrixXcd& H, const VectorXd& weight,
+                const VectorXcd& poles, const VectorXcd& fixed, int order) {
+  LocalFit fit;
+  fit.poles = poles;
+  const Index free = poles.size();
+  MatrixXcd basis = columns_of(s, poles, fixed, order);
+  const VectorXd length = basis.colwise().norm().transpose();
+  basis = basis * length.cwiseInverse().asDiagonal();
+  const ThinQr<MatrixXcd> qr = thin_qr(basis);
+  if (!(qr.R.diagonal().cwiseAbs().minCoeff() > 1e-10)) return fit;
+  const MatrixXcd moments = qr.Q.adjoint() * H;
+  const MatrixXcd all = qr.R.triangularView<Eigen::Upper>().solve(moments);
+  fit.amplitudes = length.head(free).cwiseInverse().asDiagonal() * all.topRows(free);
+  fit.residual = H - qr.Q * moments;
+  fit.misfit = fit.residual.colwise().squaredNorm().transpose();
+  fit.cost = fit.misfit.dot(weight);
+  // |a|^2 over its unit variance: what a column of the model adds to the fit.
+  const MatrixXcd inverse =
+      qr.R.triangularView<Eigen::Upper>().solve(MatrixXcd::Identity(basis.cols(), basis.cols()));
+  const VectorXd variance = inverse.topRows(free).rowwise().squaredNorm();
+  fit.gain = variance.cwiseInverse().asDiagonal() * all.topRows(free).cwiseAbs2();
+  MatrixXcd& D = fit.outside;
+  D.resize(s.size(), free);
+  for (Index r = 0; r < free; ++r) D.col(r) = (s.array() - poles[r]).square().inverse();
+  D -= qr.Q * (qr.Q.adjoint() * D);
+  const MatrixXcd conjugate = fit.amplitudes.conjugate();
+  fit.analytic_information =
+      (D.adjoint() * D).cwiseProduct(conjugate * weight.asDiagonal() * fit.amplitudes.transpose());
+  fit.set_analytic(conjugate.cwiseProduct(D.adjoint() * fit.residual) * weight.cast<Complex>(),
+                   fit.analytic_information);
+  fit.usable = std::isfinite(fit.cost);
+  return fit;
+}
+
+/// `weight`: w_c; `start`: free poles; `fixed`: neighbours; `order`: d; `step_in_std`: where the
+/// steps of the poles end. Poles stay stable (Re p below Re s) and, in Im, within the window.
+LocalFit fit_locally(const VectorXcd& s, const MatrixXcd& H, const VectorXd& weight,
+                     const VectorXcd& start, const VectorXcd& fixed, int order,
+                     double step_in_std) {
+  const Index freedom = s.size() - start.size() - fixed.size() - order - 1;
+  if (freedom < 2 || start.size() == 0) return {};
+  const auto at = [&](const VectorXcd& poles) { return fit_at(s, H, weight, poles, fixed, order); };
+  LocalFit fit = at(start);
+  if (!fit.usable) return fit;
+  PoleStepOptions steps;
+  steps.max_iterations = 30;
+  steps.step_in_std = step_in_std;
+  steps.freedom = static_cast<double>(2 * freedom * H.cols());
+  steps.rounding = 1e-28 * H.colwise().squaredNorm().dot(weight);
+  steps.undamped = s[0].real();
+  steps.low = s[0].imag(), steps.high = s[s.size() - 1].imag();
+  take_pole_steps(steps, at, fit);
+  fit.s = s, fit.H = H, fit.freedom = freedom;
+  fit.covariance = hermitian_eigen(fit.analytic_information).pseudo_inverse();
+  // Score of each line: sum_c w_c conj(a_rc D_kr) times what is left.
+  const MatrixXcd score = fit.outside.conjugate().cwiseProduct(fit.residual * weight.asDiagonal() *
+                                                               fit.amplitudes.adjoint());
+  fit.robust_covariance = fit.covariance * (score.transpose() * score.conjugate()) *
+                          fit.covariance *
+                          (static_cast<double>(s.size()) / static_cast<double>(freedom));
+  fit.usable = fit.covariance.allFinite();
+  return fit;
+}
 
 /// Variance of a mean of lines that an exponential window correlates over that of independent ones.
 double line_inflation(const ModalBand& band, Index lines) {
@@ -60,8 +170,8 @@ class PointFit {
   const MatrixXcd& H;
   double twin_misfit = 0, max_damping_ratio = 0, penalty = 0;
 
-  WindowFit fit(const std::vector<Complex>& group, const std::vector<Complex>& others,
-                double bandwidths, int order) const {
+  LocalFit fit(const std::vector<Complex>& group, const std::vector<Complex>& others,
+               double bandwidths, int order) const {
     Index first = band.frequency_hz.size(), end = 0;
     for (const Complex p : group) {
       const auto [from, count] = lines_around(band, p, kLines, bandwidths);
@@ -86,16 +196,12 @@ class PointFit {
     // standard uncertainty adds 0.09 of a degree of freedom to the misfit. A tenth of the mean
     // keeps a column that is fitted by chance from deciding alone.
     VectorXd weight = VectorXd::Ones(H.cols());
-    LocalFit result = H.cols() > 1 ? fit_locally(s, part, weight, start, fixed, order, 0.3)
-                                   : fit_locally(s, part, weight, start, fixed, order);
-    if (result.usable && H.cols() > 1) {
-      const double mean = result.misfit.mean();
-      if (mean > 0) {
-        weight = mean / (result.misfit.array() + 0.1 * mean);
-        result = fit_locally(s, part, weight, result.poles, fixed, order);
-      }
-    }
-    return {std::move(result), s, part};
+    const bool several = H.cols() > 1;
+    const LocalFit fit = fit_locally(s, part, weight, start, fixed, order, several ? 0.3 : 1e-2);
+    const double mean = fit.usable && several ? fit.misfit.mean() : 0;
+    if (!(mean > 0)) return fit;
+    weight = mean / (fit.misfit.array() + 0.1 * mean);
+    return fit_locally(s, part, weight, fit.poles, fixed, order, 1e-2);
   }
 
   /// The weakest pole of a group that does not stand out; -1: all do.
@@ -118,7 +224,7 @@ class PointFit {
   /// a second is believed, or several times what two of like damping at a distance leave: a
   /// resonance that is not quite linear is fitted better by two poles than by one.
   Index needless_twin(const std::vector<Complex>& group, const std::vector<Complex>& others,
-                      const WindowFit& both, std::optional<WindowFit>& without) const {
+                      const LocalFit& both, std::optional<LocalFit>& without) const {
     for (Index r = 0; r < both.poles.size(); ++r) {
       for (Index q = 0; q < both.poles.size(); ++q) {
         if (q == r || gap(band, both.poles[r], both.poles[q]) > 1.5) continue;
@@ -132,7 +238,7 @@ class PointFit {
                                                       : 4;
         std::vector<Complex> fewer = group;
         fewer.erase(fewer.begin() + r);
-        const WindowFit fit = this->fit(fewer, others, kBandwidths, 2);
+        const LocalFit fit = this->fit(fewer, others, kBandwidths, 2);
         if (!fit.usable) continue;
         double worst = 0;
         const double left =
@@ -153,7 +259,7 @@ class PointFit {
   }
 
   /// Rms misfit over rms FRF within the half bandwidth of a pole.
-  double misfit_around(const WindowFit& fit, Complex pole) const {
+  double misfit_around(const LocalFit& fit, Complex pole) const {
     const double half = std::max(half_bandwidth(band, pole), kTwoPi * band.spacing_hz);
     double above = 0, below = 0;
     for (Index k = 0; k < fit.residual.rows(); ++k) {
@@ -207,7 +313,7 @@ std::vector<Complex> other_poles(const std::vector<std::vector<Complex>>& groups
 
 /// What the final fit of a group says about its pole r; `moved`: how far the pole goes with another
 /// window and background.
-PointPole described(const PointFit& point, const WindowFit& fit, Index r, double moved) {
+PointPole described(const PointFit& point, const LocalFit& fit, Index r, double moved) {
   PointPole pole;
   pole.pole = fit.poles[r];
   const double inflation = line_inflation(point.band, fit.residual.rows());
@@ -264,7 +370,7 @@ std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, In
   for (int round = 0; round < 2; ++round) {
     for (std::size_t g = 0; g < groups.size(); ++g) {
       const std::vector<Complex> others = other_poles(groups, g);
-      for (std::optional<WindowFit> fit, without; !groups[g].empty(); fit.swap(without)) {
+      for (std::optional<LocalFit> fit, without; !groups[g].empty(); fit.swap(without)) {
         if (!fit) fit = point.fit(groups[g], others, kBandwidths, 2);
         Index worst = fit->usable ? point.weakest(*fit) : Index(groups[g].size()) - 1;
         if (worst < 0) worst = point.needless_twin(groups[g], others, *fit, without);
@@ -281,10 +387,10 @@ std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, In
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const std::vector<Complex> others = other_poles(groups, g);
-    const WindowFit fit = point.fit(groups[g], others, kBandwidths, 2);
+    const LocalFit fit = point.fit(groups[g], others, kBandwidths, 2);
     if (!fit.usable) continue;
     const std::vector<Complex> start(fit.poles.begin(), fit.poles.end());
-    const WindowFit again = point.fit(start, others, 0.5 * kBandwidths, 1);
+    const LocalFit again = point.fit(start, others, 0.5 * kBandwidths, 1);
     for (Index r = 0; r < fit.poles.size(); ++r) {
       if (!point.plausible(fit.poles[r])) continue;
       const double half =

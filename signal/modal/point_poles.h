@@ -2,11 +2,11 @@
 // other, and what is warm, loaded or touched differently has other frequencies at each of them.
 //
 // Points are the struck ones (inputs) or those with a sensor (responses), whichever are more. Each
-// candidate is fitted on the lines around it (local_fit.h), neighbours that overlap jointly, the
-// others held, and given up when it does not stand out of the misfit around it, or when its pole
-// moves by more than half its half bandwidth with another window and background: such a pole
-// describes the background. The misfit counts as noise, correlated between lines as a window makes
-// it.
+// candidate is fitted on the lines around it (LocalFit in the source), neighbours that overlap
+// jointly, the others held, and given up when it does not stand out of the misfit around it, or
+// when its pole moves by more than half its half bandwidth with another window and background: such
+// a pole describes the background. The misfit counts as noise, correlated between lines as a window
+// makes it.
 #pragma once
 
 #include <Eigen/Core>

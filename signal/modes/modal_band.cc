@@ -19,7 +19,10 @@ using Eigen::VectorXd;
 ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::vector<Note>& notes) {
   const Index inputs = static_cast<Index>(frfs.inputs.size());
   const Index columns = static_cast<Index>(frfs.responses.size()) * inputs;
-  if (columns == 0 || frfs.H.cols() != columns || frfs.H.rows() != frfs.frequency_hz.size()) {
+  const auto fits = [&](const auto& H) {
+    return H.cols() == columns && H.rows() == frfs.frequency_hz.size();
+  };
+  if (columns == 0 || !fits(frfs.H) || (frfs.H_std.size() > 0 && !fits(frfs.H_std))) {
     throw std::invalid_argument("identify_modes: no FRFs, or sizes that do not fit");
   }
   const double high = high_hz > 0 ? high_hz : frfs.frequency_hz.maxCoeff();

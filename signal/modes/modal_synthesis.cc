@@ -25,15 +25,11 @@ FrfSet synthesised(const ModalModel& model, const Eigen::Ref<const Eigen::Vector
   set.inputs = model.inputs;
   set.form = form;
   set.exponential_decay_rate_1_s = decay_rate_1_s;
-  const bool has_zero = decay_rate_1_s == 0 && (frequency_hz.array() == 0).any();
-  if (has_zero) {
-    const Index lines = (frequency_hz.array() != 0).count();
-    set.frequency_hz.resize(lines);
-    std::copy_if(frequency_hz.begin(), frequency_hz.end(), set.frequency_hz.begin(),
-                 [](double f) { return f != 0; });
+  const auto usable = [&](double f) { return decay_rate_1_s != 0 || f != 0; };
+  set.frequency_hz.resize(std::ranges::count_if(frequency_hz, usable));
+  std::ranges::copy_if(frequency_hz, set.frequency_hz.begin(), usable);
+  if (set.frequency_hz.size() < frequency_hz.size()) {
     set.notes.push_back({"data_left_out", "the line at 0 Hz is dropped: lower residual / s^2", ""});
-  } else {
-    set.frequency_hz = frequency_hz;
   }
 
   Eigen::VectorXcd poles(modes);

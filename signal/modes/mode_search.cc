@@ -37,8 +37,7 @@ class ModeSearch {
     for (const PoleCluster& cluster : clusters) {
       candidates.push_back({cluster.pole_rad_s + band().window, cluster.presence});
     }
-    std::sort(candidates.begin(), candidates.end(),
-              [](const auto& a, const auto& b) { return a.pole.imag() < b.pole.imag(); });
+    std::ranges::sort(candidates, {}, [](const Candidate& c) { return c.pole.imag(); });
   }
 
   /// Refines, weighs anew by what the fit leaves, and drops what does not stand out, until all do.
@@ -47,37 +46,25 @@ class ModeSearch {
   void settle() {
     ModalRefineOptions rough = options().refine;
     rough.max_iterations = std::min(rough.max_iterations, 6);
-    bool settled = false;
-    for (;;) {
+    for (bool settled = false;;) {
       const ModalRefineOptions& refine_options = settled ? options().refine : rough;
-      refine(refine_options);
+      bool determined = refine(refine_options);
+      if (determined) update_noise();
+      if (determined && settled) determined = refine(refine_options);
       if (exhausted()) return;
-      if (found.fit.end == StepsEnd::rank_deficient && drop_one_of_the_nearest()) continue;
-      found.model = fitted_frfs(band().lines, found.fit);
-      update_noise();
-      if (settled) {
-        refine(refine_options);
-        if (exhausted()) return;
-        if (found.fit.end == StepsEnd::rank_deficient && drop_one_of_the_nearest()) continue;
-        found.model = fitted_frfs(band().lines, found.fit);
+      if (determined) {
+        found.covariance = modal_covariance(band().lines, found.noise, found.fit, true);
       }
-      found.covariance = modal_significance(band().lines, found.noise, found.fit, found.model);
+      found.covariance.full_rank = determined && found.covariance.full_rank;
       if (!found.covariance.full_rank) {
-        if (drop_one_of_the_nearest()) continue;
-        return;
+        if (!drop_one_of_the_nearest()) return;
+      } else if (!drop_implausible() && !drop_weak()) {
+        if (settled) return;
+        settled = true;
       }
-      if (drop_implausible() || drop_weak()) continue;
-      if (settled) return;
-      settled = true;
     }
   }
 
-  void update_noise() {
-    found.noise =
-        noise_from_residuals(found.model, band().lines.H - found.model, found.fit.leverage,
-                             band().lines.inputs, band().correlation_lines);
-    found.noise.lead = band().lead;
-  }
   /// Misfit under a given noise, with the price of the modes: comparable between searches.
   double cost_with(const FrfNoise& noise) const {
     const MatrixXcd& H = band().lines.H;
@@ -101,7 +88,8 @@ class ModeSearch {
   const ModalBand& band() const { return band_of_; }
   const ModalOptions& options() const { return options_of_; }
 
-  void refine(ModalRefineOptions refine_options) {
+  /// Whether the lines determine the poles within the work allowed.
+  bool refine(ModalRefineOptions refine_options) {
     VectorXcd start(static_cast<Index>(candidates.size()));
     for (std::size_t r = 0; r < candidates.size(); ++r) {
       start[static_cast<Index>(r)] = candidates[r].pole;
@@ -122,6 +110,16 @@ class ModeSearch {
     for (std::size_t r = 0; r < candidates.size(); ++r) {
       candidates[r].pole = found.fit.poles[static_cast<Index>(r)];
     }
+    if (exhausted() || found.fit.end == StepsEnd::rank_deficient) return false;
+    found.model = fitted_frfs(band().lines, found.fit);
+    return true;
+  }
+
+  void update_noise() {
+    found.noise =
+        noise_from_residuals(found.model, band().lines.H - found.model, found.fit.leverage,
+                             band().lines.inputs, band().correlation_lines);
+    found.noise.lead = band().lead;
   }
 
   bool drop_one_of_the_nearest() {
@@ -167,25 +165,22 @@ class ModeSearch {
   /// The weakest first; of candidates whose resonances overlap only one at a time, since two that
   /// share one mode both look dispensable.
   bool drop_weak() {
-    std::vector<std::size_t> weak;
+    const auto significance = [&](std::size_t r) {
+      return found.covariance.significance[static_cast<Index>(r)];
+    };
+    std::vector<std::size_t> weak, drop;
     for (std::size_t r = 0; r < candidates.size(); ++r) {
-      if (found.covariance.significance[static_cast<Index>(r)] < found.penalty) weak.push_back(r);
+      if (significance(r) < found.penalty) weak.push_back(r);
     }
-    std::sort(weak.begin(), weak.end(), [&](std::size_t a, std::size_t b) {
-      return found.covariance.significance[static_cast<Index>(a)] <
-             found.covariance.significance[static_cast<Index>(b)];
-    });
-    std::vector<std::size_t> drop;
+    std::ranges::sort(weak, {}, significance);
     for (const std::size_t r : weak) {
-      if (std::none_of(drop.begin(), drop.end(),
-                       [&](std::size_t other) { return distance(r, other) < 3; })) {
+      if (std::ranges::none_of(drop, [&](std::size_t q) { return distance(r, q) < 3; })) {
         drop.push_back(r);
       }
     }
-    std::sort(drop.rbegin(), drop.rend());
-    for (const std::size_t r : drop) {
+    std::ranges::sort(drop, std::greater());
+    for (const std::size_t r : drop)
       candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(r));
-    }
     return !drop.empty();
   }
 
@@ -198,23 +193,16 @@ class ModeSearch {
 LscfResult stabilise(const ModalBand& band, const MatrixXcd& all, const FrfNoise& noise,
                      const LscfOptions& options, Index first, Index count) {
   const Index inputs = band.lines.inputs, responses = all.cols() / inputs;
-  const auto H = all.middleRows(first, count);
-  const auto frequency_hz = band.frequency_hz.segment(first, count);
   const VectorXd line = noise.line.segment(first, count).cwiseSqrt().cwiseInverse();
   const VectorXd column = noise.column.cwiseSqrt().cwiseInverse();
-  if (inputs <= responses) {
-    return lscf(frequency_hz, H, inputs, line, column / column.maxCoeff(), options);
+  std::vector<Index> order(static_cast<std::size_t>(all.cols()));  // responses by references
+  for (Index c = 0; c < all.cols(); ++c) {
+    order[static_cast<std::size_t>(c)] =
+        inputs <= responses ? c : c % responses * inputs + c / responses;
   }
-  MatrixXcd turned(H.rows(), H.cols());
-  VectorXd turned_column(H.cols());
-  for (Index o = 0; o < responses; ++o) {
-    for (Index i = 0; i < inputs; ++i) {
-      turned.col(i * responses + o) = H.col(o * inputs + i);
-      turned_column[i * responses + o] = column[o * inputs + i];
-    }
-  }
-  return lscf(frequency_hz, turned, responses, line, turned_column / turned_column.maxCoeff(),
-              options);
+  return lscf(band.frequency_hz.segment(first, count),
+              all.middleRows(first, count)(Eigen::all, order), std::min(inputs, responses), line,
+              column(order) / column.maxCoeff(), options);
 }
 
 std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& left,

@@ -10,7 +10,6 @@
 #include "signal/modes/modal_result.h"
 #include "signal/poles/lscf.h"
 #include "signal/poles/pole_clusters.h"
-#include "signal/refinement/modal_covariance.h"
 #include "signal/refinement/modal_noise.h"
 #include "signal/refinement/modal_refine.h"
 

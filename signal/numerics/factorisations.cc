@@ -25,6 +25,11 @@ ThinQr<Eigen::MatrixXcd> thin_qr(const Eigen::Ref<const Eigen::MatrixXcd>& A) {
   return factorised<Eigen::MatrixXcd>(A);
 }
 
+double least_sum_squares(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                         const Eigen::Ref<const Eigen::VectorXd>& y) {
+  return (y - A * A.colPivHouseholderQr().solve(y)).squaredNorm();
+}
+
 HermitianEigen hermitian_eigen(const Eigen::Ref<const Eigen::MatrixXcd>& A) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(A);
   return {eigen.eigenvalues(), eigen.eigenvectors()};

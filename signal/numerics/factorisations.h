@@ -27,4 +27,8 @@ struct HermitianEigen {
 
 [[nodiscard]] HermitianEigen hermitian_eigen(const Eigen::Ref<const Eigen::MatrixXcd>& A);
 
+/// The least |A x - y|^2. A: rows x columns, which may depend on each other.
+[[nodiscard]] double least_sum_squares(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                                       const Eigen::Ref<const Eigen::VectorXd>& y);
+
 }  // namespace rigfit::signal

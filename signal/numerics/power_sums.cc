@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 namespace rigfit::signal {
 
@@ -17,9 +18,7 @@ void power_sums(Complex q, Index n, std::span<Complex> sums) {
   const double per = 1.0 / static_cast<double>(n);
   Complex power = q;  // q^length
   Index length = 1;
-  int bit = 0;
-  while ((n >> (bit + 1)) > 0) ++bit;
-  for (--bit; bit >= 0; --bit) {
+  for (int bit = std::bit_width(static_cast<std::size_t>(n)) - 2; bit >= 0; --bit) {
     const double a = static_cast<double>(length) * per;
     for (std::size_t k = 0; k < order; ++k) {
       Complex tail = s[k];

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <stdexcept>
 
 #include "signal/numerics/numbers.h"
@@ -158,22 +159,18 @@ VectorXcd reciprocal_zeros(const MatrixXd& A, Index size, MatrixXcd* left) {
   return solver.eigenvalues();
 }
 
-void mark_stable(std::vector<StabilisationPole>& poles, std::size_t below, std::size_t present,
+/// Compares the poles of an order with those of the order `below`.
+void mark_stable(std::span<StabilisationPole> poles, std::span<const StabilisationPole> below,
                  const LscfOptions& options) {
-  for (std::size_t i = present; i < poles.size(); ++i) {
-    const StabilisationPole* nearest = nullptr;
-    for (std::size_t j = below; j < present; ++j) {
-      if (!nearest || std::abs(poles[j].pole_rad_s - poles[i].pole_rad_s) <
-                          std::abs(nearest->pole_rad_s - poles[i].pole_rad_s)) {
-        nearest = &poles[j];
-      }
-    }
-    if (!nearest) continue;
-    poles[i].stable_frequency = std::abs(nearest->frequency_hz - poles[i].frequency_hz) <
-                                options.stable_frequency * poles[i].frequency_hz;
-    poles[i].stable_damping =
-        poles[i].stable_frequency && std::abs(nearest->damping_ratio - poles[i].damping_ratio) <
-                                         options.stable_damping * poles[i].damping_ratio;
+  if (below.empty()) return;
+  for (StabilisationPole& pole : poles) {
+    const StabilisationPole& nearest = *std::ranges::min_element(
+        below, {}, [&](const auto& other) { return std::abs(other.pole_rad_s - pole.pole_rad_s); });
+    pole.stable_frequency = std::abs(nearest.frequency_hz - pole.frequency_hz) <
+                            options.stable_frequency * pole.frequency_hz;
+    pole.stable_damping =
+        pole.stable_frequency && std::abs(nearest.damping_ratio - pole.damping_ratio) <
+                                     options.stable_damping * pole.damping_ratio;
   }
 }
 
@@ -243,9 +240,9 @@ LscfResult lscf(const Eigen::Ref<const VectorXd>& frequency_hz,
       }
       result.poles.push_back(pole);
     }
-    std::sort(result.poles.begin() + static_cast<std::ptrdiff_t>(present), result.poles.end(),
-              [](const auto& a, const auto& b) { return a.frequency_hz < b.frequency_hz; });
-    mark_stable(result.poles, below, present, options);
+    const std::span all(result.poles), now = all.subspan(present);
+    std::ranges::sort(now, {}, &StabilisationPole::frequency_hz);
+    mark_stable(now, all.subspan(below, present - below), options);
     below = present;
     result.orders_solved = n;
   }

@@ -5,7 +5,6 @@
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <stdexcept>
 
 #include "signal/spectra/fft.h"
 #include "signal/spectra/line_means.h"
@@ -35,7 +34,36 @@ VectorXd floor_of(const Eigen::Ref<const MatrixXcd>& H) {
       });
 }
 
-void normalise_lines(FrfNoise& noise) {
+/// What shows the noise of a set of FRFs.
+struct Evidence {
+  ArrayXXd squares;  ///< lines x FRFs, expected: the variance times `freedom`
+  ArrayXXd power;    ///< |H|^2
+  ArrayXd freedom;   ///< lines: share that no fit has used up
+  VectorXd least;    ///< floor_of() the FRFs
+};
+
+/// h_i at each line: lines x inputs.
+MatrixXd signal_to_noise(const FrfNoise& noise, const ArrayXXd& power) {
+  MatrixXd h = MatrixXd::Zero(power.rows(), noise.inputs());
+  for (Index c = 0; c < power.cols(); ++c) {
+    if (std::isfinite(noise.column[c]))
+      h.col(c % noise.inputs()) += (power.col(c) / noise.column[c]).matrix();
+  }
+  return h;
+}
+
+/// a_c + b_i |H|^2 of FRF c at each line.
+ArrayXd variance_of(const FrfNoise& noise, const Evidence& of, Index c) {
+  return noise.column[c] + noise.common[c % noise.inputs()] * of.power.col(c);
+}
+
+void update_lines(FrfNoise& noise, const Evidence& of) {
+  ArrayXd ratio = ArrayXd::Zero(of.squares.rows());
+  for (Index c = 0; c < of.squares.cols(); ++c)
+    ratio += of.squares.col(c) / variance_of(noise, of, c);
+  const Index half = half_window(of.squares.rows(), of.squares.cols());
+  noise.line = mean_over_lines(ratio / static_cast<double>(of.squares.cols()), half) /
+               mean_over_lines(of.freedom, half).max(1e-300);
   const double mean = noise.line.mean();
   if (!(mean > 0) || !std::isfinite(mean)) {
     noise.line.setOnes();
@@ -46,77 +74,36 @@ void normalise_lines(FrfNoise& noise) {
   noise.common *= mean;
 }
 
-ArrayXXd model_variance(const FrfNoise& noise, const ArrayXXd& power) {
-  ArrayXXd variance(power.rows(), power.cols());
-  const Index inputs = noise.inputs();
-  for (Index c = 0; c < power.cols(); ++c) {
-    variance.col(c) = noise.column[c] + noise.common[c % inputs] * power.col(c);
-  }
-  return variance;
-}
-
-/// h_i at each line: lines x inputs.
-MatrixXd signal_to_noise(const FrfNoise& noise, const ArrayXXd& power) {
-  const Index inputs = noise.inputs();
-  MatrixXd h = MatrixXd::Zero(power.rows(), inputs);
-  for (Index c = 0; c < power.cols(); ++c) {
-    if (std::isfinite(noise.column[c]))
-      h.col(c % inputs) += (power.col(c) / noise.column[c]).matrix();
-  }
-  return h;
-}
-
-void update_lines(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& power,
-                  const VectorXd& freedom) {
-  const ArrayXXd variance = model_variance(noise, power);
-  const VectorXd ratio = (squares / variance).rowwise().mean().matrix();
-  const Index half = half_window(squares.rows(), squares.cols());
-  noise.line =
-      mean_over_lines(ratio.array(), half) / mean_over_lines(freedom.array(), half).max(1e-300);
-  normalise_lines(noise);
-}
-
 /// a_c: what the common part leaves, each line weighted by its inverse variance.
-void update_columns(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& power,
-                    const ArrayXd& freedom, const VectorXd& least) {
-  const ArrayXd q = noise.line.array() * freedom;
-  for (Index c = 0; c < squares.cols(); ++c) {
+void update_columns(FrfNoise& noise, const Evidence& of) {
+  const ArrayXd q = (noise.line.array() * of.freedom).max(1e-300);
+  for (Index c = 0; c < of.squares.cols(); ++c) {
     const double b = noise.common[c % noise.inputs()];
-    const ArrayXd weight = freedom / (noise.column[c] + b * power.col(c)).square();
-    const double total = (weight * (squares.col(c) / q.max(1e-300) - b * power.col(c))).sum();
+    const ArrayXd weight = of.freedom / variance_of(noise, of, c).square();
+    const double total = (weight * (of.squares.col(c) / q - b * of.power.col(c))).sum();
     const double a = total / std::max(weight.sum(), 1e-300);
     // Shared noise may explain all of a line's scatter but never makes the FRF's own negative.
-    noise.column[c] = std::isfinite(a) ? std::max(a, std::max(least[c], 0.01 * noise.column[c]))
-                                       : noise.column[c];
+    if (std::isfinite(a)) noise.column[c] = std::max({a, of.least[c], 0.01 * noise.column[c]});
   }
 }
 
-/// b_i from errors that go with |H| from line to line, each FRF by itself: b power + a, by weighted
-/// least squares.
-void update_commons_by_line(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& power,
-                            const ArrayXd& freedom) {
-  const ArrayXXd variance = model_variance(noise, power);
-  for (Index i = 0; i < noise.inputs(); ++i) {
-    double above = 0, below = 0;
-    for (Index c = i; c < squares.cols(); c += noise.inputs()) {
-      if (!std::isfinite(noise.column[c])) continue;
-      const ArrayXd weight = freedom * power.col(c) / variance.col(c).square();
-      const ArrayXd scaled = squares.col(c) / (noise.line.array() * freedom);
-      above += (weight * (scaled - noise.column[c])).sum();
-      below += (weight * power.col(c)).sum();
-    }
-    noise.common[i] = below > 0 ? std::max(0.0, above / below) : 0;
-  }
-}
-
-/// All parts, where noise common to FRFs shows in that way only. The line factor comes last: given
+/// All parts, where noise common to FRFs shows only in errors that go with |H| from line to line,
+/// each FRF by itself: b power + a, by weighted least squares. The line factor comes last: given
 /// the choice, it would take a resonance's share for itself.
-void update_by_line(FrfNoise& noise, const ArrayXXd& squares, const ArrayXXd& power,
-                    const VectorXd& freedom, const VectorXd& least) {
+void update_by_line(FrfNoise& noise, const Evidence& of) {
   for (int round = 0; round < 12; ++round) {
-    update_columns(noise, squares, power, freedom.array(), least);
-    update_commons_by_line(noise, squares, power, freedom.array());
-    if (round >= 4) update_lines(noise, squares, power, freedom);
+    update_columns(noise, of);
+    VectorXd above = VectorXd::Zero(noise.inputs()), below = above;
+    for (Index c = 0; c < of.squares.cols(); ++c) {
+      if (!std::isfinite(noise.column[c])) continue;
+      const ArrayXd power = of.power.col(c);
+      const ArrayXd weight = of.freedom * power / variance_of(noise, of, c).square();
+      const ArrayXd scaled = of.squares.col(c) / (noise.line.array() * of.freedom);
+      above[c % noise.inputs()] += (weight * (scaled - noise.column[c])).sum();
+      below[c % noise.inputs()] += (weight * power).sum();
+    }
+    noise.common = (below.array() > 0).select((above.array() / below.array()).max(0), 0);
+    if (round >= 4) update_lines(noise, of);
   }
 }
 
@@ -135,14 +122,10 @@ FrfNoise noise_unknown(const Eigen::Ref<const MatrixXcd>& H, Index inputs,
 FrfNoise noise_from_std(const Eigen::Ref<const MatrixXcd>& H,
                         const Eigen::Ref<const MatrixXd>& H_std, Index inputs,
                         double correlation_lines) {
-  if (H_std.rows() != H.rows() || H_std.cols() != H.cols()) {
-    throw std::invalid_argument("noise_from_std: sizes do not fit");
-  }
-  const ArrayXXd squares = H_std.array().square(), power = H.array().abs2();
-  const VectorXd freedom = VectorXd::Ones(H.rows()), least = floor_of(H);
+  const Evidence of{H_std.array().square(), H.array().abs2(), ArrayXd::Ones(H.rows()), floor_of(H)};
   FrfNoise noise = noise_unknown(H, inputs, correlation_lines);
-  noise.column = squares.colwise().mean().transpose().matrix().cwiseMax(least);
-  update_by_line(noise, squares, power, freedom, least);
+  noise.column = of.squares.colwise().mean().transpose().matrix().cwiseMax(of.least);
+  update_by_line(noise, of);
   return noise;
 }
 
@@ -150,24 +133,20 @@ FrfNoise noise_from_residuals(const Eigen::Ref<const MatrixXcd>& model,
                               const Eigen::Ref<const MatrixXcd>& residual,
                               const Eigen::Ref<const VectorXd>& leverage, Index inputs,
                               double correlation_lines) {
-  if (residual.rows() != model.rows() || residual.cols() != model.cols() ||
-      leverage.size() != model.rows()) {
-    throw std::invalid_argument("noise_from_residuals: sizes do not fit");
-  }
-  const ArrayXXd squares = 0.5 * residual.array().abs2(), power = model.array().abs2();
-  const VectorXd least = floor_of(model);
-  const VectorXd freedom = (1 - leverage.array()).max(0.02);
+  const Evidence of{0.5 * residual.array().abs2(), model.array().abs2(),
+                    (1 - leverage.array()).max(0.02), floor_of(model)};
   FrfNoise noise = noise_unknown(model, inputs, correlation_lines);
-  noise.column = (squares.colwise().sum().transpose() / freedom.sum()).matrix().cwiseMax(least);
+  noise.column =
+      (of.squares.colwise().sum().transpose() / of.freedom.sum()).matrix().cwiseMax(of.least);
   if (model.cols() == inputs) {
-    update_by_line(noise, squares, power, freedom, least);
+    update_by_line(noise, of);
     return noise;
   }
   for (int round = 0; round < 6; ++round) {
-    update_lines(noise, squares, power, freedom);
-    update_columns(noise, squares, power, freedom.array(), least);
+    update_lines(noise, of);
+    update_columns(noise, of);
     // The common factor seen by all FRFs of an input together: variance q (b + 1 / h).
-    const MatrixXd h = signal_to_noise(noise, power);
+    const MatrixXd h = signal_to_noise(noise, of.power);
     for (Index i = 0; i < inputs; ++i) {
       Eigen::ArrayXcd factor = Eigen::ArrayXcd::Zero(model.rows());
       Index alive = 0;
@@ -178,12 +157,12 @@ FrfNoise noise_from_residuals(const Eigen::Ref<const MatrixXcd>& model,
       }
       if (alive < 2) continue;  // one FRF cannot tell its own noise from that of its force
       const ArrayXd own = h.col(i).array().max(1e-300).inverse();
-      const ArrayXd square = 0.5 * (factor * own).abs2() / (noise.line.array() * freedom.array());
-      const ArrayXd weight = freedom.array() / (noise.common[i] + own).square();
+      const ArrayXd square = 0.5 * (factor * own).abs2() / (noise.line.array() * of.freedom);
+      const ArrayXd weight = of.freedom / (noise.common[i] + own).square();
       noise.common[i] = std::max(0.0, (weight * (square - own)).sum() / weight.sum());
     }
   }
-  update_lines(noise, squares, power, freedom);
+  update_lines(noise, of);
   return noise;
 }
 

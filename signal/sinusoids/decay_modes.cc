@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "signal/numerics/least_squares.h"
+#include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
 #include "signal/numerics/power_sums.h"
 #include "signal/sinusoids/decay_search.h"

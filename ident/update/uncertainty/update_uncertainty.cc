@@ -8,7 +8,7 @@
 #include <map>
 
 #include "ident/statistics/root.h"
-#include "signal/numerics/least_squares.h"
+#include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {

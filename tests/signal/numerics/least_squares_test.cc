@@ -1,4 +1,4 @@
-#include "signal/numerics/least_squares.h"
+#include "signal/numerics/factorisations.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>

@@ -3,7 +3,6 @@
 #include <ceres/ceres.h>
 
 #include "signal/refinement/modal_basis.h"
-#include "signal/refinement/modal_covariance.h"
 #include "signal/refinement/modal_refine.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "tests/test.h"

@@ -1,7 +1,6 @@
 #include "signal/refinement/modal_refine.h"
 
 #include "signal/refinement/modal_basis.h"
-#include "signal/refinement/modal_covariance.h"
 #include "signal/spectra/fft.h"
 #include "tests/reference/ten_mode_truth.h"
 #include "tests/test.h"
