@@ -191,13 +191,18 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& searc
 void measure_errors(const ModalBand& band, const MatrixXcd& fitted, ModalModel& model) {
   const MatrixXcd misfit = band.lines.H - fitted;
   const Index inputs = band.lines.inputs;
+  const auto over = [](const auto& left, const auto& H) {
+    const double size = H.norm();
+    return size > 0 ? left.norm() / size : 0;
+  };
   model.frf_error.resize(misfit.cols() / inputs, inputs);
   for (Index c = 0; c < misfit.cols(); ++c) {
-    const double size = band.lines.H.col(c).norm();
-    model.frf_error(c / inputs, c % inputs) = size > 0 ? misfit.col(c).norm() / size : 0;
+    model.frf_error(c / inputs, c % inputs) = over(misfit.col(c), band.lines.H.col(c));
   }
   for (IdentifiedMode& mode : model.modes) {
-    mode.reconstruction_error = part_left(band, misfit, mode.pole_rad_s, 1.5);
+    const auto [first, count] = lines_around(band, mode.pole_rad_s, 1.5);
+    mode.reconstruction_error =
+        over(misfit.middleRows(first, count), band.lines.H.middleRows(first, count));
     if (mode.refinement == "global" || mode.points.empty()) continue;
     double sum = 0;
     for (const ModeAtPoint& point : mode.points) sum += point.misfit * point.misfit;

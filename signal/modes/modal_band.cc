@@ -27,19 +27,15 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
   }
   const double high = high_hz > 0 ? high_hz : frfs.frequency_hz.maxCoeff();
   std::vector<Index> rows;
-  Index unusable = 0;
   for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
     const double f = frfs.frequency_hz[k];
     if (!(f > 0) || f < low_hz || f > high) continue;
     if (!rows.empty() && !(f > frfs.frequency_hz[rows.back()])) {
       throw std::invalid_argument("identify_modes: frequencies do not rise");
     }
-    if (frfs.H.row(k).allFinite()) {
-      rows.push_back(k);
-    } else {
-      ++unusable;
-    }
+    rows.push_back(k);
   }
+  const auto unusable = std::erase_if(rows, [&](Index k) { return !frfs.H.row(k).allFinite(); });
   if (unusable > 0) {
     notes.push_back({"data_left_out",
                      fmt::format("{} lines with values that are not finite are left out", unusable),
@@ -100,13 +96,6 @@ double prominence(const ModalBand& band, std::complex<double> pole, double resid
   const std::complex<double> raw = pole - band.window;
   const double peak = residues / std::abs(raw.real()) * std::pow(std::abs(raw), band.lines.power);
   return peak / std::sqrt(power / static_cast<double>(count));
-}
-
-double part_left(const ModalBand& band, const Eigen::Ref<const Eigen::MatrixXcd>& left,
-                 std::complex<double> pole, double least) {
-  const auto [first, count] = lines_around(band, pole, least);
-  const double around = band.lines.H.middleRows(first, count).squaredNorm();
-  return around > 0 ? std::sqrt(left.middleRows(first, count).squaredNorm() / around) : 0;
 }
 
 }  // namespace rigfit::signal

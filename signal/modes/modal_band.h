@@ -44,9 +44,4 @@ struct ModalBand {
 [[nodiscard]] double prominence(const ModalBand& band, std::complex<double> pole, double residues,
                                 double none);
 
-/// Rms of `left` (lines x FRFs) over that of the FRFs on these lines.
-[[nodiscard]] double part_left(const ModalBand& band,
-                               const Eigen::Ref<const Eigen::MatrixXcd>& left,
-                               std::complex<double> pole, double least = 1);
-
 }  // namespace rigfit::signal
