@@ -4,7 +4,6 @@
 #include <cmath>
 #include <complex>
 #include <functional>
-#include <limits>
 #include <utility>
 
 #include "signal/numerics/numbers.h"
@@ -56,12 +55,10 @@ class ModeSearch {
         found.covariance = modal_covariance(band().lines, found.noise, found.fit, true);
       }
       found.covariance.full_rank = determined && found.covariance.full_rank;
-      if (!found.covariance.full_rank) {
-        if (!drop_one_of_the_nearest()) return;
-      } else if (!drop_implausible() && !drop_weak()) {
-        if (settled) return;
-        settled = true;
-      }
+      if (!found.covariance.full_rank) return;
+      if (drop_implausible() || drop_weak()) continue;
+      if (settled) return;
+      settled = true;
     }
   }
 
@@ -120,23 +117,6 @@ class ModeSearch {
         noise_from_residuals(found.model, band().lines.H - found.model, found.fit.leverage,
                              band().lines.inputs, band().correlation_lines);
     found.noise.lead = band().lead;
-  }
-
-  bool drop_one_of_the_nearest() {
-    if (candidates.size() < 2) return false;
-    std::size_t worst = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t a = 0; a < candidates.size(); ++a) {
-      for (std::size_t b = a + 1; b < candidates.size(); ++b) {
-        const double apart = distance(a, b);
-        if (apart < least) {
-          least = apart;
-          worst = candidates[a].presence < candidates[b].presence ? a : b;
-        }
-      }
-    }
-    candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(worst));
-    return true;
   }
 
   /// All that left the band, became a background or are no larger than what no model explains.
@@ -246,7 +226,7 @@ FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& c
   search.settle();
   Index parts = 1;
   for (int pass = 0;
-       pass < options.searches && !search.exhausted() && search.found.fit.residues.cols() > 0;
+       pass < options.searches && !search.exhausted() && search.found.covariance.full_rank;
        ++pass) {
     parts *= 4;
     // Weighted by the noise as it was before the fit: lines of a missing mode look noisy
@@ -258,7 +238,9 @@ FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& c
     wider.settle();
     search.work = wider.work;
     if (search.exhausted()) break;
-    if (wider.cost_with(first) < search.cost_with(first)) search = std::move(wider);
+    if (wider.found.covariance.full_rank && wider.cost_with(first) < search.cost_with(first)) {
+      search = std::move(wider);
+    }
   }
   search.found.exhausted = search.exhausted();
   if (search.found.fit.residues.cols() == 0) search.found.model.resize(0, 0);
