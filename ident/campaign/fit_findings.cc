@@ -65,11 +65,10 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
     findings.push_back({code, std::move(message), "", true});
   };
   if (result.fit.ruled_out()) {
-    warn(
-        "model_ruled_out",
-        "Check end conditions, masses, lengths, pairs and stated uncertainties: the data rule this "
-        "model out (" +
-            fit_text(result.fit) + "), and the intervals hold only as far as its error is random");
+    warn("model_ruled_out",
+         "Check end conditions, masses, lengths, priors, pairs and stated uncertainties: the data "
+         "rule this model out (" +
+             fit_text(result.fit) + "), and the intervals hold only as far as its error is random");
   }
   if (result.fit.frf_model_std > kFrfErrorRuledOut) {
     refuse(

@@ -121,9 +121,6 @@ CableProblem problem_of(const CableDescription& cable, const std::vector<Measure
     }
   }
   problem.options.profiled = 1;  // the tension
-  // Five a half wave of the modes that were measured; what is left of their error is taken off.
-  auto& segments = problem.options.auto_segments;
-  segments = std::max(segments, 5 * static_cast<int>(modes.size()) / 2);
   auto& assignment = problem.options.assignment;
   assignment.missed = asked.missed;
   assignment.false_mode = asked.false_mode;

@@ -71,10 +71,10 @@ bool move_to(UpdateProblem trial, UpdateProblem& problem, UpdateAnswer& answer) 
 }
 
 // The minimum without an error of the model (the search allows for one), with noisy lines of FRFs
-// by their difference and the error of "auto" segments taken off, twice over as the parameters
-// move; then, where its misfit asks for it, the minimum with an error of the model.
+// by their difference and the error of "auto" segments taken off, anew as the parameters move;
+// then, where its misfit asks for it, the minimum with an error of the model.
 UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateAnswer& answer) {
-  constexpr int kPasses = 2;
+  constexpr int kPasses = 8;
   const auto& matches = answer.matches.matches;
   // What the search left is no minimum of this problem.
   if (!move_to(problem.with(&UpdateVariant::frf_differences, true), problem, answer)) {
@@ -82,7 +82,8 @@ UpdateFit settle(const UpdateOptions& options, UpdateProblem& problem, UpdateAns
   }
   for (int pass = 0; pass < kPasses && options.segment_uncertainty; ++pass) {
     UpdateProblem resolved = problem.with_resolved_modes(answer.q);
-    if (!resolved.variant().segment_errors) break;
+    if (!resolved.variant().segment_errors || problem.resolved_as(resolved, matches, answer.q))
+      break;
     // Where no minimum is found, as in a flat valley, the segments' error is no misfit either.
     double cost = 0;
     answer.converged = minimise(resolved, matches, answer.q, cost) && answer.converged;

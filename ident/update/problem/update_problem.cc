@@ -207,13 +207,15 @@ bool UpdateProblem::fixed_scene(int state, const Eigen::VectorXd& q, model::Scen
     return false;
   }
   const double factor = is_resolved(state) ? 1 : variant_.segment_factor;
+  // Five a half wave of the modes that were measured: what is left of their error is taken off.
+  const auto measured = static_cast<int>(states_[static_cast<std::size_t>(state)].measured.size());
+  const int segments = std::max(options_.auto_segments, 5 * measured / 2);
   for (auto& member : scene.members) {  // the same number all along, or frequencies would jump
-    if (member.segments == 0) member.segments = options_.auto_segments;
+    if (member.segments == 0) member.segments = segments;
     member.segments = std::max(std::min(member.segments, 8),
                                static_cast<int>(std::lround(factor * member.segments)));
     if (variant_.coarse)
-      member.segments =
-          std::min(member.segments, 2 * std::max(options_.auto_segments, mode_count(state)));
+      member.segments = std::min(member.segments, 2 * std::max(segments, mode_count(state)));
   }
   return true;
 }

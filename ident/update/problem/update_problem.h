@@ -124,9 +124,12 @@ class UpdateProblem {
   /// count as data (update_segments.cc); `given`: of segments that a scene gives as well.
   [[nodiscard]] UpdateProblem with_resolved_modes(const Eigen::VectorXd& q,
                                                   bool given = false) const;
-  /// This problem with so many segments of its "auto" members that twice as many change its
-  /// residuals at q by a third of their standard deviation, all together: no parameter by more of
-  /// its own.
+  /// Whether `finer` changes the residuals at q by less than a tenth of their standard deviation,
+  /// all together: no parameter by more of its own.
+  [[nodiscard]] bool resolved_as(const UpdateProblem& finer,
+                                 const std::vector<UpdateMatch>& matches,
+                                 const Eigen::VectorXd& q) const;
+  /// This problem with so many segments of its "auto" members that twice as many change nothing.
   [[nodiscard]] UpdateProblem with_resolving_segments(const std::vector<UpdateMatch>& matches,
                                                       const Eigen::VectorXd& q) const;
   [[nodiscard]] bool is_resolved(int state) const;

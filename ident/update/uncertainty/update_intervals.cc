@@ -98,9 +98,13 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
                                                           result.variance_factor)
                                             : kNaN;
   const bool costs = !std::isnan(least);
-  bool loose = false;
-  for (const auto& parameter : result.parameters) {
+  bool loose = false, bent = false;  // one that may be bends the others' intervals as well
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const auto& parameter = result.parameters[static_cast<std::size_t>(j)];
     loose = loose || parameter.at_bound || !parameter.identifiable;
+    bent = bent || known.std[j] > kStraight ||
+           at_bound(problem.coordinates()[static_cast<std::size_t>(j)], result.coordinates[j],
+                    result.coverage_factor * known.std[j]);
   }
   for (Eigen::Index j = 0; j < n; ++j) {
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
@@ -112,10 +116,9 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
     if (parameter.identifiable && std::isfinite(parameter.std)) {
       const double half = result.coverage_factor * parameter.std / by;
       low = q - half, high = q + half;
-      const bool checked = costs && j < options.profiled &&
-                           (loose || known.std[j] > kStraight || at_bound(coordinate, q, half));
       parameter.interval_by_profile =
-          checked && (loose || is_curved(problem, matches, result, j, least));
+          costs && j < options.profiled &&
+          (loose || (bent && is_curved(problem, matches, result, j, least)));
     } else {
       parameter.interval_by_profile = costs && j < options.profiled;
     }
@@ -127,6 +130,10 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
       const double one = profile_end(problem, matches, result, j, -1, least);
       const double other = profile_end(problem, matches, result, j, 1, least);
       low = q - std::hypot(q - one, more), high = q + std::hypot(other - q, more);
+      if (parameter.at_bound && parameter.identifiable && std::isnan(one) && std::isnan(other)) {
+        parameter.identifiable = false;
+        result.open.push_back("the data do not determine " + parameter.name);
+      }
     }
     const auto value = [&](double at) { return std::isfinite(at) ? coordinate.value(at) : kNaN; };
     parameter.low = value(low), parameter.high = value(high);

@@ -5,7 +5,7 @@
 // segments is, it is a large part of what a weakly acting parameter does (bending in a taut cable:
 // 3.6 % of EI). The model's own frequencies for vanishing segments
 // (model/linear/segment_extrapolation.h), found at the parameters and held, give the error of the
-// chain, which is taken off wherever that chain is asked; twice over, as the parameters move.
+// chain, which is taken off wherever that chain is asked, until it no longer moves the parameters.
 // FRFs get 2, 4 or 8 times the segments.
 
 #include <algorithm>
@@ -64,9 +64,17 @@ UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q, bool 
   return other;
 }
 
+bool UpdateProblem::resolved_as(const UpdateProblem& finer, const std::vector<UpdateMatch>& matches,
+                                const Eigen::VectorXd& q) const {
+  constexpr double kSmall = 0.01;
+  Eigen::VectorXd here, fine;
+  return !residuals(q, matches, here, nullptr) || !finer.residuals(q, matches, fine, nullptr) ||
+         (here - fine).squaredNorm() < kSmall;
+}
+
 UpdateProblem UpdateProblem::with_resolving_segments(const std::vector<UpdateMatch>& matches,
                                                      const Eigen::VectorXd& q) const {
-  constexpr double kSmall = 0.1, kMostTimes = 8;
+  constexpr double kMostTimes = 8;
   UpdateProblem settled = *this;
   for (const auto& state : states_) {
     for (const auto& member : state.scene.members) {
@@ -75,11 +83,7 @@ UpdateProblem UpdateProblem::with_resolving_segments(const std::vector<UpdateMat
   }
   for (double factor = 2; factor <= kMostTimes; factor *= 2) {
     UpdateProblem finer = with(&UpdateVariant::segment_factor, factor);
-    Eigen::VectorXd here, fine;
-    if (!settled.residuals(q, matches, here, nullptr) ||
-        !finer.residuals(q, matches, fine, nullptr) || (here - fine).squaredNorm() < kSmall) {
-      break;
-    }
+    if (settled.resolved_as(finer, matches, q)) break;
     settled = std::move(finer);
   }
   return settled;

@@ -29,13 +29,14 @@ double closed_form_hz(double tension, double EI, int n) {
   return std::sqrt((tension * k * k + EI * s * k * k * k * k) * s / 0.16667) / (2 * kPi);
 }
 
-/// Six frequencies of each, known to a relative `std`, and off by that with `normal`.
-std::vector<UpdateState> four_tensions(double std, Normal* normal) {
+/// `count` frequencies of each, known to a relative `std`, and off by that with `normal`.
+std::vector<UpdateState> four_tensions(double std, Normal* normal, int count = 6) {
   std::vector<UpdateState> states;
   for (const double T : {100.0, 200.0, 300.0, 400.0}) {
     auto& state = states.emplace_back();
     state.name = std::to_string(T), state.scene = cable(0, "pinned", 1.1 * T, 0.8, 0);
-    for (int n = 1; n <= 6; ++n) {
+    state.scene.sensors.clear();  // which do not see every mode
+    for (int n = 1; n <= count; ++n) {
       const double hz = closed_form_hz(T, 0.6, n), off = normal ? std * (*normal)() : 0;
       state.measured.push_back(testing::mode_of(hz * (1 + off), std * hz, ModePlane::out));
     }
@@ -52,16 +53,18 @@ FreeParameter each_tension() {
 // Frequencies of the closed form without noise: the model's for vanishing segments, to a tenth of
 // their standard uncertainty by its own estimate, which is mostly far above the error.
 TEST(UpdateSegments, ClosedFormFrequenciesGiveTheirOwnParameters) {
-  const auto left =
-      update_model(four_tensions(1e-4, nullptr), {{"cable.EI"}, each_tension()}, {.starts = 1});
-  ASSERT_EQ(left.status, UpdateStatus::converged) << left.message;
-  for (std::size_t p = 0; p < 5; ++p) {
-    const auto& parameter = left.parameters[p];
-    const double truth = p == 0 ? 0.6 : 100.0 * static_cast<double>(p);
-    EXPECT_LT(std::abs(parameter.value - truth), parameter.std / 3) << p;
-    EXPECT_NEAR(parameter.value, truth, (p == 0 ? 1e-3 : 1e-5) * truth) << p;
+  for (const int count : {6, 19}) {  // 30 segments give the 19th 8 % too low
+    const auto left = update_model(four_tensions(1e-4, nullptr, count),
+                                   {{"cable.EI"}, each_tension()}, {.starts = 1});
+    ASSERT_EQ(left.status, UpdateStatus::converged) << left.message;
+    for (std::size_t p = 0; p < 5; ++p) {
+      const auto& parameter = left.parameters[p];
+      const double truth = p == 0 ? 0.6 : 100.0 * static_cast<double>(p);
+      EXPECT_LT(std::abs(parameter.value - truth), parameter.std / 3) << p << " of " << count;
+      EXPECT_NEAR(parameter.value, truth, (p == 0 ? 1e-3 : 1e-5) * truth) << p << " of " << count;
+    }
+    EXPECT_LT(left.rms_relative_error, 1e-6);
   }
-  EXPECT_LT(left.rms_relative_error, 1e-6);
 }
 
 // Along the valley of tension, EI and springs the error of the segments is taken off all the same.

@@ -62,6 +62,18 @@ TEST(UpdateUncertainty, ProfileOfAParabolaIsTheLinearInterval) {
   EXPECT_TRUE(std::isnan(result.parameters[1].low));  // nothing measured moves with EI_y
 }
 
+// What is known to 1 % is as skew as the mass that it goes with, which is not.
+TEST(UpdateUncertainty, AnIntervalBendsWithThatOfAnother) {
+  std::mt19937_64 random(0);
+  const auto modes = testing::modes_of(testing::beam(2.1, 0.002), ModePlane::in, 5, 1e-3, &random);
+  const auto result = update_model({{"beam", testing::beam(1.7, 0.01), modes}},
+                                   {{"beam.EI_z"}, {"tip.mass"}}, testing::plain_options());
+  const auto& EI = result.parameters[0];
+  EXPECT_LT(result.identifiability.std[0], 0.02);
+  EXPECT_TRUE(EI.interval_by_profile);
+  EXPECT_LT(EI.high - EI.value, 0.85 * (EI.value - EI.low));
+}
+
 TEST(UpdateUncertainty, AHeldOutStatesPredictionHasItsUncertainty) {
   std::vector<UpdateState> states;
   for (const double tension : {100.0, 200.0, 300.0}) {
