@@ -78,6 +78,14 @@ Setups setups_of(std::span<const AmbientResult> results, std::vector<std::string
   return all;
 }
 
+/// Whether two modes may be one: within their uncertainties and two bandwidths, by which warmth and
+/// mass shift a structure between set-ups.
+bool may_be_one(const IdentifiedMode& a, const IdentifiedMode& b) {
+  const auto &f = a.frequency_hz, &g = b.frequency_hz;
+  const double widths = 2 * (f.value * a.damping_ratio.value + g.value * b.damping_ratio.value);
+  return std::abs(f.value - g.value) <= 3 * std::hypot(f.std, g.std) + widths;
+}
+
 std::vector<Matched> matched_modes(const Setups& setups) {
   std::vector<Matched> sets;
   for (std::size_t k = 0; k < setups.results.size(); ++k) {
@@ -89,12 +97,10 @@ std::vector<Matched> matched_modes(const Setups& setups) {
       Matched* best = nullptr;
       for (Matched& set : sets) {
         const auto& [k0, other] = *set.begin();
-        const auto& f = one.mode.frequency_hz;
-        const auto& f0 = other->mode.frequency_hz;
-        const double reach =
-            3 * std::hypot(f.std, f0.std) + 0.25 * (f.value * one.mode.damping_ratio.value +
-                                                    f0.value * other->mode.damping_ratio.value);
-        if (set.contains(k) || apart(set) > reach || (best && apart(*best) < apart(set))) continue;
+        if (set.contains(k) || !may_be_one(other->mode, one.mode) ||
+            (best && apart(*best) < apart(set))) {
+          continue;
+        }
         if (mac(setups.at_references(k0, other->mode.shape),
                 setups.at_references(k, one.mode.shape)) > 0.5)
           best = &set;
@@ -281,6 +287,17 @@ AmbientResult merge_setups(std::span<const AmbientResult> results,
   const std::vector<Matched> sets = matched_modes(setups);
   for (const Matched& set : sets) merged.modes.push_back(merged_mode(setups, set, merged.notes));
   find_gain_changes(setups, sets, merged.notes);
+  for (const auto& result : results) {  // doubtful ones that no set-up is sure of
+    for (AmbientMode one : result.modes) {
+      if (!one.mode.doubtful || std::ranges::any_of(merged.modes, [&](const auto& known) {
+            return may_be_one(known.mode, one.mode);
+          })) {
+        continue;
+      }
+      one.mode.shape.resize(0), one.mode.shape_std.resize(0, 2);
+      merged.modes.push_back(std::move(one));
+    }
+  }
   std::ranges::sort(merged.modes, {}, [](const auto& one) { return one.mode.frequency_hz.value; });
   return merged;
 }

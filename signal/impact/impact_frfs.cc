@@ -159,6 +159,18 @@ class Analysis {
     return options_.force_window_s.value_or(second + 3 * hit.pulse_duration_s);
   }
 
+  /// Scatter of the force just behind its window over the peak; 0: as later on.
+  double force_behind(const Hit& hit) const {
+    const FrfBlock block = block_of(hit);
+    const auto size = static_cast<Index>(block.force.size());
+    const Index from = block.force_last + block.force_taper;
+    const Index count = std::max<Index>(16, 3 * (hit.pulse_last - hit.pulse_first + 1));
+    if (block.force_last < 0 || from + count >= size) return 0;
+    const Eigen::Map<const Eigen::VectorXd> x(block.force.data(), size);
+    const double behind = scatter(x.segment(from, count));
+    return behind > 3 * scatter(x.tail(size - from - count)) ? behind / std::abs(hit.peak) : 0;
+  }
+
   FrfOptions frf_options() const {
     FrfOptions frf;
     frf.estimator = options_.estimator;
@@ -324,14 +336,24 @@ class Analysis {
 
   void judge(const FrfEstimate& estimate) {
     test_.usable_hz = usable_hz();
-    double end_level = 0, hidden = 0;
+    double end_level = 0, hidden = 0, behind = 0;
     for (const Hit& hit : test_.search.hits) {
       if (!hit.accepted) continue;
+      behind = std::max(behind, force_behind(hit));
       test_.force_window_s += kept_force(hit) / test_.frfs.averages;
       end_level = std::max(end_level, hit.end_level);
       hidden = std::max(hidden, hit.smallest_second_hit);
     }
     judge_force_noise(estimate);
+    if (behind > 1e-3) {
+      test_.notes.push_back(
+          {"force_window",
+           fmt::format("Take a longer --force-window, or off, if the hammer goes on to push behind "
+                       "it, where the force still swings by {:.2g} % of its peak: what is cut off "
+                       "looks like a mode; a ringing sensor is cut off rightly",
+                       100 * behind),
+           ""});
+    }
     const double left = end_level * std::exp(-decay_rate() * block_duration());
     // What is cut off at the end of a block, R / (s - p) exp(p T) exp(i w t) of a mode, T from the
     // hit to the end and t from the block's beginning to the hit, is smooth over lines as well.

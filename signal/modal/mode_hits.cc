@@ -267,9 +267,9 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
       {"hits_disagree",
        fmt::format(
            "frequencies differ from hit to hit by up to {:.2g} % (one standard deviation), modes "
-           "{:.1f} times as much as noise gives: the structure, the hammer or the place struck "
-           "changes, or noise on the force is large, as without a force window; {}error bars are "
-           "those of the scatter between hits",
+           "{:.1f} times as much as noise gives: the structure (as under several tensions, each a "
+           "state), the hammer or the place struck changes, or noise on the force is large, as "
+           "without a force window; {}error bars are those of the scatter between hits",
            100 * largest, std::sqrt(squares / degrees),
            means ? "values are means over the hits where their own poles differ, " : ""),
        ""});

@@ -171,6 +171,11 @@ void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table
       axis = axis_in(unit);
       add_note(recording.notes, "assumed", column.name,
                "the times have no unit; in {:g} s they count from 1970: so taken", unit);
+    } else if (axis.rate_hz > 1e6 && axis.start_s > 2e4 && axis.start_s < 1e6) {
+      add_note(recording.notes, "time_axis", column.name,
+               "Export seconds or clock times: from {:.9g} on they look like days since 1900 or "
+               "year 0, in which the rate is {:.9g} Hz; {:.9g} Hz is taken",
+               axis.start_s, axis.rate_hz / kDay, axis.rate_hz);
     } else if (decimals <= 0 && column.samples.size() >= 20 && axis.rate_hz <= 1) {
       // Whole numbers in steps of one or more are seldom seconds.
       const bool is_milli = axis.rate_hz >= 0.01;

@@ -260,4 +260,17 @@ TEST(MergedSetups, MissingReferenceNamesThoseThatServe) {
   EXPECT_EQ(std::ranges::count_if(apart.modes, shapeless), noted(apart, "setup_lacks_mode"));
 }
 
+// A structure that warms up by one bandwidth, and a mode that neither set-up is sure of.
+TEST(MergedSetups, ModesThatShiftAndDoubtfulOnesAreListedOnce) {
+  auto setups = two_setups(1);
+  for (auto& one : setups[1].modes) {
+    one.mode.frequency_hz.value *= 1 + 2 * one.mode.damping_ratio.value;
+  }
+  for (auto& setup : setups) setup.modes.front().mode.doubtful = true;
+  const AmbientResult merged = merge_setups(setups);
+  EXPECT_EQ(sure(merged).size(), 4U);
+  EXPECT_EQ(merged.modes.size(), 5U);
+  EXPECT_EQ(noted(merged, "groups_differ"), 4);
+}
+
 }  // namespace rigfit::signal::ambient_modes_test

@@ -160,6 +160,22 @@ TEST(ImpactTest, SaysWhatCannotBeTrusted) {
   EXPECT_THROW((void)analyse_impact_test(two, "force", all), RecordingError);
 }
 
+// A hammer that goes on to swing is cut off by the window, a quiet one is not.
+TEST(ImpactTest, AForceThatGoesOnBehindItsWindowIsSaid) {
+  const ImpactRecordOptions options;
+  const auto hits = testing::hammer_hits(options);
+  Recording recording = testing::impact_recording(testing::ten_mode_truth(2), hits, options);
+  EXPECT_FALSE(says(analyse(recording, 2, {}).notes, "force_window"));
+  auto& force = recording.channels[0].samples;
+  for (const auto& hit : hits) {
+    for (Index k = 0; k < force.size(); ++k) {
+      const double t = static_cast<double>(k) / recording.sample_rate_hz - hit.time_s;
+      if (t > 1e-3) force[k] += 0.03 * hit.peak * std::exp(-100 * t) * std::sin(2500 * t);
+    }
+  }
+  EXPECT_TRUE(says(analyse(recording, 2, {}).notes, "force_window"));
+}
+
 // Noise of 1 % of the peak over the whole block has a third of the force's power, noise of 0.02 % a
 // ten thousandth, which still makes errors of 1 % in single lines: the window keeps both out, and
 // what is left is subtracted from Gxx.

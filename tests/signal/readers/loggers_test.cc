@@ -135,6 +135,9 @@ TEST(Times, SinceTheEpochTellTheirUnit) {
   }
   // 20 minutes in ms, or 14 days in s: nothing tells.
   EXPECT_TRUE(says(read("timestamp,x\n" + lines("{1:.0f},{2:.3f}", 10, 1.2e6)).notes, "time_axis"));
+  // A spreadsheet's days since 1900, in steps of 1 ms.
+  EXPECT_TRUE(says(read("Time,x\n" + lines("{1:.10f},{2:.3f}", 1e-3 / 86400, 45363.58)).notes,
+                   "time_axis"));
 }
 
 TEST(Times, OfDaysInTwoHalves) {
