@@ -1,11 +1,10 @@
 // A cable built in the program -> static equilibrium, natural modes, derivative by the tension.
-//   scene_to_modes [SCENE.toml]      without a file: the cable below
 #include <cstdio>
 #include <exception>
 #include <string>
 
 #include "model/linear/modal_analysis.h"
-#include "model/scene/read_scene.h"
+#include "model/scene/scene.h"
 
 namespace {
 
@@ -33,9 +32,9 @@ rigfit::model::Scene cable() {
 
 }  // namespace
 
-int main(int argc, char** argv) try {
+int main() try {
   using namespace rigfit;
-  const model::Scene scene = argc > 1 ? model::read_scene(argv[1]) : cable();
+  const model::Scene scene = cable();
   const std::string tension = scene.members.back().name + ".tension";
   const model::ModeSensitivities result = model::analyse_mode_sensitivities(scene, {tension});
   const model::Equilibrium& rest = result.analysis.equilibrium;

@@ -119,14 +119,6 @@ SharedScene made(std::function<model::Scene()> make) {
   return scene;
 }
 
-SharedScene parse_scene(const std::string& text, const std::string& name) {
-  return made([=] { return model::parse_scene(text, name); });
-}
-
-SharedScene read_scene(const std::string& path) {
-  return made([=] { return model::read_scene(path); });
-}
-
 SharedScene with_parameter(const model::Scene& scene, const std::string& name, double value) {
   return made([=, changed = scene]() mutable {
     model::set_parameter(changed, name, value);
@@ -212,8 +204,11 @@ void bind_objects(py::module_& module) {
       .def("members", [](const model::Scene& scene) { return names_of(scene.members); })
       .def("loads", [](const model::Scene& scene) { return names_of(scene.loads); })
       .def("sensors", [](const model::Scene& scene) { return names_of(scene.sensors); });
-  module.def("parse_scene", &parse_scene);
-  module.def("read_scene", &read_scene);
+  module.def("parse_scene", [](const std::string& text, const std::string& name) {
+    return made([=] { return model::parse_scene(text, name); });
+  });
+  module.def("read_scene",
+             [](const std::string& path) { return made([=] { return model::read_scene(path); }); });
   module.def("frf_of", &frf_of);
 }
 
