@@ -7,7 +7,7 @@
 namespace rigfit::apps {
 
 /// Writes beside the target under a temporary name, flushes to disk, then renames. Links are
-/// followed; a device or pipe is written through (a pipe's reader is waited for up to 10 s). Throws
+/// followed; a device or pipe is written through (a pipe's reader is waited for). Throws
 /// OutputError (exit_code.h) with path, reason and remedy; a regular target is then as it was.
 void write_whole_file(const std::filesystem::path& path, std::string_view content);
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rigfit::apps {
+namespace rigfit::describe {
 namespace {
 
 /// Decimals (negative: tens, hundreds) of the second digit of `std`: of 0.0996, which is 0.10, two.
@@ -19,6 +19,13 @@ std::string to_place(double value, int decimals) {
   const std::string text = fmt::format("{:.{}f}", rounded, std::max(0, decimals));
   const bool minus_zero = text.starts_with('-') && text.find_first_not_of("-0.") == text.npos;
   return minus_zero ? text.substr(1) : text;
+}
+
+/// Cells that show nothing: no number, or a share that rounds to none.
+bool blank(const std::string& cell) { return cell.empty() || cell == "-"; }
+
+std::string padded(const std::string& text, std::size_t width, bool right) {
+  return right ? fmt::format("{:>{}}", text, width) : fmt::format("{:<{}}", text, width);
 }
 
 }  // namespace
@@ -44,21 +51,6 @@ std::string std_digits(double std) {
   const int decimals = decimals_of_std(std);
   return decimals <= 10 && std < 1e9 ? to_place(std, decimals) : fmt::format("{:.1e}", std);
 }
-
-}  // namespace rigfit::apps
-
-namespace rigfit::describe {
-using apps::is_known_to, apps::std_digits, apps::value_digits;
-namespace {
-
-/// Cells that show nothing: no number, or a share that rounds to none.
-bool blank(const std::string& cell) { return cell.empty() || cell == "-"; }
-
-std::string padded(const std::string& text, std::size_t width, bool right) {
-  return right ? fmt::format("{:>{}}", text, width) : fmt::format("{:<{}}", text, width);
-}
-
-}  // namespace
 
 ShownUnit shown_unit(std::string_view unit) {
   if (unit == "%") return {"%", 100};

@@ -9,23 +9,6 @@
 
 #include "apps/describe/json_of.h"
 
-namespace rigfit::apps {
-
-// Digits that are known: two of the standard uncertainty, and the value to the same place, both
-// without exponents where that stays readable.
-
-/// Whether `std` says how far the value is known: 1e-8 of it and less is the rounding of a
-/// computation, to which nothing is measured.
-[[nodiscard]] bool is_known_to(double value, double std);
-
-/// "205190" for 205188 known to 340; six digits where `std` says nothing; "-" for NaN.
-[[nodiscard]] std::string value_digits(double value, double std);
-
-/// Two digits: "340", "0.0041", "0.00000077"; "0" for zero, "-" for what is not finite.
-[[nodiscard]] std::string std_digits(double std);
-
-}  // namespace rigfit::apps
-
 namespace rigfit::describe {
 
 struct Table {
@@ -50,7 +33,19 @@ struct ShownUnit {
 };
 [[nodiscard]] ShownUnit shown_unit(std::string_view unit);
 
-// Numbers as everywhere in the house: two digits of the std, the value to the same place.
+// Digits that are known: two of the standard uncertainty, and the value to the same place, both
+// without exponents where that stays readable.
+
+/// Whether `std` says how far the value is known: 1e-8 of it and less is the rounding of a
+/// computation, to which nothing is measured.
+[[nodiscard]] bool is_known_to(double value, double std);
+
+/// "205190" for 205188 known to 340; six digits where `std` says nothing; "-" for NaN.
+[[nodiscard]] std::string value_digits(double value, double std);
+
+/// Two digits: "340", "0.0041", "0.00000077"; "0" for zero, "-" for what is not finite.
+[[nodiscard]] std::string std_digits(double std);
+
 [[nodiscard]] std::string number_text(double value, std::string_view unit, int digits);
 /// "205190 +- 340"; the value alone where no std is known.
 [[nodiscard]] std::string estimate_text(double value, double std, std::string_view unit);
@@ -82,7 +77,7 @@ template <class M>
     return in_table ? estimate_text(x.value, x.std, unit) : interval_text(x, unit);
   } else if constexpr (std::is_same_v<M, OpenEnds>) {
     const auto end = [&](double x_end) {
-      return std::isfinite(x_end) ? apps::value_digits(x_end, x.std) : std::string("open");
+      return std::isfinite(x_end) ? value_digits(x_end, x.std) : std::string("open");
     };
     return end(x.low) + " .. " + end(x.high);
   } else if constexpr (std::is_same_v<M, Ends>) {

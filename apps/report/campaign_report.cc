@@ -11,7 +11,6 @@
 #include <span>
 
 #include "apps/cli/output_file.h"
-#include "apps/cli/plots/browser.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
 #include "apps/describe/json_of.h"

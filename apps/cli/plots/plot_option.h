@@ -1,7 +1,9 @@
 // --plot FILE, common to the verbs that draw: the figures of a run, built by the
-// functions that a report's page uses, as one HTML page, one SVG or one PNG.
+// functions that a report's page uses, as one HTML page, one SVG or one PNG, which the machine's
+// Chromium makes.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +23,14 @@ struct PlotSheet {
     apps::add(blocks, std::move(more));
   }
 };
+
+/// Chromium or a browser that takes its options, looked for on the PATH; empty: none.
+[[nodiscard]] std::string find_chromium();
+
+/// Runs headless Chromium on a local file with further options, such as --screenshot=F. False when
+/// it fails.
+bool run_chromium(const std::string& chromium, const std::vector<std::string>& options,
+                  const std::filesystem::path& page);
 
 /// The command line as one types it in a shell.
 [[nodiscard]] std::string repeat_command(const VerbContext& context);

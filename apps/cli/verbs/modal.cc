@@ -77,63 +77,51 @@ Json ambient_result(const ModalCommand& command, VerbContext& context) {
   return result;
 }
 
-/// FRFs to identify, and where they are from.
-struct MeasuredFrfs {
-  signal::FrfSet frfs;
-  double usable_hz = 0;          ///< 0: to the last line
-  bool amplitudes = true;        ///< false: only frequencies and damping mean something
-  std::optional<ImpactRun> run;  ///< none: FRFs from a file
-};
-
-/// The exponential window that another analyser used, as stated: its decay rate is in every pole.
-void take_off_window(const ModalCommand& options, signal::FrfSet& frfs) {
-  const double rate = options.impact.hammer.impact.exponential_decay_rate_1_s;
-  if (!(rate > 0)) return;
-  if (frfs.exponential_decay_rate_1_s > 0) {
-    throw UsageError(fmt::format(
-        "the file itself states an exponential window of {:g} 1/s: leave the option out",
-        frfs.exponential_decay_rate_1_s));
-  }
-  frfs.exponential_decay_rate_1_s = rate;
-}
-
-/// FRFs at hand, of one UFF file or of text tables; or those of hits.
-MeasuredFrfs frfs_of(ModalCommand& options, VerbContext& context) {
+/// FRFs at hand, of one UFF file or of text tables; or those of hits, with the places struck.
+ImpactRun frfs_of(ModalCommand& options, VerbContext& context) {
   if (!options.impact.hammer.force.empty()) {
     options.impact.files = options.files;
-    auto run = run_impact_test(context, options.impact);
-    return {run.test.frfs, run.test.usable_hz, run.test.amplitudes, std::move(run)};
+    return run_impact_test(context, options.impact);
   }
   if (!options.impact.hammer.responses.empty()) {
     throw UsageError("--response is for recordings: give --force or --ambient");
   }
   // FRFs of another analyser, whose error bars may have to come from the coherence.
-  signal::FrfSet frfs;
+  ImpactRun given;
+  auto& frfs = given.test.frfs;
   if (context.at_hand && context.at_hand->frfs) {
     frfs = *context.at_hand->frfs;
   } else {
     for (const auto& file : options.files) context.input(file);
     frfs = signal::read_frfs({options.files.begin(), options.files.end()}, context.reading);
   }
-  take_off_window(options, frfs);
+  // The exponential window that another analyser used, as stated: its decay rate is in every pole.
+  if (const double rate = options.impact.hammer.impact.exponential_decay_rate_1_s; rate > 0) {
+    if (frfs.exponential_decay_rate_1_s > 0) {
+      throw UsageError(fmt::format(
+          "the file itself states an exponential window of {:g} 1/s: leave the option out",
+          frfs.exponential_decay_rate_1_s));
+    }
+    frfs.exponential_decay_rate_1_s = rate;
+  }
   signal::error_bars_from_coherence(frfs, options.averages, options.band());
   for (const auto& note : frfs.notes) context.warn(note.code, note.message, note.where);
-  return {.frfs = std::move(frfs), .run = std::nullopt};
+  return given;
 }
 
 Json run(ModalCommand& options, VerbContext& context) {
   if (options.ambient) return ambient_result(options, context);
-  const MeasuredFrfs measured = frfs_of(options, context);
-  if (context.at_hand) context.at_hand->frfs = std::make_shared<signal::FrfSet>(measured.frfs);
+  const auto [places, test] = frfs_of(options, context);
+  const signal::FrfSet& frfs = test.frfs;
+  if (context.at_hand) context.at_hand->frfs = std::make_shared<signal::FrfSet>(frfs);
   Json result{{"modes", Json::array()}};
-  if (measured.run) result["hits"] = hits_json(measured.run->places, measured.run->test);
-  if (measured.frfs.frequency_hz.size() == 0) return result;  // refused, and said why
+  if (!places.empty()) result["hits"] = hits_json(places, test);
+  if (frfs.frequency_hz.size() == 0) return result;  // refused, and said why
 
   signal::ModalOptions modal;
   modal.lscf.max_order = options.order;
   std::vector<Finding> findings;
-  const auto identified =
-      ident::identify(measured.frfs, options.band(), measured.usable_hz, modal, findings);
+  const auto identified = ident::identify(frfs, options.band(), test.usable_hz, modal, findings);
   if (!identified) throw Refused(findings.front().message, findings.front().code);
   const signal::ModalResult& found = *identified;
   const signal::ModalModel& model = found.model;
@@ -148,20 +136,16 @@ Json run(ModalCommand& options, VerbContext& context) {
   }
   context.out << '\n';
   if (context.plots) {
-    const auto& run = measured.run;
-    context.plots->add(hammer_plots({.places = run ? &run->places : nullptr,
-                                     .test = run ? &run->test : nullptr,
-                                     .frfs = measured.frfs,
-                                     .modal = &found}));
+    context.plots->add(hammer_plots({.places = places, .test = test, .modal = &found}));
   }
 
-  result["amplitudes"] = measured.amplitudes;
+  result["amplitudes"] = test.amplitudes;
   result["fit"] = {{"end", name_of(found.end)}, {"iterations", found.iterations}};
 
   const auto modes = [&] { return signal::uff_text(model); };
   write_result(options.out, modes, "modes (UFF 55)", "out", result, context);
   const auto again = [&] {
-    return signal::uff_text(synthesised(found, measured.frfs.frequency_hz, model.fitted_form));
+    return signal::uff_text(synthesised(found, frfs.frequency_hz, model.fitted_form));
   };
   write_result(options.synthesis, again, "FRFs rebuilt from the modes (UFF 58)", "synthesis",
                result, context);

@@ -6,6 +6,7 @@
 
 namespace rigfit::apps {
 namespace {
+using describe::std_digits;
 
 struct PlanCommand {
   std::string scene;

@@ -67,12 +67,11 @@ namespace rigfit::apps {
 // Hammer tests
 
 struct HammerFigures {
-  const std::vector<signal::StruckPoint>* places = nullptr;  ///< null: FRFs from a file
-  const ident::HammerTest* test = nullptr;                   ///< null: FRFs from a file
-  const signal::FrfSet& frfs;
-  double low_hz = 0, high_hz = 0;              ///< without modes; 0: to the last line
-  const signal::ModalResult* modal = nullptr;  ///< shown in their band; null: no modes
-  std::string name = "test", state = {};       ///< parts of the ids: "cable-frf-200N"
+  const std::vector<signal::StruckPoint>& places;  ///< none: FRFs from a file
+  const ident::HammerTest& test;                   ///< then its FRFs only
+  double low_hz = 0, high_hz = 0;                  ///< without modes; 0: to the last line
+  const signal::ModalResult* modal = nullptr;      ///< shown in their band; null: no modes
+  std::string name = "test", state = {};           ///< parts of the ids: "cable-frf-200N"
   Origin origin = Origin::measured;
 };
 /// Hits; magnitude with the modes' own curve, phase and coherence (where there is one) over one

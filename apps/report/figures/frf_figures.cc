@@ -258,10 +258,8 @@ std::vector<Plot> hammer_plots(const HammerFigures& of) {
     return fmt::format("{}-{}{}{}", of.name, what, of.state.empty() ? "" : "-", of.state);
   };
   std::vector<Plot> plots;
-  if (of.places && of.test && of.test->hits() > 0) {
-    plots.push_back(hits_plot(id("hits"), *of.places, *of.test, of.origin));
-  }
-  const auto& frfs = of.frfs;
+  if (of.test.hits() > 0) plots.push_back(hits_plot(id("hits"), of.places, of.test, of.origin));
+  const auto& frfs = of.test.frfs;
   if (frfs.frequency_hz.size() == 0) return plots;
   const double last = frfs.frequency_hz[frfs.frequency_hz.size() - 1];
   const auto [low, high] = of.modal ? std::pair(of.modal->low_hz, of.modal->high_hz)

@@ -57,7 +57,8 @@ std::string interval_words(const Answer& answer) {
   if (!answer.determined || (std::isnan(answer.low) && std::isnan(answer.high))) return {};
   const double scale = per_si(answer);
   const auto end = [&](double x) {
-    return std::isfinite(x) ? with_signs(value_digits(scale * x, scale * answer.std)) : "open";
+    return std::isfinite(x) ? with_signs(describe::value_digits(scale * x, scale * answer.std))
+                            : "open";
   };
   return end(answer.low) + " to " + end(answer.high);
 }

@@ -85,9 +85,8 @@ class ModalPart : public TestPart {
     const std::string word = file_word(label);
     auto plots = state.ambient
                      ? ambient_plots(test_.name + "-" + word, *state.ambient, state.origin)
-                     : hammer_plots({.places = &state.places,
-                                     .test = &state.hammer,
-                                     .frfs = state.hammer.frfs,
+                     : hammer_plots({.places = state.places,
+                                     .test = state.hammer,
                                      .modal = state.modal ? &*state.modal : nullptr,
                                      .name = test_.name,
                                      .state = word,

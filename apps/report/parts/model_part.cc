@@ -94,12 +94,13 @@ ReportTable pairs_table(const CampaignTest& test, const ModalStates& states) {
       const bool of_table = row.origin == Origin::published,
                  known = std::isfinite(row.frequency_hz.value);
       if (of_table && state.recorded && !known && row.models_hz.empty()) continue;
-      std::vector<Cell> cells{std::exchange(label, ""),
-                              Cell(is_known_to(row.frequency_hz.value, row.frequency_hz.std)
-                                       ? with_signs(describe::estimate_text(
-                                             row.frequency_hz.value, row.frequency_hz.std, ""))
-                                       : shown(row.frequency_hz.value, 4),
-                                   row.origin)};
+      std::vector<Cell> cells{
+          std::exchange(label, ""),
+          Cell(describe::is_known_to(row.frequency_hz.value, row.frequency_hz.std)
+                   ? with_signs(
+                         describe::estimate_text(row.frequency_hz.value, row.frequency_hz.std, ""))
+                   : shown(row.frequency_hz.value, 4),
+               row.origin)};
       const auto add = [&](double hz) {
         cells.emplace_back(shown(hz, 4));
         cells.emplace_back(shown_percent(hz / row.frequency_hz.value - 1));

@@ -1,6 +1,6 @@
 // --plot: what each verb draws is written, whole and well-formed; what cannot be written is refused
 // before anything is computed.
-#include "apps/cli/plots/browser.h"
+#include "apps/cli/plots/plot_option.h"
 
 #include <pugixml.hpp>
 #include <regex>

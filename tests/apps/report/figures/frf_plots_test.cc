@@ -19,12 +19,13 @@ signal::FrfSet delayed() {
 }
 
 TEST(FrfFigures, PhaseHasNoJumpsAndGapsWhereItIsNotKnown) {
-  signal::FrfSet frfs = delayed();
+  ident::HammerTest test;
+  auto& frfs = test.frfs = delayed();
   for (Index k = 40; k < 50; ++k) {
     frfs.H_std(k, 0) = 2;  // noise
     frfs.H(k, 0) = std::polar(1.0, 1.7 * static_cast<double>(k * k));
   }
-  const auto plot = hammer_plots({.frfs = frfs}).at(1);
+  const auto plot = hammer_plots({.places = {}, .test = test}).at(1);
   ASSERT_EQ(plot.series.size(), 1u);
   const auto& s = plot.series[0];
   ASSERT_EQ(s.x.size(), 100u);  // the line at 0 Hz is left out
