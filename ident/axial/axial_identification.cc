@@ -21,8 +21,8 @@ namespace {
 using signal::coverage_factor, signal::kNaN;
 constexpr double kLengthStd = 1e-3;     // m, stands for one that is not given; never shown as one
 constexpr double kSteelDensity = 7850;  // kg/m3
-// Of a stranded rope over its metallic area (makers give 60 to 100 GPa for 7x19), and of solid
-// steel: no steel cable is stiffer for its mass, and no aluminium one.
+// A stranded rope has it over its metallic area (makers give 60 to 100 GPa for 7x19), and solid
+// steel has it: no steel cable is stiffer for its mass, and no aluminium one.
 constexpr double kRopeModulus = 80e9, kSolidModulus = 210e9;  // Pa
 constexpr double kDetermined = 0.25;  // relative std from which on the slope says nothing of EA
 

@@ -68,7 +68,7 @@ std::vector<Eigen::Index> find_spikes(const Eigen::VectorXd& x) {
   for (Eigen::Index i = 0; i < n; ++i) {
     const bool end = i == 0 || i == n - 1;
     if (!(off[static_cast<std::size_t>(i)] > (end ? std::max(limit, central) : limit))) continue;
-    // Of one or two samples; what falls over more is on its way between two strokes.
+    // A spike has one or two samples; what falls over more is on its way between two strokes.
     const double before = x[std::max<Eigen::Index>(i - 2, 0)];
     const double behind = x[std::min(i + 2, n - 1)];
     if (end || (x[i] - before) * (x[i] - behind) > 0) spikes.push_back(i);

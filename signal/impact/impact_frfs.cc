@@ -235,7 +235,7 @@ class Analysis {
   }
 
   FrfEstimate average_without_outliers() {
-    constexpr double kLeastIncoherence = 1e-3;  // of the response power
+    constexpr double kLeastIncoherence = 1e-3;  // share of the response power
     FrfOptions frf = frf_options();
     frf.by_hit_lines = lines_of_hits();
     for (;;) {

@@ -120,7 +120,7 @@ double round_rate(double rate_hz, double tolerance) {
 }
 
 namespace {
-// Of worse known rates 100 times the interval would hold several of one digit.
+// A hundred times the interval of a rate known worse than this holds several round rates.
 constexpr double kRounded = 3e-4;
 
 /// The least step (`side` 1) or the largest (-1) of a line that leaves all times within one digit,

@@ -64,7 +64,7 @@ void error_bars_from_coherence(FrfSet& frfs, int averages,
                           ""});
   }
   const int n = frfs.averages > 0 ? frfs.averages : 2;
-  const double smallest = std::numeric_limits<float>::epsilon();  // of single precision
+  const double smallest = std::numeric_limits<float>::epsilon();  // single precision
   frfs.H_std.resize(frfs.H.rows(), frfs.H.cols());
   for (Index c = 0; c < frfs.H.cols(); ++c) {
     const ArrayXd g2 = frfs.coherence.col(c).array().max(smallest).min(1 - smallest);

@@ -66,7 +66,7 @@ std::vector<Case> cases() {
   aside.off_axis = 0.13, aside.off_place = 0.005;
   add("plain", {});
   add("force noise 2 %, window 0.1 s", {.force_noise = 0.02}, 0.1);
-  add("force noise 2 %, by noise", {.force_noise = 0.02});
+  add("force noise 2 %", {.force_noise = 0.02});
   add("frequency scatters by 0.1 % between hits", {.frequency_scatter = 1e-3});
   add("10-bit converter", {.converter_bits = 10});
   add("hammer 7.5 degrees off axis, 0.5 % off place", aside);

@@ -25,7 +25,7 @@ namespace {
 /// half)).
 void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
                         TensionCampaignResult& campaign) {
-  constexpr double kFewestCycles = 20;  // of the lowest mode, where no band is given
+  constexpr double kFewestCycles = 20;  // cycles of the lowest mode, where no band is given
   // Of 4, 8 and 16, 16 found most modes of short records; bands reach beyond their ends, so that a
   // mode at an end is not cut (else it is missed, or its std is 2.5 times as large).
   constexpr double kWidest = 16, kBeyond = 1.15;
