@@ -28,16 +28,7 @@ void supports(const Chain& chain, const Numbering& numbering, const ChainState& 
     sink.add_energy(joint_energy(ground, state.rotation[r], w));
     const RotationDerivatives d = joint_derivatives(ground, state.rotation[r], w);
     scatter.rotation_force(support.rotation, d.gradient_b);
-    if constexpr (Sink::tangent) {
-      const Eigen::Matrix3d local =
-          chain.rotation_basis[r].transpose() * d.same * chain.rotation_basis[r];
-      for (int i = 0; i < 3; ++i) {
-        for (int j = i; j < 3; ++j) {
-          scatter.pair(numbering.rotation(i, support.rotation),
-                       numbering.rotation(j, support.rotation), local(i, j));
-        }
-      }
-    }
+    if constexpr (Sink::tangent) scatter.node_rotation(support.rotation, d.same);
   }
 }
 
@@ -45,8 +36,9 @@ template <class Sink>
 void evaluate(const Chain& chain, const Numbering& numbering, const ChainState& state,
               const Eigen::VectorXd* axial_force, Sink& sink) {
   Scatter<Sink> scatter(chain, numbering, sink);
-  for (const ChainMember& member : chain.members) {
-    sink.member(member.scene_member);
+  for (std::size_t m = 0; m < chain.members.size(); ++m) {
+    const ChainMember& member = chain.members[m];
+    sink.member(static_cast<int>(m));
     for (int i = 0; i < member.segments; ++i) {
       const int index = member.first_segment + i;
       const Segment& s = chain.segments[static_cast<std::size_t>(index)];

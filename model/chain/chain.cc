@@ -108,16 +108,6 @@ std::vector<double> joint_flexibilities(const Sections& sections, double tension
   return out;
 }
 
-/// What pulls a member, for its joints' flexibility.
-double tension_about(const Chain& chain, const ChainMember& out, const Member& member,
-                     const Eigen::Vector3d& chord) {
-  const double length = chord.norm();
-  const Eigen::Vector3d t = chord / length;
-  const double across = (chain.gravity - t * t.dot(chain.gravity)).norm();
-  return nominal_tension(member, length, out.tension_direction.dot(t),
-                         member.mass_per_length * across);
-}
-
 /// Where the segments of `n` end: as asked, or evenly.
 std::vector<double> places_of(const std::vector<double>& asked, int n) {
   if (!asked.empty()) return asked;
@@ -143,10 +133,7 @@ ChainPoint point_on(const ChainMember& member, double position) {
   const double length = places[segment + 1] - places[segment];
   for (const std::size_t node : {segment, segment + 1}) {
     if (std::abs(s - places[node]) >= 1e-9 * length) continue;
-    point.node[0] = member.nodes[node];
-    point.weight[0] = 1;
-    point.count = 1;
-    return point;
+    return {{member.nodes[node]}, {1}, 1, point.segment};
   }
   const int count = n >= 3 ? 4 : 2;
   const int begin =
@@ -168,14 +155,12 @@ ChainPoint point_on(const ChainMember& member, double position) {
 }
 
 /// Between the nodes of the segment that it stands in, or at one of them.
-PointMass point_mass_on(const ChainMember& member, const AttachedMass& mass) {
+PointMass point_mass_on(const ChainMember& member, int index, const AttachedMass& mass) {
   const double s = std::clamp(mass.position, 0.0, 1.0);
   const std::size_t i = segment_at(member.places, s);
   const double length = member.places[i + 1] - member.places[i];
-  return {{member.nodes[i], member.nodes[i + 1]},
-          (s - member.places[i]) / length,
-          mass.mass,
-          member.scene_member};
+  return {
+      {member.nodes[i], member.nodes[i + 1]}, (s - member.places[i]) / length, mass.mass, index};
 }
 
 /// Numbers along the scene's axes along the chain's, which are a permutation of them wherever a
@@ -217,22 +202,17 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     segment_count += counts[m];
   }
   chain.nodes = nodes;
+  chain.scene_nodes = scene_nodes;
   chain.drawn.resize(3, nodes);
   chain.fixed.setConstant(3, nodes, false);
   chain.segments.reserve(static_cast<std::size_t>(segment_count));
 
-  std::vector<bool> used(scene.nodes.size(), false);
-  for (const auto& pair : ends) {
-    used[static_cast<std::size_t>(pair[0])] = used[static_cast<std::size_t>(pair[1])] = true;
-  }
   std::vector<int> rotation_of(scene.nodes.size(), -1);
   for (int k = 0; k < scene_nodes; ++k) {
     const auto index = static_cast<std::size_t>(k);
     const SceneNode& node = scene.nodes[index];
-    chain.scene_node.push_back(k);
     chain.drawn.col(k) = chain.axes * node.position;
-    if (node.support.kind == Support::Kind::clamped || node.support.kind == Support::Kind::pinned ||
-        !used[index]) {
+    if (node.support.kind == Support::Kind::clamped || node.support.kind == Support::Kind::pinned) {
       chain.fixed.col(k).setConstant(true);
     }
     if (node.mass > 0) chain.masses.push_back({{k, k}, 0, node.mass, -1});
@@ -242,7 +222,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       rotation_of[index] = support.rotation = static_cast<int>(chain.rotating_node.size());
       chain.rotating_node.push_back(k);
     }
-    if (node.support.kind == Support::Kind::elastic && used[index]) {
+    if (node.support.kind == Support::Kind::elastic) {
       support.translational = permuted(chain.axes, node.support.translational);
       for (int axis = 0; axis < 3; ++axis) {
         if (!std::isinf(support.translational[axis])) continue;
@@ -261,7 +241,6 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     const Member& member = scene.members[m];
     const int n = counts[m];
     ChainMember out;
-    out.scene_member = static_cast<int>(m);
     out.cable = member.kind == Member::Kind::cable;
     out.first_segment = static_cast<int>(chain.segments.size());
     out.first_joint = static_cast<int>(chain.inner_joints.size());
@@ -298,7 +277,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     const std::vector<double>& places = out.places;
     const Sections sections(member, places, out.even, out.unstretched_length);
     const bool accurate = options.rotary_inertia == RotaryInertia::accurate;
-    const double tension = accurate ? tension_about(chain, out, member, chord) : 0;
+    const double tension = accurate ? nominal_tension(member, chord, chain.gravity) : 0;
     const AxialForce axial = options.rotary_inertia == RotaryInertia::rigid_rod
                                  ? AxialForce{}
                                  : nominal_axial_force(scene, ends, m);
@@ -338,14 +317,12 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     }
     chain.drawn_director.conservativeResize(3, chain.frames);
     if (framed) chain.drawn_director.rightCols(n).colwise() = axes.col(1);
-    chain.torsion = chain.torsion || framed;
 
     for (int end = 0; end < 2; ++end) {
       const auto e = static_cast<std::size_t>(end);
       if (member.joint[e] == Member::Joint::pinned) continue;
       const auto node = static_cast<std::size_t>(ends[m][e]);
       EndJoint joint;
-      joint.end = end;
       joint.segment = end == 0 ? out.first_segment : out.first_segment + n - 1;
       // The paper's joint is in the middle of its half segment.
       const double place = options.rotary_inertia == RotaryInertia::rigid_rod ? 0.25 / n : 0;
@@ -368,7 +345,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
       chain.end_joints.push_back(joint);
     }
     for (const AttachedMass& mass : member.masses) {
-      chain.masses.push_back(point_mass_on(out, mass));
+      chain.masses.push_back(point_mass_on(out, static_cast<int>(m), mass));
     }
     chain.members.push_back(std::move(out));
   }
@@ -421,44 +398,23 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     }
   }
 
+  const auto locate = [&](const Place& place) {
+    if (!place.member.empty()) {
+      const int member = index_named(scene, scene.members, place.member);
+      return point_on(chain.members[static_cast<std::size_t>(member)], place.position);
+    }
+    const int node = index_named(scene, scene.nodes, place.node);
+    const auto ends_there = [&](const Segment& s) { return s.a == node || s.b == node; };
+    const auto segment = std::ranges::find_if(chain.segments, ends_there);
+    return ChainPoint{{node}, {1}, 1, static_cast<int>(segment - chain.segments.begin())};
+  };
   for (const Load& load : scene.loads) {
     chain.load_direction.push_back(chain.axes * load.direction);
+    chain.loads.push_back(locate(load.place));
   }
   for (const Sensor& sensor : scene.sensors) {
     chain.sensor_direction.push_back(chain.axes * sensor.direction);
-  }
-  const auto locate = [&](const Place& place, const std::string& what) {
-    if (!place.member.empty()) {
-      for (std::size_t m = 0; m < scene.members.size(); ++m) {
-        if (scene.members[m].name == place.member) {
-          return point_on(chain.members[m], place.position);
-        }
-      }
-      throw SceneError({scene.file, 0, 0, what + ".member"},
-                       "there is no member \"" + place.member + "\"",
-                       "name a member that the scene has");
-    }
-    for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
-      if (scene.nodes[k].name != place.node) continue;
-      ChainPoint point;
-      point.node[0] = static_cast<int>(k);
-      point.weight[0] = 1;
-      point.count = 1;
-      for (std::size_t s = 0; s < chain.segments.size() && point.segment < 0; ++s) {
-        if (chain.segments[s].a == int(k) || chain.segments[s].b == int(k)) {
-          point.segment = static_cast<int>(s);
-        }
-      }
-      return point;
-    }
-    throw SceneError({scene.file, 0, 0, what + ".node"}, "there is no node \"" + place.node + "\"",
-                     "name a node that the scene has");
-  };
-  for (const Load& load : scene.loads) {
-    chain.loads.push_back(locate(load.place, "load \"" + load.name + "\""));
-  }
-  for (const Sensor& sensor : scene.sensors) {
-    chain.sensors.push_back(locate(sensor.place, "sensor \"" + sensor.name + "\""));
+    chain.sensors.push_back(locate(sensor.place));
   }
   return chain;
 }

@@ -65,7 +65,6 @@ struct InnerJoint {
 /// Between a member's end segment and a node that holds its direction or only its twist.
 struct EndJoint {
   int segment = 0;
-  int end = 0;        ///< 0: at the member's first node
   int rotation = -1;  ///< column of ChainState::rotation; -1: fixed
   JointSprings springs;
   bool stress_free_at_equilibrium = false;  ///< a hanging cable's: no moment at the equilibrium
@@ -98,7 +97,6 @@ struct PointMass {
 };
 
 struct ChainMember {
-  int scene_member = 0;
   bool cable = true;
   int first_segment = 0;
   int segments = 0;
@@ -118,14 +116,13 @@ struct ChainMember {
 struct Chain {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< chain axes = axes * scene axes
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();   ///< m/s^2, chain axes
-  bool planar = false;   ///< chain's x, y plane is one of symmetry of the scene at rest
-  bool torsion = false;  ///< some segment has a frame
+  bool planar = false;  ///< chain's x, y plane is one of symmetry of the scene at rest
 
-  int nodes = 0;
-  int frames = 0;
+  int nodes = 0;                    ///< the scene's, in its order, then those inside members
+  int scene_nodes = 0;              ///< how many those of the scene are
+  int frames = 0;                   ///< zero: no torsion
   Eigen::Matrix3Xd drawn;           ///< 3 x nodes, chain axes: straight between the scene's nodes
   Eigen::Matrix3Xd drawn_director;  ///< 3 x frames: material axis 1 of the straight members
-  std::vector<int> scene_node;      ///< chain node of each scene node
   Eigen::Matrix<bool, 3, Eigen::Dynamic> fixed;  ///< displacement held, 3 x nodes
   std::vector<int> rotating_node;                ///< chain node of each node rotation
   /// Axes a node may turn about (columns) and which of them it may not: those without stiffness,
@@ -146,8 +143,11 @@ struct Chain {
   std::vector<Eigen::Vector3d> load_direction, sensor_direction;  ///< chain axes
   RotaryInertia rotary_inertia = RotaryInertia::accurate;
 
-  /// Throws SceneError for a member or place that names no node or member of the scene.
+  /// `members` are the scene's, in its order. Throws SceneError for a member or place that names no
+  /// node or member of the scene.
   [[nodiscard]] static Chain from_scene(const Scene& scene, const ChainOptions& options = {});
+  /// Numbers of segments, by member.
+  [[nodiscard]] std::vector<int> segment_counts() const;
   /// Rescales segment lengths, springs and masses of a member.
   void set_unstretched_length(int member, double length);
 };

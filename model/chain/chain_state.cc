@@ -1,9 +1,15 @@
-// Where a chain is: its drawn state, directors, places (declared in chain.h).
+// Where a chain is: its drawn state, directors, places; its numbers (declared in chain.h).
 #include <Eigen/Geometry>
 
 #include "model/chain/chain.h"
 
 namespace rigfit::model {
+
+std::vector<int> Chain::segment_counts() const {
+  std::vector<int> counts;
+  for (const ChainMember& member : members) counts.push_back(member.segments);
+  return counts;
+}
 
 void settle(Chain& chain, const ChainState& state) {
   for (EndJoint& joint : chain.end_joints) {

@@ -11,16 +11,10 @@ namespace {
 /// (E. Cuthill and J. McKee, Proc. 24th ACM Nat. Conf., 1969).
 std::vector<int> walk(const Chain& chain) {
   const auto n = static_cast<std::size_t>(chain.nodes);
-  std::vector<int> begin(n + 1, 0), neighbour(2 * chain.segments.size());
+  std::vector<std::vector<int>> neighbours(n);
   for (const Segment& s : chain.segments) {
-    ++begin[static_cast<std::size_t>(s.a) + 1];
-    ++begin[static_cast<std::size_t>(s.b) + 1];
-  }
-  for (std::size_t k = 0; k < n; ++k) begin[k + 1] += begin[k];
-  std::vector<int> fill(begin.begin(), begin.end() - 1);
-  for (const Segment& s : chain.segments) {
-    neighbour[static_cast<std::size_t>(fill[static_cast<std::size_t>(s.a)]++)] = s.b;
-    neighbour[static_cast<std::size_t>(fill[static_cast<std::size_t>(s.b)]++)] = s.a;
+    neighbours[static_cast<std::size_t>(s.a)].push_back(s.b);
+    neighbours[static_cast<std::size_t>(s.b)].push_back(s.a);
   }
   std::vector<int> all, order;
   all.reserve(n), order.reserve(n);
@@ -29,9 +23,7 @@ std::vector<int> walk(const Chain& chain) {
     order.push_back(start);
     mark[static_cast<std::size_t>(start)] = 0;
     for (std::size_t head = 0; head < order.size(); ++head) {
-      const auto here = static_cast<std::size_t>(order[head]);
-      for (int p = begin[here]; p < begin[here + 1]; ++p) {
-        const int next = neighbour[static_cast<std::size_t>(p)];
+      for (const int next : neighbours[static_cast<std::size_t>(order[head])]) {
         if (mark[static_cast<std::size_t>(next)] >= 0) continue;
         mark[static_cast<std::size_t>(next)] = 0;
         order.push_back(next);

@@ -1,5 +1,6 @@
 #include "model/chain/segment_lumping.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -16,6 +17,11 @@ double tail(double x, int next, int stride) {
     sum += term;
   }
   return sum;
+}
+
+/// Mean mass per length of a tapered member, kg/m.
+double mean_mass(const Member& member) {
+  return member.mass_per_length * (1 + member.taper + member.taper * member.taper) / 3;
 }
 
 }  // namespace
@@ -38,14 +44,20 @@ ClampFlexibility clamp_flexibility(double q2) {
   return {(q * s - excess) / (1 + s) / q2, next / q2, second / q2};
 }
 
-double nominal_tension(const Member& member, double chord, double level_part, double weight) {
+double nominal_tension(const Member& member, const Eigen::Vector3d& ends,
+                       const Eigen::Vector3d& gravity) {
   if (member.kind != Member::Kind::cable) return 0;
-  if (member.tension) return *member.tension / level_part;
+  const double chord = ends.norm();
+  const double across = gravity.cross(ends / chord).norm();
+  if (member.tension) {
+    const double level = gravity.norm() > 0 ? across / gravity.norm() : 1;
+    return *member.tension / (level > 0.0872 ? level : 1);
+  }
   const double length = member.unstretched_length ? *member.unstretched_length
                         : member.stretch          ? chord - *member.stretch
                                                   : chord;
   // T / EA - (w L / T)^2 / 24 = chord / length - 1: rises with T.
-  const double strain = chord / length - 1, pull = weight * chord;
+  const double strain = chord / length - 1, pull = mean_mass(member) * across * chord;
   if (!(pull > 0)) return std::max(0.0, member.EA * strain);
   const auto excess = [&](double tension) {
     return tension / member.EA - pull * pull / (24 * tension * tension) - strain;
@@ -62,9 +74,6 @@ AxialForce nominal_axial_force(const Scene& scene, const std::vector<std::array<
                                std::size_t member) {
   const Member& beam = scene.members[member];
   const auto node = [&](int k) -> const SceneNode& { return scene.nodes[std::size_t(k)]; };
-  const auto mass_per_length = [](const Member& m) {  // mean of a tapered one
-    return m.mass_per_length * (1 + m.taper + m.taper * m.taper) / 3;
-  };
   const auto held = [&](int k) { return node(k).support.kind != Support::Kind::free; };
   const auto [first, second] = ends[member];
   if (beam.kind == Member::Kind::cable || held(first) == held(second)) return {};
@@ -77,24 +86,15 @@ AxialForce nominal_axial_force(const Scene& scene, const std::vector<std::array<
     const Eigen::Vector3d chord = node(far).position - node(tip).position;
     const double length = chord.norm();
     if (!(length > 0)) continue;
-    force += 0.5 * mass_per_length(other) * length * scene.gravity;
+    force += 0.5 * mean_mass(other) * length * scene.gravity;
     if (other.kind != Member::Kind::cable) continue;
-    const Eigen::Vector3d along = chord / length;
-    double level_part = 1;
-    if (scene.gravity.norm() > 0) {
-      const Eigen::Vector3d up = scene.gravity.normalized();
-      const double level = (along - up * up.dot(along)).norm();
-      if (level > 0.0872) level_part = level;
-    }
-    const double weight =
-        mass_per_length(other) * (scene.gravity - along * along.dot(scene.gravity)).norm();
-    force += nominal_tension(other, length, level_part, weight) * along;
+    force += nominal_tension(other, chord, scene.gravity) / length * chord;
   }
   const Eigen::Vector3d axis = node(tip).position - node(foot).position;
   const double length = axis.norm();
   if (!(length > 0)) return {};
   const double at_tip = force.dot(axis) / length;
-  const double at_foot = at_tip + mass_per_length(beam) * scene.gravity.dot(axis);
+  const double at_foot = at_tip + mean_mass(beam) * scene.gravity.dot(axis);
   return held(first) ? AxialForce{at_foot, at_tip} : AxialForce{at_tip, at_foot};
 }
 

@@ -27,6 +27,7 @@
 // (those of sin(kl/2) / (kl/2)): such coarse chains are extrapolated to l = 0.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -50,9 +51,9 @@ struct ClampFlexibility {
 [[nodiscard]] ClampFlexibility clamp_flexibility(double q2);
 
 /// Estimated tension of a member, N, before the equilibrium is known: from its stated tension or
-/// length, sag included; zero for a beam. `chord` m, `weight` N/m across the chord.
-[[nodiscard]] double nominal_tension(const Member& member, double chord, double level_part,
-                                     double weight);
+/// length, sag included; zero for a beam. `chord` m, `gravity` m/s^2, in the same axes.
+[[nodiscard]] double nominal_tension(const Member& member, const Eigen::Vector3d& chord,
+                                     const Eigen::Vector3d& gravity);
 
 /// Axial force that varies linearly along a member, tension positive, N.
 struct AxialForce {

@@ -38,7 +38,8 @@ FrfEquations frf_equations(const MotionModes& motion, const ChainState& state, c
   motion.assembly->damping(state, out.damping);
   out.sensors = sensor_rows(*motion.assembly, state, scene);
   out.loads = load_rows(*motion.assembly);
-  if (motion.omega2.size() > 0) out.zeta = modal_ratios(motion, state, scene);
+  if (motion.omega2.size() > 0)
+    out.zeta = modal_ratios(*motion.assembly, motion.shapes, state, scene);
   out.dampers.resize(n, out.zeta.size());
   for (Eigen::Index r = 0; r < out.zeta.size(); ++r) {
     out.dampers.col(r) = motion.mass * Eigen::VectorXd(motion.shapes.col(r));
@@ -156,7 +157,7 @@ ChainModes frf_modes(const Scene& scene, const Eigen::VectorXd& frequency_hz,
     asked.band_hz = {0.0, highest};
     const ResolvedModes choice = choose_segments(scene, asked);
     // Without a mode among the lines there is nothing to choose by: the default.
-    if (!choice.modes.order.empty()) segments = choice.segments;
+    if (!choice.modes.order.empty()) segments = choice.modes.chain->segment_counts();
   }
   return ratios && highest > 0 ? find_modes(scene, wanted, segments)
                                : prepare_motions(scene, wanted, segments);

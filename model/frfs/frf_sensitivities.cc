@@ -149,8 +149,8 @@ std::vector<Eigen::MatrixXcd> rate_anew(Scene scene, const Chain& chain,
                                         const Eigen::VectorXd& frequency_hz,
                                         const ParameterAccess& access, const ParameterStep& step,
                                         const ModesOptions& options, double decay_rate_1_s) {
-  for (const ChainMember& member : chain.members) {
-    scene.members[std::size_t(member.scene_member)].segments = member.segments;
+  for (std::size_t m = 0; m < chain.members.size(); ++m) {
+    scene.members[m].segments = chain.members[m].segments;
   }
   const double reach = 10;
   const auto at = [&](double value) {
@@ -186,24 +186,12 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
   out.frfs.H = none;
   out.rate.assign(wanted.size(), none);
 
-  double extent = 0;
-  for (const auto& member : out.frfs.equilibrium.members) {
-    extent = std::max(extent, member.unstretched_length_m);
-  }
-  const EquilibriumPerturber mover(scene, modes);
-  struct Neighbours {
-    bool comparable = false;
-    ParameterStep step;
-    std::array<PerturbedEquilibrium, 2> rigs;
-  };
-  std::vector<Neighbours> neighbours(wanted.size());
+  std::vector<Neighbours> neighbours;
   for (std::size_t p = 0; p < wanted.size(); ++p) {
-    neighbours[p].step = parameter_step(wanted[p], scene, extent);
-    neighbours[p].comparable = mover.move(wanted[p], neighbours[p].step, neighbours[p].rigs);
-    if (!neighbours[p].comparable) {
-      out.rate[p] = rate_anew(scene, *modes.chain, frequency_hz, wanted[p], neighbours[p].step,
-                              options, decay_rate_1_s);
-    }
+    const Neighbours& near = neighbours.emplace_back(neighbours_of(scene, modes, wanted[p]));
+    if (near.comparable) continue;
+    out.rate[p] =
+        rate_anew(scene, *modes.chain, frequency_hz, wanted[p], near.step, options, decay_rate_1_s);
   }
 
   for (const MotionModes& motion : modes.motions) {

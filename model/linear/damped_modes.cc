@@ -10,11 +10,18 @@ namespace {
 
 using Complex = std::complex<double>;
 
-Complex form(const EnvelopeMatrix& a, const Eigen::VectorXcd& u) {
-  // u' A u without conjugation, A real.
+/// A u, A real.
+Eigen::VectorXcd times(const EnvelopeMatrix& a, const Eigen::VectorXcd& u) {
   const Eigen::VectorXd re = u.real(), im = u.imag();
-  const Eigen::VectorXd a_re = a * re, a_im = a * im;
-  return {re.dot(a_re) - im.dot(a_im), re.dot(a_im) + im.dot(a_re)};
+  Eigen::VectorXcd out(u.size());
+  out.real() = a * re;
+  out.imag() = a * im;
+  return out;
+}
+
+/// u' A u without conjugation.
+Complex form(const EnvelopeMatrix& a, const Eigen::VectorXcd& u) {
+  return u.transpose() * times(a, u);
 }
 
 }  // namespace
@@ -26,11 +33,6 @@ bool has_joint_dampers(const Scene& scene) {
 }
 
 double damping_ratio_of(Complex pole) { return -pole.real() / std::abs(pole); }
-
-Eigen::VectorXd modal_ratios(const MotionModes& motion, const ChainState& state,
-                             const Scene& scene) {
-  return modal_ratios(*motion.assembly, motion.shapes, state, scene);
-}
 
 Eigen::VectorXd modal_ratios(const Assembly& assembly, const Eigen::MatrixXd& shapes,
                              const ChainState& state, const Scene& scene) {
@@ -60,7 +62,7 @@ Eigen::VectorXd modal_ratios(const Assembly& assembly, const Eigen::MatrixXd& sh
 Eigen::VectorXcd damped_poles(const MotionModes& motion, const ChainState& state,
                               const Scene& scene) {
   const Eigen::Index modes = motion.omega2.size();
-  const Eigen::VectorXd ratios = modal_ratios(motion, state, scene);
+  const Eigen::VectorXd ratios = modal_ratios(*motion.assembly, motion.shapes, state, scene);
   Eigen::VectorXcd poles(modes);
   const Eigen::VectorXd omega = motion.omega2.cwiseSqrt();
   if (!has_joint_dampers(scene) || modes == 0) {
@@ -106,7 +108,6 @@ Eigen::VectorXcd damped_poles(const MotionModes& motion, const ChainState& state
     Complex s = poles[i];
     Eigen::VectorXcd u = motion.shapes.cast<Complex>() * vectors.col(best).head(modes);
     u /= u.norm();
-    Eigen::VectorXcd right(u.size());
     bool converged = false;
     for (int iteration = 0; iteration < 30 && !converged; ++iteration) {
       const Complex s2 = s * s;
@@ -116,12 +117,7 @@ Eigen::VectorXcd damped_poles(const MotionModes& motion, const ChainState& state
       }
       factor.factor(dynamic, 1e-15);
       // Newton's right-hand side: the derivative of the matrix by s, times the vector.
-      const Eigen::VectorXd re = u.real(), im = u.imag();
-      const Eigen::VectorXd m_re = motion.mass * re, m_im = motion.mass * im;
-      const Eigen::VectorXd c_re = c * re, c_im = c * im;
-      for (Eigen::Index r = 0; r < u.size(); ++r) {
-        right[r] = 2.0 * s * Complex(m_re[r], m_im[r]) + Complex(c_re[r], c_im[r]);
-      }
+      Eigen::VectorXcd right = 2.0 * s * times(motion.mass, u) + times(c, u);
       factor.solve_in_place(right);
       const double size = right.norm();
       if (!(size > 0) || !std::isfinite(size)) break;

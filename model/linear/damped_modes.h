@@ -21,8 +21,6 @@ namespace rigfit::model {
                                             const Scene& scene);
 
 /// Modal damping ratios from the members' `damping_ratio` alone.
-[[nodiscard]] Eigen::VectorXd modal_ratios(const MotionModes& motion, const ChainState& state,
-                                           const Scene& scene);
 [[nodiscard]] Eigen::VectorXd modal_ratios(const Assembly& assembly, const Eigen::MatrixXd& shapes,
                                            const ChainState& state, const Scene& scene);
 [[nodiscard]] bool has_joint_dampers(const Scene& scene);

@@ -38,6 +38,13 @@ struct ModalAnalysis {
 /// Does not throw when no equilibrium is found: check `equilibrium.status`; `modes` are then empty.
 [[nodiscard]] ModalAnalysis analyse_modes(const Scene& scene, const ModesOptions& options = {});
 
+struct ResolvedModes;
+/// What `resolved` says to a user, without `left_out` and `kept`; `options` says whether damping
+/// ratios and shapes are wanted. A mode is of a plane or a family when at least 0.9 of its kinetic
+/// energy is; twist and motion along the members count from 0.5.
+[[nodiscard]] ModalAnalysis analysis_of(const ResolvedModes& resolved, const Scene& scene,
+                                        const ModesOptions& options);
+
 /// Modes and their derivatives by the given parameters.
 struct ModeSensitivities {
   ModalAnalysis analysis;

@@ -46,13 +46,10 @@ ChainModes prepare(const Scene& scene, const ChainOptions& chain_options) {
   out.equilibrium = find_equilibrium(*out.chain, scene, &rest);
   if (out.equilibrium.status != EquilibriumStatus::converged) return out;
   for (RestMotion& at_rest : rest) {
-    MotionModes motion;
-    motion.motion = at_rest.motion;
-    motion.assembly = std::move(at_rest.assembly);
-    motion.stiffness = std::move(at_rest.stiffness);
+    MotionModes& motion = out.motions.emplace_back();
+    static_cast<RestMotion&>(motion) = std::move(at_rest);
     motion.mass = motion.assembly->matrix();
     motion.assembly->mass(motion.mass);
-    out.motions.push_back(std::move(motion));
   }
   return out;
 }
@@ -137,6 +134,7 @@ Eigen::MatrixXd sensor_rows(const Assembly& assembly, const ChainState& state, c
   const Chain& chain = assembly.chain();
   const auto count = static_cast<Eigen::Index>(chain.sensors.size());
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(assembly.size(), count);
+  const auto elongations = assembly.elongations(state);
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const ChainPoint& point = chain.sensors[k];
@@ -146,13 +144,7 @@ Eigen::MatrixXd sensor_rows(const Assembly& assembly, const ChainState& state, c
     }
     if (point.segment < 0) continue;
     const Segment& s = chain.segments[static_cast<std::size_t>(point.segment)];
-    const Eigen::Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
-    for (int axis = 0; axis < 3; ++axis) {
-      const int a = assembly.numbering().displacement(axis, s.a);
-      const int b = assembly.numbering().displacement(axis, s.b);
-      if (a >= 0) rows(a, i) -= s.EA / s.length * t[axis];
-      if (b >= 0) rows(b, i) += s.EA / s.length * t[axis];
-    }
+    rows.col(i) = s.EA / s.length * elongations.row(point.segment).transpose();
   }
   return rows;
 }

@@ -15,10 +15,8 @@
 
 namespace rigfit::model {
 
-struct MotionModes {
-  Motion motion = Motion::space;
-  std::unique_ptr<Assembly> assembly;
-  EnvelopeMatrix stiffness, mass;
+struct MotionModes : RestMotion {
+  EnvelopeMatrix mass;
   Eigen::VectorXd omega2;  ///< (rad/s)^2, rising
   Eigen::MatrixXd shapes;  ///< unknowns x modes, mass-normalised
   bool complete = false;   ///< Sturm count agrees
@@ -45,7 +43,6 @@ struct ChainModes {
 /// Modes, and the error that the number of segments leaves in them.
 struct ResolvedModes {
   ChainModes modes;                  ///< of the finest chain used
-  std::vector<int> segments;         ///< by member
   std::vector<double> frequency_hz;  ///< by ChainModes::order
   std::vector<double> limit_hz;      ///< NaturalMode::extrapolated_hz, likewise
   double relative_error = 0;         ///< estimated, of `frequency_hz`, largest of all

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -19,9 +20,15 @@ enum class ModePlane { in, out, mixed, axial, torsion };
 /// Whether cables or beams carry the kinetic energy.
 enum class ModeFamily { cable, beam, hybrid };
 /// The word in JSON, such as "out".
-[[nodiscard]] const char* name_of(ModePlane plane);
+[[nodiscard]] constexpr const char* name_of(ModePlane plane) {
+  constexpr const char* kNames[] = {"in", "out", "mixed", "axial", "torsion"};
+  return kNames[static_cast<std::size_t>(plane)];
+}
 /// The word in JSON, such as "hybrid".
-[[nodiscard]] const char* name_of(ModeFamily family);
+[[nodiscard]] constexpr const char* name_of(ModeFamily family) {
+  constexpr const char* kNames[] = {"cable", "beam", "hybrid"};
+  return kNames[static_cast<std::size_t>(family)];
+}
 
 /// The shape of a mode on one member.
 struct ModeShape {

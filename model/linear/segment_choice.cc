@@ -56,7 +56,7 @@ double wave_number(const Member& member, double tension, double omega) {
   return std::sqrt(2 * inertia / (tension + root));
 }
 
-/// The error of `out.modes`, cut into `out.segments`.
+/// The error of `out.modes`.
 void estimate_error(const Scene& scene, const ModesOptions& options, ResolvedModes& out) {
   const ChainModes& modes = out.modes;
   const std::size_t asked = modes.order.size();
@@ -76,13 +76,14 @@ void estimate_error(const Scene& scene, const ModesOptions& options, ResolvedMod
     if (counts[k] > 0) counts[k] += offset[k];
   }
   std::vector<std::vector<Eigen::VectorXd>> others;
-  std::vector<double> h{1 / total(out.segments)};
+  const std::vector<int> segments = modes.chain->segment_counts();
+  std::vector<double> h{1 / total(segments)};
   // Very short chains are not yet on the asymptote: those twice and four times as long are.
-  const bool few = *std::min_element(out.segments.begin(), out.segments.end()) < kAsymptotic;
+  const bool few = *std::ranges::min_element(segments) < kAsymptotic;
   for (int level = 1; level <= 2; ++level) {
     const double factor = few ? 2 * level : 1 + 0.5 * level;
     std::vector<int> changed;
-    for (const int n : out.segments) {
+    for (const int n : segments) {
       changed.push_back(std::max(3, static_cast<int>(std::lround(n * factor))));
     }
     h.push_back(1 / total(changed));
@@ -108,10 +109,9 @@ void estimate_error(const Scene& scene, const ModesOptions& options, ResolvedMod
 
 /// Modes of the chain with these segments, without an error as yet.
 ResolvedModes modes_with(const Scene& scene, const ModesOptions& options,
-                         std::vector<int> segments) {
+                         const std::vector<int>& segments) {
   ResolvedModes out;
   out.modes = find_modes(scene, options, segments);
-  out.segments = std::move(segments);
   for (std::size_t i = 0; i < out.modes.order.size(); ++i) {
     out.frequency_hz.push_back(out.modes.frequency_hz(i));
   }

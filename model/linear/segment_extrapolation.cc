@@ -6,7 +6,6 @@
 #include <limits>
 #include <numeric>
 
-#include "model/linear/mode_following.h"
 #include "model/linear/segment_choice.h"
 
 namespace rigfit::model {
@@ -16,6 +15,68 @@ constexpr std::array<int, 15> kSequence{2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 9
 constexpr std::size_t kSmallest = 2, kLargest = 4;  // windows: chains that a value is of
 constexpr int kForShapes = 16;       // the finest chain's factor where its shapes are asked for
 constexpr double kRounding = 1e-11;  // relative, of eigenvalues
+
+/// Displacements of a motion's modes at `samples` evenly spaced places of each member, columns of
+/// unit length (zero where nothing but twist moves).
+Eigen::MatrixXd sampled_shapes(const ChainModes& modes, const MotionModes& motion,
+                               const std::vector<int>& samples) {
+  const Chain& chain = *modes.chain;
+  const auto& numbering = motion.assembly->numbering();
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(
+      3 * std::accumulate(samples.begin(), samples.end(), Eigen::Index{0}), motion.omega2.size());
+  Eigen::Index row = 0;
+  for (std::size_t m = 0; m < chain.members.size(); ++m) {
+    const ChainMember& member = chain.members[m];
+    std::size_t i = 0;
+    for (int k = 0; k < samples[m]; ++k) {
+      const double place = (k + 0.5) / samples[m];
+      while (member.places[i + 1] < place) ++i;
+      const double f = (place - member.places[i]) / (member.places[i + 1] - member.places[i]);
+      for (int axis = 0; axis < 3; ++axis, ++row) {
+        const int a = numbering.displacement(axis, member.nodes[i]);
+        const int b = numbering.displacement(axis, member.nodes[i + 1]);
+        if (a >= 0) out.row(row) += (1 - f) * motion.shapes.row(a);
+        if (b >= 0) out.row(row) += f * motion.shapes.row(b);
+      }
+    }
+  }
+  for (Eigen::Index k = 0; k < out.cols(); ++k) {
+    const double size = out.col(k).norm();
+    if (size > 0) out.col(k) /= size;
+  }
+  return out;
+}
+
+/// The mode of `after` that each of `before` is, columns as of `sampled_shapes`: by shape, then by
+/// order and frequency (squares in (rad/s)^2); -1: none.
+std::vector<int> following_modes(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after,
+                                 const Eigen::VectorXd& omega2_before,
+                                 const Eigen::VectorXd& omega2_after) {
+  Eigen::MatrixXd overlap = (before.transpose() * after).cwiseAbs2();
+  std::vector<int> next(static_cast<std::size_t>(overlap.rows()), -1);
+  std::vector<bool> taken(static_cast<std::size_t>(overlap.cols()), false);
+  for (Eigen::Index round = 0; round < std::min(overlap.rows(), overlap.cols()); ++round) {
+    Eigen::Index i = 0, j = 0;
+    if (overlap.maxCoeff(&i, &j) < 0.5) break;
+    next[static_cast<std::size_t>(i)] = static_cast<int>(j);
+    taken[static_cast<std::size_t>(j)] = true;
+    overlap.row(i).setZero();
+    overlap.col(j).setZero();
+  }
+  // Equal frequencies share their shapes in any mixture; twist alone has none here.
+  std::size_t j = 0;
+  for (std::size_t i = 0; i < next.size(); ++i) {
+    if (next[i] >= 0) continue;
+    while (j < taken.size() && taken[j]) ++j;
+    if (j == taken.size()) break;
+    const double ratio =
+        omega2_after[static_cast<Eigen::Index>(j)] / omega2_before[static_cast<Eigen::Index>(i)];
+    if (std::abs(ratio - 1) > 0.2) continue;
+    next[i] = static_cast<int>(j);
+    taken[j] = true;
+  }
+  return next;
+}
 
 /// A mode followed through the chains.
 struct Track {
@@ -31,7 +92,6 @@ class Extrapolation {
 
   /// The chain of `factor` times the first numbers; false: no equilibrium.
   bool add(int factor) {
-    factor_ = factor;
     chain_ = find_chain_modes(scene_, options_, start_.chain(factor, options_));
     if (chain_.equilibrium.status != EquilibriumStatus::converged ||
         (chains_ > 0 && chain_.motions.size() != shapes_.size())) {
@@ -75,7 +135,7 @@ class Extrapolation {
   }
 
   ResolvedModes take() {
-    if (out_.segments.empty()) keep();
+    if (!out_.modes.chain) keep();
     return std::move(out_);
   }
 
@@ -95,12 +155,11 @@ class Extrapolation {
     keep();
   }
 
-  /// The last chain and its numbers of segments into the result.
+  /// The last chain into the result.
   void keep() {
     if (!chain_.chain) return;
     chain_.order = std::move(out_.modes.order);
     out_.modes = std::move(chain_);
-    out_.segments = start_.segments(factor_);
   }
 
   std::vector<Track*> asked_tracks() {
@@ -163,7 +222,6 @@ class Extrapolation {
   const Scene& scene_;
   const ModesOptions& options_;
   const SequenceStart& start_;
-  int factor_ = 0;  // factor of SequenceStart::segments() in the last chain
   std::size_t chains_ = 0;
   ChainModes chain_;                     // the last one, until it is kept
   std::vector<Track> tracks_;            // tracks in the last chain, motion by motion
@@ -191,8 +249,10 @@ SequenceLimit sequence_limit(const std::vector<double>& h, const std::vector<dou
 ResolvedModes extrapolate_modes(const Scene& scene, const ModesOptions& options,
                                 const SequenceStart& start, double accuracy) {
   Extrapolation extrapolation(scene, options, start);
-  const std::vector<int> least = start.segments(1);
-  const int most = *std::max_element(least.begin(), least.end());
+  std::ptrdiff_t most = 0;  // segments of a member in the first chain
+  for (const auto& places : start.chain(1, options).places) {
+    most = std::max(most, std::ssize(places) - 1);
+  }
   for (std::size_t level = 0; level < kSequence.size(); ++level) {
     if (level > kSmallest + 2 && kSequence[level] * most > kMostSegments) break;
     if (!extrapolation.add(kSequence[level])) break;

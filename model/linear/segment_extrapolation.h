@@ -46,8 +46,6 @@ struct SequenceStart {
   bool resolved = true;                         ///< false: a member in compression near buckling
   /// The chain of `factor` times the segments.
   [[nodiscard]] ChainOptions chain(int factor, const ModesOptions& options) const;
-  /// Its segments, by member.
-  [[nodiscard]] std::vector<int> segments(int factor) const;
 };
 /// By the phases of the highest mode's wave, the layers of bending at clamps, masses and sagging
 /// pinned ends (where they change omega^2 by more than a tenth of `accuracy`, relative) and the

@@ -8,7 +8,6 @@
 
 #include "model/linear/damped_modes.h"
 #include "model/linear/modal_analysis.h"
-#include "model/linear/mode_description.h"
 #include "model/linear/perturbed_equilibrium.h"
 #include "model/linear/segment_extrapolation.h"
 
@@ -77,8 +76,7 @@ class ModeRateFinder {
 void difference_anew(const Scene& scene, const ParameterAccess& access, const ParameterStep& step,
                      const ChainModes& modes, const ModesOptions& options, Eigen::Index p,
                      ModeSensitivities& out) {
-  std::vector<int> segments;
-  for (const auto& member : modes.chain->members) segments.push_back(member.segments);
+  const std::vector<int> segments = modes.chain->segment_counts();
   const auto at = [&](double value) {
     Scene moved = scene;
     access.set(moved, value);
@@ -105,29 +103,18 @@ ModeSensitivities mode_sensitivities_by(const Scene& scene,
   ModeSensitivities out;
   const ResolvedModes resolved = resolve_modes(scene, options);
   const ChainModes& modes = resolved.modes;
-  out.analysis.equilibrium = describe(*modes.chain, modes.equilibrium, scene);
-  out.analysis.relative_error_estimate = resolved.relative_error;
-  out.analysis.extrapolated = resolved.extrapolated;
+  out.analysis = analysis_of(resolved, scene, options);
   const auto count = static_cast<Eigen::Index>(modes.order.size());
   const auto columns = static_cast<Eigen::Index>(wanted.size());
   out.frequency.setZero(count, columns);
   out.damping_ratio.setZero(count, columns);
   if (modes.equilibrium.status != EquilibriumStatus::converged) return out;
-  out.analysis.modes = natural_modes(resolved, scene, options);
-  out.analysis.complete = modes.complete();
-  for (const MotionModes& motion : modes.motions) out.analysis.unknowns += motion.assembly->size();
 
-  const EquilibriumPerturber mover(scene, modes);
-  double extent = 0;
-  for (const auto& member : out.analysis.equilibrium.members) {
-    extent = std::max(extent, member.unstretched_length_m);
-  }
   std::vector<ModeRateFinder> finders(modes.motions.begin(), modes.motions.end());
   for (Eigen::Index p = 0; p < columns; ++p) {
     const ParameterAccess& access = wanted[std::size_t(p)];
-    ParameterStep step = parameter_step(access, scene, extent);
-    std::array<PerturbedEquilibrium, 2> rigs;
-    if (!mover.move(access, step, rigs)) {
+    const auto [step, rigs, comparable] = neighbours_of(scene, modes, access);
+    if (!comparable) {
       difference_anew(scene, access, step, modes, options, p, out);
       continue;
     }

@@ -110,17 +110,6 @@ ChainOptions SequenceStart::chain(int factor, const ModesOptions& options) const
   return out;
 }
 
-std::vector<int> SequenceStart::segments(int factor) const {
-  std::vector<int> out;
-  out.reserve(stretches.size());
-  for (const auto& member : stretches) {
-    int all = 0;
-    for (const Stretch& stretch : member) all += factor * stretch.segments;
-    out.push_back(all);
-  }
-  return out;
-}
-
 SequenceStart sequence_start(const Scene& scene, const ChainModes& modes, double accuracy) {
   SequenceStart out;
   const Equilibrium rest = describe(*modes.chain, modes.equilibrium, scene);

@@ -18,7 +18,7 @@ double in_plane_stiffness(const Chain& chain, const JointSprings& springs, int s
 bool kernel_supports(const Chain& chain, int dimensions) {
   if (chain.members.empty()) return false;
   if (dimensions == 2) return chain.planar;
-  return !chain.torsion && chain.rotating_node.empty();
+  return chain.frames == 0 && chain.rotating_node.empty();
 }
 
 template <int D>

@@ -94,7 +94,7 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
     if (n == 0) continue;
     const Eigen::MatrixXd& shapes = motion.shapes;
     const Eigen::VectorXd omega2 = motion.omega2.cwiseMax(0.0);
-    out.ratio.segment(first, n) = modal_ratios(motion, rest, scene);
+    out.ratio.segment(first, n) = modal_ratios(*motion.assembly, shapes, rest, scene);
     out.omega.segment(first, n) = omega2.cwiseSqrt();
     const Eigen::MatrixXd load = load_rows(*motion.assembly);
     const Eigen::MatrixXd sensor = sensor_rows(*motion.assembly, rest, scene);

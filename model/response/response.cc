@@ -12,7 +12,6 @@
 #include "model/motion/stiff_motion.h"
 #include "model/response/linear_answer.h"
 #include "model/response/nonlinearity.h"
-#include "model/response/response_estimates.h"
 #include "model/response/response_modes.h"
 #include "model/scene/scene_error.h"
 #include "model/statics/equilibrium.h"
@@ -153,9 +152,7 @@ class Simulation {
       out_.reason = modes_.equilibrium.reason;
       return false;
     }
-    for (const ChainMember& member : modes_.chain->members) {
-      out_.segments.push_back(member.segments);
-    }
+    out_.segments = modes_.chain->segment_counts();
     if (answer_.omega.size() == 0) answer_ = linear_answer(modes_, scene_);
     weights_ = mode_weights(answer_, scene_, records_, options_.sampling.duration_s);
     return true;
@@ -296,7 +293,7 @@ class Simulation {
           explicit_step_errors(modes_, answer_, weights_, shift_.frequency_shift, out_.step_s, 0)
               .scheme);
     }
-    if (chain.torsion) {
+    if (chain.frames > 0) {
       out_.kept.push_back("torsion");
     } else if (std::any_of(scene_.members.begin(), scene_.members.end(),
                            [](const Member& m) { return m.GJ > 0; })) {

@@ -8,7 +8,7 @@
 // are computed; axial waves are slowed (explicit_motion.h) where the estimated error allows it;
 // "auto" members get enough segments to keep the error of frequencies below the scene's accuracy.
 // Every choice can be forced, and effects left out are listed with their estimated error
-// (response_estimates.h).
+// (response_modes.h).
 //
 // A hung mass acts as mass x |gravity| along the load's direction and is removed at t = 0. Sensors
 // read displacements from the unloaded equilibrium, or the axial force with its static part.

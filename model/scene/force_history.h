@@ -18,7 +18,7 @@ class LoadForce {
  public:
   /// `record` is used (and must be there) for a load of kind `record`; it must outlive this object.
   /// A release has no force after t = 0.
-  LoadForce(const Load& load, const ForceHistory* record);
+  LoadForce(Load load, const ForceHistory* record);
 
   /// Force along the load's direction, N.
   [[nodiscard]] double at(double time_s) const;
@@ -28,8 +28,7 @@ class LoadForce {
   [[nodiscard]] double end_s() const;
 
  private:
-  Load::Kind kind_;
-  double peak_, duration_, start_;
+  Load load_;
   const ForceHistory* record_;
 };
 

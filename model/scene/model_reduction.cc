@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "model/scene/scene_error.h"
+#include "model/scene/actual_state.h"
 
 namespace rigfit::model {
 namespace {
@@ -16,14 +16,12 @@ bool rigid_end(const Member& member, int end) {
 }
 
 /// True when mirroring at the plane normal to n maps the scene at rest onto itself.
-bool symmetric_about(const Scene& scene, const std::vector<std::array<int, 2>>& ends,
-                     const Eigen::Vector3d& n, bool coordinate_axis) {
+bool symmetric_about(const Scene& scene, const Eigen::Vector3d& n, bool coordinate_axis) {
   if (std::abs(scene.gravity.dot(n)) > kParallel * scene.gravity.norm()) return false;
-  for (std::size_t m = 0; m < ends.size(); ++m) {
-    const Eigen::Vector3d chord = scene.nodes[static_cast<std::size_t>(ends[m][1])].position -
-                                  scene.nodes[static_cast<std::size_t>(ends[m][0])].position;
+  for (const Member& member : scene.members) {
+    const Eigen::Vector3d chord = chord_of(scene, member);
     if (std::abs(chord.dot(n)) > kParallel * chord.norm()) return false;
-    if (scene.members[m].EI[0] != scene.members[m].EI[1]) {
+    if (member.EI[0] != member.EI[1]) {
       const double along = std::abs(material_axes(chord).col(1).dot(n));
       if (along > kParallel && along < 1 - kParallel) return false;
     }
@@ -41,18 +39,8 @@ bool symmetric_about(const Scene& scene, const std::vector<std::array<int, 2>>& 
 std::vector<std::array<int, 2>> member_nodes(const Scene& scene) {
   std::vector<std::array<int, 2>> ends(scene.members.size());
   for (std::size_t m = 0; m < ends.size(); ++m) {
-    const Member& member = scene.members[m];
     for (std::size_t end = 0; end < 2; ++end) {
-      int found = -1;
-      for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
-        if (scene.nodes[k].name == member.nodes[end]) found = static_cast<int>(k);
-      }
-      if (found < 0) {
-        throw SceneError({scene.file, 0, 0, "member \"" + member.name + "\".nodes"},
-                         "there is no node \"" + member.nodes[end] + "\"",
-                         "add the node or name one that the scene has");
-      }
-      ends[m][end] = found;
+      ends[m][end] = index_named(scene, scene.nodes, scene.members[m].nodes[end]);
     }
   }
   return ends;
@@ -82,35 +70,20 @@ ModelReduction reduce_model(const Scene& scene, std::optional<bool> torsion) {
   reduction.attitude.resize(scene.nodes.size(), NodeAttitude::released);
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) {
     const Support& support = scene.nodes[k].support;
-    switch (support.kind) {
-      case Support::Kind::clamped:
-        reduction.attitude[k] = NodeAttitude::held;
-        break;
-      case Support::Kind::pinned:
-        break;
-      case Support::Kind::free:
-        if (rigid[k] > 1) reduction.attitude[k] = NodeAttitude::turning;
-        break;
-      case Support::Kind::elastic: {
-        const bool all_infinite = support.rotational.array().isInf().all();
-        const bool some = (support.rotational.array() > 0).any();
-        if (all_infinite) {
-          reduction.attitude[k] = NodeAttitude::held;
-        } else if (rigid[k] > 1 || (rigid[k] == 1 && some)) {
-          reduction.attitude[k] = NodeAttitude::turning;
-        }
-        break;
-      }
+    const bool elastic = support.kind == Support::Kind::elastic;
+    const bool sprung = (support.rotational.array() > 0).any();
+    if (support.kind == Support::Kind::clamped ||
+        (elastic && support.rotational.array().isInf().all())) {
+      reduction.attitude[k] = NodeAttitude::held;
+    } else if (support.kind != Support::Kind::pinned &&
+               (rigid[k] > 1 || (elastic && rigid[k] == 1 && sprung))) {
+      reduction.attitude[k] = NodeAttitude::turning;
     }
   }
 
   reduction.torsion.resize(scene.members.size(), false);
   for (std::size_t m = 0; m < ends.size(); ++m) {
     const Member& member = scene.members[m];
-    const auto chord_of = [&](std::size_t other) {
-      return Eigen::Vector3d(scene.nodes[static_cast<std::size_t>(ends[other][1])].position -
-                             scene.nodes[static_cast<std::size_t>(ends[other][0])].position);
-    };
     const bool unequal = member.EI[0] != member.EI[1];
     bool twist_held = false, torque_enters = false;
     for (std::size_t end = 0; end < 2; ++end) {
@@ -127,7 +100,10 @@ ModelReduction reduce_model(const Scene& scene, std::optional<bool> torsion) {
         if (other == m) continue;
         for (std::size_t e = 0; e < 2; ++e) {
           if (ends[other][e] != ends[m][end] || !rigid_end(scene.members[other], int(e))) continue;
-          const double sine = chord_of(m).normalized().cross(chord_of(other).normalized()).norm();
+          const double sine = chord_of(scene, member)
+                                  .normalized()
+                                  .cross(chord_of(scene, scene.members[other]).normalized())
+                                  .norm();
           if (sine > 1e-9 || scene.members[other].EI[0] != scene.members[other].EI[1]) {
             torque_enters = true;
           }
@@ -141,20 +117,19 @@ ModelReduction reduce_model(const Scene& scene, std::optional<bool> torsion) {
 
   // The plane of symmetry: z first, then the other axes, then that of the first inclined member.
   for (const int k : {2, 0, 1}) {
-    if (!symmetric_about(scene, ends, Eigen::Vector3d::Unit(k), true)) continue;
+    if (!symmetric_about(scene, Eigen::Vector3d::Unit(k), true)) continue;
     reduction.planar = true;
     for (int row = 0; row < 3; ++row) {
       reduction.axes.row(row) = Eigen::Vector3d::Unit((k + 1 + row) % 3).transpose();
     }
     return reduction;
   }
-  for (std::size_t m = 0; m < ends.size(); ++m) {
-    const Eigen::Vector3d chord = scene.nodes[static_cast<std::size_t>(ends[m][1])].position -
-                                  scene.nodes[static_cast<std::size_t>(ends[m][0])].position;
+  for (const Member& member : scene.members) {
+    const Eigen::Vector3d chord = chord_of(scene, member);
     const Eigen::Vector3d normal = chord.cross(-scene.gravity);
     if (normal.norm() < 1e-9 * chord.norm() * scene.gravity.norm()) continue;
     const Eigen::Vector3d n = normal.normalized();
-    if (!symmetric_about(scene, ends, n, false)) break;
+    if (!symmetric_about(scene, n, false)) break;
     reduction.planar = true;
     const Eigen::Vector3d up = (-scene.gravity).normalized();
     reduction.axes.row(0) = up.cross(n).transpose();

@@ -8,10 +8,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "model/scene/scene.h"
+#include "model/scene/scene_error.h"
 
 namespace rigfit::model {
 
@@ -32,7 +36,18 @@ struct ModelReduction {
   bool planar = false;
 };
 
-/// Index of each member's two nodes. Throws SceneError when one is missing.
+/// Index of a scene's node or member by its name. Throws SceneError when there is none.
+template <class Thing>
+[[nodiscard]] int index_named(const Scene& scene, const std::vector<Thing>& things,
+                              const std::string& name) {
+  const auto found = std::ranges::find(things, name, &Thing::name);
+  if (found == things.end()) {
+    throw SceneError({scene.file, 0, 0, name}, "there is no node or member \"" + name + "\"",
+                     "name one that the scene has");
+  }
+  return static_cast<int>(found - things.begin());
+}
+/// Index of each member's two nodes.
 [[nodiscard]] std::vector<std::array<int, 2>> member_nodes(const Scene& scene);
 [[nodiscard]] ModelReduction reduce_model(const Scene& scene,
                                           std::optional<bool> torsion = std::nullopt);

@@ -9,24 +9,6 @@
 #include "model/scene/scene_numbers.h"
 
 namespace rigfit::model {
-namespace {
-
-const ParameterAccess* find(const std::vector<ParameterAccess>& all, const std::string& name) {
-  for (const auto& one : all) {
-    if (one.name == name) return &one;
-  }
-  return nullptr;
-}
-
-[[noreturn]] void unknown(const Scene& scene, const std::string& name) {
-  std::string known;
-  for (const auto& other : parameter_names(scene)) known += (known.empty() ? "" : ", ") + other;
-  throw SceneError({scene.file, 0, 0, name}, "the scene has no parameter \"" + name + "\"",
-                   "use one of: " + known);
-}
-
-}  // namespace
-
 std::vector<ParameterAccess> scene_parameters(const Scene& scene) {
   std::vector<ParameterAccess> all;
   const auto add = [&](std::string name, const char* unit, auto reference) {
@@ -155,8 +137,13 @@ std::vector<ParameterAccess> parameters_named(const Scene& scene,
   const auto all = scene_parameters(scene);
   std::vector<ParameterAccess> chosen;
   for (const std::string& name : names) {
-    const auto* one = find(all, name);
-    if (!one) unknown(scene, name);
+    const auto one = std::ranges::find(all, name, &ParameterAccess::name);
+    if (one == all.end()) {
+      std::string known;
+      for (const auto& other : all) known += (known.empty() ? "" : ", ") + other.name;
+      throw SceneError({scene.file, 0, 0, name}, "the scene has no parameter \"" + name + "\"",
+                       "use one of: " + known);
+    }
     chosen.push_back(*one);
   }
   return chosen;
@@ -175,15 +162,11 @@ ParameterAccess moved_together(const std::vector<ParameterAccess>& parameters,
 }
 
 double parameter(const Scene& scene, const std::string& name) {
-  const auto all = scene_parameters(scene);
-  if (const auto* one = find(all, name)) return one->get(scene);
-  unknown(scene, name);
+  return parameters_named(scene, {name}).front().get(scene);
 }
 
 void set_parameter(Scene& scene, const std::string& name, double value) {
-  const auto all = scene_parameters(scene);
-  if (const auto* one = find(all, name)) return one->set(scene, value);
-  unknown(scene, name);
+  parameters_named(scene, {name}).front().set(scene, value);
 }
 
 std::vector<std::string> parameter_names(const Scene& scene) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "model/scene/scene_keys.h"
 #include "model/scene/scene_numbers.h"
 
 namespace rigfit::model {
@@ -128,6 +127,22 @@ Member read_member(TomlTable& table) {
   }
   table.finish();
   return member;
+}
+
+std::string name_in(TomlTable& table, const std::string& fallback) {
+  if (!table.has("name") && !fallback.empty()) return fallback;
+  std::string name = table.string("name");
+  if (name.empty()) throw table.error("name", "is empty", "give each one a name of its own");
+  return name;
+}
+
+double position_of(TomlTable& table) {
+  const double position = table.number("position", Bound::any, "");
+  if (position < 0 || position > 1) {
+    throw table.error("position", fmt::format("must be from 0 to 1, got {}", position),
+                      "give the fraction of the member's length from its first node");
+  }
+  return position;
 }
 
 }  // namespace rigfit::model

@@ -9,13 +9,17 @@
 #include <set>
 
 #include "model/scene/read_member.h"
-#include "model/scene/scene_keys.h"
 #include "model/scene/scene_repeat.h"
 #include "model/scene/sensor_quantity.h"
 #include "model/scene/toml_table.h"
 
 namespace rigfit::model {
 namespace {
+
+Eigen::Vector3d vector3(TomlTable& table, const std::string& key, const std::string& unit) {
+  const auto v = table.numbers(key, 3, 3, Bound::any, unit);
+  return {v[0], v[1], v[2]};
+}
 
 Eigen::Vector3d unit_vector(TomlTable& table, const std::string& key,
                             const Eigen::Vector3d& fallback) {
@@ -134,8 +138,10 @@ Sensor read_sensor(TomlTable& table, std::size_t index) {
   sensor.name = name_in(table, fmt::format("sensor-{}", index + 1));
   sensor.place = read_place(table);
   sensor.direction = unit_vector(table, "direction", {0, 1, 0});
-  sensor.quantity = sensor_quantity_named(
-      table.choice_or("quantity", sensor_quantity_names(), sensor_quantities().front().name));
+  std::vector<std::string> words;
+  for (const SensorQuantity& one : kSensorQuantities) words.emplace_back(one.name);
+  const std::string word = table.choice_or("quantity", words, words.front());
+  sensor.quantity = static_cast<Sensor::Quantity>(std::ranges::find(words, word) - words.begin());
   if (described(sensor.quantity).reading == SensorReading::axial_force &&
       !sensor.place.node.empty()) {
     throw table.error("node", "cannot carry a force sensor: tension belongs to a member",

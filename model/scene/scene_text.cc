@@ -42,19 +42,13 @@ std::string vector(const Eigen::Vector3d& v) {
 std::string node_text(const SceneNode& node) {
   std::string text = fmt::format("\n[[node]]\nname = {}\nposition = {}  # m\n", quoted(node.name),
                                  vector(node.position));
-  switch (node.support.kind) {
-    case Support::Kind::free:
-      break;
-    case Support::Kind::pinned:
-      text += "support = \"pinned\"\n";
-      break;
-    case Support::Kind::clamped:
-      text += "support = \"clamped\"\n";
-      break;
-    case Support::Kind::elastic:
-      text += fmt::format("support = {{ translational = {}, rotational = {} }}  # N/m, N m/rad\n",
-                          vector(node.support.translational), vector(node.support.rotational));
-      break;
+  const Support& support = node.support;
+  if (support.kind == Support::Kind::elastic) {
+    text += fmt::format("support = {{ translational = {}, rotational = {} }}  # N/m, N m/rad\n",
+                        vector(support.translational), vector(support.rotational));
+  } else if (support.kind != Support::Kind::free) {
+    text += fmt::format("support = \"{}\"\n",
+                        support.kind == Support::Kind::pinned ? "pinned" : "clamped");
   }
   if (node.mass != 0) text += fmt::format("mass = {}  # kg\n", number(node.mass));
   return text;
@@ -112,29 +106,24 @@ std::string place_text(const Place& place) {
 }
 
 std::string load_text(const Load& load, const std::string& scene_file) {
-  std::string text = fmt::format("\n[[load]]\nname = {}\n", quoted(load.name));
-  switch (load.kind) {
-    case Load::Kind::impact:
-      text += fmt::format(
-          "kind = \"impact\"\n{}direction = {}\npeak = {}  # N\nduration = {}  # s\n",
-          place_text(load.place), vector(load.direction), number(load.peak), number(load.duration));
-      if (load.start != 0) text += fmt::format("start = {}  # s\n", number(load.start));
-      break;
-    case Load::Kind::release:
-      text += fmt::format("kind = \"release\"\n{}mass = {}  # kg\n", place_text(load.place),
-                          number(load.mass));
-      break;
-    case Load::Kind::record: {
-      const auto folder = std::filesystem::path(scene_file).parent_path();
-      auto file =
-          std::filesystem::path(load.file).lexically_relative(folder.empty() ? "." : folder);
-      if (file.empty()) file = load.file;
-      text += fmt::format("kind = \"record\"\n{}direction = {}\nfile = {}\n",
-                          place_text(load.place), vector(load.direction), quoted(file.string()));
-      break;
-    }
+  const bool release = load.kind == Load::Kind::release, impact = load.kind == Load::Kind::impact;
+  std::string text = fmt::format("\n[[load]]\nname = {}\nkind = \"{}\"\n{}", quoted(load.name),
+                                 impact    ? "impact"
+                                 : release ? "release"
+                                           : "record",
+                                 place_text(load.place));
+  if (release) return text + fmt::format("mass = {}  # kg\n", number(load.mass));
+  text += fmt::format("direction = {}\n", vector(load.direction));
+  if (impact) {
+    text += fmt::format("peak = {}  # N\nduration = {}  # s\n", number(load.peak),
+                        number(load.duration));
+    if (load.start != 0) text += fmt::format("start = {}  # s\n", number(load.start));
+    return text;
   }
-  return text;
+  const auto folder = std::filesystem::path(scene_file).parent_path();
+  auto file = std::filesystem::path(load.file).lexically_relative(folder.empty() ? "." : folder);
+  if (file.empty()) file = load.file;
+  return text + fmt::format("file = {}\n", quoted(file.string()));
 }
 
 std::string sensor_text(const Sensor& sensor) {

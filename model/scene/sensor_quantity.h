@@ -2,14 +2,13 @@
 // number of time derivatives and the part of the motion that it reads.
 //
 // A quantity is linear in the motion: y = (d/dt)^n r q, with a row r. To add one, add its
-// enumerator to Sensor::Quantity, its line to sensor_quantity.cc and a test. If it reads
-// another part of the motion, add also its row to `sensor_rows` (model/linear/modes.cc) and its
-// value to MotionKernel::sensor_value (model/motion).
+// enumerator to Sensor::Quantity, its line below and a test. If it reads another part of the
+// motion, add also its row to `sensor_rows` (model/linear/modes.cc) and its value to `sample` of
+// both schemes (model/motion).
 #pragma once
 
-#include <span>
-#include <string>
-#include <vector>
+#include <array>
+#include <cstddef>
 
 #include "model/scene/scene.h"
 
@@ -30,13 +29,16 @@ struct SensorQuantity {
   int derivatives;  ///< number of time derivatives of the reading
 };
 
-/// All quantities; the first is the default of a scene file.
-[[nodiscard]] std::span<const SensorQuantity> sensor_quantities();
+/// All quantities, in the order of their enumerators; the first is the default of a scene file.
+inline constexpr std::array<SensorQuantity, 4> kSensorQuantities{{
+    {Sensor::Quantity::acceleration, "acceleration", "m/s^2", SensorReading::displacement, 2},
+    {Sensor::Quantity::velocity, "velocity", "m/s", SensorReading::displacement, 1},
+    {Sensor::Quantity::displacement, "displacement", "m", SensorReading::displacement, 0},
+    {Sensor::Quantity::force, "force", "N", SensorReading::axial_force, 0},
+}};
 /// The entry of one quantity.
-[[nodiscard]] const SensorQuantity& described(Sensor::Quantity quantity);
-/// Their names, in order.
-[[nodiscard]] std::vector<std::string> sensor_quantity_names();
-/// The quantity of a name; throws SceneError for one that does not exist.
-[[nodiscard]] Sensor::Quantity sensor_quantity_named(const std::string& name);
+[[nodiscard]] constexpr const SensorQuantity& described(Sensor::Quantity quantity) {
+  return kSensorQuantities[static_cast<std::size_t>(quantity)];
+}
 
 }  // namespace rigfit::model

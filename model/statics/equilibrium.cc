@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "model/algebra/bordered_solver.h"
-#include "model/statics/equilibrium_check.h"
 #include "model/statics/hanging_chain.h"
 
 namespace rigfit::model {
@@ -139,7 +138,7 @@ class Solver {
   }
 
   void add_hold(const ChainState& state, double hold) {
-    for (const int node : chain_.scene_node) {
+    for (int node = 0; node < chain_.scene_nodes; ++node) {
       for (int axis = 0; axis < 3; ++axis) {
         const int i = assembly_.numbering().displacement(axis, node);
         if (i < 0) continue;
@@ -332,6 +331,13 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
   return result;
 }
 
+bool come_to_rest(Chain& chain, ChainState& state) {
+  chain.settled = false;
+  if (!Solver(chain, motion_at_rest(chain)).solve(state, 0)) return false;
+  settle(chain, state);
+  return true;
+}
+
 LoadedState loaded_state(const Assembly& assembly, const ChainState& equilibrium,
                          const Eigen::VectorXd& load) {
   LoadedState out;
@@ -367,11 +373,7 @@ LoadedState loaded_state(const Assembly& assembly, const ChainState& equilibrium
 }
 
 Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium, const Scene& scene) {
-  Equilibrium out;
-  out.status = equilibrium.status;
-  out.reason = equilibrium.reason;
-  out.residual = equilibrium.residual;
-  out.iterations = equilibrium.iterations;
+  Equilibrium out = equilibrium;
   if (equilibrium.status != EquilibriumStatus::converged) return out;
   const Assembly assembly(chain, motion_at_rest(chain));
   const Eigen::VectorXd axial = axial_forces(chain, equilibrium.state);
@@ -379,7 +381,7 @@ Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium, co
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
     const ChainMember& member = chain.members[m];
     MemberEquilibrium at;
-    at.member = scene.members[static_cast<std::size_t>(member.scene_member)].name;
+    at.member = scene.members[m].name;
     at.segments = member.segments;
     at.unstretched_length_m = member.unstretched_length;
     at.positions.resize(3, member.segments + 1);

@@ -11,7 +11,7 @@
 
 #include "model/chain/chain.h"
 #include "model/scene/scene.h"
-#include "model/statics/chain_equilibrium.h"
+#include "model/statics/equilibrium_check.h"
 #include "model/statics/equilibrium_result.h"
 
 namespace rigfit::model {
@@ -20,6 +20,10 @@ namespace rigfit::model {
 /// gives names. `motions`, if not null: those about a converged equilibrium (equilibrium_check.h).
 [[nodiscard]] ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
                                                 std::vector<RestMotion>* motions = nullptr);
+
+/// Brings a chain to rest from a state near by: `state`, the lengths of cables with a tension, and
+/// settled joints. False: not found.
+[[nodiscard]] bool come_to_rest(Chain& chain, ChainState& state);
 
 /// Where a settled chain rests under additional dead loads.
 struct LoadedState {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace rigfit::model {
@@ -10,18 +12,14 @@ namespace {
 std::string name_at(const Chain& chain, const Numbering& numbering, int row, const Scene& scene) {
   for (const Segment& s : chain.segments) {
     const int k = static_cast<int>(&s - chain.segments.data());
-    bool here = numbering.twist[k] == row;
-    for (int axis = 0; axis < 3; ++axis) {
-      here = here || numbering.displacement(axis, s.a) == row ||
-             numbering.displacement(axis, s.b) == row;
-    }
+    const bool here = numbering.twist[k] == row ||
+                      (numbering.displacement.col(s.a).array() == row).any() ||
+                      (numbering.displacement.col(s.b).array() == row).any();
     if (here) return scene.members[static_cast<std::size_t>(s.member)].name;
   }
   for (Eigen::Index r = 0; r < numbering.rotation.cols(); ++r) {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (numbering.rotation(axis, r) == row) {
-        return scene.nodes[static_cast<std::size_t>(chain.rotating_node[std::size_t(r)])].name;
-      }
+    if ((numbering.rotation.col(r).array() == row).any()) {
+      return scene.nodes[static_cast<std::size_t>(chain.rotating_node[std::size_t(r)])].name;
     }
   }
   return "the rig";
@@ -53,19 +51,24 @@ const char* how_to_tighten(const Member& cable) {
 
 std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
                                    ChainEquilibrium& result) {
+  const auto refuse = [&](EquilibriumStatus status, std::string reason) {
+    result.status = status;
+    result.reason = std::move(reason);
+    return std::vector<RestMotion>{};
+  };
   const Eigen::VectorXd axial = axial_forces(chain, result.state);
-  for (const ChainMember& member : chain.members) {
+  for (std::size_t m = 0; m < chain.members.size(); ++m) {
+    const ChainMember& member = chain.members[m];
     if (!member.cable) continue;
-    const Member& given = scene.members[static_cast<std::size_t>(member.scene_member)];
+    const Member& given = scene.members[m];
     const double mean = mean_force(chain, member, axial);
     const double least = axial.segment(member.first_segment, member.segments).minCoeff();
     const bool limp = given.EI[0] == 0 && given.EI[1] == 0;
     if (!(mean > 0) || (limp && !(least > 0))) {
-      result.status = EquilibriumStatus::slack;
-      result.reason = fmt::format("cable \"{}\" is slack: its axial force is {:.4g} N{}; {}",
-                                  given.name, limp ? least : mean,
-                                  limp ? " at one end" : " on average", how_to_tighten(given));
-      return {};
+      return refuse(EquilibriumStatus::slack,
+                    fmt::format("cable \"{}\" is slack: its axial force is {:.4g} N{}; {}",
+                                given.name, limp ? least : mean,
+                                limp ? " at one end" : " on average", how_to_tighten(given)));
     }
   }
   const std::vector<Motion> motions =
@@ -86,29 +89,29 @@ std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
     const Member* twisting =
         regular && factor.negative_pivots() == 0 ? nullptr : free_to_twist(scene);
     if (twisting) {
-      result.status = EquilibriumStatus::mechanism;
-      result.reason = fmt::format(
-          "\"{}\" can twist without any force: its bending stiffnesses differ and its GJ is zero, "
-          "a "
-          "mechanism; give it a GJ, or one EI",
-          twisting->name);
-      return {};
+      return refuse(
+          EquilibriumStatus::mechanism,
+          fmt::format(
+              "\"{}\" can twist without any force: its bending stiffnesses differ and its GJ "
+              "is zero, a mechanism; give it a GJ, or one EI",
+              twisting->name));
     }
     if (!regular) {
-      result.status = EquilibriumStatus::mechanism;
-      result.reason = fmt::format(
-          "\"{}\" can move{} without any force: a mechanism; give one of its nodes a support, or "
-          "join it rigidly to what holds it",
-          name_at(chain, assembly->numbering(), factor.smallest_pivot_row(), scene), where);
-      return {};
+      return refuse(
+          EquilibriumStatus::mechanism,
+          fmt::format("\"{}\" can move{} without any force: a mechanism; give one of its nodes a "
+                      "support, or "
+                      "join it rigidly to what holds it",
+                      name_at(chain, assembly->numbering(), factor.smallest_pivot_row(), scene),
+                      where));
     }
     if (factor.negative_pivots() > 0) {
-      result.status = EquilibriumStatus::buckled;
-      result.reason = fmt::format(
-          "the state is unstable{} ({} direction{} of negative stiffness): "
-          "a member has buckled under its load; raise its EI, lower its load or brace it",
-          where, factor.negative_pivots(), factor.negative_pivots() > 1 ? "s" : "");
-      return {};
+      return refuse(
+          EquilibriumStatus::buckled,
+          fmt::format(
+              "the state is unstable{} ({} direction{} of negative stiffness): "
+              "a member has buckled under its load; raise its EI, lower its load or brace it",
+              where, factor.negative_pivots(), factor.negative_pivots() > 1 ? "s" : ""));
     }
     found.push_back({motion, std::move(assembly), std::move(tangent)});
   }

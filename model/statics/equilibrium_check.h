@@ -3,9 +3,27 @@
 // change.
 #pragma once
 
-#include "model/statics/chain_equilibrium.h"
+#include <memory>
+#include <vector>
+
+#include "model/chain/assembly.h"
+#include "model/chain/chain.h"
+#include "model/scene/scene.h"
+#include "model/statics/equilibrium_result.h"
 
 namespace rigfit::model {
+
+/// An equilibrium that is sought (equilibrium.h); `members` stays empty.
+struct ChainEquilibrium : Equilibrium {
+  ChainState state;
+};
+
+/// A motion about the equilibrium.
+struct RestMotion {
+  Motion motion = Motion::space;
+  std::unique_ptr<Assembly> assembly;  ///< energies and forces of the chain at rest
+  EnvelopeMatrix stiffness;
+};
 
 /// Sets `status` and `reason` of a settled state whose forces balance. The motions it looked at, of
 /// a state that it finds converged: all that have unknowns, in the plane of symmetry first.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "model/statics/equilibrium_check.h"
+#include "model/scene/actual_state.h"
 
 namespace rigfit::model {
 namespace {
@@ -100,21 +100,13 @@ bool catenary(const Problem& p, double h, double& v0, double& length) {
   return true;
 }
 
-struct HangingChain {
-  bool found = false;
-  std::string reason;                      // when not found
-  double unstretched_length = 0;           // m
-  std::vector<Eigen::Vector3d> positions;  // positions of the nodes, ends included
-};
-
-/// Between the given ends, for the member's target tension (and `extra` N more, which stands for
-/// what bending carries) or its unstretched length.
-HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
-                  const Eigen::Vector3d& to, double extra) {
-  HangingChain out;
+/// A cable between its drawn ends, for its target tension (and `extra` N more, which stands for
+/// what bending carries) or its unstretched length. The reason why it is slack; empty: it hangs.
+std::string hang(Chain& chain, int index, double extra, ChainState& state) {
   const ChainMember& member = chain.members[static_cast<std::size_t>(index)];
   const auto n = static_cast<std::size_t>(member.segments);
-  const Eigen::Vector3d chord = to - from;
+  const Eigen::Vector3d from = chain.drawn.col(member.nodes.front());
+  const Eigen::Vector3d chord = chain.drawn.col(member.nodes.back()) - from;
   const double g = chain.gravity.norm();
   const Eigen::Vector3d up =
       g > 0 ? Eigen::Vector3d(-chain.gravity / g) : Eigen::Vector3d(Eigen::Vector3d::Zero());
@@ -147,7 +139,6 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
   const bool steep = level.norm() < 0.0872 * chord.norm();
   if (steep || !(g > 0)) {
     // Straight along the chord, tension varying with the weight below.
-    const Eigen::Vector3d t = chord.normalized();
     double length = member.unstretched_length, tension = 0;
     if (member.target_tension) {
       tension = *member.target_tension + extra;
@@ -158,15 +149,14 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
       tension = p.EA[n / 2] * (chord.norm() / length - 1);
     }
     if (!(tension > 0)) {
-      out.reason = fmt::format("it is {:.6g} m long unstretched and its ends are {:.6g} m apart",
-                               length, chord.norm());
-      return out;
+      return fmt::format("it is {:.6g} m long unstretched and its ends are {:.6g} m apart", length,
+                         chord.norm());
     }
-    out.found = true;
-    out.unstretched_length = length;
-    for (std::size_t i = 0; i <= n; ++i)
-      out.positions.push_back(from + t * (chord.norm() * member.places[i]));
-    return out;
+    for (std::size_t i = 1; i < n; ++i) {
+      state.position.col(member.nodes[i]) = from + chord * member.places[i];
+    }
+    chain.set_unstretched_length(index, length);
+    return {};
   }
 
   const Eigen::Vector3d h = level.normalized();
@@ -178,18 +168,16 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
     horizontal = *member.target_tension + extra;
     if (!(horizontal > 0) || !catenary(p, horizontal, v0, length) ||
         !solve(p, horizontal, v0, length) || length > kLongest * chord.norm()) {
-      out.reason = fmt::format(
+      return fmt::format(
           "with a horizontal tension of {:.6g} N under its own weight it would be more than {} "
           "times as long as its span",
           horizontal, kLongest);
-      return out;
     }
   } else {
     // The length falls as the force rises: bisection in its logarithm.
     const double wanted = member.unstretched_length;
     if (wanted > kLongest * chord.norm()) {
-      out.reason = fmt::format("it is more than {} times as long as its span", kLongest);
-      return out;
+      return fmt::format("it is more than {} times as long as its span", kLongest);
     }
     double low = std::log(1e-6 * std::max(p.total_by_length * wanted, 1e-12 * p.EA[0]));
     double high = std::log(2 * p.EA[0] * (1 + chord.norm() / wanted));
@@ -198,35 +186,26 @@ HangingChain hang(const Chain& chain, int index, const Eigen::Vector3d& from,
       return !catenary(p, force, v0, length) || !solve(p, force, v0, length) || length > wanted;
     };
     if (too_long(high) || !too_long(low)) {
-      out.reason = "no horizontal tension holds it at its unstretched length";
-      return out;
+      return "no horizontal tension holds it at its unstretched length";
     }
     while (high - low > 1e-13 * (1 + std::abs(high))) {
       const double middle = 0.5 * (low + high);
       (too_long(middle) ? low : high) = middle;
     }
-    const double x = high;
-    horizontal = std::exp(x);
-    if (!catenary(p, horizontal, v0, length) || !solve(p, horizontal, v0, length)) {
-      out.reason = "no horizontal tension holds it at its unstretched length";
-      return out;
-    }
+    horizontal = std::exp(high);
+    (void)too_long(high);  // v0 and length there
   }
 
-  out.found = true;
-  out.unstretched_length = length;
   double v = v0;
   Eigen::Vector3d x = from;
-  out.positions.reserve(n + 1);
-  out.positions.push_back(x);
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i + 1 < n; ++i) {
     const double f = std::hypot(horizontal, v);
     x += length * p.share[i] * (1 / f + 1 / p.EA[i]) * (horizontal * h + v * up);
-    out.positions.push_back(x);
-    if (i + 1 < n) v += p.by_length[i] * length + p.fixed[i];
+    state.position.col(member.nodes[i + 1]) = x;
+    v += p.by_length[i] * length + p.fixed[i];
   }
-  out.positions.back() = to;
-  return out;
+  chain.set_unstretched_length(index, length);
+  return {};
 }
 
 }  // namespace
@@ -237,27 +216,21 @@ bool hang_cables(Chain& chain, const Scene& scene, bool with_bending, ChainEquil
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
     const ChainMember& member = chain.members[m];
     if (!member.cable) continue;
-    const Eigen::Vector3d from = chain.drawn.col(member.nodes.front());
-    const Eigen::Vector3d to = chain.drawn.col(member.nodes.back());
     double extra = 0;
     if (with_bending) {  // a half sine's, or a whole one's between clamps
-      const Member& given = scene.members[static_cast<std::size_t>(member.scene_member)];
+      const Member& given = scene.members[m];
       const bool straight = given.assembled == Member::Assembled::straight &&
                             member.end_joint[0] >= 0 && member.end_joint[1] >= 0;
-      const double wave = (straight ? 2 : 1) * M_PI / (to - from).norm();
+      const double wave = (straight ? 2 : 1) * M_PI / chord_of(scene, given).norm();
       extra = given.EI[0] * wave * wave;
     }
-    const HangingChain start = hang(chain, static_cast<int>(m), from, to, extra);
-    if (!start.found) {
+    const std::string reason = hang(chain, static_cast<int>(m), extra, state);
+    if (!reason.empty()) {
       result.status = EquilibriumStatus::slack;
-      result.reason = fmt::format("cable \"{}\" is slack: {}; {}", scene.members[m].name,
-                                  start.reason, how_to_tighten(scene.members[m]));
+      result.reason = fmt::format("cable \"{}\" is slack: {}; {}", scene.members[m].name, reason,
+                                  how_to_tighten(scene.members[m]));
       return false;
     }
-    for (std::size_t i = 1; i + 1 < start.positions.size(); ++i) {
-      state.position.col(member.nodes[i]) = start.positions[i];
-    }
-    chain.set_unstretched_length(static_cast<int>(m), start.unstretched_length);
   }
   carry_frames(chain, drawn_state(chain), state);
   return true;

@@ -9,7 +9,7 @@
 
 #include "model/chain/chain.h"
 #include "model/scene/scene.h"
-#include "model/statics/chain_equilibrium.h"
+#include "model/statics/equilibrium_check.h"
 
 namespace rigfit::model {
 

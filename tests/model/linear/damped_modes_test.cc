@@ -48,10 +48,9 @@ TEST(DampedModes, OfUnevenDampersAgreeWithTheDenseQuadraticProblem) {
     std::vector<Complex> dense;
     {
       // Regularised: a rotation's inertia so small that it moves the poles by less than 1e-9.
-      MotionModes copy{.motion = motion.motion,
-                       .assembly = std::make_unique<Assembly>(*modes.chain, motion.motion),
-                       .stiffness = motion.stiffness,
-                       .mass = motion.mass};
+      MotionModes copy{{motion.motion, std::make_unique<Assembly>(*modes.chain, motion.motion),
+                        motion.stiffness},
+                       motion.mass};
       for (int i = 0; i < copy.mass.size(); ++i) {
         if (copy.mass.at(i, i) == 0) copy.mass.add(i, i, 1e-12);
       }

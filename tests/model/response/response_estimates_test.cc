@@ -1,7 +1,6 @@
 // Every estimate of what was left out against the full run: within a factor of three.
-#include "model/response/response_estimates.h"
-
 #include "model/response/response.h"
+#include "model/response/response_modes.h"
 #include "tests/scenes.h"
 #include "tests/test.h"
 
