@@ -4,22 +4,27 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <string>
 #include <system_error>
+#include <thread>
 
 #include "apps/cli/exit_code.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
 namespace {
 
 [[noreturn]] void cannot_write(const fs::path& path, int reason) {
   const char* remedy = reason == ENOSPC || reason == EDQUOT || reason == EFBIG
                            ? "free space there, or name another file"
                        : reason == ENOENT || reason == ENOTDIR ? "make its folder, or name another"
-                       : reason == EPIPE ? "let the program that reads from it read to the end"
-                                         : "name another file, or change its rights";
+                       : reason == ENXIO || reason == EPIPE
+                           ? "start the program that reads from it before this one"
+                           : "name another file, or change its rights";
   throw OutputError("cannot write " + path.string() + ": " +
                     std::generic_category().message(reason) + "; " + remedy);
 }
@@ -44,10 +49,17 @@ int write_all(int file, std::string_view content) {
   return 0;
 }
 
-/// Devices and pipes: into what is there. A pipe's reader is waited for.
+/// Devices and pipes: into what is there.
 void write_through(const fs::path& path, std::string_view content) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
-  if (file < 0) cannot_write(path, errno);
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  int file = -1;
+  while ((file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) < 0) {
+    // A pipe's reader has 10 s to come.
+    if (errno != ENXIO || Clock::now() - begin > 10s) cannot_write(path, errno);
+    std::this_thread::sleep_for(20ms);
+  }
+  ::fcntl(file, F_SETFL, 0);  // waits while a pipe is full
   auto* const before = std::signal(SIGPIPE, SIG_IGN);
   const int reason = write_all(file, content);
   std::signal(SIGPIPE, before);
