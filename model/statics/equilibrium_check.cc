@@ -100,8 +100,7 @@ std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
       return refuse(
           EquilibriumStatus::mechanism,
           fmt::format("\"{}\" can move{} without any force: a mechanism; give one of its nodes a "
-                      "support, or "
-                      "join it rigidly to what holds it",
+                      "support, or join it rigidly to what holds it",
                       name_at(chain, assembly->numbering(), factor.smallest_pivot_row(), scene),
                       where));
     }
