@@ -223,8 +223,10 @@ class StateReader {
     if (named.size() == 1) return 0;
     std::vector<std::string> known;
     std::ranges::transform(named, std::back_inserter(known), &Named::name);
-    throw UsageError(fmt::format("{}: \"{}\" is no {} of the scene; there are: {}", path, name,
-                                 what, fmt::join(known, ", ")));
+    throw UsageError(
+        fmt::format("{}: \"{}\" is no {} of the scene, which has {}: give it that "
+                    "name in the scene",
+                    path, name, what, fmt::join(known, ", ")));
   }
 
   static signal::FrfForm form_of(model::Sensor::Quantity quantity, const std::string& path) {

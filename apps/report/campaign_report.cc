@@ -64,20 +64,23 @@ void write_pdfs(const fs::path& folder, const ReportOptions& options, VerbContex
   }
 }
 
-/// Throws UsageError when the folder holds a report of another title: of another campaign.
-void require_own_report(const fs::path& folder, const std::string& title) {
+/// Throws UsageError when the folder holds another report: neither of this title nor of this file.
+void require_own_report(const fs::path& folder, const std::string& title,
+                        const std::string& campaign) {
   std::ifstream file(folder / "report.json");
   if (!file) return;
   const Json before = Json::parse(file, nullptr, false);
-  const std::string other =
-      before.is_object() && before.value("command", Json()) == "report" && before.contains("title")
-          ? before["title"].dump()
-          : "a file of something else";
-  if (other == Json(title).dump()) return;
-  throw UsageError(
-      fmt::format("{} holds {}, this campaign is {}: name another folder by --out, or "
-                  "replace that report by --force",
-                  (folder / "report.json").string(), other, Json(title).dump()));
+  const bool report = before.is_object() && before.value("command", Json()) == "report" &&
+                      before.contains("title") && before.contains("inputs");
+  const auto from_this = [&](const Json& input) { return input.value("path", "") == campaign; };
+  if (report &&
+      (before["title"] == Json(title) || std::ranges::any_of(before["inputs"], from_this)))
+    return;
+  throw UsageError(fmt::format(
+      "{} holds {}, this campaign is {}: name another folder by --out, or "
+      "replace that report by --force",
+      (folder / "report.json").string(),
+      report ? before["title"].dump() : "a file of something else", Json(title).dump()));
 }
 
 /// All figures of the parts that have data, for the document.
@@ -156,8 +159,9 @@ Json summary_json(const std::vector<ReportPart>& parts, VerbContext& context) {
   return summary;
 }
 
-void begin_folder(const fs::path& folder, const std::string& title, const ReportOptions& options) {
-  if (!options.force) require_own_report(folder, title);
+void begin_folder(const fs::path& folder, const std::string& title, const std::string& campaign,
+                  const ReportOptions& options) {
+  if (!options.force) require_own_report(folder, title, campaign);
   make_output_folder(folder);
 }
 
@@ -259,7 +263,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
 
 Json campaign_report(const Campaign& campaign, const fs::path& folder, const ReportOptions& options,
                      VerbContext& context, std::vector<Answer>* given) {
-  begin_folder(folder, campaign.title, options);
+  begin_folder(folder, campaign.title, campaign.file, options);
   take_inputs(campaign, context);
   PageFrame frame{campaign.title, campaign.source, campaign.description, campaign.report,
                   options.style};
@@ -306,7 +310,7 @@ Json compared_campaigns(const Campaign& before, const Campaign& after, const fs:
                         const ReportOptions& options, VerbContext& context) {
   const std::string title = after.title == before.title ? before.title + ": before and after"
                                                         : before.title + " against " + after.title;
-  begin_folder(folder, title, options);
+  begin_folder(folder, title, after.file, options);
   const auto compared = [](const Campaign& one) {
     return ComparedReport{one.title,
                           fs::path(one.file).filename().string(),

@@ -20,6 +20,7 @@ class BorderedSolver {
               const Eigen::VectorXd& diagonal);
   /// From right sides f, t to q, l.
   void solve_in_place(Eigen::VectorXd& q, Eigen::VectorXd& l) const;
+  [[nodiscard]] Eigen::Index size() const { return border_.rows(); }  ///< unknowns
 
  private:
   EnvelopeFactor factor_;

@@ -175,6 +175,42 @@ Eigen::Vector3d permuted(const Eigen::Matrix3d& axes, const Eigen::Vector3d& num
   return out;
 }
 
+/// Each node's neighbours are near it in the order of a breadth-first walk from a node at the rig's
+/// edge (E. Cuthill and J. McKee, Proc. 24th ACM Nat. Conf., 1969).
+std::vector<int> walk(const Chain& chain) {
+  const auto n = static_cast<std::size_t>(chain.nodes);
+  std::vector<std::vector<int>> neighbours(n);
+  for (const Segment& s : chain.segments) {
+    neighbours[static_cast<std::size_t>(s.a)].push_back(s.b);
+    neighbours[static_cast<std::size_t>(s.b)].push_back(s.a);
+  }
+  std::vector<int> all, order;
+  std::vector<bool> met(n, false);
+  const auto breadth_first = [&](int start) {
+    order.assign(1, start);
+    met[static_cast<std::size_t>(start)] = true;
+    for (std::size_t head = 0; head < order.size(); ++head) {
+      for (const int next : neighbours[static_cast<std::size_t>(order[head])]) {
+        if (met[static_cast<std::size_t>(next)]) continue;
+        met[static_cast<std::size_t>(next)] = true;
+        order.push_back(next);
+      }
+    }
+  };
+  for (int start = 0; start < chain.nodes; ++start) {
+    if (met[static_cast<std::size_t>(start)]) continue;
+    int edge = start;
+    for (int sweep = 0; sweep < 2; ++sweep) {  // the farthest node of the farthest
+      breadth_first(edge);
+      edge = order.back();
+      for (const int node : order) met[static_cast<std::size_t>(node)] = false;
+    }
+    breadth_first(edge);
+    all.insert(all.end(), order.begin(), order.end());
+  }
+  return all;
+}
+
 }  // namespace
 
 Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
@@ -416,6 +452,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     chain.sensor_direction.push_back(chain.axes * sensor.direction);
     chain.sensors.push_back(locate(sensor.place));
   }
+  chain.along = walk(chain);
   return chain;
 }
 

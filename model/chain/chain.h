@@ -121,6 +121,7 @@ struct Chain {
   int nodes = 0;                    ///< the scene's, in its order, then those inside members
   int scene_nodes = 0;              ///< how many those of the scene are
   int frames = 0;                   ///< zero: no torsion
+  std::vector<int> along;           ///< all nodes, neighbours near each other
   Eigen::Matrix3Xd drawn;           ///< 3 x nodes, chain axes: straight between the scene's nodes
   Eigen::Matrix3Xd drawn_director;  ///< 3 x frames: material axis 1 of the straight members
   Eigen::Matrix<bool, 3, Eigen::Dynamic> fixed;  ///< displacement held, 3 x nodes

@@ -7,44 +7,6 @@
 namespace rigfit::model {
 namespace {
 
-/// All nodes by a breadth-first walk from a node at the rig's edge: neighbours come near each other
-/// (E. Cuthill and J. McKee, Proc. 24th ACM Nat. Conf., 1969).
-std::vector<int> walk(const Chain& chain) {
-  const auto n = static_cast<std::size_t>(chain.nodes);
-  std::vector<std::vector<int>> neighbours(n);
-  for (const Segment& s : chain.segments) {
-    neighbours[static_cast<std::size_t>(s.a)].push_back(s.b);
-    neighbours[static_cast<std::size_t>(s.b)].push_back(s.a);
-  }
-  std::vector<int> all, order;
-  all.reserve(n), order.reserve(n);
-  const auto breadth_first = [&](int start, std::vector<int>& mark) {
-    order.clear();
-    order.push_back(start);
-    mark[static_cast<std::size_t>(start)] = 0;
-    for (std::size_t head = 0; head < order.size(); ++head) {
-      for (const int next : neighbours[static_cast<std::size_t>(order[head])]) {
-        if (mark[static_cast<std::size_t>(next)] >= 0) continue;
-        mark[static_cast<std::size_t>(next)] = 0;
-        order.push_back(next);
-      }
-    }
-  };
-  std::vector<int> mark(n, -1);
-  for (int start = 0; start < chain.nodes; ++start) {
-    if (mark[static_cast<std::size_t>(start)] >= 0) continue;
-    int edge = start;
-    for (int sweep = 0; sweep < 2; ++sweep) {  // the farthest node of the farthest
-      breadth_first(edge, mark);
-      edge = order.back();
-      for (const int node : order) mark[static_cast<std::size_t>(node)] = -1;
-    }
-    breadth_first(edge, mark);
-    all.insert(all.end(), order.begin(), order.end());
-  }
-  return all;
-}
-
 /// For each unknown the lowest one that it is coupled with through a segment, joint or support; a
 /// mass couples no nodes but those of its segment.
 std::vector<int> first_coupled(const Chain& chain, const Numbering& out) {
@@ -123,19 +85,21 @@ Numbering number_unknowns(const Chain& chain, Motion motion) {
   out.rotation.setConstant(3, rotations, -1);
 
   const std::vector<bool> borne = borne_rotations(chain);
-  const std::vector<int> order = walk(chain);
+  const std::vector<int>& order = chain.along;
   std::vector<int> rank(order.size()), rotation(order.size(), -1);
   for (std::size_t k = 0; k < order.size(); ++k) rank[std::size_t(order[k])] = static_cast<int>(k);
   for (std::size_t r = 0; r < borne.size(); ++r) {
     if (borne[r]) rotation[std::size_t(chain.rotating_node[r])] = static_cast<int>(r);
   }
   // Segments that twist, by the rank of their first node.
-  std::vector<std::vector<Eigen::Index>> twisting(order.size());
+  std::vector<std::pair<int, Eigen::Index>> twisting;
   for (Eigen::Index s = 0; motion != Motion::in_plane && s < segments; ++s) {
     const Segment& segment = chain.segments[static_cast<std::size_t>(s)];
     const int first = std::min(rank[std::size_t(segment.a)], rank[std::size_t(segment.b)]);
-    if (segment.frame >= 0) twisting[static_cast<std::size_t>(first)].push_back(s);
+    if (segment.frame >= 0) twisting.emplace_back(first, s);
   }
+  std::ranges::sort(twisting);
+  auto next = twisting.begin();
   const bool space = motion == Motion::space, in_plane = motion == Motion::in_plane;
   for (std::size_t k = 0; k < order.size(); ++k) {
     const int node = order[k], r = rotation[static_cast<std::size_t>(node)];
@@ -147,7 +111,9 @@ Numbering number_unknowns(const Chain& chain, Motion motion) {
       const bool here = space || in_plane == (axis == 2);
       if (here && !chain.rotation_fixed(axis, r)) out.rotation(axis, r) = out.size++;
     }
-    for (const Eigen::Index s : twisting[k]) out.twist[s] = out.size++;
+    for (; next != twisting.end() && next->first == static_cast<int>(k); ++next) {
+      out.twist[next->second] = out.size++;
+    }
   }
   out.envelope = Envelope::from_rows(first_coupled(chain, out));
   return out;

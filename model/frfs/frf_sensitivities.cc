@@ -186,9 +186,11 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
   out.frfs.H = none;
   out.rate.assign(wanted.size(), none);
 
+  const BorderedSolver tangent = tangent_at_rest(*modes.chain, state);
   std::vector<Neighbours> neighbours;
   for (std::size_t p = 0; p < wanted.size(); ++p) {
-    const Neighbours& near = neighbours.emplace_back(neighbours_of(scene, modes, wanted[p]));
+    const Neighbours& near =
+        neighbours.emplace_back(neighbours_of(scene, modes, tangent, wanted[p]));
     if (near.comparable) continue;
     out.rate[p] =
         rate_anew(scene, *modes.chain, frequency_hz, wanted[p], near.step, options, decay_rate_1_s);

@@ -37,9 +37,9 @@ ParameterStep parameter_step(const ParameterAccess& access, const Scene& scene, 
   return step;
 }
 
-/// The rig with the parameter at `value`, at rest; false: it does not compare.
-bool rest_beside(const Scene& scene, const ChainModes& modes, const ParameterAccess& access,
-                 double value, PerturbedEquilibrium& rig) {
+/// The rig with the parameter at `value`, where the rig itself rests; false: it does not compare.
+bool beside(const Scene& scene, const ChainModes& modes, const ParameterAccess& access,
+            double value, PerturbedEquilibrium& rig) {
   const Chain& chain = *modes.chain;
   const ChainState& rest = modes.equilibrium.state;
   rig.scene = scene;
@@ -67,12 +67,12 @@ bool rest_beside(const Scene& scene, const ChainModes& modes, const ParameterAcc
   rig.state = rest;
   rig.state.position = chain.fixed.select(rig.chain.drawn, rest.position);
   carry_frames(rig.chain, rest, rig.state);
-  return come_to_rest(rig.chain, rig.state);
+  return true;
 }
 
 }  // namespace
 
-Neighbours neighbours_of(const Scene& scene, const ChainModes& modes,
+Neighbours neighbours_of(const Scene& scene, const ChainModes& modes, const BorderedSolver& tangent,
                          const ParameterAccess& access) {
   double extent = 0;
   for (const ChainMember& member : modes.chain->members) {
@@ -80,17 +80,25 @@ Neighbours neighbours_of(const Scene& scene, const ChainModes& modes,
   }
   Neighbours out;
   ParameterStep& step = out.step = parameter_step(access, scene, extent);
-  for (;;) {
-    out.comparable = rest_beside(scene, modes, access, step.low, out.rigs[0]) &&
-                     rest_beside(scene, modes, access, step.high, out.rigs[1]);
+  for (int attempt = 0; attempt < 5; ++attempt) {
+    out.comparable = beside(scene, modes, access, step.low, out.rigs[0]) &&
+                     beside(scene, modes, access, step.high, out.rigs[1]);
     if (!out.comparable) return out;
-    const Eigen::Matrix3Xd moved = out.rigs[1].state.position - out.rigs[0].state.position;
-    const double moves = moved.cwiseAbs().maxCoeff() / 2;
-    if (!(moves > 1.5 * kFarthest * extent)) return out;
-    const double part = kFarthest * extent / moves;  // smaller where the rig moves too far
+    double part = 0.1;  // of the step, where it leads too far from rest
+    if (std::ranges::all_of(out.rigs, [&](PerturbedEquilibrium& rig) {
+          return come_to_rest(rig.chain, rig.state, tangent);
+        })) {
+      const Eigen::Matrix3Xd moved = out.rigs[1].state.position - out.rigs[0].state.position;
+      const double moves = moved.cwiseAbs().maxCoeff() / 2;
+      if (!(moves > 1.5 * kFarthest * extent)) return out;
+      part = kFarthest * extent / moves;
+    }
     step.low = step.value + part * (step.low - step.value);
     step.high = step.value + part * (step.high - step.value);
   }
+  step = parameter_step(access, scene, extent);
+  out.comparable = false;
+  return out;
 }
 
 MotionModes motion_of(const PerturbedEquilibrium& rig, const MotionModes& like) {

@@ -2,9 +2,9 @@
 // sensitivities of modes and FRFs are made of.
 //
 // With R(u, p) = 0 the equilibrium, each side of the parameter is brought to rest by Newton's
-// method from the rig's own equilibrium (equilibrium.h). Central differences of matrices assembled
-// there (one-sided at a bound of zero) are dK/dp, dM/dp, dC/dp with the change of the equilibrium
-// in them.
+// method from the rig's own equilibrium, with its tangent (equilibrium.h). Central differences of
+// matrices assembled there (one-sided at a bound of zero) are dK/dp, dM/dp, dC/dp with the change
+// of the equilibrium in them.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,8 +35,9 @@ struct Neighbours {
   /// matrices do not compare, or no equilibrium.
   bool comparable = true;
 };
-/// `modes`: of the scene, whose equilibrium converged.
+/// `modes`: of the scene, whose equilibrium converged; `tangent`: tangent_at_rest of it.
 [[nodiscard]] Neighbours neighbours_of(const Scene& scene, const ChainModes& modes,
+                                       const BorderedSolver& tangent,
                                        const ParameterAccess& access);
 
 /// Stiffness and mass of a perturbed equilibrium in the motion `like` of the rig itself, without

@@ -110,10 +110,11 @@ ModeSensitivities mode_sensitivities_by(const Scene& scene,
   out.damping_ratio.setZero(count, columns);
   if (modes.equilibrium.status != EquilibriumStatus::converged) return out;
 
+  const BorderedSolver tangent = tangent_at_rest(*modes.chain, modes.equilibrium.state);
   std::vector<ModeRateFinder> finders(modes.motions.begin(), modes.motions.end());
   for (Eigen::Index p = 0; p < columns; ++p) {
     const ParameterAccess& access = wanted[std::size_t(p)];
-    const auto [step, rigs, comparable] = neighbours_of(scene, modes, access);
+    const auto [step, rigs, comparable] = neighbours_of(scene, modes, tangent, access);
     if (!comparable) {
       difference_anew(scene, access, step, modes, options, p, out);
       continue;

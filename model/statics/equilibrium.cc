@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "model/algebra/bordered_solver.h"
 #include "model/statics/hanging_chain.h"
 
 namespace rigfit::model {
@@ -80,17 +79,34 @@ class Solver {
     }
   }
 
+  /// The tangent at `state`, factored.
+  BorderedSolver tangent_at(const ChainState& state) {
+    assembly_.force_and_tangent(state, force_, tangent_);
+    stiffen_idle_rotations();
+    for (Eigen::Index i = 0; i < diagonal_.size(); ++i) {
+      assembly_.tension_gradient(state, targets_[std::size_t(i)], gradient_.col(i), diagonal_[i]);
+    }
+    factor_tangent(state);
+    return std::move(bordered_);
+  }
+
   /// Newton from `state`. `hold`: stiffness with which scene nodes are held where drawn, N/m;
-  /// `load`: forces on the unknowns, or none.
-  bool solve(ChainState& state, double hold, const Eigen::VectorXd& load = {}) {
+  /// `load`: forces on the unknowns, or none; `near`: the tangent to use throughout, that of a
+  /// state and a chain near by.
+  bool solve(ChainState& state, double hold, const Eigen::VectorXd& load = {},
+             const BorderedSolver* near = nullptr) {
     const auto k = static_cast<Eigen::Index>(targets_.size());
     axial_ = axial_forces(chain_, state);
-    double last_step = std::numeric_limits<double>::infinity();
+    double last_step = std::numeric_limits<double>::infinity(), step_before = last_step;
     for (int iteration = 0; iteration <= kMostIterations; ++iteration) {
-      assembly_.force_and_tangent(state, force_, tangent_, &axial_);
+      if (near) {
+        assembly_.force(state, force_);
+      } else {
+        assembly_.force_and_tangent(state, force_, tangent_, &axial_);
+        if (!chain_.settled) stiffen_idle_rotations();
+      }
       if (hold > 0) add_hold(state, hold);
       if (load.size() > 0) force_ -= load;
-      if (!chain_.settled) stiffen_idle_rotations();
       measure(state);
       for (Eigen::Index i = 0; i < k; ++i) {
         const int target = targets_[std::size_t(i)];
@@ -101,18 +117,20 @@ class Solver {
       }
       residual = scale_ > 0 ? unbalanced_ / scale_ : unbalanced_;
       if (!std::isfinite(residual)) return false;
-      if ((last_step <= kSmallStep * extent_ && residual <= kResidual) ||
-          (last_step <= 1e3 * kSmallStep * extent_ && unbalanced_ <= rounding_)) {
+      if (near) {  // each step is a small part of the one before, down to rounding
+        if (last_step <= 1e-4 * kSmallStep * extent_ || last_step > 0.5 * step_before) {
+          return residual <= kResidual || unbalanced_ <= rounding_;
+        }
+      } else if ((last_step <= kSmallStep * extent_ && residual <= kResidual) ||
+                 (last_step <= 1e3 * kSmallStep * extent_ && unbalanced_ <= rounding_)) {
         return true;
       }
+      step_before = last_step;
       if (iteration == kMostIterations) return false;
-      for (Eigen::Index i = 0; i < k; ++i) {
-        assembly_.length_derivative(state, targets_[std::size_t(i)], border_.col(i));
-      }
+      if (!near) factor_tangent(state);
       column_ = -force_;
       lengths_ = mismatch_;
-      bordered_.factor(tangent_, border_, gradient_, diagonal_);
-      bordered_.solve_in_place(column_, lengths_);
+      (near ? *near : bordered_).solve_in_place(column_, lengths_);
       if (!column_.allFinite() || !lengths_.allFinite()) return false;
       step(state, last_step);
       ++iterations;
@@ -123,8 +141,16 @@ class Solver {
   double residual = 0;
   int iterations = 0;
   [[nodiscard]] double extent() const { return extent_; }  ///< m
+  [[nodiscard]] Eigen::Index size() const { return assembly_.size(); }
 
  private:
+  void factor_tangent(const ChainState& state) {
+    for (Eigen::Index i = 0; i < border_.cols(); ++i) {
+      assembly_.length_derivative(state, targets_[std::size_t(i)], border_.col(i));
+    }
+    bordered_.factor(tangent_, border_, gradient_, diagonal_);
+  }
+
   /// Node rotations that nothing bears yet get a stiffness in the step, not in the force.
   void stiffen_idle_rotations() {
     double largest = 0;
@@ -331,9 +357,17 @@ ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
   return result;
 }
 
-bool come_to_rest(Chain& chain, ChainState& state) {
+BorderedSolver tangent_at_rest(Chain chain, const ChainState& state) {
   chain.settled = false;
-  if (!Solver(chain, motion_at_rest(chain)).solve(state, 0)) return false;
+  return Solver(chain, motion_at_rest(chain)).tangent_at(state);
+}
+
+bool come_to_rest(Chain& chain, ChainState& state, const BorderedSolver& near) {
+  chain.settled = false;
+  Solver solver(chain, motion_at_rest(chain));
+  // A spring from zero on has one rotation more.
+  const bool like = solver.size() == near.size();
+  if (!solver.solve(state, 0, {}, like ? &near : nullptr)) return false;
   settle(chain, state);
   return true;
 }

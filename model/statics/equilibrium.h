@@ -9,6 +9,7 @@
 // size; then the tangent must be positive definite in every motion, and every cable pull.
 #pragma once
 
+#include "model/algebra/bordered_solver.h"
 #include "model/chain/chain.h"
 #include "model/scene/scene.h"
 #include "model/statics/equilibrium_check.h"
@@ -21,9 +22,13 @@ namespace rigfit::model {
 [[nodiscard]] ChainEquilibrium find_equilibrium(Chain& chain, const Scene& scene,
                                                 std::vector<RestMotion>* motions = nullptr);
 
-/// Brings a chain to rest from a state near by: `state`, the lengths of cables with a tension, and
-/// settled joints. False: not found.
-[[nodiscard]] bool come_to_rest(Chain& chain, ChainState& state);
+/// The tangent of a chain at rest, its joints free again to settle.
+[[nodiscard]] BorderedSolver tangent_at_rest(Chain chain, const ChainState& state);
+
+/// Brings a chain to rest that differs little from one at rest, whose `state` it starts from and
+/// whose tangent is `near`: the state, the lengths of cables with a tension, settled joints. False:
+/// not found.
+[[nodiscard]] bool come_to_rest(Chain& chain, ChainState& state, const BorderedSolver& near);
 
 /// Where a settled chain rests under additional dead loads.
 struct LoadedState {
