@@ -93,6 +93,11 @@ TEST_F(PublishedTables, SameNumbersOnOneThread) {
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run.out, "");
   EXPECT_EQ(other.read("report.json"), folder_->read("report.json"));
+  // The same campaign's, though its title was another.
+  auto own = Json::parse(other.read("report.json"));
+  own["title"] = "Another rig";
+  other.write("report.json", own.dump());
+  EXPECT_EQ(run_line(command, {other.path().string()}).exit_code, 0);
 }
 
 }  // namespace rigfit::apps::report_test
