@@ -230,7 +230,7 @@ Options keys_of(ModalTest& t) {
 
 Options keys_of(TensionTest& t) {
   auto& cable = t.cable;
-  auto& options = t.options;
+  auto& assignment = t.options.assignment;
   return {
       option("length", cable.length_m.value, "Between the ends, along the chord", "m")
           .required()
@@ -253,8 +253,9 @@ Options keys_of(TensionTest& t) {
       option("ends", t.ends, "Kinds of ends")
           .one_of({ident::kCableEndsWords.begin(), ident::kCableEndsWords.end()}),
       choice("plane", t.plane, {"any", "in", "out"}, "The motion that was measured"),
-      option("missed", options.missed, "Probability that a mode was not seen").within(0.001, 0.9),
-      option("false", options.false_mode, "Probability that a mode is none of the cable's")
+      option("missed", assignment.missed, "Probability that a mode was not seen")
+          .within(0.001, 0.9),
+      option("false", assignment.false_mode, "Probability that a mode is none of the cable's")
           .within(0.001, 0.9),
       option("frequencies", t.frequencies_hz, "Measured frequencies", "Hz").positive(),
       option("frequency_std", t.frequency_std_hz, "Standard uncertainty", "Hz").positive(),

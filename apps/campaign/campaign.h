@@ -44,6 +44,15 @@ struct ValueOrigin {
   std::string how;
   double value = 0;
   std::string unit;
+
+  static constexpr auto fields() {
+    using T = ValueOrigin;
+    return std::tuple{field("parameter", &T::parameter, "", "value of", "of the scene"),
+                      field("value", &T::value, "", "value", "SI"),
+                      field("unit", &T::unit, "", "unit", "1: a ratio"),
+                      field("known", &T::kind, "", "known", "published, inferred or assumed"),
+                      field("how", &T::how, "", "how", "")};
+  }
 };
 [[nodiscard]] const char* name_of(ValueOrigin::Kind kind);
 
@@ -192,19 +201,3 @@ void read_keys(document::TomlTable& table, const describe::Options& keys,
 [[nodiscard]] describe::Options campaign_keys();
 
 }  // namespace rigfit::apps
-
-namespace rigfit::describe {
-
-template <>
-struct Described<apps::ValueOrigin> {
-  using T = apps::ValueOrigin;
-  static constexpr std::string_view title{};
-  static constexpr auto fields =
-      std::tuple{field("parameter", &T::parameter, "", "value of", "of the scene"),
-                 field("value", &T::value, "", "value", "SI"),
-                 field("unit", &T::unit, "", "unit", "1: a ratio"),
-                 field("known", &T::kind, "", "known", "published, inferred or assumed"),
-                 field("how", &T::how, "", "how", "")};
-};
-
-}  // namespace rigfit::describe

@@ -9,8 +9,8 @@
 
 #include "apps/campaign_file/recordings.h"
 #include "apps/cli/verb_context.h"
+#include "ident/campaign/modal/modal_model.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
-#include "ident/campaign/single_tests/scene_use.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::apps {

@@ -8,10 +8,8 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
-#include "document/describe.h"
 #include "ident/statistics/finding.h"
 
 namespace rigfit::apps {
@@ -47,14 +45,3 @@ void sort_by_level(std::vector<FindingKind>& kinds);
                                                      bool each = false);
 
 }  // namespace rigfit::apps
-
-namespace rigfit::describe {
-
-template <>
-struct Described<ident::Finding> {
-  using T = ident::Finding;
-  static constexpr auto fields =
-      std::tuple{field("code", &T::code), field("message", &T::message), field("where", &T::where)};
-};
-
-}  // namespace rigfit::describe

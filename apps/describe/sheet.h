@@ -73,8 +73,9 @@ template <class M>
                ? text
                : text + " " + std::string(shown_unit(unit).name);
   };
-  if constexpr (std::is_same_v<M, Bounded>) {
-    return in_table ? estimate_text(x.value, x.std, unit) : interval_text(x, unit);
+  if constexpr (requires { x.one_sided; }) {
+    return in_table ? estimate_text(x.value, x.std, unit)
+                    : interval_text({x.value, x.std, x.low, x.high, x.one_sided}, unit);
   } else if constexpr (std::is_same_v<M, OpenEnds>) {
     const auto end = [&](double x_end) {
       return std::isfinite(x_end) ? value_digits(x_end, x.std) : std::string("open");
@@ -104,8 +105,8 @@ template <class M>
 
 template <described T>
 [[nodiscard]] Table table_of(std::vector<T> rows) {
-  if constexpr (requires(const T& row) { Described<T>::shown(row); }) {
-    std::erase_if(rows, [](const T& row) { return !Described<T>::shown(row); });
+  if constexpr (requires(const T& row) { T::shown(row); }) {
+    std::erase_if(rows, [](const T& row) { return !T::shown(row); });
   }
   Table table;
   table.title = Described<T>::title;

@@ -16,8 +16,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "ident/axial/rod_stiffness.h"
 #include "signal/numerics/estimate.h"
 
@@ -61,6 +63,27 @@ struct BudgetRow {
   double share = 0;           ///< share of the variance of EA
   double degrees_of_freedom = 0;  ///< 0: taken as known (type B)
   char type = 'B';
+
+  static constexpr std::string_view title = "where the uncertainty of EA comes from";
+  static bool shown(const BudgetRow& b) { return b.share > 5e-4; }
+  static constexpr auto fields() {
+    using namespace describe;
+    using T = BudgetRow;
+    return std::tuple{
+        field("source", &T::source, "", "source", "input"),
+        field(
+            "type", [](const T& b) { return std::string(1, b.type); }, "", "",
+            "A: from scatter, B: from what is known of instruments"),
+        field("value", &T::value, "", "", "of the input, in `unit`"),
+        field("std", &T::std, "", "std", "standard uncertainty of the input, in `unit`", 2),
+        field("unit", &T::unit, "", "unit", "of value and std"),
+        field("sensitivity_N_per_unit", &T::sensitivity, "", "", "change of EA by the input"),
+        field("contribution_N", &T::contribution_N, "N", "contribution", "to the std of EA", 2),
+        field("share", &T::share, "%", "share", "of the variance of EA", 2),
+        field("degrees_of_freedom",
+              where([](const T& b) { return b.degrees_of_freedom > 0; }, &T::degrees_of_freedom),
+              "", "", "behind std; left out of what is taken as known")};
+  }
 };
 
 struct AxialFit {

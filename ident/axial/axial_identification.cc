@@ -165,11 +165,10 @@ class Identification {
       result_.reference_length_m += length / static_cast<double>(by_length.size());
     }
     const auto damping = signal::mean_over_groups(zeta, zeta_variance);
-    result_.damping_ratio = {damping.mean, std::sqrt(damping.variance)};
-    const double half =
-        result_.damping_ratio.std *
-        coverage_factor(0.95, damping.degrees > 0 ? damping.degrees : repeat_zeta.degrees);
-    result_.damping_low = damping.mean - half, result_.damping_high = damping.mean + half;
+    const double std_zeta = std::sqrt(damping.variance);
+    const double half = std_zeta * coverage_factor(0.95, damping.degrees > 0 ? damping.degrees
+                                                                             : repeat_zeta.degrees);
+    result_.damping_ratio = {{damping.mean, std_zeta}, {damping.mean - half, damping.mean + half}};
   }
 
   [[nodiscard]] double damper_of(double zeta, double k) const {
@@ -192,16 +191,15 @@ class Identification {
     require(best.converged, "no EA fits these frequencies: check mass and lengths");
     const auto U = expanded(best, 0.95);
     const double EA = best.EA_N;
-    result_.EA_N = {EA, EA * best.EA_relative_std};
-    result_.EA_low_N = EA / (1 + U);
-    result_.EA_high_N = U < 1 ? EA / (1 - U) : std::numeric_limits<double>::infinity();
+    result_.EA_N = {{EA, EA * best.EA_relative_std},
+                    {EA / (1 + U), U < 1 ? EA / (1 - U) : std::numeric_limits<double>::infinity()}};
     result_.coverage_factor = U / best.EA_relative_std;
     result_.between_lengths_std_N = EA * best.between_std;
     result_.series_compliance_m_N = series ? best.compliance_m_N : signal::Estimate{};
     budget(best);
     if (lengths_.size() == 1) assembly();
     if (!length_std_) {
-      result_.EA_N.std = result_.EA_low_N = result_.EA_high_N = result_.coverage_factor = kNaN;
+      result_.EA_N.std = result_.EA_N.low = result_.EA_N.high = result_.coverage_factor = kNaN;
     }
     if (result_.conditional) bound(EA / (1 + expanded(best, 0.9)));
   }
@@ -260,13 +258,13 @@ class Identification {
 
   void bound(double low) {
     auto& r = result_;
-    r.EA_if_rigid_N = r.EA_N, r.EA_if_rigid_low_N = r.EA_low_N, r.EA_if_rigid_high_N = r.EA_high_N;
+    r.EA_if_rigid_N = r.EA_N;
     const double solid = setup_.mass_per_length_kg_m.value / kSteelDensity * kSolidModulus;
     const double most = std::max({solid, setup_.catalogue_EA_N, solid > 0 ? r.EA_N.value : 0});
     const double own = r.EA_N.value * (r.EA_N.value / low - 1) / coverage_factor(0.9, 0);
-    r.EA_low_N = low;
-    r.EA_high_N = most > 0 ? most : std::numeric_limits<double>::infinity();
-    r.EA_N.std = (r.EA_high_N - low) / std::sqrt(12.0);
+    r.EA_N.low = low, r.EA_N.one_sided = true;
+    r.EA_N.high = most > 0 ? most : std::numeric_limits<double>::infinity();
+    r.EA_N.std = (r.EA_N.high - low) / std::sqrt(12.0);
     r.coverage_factor = std::sqrt(3.0);  // half the width over the std
     if (!std::isfinite(r.EA_N.std)) return;
     const double share = std::max(0.0, 1 - std::pow(own / r.EA_N.std, 2));
@@ -315,7 +313,7 @@ class Identification {
                        "compliance elsewhere makes EA 10 % higher",
                        one ? "a second length" : "lengths further apart",
                        "grips, load cell, adapter and frame cannot be told",
-                       one ? "one length" : "lengths this close together", r.EA_low_N,
+                       one ? "one length" : "lengths this close together", r.EA_N.low,
                        0.1 / 1.1 * r.reference_length_m / r.EA_N.value));
       return;
     }

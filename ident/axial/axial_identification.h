@@ -26,6 +26,7 @@
 
 #include "document/describe.h"
 #include "ident/axial/axial_fit.h"
+#include "ident/statistics/uncertainty.h"
 #include "signal/numerics/estimate.h"
 #include "signal/recording/recording.h"
 
@@ -51,26 +52,33 @@ struct AxialLength {
   signal::Estimate EA_N;  ///< std from repeats and this length, not from shared inputs
   signal::Estimate damping_ratio;
   double damping_Ns_m = 0;
+
+  static constexpr std::string_view title = "by length, the cable alone giving way";
+  static constexpr auto fields() {
+    using T = AxialLength;
+    return std::tuple{
+        field("length_m", &T::length_m, "m", "length", "between the ends"),
+        field("records", &T::records, "", "records", "decays at this length"),
+        field("EA_N", &T::EA_N, "N", "EA", "repeats and this length's own uncertainty"),
+        field("damping_ratio", &T::damping_ratio, "%", "damping ratio", "mean of the records"),
+        field("damping_Ns_m", &T::damping_Ns_m, "N s/m", "damper", "equivalent viscous damper")};
+  }
 };
 
 struct AxialTestResult {
   /// std and interval NaN where the lengths' uncertainty is not given.
-  signal::Estimate EA_N;
-  /// 95 % interval. Of a bound (`conditional`) without a mass per length, the high end and
-  /// the std of EA are infinite.
-  double EA_low_N = 0, EA_high_N = 0;
+  /// Where it is a bound (`conditional`) without a mass per length, high end and std are infinite.
+  BoundedEstimate EA_N;
   double coverage_factor = 0;  ///< half the interval over the standard uncertainty
   /// The lengths cannot separate other compliance: `EA_N` is the value without any, which is a
   /// lower bound; std and interval are those of a bound.
   bool conditional = false;
-  signal::Estimate EA_if_rigid_N;  ///< if `conditional`: EA without other compliance
-  double EA_if_rigid_low_N = 0, EA_if_rigid_high_N = 0;
+  BoundedEstimate EA_if_rigid_N;  ///< if `conditional`: EA without other compliance
   /// Static stiffness of the whole chain (cable, adapter, frame) at the one length; 0 for several.
   signal::Estimate assembly_stiffness_N_m;
   /// Compliance in series from the lengths, beside the stated one; NaN: not fitted.
   signal::Estimate series_compliance_m_N;
-  signal::Estimate damping_ratio;
-  double damping_low = 0, damping_high = 0;
+  BoundedEstimate damping_ratio;
   signal::Estimate damping_Ns_m;  ///< at `reference_length_m`
   double reference_length_m = 0;  ///< mean of the lengths
   std::vector<AxialSample> samples;
@@ -84,6 +92,38 @@ struct AxialTestResult {
   double catalogue_EA_N = 0;      ///< given or from the mass per length; 0: neither
   double share_of_catalogue = 0;  ///< EA over catalogue_EA_N
   std::vector<signal::Note> notes;
+
+  static constexpr std::string_view title = "axial test";
+  static constexpr auto fields() {
+    using namespace describe;
+    using T = AxialTestResult;
+    return std::tuple{
+        field("EA_N", &T::EA_N, "N", "EA", "axial rigidity"),
+        field("EA_if_rigid_N", where(&T::conditional, &T::EA_if_rigid_N), "N",
+              "EA if nothing else gives way", "axial rigidity if only the cable gives way"),
+        field("damping_ratio", &T::damping_ratio, "%", "damping ratio", "of the axial mode"),
+        field("damping_Ns_m", &T::damping_Ns_m, "N s/m", "damper", "at the reference length"),
+        field("reference_length_m", &T::reference_length_m, "m", "damper's length",
+              "mean of the lengths"),
+        field("assembly_stiffness_N_m",
+              where([](const T& r) { return r.assembly_stiffness_N_m.value > 0; },
+                    &T::assembly_stiffness_N_m),
+              "N/m", "stiffness of the whole chain", "cable, adapter and frame at the one length"),
+        field("lengths", &T::lengths, "", "lengths", "what each length says"),
+        field("p_same_EA", &T::homogeneity_p, "", "p that lengths have one EA",
+              "chance of such a disagreement; 1: too few lengths to tell", 2),
+        field("budget", &T::budget, "", "budget", "contributions to the std of EA, largest first"),
+        field("coverage_factor_95", &T::coverage_factor, "", "", "half the interval over the std"),
+        field("between_lengths_std_N", &T::between_lengths_std_N, "N", "",
+              "scatter of EA between lengths beyond their own uncertainty"),
+        field("series_compliance_m_N",
+              where([](const T& r) { return r.series_compliance_m_N.std > 0; },
+                    &T::series_compliance_m_N),
+              "m/N", "compliance in series", "as the lengths show it: 1/kc = L/EA + s"),
+        field("catalogue_EA_N", &T::catalogue_EA_N, "N", "",
+              "given or from the mass per length; 0: neither"),
+        field("share_of_catalogue", &T::share_of_catalogue, "%", "", "EA over it")};
+  }
 };
 
 /// Throws std::invalid_argument, naming the record, for values that are not positive and finite,
@@ -94,80 +134,3 @@ struct AxialTestResult {
                                              const AxialSetup& setup);
 
 }  // namespace rigfit::ident
-
-namespace rigfit::describe {
-
-template <>
-struct Described<ident::AxialLength> {
-  using T = ident::AxialLength;
-  static constexpr std::string_view title = "by length, the cable alone giving way";
-  static constexpr auto fields = std::tuple{
-      field("length_m", &T::length_m, "m", "length", "between the ends"),
-      field("records", &T::records, "", "records", "decays at this length"),
-      field("EA_N", &T::EA_N, "N", "EA", "repeats and this length's own uncertainty"),
-      field("damping_ratio", &T::damping_ratio, "%", "damping ratio", "mean of the records"),
-      field("damping_Ns_m", &T::damping_Ns_m, "N s/m", "damper", "equivalent viscous damper")};
-};
-
-template <>
-struct Described<ident::BudgetRow> {
-  using T = ident::BudgetRow;
-  static constexpr std::string_view title = "where the uncertainty of EA comes from";
-  static bool shown(const T& b) { return b.share > 5e-4; }
-  static constexpr auto fields = std::tuple{
-      field("source", &T::source, "", "source", "input"),
-      field(
-          "type", [](const T& b) { return std::string(1, b.type); }, "", "",
-          "A: from scatter, B: from what is known of instruments"),
-      field("value", &T::value, "", "", "of the input, in `unit`"),
-      field("std", &T::std, "", "std", "standard uncertainty of the input, in `unit`", 2),
-      field("unit", &T::unit, "", "unit", "of value and std"),
-      field("sensitivity_N_per_unit", &T::sensitivity, "", "", "change of EA by the input"),
-      field("contribution_N", &T::contribution_N, "N", "contribution", "to the std of EA", 2),
-      field("share", &T::share, "%", "share", "of the variance of EA", 2),
-      field("degrees_of_freedom",
-            where([](const T& b) { return b.degrees_of_freedom > 0; }, &T::degrees_of_freedom), "",
-            "", "behind std; left out of what is taken as known")};
-};
-
-template <>
-struct Described<ident::AxialTestResult> {
-  using T = ident::AxialTestResult;
-  static constexpr std::string_view title = "axial test";
-  static constexpr auto fields = std::tuple{
-      field(
-          "EA_N",
-          [](const T& r) {
-            return Bounded{r.EA_N.value, r.EA_N.std, r.EA_low_N, r.EA_high_N, r.conditional};
-          },
-          "N", "EA", "axial rigidity"),
-      field("EA_if_rigid_N",
-            where(&T::conditional,
-                  bounded(&T::EA_if_rigid_N, &T::EA_if_rigid_low_N, &T::EA_if_rigid_high_N)),
-            "N", "EA if nothing else gives way", "axial rigidity if only the cable gives way"),
-      field("damping_ratio", bounded(&T::damping_ratio, &T::damping_low, &T::damping_high), "%",
-            "damping ratio", "of the axial mode"),
-      field("damping_Ns_m", &T::damping_Ns_m, "N s/m", "damper", "at the reference length"),
-      field("reference_length_m", &T::reference_length_m, "m", "damper's length",
-            "mean of the lengths"),
-      field("assembly_stiffness_N_m",
-            where([](const T& r) { return r.assembly_stiffness_N_m.value > 0; },
-                  &T::assembly_stiffness_N_m),
-            "N/m", "stiffness of the whole chain", "cable, adapter and frame at the one length"),
-      field("lengths", &T::lengths, "", "lengths", "what each length says"),
-      field("p_same_EA", &T::homogeneity_p, "", "p that lengths have one EA",
-            "chance of such a disagreement; 1: too few lengths to tell", 2),
-      field("budget", &T::budget, "", "budget", "contributions to the std of EA, largest first"),
-      field("coverage_factor_95", &T::coverage_factor, "", "", "half the interval over the std"),
-      field("between_lengths_std_N", &T::between_lengths_std_N, "N", "",
-            "scatter of EA between lengths beyond their own uncertainty"),
-      field("series_compliance_m_N",
-            where([](const T& r) { return r.series_compliance_m_N.std > 0; },
-                  &T::series_compliance_m_N),
-            "m/N", "compliance in series", "as the lengths show it: 1/kc = L/EA + s"),
-      field("catalogue_EA_N", &T::catalogue_EA_N, "N", "",
-            "given or from the mass per length; 0: neither"),
-      field("share_of_catalogue", &T::share_of_catalogue, "%", "", "EA over it")};
-};
-
-}  // namespace rigfit::describe

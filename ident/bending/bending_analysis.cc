@@ -8,8 +8,9 @@
 #include <numeric>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
-#include "ident/bending/bending_strokes.h"
+#include "ident/bending/table_line.h"
 #include "ident/stiffness/stiffness_law.h"
 #include "signal/estimation/robust.h"
 
@@ -44,8 +45,7 @@ class Analysis {
     const Eigen::Index n = d_.size();
     if (n < 3) {
       refuse("too_few_points",
-             fmt::format("Add rows: {} are complete in tension, load and deflection, 3 are needed",
-                         n));
+             "Add rows: {} are complete in tension, load and deflection, 3 are needed", n);
       return finish();
     }
     range_d_ = d_.maxCoeff() - d_.minCoeff();
@@ -58,9 +58,8 @@ class Analysis {
     deflection_noise_ = sample_noise(d_);
     mean_tension_ = P_.mean();
     if (!beam() && !(mean_tension_ > 0)) {
-      refuse("no_tension", fmt::format("Check the sign and zero of the tension channel: its mean "
-                                       "is {:.4g} N",
-                                       mean_tension_));
+      refuse("no_tension", "Check the sign and zero of the tension channel: its mean is {:.4g} N",
+             mean_tension_);
       return finish();
     }
     // Counted positive both: the deflection along the load, and the load away from zero.
@@ -94,9 +93,8 @@ class Analysis {
     }
     keep([&](Eigen::Index i) { return std::isfinite(P_[i] + Q_[i] + d_[i]); });
     if (d_.size() < n) {
-      note("missing",
-           fmt::format("Check the channels for gaps: {} of {} rows miss a value and are left out",
-                       n - d_.size(), n));
+      note("missing", "Check the channels for gaps: {} of {} rows miss a value and are left out",
+           n - d_.size(), n);
     }
   }
 
@@ -108,10 +106,10 @@ class Analysis {
     }
     if (rows.empty()) return;
     const Eigen::Index first = *rows.begin();
-    note("spike",
-         fmt::format("Check row {} ({:.4g} N, {:.4g} m): it is the first of {} with a spike, "
-                     "which are left out",
-                     first + 1, Q_[first], d_[first], rows.size()));
+    note(
+        "spike",
+        "Check row {} ({:.4g} N, {:.4g} m): it is the first of {} with a spike, which are left out",
+        first + 1, Q_[first], d_[first], rows.size());
     keep([&](Eigen::Index i) { return !rows.contains(i); });
   }
 
@@ -124,12 +122,14 @@ class Analysis {
     P_ = P_(kept).eval(), Q_ = Q_(kept).eval(), d_ = d_(kept).eval();
   }
 
-  void note(std::string code, std::string message) {
-    result_.findings.push_back({std::move(code), std::move(message), "", false});
+  template <class... Values>
+  void note(const char* code, fmt::format_string<Values...> message, Values&&... values) {
+    result_.findings.push_back({code, fmt::format(message, std::forward<Values>(values)...)});
   }
-  void refuse(std::string code, std::string message) {
-    result_.findings.push_back({std::move(code), std::move(message), "", true});
-    result_.refused = true;
+  template <class... Values>
+  void refuse(const char* code, fmt::format_string<Values...> message, Values&&... values) {
+    note(code, message, std::forward<Values>(values)...);
+    result_.findings.back().refused = result_.refused = true;
   }
   BendingTestResult finish() { return std::move(result_); }
 
@@ -167,9 +167,9 @@ class Analysis {
           "slipped or the frame gave way",
           worst, 100 * worst / mean_tension_);
       if (worst > 0.1 * mean_tension_) {
-        refuse("clamp_slip", "Tighten the clamps and repeat: " + message);
+        refuse("clamp_slip", "Tighten the clamps and repeat: {}", message);
       } else {
-        note("clamp_slip", "Check the clamps: " + message + "; the tension is used as measured");
+        note("clamp_slip", "Check the clamps: {}; the tension is used as measured", message);
       }
     }
   }
@@ -241,10 +241,9 @@ class Analysis {
       line_ = fit_table_line(strokes, averaged_, step / std::sqrt(12.0));
       if (!line_.usable) {
         refuse("no_slope",
-               fmt::format("Add rows, or check the signs of load and deflection: {} rows give no "
-                           "rising straight line of load over deflection with a scatter that can "
-                           "be seen",
-                           d_.size()));
+               "Add rows, or check the signs of load and deflection: {} rows give no rising "
+               "straight line of load over deflection with a scatter that can be seen",
+               d_.size());
         return false;
       }
       take_line();
@@ -295,62 +294,56 @@ class Analysis {
     const std::string message =
         fmt::format("the slope changes by {:+.0f} % over the straight part", 100 * curvature);
     if (std::abs(curvature) > kCurvatureRefusal) {
-      refuse("curved", kNoStiffness + message);
+      refuse("curved", "{}{}", kNoStiffness, message);
     } else {
-      note("curved",
-           "Look for slip, a toe or a stop: " + message + "; EI is that of its mean slope");
+      note("curved", "Look for slip, a toe or a stop: {}; EI is that of its mean slope", message);
     }
   }
 
   void judge_line() {
     const TableLine& t = line_;
     if (toe_ > kEndSaid && !(t.hysteresis_N > 0)) {
-      note("toe", fmt::format("the first {:.0f} % of the deflection are left out as a toe (slack, "
-                              "supports or friction settle)",
-                              100 * toe_));
+      note("toe",
+           "the first {:.0f} % of the deflection are left out as a toe (slack, supports or "
+           "friction settle)",
+           100 * toe_);
     }
     if (stop_ > kEndSaid) {
-      note("stop", fmt::format("Deflect less, or check for yield, slip, a stop or a sensor's end: "
-                               "the last {:.0f} % of the deflection leave the straight line and "
-                               "are left out",
-                               100 * stop_));
+      note("stop",
+           "Deflect less, or check for yield, slip, a stop or a sensor's end: the last {:.0f} % of "
+           "the deflection leave the straight line and are left out",
+           100 * stop_);
     }
     if (straight_ < kLeastStraight) {
-      refuse("curved", fmt::format("{}only {:.0f} % of a stroke is straight within {:.1f} % of the "
-                                   "load",
-                                   kNoStiffness, 100 * straight_, 100 * kStraight));
+      refuse("curved", "{}only {:.0f} % of a stroke is straight within {:.1f} % of the load",
+             kNoStiffness, 100 * straight_, 100 * kStraight);
     }
     if (t.too_many_off) {
-      refuse("curved", std::string(kNoStiffness) +
-                           "more than one row in four lie off the line of the others");
+      refuse("curved", "{}more than one row in four lie off the line of the others", kNoStiffness);
     }
     if (off_ > 0) {
-      note("spike",
-           fmt::format("Check for spikes: {} samples lie far off those beside them and are "
-                       "left out",
-                       off_));
+      note("spike", "Check for spikes: {} samples lie far off those beside them and are left out",
+           off_);
     }
     if (t.left_out > 0) {
       note("spike",
-           fmt::format(
-               "Check for a stop, a toe or a misreading: {} {} off the line of the others and "
-               "left out",
-               t.left_out, t.left_out == 1 ? "row lies" : "rows lie"));
+           "Check for a stop, a toe or a misreading: {} {} off the line of the others and left out",
+           t.left_out, t.left_out == 1 ? "row lies" : "rows lie");
     }
     const double friction = std::abs(t.friction_N_m) / t.slope_N_m;
     if (t.hysteresis_N > 0 &&
         (far_end_ > kEndSaid || (t.curved && std::abs(t.curvature) > kCurvatureRefusal))) {
       refuse("friction",
-             fmt::format("Deflect further, or less where there is a stop: loading and unloading "
-                         "lie {:.2g} N apart by wire friction, and the slope still changes after "
-                         "the turns, so that friction may turn round over most of a stroke",
-                         2 * t.hysteresis_N));
+             "Deflect further, or less where there is a stop: loading and unloading lie {:.2g} N "
+             "apart by wire friction, and the slope still changes after the turns, so that "
+             "friction may turn round over most of a stroke",
+             2 * t.hysteresis_N);
     } else if (friction > 1e-3) {
       note("friction",
-           fmt::format("loading and unloading lie {:.2g} N apart by wire friction, which stiffens "
-                       "the strand after every turn; the rows after the turns are left out, and "
-                       "the change by this adds to the uncertainty",
-                       2 * t.hysteresis_N));
+           "loading and unloading lie {:.2g} N apart by wire friction, which stiffens the strand "
+           "after every turn; the rows after the turns are left out, and the change by this adds "
+           "to the uncertainty",
+           2 * t.hysteresis_N);
     }
     if (t.strokes_differ && t.slope_std_N_m > kScatterSaid * t.slope_N_m) {
       note("strokes_differ",
@@ -361,24 +354,25 @@ class Analysis {
       judge_curvature(t.curvature);
     } else if (t.curvature_half > kCurvatureRefusal) {
       note("straightness_unknown",
-           fmt::format("Add rows: too few or too scattered to show whether the diagram is straight "
-                       "(its slope may change by {:.0f} % unseen)",
-                       100 * std::min(10.0, std::abs(t.curvature) + t.curvature_half)));
+           "Add rows: too few or too scattered to show whether the diagram is straight (its slope "
+           "may change by {:.0f} % unseen)",
+           100 * std::min(10.0, std::abs(t.curvature) + t.curvature_half));
     }
   }
 
   void judge_slope() {
     const double relative = result_.compliance_m_N.std / result_.compliance_m_N.value;
     if (relative > 0.3) {
-      refuse("no_slope", fmt::format("Load further, or repeat: noise or strokes that do not agree "
-                                     "make the slope uncertain by {:.0f} %",
-                                     100 * relative));
+      refuse("no_slope",
+             "Load further, or repeat: noise or strokes that do not agree make the slope uncertain "
+             "by {:.0f} %",
+             100 * relative);
     }
     const auto status = result_.stiffness.status;
     if (status == BendingStatus::upper_bound_only) {
-      note("upper_bound_only", result_.stiffness.reason);
+      note("upper_bound_only", "{}", result_.stiffness.reason);
     } else if (status != BendingStatus::solved) {
-      refuse(status == BendingStatus::string_like ? "string_like" : "no_EI",
+      refuse(status == BendingStatus::string_like ? "string_like" : "no_EI", "{}",
              result_.stiffness.reason);
     }
   }

@@ -7,7 +7,7 @@
 // factor g corrects for the change of tension under load; it hardly depends on EI, which is
 // iterated. Each stroke (loading, unloading) has its own offset c, as wire friction shifts them
 // apart. Strokes of 40 samples and more become 40 averages, of which the straight part is used
-// (bending_strokes.h): a toe, yield or a stop are left out. The line, its curvature, rows off it,
+// (bending_strokes.cc): a toe, yield or a stop are left out. The line, its curvature, rows off it,
 // friction and strokes that differ: table_line.h. Degrees of freedom after Welch and Satterthwaite
 // (GUM G.4). `stiffness_from_compliance` then gives EI.
 //

@@ -1,4 +1,4 @@
-#include "ident/bending/bending_strokes.h"
+#include "ident/bending/table_line.h"
 
 #include <algorithm>
 #include <cmath>

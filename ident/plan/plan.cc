@@ -21,9 +21,8 @@ using Tests = std::vector<PlanTest>;
 // Share of the best that can be had, where that misses a goal: further steps cost much and add
 // little.
 constexpr double kNearBest = 1.05;
-// Least decrease of the sum of ln(std / goal): 1 % of a std is not worth a step. Far from the
-// goals, by a factor of e, the first of two steps may show little beyond rounding.
-constexpr double kLeastGain = 0.01, kFarFromGoals = 1, kNoGain = 1e-6;
+// Least decrease of the sum of ln(std / goal): 1 % of a std is not worth a step.
+constexpr double kLeastGain = 0.01;
 
 // To better than itself, as in an update.
 bool is_determined(double variance) { return variance <= kMaxRelativeStd * kMaxRelativeStd; }
@@ -66,14 +65,15 @@ class Planner {
     return sum;
   }
 
-  /// On the rig, s: records, places of hammer and sensors, states other than the first.
+  /// On the rig, s: records, 60 s for each place of hammer or sensor, 600 s for each state
+  /// (tension, length) other than the first.
   [[nodiscard]] double cost(const Tests& tests) const {
     double sum = 0;
     std::set<std::size_t> visited{0};
     for (const auto& test : tests) {
       sum += options_.hits[test.hits] * options_.durations_s[test.duration] +
-             options_.place_s * (1 + static_cast<double>(test.sensors.size()));
-      if (visited.insert(test.state).second) sum += options_.state_s;
+             60 * (1 + static_cast<double>(test.sensors.size()));
+      if (visited.insert(test.state).second) sum += 600;
     }
     return sum;
   }
@@ -92,8 +92,7 @@ class Planner {
         const double rate = less / std::max(cost(move.tests) - cost(now), 1.0);
         if (rate > best_rate) best_rate = rate, gain = less, best = std::move(move);
       }
-      const double least = left > kFarFromGoals ? kNoGain : kLeastGain;
-      if (best.tests.empty() || gain < least) return taken;
+      if (best.tests.empty() || gain < kLeastGain) return taken;
       now = best.tests;
       taken.push_back(std::move(best));
     }

@@ -46,8 +46,6 @@ struct PlanOptions {
   /// The same of damping ratios: the least that an update's search allows for
   /// (update_alternatives.h).
   double damping_model_std = 0.01;
-  double state_s = 600;                     ///< time to set another tension or length
-  double place_s = 60;                      ///< time to place a sensor or to move the hammer
   std::vector<UncertainInput> inputs = {};  ///< as in an update
   int threads = 1;
 };

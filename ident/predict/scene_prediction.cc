@@ -9,7 +9,6 @@
 #include <map>
 #include <stdexcept>
 
-#include "ident/statistics/uncertainty.h"
 #include "ident/update/pairing/mode_assignment.h"
 #include "model/scene/parameters.h"
 #include "signal/numerics/numbers.h"
@@ -239,10 +238,8 @@ ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& 
     const double f = mode.frequency_hz;
     prediction.modes.push_back(
         {mode,
-         {f, f * spread.std[k]},
-         {mode.damping_ratio, spread.std[k + static_cast<Eigen::Index>(found.modes.size())]},
-         f * std::exp(-spread.below[k]),
-         f * std::exp(spread.above[k])});
+         {{f, f * spread.std[k]}, {f * std::exp(-spread.below[k]), f * std::exp(spread.above[k])}},
+         {mode.damping_ratio, spread.std[k + static_cast<Eigen::Index>(found.modes.size())]}});
   }
   return prediction;
 }
@@ -266,8 +263,8 @@ std::vector<HeldAgainst> held_against(const ModePrediction& prediction,
     const double std = std::isfinite(f.std) ? f.std : 0;
     // The measured value's own uncertainty is part of what the interval must hold.
     const double reach = coverage_factor(0.95, 0) * std;
-    one.inside = f.value >= std::min(mode.low_hz, mode.frequency_hz.value - reach) &&
-                 f.value <= std::max(mode.high_hz, mode.frequency_hz.value + reach);
+    one.inside = f.value >= std::min(mode.frequency_hz.low, mode.frequency_hz.value - reach) &&
+                 f.value <= std::max(mode.frequency_hz.high, mode.frequency_hz.value + reach);
   }
   return all;
 }

@@ -25,6 +25,7 @@
 
 #include "document/describe.h"
 #include "ident/statistics/finding.h"
+#include "ident/statistics/uncertainty.h"
 #include "ident/update/problem/update_data.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
@@ -61,15 +62,16 @@ struct PredictionOptions {
 
 struct PredictedMode {
   model::NaturalMode mode;  ///< at the fitted values
-  signal::Estimate frequency_hz, damping_ratio;
-  double low_hz = 0, high_hz = 0;  ///< 95 %
+  BoundedEstimate frequency_hz;
+  signal::Estimate damping_ratio;
 
-  [[nodiscard]] describe::Ends interval() const { return {low_hz, high_hz, frequency_hz.std}; }
+  [[nodiscard]] describe::Ends interval() const {
+    return {frequency_hz.low, frequency_hz.high, frequency_hz.std};
+  }
   static constexpr auto fields() {
     using T = PredictedMode;
     return std::tuple{
-        field("frequency_hz", describe::bounded(&T::frequency_hz, &T::low_hz, &T::high_hz), "Hz",
-              "frequency", "with its 95 % interval"),
+        field("frequency_hz", &T::frequency_hz, "Hz", "frequency", "with its 95 % interval"),
         field("", &T::interval, "Hz", "95 % interval", ""),
         field("damping_ratio", &T::damping_ratio),
         field("plane", describe::within(&T::mode, &model::NaturalMode::plane), "", "plane", ""),

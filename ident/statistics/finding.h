@@ -5,8 +5,10 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::ident {
@@ -16,6 +18,12 @@ struct Finding {
   std::string message;     ///< for a person, with figures
   std::string where = {};  ///< file, channel, point, mode ...; empty: the whole test
   bool refused = false;    ///< true: a result is missing because of it
+
+  static constexpr auto fields() {
+    using T = Finding;
+    return std::tuple{field("code", &T::code), field("message", &T::message),
+                      field("where", &T::where)};
+  }
 };
 
 /// Adds notes as warnings, those of `refused` codes as refusals; `where`: instead of their places.

@@ -1,6 +1,6 @@
 #include "ident/statistics/uncertainty.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/SVD>
 #include <algorithm>
@@ -27,22 +27,22 @@ OpenDirection open_direction(const Eigen::VectorXd& direction,
   std::ranges::stable_sort(order, std::greater(), size);
   const double least = 0.05 * size(order[0]);
   OpenDirection open;
-  std::string list, combination;
+  std::vector<std::string> changes;
   std::erase_if(order, [&](std::size_t j) { return size(j) < least; });
   for (const std::size_t j : order) {
-    const bool first = open.parameters.empty();
     open.parameters.push_back(names[j]);
-    list += (first ? "" : open.parameters.size() == order.size() ? " and " : ", ") + names[j];
-    combination += fmt::format(
-        "{}{} by {:+.2g} %", first ? "" : ", ", names[j],
-        direction[static_cast<Eigen::Index>(j)] / direction[static_cast<Eigen::Index>(order[0])]);
+    changes.push_back(fmt::format(
+        "{} by {:+.2g} %", names[j],
+        direction[static_cast<Eigen::Index>(j)] / direction[static_cast<Eigen::Index>(order[0])]));
   }
-  open.message =
-      order.size() == 1
-          ? "the data do not determine " + list
-          : fmt::format(
-                "the data cannot separate {} (changing {} together changes nothing measured)", list,
-                combination);
+  const std::string& last = open.parameters.back();
+  open.message = order.size() == 1
+                     ? "the data do not determine " + last
+                     : fmt::format(
+                           "the data cannot separate {} and {} (changing {} together changes "
+                           "nothing measured)",
+                           fmt::join(open.parameters.begin(), open.parameters.end() - 1, ", "),
+                           last, fmt::join(changes, ", "));
   return open;
 }
 

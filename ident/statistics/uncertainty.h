@@ -16,8 +16,14 @@
 
 #include "document/describe.h"
 #include "signal/estimation/groups.h"
+#include "signal/numerics/estimate.h"
 
 namespace rigfit::ident {
+
+/// An estimate with its 95 % interval.
+struct BoundedEstimate : signal::Estimate, signal::Interval {
+  bool one_sided = false;  ///< only `low` is known of the quantity
+};
 
 /// Relative standard uncertainty above which a parameter counts as not determined: at most its
 /// order of magnitude is known.

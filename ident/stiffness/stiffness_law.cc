@@ -278,15 +278,6 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   return law;
 }
 
-}  // namespace
-
-const char* name_of(LawKind kind) {
-  constexpr std::array names{"linear", "square root", "power", "saturating"};
-  return names[static_cast<std::size_t>(kind)];
-}
-
-namespace {
-
 // Orders the laws, best first, those that AICc cannot rank behind, and sets their Akaike weights,
 // `decided` and `sentence`.
 void rank_laws(StiffnessLaws& result, std::size_t points) {
@@ -330,6 +321,11 @@ void rank_laws(StiffnessLaws& result, std::size_t points) {
 }
 
 }  // namespace
+
+const char* name_of(LawKind kind) {
+  constexpr std::array names{"linear", "square root", "power", "saturating"};
+  return names[static_cast<std::size_t>(kind)];
+}
 
 StiffnessPrediction predict(const FittedLaw& law, double tension_N) {
   if (!(std::isfinite(tension_N) && tension_N > 0)) {

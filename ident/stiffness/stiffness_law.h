@@ -46,6 +46,13 @@ struct StrandGeometry {
 struct StiffnessBounds {
   double EI_min_Nm2 = 0;
   double EI_max_Nm2 = 0;
+
+  static constexpr auto fields() {
+    using T = StiffnessBounds;
+    return std::tuple{
+        field("EI_min_Nm2", &T::EI_min_Nm2, "N m2", "strand, EI at least", "wires slip freely", 4),
+        field("EI_max_Nm2", &T::EI_max_Nm2, "N m2", "strand, EI at most", "wires do not slip", 4)};
+  }
 };
 
 /// Throws std::invalid_argument for values that are not positive and finite.
@@ -84,6 +91,15 @@ struct LawParameter {
   double std = 0;  ///< NaN when the points do not determine it
   std::string unit;
   bool fixed = false;  ///< by the strand's geometry
+
+  static constexpr auto fields() {
+    using T = LawParameter;
+    return std::tuple{field("name", &T::name, "", "parameter", "of the formula"),
+                      field("value", &T::value, "", "value", ""),
+                      field("std", &T::std, "", "std", "null where the points do not determine it"),
+                      field("unit", &T::unit, "", "unit", "of the value"),
+                      field("fixed", &T::fixed, "", "fixed", "by the strand's geometry")};
+  }
 };
 
 struct FittedLaw {
@@ -104,6 +120,22 @@ struct FittedLaw {
 
   double common_relative_std = 0;
   double coverage_factor = 1.96;  ///< for 95 %
+
+  static constexpr std::string_view title = "laws, best first";
+  static constexpr auto fields() {
+    using T = FittedLaw;
+    return std::tuple{
+        field("law", &T::kind, "", "law", "linear, square root, power or saturating"),
+        field("rms_relative_error", &T::rms_relative_error, "%", "rms", "of the points", 3),
+        field("aicc", &T::aicc, "", "AICc", "null where there are too few points", 4),
+        field("akaike_weight", &T::akaike_weight, "", "", "among the laws ranked"),
+        field("formula", &T::formula, "", "formula", "with numbers"),
+        field("parameters", &T::parameters, "", "", "of the formula"),
+        field("chi_squared", &T::chi_squared, "", "", "misfit"),
+        field("degrees_of_freedom", &T::degrees_of_freedom, "", "", "of the misfit"),
+        field("converged", &T::converged, "", "", "false: see message"),
+        field("message", &T::message, "", "remark", "why it did not converge")};
+  }
 };
 
 struct StiffnessPrediction {
@@ -138,35 +170,3 @@ struct StiffnessLaws {
 [[nodiscard]] std::vector<double> change_by_tension(const std::vector<StiffnessPoint>& points);
 
 }  // namespace rigfit::ident
-
-namespace rigfit::describe {
-
-template <>
-struct Described<ident::LawParameter> {
-  using T = ident::LawParameter;
-  static constexpr auto fields =
-      std::tuple{field("name", &T::name, "", "parameter", "of the formula"),
-                 field("value", &T::value, "", "value", ""),
-                 field("std", &T::std, "", "std", "null where the points do not determine it"),
-                 field("unit", &T::unit, "", "unit", "of the value"),
-                 field("fixed", &T::fixed, "", "fixed", "by the strand's geometry")};
-};
-
-template <>
-struct Described<ident::FittedLaw> {
-  using T = ident::FittedLaw;
-  static constexpr std::string_view title = "laws, best first";
-  static constexpr auto fields = std::tuple{
-      field("law", &T::kind, "", "law", "linear, square root, power or saturating"),
-      field("rms_relative_error", &T::rms_relative_error, "%", "rms", "of the points", 3),
-      field("aicc", &T::aicc, "", "AICc", "null where there are too few points", 4),
-      field("akaike_weight", &T::akaike_weight, "", "", "among the laws ranked"),
-      field("formula", &T::formula, "", "formula", "with numbers"),
-      field("parameters", &T::parameters, "", "", "of the formula"),
-      field("chi_squared", &T::chi_squared, "", "", "misfit"),
-      field("degrees_of_freedom", &T::degrees_of_freedom, "", "", "of the misfit"),
-      field("converged", &T::converged, "", "", "false: see message"),
-      field("message", &T::message, "", "remark", "why it did not converge")};
-};
-
-}  // namespace rigfit::describe

@@ -1,18 +1,17 @@
 #include "ident/tension/cable_tension.h"
 
-#include <fmt/format.h>
-#include <gsl/gsl_cdf.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "ident/tension/cable_scene.h"
 #include "ident/update/model_candidates.h"
 #include "signal/estimation/groups.h"
 #include "signal/numerics/numbers.h"
@@ -24,10 +23,32 @@ namespace {
 using signal::Estimate;
 using signal::kNaN;
 
-constexpr double kChanceRuledOut = 1e-6;  // below it what was measured is no such cable
+// Strain at the tension that is assumed where no EA is given (a steel cable at a third of its
+// strength), and the std of its logarithm: within a factor of 2 or so.
+constexpr double kAssumedStrain = 1e-3, kAssumedStrainStd = 0.5;
 // L sqrt(T / EI) of cables without EI: hardly more than beams to strings.
 constexpr double kStiffest = 2, kSlackest = 2000;
-constexpr double kSoundModel = 5e-3;  // error of the model that the chance counts, at most
+
+double angle_of(const CableDescription& cable) {
+  return cable.inclination_deg * signal::kTwoPi / 360;
+}
+
+/// EA as given or assumed, at a tension.
+double axial_rigidity(const CableDescription& cable, double tension_N) {
+  return cable.EA_N ? cable.EA_N->value : tension_N / kAssumedStrain;
+}
+
+/// Weight per length across the chord, N/m.
+double weight_across(const CableDescription& cable) {
+  return cable.mass_per_length.value * cable.gravity * std::cos(angle_of(cable));
+}
+
+/// Irvine's parameter (w L / T)^2 EA L / (T Le), w the weight per length across the chord and
+/// Le = L (1 + (w L / T)^2 / 8). Source: T. M. Irvine, Cable Structures, 1981, ch. 3.
+double irvine_parameter(const CableDescription& cable, double tension_N) {
+  const double slope = weight_across(cable) * cable.length_m.value / tension_N;
+  return slope * slope * axial_rigidity(cable, tension_N) / (tension_N * (1 + slope * slope / 8));
+}
 
 /// What is flat in its logarithm over a range, as a normal density of that mean and std.
 Estimate flat_prior(double low, double high) {
@@ -121,11 +142,7 @@ CableProblem problem_of(const CableDescription& cable, const std::vector<Measure
     }
   }
   problem.options.profiled = 1;  // the tension
-  auto& assignment = problem.options.assignment;
-  assignment.missed = asked.missed;
-  assignment.false_mode = asked.false_mode;
-  assignment.leaked = asked.leaked;
-  assignment.ends_at_pairs = true;
+  problem.options.assignment = asked.assignment;
   for (const CableEnds ends : asked.ends) {
     ModelCandidate one{name_of(ends), std::vector<UpdateState>(1), free};
     one.states.front().scene = cable_scene(cable, ends, tension_N, EI.value);
@@ -167,18 +184,17 @@ CandidateComparison compare(const CableDescription& cable, const std::vector<Mea
 }
 
 /// A parameter in units of N of tension at mid-span.
-Estimate tension_of(const UpdatedParameter& parameter, double factor) {
-  return {parameter.value / factor, parameter.std / factor};
+BoundedEstimate tension_of(const UpdatedParameter& parameter, double factor) {
+  return {{parameter.value / factor, parameter.std / factor},
+          {parameter.low / factor, parameter.high / factor}};
 }
 
 /// Each measured mode with its partner.
 void list_modes(const std::vector<MeasuredMode>& modes, const UpdateResult& result,
                 TensionCandidate& candidate) {
   for (const auto& mode : modes) {
-    candidate.modes.push_back({.measured_hz = mode.frequency_hz.value,
-                               .measured_std_hz = mode.frequency_hz.std,
-                               .model_hz = kNaN,
-                               .relative_error = kNaN});
+    candidate.modes.push_back(
+        {.measured_hz = mode.frequency_hz.value, .measured_std_hz = mode.frequency_hz.std});
   }
   for (const auto& pair : result.pairs) {
     auto& mode = candidate.modes[static_cast<std::size_t>(pair.measured)];
@@ -190,27 +206,10 @@ void list_modes(const std::vector<MeasuredMode>& modes, const UpdateResult& resu
   for (const auto& one : result.unpaired) candidate.missed += one.missing();
 }
 
-/// The chance of the paired frequencies' errors with a sound model's error.
-void state_chance(TensionCandidate& candidate) {
-  const auto& fit = candidate.fit;
-  double weighted = 0;
-  for (const auto& mode : candidate.modes) {
-    if (mode.order == 0) continue;
-    const double square = mode.relative_error * mode.relative_error;
-    const double own = fit.stated ? mode.measured_std_hz / mode.measured_hz : 0;
-    const double of_model = fit.stated ? std::min(fit.model_std, kSoundModel) : fit.model_std;
-    weighted += square / (own * own + of_model * of_model);
-  }
-  if (fit.degrees_of_freedom > 0 && weighted > 0 && std::isfinite(weighted)) {
-    candidate.p_with_model_error = gsl_cdf_chisq_Q(weighted, fit.degrees_of_freedom);
-  }
-}
-
 TensionCandidate candidate_of(const CableDescription& cable, const std::vector<MeasuredMode>& modes,
                               const FittedCandidate& fitted) {
   TensionCandidate candidate;
   candidate.ends = cable_ends(fitted.name).front();
-  candidate.spring_Nm_rad = {kNaN, kNaN};
   const auto& result = fitted.result;
   if (result.status == UpdateStatus::no_model) {
     candidate.message = "no tension fits the frequencies with these ends: " + result.message;
@@ -221,8 +220,6 @@ TensionCandidate candidate_of(const CableDescription& cable, const std::vector<M
   const double factor = scene_tension_factor(cable);
   const auto& tension = result.parameters.front();
   candidate.tension_N = tension_of(tension, factor);
-  candidate.low = tension.low / factor;
-  candidate.high = tension.high / factor;
   const auto* EI = find(result.parameters, "EI");
   candidate.EI_Nm2 = EI != nullptr ? Estimate{EI->value, EI->std} : *cable.EI_Nm2;
   if (const auto* spring = find(result.parameters, "end springs")) {
@@ -230,7 +227,6 @@ TensionCandidate candidate_of(const CableDescription& cable, const std::vector<M
   }
   candidate.fit = result.fit;
   list_modes(modes, result, candidate);
-  state_chance(candidate);
   for (std::size_t i = 0; i < modes.size(); ++i) {
     if (modes[i].order == 0 || candidate.modes[i].order > 0) continue;
     candidate.solved = false;
@@ -335,6 +331,47 @@ double decided_weight(const CandidateComparison& compared) {
 
 }  // namespace
 
+double scene_tension_factor(const CableDescription& cable) {
+  constexpr double kSteep = 0.0872;  // cos of 85 degrees, from which a scene's tension is axial
+  const double level = std::cos(angle_of(cable));
+  return level > kSteep ? level : 1;
+}
+
+model::Scene cable_scene(const CableDescription& cable, CableEnds ends, double tension_N,
+                         double EI_Nm2) {
+  model::Scene scene;
+  scene.title = std::string("cable, ") + name_of(ends) + " ends";
+  scene.gravity = {0, -cable.gravity, 0};
+  const double angle = angle_of(cable), L = cable.length_m.value;
+  scene.nodes.resize(2);
+  scene.nodes[0].name = "start";
+  scene.nodes[1].name = "end";
+  scene.nodes[1].position = {L * std::cos(angle), L * std::sin(angle), 0};
+  for (auto& node : scene.nodes) {
+    const bool pinned = ends == CableEnds::pinned ||
+                        (ends == CableEnds::pinned_clamped && &node == &scene.nodes.front());
+    node.support.kind = pinned ? model::Support::Kind::pinned : model::Support::Kind::clamped;
+    if (ends == CableEnds::springs) {
+      node.support.kind = model::Support::Kind::elastic;
+      node.support.translational.setConstant(std::numeric_limits<double>::infinity());
+      node.support.rotational.setConstant(10 * EI_Nm2 / L);
+    }
+  }
+  model::Member member;
+  member.name = "cable";
+  member.nodes = {"start", "end"};
+  const double EA = axial_rigidity(cable, tension_N);
+  const bool installed = cable.mass_reference == MassReference::installed;
+  member.mass_per_length = cable.mass_per_length.value * (installed ? 1 + tension_N / EA : 1);
+  member.EA = EA;
+  member.EI = {EI_Nm2, EI_Nm2};
+  member.GJ = EI_Nm2;
+  member.tension = tension_N * scene_tension_factor(cable);
+  member.masses = cable.masses;
+  scene.members.push_back(member);
+  return scene;
+}
+
 std::vector<MeasuredMode> merged_modes(std::vector<MeasuredMode> modes) {
   std::stable_sort(modes.begin(), modes.end(), [](const auto& a, const auto& b) {
     return a.frequency_hz.value < b.frequency_hz.value;
@@ -392,33 +429,28 @@ TensionResult identify_tension(const CableDescription& cable,
   std::stable_sort(result.candidates.begin(), result.candidates.end(),
                    [](const auto& a, const auto& b) { return a.weight > b.weight; });
   if (!result.candidates.front().solved) {
-    result.message = "no tension fits the frequencies; tried with ends";
-    for (const auto& one : result.candidates) {
-      result.message +=
-          fmt::format("{} {}", &one == &result.candidates.front() ? "" : ",", name_of(one.ends));
-    }
+    std::vector<const char*> tried;
+    for (const auto& one : result.candidates) tried.push_back(name_of(one.ends));
+    result.message =
+        fmt::format("no tension fits the frequencies; tried with ends {}", fmt::join(tried, ", "));
     return result;
   }
   const double factor = scene_tension_factor(cable);
   const auto& all = compared.averaged.front();
   result.tension_N = tension_of(all, factor);
-  result.low = all.low / factor;
-  result.high = all.high / factor;
-  result.solved = std::isfinite(result.tension_N.std) && std::isfinite(result.low) &&
-                  std::isfinite(result.high);
+  result.solved = std::isfinite(result.tension_N.std) && std::isfinite(result.tension_N.low) &&
+                  std::isfinite(result.tension_N.high);
   if (!result.solved) {
     result.message = "the frequencies do not determine the tension";
     return result;
   }
   result.decided = decided_weight(compared) >= 0.9;
   const auto& heaviest = result.candidates.front();
-  result.ruled_out = heaviest.fit.far_off() || heaviest.p_with_model_error < kChanceRuledOut;
+  result.ruled_out = heaviest.fit.far_off();
   result.budget = budget_of(compared, factor);
   result.EI_Nm2 = heaviest.EI_Nm2;
   describe(cable, result);
   const double T = result.tension_N.value, strain = T / axial_rigidity(cable, T);
-  result.EA_assumed = !cable.EA_N;
-  result.EI_assumed = !cable.EI_Nm2 && modes.size() < 3;
   result.mass_reference_matters = !cable.mass_reference && strain * T > result.tension_N.std / 3;
   return result;
 }

@@ -14,20 +14,20 @@ namespace rigfit::ident {
 namespace {
 
 void check(const std::vector<ModelCandidate>& candidates) {
+  const auto measured = [](const ModelCandidate& one) {
+    std::size_t modes = 0;
+    for (const auto& state : one.states) modes += state.measured.size();
+    return modes;
+  };
   std::set<std::string> names;
   for (const auto& one : candidates) {
     if (one.name.empty() || !names.insert(one.name).second) {
       throw std::invalid_argument("candidates: every one needs a name of its own");
     }
-    std::size_t measured = 0, first = 0;
-    for (const auto& state : one.states) {
-      if (!state.frfs.empty()) {
-        throw std::invalid_argument("candidates: models are compared by modes, not by FRFs");
-      }
-      measured += state.measured.size();
+    if (std::ranges::any_of(one.states, [](const auto& state) { return !state.frfs.empty(); })) {
+      throw std::invalid_argument("candidates: models are compared by modes, not by FRFs");
     }
-    for (const auto& state : candidates.front().states) first += state.measured.size();
-    if (measured != first) {
+    if (measured(one) != measured(candidates.front())) {
       throw std::invalid_argument("candidates: " + one.name + " has other measured modes");
     }
   }

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "ident/update/problem/update_data.h"
@@ -30,6 +31,28 @@ struct FittedCandidate {
   std::string name;
   UpdateResult result;
   double weight = 0;  ///< 0 without a model
+
+  static constexpr auto fields() {
+    using namespace describe;
+    using T = FittedCandidate;
+    using Result = UpdateResult;
+    constexpr auto of_fit = [](auto get) {  // nothing without a fit
+      return where([](const T& c) { return c.result.status != UpdateStatus::no_model; },
+                   within(&T::result, get));
+    };
+    return std::tuple{
+        field("name", &T::name, "", "candidate", ""),
+        field("weight", &T::weight, "", "weight", "of all candidates", 3),
+        field("log_evidence", of_fit(&Result::log_evidence), "", "ln evidence", "", 5),
+        field("chi2", of_fit(within(&Result::fit, &UpdateFit::chi2)), "", "chi-square", "", 4),
+        field("degrees_of_freedom", of_fit(within(&Result::fit, &UpdateFit::degrees_of_freedom)),
+              "", "degrees of freedom", "", 4),
+        field("p_value", of_fit(within(&Result::fit, &UpdateFit::p_value)), "", "probability",
+              "of such a misfit", 3),
+        field("status", within(&T::result, &Result::status)),
+        field("message", within(&T::result, &Result::message), "", "remark", ""),
+        field("parameters", within(&T::result, &Result::parameters))};
+  }
 };
 
 struct CandidateComparison {

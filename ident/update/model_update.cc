@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <stdexcept>
 
 #include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/problem/update_problem.h"
-#include "ident/update/problem/update_solver.h"
 #include "ident/update/uncertainty/update_uncertainty.h"
 #include "signal/numerics/numbers.h"
 
@@ -144,24 +144,6 @@ HeldOut hold_out(const UpdateProblem& problem, const UpdateOptions& options,
   return held;
 }
 
-}  // namespace
-
-const char* name_of(UpdateStatus status) {
-  switch (status) {
-    case UpdateStatus::converged:
-      return "converged";
-    case UpdateStatus::not_converged:
-      return "not converged";
-    case UpdateStatus::no_model:
-      return "no model";
-    case UpdateStatus::too_little_data:
-      return "too little data";
-  }
-  return "not converged";
-}
-
-namespace {
-
 // Fits to modes: all answers. Fits of FRFs: the best that begins with one of their modes' answers,
 // or where the scene is; `problem` becomes the one whose segments resolve them.
 std::vector<UpdateAnswer> answers_of(UpdateProblem& problem, const UpdateOptions& options,
@@ -243,6 +225,11 @@ void state_segment_shifts(const UpdateProblem& settled, const UpdateOptions& opt
 }
 
 }  // namespace
+
+const char* name_of(UpdateStatus status) {
+  constexpr std::array names{"converged", "not converged", "no model", "too little data"};
+  return names[static_cast<std::size_t>(status)];
+}
 
 UpdateResult update_model(const std::vector<UpdateState>& states,
                           const std::vector<FreeParameter>& free, const UpdateOptions& options) {

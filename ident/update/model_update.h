@@ -23,8 +23,10 @@
 // Mottershead, Link, Friswell 2011.
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "ident/statistics/finding.h"
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"
 
@@ -35,5 +37,14 @@ namespace rigfit::ident {
 [[nodiscard]] UpdateResult update_model(const std::vector<UpdateState>& states,
                                         const std::vector<FreeParameter>& free,
                                         const UpdateOptions& options = {});
+
+/// Findings to be read before the numbers of a fit are used, most severe first.
+[[nodiscard]] std::vector<Finding> fit_findings(const UpdateResult& result);
+
+/// "chi-square 12.3 on 8 degrees of freedom, probability 0.14 ...".
+[[nodiscard]] std::string fit_text(const UpdateFit& fit);
+
+/// Describes each alternative but the first.
+[[nodiscard]] std::vector<std::string> alternative_texts(const UpdateResult& result);
 
 }  // namespace rigfit::ident

@@ -42,6 +42,22 @@ double natural_omega(const VirtualAxialTest& test) {
   });
 }
 
+// Exact solution of Dahl's law over a step of constant direction, in u = 1 - q/q_f sign(dd):
+// du/ds = -u^i / d_f.
+double after(double friction, double step, const VirtualBendingTest& test) {
+  if (!(test.friction_load_N > 0) || step == 0) return friction;
+  const double sign = step > 0 ? 1 : -1;
+  const double z = std::abs(step) / test.friction_travel_m, i = test.friction_exponent;
+  double u = 1 - sign * friction / test.friction_load_N;
+  if (i == 1) {
+    u *= std::exp(-z);
+  } else if (u > 0) {
+    const double power = std::pow(u, 1 - i) + (i - 1) * z;
+    u = power > 0 ? std::pow(power, 1 / (1 - i)) : 0;
+  }
+  return sign * test.friction_load_N * (1 - u);
+}
+
 }  // namespace
 
 double axial_frequency_hz(const VirtualAxialTest& test) {
@@ -54,7 +70,7 @@ signal::Recording virtual_axial_record(const VirtualAxialTest& test, Random& ran
   const double decay = test.damping_ratio * omega;
   const double omega_d = omega * std::sqrt(1 - test.damping_ratio * test.damping_ratio);
   std::normal_distribution<double> normal;
-  const double impulse = test.tap_N_s * std::max(0.1, 1 + test.tap_scatter * normal(random));
+  const double impulse = 0.5 * std::max(0.1, 1 + 0.2 * normal(random));  // N s, scatter 20 %
   const double velocity = impulse / test.hung_mass_kg;
   const double weight = test.hung_mass_kg * test.gravity_m_s2;
   const double swing_omega = std::sqrt(test.gravity_m_s2 / test.length_m);
@@ -84,26 +100,6 @@ signal::Recording virtual_axial_record(const VirtualAxialTest& test, Random& ran
   add_channel(recording, "tension", signal::Quantity::force, tension, &test.load_cell, random);
   return recording;
 }
-
-namespace {
-
-// Exact solution of Dahl's law over a step of constant direction, in u = 1 - q/q_f sign(dd):
-// du/ds = -u^i / d_f.
-double after(double friction, double step, const VirtualBendingTest& test) {
-  if (!(test.friction_load_N > 0) || step == 0) return friction;
-  const double sign = step > 0 ? 1 : -1;
-  const double z = std::abs(step) / test.friction_travel_m, i = test.friction_exponent;
-  double u = 1 - sign * friction / test.friction_load_N;
-  if (i == 1) {
-    u *= std::exp(-z);
-  } else if (u > 0) {
-    const double power = std::pow(u, 1 - i) + (i - 1) * z;
-    u = power > 0 ? std::pow(power, 1 / (1 - i)) : 0;
-  }
-  return sign * test.friction_load_N * (1 - u);
-}
-
-}  // namespace
 
 signal::Recording virtual_bending_record(const VirtualBendingTest& test, Random& random) {
   check("bending test",

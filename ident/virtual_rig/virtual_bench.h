@@ -27,8 +27,6 @@ struct VirtualAxialTest {
   double hung_mass_kg = 0;
   double adapter_stiffness_N_m = 0;  ///< in series; 0: none
   double damping_ratio = 0;          ///< ratio of the oscillation
-  double tap_N_s = 0.5;              ///< impulse on the mass
-  double tap_scatter = 0.2;          ///< relative standard deviation from tap to tap
   double swing_rad = 0.01;  ///< pendulum amplitude, its tension ripples at twice its frequency
   double sample_rate_hz = 500;
   double before_s = 0.5;  ///< record before the tap

@@ -23,11 +23,7 @@ struct VirtualRigOptions {
   double record_s = 8;
   double pre_trigger_s = 0.05;
   double sample_rate_hz = 1024;
-  int finer = 4;                   ///< factor on the scene's segments (30 for "auto")
-  double peak_scatter = 0.2;       ///< relative standard deviation from hit to hit
-  double duration_scatter = 0.05;  ///< relative standard deviation
-  double position_scatter_m = 0.003;
-  double direction_scatter_rad = 0.03;
+  int finer = 4;  ///< factor on the scene's segments (30 for "auto")
   /// Mass of each accelerometer (4.8 g: data sheet of the paper's B&K 4507), added where
   /// the scene has no mass yet.
   double accelerometer_mass_kg = 4.8e-3;

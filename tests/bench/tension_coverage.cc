@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "ident/tension/cable_scene.h"
 #include "ident/tension/cable_tension.h"
 #include "model/linear/modal_analysis.h"
 #include "tests/bench/study.h"
@@ -122,7 +121,7 @@ void estimate(const Kind& kind, std::uint64_t seed, study::Table& table) {
   table.add("max, s", seconds);
   if (!decided) return;
   const auto& tension = result.tension_N;
-  table.add("held, %", study::held(result, one.tension));
+  table.add("held, %", study::held(tension, one.tension));
   table.add("median std, %", 100 * tension.std / tension.value);
   table.add("largest error, std", std::abs(tension.value - one.tension) / tension.std);
 }

@@ -104,7 +104,7 @@ AxialCoverage axial_coverage(const AxialStudy& study, int campaigns, unsigned se
         warned = warned || f.code == code;
       }
     }
-    const bool in = r.EA_low_N <= study.rig.EA_N && study.rig.EA_N <= r.EA_high_N;
+    const bool in = r.EA_N.low <= study.rig.EA_N && study.rig.EA_N <= r.EA_N.high;
     sum.covered += in, sum.warned += warned, sum.silently_wrong += !in && !warned;
     sum.relative_std += r.EA_N.std / r.EA_N.value;
     sum.bias += (r.EA_N.value - study.rig.EA_N) / r.EA_N.std;

@@ -55,7 +55,6 @@ struct BenchStudy {
   std::string reference;  ///< what it is compared with
   double reference_error = 0;
   std::vector<BenchRow> rows;
-  std::string skipped;  ///< why there are no rows
 
   static constexpr auto fields() {
     using T = BenchStudy;
@@ -127,8 +126,8 @@ int mean_segments(const std::vector<int>& by_member) {
 /// fraction of its step (its own error: against a step one and a half times as long);
 /// "segments" compares numbers of segments with many (own error: against two thirds as many).
 /// Sensors of acceleration and velocity are read as displacements: the accelerations of a cut
-/// string hold frequencies up to where the segments end. A scene whose loads are records is skipped
-/// with a reason. `quick`: few repeats, coarser references.
+/// string hold frequencies up to where the segments end. A scene whose loads are records is
+/// refused. `quick`: few repeats, coarser references.
 class Studies {
  public:
   Studies(model::Scene scene, double duration_s, bool quick)
@@ -143,24 +142,26 @@ class Studies {
 
   std::vector<BenchStudy> run() {
     if (scene_.loads.empty() || scene_.sensors.empty()) {
-      return {started("", "the scene has no load or no sensor")};
+      throw Refused(scene_.file + ": there is no load or no sensor, and so no motion: add them",
+                    "nothing_done");
     }
     if (std::ranges::count(scene_.loads, model::Load::Kind::record, &model::Load::kind) > 0) {
-      return {started("", "a load is a recording")};
+      throw Refused(
+          scene_.file + ": a load is a recording, which is not simulated here: replace it",
+          "nothing_done");
     }
     own_ = simulate(base_);
-    if (!own_.completed) return {started("", "the response fails: " + own_.reason)};
+    if (!own_.completed) throw NotConverged("the response fails: " + own_.reason);
     return {steps_study(), segments_study()};
   }
 
  private:
-  BenchStudy started(const char* varied, std::string skipped = "") const {
+  BenchStudy started(const char* varied) const {
     BenchStudy study;
     study.study = varied;
     study.scene = scene_.title;
     study.error_of = fmt::format("{:g} s of the sensors' motion at {:g} Hz, rms",
                                  base_.sampling.duration_s, base_.sampling.rate_hz);
-    study.skipped = std::move(skipped);
     return study;
   }
 
@@ -173,7 +174,7 @@ class Studies {
                             const ResponseOptions& finest, std::string name) const {
     const ResponseResult check = simulate(coarser), truth = simulate(finest);
     if (!truth.completed || !check.completed) {
-      study.skipped = "the reference fails: " + truth.reason + check.reason;
+      throw NotConverged("the reference fails: " + truth.reason + check.reason);
     }
     study.reference = std::move(name);
     study.reference_error = difference(check, truth.samples);
@@ -216,7 +217,6 @@ class Studies {
     const auto truth = reference(
         study, coarser, fine,
         fmt::format("{} scheme, steps of {:.2g} ms", name_of(fine.solver), 1e3 * *fine.step_s));
-    if (!study.skipped.empty()) return study;
     add(study, truth, std::string("default: ") + name_of(own_.solver), base_, true);
     ResponseOptions options = base_;
     options.solver = ResponseSolver::modal;
@@ -251,7 +251,6 @@ class Studies {
     const auto truth =
         reference(study, options, finest,
                   fmt::format("{} segments a member, {}", fine, name_of(own_.solver)));
-    if (!study.skipped.empty()) return study;
     for (const int n : {8, 15, 30, 60, 120}) {
       if (n >= fine) continue;
       options.segments = n;
@@ -290,10 +289,6 @@ struct BenchCommand {
 
 void print(std::ostream& out, const BenchStudy& study) {
   out << fmt::format("{}, {} | {}\n", study.task, study.study, study.scene);
-  if (!study.skipped.empty()) {
-    out << fmt::format("  not done: {}\n\n", study.skipped);
-    return;
-  }
   out << fmt::format("  error of {}; against {}, itself good to {:.1e}\n", study.error_of,
                      study.reference, study.reference_error);
   describe::print(out, describe::table_of(study.rows));
@@ -305,20 +300,14 @@ Json run(BenchCommand& options, VerbContext& context) {
       options.scene.empty() ? released_cable() : scene_of(options.scene, context);
   const double duration_s = options.quick ? std::min(options.duration_s, 0.1) : options.duration_s;
   Json rows = Json::array();
-  bool any = false;
   for (const BenchStudy& study : Studies(scene, duration_s, options.quick).run()) {
     print(context.out, study);
     for (const BenchRow& row : study.rows) {
       rows.push_back(describe::json_of(study));
       rows.back().update(describe::json_of(row));
     }
-    any = any || study.skipped.empty();
-    if (!study.skipped.empty()) {
-      context.warn("not_done", study.task + ": " + study.skipped, options.scene);
-    }
     if (context.plots) context.plots->add(plot_of(study));
   }
-  if (!any) context.refuse("nothing_done", "no study can be done", options.scene);
   return {{"rows", std::move(rows)}};
 }
 

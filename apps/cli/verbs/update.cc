@@ -6,10 +6,8 @@
 #include "apps/campaign_file/update_data.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/describe/json_of.h"
-#include "ident/campaign/fit_findings.h"
 #include "ident/update/model_candidates.h"
 #include "ident/update/model_update.h"
-#include "ident/update/update_rows.h"
 #include "model/scene/read_scene.h"
 
 namespace rigfit::apps {
@@ -49,10 +47,10 @@ void print_update(std::ostream& out, const ident::UpdateResult& result) {
     out << "the data rule this model out: " << ident::fit_text(result.fit) << '\n';
   describe::print(out, describe::table_of(result.parameters));
   for (const auto& p : result.parameters) {
-    const auto shares = describe::shares_text(ident::variance_shares(p));
+    const auto shares = describe::shares_text(p.variance_shares());
     if (p.budget.size() > 1) out << fmt::format("  variance of {}: {}\n", p.name, shares);
   }
-  describe::print(out, describe::table_of(ident::pair_rows(result.pairs, result.unpaired)));
+  describe::print(out, describe::table_of(result.rows()));
   if (!result.pairs.empty()) {
     const double before = 100 * result.rms_relative_error_before;
     out << fmt::format("rms of the paired errors: {} before, {:.2f} % fitted\n",

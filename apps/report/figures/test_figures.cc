@@ -3,7 +3,6 @@
 #include "apps/report/figures/figures.h"
 #include "ident/bending/bending_equation.h"
 #include "ident/statistics/uncertainty.h"
-#include "ident/update/update_rows.h"
 
 namespace rigfit::apps {
 
@@ -97,8 +96,8 @@ Plot axial_length_plot(const std::string& id, const ident::AxialTestResult& r, O
              3, Style::dashed};
   }
   for (const double x : {low - margin, high + margin}) {
-    all.add(x, 1e-3 * r.EA_N.value, 1e-3 * (r.conditional ? r.EA_if_rigid_low_N : r.EA_low_N),
-            1e-3 * (r.conditional ? r.EA_if_rigid_high_N : r.EA_high_N));
+    all.add(x, 1e-3 * r.EA_N.value, 1e-3 * (r.conditional ? r.EA_if_rigid_N.low : r.EA_N.low),
+            1e-3 * (r.conditional ? r.EA_if_rigid_N.high : r.EA_N.high));
     if (!known.name.empty()) known.add(x, 1e-3 * *test->EA_N);
   }
   for (auto* series : {&all, &records, &each, &known}) plot.add(std::move(*series));

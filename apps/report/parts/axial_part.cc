@@ -24,14 +24,14 @@ class AxialPart : public TestPart {
     const std::string how = fmt::format("axial test, {} at {}", counted(r.samples.size(), "record"),
                                         counted(r.lengths.size(), "length"));
     Answer EA = answer("EA", "Cable axial stiffness EA", how, "N", r.EA_N, origin, test_.EA_N);
-    EA.low = r.EA_low_N, EA.high = r.EA_high_N;
+    EA.low = r.EA_N.low, EA.high = r.EA_N.high;
     if (r.conditional) {
       EA.how += ": a lower bound, as one length cannot separate other compliance";
       if (!std::isfinite(EA.high)) EA.high = EA.std = Answer::kNone;
     }
     Answer damping = answer("damping_ratio", "Axial damping ratio ζ", how, "", r.damping_ratio,
                             origin, test_.damping_ratio);
-    damping.low = r.damping_low, damping.high = r.damping_high;
+    damping.low = r.damping_ratio.low, damping.high = r.damping_ratio.high;
     add_answer(part_, std::move(EA));
     add_answer(part_, std::move(damping));
   }

@@ -1,6 +1,5 @@
 #include "apps/report/parts/parts.h"
-#include "ident/campaign/fit_findings.h"
-#include "ident/update/update_rows.h"
+#include "ident/update/model_update.h"
 #include "model/scene/parameters.h"
 
 namespace rigfit::apps {
@@ -185,9 +184,11 @@ class Fit {
       if (pair.cross_plane) continue;
       part_.modes.push_back({"model fitted", Origin::modelled, pair.measured_hz, pair.model_hz});
     }
-    ReportTable table = described_table(
-        fit_.name + "-pairs", "Every measured mode and the model's.",
-        describe::table_of(ident::pair_rows(result_.pairs, alone)), Origin::modelled);
+    auto rows = result_.pairs;
+    rows.insert(rows.end(), alone.begin(), alone.end());
+    ReportTable table =
+        described_table(fit_.name + "-pairs", "Every measured mode and the model's.",
+                        describe::table_of(rows), Origin::modelled);
     if (table.rows.size() > 16) table.fold = fmt::format("All {} pairs", table.rows.size());
     part_.blocks.push_back(std::move(table));
     if (lonely.empty()) return;

@@ -22,7 +22,7 @@ class TensionPart : public TestPart {
                "N", r.tension_N,
                test_.recordings.empty() ? Origin::measured : test_.recordings.front().origin(),
                test_.tension_N);
-    tension.low = r.low, tension.high = r.high;
+    tension.low = r.tension_N.low, tension.high = r.tension_N.high;
     tension.determined = r.decided;
     add_answer(part_, std::move(tension));
     return {std::move(part_)};

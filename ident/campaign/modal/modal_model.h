@@ -1,6 +1,7 @@
 // Compares a modal test with its scene: at every state of the rig the scene takes the results of
 // earlier tests (EI at the tension, EA, damping), and its modes are computed and paired with
-// measured ones from recordings, from a published table, or both.
+// measured ones from recordings, from a published table, or both. Other tests and fits use scenes
+// in the same way (`SceneUse`).
 #pragma once
 
 #include <map>
@@ -9,13 +10,42 @@
 #include <vector>
 
 #include "ident/campaign/modal/modal_campaign.h"
-#include "ident/campaign/single_tests/scene_use.h"
 #include "ident/campaign/single_tests/test_recording.h"
+#include "ident/stiffness/stiffness_curve.h"
+#include "ident/update/problem/update_data.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
+
+struct KnownValues {
+  StiffnessCurve EI;                     ///< empty: no bending test
+  signal::Estimate EA_N, damping_ratio;  ///< from the axial test; NaN: none
+};
+
+/// A scene and its parameters (such as "cable.EI") that take a state's tension and known values.
+struct SceneUse {
+  model::Scene scene;
+  std::vector<std::string> tension_of, EI_of, EA_of, damping_of;
+};
+
+/// The scene that stands for the rig at a tension (empty: as built). Throws model::SceneError for a
+/// parameter that the scene does not have.
+[[nodiscard]] model::Scene scene_at(const SceneUse& use, const KnownValues& known,
+                                    std::optional<double> tension_N);
+
+/// State `state` of a fit, at that tension.
+struct StateUse {
+  int state = 0;
+  SceneUse use;
+  std::optional<double> tension_N;
+};
+
+/// Uncertainties of EI, EA and damping in these states, as inputs of a fit: each source (of EI,
+/// each term of the curve's uncertainty) moves all states together.
+[[nodiscard]] std::vector<UncertainInput> known_inputs(const KnownValues& known,
+                                                       const std::vector<StateUse>& states);
 
 /// A frequency of a table, with those of published models beside it.
 struct PublishedMode {

@@ -141,10 +141,7 @@ constexpr double kLongest = 100;  // m: in a hanging-mass test 0.1 m of cable, g
 // mean of next to nothing; what swings by a thousandth of it has another unit.
 double share_of_weight(const signal::Channel& channel, double weight) {
   if (channel.unit != "N" && channel.quantity != signal::Quantity::force) return signal::kNaN;
-  std::vector<double> samples;
-  for (const double x : channel.samples) {
-    if (std::isfinite(x)) samples.push_back(x);
-  }
+  const auto samples = signal::finite_values(channel.samples);
   if (samples.empty()) return signal::kNaN;
   const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
   const double swing = (*high - *low) / weight, share = std::abs(signal::median(samples)) / weight;

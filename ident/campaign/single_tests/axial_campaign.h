@@ -37,6 +37,40 @@ struct AxialRecord : RecordedDecay {
   [[nodiscard]] const signal::DecayMode& axial() const { return result.modes[*mode]; }
   [[nodiscard]] bool used() const { return sample.has_value(); }
   [[nodiscard]] std::string refused() const { return left_out.empty() ? "axial" : left_out; }
+
+  static constexpr std::string_view title = "decays";
+  static constexpr auto fields() {
+    using namespace describe;
+    using T = AxialRecord;
+    // A field of the axial mode, of the sample of a decay that is used.
+    constexpr auto of_mode = [](auto part) {
+      return where(&T::used, [part](const T& r) { return std::invoke(part, r.axial()); });
+    };
+    constexpr auto of_sample = [](auto part) {
+      return where(&T::used, [part](const T& r) { return std::invoke(part, *r.sample); });
+    };
+    using Mode = signal::DecayMode;
+    using Sample = AxialSample;
+    return std::tuple{
+        field("file", &T::file, "", "file", "recording"),
+        field("length_m", &T::length_m, "m", "length", "between the ends"),
+        field("start_s", &T::start_s, "s", "start", "fitted from here"),
+        field("refused", where([](const T& r) { return !r.used(); }, &T::refused), "", "left out",
+              "code of why it takes no part"),
+        field("damped_frequency_hz", of_mode(&Mode::damped_frequency_hz), "Hz", "frequency",
+              "of the axial mode, damped"),
+        field("damping_ratio", of_mode(&Mode::damping_ratio), "%", "damping ratio",
+              "of the axial mode"),
+        field("r_squared", of_mode(&Mode::r_squared), "", "", "of the fitted decay"),
+        field("cycles", of_mode(&Mode::cycles), "", "", "fitted"),
+        field("stiffness_N_m", of_sample(&Sample::stiffness_N_m), "N/m", "",
+              "static, adapter included"),
+        field("cable_stiffness_N_m", of_sample(&Sample::cable_stiffness_N_m), "N/m", "",
+              "static, of the cable"),
+        field("EA_N", of_sample(&Sample::EA_N), "N", "EA", "of this record, with the cable alone"),
+        field("damping_Ns_m", of_sample(&Sample::damping_Ns_m), "N s/m", "damper",
+              "equivalent viscous damper")};
+  }
 };
 
 struct AxialCampaignResult {
@@ -52,41 +86,3 @@ struct AxialCampaignResult {
 [[nodiscard]] AxialCampaignResult axial_campaign(const AxialInputs& inputs);
 
 }  // namespace rigfit::ident
-
-namespace rigfit::describe {
-
-template <>
-struct Described<ident::AxialRecord> {
-  using T = ident::AxialRecord;
-  /// A field of the axial mode, of the sample of a decay that is used.
-  static constexpr auto of_mode = [](auto part) {
-    return where(&T::used, [part](const T& r) { return std::invoke(part, r.axial()); });
-  };
-  static constexpr auto of_sample = [](auto part) {
-    return where(&T::used, [part](const T& r) { return std::invoke(part, *r.sample); });
-  };
-  using Mode = signal::DecayMode;
-  using Sample = ident::AxialSample;
-  static constexpr std::string_view title = "decays";
-  static constexpr auto fields = std::tuple{
-      field("file", &T::file, "", "file", "recording"),
-      field("length_m", &T::length_m, "m", "length", "between the ends"),
-      field("start_s", &T::start_s, "s", "start", "fitted from here"),
-      field("refused", where([](const T& r) { return !r.used(); }, &T::refused), "", "left out",
-            "code of why it takes no part"),
-      field("damped_frequency_hz", of_mode(&Mode::damped_frequency_hz), "Hz", "frequency",
-            "of the axial mode, damped"),
-      field("damping_ratio", of_mode(&Mode::damping_ratio), "%", "damping ratio",
-            "of the axial mode"),
-      field("r_squared", of_mode(&Mode::r_squared), "", "", "of the fitted decay"),
-      field("cycles", of_mode(&Mode::cycles), "", "", "fitted"),
-      field("stiffness_N_m", of_sample(&Sample::stiffness_N_m), "N/m", "",
-            "static, adapter included"),
-      field("cable_stiffness_N_m", of_sample(&Sample::cable_stiffness_N_m), "N/m", "",
-            "static, of the cable"),
-      field("EA_N", of_sample(&Sample::EA_N), "N", "EA", "of this record, with the cable alone"),
-      field("damping_Ns_m", of_sample(&Sample::damping_Ns_m), "N s/m", "damper",
-            "equivalent viscous damper")};
-};
-
-}  // namespace rigfit::describe

@@ -65,6 +65,46 @@ struct BendingPoint {
   /// Whether laws and curve use this EI.
   [[nodiscard]] bool usable() const { return !refused() && point.EI_Nm2 > 0; }
   [[nodiscard]] bool beam() const { return analysis && analysis->ends != BeamEnds::tensioned; }
+
+  static constexpr auto fields() {
+    using namespace describe;
+    using T = BendingPoint;
+    using Point = StiffnessPoint;
+    constexpr auto EI = [](const T& p) -> Bounded {
+      return {p.point.EI_Nm2, p.point.std, p.point.low, p.point.high};
+    };
+    return std::tuple{
+        field("tension_N", within(&T::point, &Point::tension_N), "N", "",
+              "mean over the samples used; 0 without tension"),
+        field("", where([](const T& p) { return !p.beam(); }, within(&T::point, &Point::tension_N)),
+              "N", "tension", "", 5),
+        field("stiffness_N_m", &T::slope_N_m, "N/m", "slope", "load over deflection"),
+        field("EI_Nm2", EI, "N m2", "EI", "flexural rigidity"),
+        field(
+            "",
+            [](const T& p) {
+              return Ends{p.point.low, p.point.high, p.point.std};
+            },
+            "", "95 % interval", ""),
+        field("modulus_Pa", &T::modulus_Pa, "Pa", "modulus", "EI over the second moment"),
+        field("refused", &T::refused, "", "", "see the warnings"),
+        field(
+            "", [](const T& p) { return std::string(p.refused() ? "refused" : ""); }, "", "remark",
+            ""),
+        field(
+            "ends",
+            [](const T& p) { return std::string(p.beam() ? name_of(p.analysis->ends) : ""); }, "",
+            "", "clamped, pinned or cantilever, without tension"),
+        field("row", &T::row, "", "", "of a table of EI, from 1"),
+        field("shared_relative_std", within(&T::point, &Point::shared_relative_std), "", "",
+              "common to all tests"),
+        field("tension_spread_N", within(&T::point, &Point::tension_std_N), "N", "",
+              "std of the tension within a test"),
+        field(
+            "hysteresis_N", [](const T& p) { return p.analysis ? p.analysis->hysteresis_N : 0; },
+            "N", "", "half between loading and unloading"),
+        field("file", &T::file, "", "from", "")};
+  }
 };
 
 /// Specimens of one kind, bent without tension, with plain means, as each is one draw of the kind.
@@ -72,6 +112,18 @@ struct BeamSpecimens {
   std::size_t count = 0;
   double EI_Nm2 = 0, modulus_Pa = 0;  ///< means; modulus NaN without a section
   double relative_scatter = 0;  ///< standard deviation between specimens, relative to the mean
+
+  static constexpr auto fields() {
+    using namespace describe;
+    using T = BeamSpecimens;
+    return std::tuple{
+        field("count", &T::count, "", "specimens", "that gave an EI"),
+        field("EI_Nm2", &T::EI_Nm2, "N m2", "mean EI", "plain mean", 3),
+        field("modulus_Pa", where([](const T& s) { return s.modulus_Pa > 0; }, &T::modulus_Pa),
+              "Pa", "mean modulus", "plain mean", 3),
+        field("relative_scatter", &T::relative_scatter, "%", "scatter between them",
+              "standard deviation", 2)};
+  }
 };
 
 struct BendingCampaignResult {
@@ -88,65 +140,3 @@ struct BendingCampaignResult {
 [[nodiscard]] BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign);
 
 }  // namespace rigfit::ident
-
-namespace rigfit::describe {
-
-template <>
-struct Described<ident::BendingPoint> {
-  using T = ident::BendingPoint;
-  using Point = ident::StiffnessPoint;
-  static Bounded EI(const T& p) { return {p.point.EI_Nm2, p.point.std, p.point.low, p.point.high}; }
-  static constexpr std::string_view title{};
-  static constexpr auto fields = std::tuple{
-      field("tension_N", within(&T::point, &Point::tension_N), "N", "",
-            "mean over the samples used; 0 without tension"),
-      field("", where([](const T& p) { return !p.beam(); }, within(&T::point, &Point::tension_N)),
-            "N", "tension", "", 5),
-      field("stiffness_N_m", &T::slope_N_m, "N/m", "slope", "load over deflection"),
-      field("EI_Nm2", EI, "N m2", "EI", "flexural rigidity"),
-      field(
-          "",
-          [](const T& p) {
-            return Ends{p.point.low, p.point.high, p.point.std};
-          },
-          "", "95 % interval", ""),
-      field("modulus_Pa", &T::modulus_Pa, "Pa", "modulus", "EI over the second moment"),
-      field("refused", &T::refused, "", "", "see the warnings"),
-      field(
-          "", [](const T& p) { return std::string(p.refused() ? "refused" : ""); }, "", "remark",
-          ""),
-      field(
-          "ends", [](const T& p) { return std::string(p.beam() ? name_of(p.analysis->ends) : ""); },
-          "", "", "clamped, pinned or cantilever, without tension"),
-      field("row", &T::row, "", "", "of a table of EI, from 1"),
-      field("shared_relative_std", within(&T::point, &Point::shared_relative_std), "", "",
-            "common to all tests"),
-      field("tension_spread_N", within(&T::point, &Point::tension_std_N), "N", "",
-            "std of the tension within a test"),
-      field(
-          "hysteresis_N", [](const T& p) { return p.analysis ? p.analysis->hysteresis_N : 0; }, "N",
-          "", "half between loading and unloading"),
-      field("file", &T::file, "", "from", "")};
-};
-
-template <>
-struct Described<ident::StiffnessBounds> {
-  using T = ident::StiffnessBounds;
-  static constexpr auto fields = std::tuple{
-      field("EI_min_Nm2", &T::EI_min_Nm2, "N m2", "strand, EI at least", "wires slip freely", 4),
-      field("EI_max_Nm2", &T::EI_max_Nm2, "N m2", "strand, EI at most", "wires do not slip", 4)};
-};
-
-template <>
-struct Described<ident::BeamSpecimens> {
-  using T = ident::BeamSpecimens;
-  static constexpr auto fields = std::tuple{
-      field("count", &T::count, "", "specimens", "that gave an EI"),
-      field("EI_Nm2", &T::EI_Nm2, "N m2", "mean EI", "plain mean", 3),
-      field("modulus_Pa", where([](const T& s) { return s.modulus_Pa > 0; }, &T::modulus_Pa), "Pa",
-            "mean modulus", "plain mean", 3),
-      field("relative_scatter", &T::relative_scatter, "%", "scatter between them",
-            "standard deviation", 2)};
-};
-
-}  // namespace rigfit::describe

@@ -29,17 +29,16 @@ Index sample_at(const signal::Recording& recording, double time_s, bool up) {
 
 /// Pools a quantity of modes of several decays; returns its scatter between them.
 double pool(const std::vector<const signal::DecayMode*>& modes,
-            signal::Estimate signal::DecayMode::*quantity, signal::Estimate& mean,
-            signal::Interval& interval_95) {
+            signal::Estimate signal::DecayMode::*quantity, BoundedEstimate& mean) {
   std::vector<double> values, variances;
   for (const auto* mode : modes) {
     values.push_back((mode->*quantity).value);
     variances.push_back((mode->*quantity).std * (mode->*quantity).std);
   }
   const signal::GroupMean effects = signal::mean_over_groups(values, variances);
-  mean = {effects.mean, std::sqrt(effects.variance)};
-  const double half = signal::coverage_factor(0.95, effects.degrees) * mean.std;
-  interval_95 = {mean.value - half, mean.value + half};
+  const double std = std::sqrt(effects.variance);
+  const double half = signal::coverage_factor(0.95, effects.degrees) * std;
+  mean = {{effects.mean, std}, {effects.mean - half, effects.mean + half}};
   return std::sqrt(effects.between_variance);
 }
 
@@ -54,11 +53,9 @@ std::vector<PooledMode> pooled(const ChannelDecays& channel) {
     if (modes.empty()) continue;
     PooledMode& one = all.emplace_back();
     one.decays = modes.size();
-    one.frequency_scatter_hz = pool(modes, &signal::DecayMode::frequency_hz, one.frequency_hz,
-                                    one.frequency_interval_95_hz);
-    one.damping_ratio_scatter = pool(modes, &signal::DecayMode::damping_ratio, one.damping_ratio,
-                                     one.damping_ratio_interval_95);
-    one.damping_ratio_interval_95.low = std::max(0.0, one.damping_ratio_interval_95.low);
+    one.frequency_scatter_hz = pool(modes, &signal::DecayMode::frequency_hz, one.frequency_hz);
+    one.damping_ratio_scatter = pool(modes, &signal::DecayMode::damping_ratio, one.damping_ratio);
+    one.damping_ratio.low = std::max(0.0, one.damping_ratio.low);
   }
   return all;
 }
@@ -76,7 +73,7 @@ void widen_by_rate(double relative_std, ChannelDecays& found) {
     if (decay.result) widen(*decay.result);
   }
   for (auto& mode : found.pooled) {
-    add_rate_uncertainty(relative_std, mode.frequency_hz, &mode.frequency_interval_95_hz);
+    add_rate_uncertainty(relative_std, mode.frequency_hz, &mode.frequency_hz);
   }
 }
 

@@ -19,6 +19,7 @@
 
 #include "document/describe.h"
 #include "ident/campaign/single_tests/test_recording.h"
+#include "ident/statistics/uncertainty.h"
 #include "model/response/response.h"
 #include "signal/decay/decay.h"
 
@@ -36,13 +37,56 @@ struct FoundDecay {
   double start_s = 0, end_s = 0;              ///< window as fitted, or as found if not fitted
   bool fitted = false;                        ///< a fit was made
   std::optional<signal::DecayResult> result;  ///< with `each`
+
+  static bool shown(const FoundDecay& d) { return d.result.has_value(); }
+  static constexpr std::string_view title = "decays of the record";
+  static constexpr auto fields() {
+    using T = FoundDecay;
+    constexpr auto of_strongest = [](auto part) {
+      return [part](const T& d) {
+        const bool any = d.result && !d.result->modes.empty();
+        return any ? std::optional(std::invoke(part, d.result->modes.front())) : std::nullopt;
+      };
+    };
+    constexpr auto of_result = [](auto part) {
+      return [part](const T& d) {
+        return std::invoke(part, d.result.value_or(signal::DecayResult()));
+      };
+    };
+    return std::tuple{field("start_s", &T::start_s, "s", "start", "of the window"),
+                      field("end_s", &T::end_s, "s", "end", "of the window"),
+                      field("fitted", &T::fitted, "", "fitted", "a fit was made"),
+                      field("frequency_hz", of_strongest(&signal::DecayMode::frequency_hz), "Hz",
+                            "frequency", "of the strongest mode"),
+                      field("damping_ratio", of_strongest(&signal::DecayMode::damping_ratio), "%",
+                            "damping", "of the strongest mode"),
+                      field("modes", of_result(&signal::DecayResult::modes), "", "",
+                            "of each decay, where each was fitted"),
+                      field("refusal", of_result(&signal::DecayResult::refusal), "", "remark",
+                            "why it has no modes")};
+  }
 };
 
 struct PooledMode {
-  signal::Estimate frequency_hz, damping_ratio;  ///< mean, its standard uncertainty
-  signal::Interval frequency_interval_95_hz, damping_ratio_interval_95;
+  BoundedEstimate frequency_hz, damping_ratio;                 ///< mean
   double frequency_scatter_hz = 0, damping_ratio_scatter = 0;  ///< tau; 0: the decays agree
   std::size_t decays = 0;                                      ///< number that show the mode
+
+  static constexpr std::string_view title = "pooled over the decays";
+  static constexpr auto fields() {
+    using namespace describe;
+    using T = PooledMode;
+    return std::tuple{
+        field("frequency_hz", &T::frequency_hz, "Hz", "frequency", "mean over the decays"),
+        field("frequency_scatter_hz", &T::frequency_scatter_hz, "Hz", "scatter", "between decays",
+              2),
+        field("damping_ratio", &T::damping_ratio, "%", "damping", "mean over the decays"),
+        field("damping_ratio_scatter", &T::damping_ratio_scatter, "%", "scatter", "between decays",
+              2),
+        field("frequency_interval_95_hz", ends_of(&T::frequency_hz), "Hz", "", "95 %"),
+        field("damping_ratio_interval_95", ends_of(&T::damping_ratio), "", "", "95 %"),
+        field("decays", &T::decays, "", "decays", "that show the mode")};
+  }
 };
 
 /// Samples of a recording as they were given to the estimator, and what came of them. Times are
@@ -81,6 +125,57 @@ struct ChannelDecays : RecordedDecay {
   /// With `each`, in the order of the strongest decay's modes.
   std::vector<PooledMode> pooled = {};
   std::vector<ReleaseAnswer> answers = {};  ///< "as given", then by fit; empty: not modelled
+
+  static constexpr auto fields() {
+    using namespace describe;
+    using T = ChannelDecays;
+    using Decay = signal::DecayResult;
+    constexpr auto of_solved = [](auto part) {
+      return where([](const T& c) { return c.result.refusal_code.empty(); },
+                   within(&T::result, part));
+    };
+    return std::tuple{
+        field("channel", &T::channel, "", "", "name"),
+        field("unit", &T::unit, "", "", "of the channel"),
+        field("sample_rate_hz", &T::sample_rate_hz, "Hz", "", "of the recording"),
+        field("modes", within(&T::result, &Decay::modes), "", "modes",
+              "of the strongest decay, strongest first"),
+        field("start_s", &T::start_s, "s", "", "of the window fitted"),
+        field("end_s", &T::end_s, "s", "", "of the window fitted"),
+        field(
+            "samples", [](const T& c) { return c.result.end - c.result.start; }, "", "",
+            "of the window fitted"),
+        field("decays", &T::decays, "", "decays", "of the record, in time"),
+        field("pooled", &T::pooled, "", "pooled", "modes over the decays, where each was fitted"),
+        field("frequency_drift_hz",
+              of_solved([](const Decay& d) { return d.envelope.frequency_drift_hz.value; }), "Hz",
+              "", "of the strongest, from the first span to the last"),
+        field("frequency_drift_std_hz",
+              of_solved([](const Decay& d) { return d.envelope.frequency_drift_hz.std; }), "Hz", "",
+              "standard uncertainty"),
+        field(
+            "amplitude_dependence",
+            [](const T& c) {
+              auto envelope = c.result.envelope;
+              for (auto& point : envelope.points) point.time_s += c.start_s;
+              return envelope;
+            },
+            "", "along the decay", "of the strongest"),
+        field(
+            "steady_tones",
+            [](const T& c) {
+              std::vector<double> tones;
+              for (const auto& one : c.result.steady_tones) {
+                tones.push_back(one.damped_frequency_hz.value);
+              }
+              return tones;
+            },
+            "Hz", "", "hum that does not decay"),
+        field("noise_std", of_solved(&Decay::noise_std), "", "noise", "rms, channel's unit", 3),
+        field("signal_to_noise_db", of_solved(&Decay::signal_to_noise_db), "dB", "signal to noise",
+              "of the strongest mode at the start", 3),
+        field("degrees_of_freedom", of_solved(&Decay::degrees_of_freedom), "", "", "of the fit")};
+  }
 };
 
 /// One entry per channel, but for one that is missing and for recordings with uneven times. `where`
@@ -117,102 +212,3 @@ struct ModelVersion {
                                                  double within = 0.15);
 
 }  // namespace rigfit::ident
-
-namespace rigfit::describe {
-
-template <>
-struct Described<ident::FoundDecay> {
-  using T = ident::FoundDecay;
-  static constexpr auto of_strongest = [](auto part) {
-    return [part](const T& d) {
-      const bool any = d.result && !d.result->modes.empty();
-      return any ? std::optional(std::invoke(part, d.result->modes.front())) : std::nullopt;
-    };
-  };
-  static constexpr auto of_result = [](auto part) {
-    return
-        [part](const T& d) { return std::invoke(part, d.result.value_or(signal::DecayResult())); };
-  };
-  static bool shown(const T& d) { return d.result.has_value(); }
-  static constexpr std::string_view title = "decays of the record";
-  static constexpr auto fields =
-      std::tuple{field("start_s", &T::start_s, "s", "start", "of the window"),
-                 field("end_s", &T::end_s, "s", "end", "of the window"),
-                 field("fitted", &T::fitted, "", "fitted", "a fit was made"),
-                 field("frequency_hz", of_strongest(&signal::DecayMode::frequency_hz), "Hz",
-                       "frequency", "of the strongest mode"),
-                 field("damping_ratio", of_strongest(&signal::DecayMode::damping_ratio), "%",
-                       "damping", "of the strongest mode"),
-                 field("modes", of_result(&signal::DecayResult::modes), "", "",
-                       "of each decay, where each was fitted"),
-                 field("refusal", of_result(&signal::DecayResult::refusal), "", "remark",
-                       "why it has no modes")};
-};
-
-template <>
-struct Described<ident::PooledMode> {
-  using T = ident::PooledMode;
-  static constexpr std::string_view title = "pooled over the decays";
-  static constexpr auto fields = std::tuple{
-      field("frequency_hz", &T::frequency_hz, "Hz", "frequency", "mean over the decays"),
-      field("frequency_scatter_hz", &T::frequency_scatter_hz, "Hz", "scatter", "between decays", 2),
-      field("damping_ratio", &T::damping_ratio, "%", "damping", "mean over the decays"),
-      field("damping_ratio_scatter", &T::damping_ratio_scatter, "%", "scatter", "between decays",
-            2),
-      field("frequency_interval_95_hz", ends_of(&T::frequency_interval_95_hz), "Hz", "", "95 %"),
-      field("damping_ratio_interval_95", ends_of(&T::damping_ratio_interval_95), "", "", "95 %"),
-      field("decays", &T::decays, "", "decays", "that show the mode")};
-};
-
-template <>
-struct Described<ident::ChannelDecays> {
-  using T = ident::ChannelDecays;
-  using Decay = signal::DecayResult;
-  static constexpr auto of_solved = [](auto part) {
-    return where([](const T& c) { return c.result.refusal_code.empty(); },
-                 within(&T::result, part));
-  };
-  static constexpr auto fields = std::tuple{
-      field("channel", &T::channel, "", "", "name"),
-      field("unit", &T::unit, "", "", "of the channel"),
-      field("sample_rate_hz", &T::sample_rate_hz, "Hz", "", "of the recording"),
-      field("modes", within(&T::result, &Decay::modes), "", "modes",
-            "of the strongest decay, strongest first"),
-      field("start_s", &T::start_s, "s", "", "of the window fitted"),
-      field("end_s", &T::end_s, "s", "", "of the window fitted"),
-      field(
-          "samples", [](const T& c) { return c.result.end - c.result.start; }, "", "",
-          "of the window fitted"),
-      field("decays", &T::decays, "", "decays", "of the record, in time"),
-      field("pooled", &T::pooled, "", "pooled", "modes over the decays, where each was fitted"),
-      field("frequency_drift_hz",
-            of_solved([](const Decay& d) { return d.envelope.frequency_drift_hz.value; }), "Hz", "",
-            "of the strongest, from the first span to the last"),
-      field("frequency_drift_std_hz",
-            of_solved([](const Decay& d) { return d.envelope.frequency_drift_hz.std; }), "Hz", "",
-            "standard uncertainty"),
-      field(
-          "amplitude_dependence",
-          [](const T& c) {
-            auto envelope = c.result.envelope;
-            for (auto& point : envelope.points) point.time_s += c.start_s;
-            return envelope;
-          },
-          "", "along the decay", "of the strongest"),
-      field(
-          "steady_tones",
-          [](const T& c) {
-            std::vector<double> tones;
-            for (const auto& one : c.result.steady_tones) {
-              tones.push_back(one.damped_frequency_hz.value);
-            }
-            return tones;
-          },
-          "Hz", "", "hum that does not decay"),
-      field("noise_std", of_solved(&Decay::noise_std), "", "noise", "rms, channel's unit", 3),
-      field("signal_to_noise_db", of_solved(&Decay::signal_to_noise_db), "dB", "signal to noise",
-            "of the strongest mode at the start", 3),
-      field("degrees_of_freedom", of_solved(&Decay::degrees_of_freedom), "", "", "of the fit")};
-};
-
-}  // namespace rigfit::describe

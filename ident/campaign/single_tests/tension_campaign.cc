@@ -1,6 +1,6 @@
 #include "ident/campaign/single_tests/tension_campaign.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +40,7 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
                          : kFewestCycles / std::max(recording.duration_s(), 1e-9);
   const double high = given ? inputs.band_high_hz : 0.4 * recording.sample_rate_hz;
   const double bands = std::max(1.0, std::ceil(std::log(high / low) / std::log(kWidest)));
-  std::string tones;
+  std::vector<double> tones;
   const std::size_t before = campaign.peaks.size();
   for (double k = 0; k < bands; ++k) {
     const double from = low * std::pow(high / low, k / bands),
@@ -58,8 +58,7 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
     }
     const auto inside = [&](double hz) { return hz >= from && (hz < to || k + 1 == bands); };
     for (const auto& tone : found.tones) {
-      if (!inside(tone.frequency_hz)) continue;
-      tones += fmt::format("{}{:.5g}", tones.empty() ? "" : ", ", tone.frequency_hz);
+      if (inside(tone.frequency_hz)) tones.push_back(tone.frequency_hz);
     }
     for (const auto& mode : found.modes) {
       const auto& frequency = mode.mode.frequency_hz;
@@ -77,9 +76,9 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
   if (!tones.empty()) {
     findings.push_back(
         {"steady_tone",
-         fmt::format("Check for mains hum or a machine at {} Hz: the amplitude is constant, "
+         fmt::format("Check for mains hum or a machine at {:.5g} Hz: the amplitude is constant, "
                      "unlike that of a resonance driven by noise; left out",
-                     tones),
+                     fmt::join(tones, ", ")),
          name, false});
   }
   if (campaign.peaks.size() == before) {
@@ -124,10 +123,10 @@ void add_findings(const TensionInputs& inputs, TensionCampaignResult& campaign) 
   }
   const bool exact = cable.length_m.std == 0 || cable.mass_per_length.std == 0;
   for (const auto& [is, code, message] : {
-           std::tuple{result.EA_assumed, "EA_assumed",
+           std::tuple{!cable.EA_N, "EA_assumed",
                       "Give EA: a strain of 0.001 is taken, within a factor of 2 or so; this "
                       "matters where the cable sags"},
-           {result.EI_assumed, "EI_assumed",
+           {!cable.EI_Nm2 && best.modes.size() < 3, "EI_assumed",
             "Give EI, or three frequencies: fewer cannot tell it, so that the interval covers L "
             "sqrt(T / EI) anywhere in 2 to 2000"},
            {result.mass_reference_matters, "assumed",

@@ -31,6 +31,14 @@ struct TensionPeak {
   std::string file;
   signal::Estimate frequency_hz;
   double damping_ratio = 0;
+
+  static constexpr std::string_view title = "modes of the recordings";
+  static constexpr auto fields() {
+    using T = TensionPeak;
+    return std::tuple{field("file", &T::file, "", "file", "recording"),
+                      field("frequency_hz", &T::frequency_hz, "Hz", "frequency", ""),
+                      field("damping_ratio", &T::damping_ratio, "", "", "")};
+  }
 };
 
 struct TensionCampaignResult {
@@ -38,29 +46,15 @@ struct TensionCampaignResult {
   std::vector<MeasuredMode> modes;  ///< merged modes to which the tension is fitted
   TensionResult tension;            ///< `solved` false: see its message
   std::vector<Finding> findings;    ///< "no_tension" and "no_modes" refuse
+
+  static constexpr auto fields() {
+    using namespace describe;
+    using T = TensionCampaignResult;
+    return std::tuple{part(&T::tension), field("peaks", &T::peaks)};
+  }
 };
 
 /// Does not throw for unsuitable recordings or inputs: they are refused in the findings.
 [[nodiscard]] TensionCampaignResult tension_campaign(const TensionInputs& inputs);
 
 }  // namespace rigfit::ident
-
-namespace rigfit::describe {
-
-template <>
-struct Described<ident::TensionPeak> {
-  using T = ident::TensionPeak;
-  static constexpr std::string_view title = "modes of the recordings";
-  static constexpr auto fields =
-      std::tuple{field("file", &T::file, "", "file", "recording"),
-                 field("frequency_hz", &T::frequency_hz, "Hz", "frequency", ""),
-                 field("damping_ratio", &T::damping_ratio, "", "", "")};
-};
-
-template <>
-struct Described<ident::TensionCampaignResult> {
-  using T = ident::TensionCampaignResult;
-  static constexpr auto fields = std::tuple{part(&T::tension), field("peaks", &T::peaks)};
-};
-
-}  // namespace rigfit::describe

@@ -45,57 +45,6 @@ double log_sum(double a, double b) {
   return std::isfinite(b) ? a + std::log1p(std::exp(b - a)) : a;
 }
 
-}  // namespace
-
-bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
-  const UpdateProblem plain = problem.with_model_std(0);
-  const UpdateMatches& found = answer.matches;
-  Eigen::VectorXd r;
-  Eigen::MatrixXd J;
-  if (!plain.residuals(answer.q, found.matches, r, &J)) return false;
-  const auto rows = plain.frequency_rows(found.matches);
-  answer.log_evidence = -std::numeric_limits<double>::infinity();
-  double best = answer.log_evidence;
-  for (const auto& [error, probability] : model_errors()) {
-    Eigen::VectorXd w = Eigen::VectorXd::Ones(r.size());
-    double log_likelihood = found.without_densities() + std::log(probability);
-    const auto weigh = [&](Eigen::Index row, double std, double own, double range) {
-      const double all = std::hypot(std, own);
-      w[row] = std / all;
-      log_likelihood -= std::log(all * std::sqrt(2 * M_PI) / range);
-    };
-    for (const auto& row : rows) {
-      const auto& match = found.matches[row.match];
-      weigh(row.row, plain.relative_std(match.state, match.measured), error, 1);
-      if (row.damping < 0) continue;
-      weigh(row.damping, plain.damping_relative_std(match.state, match.measured),
-            kDampingErrors * error, kDampingRange);
-    }
-    log_likelihood -= 0.5 * w.cwiseProduct(r).squaredNorm();
-    const Eigen::MatrixXd K = w.asDiagonal() * J;
-    Eigen::MatrixXd H = K.transpose() * K;
-    for (Eigen::Index j = 0; j < H.cols(); ++j) {
-      const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
-      const bool prior = coordinate.prior_std > 0;
-      const double width = prior ? coordinate.prior_std : width_of(coordinate);
-      log_likelihood -= std::log(width);  // the roots of 2 pi of prior and integral cancel
-      if (!prior) H(j, j) += 1 / (width * width);
-    }
-    const Eigen::LDLT<Eigen::MatrixXd> factored(H);
-    const double log_det = factored.vectorD().cwiseAbs().array().max(1e-300).log().sum();
-    const double log_part = log_likelihood - 0.5 * log_det;
-    if (log_part > best) {
-      best = log_part;
-      answer.error = error;
-      answer.hessian = H;
-    }
-    answer.log_evidence = log_sum(answer.log_evidence, log_part);
-  }
-  return true;
-}
-
-namespace {
-
 class Search {
  public:
   Search(const UpdateProblem& problem, const UpdateOptions& options)
@@ -395,6 +344,53 @@ class Search {
 };
 
 }  // namespace
+
+bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
+  const UpdateProblem plain = problem.with_model_std(0);
+  const UpdateMatches& found = answer.matches;
+  Eigen::VectorXd r;
+  Eigen::MatrixXd J;
+  if (!plain.residuals(answer.q, found.matches, r, &J)) return false;
+  const auto rows = plain.frequency_rows(found.matches);
+  answer.log_evidence = -std::numeric_limits<double>::infinity();
+  double best = answer.log_evidence;
+  for (const auto& [error, probability] : model_errors()) {
+    Eigen::VectorXd w = Eigen::VectorXd::Ones(r.size());
+    double log_likelihood = found.without_densities() + std::log(probability);
+    const auto weigh = [&](Eigen::Index row, double std, double own, double range) {
+      const double all = std::hypot(std, own);
+      w[row] = std / all;
+      log_likelihood -= std::log(all * std::sqrt(2 * M_PI) / range);
+    };
+    for (const auto& row : rows) {
+      const auto& match = found.matches[row.match];
+      weigh(row.row, plain.relative_std(match.state, match.measured), error, 1);
+      if (row.damping < 0) continue;
+      weigh(row.damping, plain.damping_relative_std(match.state, match.measured),
+            kDampingErrors * error, kDampingRange);
+    }
+    log_likelihood -= 0.5 * w.cwiseProduct(r).squaredNorm();
+    const Eigen::MatrixXd K = w.asDiagonal() * J;
+    Eigen::MatrixXd H = K.transpose() * K;
+    for (Eigen::Index j = 0; j < H.cols(); ++j) {
+      const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
+      const bool prior = coordinate.prior_std > 0;
+      const double width = prior ? coordinate.prior_std : width_of(coordinate);
+      log_likelihood -= std::log(width);  // the roots of 2 pi of prior and integral cancel
+      if (!prior) H(j, j) += 1 / (width * width);
+    }
+    const Eigen::LDLT<Eigen::MatrixXd> factored(H);
+    const double log_det = factored.vectorD().cwiseAbs().array().max(1e-300).log().sum();
+    const double log_part = log_likelihood - 0.5 * log_det;
+    if (log_part > best) {
+      best = log_part;
+      answer.error = error;
+      answer.hessian = H;
+    }
+    answer.log_evidence = log_sum(answer.log_evidence, log_part);
+  }
+  return true;
+}
 
 std::vector<UpdateAnswer> find_answers(const UpdateProblem& problem, const UpdateOptions& options,
                                        int& fits, std::string& failure) {

@@ -36,7 +36,7 @@
 
 #include <vector>
 
-#include "ident/update/problem/update_solver.h"
+#include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "signal/numerics/numbers.h"
@@ -21,19 +22,6 @@ bool planes_differ(const std::optional<model::ModePlane>& measured,
   };
   return measured && modelled && transverse(*measured) && transverse(*modelled) &&
          *measured != *modelled;
-}
-
-// Indices of the measured modes of each plane that is named among them: a test each.
-std::vector<std::vector<int>> tests_of(const std::vector<PairingMode>& measured) {
-  std::vector<std::vector<int>> tests;
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    auto test = std::find_if(tests.begin(), tests.end(), [&](const auto& one) {
-      return measured[static_cast<std::size_t>(one.front())].plane == measured[i].plane;
-    });
-    if (test == tests.end()) test = tests.insert(tests.end(), std::vector<int>{});
-    test->push_back(static_cast<int>(i));
-  }
-  return tests;
 }
 
 // A mode that this test was not made to see.
@@ -101,57 +89,6 @@ double log_mac_density(double mac, double scale) {
   return -(1 - mac) / scale - std::log(scale * (1 - std::exp(-1 / scale)));
 }
 
-}  // namespace
-
-double shape_correlation(const Eigen::Ref<const Eigen::VectorXcd>& a,
-                         const Eigen::Ref<const Eigen::VectorXcd>& b) {
-  if (a.size() < 2 || a.size() != b.size()) return signal::kNaN;
-  const double scale = a.squaredNorm() * b.squaredNorm();
-  if (!(std::isfinite(scale) && scale > 0)) return signal::kNaN;
-  return std::min(1.0, std::norm(a.dot(b)) / scale);
-}
-
-// Shortest augmenting paths with potentials; O(rows^2 columns). Rows and columns are counted from
-// 1, 0 stands for none.
-std::vector<int> least_cost_assignment(const Eigen::Ref<const Eigen::MatrixXd>& cost) {
-  const auto n = static_cast<int>(cost.rows()), m = static_cast<int>(cost.cols());
-  if (n > m) throw std::invalid_argument("assignment: more rows than columns");
-  Eigen::VectorXd of_row = Eigen::VectorXd::Zero(n + 1), of_column = Eigen::VectorXd::Zero(m + 1);
-  Eigen::VectorXi row_of = Eigen::VectorXi::Zero(m + 1), previous = row_of;
-  for (int row = 1; row <= n; ++row) {
-    const double far = std::numeric_limits<double>::infinity();
-    Eigen::VectorXd slack = Eigen::VectorXd::Constant(m + 1, far);
-    Eigen::VectorXi visited = Eigen::VectorXi::Zero(m + 1);
-    row_of[0] = row;
-    int column = 0;
-    do {
-      visited[column] = 1;
-      const int current = row_of[column];
-      int next = 0;
-      double smallest = far;
-      for (int j = 1; j <= m; ++j) {
-        if (visited[j]) continue;
-        const double reduced = cost(current - 1, j - 1) - of_row[current] - of_column[j];
-        if (reduced < slack[j]) slack[j] = reduced, previous[j] = column;
-        if (slack[j] < smallest) smallest = slack[j], next = j;
-      }
-      for (int j = 0; j <= m; ++j) {
-        if (!visited[j]) slack[j] -= smallest;
-        if (visited[j]) of_row[row_of[j]] += smallest, of_column[j] -= smallest;
-      }
-      column = next;
-    } while (row_of[column] != 0);
-    for (; column != 0; column = previous[column]) row_of[column] = row_of[previous[column]];
-  }
-  std::vector<int> column_of(cost.rows(), 0);
-  for (int j = 1; j <= m; ++j) {
-    if (row_of[j] != 0) column_of[static_cast<std::size_t>(row_of[j]) - 1] = j - 1;
-  }
-  return column_of;
-}
-
-namespace {
-
 // The assignment of a test that looked at a band, its modes beyond `last_hz` false.
 ModeAssignment assign_test(const std::vector<int>& test, const std::pair<double, double>& band,
                            double last_hz, const std::vector<PairingMode>& measured,
@@ -216,13 +153,64 @@ ModeAssignment assign_test(const std::vector<int>& test, const std::pair<double,
 
 }  // namespace
 
+double shape_correlation(const Eigen::Ref<const Eigen::VectorXcd>& a,
+                         const Eigen::Ref<const Eigen::VectorXcd>& b) {
+  if (a.size() < 2 || a.size() != b.size()) return signal::kNaN;
+  const double scale = a.squaredNorm() * b.squaredNorm();
+  if (!(std::isfinite(scale) && scale > 0)) return signal::kNaN;
+  return std::min(1.0, std::norm(a.dot(b)) / scale);
+}
+
+// Shortest augmenting paths with potentials; O(rows^2 columns). Rows and columns are counted from
+// 1, 0 stands for none.
+std::vector<int> least_cost_assignment(const Eigen::Ref<const Eigen::MatrixXd>& cost) {
+  const auto n = static_cast<int>(cost.rows()), m = static_cast<int>(cost.cols());
+  if (n > m) throw std::invalid_argument("assignment: more rows than columns");
+  Eigen::VectorXd of_row = Eigen::VectorXd::Zero(n + 1), of_column = Eigen::VectorXd::Zero(m + 1);
+  Eigen::VectorXi row_of = Eigen::VectorXi::Zero(m + 1), previous = row_of;
+  for (int row = 1; row <= n; ++row) {
+    const double far = std::numeric_limits<double>::infinity();
+    Eigen::VectorXd slack = Eigen::VectorXd::Constant(m + 1, far);
+    Eigen::VectorXi visited = Eigen::VectorXi::Zero(m + 1);
+    row_of[0] = row;
+    int column = 0;
+    do {
+      visited[column] = 1;
+      const int current = row_of[column];
+      int next = 0;
+      double smallest = far;
+      for (int j = 1; j <= m; ++j) {
+        if (visited[j]) continue;
+        const double reduced = cost(current - 1, j - 1) - of_row[current] - of_column[j];
+        if (reduced < slack[j]) slack[j] = reduced, previous[j] = column;
+        if (slack[j] < smallest) smallest = slack[j], next = j;
+      }
+      for (int j = 0; j <= m; ++j) {
+        if (!visited[j]) slack[j] -= smallest;
+        if (visited[j]) of_row[row_of[j]] += smallest, of_column[j] -= smallest;
+      }
+      column = next;
+    } while (row_of[column] != 0);
+    for (; column != 0; column = previous[column]) row_of[column] = row_of[previous[column]];
+  }
+  std::vector<int> column_of(cost.rows(), 0);
+  for (int j = 1; j <= m; ++j) {
+    if (row_of[j] != 0) column_of[static_cast<std::size_t>(row_of[j]) - 1] = j - 1;
+  }
+  return column_of;
+}
+
 ModeAssignment assign_modes(const std::vector<PairingMode>& measured,
                             const std::vector<double>& relative_std,
                             const std::vector<PairingMode>& modelled,
                             const std::optional<std::pair<double, double>>& band_hz,
                             const AssignmentOptions& options) {
   ModeAssignment result;
-  for (const auto& test : tests_of(measured)) {
+  std::map<std::optional<model::ModePlane>, std::vector<int>> tests;  // one a plane that is named
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    tests[measured[i].plane].push_back(static_cast<int>(i));
+  }
+  for (const auto& [plane, test] : tests) {
     std::vector<double> ends;  // of the band
     for (const int i : test) ends.push_back(measured[static_cast<std::size_t>(i)].frequency_hz);
     if (!options.ends_at_pairs) ends = {*std::max_element(ends.begin(), ends.end())};

@@ -377,13 +377,13 @@ double UpdateProblem::relative_std(int state, int mode) const {
   const auto& frequency = measured(state, mode).frequency_hz;
   const double own =
       known(frequency.std) ? frequency.std / frequency.value : options_.assumed_relative_std;
-  return std::hypot(std::hypot(own, options_.model_relative_std), variant_.model_std);
+  return std::hypot(std::hypot(own, options_.model_relative_std), variant_.model_std.first);
 }
 
 double UpdateProblem::damping_relative_std(int state, int mode) const {
   const auto& damping = measured(state, mode).damping_ratio;
   const double own = known(damping.std) ? damping.std / damping.value : kAssumedDampingStd;
-  return std::hypot(own, variant_.damping_model_std);
+  return std::hypot(own, variant_.model_std.second);
 }
 
 std::vector<std::pair<Eigen::Index, double>> UpdateProblem::rate_changes(int state) const {

@@ -1,11 +1,12 @@
 // The least-squares problem behind `update_model`: coordinates of the unknowns, the modes of every
-// state with their derivatives by them, pairs, residuals. For the fit and its checks, not for
-// users.
+// state with their derivatives by them, pairs, residuals, and its minimum with given pairs by
+// Ceres. For the fit and its checks, not for users.
 #pragma once
 
 #include <Eigen/Core>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -87,8 +88,8 @@ struct UpdateVariant {
   double segment_factor = 1;
   /// No member has more than twice the segments of "auto", or of the modes that may pair.
   bool coarse = false;
-  double model_std = 0, damping_model_std = 0;  ///< see with_model_std
-  double frf_model_std = 0;                     ///< a further relative error of the model in FRFs
+  std::pair<double, double> model_std = {};  ///< in frequencies, in damping ratios
+  double frf_model_std = 0;                  ///< a further relative error of the model in FRFs
   /// Noisy lines of FRFs by their difference instead of its logarithm (update_frfs.cc).
   bool frf_differences = false;
   /// By state, taken off the frequencies that count as data; null or empty: nothing.
@@ -119,7 +120,9 @@ class UpdateProblem {
   }
   [[nodiscard]] const UpdateVariant& variant() const { return variant_; }
   /// A further relative error of the model, of its own in every frequency and damping ratio.
-  [[nodiscard]] UpdateProblem with_model_std(double frequency, double damping = 0) const;
+  [[nodiscard]] UpdateProblem with_model_std(double frequency, double damping = 0) const {
+    return with(&UpdateVariant::model_std, {frequency, damping});
+  }
   /// This problem with the error of "auto" segments, found at q, taken off the frequencies that
   /// count as data (update_segments.cc); `given`: of segments that a scene gives as well.
   [[nodiscard]] UpdateProblem with_resolved_modes(const Eigen::VectorXd& q,
@@ -262,5 +265,29 @@ class UpdateProblem {
 
 /// Root mean square of the relative errors of pairs that are no leakage; NaN without any.
 [[nodiscard]] double rms_of_pairs(const std::vector<UpdatedPair>& pairs);
+
+/// An assignment of the modes, and the minimum with it.
+struct UpdateAnswer {
+  Eigen::VectorXd q = {};  ///< empty: there is none, see `failure`
+  UpdateMatches matches = {};
+  double cost = std::numeric_limits<double>::infinity();
+  bool converged = false;
+  std::string failure = {};
+  double error = 0;  ///< tau of largest posterior probability (update_alternatives.h)
+  double log_evidence = 0;
+  Eigen::MatrixXd hessian = {};  ///< second derivatives of -ln(posterior), by coordinate
+  double weight = 1;
+};
+
+/// With fixed pairs, from q, which becomes the answer, until the cost changes by less than
+/// `tolerance` of it. False when it did not converge. `held`: a coordinate that stays as it is; -1:
+/// none.
+[[nodiscard]] bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                            Eigen::VectorXd& q, double& cost, double tolerance = 1e-9,
+                            int held = -1);
+
+/// Half the sum of squares; false when there is no model.
+[[nodiscard]] bool cost_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                           const Eigen::VectorXd& q, double& cost);
 
 }  // namespace rigfit::ident

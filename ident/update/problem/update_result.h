@@ -3,17 +3,27 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "document/describe.h"
 #include "ident/statistics/uncertainty.h"
 #include "ident/update/pairing/mode_assignment.h"
 #include "model/linear/modal_analysis.h"
+#include "signal/numerics/estimate.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
+
+/// A value and its std of members that hold them apart.
+template <class Value, class Std>
+constexpr auto estimate_of(Value value, Std std) {
+  return [=](const auto& x) { return signal::Estimate{x.*value, x.*std}; };
+}
 
 enum class UpdateStatus { converged, not_converged, no_model, too_little_data };
 [[nodiscard]] const char* name_of(UpdateStatus status);
@@ -25,6 +35,14 @@ struct UpdateBudgetTerm {
   /// For an input: change of the value when the input is larger by one standard
   /// uncertainty; NaN for other sources and those of several parts.
   double change = std::numeric_limits<double>::quiet_NaN();
+
+  static constexpr auto fields() {
+    using T = UpdateBudgetTerm;
+    return std::tuple{field("source", &T::source, "", "source", "data, a prior or an input"),
+                      field("std", &T::std, "", "contribution", "the squares add up", 2),
+                      field("change", &T::change, "", "",
+                            "of the value, by one standard uncertainty of an input")};
+  }
 };
 
 struct UpdatedParameter {
@@ -41,6 +59,47 @@ struct UpdatedParameter {
   bool at_bound = false;
   double segment_shift = 0;  ///< of the value by the segments that the scene gives; 0: not known
   std::vector<UpdateBudgetTerm> budget = {};  ///< empty when not identifiable
+
+  /// Shares of its variance by source.
+  [[nodiscard]] describe::ByName variance_shares() const {
+    describe::ByName shares;
+    for (const auto& term : budget) {
+      shares.all.emplace_back(term.source, std::pow(term.std / std, 2));
+    }
+    return shares;
+  }
+
+  static constexpr auto fields() {
+    using namespace describe;
+    using T = UpdatedParameter;
+    return std::tuple{
+        field("name", &T::name, "", "parameter", "of the scene"),
+        field("start", &T::start, "", "start", "as the scene says", 5),
+        field("", estimate_of(&T::value, &T::std), "", "value", ""),
+        field("value", &T::value, "", "", "fitted"),
+        field("std", &T::std, "", "", "null where it is not identifiable"),
+        field("low", &T::low, "", "", "95 %; null: open"),
+        field("high", &T::high, "", "", "95 %; null: open"),
+        field(
+            "",
+            [](const T& p) {
+              return OpenEnds{p.low, p.high, p.std};
+            },
+            "", "95 % interval", ""),
+        field(
+            "interval", [](const T& p) { return p.interval_by_profile ? "profile" : "linear"; }, "",
+            "", "how the ends were found"),
+        field(
+            "",
+            [](const T& p) {
+              return !p.identifiable ? "not known" : p.interval_by_profile ? "profile" : "";
+            },
+            "", "remark", ""),
+        field("identifiable", &T::identifiable, "", "", "the data and priors determine it"),
+        field("std_from_data", &T::std_from_data, "", "", "without priors"),
+        field("at_bound", &T::at_bound, "", "", "of its range"),
+        field("budget", &T::budget, "", "", "where the uncertainty comes from")};
+  }
 };
 
 /// A measured mode and the modelled one it is fitted to.
@@ -69,6 +128,40 @@ struct UpdatedPair : UpdateMatch {
   [[nodiscard]] bool is_pair() const { return measured_hz > 0 && model_hz > 0; }
   /// A modelled mode that the test should have seen.
   [[nodiscard]] bool missing() const { return !(measured_hz > 0); }
+
+  static constexpr auto fields() {
+    using namespace describe;
+    using T = UpdatedPair;
+    // A member of a pair; nothing without one.
+    constexpr auto of_pair = [](auto get) { return where(&T::is_pair, get); };
+    constexpr auto error = [](const T& p) -> signal::Estimate {
+      const auto known = [](double std) { return std::isfinite(std) ? std : 0; };
+      return {p.relative_error,
+              std::hypot(known(p.measured_std_hz), known(p.model_std_hz)) / p.measured_hz};
+    };
+    return std::tuple{
+        field("state", &T::state_name, "", "state", "of the rig"),
+        field("measured_hz", &T::measured_hz, "", "", "null: no partner"),
+        field("model_hz", &T::model_hz, "", "", "null: no partner"),
+        field("", estimate_of(&T::measured_hz, &T::measured_std_hz), "Hz", "measured", ""),
+        field("", estimate_of(&T::model_hz, &T::model_std_hz), "Hz", "model", ""),
+        field("relative_error", of_pair(&T::relative_error), "", "", "model over measured, less 1"),
+        field("", error, "%", "error", ""),
+        field("plane", of_pair(&T::plane), "", "plane", "in, out ..."),
+        field("order", of_pair([](const T& p) { return p.order + 1; }), "", "order",
+              "among the modes of its plane"),
+        field("mac", of_pair(&T::mac), "", "MAC", "of the shapes", 3),
+        field("measured_damping_ratio", of_pair(&T::measured_damping), "", "", ""),
+        field("model_damping_ratio", of_pair(&T::model_damping), "", "", ""),
+        field("model_std_hz", of_pair(&T::model_std_hz), "Hz", "", ""),
+        field("leakage", &T::cross_plane, "", "", "not fitted"),
+        field(
+            "reason",
+            [](const T& p) {
+              return p.cross_plane ? std::string("leakage, not fitted") : p.reason;
+            },
+            "", "remark", "why it has no partner")};
+  }
 };
 
 /// Agreement of the fit with the stated uncertainties of its data. If the probability of the misfit
@@ -88,6 +181,20 @@ struct UpdateFit {
   /// largest error that is summed over, and a sound model reaches it in few modes only.
   [[nodiscard]] bool far_off() const { return rms_error > 0.02 || worst_error > 0.05; }
   [[nodiscard]] bool ruled_out() const { return stated ? p_value < 0.01 : far_off(); }
+
+  static constexpr auto fields() {
+    using T = UpdateFit;
+    return std::tuple{
+        field("chi2", &T::chi2, "", "chi-square", "misfit"),
+        field("degrees_of_freedom", &T::degrees_of_freedom, "", "degrees of freedom", ""),
+        field("p_value", &T::p_value, "", "probability", "of such a misfit"),
+        field(
+            "uncertainties", [](const T& f) { return f.stated ? "stated" : "assumed"; }, "", "",
+            "stated or assumed"),
+        field("model_std", &T::model_std, "", "",
+              "random error of the model, relative in frequency"),
+        field("frf_model_std", &T::frf_model_std, "", "", "the same of FRFs")};
+  }
 };
 
 /// Values of an answer.
@@ -96,6 +203,13 @@ struct FittedValues {
   std::vector<UpdatedPair> pairs;
   std::vector<UpdatedPair> unpaired;
   double rms_relative_error = 0;  ///< NaN without pairs
+
+  /// The pairs, then what has no partner.
+  [[nodiscard]] std::vector<UpdatedPair> rows() const {
+    auto all = pairs;
+    all.insert(all.end(), unpaired.begin(), unpaired.end());
+    return all;
+  }
 };
 
 /// One of the answers that the data support, with the likelihood of its assignment.
@@ -103,6 +217,19 @@ struct UpdateAlternative : AssignmentLikelihood, FittedValues {
   double weight = 1;  ///< probability, all alternatives together 1
   double log_evidence = 0;
   double model_std = 0;  ///< as in UpdateFit
+
+  static constexpr auto fields() {
+    using T = UpdateAlternative;
+    return std::tuple{field("weight", &T::weight),
+                      field("log_evidence", &T::log_evidence),
+                      field("log_detected", &T::log_detected),
+                      field("log_false", &T::log_false),
+                      field("log_missed", &T::log_missed),
+                      field("model_std", &T::model_std),
+                      field("parameters", &T::parameters),
+                      field("pairs", &T::rows),
+                      field("rms_relative_error", &T::rms_relative_error)};
+  }
 };
 
 /// A state predicted from the fit of the others.
@@ -117,6 +244,20 @@ struct HeldOut {
          frf_before = signal::kNaN;                  ///< rms |ln FRF ratio| likewise
   std::vector<UpdatedPair> pairs;                    ///< held-out state
   std::optional<model::Scene> scene = std::nullopt;  ///< held-out state, as predicted
+
+  static constexpr auto fields() {
+    using T = HeldOut;
+    return std::tuple{
+        field("state", &T::name, "", "held out", ""),
+        field("status", &T::status),
+        field("rms_relative_error_before", &T::rms_before, "%", "before", "", 3),
+        field("rms_relative_error_fitted", &T::rms_fitted, "%", "others fitted", "", 3),
+        field("rms_relative_error_predicted", &T::rms_predicted, "%", "predicted", "", 3),
+        field("rms_log_frf_error_before", &T::frf_before),
+        field("rms_log_frf_error_fitted", &T::frf_fitted),
+        field("rms_log_frf_error_predicted", &T::frf_predicted),
+        field("pairs", &T::pairs)};
+  }
 };
 
 struct UpdateResult : FittedValues {
@@ -140,13 +281,30 @@ struct UpdateResult : FittedValues {
   /// Answers of weight 0.001 or more, heaviest first; the first is this result. For fits to modes.
   std::vector<UpdateAlternative> alternatives;
   double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< ln, over all answers
-  double chi_squared = 0, degrees_of_freedom = 0;  ///< with the final weights of the fit
   double variance_factor = 1;
   double coverage_factor = 1.96;     ///< for 95 %
   int starts = 0;                    ///< local fits of the search
   std::vector<model::Scene> scenes;  ///< updated, by state
   std::vector<HeldOut> held = {};    ///< each state, if asked for
   Eigen::VectorXd coordinates;       ///< solution, as identifiability has them, for refits
+
+  static constexpr auto fields() {
+    using T = UpdateResult;
+    return std::tuple{field("status", &T::status),
+                      field("parameters", &T::parameters),
+                      field("fit", &T::fit),
+                      field("alternatives", &T::alternatives),
+                      field("log_evidence", &T::log_evidence),
+                      field("correlation", &T::correlation),
+                      field("not_identifiable", &T::open),
+                      field("pairs", &T::rows),
+                      field("rms_relative_error", &T::rms_relative_error),
+                      field("rms_relative_error_before", &T::rms_relative_error_before),
+                      field("starts", &T::starts),
+                      field("frf_lines", &T::frf_lines),
+                      field("rms_log_frf_error", &T::rms_log_frf_error),
+                      field("rms_log_frf_error_before", &T::rms_log_frf_error_before)};
+  }
 };
 
 }  // namespace rigfit::ident

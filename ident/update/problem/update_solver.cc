@@ -1,4 +1,4 @@
-#include "ident/update/problem/update_solver.h"
+#include "ident/update/problem/update_problem.h"
 
 #include <ceres/cost_function.h>
 #include <ceres/manifold.h>

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "ident/statistics/root.h"
-#include "ident/update/problem/update_solver.h"
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
@@ -131,7 +130,7 @@ void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
       const double other = profile_end(problem, matches, result, j, 1, least);
       low = q - std::hypot(q - one, more), high = q + std::hypot(other - q, more);
       if (parameter.at_bound && parameter.identifiable && std::isnan(one) && std::isnan(other)) {
-        parameter.identifiable = false;
+        parameter.identifiable = false, parameter.std = kNaN;
         result.open.push_back("the data do not determine " + parameter.name);
       }
     }

@@ -48,20 +48,22 @@ double correlated_variance(const std::vector<UpdateProblem::FrfRows>& all,
 }
 
 void state_variance_factor(const UpdateProblem& problem, const UpdateOptions& options,
-                           double correlated, UpdateResult& result) {
-  const double reduced =
-      result.degrees_of_freedom > 0 ? result.chi_squared / result.degrees_of_freedom : kNaN;
+                           const Eigen::VectorXd& r, UpdateResult& result) {
+  const double degrees =
+      static_cast<double>(r.size() - problem.size()) - problem.shared_residuals();
+  const double reduced = degrees > 0 ? r.squaredNorm() / degrees : kNaN;
   // Stated uncertainties are trusted unless the scatter contradicts them; assumed ones are not.
   // A stated error of the model does not shrink because assumed ones were too large.
   const bool stated = problem.uncertainties_known();
   const double least = !stated && options.model_relative_std == 0 ? 0 : 1;
   result.variance_factor = std::isfinite(reduced) ? std::max(reduced, least) : 1;
   bool from_scatter = !stated && result.variance_factor == reduced;
+  const double correlated = correlated_variance(problem.frf_rows(), r);
   if (correlated > result.variance_factor) {
     result.variance_factor = correlated;
     from_scatter = std::isfinite(reduced);
   }
-  result.coverage_factor = coverage_factor(0.95, from_scatter ? result.degrees_of_freedom : 0);
+  result.coverage_factor = coverage_factor(0.95, from_scatter ? degrees : 0);
   if (!stated && !std::isfinite(reduced)) {
     result.message +=
         "State the frequencies' uncertainties: without more data than unknowns the assumed one "
@@ -153,9 +155,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   Eigen::MatrixXd J;
   if (!problem.residuals(q, matches, r, &J)) return;
   const Eigen::Index data = r.size() - problem.prior_count();
-  result.chi_squared = r.squaredNorm();
-  result.degrees_of_freedom = static_cast<double>(r.size() - n) - problem.shared_residuals();
-  state_variance_factor(problem, options, correlated_variance(problem.frf_rows(), r), result);
+  state_variance_factor(problem, options, r, result);
   // The factor is one of the data: priors are what they say.
   const double factor = std::sqrt(std::max(result.variance_factor, 1e-12));
   J.topRows(data) /= factor, r.head(data) /= factor;

@@ -9,6 +9,15 @@ namespace rigfit::describe_test {
 struct Row {
   double length_m = 0, share = 0;
   signal::Estimate EA_N;
+
+  static constexpr std::string_view title = "by length";
+  static bool shown(const Row& row) { return row.share > 0; }
+  static constexpr auto fields() {
+    using T = Row;
+    return std::tuple{field("length_m", &T::length_m, "m", "length", "between the grips"),
+                      field("share", &T::share, "%", "share", "of the variance", 2),
+                      field("EA_N", &T::EA_N, "N", "EA", "axial rigidity")};
+  }
 };
 struct Result {
   signal::Estimate EA_N;
@@ -21,17 +30,6 @@ struct Result {
 }  // namespace rigfit::describe_test
 
 namespace rigfit::describe {
-
-template <>
-struct Described<describe_test::Row> {
-  using T = describe_test::Row;
-  static constexpr std::string_view title = "by length";
-  static bool shown(const T& row) { return row.share > 0; }
-  static constexpr auto fields =
-      std::tuple{field("length_m", &T::length_m, "m", "length", "between the grips"),
-                 field("share", &T::share, "%", "share", "of the variance", 2),
-                 field("EA_N", &T::EA_N, "N", "EA", "axial rigidity")};
-};
 
 template <>
 struct Described<describe_test::Result> {

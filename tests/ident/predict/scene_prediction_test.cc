@@ -44,8 +44,8 @@ TEST(ScenePrediction, LinearPropagationIsTheClosedForm) {
     const auto& f = prediction.modes[i].frequency_hz;
     EXPECT_NEAR(f.value / before.modes[i].frequency_hz, std::sqrt(1.21 / 1.1), 1e-6);
     EXPECT_NEAR(f.std / f.value / expected, 1, 1e-4);
-    EXPECT_NEAR(std::log(prediction.modes[i].high_hz / f.value), 1.959963984540054 * expected,
-                1e-5);
+    EXPECT_NEAR(std::log(prediction.modes[i].frequency_hz.high / f.value),
+                1.959963984540054 * expected, 1e-5);
   }
 }
 
@@ -82,8 +82,8 @@ TEST(ScenePrediction, OneParameterGivesTheExactInterval) {
   const auto prediction =
       predict_modes(scene, fitted_to({{"tip.mass", 0.5}}, Eigen::VectorXd::Constant(1, 0.5)), {});
   const auto& first = prediction.modes[0];
-  for (const auto& [end_hz, k] :
-       {std::pair{first.high_hz, -1.959963984540054}, {first.low_hz, 1.959963984540054}}) {
+  for (const auto& [end_hz, k] : {std::pair{first.frequency_hz.high, -1.959963984540054},
+                                  {first.frequency_hz.low, 1.959963984540054}}) {
     scene.nodes[1].mass = 0.5 * std::exp(k);
     EXPECT_NEAR(model::analyse_modes(scene).modes[0].frequency_hz / end_hz, 1, 1e-9);
   }
@@ -124,8 +124,8 @@ TEST(ScenePrediction, AutoSegmentsGiveTheIntervalThatGivenSegmentsGive) {
   for (std::size_t i = 0; i < 6; ++i) {
     // 60 segments err by less than 1e-4.
     const double f = given.modes[i].frequency_hz.value;
-    EXPECT_NEAR(left.modes[i].low_hz, given.modes[i].low_hz, 3e-4 * f) << i;
-    EXPECT_NEAR(left.modes[i].high_hz, given.modes[i].high_hz, 3e-4 * f) << i;
+    EXPECT_NEAR(left.modes[i].frequency_hz.low, given.modes[i].frequency_hz.low, 3e-4 * f) << i;
+    EXPECT_NEAR(left.modes[i].frequency_hz.high, given.modes[i].frequency_hz.high, 3e-4 * f) << i;
     EXPECT_NEAR(left.modes[i].frequency_hz.std, given.modes[i].frequency_hz.std, 3e-4 * f) << i;
   }
 }

@@ -1,6 +1,5 @@
 #include "ident/update/assignment/update_alternatives.h"
 
-#include "ident/campaign/fit_findings.h"
 #include "ident/update/model_update.h"
 #include "model/scene/parameters.h"
 #include "tests/ident/update/fit_data.h"

@@ -53,7 +53,7 @@ TEST(TensionCampaign, ARoundedRateIsInTheTensionOfAllModesAlike) {
   EXPECT_NEAR(b.tension_N.value, kTension, 4 * b.tension_N.std);
   const double expected = std::hypot(a.tension_N.std, 2 * kRate * kTension);
   EXPECT_NEAR(b.tension_N.std, expected, 0.01 * expected);
-  EXPECT_GT(b.high - b.low, 1.05 * (a.high - a.low));
+  EXPECT_GT(b.tension_N.high - b.tension_N.low, 1.05 * (a.tension_N.high - a.tension_N.low));
   EXPECT_NEAR(budget(b, "sample rate"), 2 * kRate * kTension, 0.01 * 2 * kRate * kTension);
   EXPECT_NEAR(budget(b, "mass per length"), budget(a, "mass per length"),
               1e-3 * budget(a, "mass per length"));

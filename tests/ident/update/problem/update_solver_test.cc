@@ -1,5 +1,5 @@
 // The minimiser of an update: coordinates that come to their bounds, steps of springs in fixity.
-#include "ident/update/problem/update_solver.h"
+#include "ident/update/problem/update_problem.h"
 
 #include "tests/ident/update/fit_data.h"
 #include "tests/ident/update/hanger.h"

@@ -1,4 +1,4 @@
-#include "ident/campaign/fit_findings.h"
+#include "ident/update/model_update.h"
 
 #include <fmt/format.h>
 
