@@ -1,6 +1,7 @@
 #include "ident/tension/cable_tension.h"
 
 #include <fmt/ranges.h>
+#include <gsl/gsl_cdf.h>
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -26,6 +27,8 @@ using signal::kNaN;
 // Strain at the tension that is assumed where no EA is given (a steel cable at a third of its
 // strength), and the std of its logarithm: within a factor of 2 or so.
 constexpr double kAssumedStrain = 1e-3, kAssumedStrainStd = 0.5;
+constexpr double kChanceRuledOut = 1e-6;  // below it what was measured is no such cable
+constexpr double kSoundModel = 5e-3;      // error of the model that the chance counts, at most
 // L sqrt(T / EI) of cables without EI: hardly more than beams to strings.
 constexpr double kStiffest = 2, kSlackest = 2000;
 
@@ -204,6 +207,20 @@ void list_modes(const std::vector<MeasuredMode>& modes, const UpdateResult& resu
     mode.relative_error = pair.relative_error;
   }
   for (const auto& one : result.unpaired) candidate.missed += one.missing();
+}
+
+/// The chance of the paired frequencies' errors with a sound model's error.
+double chance_of(const TensionCandidate& candidate) {
+  const auto& fit = candidate.fit;
+  double weighted = 0;
+  for (const auto& mode : candidate.modes) {
+    if (mode.order == 0) continue;
+    const double own = fit.stated ? mode.measured_std_hz / mode.measured_hz : 0;
+    const double of_model = fit.stated ? std::min(fit.model_std, kSoundModel) : fit.model_std;
+    weighted += mode.relative_error * mode.relative_error / (own * own + of_model * of_model);
+  }
+  const bool known = fit.degrees_of_freedom > 0 && weighted > 0 && std::isfinite(weighted);
+  return known ? gsl_cdf_chisq_Q(weighted, fit.degrees_of_freedom) : 1;
 }
 
 TensionCandidate candidate_of(const CableDescription& cable, const std::vector<MeasuredMode>& modes,
@@ -446,7 +463,7 @@ TensionResult identify_tension(const CableDescription& cable,
   }
   result.decided = decided_weight(compared) >= 0.9;
   const auto& heaviest = result.candidates.front();
-  result.ruled_out = heaviest.fit.far_off();
+  result.ruled_out = heaviest.fit.far_off() || chance_of(heaviest) < kChanceRuledOut;
   result.budget = budget_of(compared, factor);
   result.EI_Nm2 = heaviest.EI_Nm2;
   describe(cable, result);

@@ -173,8 +173,8 @@ struct TensionResult {
   double sag_m = 0;
   double irvine_parameter = 0;   ///< (w L / T)^2 L EA / (T Le), of the heaviest candidate
   double bending_parameter = 0;  ///< L sqrt(T / EI)
-  /// The best candidate's frequencies are off by 2 % rms, or one by 5 %: the measured structure is
-  /// not such a cable.
+  /// The best candidate's frequencies are off by 2 % rms, or one by 5 %, or by more than a model's
+  /// error of 0.5 % explains with a chance of 1e-6: the measured structure is not such a cable.
   bool ruled_out = false;
   bool decided =
       true;  ///< answers with one and the same order of the modes have 90 % of the weight

@@ -191,6 +191,18 @@ TEST(CableTension, SaggingCablesWithInputsThatAreOff) {
   EXPECT_GE(held, 6);
 }
 
+TEST(CableTension, FartherOffThanASoundModelsErrorIsNoCable) {
+  const auto cable = cable_of({2.4, 0.002}, {0.16667, 3e-4}, MassReference::installed);
+  for (const double off : {0.008, 0.012}) {
+    std::vector<MeasuredMode> modes;
+    for (int n = 1; n <= 8; ++n) {
+      const double error = n % 4 == 1 || n % 4 == 2 ? off : -off;
+      modes.push_back(testing::mode_of(7.217 * n * (1 + error), 1e-3));
+    }
+    EXPECT_EQ(identify_tension(cable, modes).ruled_out, off > 0.01) << off;
+  }
+}
+
 TEST(CableTension, MainsHumAboveTheBandIsNoMode) {
   // Five harmonics of 2 Hz and mains hum: order 25 lies at 50.1 Hz, but then 19 modes are missed.
   CableDescription cable{
