@@ -21,8 +21,9 @@ using Tests = std::vector<PlanTest>;
 // Share of the best that can be had, where that misses a goal: further steps cost much and add
 // little.
 constexpr double kNearBest = 1.05;
-// Least decrease of the sum of ln(std / goal): 1 % of a std is not worth a step.
-constexpr double kLeastGain = 0.01;
+// Least decrease of the sum of ln(std / goal): 1 % of a std is not worth a step. Far from the
+// goals, by a factor of e, the first of two steps may show little beyond rounding.
+constexpr double kLeastGain = 0.01, kFarFromGoals = 1, kNoGain = 1e-6;
 
 // To better than itself, as in an update.
 bool is_determined(double variance) { return variance <= kMaxRelativeStd * kMaxRelativeStd; }
@@ -92,7 +93,8 @@ class Planner {
         const double rate = less / std::max(cost(move.tests) - cost(now), 1.0);
         if (rate > best_rate) best_rate = rate, gain = less, best = std::move(move);
       }
-      if (best.tests.empty() || gain < kLeastGain) return taken;
+      const double least = left > kFarFromGoals ? kNoGain : kLeastGain;
+      if (best.tests.empty() || gain < least) return taken;
       now = best.tests;
       taken.push_back(std::move(best));
     }

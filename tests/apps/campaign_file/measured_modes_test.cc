@@ -185,10 +185,6 @@ TEST(MeasuredModes, NodesElsewhereAreSaid) {
   EXPECT_THAT(broken.err, HasSubstr("cut.uff:14"));
 }
 
-}  // namespace rigfit::apps::measured_modes_test
-
-namespace rigfit::apps::text_table_test {
-
 TEST(TextTable, ReadsNumbersBlanksAndRemarks) {
   const TemporaryFolder folder;
   const auto table = read_text_table(folder.write(
@@ -265,4 +261,4 @@ TEST(TextTable, RefusesWhatIsNoTable) {
   }
 }
 
-}  // namespace rigfit::apps::text_table_test
+}  // namespace rigfit::apps::measured_modes_test

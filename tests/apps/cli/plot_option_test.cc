@@ -122,10 +122,6 @@ TEST_F(PlotOption, WhatCannotBeWrittenIsRefusedFirst) {
   EXPECT_THAT(refused(folder.at("circle.svg"), 3), HasSubstr("symbolic links"));
 }
 
-}  // namespace rigfit::apps::plot_option_test
-
-namespace rigfit::apps::output_file_test {
-
 namespace fs = std::filesystem;
 
 TEST(OutputFile, ReplacesWholeAndLeavesNothingElse) {
@@ -168,4 +164,4 @@ TEST(OutputFile, LinksAndPipesStayWhatTheyAre) {
   EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
-}  // namespace rigfit::apps::output_file_test
+}  // namespace rigfit::apps::plot_option_test

@@ -246,10 +246,6 @@ TEST(AxialBound, AFrameThatIsToldGivesEAFromOneLength) {
   EXPECT_LT(std::abs(told.bias), 1.0);
 }
 
-}  // namespace rigfit::ident::axial_identification_test
-
-namespace rigfit::ident::rod_stiffness_test {
-
 // Lowest frequency of mass, rod and frame by the transfer matrix of the rod, by bisection:
 // at the top the frame's force kf u0, below u' EA = kf u0; at the bottom W M u = EA u'.
 double omega_squared(double kc, double mc, double M, double kf, double km) {
@@ -304,4 +300,4 @@ TEST(RodStiffness, AnAdapterOrFrameSofterThanTheWholeHasNoAnswer) {
   EXPECT_TRUE(std::isnan(rod_stiffness({1e5, 2.2, 0.1, 1, 0, 2e5}).cable_N_m));
 }
 
-}  // namespace rigfit::ident::rod_stiffness_test
+}  // namespace rigfit::ident::axial_identification_test

@@ -142,10 +142,6 @@ TEST(Plan, ProposesNoMoreThanIsNeeded) {
   EXPECT_THAT(plan.proposals[0].what, HasSubstr("5 hits of 4 s"));
 }
 
-}  // namespace rigfit::ident::plan_test
-
-namespace rigfit::ident::decay_bound_test {
-
 // 16 s^2 a^3 / (fs |C|^2) of a decay that is over, 24 s^2 / (fs |C|^2 T^3) of a steady tone.
 // exp(-2 a T) T^2 = 1e-15 and 1.2 a T = 1e-6 are what the limits leave out.
 TEST(DecayBound, LimitsOfLongRecordsAndOfNoDamping) {
@@ -190,4 +186,4 @@ TEST(DecayBound, TheImpulseOfAHalfSineIsItsFourierTransform) {
   }
 }
 
-}  // namespace rigfit::ident::decay_bound_test
+}  // namespace rigfit::ident::plan_test

@@ -242,10 +242,6 @@ TEST(UpdateModel, WrongNamesAndImpossibleRigsAreSaid) {
   EXPECT_FALSE(result.message.empty());
 }
 
-}  // namespace rigfit::ident::model_update_test
-
-namespace rigfit::ident::fit_findings_test {
-
 /// A cantilever of EI 1.8 with four sensors in its plane.
 model::Scene beam(double tip_mass) {
   auto scene = testing::beam(1.8, tip_mass);
@@ -292,4 +288,4 @@ TEST(FitFindings, ShapesThatContradictTheModelAreToldOnce) {
   }
 }
 
-}  // namespace rigfit::ident::fit_findings_test
+}  // namespace rigfit::ident::model_update_test

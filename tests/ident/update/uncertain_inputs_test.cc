@@ -1,4 +1,4 @@
-// Tensions read by a load cell whose scale and zero are wrong, the same in every state.
+// Inputs that all states share: a load cell whose scale and zero are wrong, a rounded sample rate.
 #include "ident/update/model_update.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/parameters.h"
@@ -7,7 +7,7 @@
 #include "tests/scenes.h"
 #include "tests/test.h"
 
-namespace rigfit::ident::load_cell_test {
+namespace rigfit::ident::uncertain_inputs_test {
 
 constexpr double kScale = 1.03, kZero = -1.5;  // N
 
@@ -56,10 +56,7 @@ TEST(LoadCell, ReadingsTakenForTrueAreRuledOut) {
   EXPECT_GT(right.fit.p_value, 1e-3);
 }
 
-}  // namespace rigfit::ident::load_cell_test
-
 // A sample rate that files state rounded: common to all recordings.
-namespace rigfit::ident::sample_rate_input_test {
 
 constexpr double kTension = 200, kRate = 3e-4, kNoise = 1e-4;
 
@@ -131,4 +128,4 @@ TEST(SampleRateInput, LinesOfFrfsAreOffTogether) {
   EXPECT_TRUE(holds(EI, testing::kBeamEI));
 }
 
-}  // namespace rigfit::ident::sample_rate_input_test
+}  // namespace rigfit::ident::uncertain_inputs_test

@@ -102,11 +102,8 @@ TEST_F(PublishedTables, SameNumbersOnOneThread) {
   EXPECT_EQ(run_line(command, {other.path().string()}).exit_code, 0);
 }
 
-}  // namespace rigfit::apps::report_test
-
 // Two campaigns side by side: virtual laboratories of one beam, and of a beam that is 20 % stiffer.
 // What was changed is named, what was not is not.
-namespace rigfit::apps::compare_campaigns_test {
 
 /// A beam's recordings and the campaign that fits EI, tip mass and damping ratio to them.
 std::string laboratory(const TemporaryFolder& folder, double EI_Nm2, int seed) {
@@ -185,4 +182,4 @@ TEST(TwoCampaigns, NameWhatWasChangedAndNothingElse) {
   }
 }
 
-}  // namespace rigfit::apps::compare_campaigns_test
+}  // namespace rigfit::apps::report_test

@@ -265,10 +265,7 @@ TEST(UpdateVerb, WritesNoSceneUnasked) {
   EXPECT_EQ(run_line("predict {} --from {} --count 2 --accept-fit", {scene, fit}).exit_code, 0);
 }
 
-}  // namespace rigfit::apps::update_verb_test
-
 // Models of the same modes compared through the program: a hanger with end springs.
-namespace rigfit::apps::update_candidates_test {
 
 using Kind = model::Support::Kind;
 
@@ -373,4 +370,4 @@ TEST(UpdateCandidates, MistakesAreNamed) {
   fails(one + "[[candidate]]\nname = \"two\"\nsprings = 1\n", 3, "springs");
 }
 
-}  // namespace rigfit::apps::update_candidates_test
+}  // namespace rigfit::apps::update_verb_test

@@ -157,10 +157,7 @@ TEST(PlotCsv, HoldsEveryValueExactly) {
             "\"a,b\",modelled,0.3333333333333333,,,\n");
 }
 
-}  // namespace rigfit::apps::svg_plot_test
-
 // FRFs as figures: phase without jumps where it is known.
-namespace rigfit::apps::frf_plots_test {
 
 /// A delay of 40 ms: the phase falls by 14.4 degrees a Hz, through several turns.
 signal::FrfSet delayed() {
@@ -200,12 +197,9 @@ TEST(FrfFigures, PhaseHasNoJumpsAndGapsWhereItIsNotKnown) {
   }
 }
 
-}  // namespace rigfit::apps::frf_plots_test
-
 // Colours of figures: told apart by everyone, readable on their paper. Colour blindness is
 // simulated by the matrices of Machado, Oliveira and Fernandes (2009), severity 1, on linear sRGB;
 // distances are Euclidean in CIELAB (D65).
-namespace rigfit::apps::palette_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -284,4 +278,4 @@ TEST(Palette, EveryColourIsReadableOnItsPaper) {
   }
 }
 
-}  // namespace rigfit::apps::palette_test
+}  // namespace rigfit::apps::svg_plot_test
