@@ -11,7 +11,7 @@
 #include "model/scene/scene_error.h"
 #include "signal/numerics/numbers.h"
 #include "signal/readers/csv_fields.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 #include "signal/recording/recording_time.h"
 
 namespace rigfit::apps {

@@ -12,7 +12,7 @@
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
 #include "signal/readers/read_recording.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 #include "signal/recording/recording_time.h"
 
 namespace rigfit::apps {

@@ -11,8 +11,8 @@
 #include "apps/cli/progress.h"
 #include "apps/describe/json_of.h"
 #include "document/document_error.h"
-#include "signal/readers/mapped_file.h"
-#include "signal/recording/recording_error.h"
+#include "signal/readers/read_recording.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;

@@ -9,7 +9,7 @@
 
 #include "model/scene/toml_table.h"
 #include "signal/readers/csv_fields.h"
-#include "signal/readers/mapped_file.h"
+#include "signal/readers/read_recording.h"
 
 namespace rigfit::apps {
 namespace {

@@ -8,8 +8,8 @@
 #include "signal/estimation/groups.h"
 #include "signal/estimation/robust.h"
 #include "signal/numerics/estimate.h"
+#include "signal/numerics/factorisations.h"
 #include "signal/numerics/numbers.h"
-#include "signal/numerics/scaled_gram.h"
 
 namespace rigfit::ident {
 namespace {

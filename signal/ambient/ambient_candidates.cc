@@ -1,25 +1,11 @@
 #include "signal/ambient/ambient_candidates.h"
 
 #include <Eigen/QR>
-#include <algorithm>
-#include <cmath>
-#include <utility>
 
-#include "signal/ambient/group_correlations.h"
 #include "signal/numerics/factorisations.h"
-#include "signal/numerics/numbers.h"
-#include "signal/poles/lscf.h"
-#include "signal/poles/pole_clusters.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 
 // The window then widens a mode by a third; with 4, of pairs 0.5 % apart 5 % more are lost.
 constexpr double kDecayTimesOfLags = 12;
@@ -36,7 +22,7 @@ std::vector<Index> telling_channels(const MatrixXcd& half, Index n) {
   const Eigen::ColPivHouseholderQR<MatrixXcd> qr(stacked);
   const auto order = qr.colsPermutation().indices().head(std::min<Index>(n, 6));
   std::vector<Index> channels(order.begin(), order.end());
-  std::sort(channels.begin(), channels.end());
+  std::ranges::sort(channels);
   return channels;
 }
 
@@ -63,7 +49,7 @@ AmbientCandidates find_candidates(const AmbientSignals& signals, const AmbientOp
     spectrum.emplace(rate, lags, low, high);
     if (spectrum->omega.size() < 2 * kFewestLines) return found;
     pairs.setZero(spectrum->omega.size(), No * No);
-    group_correlations(signals, MatrixXd::Identity(No, No), lags, {1, std::max(options.threads, 1)},
+    group_correlations(signals, MatrixXd::Identity(No, No), lags, 1, std::max(options.threads, 1),
                        [&](int, const MatrixXd& R) {
                          const Index lines = found.pairs.rows();
                          found.pairs = found.spectrum->half(R.bottomRows(lags + 1), 0, lines);

@@ -2,13 +2,8 @@
 // LSCF over orders, clusters of poles and participation vectors, shapes from the residues.
 #pragma once
 
-#include <Eigen/Core>
-#include <cmath>
-#include <complex>
 #include <optional>
-#include <vector>
 
-#include "signal/ambient/ambient_result.h"
 #include "signal/ambient/ambient_signals.h"
 #include "signal/ambient/resonance_fit.h"
 #include "signal/poles/pole_clusters.h"
@@ -16,24 +11,23 @@
 namespace rigfit::signal {
 
 /// A band needs as many: a pole, a residue and a line have six parameters.
-inline constexpr Eigen::Index kFewestLines = 8;
+inline constexpr Index kFewestLines = 8;
 
 /// `shape` at length 1, turned to be as real as it can be.
-[[nodiscard]] Eigen::VectorXcd phase_real(Eigen::VectorXcd shape);
+[[nodiscard]] VectorXcd phase_real(VectorXcd shape);
 
 struct AmbientCandidates {
   std::optional<LagSpectrum> spectrum;  ///< its lags follow from the narrowest candidate
-  Eigen::MatrixXcd
-      pairs;  ///< half spectra of all pairs: lines x channels^2; column j n + i: y_i x_j
-  Eigen::VectorXcd poles;  ///< by rising frequency, window taken off; none: nothing stands out
-  Eigen::VectorXd presence;
-  Eigen::MatrixXcd shapes;  ///< channels x candidates, of the scaled channels
+  MatrixXcd pairs;  ///< half spectra of all pairs: lines x channels^2; column j n + i: y_i x_j
+  VectorXcd poles;  ///< by rising frequency, window taken off; none: nothing stands out
+  VectorXd presence;
+  MatrixXcd shapes;  ///< channels x candidates, of the scaled channels
 };
 
 /// `result`: has the band, gets the stabilisation diagram and the longest lag.
 [[nodiscard]] AmbientCandidates find_candidates(const AmbientSignals& signals,
                                                 const AmbientOptions& options,
                                                 AmbientResult& result,
-                                                std::vector<Eigen::Index> references);
+                                                std::vector<Index> references);
 
 }  // namespace rigfit::signal

@@ -1,33 +1,16 @@
 #include "signal/ambient/ambient_modes.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
-#include <algorithm>
-#include <cmath>
-#include <complex>
 #include <numeric>
-#include <optional>
 
 #include "signal/ambient/ambient_candidates.h"
-#include "signal/ambient/ambient_signals.h"
-#include "signal/ambient/group_correlations.h"
-#include "signal/ambient/resonance_fit.h"
 #include "signal/estimation/groups.h"
 #include "signal/modes/mac.h"
 #include "signal/numerics/factorisations.h"
-#include "signal/numerics/numbers.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/add_note.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 
 constexpr double kBandHalfBandwidths = 20;  // 15: f 10 % worse, half the work
 constexpr double kNullHalfBandwidths = 4;  // nearer neighbours are suppressed; off: pairs are wrong
@@ -62,7 +45,7 @@ class AmbientAnalysis {
   void keep(const std::vector<Index>& modes);
   void set_bands();
   MatrixXd filters();
-  void fit_pass(const GroupOptions& options);
+  void fit_pass(int groups);
   VectorXcd shape_row(Index mode, const VectorXcd& poles, bool last) const;
   void judge();
   [[nodiscard]] Index size() const { return poles_.size(); }
@@ -178,9 +161,9 @@ VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& poles, bool la
 }
 
 /// Filters, correlations by group, fit, shapes; of several groups the jackknife as well.
-void AmbientAnalysis::fit_pass(const GroupOptions& options) {
+void AmbientAnalysis::fit_pass(int groups) {
   set_bands();
-  const Index n = size(), No = signals_.channels(), L = spectrum_->lags, G = options.groups;
+  const Index n = size(), No = signals_.channels(), L = spectrum_->lags, G = groups;
   if (n == 0) return;
   // By mode: half spectra of all channels and the two-sided one of the filtered signal.
   struct Spectra {
@@ -191,21 +174,22 @@ void AmbientAnalysis::fit_pass(const GroupOptions& options) {
   std::vector<Spectra> whole(static_cast<std::size_t>(n));
   std::vector<std::vector<Spectra>> of_group(static_cast<std::size_t>(G), whole);
   energy_.resize(G, n);
-  group_correlations(signals_, F, L, options, [&](int g, const MatrixXd& R) {
-    for (Index i = 0; i < n; ++i) {
-      const auto mode = static_cast<std::size_t>(i);
-      const auto& band = bands_[mode];
-      const auto of_mode = R.middleCols(i * No, No);
-      const VectorXd own = of_mode * F.col(i);
-      const VectorXd both = own.tail(L + 1) + own.head(L + 1).reverse();
-      auto& [half, S] = of_group[static_cast<std::size_t>(g)][mode];
-      half = spectrum_->half(of_mode.bottomRows(L + 1), band.from, band.count);
-      S = spectrum_->half(both, band.from, band.count).real();
-      energy_(g, i) = own[L];
-      auto& sum = whole[mode];
-      sum = g == 0 ? Spectra{half, S} : Spectra{sum.half + half, sum.S + S};
-    }
-  });
+  group_correlations(signals_, F, L, groups, std::max(options_.threads, 1),
+                     [&](int g, const MatrixXd& R) {
+                       for (Index i = 0; i < n; ++i) {
+                         const auto mode = static_cast<std::size_t>(i);
+                         const auto& band = bands_[mode];
+                         const auto of_mode = R.middleCols(i * No, No);
+                         const VectorXd own = of_mode * F.col(i);
+                         const VectorXd both = own.tail(L + 1) + own.head(L + 1).reverse();
+                         auto& [half, S] = of_group[static_cast<std::size_t>(g)][mode];
+                         half = spectrum_->half(of_mode.bottomRows(L + 1), band.from, band.count);
+                         S = spectrum_->half(both, band.from, band.count).real();
+                         energy_(g, i) = own[L];
+                         auto& sum = whole[mode];
+                         sum = g == 0 ? Spectra{half, S} : Spectra{sum.half + half, sum.S + S};
+                       }
+                     });
   for (std::size_t i = 0; i < bands_.size(); ++i) bands_[i].S = whole[i].S;
   fit_ = fit_resonances(*spectrum_, bands_, poles_);
   poles_ = fit_.poles;
@@ -291,12 +275,9 @@ void AmbientAnalysis::judge() {
       doubt("too_short",
             fmt::format("needs {:.0f} s of recording ({:.0f} decay times), has {:.0f} s", needed,
                         kFewestDecayTimes, length));
-      result_.notes.push_back(
-          {"too_short",
-           fmt::format("record {:.0f} min: {:.0f} min hold {:.0f} decay times, "
-                       "and intervals need {:.0f}",
-                       std::ceil(needed / 60), length / 60, found.decay_times, kFewestDecayTimes),
-           where});
+      add_note(result_.notes, "too_short", where,
+               "record {:.0f} min: {:.0f} min hold {:.0f} decay times, and intervals need {:.0f}",
+               std::ceil(needed / 60), length / 60, found.decay_times, kFewestDecayTimes);
     }
     // Written so that what is not a number is doubtful.
     if (!(fit_.own_share[i] >= kLeastOwnShare)) {
@@ -318,12 +299,10 @@ void AmbientAnalysis::judge() {
                           std::abs(poles_[j]) / kTwoPi));
       }
       if (j > i) {
-        result_.notes.push_back(
-            {"close_modes",
-             fmt::format("check the shapes of the modes at {:.5g} and {:.5g} Hz, {:.2f} bandwidths "
-                         "apart: within their bandwidths shapes mix",
-                         f, std::abs(poles_[j]) / kTwoPi, distance),
-             where});
+        add_note(result_.notes, "close_modes", where,
+                 "check the shapes of the modes at {:.5g} and {:.5g} Hz, {:.2f} bandwidths apart: "
+                 "within their bandwidths shapes mix",
+                 f, std::abs(poles_[j]) / kTwoPi, distance);
       }
     }
     result_.modes.push_back(std::move(found));
@@ -351,11 +330,10 @@ void AmbientAnalysis::run(std::vector<Index> references) {
     }
   }
   if (size() > 0) {
-    const int threads = std::max(options_.threads, 1);
     // Candidates that do not hold their own peak leave, those that the fewest orders have first:
     // they disturb the others.
     for (bool more = true; more;) {
-      fit_pass({1, threads});
+      fit_pass(1);
       double least = 2;
       for (Index i = 0; i < size(); ++i) {
         if (fit_.own_share[i] < kLeastOwnShare) least = std::min(least, presence_[i]);
@@ -367,11 +345,11 @@ void AmbientAnalysis::run(std::vector<Index> references) {
       more = !holding.empty() && std::ssize(holding) < size();
       if (more) keep(holding);
     }
-    fit_pass({options_.groups, threads});
+    fit_pass(options_.groups);
     if (size() > 0) judge();
   }
   if (result_.modes.empty()) {
-    result_.notes.push_back({"no_modes", "no mode stands out of the noise in the band", ""});
+    add_note(result_.notes, "no_modes", "", "no mode stands out of the noise in the band");
   }
 }
 
@@ -391,7 +369,7 @@ AmbientResult ambient_modes(const Recording& recording, const AmbientOptions& op
     result.channels.push_back(recording.channels[static_cast<std::size_t>(c)].name);
   }
   for (const auto& name : options.references) {
-    const auto at = std::find(channels.begin(), channels.end(), recording.channel_index(name));
+    const auto at = std::ranges::find(channels, recording.channel_index(name));
     if (at == channels.end()) {
       throw RecordingError({recording.path.string(), 0, 0, name},
                            "the reference is not among the channels analysed",

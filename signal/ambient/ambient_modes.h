@@ -23,11 +23,9 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
 #include "signal/ambient/ambient_result.h"
-#include "signal/recording/recording.h"
 
 namespace rigfit::signal {
 

@@ -1,15 +1,7 @@
 // Options and result of modes from ambient motion (ambient_modes.h).
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-#include <string_view>
-#include <tuple>
-#include <vector>
-
-#include "document/describe.h"
 #include "signal/modes/modal_model.h"
-#include "signal/numerics/estimate.h"
 #include "signal/poles/lscf.h"
 #include "signal/recording/recording.h"
 
@@ -30,8 +22,8 @@ struct AmbientOptions {
 
 struct AmbientTone {
   double frequency_hz = 0;
-  double amplitude = 0;      ///< the largest of the channels, in its unit
-  Eigen::Index channel = 0;  ///< the one with that amplitude, of those analysed
+  double amplitude = 0;  ///< the largest of the channels, in its unit
+  Index channel = 0;     ///< the one with that amplitude, of those analysed
 
   static constexpr std::string_view title = "steady tones, taken out";
   static constexpr auto fields() {
@@ -51,8 +43,8 @@ struct AmbientMode {
   double decay_times = 0;             ///< T / tau
   double log_damping_std = 0;
   std::string code;  ///< why it is doubtful: "too_short", "close_modes", "peak_not_its_own", ...
-  Eigen::MatrixXcd without_group;  ///< shapes without each group: channels x groups
-  int joined = 1;                  ///< neighbouring groups that count as one
+  MatrixXcd without_group;  ///< shapes without each group: channels x groups
+  int joined = 1;           ///< neighbouring groups that count as one
 
   [[nodiscard]] describe::Bounded frequency() const {
     const auto& f = mode.frequency_hz;
@@ -76,9 +68,9 @@ struct AmbientMode {
 };
 
 struct AmbientSpectrum {
-  Eigen::VectorXd frequency_hz;
+  VectorXd frequency_hz;
   /// Spectral matrix of the channels over their standard deviations, lines x channels.
-  Eigen::MatrixXd singular_values;
+  MatrixXd singular_values;
 };
 
 struct AmbientResult {

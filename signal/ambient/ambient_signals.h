@@ -15,15 +15,21 @@
 // tone only when the lines within 2 of it then fall to the level of their neighbours: a narrow mode
 // keeps its lines. The amplitude is constant over the recording; a machine whose speed drifts by
 // more than a line spacing stays.
+//
+// Correlations of the signals with linear combinations of them, by groups of the recording:
+//
+//   R_g(k) = 1 / N(k) sum over t in group g of y(t + k) x(t)^T,   -L <= k <= L,   x = F^T y
+//
+// with N(k) the number of products of all groups. A product belongs to the group of t, and y is
+// read over the group's edges: the groups add up to the mean over the recording exactly, which has
+// no bias of a window or of leakage. Missing samples are missing products, which N(k) does not
+// count. Computed by transforms of segments, whose cross-spectra are added up before they go back
+// to lags.
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-#include <utility>
-#include <vector>
+#include <functional>
 
 #include "signal/ambient/ambient_result.h"
-#include "signal/recording/recording.h"
 
 namespace rigfit::signal {
 
@@ -31,40 +37,45 @@ class AmbientSignals {
  public:
   /// `low_hz`: where the band begins. Throws RecordingError when there is no constant sample rate,
   /// or a channel is constant or misses more than half of its samples.
-  AmbientSignals(const Recording& recording, const std::vector<Eigen::Index>& channels,
-                 double low_hz);
+  AmbientSignals(const Recording& recording, const std::vector<Index>& channels, double low_hz);
 
-  [[nodiscard]] Eigen::Index samples() const { return samples_; }
-  [[nodiscard]] Eigen::Index channels() const { return static_cast<Eigen::Index>(x_.size()); }
+  [[nodiscard]] Index samples() const { return samples_; }
+  [[nodiscard]] Index channels() const { return static_cast<Index>(x_.size()); }
   [[nodiscard]] double rate_hz() const { return rate_hz_; }
   /// Share of the samples that all channels have.
   [[nodiscard]] double present() const { return present_; }
   /// Standard deviations: units of the channels for 1 of a block.
-  [[nodiscard]] const Eigen::VectorXd& scale() const { return scale_; }
+  [[nodiscard]] const VectorXd& scale() const { return scale_; }
 
   /// Samples first .. first + size - 1 of a channel; 0 outside of the recording.
-  void read(Eigen::Index channel, Eigen::Index first, Eigen::Ref<Eigen::VectorXd> samples) const;
+  void read(Index channel, Index first, Ref<VectorXd> samples) const;
   /// All channels: count x channels.
-  [[nodiscard]] Eigen::MatrixXd block(Eigen::Index first, Eigen::Index count) const;
+  [[nodiscard]] MatrixXd block(Index first, Index count) const;
   /// 1 where all channels have a sample, else 0.
-  [[nodiscard]] Eigen::MatrixXd mask(Eigen::Index first, Eigen::Index count) const;
+  [[nodiscard]] MatrixXd mask(Index first, Index count) const;
 
   /// Takes tones of low_hz .. high_hz out, the strongest 40 at most; gives them by rising
   /// frequency.
   std::vector<AmbientTone> take_out_tones(double low_hz, double high_hz);
 
  private:
-  void blank(Eigen::Index first, Eigen::Ref<Eigen::VectorXd> samples) const;
+  void blank(Index first, Ref<VectorXd> samples) const;
   void find_drift(double low_hz);
 
-  std::vector<const Eigen::VectorXd*> x_;
-  Eigen::Index samples_ = 0;
+  std::vector<const VectorXd*> x_;
+  Index samples_ = 0;
   double rate_hz_ = 0, present_ = 1;
-  Eigen::VectorXd scale_;
-  Eigen::MatrixXd drift_;        ///< knots x channels, from one knot before the first sample
-  Eigen::Index knot_apart_ = 1;  ///< samples
-  std::vector<std::pair<Eigen::Index, Eigen::Index>> gaps_;  ///< first, end
-  std::vector<std::pair<double, Eigen::VectorXcd>> tones_;   ///< omega, amplitudes
+  VectorXd scale_;
+  MatrixXd drift_;        ///< knots x channels, from one knot before the first sample
+  Index knot_apart_ = 1;  ///< samples
+  std::vector<std::pair<Index, Index>> gaps_;        ///< first, end
+  std::vector<std::pair<double, VectorXcd>> tones_;  ///< omega, amplitudes
 };
+
+/// `receive` gets R_g of all channels with the `filters` (channels x signals) for every group in
+/// turn: (2 L + 1) x (channels signals), column signal * channels + channel.
+void group_correlations(const AmbientSignals& signals, const MatrixXd& filters, Index lags,
+                        int groups, int threads,
+                        const std::function<void(int group, const MatrixXd& R)>& receive);
 
 }  // namespace rigfit::signal

@@ -1,27 +1,18 @@
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
-#include <complex>
 #include <map>
 #include <numeric>
 #include <set>
-#include <utility>
 
 #include "signal/ambient/ambient_modes.h"
 #include "signal/estimation/groups.h"
 #include "signal/estimation/robust.h"
 #include "signal/modes/mac.h"
-#include "signal/numerics/numbers.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/add_note.h"
 
 namespace rigfit::signal {
 namespace {
 
-using Eigen::Index;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 using Indices = std::vector<Index>;
 
 constexpr double kSetupsDiffer = 0.01;  // chance of a scatter or a gain where set-ups agree
@@ -43,7 +34,7 @@ struct Setups {
 
 Setups setups_of(std::span<const AmbientResult> results, std::vector<std::string> references) {
   const auto place = [](const std::vector<std::string>& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) - names.begin();
+    return std::ranges::find(names, name) - names.begin();
   };
   Setups all{results, {}, {}, {}};
   std::vector<std::string> common = results.front().channels;
@@ -148,11 +139,11 @@ VectorXcd joined_shape(const Setups& setups, const std::map<std::size_t, VectorX
   VectorXd count = VectorXd::Zero(n);
   for (const auto& [k, shape] : shapes) {
     const VectorXcd u = setups.at_references(k, shape);
-    const std::complex<double> scale = u.dot(base) / u.squaredNorm();
+    const Complex scale = u.dot(base) / u.squaredNorm();
     sum(setups.places[k]) += scale * shape;
     count(setups.places[k]).array() += 1;
   }
-  return sum.cwiseQuotient(count.cwiseMax(1).cast<std::complex<double>>());
+  return sum.cwiseQuotient(count.cwiseMax(1).cast<Complex>());
 }
 
 AmbientMode merged_mode(const Setups& setups, const Matched& set, std::vector<Note>& notes) {
@@ -183,12 +174,10 @@ AmbientMode merged_mode(const Setups& setups, const Matched& set, std::vector<No
   merged.damping_95 = {zeta * std::exp(-log.factor * log.std),
                        zeta * std::exp(log.factor * log.std)};
   if (hz.differ || log.differ) {
-    notes.push_back(
-        {"groups_differ",
-         fmt::format("check temperature and mass between set-ups: {} of the mode differs "
-                     "between {} of them by more than its uncertainty",
-                     hz.differ ? "the frequency" : "the damping", set.size()),
-         fmt::format("{:.4g} Hz", hz.value)});
+    add_note(notes, "groups_differ", fmt::format("{:.4g} Hz", hz.value),
+             "check temperature and mass between set-ups: {} of the mode differs between {} of "
+             "them by more than its uncertainty",
+             hz.differ ? "the frequency" : "the damping", set.size());
   }
   std::vector<std::size_t> lacking;
   std::set<Index> known;
@@ -198,12 +187,10 @@ AmbientMode merged_mode(const Setups& setups, const Matched& set, std::vector<No
   }
   const bool whole = known.size() == setups.channels.size();
   if (!lacking.empty()) {
-    notes.push_back(
-        {"setup_lacks_mode",
-         fmt::format("check references (direction, place) and what changed between set-ups: set-up "
-                     "{} has no such mode free of doubt{}",
-                     fmt::join(lacking, ", "), whole ? "" : "; the mode is listed without a shape"),
-         fmt::format("{:.4g} Hz", hz.value)});
+    add_note(notes, "setup_lacks_mode", fmt::format("{:.4g} Hz", hz.value),
+             "check references (direction, place) and what changed between set-ups: set-up {} has "
+             "no such mode free of doubt{}",
+             fmt::join(lacking, ", "), whole ? "" : "; the mode is listed without a shape");
   }
   const VectorXcd shape = joined_shape(setups, shapes);
   Index top = 0;
@@ -211,8 +198,8 @@ AmbientMode merged_mode(const Setups& setups, const Matched& set, std::vector<No
   mode.shape = shape / shape[top];
   mode.shape_std.setZero(shape.size(), 2);
   for (const auto& [k, one] : set) {
-    const Eigen::MatrixXcd& without = one->without_group;
-    Eigen::MatrixXcd d(shape.size(), without.cols());
+    const MatrixXcd& without = one->without_group;
+    MatrixXcd d(shape.size(), without.cols());
     for (Index g = 0; g < without.cols(); ++g) {
       auto changed = shapes;
       changed[k] = without.col(g);
@@ -252,12 +239,10 @@ void find_gain_changes(const Setups& setups, const std::vector<Matched>& sets,
       const auto name = [&](std::size_t r) {
         return setups.results[k].channels[static_cast<std::size_t>(setups.references[k][r])];
       };
-      notes.push_back(
-          {"gain_changed",
-           fmt::format("check the sensitivities of {} and {}: their ratio is {:.3f}({:.3f}) times "
-                       "that of the first set-up in all modes",
-                       name(j), name(0), std::exp(middle), std::exp(middle) * std),
-           fmt::format("set-up {}", k + 1)});
+      add_note(notes, "gain_changed", fmt::format("set-up {}", k + 1),
+               "check the sensitivities of {} and {}: their ratio is {:.3f}({:.3f}) times that of "
+               "the first set-up in all modes",
+               name(j), name(0), std::exp(middle), std::exp(middle) * std);
     }
   }
 }

@@ -1,22 +1,10 @@
 #include "signal/ambient/resonance_fit.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "signal/numerics/factorisations.h"
-#include "signal/numerics/numbers.h"
-#include "signal/numerics/scaled_gram.h"
 #include "signal/spectra/fft.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 
 // s L: with 2 the lag window's side lobes make spectra negative; decay times in L go with it.
 constexpr double kWindowDecay = 4;
@@ -133,7 +121,7 @@ LagSpectrum::LagSpectrum(double rate_hz, Index lag_count, double low_hz, double 
           (kTwoPi * line_hz);
 }
 
-MatrixXcd LagSpectrum::half(const Eigen::Ref<const MatrixXd>& R, Index from, Index count) const {
+MatrixXcd LagSpectrum::half(const Ref<const MatrixXd>& R, Index from, Index count) const {
   const VectorXd window =
       (VectorXd::LinSpaced(lags + 1, 0, static_cast<double>(lags)) * (-decay * dt)).array().exp();
   MatrixXcd result(count, R.cols());

@@ -12,57 +12,51 @@
 // Source: Whittle, Ark. Mat. 2 (1953) 423.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-#include <vector>
-
 #include "signal/estimation/pole_steps.h"
 
 namespace rigfit::signal {
 
 /// Lines and lag window of the spectra of correlations.
 struct LagSpectrum {
-  LagSpectrum(double rate_hz, Eigen::Index lags, double low_hz, double high_hz);
+  LagSpectrum(double rate_hz, Index lags, double low_hz, double high_hz);
 
-  double dt;              ///< s
-  double decay;           ///< s of the window, 1/s: it falls to exp(-4) at the last lag
-  Eigen::Index lags;      ///< L
-  Eigen::Index length;    ///< samples of the transform, at least 2 L
-  Eigen::Index first;     ///< line of omega[0]
-  Eigen::VectorXd omega;  ///< rad/s
+  double dt;       ///< s
+  double decay;    ///< s of the window, 1/s: it falls to exp(-4) at the last lag
+  Index lags;      ///< L
+  Index length;    ///< samples of the transform, at least 2 L
+  Index first;     ///< line of omega[0]
+  VectorXd omega;  ///< rad/s
 
   /// Sum over k = 0..L of exp(-(s + i w) k dt) R(k), R(0) halved, on `count` lines from `from` on.
   /// R: lags 0..L x columns.
-  [[nodiscard]] Eigen::MatrixXcd half(const Eigen::Ref<const Eigen::MatrixXd>& R, Eigen::Index from,
-                                      Eigen::Index count) const;
+  [[nodiscard]] MatrixXcd half(const Ref<const MatrixXd>& R, Index from, Index count) const;
   /// b(lambda) and, if asked for, its derivative on those lines.
-  [[nodiscard]] Eigen::VectorXcd basis(std::complex<double> pole, Eigen::Index from,
-                                       Eigen::Index count, Eigen::VectorXcd* slope = nullptr) const;
+  [[nodiscard]] VectorXcd basis(Complex pole, Index from, Index count,
+                                VectorXcd* slope = nullptr) const;
 };
 
 /// The auto-spectrum of one mode's filtered signal in the band around the mode.
 struct FilteredSpectrum {
-  Eigen::Index from = 0, count = 0;  ///< lines
-  Eigen::VectorXd S;                 ///< count
-  Eigen::VectorXd S0;                ///< set by the fit; weight is 1 / S0
-  std::vector<bool> nulled;          ///< by mode: the filter suppresses it
-  std::vector<Eigen::Index> modes;   ///< set by the fit: those that the model has here
-  Eigen::Index moving = 0;           ///< so many of them move; the others' poles are held
+  Index from = 0, count = 0;  ///< lines
+  VectorXd S;                 ///< count
+  VectorXd S0;                ///< set by the fit; weight is 1 / S0
+  std::vector<bool> nulled;   ///< by mode: the filter suppresses it
+  std::vector<Index> modes;   ///< set by the fit: those that the model has here
+  Index moving = 0;           ///< so many of them move; the others' poles are held
 };
 
 struct ResonanceFit : PoleStage {
   /// By signal: times a change of S, adds to the gradient.
-  std::vector<Eigen::MatrixXd> to_gradient;
-  std::vector<Eigen::VectorXd> model;  ///< by signal
-  Eigen::VectorXd own_share;           ///< by mode: its part of its signal's S at its frequency
+  std::vector<MatrixXd> to_gradient;
+  std::vector<VectorXd> model;  ///< by signal
+  VectorXd own_share;           ///< by mode: its part of its signal's S at its frequency
 
   /// First-order change of the poles for changes of every signal's S.
-  [[nodiscard]] Eigen::VectorXcd change(const std::vector<Eigen::VectorXd>& of_S) const;
+  [[nodiscard]] VectorXcd change(const std::vector<VectorXd>& of_S) const;
 };
 
 /// One signal a mode, in the order of the poles.
 [[nodiscard]] ResonanceFit fit_resonances(const LagSpectrum& spectrum,
-                                          std::vector<FilteredSpectrum>& signals,
-                                          Eigen::VectorXcd poles);
+                                          std::vector<FilteredSpectrum>& signals, VectorXcd poles);
 
 }  // namespace rigfit::signal

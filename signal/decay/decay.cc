@@ -1,29 +1,19 @@
 #include "signal/decay/decay.h"
 
-#include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
-#include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <optional>
 #include <stdexcept>
-#include <utility>
 
 #include "signal/decay/decay_background.h"
 #include "signal/decay/decay_judgement.h"
 #include "signal/decay/narrow_record.h"
 #include "signal/estimation/robust.h"
-#include "signal/numerics/numbers.h"
-#include "signal/sinusoids/damped_sinusoids.h"
-#include "signal/sinusoids/decay_modes.h"
-#include "signal/sinusoids/decay_search.h"
+#include "signal/recording/add_note.h"
 
 namespace rigfit::signal {
 namespace {
 
-using Complex = std::complex<double>;
-using Eigen::Index;
 // One damped sinusoid with offset and drift has 6 unknowns.
 constexpr Index kFewestSamples = 7;
 
@@ -39,30 +29,30 @@ DecayBand band_of(const DecayOptions& options, double rate) {
 /// One estimate, step by step.
 class Estimation {
  public:
-  Estimation(const Eigen::Ref<const Eigen::VectorXd>& y, double rate, const DecayOptions& options,
+  Estimation(const Ref<const VectorXd>& y, double rate, const DecayOptions& options,
              const DecayBand& band)
       : y_(y), rate_(rate), options_(options), band_(band) {
     result_.end = y.size();
   }
 
   DecayResult run() {
-    if (!usable() || !choose_window() || !take_samples() || !find_modes()) return result_;
-    if (!leave_out_clipped()) return result_;
+    if (!usable()) return result_;
+    choose_window();
+    if (!take_samples() || !find_modes() || !leave_out_clipped()) return result_;
     add_background();
     trim_start();
     if (moved_start_) {
-      result_.note("start_chosen",
-                   fmt::format("the fit starts at {:.6g} s, after the impact or release",
-                               time_of(result_.start)));
+      add_note(result_.notes, "start_chosen", "",
+               "the fit starts at {:.6g} s, after the impact or release", time_of(result_.start));
     }
     result_.residual = fit_->residual;
     result_.fitted = fit_->signal();
     judge_decay(*fit_, band_, rate_, result_);
     if (std::ssize(result_.modes) >= kMostModes) {
-      result_.note("more_modes",
-                   fmt::format("Give a band: {} modes are fitted at once, and what is left of more "
-                               "adds to their errors",
-                               kMostModes));
+      add_note(
+          result_.notes, "more_modes", "",
+          "Give a band: {} modes are fitted at once, and what is left of more adds to their errors",
+          kMostModes);
     }
     return result_;
   }
@@ -70,43 +60,36 @@ class Estimation {
  private:
   bool usable() {
     if (!(band_.low < band_.high)) {
-      result_.refuse(
-          "band_not_sampled",
-          fmt::format("the band begins at {:.6g} Hz, above half the sample rate, {:.6g} Hz: "
-                      "give a lower one or sample faster",
-                      options_.band_low_hz, 0.5 * rate_));
-      return false;
+      return result_.refuse("band_not_sampled",
+                            fmt::format("the band begins at {:.6g} Hz, above half the sample rate, "
+                                        "{:.6g} Hz: give a lower one or sample faster",
+                                        options_.band_low_hz, 0.5 * rate_));
     }
     const std::vector<double> finite = finite_values(y_);
     if (std::ssize(finite) < kFewestSamples) {
-      result_.refuse(
+      return result_.refuse(
           "too_few_samples",
           fmt::format("{} samples: one damped sinusoid with offset and drift has 6 unknowns",
                       finite.size()));
-      return false;
     }
     const auto [low, high] = std::ranges::minmax(finite);
     if (!(high - low > 1e-14 * std::max(std::abs(high), std::abs(low)))) {
-      result_.refuse("constant", "the signal does not change: nothing vibrates in this channel");
-      return false;
+      return result_.refuse("constant",
+                            "the signal does not change: nothing vibrates in this channel");
     }
     const Index recorded = recorded_until(y_);
     if (recorded < y_.size()) {
-      result_.note(
-          "recording_stops",
-          fmt::format("the last {} samples are all {:.6g}: the logger had stopped; they are left "
-                      "out",
-                      y_.size() - recorded, y_(y_.size() - 1)));
+      add_note(result_.notes, "recording_stops", "",
+               "the last {} samples are all {:.6g}: the logger had stopped; they are left out",
+               y_.size() - recorded, y_(y_.size() - 1));
       result_.end = recorded;
     }
     return true;
   }
 
-  bool choose_window() {
-    if (!options_.choose_window) {
-      result_.decays.push_back({0, result_.end});
-      return true;
-    }
+  void choose_window() {
+    result_.decays.push_back({0, result_.end});
+    if (!options_.choose_window) return;
     result_.decays = find_decays(y_.head(result_.end), band_);
     double most = -1;
     for (std::size_t k = 0; k < result_.decays.size(); ++k) {
@@ -124,18 +107,17 @@ class Estimation {
         where += fmt::format("{}{:.4g} to {:.4g} s", where.empty() ? "" : ", ", time_of(w.start),
                              time_of(w.end - 1));
       }
-      result_.note("several_decays",
-                   fmt::format("{} decays in the record: {}; the strongest is fitted",
-                               result_.decays.size(), where));
+      add_note(result_.notes, "several_decays", "",
+               "{} decays in the record: {}; the strongest is fitted", result_.decays.size(),
+               where);
     }
-    return true;
   }
 
   bool enough() {
     const auto lost = static_cast<Index>(samples_.missing.size());
     if (samples_.values.size() - lost >= kFewestSamples) return true;
-    result_.refuse("too_few_samples", "fewer than 7 samples are left after clipping and gaps");
-    return false;
+    return result_.refuse("too_few_samples",
+                          "fewer than 7 samples are left after clipping and gaps");
   }
 
   /// To the window's end, with what other samples say.
@@ -150,15 +132,13 @@ class Estimation {
     if (!enough()) return false;
     const auto lost = static_cast<Index>(samples_.missing.size());
     if (5 * lost > samples_.values.size()) {
-      result_.refuse(
+      return result_.refuse(
           "missing_samples",
-          fmt::format("{} of {} samples are missing: name a stretch without gaps by start and "
-                      "end",
+          fmt::format("{} of {} samples are missing: name a stretch without gaps by start and end",
                       lost, samples_.values.size()));
-      return false;
     }
     if (lost > 0) {
-      result_.note("missing_samples", fmt::format("{} missing samples were left out", lost));
+      add_note(result_.notes, "missing_samples", "", "{} missing samples were left out", lost);
     }
     return true;
   }
@@ -166,23 +146,19 @@ class Estimation {
   bool find_modes() {
     fit_ = find_decay_modes(samples_, band_);
     if (fit_) return true;
-    result_.refuse(
+    return result_.refuse(
         "too_noisy",
-        "no oscillation stands out of the noise (or less than half a cycle is recorded): a "
-        "longer record, a harder impulse or a band around the mode would help");
-    return false;
+        "no oscillation stands out of the noise (or less than half a cycle is recorded): a longer "
+        "record, a harder impulse or a band around the mode would help");
   }
 
   bool leave_out_clipped() {
     const auto clipped = clipped_by_fit(samples_, band_);
     if (clipped.empty()) return true;
     for (const Index j : clipped) y_(result_.start + j) = kNaN;
-    result_.note(
-        "clipped",
-        fmt::format("{} samples are cut off at a rail, the last at {:.6g} s; they count as "
-                    "missing",
-                    clipped.size(),
-                    time_of(result_.start + *std::max_element(clipped.begin(), clipped.end()))));
+    add_note(result_.notes, "clipped", "",
+             "{} samples are cut off at a rail, the last at {:.6g} s; they count as missing",
+             clipped.size(), time_of(result_.start + *std::ranges::max_element(clipped)));
     samples_ = samples_from(result_.start);
     return enough() && find_modes();
   }
@@ -212,11 +188,10 @@ class Estimation {
     std::ranges::copy_if(joint->poles, std::back_inserter(poles),
                          [](Complex p) { return is_tone(p) || is_offset(p); });
     if (!look_beside(poles)) return;
-    result_.note(
-        "decaying_offset",
-        fmt::format("an offset of {:.4g} that dies away with a time constant of {:.3g} s "
-                    "was fitted with the modes (an amplifier's high-pass?)",
-                    joint->amplitudes.back().real(), -1 / (joint->poles.back().real() * rate_)));
+    add_note(result_.notes, "decaying_offset", "",
+             "an offset of {:.4g} that dies away with a time constant of {:.3g} s was fitted with "
+             "the modes (an amplifier's high-pass?)",
+             joint->amplitudes.back().real(), -1 / (joint->poles.back().real() * rate_));
   }
 
   /// The strongest mode that was not spent on one of `poles`, tones and an offset, and what more
@@ -277,7 +252,7 @@ class Estimation {
     return options_.start_time_s + static_cast<double>(sample) / rate_;
   }
 
-  Eigen::VectorXd y_;
+  VectorXd y_;
   double rate_;
   const DecayOptions& options_;
   DecayBand band_;
@@ -304,16 +279,15 @@ void take_back(const NarrowRecord& narrow, DecayResult& result) {
   result.noise_std /= narrow.noise_gain;
   result.signal_to_noise_db += 20 * std::log10(narrow.noise_gain);
   result.step = narrow.step;
-  result.note(
-      "fitted_in_band",
-      fmt::format("every {}th sample was fitted, behind a filter: what counts lies far below the "
-                  "sample rate",
-                  narrow.step));
+  add_note(result.notes, "fitted_in_band", "",
+           "every {}th sample was fitted, behind a filter: what counts lies far below the sample "
+           "rate",
+           narrow.step);
 }
 
 }  // namespace
 
-DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y, double sample_rate_hz,
+DecayResult estimate_decay(const Ref<const VectorXd>& y, double sample_rate_hz,
                            const DecayOptions& options) {
   if (!(sample_rate_hz > 0) || !std::isfinite(sample_rate_hz)) {
     throw std::invalid_argument("decay: the sample rate must be positive");

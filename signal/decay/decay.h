@@ -10,15 +10,13 @@
 // made there (narrow_record.h).
 #pragma once
 
-#include <Eigen/Core>
-
 #include "signal/decay/decay_result.h"
 
 namespace rigfit::signal {
 
 /// `y`: uniform samples, NaN where missing. Throws std::invalid_argument for a rate or a band that
 /// makes no sense; unsuitable data lead to a refusal or a note.
-[[nodiscard]] DecayResult estimate_decay(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                         double sample_rate_hz, const DecayOptions& options = {});
+[[nodiscard]] DecayResult estimate_decay(const Ref<const VectorXd>& y, double sample_rate_hz,
+                                         const DecayOptions& options = {});
 
 }  // namespace rigfit::signal

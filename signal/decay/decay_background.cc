@@ -3,19 +3,12 @@
 #include <gsl/gsl_cdf.h>
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-#include <limits>
 
-#include "signal/numerics/numbers.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
 
 constexpr std::size_t kMostSteadyTones = 3;
 // The slowest mode has fallen by e^-7, to a thousandth.
@@ -24,10 +17,9 @@ constexpr double kDeadTimeConstants = 7;
 constexpr double kLeastFall = 1;
 
 /// Steady lines of samples [from, to), amplitudes those at the first.
-std::vector<KnownTone> steady_lines(const Eigen::Ref<const Eigen::VectorXd>& y, Index from,
-                                    Index to) {
+std::vector<KnownTone> steady_lines(const Ref<const VectorXd>& y, Index from, Index to) {
   if (to <= from) return {};
-  Eigen::VectorXd left = y.segment(from, to - from);
+  VectorXd left = y.segment(from, to - from);
   const auto n = static_cast<double>(to - from);
   DecaySearchOptions search;
   search.candidates = 1, search.lowest = 4 / n;
@@ -58,8 +50,8 @@ std::vector<KnownTone> steady_lines(const Eigen::Ref<const Eigen::VectorXd>& y, 
 
 }  // namespace
 
-std::vector<KnownTone> steady_tones(const Eigen::Ref<const Eigen::VectorXd>& y, Index quiet,
-                                    Index start, Index end, const DampedSinusoidsFit& fit) {
+std::vector<KnownTone> steady_tones(const Ref<const VectorXd>& y, Index quiet, Index start,
+                                    Index end, const DampedSinusoidsFit& fit) {
   double slowest = std::numeric_limits<double>::infinity();
   for (const Complex p : fit.poles) {
     if (-p.real() * static_cast<double>(fit.samples) > 1) slowest = std::min(slowest, -p.real());
@@ -98,10 +90,10 @@ std::optional<DampedSinusoidsFit> with_offset(const DecaySamples& samples,
 }
 
 std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DecayBand& band) {
-  Eigen::VectorXd y = samples.values;
+  VectorXd y = samples.values;
   for (const Index j : samples.missing) y(j) = kNaN;
   std::vector<Index> clipped;
-  Eigen::VectorXd left = y;
+  VectorXd left = y;
   for (const double rail :
        {y.maxCoeff<Eigen::PropagateNumbers>(), y.minCoeff<Eigen::PropagateNumbers>()}) {
     if ((y.array() == rail).count() > 1) left = (y.array() == rail).select(kNaN, left);
@@ -112,7 +104,7 @@ std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DecayBand& 
   const auto fit = find_decay_modes(others, band);
   if (!fit || fit->degrees < 1) return clipped;
   const double variance = fit->residual_sum_squares / static_cast<double>(fit->degrees);
-  Eigen::VectorXd says = Eigen::VectorXd::LinSpaced(
+  VectorXd says = VectorXd::LinSpaced(
       y.size(), fit->offset,
       fit->offset + fit->drift * static_cast<double>(y.size() - 1) / static_cast<double>(y.size()));
   for (std::size_t m = 0; m < fit->poles.size(); ++m) says += fit->mode_signal(m);

@@ -15,11 +15,6 @@
 //   sum_j max(0, fit_j - rail)^2 / s^2 > chi-squared of as many degrees, 1e-4.
 #pragma once
 
-#include <Eigen/Core>
-#include <optional>
-#include <vector>
-
-#include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::signal {
@@ -28,9 +23,9 @@ namespace rigfit::signal {
 /// the impact, or from those of [start, end) behind the modes of `fit`, the longer of both.
 /// Amplitudes are those at `start`; without information where they come from [start, end), to which
 /// `fit` was made.
-[[nodiscard]] std::vector<KnownTone> steady_tones(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                                  Eigen::Index quiet, Eigen::Index start,
-                                                  Eigen::Index end, const DampedSinusoidsFit& fit);
+[[nodiscard]] std::vector<KnownTone> steady_tones(const Ref<const VectorXd>& y, Index quiet,
+                                                  Index start, Index end,
+                                                  const DampedSinusoidsFit& fit);
 
 /// `fit` to `samples` with a decaying offset as its last pole, where that explains more than noise
 /// of the residual's colour would with the chance kFalseAlarm.
@@ -38,7 +33,6 @@ namespace rigfit::signal {
                                                             const DampedSinusoidsFit& fit);
 
 /// The samples on a rail, which say nothing of the decay but that it went there.
-[[nodiscard]] std::vector<Eigen::Index> clipped_by_fit(const DecaySamples& samples,
-                                                       const DecayBand& band);
+[[nodiscard]] std::vector<Index> clipped_by_fit(const DecaySamples& samples, const DecayBand& band);
 
 }  // namespace rigfit::signal

@@ -1,22 +1,15 @@
 #include "signal/decay/decay_judgement.h"
 
-#include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <vector>
+#include <functional>
 
-#include "signal/numerics/numbers.h"
+#include "signal/recording/add_note.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
 
 // Energy over the largest that noise shows with probability kFalseAlarm. Estimates that are
 // answered only where noise made them larger are biased: at 4 times, 4.5 dB in 50 cycles, by a
@@ -61,7 +54,7 @@ class Judgement {
   }
 
   /// Mode m and what no mode explains.
-  [[nodiscard]] Eigen::VectorXd alone(std::size_t m) const {
+  [[nodiscard]] VectorXd alone(std::size_t m) const {
     return fit_.mode_signal(m) + fit_.residual;  // zero where samples are missing
   }
 
@@ -74,8 +67,8 @@ class Judgement {
     noise_ = residual_noise(fit_.residual, fit_.degrees);
     left_ = line_spectrum(fit_.residual);
     const FitUncertainty uncertainty = fit_uncertainty(fit_, noise_);
-    const Eigen::VectorXd widened = uncertainty.widening.sqrt();
-    const Eigen::MatrixXd covariance =
+    const VectorXd widened = uncertainty.widening.sqrt();
+    const MatrixXd covariance =
         widened.asDiagonal() * uncertainty.covariance * widened.asDiagonal();
     const double factor = gsl_cdf_tdist_Pinv(0.975, static_cast<double>(fit_.degrees));
     result_.coverage_factor_95 = factor;
@@ -121,7 +114,7 @@ class Judgement {
       mode.detection = mode.energy / std::max(detection_threshold(fit_.samples) * variance, 1e-300);
       mode.cycles = p.imag() / kTwoPi * n;
 
-      const Eigen::VectorXd with_residual = alone(m);
+      const VectorXd with_residual = alone(m);
       const double spread = (with_residual.array() - with_residual.mean()).square().sum();
       mode.r_squared = spread > 0 ? 1 - fit_.residual_sum_squares / spread : 0;
       const auto decrement = log_decrement(cycles_of(m));
@@ -138,8 +131,7 @@ class Judgement {
     for (std::size_t m = 0; m < modes_.size(); ++m) {
       if (!is_offset(fit_.poles[m])) order.push_back(m);
     }
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t l, std::size_t r) { return modes_[l].energy > modes_[r].energy; });
+    std::ranges::sort(order, std::greater(), [&](std::size_t m) { return modes_[m].energy; });
     const bool decays = std::ranges::any_of(order, [&](std::size_t m) { return fall_[m] > 0.5; });
     for (const std::size_t m : order) {
       // Hum, or known to change by less than a tenth over the record while others decay.
@@ -174,29 +166,29 @@ class Judgement {
     const std::size_t main = kept_.front();
     const DecayMode& mode = modes_[main];
     if (const std::string why = driven(); !why.empty()) {
-      return refuse("no_decay",
-                    fmt::format("record a free decay (a tap, a release, a machine that is switched "
-                                "off) or name one by start and end: the oscillation at {:.4g} Hz "
-                                "does not die away by itself: {}",
-                                hz(main), why));
+      return refuse(
+          "no_decay",
+          fmt::format(
+              "record a free decay (a tap, a release, a machine that is switched off) or name one "
+              "by start and end: the oscillation at {:.4g} Hz does not die away by itself: {}",
+              hz(main), why));
     }
     if (!std::isfinite(mode.damping_ratio.std) || mode.cycles < 1) {
       return refuse(
           "too_noisy",
-          fmt::format("record more cycles or less noise: the record holds {:.2g} cycles at "
-                      "{:.3g} dB, which leave frequency and damping at {:.4g} Hz undetermined "
-                      "beside offset and drift",
-                      mode.cycles, result_.signal_to_noise_db, mode.frequency_hz.value));
+          fmt::format(
+              "record more cycles or less noise: the record holds {:.2g} cycles at {:.3g} dB, "
+              "which leave frequency and damping at {:.4g} Hz undetermined beside offset and drift",
+              mode.cycles, result_.signal_to_noise_db, mode.frequency_hz.value));
     }
     // A mode that explains most of what is there is no noise: what it leaves has its own colour.
     if (mode.detection < kLeastDetection && mode.r_squared < 0.8) {
-      return refuse(
-          "too_noisy",
-          fmt::format("repeat the test with a harder blow or a longer record, or give a band "
-                      "around the mode: the oscillation at {:.4g} Hz has {:.2g} times the energy "
-                      "that noise alone may show, and below {:.2g} times the values that are seen "
-                      "are those which noise made larger",
-                      mode.frequency_hz.value, mode.detection, kLeastDetection));
+      return refuse("too_noisy",
+                    fmt::format("repeat the test with a harder blow or a longer record, or give a "
+                                "band around the mode: the oscillation at {:.4g} Hz has {:.2g} "
+                                "times the energy that noise alone may show, and below {:.2g} "
+                                "times the values that are seen are those which noise made larger",
+                                mode.frequency_hz.value, mode.detection, kLeastDetection));
     }
     return false;
   }
@@ -213,15 +205,13 @@ class Judgement {
       return std::abs(pole.imag() - strongest.imag()) < std::max(lines, 3 * width);
     };
     const auto beside = [&](std::size_t m) { return m != main && near(fit_.poles[m]); };
-    if (std::any_of(growing_.begin(), growing_.end(), [&](std::size_t m) {
+    if (std::ranges::any_of(growing_, [&](std::size_t m) {
           return beside(m) && modes_[m].amplitude * std::exp(-fall_[m]) > 0.2 * amplitude;
         })) {
       return "its amplitude grows again";
     }
     // Noise whose colour is that of the residual beside them passes for some of them.
-    if (std::count_if(kept_.begin(), kept_.end(), beside) +
-            std::ranges::count_if(fit_.noise_like, near) >=
-        2) {
+    if (std::ranges::count_if(kept_, beside) + std::ranges::count_if(fit_.noise_like, near) >= 2) {
       return "its amplitude rises and falls at random";
     }
     return {};
@@ -240,34 +230,31 @@ class Judgement {
   void say() {
     const DecayMode& mode = result_.modes.front();
     if (!(mode.damping_ratio.value > 2 * mode.damping_ratio.std)) {
-      result_.note("damping_not_resolved",
-                   fmt::format("damping ratio {:.3g} is not distinguishable from zero (standard "
-                               "uncertainty {:.2g})",
-                               mode.damping_ratio.value, mode.damping_ratio.std));
+      add_note(
+          result_.notes, "damping_not_resolved", "",
+          "damping ratio {:.3g} is not distinguishable from zero (standard uncertainty {:.2g})",
+          mode.damping_ratio.value, mode.damping_ratio.std);
     }
     for (const std::size_t m : kept_) {
       const DecayMode& each = modes_[m];
       if (!each.company && !overlapped(m)) continue;
-      result_.note(
-          "not_one_decay",
-          fmt::format("Record for longer, or look for a change during the decay: one exponential "
-                      "does not hold all that decays near {:.4g} Hz: there is a mode close by that "
-                      "beats too slowly for this record, one that changes as it decays, or "
-                      "excitation that goes on",
-                      each.damped_frequency_hz.value));
+      add_note(result_.notes, "not_one_decay", "",
+               "Record for longer, or look for a change during the decay: one exponential does not "
+               "hold all that decays near {:.4g} Hz: there is a mode close by that beats too "
+               "slowly for this record, one that changes as it decays, or excitation that goes on",
+               each.damped_frequency_hz.value);
     }
     say_whether_exponential(mode);
     if (fit_.drift_up_to > 0) {
-      result_.note("slow_drift",
-                   fmt::format("Record for longer if modes up to {:.2g} Hz matter: what is there "
-                               "is no more than a drift, which was fitted with the modes",
-                               fit_.drift_up_to * rate_ / kTwoPi));
+      add_note(result_.notes, "slow_drift", "",
+               "Record for longer if modes up to {:.2g} Hz matter: what is there is no more than a "
+               "drift, which was fitted with the modes",
+               fit_.drift_up_to * rate_ / kTwoPi);
     }
     for (const auto& tone : result_.steady_tones) {
-      result_.note("steady_tone",
-                   fmt::format("a steady tone at {:.6g} Hz (mains hum?) was fitted and kept out of "
-                               "the modes",
-                               tone.damped_frequency_hz.value));
+      add_note(result_.notes, "steady_tone", "",
+               "a steady tone at {:.6g} Hz (mains hum?) was fitted and kept out of the modes",
+               tone.damped_frequency_hz.value);
     }
   }
 
@@ -281,15 +268,14 @@ class Judgement {
     for (const auto& p : envelope.points) {
       least = std::min(least, p.damping_ratio.value), most = std::max(most, p.damping_ratio.value);
     }
-    result_.note(
-        "not_exponential",
-        fmt::format("The numbers hold for one amplitude only: damping {} as the motion dies, "
-                    "damping ratio {:.3g} to {:.3g} along the decay, and the frequency changes by "
-                    "{:+.2g} Hz from its first part to its last",
-                    envelope.law == DecayLaw::friction ? "rises (as under dry friction)"
-                    : envelope.law == DecayLaw::drag   ? "falls (as under drag)"
-                                                       : "stays",
-                    least, most, drift.value));
+    add_note(result_.notes, "not_exponential", "",
+             "The numbers hold for one amplitude only: damping {} as the motion dies, damping "
+             "ratio {:.3g} to {:.3g} along the decay, and the frequency changes by {:+.2g} Hz from "
+             "its first part to its last",
+             envelope.law == DecayLaw::friction ? "rises (as under dry friction)"
+             : envelope.law == DecayLaw::drag   ? "falls (as under drag)"
+                                                : "stays",
+             least, most, drift.value);
   }
 
   const DampedSinusoidsFit& fit_;

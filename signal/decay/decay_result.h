@@ -1,17 +1,8 @@
 // Options and result of the estimate of a decay (decay.h).
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include "document/describe.h"
 #include "signal/decay/decay_window.h"
 #include "signal/envelope/envelope.h"
-#include "signal/numerics/estimate.h"
-#include "signal/recording/recording.h"
 
 namespace rigfit::signal {
 
@@ -43,13 +34,46 @@ struct DecayMode {
   /// One exponential leaves more than noise here: a second mode that beats too slowly for the
   /// record, or a mode that changes as it decays.
   bool company = false;
+
+  static constexpr std::string_view title = "modes, strongest first";
+  static constexpr auto fields() {
+    using T = DecayMode;
+    constexpr auto counted = [](const T& m) { return m.log_decrement_refusal.empty(); };
+    return std::tuple{
+        field("frequency_hz", &T::frequency_hz, "Hz", "frequency", "undamped natural frequency"),
+        field("damping_ratio", &T::damping_ratio, "%", "damping", "ratio to critical damping"),
+        field("frequency_interval_95_hz", describe::ends_of(&T::frequency_interval_95_hz), "Hz", "",
+              "95 %"),
+        field("damping_ratio_interval_95", describe::ends_of(&T::damping_ratio_interval_95), "", "",
+              "95 %"),
+        field("damped_frequency_hz", &T::damped_frequency_hz, "Hz", "", "f sqrt(1 - zeta^2)"),
+        field("log_decrement", &T::log_decrement, "", "", "per cycle, from the fit"),
+        field(
+            "damping_ratio_log_decrement",
+            [](const T& m) { return m.damping_ratio_log_decrement.value; }, "%", "by log decrement",
+            "from the swings, as a check", 4),
+        field(
+            "damping_ratio_log_decrement_std",
+            describe::where(counted, [](const T& m) { return m.damping_ratio_log_decrement.std; }),
+            "", "", "standard uncertainty"),
+        field("log_decrement_refusal",
+              describe::where([](const T& m) { return !m.log_decrement_refusal.empty(); },
+                              &T::log_decrement_refusal),
+              "", "", "why there is no log decrement"),
+        field("cycles", &T::cycles, "", "cycles", "in the window", 4),
+        field("r_squared", &T::r_squared, "", "R2", "share of the signal that the mode explains",
+              4),
+        field("detection", &T::detection, "", "", "energy over the most that noise reaches"),
+        field("amplitude", &T::amplitude, "", "amplitude", "at the window's start, channel's unit",
+              4)};
+  }
 };
 
 struct DecayResult {
   std::string refusal_code;  ///< code for programs; empty: there is a result
   std::string refusal;       ///< for a person: what is wrong and what would help
 
-  Eigen::Index start = 0, end = 0;  ///< window that was fitted, samples of the input
+  Index start = 0, end = 0;  ///< window that was fitted, samples of the input
   /// All decays of the record, in time (decay_window.h), and which of them was fitted.
   std::vector<DecayWindow> decays;
   std::size_t fitted_decay = 0;
@@ -57,57 +81,21 @@ struct DecayResult {
   std::vector<DecayMode> steady_tones;  ///< hum: do not decay while the modes do
   double noise_std = 0;                 ///< standard deviation of the residual
   double signal_to_noise_db = 0;        ///< strongest mode's power at the start over the noise's
-  Eigen::Index degrees_of_freedom = 0;
+  Index degrees_of_freedom = 0;
   /// Factor on a standard uncertainty for a 95 % interval (Student).
   double coverage_factor_95 = 1.96;
   EnvelopeResult envelope;  ///< for the strongest mode
   /// What is left of the window's samples `start`, `start` + `step`, ..., in the band where one is
   /// given; 0 where samples are missing. And the fit there.
-  Eigen::VectorXd residual, fitted;
-  Eigen::Index step = 1;
+  VectorXd residual, fitted;
+  Index step = 1;
   std::vector<Note> notes;
 
-  /// Ends the result without an answer.
-  void refuse(std::string code, std::string message) {
+  /// Ends the result without an answer: false.
+  bool refuse(std::string code, std::string message) {
     refusal_code = std::move(code), refusal = std::move(message);
-  }
-  void note(std::string code, std::string message) {
-    notes.push_back({std::move(code), std::move(message), ""});
+    return false;
   }
 };
 
 }  // namespace rigfit::signal
-
-namespace rigfit::describe {
-
-template <>
-struct Described<signal::DecayMode> {
-  using T = signal::DecayMode;
-  static constexpr auto counted = [](const T& m) { return m.log_decrement_refusal.empty(); };
-  static constexpr std::string_view title = "modes, strongest first";
-  static constexpr auto fields = std::tuple{
-      field("frequency_hz", &T::frequency_hz, "Hz", "frequency", "undamped natural frequency"),
-      field("damping_ratio", &T::damping_ratio, "%", "damping", "ratio to critical damping"),
-      field("frequency_interval_95_hz", ends_of(&T::frequency_interval_95_hz), "Hz", "", "95 %"),
-      field("damping_ratio_interval_95", ends_of(&T::damping_ratio_interval_95), "", "", "95 %"),
-      field("damped_frequency_hz", &T::damped_frequency_hz, "Hz", "", "f sqrt(1 - zeta^2)"),
-      field("log_decrement", &T::log_decrement, "", "", "per cycle, from the fit"),
-      field(
-          "damping_ratio_log_decrement",
-          [](const T& m) { return m.damping_ratio_log_decrement.value; }, "%", "by log decrement",
-          "from the swings, as a check", 4),
-      field("damping_ratio_log_decrement_std",
-            where(counted, [](const T& m) { return m.damping_ratio_log_decrement.std; }), "", "",
-            "standard uncertainty"),
-      field("log_decrement_refusal",
-            where([](const T& m) { return !m.log_decrement_refusal.empty(); },
-                  &T::log_decrement_refusal),
-            "", "", "why there is no log decrement"),
-      field("cycles", &T::cycles, "", "cycles", "in the window", 4),
-      field("r_squared", &T::r_squared, "", "R2", "share of the signal that the mode explains", 4),
-      field("detection", &T::detection, "", "", "energy over the most that noise reaches"),
-      field("amplitude", &T::amplitude, "", "amplitude", "at the window's start, channel's unit",
-            4)};
-};
-
-}  // namespace rigfit::describe

@@ -2,26 +2,16 @@
 
 #include <gsl/gsl_cdf.h>
 
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <limits>
-#include <numbers>
 #include <optional>
 #include <tuple>
-#include <utility>
 
 #include "signal/estimation/robust.h"
-#include "signal/numerics/numbers.h"
 #include "signal/numerics/power_sums.h"
 #include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
 
 // Amplitudes under this share of the record's largest are no impact.
 constexpr double kLeastShare = 0.05;
@@ -35,8 +25,8 @@ constexpr double kImpactChance = 1e-6;
 /// Mean of y exp(-i w j), twice, over any samples: a running sum.
 class RunningAmplitude {
  public:
-  RunningAmplitude(const Eigen::Ref<const Eigen::VectorXd>& y, double w) : sums_(y.size() + 1) {
-    const Eigen::ArrayXcd z = powers(Complex(0, -w), y.size());
+  RunningAmplitude(const Ref<const VectorXd>& y, double w) : sums_(y.size() + 1) {
+    const ArrayXcd z = powers(Complex(0, -w), y.size());
     sums_(0) = 0;
     for (Index j = 0; j < y.size(); ++j) sums_(j + 1) = sums_(j) + y(j) * z(j);
   }
@@ -57,7 +47,7 @@ class RunningAmplitude {
   }
 
  private:
-  Eigen::VectorXcd sums_;
+  VectorXcd sums_;
 };
 
 /// Samples over which an amplitude is averaged: a cycle, and near half the sample rate, where the
@@ -74,7 +64,7 @@ struct Jump {
 };
 
 // Local maxima of |J| that stand out of what the record shows elsewhere, over 2 and over 6 cycles.
-std::vector<Jump> jumps(const Eigen::VectorXd& y, double w) {
+std::vector<Jump> jumps(const VectorXd& y, double w) {
   const Index n = y.size(), cycle = averaging_cycle(w);
   const RunningAmplitude running(y, w);
   const Index step = std::max<Index>(1, cycle / 8);
@@ -111,7 +101,7 @@ std::vector<Jump> jumps(const Eigen::VectorXd& y, double w) {
 }
 
 // The damped sinusoids of `values`, NaN where missing; nothing where hardly any are there.
-std::optional<DampedSinusoidsFit> fitted(const Eigen::VectorXd& values) {
+std::optional<DampedSinusoidsFit> fitted(const VectorXd& values) {
   const DecaySamples samples = decay_samples(values, 0, values.size());
   auto fit = find_decay_modes(samples, {0, 0.5, true}, {}, kModes);
   return fit ? fit : fit_poles(samples, {});
@@ -130,13 +120,13 @@ Complex amplitude_near(const DampedSinusoidsFit& fit, double w, Index at) {
 
 // Whether two decays, the second behind the jump, explain the samples of [from, to) better than
 // one.
-bool is_impact(const Eigen::Ref<const Eigen::VectorXd>& y, const Jump& place, Index from, Index to,
+bool is_impact(const Ref<const VectorXd>& y, const Jump& place, Index from, Index to,
                Index half_cycle, double largest) {
   const Index at = place.at;
   const Index gap_from = at - half_cycle, gap_to = at + half_cycle;
   if (gap_from - from < 4 * half_cycle || to - gap_to < 4 * half_cycle) return false;
   if (gap_from - from < 24 || to - gap_to < 24) return false;
-  Eigen::VectorXd both = y.segment(from, to - from);
+  VectorXd both = y.segment(from, to - from);
   both.segment(gap_from - from, gap_to - gap_from).setConstant(kNaN);
   const auto before = fitted(y.segment(from, gap_from - from)), one = fitted(both),
              behind = fitted(y.segment(gap_to, to - gap_to));
@@ -167,11 +157,11 @@ bool is_impact(const Eigen::Ref<const Eigen::VectorXd>& y, const Jump& place, In
 
 /// Samples at which impacts start, in time: `hits`, which are known, and further ones. `y`: NaN
 /// where missing; `w`: of the modes looked at, rad per sample, first the one that tells `hits`.
-std::vector<Index> with_further(std::vector<Index> hits, const Eigen::Ref<const Eigen::VectorXd>& y,
+std::vector<Index> with_further(std::vector<Index> hits, const Ref<const VectorXd>& y,
                                 const std::vector<double>& w) {
   const Index n = y.size(), cycle = averaging_cycle(w.front());
   if (n < 8 * cycle) return hits;
-  const Eigen::VectorXd x = without_trend(y);
+  const VectorXd x = without_trend(y);
   // The largest of each mode first: what stands beside an impact already found, and every place
   // close to it, is its own skirt; modes that are told worse place it worse.
   std::vector<Jump> found;
@@ -184,8 +174,7 @@ std::vector<Index> with_further(std::vector<Index> hits, const Eigen::Ref<const 
   std::vector<Index> tested = hits;
   const Index half_cycle = (cycle + 1) / 2;
   for (const Jump& jump : found) {
-    if (std::any_of(tested.begin(), tested.end(),
-                    [&](Index t) { return std::abs(t - jump.at) < 3 * cycle; })) {
+    if (std::ranges::any_of(tested, [&](Index t) { return std::abs(t - jump.at) < 3 * cycle; })) {
       continue;
     }
     tested.push_back(jump.at);
@@ -197,7 +186,7 @@ std::vector<Index> with_further(std::vector<Index> hits, const Eigen::Ref<const 
     }
     if (is_impact(y, jump, from, to, half_cycle, largest)) hits.push_back(jump.at);
   }
-  std::sort(hits.begin(), hits.end());
+  std::ranges::sort(hits);
   return hits;
 }
 
@@ -208,7 +197,7 @@ struct Onset {
 };
 
 // Best start for a sinusoid of frequency w over a bank of decay rates.
-Onset best_onset(const Eigen::VectorXd& y, double w) {
+Onset best_onset(const VectorXd& y, double w) {
   const Index n = y.size();
   Onset onset;
   for (double decays = 2; decays / static_cast<double>(n) < 0.5 * w; decays *= 2.5) {
@@ -231,7 +220,7 @@ Onset best_onset(const Eigen::VectorXd& y, double w) {
 
 // Whether what lies before an onset is small beside what follows: a beat that swells is not. Other
 // modes may shift the onset by a cycle, which is left out where there are three more before it.
-bool quiet_before(const Eigen::VectorXd& y, double w, Index start, Index cycle) {
+bool quiet_before(const VectorXd& y, double w, Index start, Index cycle) {
   // Less the line between half a cycle before and behind: a sway is straight for so long.
   const Index half = cycle / 2, n = y.size() - 2 * half;
   const RunningAmplitude running(y.segment(half, n) - 0.5 * (y.head(n) + y.tail(n)), w);
@@ -246,7 +235,7 @@ bool quiet_before(const Eigen::VectorXd& y, double w, Index start, Index cycle) 
 
 }  // namespace
 
-Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y) {
+Index recorded_until(const Ref<const VectorXd>& y) {
   constexpr Index kFewest = 16;
   const Index n = y.size();
   Index tail = 1;
@@ -261,11 +250,10 @@ Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y) {
   return (before.array() - y(n - 1)).abs().maxCoeff() <= 2 * step ? n : n - tail;
 }
 
-std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& samples,
-                                     const DecayBand& band) {
+std::vector<DecayWindow> find_decays(const Ref<const VectorXd>& samples, const DecayBand& band) {
   const Index n = recorded_until(samples);
   const auto y = samples.head(n);
-  const Eigen::VectorXd x = without_trend(y);
+  const VectorXd x = without_trend(y);
   if (n < 16 || !(x.squaredNorm() > 0)) return {{0, n}};
   auto candidates = search_decays(x, {.lowest = band.low, .highest = band.high, .candidates = 64});
   std::erase_if(candidates, [&](const DecayCandidate& c) { return !band.contains(c.pole); });

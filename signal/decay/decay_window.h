@@ -19,27 +19,23 @@
 // Missing samples are left out of these fits: a gap is no impact.
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-#include <vector>
-
 #include "signal/recording/recording.h"
 #include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::signal {
 
 struct DecayWindow {
-  Eigen::Index start = 0, end = 0;  ///< samples [start, end); a start > 0 is behind an impact
+  Index start = 0, end = 0;  ///< samples [start, end); a start > 0 is behind an impact
 };
 
 /// All decays of a record, in time. Never empty for a record that has samples. `y`: NaN where
 /// missing.
-[[nodiscard]] std::vector<DecayWindow> find_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
+[[nodiscard]] std::vector<DecayWindow> find_decays(const Ref<const VectorXd>& y,
                                                    const DecayBand& band = {0, 0.5, true});
 
 /// Number of samples without a run of equal values at the end of the record (a stopped logger
 /// writes zeros); such a run has 16 samples or more and does not end a swing that comes to rest on
 /// a coarse scale: the 16 samples before it were not all within two steps of it.
-[[nodiscard]] Eigen::Index recorded_until(const Eigen::Ref<const Eigen::VectorXd>& y);
+[[nodiscard]] Index recorded_until(const Ref<const VectorXd>& y);
 
 }  // namespace rigfit::signal

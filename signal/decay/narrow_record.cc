@@ -7,15 +7,12 @@
 namespace rigfit::signal {
 namespace {
 
-using Eigen::Index;
-
 // A blow is spread over the filter's reach, which is half a cycle at the end of the band then.
 constexpr double kSamplesPerCycle = 8;
 
 }  // namespace
 
-std::optional<NarrowRecord> narrow_record(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                          const DecayBand& band) {
+std::optional<NarrowRecord> narrow_record(const Ref<const VectorXd>& y, const DecayBand& band) {
   // Records of 130 narrow samples still start where whole ones do, those of 80 start before they
   // are struck (narrow_record_test.cc): twice as many.
   constexpr Index kFewest = 256;
@@ -30,7 +27,7 @@ std::optional<NarrowRecord> narrow_record(const Eigen::Ref<const Eigen::VectorXd
   out.first = static_cast<Index>(filter.half_length());
   if (y.size() <= 2 * out.first) return {};
   if (!y.allFinite() || recorded_until(y) < y.size() || clipped_samples(y, 0).count > 0) return {};
-  Eigen::VectorXd h = Eigen::VectorXd::NullaryExpr(
+  VectorXd h = VectorXd::NullaryExpr(
       2 * out.first + 1, [&](Index k) { return filter.at(static_cast<double>(k - out.first)); });
   h /= h.sum();
   out.noise_gain = h.norm();

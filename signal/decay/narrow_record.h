@@ -10,26 +10,21 @@
 // (2004), ch. 3.
 #pragma once
 
-#include <Eigen/Core>
-#include <optional>
-
 #include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::signal {
 
 struct NarrowRecord {
-  Eigen::VectorXd samples;
-  Eigen::Index first = 0, step = 1;  ///< samples[i] is that of record sample first + i step
-  double noise_gain = 1;             ///< on the std of white noise
+  VectorXd samples;
+  Index first = 0, step = 1;  ///< samples[i] is that of record sample first + i step
+  double noise_gain = 1;      ///< on the std of white noise
 
-  [[nodiscard]] Eigen::Index record_sample(Eigen::Index sample) const {
-    return first + sample * step;
-  }
+  [[nodiscard]] Index record_sample(Index sample) const { return first + sample * step; }
 };
 
 /// `y` in `band`. Nothing where every sample is needed or the filter is longer than the record, or
 /// where there are gaps or rails.
-[[nodiscard]] std::optional<NarrowRecord> narrow_record(const Eigen::Ref<const Eigen::VectorXd>& y,
+[[nodiscard]] std::optional<NarrowRecord> narrow_record(const Ref<const VectorXd>& y,
                                                         const DecayBand& band);
 
 }  // namespace rigfit::signal

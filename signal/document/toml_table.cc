@@ -224,7 +224,7 @@ std::string TomlTable::choice_or(const std::string& key, const std::vector<std::
                                  const std::string& fallback) {
   if (!has(key)) return fallback;
   std::string value = string(key);
-  if (std::find(words.begin(), words.end(), value) != words.end()) return value;
+  if (std::ranges::find(words, value) != words.end()) return value;
   const auto nearest = nearest_word(value, words);
   throw error(key, "does not know \"" + value + "\"",
               (nearest ? "did you mean \"" + *nearest + "\"? It" : "it") +

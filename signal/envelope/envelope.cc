@@ -1,17 +1,11 @@
 #include "signal/envelope/envelope.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
-#include <cmath>
 
 #include "signal/numerics/factorisations.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
 
 // Fewer samples than this leave too little beside three coefficients.
 constexpr double kFewestForEnvelope = 8;
@@ -24,20 +18,20 @@ constexpr double kLawGain = 25;
 
 /// Coefficients of a weighted polynomial, and their standard uncertainties.
 struct Polynomial {
-  Eigen::VectorXd coefficients, std;
+  VectorXd coefficients, std;
   double widening = 1;  // of std, by the misfit: from below 1 up, or NaN where there is no freedom
 };
 
 Polynomial polynomial(const double* x, const double* weight, const double* y, std::size_t count,
                       Index terms) {
   const auto n = static_cast<Index>(count);
-  const Eigen::Map<const Eigen::ArrayXd> t(x, n), w(weight, n), values(y, n);
-  Eigen::MatrixXd X(n, terms);
+  const Map<const ArrayXd> t(x, n), w(weight, n), values(y, n);
+  MatrixXd X(n, terms);
   for (Index k = 0; k < terms; ++k) X.col(k) = w.sqrt() * t.pow(static_cast<double>(k));
   const auto qr = thin_qr(X);
   const auto R = qr.R.triangularView<Eigen::Upper>();
-  const Eigen::VectorXd z = w.sqrt() * values, along = qr.Q.transpose() * z;
-  const Eigen::MatrixXd inverse = R.solve(Eigen::MatrixXd::Identity(terms, terms));
+  const VectorXd z = w.sqrt() * values, along = qr.Q.transpose() * z;
+  const MatrixXd inverse = R.solve(MatrixXd::Identity(terms, terms));
   return {inverse * along, inverse.rowwise().norm(),
           (z - qr.Q * along).norm() / std::sqrt(static_cast<double>(n - terms))};
 }
@@ -49,8 +43,8 @@ const char* name_of(DecayLaw law) {
   return kNames[static_cast<std::size_t>(law)];
 }
 
-CycleAmplitudes cycle_amplitudes(const Eigen::Ref<const Eigen::VectorXd>& alone,
-                                 double sample_rate_hz, Complex pole, double noise_variance) {
+CycleAmplitudes cycle_amplitudes(const Ref<const VectorXd>& alone, double sample_rate_hz,
+                                 Complex pole, double noise_variance) {
   CycleAmplitudes cycles;
   cycles.pole = pole, cycles.sample_rate_hz = sample_rate_hz;
   // A cycle; near half the sample rate, where the conjugate pole comes close, a cycle of the beat.

@@ -13,13 +13,9 @@
 // Source: Inman, Engineering Vibration, sections 1.6 (decrement) and 1.10 (friction and drag).
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-#include <string>
-#include <vector>
-
 #include "document/describe.h"
 #include "signal/numerics/estimate.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
@@ -28,7 +24,7 @@ enum class DecayLaw { exponential, friction, drag };
 
 /// Amplitudes of a mode, cycle by cycle, for as long as they stand out of the noise.
 struct CycleAmplitudes {
-  std::complex<double> pole;     ///< p, per sample
+  Complex pole;                  ///< p, per sample
   double sample_rate_hz = 0;     ///< rate of the samples they were fitted to
   std::vector<double> time_s;    ///< m_k, from the first sample
   std::vector<double> log_size;  ///< ln|C_k|
@@ -38,8 +34,8 @@ struct CycleAmplitudes {
 
 /// `alone`: samples of one mode and what no mode explains. `noise_variance`: white-equivalent
 /// variance of a sample near the mode.
-[[nodiscard]] CycleAmplitudes cycle_amplitudes(const Eigen::Ref<const Eigen::VectorXd>& alone,
-                                               double sample_rate_hz, std::complex<double> pole,
+[[nodiscard]] CycleAmplitudes cycle_amplitudes(const Ref<const VectorXd>& alone,
+                                               double sample_rate_hz, Complex pole,
                                                double noise_variance);
 
 struct LogDecrement {
@@ -54,6 +50,16 @@ struct EnvelopePoint {
   double amplitude = 0;   ///< at that time, the signal's unit
   Estimate frequency_hz;  ///< damped frequency
   Estimate damping_ratio;
+
+  static constexpr std::string_view title = "along the decay of the strongest";
+  static constexpr auto fields() {
+    using T = EnvelopePoint;
+    return std::tuple{
+        field("time_s", &T::time_s, "s", "time", "middle of the span", 4),
+        field("amplitude", &T::amplitude, "", "amplitude", "in the channel's unit", 4),
+        field("frequency_hz", &T::frequency_hz, "Hz", "damped frequency", "over the span"),
+        field("damping_ratio", &T::damping_ratio, "%", "damping", "over the span")};
+  }
 };
 
 struct EnvelopeResult {
@@ -61,33 +67,17 @@ struct EnvelopeResult {
   DecayLaw law = DecayLaw::exponential;
   /// Change of the damped frequency from the first point to the last, weighted line in time.
   Estimate frequency_drift_hz;
+
+  static constexpr auto fields() {
+    using T = EnvelopeResult;
+    constexpr auto followed = [](const T& e) { return e.points.size() > 1; };
+    return std::tuple{field("law", describe::where(followed, &T::law), "", "law of the decay",
+                            "exponential, friction or drag"),
+                      field("points", describe::where(followed, &T::points), "", "points",
+                            "amplitude, frequency, damping")};
+  }
 };
 
 [[nodiscard]] EnvelopeResult envelope_of(const CycleAmplitudes& cycles);
 
 }  // namespace rigfit::signal
-
-namespace rigfit::describe {
-
-template <>
-struct Described<signal::EnvelopePoint> {
-  using T = signal::EnvelopePoint;
-  static constexpr std::string_view title = "along the decay of the strongest";
-  static constexpr auto fields =
-      std::tuple{field("time_s", &T::time_s, "s", "time", "middle of the span", 4),
-                 field("amplitude", &T::amplitude, "", "amplitude", "in the channel's unit", 4),
-                 field("frequency_hz", &T::frequency_hz, "Hz", "damped frequency", "over the span"),
-                 field("damping_ratio", &T::damping_ratio, "%", "damping", "over the span")};
-};
-
-template <>
-struct Described<signal::EnvelopeResult> {
-  using T = signal::EnvelopeResult;
-  static constexpr auto followed = [](const T& e) { return e.points.size() > 1; };
-  static constexpr auto fields = std::tuple{
-      field("law", where(followed, &T::law), "", "law of the decay",
-            "exponential, friction or drag"),
-      field("points", where(followed, &T::points), "", "points", "amplitude, frequency, damping")};
-};
-
-}  // namespace rigfit::describe

@@ -2,64 +2,44 @@
 
 #include <gsl/gsl_cdf.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <numeric>
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
-namespace {
 
-double weighted_squares(std::span<const double> x, std::span<const double> v, double tau2,
-                        double& mean) {
-  double sw = 0, swx = 0, squares = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) sw += 1 / (v[i] + tau2), swx += x[i] / (v[i] + tau2);
-  mean = swx / sw;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    squares += (x[i] - mean) * (x[i] - mean) / (v[i] + tau2);
-  }
-  return squares;
-}
-
-}  // namespace
-
-GroupMean mean_over_groups(std::span<const double> x, std::span<const double> v) {
-  GroupMean p;
+GroupMean mean_over_groups(std::span<const double> values, std::span<const double> variances) {
+  const Map<const ArrayXd> x(values.data(), std::ssize(values)),
+      v(variances.data(), std::ssize(variances));
   const double expected = static_cast<double>(x.size()) - 1;
-  p.cochran_Q = weighted_squares(x, v, 0, p.mean);
+  GroupMean p;
+  ArrayXd w;
+  const auto weighted_squares = [&] {
+    w = (v + p.between_variance).inverse();
+    p.mean = (w * x).sum() / w.sum();
+    return (w * (x - p.mean).square()).sum();
+  };
+  p.cochran_Q = weighted_squares();
   if (x.size() > 1) p.chance = gsl_cdf_chisq_Q(p.cochran_Q, expected);
   if (x.size() > 1 && p.cochran_Q > expected) {
     // Q(tau^2) falls and is convex: Newton's steps from 0 rise to the root.
     for (int k = 0; k < 200; ++k) {
-      const double Q = weighted_squares(x, v, p.between_variance, p.mean);
-      double slope = 0;
-      for (std::size_t i = 0; i < x.size(); ++i) {
-        const double d = (x[i] - p.mean) / (v[i] + p.between_variance);
-        slope += d * d;
-      }
-      const double step = (Q - expected) / slope;
+      const double excess = weighted_squares() - expected;
+      const double step = excess / (w * (x - p.mean)).square().sum();
       p.between_variance += step;
       if (!(step > 1e-13 * p.between_variance)) break;
     }
-    weighted_squares(x, v, p.between_variance, p.mean);
+    weighted_squares();
   }
-  double sw = 0, between = 0;
-  for (double a : v) sw += 1 / (a + p.between_variance);
-  for (double a : v) {
-    p.weights.push_back(1 / (a + p.between_variance) / sw);
-    between += p.between_variance * p.weights.back() * p.weights.back();
-  }
-  p.variance = 1 / sw;
+  p.variance = 1 / w.sum();
+  w *= p.variance;
+  p.weights.assign(w.begin(), w.end());
+  const double between = p.between_variance * w.square().sum();
   if (between > 0) p.degrees = expected * std::sqrt(p.variance / between);
   return p;
 }
 
 double jackknife_variance(std::span<const double> without) {
-  const auto G = static_cast<double>(without.size());
-  const double mean = std::accumulate(without.begin(), without.end(), 0.0) / G;
-  double squares = 0;
-  for (const double x : without) squares += (x - mean) * (x - mean);
-  return (G - 1) / G * squares;
+  const Map<const ArrayXd> x(without.data(), std::ssize(without));
+  return (1 - 1 / static_cast<double>(x.size())) * (x - x.mean()).square().sum();
 }
 
 double GroupMean::std_95() const { return widening_95(degrees) * std::sqrt(variance); }

@@ -3,15 +3,10 @@
 #include <cmath>
 #include <vector>
 
-#include "signal/numerics/scaled_gram.h"
+#include "signal/numerics/factorisations.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 
 constexpr double kMostDamping = 1e8;  // no downhill step is left: a minimum to rounding
 
@@ -33,7 +28,7 @@ const char* name_of(StepsEnd end) {
 }
 
 void PoleStage::set_analytic(const VectorXcd& complex_gradient,
-                             const Eigen::MatrixXcd& complex_information) {
+                             const MatrixXcd& complex_information) {
   const Index n = complex_gradient.size();
   gradient.resize(2 * n);
   information.resize(2 * n, 2 * n);

@@ -12,26 +12,21 @@
 // Review 22 (1980) 318; Marquardt, J. SIAM 11 (1963) 431.
 #pragma once
 
-#include <Eigen/Core>
-#include <algorithm>
-#include <complex>
-#include <limits>
-#include <utility>
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
 /// What a model states of its poles; it adds what else it finds there.
 struct PoleStage {
-  Eigen::VectorXcd poles;
+  VectorXcd poles;
   double cost = 0;
   /// (real, imaginary) of each pole; parts whose information is 0 are held.
-  Eigen::VectorXd gradient;
-  Eigen::MatrixXd information;  ///< empty: the poles' columns cannot be told apart
-  bool usable = false;          ///< false: no such model; `information` is not read
+  VectorXd gradient;
+  MatrixXd information;  ///< empty: the poles' columns cannot be told apart
+  bool usable = false;   ///< false: no such model; `information` is not read
 
   /// Takes complex gradient and information: the model is analytic in its poles.
-  void set_analytic(const Eigen::VectorXcd& complex_gradient,
-                    const Eigen::MatrixXcd& complex_information);
+  void set_analytic(const VectorXcd& complex_gradient, const MatrixXcd& complex_information);
 };
 
 struct PoleStepOptions {
@@ -59,7 +54,7 @@ class PoleSteps {
   [[nodiscard]] StepsEnd end() const { return end_; }
   [[nodiscard]] int iterations() const { return iterations_; }
   /// The next poles to try from `stage` into `poles`; false: it is over.
-  [[nodiscard]] bool next(const PoleStage& stage, Eigen::VectorXcd& poles);
+  [[nodiscard]] bool next(const PoleStage& stage, VectorXcd& poles);
   void judge(bool better);
 
  private:
@@ -75,7 +70,7 @@ template <class Stage, class Evaluate>
 StepsEnd take_pole_steps(const PoleStepOptions& options, Evaluate&& evaluate, Stage& stage,
                          int* iterations = nullptr) {
   PoleSteps steps(options);
-  for (Eigen::VectorXcd poles; steps.next(stage, poles);) {
+  for (VectorXcd poles; steps.next(stage, poles);) {
     Stage trial = evaluate(poles);
     const bool better = trial.usable && trial.cost <= stage.cost;
     if (better) stage = std::move(trial);

@@ -9,7 +9,7 @@
 
 namespace rigfit::signal {
 
-std::vector<double> finite_values(const Eigen::Ref<const Eigen::VectorXd>& values) {
+std::vector<double> finite_values(const Ref<const VectorXd>& values) {
   std::vector<double> finite;
   std::ranges::copy_if(values, std::back_inserter(finite),
                        [](double x) { return std::isfinite(x); });
@@ -22,7 +22,7 @@ double median(std::vector<double> values) {
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   return gsl_stats_quantile_from_sorted_data(values.data(), 1, values.size(), share);
 }
 

@@ -1,13 +1,12 @@
 // Location and scatter that are insensitive to a few outliers (GSL's order statistics).
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
 /// Those that are numbers.
-[[nodiscard]] std::vector<double> finite_values(const Eigen::Ref<const Eigen::VectorXd>& values);
+[[nodiscard]] std::vector<double> finite_values(const Ref<const VectorXd>& values);
 
 /// Middle value (mean of the two for an even number); 0 for no values.
 [[nodiscard]] double median(std::vector<double> values);

@@ -1,47 +1,32 @@
 #include "signal/impact/impact_frfs.h"
 
-#include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <complex>
 #include <functional>
 
 #include "signal/estimation/robust.h"
-#include "signal/recording/recording_error.h"
+#include "signal/readers/uff58.h"
+#include "signal/recording/add_note.h"
 #include "signal/spectra/window.h"
 
 namespace rigfit::signal {
 namespace {
-using Eigen::Index;
 
 /// Mean of a block's force outside of its pulse: what zero is during the hit.
 double level_beside(const FrfBlock& block, double otherwise) {
   const auto size = static_cast<Index>(block.force.size());
   const Index first = std::clamp<Index>(block.pulse_first, 0, size);
   const Index last = std::clamp<Index>(block.pulse_last + 1, first, size);
-  const Eigen::Map<const Eigen::VectorXd> x(block.force.data(), size);
+  const Map<const VectorXd> x(block.force.data(), size);
   const Index beside = first + size - last;
   if (beside < 32) return otherwise;
   return (x.head(first).sum() + x.tail(size - last).sum()) / static_cast<double>(beside);
 }
 
-double scatter(const Eigen::Ref<const Eigen::VectorXd>& x) {
+double scatter(const Ref<const VectorXd>& x) {
   constexpr Index kFewest = 16;  // a standard deviation from fewer is off by a fifth or more
   if (x.size() < kFewest) return 0;
   return std::sqrt((x.array() - x.mean()).square().sum() / static_cast<double>(x.size() - 1));
-}
-
-/// UFF direction (+-1, 2, 3) of an axis vector; 0 when it is along none.
-int uff_direction(const std::array<double, 3>& direction) {
-  const double length = std::hypot(direction[0], direction[1], direction[2]);
-  for (int axis = 0; axis < 3; ++axis) {
-    const double along = direction[static_cast<std::size_t>(axis)];
-    if (length > 0 && std::abs(along) > 0.999 * length) return along > 0 ? axis + 1 : -axis - 1;
-  }
-  return 0;
 }
 
 /// "(m/s^2)/N"; "?" for a unit that is not known, empty where neither is.
@@ -137,7 +122,7 @@ class Analysis {
       block.force_taper = std::max<Index>(1, samples / 2);
     }
     for (std::size_t r = 0; r < test_.responses.size(); ++r) {
-      const Eigen::VectorXd& y = channel(hit.recording, test_.responses[r]).samples;
+      const VectorXd& y = channel(hit.recording, test_.responses[r]).samples;
       block.responses.push_back({y.data() + hit.block_first, length});
       block.response_offset.push_back(test_.search.response_rest[hit.recording][r]);
       block.response_noise_std.push_back(scatter(y.segment(hit.block_first, quiet)));
@@ -147,7 +132,7 @@ class Analysis {
 
   /// Impulse of a hit: integral of the force over its pulse.
   double impulse_of(const Hit& hit) const {
-    const Eigen::VectorXd& force = channel(hit.recording, force_).samples;
+    const VectorXd& force = channel(hit.recording, force_).samples;
     const Index count = hit.pulse_last - hit.pulse_first + 1;
     const double sum = force.segment(hit.pulse_first, count).sum();
     return (sum - static_cast<double>(count) * hit.offset) / test_.search.sample_rate_hz;
@@ -167,7 +152,7 @@ class Analysis {
     const Index from = block.force_last + block.force_taper;
     const Index count = std::max<Index>(16, 3 * (hit.pulse_last - hit.pulse_first + 1));
     if (block.force_last < 0 || from + count >= size) return 0;
-    const Eigen::Map<const Eigen::VectorXd> x(block.force.data(), size);
+    const Map<const VectorXd> x(block.force.data(), size);
     const double behind = scatter(x.segment(from, count));
     return behind > 3 * scatter(x.tail(size - from - count)) ? behind / std::abs(hit.peak) : 0;
   }
@@ -226,7 +211,7 @@ class Analysis {
       double noise = 0, power = 0;
       for (const FrfBlock& block : blocks) {
         const auto& y = block.responses[r];
-        const Eigen::Map<const Eigen::ArrayXd> values(y.data(), static_cast<Index>(y.size()));
+        const Map<const ArrayXd> values(y.data(), static_cast<Index>(y.size()));
         noise += std::pow(block.response_noise_std[r], 2) * static_cast<double>(y.size());
         power += (values - block.response_offset[r]).square().sum();
       }
@@ -259,11 +244,9 @@ class Analysis {
         return estimate;
       }
       hits[static_cast<std::size_t>(worst)]->reject(
-          HitFault::outlier,
-          fmt::format(
-              "outlier: without it the part of the response that the force does not explain "
-              "falls from {:.2g} % to {:.2g} %",
-              100 * estimate.incoherence, 100 * without));
+          HitFault::outlier, fmt::format("outlier: without it the part of the response that the "
+                                         "force does not explain falls from {:.2g} % to {:.2g} %",
+                                         100 * estimate.incoherence, 100 * without));
     }
   }
 
@@ -285,25 +268,24 @@ class Analysis {
     for (std::size_t r = 0; r < test_.responses.size(); ++r) {
       const Channel& response = channel(0, test_.responses[r]);
       frfs.responses.push_back(
-          {response.name, static_cast<int>(r + 1), uff_direction(response.direction)});
+          {response.name, static_cast<int>(r + 1), uff58_direction(response.direction)});
       forms.push_back(form_of(response, force));
     }
-    frfs.inputs.push_back({force.name, 0, uff_direction(force.direction)});
+    frfs.inputs.push_back({force.name, 0, uff58_direction(force.direction)});
     set_form(forms, force);
     if (!test_.amplitudes) {
       frfs.form = FrfForm::unknown;
       frfs.unit.clear();
-      frfs.notes.push_back({"unscaled",
-                            "Use frequencies and damping only: the hits' pulses are not "
-                            "resolved, so that amplitudes and phases have no meaning",
-                            ""});
+      add_note(frfs.notes, "unscaled", "",
+               "Use frequencies and damping only: the hits' pulses are not resolved, so that "
+               "amplitudes and phases have no meaning");
     }
   }
 
   void set_form(const std::vector<FrfForm>& forms, const Channel& force) {
     FrfSet& frfs = test_.frfs;
     if (forms.empty()) return;
-    const bool known = std::find(forms.begin(), forms.end(), FrfForm::unknown) == forms.end();
+    const bool known = std::ranges::find(forms, FrfForm::unknown) == forms.end();
     const bool same =
         std::adjacent_find(forms.begin(), forms.end(), std::not_equal_to<>()) == forms.end();
     if (known && !same) {
@@ -313,23 +295,20 @@ class Analysis {
         if (frfs.H.rows() > 0) multiply_by_s(frfs, static_cast<Index>(r), 2 - derivatives);
       }
       frfs.form = FrfForm::accelerance;
-      test_.notes.push_back(
-          {"frf_form", "responses of different quantities are all given as accelerances", ""});
+      add_note(test_.notes, "frf_form", "",
+               "responses of different quantities are all given as accelerances");
     } else if (known) {
       frfs.form = forms.front();
     } else {
       frfs.form = FrfForm::unknown;
-      const auto unknown = static_cast<std::size_t>(
-          std::find(forms.begin(), forms.end(), FrfForm::unknown) - forms.begin());
+      const auto unknown =
+          static_cast<std::size_t>(std::ranges::find(forms, FrfForm::unknown) - forms.begin());
       const Channel& response = channel(0, test_.responses[unknown]);
       frfs.unit = ratio_of_units(response.unit, force.unit);
-      test_.notes.push_back(
-          {"frf_form",
-           fmt::format("State units and sensitivities beside the recording: force in \"{}\" and "
-                       "response in \"{}\" do not form a receptance, mobility or accelerance",
-                       force.unit.empty() ? "?" : force.unit,
-                       response.unit.empty() ? "?" : response.unit),
-           force.unit != "N" ? force.name : response.name});
+      add_note(test_.notes, "frf_form", force.unit != "N" ? force.name : response.name,
+               "State units and sensitivities beside the recording: force in \"{}\" and response "
+               "in \"{}\" do not form a receptance, mobility or accelerance",
+               force.unit.empty() ? "?" : force.unit, response.unit.empty() ? "?" : response.unit);
       return;
     }
     frfs.unit = unit_of(frfs.form);
@@ -348,13 +327,11 @@ class Analysis {
     judge_force_noise(estimate);
     // Over three pulses and more that is an error of H of 0.1 % and more.
     if (behind > 1e-3) {
-      test_.notes.push_back(
-          {"force_window",
-           fmt::format("Take a longer --force-window, or off, if the hammer goes on to push behind "
-                       "it, where the force still swings by {:.2g} % of its peak: what is cut off "
-                       "looks like a mode; a ringing sensor is cut off rightly",
-                       100 * behind),
-           ""});
+      add_note(test_.notes, "force_window", "",
+               "Take a longer --force-window, or off, if the hammer goes on to push behind it, "
+               "where the force still swings by {:.2g} % of its peak: what is cut off looks like a "
+               "mode; a ringing sensor is cut off rightly",
+               100 * behind);
     }
     const double left = end_level * std::exp(-decay_rate() * block_duration());
     // What is cut off at the end of a block, R / (s - p) exp(p T) exp(i w t) of a mode, T from the
@@ -368,20 +345,16 @@ class Analysis {
       }
     }
     if (left > kRungDown && left > 3 * test_.search.rest_level) {
-      test_.notes.push_back(
-          {"ring_down_truncated",
-           fmt::format(
+      add_note(test_.notes, "ring_down_truncated", "",
                "Wait longer between hits, or use an exponential window: responses are still at "
                "{:.2g} % of their largest value at the end of the block",
-               100 * left),
-           ""});
+               100 * left);
     }
     if (hidden > 0.05) {
-      test_.notes.push_back({"double_hit_hidden",
-                             fmt::format("Reduce the noise on the force: double hits smaller than "
-                                         "{:.2g} % of the peak cannot be detected in it",
-                                         100 * hidden),
-                             ""});
+      add_note(test_.notes, "double_hit_hidden", "",
+               "Reduce the noise on the force: double hits smaller than {:.2g} % of the peak "
+               "cannot be detected in it",
+               100 * hidden);
     }
     if (test_.frfs.averages <= 2) {
       test_.notes.push_back(
@@ -398,9 +371,9 @@ class Analysis {
 
   void judge_force_noise(const FrfEstimate& estimate) {
     const std::vector<double> shares = noise_shares(estimate);
-    test_.force_noise_left = *std::max_element(shares.begin(), shares.end());
+    test_.force_noise_left = *std::ranges::max_element(shares);
     if (test_.force_window_s > 0) {
-      const Eigen::Map<const Eigen::ArrayXd> of_hit(shares.data(), std::ssize(shares));
+      const Map<const ArrayXd> of_hit(shares.data(), std::ssize(shares));
       test_.frfs.force_noise_std = std::sqrt(0.5 * of_hit.mean() / test_.frfs.averages);
     }
     // From an error of 0.1 % of H on.
@@ -408,25 +381,21 @@ class Analysis {
       test_.frfs.force_noise_span_s = force_noise_span();
     }
     if (estimate.force_noise.size() == 0) {
-      test_.notes.push_back({"force_noise",
-                             "Record longer beside the hits: too few samples there to measure the "
-                             "noise on the force, for which H1 is not corrected",
-                             ""});
+      add_note(test_.notes, "force_noise", "",
+               "Record longer beside the hits: too few samples there to measure the noise on the "
+               "force, for which H1 is not corrected");
     }
     // What is subtracted is known to some 10 %; beyond a tenth of the force's power that is 1 %.
     if (test_.force_noise_left > 0.1) {
       const double left = test_.force_noise_left;
-      test_.notes.push_back(
-          {"force_noise",
-           fmt::format("Use {}: noise has up to {} of the force's power in the band{}",
-                       test_.force_window_s > 0
-                           ? "a harder tip, a narrower band or a shorter force window"
-                           : "a force window",
-                       left >= 3 ? "three times or more" : fmt::format("{:.2g} %", 100 * left),
-                       options_.estimator == FrfEstimator::h1
-                           ? ", and H1 is corrected by its mean power only"
-                           : ""),
-           ""});
+      add_note(test_.notes, "force_noise", "",
+               "Use {}: noise has up to {} of the force's power in the band{}",
+               test_.force_window_s > 0 ? "a harder tip, a narrower band or a shorter force window"
+                                        : "a force window",
+               left >= 3 ? "three times or more" : fmt::format("{:.2g} %", 100 * left),
+               options_.estimator == FrfEstimator::h1
+                   ? ", and H1 is corrected by its mean power only"
+                   : "");
     }
   }
 

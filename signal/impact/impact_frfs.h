@@ -9,16 +9,8 @@
 // left out by chance makes their scatter too small.
 #pragma once
 
-#include <Eigen/Core>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
-
 #include "signal/impact/impact_hits.h"
-#include "signal/recording/recording.h"
 #include "signal/spectra/frf.h"
-#include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
 
@@ -38,10 +30,10 @@ struct ImpactTestOptions {
 
 struct ImpactTest {
   HitSearch search;
-  std::vector<Eigen::Index> responses;  ///< channel indices, in the order of the FRFs
-  FrfSet frfs;                          ///< no lines when no hit was accepted
-  bool amplitudes = true;  ///< false: pulses not resolved, so only frequencies are valid
-  double usable_hz = 0;    ///< smallest of the accepted hits: beyond, the force is too weak
+  std::vector<Index> responses;  ///< channel indices, in the order of the FRFs
+  FrfSet frfs;                   ///< no lines when no hit was accepted
+  bool amplitudes = true;        ///< false: pulses not resolved, so only frequencies are valid
+  double usable_hz = 0;          ///< smallest of the accepted hits: beyond, the force is too weak
   /// Share of noise left by the force window, at the worst line; H1 is corrected for it.
   double force_noise_left = 0;
   double force_window_s = 0;  ///< length kept, mean over the hits; 0: no window

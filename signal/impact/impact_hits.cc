@@ -1,21 +1,18 @@
 #include "signal/impact/impact_hits.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "signal/estimation/robust.h"
 #include "signal/impact/pulse_shape.h"
+#include "signal/recording/add_note.h"
 #include "signal/recording/clipping.h"
-#include "signal/recording/recording_error.h"
 #include "signal/spectra/fft.h"
 #include "signal/spectra/window.h"
 
 namespace rigfit::signal {
 namespace {
-using Eigen::Index;
 
 constexpr double kTriggerNoise = 10;  // standard deviations of the noise
 constexpr double kHitWindow =
@@ -32,10 +29,10 @@ struct ChannelFacts {
 
 /// One recording's force as the search sees it: offset removed, missing samples zero.
 struct ForceTrace {
-  Eigen::VectorXd x;
+  VectorXd x;
   double offset = 0, noise = 0;
 
-  explicit ForceTrace(const Eigen::VectorXd& samples) {
+  explicit ForceTrace(const VectorXd& samples) {
     std::vector<double> values = finite_values(samples);
     offset = median(values);
     noise = robust_std(std::move(values), offset);
@@ -64,7 +61,7 @@ std::vector<Index> find_peaks(const ForceTrace& trace, int sign, double trigger,
   return peaks;
 }
 
-void measure_pulse(const Eigen::VectorXd& force, int sign, double rate, Index earliest, Hit& hit) {
+void measure_pulse(const VectorXd& force, int sign, double rate, Index earliest, Hit& hit) {
   const Index n = force.size();
   const auto value = [&](Index k) { return sign * (force[k] - hit.offset); };
   const auto edges = [&] {
@@ -98,7 +95,7 @@ void measure_pulse(const Eigen::VectorXd& force, int sign, double rate, Index ea
 }
 
 /// Spectrum of the pulse alone, dB below its maximum.
-void judge_spectrum(const Eigen::VectorXd& force, double rate,
+void judge_spectrum(const VectorXd& force, double rate,
                     const std::optional<std::pair<double, double>>& band_hz, Hit& hit) {
   const Index width = hit.pulse_last - hit.pulse_first + 1;
   const Index first = std::max<Index>(0, hit.pulse_first - width);
@@ -110,8 +107,8 @@ void judge_spectrum(const Eigen::VectorXd& force, double rate,
       (force.segment(first, last - first).array() - hit.offset) *
       force_window(last - first, hit.pulse_first - first, flat, 2 * width).array();
   fft.forward();
-  const Eigen::ArrayXd power = fft.spectrum().array().abs2();
-  const Eigen::VectorXd f = line_frequencies(fft.length(), rate);
+  const ArrayXd power = fft.spectrum().array().abs2();
+  const VectorXd f = line_frequencies(fft.length(), rate);
   const double largest = power.maxCoeff();
   const double least = largest * std::pow(10, -kMostSpectrumDrop / 10);
   // From the maximum on, where a dip is the end of what can be used.
@@ -166,9 +163,8 @@ void judge_shape(const Recording& recording, Index force, Index block_samples, H
 /// Where the largest hit shows that the channel is no force, no other is one either: they are the
 /// swings of its ring-down.
 void refuse_all_where_the_largest_rings(HitSearch& search) {
-  const auto largest = std::max_element(
-      search.hits.begin(), search.hits.end(),
-      [](const Hit& a, const Hit& b) { return std::abs(a.peak) < std::abs(b.peak); });
+  const auto largest =
+      std::ranges::max_element(search.hits, {}, [](const Hit& hit) { return std::abs(hit.peak); });
   if (largest == search.hits.end() || !largest->has(HitFault::rings)) return;
   for (Hit& hit : search.hits) {
     if (!hit.has(HitFault::rings))
@@ -190,8 +186,8 @@ void judge_pulse(const Recording& recording, const Channel& force, const Channel
     why = "pulse not resolved: the record begins within it; record from before the hit";
   } else if (width < options.min_pulse_samples) {
     why = fmt::format(
-        "pulse not resolved: {} sample{} above {:.0f} % of the peak at {:g} Hz, {} needed; "
-        "sample at {:.3g} Hz or more, or use a softer tip",
+        "pulse not resolved: {} sample{} above {:.0f} % of the peak at {:g} Hz, {} needed; sample "
+        "at {:.3g} Hz or more, or use a softer tip",
         width, width == 1 ? "" : "s", 100 * kPulseEdge, rate, options.min_pulse_samples,
         rate * (options.min_pulse_samples + 1) / static_cast<double>(width));
   }
@@ -209,7 +205,7 @@ constexpr double kContact = 1e-3;
 void judge_double_hit(const Channel& force, Index block_samples, int sign, double rate,
                       double smallest, Hit& hit) {
   const Index length = std::min(block_samples, hit.available);
-  const Eigen::VectorXd block =
+  const VectorXd block =
       sign * (force.samples.segment(hit.block_first, length).array() - hit.offset).matrix();
   const SecondContact second = find_second_contact(
       block, hit.pulse_first - hit.block_first, hit.peak_sample - hit.block_first,
@@ -235,10 +231,10 @@ void measure_levels(const Recording& recording, std::span<const Index> responses
       0, hit.pulse_first - (hit.pulse_last - hit.pulse_first) - 1 - hit.block_first);
   std::vector<double> ends, befores;
   for (std::size_t r = 0; r < responses.size(); ++r) {
-    const Eigen::VectorXd y = recording.channels[static_cast<std::size_t>(responses[r])]
-                                  .samples.segment(hit.block_first, length)
-                                  .array() -
-                              facts[r].rest;
+    const VectorXd y = recording.channels[static_cast<std::size_t>(responses[r])]
+                           .samples.segment(hit.block_first, length)
+                           .array() -
+                       facts[r].rest;
     const double largest = y.cwiseAbs().maxCoeff();
     if (!(largest > 0)) continue;
     ends.push_back(std::sqrt(y.tail(tail).squaredNorm() / static_cast<double>(tail)) / largest);
@@ -303,9 +299,8 @@ void place_blocks(std::span<const Recording> recordings, const HitOptions& optio
     double best = 0;
     Index length = 2;
     for (const Hit& candidate : hits) {
-      const auto count = std::count_if(hits.begin(), hits.end(), [&](const Hit& hit) {
-        return hit.available >= candidate.available;
-      });
+      const auto count = std::ranges::count_if(
+          hits, [&](const Hit& hit) { return hit.available >= candidate.available; });
       const double used = static_cast<double>(count) * static_cast<double>(candidate.available);
       if (used > best) best = used, length = candidate.available;
     }
@@ -336,30 +331,28 @@ void judge_cut_off(std::span<const Recording> recordings, HitSearch& search) {
     if (hit.available >= search.block_samples) continue;
     if (hit.end_level <= std::max(kRungDown, 1.5 * search.rest_level)) continue;
     const bool next = hit.block_first + hit.available < recordings[hit.recording].samples();
-    hit.reject(
-        HitFault::cut_off,
-        fmt::format("ring-down cut off by the {} after {:.4g} s of {:.4g} s, at {:.2g} % of its "
-                    "largest value",
-                    next ? "next hit" : "end of the record",
-                    static_cast<double>(hit.available) / search.sample_rate_hz,
-                    static_cast<double>(search.block_samples) / search.sample_rate_hz,
-                    100 * hit.end_level));
+    hit.reject(HitFault::cut_off,
+               fmt::format("ring-down cut off by the {} after {:.4g} s of {:.4g} s, at {:.2g} % of "
+                           "its largest value",
+                           next ? "next hit" : "end of the record",
+                           static_cast<double>(hit.available) / search.sample_rate_hz,
+                           static_cast<double>(search.block_samples) / search.sample_rate_hz,
+                           100 * hit.end_level));
   }
 }
 
 void check_recordings(std::span<const Recording> recordings) {
   for (const Recording& recording : recordings) {
     if (!(recording.sample_rate_hz > 0)) {
-      throw RecordingError({recording.path.string(), 0, 0, "", ""}, "the sample rate is not known",
-                           "state it beside the recording (sample_rate_hz)");
+      throw file_error(recording.path, "the sample rate is not known",
+                       "state it beside the recording (sample_rate_hz)");
     }
     const double first = recordings.front().sample_rate_hz;
     if (std::abs(recording.sample_rate_hz - first) > 1e-5 * first) {
-      throw RecordingError(
-          {recording.path.string(), 0, 0, "", ""},
-          fmt::format("sampled at {:g} Hz, {} at {:g} Hz", recording.sample_rate_hz,
-                      recordings.front().path.string(), first),
-          "average only recordings of one sample rate");
+      throw file_error(recording.path,
+                       fmt::format("sampled at {:g} Hz, {} at {:g} Hz", recording.sample_rate_hz,
+                                   recordings.front().path.string(), first),
+                       "average only recordings of one sample rate");
     }
   }
 }
@@ -383,9 +376,7 @@ const char* name_of(HitFault fault) {
   return kNames[static_cast<std::size_t>(fault)];
 }
 
-bool Hit::has(HitFault fault) const {
-  return std::find(faults.begin(), faults.end(), fault) != faults.end();
-}
+bool Hit::has(HitFault fault) const { return std::ranges::find(faults, fault) != faults.end(); }
 
 void Hit::reject(HitFault fault, const std::string& why) {
   accepted = false;
@@ -412,11 +403,9 @@ HitSearch find_hits(std::span<const Recording> recordings, Index force,
     Index earliest = 0;
     const std::vector<Index> peaks = find_peaks(traces[i], search.sign, options.trigger, apart);
     if (peaks.empty()) {
-      search.notes.push_back(
-          {"no_hit",
-           fmt::format("Check the force channel: nothing in \"{}\" rises above the noise",
-                       channel_of(i).name),
-           recordings[i].path.string()});
+      add_note(search.notes, "no_hit", recordings[i].path.string(),
+               "Check the force channel: nothing in \"{}\" rises above the noise",
+               channel_of(i).name);
     }
     for (const Index peak : peaks) {
       Hit hit;

@@ -8,15 +8,8 @@
 // Guidance on what makes a hit good: ISO 7626-5 (impact excitation).
 #pragma once
 
-#include <Eigen/Core>
-#include <optional>
 #include <span>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
 
-#include "document/describe.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
@@ -60,21 +53,21 @@ inline constexpr double kMostSpectrumDrop = 20;
 
 struct Hit {
   std::size_t recording = 0;  ///< index of the recording it is in
-  Eigen::Index peak_sample = 0;
+  Index peak_sample = 0;
   double time_s = 0;  ///< time of the peak on the recording's time axis
   double peak = 0;    ///< with its sign, unit of the force channel, offset removed
   double offset = 0;  ///< mean force before the hit, removed
-  Eigen::Index pulse_first = 0, pulse_last = 0;  ///< samples above the edge, inclusive
-  double pulse_duration_s = 0;                   ///< between the edge crossings, interpolated
-  Eigen::Index block_first = 0;                  ///< sample where the block begins
-  Eigen::Index available = 0;                    ///< samples from there to the next hit or the end
-  double second_hit = 0;                         ///< largest second contact relative to the peak
-  double second_hit_delay_s = 0;                 ///< negative: before the peak
-  double smallest_second_hit = 0;  ///< smallest visible in the noise, relative to the peak
-  double usable_hz = 0;            ///< the force spectrum stays within kMostSpectrumDrop up to here
-  double spectrum_drop_db = 0;     ///< largest in the band (0 without a band)
-  double end_level = 0;            ///< responses at the end of the block over their largest value
-  double level_before = 0;         ///< responses before the hit over their largest value
+  Index pulse_first = 0, pulse_last = 0;  ///< samples above the edge, inclusive
+  double pulse_duration_s = 0;            ///< between the edge crossings, interpolated
+  Index block_first = 0;                  ///< sample where the block begins
+  Index available = 0;                    ///< samples from there to the next hit or the end
+  double second_hit = 0;                  ///< largest second contact relative to the peak
+  double second_hit_delay_s = 0;          ///< negative: before the peak
+  double smallest_second_hit = 0;         ///< smallest visible in the noise, relative to the peak
+  double usable_hz = 0;         ///< the force spectrum stays within kMostSpectrumDrop up to here
+  double spectrum_drop_db = 0;  ///< largest in the band (0 without a band)
+  double end_level = 0;         ///< responses at the end of the block over their largest value
+  double level_before = 0;      ///< responses before the hit over their largest value
   bool accepted = true;
   std::vector<HitFault> faults;
   std::string reason;  ///< for a person; empty when accepted
@@ -109,7 +102,7 @@ struct Hit {
 
 struct HitSearch {
   std::vector<Hit> hits;  ///< in the order of recordings and time
-  Eigen::Index block_samples = 0;
+  Index block_samples = 0;
   double sample_rate_hz = 0;
   int sign = 1;           ///< direction of the pulses, +1 or -1
   double rest_level = 0;  ///< smallest `level_before` of a hit; 0: unknown
@@ -122,8 +115,7 @@ struct HitSearch {
 /// the FFT length that maximises (number of hits that are that long) x (length). Throws
 /// RecordingError when sample rates differ or are unknown. Without any hit the list is empty, with
 /// a note.
-[[nodiscard]] HitSearch find_hits(std::span<const Recording> recordings, Eigen::Index force,
-                                  std::span<const Eigen::Index> responses,
-                                  const HitOptions& options = {});
+[[nodiscard]] HitSearch find_hits(std::span<const Recording> recordings, Index force,
+                                  std::span<const Index> responses, const HitOptions& options = {});
 
 }  // namespace rigfit::signal

@@ -7,8 +7,6 @@
 #include "signal/estimation/robust.h"
 
 namespace rigfit::signal {
-using Eigen::Index;
-using Eigen::VectorXd;
 
 PulseShape pulse_shape(const VectorXd& samples, Index first, Index length) {
   first = std::clamp<Index>(first, 0, samples.size());
@@ -16,10 +14,7 @@ PulseShape pulse_shape(const VectorXd& samples, Index first, Index length) {
   if (length < 8) return {};
   const Index quiet = std::max<Index>(4, length / 40);
   const auto level = [&](const VectorXd& part) {
-    std::vector<double> values;
-    for (const double v : part) {
-      if (std::isfinite(v)) values.push_back(v);
-    }
+    std::vector<double> values = finite_values(part);
     const double middle = median(values);
     return std::pair(middle, robust_std(std::move(values), middle));
   };
@@ -53,12 +48,12 @@ PulseShape pulse_shape(const VectorXd& samples, Index first, Index length) {
 
 namespace {
 
-Eigen::VectorXd correlate(const Eigen::Ref<const Eigen::VectorXd>& force, Index pulse_first,
-                          Index peak, Index pulse_last) {
+VectorXd correlate(const Ref<const VectorXd>& force, Index pulse_first, Index peak,
+                   Index pulse_last) {
   const Index width = pulse_last - pulse_first + 1, before = peak - pulse_first;
-  const Eigen::VectorXd pulse = force.segment(pulse_first, width) / force[peak];
+  const VectorXd pulse = force.segment(pulse_first, width) / force[peak];
   const double scale = 1 / pulse.squaredNorm();
-  Eigen::VectorXd y(force.size());
+  VectorXd y(force.size());
   for (Index k = 0; k < y.size(); ++k) {
     const Index first = std::max<Index>(0, before - k);
     const Index last = std::min(width, force.size() - (k - before));
@@ -71,15 +66,15 @@ Eigen::VectorXd correlate(const Eigen::Ref<const Eigen::VectorXd>& force, Index 
 
 }  // namespace
 
-SecondContact find_second_contact(const Eigen::Ref<const Eigen::VectorXd>& force, Index pulse_first,
-                                  Index peak, Index pulse_last, double smallest) {
+SecondContact find_second_contact(const Ref<const VectorXd>& force, Index pulse_first, Index peak,
+                                  Index pulse_last, double smallest) {
   constexpr double kNoise = 6;      // it exceeds so many standard deviations of the filtered noise
   constexpr double kRinging = 0.5;  // swings to the other side of this part of its height
   SecondContact result;
   const double height = force[peak];
   if (!(height > 0)) return result;
   const Index n = force.size(), width = pulse_last - pulse_first + 1;
-  const Eigen::VectorXd y = correlate(force, pulse_first, peak, pulse_last);
+  const VectorXd y = correlate(force, pulse_first, peak, pulse_last);
 
   // The hit itself: a half sine ends 3.5 % of its length beyond its 10 % crossings.
   const Index guard = width + width / 10 + 1;

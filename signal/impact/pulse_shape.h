@@ -11,7 +11,7 @@
 // falls by sqrt(sum p^2).
 #pragma once
 
-#include <Eigen/Core>
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
@@ -32,20 +32,18 @@ struct PulseShape {
 /// Shape of the samples first .. first + length - 1 with their largest absolute value as the peak.
 /// Rest and noise are taken where the block is quietest: before the hit or at its end. Missing
 /// samples count as rest. No signal: neither rings nor is a pulse.
-[[nodiscard]] PulseShape pulse_shape(const Eigen::VectorXd& samples, Eigen::Index first,
-                                     Eigen::Index length);
+[[nodiscard]] PulseShape pulse_shape(const VectorXd& samples, Index first, Index length);
 
 struct SecondContact {
   double ratio = 0;             ///< second contact relative to the peak; 0: none found
-  Eigen::Index delay = 0;       ///< samples from peak to peak; negative: before the hit
+  Index delay = 0;              ///< samples from peak to peak; negative: before the hit
   double smallest_visible = 0;  ///< larger of `smallest` and what noise hides, relative to the peak
 };
 
 /// `force`: one block, offset removed, pulses upwards, finite; the hit's pulse spans
 /// pulse_first..pulse_last with its peak at `peak`. `smallest`: second contact looked for, relative
 /// to the peak.
-[[nodiscard]] SecondContact find_second_contact(const Eigen::Ref<const Eigen::VectorXd>& force,
-                                                Eigen::Index pulse_first, Eigen::Index peak,
-                                                Eigen::Index pulse_last, double smallest);
+[[nodiscard]] SecondContact find_second_contact(const Ref<const VectorXd>& force, Index pulse_first,
+                                                Index peak, Index pulse_last, double smallest);
 
 }  // namespace rigfit::signal

@@ -1,17 +1,12 @@
 #include "signal/impact/roving_hammer.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
-#include <optional>
-#include <utility>
 
-#include "signal/recording/recording_error.h"
+#include "signal/recording/add_note.h"
 
 namespace rigfit::signal {
 namespace {
-using Eigen::Index;
 
 /// The response at a point.
 std::optional<Index> response_at(const StruckPoint& point, const ImpactTest& test) {
@@ -45,9 +40,8 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
     if (tests[p].frfs.H.rows() > 0) {
       kept.push_back(p);
     } else {
-      notes.push_back({"point_left_out",
-                       "Repeat the hits on this point: none can be used, and it is left out",
-                       points[p].name});
+      add_note(notes, "point_left_out", points[p].name,
+               "Repeat the hits on this point: none can be used, and it is left out");
     }
   }
   FrfSet all = tests[kept.empty() ? 0 : kept.front()].frfs;
@@ -78,9 +72,9 @@ FrfSet joined(std::span<const StruckPoint> points, std::vector<ImpactTest>& test
     most = std::max(most, hits.size());
     by_hit_lines = std::min(by_hit_lines, hits.empty() ? 0 : hits.front().rows());
   }
-  all.by_hit.assign(by_hit_lines > 0 ? most : 0,
-                    Eigen::MatrixXcd::Constant(by_hit_lines, all.H.cols(),
-                                               std::numeric_limits<double>::quiet_NaN()));
+  all.by_hit.assign(
+      by_hit_lines > 0 ? most : 0,
+      MatrixXcd::Constant(by_hit_lines, all.H.cols(), std::numeric_limits<double>::quiet_NaN()));
   int named = 0;
   for (Index i = 0; i < inputs; ++i) {
     const std::size_t p = kept[static_cast<std::size_t>(i)];
@@ -137,7 +131,7 @@ RovingHammer analyse_roving_hammer(std::span<const StruckPoint> points, const st
     chosen.hits.block_s =
         static_cast<double>(shortest) / points.front().recordings.front().sample_rate_hz;
     analyse();
-    const auto differs = std::find_if(result.tests.begin(), result.tests.end(), [&](const auto& t) {
+    const auto differs = std::ranges::find_if(result.tests, [&](const auto& t) {
       return t.frfs.averages > 0 && t.search.block_samples != shortest;
     });
     if (differs != result.tests.end()) {
@@ -178,12 +172,10 @@ RovingHammer analyse_roving_hammer(std::span<const StruckPoint> points, const st
   for (const ReciprocityCheck& check : result.reciprocity) {
     // Three times what the error bars expect is beyond chance; under a tenth it is good practice.
     if (check.difference > 0.1 && check.difference > 3 * check.from_noise) {
-      result.notes.push_back(
-          {"not_reciprocal",
-           fmt::format("Check places, directions and sensitivities, and whether the structure is "
-                       "linear: FRFs both ways differ by {:.2g} % (noise: {:.2g} %)",
-                       100 * check.difference, 100 * check.from_noise),
-           check.points[0] + ", " + check.points[1]});
+      add_note(result.notes, "not_reciprocal", check.points[0] + ", " + check.points[1],
+               "Check places, directions and sensitivities, and whether the structure is linear: "
+               "FRFs both ways differ by {:.2g} % (noise: {:.2g} %)",
+               100 * check.difference, 100 * check.from_noise);
     }
   }
   return result;

@@ -6,16 +6,8 @@
 // points allow a reciprocity check.
 #pragma once
 
-#include <Eigen/Core>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
-
 #include "signal/impact/impact_frfs.h"
-#include "signal/recording/recording.h"
 #include "signal/spectra/frf_checks.h"
-#include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
 
@@ -23,11 +15,11 @@ struct StruckPoint {
   std::string name;  ///< empty: the only point, its input has the name of the force
   std::vector<Recording> recordings;  ///< hits on the point, all with the same channels
   /// The response at the point, an index; none: that of the point's name, if there is one.
-  std::optional<Eigen::Index> response = {};
+  std::optional<Index> response = {};
 };
 
 struct DrivingPoint {
-  Eigen::Index response = 0, input = 0;  ///< indices in `RovingHammer::frfs`
+  Index response = 0, input = 0;  ///< indices in `RovingHammer::frfs`
   DrivingPointCheck check;
 };
 

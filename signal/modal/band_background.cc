@@ -1,23 +1,12 @@
 #include "signal/modal/band_background.h"
 
-#include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <utility>
-#include <vector>
 
 #include "signal/modes/mode_search.h"
 #include "signal/numerics/factorisations.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 
 /// Share of a column outside of those before, from which it counts.
 constexpr double kPart = 1e-3;
@@ -51,7 +40,7 @@ MatrixXcd terms_between(const VectorXcd& s, const MatrixXcd& known, double first
   columns -= (known * (known.adjoint() * columns)).eval();
   // Singular vectors above kPart by the Gram matrix: orthonormal to 1e-16 / kPart^2.
   const HermitianEigen gram = hermitian_eigen(columns.adjoint() * columns);
-  const Eigen::ArrayXd squares = gram.values;
+  const ArrayXd squares = gram.values;
   const Index terms = (squares > kPart * kPart * size * size).count();
   return columns * gram.vectors.rightCols(terms) *
          gram.values.tail(terms).cwiseSqrt().cwiseInverse().asDiagonal();
@@ -122,11 +111,11 @@ double affordable_terms(const ModalBand& band, Index poles, double max_work) {
 
 }  // namespace
 
-MatrixXcd smooth_background(const Eigen::Ref<const VectorXcd>& s, int power, double span_s) {
+MatrixXcd smooth_background(const Ref<const VectorXcd>& s, int power, double span_s) {
   return terms_between(s, powers_of_s(s, power, false), -span_s, span_s);
 }
 
-MatrixXcd cut_off_background(const Eigen::Ref<const VectorXcd>& s, int power, double before_s,
+MatrixXcd cut_off_background(const Ref<const VectorXcd>& s, int power, double before_s,
                              double after_s) {
   const MatrixXcd known = powers_of_s(s, power, true);
   const MatrixXcd smooth = terms_between(s, known, -before_s, after_s);
@@ -137,7 +126,7 @@ MatrixXcd cut_off_background(const Eigen::Ref<const VectorXcd>& s, int power, do
 }
 
 VectorXcd poles_beside(const FrfSet& frfs, const ModalBand& band, const ModalOptions& options) {
-  const Eigen::ArrayXd f = frfs.frequency_hz.array();
+  const ArrayXd f = frfs.frequency_hz.array();
   const double low = band.frequency_hz[0], high = band.frequency_hz[band.frequency_hz.size() - 1];
   const double reach = kBeside * (high - low), first = std::max(0.0, low - reach);
   std::vector<Complex> poles;
@@ -146,14 +135,14 @@ VectorXcd poles_beside(const FrfSet& frfs, const ModalBand& band, const ModalOpt
     if ((f > 0 && f > from && f < to).count() < kLinesBeside) continue;
     const VectorXcd found = above ? poles_between(frfs, high - reach, to, options)
                                   : poles_between(frfs, from, low + reach, options);
-    std::copy_if(found.begin(), found.end(), std::back_inserter(poles), [&](Complex pole) {
+    std::ranges::copy_if(found, std::back_inserter(poles), [&](Complex pole) {
       return pole.imag() > kTwoPi * from && pole.imag() < kTwoPi * to;
     });
   }
-  return Eigen::Map<const VectorXcd>(poles.data(), static_cast<Index>(poles.size()));
+  return Map<const VectorXcd>(poles.data(), static_cast<Index>(poles.size()));
 }
 
-void set_background(const Eigen::Ref<const MatrixXcd>& background, ModalBand& band) {
+void set_background(const Ref<const MatrixXcd>& background, ModalBand& band) {
   FrfLines& lines = band.lines;
   const VectorXcd scale = lines.s.array().pow(lines.power);
   MatrixXcd columns = with_residuals(lines, background);
@@ -170,9 +159,8 @@ double left_at_the_end(const ModalBand& band, Complex raw) {
   return std::exp(raw.real() / band.spacing_hz);
 }
 
-bool misfit_shows(const Eigen::Ref<const MatrixXcd>& background,
-                  const Eigen::Ref<const MatrixXcd>& misfit, const Eigen::Ref<const VectorXd>& line,
-                  double deviations) {
+bool misfit_shows(const Ref<const MatrixXcd>& background, const Ref<const MatrixXcd>& misfit,
+                  const Ref<const VectorXd>& line, double deviations) {
   const double mean = background.rowwise().squaredNorm().dot(line);  // for noise of variance `line`
   double found = 0, frfs = 0;
   for (const auto& column : misfit.colwise()) {
@@ -185,9 +173,9 @@ bool misfit_shows(const Eigen::Ref<const MatrixXcd>& background,
          mean * (frfs + deviations * std::sqrt(frfs / static_cast<double>(background.cols())));
 }
 
-bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const VectorXcd>& poles,
-                       const Eigen::Ref<const MatrixXcd>& misfit, const FrfNoise& noise,
-                       double max_work, ModalBand& band) {
+bool allow_for_cut_off(const FrfSet& frfs, const Ref<const VectorXcd>& poles,
+                       const Ref<const MatrixXcd>& misfit, const FrfNoise& noise, double max_work,
+                       ModalBand& band) {
   double most = 0;
   for (const Complex pole : poles) {
     // Two poles on one line are no tones: together they imitate a mode that is cut off.
@@ -213,8 +201,8 @@ bool allow_for_cut_off(const FrfSet& frfs, const Eigen::Ref<const VectorXcd>& po
       const double left = left_at_the_end(band, pole - band.window);
       if (left < kLeft || left > kTone) continue;
       for (const Complex p : {pole, std::conj(pole)}) {
-        const Eigen::ArrayXcd s = band.lines.s.array();
-        const Eigen::ArrayXcd turned = ((s - band.window) * lead).exp();
+        const ArrayXcd s = band.lines.s.array();
+        const ArrayXcd turned = ((s - band.window) * lead).exp();
         add_column((turned - std::exp((p - band.window) * lead)) / (s - p), columns);
       }
     }

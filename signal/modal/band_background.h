@@ -35,12 +35,8 @@
 // Testing, 2nd ed., sec. 4.5 (residuals, pseudo-modes).
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-
 #include "signal/modes/modal_band.h"
 #include "signal/modes/modal_result.h"
-#include "signal/refinement/modal_noise.h"
 
 namespace rigfit::signal {
 
@@ -48,27 +44,26 @@ namespace rigfit::signal {
 /// the residual terms s^power and s^(power - 2). None for `span_s` 0, and where a quarter of the
 /// lines' freedom or more would be needed: the noise then differs from line to line nearly as white
 /// noise does.
-[[nodiscard]] Eigen::MatrixXcd smooth_background(const Eigen::Ref<const Eigen::VectorXcd>& s,
-                                                 int power, double span_s);
+[[nodiscard]] MatrixXcd smooth_background(const Ref<const VectorXcd>& s, int power, double span_s);
 
 /// The same with t between -`before_s` and `after_s` (t0 and 0, or the span of noise on the force
 /// where that is more) and with s^(power - 1), for records that end before modes have decayed. The
 /// latter alone where t spans nothing or too much.
-[[nodiscard]] Eigen::MatrixXcd cut_off_background(const Eigen::Ref<const Eigen::VectorXcd>& s,
-                                                  int power, double before_s, double after_s);
+[[nodiscard]] MatrixXcd cut_off_background(const Ref<const VectorXcd>& s, int power,
+                                           double before_s, double after_s);
 
 /// Poles (window removed) of the modes that the lines of `frfs` within a quarter of the width of
 /// `band` beyond its ends show. Empty where there are fewer than 16 such lines.
-[[nodiscard]] Eigen::VectorXcd poles_beside(const FrfSet& frfs, const ModalBand& band,
-                                            const ModalOptions& options);
+[[nodiscard]] VectorXcd poles_beside(const FrfSet& frfs, const ModalBand& band,
+                                     const ModalOptions& options);
 
 /// Sets `band.lines.background` to the orthonormal columns `background`, and what the next of the
 /// residual terms and `band.beside` add to them, as far as it is more than 1 part in 1000.
-void set_background(const Eigen::Ref<const Eigen::MatrixXcd>& background, ModalBand& band);
+void set_background(const Ref<const MatrixXcd>& background, ModalBand& band);
 
 /// Amplitude that a pole leaves at the end of the records, of that at the hit. `raw`: window
 /// included.
-[[nodiscard]] double left_at_the_end(const ModalBand& band, std::complex<double> raw);
+[[nodiscard]] double left_at_the_end(const ModalBand& band, Complex raw);
 
 /// Sets `band.lines.background` where one of `poles` (window removed) leaves 0.1 to 90 %; more is a
 /// steady tone. Where the set does not say how long before the hit its records begin, t0, and more
@@ -79,17 +74,16 @@ void set_background(const Eigen::Ref<const Eigen::MatrixXcd>& background, ModalB
 /// FRFs without noise of a force window get what the misfit of the fit without it shows
 /// (`misfit_shows`): all of it, s^(n-1) alone, or none, as where FRFs are no transform of cut-off
 /// records (computed ones, stepped sines), whose poles it would make less certain.
-[[nodiscard]] bool allow_for_cut_off(const FrfSet& frfs,
-                                     const Eigen::Ref<const Eigen::VectorXcd>& poles,
-                                     const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
-                                     const FrfNoise& noise, double max_work, ModalBand& band);
+[[nodiscard]] bool allow_for_cut_off(const FrfSet& frfs, const Ref<const VectorXcd>& poles,
+                                     const Ref<const MatrixXcd>& misfit, const FrfNoise& noise,
+                                     double max_work, ModalBand& band);
 
 /// Whether `misfit` (lines x FRFs) has more of the span of the orthonormal columns `background`
 /// than noise of variance `line` (lines, any scale), uncorrelated between lines: its squares in
 /// that span over their mean, which scatters by 1 / sqrt(columns x FRFs), exceed it by so many
 /// deviations of that.
-[[nodiscard]] bool misfit_shows(const Eigen::Ref<const Eigen::MatrixXcd>& background,
-                                const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
-                                const Eigen::Ref<const Eigen::VectorXd>& line, double deviations);
+[[nodiscard]] bool misfit_shows(const Ref<const MatrixXcd>& background,
+                                const Ref<const MatrixXcd>& misfit, const Ref<const VectorXd>& line,
+                                double deviations);
 
 }  // namespace rigfit::signal

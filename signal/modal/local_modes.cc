@@ -1,23 +1,10 @@
 #include "signal/modal/local_modes.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <utility>
-
-#include "signal/numerics/numbers.h"
 #include "signal/refinement/modal_basis.h"
 #include "signal/refinement/modal_noise.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 
 /// Rms misfit over rms FRF that one pole must leave before a second within its resonance counts.
 constexpr double kTwinMisfit = 0.1;
@@ -103,8 +90,8 @@ void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMod
   const auto linked = [&](const LocalMode& more, const LocalMode& fewer, bool drift) {
     bool any = false;
     for (const PointPole& a : fewer.points) {
-      any |= std::any_of(more.points.begin(), more.points.end(),
-                         [&](const PointPole& b) { return may_be_one(band, a, b, drift); });
+      any |= std::ranges::any_of(more.points,
+                                 [&](const PointPole& b) { return may_be_one(band, a, b, drift); });
     }
     return any && 4 * in_common(more, fewer) <= fewer.points.size();
   };
@@ -130,8 +117,7 @@ void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMod
     for (const PointPole& one : fewer->points) {
       if (!shows(*more, one.point)) more->points.push_back(one);
     }
-    std::sort(more->points.begin(), more->points.end(),
-              [](const PointPole& a, const PointPole& b) { return a.point < b.point; });
+    std::ranges::sort(more->points, {}, &PointPole::point);
     *fewer = {};
     average(*more);
   }
@@ -140,13 +126,12 @@ void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMod
 std::vector<LocalMode> find_local_modes(const ModalBand& band, const std::vector<Complex>& common,
                                         const ModalOptions& options) {
   const std::vector<MatrixXcd> points = frfs_of_points(band);
-  const auto poles = Eigen::Map<const VectorXcd>(common.data(), std::ssize(common));
+  const auto poles = Map<const VectorXcd>(common.data(), std::ssize(common));
   std::vector<LocalMode> modes = check_groups(band, points, poles, options, kTwinMisfit);
   join_split_modes(band, true, modes);
   std::erase_if(modes,
                 [&](const LocalMode& mode) { return !shown_by_enough(mode, points.size()); });
-  std::sort(modes.begin(), modes.end(),
-            [](const auto& a, const auto& b) { return a.frequency.mean < b.frequency.mean; });
+  std::ranges::sort(modes, {}, [](const auto& one) { return one.frequency.mean; });
   return modes;
 }
 

@@ -9,14 +9,8 @@
 // (estimation/groups.h).
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-#include <vector>
-
 #include "signal/estimation/groups.h"
 #include "signal/modal/point_poles.h"
-#include "signal/modes/modal_band.h"
-#include "signal/modes/modal_result.h"
 #include "signal/modes/mode_search.h"
 
 namespace rigfit::signal {
@@ -28,16 +22,16 @@ struct LocalMode {
 };
 
 /// Modes by rising frequency. `common`: candidates of all FRFs together, window removed.
-[[nodiscard]] std::vector<LocalMode> find_local_modes(
-    const ModalBand& band, const std::vector<std::complex<double>>& common,
-    const ModalOptions& options);
+[[nodiscard]] std::vector<LocalMode> find_local_modes(const ModalBand& band,
+                                                      const std::vector<Complex>& common,
+                                                      const ModalOptions& options);
 
 /// Each pole of a global fit as every group (point, hit) shows it, the other poles held beside it;
 /// a group that does not show it is left out. No points where none does. `groups`: FRFs on the
 /// lines of the band; `twin_misfit`: see point_poles().
 [[nodiscard]] std::vector<LocalMode> check_groups(const ModalBand& band,
-                                                  const std::vector<Eigen::MatrixXcd>& groups,
-                                                  const Eigen::VectorXcd& poles,
+                                                  const std::vector<MatrixXcd>& groups,
+                                                  const VectorXcd& poles,
                                                   const ModalOptions& options,
                                                   double twin_misfit = 0);
 
@@ -49,17 +43,16 @@ struct LocalMode {
 void join_split_modes(const ModalBand& band, bool drifting, std::vector<LocalMode>& modes);
 
 /// FRFs of every point.
-[[nodiscard]] std::vector<Eigen::MatrixXcd> frfs_of_points(const ModalBand& band);
+[[nodiscard]] std::vector<MatrixXcd> frfs_of_points(const ModalBand& band);
 
 /// Whether the frequency of another pole lies within so many times the sum of both half bandwidths.
-[[nodiscard]] bool is_touched(const ModalBand& band, const Eigen::VectorXcd& poles, Eigen::Index r,
-                              double times);
+[[nodiscard]] bool is_touched(const ModalBand& band, const VectorXcd& poles, Index r, double times);
 
 /// Poles of a global fit that may be one mode that varies between points. FRFs of one reference may
 /// not tell it from two whose frequencies lie within half their bandwidths. Several references do;
 /// there it shows as poles whose resonances overlap, each at points of its own and too few of them
 /// for a mode. At half of all points together they are of the whole structure, at fewer of members.
-[[nodiscard]] bool has_twins(const ModalBand& band, const Eigen::VectorXcd& poles,
+[[nodiscard]] bool has_twins(const ModalBand& band, const VectorXcd& poles,
                              const std::vector<LocalMode>& checked);
 
 /// Whether the modes of a global fit are to be kept: of every mode the points agree on the pole

@@ -1,33 +1,17 @@
 #include "signal/modal/modal_identification.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <utility>
-
 #include "signal/modal/band_background.h"
 #include "signal/modal/local_modes.h"
 #include "signal/modal/mode_hits.h"
 #include "signal/modal/mode_warnings.h"
 #include "signal/modes/mac.h"
-#include "signal/modes/modal_band.h"
 #include "signal/modes/modal_synthesis.h"
-#include "signal/modes/mode_search.h"
 #include "signal/numerics/factorisations.h"
-#include "signal/numerics/numbers.h"
+#include "signal/recording/add_note.h"
 #include "signal/refinement/modal_basis.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 
 /// Modes of a band, and how they came about.
 struct Search {
@@ -44,9 +28,8 @@ std::vector<Complex> local_candidates(const ModalBand& band,
                                       const ModalOptions& options) {
   std::vector<Complex> candidates;
   const auto add = [&](Complex pole) {
-    const bool known = std::any_of(candidates.begin(), candidates.end(), [&](Complex other) {
-      return apart(other, pole, band.window) < 0.5;
-    });
+    const bool known = std::ranges::any_of(
+        candidates, [&](Complex other) { return apart(other, pole, band.window) < 0.5; });
     if (!known && pole.real() < band.window) candidates.push_back(pole);
   };
   for (const PoleCluster& cluster : clusters) add(cluster.pole_rad_s + band.window);
@@ -151,8 +134,7 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& searc
   model.upper_residual = fit.upper.reshaped(inputs, responses).transpose();
   std::vector<Index> order(found.presence.size());
   for (std::size_t r = 0; r < order.size(); ++r) order[r] = static_cast<Index>(r);
-  std::sort(order.begin(), order.end(),
-            [&](Index a, Index b) { return std::abs(fit.poles[a]) < std::abs(fit.poles[b]); });
+  std::ranges::sort(order, {}, [&](Index r) { return std::abs(fit.poles[r]); });
   const auto size = static_cast<Index>(2 * order.size());
   MatrixXd jacobian = MatrixXd::Zero(size, size);
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -215,12 +197,10 @@ void tell_modes_at_ends(const ModalBand& band, ModalResult& result) {
   for (const Complex pole : band.beside) {
     const double at = pole.imag() / kTwoPi, half = (band.window - pole.real()) / kTwoPi;
     if (at - half > result.high_hz || at + half < result.low_hz) continue;
-    result.model.notes.push_back(
-        {"modes_beside",
-         fmt::format("a mode at {:.4g} Hz, just outside of the band, reaches into it and is left "
-                     "out: a wider band holds it",
-                     at),
-         ""});
+    add_note(result.model.notes, "modes_beside", "",
+             "a mode at {:.4g} Hz, just outside of the band, reaches into it and is left out: a "
+             "wider band holds it",
+             at);
   }
 }
 
@@ -240,21 +220,20 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   result.low_hz = band.frequency_hz[0];
   result.high_hz = band.frequency_hz[result.lines_used - 1];
   if (frfs.form == FrfForm::unknown) {
-    model.notes.push_back({"frf_form",
-                           "the FRFs do not say whether they are receptances, mobilities or "
-                           "accelerances: the units of shapes and residuals are not known",
-                           ""});
+    add_note(model.notes, "frf_form", "",
+             "the FRFs do not say whether they are receptances, mobilities or accelerances: the "
+             "units of shapes and residuals are not known");
   }
   for (Index c = 0; c < H.cols(); ++c) {
     if (H.col(c).isZero(0)) {
-      model.notes.push_back({"dead_frf", "this FRF is zero throughout and was left out",
-                             frfs.responses[static_cast<std::size_t>(c / inputs)].name});
+      add_note(model.notes, "dead_frf", frfs.responses[static_cast<std::size_t>(c / inputs)].name,
+               "this FRF is zero throughout and was left out");
     }
   }
   const bool has_error_bars = band.H_std.size() > 0;
   const FrfNoise first = first_noise(band);
   if (!first.column.cwiseInverse().any()) {
-    model.notes.push_back({"no_modes", "all FRFs are zero", ""});
+    add_note(model.notes, "no_modes", "", "all FRFs are zero");
     result.noise = first;
     model.pole_covariance.resize(0, 0);
     return result;
@@ -283,11 +262,10 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     band.beside.resize(0);
     set_background(background, band);
     search = search_all();
-    model.notes.push_back({"modes_beside",
-                           "modes just outside of the band are left out, since the fit does not "
-                           "converge with them: the damping ratio of a mode near an end of the "
-                           "band may be off; a wider band holds them",
-                           ""});
+    add_note(
+        model.notes, "modes_beside", "",
+        "modes just outside of the band are left out, since the fit does not converge with them: "
+        "the damping ratio of a mode near an end of the band may be off; a wider band holds them");
   }
   if (!search.local) allow_for_misfit(H, search.found);
   const FoundModes& found = search.found;
@@ -298,8 +276,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
     result.end = StepsEnd::rank_deficient;
     model.lower_residual.setZero(static_cast<Index>(frfs.responses.size()), inputs);
     model.upper_residual = model.lower_residual;
-    model.notes.push_back(
-        {"rank_deficient", "the lines of the band do not determine any mode", ""});
+    add_note(model.notes, "rank_deficient", "", "the lines of the band do not determine any mode");
     return result;
   }
   export_modes(frfs, band, search, result);
@@ -309,8 +286,8 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   }
   tell_modes_at_ends(band, result);
   if (model.modes.empty()) {
-    model.notes.push_back(
-        {"no_modes", "nothing in the band stands out of the noise as a resonance", ""});
+    add_note(model.notes, "no_modes", "",
+             "nothing in the band stands out of the noise as a resonance");
   }
   // Where two modes share a frequency, residues of several inputs are of no single shape.
   const MatrixXcd fitted = inputs == 1 || search.local

@@ -1,28 +1,13 @@
 #include "signal/modal/mode_hits.h"
 
-#include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <utility>
-#include <vector>
-
-#include "signal/estimation/groups.h"
 #include "signal/modal/local_modes.h"
-#include "signal/numerics/numbers.h"
+#include "signal/recording/add_note.h"
 #include "signal/refinement/modal_refine.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 
 constexpr double kMode = 0.05, kAll = 0.01;  // chances where hits agree
 constexpr double kShareOfHits = 2.0 / 3;     // that must show a mode
@@ -81,7 +66,7 @@ std::vector<HitsOnInput> hits_of(const FrfSet& frfs, const ModalBand& band, cons
     }
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].weight = Eigen::Map<const VectorXd>(weights[i].data(), std::ssize(weights[i]));
+    all[i].weight = Map<const VectorXd>(weights[i].data(), std::ssize(weights[i]));
     if (!all[i].weight.allFinite() || !(all[i].weight.array() > 0).all()) all[i].weight.setOnes();
     all[i].weight /= std::max(all[i].weight.sum(), 1e-300);
   }
@@ -97,8 +82,8 @@ void add_jackknife(const HitsOnInput& hits, Index r, Complex pole, ModeOfHits& m
     change.col(h) = pole_jacobian(pole) * hits.moved[static_cast<std::size_t>(h)].col(r);
   }
   for (Index part = 0; part < 2; ++part) {
-    const Eigen::ArrayXd weighted = change.row(part).transpose().cwiseProduct(hits.weight);
-    const Eigen::ArrayXd without = (weighted.sum() - weighted) / (1 - hits.weight.array());
+    const ArrayXd weighted = change.row(part).transpose().cwiseProduct(hits.weight);
+    const ArrayXd without = (weighted.sum() - weighted) / (1 - hits.weight.array());
     const double variance = jackknife_variance({without.data(), hits.moved.size()});
     mode.variance[part] += variance;
     if (part == 0) mode.squares += variance * variance / static_cast<double>(count - 1);
@@ -125,8 +110,8 @@ std::vector<ModeOfHits> modes_of_hits(const ModalBand& band, const std::vector<H
     // A single hit, which is of one reference, may show two modes that touch as one.
     if (!local && all.size() > 1 && is_touched(band, poles, static_cast<Index>(r), 1)) continue;
     mode.fits = static_cast<double>(every.size());
-    mode.shown = static_cast<double>(
-        std::count_if(own[r].points.begin(), own[r].points.end(), [&](const PointPole& hit) {
+    mode.shown =
+        static_cast<double>(std::ranges::count_if(own[r].points, [&](const PointPole& hit) {
           return std::abs(hit.pole - pole) < band.window - pole.real();
         }));
     mode.own = std::move(own[r]);
@@ -171,14 +156,14 @@ void widen_shapes(const ModalBand& band, const std::vector<HitsOnInput>& all,
       const Index c = o * band.lines.inputs + input;
       const VectorXcd fit = found.model.col(c).segment(first, lines);
       const double size = std::max(fit.squaredNorm(), 1e-300);
-      Eigen::ArrayXcd part(count);
+      ArrayXcd part(count);
       for (Index h = 0; h < count; ++h) {
         const auto at = static_cast<std::size_t>(h);
         part[h] = fit.dot(hits.H[at].col(o).segment(first, lines)) / size;
       }
-      const Eigen::ArrayXcd weighted = part * hits.weight.array();
-      const Eigen::ArrayXcd without = (weighted.sum() - weighted) / (1 - hits.weight.array());
-      const Eigen::ArrayXd re = without.real(), im = without.imag();
+      const ArrayXcd weighted = part * hits.weight.array();
+      const ArrayXcd without = (weighted.sum() - weighted) / (1 - hits.weight.array());
+      const ArrayXd re = without.real(), im = without.imag();
       variance(o, 0) = jackknife_variance({re.data(), hits.H.size()});
       variance(o, 1) = jackknife_variance({im.data(), hits.H.size()});
       const double noise =
@@ -263,16 +248,13 @@ void allow_for_hits(const FrfSet& frfs, const ModalBand& band, const FoundModes&
     widen(f_std, z_std, r, model);
   }
   if (!all_differ || !(largest > 0)) return;
-  model.notes.push_back(
-      {"hits_disagree",
-       fmt::format(
+  add_note(model.notes, "hits_disagree", "",
            "frequencies differ from hit to hit by up to {:.2g} % (one standard deviation), modes "
            "{:.1f} times as much as noise gives: the structure (as under several tensions, each a "
            "state), the hammer or the place struck changes, or noise on the force is large, as "
            "without a force window; {}error bars are those of the scatter between hits",
            100 * largest, std::sqrt(squares / degrees),
-           means ? "values are means over the hits where their own poles differ, " : ""),
-       ""});
+           means ? "values are means over the hits where their own poles differ, " : "");
 }
 
 }  // namespace rigfit::signal

@@ -14,8 +14,6 @@
 // hammer's gain and with the place that is met; their jackknife variance is added.
 #pragma once
 
-#include "signal/modes/modal_band.h"
-#include "signal/modes/modal_result.h"
 #include "signal/modes/mode_search.h"
 
 namespace rigfit::signal {

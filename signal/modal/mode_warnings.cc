@@ -1,24 +1,16 @@
 #include "signal/modal/mode_warnings.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
-#include <complex>
 #include <string>
-#include <vector>
 
 #include "signal/modal/band_background.h"
-#include "signal/numerics/numbers.h"
 #include "signal/poles/pole_clusters.h"
+#include "signal/recording/add_note.h"
 
 namespace rigfit::signal {
 
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
 
 /// Share of a mode's amplitude left at the end of the records from which it may be a tone. Only
 /// hits of ours are known to have records of 1 / line spacing: lines of stepped or periodic sines
@@ -27,16 +19,16 @@ double steady(const ModalBand& band) { return band.lead > 0 ? 0.5 : 0.9; }
 
 }  // namespace
 
-double misfit_inflation(const FrfNoise& noise, const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+double misfit_inflation(const FrfNoise& noise, const Ref<const MatrixXcd>& misfit) {
   std::vector<Index> alive;
   for (Index c = 0; c < misfit.cols(); ++c) {
     if (std::isfinite(noise.column[c])) alive.push_back(c);
   }
   const Index lines = misfit.rows(), lags = std::clamp<Index>(lines / 5, 1, 8);
   if (lines < 2 || alive.empty()) return 1;
-  const Eigen::MatrixXcd over = noise.line.cwiseSqrt().cwiseInverse().asDiagonal() *
-                                misfit(Eigen::all, alive) *
-                                noise.column(alive).cwiseSqrt().cwiseInverse().asDiagonal();
+  const MatrixXcd over = noise.line.cwiseSqrt().cwiseInverse().asDiagonal() *
+                         misfit(Eigen::all, alive) *
+                         noise.column(alive).cwiseSqrt().cwiseInverse().asDiagonal();
   double more = 0;
   for (Index d = 1; d <= lags; ++d) {
     const auto first = over.topRows(lines - d), second = over.bottomRows(lines - d);
@@ -50,7 +42,7 @@ double misfit_inflation(const FrfNoise& noise, const Eigen::Ref<const Eigen::Mat
 }
 
 double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise, const IdentifiedMode& mode,
-                           const Eigen::Ref<const Eigen::MatrixXcd>& misfit) {
+                           const Ref<const MatrixXcd>& misfit) {
   const auto [first, count] = lines_around(band, mode.pole_rad_s, 2.5);
   if (count < 2) return 0;
   const auto left = misfit.middleRows(first, count);
@@ -78,9 +70,8 @@ double misfit_beyond_noise(const ModalBand& band, const FrfNoise& noise, const I
   return beyond > 4 * chance ? std::sqrt(beyond / around) : 0;
 }
 
-void judge_modes(ModalResult& result, const ModalBand& band,
-                 const Eigen::Ref<const Eigen::MatrixXcd>& misfit,
-                 const Eigen::Ref<const Eigen::MatrixXcd>& of_one_shape_each) {
+void judge_modes(ModalResult& result, const ModalBand& band, const Ref<const MatrixXcd>& misfit,
+                 const Ref<const MatrixXcd>& of_one_shape_each) {
   ModalModel& model = result.model;
   const FrfNoise& noise = result.noise;
   for (std::size_t r = 0; r < model.modes.size(); ++r) {
@@ -93,10 +84,11 @@ void judge_modes(ModalResult& result, const ModalBand& band,
     const double measured = band.window - mode.pole_rad_s.real(), half = measured / kTwoPi;
     const double f = mode.frequency_hz.value, scatter = mode.between_points_std_hz;
     doubt(!mode.doubt.empty(), mode.doubt);
-    doubt(mode.damping_dominated_by_window,
-          fmt::format("the window gives {:.0f} % of the measured decay rate: damping refused, "
-                      "frequency kept",
-                      100 * band.window / measured));
+    doubt(
+        mode.damping_dominated_by_window,
+        fmt::format(
+            "the window gives {:.0f} % of the measured decay rate: damping refused, frequency kept",
+            100 * band.window / measured));
     const double damping =
         mode.damping_ratio.std / std::max(std::abs(mode.damping_ratio.value), 1e-300);
     doubt(!mode.damping_dominated_by_window && !(damping < 0.25),
@@ -122,11 +114,11 @@ void judge_modes(ModalResult& result, const ModalBand& band,
     // resonance.
     const double peak =
         prominence(band, mode.pole_rad_s, mode.shape.norm() * mode.participation.norm(), 1);
-    doubt(peak < 0.1,
-          fmt::format("its peak is {:.2g} % of the FRFs around it, less than 10 %: what a "
-                      "non-linear structure or differing hits add to a stronger mode looks like "
-                      "this",
-                      100 * peak));
+    doubt(
+        peak < 0.1,
+        fmt::format("its peak is {:.2g} % of the FRFs around it, less than 10 %: what a non-linear "
+                    "structure or differing hits add to a stronger mode looks like this",
+                    100 * peak));
     doubt(f - half < result.low_hz || f + half > result.high_hz,
           "its resonance is cut by the end of the band");
     doubt(scatter > 4 * half,
@@ -162,8 +154,8 @@ void judge_modes(ModalResult& result, const ModalBand& band,
       // Where shapes do not tell: a cubic spring adds poles that decay 3, 5, ... times as fast.
       const bool shapes = mode.shape.size() >= 3;
       doubt(shapes ? likeness > 0.9 && distance < 2 : measured > 2 * others && distance < 1,
-            fmt::format("{} the mode at {:.4g} Hz{}, resonances overlap: "
-                        "one mode that changed between hits, or a non-linear one, looks like this",
+            fmt::format("{} the mode at {:.4g} Hz{}, resonances overlap: one mode that changed "
+                        "between hits, or a non-linear one, looks like this",
                         shapes ? "same shape as" : "more than twice as wide as",
                         model.modes[other].frequency_hz.value,
                         shapes ? fmt::format(" (MAC {:.2f})", likeness) : ""));
@@ -174,28 +166,23 @@ void judge_modes(ModalResult& result, const ModalBand& band,
         band.lines.inputs > 1 ? misfit_beyond_noise(band, noise, mode, of_one_shape_each) : 0;
     // As prominent as a mode has to be.
     if (const double more = of_one_shape > 0.1 ? of_one_shape : beyond; more > 0) {
-      model.notes.push_back(
-          {"systematic_misfit",
-           fmt::format("Measure longer records and more points, or look for a change between hits: "
-                       "{:.2g} % of the FRFs around the mode are neither its own nor noise, as "
-                       "where a second mode lies within its resonance; error bars do not allow for "
-                       "it",
-                       100 * more),
-           fmt::format("{:.4g} Hz", f)});
+      add_note(model.notes, "systematic_misfit", fmt::format("{:.4g} Hz", f),
+               "Measure longer records and more points, or look for a change between hits: {:.2g} "
+               "% of the FRFs around the mode are neither its own nor noise, as where a second "
+               "mode lies within its resonance; error bars do not allow for it",
+               100 * more);
     }
     // Records that end before the mode has decayed scale its residue by 1 - exp(-decay * length),
     // whose phase the record does not tell; poles stay right.
     if (left > 0.01) {
       const bool sine = band.lead == 0 && left > 0.5;
-      model.notes.push_back(
-          {sine ? "steady_tone" : "decay_cut_off",
-           fmt::format("{:.1f} % of the amplitude are left at the end of {}: residues are "
-                       "uncertain by that, poles are not{}",
-                       100 * left, sine ? "records of 1 / line spacing" : "the records",
-                       sine ? "; a steady tone such as mains hum looks like this too. FRFs of "
-                              "stepped or periodic sine are right as they are"
-                            : ""),
-           fmt::format("{:.4g} Hz", f)});
+      add_note(model.notes, sine ? "steady_tone" : "decay_cut_off", fmt::format("{:.4g} Hz", f),
+               "{:.1f} % of the amplitude are left at the end of {}: residues are uncertain by "
+               "that, poles are not{}",
+               100 * left, sine ? "records of 1 / line spacing" : "the records",
+               sine ? "; a steady tone such as mains hum looks like this too. FRFs of stepped or "
+                      "periodic sine are right as they are"
+                    : "");
     }
   }
 }

@@ -1,25 +1,13 @@
 #include "signal/modal/point_poles.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
-#include <utility>
 
 #include "signal/estimation/pole_steps.h"
 #include "signal/numerics/factorisations.h"
-#include "signal/numerics/numbers.h"
 #include "signal/refinement/modal_noise.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 
 /// Half width of the window, half bandwidths of the mode, and at least so many lines.
 constexpr double kBandwidths = 6, kLines = 8;
@@ -158,17 +146,12 @@ double line_inflation(const ModalBand& band, Index lines) {
 }
 
 /// Fits of the candidates of one point.
-class PointFit {
- public:
-  PointFit(const ModalBand& of, const MatrixXcd& frfs, double twins, double damping)
-      : band(of), H(frfs), twin_misfit(twins), max_damping_ratio(damping) {
-    const double values = 2 * static_cast<double>(H.size());
-    penalty = (2 * static_cast<double>(H.cols()) + 2) * std::log(values);
-  }
-
+struct PointFit {
   const ModalBand& band;
   const MatrixXcd& H;
-  double twin_misfit = 0, max_damping_ratio = 0, penalty = 0;
+  double twin_misfit, max_damping_ratio;
+  double penalty =
+      (2 * static_cast<double>(H.cols()) + 2) * std::log(2 * static_cast<double>(H.size()));
 
   LocalFit fit(const std::vector<Complex>& group, const std::vector<Complex>& others,
                double bandwidths, int order) const {
@@ -180,7 +163,7 @@ class PointFit {
     const Index stride = std::max<Index>(1, (end - first) / 1000);
     const Index count = std::max<Index>(0, end - first) / stride;
     const auto rows = Eigen::seqN(first, count, stride);
-    const VectorXcd start = Eigen::Map<const VectorXcd>(group.data(), std::ssize(group));
+    const VectorXcd start = Map<const VectorXcd>(group.data(), std::ssize(group));
     std::vector<Complex> near;
     if (count < 2) return {};
     const VectorXcd s = band.lines.s(rows);
@@ -191,7 +174,7 @@ class PointFit {
         near.push_back(p);
       }
     }
-    const VectorXcd fixed = Eigen::Map<const VectorXcd>(near.data(), Index(near.size()));
+    const VectorXcd fixed = Map<const VectorXcd>(near.data(), Index(near.size()));
     // Several columns weigh by what a first fit leaves of them, whose steps may end early: 0.3 of a
     // standard uncertainty adds 0.09 of a degree of freedom to the misfit. A tenth of the mean
     // keeps a column that is fitted by chance from deciding alone.
@@ -288,12 +271,12 @@ class PointFit {
 
 /// Candidates in groups whose resonances overlap.
 std::vector<std::vector<Complex>> groups_of(const ModalBand& band, std::vector<Complex> poles) {
-  std::sort(poles.begin(), poles.end(), [](Complex a, Complex b) { return a.imag() < b.imag(); });
+  std::ranges::sort(poles, {}, [](Complex pole) { return pole.imag(); });
   std::vector<std::vector<Complex>> groups;
   for (const Complex p : poles) {
-    const bool joins = !groups.empty() && groups.back().size() < 6 &&
-                       std::any_of(groups.back().begin(), groups.back().end(),
-                                   [&](Complex q) { return gap(band, p, q) < 2; });
+    const bool joins =
+        !groups.empty() && groups.back().size() < 6 &&
+        std::ranges::any_of(groups.back(), [&](Complex q) { return gap(band, p, q) < 2; });
     if (joins) {
       groups.back().push_back(p);
     } else {
@@ -363,7 +346,7 @@ std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, In
                                    const ModalOptions& options) {
   std::vector<PointPole> result;
   if (H.cols() == 0) return result;
-  const PointFit point(band, H, twin_misfit, options.lscf.max_damping_ratio);
+  const PointFit point{band, H, twin_misfit, options.lscf.max_damping_ratio};
   std::vector<std::vector<Complex>> groups = groups_of(band, {common.begin(), common.end()});
   // Rounds: each group against what the others were in the round before; what does not stand out
   // goes, the weakest first.
@@ -402,8 +385,7 @@ std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H, In
       if (pole.significance > point.penalty) result.push_back(std::move(pole));
     }
   }
-  std::sort(result.begin(), result.end(),
-            [](const auto& a, const auto& b) { return a.pole.imag() < b.pole.imag(); });
+  std::ranges::sort(result, {}, [](const auto& one) { return one.pole.imag(); });
   return result;
 }
 

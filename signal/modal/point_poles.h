@@ -9,10 +9,6 @@
 // makes it.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-#include <vector>
-
 #include "signal/modes/modal_band.h"
 #include "signal/modes/modal_result.h"
 
@@ -20,11 +16,11 @@ namespace rigfit::signal {
 
 /// A mode as one point shows it.
 struct PointPole {
-  Eigen::Index point = 0;
-  std::complex<double> pole;    ///< rad/s, window removed
-  double std = 0;               ///< std of the decay rate and of the damped frequency, each, rad/s
-  Eigen::VectorXcd residues;    ///< receptance, one a column of the point
-  Eigen::VectorXd residue_std;  ///< std of the real and the imaginary part, each
+  Index point = 0;
+  Complex pole;          ///< rad/s, window removed
+  double std = 0;        ///< std of the decay rate and of the damped frequency, each, rad/s
+  VectorXcd residues;    ///< receptance, one a column of the point
+  VectorXd residue_std;  ///< std of the real and the imaginary part, each
   /// Twice the fall of the misfit with this pole over the misfit's variance, correlated lines
   /// counted once: chi-square of 2 columns for a pole that is not there.
   double significance = 0;
@@ -36,13 +32,13 @@ struct PointPole {
 [[nodiscard]] bool points_are_inputs(const ModalBand& band);
 
 /// Columns of `H` of every point, in the order in which the file lists the points.
-[[nodiscard]] std::vector<std::vector<Eigen::Index>> columns_of_points(const ModalBand& band);
+[[nodiscard]] std::vector<std::vector<Index>> columns_of_points(const ModalBand& band);
 
 /// `H`: FRFs of the point (or of a hit) on the lines of the band; `common`: starting poles, window
 /// removed; `twin_misfit`: rms misfit over rms FRF that one pole must leave before a second within
 /// its resonance counts. By rising frequency.
-[[nodiscard]] std::vector<PointPole> point_poles(const ModalBand& band, const Eigen::MatrixXcd& H,
-                                                 Eigen::Index point, const Eigen::VectorXcd& common,
+[[nodiscard]] std::vector<PointPole> point_poles(const ModalBand& band, const MatrixXcd& H,
+                                                 Index point, const VectorXcd& common,
                                                  double twin_misfit, const ModalOptions& options);
 
 }  // namespace rigfit::signal

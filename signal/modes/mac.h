@@ -7,18 +7,17 @@
 // Source: Allemang, The modal assurance criterion, 2003; Pappa, Elliott, Schenk 1993.
 #pragma once
 
-#include <Eigen/Core>
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
 /// MAC of two shapes; 0 when either is zero.
-[[nodiscard]] double mac(const Eigen::Ref<const Eigen::VectorXcd>& a,
-                         const Eigen::Ref<const Eigen::VectorXcd>& b);
+[[nodiscard]] double mac(const Ref<const VectorXcd>& a, const Ref<const VectorXcd>& b);
 
 /// MAC of shapes in columns with each other: symmetric, ones on the diagonal.
-[[nodiscard]] Eigen::MatrixXd auto_mac(const Eigen::Ref<const Eigen::MatrixXcd>& shapes);
+[[nodiscard]] MatrixXd auto_mac(const Ref<const MatrixXcd>& shapes);
 
 /// MPC of a shape, 0..1; 0 for a zero shape.
-[[nodiscard]] double modal_phase_collinearity(const Eigen::Ref<const Eigen::VectorXcd>& shape);
+[[nodiscard]] double modal_phase_collinearity(const Ref<const VectorXcd>& shape);
 
 }  // namespace rigfit::signal

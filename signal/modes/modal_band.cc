@@ -1,20 +1,12 @@
 #include "signal/modes/modal_band.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
 #include <stdexcept>
-#include <utility>
 
 #include "signal/estimation/robust.h"
-#include "signal/numerics/numbers.h"
+#include "signal/recording/add_note.h"
 #include "signal/refinement/modal_basis.h"
 
 namespace rigfit::signal {
-
-using Eigen::Index;
-using Eigen::VectorXd;
 
 ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::vector<Note>& notes) {
   const Index inputs = static_cast<Index>(frfs.inputs.size());
@@ -37,9 +29,8 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
   }
   const auto unusable = std::erase_if(rows, [&](Index k) { return !frfs.H.row(k).allFinite(); });
   if (unusable > 0) {
-    notes.push_back({"data_left_out",
-                     fmt::format("{} lines with values that are not finite are left out", unusable),
-                     ""});
+    add_note(notes, "data_left_out", "", "{} lines with values that are not finite are left out",
+             unusable);
   }
   if (rows.size() < 8) {
     throw std::invalid_argument(
@@ -53,9 +44,8 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
   // A line without an error bar among others that have one cannot be weighed against them.
   if (band.H_std.size() && !(band.H_std.allFinite() && band.H_std.maxCoeff() > 0)) {
     band.H_std.resize(0, 0);
-    notes.push_back({"error_bars_unusable",
-                     "some error bars of the FRFs are missing: the noise is estimated from the fit",
-                     ""});
+    add_note(notes, "error_bars_unusable", "",
+             "some error bars of the FRFs are missing: the noise is estimated from the fit");
   }
   band.rows = std::move(rows);
   band.window = frfs.exponential_decay_rate_1_s;
@@ -70,7 +60,7 @@ ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::ve
 }
 
 FrfNoise first_noise(const ModalBand& band) {
-  const Eigen::MatrixXcd& H = band.lines.H;
+  const MatrixXcd& H = band.lines.H;
   FrfNoise noise = band.H_std.size() > 0
                        ? noise_from_std(H, band.H_std, band.lines.inputs, band.correlation_lines)
                        : noise_unknown(H, band.lines.inputs, band.correlation_lines);
@@ -78,7 +68,7 @@ FrfNoise first_noise(const ModalBand& band) {
   return noise;
 }
 
-std::pair<Index, Index> lines_around(const ModalBand& band, std::complex<double> pole, double least,
+std::pair<Index, Index> lines_around(const ModalBand& band, Complex pole, double least,
                                      double half_bandwidths) {
   const VectorXd& f = band.frequency_hz;
   const double centre = pole.imag() / kTwoPi;
@@ -89,11 +79,11 @@ std::pair<Index, Index> lines_around(const ModalBand& band, std::complex<double>
   return {low - f.begin(), high - low};
 }
 
-double prominence(const ModalBand& band, std::complex<double> pole, double residues, double none) {
+double prominence(const ModalBand& band, Complex pole, double residues, double none) {
   const auto [first, count] = lines_around(band, pole);
   const double power = band.lines.H.middleRows(first, count).squaredNorm();
   if (!(power > 0)) return none;
-  const std::complex<double> raw = pole - band.window;
+  const Complex raw = pole - band.window;
   const double peak = residues / std::abs(raw.real()) * std::pow(std::abs(raw), band.lines.power);
   return peak / std::sqrt(power / static_cast<double>(count));
 }

@@ -7,24 +7,16 @@
 // Heylen, Lammens, Sas, Modal Analysis Theory and Testing.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-#include <string>
-#include <tuple>
-#include <vector>
-
-#include "document/describe.h"
 #include "signal/numerics/estimate.h"
-#include "signal/numerics/numbers.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
 
 /// A mode as identified from one measured point alone.
 struct ModeAtPoint {
-  MeasuredPoint point;     ///< excitation point or response, whichever varies
-  Eigen::Index order = 0;  ///< place in the file, from 0
-  Estimate frequency_hz;   ///< window damping removed
+  MeasuredPoint point;    ///< excitation point or response, whichever varies
+  Index order = 0;        ///< place in the file, from 0
+  Estimate frequency_hz;  ///< window damping removed
   Estimate damping_ratio;
   double misfit = 0;  ///< rms misfit over rms FRF within the half bandwidth, own pole
 
@@ -66,10 +58,10 @@ struct IdentifiedMode {
   Estimate frequency_hz;   ///< undamped natural frequency |p| / 2 pi, window damping removed
   Estimate damping_ratio;  ///< window damping removed
   double damping_ratio_with_window = 0;  ///< as found, before the removal
-  std::complex<double> pole_rad_s;       ///< corrected pole
-  Eigen::VectorXcd shape;                ///< one per response
-  Eigen::MatrixXd shape_std;             ///< responses x 2, of the real and imaginary parts
-  Eigen::VectorXcd participation;        ///< one per input
+  Complex pole_rad_s;                    ///< corrected pole
+  VectorXcd shape;                       ///< one per response
+  MatrixXd shape_std;                    ///< responses x 2, of the real and imaginary parts
+  VectorXcd participation;               ///< one per input
   double modal_phase_collinearity = 0;   ///< MPC, 0..1
   double reconstruction_error = 0;       ///< rms misfit over rms FRF near the mode
   /// Share of the orders of the stabilisation diagram, of local modes of the points, that show it.
@@ -92,7 +84,7 @@ struct IdentifiedMode {
 
   [[nodiscard]] std::vector<ShapeComponent> components() const {
     std::vector<ShapeComponent> all;
-    for (Eigen::Index o = 0; o < shape.size(); ++o) {
+    for (Index o = 0; o < shape.size(); ++o) {
       all.push_back({shape[o].real(), shape[o].imag(), shape_std(o, 0), shape_std(o, 1)});
     }
     return all;
@@ -135,7 +127,7 @@ struct IdentifiedMode {
 };
 
 /// d (frequency, damping ratio) / d (Re p, Im p).
-[[nodiscard]] inline Eigen::Matrix2d pole_jacobian(std::complex<double> pole) {
+[[nodiscard]] inline Eigen::Matrix2d pole_jacobian(Complex pole) {
   const double x = pole.real(), y = pole.imag(), w = std::abs(pole);
   Eigen::Matrix2d J;
   J << x / (w * kTwoPi), y / (w * kTwoPi), -y * y / (w * w * w), x * y / (w * w * w);
@@ -144,8 +136,8 @@ struct IdentifiedMode {
 
 /// Gives a mode a pole, with frequency and damping ratios. `window`: decay rate of an exponential
 /// window, 1/s.
-inline void set_pole(IdentifiedMode& mode, std::complex<double> pole, double window) {
-  const std::complex<double> measured = pole - window;
+inline void set_pole(IdentifiedMode& mode, Complex pole, double window) {
+  const Complex measured = pole - window;
   mode.pole_rad_s = pole;
   mode.frequency_hz.value = std::abs(pole) / kTwoPi;
   mode.damping_ratio.value = -pole.real() / std::abs(pole);
@@ -156,12 +148,12 @@ inline void set_pole(IdentifiedMode& mode, std::complex<double> pole, double win
 struct ModalModel {
   std::vector<IdentifiedMode> modes;  ///< by rising frequency
   std::vector<MeasuredPoint> responses, inputs;
-  Eigen::MatrixXcd lower_residual, upper_residual;  ///< responses x inputs, receptance
-  Eigen::MatrixXd frf_error;  ///< responses x inputs: rms misfit over rms FRF in the band
+  MatrixXcd lower_residual, upper_residual;  ///< responses x inputs, receptance
+  MatrixXd frf_error;  ///< responses x inputs: rms misfit over rms FRF in the band
   FrfForm fitted_form = FrfForm::unknown;
   double exponential_decay_rate_1_s = 0;  ///< removed from every pole
   /// Covariance of (f_1, zeta_1, f_2, zeta_2, ...), 2N x 2N, Hz and 1.
-  Eigen::MatrixXd pole_covariance;
+  MatrixXd pole_covariance;
   std::vector<Note> notes;
 
   static constexpr auto fields() {

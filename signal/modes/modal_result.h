@@ -1,21 +1,9 @@
 // Options and result of the identification of modes (modal_identification.h).
 #pragma once
 
-#include <complex>
-#include <optional>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
-
-#include "document/describe.h"
 #include "signal/modes/modal_model.h"
-#include "signal/numerics/numbers.h"
-#include "signal/poles/lscf.h"
 #include "signal/poles/pole_clusters.h"
-#include "signal/refinement/modal_noise.h"
 #include "signal/refinement/modal_refine.h"
-#include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
 
@@ -39,16 +27,16 @@ struct ModalResult {
   ModalModel model;
   LscfResult stabilisation;  ///< window not removed
   FrfNoise noise;            ///< estimated from the fit's residual
-  Eigen::MatrixXd auto_mac;  ///< modes x modes
+  MatrixXd auto_mac;         ///< modes x modes
   StepsEnd end = StepsEnd::converged;
   int iterations = 0;
-  Eigen::Index lines_used = 0;
+  Index lines_used = 0;
   double low_hz = 0, high_hz = 0;  ///< first and last line used
   /// Part of the fit besides modes and residuals (signal/modal/band_background.h), which truncated
   /// records and noise on the force cause. Lines used x FRFs, in the fitted form and window; empty:
   /// none.
-  Eigen::MatrixXcd background;
-  Eigen::VectorXd background_hz;  ///< its lines
+  MatrixXcd background;
+  VectorXd background_hz;  ///< its lines
   /// Rms misfit over the rms of the smoothed error bars H_std (1: the modes explain the FRFs within
   /// them); empty when the FRFs came without error bars.
   std::optional<double> misfit_over_error_bars;

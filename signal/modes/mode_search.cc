@@ -1,21 +1,9 @@
 #include "signal/modes/mode_search.h"
 
-#include <algorithm>
-#include <cmath>
-#include <complex>
 #include <functional>
-#include <utility>
-
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 
 struct Candidate {
   Complex pole;  ///< window removed
@@ -24,17 +12,17 @@ struct Candidate {
 
 class ModeSearch {
  public:
-  ModeSearch(const ModalBand& of, const ModalOptions& with, const FrfNoise& noise)
-      : band_of_(of), options_of_(with) {
+  ModeSearch(const ModalBand& band, const ModalOptions& options, const FrfNoise& noise)
+      : band_(band), options_(options) {
     found.noise = noise;
-    const double frfs = static_cast<double>(of.lines.H.cols());
+    const double frfs = static_cast<double>(band.lines.H.cols());
     found.penalty =
-        (2 * frfs + 2) * std::log(2 * static_cast<double>(of.frequency_hz.size()) * frfs);
+        (2 * frfs + 2) * std::log(2 * static_cast<double>(band.frequency_hz.size()) * frfs);
   }
 
   void add(const std::vector<PoleCluster>& clusters) {
     for (const PoleCluster& cluster : clusters) {
-      candidates.push_back({cluster.pole_rad_s + band().window, cluster.presence});
+      candidates.push_back({cluster.pole_rad_s + band_.window, cluster.presence});
     }
     std::ranges::sort(candidates, {}, [](const Candidate& c) { return c.pole.imag(); });
   }
@@ -43,16 +31,16 @@ class ModeSearch {
   /// Candidates that are no modes never settle down, so poles are refined to the end only
   /// afterwards.
   void settle() {
-    ModalRefineOptions rough = options().refine;
+    ModalRefineOptions rough = options_.refine;
     rough.max_iterations = std::min(rough.max_iterations, 6);
     for (bool settled = false;;) {
-      const ModalRefineOptions& refine_options = settled ? options().refine : rough;
+      const ModalRefineOptions& refine_options = settled ? options_.refine : rough;
       bool determined = refine(refine_options);
       if (determined) update_noise();
       if (determined && settled) determined = refine(refine_options);
       if (exhausted()) return;
       if (determined) {
-        found.covariance = modal_covariance(band().lines, found.noise, found.fit, true);
+        found.covariance = modal_covariance(band_.lines, found.noise, found.fit, true);
       }
       found.covariance.full_rank = determined && found.covariance.full_rank;
       if (!found.covariance.full_rank) return;
@@ -64,7 +52,7 @@ class ModeSearch {
 
   /// Misfit under a given noise, with the price of the modes: comparable between searches.
   double cost_with(const FrfNoise& noise) const {
-    const MatrixXcd& H = band().lines.H;
+    const MatrixXcd& H = band_.lines.H;
     double sum = 0, count = 0;
     for (Index c = 0; c < H.cols(); ++c) {
       if (!std::isfinite(noise.column[c])) continue;
@@ -75,16 +63,13 @@ class ModeSearch {
     return count * std::log(std::max(sum, 1e-300)) +
            found.penalty * static_cast<double>(candidates.size());
   }
-  bool exhausted() const { return work > options().max_work; }
+  bool exhausted() const { return work > options_.max_work; }
 
   std::vector<Candidate> candidates;
   FoundModes found;
   double work = 0;
 
  private:
-  const ModalBand& band() const { return band_of_; }
-  const ModalOptions& options() const { return options_of_; }
-
   /// Whether the lines determine the poles within the work allowed.
   bool refine(ModalRefineOptions refine_options) {
     VectorXcd start(static_cast<Index>(candidates.size()));
@@ -93,42 +78,41 @@ class ModeSearch {
     }
     // Gram matrices and products with the FRFs of each step, and as much for noise and covariance.
     const double columns = 2 * static_cast<double>(candidates.size()) + 4 +
-                           2 * static_cast<double>(band().lines.background.cols());
-    const double step = 4 * static_cast<double>(band().frequency_hz.size()) * columns *
-                        (columns + static_cast<double>(band().lines.H.cols()));
+                           2 * static_cast<double>(band_.lines.background.cols());
+    const double step = 4 * static_cast<double>(band_.frequency_hz.size()) * columns *
+                        (columns + static_cast<double>(band_.lines.H.cols()));
     // What goes beyond the work allowed is given up: no step after the one that does.
-    const double affordable = std::max(0.0, (options().max_work - work) / step - 3);
+    const double affordable = std::max(0.0, (options_.max_work - work) / step - 3);
     if (affordable < refine_options.max_iterations) {
       refine_options.max_iterations = static_cast<int>(affordable) + 1;
     }
-    found.fit = refine_modes(band().lines, found.noise, start, refine_options);
+    found.fit = refine_modes(band_.lines, found.noise, start, refine_options);
     found.iterations += found.fit.iterations;
     work += (found.fit.iterations + 3.0) * step;
     for (std::size_t r = 0; r < candidates.size(); ++r) {
       candidates[r].pole = found.fit.poles[static_cast<Index>(r)];
     }
     if (exhausted() || found.fit.end == StepsEnd::rank_deficient) return false;
-    found.model = fitted_frfs(band().lines, found.fit);
+    found.model = fitted_frfs(band_.lines, found.fit);
     return true;
   }
 
   void update_noise() {
-    found.noise =
-        noise_from_residuals(found.model, band().lines.H - found.model, found.fit.leverage,
-                             band().lines.inputs, band().correlation_lines);
-    found.noise.lead = band().lead;
+    found.noise = noise_from_residuals(found.model, band_.lines.H - found.model, found.fit.leverage,
+                                       band_.lines.inputs, band_.correlation_lines);
+    found.noise.lead = band_.lead;
   }
 
   /// All that left the band, became a background or are no larger than what no model explains.
   bool drop_implausible() {
-    const VectorXd& f = band().frequency_hz;
+    const VectorXd& f = band_.frequency_hz;
     std::vector<Candidate> kept;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const Complex pole = found.fit.poles[static_cast<Index>(i)], raw = pole - band().window;
+      const Complex pole = found.fit.poles[static_cast<Index>(i)], raw = pole - band_.window;
       const double damped = raw.imag() / kTwoPi, ratio = -raw.real() / std::abs(raw);
       const double residues = found.fit.residues.row(static_cast<Index>(i)).norm();
-      if (damped > f[0] && damped < f[f.size() - 1] && ratio <= options().lscf.max_damping_ratio &&
-          prominence(band(), pole, residues, 0) >= options().min_prominence) {
+      if (damped > f[0] && damped < f[f.size() - 1] && ratio <= options_.lscf.max_damping_ratio &&
+          prominence(band_, pole, residues, 0) >= options_.min_prominence) {
         kept.push_back(candidates[i]);
       }
     }
@@ -139,7 +123,7 @@ class ModeSearch {
 
   /// Distance of two candidates in their bandwidths.
   double distance(std::size_t a, std::size_t b) const {
-    return apart(candidates[a].pole, candidates[b].pole, band().window);
+    return apart(candidates[a].pole, candidates[b].pole, band_.window);
   }
 
   /// The weakest first; of candidates whose resonances overlap only one at a time, since two that
@@ -164,8 +148,8 @@ class ModeSearch {
     return !drop.empty();
   }
 
-  std::reference_wrapper<const ModalBand> band_of_;
-  std::reference_wrapper<const ModalOptions> options_of_;
+  const ModalBand& band_;
+  const ModalOptions& options_;
 };
 
 }  // namespace
@@ -206,7 +190,7 @@ std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& le
           (first + width < lines && f > band.frequency_hz[first + width - 1] - margin)) {
         continue;
       }
-      const auto twin = std::find_if(found.begin(), found.end(), [&](const PoleCluster& other) {
+      const auto twin = std::ranges::find_if(found, [&](const PoleCluster& other) {
         return apart(other.pole_rad_s, cluster.pole_rad_s) < options.clusters.radius;
       });
       if (twin == found.end()) {
@@ -239,7 +223,7 @@ FoundModes search_modes(const ModalBand& band, const std::vector<PoleCluster>& c
     search.work = wider.work;
     if (search.exhausted()) break;
     if (wider.found.covariance.full_rank && wider.cost_with(first) < search.cost_with(first)) {
-      search = std::move(wider);
+      search.candidates = std::move(wider.candidates), search.found = std::move(wider.found);
     }
   }
   search.found.exhausted = search.exhausted();

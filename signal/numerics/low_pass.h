@@ -5,8 +5,6 @@
 
 #include <gsl/gsl_sf_bessel.h>
 
-#include <cmath>
-
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {

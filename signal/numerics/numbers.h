@@ -1,10 +1,21 @@
-// Numbers that many sources need by name.
+// Numbers, vectors and matrices by their short names, with the standard headers that nearly every
+// numerical source needs.
 #pragma once
 
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace rigfit::signal {
+
+using Complex = std::complex<double>;
+using Eigen::ArrayXcd, Eigen::ArrayXd, Eigen::ArrayXXcd, Eigen::ArrayXXd, Eigen::Index, Eigen::Map,
+    Eigen::MatrixXcd, Eigen::MatrixXd, Eigen::Ref, Eigen::VectorXcd, Eigen::VectorXd;
 
 inline constexpr double kTwoPi = 2 * std::numbers::pi;
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  ///< not known

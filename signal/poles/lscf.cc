@@ -2,29 +2,18 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <cmath>
 #include <optional>
-#include <span>
 #include <stdexcept>
 
-#include "signal/numerics/numbers.h"
 #include "signal/spectra/fft.h"
 
 namespace rigfit::signal {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
-using Complex = std::complex<double>;
-
 /// s_m = sum_k Re(g_k z_k^m) for m = -order..order, by one FFT when the lines are uniform.
 class MomentSums {
  public:
-  MomentSums(const Eigen::Ref<const VectorXd>& frequency_hz, int order)
+  MomentSums(const Ref<const VectorXd>& frequency_hz, int order)
       : lines_(frequency_hz.size()), order_(order) {
     const double low = frequency_hz[0];
     const double step = (frequency_hz[lines_ - 1] - low) / static_cast<double>(lines_ - 1);
@@ -50,7 +39,7 @@ class MomentSums {
 
   /// Column m + order of the result is s_m.
   template <typename Vector>
-  void operator()(const Vector& g, Eigen::Ref<VectorXd> sums) {
+  void operator()(const Vector& g, Ref<VectorXd> sums) {
     if (!uniform_) {
       stacked_.resize(2 * lines_);
       stacked_ << g.real(), g.imag();
@@ -80,8 +69,8 @@ class MomentSums {
 };
 
 /// The reduced normal matrix M, (order + 1) Ni square.
-MatrixXd reduced_normal_matrix(MomentSums& sums_of, const Eigen::Ref<const MatrixXcd>& H,
-                               Index inputs, int order, const VectorXd& line_weight,
+MatrixXd reduced_normal_matrix(MomentSums& sums_of, const Ref<const MatrixXcd>& H, Index inputs,
+                               int order, const VectorXd& line_weight,
                                const VectorXd& response_weight) {
   const Index terms = order + 1, unknowns = terms * inputs, responses = H.cols() / inputs;
   const VectorXd squared = line_weight.cwiseAbs2();
@@ -176,9 +165,9 @@ void mark_stable(std::span<StabilisationPole> poles, std::span<const Stabilisati
 
 }  // namespace
 
-LscfResult lscf(const Eigen::Ref<const VectorXd>& frequency_hz,
-                const Eigen::Ref<const MatrixXcd>& H, Index inputs, const VectorXd& line_weight,
-                const VectorXd& column_weight, const LscfOptions& options) {
+LscfResult lscf(const Ref<const VectorXd>& frequency_hz, const Ref<const MatrixXcd>& H,
+                Index inputs, const VectorXd& line_weight, const VectorXd& column_weight,
+                const LscfOptions& options) {
   const Index lines = frequency_hz.size();
   if (inputs < 1 || H.cols() < 1 || H.cols() % inputs != 0 || H.rows() != lines ||
       (line_weight.size() != 0 && line_weight.size() != lines) ||

@@ -12,12 +12,8 @@
 // frequency-domain system identification, VUB 2004 (choice of the constraint).
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-#include <tuple>
-#include <vector>
-
 #include "document/describe.h"
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
@@ -36,13 +32,13 @@ struct LscfOptions {
 /// A pole of one order, window damping not removed.
 struct StabilisationPole {
   int order = 0;
-  std::complex<double> pole_rad_s;  ///< negative real part, positive imaginary part
-  double frequency_hz = 0;          ///< undamped, |pole| / 2 pi
+  Complex pole_rad_s;       ///< negative real part, positive imaginary part
+  double frequency_hz = 0;  ///< undamped, |pole| / 2 pi
   double damping_ratio = 0;
   bool stable_frequency = false;
   bool stable_damping = false;  ///< both frequency and damping are stable
   /// Participation of the inputs, length 1; empty unless asked for.
-  Eigen::VectorXcd participation = {};
+  VectorXcd participation = {};
 
   static constexpr auto fields() {
     using T = StabilisationPole;
@@ -68,10 +64,9 @@ struct LscfResult {
 /// standard deviation up to a scale), empty: 1. `column_weight`: the same per column of H;
 /// responses are weighted by the mean over their inputs. Throws std::invalid_argument on sizes that
 /// do not fit.
-[[nodiscard]] LscfResult lscf(const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
-                              const Eigen::Ref<const Eigen::MatrixXcd>& H, Eigen::Index inputs,
-                              const Eigen::VectorXd& line_weight = {},
-                              const Eigen::VectorXd& column_weight = {},
+[[nodiscard]] LscfResult lscf(const Ref<const VectorXd>& frequency_hz,
+                              const Ref<const MatrixXcd>& H, Index inputs,
+                              const VectorXd& line_weight = {}, const VectorXd& column_weight = {},
                               const LscfOptions& options = {});
 
 }  // namespace rigfit::signal

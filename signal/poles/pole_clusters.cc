@@ -10,17 +10,15 @@
 namespace rigfit::signal {
 namespace {
 
-using Complex = std::complex<double>;
-
-bool alike(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b, double least) {
+bool alike(const VectorXcd& a, const VectorXcd& b, double least) {
   return a.size() == 0 || b.size() == 0 || std::norm(a.dot(b)) > least;
 }
 
 struct Track {
   std::vector<Complex> poles;  ///< from the highest order down
   std::vector<int> orders;
-  Eigen::VectorXcd participation;  ///< that the last pole linked has
-  Eigen::VectorXcd first;          ///< that the highest order's pole has
+  VectorXcd participation;  ///< that the last pole linked has
+  VectorXcd first;          ///< that the highest order's pole has
 };
 
 /// Links the poles of each order, from the highest down, to the nearest track end; each track takes
@@ -46,7 +44,7 @@ std::vector<Track> track_poles(const LscfResult& stabilisation, double spacing,
         }
       }
     }
-    std::sort(pairs.begin(), pairs.end());
+    std::ranges::sort(pairs);
     std::vector<bool> taken(end - begin, false);
     for (const auto& [d, t, i] : pairs) {
       if (taken[i - begin] || tracks[t].orders.back() == order) continue;
@@ -96,18 +94,16 @@ std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation, double l
   }
   // Pieces of one track, or two tracks of one mode: the one that is there more often stands for
   // both.
-  std::sort(clusters.begin(), clusters.end(),
-            [](const auto& a, const auto& b) { return a.presence > b.presence; });
+  std::ranges::sort(clusters, [](const auto& a, const auto& b) { return a.presence > b.presence; });
   std::vector<PoleCluster> kept;
   for (const PoleCluster& cluster : clusters) {
-    const bool again = std::any_of(kept.begin(), kept.end(), [&](const PoleCluster& other) {
+    const bool again = std::ranges::any_of(kept, [&](const PoleCluster& other) {
       return apart(cluster.pole_rad_s, other.pole_rad_s, 0, spacing) < options.radius &&
              alike(cluster.participation, other.participation, options.min_alike);
     });
     if (!again) kept.push_back(cluster);
   }
-  std::sort(kept.begin(), kept.end(),
-            [](const auto& a, const auto& b) { return a.pole_rad_s.imag() < b.pole_rad_s.imag(); });
+  std::ranges::sort(kept, {}, [](const auto& one) { return one.pole_rad_s.imag(); });
   return kept;
 }
 

@@ -11,10 +11,6 @@
 // their bandwidths stay two.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-#include <vector>
-
 #include "signal/poles/lscf.h"
 
 namespace rigfit::signal {
@@ -28,16 +24,15 @@ struct PoleClusterOptions {
 };
 
 struct PoleCluster {
-  std::complex<double> pole_rad_s;  ///< medians over the upper half of the orders, window included
-  double presence = 0;              ///< share of the upper half of the orders, 0..1
-  double scatter = 0;               ///< rms distance from the median, in half bandwidths
-  Eigen::VectorXcd participation = {};  ///< that of the highest order's pole; may be empty
+  Complex pole_rad_s;            ///< medians over the upper half of the orders, window included
+  double presence = 0;           ///< share of the upper half of the orders, 0..1
+  double scatter = 0;            ///< rms distance from the median, in half bandwidths
+  VectorXcd participation = {};  ///< that of the highest order's pole; may be empty
 };
 
 /// Distance of two poles over the sum of their half bandwidths and half of the lines' `spacing`,
 /// rad/s. `window`: its decay rate, where poles are given without it.
-[[nodiscard]] inline double apart(std::complex<double> p, std::complex<double> q, double window = 0,
-                                  double spacing = 0) {
+[[nodiscard]] inline double apart(Complex p, Complex q, double window = 0, double spacing = 0) {
   return std::abs(p - q) /
          (std::abs(p.real() - window) + std::abs(q.real() - window) + spacing / 2);
 }

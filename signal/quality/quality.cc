@@ -2,14 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <numeric>
-#include <utility>
-#include <vector>
 
 #include "signal/estimation/robust.h"
-#include "signal/numerics/numbers.h"
 #include "signal/recording/clipping.h"
 
 namespace rigfit::signal {
@@ -17,14 +12,14 @@ namespace {
 
 // Samples of the same value in a row that can make a dropout, and the number of runs as long that
 // chance explains, given how often neighbours are equal around them, below which they do.
-constexpr Eigen::Index kDropoutRun = 8;
+constexpr Index kDropoutRun = 8;
 constexpr double kDropoutChance = 1e-3;
 // Quanta in a standard deviation below which quantisation is coarse: its rounding noise, q /
 // sqrt(12), is then more than 3 % of the signal.
 constexpr double kStepsPerRms = 10;
 
 struct Run {
-  Eigen::Index first = 0, length = 0;
+  Index first = 0, length = 0;
 };
 
 /// Values with their unit, for messages.
@@ -32,7 +27,7 @@ std::string with_unit(double value, const Channel& channel) {
   return fmt::format("{:.4g}{}{}", value, channel.unit.empty() ? "" : " ", channel.unit);
 }
 
-std::string at_time(Eigen::Index sample, const Recording& recording) {
+std::string at_time(Index sample, const Recording& recording) {
   if (!(recording.sample_rate_hz > 0)) return fmt::format("sample {}", sample + 1);
   const double time =
       recording.time_s.size() > sample
@@ -48,7 +43,7 @@ double quantum_of(const std::vector<double>& samples, double range, long& distin
   const std::ptrdiff_t n = std::min(std::ssize(samples), kLooked);
   const auto middle = samples.begin() + (std::ssize(samples) - n) / 2;
   std::vector<double> values(middle, middle + n);
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   distinct = 1;
   double quantum = 0;
   for (std::size_t k = 1; k < values.size(); ++k) {
@@ -61,17 +56,16 @@ double quantum_of(const std::vector<double>& samples, double range, long& distin
 }
 
 /// Runs of the same value that chance does not explain.
-std::vector<Run> improbable_runs(const Eigen::VectorXd& x) {
+std::vector<Run> improbable_runs(const VectorXd& x) {
   std::vector<Run> runs;
-  const Eigen::Index n = x.size();
-  for (Eigen::Index k = 0, end = 1; k < n; k = end++) {
+  const Index n = x.size();
+  for (Index k = 0, end = 1; k < n; k = end++) {
     while (end < n && x[end] == x[k]) ++end;
-    const Eigen::Index length = end - k;
+    const Index length = end - k;
     if (length < kDropoutRun) continue;
-    const Eigen::Index reach = std::max<Eigen::Index>(100, 10 * length);
+    const Index reach = std::max<Index>(100, 10 * length);
     double pairs = 0, equal = 0, from_value = 0, stays = 0;
-    for (Eigen::Index j = std::max<Eigen::Index>(k - reach, 0) + 1; j < std::min(end + reach, n);
-         ++j) {
+    for (Index j = std::max<Index>(k - reach, 0) + 1; j < std::min(end + reach, n); ++j) {
       if ((j >= k && j <= end) || !std::isfinite(x[j]) || !std::isfinite(x[j - 1])) continue;
       ++pairs;
       equal += x[j] == x[j - 1] ? 1 : 0;
@@ -93,12 +87,12 @@ std::vector<Run> improbable_runs(const Eigen::VectorXd& x) {
 ChannelQuality check_channel(const Recording& recording, const Channel& channel) {
   ChannelQuality q;
   q.channel = &channel;
-  const Eigen::VectorXd& x = channel.samples;
-  const Eigen::Index n = x.size();
+  const VectorXd& x = channel.samples;
+  const Index n = x.size();
   const std::vector<double> there = finite_values(x);
-  const auto count = static_cast<Eigen::Index>(there.size());
+  const auto count = static_cast<Index>(there.size());
   q.missing_samples = n - count;
-  const auto add = [&]<typename... Values>(const char* code, long samples, Eigen::Index first,
+  const auto add = [&]<typename... Values>(const char* code, long samples, Index first,
                                            fmt::format_string<Values...> message,
                                            Values&&... values) {
     q.findings.push_back(
@@ -114,7 +108,7 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
     q.min = q.max = q.mean = q.rms = kNaN;
     return q;
   }
-  const Eigen::Map<const Eigen::ArrayXd> finite(there.data(), count);
+  const Map<const ArrayXd> finite(there.data(), count);
   q.min = finite.minCoeff(), q.max = finite.maxCoeff(), q.mean = finite.mean();
   q.rms = std::sqrt(finite.square().mean());
   const double std = std::sqrt((finite - q.mean).square().mean());
@@ -152,7 +146,7 @@ ChannelQuality check_channel(const Recording& recording, const Channel& channel)
     }
 
     long dropped = 0, dropouts = 0;
-    Eigen::Index longest = 0, first = -1;
+    Index longest = 0, first = -1;
     for (const Run& run : improbable_runs(x)) {
       const double value = x[run.first];
       if ((value == q.max || value == q.min) && q.clipped_samples > 0) continue;

@@ -6,12 +6,6 @@
 // motion at all, or only in a part), `one_bit`, `coarse_quantisation`. The readers check the times.
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-#include <tuple>
-#include <vector>
-
-#include "document/describe.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
@@ -19,9 +13,9 @@ namespace rigfit::signal {
 /// Something found wrong, with its code in JSON.
 struct QualityFinding {
   std::string code;
-  std::string message;      ///< with numbers and units
-  long samples = 0;         ///< number concerned; 0: not countable
-  Eigen::Index first = -1;  ///< sample where it begins; -1: everywhere
+  std::string message;  ///< with numbers and units
+  long samples = 0;     ///< number concerned; 0: not countable
+  Index first = -1;     ///< sample where it begins; -1: everywhere
 
   static constexpr auto fields() {
     using T = QualityFinding;

@@ -7,8 +7,6 @@
 #include <cstring>
 #include <utility>
 
-#include "signal/recording/units.h"
-
 namespace rigfit::signal {
 namespace {
 
@@ -126,7 +124,7 @@ std::vector<CsvField> without_empty_end(std::vector<CsvField> fields) {
 
 bool is_missing_word(std::string_view field) {
   if (field.empty() || field.size() > 10) return false;
-  if (std::all_of(field.begin(), field.end(), [](char c) { return c == '-' || c == '*'; })) {
+  if (std::ranges::all_of(field, [](char c) { return c == '-' || c == '*'; })) {
     return true;
   }
   std::string word = lower_case(field);

@@ -2,13 +2,9 @@
 // decimal commas and exponents by d go through a copy.
 #pragma once
 
-#include <cstddef>
-#include <string>
-#include <string_view>
 #include <vector>
 
-#include "signal/recording/recording_error.h"
-#include "signal/recording/units.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::signal {
 

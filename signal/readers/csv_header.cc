@@ -2,15 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <regex>
-#include <set>
-#include <utility>
 
 #include "signal/readers/csv_table.h"
-#include "signal/recording/recording_error.h"
-#include "signal/recording/units.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::signal {
 namespace {

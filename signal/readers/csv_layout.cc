@@ -1,10 +1,8 @@
 #include "signal/readers/csv_table.h"
 
 #include <algorithm>
-#include <utility>
 
-#include "signal/recording/recording_error.h"
-#include "signal/recording/units.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::signal {
 namespace {
@@ -171,11 +169,10 @@ void refuse_thousands(const std::vector<Row>& rows, long line, const std::string
     }
   }
   if (seen.empty()) return;
-  throw RecordingError(
-      {file, line, 0, "", std::string(seen)},
-      "the commas in quotes may part thousands or be decimal signs",
-      "say --decimal comma (key decimal of the TOML file beside it) where they are "
-      "decimal signs; else export without signs between thousands");
+  throw RecordingError({file, line, 0, "", std::string(seen)},
+                       "the commas in quotes may part thousands or be decimal signs",
+                       "say --decimal comma (key decimal of the TOML file beside it) where they "
+                       "are decimal signs; else export without signs between thousands");
 }
 
 /// Whether a line is one of numbers, as the columns hold them.

@@ -1,18 +1,10 @@
 #include "signal/readers/csv_table.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
 #include <regex>
-#include <utility>
 
-#include "signal/numerics/numbers.h"
-#include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 namespace {
@@ -48,7 +40,7 @@ class BodyParser {
     }
   }
 
-  std::vector<Eigen::VectorXd> parse(const std::function<void(std::size_t)>& progress) {
+  std::vector<VectorXd> parse(const std::function<void(std::size_t)>& progress) {
     std::size_t told = layout_.body;
     for (std::string_view rest = bytes_.substr(layout_.body); !rest.empty();) {
       const std::size_t at = bytes_.size() - rest.size();
@@ -152,12 +144,12 @@ class BodyParser {
   /// Leaves out rows of nothing at the end (spreadsheets have them) and room that is not used, and
   /// notes what is not read.
   void trim() {
-    const auto is_empty = [&](Eigen::Index row) {
-      return std::ranges::none_of(columns_, [&](const Eigen::VectorXd& column) {
+    const auto is_empty = [&](Index row) {
+      return std::ranges::none_of(columns_, [&](const VectorXd& column) {
         return column.size() > 0 && !std::isnan(column[row]);
       });
     };
-    const Eigen::Index all = rows_;
+    const Index all = rows_;
     while (rows_ > 0 && is_empty(rows_ - 1)) --rows_;
     if (rows_ == 0) {
       throw RecordingError({table_.file, layout_.body_line}, "the table holds no numbers",
@@ -186,9 +178,9 @@ class BodyParser {
   const std::string_view bytes_;
   CsvTable& table_;
   const CsvLayout& layout_;
-  std::vector<Eigen::VectorXd> columns_;  ///< those that are not wanted are empty
+  std::vector<VectorXd> columns_;  ///< those that are not wanted are empty
   std::vector<CsvField> fields_;
-  Eigen::Index rows_ = 0;
+  Index rows_ = 0;
   std::optional<BadField> short_;                              ///< the line before, between blanks
   long short_rows_ = 0, comment_lines_ = 0, footer_line_ = 0;  ///< rows and lines; line or 0
   bool incomplete_last_ = false;
@@ -214,9 +206,9 @@ void refuse_other_writing(std::string_view bytes, const std::string& file, const
 
 /// Refuses a series that is written several values a line, as the number of them shows which the
 /// header states, or their duration beside a rate ("NPTS= 4000" above lines of five).
-void refuse_series(const CsvTable& table, const std::vector<Eigen::VectorXd>& columns) {
+void refuse_series(const CsvTable& table, const std::vector<VectorXd>& columns) {
   const auto width = std::ssize(columns);
-  const Eigen::Index rows = columns.front().size();
+  const Index rows = columns.front().size();
   const auto is_other = [&](const auto& column) { return column.size() != rows; };
   if (table.layout.dialect.separator != ' ' || width < 2 || rows == 0 ||
       std::ranges::any_of(columns, is_other)) {
@@ -241,12 +233,12 @@ void refuse_series(const CsvTable& table, const std::vector<Eigen::VectorXd>& co
 
 }  // namespace
 
-std::vector<Eigen::VectorXd> parse_csv_body(std::string_view bytes, CsvTable& table,
-                                            const std::function<void(std::size_t)>& progress) {
+std::vector<VectorXd> parse_csv_body(std::string_view bytes, CsvTable& table,
+                                     const std::function<void(std::size_t)>& progress) {
   return BodyParser(bytes, table).parse(progress);
 }
 
-void CsvTable::add(CsvColumn description, Eigen::VectorXd numbers) {
+void CsvTable::add(CsvColumn description, VectorXd numbers) {
   Channel channel;
   const std::string first = description.name.empty()
                                 ? "column " + std::to_string(description.place + 1)
@@ -268,8 +260,7 @@ void CsvTable::add(CsvColumn description, Eigen::VectorXd numbers) {
   if (channel.nominal_range > 0 &&
       (channel.samples.array().abs() > 1.1 * channel.nominal_range).any()) {
     add_note(notes, "left_out", channel.name,
-             "Check the unit: the numbers exceed the header's range of "
-             "{:.9g}, which is not used",
+             "Check the unit: the numbers exceed the header's range of {:.9g}, which is not used",
              description.range);
     channel.nominal_range = 0;
   }
@@ -301,8 +292,8 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
 
   if (!layout.unmatched_titles.empty()) {
     add_note(table.notes, "titles_not_matched", "",
-             "the titles \"{}\" do not part into {} columns: columns are named by their "
-             "number; part the titles by tabs, or name channels in a TOML file",
+             "the titles \"{}\" do not part into {} columns: columns are named by their number; "
+             "part the titles by tabs, or name channels in a TOML file",
              layout.unmatched_titles, n);
   }
   std::vector<std::size_t> unnamed;

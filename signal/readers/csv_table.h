@@ -8,19 +8,11 @@
 // ("1,-5") decide, or the table is refused with the question.
 #pragma once
 
-#include <Eigen/Core>
 #include <bit>
-#include <cstddef>
-#include <filesystem>
-#include <functional>
 #include <set>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "signal/readers/csv_fields.h"
 #include "signal/readers/recording_description.h"
-#include "signal/recording/recording.h"
 
 namespace rigfit::signal {
 
@@ -94,7 +86,7 @@ struct CsvTable {
 
   /// Adds a column's numbers as a channel, with a name of its own and in SI, and notes what is
   /// wrong with it.
-  void add(CsvColumn description, Eigen::VectorXd numbers);
+  void add(CsvColumn description, VectorXd numbers);
   /// By its clock times, unit or name.
   [[nodiscard]] bool is_time(std::size_t channel) const {
     return columns[channel].kind == FieldKind::clock ||
@@ -110,7 +102,7 @@ struct CsvTable {
 /// missing. Throws RecordingError with line and column for a field that is neither a number nor a
 /// word for none, for too many fields, for a table without numbers, and for one so ragged that most
 /// of it would be empty. `progress`, when given, is told now and then how many bytes are done with.
-[[nodiscard]] std::vector<Eigen::VectorXd> parse_csv_body(
+[[nodiscard]] std::vector<VectorXd> parse_csv_body(
     std::string_view bytes, CsvTable& table, const std::function<void(std::size_t)>& progress = {});
 
 /// Throws RecordingError.
@@ -119,14 +111,12 @@ struct CsvTable {
 
 /// Whether values, `fewest` or more, rise as the times of even samples do. Tables of loads and
 /// masses, which have no titles either, are shorter.
-[[nodiscard]] bool looks_like_time(const Eigen::VectorXd& values, int decimals,
-                                   Eigen::Index fewest = 24);
+[[nodiscard]] bool looks_like_time(const VectorXd& values, int decimals, Index fewest = 24);
 
 /// The times are the column of such a name ("time", "Zeit", "t" ...), that of clock times, or the
-/// first one without a name where it rises in equal steps over
-/// more rows than a table of loads has. A first column that counts the samples is no channel
-/// either. Throws RecordingError, also for a table over frequency (frequency_table.h): a spectrum
-/// is no recording over time.
+/// first one without a name where it rises in equal steps over more rows than a table of loads has.
+/// A first column that counts the samples is no channel either. Throws RecordingError, also for a
+/// table over frequency (frequency_table.h): a spectrum is no recording over time.
 [[nodiscard]] Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
                                            const std::string& format, const ReadOptions& options);
 
@@ -145,8 +135,8 @@ struct NumberType {
 
 /// The numbers at `bytes`, column after column or, `by_rows`, row after row, as doubles. Empty:
 /// there is no such type.
-[[nodiscard]] Eigen::MatrixXd matrix_of(const NumberType& type, const char* bytes,
-                                        Eigen::Index rows, Eigen::Index cols, bool by_rows = false);
+[[nodiscard]] MatrixXd matrix_of(const NumberType& type, const char* bytes, Index rows, Index cols,
+                                 bool by_rows = false);
 
 /// Walks the headers of a file of version 5 before libmatio, which reserves memory by the sizes
 /// that they state and loops over them. Throws when the file is of another version than 5 to 7.3,
@@ -157,8 +147,7 @@ void check_mat_headers(std::string_view bytes, const std::filesystem::path& path
 /// Adds an array's columns or, where it is wide, its rows to the table, with a note: its longer
 /// side is time. `name`, as titles of CSV have it ("Force [N]"), stands in front of their numbers.
 /// `single`: held in single precision, so that times are known to 6e-8 of their size.
-void add_array(const Eigen::MatrixXd& values, const std::string& name, bool single,
-               CsvTable& table);
+void add_array(const MatrixXd& values, const std::string& name, bool single, CsvTable& table);
 
 /// Times are the column of such a name, or the first of several where it rises in equal steps
 /// (noted). `stated_rate_hz`: by the file, 0: not. Throws RecordingError.

@@ -1,24 +1,14 @@
 #include "signal/readers/frequency_table.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <complex>
 #include <map>
-#include <numbers>
 #include <regex>
-#include <utility>
 
-#include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 
 namespace {
-using Eigen::Index;
 
 RecordingError refused_frf(const FrfPart& part, std::string problem, std::string remedy) {
   return {{part.file, part.line}, std::move(problem), std::move(remedy)};
@@ -32,7 +22,7 @@ Index place(std::vector<MeasuredPoint>& points, const MeasuredPoint& point) {
 }
 
 /// Finite, rising and not negative.
-bool rises(const Eigen::VectorXd& values) {
+bool rises(const VectorXd& values) {
   const Index n = values.size();
   return values.allFinite() && values[0] >= 0 &&
          (values.tail(n - 1).array() > values.head(n - 1).array()).all();
@@ -83,7 +73,7 @@ bool speaks_of_spectra(const std::string& text) {
 /// Frequencies that do not rise, of a table of spectra or of one whose first frequency comes again.
 void refuse_repeated(const CsvTable& table, std::size_t column) {
   const auto& f = table.channels[column].samples;
-  for (Eigen::Index k = 1; k < f.size(); ++k) {
+  for (Index k = 1; k < f.size(); ++k) {
     const bool again = f[k] == f[k - 1] || f[k] == f[0];
     if (!again && !(f[k] < f[k - 1] && speaks_of_spectra(table.layout.heading))) continue;
     throw RecordingError(
@@ -160,18 +150,18 @@ std::vector<Columns> pairs_of(const CsvTable& table) {
   return found;
 }
 
-Eigen::VectorXcd values_of(const Columns& columns, FrfSet& set, const std::string& where) {
+VectorXcd values_of(const Columns& columns, FrfSet& set, const std::string& where) {
   const Channel& first = *columns.first;
-  const auto parts = [](const auto& real, const auto& imaginary) -> Eigen::VectorXcd {
-    return real.template cast<std::complex<double>>() + imaginary * std::complex<double>(0, 1);
+  const auto parts = [](const auto& real, const auto& imaginary) -> VectorXcd {
+    return real.template cast<Complex>() + imaginary * Complex(0, 1);
   };
   if (!columns.polar) return parts(first.samples, columns.second->samples);
   if (columns.second->quantity != Quantity::angle) {
     throw RecordingError({where, 0, 0, columns.second->name}, "the phase has no unit",
                          "write it into its title: Phase (deg) or Phase (rad)");
   }
-  const Eigen::ArrayXd phase = columns.second->samples;
-  Eigen::ArrayXd magnitude = first.samples;
+  const ArrayXd phase = columns.second->samples;
+  ArrayXd magnitude = first.samples;
   if (std::regex_search(lower_case(first.source_unit + " " + first.name), kDecibel)) {
     magnitude = Eigen::pow(10.0, magnitude / 20);
     add_note(set.notes, "assumed", where,
@@ -189,7 +179,7 @@ std::optional<FrfUnit> parse_frf_unit(const std::string& text) {
                  "(" + q->over.si + ")/" + q->under.si};
 }
 
-bool same_lines(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+bool same_lines(const VectorXd& a, const VectorXd& b) {
   return a.size() == b.size() && a.allFinite() &&
          (a - b).cwiseAbs().maxCoeff() <= 1e-6 * std::max(1e-300, b.cwiseAbs().maxCoeff());
 }
@@ -201,8 +191,8 @@ FrfSet set_of_parts(const std::vector<FrfPart>& parts, const std::string& unit) 
   set.unit = unit;
   if (unit.empty()) {
     add_note(set.notes, "no_unit", first.file,
-             "the FRFs have no unit that is known: the numbers are kept as they are; "
-             "frequencies and damping do not depend on it");
+             "the FRFs have no unit that is known: the numbers are kept as they are; frequencies "
+             "and damping do not depend on it");
   }
   std::map<std::pair<Index, Index>, const FrfPart*> placed;
   for (const auto& part : parts) {
@@ -231,8 +221,8 @@ FrfSet set_of_parts(const std::vector<FrfPart>& parts, const std::string& unit) 
   };
   const Index lines = first.frequency_hz.size();
   const auto is_number = [&](Index line) {
-    return std::all_of(parts.begin(), parts.end(),
-                       [&](const FrfPart& part) { return std::isfinite(std::abs(part.H[line])); });
+    return std::ranges::all_of(
+        parts, [&](const FrfPart& part) { return std::isfinite(std::abs(part.H[line])); });
   };
   const Index begin = lines > 1 && !is_number(0) ? 1 : 0;
   const Index end = lines > 2 && !is_number(lines - 1) ? lines - 1 : lines;
@@ -248,11 +238,9 @@ FrfSet set_of_parts(const std::vector<FrfPart>& parts, const std::string& unit) 
       throw refused_frf(*part, "an FRF holds values that are no numbers", "export the FRFs again");
     }
   }
-  const auto fill = [&](Eigen::VectorXd FrfPart::*values, Eigen::MatrixXd& into,
-                        const std::string& what) {
-    const auto known = std::count_if(parts.begin(), parts.end(), [&](const FrfPart& part) {
-      return (part.*values).size() == lines;
-    });
+  const auto fill = [&](VectorXd FrfPart::*values, MatrixXd& into, const std::string& what) {
+    const auto known = std::ranges::count_if(
+        parts, [&](const FrfPart& part) { return (part.*values).size() == lines; });
     if (known == 0) return;
     if (known < columns) return note("incomplete", what + " of some FRFs only: left out");
     into.resize(kept, columns);

@@ -7,13 +7,9 @@
 // the real or imaginary part, the magnitude, the phase or the coherence of which function.
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "signal/readers/csv_table.h"
-#include "signal/recording/recording.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
@@ -31,15 +27,15 @@ struct FrfUnit {
 struct FrfPart {
   MeasuredPoint response, input;
   FrfForm form = FrfForm::unknown;
-  Eigen::VectorXd frequency_hz;
-  Eigen::VectorXcd H;
-  Eigen::VectorXd coherence, H_std;  ///< as many lines; empty: not known
-  std::string file;                  ///< for messages
+  VectorXd frequency_hz;
+  VectorXcd H;
+  VectorXd coherence, H_std;  ///< as many lines; empty: not known
+  std::string file;           ///< for messages
   long line = 0;
 };
 
 /// Whether two functions have the same frequencies, but for printing (1e-6 of the last).
-[[nodiscard]] bool same_lines(const Eigen::VectorXd& a, const Eigen::VectorXd& b);
+[[nodiscard]] bool same_lines(const VectorXd& a, const VectorXd& b);
 
 /// Frequencies, points, values, coherence and standard deviation of one FRF at least, in `unit`
 /// (empty: not known, which is noted). A first or last line without numbers is left out with a note

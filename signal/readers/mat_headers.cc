@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <string>
 #include <vector>
 
 #include "signal/readers/csv_table.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::signal {
 namespace {

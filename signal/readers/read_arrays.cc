@@ -1,25 +1,18 @@
 #include "signal/readers/csv_table.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sndfile.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <regex>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "signal/readers/read_recording.h"
-#include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 namespace {
@@ -58,16 +51,16 @@ Header parse_header(const std::string& text, const std::string& file) {
 
 }  // namespace
 
-Eigen::MatrixXd matrix_of(const NumberType& type, const char* bytes, Eigen::Index rows,
-                          Eigen::Index cols, bool by_rows) {
-  Eigen::MatrixXd numbers;
+MatrixXd matrix_of(const NumberType& type, const char* bytes, Index rows, Index cols,
+                   bool by_rows) {
+  MatrixXd numbers;
   const auto take = [&](char kind, auto number) {
     if (type.kind != kind || type.size != sizeof number) return;
     numbers.resize(rows, cols);
-    const Eigen::Index length = by_rows ? cols : rows;
+    const Index length = by_rows ? cols : rows;
     std::array<char, sizeof number> one{};
-    for (Eigen::Index run = 0; run < (by_rows ? rows : cols); ++run) {
-      for (Eigen::Index k = 0; k < length; ++k, bytes += sizeof number) {
+    for (Index run = 0; run < (by_rows ? rows : cols); ++run) {
+      for (Index k = 0; k < length; ++k, bytes += sizeof number) {
         std::memcpy(one.data(), bytes, sizeof number);
         if (type.swapped) std::ranges::reverse(one);
         numbers.data()[by_rows ? k * rows + run : run * rows + k] =
@@ -82,16 +75,15 @@ Eigen::MatrixXd matrix_of(const NumberType& type, const char* bytes, Eigen::Inde
   return numbers;
 }
 
-void add_array(const Eigen::MatrixXd& values, const std::string& name, bool single,
-               CsvTable& table) {
+void add_array(const MatrixXd& values, const std::string& name, bool single, CsvTable& table) {
   const bool wide = values.cols() > values.rows();
-  const Eigen::Index count = wide ? values.rows() : values.cols();
+  const Index count = wide ? values.rows() : values.cols();
   if (wide && count > 1) {
     add_note(table.notes, "read_as", name, "an array of {} x {}: its rows are taken as channels",
              values.rows(), values.cols());
   }
-  for (Eigen::Index k = 0; k < count; ++k) {
-    Eigen::VectorXd numbers = wide ? Eigen::VectorXd(values.row(k)) : values.col(k);
+  for (Index k = 0; k < count; ++k) {
+    VectorXd numbers = wide ? VectorXd(values.row(k)) : values.col(k);
     const std::size_t place = table.channels.size();
     const std::string own = name.empty() ? "column " + std::to_string(place + 1)
                                          : (count == 1 ? name : name + " " + std::to_string(k + 1));
@@ -157,9 +149,9 @@ Recording read_npy(std::string_view bytes, const std::filesystem::path& path,
     throw file_error(file, "holds an array of " + shape,
                      "save one with samples and channels only (two dimensions)");
   }
-  const auto rows = static_cast<Eigen::Index>(header.shape[0]);
-  const auto cols = static_cast<Eigen::Index>(header.shape.size() > 1 ? header.shape[1] : 1);
-  Eigen::MatrixXd values = matrix_of(header.type, data.data(), rows, cols, header.by_rows);
+  const auto rows = static_cast<Index>(header.shape[0]);
+  const auto cols = static_cast<Index>(header.shape.size() > 1 ? header.shape[1] : 1);
+  MatrixXd values = matrix_of(header.type, data.data(), rows, cols, header.by_rows);
   if (values.size() == 0) {
     throw file_error(file, "holds numbers of half precision, which are not read",
                      "save them as float32 or float64");
@@ -187,9 +179,8 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
   }
   // Every sample takes a byte at least.
   const auto held = static_cast<sf_count_t>(bytes.size()) / info.channels;
-  Eigen::MatrixXd data(info.channels, std::clamp<sf_count_t>(info.frames, 0, held));
-  const auto frames =
-      static_cast<Eigen::Index>(sf_readf_double(file.get(), data.data(), data.cols()));
+  MatrixXd data(info.channels, std::clamp<sf_count_t>(info.frames, 0, held));
+  const auto frames = static_cast<Index>(sf_readf_double(file.get(), data.data(), data.cols()));
   if (frames <= 0) throw file_error(path, "holds no samples", "record again");
 
   CsvTable table;
@@ -207,7 +198,7 @@ Recording read_wav(std::string_view bytes, const std::filesystem::path& path,
              "left out",
              end, bytes.size());
   }
-  for (Eigen::Index c = 0; c < data.rows(); ++c) {
+  for (Index c = 0; c < data.rows(); ++c) {
     add_array(data.row(c).head(frames).transpose(), fmt::format("channel {}", c + 1), false, table);
   }
   Recording recording =

@@ -1,16 +1,9 @@
 #include "signal/readers/read_recording.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <utility>
-#include <vector>
 
-#include "signal/readers/csv_table.h"
 #include "signal/readers/frequency_table.h"
-#include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 
 namespace rigfit::signal {
@@ -25,13 +18,13 @@ bool is_index_name(const std::string& name) {
   return is_listed(kWords, lower_case(name));
 }
 
-Eigen::VectorXd steps_of(const Eigen::VectorXd& values) {
-  const Eigen::Index n = std::max<Eigen::Index>(values.size(), 1) - 1;
+VectorXd steps_of(const VectorXd& values) {
+  const Index n = std::max<Index>(values.size(), 1) - 1;
   return values.tail(n) - values.head(n);
 }
 
 /// 0, 1, 2 ... (or from 1), in steps of exactly one.
-bool counts_samples(const Eigen::VectorXd& values) {
+bool counts_samples(const VectorXd& values) {
   return values.size() >= 2 && std::abs(values[0]) <= 1 && values[0] == std::floor(values[0]) &&
          (steps_of(values).array() == 1).all();
 }
@@ -115,12 +108,12 @@ std::optional<std::size_t> find_times(const CsvTable& table, const ReadOptions& 
 /// Notes columns of other times than those taken, which rise as well.
 void note_other_times(const CsvTable& table, std::size_t time, std::vector<Note>& notes) {
   const auto since = [&](std::size_t k) {
-    const Eigen::ArrayXd times = table.channels[k].samples;
-    return Eigen::ArrayXd(times - (table.columns[k].kind == FieldKind::clock ? times[0] : 0));
+    const ArrayXd times = table.channels[k].samples;
+    return ArrayXd(times - (table.columns[k].kind == FieldKind::clock ? times[0] : 0));
   };
   for (std::size_t k = 0; k < table.channels.size(); ++k) {
     if (k == time || !table.is_time(k) || since(k).size() < 2) continue;
-    const Eigen::ArrayXd steps = steps_of(since(k)), apart = (since(k) - since(time)).abs();
+    const ArrayXd steps = steps_of(since(k)), apart = (since(k) - since(time)).abs();
     const double least = steps.isNaN().select(1, steps).minCoeff();
     const double most = apart.isNaN().select(0, apart).maxCoeff();
     if (!(least > 0 && most > 0.01 * least)) continue;
@@ -149,7 +142,7 @@ void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table
     const double start = column.samples[0];
     if (std::isfinite(start)) column.samples.array() -= start;
     // Without a date a clock falls at midnight.
-    for (Eigen::Index k = column.samples.size() - 1; start < kDay && k > 0; --k) {
+    for (Index k = column.samples.size() - 1; start < kDay && k > 0; --k) {
       if (!(column.samples[k] - column.samples[k - 1] < -kDay / 2)) continue;
       column.samples.tail(column.samples.size() - k).array() += kDay;
       add_note(recording.notes, "read_as", column.name, "time without a date: goes on at midnight");
@@ -196,8 +189,8 @@ void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table
 
 }  // namespace
 
-bool looks_like_time(const Eigen::VectorXd& values, int decimals, Eigen::Index fewest) {
-  const Eigen::Index n = values.size();
+bool looks_like_time(const VectorXd& values, int decimals, Index fewest) {
+  const Index n = values.size();
   if (n < fewest || !values.allFinite() || !(values[n - 1] > values[0])) return false;
   const TimeAxis axis = time_axis(values, std::pow(10.0, -decimals));
   return axis.uniform && axis.rate_hz > 0 && axis.backward == 0;
@@ -211,11 +204,10 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
                           std::move(remedy));
   };
   if (const auto column = frequency_column(table)) {
-    throw refusal(
-        table.channels[*column].name,
-        "is a spectrum or FRF over frequency, not a recording over time",
-        "rigfit modal takes FRFs; for a decay or hits export the time signal. Where the first "
-        "column is time after all, title it so");
+    throw refusal(table.channels[*column].name,
+                  "is a spectrum or FRF over frequency, not a recording over time",
+                  "rigfit modal takes FRFs; for a decay or hits export the time signal. Where the "
+                  "first column is time after all, title it so");
   }
   const std::string spectrum = spectrum_without_frequencies(table);
   if (!spectrum.empty() && options.format.empty()) {
@@ -239,7 +231,7 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
   if (recording.sample_rate_hz == 0) recording.sample_rate_hz = layout.stated_rate_hz;
   take_stated_rate(options.sample_rate_hz, recording);
   for (std::size_t k = 0; k < table.channels.size(); ++k) {
-    if (std::find(left_out.begin(), left_out.end(), k) != left_out.end()) continue;
+    if (std::ranges::find(left_out, k) != left_out.end()) continue;
     if (layout.has_names && table.columns[k].name.empty()) {
       add_note(recording.notes, "titles_not_matched", table.channels[k].name,
                "Give it a title: the header has none for column {}", table.columns[k].place + 1);

@@ -1,18 +1,9 @@
-#include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include "signal/numerics/numbers.h"
-#include "signal/readers/csv_fields.h"
 #include "signal/readers/csv_table.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording_time.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 namespace {
@@ -80,9 +71,6 @@ class LvmReader {
     return text_error(bytes_, table_.file, part.substr(0, 0), std::move(problem),
                       std::move(remedy));
   }
-  [[nodiscard]] static bool has_numbers(const Eigen::VectorXd& column) {
-    return !column.array().isNaN().all();
-  }
 
   /// Whether a line follows that is not blank.
   bool skip_blank_lines() {
@@ -117,7 +105,7 @@ class LvmReader {
   }
 
   /// The titles and the table below them; columns of X values and of channels.
-  std::vector<Eigen::VectorXd> read_columns() {
+  std::vector<VectorXd> read_columns() {
     skip_blank_lines();
     CsvLayout& layout = table_.layout;
     const std::string_view titles_line = take_line(rest_);
@@ -159,46 +147,43 @@ class LvmReader {
     return parse_csv_body(text, table_, options_.done_with);
   }
 
-  Recording recording_of(std::vector<Eigen::VectorXd> columns) {
-    const CsvLayout& layout = table_.layout;
-    const auto filled =
-        std::ranges::find_if(values_, [&](std::size_t c) { return has_numbers(columns[c]); });
-    // The channel whose times serve for all, and of each the X values in front of it.
-    const std::size_t reference = filled == values_.end() ? values_.front() : *filled;
-    const auto x_of = [&](std::size_t channel) {
-      return std::find_if(x_columns_.rbegin(), x_columns_.rend(),
-                          [&](std::size_t c) { return c <= channel && has_numbers(columns[c]); });
-    };
-    const auto x = x_of(reference);
-    const bool has_times = x != x_columns_.rend();
-    const Eigen::VectorXd times = has_times ? columns[*x] : Eigen::VectorXd();
-    const RateOfStep stated = header_.rate(reference);
-    const std::string delta = header_.text("Delta_X", reference);
-    table_.layout.stated_rate_hz = stated.rate_hz;
-    table_.layout.rate_text = "Delta_X = " + delta;
+  Recording recording_of(std::vector<VectorXd> columns) {
+    CsvLayout& layout = table_.layout;
+    std::erase_if(x_columns_, [&](std::size_t c) { return columns[c].array().isNaN().all(); });
+    const bool has_times = !x_columns_.empty();
+    const std::size_t first = values_.front();
+    const double step = header_.number("Delta_X", first), start = header_.number("X0", first);
+    const RateOfStep stated = header_.rate(first);
+    const std::string delta = header_.text("Delta_X", first);
+    layout.stated_rate_hz = stated.rate_hz;
+    layout.rate_text = "Delta_X = " + delta;
+    std::string other;  // channel or X column of other times than the first
+    for (const std::size_t c : x_columns_) {
+      const auto apart = (columns[c] - columns[x_columns_.front()]).array().abs();
+      if ((apart > kSameTimes * step).any()) other = layout.columns[c].name;
+    }
+    for (const std::size_t c : values_) {
+      const double own = header_.number("Delta_X", c), later = header_.number("X0", c) - start;
+      if (step > 0 &&
+          ((own > 0 && std::abs(own / step - 1) > 1e-6) || std::abs(later) > kSameTimes * step)) {
+        other = layout.columns[c].name;
+      }
+    }
+    if (!other.empty()) {
+      throw RecordingError(
+          {table_.file, layout.body_line - 1, 0, other},
+          fmt::format("is sampled at other times than \"{}\" (X0, Delta_X or X values)",
+                      layout.columns[first].name),
+          "export the channels with one X column, resampled to one rate, or each rate to a file of "
+          "its own");
+    }
     if (has_times) {
-      CsvColumn title = layout.columns[*x];
+      CsvColumn title = layout.columns[x_columns_.front()];
       title.name = "X_Value";
       title.unit = "s";
-      table_.add(std::move(title), times);
+      table_.add(std::move(title), columns[x_columns_.front()]);
     }
-    const double step = header_.number("Delta_X", reference);
-    const double start = header_.number("X0", reference);
     for (const std::size_t c : values_) {
-      const double own_step = header_.number("Delta_X", c);
-      bool other = step > 0 && ((own_step > 0 && std::abs(own_step / step - 1) > 1e-6) ||
-                                std::abs(header_.number("X0", c) - start) > kSameTimes * step);
-      if (const auto own = x_of(c); has_times && own != x_columns_.rend()) {
-        other |= ((columns[*own] - times).array().abs() > kSameTimes * own_step).any();
-      }
-      if (other && has_numbers(columns[c])) {
-        add_note(
-            table_.notes, "data_left_out", layout.columns[c].name,
-            "is sampled at other times than \"{}\" (X0 {}, Delta_X {}): left out; export it to a "
-            "file of its own",
-            layout.columns[reference].name, header_.text("X0", c), header_.text("Delta_X", c));
-        continue;
-      }
       table_.add(layout.columns[c], std::move(columns[c]));
       const Channel& channel = table_.channels.back();
       const auto held = static_cast<double>(channel.samples.size() - channel.missing_samples);
@@ -217,8 +202,8 @@ class LvmReader {
     // 20 ppm: what ordinary loggers' clocks are off by anyhow.
     if (stated.relative_std > 2e-5) {
       add_note(recording.notes, "read_as", "",
-               "Give sample_rate_hz if it is known better: Delta_X is printed as {}, so "
-               "{:.9g} Hz is uncertain by {:.2g} Hz, and every frequency in proportion",
+               "Give sample_rate_hz if it is known better: Delta_X is printed as {}, so {:.9g} Hz "
+               "is uncertain by {:.2g} Hz, and every frequency in proportion",
                delta, stated.rate_hz, stated.relative_std * stated.rate_hz);
     }
     return recording;

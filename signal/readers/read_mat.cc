@@ -1,36 +1,27 @@
 #include "signal/readers/read_recording.h"
 
-#include <fmt/format.h>
 #include <hdf5.h>
 #include <matio.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <memory>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
-#include "signal/readers/csv_table.h"
 #include "signal/readers/frequency_table.h"
-#include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 namespace {
 
-constexpr int kDeepest = 6;             // structs in structs
-constexpr Eigen::Index kShortest = 16;  // samples of an array that is taken without being named
+constexpr int kDeepest = 6;      // structs in structs
+constexpr Index kShortest = 16;  // samples of an array that is taken without being named
 
 struct MatArray {
-  std::string name;                 ///< "run.acc", "hits{2}"
-  Eigen::MatrixXd real, imaginary;  ///< imaginary: empty for real numbers
+  std::string name;          ///< "run.acc", "hits{2}"
+  MatrixXd real, imaginary;  ///< imaginary: empty for real numbers
   bool single = false;
 
-  [[nodiscard]] Eigen::Index longer() const { return std::max(real.rows(), real.cols()); }
+  [[nodiscard]] Index longer() const { return std::max(real.rows(), real.cols()); }
   [[nodiscard]] bool is_vector() const {
     return imaginary.size() == 0 && std::min(real.rows(), real.cols()) == 1;
   }
@@ -94,8 +85,8 @@ void add_numbers(const matvar_t& variable, const std::string& name, std::vector<
     arrays.push_back({fmt::format("{} of {} dimensions", name, variable.rank), {}, {}, false});
     return;
   }
-  const auto rows = static_cast<Eigen::Index>(variable.dims[0]);
-  const auto cols = static_cast<Eigen::Index>(variable.dims[1]);
+  const auto rows = static_cast<Index>(variable.dims[0]);
+  const auto cols = static_cast<Index>(variable.dims[1]);
   // The data must be as many numbers of the class's own size.
   const std::size_t size = Mat_SizeOfClass(variable.class_type);
   if (!is_numeric(variable.class_type) || size == 0 ||
@@ -251,7 +242,7 @@ Arrays chosen(const std::vector<MatArray>& arrays, const std::filesystem::path& 
   }
   // Beside FRFs, a vector as long as they are holds their frequencies; what is shorter describes
   // them.
-  Eigen::Index longest_frf = 0;
+  Index longest_frf = 0;
   for (const auto* array : complex) longest_frf = std::max(longest_frf, array->longer());
   const bool only_axes = std::ranges::all_of(real, [&](const MatArray* array) {
     return array->longer() < kShortest || (array->longer() == longest_frf && array->is_vector());
@@ -273,8 +264,7 @@ Arrays chosen(const std::vector<MatArray>& arrays, const std::filesystem::path& 
   if (differ_in_length(taken)) {
     throw file_error(
         path, "holds arrays of several lengths: " + list_of(real),
-        "say which to take: --variable NAME, or variables = [\"NAME\"] in the TOML file "
-        "beside it");
+        "say which to take: --variable NAME, or variables = [\"NAME\"] in the TOML file beside it");
   }
   return taken;
 }
@@ -335,7 +325,7 @@ FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
                                      : "say which to take: --variable NAME");
   }
   const MatArray& frfs = *complex.front();
-  Eigen::VectorXd frequency_hz;
+  VectorXd frequency_hz;
   for (const auto& array : arrays) {
     const std::string name = lower_case(array.last_name());
     const bool named = name.starts_with("f") || name.find("freq") != std::string::npos ||
@@ -349,12 +339,12 @@ FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
                      "save the frequencies in Hz beside it, as a vector named freq");
   }
   const bool wide = frfs.real.cols() == frequency_hz.size() && frfs.real.rows() != frfs.real.cols();
-  Eigen::MatrixXcd H(frfs.real.rows(), frfs.real.cols());
+  MatrixXcd H(frfs.real.rows(), frfs.real.cols());
   H.real() = frfs.real;
   H.imag() = frfs.imaginary;
   if (wide) H.transposeInPlace();
   std::vector<FrfPart> parts;
-  for (Eigen::Index k = 0; k < H.cols(); ++k) {
+  for (Index k = 0; k < H.cols(); ++k) {
     const int place = static_cast<int>(k) + 1;
     parts.push_back({{fmt::format("{} {}", frfs.last_name(), place), place, 0},
                      {"force", 0, 0},

@@ -8,13 +8,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <utility>
 
 #include "signal/readers/csv_fields.h"
 #include "signal/readers/frequency_table.h"
-#include "signal/readers/mapped_file.h"
-#include "signal/readers/recording_description.h"
-#include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 
 namespace rigfit::signal {
@@ -150,8 +146,8 @@ FrfSet read_frfs(const std::vector<std::filesystem::path>& files, const ReadOpti
       throw file_error(path,
                        format == "uff" ? "is one of several universal files"
                                        : "is no table of FRFs over frequency",
-                       "give one UFF file, text tables with frequency, real and imaginary "
-                       "part; or recordings of hits, with --force CHANNEL");
+                       "give one UFF file, text tables with frequency, real and imaginary part; or "
+                       "recordings of hits, with --force CHANNEL");
     }
     tables.push_back(std::move(*table));
   }

@@ -2,19 +2,33 @@
 // content, whatever its name.
 #pragma once
 
-#include <filesystem>
-#include <optional>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "signal/readers/recording_description.h"
-#include "signal/recording/recording.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
 
 struct CsvTable;  // csv_table.h
+
+/// A file's bytes, mapped rather than copied, so that a 1 GB recording takes no extra memory.
+class MappedFile {
+ public:
+  /// Throws RecordingError when the file cannot be opened, is a folder, or is empty.
+  explicit MappedFile(const std::filesystem::path& path);
+  ~MappedFile();
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  [[nodiscard]] std::string_view bytes() const { return {data_, size_}; }
+
+ private:
+  char* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// Throws RecordingError for the files of other programs: what they are, how to export text.
+void refuse_foreign(std::string_view bytes, const std::filesystem::path& path);
 
 /// The name of the format (format_names) by the first bytes: "    -1" begins UFF, "LabVIEW
 /// Measurement" LVM, "RIFF" WAV, "\x93NUMPY" a NumPy array, "MATLAB" with its version mark a .mat

@@ -1,24 +1,11 @@
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <map>
-#include <numbers>
-#include <set>
-#include <utility>
-#include <vector>
 
-#include "signal/numerics/numbers.h"
-#include "signal/readers/csv_fields.h"
-#include "signal/readers/csv_table.h"
 #include "signal/readers/frequency_table.h"
 #include "signal/readers/read_recording.h"
 #include "signal/readers/uff58.h"
-#include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 namespace {
@@ -111,9 +98,9 @@ class Uff58Reader {
                         "the file is too short for the values that this dataset states",
                         "copy or export the file again");
     }
-    const Eigen::Index real = f.even ? 0 : 1;
-    const Eigen::Index values = real + (f.complex ? 2 : 1);
-    const Eigen::MatrixXd numbers =
+    const Index real = f.even ? 0 : 1;
+    const Index values = real + (f.complex ? 2 : 1);
+    const MatrixXd numbers =
         f.binary ? binary_numbers(f.single_precision, byte_order == 2, values, count)
                  : text_numbers(values, count);
     if (!f.even) f.x = numbers.row(0);
@@ -123,7 +110,7 @@ class Uff58Reader {
   }
 
   /// Numbers of a sample in a column.
-  Eigen::MatrixXd binary_numbers(bool single, bool big, Eigen::Index values, Eigen::Index count) {
+  MatrixXd binary_numbers(bool single, bool big, Index values, Index count) {
     const std::string_view from = text_.rest();
     const std::size_t width = single ? 4 : 8;
     const std::size_t total = static_cast<std::size_t>(values * count) * width;
@@ -142,12 +129,12 @@ class Uff58Reader {
     return matrix_of({'f', width, is_swapped(big)}, from.data(), values, count);
   }
 
-  Eigen::MatrixXd text_numbers(Eigen::Index values, Eigen::Index count) {
+  MatrixXd text_numbers(Index values, Index count) {
     std::string_view rest = text_.rest();
     const auto mark = UffText::mark(rest);
     if (mark) rest.remove_suffix(mark->size());
-    Eigen::MatrixXd numbers(values, count);
-    for (Eigen::Index k = 0; k < numbers.size(); ++k) {
+    MatrixXd numbers(values, count);
+    for (Index k = 0; k < numbers.size(); ++k) {
       const auto value = text_.next_number(rest);
       if (!value) {
         throw text_.error(rest,
@@ -281,7 +268,7 @@ void take_abscissa(const Uff58& first, Recording& recording) {
     recording.start_time_s = exact(first, "start", first.abscissa_start) * to_seconds;
     return;
   }
-  const Eigen::VectorXd time = first.x * to_seconds;
+  const VectorXd time = first.x * to_seconds;
   // Single-precision times carry seven digits of the latest one.
   const double latest = time.cwiseAbs().maxCoeff();
   const double digits = first.binary && !first.single_precision ? 1e-15 : 1e-5;
@@ -319,12 +306,12 @@ FrfPart part_of(const Uff58& f, const std::string& file) {
   part.form = scale_of(f).form;
   part.file = file;
   part.line = f.line;
-  const Eigen::Index n = f.real.size();
+  const Index n = f.real.size();
   part.frequency_hz = f.x;
   if (f.even) {
-    part.frequency_hz = exact(f, "x0", f.abscissa_start) +
-                        exact(f, "dx", f.abscissa_step) *
-                            Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
+    part.frequency_hz =
+        exact(f, "x0", f.abscissa_start) +
+        exact(f, "dx", f.abscissa_step) * ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
   }
   const auto unit = parse_unit(f.abscissa.unit);
   if (unit && unit->si == "rad/s") part.frequency_hz /= 2 * std::numbers::pi;
@@ -333,7 +320,7 @@ FrfPart part_of(const Uff58& f, const std::string& file) {
 }
 
 /// Adds the coherences or the standard deviations to the FRFs between the same points.
-void add_to_parts(const Uff58& f, const std::string& file, Eigen::VectorXd FrfPart::*values,
+void add_to_parts(const Uff58& f, const std::string& file, VectorXd FrfPart::*values,
                   std::vector<FrfPart>& parts) {
   const FrfPart own = part_of(f, file);
   for (auto& part : parts) {

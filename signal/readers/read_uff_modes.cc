@@ -3,17 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <numbers>
 #include <set>
 
-#include "signal/numerics/numbers.h"
-#include "signal/readers/mapped_file.h"
+#include "signal/readers/read_recording.h"
 #include "signal/readers/uff58.h"
-#include "signal/recording/recording_error.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 namespace {
@@ -120,7 +113,7 @@ class UffModesReader {
     mode.line = dataset_line;
     bool conjugate = false;  // the eigenvalue given is the conjugate of the mode's
     if (complex_mode) {
-      const std::complex<double> pole(eigen[0], eigen[1]);
+      const Complex pole(eigen[0], eigen[1]);
       mode.frequency_hz = std::abs(pole) / (2 * std::numbers::pi);
       if (mode.frequency_hz > 0) mode.damping_ratio = -pole.real() / std::abs(pole);
       conjugate = pole.imag() < 0;
@@ -166,7 +159,7 @@ class UffModesReader {
 
   UffModes finished() {
     for (auto& mode : conjugates_) {
-      const bool twice = std::any_of(out_.modes.begin(), out_.modes.end(), [&](const UffMode& m) {
+      const bool twice = std::ranges::any_of(out_.modes, [&](const UffMode& m) {
         return std::abs(m.frequency_hz - mode.frequency_hz) < kPrinted * mode.frequency_hz;
       });
       if (!twice) out_.modes.push_back(std::move(mode));
@@ -195,8 +188,7 @@ class UffModesReader {
       }
       out_.nodes.push_back(node);
     }
-    std::stable_sort(out_.modes.begin(), out_.modes.end(),
-                     [](const auto& l, const auto& r) { return l.frequency_hz < r.frequency_hz; });
+    std::ranges::stable_sort(out_.modes, {}, &UffMode::frequency_hz);
     return std::move(out_);
   }
 

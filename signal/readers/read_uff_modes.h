@@ -9,11 +9,11 @@
 #pragma once
 
 #include <array>
-#include <complex>
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
+
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
@@ -28,7 +28,7 @@ struct UffNode {
 /// Displacements of a mode at one node.
 struct UffNodeShape {
   int node = 0;
-  std::array<std::complex<double>, 3> translation;  ///< along x, y, z
+  std::array<Complex, 3> translation;  ///< along x, y, z
 };
 
 /// One mode of datasets 55.

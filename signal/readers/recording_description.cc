@@ -1,20 +1,11 @@
 #include "signal/readers/recording_description.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
-#include <set>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "document/toml_table.h"
-#include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 namespace fs = std::filesystem;
@@ -223,9 +214,9 @@ void apply_description(const RecordingDescription& description, Recording& recor
     for (const auto& channel : recording.channels) left.push_back(channel.name);
   }
   // All by the names in the file, before any is renamed.
-  std::map<Eigen::Index, const ChannelDescription*> described;
+  std::map<Index, const ChannelDescription*> described;
   for (const auto& channel : description.channels) {
-    Eigen::Index at = 0;
+    Index at = 0;
     try {
       at = recording.channel_index(channel.source);
     } catch (const RecordingError&) {

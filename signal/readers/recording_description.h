@@ -3,12 +3,8 @@
 // campaign, with the keys of `rigfit help sidecar` (apps/README.md).
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "signal/recording/recording.h"

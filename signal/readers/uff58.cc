@@ -1,13 +1,9 @@
 // The lines of universal files, and what the numbers of dataset 58 stand for.
 #include "signal/readers/uff58.h"
 
-#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <iterator>
-#include <utility>
 
-#include "signal/numerics/numbers.h"
 #include "signal/readers/csv_fields.h"
 
 namespace rigfit::signal {
@@ -26,8 +22,7 @@ std::optional<int> UffText::next_dataset() {
   const auto start = mark(rest_);
   if (!start) return std::nullopt;
   rest_ = *start;
-  // Two marks in a row: one dataset's end and the next one's beginning, or an
-  // end written twice.
+  // Two marks in a row: one dataset's end and the next one's beginning, or an end written twice.
   while (!rest_.empty()) {
     const auto text = take_line(rest_);
     if (is_mark(text)) continue;
@@ -37,8 +32,7 @@ std::optional<int> UffText::next_dataset() {
     const auto parsed = std::from_chars(number.data(), number.data() + number.size(), type);
     if (parsed.ec == std::errc() && type > 0) return type;
     throw error(number, "no dataset number behind the -1 mark",
-                "export the file again; each dataset begins with a line of -1 "
-                "and its number");
+                "export the file again; each dataset begins with a line of -1 and its number");
   }
   return std::nullopt;
 }
@@ -58,8 +52,7 @@ std::string_view UffText::needed_line() {
 }
 
 bool UffText::skip_to_end() {
-  // Binary values behind a 58b that was not read are no lines; its header says
-  // how many.
+  // Binary values behind a 58b that was not read are no lines; its header says how many.
   auto behind = bytes_.substr(static_cast<std::size_t>(head_.data() - bytes_.data()));
   static_cast<void>(take_line(behind));
   if (columns(head_, 0, 7) == "58b" && behind.size() == rest_.size()) {
@@ -158,6 +151,15 @@ const char* uff58_function_name(int type) {
                                     "probability density",
                                     "spectrum"};
   return type >= 0 && type < std::ssize(kNames) ? kNames[type] : "function of another type";
+}
+
+int uff58_direction(const std::array<double, 3>& axis) {
+  const double length = std::hypot(axis[0], axis[1], axis[2]);
+  for (int k = 0; k < 3; ++k) {
+    const double along = axis[static_cast<std::size_t>(k)];
+    if (length > 0 && std::abs(along) > 0.999 * length) return along > 0 ? k + 1 : -k - 1;
+  }
+  return 0;
 }
 
 std::string uff58_direction(int direction) {

@@ -7,19 +7,10 @@
 // 4E20.12 double precision) or as IEEE floats of either byte order.
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
 #include <climits>
-#include <cstddef>
 #include <functional>
 #include <map>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include "signal/recording/recording_error.h"
-#include "signal/recording/units.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
@@ -31,9 +22,8 @@ class UffText {
   UffText(std::string_view bytes, const std::string& file)
       : bytes_(bytes), rest_(bytes), file_(file) {}
 
-  /// Goes behind the line with the number of the next dataset, which it
-  /// returns; nothing at the end of the file. Throws RecordingError for a mark
-  /// without a number behind it.
+  /// Goes behind the line with the number of the next dataset, which it returns; nothing at the end
+  /// of the file. Throws RecordingError for a mark without a number behind it.
   [[nodiscard]] std::optional<int> next_dataset();
   /// The line with the dataset's number.
   [[nodiscard]] std::string_view head() const { return head_; }
@@ -104,8 +94,7 @@ struct Uff58 {
   bool binary = false;
   std::array<std::string, 5> id;  ///< UTF-8, no blanks at the end
   int function_type = 0;
-  /// Direction: +-1 x, +-2 y, +-3 z, +-4.. rotations, 0 scalar. Name: the
-  /// entity; empty: NONE.
+  /// Direction: +-1 x, +-2 y, +-3 z, +-4.. rotations, 0 scalar. Name: the entity; empty: NONE.
   MeasuredPoint response, reference;
   bool complex = false;
   bool single_precision = false;
@@ -114,9 +103,9 @@ struct Uff58 {
   /// Half a unit of the last digit that the step is printed with.
   double abscissa_step_half_digit = 0;
   Uff58Axis abscissa, ordinate, denominator;
-  Eigen::VectorXd x;     ///< when uneven
-  Eigen::VectorXd real;  ///< values, or their real parts
-  Eigen::VectorXd imag;  ///< when complex
+  VectorXd x;     ///< when uneven
+  VectorXd real;  ///< values, or their real parts
+  VectorXd imag;  ///< when complex
   /// What dataset 58 has no exact place for is kept in identification lines 4 and 5 as "rigfit
   /// key=value ...", so that our own files come back as they were. Other programs see a line of
   /// text. Empty: the file is not ours.
@@ -131,6 +120,8 @@ struct Uff58 {
 [[nodiscard]] std::vector<Uff58> read_uff58(std::string_view bytes, const std::string& file,
                                             const std::function<void(std::size_t)>& done_with = {});
 
+/// The code of an axis: +-1 x, +-2 y, +-3 z; 0: oblique, or not known.
+[[nodiscard]] int uff58_direction(const std::array<double, 3>& axis);
 /// "+X" to "-RZ" of a direction's code; empty: none.
 [[nodiscard]] std::string uff58_direction(int direction);
 

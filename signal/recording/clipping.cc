@@ -8,11 +8,10 @@
 #include "signal/estimation/robust.h"
 
 namespace rigfit::signal {
-using Eigen::Index;
 
 namespace {
 
-using Samples = Eigen::Ref<const Eigen::VectorXd>;
+using Samples = Ref<const VectorXd>;
 
 /// Samples for which the signal keeps the value that it takes when it leaves `at` in a direction.
 double next_step(const Samples& channel, Index at, Index direction) {

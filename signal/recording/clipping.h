@@ -9,8 +9,7 @@
 // records. A level within 10 % of the span of the value at rest is no clipping.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
@@ -18,16 +17,16 @@ namespace rigfit::signal {
 struct ClippedSamples {
   std::vector<bool> at;        ///< by sample
   long count = 0;              ///< number of clipped samples
-  Eigen::Index first = -1;     ///< -1: none
+  Index first = -1;            ///< -1: none
   std::vector<double> levels;  ///< extremes they stand at, the high one first
 
   /// Whether one of samples first..last (inclusive) is.
-  [[nodiscard]] bool any(Eigen::Index first_sample, Eigen::Index last_sample) const;
+  [[nodiscard]] bool any(Index first_sample, Index last_sample) const;
 };
 
 /// All samples at an extreme at which one run of them is clipped, and those that reach 0.999 of the
 /// nominal range (0: not known).
-[[nodiscard]] ClippedSamples clipped_samples(const Eigen::Ref<const Eigen::VectorXd>& channel,
+[[nodiscard]] ClippedSamples clipped_samples(const Ref<const VectorXd>& channel,
                                              double nominal_range);
 
 }  // namespace rigfit::signal

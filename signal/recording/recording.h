@@ -5,15 +5,13 @@
 // nothing is repaired here.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <filesystem>
-#include <string>
-#include <tuple>
-#include <vector>
 
 #include "document/describe.h"
+#include "document/document_error.h"
+#include "signal/numerics/numbers.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::signal {
@@ -29,7 +27,7 @@ struct Channel {
   /// Axis of positive values in the scene; zero: not known.
   std::array<double, 3> direction{0, 0, 0};
   double nominal_range = 0;  ///< SI, full scale stated by the file; 0: not stated
-  Eigen::VectorXd samples;   ///< SI; NaN where missing
+  VectorXd samples;          ///< SI; NaN where missing
   long missing_samples = 0;
 
   static constexpr auto fields() {
@@ -49,6 +47,31 @@ struct Note {
   std::string where;  ///< channel or line, may be empty
 };
 
+/// Where in a recording.
+struct RecordingPlace {
+  std::string file;
+  long line = 0;          ///< 1-based; 0: not tied to a line
+  long column = 0;        ///< 1-based column of the table or character position; 0: none
+  std::string channel{};  ///< empty: none
+  std::string value{};    ///< the offending text, empty: none
+
+  [[nodiscard]] std::string before() const {
+    return document::place_text(file, line, column) +
+           (channel.empty() ? "" : "channel \"" + channel + "\": ");
+  }
+  [[nodiscard]] std::string behind() const { return value.empty() ? "" : " (\"" + value + "\")"; }
+};
+
+/// A recording that cannot be read.
+using RecordingError = document::InputError<RecordingPlace>;
+
+/// About the whole file.
+[[nodiscard]] inline RecordingError file_error(const std::filesystem::path& file,
+                                               std::string problem, std::string remedy,
+                                               std::string value = "") {
+  return {{file.string(), 0, 0, "", std::move(value)}, std::move(problem), std::move(remedy)};
+}
+
 /// Channels sampled together at a constant rate.
 struct Recording {
   std::filesystem::path path;
@@ -59,12 +82,12 @@ struct Recording {
   double sample_rate_relative_std = 0;
   double start_time_s = 0;
   double time_jitter_s = 0;       ///< rms departure of the time column from uniform sampling
-  Eigen::VectorXd time_s;         ///< kept only when sampling is not uniform, else empty
+  VectorXd time_s;                ///< kept only when sampling is not uniform, else empty
   std::vector<Channel> channels;  ///< all of the same length
   std::vector<Note> notes;
 
   /// Samples of each channel.
-  [[nodiscard]] Eigen::Index samples() const {
+  [[nodiscard]] Index samples() const {
     return channels.empty() ? 0 : channels.front().samples.size();
   }
   /// Samples over rate, of uneven times from the first to the last, s; 0 without a rate.
@@ -74,7 +97,7 @@ struct Recording {
   }
   /// Index of the channel of that name (exact, then case-insensitive, then 1-based "#k").
   /// Throws RecordingError, which lists the recording's channels.
-  [[nodiscard]] Eigen::Index channel_index(const std::string& name) const;
+  [[nodiscard]] Index channel_index(const std::string& name) const;
   /// The channel of this name or number ("#5"). Throws RecordingError, which lists the channels.
   [[nodiscard]] const Channel& channel(const std::string& name) const {
     return channels[static_cast<std::size_t>(channel_index(name))];

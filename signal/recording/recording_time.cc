@@ -1,24 +1,14 @@
 #include "signal/recording/recording_time.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <functional>
 #include <map>
-#include <set>
-#include <utility>
-#include <vector>
 
 #include "signal/estimation/robust.h"
-#include "signal/numerics/numbers.h"
-#include "signal/recording/recording_error.h"
-#include "signal/recording/units.h"
 
 namespace rigfit::signal {
 
-Eigen::Index Recording::channel_index(const std::string& name) const {
+Index Recording::channel_index(const std::string& name) const {
   const auto lower = [](const std::string& text) { return lower_case(text); };
   const auto at = [&](const std::string& wanted, auto&& as) {
     return std::ranges::find(channels, as(wanted), [&](const Channel& c) { return as(c.name); });
@@ -93,7 +83,7 @@ void take_unit(const std::string& text, Channel& channel, std::vector<Note>& not
   }
 }
 
-void take_samples(Eigen::VectorXd numbers, Channel& channel) {
+void take_samples(VectorXd numbers, Channel& channel) {
   channel.samples = std::move(numbers);
   channel.samples.array() = channel.samples.array() * channel.si_per_source + channel.si_offset;
   for (double& x : channel.samples) x = std::isfinite(x) ? x : kNaN;
@@ -126,11 +116,11 @@ constexpr double kRounded = 3e-4;
 /// The least step (`side` 1) or the largest (-1) of a line that leaves all times within one digit,
 /// from a step beyond it. What a line leaves has a range that is convex in its step: Newton's
 /// method comes from outside. Where no line does, the least comes out above the largest.
-double outermost_step(const Eigen::ArrayXd& t, const Eigen::ArrayXd& place, double digit,
-                      double side, double step) {
+double outermost_step(const ArrayXd& t, const ArrayXd& place, double digit, double side,
+                      double step) {
   for (;;) {
-    const Eigen::ArrayXd left = t - step * place;
-    Eigen::Index top = 0, low = 0;
+    const ArrayXd left = t - step * place;
+    Index top = 0, low = 0;
     const double beyond = left.maxCoeff(&top) - left.minCoeff(&low) - digit;
     const double run = place[top] - place[low];
     if (!(beyond > 1e-3 * digit && side * run > 0)) return step;
@@ -142,12 +132,12 @@ double outermost_step(const Eigen::ArrayXd& t, const Eigen::ArrayXd& place, doub
 /// they get ahead of the rows or fall behind, not for one row only (jitter). Where they do so many
 /// times, one way and at even distances but for ties of rounding, or in more than a fiftieth of the
 /// rows, the step is no whole digit; where they go both ways, that is jitter.
-bool has_slips(const Eigen::ArrayXd& t, const Eigen::ArrayXd& place, double digit) {
-  const Eigen::ArrayXd exact = (t - t[0]) / digit - (place - place[0]), ahead = exact.round();
+bool has_slips(const ArrayXd& t, const ArrayXd& place, double digit) {
+  const ArrayXd exact = (t - t[0]) / digit - (place - place[0]), ahead = exact.round();
   if ((exact - ahead).abs().maxCoeff() > 1e-3) return false;
-  const Eigen::Index n = t.size();
-  std::vector<Eigen::Index> at, apart;
-  for (Eigen::Index k = 1; k < n; ++k) {
+  const Index n = t.size();
+  std::vector<Index> at, apart;
+  for (Index k = 1; k < n; ++k) {
     if (ahead[k] == ahead[k - 1]) continue;
     if (k + 1 < n && ahead[k + 1] == ahead[k - 1]) {
       ++k;
@@ -163,14 +153,14 @@ bool has_slips(const Eigen::ArrayXd& t, const Eigen::ArrayXd& place, double digi
 }
 }  // namespace
 
-TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double printed_resolution_s,
+TimeAxis time_axis(const Ref<const VectorXd>& time_s, double printed_resolution_s,
                    double stated_rate_hz) {
   TimeAxis axis;
   axis.printed_resolution_s = printed_resolution_s;
-  const Eigen::Index n = time_s.size();
-  Eigen::ArrayXd place(n), t(n);  // at the times that are there
-  Eigen::Index count = 0;
-  for (Eigen::Index k = 0; k < n; ++k) {
+  const Index n = time_s.size();
+  ArrayXd place(n), t(n);  // at the times that are there
+  Index count = 0;
+  for (Index k = 0; k < n; ++k) {
     if (std::isfinite(time_s[k])) place[count] = static_cast<double>(k), t[count++] = time_s[k];
   }
   axis.missing = n - count;
@@ -187,7 +177,7 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double print
       step > 0 && (t - t_mean - step * place).abs().maxCoeff() <= 0.75 * resolution + 0.01 * step;
   const bool slips = std::round(step / resolution) == 1 && has_slips(t, place, resolution);
   if (!axis.uniform || slips) {
-    const Eigen::ArrayXd all = time_s.tail(n - 1) - time_s.head(n - 1);  // NaN beside missing times
+    const ArrayXd all = time_s.tail(n - 1) - time_s.head(n - 1);  // NaN beside missing times
     std::vector<double> steps = finite_values(all.matrix());
     if (steps.empty()) return axis;
     const double usual = median(steps);
@@ -201,7 +191,7 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double print
     const bool whole = digits > 0.5 && std::abs(digits - std::round(digits)) < 1e-3;
     const double slack = whole ? 0 : resolution;
     double worst_step = 0;
-    for (Eigen::Index k = 1; k < n; ++k) {
+    for (Index k = 1; k < n; ++k) {
       const double h = all[k - 1];
       if (!std::isfinite(h)) continue;
       const bool back = h < 0, again = h == 0 && !(resolution > 1.01 * step);
@@ -224,7 +214,7 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double print
   if (exact) {
     step = whole;
   } else if (axis.uniform && !slips && half > 1e-9) {
-    const Eigen::ArrayXd since = t - t_mean;
+    const ArrayXd since = t - t_mean;
     const double beyond = (4 * resolution + 0.02 * step) * step / span_s;
     const double least = outermost_step(since, place, resolution, 1, step - beyond);
     const double most = outermost_step(since, place, resolution, -1, step + beyond);
@@ -251,7 +241,7 @@ TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s, double print
     axis.rate_relative_std = half / std::sqrt(3.0);
   }
   if (axis.uniform && !std::isfinite(axis.start_s)) axis.start_s = t_mean - step * k_mean;
-  const Eigen::ArrayXd departure = t - t_mean - (axis.uniform ? 1 / axis.rate_hz : step) * place;
+  const ArrayXd departure = t - t_mean - (axis.uniform ? 1 / axis.rate_hz : step) * place;
   axis.jitter_s = std::sqrt((departure - departure.mean()).square().mean());
   // Times near the largest double: sums over them are no numbers, nor is a rate from them.
   const bool is_finite = std::isfinite(axis.jitter_s + axis.start_s + axis.rate_hz);
@@ -283,10 +273,10 @@ RateOfStep rate_of_step(double step_s, double half_digit) {
   return result;
 }
 
-void take_times(const TimeAxis& axis, const Eigen::VectorXd& time_s, const std::string& name,
+void take_times(const TimeAxis& axis, const VectorXd& time_s, const std::string& name,
                 long first_line, Recording& recording) {
   auto& notes = recording.notes;
-  const auto line = [&](Eigen::Index sample) {
+  const auto line = [&](Index sample) {
     return first_line == 0 ? fmt::format("near sample {}", sample + 1)
                            : fmt::format("near line {}", first_line + sample);
   };
@@ -310,12 +300,12 @@ void take_times(const TimeAxis& axis, const Eigen::VectorXd& time_s, const std::
   } else if (is_known && axis.printed_resolution_s * axis.rate_hz > 1) {
     const bool is_sure = axis.rate_relative_std == 0;
     add_note(notes, is_sure ? "read_as" : "time_axis", "",
-             "{}times are rounded to {:.9g} s, coarser than the sampling step; "
-             "the rate is that of the whole record",
+             "{}times are rounded to {:.9g} s, coarser than the sampling step; the rate is that of "
+             "the whole record",
              is_sure ? "" : "Give the sample rate: ", axis.printed_resolution_s);
   }
   if (is_uneven && axis.missing > 0) {
-    Eigen::Index at = 0;
+    Index at = 0;
     while (std::isfinite(time_s[at])) ++at;
     const bool by_line = first_line > 0;
     throw RecordingError({recording.path.string(), by_line ? first_line + at : 0, 0, name,

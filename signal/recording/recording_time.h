@@ -1,25 +1,11 @@
-// What readers do alike: times and rates, units, names, notes.
+// What readers do alike: times and rates, units, names.
 #pragma once
 
-#include <fmt/format.h>
-#include <Eigen/Core>
-
 #include <set>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include "signal/recording/recording.h"
+#include "signal/recording/add_note.h"
 
 namespace rigfit::signal {
-
-/// Adds a note whose message is made of its values.
-template <typename... Values>
-void add_note(std::vector<Note>& notes, std::string code, std::string where,
-              fmt::format_string<Values...> message, Values&&... values) {
-  notes.push_back(
-      {std::move(code), fmt::format(message, std::forward<Values>(values)...), std::move(where)});
-}
 
 /// Takes the sample rate that somebody states, as exact, in place of what the file gives; 0: none
 /// is stated. Uneven times go. Notes "read_as" where there are any, or where the file's rate
@@ -31,7 +17,7 @@ void take_stated_rate(double rate_hz, Recording& recording);
 void take_unit(const std::string& text, Channel& channel, std::vector<Note>& notes);
 
 /// Numbers of a file as samples in SI; what is no number is missing.
-void take_samples(Eigen::VectorXd numbers, Channel& channel);
+void take_samples(VectorXd numbers, Channel& channel);
 
 /// `name`, or with "_2", "_3" ... behind it where it is used already.
 [[nodiscard]] std::string unused_name(const std::string& name, std::set<std::string>& used);
@@ -53,9 +39,9 @@ struct TimeAxis {
   long missing = 0;                 ///< NaN among the times
   long repeated = 0;                ///< steps of zero that printing does not explain
   long backward = 0;
-  long gaps = 0;                  ///< steps over 1.5 of the usual one
-  Eigen::Index first_fault = -1;  /// sample after the first repeated, backward or long step
-  Eigen::Index longest_gap_at = -1;
+  long gaps = 0;           ///< steps over 1.5 of the usual one
+  Index first_fault = -1;  /// sample after the first repeated, backward or long step
+  Index longest_gap_at = -1;
   double longest_gap_s = 0;
 };
 
@@ -68,8 +54,8 @@ struct TimeAxis {
 /// as a gap or as repeated all the same. `stated_rate_hz`: by a header; taken when the times agree
 /// with it; 0: none. A step that is a whole number of printed digits throughout is exact; so is a
 /// rate far rounder than chance explains, where the times leave 3e-4 at most.
-[[nodiscard]] TimeAxis time_axis(const Eigen::Ref<const Eigen::VectorXd>& time_s,
-                                 double printed_resolution_s = 0, double stated_rate_hz = 0);
+[[nodiscard]] TimeAxis time_axis(const Ref<const VectorXd>& time_s, double printed_resolution_s = 0,
+                                 double stated_rate_hz = 0);
 
 /// A rate from a step printed with few digits.
 struct RateOfStep {
@@ -89,7 +75,7 @@ struct RateOfStep {
 /// where sampling is not uniform, and notes what is wrong with them. `name`: as the column has it;
 /// `first_line`: line of the first time, 0: none. Throws RecordingError when sampling is not
 /// uniform and times are missing.
-void take_times(const TimeAxis& axis, const Eigen::VectorXd& time_s, const std::string& name,
+void take_times(const TimeAxis& axis, const VectorXd& time_s, const std::string& name,
                 long first_line, Recording& recording);
 
 }  // namespace rigfit::signal

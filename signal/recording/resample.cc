@@ -1,23 +1,16 @@
 #include "signal/recording/resample.h"
 
-#include <fmt/format.h>
 #include <gsl/gsl_spline.h>
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
-#include <utility>
 
 #include "signal/estimation/robust.h"
 #include "signal/numerics/low_pass.h"
-#include "signal/numerics/numbers.h"
 #include "signal/recording/clipping.h"
-#include "signal/recording/recording_error.h"
 #include "signal/recording/recording_time.h"
 
 namespace rigfit::signal {
 namespace {
-using Eigen::Index;
 
 constexpr double kGap = 3;          // steps of the usual size that count as a gap
 constexpr double kStopBand = 1e-4;  // 80 dB
@@ -33,8 +26,7 @@ void check_size(const Recording& recording, double duration_s, double rate_hz) {
 }
 
 /// The cubic spline of natural ends through y(x) at other places; beyond the ends as there.
-Eigen::VectorXd splined(const Eigen::VectorXd& x, const Eigen::VectorXd& y,
-                        const Eigen::VectorXd& at) {
+VectorXd splined(const VectorXd& x, const VectorXd& y, const VectorXd& at) {
   const auto n = static_cast<std::size_t>(x.size());
   const std::unique_ptr<gsl_spline, void (*)(gsl_spline*)> spline(
       gsl_spline_alloc(gsl_interp_cspline, n), &gsl_spline_free);
@@ -44,29 +36,18 @@ Eigen::VectorXd splined(const Eigen::VectorXd& x, const Eigen::VectorXd& y,
   });
 }
 
-/// rms of the odd samples against the spline through the even ones, and the other way round.
-double left_out_error(const Eigen::VectorXd& t, const Eigen::VectorXd& y) {
-  double sum = 0;
-  Index count = 0;
-  for (const Index parity : {0, 1}) {
-    const Index kept = (t.size() - parity + 1) / 2;
-    if (kept < 4) continue;
-    const Eigen::VectorXd t_kept = t(Eigen::seqN(parity, kept, 2));
-    const Eigen::VectorXd y_kept = y(Eigen::seqN(parity, kept, 2));
-    const Eigen::VectorXd between = splined(t_kept, y_kept, t);
-    for (Index k = 1 - parity; k < t.size(); k += 2) {
-      if (t[k] <= t_kept[0] || t[k] >= t_kept[kept - 1]) continue;
-      sum += (y[k] - between[k]) * (y[k] - between[k]);
-      ++count;
-    }
-  }
-  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
+/// rms of every second sample against the spline through the others.
+double left_out_error(const VectorXd& t, const VectorXd& y) {
+  const auto kept = Eigen::seq(0, Eigen::last, 2);
+  const auto between = Eigen::seqN(1, (t.size() - 1) / 2, 2);
+  const VectorXd left = y(between) - splined(t(kept), y(kept), t(between));
+  return std::sqrt(left.squaredNorm() / static_cast<double>(left.size()));
 }
 
 /// Uneven samples at even times of `rate_hz`.
 Recording made_even(const Recording& recording, double rate_hz,
                     std::vector<ResampledChannel>& channels) {
-  const Eigen::VectorXd& t = recording.time_s;
+  const VectorXd& t = recording.time_s;
   const Index n = t.size();
   if (!t.allFinite() || !(t.tail(n - 1).array() > t.head(n - 1).array()).all()) {
     throw file_error(recording.path, "the times do not rise throughout",
@@ -80,7 +61,7 @@ Recording made_even(const Recording& recording, double rate_hz,
   even.start_time_s = t[0];
   even.time_jitter_s = 0;
   const auto samples = static_cast<Index>(std::floor(span * rate_hz + 1e-9)) + 1;
-  const auto at = Eigen::VectorXd::NullaryExpr(samples, [&](Index k) {
+  const auto at = VectorXd::NullaryExpr(samples, [&](Index k) {
                     return t[0] + static_cast<double>(k) / rate_hz;
                   }).eval();
   for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -100,12 +81,12 @@ void filter_to(double rate_hz, Recording& recording) {
   const Index n = recording.samples();
   const auto samples =
       static_cast<Index>(std::floor(static_cast<double>(n - 1) * rate_hz / from + 1e-9)) + 1;
-  std::vector<Eigen::VectorXd> out(recording.channels.size(), Eigen::VectorXd(samples));
+  std::vector<VectorXd> out(recording.channels.size(), VectorXd(samples));
   for (Index k = 0; k < samples; ++k) {
     const double t = static_cast<double>(k) / rate_hz;
     const auto first = std::max<Index>(0, static_cast<Index>(std::ceil((t - half_s) * from)));
     const auto last = std::min<Index>(n - 1, static_cast<Index>(std::floor((t + half_s) * from)));
-    const auto kernel = Eigen::VectorXd::NullaryExpr(last - first + 1, [&](Index j) {
+    const auto kernel = VectorXd::NullaryExpr(last - first + 1, [&](Index j) {
                           return filter.at(t - static_cast<double>(first + j) / from);
                         }).eval();
     for (std::size_t c = 0; c < out.size(); ++c) {
@@ -116,8 +97,8 @@ void filter_to(double rate_hz, Recording& recording) {
   for (std::size_t c = 0; c < out.size(); ++c) recording.channels[c].samples = std::move(out[c]);
   recording.sample_rate_hz = rate_hz;
   add_note(recording.notes, "resampled", "",
-           "from {:.9g} Hz to {:.9g} Hz: kept to {:.6g} Hz, nothing above {:.6g} Hz; the "
-           "first and last {:.3g} s lean on fewer samples",
+           "from {:.9g} Hz to {:.9g} Hz: kept to {:.6g} Hz, nothing above {:.6g} Hz; the first and "
+           "last {:.3g} s lean on fewer samples",
            from, rate_hz, kFlat * lower, kClosed * lower, half_s);
 }
 
@@ -143,7 +124,7 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
   ResampleResult result{recording, recording.sample_rate_hz, {}};
   for (const auto& one : recording.channels) result.channels.push_back({one.name, one.unit, 0});
   if (const Index n = recording.time_s.size(); n > 0) {
-    const Eigen::VectorXd steps = recording.time_s.tail(n - 1) - recording.time_s.head(n - 1);
+    const VectorXd steps = recording.time_s.tail(n - 1) - recording.time_s.head(n - 1);
     const double usual = median({steps.begin(), steps.end()});
     if (usual > 0) result.from_hz = 1 / usual;
     // At the times' own rate at least: what is lower is filtered from there.
@@ -154,8 +135,7 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
     }
     result.recording = made_even(recording, even, result.channels);
     add_note(result.recording.notes, "assumed", "",
-             "uneven times, usual step {:.6g} s, to even ones at {:.9g} Hz by a "
-             "cubic spline",
+             "uneven times, usual step {:.6g} s, to even ones at {:.9g} Hz by a cubic spline",
              usual, even);
     if (rate_hz == 0) rate_hz = even;
   } else {

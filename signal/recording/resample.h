@@ -1,18 +1,11 @@
 // Resamples a recording to another rate, or to uniform times where its times are uneven.
 //
 // For uneven times a cubic spline (natural ends, GSL) through the samples is evaluated at uniform
-// times. For uniform times a Kaiser-windowed sinc (80 dB) is used,
-// which passes up to 0.4 of the lower of the two rates and stops from 0.5 of it on: no aliasing.
-// Source: Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed., sec. 7.6 (window
-// design).
+// times. For uniform times a Kaiser-windowed sinc (80 dB) is used, which passes up to 0.4 of the
+// lower of the two rates and stops from 0.5 of it on: no aliasing. Source: Oppenheim and Schafer,
+// Discrete-Time Signal Processing, 3rd ed., sec. 7.6 (window design).
 #pragma once
 
-#include <string>
-#include <string_view>
-#include <tuple>
-#include <vector>
-
-#include "document/describe.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
@@ -35,13 +28,13 @@ struct ResampledChannel {
 struct ResampleResult {
   Recording recording;  ///< even, at the rate asked for; notes say what was done
   double from_hz = 0;   ///< rate before; for uneven times from the median step
-  /// Each with its rms error. For the spline each sample is compared with the spline
+  /// Each with its rms error. For the spline every second sample is compared with the spline
   /// through the others: an upper bound, since these are twice as far apart. For the filter it is
   /// 1e-4 of the channel's rms, except within the filter's half length of the two ends.
   std::vector<ResampledChannel> channels;
 
   [[nodiscard]] double sample_rate_hz() const { return recording.sample_rate_hz; }
-  [[nodiscard]] Eigen::Index samples() const { return recording.samples(); }
+  [[nodiscard]] Index samples() const { return recording.samples(); }
   static constexpr auto fields() {
     using T = ResampleResult;
     using describe::field;

@@ -325,8 +325,8 @@ TitledUnit split_title(std::string_view title) {
 
 std::string to_utf8(std::string_view bytes) {
   std::string out(bytes);
-  std::replace_if(
-      out.begin(), out.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
+  std::ranges::replace_if(
+      out, [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
   std::wstring wide = pugi::as_wide(out);
   // No surrogates, nor what is beyond Unicode.
   const bool valid =
@@ -354,8 +354,8 @@ bool is_listed(std::string_view list, const std::string& word) {
 
 std::string lower_case(std::string_view s) {
   std::string out(s);
-  std::transform(out.begin(), out.end(), out.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::ranges::transform(out, out.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return out;
 }
 

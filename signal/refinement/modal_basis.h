@@ -10,9 +10,6 @@
 // real ones of twice the length: real parts above imaginary parts.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
@@ -21,44 +18,45 @@ namespace rigfit::signal {
 [[nodiscard]] int power_of_s(FrfForm form);
 
 /// s = decay_rate + i 2 pi f.
-[[nodiscard]] Eigen::VectorXcd laplace_lines(const Eigen::Ref<const Eigen::VectorXd>& frequency_hz,
-                                             double decay_rate_1_s);
+[[nodiscard]] VectorXcd laplace_lines(const Ref<const VectorXd>& frequency_hz,
+                                      double decay_rate_1_s);
 
-/// Columns (R_1 real, R_1 imaginary, R_2 real, ..., lower real, imaginary, upper real, imaginary),
-/// each line multiplied by `line_weight`: 2 lines x (2 poles + 4).
-[[nodiscard]] Eigen::MatrixXd stacked_basis(const Eigen::Ref<const Eigen::VectorXcd>& s, int power,
-                                            const Eigen::Ref<const Eigen::VectorXcd>& poles,
-                                            const Eigen::Ref<const Eigen::VectorXd>& line_weight);
+/// Columns (R_1 real, R_1 imaginary, R_2 real, ..., lower real, imaginary, upper real, imaginary,
+/// then two a column of `background`), each line multiplied by `line_weight`: 2 lines x (2 poles +
+/// 4 + 2 terms).
+[[nodiscard]] MatrixXd stacked_basis(const Ref<const VectorXcd>& s, int power,
+                                     const Ref<const VectorXcd>& poles,
+                                     const Ref<const VectorXd>& line_weight,
+                                     const Ref<const MatrixXcd>& background = MatrixXcd());
 
 /// The same with 1 / (s - p)^2 in place of 1 / (s - p), without residuals: the derivatives with
 /// respect to the poles are these times the residues (summed_turns()). 2 lines x 2 poles.
-[[nodiscard]] Eigen::MatrixXd stacked_pole_derivatives(
-    const Eigen::Ref<const Eigen::VectorXcd>& s, int power,
-    const Eigen::Ref<const Eigen::VectorXcd>& poles,
-    const Eigen::Ref<const Eigen::VectorXd>& line_weight);
+[[nodiscard]] MatrixXd stacked_pole_derivatives(const Ref<const VectorXcd>& s, int power,
+                                                const Ref<const VectorXcd>& poles,
+                                                const Ref<const VectorXd>& line_weight);
 
 /// Complex columns, weighted by line, as real ones of twice the length.
-[[nodiscard]] Eigen::MatrixXd stacked(const Eigen::Ref<const Eigen::MatrixXcd>& columns,
-                                      const Eigen::Ref<const Eigen::VectorXd>& line_weight);
+[[nodiscard]] MatrixXd stacked(const Ref<const MatrixXcd>& columns,
+                               const Ref<const VectorXd>& line_weight);
 
 /// Rows in pairs (real part, imaginary part) as complex ones.
-[[nodiscard]] inline Eigen::MatrixXcd from_pairs(const Eigen::MatrixXd& rows) {
-  return Eigen::Map<const Eigen::MatrixXcd>(
-      reinterpret_cast<const std::complex<double>*>(rows.data()), rows.rows() / 2, rows.cols());
+[[nodiscard]] inline MatrixXcd from_pairs(const MatrixXd& rows) {
+  return Map<const MatrixXcd>(reinterpret_cast<const Complex*>(rows.data()), rows.rows() / 2,
+                              rows.cols());
 }
 
 /// Sum over FRFs c of weight_c T_c' A T_c with T_c = [a -b; b a] for each mode's residue a + i b:
 /// what turns the columns of stacked_pole_derivatives() to derivatives of FRF c. `residues`: modes
 /// x FRFs.
-[[nodiscard]] Eigen::MatrixXd summed_turns(const Eigen::Ref<const Eigen::MatrixXd>& A,
-                                           const Eigen::Ref<const Eigen::MatrixXcd>& residues,
-                                           const Eigen::Ref<const Eigen::VectorXd>& weight);
+[[nodiscard]] MatrixXd summed_turns(const Ref<const MatrixXd>& A,
+                                    const Ref<const MatrixXcd>& residues,
+                                    const Ref<const VectorXd>& weight);
 
 /// FRFs of given poles, residues (modes x FRFs) and residuals: lines x FRFs.
-[[nodiscard]] Eigen::MatrixXcd synthesise(const Eigen::Ref<const Eigen::VectorXcd>& s, int power,
-                                          const Eigen::Ref<const Eigen::VectorXcd>& poles,
-                                          const Eigen::Ref<const Eigen::MatrixXcd>& residues,
-                                          const Eigen::Ref<const Eigen::VectorXcd>& lower,
-                                          const Eigen::Ref<const Eigen::VectorXcd>& upper);
+[[nodiscard]] MatrixXcd synthesise(const Ref<const VectorXcd>& s, int power,
+                                   const Ref<const VectorXcd>& poles,
+                                   const Ref<const MatrixXcd>& residues,
+                                   const Ref<const VectorXcd>& lower,
+                                   const Ref<const VectorXcd>& upper);
 
 }  // namespace rigfit::signal

@@ -1,24 +1,10 @@
 #include "signal/refinement/modal_noise.h"
 
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <limits>
-#include <numbers>
-
 #include "signal/spectra/fft.h"
 #include "signal/spectra/line_means.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::ArrayXd;
-using Eigen::ArrayXXd;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 /// Lines averaged for q: 400 squares, so that q scatters by 7 %, and at least 7 lines.
 Index half_window(Index lines, Index columns) {
@@ -27,7 +13,7 @@ Index half_window(Index lines, Index columns) {
 }
 
 /// Smallest variance that rounding lets be told from zero, per FRF; infinite for a dead one.
-VectorXd floor_of(const Eigen::Ref<const MatrixXcd>& H) {
+VectorXd floor_of(const Ref<const MatrixXcd>& H) {
   return (H.colwise().squaredNorm().transpose() / static_cast<double>(H.rows()))
       .unaryExpr([](double power) {
         return power > 0 ? 1e-26 * power : std::numeric_limits<double>::infinity();
@@ -109,8 +95,7 @@ void update_by_line(FrfNoise& noise, const Evidence& of) {
 
 }  // namespace
 
-FrfNoise noise_unknown(const Eigen::Ref<const MatrixXcd>& H, Index inputs,
-                       double correlation_lines) {
+FrfNoise noise_unknown(const Ref<const MatrixXcd>& H, Index inputs, double correlation_lines) {
   FrfNoise noise;
   noise.line.setOnes(H.rows());
   noise.column = floor_of(H) * 1e26;
@@ -119,9 +104,8 @@ FrfNoise noise_unknown(const Eigen::Ref<const MatrixXcd>& H, Index inputs,
   return noise;
 }
 
-FrfNoise noise_from_std(const Eigen::Ref<const MatrixXcd>& H,
-                        const Eigen::Ref<const MatrixXd>& H_std, Index inputs,
-                        double correlation_lines) {
+FrfNoise noise_from_std(const Ref<const MatrixXcd>& H, const Ref<const MatrixXd>& H_std,
+                        Index inputs, double correlation_lines) {
   const Evidence of{H_std.array().square(), H.array().abs2(), ArrayXd::Ones(H.rows()), floor_of(H)};
   FrfNoise noise = noise_unknown(H, inputs, correlation_lines);
   noise.column = of.squares.colwise().mean().transpose().matrix().cwiseMax(of.least);
@@ -129,9 +113,9 @@ FrfNoise noise_from_std(const Eigen::Ref<const MatrixXcd>& H,
   return noise;
 }
 
-FrfNoise noise_from_residuals(const Eigen::Ref<const MatrixXcd>& model,
-                              const Eigen::Ref<const MatrixXcd>& residual,
-                              const Eigen::Ref<const VectorXd>& leverage, Index inputs,
+FrfNoise noise_from_residuals(const Ref<const MatrixXcd>& model,
+                              const Ref<const MatrixXcd>& residual,
+                              const Ref<const VectorXd>& leverage, Index inputs,
                               double correlation_lines) {
   const Evidence of{0.5 * residual.array().abs2(), model.array().abs2(),
                     (1 - leverage.array()).max(0.02), floor_of(model)};
@@ -148,7 +132,7 @@ FrfNoise noise_from_residuals(const Eigen::Ref<const MatrixXcd>& model,
     // The common factor seen by all FRFs of an input together: variance q (b + 1 / h).
     const MatrixXd h = signal_to_noise(noise, of.power);
     for (Index i = 0; i < inputs; ++i) {
-      Eigen::ArrayXcd factor = Eigen::ArrayXcd::Zero(model.rows());
+      ArrayXcd factor = ArrayXcd::Zero(model.rows());
       Index alive = 0;
       for (Index c = i; c < model.cols(); c += inputs) {
         if (!std::isfinite(noise.column[c])) continue;
@@ -166,7 +150,7 @@ FrfNoise noise_from_residuals(const Eigen::Ref<const MatrixXcd>& model,
   return noise;
 }
 
-VectorXd line_weight(const FrfNoise& noise, const Eigen::Ref<const MatrixXcd>& H) {
+VectorXd line_weight(const FrfNoise& noise, const Ref<const MatrixXcd>& H) {
   ArrayXd variance = ArrayXd::Ones(H.rows());
   if (noise.common.maxCoeff() > 0) {
     variance += (signal_to_noise(noise, H.array().abs2()) * noise.common).array();
@@ -181,7 +165,7 @@ Complex line_correlation(const FrfNoise& noise, Index d) {
          Complex(1, std::numbers::pi * lines / noise.correlation_lines);
 }
 
-MatrixXd correlated(const FrfNoise& noise, const Eigen::Ref<const MatrixXd>& stacked_columns) {
+MatrixXd correlated(const FrfNoise& noise, const Ref<const MatrixXd>& stacked_columns) {
   if (!(noise.correlation_lines > 0)) return stacked_columns;
   // A sum over lines is a product over times: those of the spectrum with the window that rho is the
   // transform of. Lines from `lines` on, so that their conjugates below 0 Hz stay apart.

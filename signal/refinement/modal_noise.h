@@ -15,51 +15,49 @@
 // without a window they are independent.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
 struct FrfNoise {
-  Eigen::VectorXd line;          ///< q: lines, mean 1
-  Eigen::VectorXd column;        ///< a: FRFs, units of H squared; infinite for an FRF that is zero
-  Eigen::VectorXd common;        ///< b: inputs, relative to |H|^2
+  VectorXd line;                 ///< q: lines, mean 1
+  VectorXd column;               ///< a: FRFs, units of H squared; infinite for an FRF that is zero
+  VectorXd common;               ///< b: inputs, relative to |H|^2
   double correlation_lines = 0;  ///< sigma T; 0: lines are independent
   double lead = 0;               ///< t0 / T
 
-  [[nodiscard]] Eigen::Index inputs() const { return common.size(); }
+  [[nodiscard]] Index inputs() const { return common.size(); }
 };
 
 /// Noise from the standard deviations (same size as `H`) of an average over hits.
-[[nodiscard]] FrfNoise noise_from_std(const Eigen::Ref<const Eigen::MatrixXcd>& H,
-                                      const Eigen::Ref<const Eigen::MatrixXd>& H_std,
-                                      Eigen::Index inputs, double correlation_lines);
+[[nodiscard]] FrfNoise noise_from_std(const Ref<const MatrixXcd>& H,
+                                      const Ref<const MatrixXd>& H_std, Index inputs,
+                                      double correlation_lines);
 
 /// Noise from the `residual` of a fit `model`. `leverage`: lines, the share (0..1) of each line's
 /// freedom that the fit has used up, mean over FRFs.
-[[nodiscard]] FrfNoise noise_from_residuals(const Eigen::Ref<const Eigen::MatrixXcd>& model,
-                                            const Eigen::Ref<const Eigen::MatrixXcd>& residual,
-                                            const Eigen::Ref<const Eigen::VectorXd>& leverage,
-                                            Eigen::Index inputs, double correlation_lines);
+[[nodiscard]] FrfNoise noise_from_residuals(const Ref<const MatrixXcd>& model,
+                                            const Ref<const MatrixXcd>& residual,
+                                            const Ref<const VectorXd>& leverage, Index inputs,
+                                            double correlation_lines);
 
 /// Noise when nothing is known: each FRF's variance is its mean square, the same at all lines.
-[[nodiscard]] FrfNoise noise_unknown(const Eigen::Ref<const Eigen::MatrixXcd>& H,
-                                     Eigen::Index inputs, double correlation_lines);
+[[nodiscard]] FrfNoise noise_unknown(const Ref<const MatrixXcd>& H, Index inputs,
+                                     double correlation_lines);
 
 /// Weight of each line, shared by all FRFs: 1 / sqrt(q (1 + sum_i b_i h_i)), h_i = sum_c |H|^2 /
 /// a_c. With it the direction of H across the FRFs, which carries what a resonance tells about its
 /// pole, has the weight of generalised least squares.
-[[nodiscard]] Eigen::VectorXd line_weight(const FrfNoise& noise,
-                                          const Eigen::Ref<const Eigen::MatrixXcd>& H);
+[[nodiscard]] VectorXd line_weight(const FrfNoise& noise, const Ref<const MatrixXcd>& H);
 
 /// rho(d), d >= 0.
-[[nodiscard]] std::complex<double> line_correlation(const FrfNoise& noise, Eigen::Index d);
+[[nodiscard]] Complex line_correlation(const FrfNoise& noise, Index d);
 
 /// rho applied to columns of stacked real and imaginary parts (modal_basis.h), 2 lines x n.
-[[nodiscard]] Eigen::MatrixXd correlated(const FrfNoise& noise,
-                                         const Eigen::Ref<const Eigen::MatrixXd>& stacked_columns);
+[[nodiscard]] MatrixXd correlated(const FrfNoise& noise,
+                                  const Ref<const MatrixXd>& stacked_columns);
 
 /// 1 / a_c of each FRF, 0 for one that takes no part.
-[[nodiscard]] Eigen::VectorXd inverse_variance_of(const FrfNoise& noise);
+[[nodiscard]] VectorXd inverse_variance_of(const FrfNoise& noise);
 
 }  // namespace rigfit::signal

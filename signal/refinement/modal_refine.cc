@@ -1,24 +1,12 @@
 #include "signal/refinement/modal_refine.h"
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <limits>
 
-#include "signal/numerics/numbers.h"
-#include "signal/numerics/scaled_gram.h"
+#include "signal/numerics/factorisations.h"
 #include "signal/refinement/modal_basis.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 
 /// The fit at one set of poles.
 struct Stage : PoleStage {
@@ -31,7 +19,7 @@ Stage stage_at(const FrfLines& data, const VectorXd& weight, const MatrixXd& y,
                const VectorXcd& poles) {
   Stage stage;
   stage.poles = poles;
-  const MatrixXd basis = weighted_basis(data, poles, weight);
+  const MatrixXd basis = stacked_basis(data.s, data.power, poles, weight, data.background);
   const ScaledGram factor(gram_of(basis));
   if (!factor.usable()) return stage;
   const MatrixXd moments = basis.transpose() * y;
@@ -49,7 +37,7 @@ Stage stage_at(const FrfLines& data, const VectorXd& weight, const MatrixXd& y,
   const VectorXcd scores = stage.residues.conjugate().cwiseProduct(from_pairs(products)) *
                            inverse_variance.cast<Complex>();
   stage.gradient =
-      Eigen::Map<const VectorXd>(reinterpret_cast<const double*>(scores.data()), 2 * scores.size());
+      Map<const VectorXd>(reinterpret_cast<const double*>(scores.data()), 2 * scores.size());
   stage.usable = std::isfinite(stage.cost);
   return stage;
 }
@@ -59,7 +47,7 @@ struct PoleFilter {
   PoleFilter(const FrfLines& data, const FrfNoise& noise, const ModalRefineResult& fit)
       : weight(line_weight(noise, data.H)),
         inverse_variance(inverse_variance_of(noise)),
-        basis(weighted_basis(data, fit.poles, weight)),
+        basis(stacked_basis(data.s, data.power, fit.poles, weight, data.background)),
         factor(gram_of(basis)) {
     if (!factor.usable()) return;
     const MatrixXd derivatives = stacked_pole_derivatives(data.s, data.power, fit.poles, weight);
@@ -97,7 +85,7 @@ struct ResidueFilter {
 };
 
 /// ModalCovariance::significance.
-VectorXd significance_of(const Eigen::Ref<const MatrixXcd>& model, const FrfNoise& noise,
+VectorXd significance_of(const Ref<const MatrixXcd>& model, const FrfNoise& noise,
                          const ModalRefineResult& fit, const ResidueFilter& filter) {
   const Index lines = model.rows();
   VectorXd significance = VectorXd::Zero(fit.poles.size());
@@ -117,7 +105,7 @@ VectorXd significance_of(const Eigen::Ref<const MatrixXcd>& model, const FrfNois
 }
 
 /// X T: columns of the derivatives with respect to poles, turned by the residues of an FRF.
-MatrixXd turned_columns(const MatrixXd& X, const Eigen::Ref<const VectorXcd>& residues) {
+MatrixXd turned_columns(const MatrixXd& X, const Ref<const VectorXcd>& residues) {
   MatrixXd result(X.rows(), X.cols());
   for (Index r = 0; r < residues.size(); ++r) {
     const double a = residues[r].real(), b = residues[r].imag();
@@ -128,7 +116,7 @@ MatrixXd turned_columns(const MatrixXd& X, const Eigen::Ref<const VectorXcd>& re
 }
 
 /// Stacked columns as complex ones.
-MatrixXcd unstacked(const Eigen::Ref<const MatrixXd>& columns) {
+MatrixXcd unstacked(const Ref<const MatrixXd>& columns) {
   MatrixXcd result(columns.rows() / 2, columns.cols());
   result.real() = columns.topRows(result.rows());
   result.imag() = columns.bottomRows(result.rows());
@@ -168,21 +156,6 @@ VectorXd leverage_of(const PoleFilter& of, const FrfNoise& noise, const MatrixXc
 
 }  // namespace
 
-MatrixXd weighted_basis(const FrfLines& data, const Eigen::Ref<const VectorXcd>& poles,
-                        const Eigen::Ref<const VectorXd>& line_weight) {
-  MatrixXd basis = stacked_basis(data.s, data.power, poles, line_weight);
-  const Index first = basis.cols(), terms = data.background.cols();
-  if (terms == 0) return basis;
-  basis.conservativeResize(Eigen::NoChange, first + 2 * terms);
-  MatrixXcd columns(data.s.size(), 2 * terms);
-  for (Index t = 0; t < terms; ++t) {
-    columns.col(2 * t) = data.background.col(t);
-    columns.col(2 * t + 1) = Complex(0, 1) * data.background.col(t);
-  }
-  basis.rightCols(2 * terms) = stacked(columns, line_weight);
-  return basis;
-}
-
 MatrixXcd fitted_frfs(const FrfLines& data, const ModalRefineResult& fit) {
   MatrixXcd H = synthesise(data.s, data.power, fit.poles, fit.residues, fit.lower, fit.upper);
   if (fit.background.size() > 0) H += data.background * fit.background;
@@ -190,7 +163,7 @@ MatrixXcd fitted_frfs(const FrfLines& data, const ModalRefineResult& fit) {
 }
 
 ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
-                               const Eigen::Ref<const VectorXcd>& start,
+                               const Ref<const VectorXcd>& start,
                                const ModalRefineOptions& options) {
   const Index lines = data.s.size();
   const VectorXd weight = line_weight(noise, data.H);
@@ -282,15 +255,15 @@ ModalCovariance modal_covariance(const FrfLines& data, const FrfNoise& noise,
 }
 
 MatrixXd pole_errors(const FrfLines& data, const FrfNoise& noise, const ModalRefineResult& fit,
-                     const Eigen::Ref<const MatrixXcd>& error) {
+                     const Ref<const MatrixXcd>& error) {
   const Index size = 2 * fit.poles.size();
   const PoleFilter filter(data, noise, fit);
   if (!filter.usable()) return {};
   const MatrixXd scores = filter.outside.transpose() * stacked(error, filter.weight);
   MatrixXcd turned = fit.residues.conjugate().cwiseProduct(from_pairs(scores)) *
                      filter.inverse_variance.asDiagonal();
-  return filter.information.solve(Eigen::Map<const MatrixXd>(
-      reinterpret_cast<const double*>(turned.data()), size, turned.cols()));
+  return filter.information.solve(
+      Map<const MatrixXd>(reinterpret_cast<const double*>(turned.data()), size, turned.cols()));
 }
 
 }  // namespace rigfit::signal

@@ -15,8 +15,6 @@
 // Identification, 2nd ed., ch. 9.
 #pragma once
 
-#include <Eigen/Core>
-
 #include "signal/estimation/pole_steps.h"
 #include "signal/refinement/modal_noise.h"
 
@@ -24,13 +22,13 @@ namespace rigfit::signal {
 
 /// Data of the fit: lines x FRFs along s (modal_basis.h).
 struct FrfLines {
-  Eigen::VectorXcd s;
+  VectorXcd s;
   int power = 0;
-  Eigen::MatrixXcd H;
-  Eigen::Index inputs = 1;
+  MatrixXcd H;
+  Index inputs = 1;
   /// Lines x terms: smooth functions that every FRF may hold besides modes and residuals
   /// (signal/modal/band_background.h); empty: none.
-  Eigen::MatrixXcd background;
+  MatrixXcd background;
 };
 
 struct ModalRefineOptions {
@@ -40,38 +38,32 @@ struct ModalRefineOptions {
 };
 
 struct ModalRefineResult {
-  Eigen::VectorXcd poles;     ///< structure's poles, rad/s (s contains the window)
-  Eigen::MatrixXcd residues;  ///< modes x FRFs
-  Eigen::VectorXcd lower, upper;
-  Eigen::MatrixXcd background;  ///< terms of FrfLines::background x FRFs
+  VectorXcd poles;     ///< structure's poles, rad/s (s contains the window)
+  MatrixXcd residues;  ///< modes x FRFs
+  VectorXcd lower, upper;
+  MatrixXcd background;  ///< terms of FrfLines::background x FRFs
   StepsEnd end = StepsEnd::iteration_limit;
   int iterations = 0;
-  Eigen::VectorXd leverage;  ///< lines: share of the freedom used, mean over FRFs
+  VectorXd leverage;  ///< lines: share of the freedom used, mean over FRFs
 };
 
-/// Columns of the linear unknowns, each line multiplied by `line_weight`: those of modal_basis.h,
-/// then two real columns per background term.
-[[nodiscard]] Eigen::MatrixXd weighted_basis(const FrfLines& data,
-                                             const Eigen::Ref<const Eigen::VectorXcd>& poles,
-                                             const Eigen::Ref<const Eigen::VectorXd>& line_weight);
-
 /// Lines x FRFs of a fit, background included.
-[[nodiscard]] Eigen::MatrixXcd fitted_frfs(const FrfLines& data, const ModalRefineResult& fit);
+[[nodiscard]] MatrixXcd fitted_frfs(const FrfLines& data, const ModalRefineResult& fit);
 
 /// Fits from the poles `start` (positive imaginary part). FRFs with infinite `noise.column` do not
 /// influence the poles.
 [[nodiscard]] ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
-                                             const Eigen::Ref<const Eigen::VectorXcd>& start,
+                                             const Ref<const VectorXcd>& start,
                                              const ModalRefineOptions& options = {});
 
 struct ModalCovariance {
   /// Of (Re p_1, Im p_1, Re p_2, ...).
-  Eigen::MatrixXd poles;
+  MatrixXd poles;
   /// modes x FRFs, standard deviations of the real and imaginary parts of the residues.
-  Eigen::MatrixXd residue_std_re, residue_std_im;
+  MatrixXd residue_std_re, residue_std_im;
   /// Modes: sum over FRFs of residue' covariance^-1 residue at fixed poles, less what noise common
   /// to the FRFs of an input can imitate; about 2 FRFs for a mode that is not there.
-  Eigen::VectorXd significance;
+  VectorXd significance;
   bool full_rank = true;  ///< false: poles cannot be told apart, the covariance is empty
 };
 
@@ -82,8 +74,7 @@ struct ModalCovariance {
 
 /// Errors of (Re p_1, Im p_1, Re p_2, ...) that the error of each FRF (lines x FRFs) makes to first
 /// order: parts of the poles x FRFs, to be added up. Empty when the poles cannot be told apart.
-[[nodiscard]] Eigen::MatrixXd pole_errors(const FrfLines& data, const FrfNoise& noise,
-                                          const ModalRefineResult& fit,
-                                          const Eigen::Ref<const Eigen::MatrixXcd>& error);
+[[nodiscard]] MatrixXd pole_errors(const FrfLines& data, const FrfNoise& noise,
+                                   const ModalRefineResult& fit, const Ref<const MatrixXcd>& error);
 
 }  // namespace rigfit::signal

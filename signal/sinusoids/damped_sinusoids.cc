@@ -6,16 +6,11 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "signal/estimation/pole_steps.h"
+#include "signal/numerics/factorisations.h"
 #include "signal/numerics/power_sums.h"
-#include "signal/numerics/scaled_gram.h"
 
 namespace rigfit::signal {
 namespace {
-
-using Complex = std::complex<double>;
-using Eigen::ArrayXcd;
-using Eigen::Index;
 
 // z^(b + l) = z^b z^l: the powers l of one block, times z^b, serve all blocks.
 constexpr Index kBlock = 256;
@@ -34,7 +29,7 @@ struct PairSums {
 };
 
 /// Real and imaginary parts in turn, down the columns.
-Eigen::Map<Eigen::MatrixXd> parts_of(Eigen::MatrixXcd& z) {
+Map<MatrixXd> parts_of(MatrixXcd& z) {
   return {reinterpret_cast<double*>(z.data()), 2 * z.rows(), z.cols()};
 }
 
@@ -42,19 +37,19 @@ Eigen::Map<Eigen::MatrixXd> parts_of(Eigen::MatrixXcd& z) {
 /// of pole 0.
 class Problem {
  public:
-  Problem(const Eigen::Ref<const Eigen::VectorXd>& y, std::span<const Index> missing,
+  Problem(const Ref<const VectorXd>& y, std::span<const Index> missing,
           std::span<const Complex> start, const DampedSinusoidsOptions& options)
       : missing_(missing),
         n_(static_cast<double>(y.size())),
         m_(static_cast<Index>(start.size())),
-        poles_(Eigen::VectorXcd::Zero(m_ + 1)),
+        poles_(VectorXcd::Zero(m_ + 1)),
         pairs_(static_cast<std::size_t>((m_ + 1) * (m_ + 2) / 2)) {
     const Index block = std::clamp<Index>(y.size(), 1, kBlock),
                 blocks = (y.size() + block - 1) / block;
     y_.setZero(block, blocks);
     y_.reshaped().head(y.size()) = y;
     for (const Index j : missing) y_.reshaped()(j) = 0;
-    times_ = Eigen::VectorXd::LinSpaced(y_.size(), 0, static_cast<double>(y_.size() - 1) / n_)
+    times_ = VectorXd::LinSpaced(y_.size(), 0, static_cast<double>(y_.size() - 1) / n_)
                  .reshaped(block, blocks);
     residual_ = y_;
     fit.residual_sum_squares = y_.squaredNorm();
@@ -80,16 +75,16 @@ class Problem {
   DampedSinusoidsFit fit;
 
   /// What the steps need of the poles `at`.
-  PoleStage stage_at(const Eigen::VectorXcd& at) {
+  PoleStage stage_at(const VectorXcd& at) {
     PoleStage stage;
     stage.poles = at;
     stage.usable = evaluate(at);
     stage.cost = fit.residual_sum_squares;
     if (!stage.usable) return stage;
     const auto& gram = fit.jacobian_gram;
-    const Eigen::MatrixXd of_poles = gram(moving_, moving_), both = gram(linear_, moving_);
-    const Eigen::MatrixXd coupling = ScaledGram(gram(linear_, linear_)).solve(both);
-    const Eigen::MatrixXd plain = of_poles - both.transpose() * coupling;
+    const MatrixXd of_poles = gram(moving_, moving_), both = gram(linear_, moving_);
+    const MatrixXd coupling = ScaledGram(gram(linear_, linear_)).solve(both);
+    const MatrixXd plain = of_poles - both.transpose() * coupling;
     // What is left of the poles' columns must be more than rounding.
     if (!(plain.diagonal().array() > 1e-14 * of_poles.diagonal().array()).all()) return stage;
     std::vector<Index> parts;
@@ -115,7 +110,7 @@ class Problem {
 
  private:
   // Linear parameters, residual, Gram matrix and gradient at the poles `at`. False: rank-deficient.
-  bool evaluate(const Eigen::VectorXcd& at) {
+  bool evaluate(const VectorXcd& at) {
     poles_.head(m_) = at;
     fit.poles.assign(at.begin(), at.end());
     fit.amplitudes.assign(fit.poles.size(), 0);
@@ -137,7 +132,7 @@ class Problem {
     // as in very long records.
     for (int pass = 0; pass < 3; ++pass) {
       project(pass == 0);
-      const Eigen::VectorXd x = factor.solve_vector(gradient_(linear_));
+      const VectorXd x = factor.solve_vector(gradient_(linear_));
       if (!x.allFinite()) return false;
       const double leaves = 1e-6 * fit.residual_sum_squares / n_;
       if (pass == 2 || (pass == 1 && x.dot(gradient_(linear_)) <= leaves)) break;
@@ -161,9 +156,9 @@ class Problem {
   void project(bool first) {
     residual_ = y_;
     if (!first) {
-      const Eigen::Map<const Eigen::VectorXcd> c(fit.amplitudes.data(), m_);
+      const Map<const VectorXcd> c(fit.amplitudes.data(), m_);
       // Conjugated: Re(c z) is the product of (Re, Im) of conj(c) with those of z.
-      Eigen::MatrixXcd factors = (c.asDiagonal() * heads_.matrix()).conjugate();
+      MatrixXcd factors = (c.asDiagonal() * heads_.matrix()).conjugate();
       residual_.noalias() -= basis_ * parts_of(factors);
       residual_.array() -= fit.offset + fit.drift * times_.array();
       residual_.reshaped().tail(residual_.size() - fit.samples).setZero();
@@ -171,8 +166,8 @@ class Problem {
     }
     fit.residual_sum_squares = residual_.squaredNorm();
     // Sums of the residual with z^j and (j/N) z^j, by mode, the background's 1 and j/N.
-    Eigen::MatrixXcd products = Eigen::MatrixXcd::Zero(m_ + 1, 2), with(m_, heads_.cols());
-    const auto multiply = [&](const Eigen::MatrixXd& samples, Index power) {
+    MatrixXcd products = MatrixXcd::Zero(m_ + 1, 2), with(m_, heads_.cols());
+    const auto multiply = [&](const MatrixXd& samples, Index power) {
       products(m_, power) = samples.sum();
       if (first && power == 1) return;
       parts_of(with).noalias() = basis_.transpose() * samples;
@@ -213,8 +208,8 @@ class Problem {
     auto pair = pairs_.begin();
     for (Index a = 0; a <= m_; ++a) {
       for (Index b = 0; b <= a; ++b, ++pair) {
-        power_sums(std::exp(poles_(a) + poles_(b)), fit.samples, pair->plain);
-        power_sums(std::exp(poles_(a) + std::conj(poles_(b))), fit.samples, pair->conjugate);
+        pair->plain = power_sums(std::exp(poles_(a) + poles_(b)), fit.samples);
+        pair->conjugate = power_sums(std::exp(poles_(a) + std::conj(poles_(b))), fit.samples);
       }
     }
   }
@@ -238,7 +233,7 @@ class Problem {
       }
     }
     for (const Index j : missing_) {
-      const Eigen::MatrixXd row = fit.jacobian_rows(j, 1);
+      const MatrixXd row = fit.jacobian_rows(j, 1);
       gram -= row.transpose() * row;
     }
     for (std::size_t k = 0; k < known_.size(); ++k) {
@@ -247,24 +242,24 @@ class Problem {
   }
 
   // A block a column; 0 where missing and behind the end.
-  Eigen::MatrixXd y_, residual_;
-  Eigen::MatrixXd times_;  // j/N
+  MatrixXd y_, residual_;
+  MatrixXd times_;  // j/N
   std::span<const Index> missing_;
   double n_;
   Index m_;
-  Eigen::VectorXcd poles_;            // with the background's
+  VectorXcd poles_;                   // with the background's
   std::vector<PairSums> pairs_;       // each pole's with those before it and itself
   std::span<const KnownTone> known_;  // the first poles'
   // Parameters that are free, in the order of `jacobian_gram`: linear ones, and parts of poles.
   std::vector<Index> linear_, moving_;
-  Eigen::MatrixXd basis_;   // in a block: Re z^l and Im z^l of each mode
-  Eigen::ArrayXXcd heads_;  // modes x blocks: z^b, b the first sample of each
-  Eigen::VectorXd gradient_;
+  MatrixXd basis_;   // in a block: Re z^l and Im z^l of each mode
+  ArrayXXcd heads_;  // modes x blocks: z^b, b the first sample of each
+  VectorXd gradient_;
 };
 
 }  // namespace
 
-DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>& y,
+DampedSinusoidsFit fit_damped_sinusoids(const Ref<const VectorXd>& y,
                                         std::span<const Complex> poles,
                                         const DampedSinusoidsOptions& options,
                                         std::span<const Index> missing) {
@@ -274,8 +269,8 @@ DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>&
     throw std::invalid_argument("damped sinusoids: fewer samples than parameters");
   }
   const double n = static_cast<double>(y.size());
-  PoleStage stage = problem.stage_at(
-      Eigen::Map<const Eigen::VectorXcd>(poles.data(), static_cast<Index>(poles.size())));
+  PoleStage stage =
+      problem.stage_at(Map<const VectorXcd>(poles.data(), static_cast<Index>(poles.size())));
   PoleStepOptions steps;
   steps.max_iterations = options.max_iterations;
   steps.freedom = static_cast<double>(present - problem.unknowns());
@@ -305,22 +300,22 @@ KnownTone KnownTone::at(Index later) const {
   return {{c.real(), c.imag(), value(2)}, back.transpose() * information * back};
 }
 
-Eigen::VectorXd DampedSinusoidsFit::mode_signal(std::size_t m) const {
+VectorXd DampedSinusoidsFit::mode_signal(std::size_t m) const {
   return (amplitudes[m] * powers(poles[m], samples)).real();
 }
 
-Eigen::VectorXd DampedSinusoidsFit::signal() const {
+VectorXd DampedSinusoidsFit::signal() const {
   const double last = 1 - 1 / static_cast<double>(samples);
-  Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(samples, offset, offset + drift * last);
+  VectorXd y = VectorXd::LinSpaced(samples, offset, offset + drift * last);
   for (std::size_t m = 0; m < poles.size(); ++m) y += mode_signal(m);
   return y;
 }
 
-Eigen::MatrixXd DampedSinusoidsFit::jacobian_rows(Index first, Index count) const {
-  Eigen::MatrixXd rows(count, jacobian_gram.rows());
+MatrixXd DampedSinusoidsFit::jacobian_rows(Index first, Index count) const {
+  MatrixXd rows(count, jacobian_gram.rows());
   const auto modes = static_cast<Index>(poles.size());
-  const Eigen::ArrayXd j = Eigen::ArrayXd::LinSpaced(count, static_cast<double>(first),
-                                                     static_cast<double>(first + count - 1));
+  const ArrayXd j =
+      ArrayXd::LinSpaced(count, static_cast<double>(first), static_cast<double>(first + count - 1));
   for (Index m = 0; m < modes; ++m) {
     const auto k = static_cast<std::size_t>(m);
     const ArrayXcd z = std::exp(poles[k] * static_cast<double>(first)) * powers(poles[k], count);

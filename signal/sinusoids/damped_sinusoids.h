@@ -10,10 +10,7 @@
 // imaginary part is 0 (its amplitude real) an offset that dies away.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
 #include <span>
-#include <vector>
 
 #include "signal/estimation/pole_steps.h"
 
@@ -25,7 +22,7 @@ struct KnownTone {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< inverse of their unit covariance
 
   /// The same, C that of the sample `later`.
-  [[nodiscard]] KnownTone at(Eigen::Index later) const;
+  [[nodiscard]] KnownTone at(Index later) const;
 };
 
 struct DampedSinusoidsOptions {
@@ -39,44 +36,43 @@ struct DampedSinusoidsOptions {
 };
 
 struct DampedSinusoidsFit {
-  std::vector<std::complex<double>> poles;       ///< per sample
-  std::vector<std::complex<double>> amplitudes;  ///< C at sample 0
-  double offset = 0;                             ///< at sample 0
-  double drift = 0;                              ///< over the whole of N samples
+  std::vector<Complex> poles;       ///< per sample
+  std::vector<Complex> amplitudes;  ///< C at sample 0
+  double offset = 0;                ///< at sample 0
+  double drift = 0;                 ///< over the whole of N samples
   double residual_sum_squares = 0;
-  Eigen::Index samples = 0;  ///< N, with the missing ones
-  Eigen::Index degrees = 0;  ///< samples present less free parameters
-  Eigen::VectorXd residual;  ///< N; 0 where missing
-  Eigen::MatrixXd
-      jacobian_gram;  ///< J'J, parameters (Re C, Im C, Re p, Im p) per mode, then c0, c1
+  Index samples = 0;       ///< N, with the missing ones
+  Index degrees = 0;       ///< samples present less free parameters
+  VectorXd residual;       ///< N; 0 where missing
+  MatrixXd jacobian_gram;  ///< J'J, parameters (Re C, Im C, Re p, Im p) per mode, then c0, c1
   /// (J'J)^-1 of the free parameters, 0 for the others; empty when rank-deficient.
-  Eigen::MatrixXd unit_covariance;
+  MatrixXd unit_covariance;
   int iterations = 0;
   StepsEnd end = StepsEnd::iteration_limit;  ///< rank-deficient: no covariance
   /// Poles that find_decay_modes() took out again, since noise passes for them.
-  std::vector<std::complex<double>> noise_like = {};
+  std::vector<Complex> noise_like = {};
   /// Modes up to here, radians per sample, are no more than a drift that does not oscillate.
   double drift_up_to = 0;
 
   /// Mode m alone at every sample.
-  [[nodiscard]] Eigen::VectorXd mode_signal(std::size_t m) const;
+  [[nodiscard]] VectorXd mode_signal(std::size_t m) const;
   /// All modes on the background, at every sample.
-  [[nodiscard]] Eigen::VectorXd signal() const;
+  [[nodiscard]] VectorXd signal() const;
   /// `count` rows of J from `first` on; columns in the order of `jacobian_gram`.
-  [[nodiscard]] Eigen::MatrixXd jacobian_rows(Eigen::Index first, Eigen::Index count) const;
+  [[nodiscard]] MatrixXd jacobian_rows(Index first, Index count) const;
 };
 
-[[nodiscard]] constexpr bool is_tone(std::complex<double> pole) { return pole.real() == 0; }
-[[nodiscard]] constexpr bool is_offset(std::complex<double> pole) { return pole.imag() == 0; }
+[[nodiscard]] constexpr bool is_tone(Complex pole) { return pole.real() == 0; }
+[[nodiscard]] constexpr bool is_offset(Complex pole) { return pole.imag() == 0; }
 
 /// Time constants over the record of a start that is no steady tone.
 inline constexpr double kFreeDecay = 1e-6;
 
 /// Fits `y` from the starting poles (per sample). `missing` lists samples to leave out (y there
 /// must be 0). Needs more samples than parameters, else std::invalid_argument.
-[[nodiscard]] DampedSinusoidsFit fit_damped_sinusoids(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                                      std::span<const std::complex<double>> poles,
+[[nodiscard]] DampedSinusoidsFit fit_damped_sinusoids(const Ref<const VectorXd>& y,
+                                                      std::span<const Complex> poles,
                                                       const DampedSinusoidsOptions& options = {},
-                                                      std::span<const Eigen::Index> missing = {});
+                                                      std::span<const Index> missing = {});
 
 }  // namespace rigfit::signal

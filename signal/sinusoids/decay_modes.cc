@@ -2,21 +2,13 @@
 
 #include <gsl/gsl_cdf.h>
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "signal/numerics/factorisations.h"
-#include "signal/numerics/numbers.h"
 #include "signal/numerics/power_sums.h"
-#include "signal/sinusoids/decay_search.h"
 #include "signal/sinusoids/residual_noise.h"
 
 namespace rigfit::signal {
 namespace {
 
-using Complex = std::complex<double>;
-using Eigen::Index;
 constexpr Index kFewDegrees = 200;
 
 // Radians up to which a record holds no more numbers, 2 a cycle, than so many modes and a line.
@@ -34,13 +26,13 @@ std::size_t modes_of(const DampedSinusoidsFit& fit) {
 bool oscillate(const DecaySamples& samples, const DampedSinusoidsFit& fit, double up_to) {
   const Index n = fit.samples;
   Index count = 2;
-  Eigen::VectorXd values = fit.residual;
+  VectorXd values = fit.residual;
   for (std::size_t m = 0; m < fit.poles.size(); ++m) {
     if (!is_damped(fit.poles[m]) || fit.poles[m].imag() > up_to) continue;
     values += fit.mode_signal(m), count += 4;
   }
-  Eigen::MatrixXd polynomials = Eigen::MatrixXd::Ones(n, count);
-  const Eigen::VectorXd t = polynomials.col(1) = Eigen::VectorXd::LinSpaced(n, -1, 1);
+  MatrixXd polynomials = MatrixXd::Ones(n, count);
+  const VectorXd t = polynomials.col(1) = VectorXd::LinSpaced(n, -1, 1);
   for (Index k = 2; k < count; ++k) {  // Chebyshev's
     polynomials.col(k) = 2 * t.cwiseProduct(polynomials.col(k - 1)) - polynomials.col(k - 2);
   }
@@ -188,7 +180,7 @@ std::optional<DampedSinusoidsFit> fit_poles(const DecaySamples& samples,
   return fit;
 }
 
-DecaySamples decay_samples(const Eigen::Ref<const Eigen::VectorXd>& y, Index start, Index end) {
+DecaySamples decay_samples(const Ref<const VectorXd>& y, Index start, Index end) {
   DecaySamples s;
   s.values = y.segment(start, end - start);
   for (Index j = 0; j < s.values.size(); ++j) {
@@ -259,13 +251,12 @@ std::optional<DampedSinusoidsFit> find_decay_modes(const DecaySamples& samples,
 double departing_residual(const DampedSinusoidsFit& fit, std::span<const Index> missing,
                           std::span<const std::size_t> modes) {
   const auto n = fit.samples;
-  Eigen::MatrixXd columns(n, 8 * static_cast<Index>(modes.size()));
-  const Eigen::ArrayXd t =
-      Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)) / static_cast<double>(n);
+  MatrixXd columns(n, 8 * static_cast<Index>(modes.size()));
+  const ArrayXd t = ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)) / static_cast<double>(n);
   for (std::size_t m = 0; m < modes.size(); ++m) {
     const Complex pole = fit.poles[modes[m]];
     auto own = columns.middleCols<8>(8 * static_cast<Index>(m));
-    Eigen::ArrayXcd z = powers(pole, n);
+    ArrayXcd z = powers(pole, n);
     for (Index k = 0; k < 4; ++k, z *= t) own.col(2 * k) = z.real(), own.col(2 * k + 1) = z.imag();
   }
   for (const Index j : missing) columns.row(j).setZero();

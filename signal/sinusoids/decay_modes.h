@@ -8,11 +8,7 @@
 // (residual_noise.h), is removed at the end, unless it is the only one.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
 #include <optional>
-#include <span>
-#include <vector>
 
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/sinusoids/decay_search.h"
@@ -20,20 +16,19 @@
 namespace rigfit::signal {
 
 struct DecaySamples {
-  Eigen::VectorXd values;  ///< 0 where missing
-  std::vector<Eigen::Index> missing;
+  VectorXd values;  ///< 0 where missing
+  std::vector<Index> missing;
   std::vector<KnownTone> known;  ///< of samples beside these; their poles stand first in fits
 };
 
 /// Samples [start, end) of `y`, NaN where missing.
-[[nodiscard]] DecaySamples decay_samples(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                         Eigen::Index start, Eigen::Index end);
+[[nodiscard]] DecaySamples decay_samples(const Ref<const VectorXd>& y, Index start, Index end);
 
 struct DecayBand {
   double low, high;  ///< undamped natural frequency, cycles per sample
   bool all;          ///< no limits
   /// Whether a mode in the band, neither a steady tone nor an offset.
-  [[nodiscard]] bool contains(std::complex<double> pole) const;
+  [[nodiscard]] bool contains(Complex pole) const;
 };
 
 /// Most modes in a band, and outside it.
@@ -42,23 +37,23 @@ inline constexpr int kMostModes = 12;
 /// All modes that the samples support; nothing when there is none. `known` poles, modes or not,
 /// are where the search starts; steady tones and offsets among them stay.
 [[nodiscard]] std::optional<DampedSinusoidsFit> find_decay_modes(
-    const DecaySamples& samples, const DecayBand& band,
-    const std::vector<std::complex<double>>& known = {}, int max_modes = kMostModes);
+    const DecaySamples& samples, const DecayBand& band, const std::vector<Complex>& known = {},
+    int max_modes = kMostModes);
 
 /// The fit of these poles; nothing where they cannot be told apart.
-[[nodiscard]] std::optional<DampedSinusoidsFit> fit_poles(
-    const DecaySamples& samples, const std::vector<std::complex<double>>& poles);
+[[nodiscard]] std::optional<DampedSinusoidsFit> fit_poles(const DecaySamples& samples,
+                                                          const std::vector<Complex>& poles);
 
 /// Energy of mode `m` over the samples, sum of squares.
 [[nodiscard]] double mode_energy(const DampedSinusoidsFit& fit, std::size_t m);
 /// Sum of squares left when the complex amplitudes of `modes` may also vary with t^2 and t^3, which
 /// takes as many parameters per mode as one more mode.
 [[nodiscard]] double departing_residual(const DampedSinusoidsFit& fit,
-                                        std::span<const Eigen::Index> missing,
+                                        std::span<const Index> missing,
                                         std::span<const std::size_t> modes);
 /// The mode with the largest energy in the band.
 [[nodiscard]] std::size_t strongest_mode(const DampedSinusoidsFit& fit, const DecayBand& band);
 /// -Re p / |p|.
-[[nodiscard]] double damping_ratio_of(std::complex<double> pole);
+[[nodiscard]] double damping_ratio_of(Complex pole);
 
 }  // namespace rigfit::signal

@@ -2,26 +2,20 @@
 
 #include <gsl/gsl_fit.h>
 
-#include <algorithm>
-#include <cmath>
 #include <functional>
-#include <numbers>
 
 #include "signal/estimation/robust.h"
-#include "signal/numerics/numbers.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/spectra/fft.h"
 
 namespace rigfit::signal {
 namespace {
 
-using Complex = std::complex<double>;
-using Eigen::Index;
 // Beyond this many time constants the window holds nothing of the sinusoid.
 constexpr double kWindowTimeConstants = 8;
 
 // Median of the power around line k, over as many lines as tell the noise from the peak.
-double local_median(const Eigen::VectorXd& power, Index k, Index reach) {
+double local_median(const VectorXd& power, Index k, Index reach) {
   const Index lo = std::clamp<Index>(k - reach, 1, power.size() - 1);
   const Index hi = std::clamp<Index>(k + reach, lo, power.size() - 1);
   return median({power.data() + lo, power.data() + hi + 1});
@@ -36,12 +30,12 @@ double detection_threshold(Index samples, double false_alarm) {
   return 2 * std::log(0.5 * n * std::log(n) / false_alarm);
 }
 
-Eigen::VectorXd without_trend(const Eigen::Ref<const Eigen::VectorXd>& y) {
+VectorXd without_trend(const Ref<const VectorXd>& y) {
   const Index n = y.size();
-  const Eigen::ArrayXd present = y.array().isFinite().cast<double>();
-  if (present.sum() < 2) return Eigen::VectorXd::Zero(n);
-  const Eigen::ArrayXd values = (present > 0).select(y.array(), 0);
-  const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(n, -1, 1);
+  const ArrayXd present = y.array().isFinite().cast<double>();
+  if (present.sum() < 2) return VectorXd::Zero(n);
+  const ArrayXd values = (present > 0).select(y.array(), 0);
+  const ArrayXd t = ArrayXd::LinSpaced(n, -1, 1);
   double level = 0, slope = 0, unused[4];
   gsl_fit_wlinear(t.data(), 1, present.data(), 1, values.data(), 1, static_cast<std::size_t>(n),
                   &level, &slope, &unused[0], &unused[1], &unused[2], &unused[3]);
@@ -86,7 +80,7 @@ void add_peaks(const LineSpectrum& spectrum, double a, const DecaySearchOptions&
 }
 
 /// The output of the filter of decay rate a.
-LineSpectrum filtered(const Eigen::Ref<const Eigen::VectorXd>& y, double a) {
+LineSpectrum filtered(const Ref<const VectorXd>& y, double a) {
   LineSpectrum out;
   out.samples = y.size();
   if (y.size() < 4) return out;
@@ -110,7 +104,7 @@ LineSpectrum filtered(const Eigen::Ref<const Eigen::VectorXd>& y, double a) {
 
 }  // namespace
 
-LineSpectrum line_spectrum(const Eigen::Ref<const Eigen::VectorXd>& y) { return filtered(y, 0); }
+LineSpectrum line_spectrum(const Ref<const VectorXd>& y) { return filtered(y, 0); }
 
 double noise_near(const LineSpectrum& undamped, Complex pole) {
   const auto n = static_cast<double>(undamped.samples);
@@ -124,7 +118,7 @@ double noise_near(const LineSpectrum& undamped, Complex pole) {
   return std::max(middle / (2 * std::numbers::ln2), 1e-30 * undamped.total / n);
 }
 
-std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
+std::vector<DecayCandidate> search_decays(const Ref<const VectorXd>& y,
                                           const DecaySearchOptions& options) {
   const auto n = static_cast<double>(y.size());
   if (y.size() < 4) return {};

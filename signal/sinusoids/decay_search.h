@@ -8,10 +8,9 @@
 // a peak is the noise there, so that coloured noise is not taken for modes.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
 #include <span>
-#include <vector>
+
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
@@ -26,33 +25,33 @@ struct DecaySearchOptions {
 };
 
 struct DecayCandidate {
-  std::complex<double> pole;  ///< per sample
+  Complex pole;               ///< per sample
   double energy = 0;          ///< taken out of the record's sum of squares
   double noise_variance = 0;  ///< white-equivalent, near that frequency
 };
 
 /// The undamped filter's output at all frequencies.
 struct LineSpectrum {
-  Eigen::VectorXd power;       ///< 2 |F|^2 / N
+  VectorXd power;              ///< 2 |F|^2 / N
   double lines_per_cycle = 0;  ///< lines of `power` per frequency of one cycle per sample
-  Eigen::Index samples = 0;    ///< N
+  Index samples = 0;           ///< N
   double total = 0;            ///< sum of squares of the samples
 };
-[[nodiscard]] LineSpectrum line_spectrum(const Eigen::Ref<const Eigen::VectorXd>& y);
+[[nodiscard]] LineSpectrum line_spectrum(const Ref<const VectorXd>& y);
 
 /// White-equivalent variance of a sample beside a pole.
-[[nodiscard]] double noise_near(const LineSpectrum& spectrum, std::complex<double> pole);
+[[nodiscard]] double noise_near(const LineSpectrum& spectrum, Complex pole);
 
 /// The strongest distinct peaks of the bank, by energy. `y` should have its offset and trend
 /// removed.
-[[nodiscard]] std::vector<DecayCandidate> search_decays(const Eigen::Ref<const Eigen::VectorXd>& y,
+[[nodiscard]] std::vector<DecayCandidate> search_decays(const Ref<const VectorXd>& y,
                                                         const DecaySearchOptions& options = {});
 
 /// Energy over noise that the best of all cells of the bank exceeds in noise alone with probability
 /// `false_alarm`.
-[[nodiscard]] double detection_threshold(Eigen::Index samples, double false_alarm = kFalseAlarm);
+[[nodiscard]] double detection_threshold(Index samples, double false_alarm = kFalseAlarm);
 
 /// `y` less its least-squares line; missing samples (NaN) are left out and set to 0.
-[[nodiscard]] Eigen::VectorXd without_trend(const Eigen::Ref<const Eigen::VectorXd>& y);
+[[nodiscard]] VectorXd without_trend(const Ref<const VectorXd>& y);
 
 }  // namespace rigfit::signal

@@ -1,17 +1,11 @@
 #include "signal/sinusoids/residual_noise.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <numbers>
 
 namespace rigfit::signal {
 
-using Eigen::Index;
-
 double ResidualNoise::white_equivalent(double frequency) const {
-  std::complex<double> a = 1;
+  Complex a = 1;
   for (Index k = 0; k < coefficients.size(); ++k) {
     a -= coefficients(k) *
          std::polar(1.0, -2 * std::numbers::pi * frequency * static_cast<double>(k + 1));
@@ -28,23 +22,23 @@ constexpr double kUneven = 3.09;
 
 /// Autocovariance matrix of `order` + 1 neighbouring samples, sums of products. The ridge is beyond
 /// what rounding takes off its smallest pivot.
-Eigen::MatrixXd autocovariance(const Eigen::Ref<const Eigen::VectorXd>& x, Index order) {
-  Eigen::VectorXd lags(order + 1);
+MatrixXd autocovariance(const Ref<const VectorXd>& x, Index order) {
+  VectorXd lags(order + 1);
   for (Index k = 0; k <= order; ++k) lags(k) = x.head(x.size() - k).dot(x.tail(x.size() - k));
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::NullaryExpr(
+  MatrixXd covariance = MatrixXd::NullaryExpr(
       order + 1, order + 1, [&](Index i, Index j) { return lags(std::abs(i - j)); });
   covariance.diagonal().array() *= 1 + 1e-12;
   return covariance;
 }
 
 /// Sums of squares that autoregressions of order 0, 1, ... leave: the squared pivots.
-Eigen::ArrayXd prediction_errors(const Eigen::MatrixXd& covariance) {
+ArrayXd prediction_errors(const MatrixXd& covariance) {
   return covariance.llt().matrixLLT().diagonal().array().square();
 }
 
 }  // namespace
 
-ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual, Index degrees) {
+ResidualNoise residual_noise(const Ref<const VectorXd>& residual, Index degrees) {
   ResidualNoise noise;
   const double sum = residual.squaredNorm();
   noise.variance = noise.innovation_variance =
@@ -52,12 +46,12 @@ ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual, 
   // The fit itself takes a notch out of the spectrum; an order that could follow it is not allowed.
   const Index highest = std::min<Index>(24, degrees / 25);
   if (highest < 1 || !(sum > 0)) return noise;
-  const Eigen::MatrixXd covariance = autocovariance(residual, highest);
-  const Eigen::ArrayXd errors = prediction_errors(covariance);
+  const MatrixXd covariance = autocovariance(residual, highest);
+  const ArrayXd errors = prediction_errors(covariance);
   const auto count = static_cast<double>(degrees);
   Index order = 0;
   (count * errors.log() +
-   std::log(count) * Eigen::ArrayXd::LinSpaced(highest + 1, 0, static_cast<double>(highest)))
+   std::log(count) * ArrayXd::LinSpaced(highest + 1, 0, static_cast<double>(highest)))
       .minCoeff(&order);
   if (order == 0) return noise;
   noise.coefficients =
@@ -69,21 +63,21 @@ ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual, 
 FitUncertainty fit_uncertainty(const DampedSinusoidsFit& fit, const ResidualNoise& noise) {
   const Index order = noise.coefficients.size(), parameters = fit.unit_covariance.rows();
   const double variance = noise.innovation_variance;
-  Eigen::ArrayXd w = Eigen::ArrayXd::Zero(parameters), weights = w, squared_weights = w, with_e = w;
-  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(parameters, parameters);
+  ArrayXd w = ArrayXd::Zero(parameters), weights = w, squared_weights = w, with_e = w;
+  MatrixXd products = MatrixXd::Zero(parameters, parameters);
   double count = 0, squares = 0, fourth_powers = 0;
   // Filtered from the end on: behind the rows of a block stand those of the next that it needs. A
   // block before the record has what earlier noise adds to its first samples.
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(parameters, kNoiseBlock + order);
+  MatrixXd rows = MatrixXd::Zero(parameters, kNoiseBlock + order);
   for (Index start = (fit.samples - 1) / kNoiseBlock * kNoiseBlock; start >= -kNoiseBlock;
        start -= kNoiseBlock) {
     const Index length = std::min(kNoiseBlock, fit.samples - start);
-    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(length, parameters);
+    MatrixXd jacobian = MatrixXd::Zero(length, parameters);
     if (start >= 0) jacobian = fit.jacobian_rows(start, length);
-    const Eigen::MatrixXd influence = fit.unit_covariance * jacobian.transpose();
-    const Eigen::ArrayXd leverage =
+    const MatrixXd influence = fit.unit_covariance * jacobian.transpose();
+    const ArrayXd leverage =
         influence.cwiseProduct(jacobian.transpose()).colwise().sum().transpose();
-    const Eigen::MatrixXd behind = rows.leftCols(order);
+    const MatrixXd behind = rows.leftCols(order);
     rows.leftCols(length) = influence;
     rows.middleCols(length, order) = behind;
     for (Index l = length - 1; l >= 0; --l) {
@@ -105,8 +99,8 @@ FitUncertainty fit_uncertainty(const DampedSinusoidsFit& fit, const ResidualNois
   out.covariance =
       order > 0 ? (variance * products).eval() : (noise.variance * fit.unit_covariance).eval();
   const double scatter = fourth_powers - squares * squares / std::max(count, 1.0);
-  const Eigen::ArrayXd even = variance * weights;
-  const Eigen::ArrayXd deviation =
+  const ArrayXd even = variance * weights;
+  const ArrayXd deviation =
       (with_e - even) /
       ((squared_weights - weights.square() / count) * scatter / count).max(1e-300).sqrt();
   out.widening = (deviation > kUneven).select((with_e / even.max(1e-300)).max(1), 1);

@@ -11,13 +11,10 @@
 // which does not take the noise for Gaussian:
 //   z = sum_j v_j^2 (e_j^2 - s^2) / sqrt(sum_j (v_j^2 - mean v^2)^2 var(e^2)).
 // Jitter of the sampling clock, noise in proportion to the signal and converter steps are such
-// noise.
-// Sources: Kay, Modern Spectral Estimation (1988), ch. 6; White, Econometrica 48
-// (1980) 817; MacKinnon and White, J. Econometrics 29 (1985) 305; Koenker, J. Econometrics 17
-// (1981) 107; Andrews and Monahan, Econometrica 60 (1992) 953 (prewhitening).
+// noise. Sources: Kay, Modern Spectral Estimation (1988), ch. 6; White, Econometrica 48 (1980) 817;
+// MacKinnon and White, J. Econometrics 29 (1985) 305; Koenker, J. Econometrics 17 (1981) 107;
+// Andrews and Monahan, Econometrica 60 (1992) 953 (prewhitening).
 #pragma once
-
-#include <Eigen/Core>
 
 #include "signal/sinusoids/damped_sinusoids.h"
 
@@ -26,25 +23,24 @@ namespace rigfit::signal {
 struct ResidualNoise {
   double variance = 0;             ///< noise variance, corrected for the fit's degrees of freedom
   double innovation_variance = 0;  ///< variance of e
-  Eigen::VectorXd coefficients;    ///< a_1 .. a_p; empty: white
+  VectorXd coefficients;           ///< a_1 .. a_p; empty: white
 
   /// Variance of white noise with the same density at `frequency` (cycles per sample).
   [[nodiscard]] double white_equivalent(double frequency) const;
 };
 
 /// `degrees`: samples less fitted parameters.
-[[nodiscard]] ResidualNoise residual_noise(const Eigen::Ref<const Eigen::VectorXd>& residual,
-                                           Eigen::Index degrees);
+[[nodiscard]] ResidualNoise residual_noise(const Ref<const VectorXd>& residual, Index degrees);
 
 struct FitUncertainty {
-  Eigen::MatrixXd covariance;  ///< under noise of constant variance
+  MatrixXd covariance;  ///< under noise of constant variance
   /// Factor on the variance of each parameter, order of `DampedSinusoidsFit::jacobian_gram`: the
   /// sandwich's where z is above 3.09, which even noise exceeds once in a thousand times, else 1.
-  Eigen::ArrayXd widening;
+  ArrayXd widening;
 
   /// The largest factor of a mode's four parameters.
   [[nodiscard]] double widening_of_mode(std::size_t m) const {
-    return widening.segment<4>(static_cast<Eigen::Index>(4 * m)).maxCoeff();
+    return widening.segment<4>(static_cast<Index>(4 * m)).maxCoeff();
   }
 };
 

@@ -1,19 +1,16 @@
 #include "signal/spectra/coherence_errors.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "signal/estimation/robust.h"
+#include "signal/recording/add_note.h"
 #include "signal/spectra/line_means.h"
 
 namespace rigfit::signal {
 namespace {
-using Eigen::ArrayXd;
-using Eigen::Index;
 
 void note_low(FrfSet& frfs, const std::optional<std::pair<double, double>>& band_hz) {
   std::vector<double> values;
@@ -26,13 +23,11 @@ void note_low(FrfSet& frfs, const std::optional<std::pair<double, double>>& band
   constexpr double kGood =
       0.8;  // from there on noise is less than half of the response's amplitude
   if (middle >= kGood) return;
-  frfs.notes.push_back(
-      {"low_coherence",
-       fmt::format("the median coherence is {:.2f}: {:.0f} % of the response's power does not come "
-                   "from the force; error bars allow for what is noise, not for a structure that "
-                   "changes, other sources or leakage",
-                   middle, 100 * (1 - middle)),
-       ""});
+  add_note(frfs.notes, "low_coherence", "",
+           "the median coherence is {:.2f}: {:.0f} % of the response's power does not come from "
+           "the force; error bars allow for what is noise, not for a structure that changes, other "
+           "sources or leakage",
+           middle, 100 * (1 - middle));
 }
 
 }  // namespace
@@ -57,11 +52,9 @@ void error_bars_from_coherence(FrfSet& frfs, int averages,
     return;
   }
   if (frfs.averages == 0) {
-    frfs.notes.push_back({"assumed",
-                          "the coherence weighs the lines; the file does not say of how many "
-                          "averages it is, so that "
-                          "the error bars of the FRFs are those of two, the largest possible",
-                          ""});
+    add_note(frfs.notes, "assumed", "",
+             "the coherence weighs the lines; the file does not say of how many averages it is, so "
+             "that the error bars of the FRFs are those of two, the largest possible");
   }
   const int n = frfs.averages > 0 ? frfs.averages : 2;
   const double smallest = std::numeric_limits<float>::epsilon();  // single precision

@@ -14,10 +14,9 @@
 namespace rigfit::signal {
 
 /// Fills `H_std` of a set that has a coherence and no error bars. `averages`: stated by a person,
-/// 0: take the set's own. Notes, added to the set's: "assumed" (two are taken, which gives
-/// the largest error bars), "coherence_unusable" (one average, values outside 0..1),
-/// "low_coherence" (median in the band below 0.8). A set without a coherence or with error bars is
-/// left as it is.
+/// 0: take the set's own. Notes, added to the set's: "assumed" (two are taken, which gives the
+/// largest error bars), "coherence_unusable" (one average, values outside 0..1), "low_coherence"
+/// (median in the band below 0.8). A set without a coherence or with error bars is left as it is.
 void error_bars_from_coherence(FrfSet& frfs, int averages,
                                const std::optional<std::pair<double, double>>& band_hz);
 

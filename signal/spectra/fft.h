@@ -6,10 +6,10 @@
 // every run.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
 #include <memory>
 #include <span>
+
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
@@ -17,18 +17,18 @@ namespace rigfit::signal {
 /// and threads; an object owns its work space, so use one object a thread.
 class RealFft {
  public:
-  explicit RealFft(Eigen::Index length);  ///< samples, at least 1
+  explicit RealFft(Index length);  ///< samples, at least 1
   ~RealFft();
   RealFft(RealFft&&) noexcept;
   RealFft& operator=(RealFft&&) noexcept;
 
-  [[nodiscard]] Eigen::Index length() const;
-  [[nodiscard]] Eigen::Index lines() const { return length() / 2 + 1; }
+  [[nodiscard]] Index length() const;
+  [[nodiscard]] Index lines() const { return length() / 2 + 1; }
 
   /// Work space that `forward()` reads and `inverse()` writes: `length()` samples.
-  [[nodiscard]] Eigen::Map<Eigen::VectorXd> time();
+  [[nodiscard]] Map<VectorXd> time();
   /// Work space that `forward()` writes and `inverse()` reads: `lines()` values.
-  [[nodiscard]] Eigen::Map<Eigen::VectorXcd> spectrum();
+  [[nodiscard]] Map<VectorXcd> spectrum();
 
   /// time() -> spectrum(); time() is kept.
   void forward();
@@ -41,15 +41,14 @@ class RealFft {
 };
 
 /// Columns of `signals` (samples x channels), zero-padded or cut to `length`, to lines x channels.
-[[nodiscard]] Eigen::MatrixXcd real_spectra(const Eigen::Ref<const Eigen::MatrixXd>& signals,
-                                            Eigen::Index length);
+[[nodiscard]] MatrixXcd real_spectra(const Ref<const MatrixXd>& signals, Index length);
 
 /// Frequencies of the lines of a transform of `length` samples, Hz.
-[[nodiscard]] Eigen::VectorXd line_frequencies(Eigen::Index length, double sample_rate_hz);
+[[nodiscard]] VectorXd line_frequencies(Index length, double sample_rate_hz);
 
 /// Smallest length >= n whose only prime factors are 2, 3 and 5, and which is even.
-[[nodiscard]] Eigen::Index good_fft_length(Eigen::Index n);
+[[nodiscard]] Index good_fft_length(Index n);
 /// Largest such length <= n (n >= 2).
-[[nodiscard]] Eigen::Index good_fft_length_below(Eigen::Index n);
+[[nodiscard]] Index good_fft_length_below(Index n);
 
 }  // namespace rigfit::signal

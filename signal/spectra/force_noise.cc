@@ -10,16 +10,13 @@
 
 namespace rigfit::signal {
 namespace {
-using Eigen::ArrayXd;
-using Eigen::Index;
-using Eigen::VectorXd;
 
 /// Correlation of samples with themselves, summed over signals, lags 0 .. length - 1.
 class Correlation {
  public:
   explicit Correlation(Index length) : fft_(2 * length), power_(ArrayXd::Zero(fft_.lines())) {}
 
-  void add(const Eigen::Ref<const VectorXd>& samples) {
+  void add(const Ref<const VectorXd>& samples) {
     auto time = fft_.time();
     time.setZero();
     time.head(samples.size()) = samples;
@@ -27,7 +24,7 @@ class Correlation {
     power_ += fft_.spectrum().array().abs2();
   }
   [[nodiscard]] ArrayXd lags() {
-    fft_.spectrum() = power_.matrix().cast<std::complex<double>>();
+    fft_.spectrum() = power_.matrix().cast<Complex>();
     fft_.inverse();
     return fft_.time().head(fft_.length() / 2).array();
   }
@@ -68,7 +65,7 @@ ArrayXd noise_lags(std::span<const FrfBlock> blocks, Index n) {
     outside.segment(first, last - first).setZero();
     total += outside.sum();
     counts.add(outside);
-    const Eigen::Map<const VectorXd> x(block.force.data(), length);
+    const Map<const VectorXd> x(block.force.data(), length);
     // A constant lies in the line at 0 Hz alone; smoothing would spread it over its neighbours.
     const double mean = x.dot(outside) / std::max(outside.sum(), 1.0);
     values.add(((x.array() - mean) * outside.array()).matrix());
@@ -96,7 +93,7 @@ ArrayXd power_of(const ArrayXd& r) {
 /// The reverse.
 ArrayXd lags_of(const ArrayXd& power) {
   RealFft fft(2 * (power.size() - 1));
-  fft.spectrum() = power.matrix().cast<std::complex<double>>();
+  fft.spectrum() = power.matrix().cast<Complex>();
   fft.inverse();
   return fft.time().head(power.size() - 1).array();
 }

@@ -8,9 +8,9 @@
 // Random Data, 4th ed., sec. 11.4 (correlation functions by transforms).
 #pragma once
 
-#include <Eigen/Core>
 #include <span>
-#include <vector>
+
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
@@ -21,29 +21,26 @@ struct FrfBlock {
   std::vector<std::span<const double>> responses;
   double force_offset = 0;              ///< subtracted
   std::vector<double> response_offset;  ///< subtracted; empty: zeros
-  Eigen::Index force_first = 0;         ///< samples of force kept as they are: from this ...
-  Eigen::Index force_last = -1;         ///< ... to the one before this; -1: all of it
-  Eigen::Index force_taper = 0;         ///< samples of fading on either side, zero beyond
+  Index force_first = 0;                ///< samples of force kept as they are: from this ...
+  Index force_last = -1;                ///< ... to the one before this; -1: all of it
+  Index force_taper = 0;                ///< samples of fading on either side, zero beyond
   /// Samples of the block that are not noise of the force: the pulse with what may ring around it.
-  Eigen::Index pulse_first = 0, pulse_last = -1;  ///< -1: not known, nor is the noise
-  std::vector<double> response_noise_std;         ///< std of each response's noise; empty: unknown
+  Index pulse_first = 0, pulse_last = -1;  ///< -1: not known, nor is the noise
+  std::vector<double> response_noise_std;  ///< std of each response's noise; empty: unknown
 };
 
 struct ForceNoise {
-  Eigen::VectorXd power;  ///< lines, those of tones (mains hum) as they are
+  VectorXd power;  ///< lines, those of tones (mains hum) as they are
   /// The part that is smooth over lines. A tone is left out of it: one tone's cross product with
   /// the force is no mean of zero over a few hits, subtracting its power would make H wrong.
-  Eigen::VectorXd broadband;
+  VectorXd broadband;
 };
 
 /// Mean over the blocks, unscaled sums as `FrfEstimate::force_power`, `block_samples` / 2 + 1
-/// lines: of the noise that each block's force window and the exponential window
-/// leave. Smoothed over some `smoothing_lines` on either side. Empty where it is not known: fewer
-/// than 32 samples outside the pulses of all blocks, or a block that does not say where its pulse
-/// is.
-[[nodiscard]] ForceNoise force_noise_power(std::span<const FrfBlock> blocks,
-                                           Eigen::Index block_samples,
-                                           const Eigen::VectorXd& exponential,
-                                           Eigen::Index smoothing_lines);
+/// lines: of the noise that each block's force window and the exponential window leave. Smoothed
+/// over some `smoothing_lines` on either side. Empty where it is not known: fewer than 32 samples
+/// outside the pulses of all blocks, or a block that does not say where its pulse is.
+[[nodiscard]] ForceNoise force_noise_power(std::span<const FrfBlock> blocks, Index block_samples,
+                                           const VectorXd& exponential, Index smoothing_lines);
 
 }  // namespace rigfit::signal

@@ -11,9 +11,6 @@
 
 namespace rigfit::signal {
 namespace {
-using Eigen::ArrayXcd;
-using Eigen::ArrayXd;
-using Eigen::Index;
 
 // Lines whose force lies this far below its maximum do not count in leave-one-out, dB.
 constexpr double kWeakForce = 20;
@@ -66,7 +63,7 @@ class Averager {
     if (hits() > 1) result_.coherence.resize(gxx_.size(), responses);
     if (hits() > 2) result_.incoherence_without.setZero(hits());
     const Index kept = std::min(options_.by_hit_lines, gxx_.size());
-    if (kept > 0) result_.by_hit.assign(blocks_.size(), Eigen::MatrixXcd(kept, responses));
+    if (kept > 0) result_.by_hit.assign(blocks_.size(), MatrixXcd(kept, responses));
     bool noise_known = true;
     for (Index c = 0; c < responses; ++c) noise_known &= mean_square(blocks_, c) > 0;
     if (hits() > 1 || noise_known) result_.H_std.resize(gxx_.size(), responses);
@@ -81,13 +78,13 @@ class Averager {
 
   void load(std::span<const double> samples, double offset) {
     const Index take = std::min(fft_.length(), static_cast<Index>(samples.size()));
-    const Eigen::Map<const ArrayXd> x(samples.data(), take);
+    const Map<const ArrayXd> x(samples.data(), take);
     fft_.time().setZero();
     fft_.time().head(take).array() = (x - offset) * window_.head(take).array();
   }
 
   void average(Index c) {
-    Eigen::ArrayXXcd spectra(gxx_.size(), hits());
+    ArrayXXcd spectra(gxx_.size(), hits());
     for (Index i = 0; i < hits(); ++i) {
       const FrfBlock& block = blocks_[static_cast<std::size_t>(i)];
       load(block.responses[static_cast<std::size_t>(c)],
@@ -120,13 +117,13 @@ class Averager {
     // What the least-squares H leaves of each hit, and |.|^2 / (1 - leverage): by so much does the
     // sum of squares fall without the hit.
     spectra -= force_.colwise() * (gxy / gxx_);
-    const Eigen::ArrayXXd deleted = spectra.abs2() / (1 - leverage_).max(1e-10);
+    const ArrayXXd deleted = spectra.abs2() / (1 - leverage_).max(1e-10);
     if (hits() > 2) leave_one_out(spectra.abs2().rowwise().sum(), deleted, gyy);
     error_bars(c, cross, deleted);
   }
 
   /// H of each hit by itself, the noise taken off its force as far as half of its power.
-  void keep_hits(Index c, const Eigen::ArrayXXcd& spectra) {
+  void keep_hits(Index c, const ArrayXXcd& spectra) {
     for (Index i = 0; i < std::ssize(result_.by_hit); ++i) {
       auto hit = result_.by_hit[static_cast<std::size_t>(i)].col(c).array();
       const ArrayXcd x = force_.col(i).head(hit.size());
@@ -135,7 +132,7 @@ class Averager {
     }
   }
 
-  void error_bars(Index c, const ArrayXd& cross, const Eigen::ArrayXXd& deleted) {
+  void error_bars(Index c, const ArrayXd& cross, const ArrayXXd& deleted) {
     const double of_response = mean_square(blocks_, c) * window_.squaredNorm();
     const auto H = result_.H.col(c).array();
     const bool force_noise_known = result_.force_noise.size() > 0;
@@ -172,7 +169,7 @@ class Averager {
 
   /// Residual power per degree of freedom relative to the response's power: all hits and without
   /// each.
-  void leave_one_out(const ArrayXd& left, const Eigen::ArrayXXd& deleted, const ArrayXd& gyy) {
+  void leave_one_out(const ArrayXd& left, const ArrayXXd& deleted, const ArrayXd& gyy) {
     const double weakest = gxx_.maxCoeff() * std::pow(10, -kWeakForce / 10);
     ArrayXd counts = (gxx_ >= weakest).cast<double>();
     counts[0] = 0;
@@ -189,11 +186,11 @@ class Averager {
   const FrfOptions& options_;
   FrfEstimate& result_;
   RealFft fft_;
-  Eigen::VectorXd window_;    ///< exponential
-  Eigen::ArrayXXcd force_;    ///< lines x hits
-  ArrayXd gxx_, true_gxx_;    ///< the second without the noise
-  Eigen::ArrayXXd leverage_;  ///< lines x hits: share of the hit's force in gxx_
-  ArrayXd noise_;             ///< broadband noise on the force, mean over hits; 0: not known
+  VectorXd window_;         ///< exponential
+  ArrayXXcd force_;         ///< lines x hits
+  ArrayXd gxx_, true_gxx_;  ///< the second without the noise
+  ArrayXXd leverage_;       ///< lines x hits: share of the hit's force in gxx_
+  ArrayXd noise_;           ///< broadband noise on the force, mean over hits; 0: not known
 };
 
 }  // namespace

@@ -27,10 +27,6 @@
 // |H| does) gives the shape that is scaled.
 #pragma once
 
-#include <Eigen/Core>
-#include <span>
-#include <vector>
-
 #include "signal/spectra/force_noise.h"
 #include "signal/spectra/frf_set.h"
 
@@ -42,22 +38,22 @@ enum class FrfEstimator { h1, h2, hv };
 struct FrfOptions {
   FrfEstimator estimator = FrfEstimator::h1;
   double sample_rate_hz = 0;
-  Eigen::Index block_samples = 0;
+  Index block_samples = 0;
   /// Rate a of the window exp(-a t) on force and response; 0: none.
   double exponential_decay_rate_1_s = 0;
-  Eigen::Index by_hit_lines = 0;  ///< lines in `FrfSet::by_hit`; 0: not filled
+  Index by_hit_lines = 0;  ///< lines in `FrfSet::by_hit`; 0: not filled
 };
 
 /// Names of points, form, unit, rate, pre-trigger and impulses are left empty; one hit has no
 /// coherence (it would be 1).
 struct FrfEstimate : FrfSet {
-  Eigen::VectorXd force_power;  ///< mean |X|^2 per hit, unscaled, by line
-  Eigen::VectorXd force_noise;  ///< its part that is noise, by line; empty: unknown
+  VectorXd force_power;  ///< mean |X|^2 per hit, unscaled, by line
+  VectorXd force_noise;  ///< its part that is noise, by line; empty: unknown
   /// Part of the response power (all responses, each relative to its own) not explained by the
   /// force, per degree of freedom, where the force is within 20 dB of its maximum. 0 and empty for
   /// fewer than three hits.
   double incoherence = 0;
-  Eigen::VectorXd incoherence_without;  ///< `incoherence` without hit i
+  VectorXd incoherence_without;  ///< `incoherence` without hit i
 };
 
 /// All blocks have the same responses (without any, only `force_power` and `force_noise` are

@@ -7,7 +7,6 @@
 
 namespace rigfit::signal {
 namespace {
-using Eigen::Index;
 
 bool within(double f, const std::optional<std::pair<double, double>>& band) {
   return !band || (f >= band->first && f <= band->second);
@@ -31,10 +30,10 @@ DrivingPointCheck check_driving_point(const FrfSet& frfs, Index response, Index 
       lines.push_back(k);
     }
   }
-  const Eigen::ArrayXcd Y(mobility.H.col(column)(lines));
-  Eigen::ArrayXd std = Eigen::ArrayXd::Zero(Y.size());
+  const ArrayXcd Y(mobility.H.col(column)(lines));
+  ArrayXd std = ArrayXd::Zero(Y.size());
   if (mobility.H_std.size() > 0) std = mobility.H_std.col(column)(lines);
-  const Eigen::ArrayXd real = (Y.real().abs() > 3 * std).select(Y.real(), 0.0);
+  const ArrayXd real = (Y.real().abs() > 3 * std).select(Y.real(), 0.0);
   const double total = real.abs().sum();
   if (!(total > 0)) return check;
   check.wrong_sign_share = -real.min(0.0).sum() / total;
@@ -47,8 +46,8 @@ DrivingPointCheck check_driving_point(const FrfSet& frfs, Index response, Index 
 std::optional<Note> note_of(const DrivingPointCheck& check) {
   if (check.verdict == DrivingPointVerdict::inverted) {
     return Note{"driving_point",
-                "force and response point in opposite directions at the driving point; "
-                "turn one of them round",
+                "force and response point in opposite directions at the driving point; turn one of "
+                "them round",
                 ""};
   }
   if (check.verdict == DrivingPointVerdict::inconsistent) {
@@ -66,8 +65,7 @@ std::vector<ReciprocityCheck> check_reciprocity(const FrfSet& frfs,
                                                 std::optional<std::pair<double, double>> band_hz) {
   std::vector<ReciprocityCheck> checks;
   const auto response_of = [&](const std::string& name) {
-    const auto found = std::find_if(frfs.responses.begin(), frfs.responses.end(),
-                                    [&](const MeasuredPoint& point) { return point.name == name; });
+    const auto found = std::ranges::find(frfs.responses, name, &MeasuredPoint::name);
     return found == frfs.responses.end() ? Index{-1} : Index{found - frfs.responses.begin()};
   };
   for (std::size_t a = 0; a < frfs.inputs.size(); ++a) {

@@ -7,15 +7,6 @@
 // of response k to input j. Source: Ewins, Modal Testing, 2nd ed., ch. 2 and 3.
 #pragma once
 
-#include <Eigen/Core>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <tuple>
-#include <utility>
-#include <vector>
-
-#include "document/describe.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
@@ -45,7 +36,7 @@ struct DrivingPointCheck {
 /// more is inverted: resonances dominate the sum, so either limit leaves room for noise between
 /// them.
 [[nodiscard]] DrivingPointCheck check_driving_point(
-    const FrfSet& frfs, Eigen::Index response, Eigen::Index input,
+    const FrfSet& frfs, Index response, Index input,
     std::optional<std::pair<double, double>> band_hz = {});
 
 /// Note for the user on a failed check (`where` is left empty); nothing when it passed.

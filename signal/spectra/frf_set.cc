@@ -1,13 +1,9 @@
 #include "signal/spectra/frf_set.h"
 
-#include <cmath>
-#include <complex>
-#include <numbers>
 #include <stdexcept>
 
 namespace rigfit::signal {
 namespace {
-using Eigen::Index;
 
 struct FormEntry {
   const char *name, *unit;
@@ -55,7 +51,7 @@ FrfSet converted(const FrfSet& frfs, FrfForm form) {
     drop_first_row(result.H);
     drop_first_row(result.H_std);
     drop_first_row(result.coherence);
-    for (Eigen::MatrixXcd& hit : result.by_hit) drop_first_row(hit);
+    for (MatrixXcd& hit : result.by_hit) drop_first_row(hit);
     result.notes.push_back({"left_out",
                             std::string("a ") + name_of(frfs.form) + " has no " + name_of(form) +
                                 " at 0 Hz; that line is left out",
@@ -66,15 +62,15 @@ FrfSet converted(const FrfSet& frfs, FrfForm form) {
 }
 
 void multiply_by_s(FrfSet& frfs, Index column, int power) {
-  Eigen::ArrayXcd s(frfs.frequency_hz.size());
+  ArrayXcd s(frfs.frequency_hz.size());
   s.real().setConstant(frfs.exponential_decay_rate_1_s);
   s.imag() = 2 * std::numbers::pi * frfs.frequency_hz.array();
-  Eigen::ArrayXcd factor = Eigen::ArrayXcd::Ones(s.size());
+  ArrayXcd factor = ArrayXcd::Ones(s.size());
   for (int i = 0; i < power; ++i) factor *= s;
   for (int i = 0; i > power; --i) factor /= s;
   frfs.H.col(column).array() *= factor;
   if (frfs.H_std.size() > 0) frfs.H_std.col(column).array() *= factor.abs();
-  for (Eigen::MatrixXcd& hit : frfs.by_hit) {
+  for (MatrixXcd& hit : frfs.by_hit) {
     if (hit.rows() > 0) hit.col(column).array() *= factor.head(hit.rows());
   }
 }

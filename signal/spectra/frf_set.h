@@ -4,12 +4,6 @@
 // frequency plane: H of a lightly damped mode has negative imaginary receptance). One-sided lines.
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-#include <tuple>
-#include <vector>
-
-#include "document/describe.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {
@@ -38,15 +32,15 @@ struct MeasuredPoint {
 };
 
 struct FrfSet {
-  Eigen::VectorXd frequency_hz;          ///< lines
+  VectorXd frequency_hz;                 ///< lines
   std::vector<MeasuredPoint> responses;  ///< No
   std::vector<MeasuredPoint> inputs;     ///< Ni
   /// lines x (No * Ni), column `response * Ni + input`; SI per N in the units of `form`.
-  Eigen::MatrixXcd H;
+  MatrixXcd H;
   /// Same layout: standard deviation of the real and of the imaginary part, each (random error of
   /// the average, not of one hit); empty: unknown.
-  Eigen::MatrixXd H_std;
-  Eigen::MatrixXd coherence;  ///< same layout; empty: unknown
+  MatrixXd H_std;
+  MatrixXd coherence;  ///< same layout; empty: unknown
   FrfForm form = FrfForm::unknown;
   std::string unit;  ///< such as "(m/s^2)/N"
   double exponential_decay_rate_1_s =
@@ -56,7 +50,7 @@ struct FrfSet {
   double pre_trigger_s = 0;
   /// FRFs of the single hits in the average, layout as H, fewer lines; columns of inputs with fewer
   /// hits are NaN. They show what changes between hits (mode_hits.h). Empty: not kept.
-  std::vector<Eigen::MatrixXcd> by_hit;
+  std::vector<MatrixXcd> by_hit;
   /// Integral of the force over each hit's pulse by input, then hit, in the order of `by_hit`: the
   /// force's unit times s, usually N s. They weight the hits (mode_hits.h). Empty: unknown.
   std::vector<std::vector<double>> hit_impulse;
@@ -74,8 +68,8 @@ struct FrfSet {
   double sample_rate_relative_std = 0;
   std::vector<Note> notes;
 
-  [[nodiscard]] Eigen::Index column(Eigen::Index response, Eigen::Index input) const {
-    return response * static_cast<Eigen::Index>(inputs.size()) + input;
+  [[nodiscard]] Index column(Index response, Index input) const {
+    return response * static_cast<Index>(inputs.size()) + input;
   }
 };
 
@@ -85,6 +79,6 @@ struct FrfSet {
 [[nodiscard]] FrfSet converted(const FrfSet& frfs, FrfForm form);
 
 /// Multiplies one column by s^power.
-void multiply_by_s(FrfSet& frfs, Eigen::Index column, int power);
+void multiply_by_s(FrfSet& frfs, Index column, int power);
 
 }  // namespace rigfit::signal

@@ -7,10 +7,8 @@
 #include <memory>
 
 namespace rigfit::signal {
-using Eigen::ArrayXd;
-using Eigen::Index;
 
-ArrayXd mean_over_lines(const Eigen::Ref<const ArrayXd>& powers, Index half) {
+ArrayXd mean_over_lines(const Ref<const ArrayXd>& powers, Index half) {
   const Index n = powers.size();
   if (n == 0) return {};
   half = std::min(half, n);
@@ -24,7 +22,7 @@ ArrayXd mean_over_lines(const Eigen::Ref<const ArrayXd>& powers, Index half) {
   return (sums.tail(n) - sums.head(n)).max(0) / (ends.tail(n) - ends.head(n));
 }
 
-ArrayXd median_over_lines(const Eigen::Ref<const ArrayXd>& powers, Index half) {
+ArrayXd median_over_lines(const Ref<const ArrayXd>& powers, Index half) {
   ArrayXd result(powers.size());
   if (powers.size() == 0) return result;
   const auto size = static_cast<std::size_t>(powers.size());
@@ -36,8 +34,8 @@ ArrayXd median_over_lines(const Eigen::Ref<const ArrayXd>& powers, Index half) {
   return result;
 }
 
-ArrayXd narrow_where_raised(const Eigen::Ref<const ArrayXd>& narrow,
-                            const Eigen::Ref<const ArrayXd>& wide, double degrees) {
+ArrayXd narrow_where_raised(const Ref<const ArrayXd>& narrow, const Ref<const ArrayXd>& wide,
+                            double degrees) {
   const double limit = gsl_cdf_chisq_Pinv(0.999, degrees) / degrees;
   return (narrow > limit * wide).select(narrow, wide);
 }

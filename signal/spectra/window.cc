@@ -6,10 +6,9 @@
 #include <stdexcept>
 
 namespace rigfit::signal {
-using Eigen::Index;
 
-Eigen::VectorXd exponential_window(Index length, double sample_rate_hz, double decay_rate_1_s) {
-  return Eigen::VectorXd::NullaryExpr(length, [=](Index n) {
+VectorXd exponential_window(Index length, double sample_rate_hz, double decay_rate_1_s) {
+  return VectorXd::NullaryExpr(length, [=](Index n) {
     return std::exp(-decay_rate_1_s * static_cast<double>(n) / sample_rate_hz);
   });
 }
@@ -21,8 +20,8 @@ double decay_rate_for(double end_level, double duration_s) {
   return -std::log(end_level) / duration_s;
 }
 
-Eigen::VectorXd force_window(Index length, Index first, Index last, Index taper) {
-  return Eigen::VectorXd::NullaryExpr(length, [=](Index n) {
+VectorXd force_window(Index length, Index first, Index last, Index taper) {
+  return VectorXd::NullaryExpr(length, [=](Index n) {
     const Index outside = n < first ? first - n : n - last + 1;  // samples away from the flat part
     if (outside <= 0) return 1.0;
     if (outside > taper) return 0.0;

@@ -8,19 +8,18 @@
 // window", Mechanical Systems and Signal Processing 11 (1997) 23-36.
 #pragma once
 
-#include <Eigen/Core>
+#include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {
 
 /// exp(-a n / rate), n = 0 .. length - 1.
-[[nodiscard]] Eigen::VectorXd exponential_window(Eigen::Index length, double sample_rate_hz,
-                                                 double decay_rate_1_s);
+[[nodiscard]] VectorXd exponential_window(Index length, double sample_rate_hz,
+                                          double decay_rate_1_s);
 
 /// a of the window that has fallen to `end_level` (0..1) after `duration_s`.
 [[nodiscard]] double decay_rate_for(double end_level, double duration_s);
 
 /// 1 for samples first .. last - 1, half cosines over `taper` samples on either side, else 0.
-[[nodiscard]] Eigen::VectorXd force_window(Eigen::Index length, Eigen::Index first,
-                                           Eigen::Index last, Eigen::Index taper);
+[[nodiscard]] VectorXd force_window(Index length, Index first, Index last, Index taper);
 
 }  // namespace rigfit::signal

@@ -2,7 +2,6 @@
 // with units, a time column, then one column per channel in the channel's source unit.
 #pragma once
 
-#include <string>
 #include <utility>
 #include <vector>
 

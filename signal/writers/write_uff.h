@@ -6,13 +6,9 @@
 // back without loss.
 #pragma once
 
-#include <array>
-#include <string>
 #include <vector>
 
 #include "signal/modes/modal_model.h"
-#include "signal/recording/recording.h"
-#include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
 

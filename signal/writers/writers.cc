@@ -3,14 +3,10 @@
 
 #include <bit>
 #include <cctype>
-#include <cmath>
-#include <complex>
 #include <initializer_list>
 #include <iterator>
-#include <map>
 
 #include "signal/readers/uff58.h"
-#include "signal/recording/units.h"
 #include "signal/writers/write_csv.h"
 #include "signal/writers/write_uff.h"
 
@@ -79,10 +75,10 @@ void append_binary(std::string& out, double value) {
 }
 
 void append_function(std::string& out, const Uff58& f) {
-  const Eigen::Index n = f.real.size();
+  const Index n = f.real.size();
   const int values = (f.complex ? 2 : 1) + (f.even ? 0 : 1);
   const bool single = f.function_type == uff58_function::kTimeResponse && f.even;
-  const Eigen::Index bytes = n * values * (single ? 4 : 8);
+  const Index bytes = n * values * (single ? 4 : 8);
   // Byte order (1: little, 2: big endian), floating-point format 2 (IEEE 754), 11 lines of text.
   out += fmt::format("{}    58b{:6d}{:6d}{:12d}{:12d}{:6d}{:6d}{:12d}{:12d}\n", kMark,
                      std::endian::native == std::endian::little ? 1 : 2, 2, 11, bytes, 0, 0, 0, 0);
@@ -99,22 +95,12 @@ void append_function(std::string& out, const Uff58& f) {
     out += axis_line(axis);
   out.reserve(out.size() + static_cast<std::size_t>(bytes) + 8);
   const auto append = single ? append_binary<float> : append_binary<double>;
-  for (Eigen::Index k = 0; k < n; ++k) {
+  for (Index k = 0; k < n; ++k) {
     if (!f.even) append(out, f.x[k]);
     append(out, f.real[k]);
     if (f.complex) append(out, f.imag[k]);
   }
   out += kMark;
-}
-
-int direction_code(const std::array<double, 3>& direction) {
-  int code = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (direction[k] == 0) continue;
-    if (code != 0) return 0;  // oblique: has no code
-    code = (direction[k] > 0 ? 1 : -1) * static_cast<int>(k + 1);
-  }
-  return code;
 }
 
 /// The numerator of the FRF's unit and its specific data type.
@@ -143,7 +129,7 @@ std::string uff_text(const Recording& recording, const std::string& remark) {
                     channel.nominal_range > 0 ? fmt::format(" range={}", channel.nominal_range)
                                               : std::string());
     f.response.name = channel.name;
-    f.response.direction = direction_code(channel.direction);
+    f.response.direction = uff58_direction(channel.direction);
     f.abscissa = {17, "Time", "s"};
     f.ordinate = {uff58_data_type(channel.quantity), name_of(channel.quantity), channel.unit};
     f.real = channel.samples;
@@ -157,20 +143,19 @@ std::string uff_text(const Recording& recording, const std::string& remark) {
 
 std::string uff_text(const FrfSet& frfs) {
   std::string out;
-  const Eigen::Index lines = frfs.frequency_hz.size();
+  const Index lines = frfs.frequency_hz.size();
   // Evenly spaced where start + k step gives the frequencies back but for rounding.
   if (lines == 0) return out;
   const auto last = static_cast<double>(lines - 1);
   const double start = frfs.frequency_hz[0], end = frfs.frequency_hz[lines - 1];
   const double step = lines > 1 ? (end - start) / last : 1;
-  const Eigen::ArrayXd departure =
-      start + step * Eigen::ArrayXd::LinSpaced(lines, 0, last) - frfs.frequency_hz.array();
+  const ArrayXd departure =
+      start + step * ArrayXd::LinSpaced(lines, 0, last) - frfs.frequency_hz.array();
   const bool even = step > 0 && departure.abs().maxCoeff() <= 1e-12 * end;
   for (std::size_t r = 0; r < frfs.responses.size(); ++r) {
     for (std::size_t i = 0; i < frfs.inputs.size(); ++i) {
       const MeasuredPoint &response = frfs.responses[r], &input = frfs.inputs[i];
-      const Eigen::Index column =
-          frfs.column(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(i));
+      const Index column = frfs.column(static_cast<Index>(r), static_cast<Index>(i));
       Uff58 common;
       common.even = even;
       common.abscissa_start = start;
@@ -188,8 +173,7 @@ std::string uff_text(const FrfSet& frfs) {
       }
       common.abscissa = {18, "Frequency", "Hz"};
       const auto append = [&](int type, const char* what, const Uff58Axis& ordinate, bool per_force,
-                              const Eigen::Ref<const Eigen::VectorXd>& real,
-                              const Eigen::VectorXd& imag = {}) {
+                              const Ref<const VectorXd>& real, const VectorXd& imag = {}) {
         Uff58 f = common;
         f.function_type = type;
         f.complex = imag.size() > 0;
@@ -241,8 +225,8 @@ std::string uff_text(const ModalModel& modes, const std::vector<NodePosition>& p
     out += whole({1, 3, 2, 8, 5, 3}) + '\n';
     out += whole({2, 6, 1, static_cast<int>(m) + 1}) + '\n';
     out += numbers({mode.pole_rad_s.real(), mode.pole_rad_s.imag(), 0, 0, 0, 0}) + '\n';
-    std::map<int, std::array<std::complex<double>, 3>> at_node;
-    for (Eigen::Index r = 0; r < mode.shape.size(); ++r) {
+    std::map<int, std::array<Complex, 3>> at_node;
+    for (Index r = 0; r < mode.shape.size(); ++r) {
       // A point without a node gets its place in the list, one without a direction is z.
       const MeasuredPoint& point = modes.responses[static_cast<std::size_t>(r)];
       const int node = point.node != 0 ? point.node : static_cast<int>(r) + 1;
@@ -275,7 +259,7 @@ std::string csv_text(const Recording& recording,
   text += "\n";
   const auto out = std::back_inserter(text);
   const bool own_time = recording.time_s.size() == recording.samples();
-  for (Eigen::Index i = 0; i < recording.samples(); ++i) {
+  for (Index i = 0; i < recording.samples(); ++i) {
     // The rate can be read back from times that count from 1970 as well.
     fmt::format_to(
         out, "{:.15g}",

@@ -7,7 +7,6 @@
 
 #include "signal/readers/read_uff_modes.h"
 #include "signal/recording/recording.h"
-#include "signal/recording/recording_error.h"
 
 namespace rigfit::signal {
 

@@ -81,7 +81,7 @@ TEST_F(SignalInvariance, OfTheUnitsOfForceAndMotion) {
   }
   const FrfSet frfs = frfs_of(recording, names());
   // To 1400 Hz: the windowed force has hardly anything but rounding where its pulse has none.
-  const Eigen::MatrixXcd expected = frfs_->H.topRows(2801);
+  const MatrixXcd expected = frfs_->H.topRows(2801);
   EXPECT_LT((frfs.H.topRows(2801) * 1e-6 - expected).cwiseAbs().maxCoeff(),
             1e-13 * expected.cwiseAbs().maxCoeff());
   expect_same_modes(modes_of(frfs, 1));

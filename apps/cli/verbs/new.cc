@@ -10,7 +10,7 @@
 #include "signal/ambient/ambient_modes.h"
 #include "signal/decay/decay.h"
 #include "signal/readers/csv_fields.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;

@@ -19,7 +19,7 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/usage.h"
 #include "document/document_error.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::python {
 namespace {

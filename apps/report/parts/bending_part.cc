@@ -1,6 +1,6 @@
 #include "apps/campaign_file/bending_files.h"
 #include "apps/report/parts/parts.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::apps {
 namespace {

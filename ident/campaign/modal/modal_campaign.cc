@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "signal/ambient/ambient_modes.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::ident {
 namespace {

@@ -15,7 +15,7 @@
 #include "signal/decay/decay_window.h"
 #include "signal/estimation/robust.h"
 #include "signal/numerics/numbers.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 #include "signal/sinusoids/decay_modes.h"
 
 namespace rigfit::ident {

@@ -12,7 +12,7 @@
 #include "signal/estimation/groups.h"
 #include "signal/impact/impact_hits.h"
 #include "signal/numerics/numbers.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::ident {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "ident/statistics/uncertainty.h"
 #include "signal/ambient/ambient_modes.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 
 namespace rigfit::ident {
 namespace {

@@ -6,7 +6,7 @@
 #include "model/linear/modal_analysis.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_error.h"
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 #include "signal/writers/write_uff.h"
 #include "tests/apps/apps_test.h"
 #include "tests/scenes.h"

@@ -60,7 +60,7 @@ TEST(AmbientModes, ChainOfFiveStoreys) {
     ASSERT_NO_FATAL_FAILURE(expect_chain(modes, held_f, held_zeta));
     for (Index r = 0; r < 5; ++r) {
       const auto& shape = modes[r].mode.shape;
-      EXPECT_GT(mac(shape, Eigen::VectorXcd(truth.shapes.col(r))), 0.98);
+      EXPECT_GT(mac(shape, VectorXcd(truth.shapes.col(r))), 0.98);
       EXPECT_GT(modes[r].mode.modal_phase_collinearity, 0.95);
     }
   }
@@ -142,7 +142,7 @@ TEST(AmbientModes, PairWithinItsBandwidth) {
     for (Index r = 0; r < 2; ++r) {
       const auto& one = modes[r];
       // Shapes mix within the bandwidths, which the note says.
-      const double alike = mac(one.mode.shape, Eigen::VectorXcd(truth.shapes.col(r)));
+      const double alike = mac(one.mode.shape, VectorXcd(truth.shapes.col(r)));
       EXPECT_GT(alike, 0.5);
       mean_mac += alike / 10;
       held += one.frequency_95.low < truth.frequency_hz[r] &&
@@ -172,7 +172,7 @@ TEST(AmbientModes, NoModesInNoise) {
     for (const char* name : {"a", "b", "c", "d", "e"}) {
       Channel channel;
       channel.name = name;
-      channel.samples = Eigen::VectorXd::NullaryExpr(24000, [&] { return normal(random); });
+      channel.samples = VectorXd::NullaryExpr(24000, [&] { return normal(random); });
       recording.channels.push_back(std::move(channel));
     }
     const AmbientResult result = ambient_modes(recording, band(0.3, 8));
@@ -190,7 +190,7 @@ TEST(AmbientModes, ShapesOfThreeChannels) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     for (Index r = 0; const auto& one : sure(ambient_modes(chain(seed, 3600, 0.01), options))) {
       const auto& std = one.mode.shape_std;
-      Eigen::VectorXd error = truth({0, 2, 4}, r++);
+      VectorXd error = truth({0, 2, 4}, r++);
       error = one.mode.shape.real() -
               error / one.mode.shape.real().dot(error) * one.mode.shape.real().squaredNorm();
       squares += error.cwiseQuotient(std.col(0).cwiseMax(std.col(0).mean())).squaredNorm() / 60;
@@ -236,7 +236,7 @@ TEST(MergedSetups, ShapesByReferencesAndAChangedGain) {
     const auto modes = sure(merged);
     ASSERT_NO_FATAL_FAILURE(expect_chain(modes, held_f, held_zeta));
     for (Index r = 0; r < 5; ++r) {
-      const Eigen::VectorXcd shape = truth.shapes(std::vector<Index>{0, 4, 1, 2, 3}, r);
+      const VectorXcd shape = truth.shapes(std::vector<Index>{0, 4, 1, 2, 3}, r);
       EXPECT_GT(mac(modes[r].mode.shape, shape), 0.95);
     }
     EXPECT_EQ(noted(merged, "setup_lacks_mode"), 0);

@@ -40,9 +40,9 @@ double noise_of(const Decays& decays) {
   return amplitude * std::sqrt(0.5 * std::pow(10, -decays.snr_db / 10));
 }
 
-Eigen::VectorXd record_of(const Decays& decays, Generator& draw) {
+VectorXd record_of(const Decays& decays, Generator& draw) {
   const auto n = static_cast<Index>(std::lround(decays.duration_s * decays.rate_hz));
-  Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(n, decays.offset, decays.offset + decays.drift);
+  VectorXd y = VectorXd::LinSpaced(n, decays.offset, decays.offset + decays.drift);
   const auto phase = [&] { return uniform(draw, 0, 2 * kPi); };
   for (const Mode& mode : decays.modes) testing::add_decay(y, mode, decays.rate_hz, phase());
   if (decays.hum > 0) testing::add_decay(y, {50, 0, decays.hum}, decays.rate_hz, phase());

@@ -17,11 +17,10 @@ using testing::expect_mode;
 using testing::pole;
 
 /// Decays of random phases on an offset that drifts.
-Eigen::VectorXd decays(unsigned seed, const std::vector<Mode>& modes, double rate, Index n,
-                       double noise) {
+VectorXd decays(unsigned seed, const std::vector<Mode>& modes, double rate, Index n, double noise) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> angle(0, 2 * kPi);
-  Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(n, 0.3, 0.4);
+  VectorXd y = VectorXd::LinSpaced(n, 0.3, 0.4);
   for (const auto& m : modes) add_decay(y, m, rate, angle(random));
   add_noise(y, noise, random);
   return y;
@@ -74,7 +73,7 @@ TEST(Decay, LeavesOutClippedSamplesTooFewToBeFlat) {
   // Ten samples a cycle: a top cut at 0.8 of the amplitude loses two samples. Five standard
   // uncertainties; left in, they are wrong by more.
   for (const double level : {0.8, 0.6}) {
-    const Eigen::VectorXd y = decays(23, {{50, 0.01}}, 500, 250, 0.003).cwiseMin(level + 0.3);
+    const VectorXd y = decays(23, {{50, 0.01}}, 500, 250, 0.003).cwiseMin(level + 0.3);
     const auto result = estimate_decay(y, 500);
     EXPECT_TRUE(says(result.notes, "clipped")) << level;
     ASSERT_EQ(result.modes.size(), 1u) << level << result.refusal;
@@ -120,7 +119,7 @@ TEST(Decay, TenModesAndWithMoreTheBandIsAskedFor) {
 
 TEST(Decay, StartsAfterTheImpactAndTheQuietBefore) {
   std::mt19937_64 random(6);
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(1500);
+  VectorXd y = VectorXd::Zero(1500);
   add_decay(y, {50, 0.017}, 500, -kPi / 2, 600);
   for (Index j = 0; j < 4; ++j)
     y(598 + j) += 6 * std::sin(0.6 * static_cast<double>(j + 1));  // pulse
@@ -139,9 +138,9 @@ TEST(Decay, ASecondBlowOfATenthIsADecayOfItsOwn) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     std::mt19937_64 random(seed);
     const Mode mode{10.0 + seed, 0.003 + 0.001 * seed};
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(3000);
+    VectorXd y = VectorXd::Zero(3000);
     add_decay(y, mode, 500, -kPi / 2, 150);
-    Eigen::VectorXd second = Eigen::VectorXd::Zero(3000);
+    VectorXd second = VectorXd::Zero(3000);
     add_decay(second, mode, 500, -kPi / 2, 400 + 150 * static_cast<Index>(seed));
     y += 0.1 * second;
     add_noise(y, 0.01, random);
@@ -155,7 +154,7 @@ TEST(Decay, OneThatTheRecordBeginsWithIsADecayOfItsOwn) {
   int found = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
     std::mt19937_64 random(seed);
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(6000);
+    VectorXd y = VectorXd::Zero(6000);
     add_decay(y, {20, 0.01, 0.2}, 500);
     add_decay(y, {20, 0.01, 0.3}, 500, -kPi / 2, 1500);
     add_decay(y, {20, 0.01, 1}, 500, -kPi / 2, 3500);
@@ -170,7 +169,7 @@ TEST(Decay, StartsAfterTheQuietBeforeTenModes) {
   for (unsigned seed = 11; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> uniform;
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(2500);
+    VectorXd y = VectorXd::Zero(2500);
     double f = 5;
     for (int mode = 0; mode < 10; ++mode) {
       f += 8 + 22 * uniform(random);
@@ -190,7 +189,7 @@ TEST(Decay, AnOffsetThatDiesAwayIsPartOfTheBackground) {
   int in_f = 0, in_z = 0, said = 0, silent = 0;
   constexpr int kRecords = 100;
   for (unsigned seed = 0; seed < kRecords; ++seed) {
-    Eigen::VectorXd y = decays(seed + 300, {{48, 0.017}}, 1000, 1000, noise_of(30));
+    VectorXd y = decays(seed + 300, {{48, 0.017}}, 1000, 1000, noise_of(30));
     silent += says(estimate_decay(y, 1000).notes, "decaying_offset");
     for (Index j = 0; j < y.size(); ++j) y(j) += 0.3 * std::exp(-static_cast<double>(j) / 150);
     const auto result = estimate_decay(y, 1000);
@@ -207,7 +206,7 @@ TEST(Decay, AnOffsetThatDiesAwayIsPartOfTheBackground) {
   EXPECT_EQ(said, kRecords);
   EXPECT_LE(silent, 1);
   // Beside it a mode that loses 6 % is no hum.
-  Eigen::VectorXd y = decays(7, {{20, 1.6e-4}}, 1000, 3000, 0.001);
+  VectorXd y = decays(7, {{20, 1.6e-4}}, 1000, 3000, 0.001);
   for (Index j = 0; j < y.size(); ++j) y(j) += 0.5 * std::exp(-static_cast<double>(j) / 500);
   EXPECT_EQ(estimate_decay(y, 1000).refusal, "");
 }
@@ -228,7 +227,7 @@ TEST(Decay, ABandChoosesTheModeWithoutFilteringTheRecord) {
 
 // 12 Hz beside louder modes far above, at 7 kHz.
 TEST(Decay, ABandAtAHighRateFindsItsMode) {
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(21000);
+  VectorXd y = VectorXd::Zero(21000);
   std::mt19937_64 random(5);
   add_decay(y, {12, 0.0106, 0.3}, 7000);
   for (int k = 1; k <= 12; ++k) add_decay(y, {143.2 * k, 1.0 / 300}, 7000);
@@ -241,13 +240,13 @@ TEST(Decay, ABandAtAHighRateFindsItsMode) {
 }
 
 TEST(Decay, RefusesWithAReason) {
-  const auto code = [](const Eigen::VectorXd& y) { return estimate_decay(y, 500).refusal_code; };
-  EXPECT_EQ(code(Eigen::VectorXd::Constant(100, 2.0)), "constant");
-  EXPECT_EQ(code(Eigen::VectorXd::Random(5)), "too_few_samples");
-  EXPECT_EQ(code(Eigen::VectorXd()), "too_few_samples");
-  EXPECT_EQ(code(Eigen::VectorXd::Constant(50, kNaN)), "too_few_samples");
+  const auto code = [](const VectorXd& y) { return estimate_decay(y, 500).refusal_code; };
+  EXPECT_EQ(code(VectorXd::Constant(100, 2.0)), "constant");
+  EXPECT_EQ(code(VectorXd::Random(5)), "too_few_samples");
+  EXPECT_EQ(code(VectorXd()), "too_few_samples");
+  EXPECT_EQ(code(VectorXd::Constant(50, kNaN)), "too_few_samples");
   EXPECT_NE(code(decays(12, {{0.5, 0.01}}, 500, 200, 0.001)), "");  // an arc
-  EXPECT_THROW((void)estimate_decay(Eigen::VectorXd::Random(500), 0), std::invalid_argument);
+  EXPECT_THROW((void)estimate_decay(VectorXd::Random(500), 0), std::invalid_argument);
 }
 
 // Hum of a twentieth of the amplitude, 0.2 to 0.3 Hz beside a mode that it stands alone before for
@@ -263,7 +262,7 @@ TEST(DecayBackground, HumBesideAModeAsLongAsItStandsAloneBefore) {
     std::uniform_real_distribution<double> uniform;
     const double zeta = 0.002, apart = 0.2 + 0.1 * uniform(random);
     const double f = uniform(random) < 0.5 ? 50 - apart : 50 + apart;
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(1500);
+    VectorXd y = VectorXd::Zero(1500);
     add_decay(y, {50, 0, 0.05}, 1000, 2 * kPi * uniform(random));
     add_decay(y, {f, zeta}, 1000, -kPi / 2, 500);
     add_noise(y, 0.007, random);
@@ -290,7 +289,7 @@ TEST(DecayStart, MovesBehindWhatIsLeftOfTheBlow) {
   for (const double tail : {0.0, 20.0, 40.0, 70.0}) {
     for (unsigned seed = 1; seed <= 3; ++seed) {
       std::mt19937_64 random(seed);
-      Eigen::VectorXd y(3000);
+      VectorXd y(3000);
       for (Index j = 0; j < y.size(); ++j) {
         const double t = static_cast<double>(j), turn = 2 * kPi * t / kCycle;
         y(j) = std::exp(-t / 900) * std::cos(turn) +
@@ -318,7 +317,7 @@ TEST(DecayStart, MovesBehindWhatIsLeftOfTheBlow) {
 TEST(DecayStart, MovesBehindABlowBesideHum) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     std::mt19937_64 random(seed);
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(2000);
+    VectorXd y = VectorXd::Zero(2000);
     add_decay(y, {20, 0.02}, 1000, seed, 500);
     add_decay(y, {50, 0, 0.3}, 1000, 2 * seed);
     for (Index j = 0; j < 50; ++j) y(500 + j) += 2 * std::sin(kPi * static_cast<double>(j) / 50);
@@ -333,7 +332,7 @@ TEST(DecayStart, MovesBehindABlowBesideHum) {
 TEST(Decay, HumThatSoundsBeforeATapIsNoDecayOfItsOwn) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     std::mt19937_64 random(seed);
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(6000);
+    VectorXd y = VectorXd::Zero(6000);
     add_decay(y, seed % 2 ? Mode{45, 0.01} : Mode{12.3, 0.02}, 1000, 0, 1000);
     add_decay(y, {50, 0, 0.15}, 1000, seed);
     add_noise(y, 0.007, random);
@@ -345,7 +344,7 @@ TEST(Decay, HumThatSoundsBeforeATapIsNoDecayOfItsOwn) {
 TEST(Decay, StartsAtATapBesideStrongerMotion) {
   for (const Mode& stronger : {Mode{0.31, 0.05, 3}, Mode{50, 0, 2}}) {
     std::mt19937_64 random(7);
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(6000);
+    VectorXd y = VectorXd::Zero(6000);
     add_decay(y, {12.3, 0.005}, 1000, 0.3, 500);
     add_decay(y, stronger, 1000, 1);
     add_noise(y, 0.007, random);
@@ -358,7 +357,7 @@ TEST(Decay, StartsAtATapBesideStrongerMotion) {
 
 // A bump of a second: four modes between 0.2 and 0.8 Hz follow it, as a polynomial does.
 TEST(Decay, ASmoothDriftBesideAModeIsNoMode) {
-  Eigen::VectorXd y = decays(3, {{12.3, 0.005}}, 500, 4000, 0.007);
+  VectorXd y = decays(3, {{12.3, 0.005}}, 500, 4000, 0.007);
   for (Index j = 0; j < 4000; ++j) y(j) += 0.3 * std::exp(-std::pow((j - 2000.0) / 400, 2));
   const auto result = estimate_decay(y, 500);
   ASSERT_EQ(result.modes.size(), 1U) << result.refusal;
@@ -369,7 +368,7 @@ TEST(Decay, ASmoothDriftBesideAModeIsNoMode) {
 TEST(Decay, ASmoothStepIsRefused) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     std::mt19937_64 random(seed);
-    Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(50, -5, 5);
+    VectorXd y = VectorXd::LinSpaced(50, -5, 5);
     y = y.unaryExpr([](double t) { return 2 / (1 + std::exp(-t)); }).eval();
     add_noise(y, 0.1, random);
     EXPECT_TRUE(estimate_decay(y, 100).modes.empty()) << seed;
@@ -382,7 +381,7 @@ TEST(Decay, OfARunningMachineIsRefusedOrMarked) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     testing::Normal normal(seed);
     double amplitude = normal(), phase = normal();
-    Eigen::VectorXd y(2500);
+    VectorXd y(2500);
     for (Index j = 0; j < y.size(); ++j) {
       amplitude += -amplitude / 250 + normal() / std::sqrt(125);
       phase += -phase / 500 + normal() / std::sqrt(250);
@@ -399,7 +398,7 @@ TEST(Decay, OfARunningMachineIsRefusedOrMarked) {
 
 // A swing that comes to rest on a coarse scale is no logger that stopped; a cut is one.
 TEST(RecordedUntil, RestOnAnIntegerScaleIsNoStop) {
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(400);
+  VectorXd y = VectorXd::Zero(400);
   add_decay(y, {0.1115, 0.036, 20}, 1);
   y = y.array().round();
   EXPECT_EQ(recorded_until(y), 400);

@@ -10,9 +10,9 @@ constexpr Index kSamples = 1 << 16;
 constexpr double kRate = 1000;
 
 /// A decay of 5.3 time constants in white noise on a line.
-Eigen::VectorXd record(double f, double noise) {
+VectorXd record(double f, double noise) {
   std::mt19937_64 random(3);
-  Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(kSamples, 5, 5 + 1e-5 * kSamples);
+  VectorXd y = VectorXd::LinSpaced(kSamples, 5, 5 + 1e-5 * kSamples);
   testing::add_decay(y, {f, 5.3 / kSamples * kRate / (2 * kPi * f), 2}, kRate, 0.7);
   testing::add_noise(y, noise, random);
   return y;
@@ -22,7 +22,7 @@ Eigen::VectorXd record(double f, double noise) {
 // reach at the ends. Estimates differ by a fifth of a standard uncertainty (twice that is allowed),
 // standard uncertainties by 2 % and by the scatter of the noise found, 1.6 % (three times that).
 TEST(NarrowRecord, EstimatesAreThoseOfTheWholeRecord) {
-  const Eigen::VectorXd y = record(6, 0.3);
+  const VectorXd y = record(6, 0.3);
   DecayOptions options;
   options.choose_window = options.trim_start = false;
   options.band_low_hz = 3, options.band_high_hz = 7.5;
@@ -50,7 +50,7 @@ TEST(NarrowRecord, ModesAboveTheBandDoNotHideThoseInIt) {
   int held = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
     std::mt19937_64 random(seed);
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(12288);
+    VectorXd y = VectorXd::Zero(12288);
     for (int k = 1; k <= 24; ++k) testing::add_decay(y, {7.3 * k, 0.012, 1 / std::sqrt(k)}, 2048);
     testing::add_noise(y, 0.02, random);
     DecayOptions options;
@@ -72,7 +72,7 @@ TEST(NarrowRecord, ModesAboveTheBandDoNotHideThoseInIt) {
 TEST(NarrowRecord, ShortRecordsStartWhereTheyAreStruck) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     std::mt19937_64 random(seed);
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(1250);
+    VectorXd y = VectorXd::Zero(1250);
     testing::add_decay(y, {22, 0.02, 1}, 5000, 0.5, 100);
     testing::add_decay(y, {60, 0.02, 0.5}, 5000, 0.5, 100);
     testing::add_noise(y, 0.02, random);
@@ -86,14 +86,14 @@ TEST(NarrowRecord, ShortRecordsStartWhereTheyAreStruck) {
 }
 
 TEST(NarrowRecord, IsNotMadeOfGapsOrRailsOrForABandNearTheRate) {
-  const Eigen::VectorXd y = record(6, 0.3);
+  const VectorXd y = record(6, 0.3);
   const DecayBand band{0.003, 0.0075, false};
   const auto narrow = narrow_record(y, band);
   ASSERT_TRUE(narrow);
   EXPECT_EQ(narrow->step, 16);
   EXPECT_FALSE(narrow_record(y, {0.003, 0.07, false}));
   EXPECT_FALSE(narrow_record(y.head(128), band));  // too short
-  Eigen::VectorXd gap = y;
+  VectorXd gap = y;
   gap(7) = kNaN;
   EXPECT_FALSE(narrow_record(gap, band));
   EXPECT_FALSE(narrow_record(y.cwiseMin(6), band));  // a rail

@@ -9,11 +9,11 @@ namespace rigfit::signal::envelope_test {
 constexpr double kTwoPi = 2 * kPi;
 
 // A(t) cos(phase(t)), dA/dt = -(alpha A + beta + gamma A^2), stepped finely; f = f0 + k A^2.
-Eigen::VectorXd record(double alpha, double beta, double gamma, double f0, double k, double noise,
-                       unsigned seed, Index n = 4000, double rate = 1000) {
+VectorXd record(double alpha, double beta, double gamma, double f0, double k, double noise,
+                unsigned seed, Index n = 4000, double rate = 1000) {
   std::mt19937_64 generator(seed);
   std::normal_distribution<double> normal(0, noise);
-  Eigen::VectorXd y(n);
+  VectorXd y(n);
   double a = 1, phase = 0.4;
   const int steps = 20;
   const double h = 1 / rate / steps;
@@ -77,14 +77,14 @@ TEST(Envelope, FrequencyThatDependsOnAmplitudeIsADriftNotASecondMode) {
   EXPECT_LT(result.envelope.frequency_drift_hz.value, 0.1);
 }
 
-Eigen::VectorXd decay(double zeta, double rate, double duration, double offset = 0) {
+VectorXd decay(double zeta, double rate, double duration, double offset = 0) {
   const auto n = static_cast<Index>(std::lround(duration * rate));
-  Eigen::VectorXd y = Eigen::VectorXd::Constant(n, offset);
+  VectorXd y = VectorXd::Constant(n, offset);
   testing::add_decay(y, {50, zeta}, rate, 0.7);
   return y;
 }
 
-LogDecrement decrement_of(const Eigen::VectorXd& y, double rate, double zeta, double noise = 0) {
+LogDecrement decrement_of(const VectorXd& y, double rate, double zeta, double noise = 0) {
   return log_decrement(cycle_amplitudes(y, rate, testing::pole({50, zeta}, rate), noise * noise));
 }
 
@@ -110,7 +110,7 @@ TEST(LogDecrement, UncertaintyCoversUnderNoise) {
   const double sigma = std::sqrt(0.5e-4);
   for (unsigned seed = 0; seed < 200; ++seed) {
     std::mt19937_64 random(seed);
-    Eigen::VectorXd y = clean;
+    VectorXd y = clean;
     testing::add_noise(y, sigma, random);
     const auto result = decrement_of(y, 500, 0.017, sigma);
     ASSERT_TRUE(result.refusal.empty());

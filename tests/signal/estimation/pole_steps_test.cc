@@ -7,10 +7,6 @@
 namespace rigfit::signal {
 namespace {
 
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
-
 /// Sums of real exponentials c exp(p x): the imaginary parts of p are held.
 struct Exponentials {
   VectorXd x, y;
@@ -98,7 +94,7 @@ TEST(PoleSteps, EqualPolesAreRankDeficient) {
 
 // Complex derivatives of an analytic model as real ones: J'r and J'J of its stacked columns.
 TEST(PoleSteps, AnalyticModelsStackTheirParts) {
-  const Eigen::MatrixXcd D{{Complex(1, 2), Complex(0, 1)}, {Complex(3, -1), Complex(2, 2)}};
+  const MatrixXcd D{{Complex(1, 2), Complex(0, 1)}, {Complex(3, -1), Complex(2, 2)}};
   const VectorXcd r{{Complex(1, -1), Complex(0.5, 2)}};
   PoleStage stage;
   stage.set_analytic(D.adjoint() * r, D.adjoint() * D);

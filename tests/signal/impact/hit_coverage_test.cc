@@ -18,8 +18,8 @@ constexpr Index kResponses = 4;
 testing::TenModeTruth rig(const std::vector<double>& frequency_hz, double damping_ratio = 0.01) {
   testing::TenModeTruth truth;
   const auto modes = static_cast<Index>(frequency_hz.size());
-  truth.frequency_hz = Eigen::Map<const Eigen::VectorXd>(frequency_hz.data(), modes);
-  truth.damping_ratio = Eigen::VectorXd::Constant(modes, damping_ratio);
+  truth.frequency_hz = Map<const VectorXd>(frequency_hz.data(), modes);
+  truth.damping_ratio = VectorXd::Constant(modes, damping_ratio);
   truth.shapes.resize(kResponses, modes);
   for (Index j = 0; j < kResponses; ++j) {
     for (Index r = 0; r < modes; ++r) {
@@ -95,7 +95,7 @@ class Tally {
           << sure.size() << " modes instead of " << modes << " and no doubt";
       return;
     }
-    const Eigen::MatrixXcd residues = test.truth.residues();
+    const MatrixXcd residues = test.truth.residues();
     for (Index r = 0; r < modes; ++r) {
       const auto& mode = *sure[r];
       const auto [f, f_std] = mode.frequency_hz;

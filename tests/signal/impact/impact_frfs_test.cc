@@ -1,6 +1,6 @@
 #include "signal/impact/impact_frfs.h"
 
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 #include "signal/spectra/frf_checks.h"
 #include "tests/reference/ten_mode_truth.h"
 #include "tests/test.h"
@@ -21,7 +21,7 @@ ImpactTest analyse(const Recording& recording, Index responses, const ImpactTest
 }
 
 /// Largest over the responses of |H - exact| / |exact|, rms over lines below 1300 Hz.
-double error_of(const FrfSet& frfs, const Eigen::MatrixXcd& exact) {
+double error_of(const FrfSet& frfs, const MatrixXcd& exact) {
   double worst = 0;
   for (Index c = 0; c < exact.cols(); ++c) {
     worst = std::max(
@@ -30,7 +30,7 @@ double error_of(const FrfSet& frfs, const Eigen::MatrixXcd& exact) {
   return worst;
 }
 
-Eigen::VectorXd lines_below(const FrfSet& frfs, double f) {
+VectorXd lines_below(const FrfSet& frfs, double f) {
   return frfs.frequency_hz.head((frfs.frequency_hz.array() < f).count());
 }
 
@@ -79,8 +79,8 @@ TEST(ImpactTest, ErrorBarsAreRightOnTheTenModes) {
       const ImpactTest test =
           analyse(testing::impact_recording(truth, record), 6, {.exponential_decay_rate_1_s = 5});
       ASSERT_EQ(test.frfs.averages, hits);
-      const Eigen::VectorXd f = lines_below(test.frfs, 1200);
-      const Eigen::MatrixXcd exact = truth.accelerance(f, 5);
+      const VectorXd f = lines_below(test.frfs, 1200);
+      const MatrixXcd exact = truth.accelerance(f, 5);
       for (Index c = 0; c < 6; ++c) {
         for (Index k = 2; k < f.size(); ++k, count += 2) {
           const Complex z = (test.frfs.H(k, c) - exact(k, c)) / test.frfs.H_std(k, c);
@@ -185,7 +185,7 @@ TEST(ImpactTest, ForceNoiseIsMeasuredKeptOutAndSubtracted) {
   ImpactTestOptions options{.exponential_decay_rate_1_s = 2};
   options.hits.double_hit = 0.06;  // noise of this size hides 5 %
   ImpactTest raw;
-  Eigen::MatrixXcd exact;
+  MatrixXcd exact;
   for (const double noise : {2e-4, 0.01}) {
     Recording recording = clean;
     std::mt19937_64 random(4);

@@ -1,6 +1,6 @@
 #include "signal/impact/impact_hits.h"
 
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 #include "tests/reference/ten_mode_truth.h"
 #include "tests/test.h"
 

@@ -1,6 +1,6 @@
 #include "signal/impact/roving_hammer.h"
 
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 #include "tests/reference/ten_mode_truth.h"
 #include "tests/test.h"
 
@@ -50,7 +50,7 @@ TEST_F(Roving, GivesTheExactFrfsOfEveryPointInOneSet) {
   for (Index i = 0; i < 3; ++i) {
     testing::TenModeTruth truth = testing::ten_mode_truth(6);
     truth.driving_point = struck[i];
-    const Eigen::MatrixXcd exact = truth.accelerance(frfs.frequency_hz.head(lines), 6);
+    const MatrixXcd exact = truth.accelerance(frfs.frequency_hz.head(lines), 6);
     for (Index r = 0; r < 3; ++r) {
       // What a ring-down leaves beyond its block: exp(-(1.57 + 6) 0.9) = 1e-3 of the 25 Hz mode,
       // less of the others.

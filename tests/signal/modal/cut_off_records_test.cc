@@ -11,7 +11,7 @@ namespace rigfit::signal::cut_off_records_test {
 /// Accelerances of 8 s of a beam at 2.0924 Hz, of which `left` is left at the end.
 testing::DefectiveFrfOptions beam(double left) {
   testing::DefectiveFrfOptions options;
-  options.frequency_hz = (Eigen::VectorXd(2) << 2.0924, 13.11).finished();
+  options.frequency_hz = (VectorXd(2) << 2.0924, 13.11).finished();
   options.record_s = 8;
   options.spacing_hz = 0.125, options.low_hz = 0.125, options.high_hz = 20;
   options.damping_ratio = -std::log(left) / (kTwoPi * 2.0924 * options.record_s);
@@ -61,7 +61,7 @@ TEST(CutOffRecords, FrfsRebuiltFromTheFitHaveTheBackground) {
   EXPECT_GT(misfit(synthesised(result.model, set.frequency_hz, set.form)), 2e-2);
   // Between the lines of the fit, in another form, and beyond its band.
   const FrfSet finer =
-      synthesised(result, Eigen::VectorXd::LinSpaced(400, 0.125, 25), FrfForm::receptance);
+      synthesised(result, VectorXd::LinSpaced(400, 0.125, 25), FrfForm::receptance);
   EXPECT_TRUE(finer.H.allFinite());
   const FrfSet modes = synthesised(result.model, finer.frequency_hz, FrfForm::receptance);
   EXPECT_EQ(finer.H.row(399), modes.H.row(399));
@@ -71,14 +71,13 @@ TEST(CutOffRecords, FrfsRebuiltFromTheFitHaveTheBackground) {
 TEST(CutOffRecords, NoBackgroundForModesThatHaveDecayedOrSteadyTones) {
   FrfSet set;
   ModalBand band{.spacing_hz = 0.125};
-  band.frequency_hz = Eigen::VectorXd::LinSpaced(160, 0.125, 20);
+  band.frequency_hz = VectorXd::LinSpaced(160, 0.125, 20);
   band.lines.s = Complex(0, kTwoPi) * band.frequency_hz.cast<Complex>();
   band.lines.power = 2;
-  band.lines.H = Eigen::MatrixXcd::Zero(160, 1);
+  band.lines.H = MatrixXcd::Zero(160, 1);
   const auto allow = [&](double left) {
     const Complex pole(0.125 * std::log(left), 13);
-    return allow_for_cut_off(set, Eigen::VectorXcd::Constant(1, pole), Eigen::MatrixXcd(),
-                             FrfNoise(), 4e9, band);
+    return allow_for_cut_off(set, VectorXcd::Constant(1, pole), MatrixXcd(), FrfNoise(), 4e9, band);
   };
   EXPECT_FALSE(allow(0.9e-3));
   EXPECT_FALSE(allow(0.95));
@@ -102,14 +101,14 @@ TEST(CutOffRecords, WhereTheSpanOfAKnownLeadTakesTooMuchEachPoleAddsTwoFunctions
   FrfSet set;
   set.pre_trigger_s = kLead;
   ModalBand band{.spacing_hz = 0.125};
-  band.frequency_hz = Eigen::VectorXd::LinSpaced(160, 0.125, 20);
-  const Eigen::VectorXcd s = Complex(0, kTwoPi) * band.frequency_hz.cast<Complex>();
-  band.lines.s = s, band.lines.power = 2, band.lines.H = Eigen::MatrixXcd::Zero(160, 1);
+  band.frequency_hz = VectorXd::LinSpaced(160, 0.125, 20);
+  const VectorXcd s = Complex(0, kTwoPi) * band.frequency_hz.cast<Complex>();
+  band.lines.s = s, band.lines.power = 2, band.lines.H = MatrixXcd::Zero(160, 1);
   const Complex pole(-0.4, 30), residue(0.3, 1);
-  ASSERT_TRUE(allow_for_cut_off(set, Eigen::VectorXcd::Constant(1, pole), Eigen::MatrixXcd(),
-                                FrfNoise(), 0, band));  // no work for what t0 spans
-  Eigen::VectorXcd H = Eigen::VectorXcd::Zero(160);
-  Eigen::MatrixXcd columns(160, 7);
+  ASSERT_TRUE(allow_for_cut_off(set, VectorXcd::Constant(1, pole), MatrixXcd(), FrfNoise(), 0,
+                                band));  // no work for what t0 spans
+  VectorXcd H = VectorXcd::Zero(160);
+  MatrixXcd columns(160, 7);
   for (int k = 0; k < 2; ++k) {
     const Complex p = k == 0 ? pole : std::conj(pole), a = k == 0 ? residue : std::conj(residue);
     H.array() +=
@@ -120,7 +119,7 @@ TEST(CutOffRecords, WhereTheSpanOfAKnownLeadTakesTooMuchEachPoleAddsTwoFunctions
   columns.col(3).setOnes();
   columns.rightCols(3) = band.lines.background.leftCols(3);  // behind them terms of modes far away
   const auto left = [&](Index used) {
-    const Eigen::MatrixXcd X = columns.leftCols(used).colwise().normalized();
+    const MatrixXcd X = columns.leftCols(used).colwise().normalized();
     return (H - X * X.householderQr().solve(H)).norm() / H.norm();
   };
   EXPECT_LT(left(7), 1e-9);
@@ -131,14 +130,14 @@ TEST(CutOffRecords, WhereTheSpanOfAKnownLeadTakesTooMuchEachPoleAddsTwoFunctions
 // each.
 TEST(CutOffRecords, TheMisfitShowsABackgroundAndNoiseShowsNone) {
   constexpr Index kLines = 160, kFrfs = 3;
-  const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(kLines, 0.125, 20);
-  const Eigen::VectorXcd s = Complex(0, kTwoPi) * f.cast<Complex>();
-  const Eigen::MatrixXcd background = cut_off_background(s, 2, 0.4, 0);
-  const Eigen::VectorXd line = Eigen::VectorXd::LinSpaced(kLines, 1, 16);
+  const VectorXd f = VectorXd::LinSpaced(kLines, 0.125, 20);
+  const VectorXcd s = Complex(0, kTwoPi) * f.cast<Complex>();
+  const MatrixXcd background = cut_off_background(s, 2, 0.4, 0);
+  const VectorXd line = VectorXd::LinSpaced(kLines, 1, 16);
   Normal normal(3);
   int shown = 0;
   for (int set = 0; set < 400; ++set) {
-    Eigen::MatrixXcd misfit(kLines, kFrfs);
+    MatrixXcd misfit(kLines, kFrfs);
     for (Index k = 0; k < kLines; ++k) {
       for (Complex& one : misfit.row(k)) {
         one = std::sqrt(line[k]) * Complex(normal(), normal());

@@ -8,7 +8,7 @@ namespace rigfit::signal::local_modes_test {
 
 testing::DefectiveFrfOptions small_set() {
   testing::DefectiveFrfOptions options;
-  options.frequency_hz = (Eigen::VectorXd(2) << 30, 52).finished();
+  options.frequency_hz = (VectorXd(2) << 30, 52).finished();
   options.low_hz = 25;
   options.high_hz = 60;
   options.spacing_hz = 0.01;
@@ -68,10 +68,10 @@ TEST(LocalModes, ModesOfMembersWithinEachOthersResonanceStayTwoToTwoSensors) {
   options.damping_ratio = 0.01, options.points = 10, options.fixed = {0.37, 0.21};
   options.spacing_hz = 0.05, options.noise = 5e-3;
   FrfSet set = testing::defective_frfs(options);
-  const Eigen::VectorXcd s = Complex(0, 2 * kPi) * set.frequency_hz.cast<Complex>();
+  const VectorXcd s = Complex(0, 2 * kPi) * set.frequency_hz.cast<Complex>();
   for (const auto& [f, first] : {std::pair(40.0, 0), std::pair(40.6, 8)}) {
     const double w = 2 * kPi * f;
-    const Eigen::VectorXcd H =
+    const VectorXcd H =
         0.4 * s.array().square() / (s.array().square() + 0.02 * w * s.array() + w * w);
     for (const Index c : {0, 1, 10, 11}) set.H.col(first + c) += H;
   }

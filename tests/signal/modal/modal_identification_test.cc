@@ -10,7 +10,7 @@ namespace rigfit::signal::modal_identification_test {
 /// Exact accelerances with white noise of `relative` of their rms.
 FrfSet noisy_truth(const testing::TenModeTruth& truth, double relative, double window,
                    unsigned seed, Index lines = 2800) {
-  FrfSet set = truth.frfs(Eigen::VectorXd::LinSpaced(lines, 1400.0 / lines, 1400), window);
+  FrfSet set = truth.frfs(VectorXd::LinSpaced(lines, 1400.0 / lines, 1400), window);
   Normal normal(seed);
   const double scale =
       relative * std::sqrt(set.H.squaredNorm() / static_cast<double>(set.H.size()));
@@ -51,7 +51,7 @@ TEST(ModalIdentification, TenModesFromHitsWithAndWithoutWindow) {
     EXPECT_GE(covered, 16) << window;
     EXPECT_LT(result.model.frf_error.maxCoeff(), 0.02);
     // Shapes are those of the truth: all real, and distinct as sines are.
-    EXPECT_LT((result.auto_mac - Eigen::MatrixXd::Identity(10, 10)).cwiseAbs().maxCoeff(), 0.05);
+    EXPECT_LT((result.auto_mac - MatrixXd::Identity(10, 10)).cwiseAbs().maxCoeff(), 0.05);
   }
 }
 
@@ -62,15 +62,15 @@ TEST(ModalIdentification, ExportedModesRebuildTheFrfs) {
   ASSERT_EQ(result.model.modes.size(), 10u);
   const FrfSet again =
       synthesised(result.model, frfs.frequency_hz, frfs.form, frfs.exponential_decay_rate_1_s);
-  const Eigen::MatrixXcd exact = truth.accelerance(frfs.frequency_hz, 2);
+  const MatrixXcd exact = truth.accelerance(frfs.frequency_hz, 2);
   // Below the noise: some 24 parameters an FRF for 5600 numbers.
   EXPECT_LT((again.H - exact).norm(), 0.3 * 1e-3 * std::sqrt(2.0) * exact.norm());
   EXPECT_LT((again.H - exact).norm() / exact.norm(), (frfs.H - exact).norm() / exact.norm());
   // Without the window, and as receptance: the structure itself.
   const FrfSet receptance = synthesised(result.model, frfs.frequency_hz, FrfForm::receptance);
-  const Eigen::ArrayXd w = 2 * kPi * frfs.frequency_hz.array();
-  const Eigen::MatrixXcd accelerance = truth.accelerance(frfs.frequency_hz);
-  const Eigen::MatrixXcd back = (-w.square()).matrix().asDiagonal() * receptance.H;
+  const ArrayXd w = 2 * kPi * frfs.frequency_hz.array();
+  const MatrixXcd accelerance = truth.accelerance(frfs.frequency_hz);
+  const MatrixXcd back = (-w.square()).matrix().asDiagonal() * receptance.H;
   EXPECT_LT((back - accelerance).norm(), 2e-3 * accelerance.norm());
   for (Index o = 0; o < 6; ++o) {
     // The misfit per FRF is its noise: 1e-3 of the rms over all FRFs, both parts.
@@ -83,10 +83,10 @@ TEST(ModalIdentification, ExportedModesRebuildTheFrfs) {
 
 TEST(ModalIdentification, TwoInputsGiveShapesAndParticipations) {
   const auto truth = testing::ten_mode_truth(6);
-  FrfSet set = truth.frfs(Eigen::VectorXd::LinSpaced(2800, 0.5, 1400));
+  FrfSet set = truth.frfs(VectorXd::LinSpaced(2800, 0.5, 1400));
   set.inputs.push_back({"second", 2, 3});
-  const Eigen::VectorXcd p = truth.poles();
-  Eigen::MatrixXcd H(2800, 12);
+  const VectorXcd p = truth.poles();
+  MatrixXcd H(2800, 12);
   Normal normal(8);
   const Index at[2] = {truth.driving_point, 1};
   for (Index k = 0; k < 2800; ++k) {
@@ -132,13 +132,13 @@ TEST(ModalIdentification, TwoInputsGiveShapesAndParticipations) {
 // residues are of no single shape. The second singular value is 0.4 of the first. Under a window.
 TEST(ModalIdentification, ModesOfOneFrequencyAreSaid) {
   FrfSet set{.form = FrfForm::accelerance, .exponential_decay_rate_1_s = 0.3};
-  set.frequency_hz = Eigen::VectorXd::LinSpaced(500, 1, 60);
+  set.frequency_hz = VectorXd::LinSpaced(500, 1, 60);
   set.responses = {{"p1", 1, 3}, {"p2", 2, 3}, {"p3", 3, 3}};
   set.inputs = {{"p1", 1, 3}, {"p2", 2, 3}};
   for (const double second : {0.0, 0.4}) {
-    Eigen::MatrixXd residues(3, 2);
+    MatrixXd residues(3, 2);
     residues << 1, 0, 0, second, 0, second;
-    set.H = Eigen::MatrixXcd(500, 6);
+    set.H = MatrixXcd(500, 6);
     Normal normal(3);
     for (Index k = 0; k < 500; ++k) {
       const Complex s(0.3, 2 * kPi * set.frequency_hz[k]);
@@ -156,7 +156,7 @@ TEST(ModalIdentification, ModesOfOneFrequencyAreSaid) {
 }
 
 TEST(ModalIdentification, NoiseAloneHasNoModes) {
-  FrfSet set = testing::ten_mode_truth(4).frfs(Eigen::VectorXd::LinSpaced(1000, 1, 1000));
+  FrfSet set = testing::ten_mode_truth(4).frfs(VectorXd::LinSpaced(1000, 1, 1000));
   Normal normal(9);
   for (Complex& h : set.H.reshaped()) h = Complex(normal(), normal());
   const ModalResult result = identify_modes(set);
@@ -183,7 +183,7 @@ TEST(ModalIdentification, DeadAndBrokenFrfsAreSaid) {
 }
 
 TEST(ModalIdentification, WrongSizesAndEmptyBandsThrow) {
-  FrfSet set = testing::ten_mode_truth(2).frfs(Eigen::VectorXd::LinSpaced(100, 1, 100));
+  FrfSet set = testing::ten_mode_truth(2).frfs(VectorXd::LinSpaced(100, 1, 100));
   EXPECT_THROW((void)identify_modes(set, {.low_hz = 98}), std::invalid_argument);
   set.responses.pop_back();
   EXPECT_THROW((void)identify_modes(set), std::invalid_argument);

@@ -79,8 +79,8 @@ TEST(ModeHits, ErrorBarsOfShapesCoverGainsThatDifferFromHitToHit) {
     const ModalModel found = modes_of(recordings);
     ASSERT_EQ(found.modes.size(), right.modes.size());
     for (std::size_t r = 0; r < found.modes.size(); ++r) {
-      const Eigen::VectorXcd error = found.modes[r].shape - right.modes[r].shape;
-      const Eigen::MatrixXd& std = found.modes[r].shape_std;
+      const VectorXcd error = found.modes[r].shape - right.modes[r].shape;
+      const MatrixXd& std = found.modes[r].shape_std;
       worst = std::max({worst, (error.real().array() / std.col(0).array()).abs().maxCoeff(),
                         (error.imag().array() / std.col(1).array()).abs().maxCoeff()});
       const double relative = std.norm() / found.modes[r].shape.norm();
@@ -98,12 +98,12 @@ TEST(ModeHits, CloseModesOfTwoPlacesAreNoMeansOfHitsThatSeeOne) {
   const double hz[] = {40, 40.3};
   const Eigen::Matrix2d shapes = (Eigen::Matrix2d() << 1, 0.6, -0.5, 1).finished();  // of the modes
   FrfSet set{.form = FrfForm::accelerance};
-  set.frequency_hz = Eigen::VectorXd::LinSpaced(600, 20, 60);
+  set.frequency_hz = VectorXd::LinSpaced(600, 20, 60);
   set.responses = {{"p1", 1, 3}, {"p2", 2, 3}};
   set.inputs = set.responses;
   Normal normal(7);
   for (int hit = 0; hit < 4; ++hit) {
-    Eigen::MatrixXcd H = Eigen::MatrixXcd::Zero(600, 4);
+    MatrixXcd H = MatrixXcd::Zero(600, 4);
     for (Index k = 0; k < 600; ++k) {
       const Complex s(0, kTwoPi * set.frequency_hz[k]);
       for (Index r = 0; r < 2; ++r) {
@@ -114,10 +114,10 @@ TEST(ModeHits, CloseModesOfTwoPlacesAreNoMeansOfHitsThatSeeOne) {
       for (Index c = 0; c < 4; ++c) H(k, c) += 0.05 * Complex(normal(), normal());
     }
     set.by_hit.push_back(H);
-    set.H = hit == 0 ? H : Eigen::MatrixXcd(set.H + H);
+    set.H = hit == 0 ? H : MatrixXcd(set.H + H);
   }
   set.H /= 4;
-  set.H_std = Eigen::MatrixXd::Constant(600, 4, 0.025);
+  set.H_std = MatrixXd::Constant(600, 4, 0.025);
   const ModalModel found = identify_modes(set).model;
   ASSERT_EQ(found.modes.size(), 2u);
   for (std::size_t r = 0; r < 2; ++r) {

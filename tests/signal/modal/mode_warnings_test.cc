@@ -7,8 +7,6 @@
 
 namespace rigfit::signal::mode_warnings_test {
 
-using Eigen::MatrixXcd;
-
 /// One FRF that is 1 on 200 lines 0.1 Hz apart, and a mode at 10 Hz, 5 % damped: 11 lines.
 struct Around {
   ModalBand band;
@@ -16,7 +14,7 @@ struct Around {
   IdentifiedMode mode;
 
   Around() {
-    band.frequency_hz = Eigen::VectorXd::LinSpaced(200, 0.1, 20);
+    band.frequency_hz = VectorXd::LinSpaced(200, 0.1, 20);
     band.spacing_hz = 0.1;
     band.lines.H = MatrixXcd::Ones(200, 1);
     noise = noise_unknown(band.lines.H, 1, 0);
@@ -41,7 +39,7 @@ TEST(MisfitBeyondNoise, TellsStructureFromNoiseByNeighbouringLines) {
 
 TEST(MisfitBeyondNoise, IsWhatErrorBarsDoNotExpect) {
   Around around;
-  around.band.H_std = Eigen::MatrixXd::Constant(200, 1, 0.3);
+  around.band.H_std = MatrixXd::Constant(200, 1, 0.3);
   // Twice 0.3^2 is expected, 0.5^2 + 0.4^2 left: 0.41 - 0.18.
   EXPECT_NEAR(around.beyond(MatrixXcd::Constant(200, 1, Complex(0.5, 0.4))), std::sqrt(0.23), 1e-9);
   EXPECT_EQ(around.beyond(MatrixXcd::Constant(200, 1, Complex(0.3, 0.3))), 0);
@@ -110,8 +108,8 @@ TEST(ModeWarnings, ModesBetweenLinesAreDoubtfulWhereHitsAreOursElseShownWithAWar
 TEST(ModeWarnings, APoleWithinANarrowerOneIsNoSureMode) {
   FrfSet set = six_sensors(0);
   set.responses.resize(1);
-  const Eigen::ArrayXcd s = Complex(0, kTwoPi) * set.frequency_hz.array();
-  const auto mode = [&](double hz, double decay) -> Eigen::ArrayXcd {
+  const ArrayXcd s = Complex(0, kTwoPi) * set.frequency_hz.array();
+  const auto mode = [&](double hz, double decay) -> ArrayXcd {
     return ((s + decay).square() + std::pow(kTwoPi * hz, 2)).inverse();
   };
   for (const double wide : {1.0, 3.0}) {
@@ -133,12 +131,12 @@ TEST(ModeWarnings, AModeThatHidesWithinAnotherIsSaid) {
     for (const double hidden : {0.0, 0.7}) {
       FrfSet set = six_sensors(0);
       set.responses.resize(1);
-      const Eigen::ArrayXcd s = Complex(0, kTwoPi) * set.frequency_hz.array();
-      const auto mode = [&](double hz) -> Eigen::ArrayXcd {
+      const ArrayXcd s = Complex(0, kTwoPi) * set.frequency_hz.array();
+      const auto mode = [&](double hz) -> ArrayXcd {
         return ((s + 6.0).square() + std::pow(kTwoPi * hz, 2)).inverse();
       };
       set.H = (mode(100) + hidden * mode(100.7)).matrix();
-      set.H_std = Eigen::MatrixXd::Constant(set.H.rows(), 1, 0.01 * set.H.cwiseAbs().maxCoeff());
+      set.H_std = MatrixXd::Constant(set.H.rows(), 1, 0.01 * set.H.cwiseAbs().maxCoeff());
       Normal normal(seed);
       for (Complex& h : set.H.reshaped()) h += set.H_std(0, 0) * Complex(normal(), normal());
       const ModalResult found = identify_modes(set);

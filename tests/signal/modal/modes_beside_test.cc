@@ -12,9 +12,9 @@ constexpr double kDamping = 0.012;
 /// points to 80 Hz, with noise over the rms FRF.
 FrfSet struck_cable(double noise) {
   FrfSet set{.form = FrfForm::accelerance};
-  set.frequency_hz = Eigen::VectorXd::LinSpaced(480, 1.0 / 6, 80);
-  const Eigen::VectorXcd s = Complex(0, kTwoPi) * set.frequency_hz.cast<Complex>();
-  set.H = Eigen::MatrixXcd::Zero(480, 2);
+  set.frequency_hz = VectorXd::LinSpaced(480, 1.0 / 6, 80);
+  const VectorXcd s = Complex(0, kTwoPi) * set.frequency_hz.cast<Complex>();
+  set.H = MatrixXcd::Zero(480, 2);
   int number = 0;
   for (const double f : {7.2, 14.5, 21.9, 38.2, 47.06, 56.9, 66.7}) {
     ++number;
@@ -40,7 +40,7 @@ TEST(ModesBeside, PolesWithinAQuarterOfTheBandBeyondItsEnd) {
   std::vector<Note> notes;
   const ModalBand band = select_band(set, 2, 50, notes);
   // 62 Hz is as far as is looked; below 2 Hz there are 12 lines, too few.
-  const Eigen::VectorXcd poles = poles_beside(set, band, {});
+  const VectorXcd poles = poles_beside(set, band, {});
   ASSERT_EQ(poles.size(), 1);
   // Its half-power bandwidth is 1.37 Hz; a hundredth of it is a hundred times what noise gives and
   // leaves room for what 66.7 Hz, beyond these lines, adds.
@@ -53,7 +53,7 @@ TEST(ModesBeside, PolesWithinAQuarterOfTheBandBeyondItsEnd) {
 TEST(ModesBeside, FewLinesAreEnough) {
   const FrfSet set = struck_cable(1e-4);
   std::vector<Note> notes;
-  const Eigen::VectorXcd poles = poles_beside(set, select_band(set, 44, 55, notes), {});
+  const VectorXcd poles = poles_beside(set, select_band(set, 44, 55, notes), {});
   ASSERT_EQ(poles.size(), 1);
   // A tenth of its half-power bandwidth: the lines end 0.8 Hz above it, 66.7 Hz lies beyond.
   EXPECT_NEAR(std::abs(poles[0]) / kTwoPi, 56.9, 0.1 * 2 * kDamping * 56.9);
@@ -74,20 +74,20 @@ TEST(ModesBeside, TheLastModeOfABandKeepsItsDamping) {
 TEST(ModesBeside, ColumnsAreOrthonormalAndOnlyWhatIsNew) {
   std::vector<Note> notes;
   ModalBand band = select_band(struck_cable(0), 2, 50, notes);
-  const Eigen::MatrixXcd given = cut_off_background(band.lines.s, band.lines.power, 0, 0);
+  const MatrixXcd given = cut_off_background(band.lines.s, band.lines.power, 0, 0);
   set_background(given, band);
-  const Eigen::MatrixXcd& columns = band.lines.background;
+  const MatrixXcd& columns = band.lines.background;
   EXPECT_EQ(columns.cols(), 5);
-  band.beside = Eigen::VectorXcd::Constant(1, Complex(-4, kTwoPi * 56.9));
+  band.beside = VectorXcd::Constant(1, Complex(-4, kTwoPi * 56.9));
   set_background(given, band);
   const Index once = columns.cols();
   EXPECT_GE(once, 6);
   EXPECT_EQ(columns.col(0), given.col(0));
   // The same pole again is nothing new.
-  band.beside = Eigen::VectorXcd::Constant(2, Complex(-4, kTwoPi * 56.9));
+  band.beside = VectorXcd::Constant(2, Complex(-4, kTwoPi * 56.9));
   set_background(given, band);
   EXPECT_EQ(columns.cols(), once);
-  EXPECT_LT((columns.adjoint() * columns - Eigen::MatrixXcd::Identity(once, once)).norm(), 1e-12);
+  EXPECT_LT((columns.adjoint() * columns - MatrixXcd::Identity(once, once)).norm(), 1e-12);
   EXPECT_LT((columns.adjoint() * band.lines.s.array().square().matrix()).norm(),
             1e-12 * band.lines.s.array().square().matrix().norm());
 }
@@ -97,12 +97,12 @@ TEST(ModesBeside, ColumnsAreOrthonormalAndOnlyWhatIsNew) {
 // off.
 TEST(ModesBeside, ModesFarBelowAndAboveTheBandLeaveDampingAlone) {
   FrfSet set{.responses = {{"p1", 1, 3}}, .inputs = {{"h", 9, 3}}, .form = FrfForm::accelerance};
-  set.frequency_hz = Eigen::VectorXd::LinSpaced(1000, 0.25, 250);
-  const Eigen::ArrayXcd s = Complex(0, 1) * set.frequency_hz.cast<Complex>();  // over 2 pi
+  set.frequency_hz = VectorXd::LinSpaced(1000, 0.25, 250);
+  const ArrayXcd s = Complex(0, 1) * set.frequency_hz.cast<Complex>();  // over 2 pi
   for (const bool above : {true, false}) {
     Normal normal(3);
     for (int record = 0; record < 2; ++record) {
-      set.H = Eigen::MatrixXcd::Zero(1000, 1);
+      set.H = MatrixXcd::Zero(1000, 1);
       for (const double f :
            {20.0, above ? 45.0 : 60.0, above ? 81.0 : 90.0, above ? 160.0 : 131.0}) {
         set.H.array() += s.square() / (s.square() + 0.1 * f * s + f * f);

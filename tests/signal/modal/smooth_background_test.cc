@@ -7,13 +7,11 @@
 
 namespace rigfit::signal::smooth_background_test {
 
-using Eigen::VectorXcd;
-
 /// Two accelerances with poles at 20 and 31 Hz, each line multiplied by 1 + e(f), e of echoes
 /// within 30 ms of the hit on either side.
 FrfLines disturbed(const VectorXcd& poles) {
-  FrfLines data{.s = laplace_lines(Eigen::VectorXd::LinSpaced(401, 5, 45), 0), .power = 2};
-  Eigen::MatrixXcd residues(2, 2);
+  FrfLines data{.s = laplace_lines(VectorXd::LinSpaced(401, 5, 45), 0), .power = 2};
+  MatrixXcd residues(2, 2);
   residues << Complex(0, -1), Complex(0, 0.7), Complex(0, -0.4), Complex(0, -0.9);
   const VectorXcd none = VectorXcd::Zero(2);
   data.H = synthesise(data.s, 2, poles, residues, none, none);
@@ -41,13 +39,12 @@ TEST(SmoothBackground, PolesStayInPlaceUnderNoiseNearTheHit) {
 }
 
 TEST(SmoothBackground, NoneWithoutNoiseOrWhereItWouldTakeAQuarterOfTheLines) {
-  const VectorXcd s = laplace_lines(Eigen::VectorXd::LinSpaced(401, 5, 45), 0);
+  const VectorXcd s = laplace_lines(VectorXd::LinSpaced(401, 5, 45), 0);
   EXPECT_EQ(smooth_background(s, 2, 0).size(), 0);
   EXPECT_EQ(smooth_background(s, 2, 1.3).size(), 0);
-  const Eigen::MatrixXcd terms = smooth_background(s, 2, 0.1);
-  EXPECT_LT(
-      (terms.adjoint() * terms - Eigen::MatrixXcd::Identity(terms.cols(), terms.cols())).norm(),
-      1e-12 * 401);
+  const MatrixXcd terms = smooth_background(s, 2, 0.1);
+  EXPECT_LT((terms.adjoint() * terms - MatrixXcd::Identity(terms.cols(), terms.cols())).norm(),
+            1e-12 * 401);
 }
 
 }  // namespace rigfit::signal::smooth_background_test

@@ -3,12 +3,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
-#include "signal/numerics/scaled_gram.h"
 #include "tests/test.h"
 
 namespace rigfit::signal::least_squares_test {
-
-using Eigen::MatrixXd;
 
 /// Columns 1, t, t^2 ... on 0 .. 1: condition grows by about 6 a column.
 MatrixXd powers(Index rows, Index columns) {
@@ -25,7 +22,7 @@ MatrixXd powers(Index rows, Index columns) {
 
 TEST(LeastSquares, LeavesWhatIsOrthogonalToTheColumns) {
   MatrixXd A = powers(200, 5);
-  const Eigen::VectorXd y = Eigen::VectorXd::Random(200), x = Eigen::VectorXd::Random(5);
+  const VectorXd y = VectorXd::Random(200), x = VectorXd::Random(5);
   const MatrixXd gram = A.transpose() * A;
   const double expected =
       y.squaredNorm() - (A.transpose() * y).dot(gram.ldlt().solve(A.transpose() * y));
@@ -57,8 +54,6 @@ TEST(ScaledGram, SolvesAndTellsWhenColumnsDepend) {
   EXPECT_TRUE(ScaledGram(MatrixXd(0, 0)).usable());
 }
 
-using Eigen::MatrixXcd;
-
 template <class Matrix>
 void expect_thin_qr(const Matrix& A) {
   const ThinQr<Matrix> qr = thin_qr(A);
@@ -69,7 +64,7 @@ void expect_thin_qr(const Matrix& A) {
 }
 
 TEST(Factorisations, ThinQr) {
-  expect_thin_qr<Eigen::MatrixXd>(Eigen::MatrixXd::Random(40, 5));
+  expect_thin_qr<MatrixXd>(MatrixXd::Random(40, 5));
   expect_thin_qr<MatrixXcd>(MatrixXcd::Random(40, 5));
 }
 

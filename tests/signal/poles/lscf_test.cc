@@ -9,9 +9,9 @@ constexpr double two_pi = 2 * kPi;
 /// Rational functions of z of order (2 modes / inputs) exactly, on 129 lines from 50 Hz, 2 Hz
 /// apart: the transform length is 256, hence z = exp(i 2 pi k / 256).
 struct Rational {
-  Eigen::VectorXd frequency_hz = Eigen::VectorXd::LinSpaced(129, 50, 306);
-  Eigen::VectorXcd poles;  ///< rad/s
-  Eigen::MatrixXcd H;
+  VectorXd frequency_hz = VectorXd::LinSpaced(129, 50, 306);
+  VectorXcd poles;  ///< rad/s
+  MatrixXcd H;
 };
 
 Complex z_of(Complex s) { return std::exp((s - Complex(0, two_pi * 50)) / 512.0); }
@@ -24,7 +24,7 @@ Rational rational(Index responses, Index inputs, unsigned seed) {
       Complex(-8, two_pi * 250);
   truth.H.setZero(129, responses * inputs);
   for (Index r = 0; r < 4; ++r) {
-    Eigen::VectorXcd shape(responses), participation(inputs);
+    VectorXcd shape(responses), participation(inputs);
     for (Complex& x : shape) x = Complex(normal(), normal());
     for (Complex& x : participation) x = Complex(normal(), normal());
     const Complex zr = z_of(truth.poles[r]);
@@ -42,12 +42,12 @@ Rational rational(Index responses, Index inputs, unsigned seed) {
   return truth;
 }
 
-Eigen::VectorXcd poles_of_order(const LscfResult& result, int order) {
+VectorXcd poles_of_order(const LscfResult& result, int order) {
   std::vector<Complex> poles;
   for (const auto& pole : result.poles) {
     if (pole.order == order) poles.push_back(pole.pole_rad_s);
   }
-  return Eigen::Map<Eigen::VectorXcd>(poles.data(), static_cast<Index>(poles.size()));
+  return Map<VectorXcd>(poles.data(), static_cast<Index>(poles.size()));
 }
 
 TEST(Lscf, RecoversRationalFunctionsOfTheirOwnOrder) {
@@ -66,15 +66,15 @@ TEST(Lscf, AgreesWithLeastSquaresOnTheEquationsThemselves) {
   Rational truth = rational(3, 1, 3);
   Normal normal(1);
   for (Complex& x : truth.H.reshaped()) x += 0.02 * Complex(normal(), normal());
-  Eigen::VectorXd line_weight(129), column_weight(3);
+  VectorXd line_weight(129), column_weight(3);
   for (double& w : line_weight) w = 0.5 + std::abs(normal());
   column_weight << 1, 0.3, 2;
   const LscfResult result = lscf(truth.frequency_hz, truth.H, 1, line_weight, column_weight,
                                  {.max_order = 10, .max_damping_ratio = 1});
 
   // Unknowns: 3 x 11 numerator coefficients, a_1..a_10; a_0 = 1.
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * 129 * 3, 43);
-  Eigen::VectorXd b(2 * 129 * 3);
+  MatrixXd A = MatrixXd::Zero(2 * 129 * 3, 43);
+  VectorXd b(2 * 129 * 3);
   for (Index o = 0; o < 3; ++o) {
     for (Index k = 0; k < 129; ++k) {
       const double w = line_weight[k] * column_weight[o];
@@ -90,13 +90,13 @@ TEST(Lscf, AgreesWithLeastSquaresOnTheEquationsThemselves) {
       b[row + 1] = w * truth.H(k, o).imag();
     }
   }
-  const Eigen::VectorXd x = A.colPivHouseholderQr().solve(b);
-  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(10, 10);
+  const VectorXd x = A.colPivHouseholderQr().solve(b);
+  MatrixXd companion = MatrixXd::Zero(10, 10);
   companion.row(0) = -x.tail(10).transpose();
   companion.bottomLeftCorner(9, 9).setIdentity();
-  const Eigen::VectorXcd found = poles_of_order(result, 10);
+  const VectorXcd found = poles_of_order(result, 10);
   ASSERT_GE(found.size(), 4);
-  const Eigen::VectorXcd eigenvalues = companion.eigenvalues();
+  const VectorXcd eigenvalues = companion.eigenvalues();
   for (const Complex& p : found) {
     const Complex y = 1.0 / z_of(p);
     EXPECT_LT((eigenvalues.array() - y).abs().minCoeff(), 1e-7);
@@ -110,15 +110,15 @@ TEST(Lscf, LinesNeedNotBeUniform) {
   for (Index k = 0; k < 129; ++k) {
     if (k % 10 != 3) rows.push_back(k);
   }
-  Eigen::VectorXd f(static_cast<Index>(rows.size()));
-  Eigen::MatrixXcd H(f.size(), 3);
+  VectorXd f(static_cast<Index>(rows.size()));
+  MatrixXcd H(f.size(), 3);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     f[i] = truth.frequency_hz[rows[i]];
     H.row(static_cast<Index>(i)) = truth.H.row(rows[i]);
   }
   // Another period of z: the FRFs are not rational in the new z, but are followed to a hundredth of
   // a half bandwidth by twice the order.
-  const Eigen::VectorXcd poles = poles_of_order(lscf(f, H, 1, {}, {}, {.max_order = 20}), 20);
+  const VectorXcd poles = poles_of_order(lscf(f, H, 1, {}, {}, {.max_order = 20}), 20);
   for (const Complex& p : truth.poles) {
     EXPECT_LT((poles.array() - p).abs().minCoeff(), 0.01 * -p.real());
   }

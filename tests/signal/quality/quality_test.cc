@@ -4,7 +4,7 @@
 
 namespace rigfit::signal::quality_test {
 
-Recording recording_of(Eigen::VectorXd samples, double rate) {
+Recording recording_of(VectorXd samples, double rate) {
   return {.path = "x.csv",
           .sample_rate_hz = rate,
           .channels = {{.name = "a",
@@ -13,13 +13,13 @@ Recording recording_of(Eigen::VectorXd samples, double rate) {
                         .samples = std::move(samples)}}};
 }
 
-Eigen::VectorXd noise(Index n, double std, unsigned seed) {
+VectorXd noise(Index n, double std, unsigned seed) {
   Normal normal(seed);
-  return Eigen::VectorXd::NullaryExpr(n, [&] { return std * normal(); });
+  return VectorXd::NullaryExpr(n, [&] { return std * normal(); });
 }
 
-Eigen::VectorXd sine(Index n, double frequency, double rate, double amplitude) {
-  return Eigen::VectorXd::NullaryExpr(n, [=](Index k) {
+VectorXd sine(Index n, double frequency, double rate, double amplitude) {
+  return VectorXd::NullaryExpr(n, [=](Index k) {
     return amplitude * std::sin(2 * kPi * frequency * static_cast<double>(k) / rate);
   });
 }
@@ -35,7 +35,7 @@ ChannelQuality check(const Recording& r) { return check_quality(r)[0]; }
 TEST(Quality, CleanDecayAndNoiseHaveNoFindings) {
   // 40 seeds of a decaying mode near the mains frequency with noise: a finding would be false.
   for (unsigned seed = 0; seed < 40; ++seed) {
-    Eigen::VectorXd x = sine(4000, 50, 1000, 10);
+    VectorXd x = sine(4000, 50, 1000, 10);
     for (Index k = 0; k < x.size(); ++k) x[k] *= std::exp(-5.3e-3 * static_cast<double>(k));
     x += noise(4000, 0.01, seed);
     EXPECT_THAT(codes(check(recording_of(x, 1000))), ::testing::IsEmpty()) << seed;
@@ -43,7 +43,7 @@ TEST(Quality, CleanDecayAndNoiseHaveNoFindings) {
 }
 
 TEST(Quality, CountsClippedSamplesWithAndWithoutARange) {
-  Eigen::VectorXd x = sine(5000, 7, 1000, 1) + noise(5000, 1e-3, 1);
+  VectorXd x = sine(5000, 7, 1000, 1) + noise(5000, 1e-3, 1);
   long truth = 0;
   for (auto& v : x) {
     if (v > 0.8) v = 0.8, ++truth;
@@ -59,7 +59,7 @@ TEST(Quality, CountsClippedSamplesWithAndWithoutARange) {
 }
 
 TEST(Quality, DropoutsStuckEndAndMissing) {
-  Eigen::VectorXd x = sine(6000, 11, 1000, 1) + noise(6000, 0.01, 4);
+  VectorXd x = sine(6000, 11, 1000, 1) + noise(6000, 0.01, 4);
   x.segment(1000, 20).setZero();
   x.segment(2000, 15).setConstant(x[1999]);
   x.tail(200).setConstant(0.3);
@@ -79,27 +79,25 @@ TEST(Quality, DropoutsStuckEndAndMissing) {
 }
 
 TEST(Quality, ASignalAtRestOnAFewStepsIsNoDropout) {
-  Eigen::VectorXd x = noise(20000, 0.3, 5);
+  VectorXd x = noise(20000, 0.3, 5);
   for (auto& v : x) v = std::round(v);  // mostly zero: runs of zeros are ordinary
   EXPECT_THAT(codes(check(recording_of(x, 1000))), Not(Contains("dropouts")));
   EXPECT_THAT(codes(check(recording_of(x, 1000))), Contains("coarse_quantisation"));
 }
 
 TEST(Quality, OneBit) {
-  Eigen::VectorXd x = noise(2000, 1, 6);
+  VectorXd x = noise(2000, 1, 6);
   for (auto& v : x) v = v > 0 ? 1 : 0;
   EXPECT_THAT(codes(check(recording_of(x, 1000))), Contains("one_bit"));
 }
 
 TEST(Quality, ConstantAndEmptyChannels) {
-  EXPECT_THAT(codes(check(recording_of(Eigen::VectorXd::Constant(50, 3.5), 100))),
-              ElementsAre("stuck"));
+  EXPECT_THAT(codes(check(recording_of(VectorXd::Constant(50, 3.5), 100))), ElementsAre("stuck"));
   const double nan = kNaN;
-  const auto q = check(recording_of(Eigen::VectorXd::Constant(50, nan), 100));
+  const auto q = check(recording_of(VectorXd::Constant(50, nan), 100));
   EXPECT_THAT(codes(q), ElementsAre("missing"));
   EXPECT_EQ(q.missing_samples, 50);
-  EXPECT_THAT(codes(check(recording_of(Eigen::VectorXd::Constant(1, 1.0), 100))),
-              ::testing::IsEmpty());
+  EXPECT_THAT(codes(check(recording_of(VectorXd::Constant(1, 1.0), 100))), ::testing::IsEmpty());
 }
 
 }  // namespace rigfit::signal::quality_test

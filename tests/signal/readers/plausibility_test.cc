@@ -12,7 +12,7 @@ Recording in_volts(double volts) {
                         .unit = "V",
                         .source_unit = "V",
                         .quantity = Quantity::voltage,
-                        .samples = Eigen::VectorXd::LinSpaced(11, 0, volts)}}};
+                        .samples = VectorXd::LinSpaced(11, 0, volts)}}};
 }
 
 RecordingDescription sensitivity(double value, const std::string& unit) {

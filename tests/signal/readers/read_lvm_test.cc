@@ -19,33 +19,29 @@ RecordingError error_of(const std::string& text) {
   return signal::error_of([&] { return read_lvm(text, "x.lvm"); });
 }
 
-TEST(ReadLvm, ChannelsOfOneNameAreToldApartAndThoseOfAnotherRateLeftOut) {
-  const Recording r =
-      read_lvm(lvm("Channels\t3\nY_Unit_Label\tN\tN\tV\nDelta_X\t0.001\t0.001\t0.002\n",
-                   "X_Value\tF\tF\tslow\n\t1\t2\t3\n\t4\t5\t6\n\t7\t8\t9\n"),
-               "x.lvm");
+TEST(ReadLvm, ChannelsOfOneNameAreToldApart) {
+  const Recording r = read_lvm(lvm("Channels\t2\nY_Unit_Label\tN\tN\nDelta_X\t0.001\t0.001\n",
+                                   "X_Value\tF\tF\n\t1\t2\n\t4\t5\n\t7\t8\n"),
+                               "x.lvm");
   ASSERT_EQ(r.channels.size(), 2u);
   EXPECT_EQ(r.channels[0].name, "F");
   EXPECT_EQ(r.channels[1].name, "F_2");
   EXPECT_EQ(r.channels[1].samples[2], 8);
-  ASSERT_THAT(codes(r.notes), ElementsAre("duplicate_name", "data_left_out"));
-  EXPECT_EQ(r.notes[1].where, "slow");
-  EXPECT_THAT(r.notes[1].message, HasSubstr("Delta_X 0.002"));
+  EXPECT_THAT(codes(r.notes), ElementsAre("duplicate_name"));
 }
 
-TEST(ReadLvm, ChannelsOfOtherTimesAreLeftOut) {
-  for (const char* start : {"0.5", "0"}) {
-    const Recording r = read_lvm(
-        lvm("Channels\t2\nX0\t0\t\t" + std::string(start) + "\nDelta_X\t0.001\t\t0.001\n",
-            "X_Value\tF\tX_Value\ta\n0.000\t1\t0.5\t2\n0.001\t3\t0.501\t4\n0.002\t5\t0.502\t6\n"),
-        "x.lvm");
-    EXPECT_EQ(r.channels.size(), 1u);
-    EXPECT_TRUE(says(r.notes, "data_left_out"));
+TEST(ReadLvm, ChannelsOfOtherTimesAreRefused) {
+  const std::string two = "X_Value\tF\ta\n\t1\t2\n\t3\t4\n\t5\t6\n";
+  const std::string each =
+      "X_Value\tF\tX_Value\ta\n0.000\t1\t0.5\t2\n0.001\t3\t0.501\t4\n0.002\t5\t0.502\t6\n";
+  for (const auto& text : {lvm("Channels\t2\nDelta_X\t0.001\t0.002\n", two),
+                           lvm("Channels\t2\nX0\t0\t0.5\nDelta_X\t0.001\t0.001\n", two),
+                           lvm("Channels\t2\nX0\t0\t\t0\nDelta_X\t0.001\t\t0.001\n", each)}) {
+    const auto error = error_of(text);
+    EXPECT_THAT(error.what(), HasSubstr("other times than \"F\""));
+    EXPECT_THAT(error.remedy(), HasSubstr("one X column"));
+    EXPECT_EQ(error.where().channel, text.ends_with("0.502\t6\n") ? "X_Value" : "a");
   }
-  const Recording started = read_lvm(lvm("Channels\t2\nX0\t0\t0.5\nDelta_X\t0.001\t0.001\n",
-                                         "X_Value\tF\ta\n\t1\t2\n\t3\t4\n\t5\t6\n"),
-                                     "x.lvm");
-  EXPECT_EQ(started.channels.size(), 1u);
 }
 
 TEST(ReadLvm, XThatIsUnevenIsKeptAndXThatIsMissingThereRefused) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "signal/recording/recording.h"
-#include "signal/recording/recording_error.h"
 #include "tests/test.h"
 
 namespace rigfit::signal {

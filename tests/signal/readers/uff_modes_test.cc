@@ -50,7 +50,7 @@ TEST(UffModes, OurOwnComeBackWithinTheirDigits) {
     model.modes.push_back(mode);
   }
   FrfSet frf{.responses = {{"p", 1, 3}}, .inputs = {{"h", 2, 3}}};  // a dataset 58b in front
-  frf.frequency_hz = Eigen::VectorXd::LinSpaced(9, 1, 9), frf.H.setOnes(9, 1);
+  frf.frequency_hz = VectorXd::LinSpaced(9, 1, 9), frf.H.setOnes(9, 1);
   const UffModes in = read_uff_modes(uff_text(frf) + uff_text(model, positions), "x.uff");
   EXPECT_TRUE(in.remarks.empty());
   ASSERT_EQ(in.modes.size(), 4u);

@@ -40,7 +40,7 @@ FrfSet made_frfs() {
   f.sample_rate_relative_std = 3e-4;
   f.sample_rate_hz = 2048.0;
   f.exponential_decay_rate_1_s = 3.0 / 7.0;
-  f.frequency_hz = Eigen::VectorXd::LinSpaced(33, 0.0, 32 * 1.25);
+  f.frequency_hz = VectorXd::LinSpaced(33, 0.0, 32 * 1.25);
   f.H.resize(33, 2);
   f.coherence.resize(33, 2);
   f.H_std.resize(33, 2);
@@ -85,7 +85,7 @@ TEST(Uff, RecordingsComeBackWithinTheirDigits) {
 
 TEST(Uff, UnevenTimesAndMissingSamplesComeBack) {
   Recording out = made_recording(100, 50);
-  out.time_s = Eigen::VectorXd::LinSpaced(50, 0, 0.49);
+  out.time_s = VectorXd::LinSpaced(50, 0, 0.49);
   for (Index k = 25; k < 50; ++k) out.time_s[k] += 1.0 / 3.0;
   out.channels[1].samples[4] = kNaN;
   const Recording in = read_uff(uff_text(out), "x.uff");
@@ -202,7 +202,7 @@ TEST(Uff, WritesModesAtPoints) {
       .frequency_hz = {10, 0.01}, .damping_ratio = {0.01, 0.001}, .pole_rad_s = {-0.6283, 62.83}};
   mode.shape.resize(3);
   mode.shape << Complex(1, 0.5), Complex(-2, 0), Complex(3, 1);
-  mode.participation = Eigen::VectorXcd::Constant(1, Complex(0, 2));
+  mode.participation = VectorXcd::Constant(1, Complex(0, 2));
   modes.modes = {mode};
   const std::string text = uff_text(modes, {{4, {0, 0.5, 0}}, {9, {1, 0, 0}}});
   EXPECT_THAT(text, HasSubstr("         4         0         0         0  0.00000e+00"

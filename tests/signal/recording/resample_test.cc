@@ -2,14 +2,14 @@
 // error that the true one stays below.
 #include "signal/recording/resample.h"
 
-#include "signal/recording/recording_error.h"
+#include "signal/recording/recording.h"
 #include "tests/test.h"
 
 namespace rigfit::signal::resample_test {
 
 double wave(double t, double f) { return std::sin(2 * kPi * f * t + 0.3); }
 
-Recording record(const Eigen::VectorXd& t, double rate, double f) {
+Recording record(const VectorXd& t, double rate, double f) {
   return {
       .sample_rate_hz = rate,
       .channels = {{.name = "a", .samples = t.unaryExpr([f](double x) { return wave(x, f); })}}};
@@ -28,7 +28,7 @@ double error_of(const Recording& recording, double f) {
 }
 
 TEST(Resample, DecimationKeepsTheBandAndRemovesWhatWouldFold) {
-  const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(8000, 0, 7999) / 4000;
+  const VectorXd t = VectorXd::LinSpaced(8000, 0, 7999) / 4000;
   for (const double rate : {1000.0, 730.0}) {
     const auto kept = resampled(record(t, 4000, 0.35 * rate), rate);
     EXPECT_LT(error_of(kept.recording, 0.35 * rate), 1e-4);  // the filter's 80 dB
@@ -42,7 +42,7 @@ TEST(Resample, DecimationKeepsTheBandAndRemovesWhatWouldFold) {
 TEST(Resample, UnevenTimesAreMadeEvenWithAnErrorThatHolds) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> jitter(-0.3, 0.3);
-  Eigen::VectorXd t(2000);
+  VectorXd t(2000);
   for (int k = 0; k < 2000; ++k) t[k] = (k + jitter(random)) / 500;
   Recording uneven = record(t, 500, 20);
   uneven.time_s = t;
@@ -54,7 +54,7 @@ TEST(Resample, UnevenTimesAreMadeEvenWithAnErrorThatHolds) {
 }
 
 TEST(Resample, GapsAndMissingOrClippedSamplesAreNotFilledIn) {
-  Eigen::VectorXd t(100);
+  VectorXd t(100);
   for (int k = 0; k < 100; ++k) t[k] = 0.01 * k + (k < 50 ? 0 : 0.2) + (k % 7 == 0 ? 1e-3 : 0);
   Recording uneven = record(t, 100, 3);
   uneven.time_s = t;
@@ -69,7 +69,7 @@ TEST(Resample, GapsAndMissingOrClippedSamplesAreNotFilledIn) {
 }
 
 TEST(Resample, ARateThatLeavesNoSamplesIsRefused) {
-  const Recording even = record(Eigen::VectorXd::LinSpaced(100, 0, 0.99), 100, 3);
+  const Recording even = record(VectorXd::LinSpaced(100, 0, 0.99), 100, 3);
   EXPECT_THROW((void)resampled(even, 5), RecordingError);
   EXPECT_THROW((void)resampled(even, 1e-320), RecordingError);
   EXPECT_EQ(resampled(even, 10).recording.samples(), 10);

@@ -5,8 +5,8 @@
 
 namespace rigfit::signal::time_axis_test {
 
-Eigen::VectorXd times(Index n, double rate, double resolution) {
-  Eigen::VectorXd t(n);
+VectorXd times(Index n, double rate, double resolution) {
+  VectorXd t(n);
   for (Index k = 0; k < n; ++k) {
     t[k] = static_cast<double>(k) / rate;
     if (resolution > 0) t[k] = std::round(t[k] / resolution) * resolution;
@@ -51,7 +51,7 @@ TEST(TimeAxis, StatedRateIsCheckedAndTakenWhenTimesCannotTell) {
 }
 
 TEST(TimeAxis, GapsRepeatsAndSteps) {
-  Eigen::VectorXd t = times(1000, 1000, 1e-3);
+  VectorXd t = times(1000, 1000, 1e-3);
   t.tail(500).array() += 0.25;
   TimeAxis axis = time_axis(t, 1e-3);
   EXPECT_FALSE(axis.uniform);
@@ -69,10 +69,10 @@ TEST(TimeAxis, GapsRepeatsAndSteps) {
 }
 
 TEST(TimeAxis, NoRateFromTimesThatDoNotRise) {
-  EXPECT_EQ(time_axis(Eigen::VectorXd::Constant(10, 3.0)).rate_hz, 0);
-  EXPECT_EQ(time_axis(Eigen::VectorXd::Constant(1, 3.0)).rate_hz, 0);
+  EXPECT_EQ(time_axis(VectorXd::Constant(10, 3.0)).rate_hz, 0);
+  EXPECT_EQ(time_axis(VectorXd::Constant(1, 3.0)).rate_hz, 0);
   EXPECT_EQ(time_axis(-times(10, 10, 0)).rate_hz, 0);
-  Eigen::VectorXd huge(3);
+  VectorXd huge(3);
   huge << 0, 1e308, -1e308;
   const TimeAxis axis = time_axis(huge);
   EXPECT_TRUE(std::isfinite(axis.jitter_s) && std::isfinite(axis.rate_hz));

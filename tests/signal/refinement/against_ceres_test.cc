@@ -39,7 +39,7 @@ TEST(AgainstCeres, DampedSinusoidsEndAtTheSameMinimum) {
   const std::array<Complex, 2> poles{Complex(-0.004, 0.31), Complex(-0.006, 0.33)};
   const std::array<Complex, 2> amplitudes{Complex(1, 0.5), Complex(-0.4, 0.3)};
   Normal normal(5);
-  Eigen::VectorXd y(kSamples);
+  VectorXd y(kSamples);
   for (Index k = 0; k < kSamples; ++k) {
     y[k] = 0.2 + 0.1 * static_cast<double>(k) / kSamples + 0.05 * normal();
     for (std::size_t m = 0; m < 2; ++m) {
@@ -107,14 +107,14 @@ struct Line {
 
 TEST(AgainstCeres, ModesEndAtTheSameMinimum) {
   constexpr Index kLines = 400;
-  const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(kLines, 20, 60);
-  const Eigen::VectorXcd s = laplace_lines(f, 0);
-  Eigen::VectorXcd poles(kModes);
+  const VectorXd f = VectorXd::LinSpaced(kLines, 20, 60);
+  const VectorXcd s = laplace_lines(f, 0);
+  VectorXcd poles(kModes);
   poles << Complex(-2, 180), Complex(-2.5, 190), Complex(-3, 300);
-  Eigen::MatrixXcd residues(kModes, kFrfs);
+  MatrixXcd residues(kModes, kFrfs);
   residues << Complex(0, -2e-3), Complex(0, 1e-3), Complex(1e-4, -1e-3), Complex(0, -2e-3),
       Complex(0, 1e-3), Complex(2e-4, 3e-3);
-  const Eigen::VectorXcd none = Eigen::VectorXcd::Zero(kFrfs);
+  const VectorXcd none = VectorXcd::Zero(kFrfs);
   FrfLines data{s, 2, synthesise(s, 2, poles, residues, none, none), 1, {}};
   const double rms = std::sqrt(data.H.squaredNorm() / static_cast<double>(data.H.size()));
   Normal normal(9);

@@ -7,11 +7,11 @@
 namespace rigfit::signal::modal_noise_test {
 
 struct NoisyFrfs {
-  Eigen::VectorXd q;
-  Eigen::VectorXd a = Eigen::VectorXd::LinSpaced(8, 0.01, 0.08);
+  VectorXd q;
+  VectorXd a = VectorXd::LinSpaced(8, 0.01, 0.08);
   double b = 4e-4;
-  Eigen::MatrixXcd H, error;
-  Eigen::MatrixXd std;
+  MatrixXcd H, error;
+  MatrixXd std;
 };
 
 /// One resonance, q rising threefold over 4000 lines.
@@ -19,7 +19,7 @@ NoisyFrfs noisy_frfs(unsigned seed) {
   NoisyFrfs set;
   Normal normal(seed);
   const Index lines = 4000;
-  set.q = Eigen::VectorXd::LinSpaced(lines, 0.5, 1.5);
+  set.q = VectorXd::LinSpaced(lines, 0.5, 1.5);
   set.H.resize(lines, 8);
   set.error.resize(lines, 8);
   set.std.resize(lines, 8);
@@ -46,7 +46,7 @@ TEST(ModalNoise, ErrorBarsBecomeTheirModel) {
 
 TEST(ModalNoise, ResidualsBecomeTheirModel) {
   const NoisyFrfs set = noisy_frfs(2);
-  const FrfNoise noise = noise_from_residuals(set.H, set.error, Eigen::VectorXd::Zero(4000), 1, 0);
+  const FrfNoise noise = noise_from_residuals(set.H, set.error, VectorXd::Zero(4000), 1, 0);
   // a: 8000 squares each, 1.6 % standard deviation. b: the lines where b h > 1, some 200 of 400
   // squares: 7 %. q: 200 to 400 squares a window, 7 %.
   for (Index c = 0; c < 8; ++c) EXPECT_NEAR(noise.column[c], set.a[c], 0.06 * set.a[c]);
@@ -57,8 +57,8 @@ TEST(ModalNoise, ResidualsBecomeTheirModel) {
 // b shows only in the lines of the peak, |H|^2 b > a: some 60 squares of 8000, 18 %.
 TEST(ModalNoise, OneFrfShowsTheNoiseOfItsForceAtThePeak) {
   const NoisyFrfs set = noisy_frfs(3);
-  const FrfNoise noise = noise_from_residuals(set.H.leftCols(1), set.error.leftCols(1),
-                                              Eigen::VectorXd::Zero(4000), 1, 0);
+  const FrfNoise noise =
+      noise_from_residuals(set.H.leftCols(1), set.error.leftCols(1), VectorXd::Zero(4000), 1, 0);
   EXPECT_NEAR(noise.common[0], set.b, 0.6 * set.b);
   EXPECT_TRUE(noise.line.allFinite());
 }
@@ -67,7 +67,7 @@ TEST(ModalNoise, DeadFrfHasInfiniteVariance) {
   NoisyFrfs set = noisy_frfs(4);
   set.H.col(2).setZero();
   set.error.col(2).setZero();
-  const FrfNoise noise = noise_from_residuals(set.H, set.error, Eigen::VectorXd::Zero(4000), 1, 0);
+  const FrfNoise noise = noise_from_residuals(set.H, set.error, VectorXd::Zero(4000), 1, 0);
   EXPECT_TRUE(std::isinf(noise.column[2]));
   EXPECT_TRUE(line_weight(noise, set.H).allFinite());
 }
@@ -95,9 +95,9 @@ TEST(ModalNoise, LinesUnderAWindowAreCorrelatedAsSaid) {
   }
   FrfNoise noise{.correlation_lines = sigma_t};
   // rho as applied to a unit column: real part of column e_0 gives rho(d) at line d.
-  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(20, 1);
+  MatrixXd unit = MatrixXd::Zero(20, 1);
   unit(0, 0) = 1;
-  const Eigen::MatrixXd rho = correlated(noise, unit);
+  const MatrixXd rho = correlated(noise, unit);
   for (Index d = 1; d < 4; ++d) {
     const Complex measured = sums[d] / power, expected(rho(d, 0), rho(10 + d, 0));
     // 84000 correlated products, some 30000 free ones: 0.6 % standard deviation.
@@ -113,9 +113,9 @@ TEST(ModalNoise, LinesUnderAWindowAreCorrelatedAsSaid) {
 
 TEST(ModalNoise, CorrelationIsHermitian) {
   FrfNoise noise{.correlation_lines = 2};
-  const Eigen::MatrixXd rho = correlated(noise, Eigen::MatrixXd::Identity(24, 24));
+  const MatrixXd rho = correlated(noise, MatrixXd::Identity(24, 24));
   EXPECT_TRUE(MatricesNear(rho, rho.transpose(), 1e-13));
-  EXPECT_TRUE(MatricesNear(rho.diagonal(), Eigen::VectorXd::Ones(24), 1e-13));
+  EXPECT_TRUE(MatricesNear(rho.diagonal(), VectorXd::Ones(24), 1e-13));
   noise.correlation_lines = 0;
   EXPECT_TRUE(MatricesNear(correlated(noise, rho), rho, 0));
 }

@@ -11,16 +11,16 @@ constexpr Index kLines = 600, kFrfs = 6;
 
 /// Two close modes of the truth (312 and 318 Hz), with 437 Hz, 6 FRFs on 250..500 Hz.
 struct Problem {
-  Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(kLines, 250, 500);
-  Eigen::VectorXcd poles;
-  Eigen::MatrixXcd residues, exact;
+  VectorXd f = VectorXd::LinSpaced(kLines, 250, 500);
+  VectorXcd poles;
+  MatrixXcd residues, exact;
   double scale = 0;
 
   explicit Problem(double decay_rate = 0) : window(decay_rate) {
     const auto truth = testing::ten_mode_truth(kFrfs);
     poles = truth.poles().segment(4, 3);
     residues = truth.residues().middleCols(4, 3).transpose();
-    const Eigen::VectorXcd none = Eigen::VectorXcd::Zero(kFrfs);
+    const VectorXcd none = VectorXcd::Zero(kFrfs);
     exact = synthesise(laplace_lines(f, window), 2, poles, residues, none, none);
     scale = std::sqrt(exact.squaredNorm() / static_cast<double>(exact.size()));
   }
@@ -46,8 +46,8 @@ struct Problem {
     return known;
   }
   /// Poles off by a third of a half bandwidth.
-  Eigen::VectorXcd start() const {
-    Eigen::VectorXcd p = poles;
+  VectorXcd start() const {
+    VectorXcd p = poles;
     for (Index r = 0; r < p.size(); ++r) p[r] += 0.33 * p[r].real() * Complex(r % 2 ? 1 : -1, 1);
     return p;
   }
@@ -76,13 +76,13 @@ TEST(ModalRefine, PoleErrorsAreThoseOfASecondFit) {
   const FrfNoise noise = problem.noise(1e-3, 0.05);
   ModalRefineOptions options{.step_tolerance = 1e-10};
   const auto fit = refine_modes(exact, noise, problem.start(), options);
-  const Eigen::MatrixXcd error = 1e-3 * (data.H - exact.H);
+  const MatrixXcd error = 1e-3 * (data.H - exact.H);
   other.H = exact.H + error;
   const auto second = refine_modes(other, noise, fit.poles, options);
-  const Eigen::MatrixXd by_frf = pole_errors(exact, noise, fit, error);
+  const MatrixXd by_frf = pole_errors(exact, noise, fit, error);
   ASSERT_EQ(by_frf.cols(), kFrfs);
-  const Eigen::VectorXd found = by_frf.rowwise().sum();
-  const Eigen::VectorXcd moved = second.poles - fit.poles;
+  const VectorXd found = by_frf.rowwise().sum();
+  const VectorXcd moved = second.poles - fit.poles;
   for (Index r = 0; r < 3; ++r) {
     // A cost known to 1e-16 of |H|^2 leaves poles off by 1e-8 half bandwidths of some 20 rad/s:
     // 1e-3 of these changes of some 1e-4 rad/s.
@@ -126,7 +126,7 @@ TEST(ModalRefine, IntervalsCover) {
       FrfNoise noise = noise_unknown(data.H, 1, 0);
       ModalRefineResult fit = refine_modes(data, noise, problem.poles);
       for (int round = 0; round < 2; ++round) {
-        const Eigen::MatrixXcd model =
+        const MatrixXcd model =
             synthesise(data.s, 2, fit.poles, fit.residues, fit.lower, fit.upper);
         noise = noise_from_residuals(model, data.H - model, fit.leverage, 1, 0);
         fit = refine_modes(data, noise, fit.poles);
@@ -149,7 +149,7 @@ TEST(ModalRefine, IntervalsCoverUnderAnExponentialWindow) {
   const double spacing = problem.f[1] - problem.f[0], length = 1 / spacing;
   const auto first = static_cast<Index>(std::lround(problem.f[0] / spacing));
   RealFft fft(kSamples);
-  Eigen::VectorXd window(kSamples);
+  VectorXd window(kSamples);
   for (Index j = 0; j < kSamples; ++j) {
     window[j] = std::exp(-kRate * length * static_cast<double>(j) / kSamples);
   }
@@ -158,8 +158,7 @@ TEST(ModalRefine, IntervalsCoverUnderAnExponentialWindow) {
   const auto noise_lines = [&] {
     for (Index j = 0; j < kSamples; ++j) fft.time()[j] = window[j] * normal();
     fft.forward();
-    Eigen::VectorXcd e =
-        fft.spectrum().segment(first, kLines) * std::sqrt(2 / window.squaredNorm());
+    VectorXcd e = fft.spectrum().segment(first, kLines) * std::sqrt(2 / window.squaredNorm());
     for (Index k = 0; k < kLines; ++k) {
       e[k] *= std::polar(1.0, 2 * kPi * problem.f[k] * kLead);
     }
@@ -168,7 +167,7 @@ TEST(ModalRefine, IntervalsCoverUnderAnExponentialWindow) {
   Held held;
   for (int seed = 0; seed < 60; ++seed) {
     FrfLines data{laplace_lines(problem.f, kRate), 2, problem.exact, 1, {}};
-    const Eigen::VectorXcd factor = kCommon * noise_lines();
+    const VectorXcd factor = kCommon * noise_lines();
     for (Index c = 0; c < kFrfs; ++c) {
       data.H.col(c) += data.H.col(c).cwiseProduct(factor) + kOwn * problem.scale * noise_lines();
     }
@@ -196,7 +195,7 @@ TEST(ModalRefine, AModeThatIsNotThereIsNotSignificant) {
   const Problem problem;
   const FrfLines data = problem.noisy(0.003, 0.002, 6);
   const FrfNoise noise = problem.noise(0.003, 0.002);
-  Eigen::VectorXcd start(4);
+  VectorXcd start(4);
   start << problem.poles, Complex(-8, 2 * kPi * 380);
   const auto fit = refine_modes(data, noise, start, {.max_iterations = 0});
   const auto covariance = modal_covariance(data, noise, fit);
@@ -207,17 +206,16 @@ TEST(ModalRefine, AModeThatIsNotThereIsNotSignificant) {
 
 TEST(ModalBasis, RecoversResiduesAndResidualsOfEveryForm) {
   const auto truth = testing::ten_mode_truth(4);
-  const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(1400, 1, 1400);
+  const VectorXd f = VectorXd::LinSpaced(1400, 1, 1400);
   for (const FrfForm form : {FrfForm::receptance, FrfForm::mobility, FrfForm::accelerance}) {
     for (const double window : {0.0, 3.0}) {
-      const Eigen::VectorXcd s = laplace_lines(f, window);
-      const Eigen::MatrixXcd residues = truth.residues().transpose();
+      const VectorXcd s = laplace_lines(f, window);
+      const MatrixXcd residues = truth.residues().transpose();
       const double size = residues.cwiseAbs().maxCoeff();
-      Eigen::VectorXcd lower(4), upper(4);
+      VectorXcd lower(4), upper(4);
       lower << -0.1, 0.2, Complex(-0.3, 0.01), 0;
       upper << 1e-8, Complex(2e-8, -1e-9), 0, -1e-8;
-      const Eigen::MatrixXcd H =
-          synthesise(s, power_of_s(form), truth.poles(), residues, lower, upper);
+      const MatrixXcd H = synthesise(s, power_of_s(form), truth.poles(), residues, lower, upper);
       const ModalRefineResult found =
           refine_modes({s, power_of_s(form), H, 1, {}}, noise_unknown(H, 1, 0), truth.poles(),
                        {.max_iterations = 0});
@@ -232,11 +230,11 @@ TEST(ModalBasis, RecoversResiduesAndResidualsOfEveryForm) {
 
 TEST(ModalBasis, SynthesisIsTheTruthsAccelerance) {
   const auto truth = testing::ten_mode_truth(5);
-  const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(500, 3, 1400);
-  const Eigen::MatrixXcd H =
+  const VectorXd f = VectorXd::LinSpaced(500, 3, 1400);
+  const MatrixXcd H =
       synthesise(laplace_lines(f, 2), 2, truth.poles(), truth.residues().transpose(),
-                 Eigen::VectorXcd::Zero(5), Eigen::VectorXcd::Zero(5));
-  const Eigen::MatrixXcd exact = truth.accelerance(f, 2);
+                 VectorXcd::Zero(5), VectorXcd::Zero(5));
+  const MatrixXcd exact = truth.accelerance(f, 2);
   EXPECT_TRUE(MatricesNear(H, exact, 1e-12 * exact.cwiseAbs().maxCoeff()));
 }
 

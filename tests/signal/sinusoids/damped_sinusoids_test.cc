@@ -4,9 +4,9 @@
 
 namespace rigfit::signal::damped_sinusoids_test {
 
-Eigen::VectorXd decay(const std::vector<Complex>& poles, const std::vector<Complex>& amplitudes,
-                      Index n, double offset = 0, double drift = 0) {
-  Eigen::VectorXd y(n);
+VectorXd decay(const std::vector<Complex>& poles, const std::vector<Complex>& amplitudes, Index n,
+               double offset = 0, double drift = 0) {
+  VectorXd y(n);
   for (Index j = 0; j < n; ++j) {
     const double t = static_cast<double>(j);
     y(j) = offset + drift * t / static_cast<double>(n);
@@ -46,7 +46,7 @@ TEST(DampedSinusoids, GramMatrixIsThatOfTheDifferencedModel) {
   DampedSinusoidsOptions at_start;
   at_start.max_iterations = 0;
   const auto fit = fit_damped_sinusoids(y, poles, at_start, missing);
-  Eigen::MatrixXd J(n, 6);
+  MatrixXd J(n, 6);
   const double h = 1e-6;
   for (int k = 0; k < 6; ++k) {
     const auto at = [&](double s) {
@@ -65,7 +65,7 @@ TEST(DampedSinusoids, GramMatrixIsThatOfTheDifferencedModel) {
     EXPECT_TRUE(testing::MatricesNear(J.col(k), fit.jacobian_rows(0, fit.samples).col(k), 1e-6));
   }
   for (Index j : missing) J.row(j).setZero();
-  const Eigen::MatrixXd gram = J.transpose() * J;
+  const MatrixXd gram = J.transpose() * J;
   EXPECT_TRUE(testing::MatricesNear(gram, fit.jacobian_gram, 1e-8 * gram.cwiseAbs().maxCoeff()));
 }
 

@@ -6,10 +6,10 @@
 
 namespace rigfit::signal::residual_noise_test {
 
-Eigen::VectorXd coloured(Index n, double colour, unsigned seed) {
+VectorXd coloured(Index n, double colour, unsigned seed) {
   std::mt19937_64 generator(seed);
   std::normal_distribution<double> normal;
-  Eigen::VectorXd y(n);
+  VectorXd y(n);
   double last = normal(generator) / std::sqrt(1 - colour * colour);
   for (double& v : y) v = last = colour * last + normal(generator);
   return y;
@@ -34,7 +34,7 @@ TEST(ResidualNoise, CovarianceOfACrowdOfFitsUnderColouredNoiseIsAsStated) {
   const Complex pole(-0.01, 0.3);
   double squared = 0, stated = 0;
   for (unsigned seed = 0; seed < 400; ++seed) {
-    Eigen::VectorXd y = 0.05 * coloured(400, 0.9, seed + 10);
+    VectorXd y = 0.05 * coloured(400, 0.9, seed + 10);
     for (Index j = 0; j < y.size(); ++j) y(j) += std::exp(pole * static_cast<double>(j)).real();
     const auto fit = fit_damped_sinusoids(y, std::span(&pole, 1));
     const auto covariance =
@@ -46,11 +46,11 @@ TEST(ResidualNoise, CovarianceOfACrowdOfFitsUnderColouredNoiseIsAsStated) {
 }
 
 /// Re exp(p j) read at j + jitter, times 1 + multiplied, plus noise: standard normal times these.
-Eigen::VectorXd jittered(Complex pole, Index n, double jitter, double multiplied, double noise,
-                         unsigned seed) {
+VectorXd jittered(Complex pole, Index n, double jitter, double multiplied, double noise,
+                  unsigned seed) {
   std::mt19937_64 generator(seed);
   std::normal_distribution<double> normal;
-  Eigen::VectorXd y(n);
+  VectorXd y(n);
   for (Index j = 0; j < n; ++j) {
     const double t = static_cast<double>(j) + jitter * normal(generator);
     y(j) = std::exp(pole * t).real() * (1 + multiplied * normal(generator)) +
@@ -59,10 +59,10 @@ Eigen::VectorXd jittered(Complex pole, Index n, double jitter, double multiplied
   return y;
 }
 
-FitUncertainty of(const Eigen::VectorXd& y, Complex pole, Index order = 0) {
+FitUncertainty of(const VectorXd& y, Complex pole, Index order = 0) {
   const auto fit = fit_damped_sinusoids(y, std::span(&pole, 1));
   auto noise = residual_noise(fit.residual, fit.degrees);
-  noise.coefficients = Eigen::VectorXd::Zero(order);
+  noise.coefficients = VectorXd::Zero(order);
   return fit_uncertainty(fit, noise);
 }
 
@@ -79,7 +79,7 @@ FitUncertainty of(const Eigen::VectorXd& y, Complex pole, Index order = 0) {
 TEST(UnevenNoise, OfJitterAndOfMultipliedNoiseIsTheClosedForm) {
   const Index n = 100000;
   const Complex pole(-6.0 / n, 0.7);
-  const Eigen::VectorXd record = jittered(pole, n, 0.01, 0, 0, 1);
+  const VectorXd record = jittered(pole, n, 0.01, 0, 0, 1);
   const auto jitter = of(record, pole);
   EXPECT_NEAR(jitter.widening(3), 4.5, 0.45);
   EXPECT_NEAR(jitter.widening(2), 1.5, 0.15);
@@ -96,7 +96,7 @@ TEST(UnevenNoise, OfEvenNoiseChangesNothing) {
   int widened = 0;
   double sum = 0;
   for (unsigned seed = 0; seed < 1000; ++seed) {
-    const Eigen::VectorXd y = jittered(pole, 600, 0, 0, 0.02, seed);
+    const VectorXd y = jittered(pole, 600, 0, 0, 0.02, seed);
     const auto white = of(y, pole);
     for (const Index k : {2, 3}) {
       widened += white.widening(k) > 1;

@@ -6,15 +6,15 @@
 
 namespace rigfit::signal::fft_test {
 
-Eigen::VectorXd noise(Index n, unsigned seed) {
+VectorXd noise(Index n, unsigned seed) {
   Normal normal(seed);
-  return Eigen::VectorXd::NullaryExpr(n, [&] { return normal(); });
+  return VectorXd::NullaryExpr(n, [&] { return normal(); });
 }
 
 /// The definition, summed.
-Eigen::VectorXcd slow_transform(const Eigen::VectorXd& x) {
+VectorXcd slow_transform(const VectorXd& x) {
   const Index n = x.size();
-  Eigen::VectorXcd X = Eigen::VectorXcd::Zero(n / 2 + 1);
+  VectorXcd X = VectorXcd::Zero(n / 2 + 1);
   for (Index k = 0; k < X.size(); ++k) {
     for (Index i = 0; i < n; ++i) {
       X[k] += x[i] *
@@ -26,7 +26,7 @@ Eigen::VectorXcd slow_transform(const Eigen::VectorXd& x) {
 
 TEST(Fft, IsTheDefinitionAtEvenOddAndPrimeLengths) {
   for (const Index n : {1, 2, 7, 12, 97, 250}) {
-    const Eigen::VectorXd x = noise(n, static_cast<unsigned>(n));
+    const VectorXd x = noise(n, static_cast<unsigned>(n));
     RealFft fft(n);
     fft.time() = x;
     fft.forward();
@@ -38,20 +38,20 @@ TEST(Fft, IsTheDefinitionAtEvenOddAndPrimeLengths) {
 }
 
 TEST(Fft, ManyChannelsArePaddedOrCut) {
-  const Eigen::VectorXd x = noise(60, 3);
-  Eigen::MatrixXd signals(60, 2);
+  const VectorXd x = noise(60, 3);
+  MatrixXd signals(60, 2);
   signals << x, 2 * x;
-  Eigen::VectorXd padded = Eigen::VectorXd::Zero(64);
+  VectorXd padded = VectorXd::Zero(64);
   padded.head(60) = x;
-  const Eigen::MatrixXcd long_spectra = real_spectra(signals, 64);
+  const MatrixXcd long_spectra = real_spectra(signals, 64);
   EXPECT_TRUE(MatricesNear(long_spectra.col(0), slow_transform(padded), 1e-12));
   EXPECT_TRUE(MatricesNear(long_spectra.col(1), 2 * long_spectra.col(0), 1e-12));
   EXPECT_TRUE(MatricesNear(real_spectra(signals, 50).col(0), slow_transform(x.head(50)), 1e-12));
 }
 
 TEST(Fft, ThreadsPlanAndTransformAtOnceAndGetTheSameBits) {
-  const Eigen::VectorXd x = noise(4096, 5);
-  std::vector<Eigen::VectorXcd> results(8);
+  const VectorXd x = noise(4096, 5);
+  std::vector<VectorXcd> results(8);
   {
     std::vector<std::jthread> threads;
     for (auto& result : results) {

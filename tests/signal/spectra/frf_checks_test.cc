@@ -12,7 +12,7 @@ const testing::TenModeTruth& truth() {
 
 /// 0.25 Hz lines to 1400 Hz.
 FrfSet exact(double decay_rate = 0) {
-  return truth().frfs(Eigen::VectorXd::LinSpaced(5601, 0, 1400), decay_rate);
+  return truth().frfs(VectorXd::LinSpaced(5601, 0, 1400), decay_rate);
 }
 
 TEST(DrivingPoint, IsConsistentWhereItIsAndNowhereElse) {
@@ -66,7 +66,7 @@ TEST(Reciprocity, HoldsWithinItsErrorBars) {
   EXPECT_LT(checks[0].difference, 1e-12);
 
   Normal normal(2);
-  both.H_std = Eigen::MatrixXd::Constant(both.H.rows(), 40, 0.01);
+  both.H_std = MatrixXd::Constant(both.H.rows(), 40, 0.01);
   both.H = both.H.unaryExpr(
       [&](const Complex& h) { return h + Complex(0.01 * normal(), 0.01 * normal()); });
   checks = check_reciprocity(both);

@@ -6,9 +6,9 @@
 namespace rigfit::signal::frf_set_test {
 
 FrfSet accelerances(double decay_rate) {
-  FrfSet set = testing::ten_mode_truth(3).frfs(Eigen::VectorXd::LinSpaced(200, 0, 199), decay_rate);
+  FrfSet set = testing::ten_mode_truth(3).frfs(VectorXd::LinSpaced(200, 0, 199), decay_rate);
   set.H_std = 0.01 * set.H.cwiseAbs();
-  set.coherence = Eigen::MatrixXd::Constant(200, 3, 0.9);
+  set.coherence = MatrixXd::Constant(200, 3, 0.9);
   return set;
 }
 
@@ -31,14 +31,14 @@ TEST(FrfSet, ThereAndBackIsTheSameWithoutTheLineAtZero) {
 TEST(FrfSet, ReceptanceOfOneModeAtRestIsItsCompliance) {
   // s^2 alpha(s) at the line s = a + i w, under an exponential window of rate a: dividing by
   // (i w)^2 instead would be wrong by (1 + a / i w)^2, 2 a / w = 10 % at 10 Hz for a = 3.
-  FrfSet set{.frequency_hz = Eigen::VectorXd::Constant(1, 10),
+  FrfSet set{.frequency_hz = VectorXd::Constant(1, 10),
              .responses = {{"y", 1, 3}},
              .inputs = {{"f", 1, 3}},
              .form = FrfForm::accelerance,
              .exponential_decay_rate_1_s = 3};
   const Complex s(3, 2 * EIGEN_PI * 10);
   const Complex alpha = 1.0 / (s * s + 2 * 0.01 * 100 * s + 1e4);
-  set.H = Eigen::MatrixXcd::Constant(1, 1, s * s * alpha);
+  set.H = MatrixXcd::Constant(1, 1, s * s * alpha);
   EXPECT_LT(std::abs(converted(set, FrfForm::receptance).H(0, 0) - alpha),
             1e-15 * std::abs(alpha) * 10);
 }
@@ -55,7 +55,7 @@ TEST(FrfSet, UnknownFormsAreNotConverted) {
 FrfSet averaged(int n, double noise, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   const auto complex = [&] { return Complex(normal(random), normal(random)); };
-  FrfSet set{.frequency_hz = Eigen::VectorXd::LinSpaced(400, 1, 400)};
+  FrfSet set{.frequency_hz = VectorXd::LinSpaced(400, 1, 400)};
   set.responses.push_back({"a", 1, 3});
   set.inputs.push_back({"f", 2, 3});
   set.H.resize(400, 1);

@@ -4,7 +4,7 @@
 
 namespace rigfit::signal::frf_test {
 
-std::span<const double> view(const Eigen::VectorXd& x) {
+std::span<const double> view(const VectorXd& x) {
   return {x.data(), static_cast<std::size_t>(x.size())};
 }
 
@@ -17,9 +17,9 @@ struct GainTest {
     std::uniform_real_distribution<double> uniform(1 - spread, 1 + spread);
     for (int i = 0; i < hits; ++i) {
       const double peak = uniform(random), noise = response_noise * (with_hit ? peak : 1);
-      Eigen::VectorXd force = Eigen::VectorXd::Zero(n);
+      VectorXd force = VectorXd::Zero(n);
       force[2] = peak, force[3] = 0.5 * peak;
-      Eigen::VectorXd response = gain * force;
+      VectorXd response = gain * force;
       for (Index k = 0; k < n; ++k) {
         force[k] += force_noise * normal(random);
         response[k] += noise * normal(random);
@@ -36,7 +36,7 @@ struct GainTest {
       blocks.push_back(block);
     }
   }
-  std::vector<Eigen::VectorXd> forces, responses;
+  std::vector<VectorXd> forces, responses;
   std::vector<FrfBlock> blocks;
 };
 
@@ -113,7 +113,7 @@ TEST(Frf, EstimatorsAreBiasedWhereTheoryPutsIt) {
 }
 
 TEST(Frf, NothingGivesZeroAndNeverNan) {
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(32);
+  const VectorXd zero = VectorXd::Zero(32);
   const std::vector<FrfBlock> blocks(3,
                                      {.force = view(zero), .responses = {view(zero), view(zero)}});
   FrfOptions options = options_for(32);
