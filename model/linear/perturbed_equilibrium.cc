@@ -84,7 +84,7 @@ Neighbours neighbours_of(const Scene& scene, const ChainModes& modes, const Bord
     out.comparable = beside(scene, modes, access, step.low, out.rigs[0]) &&
                      beside(scene, modes, access, step.high, out.rigs[1]);
     if (!out.comparable) return out;
-    double part = 0.1;  // of the step, where it leads too far from rest
+    double part = 0.1;  // where the step leads too far from rest
     if (std::ranges::all_of(out.rigs, [&](PerturbedEquilibrium& rig) {
           return come_to_rest(rig.chain, rig.state, tangent);
         })) {
