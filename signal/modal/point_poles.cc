@@ -180,11 +180,11 @@ struct PointFit {
     // keeps a column that is fitted by chance from deciding alone.
     VectorXd weight = VectorXd::Ones(H.cols());
     const bool several = H.cols() > 1;
-    const LocalFit fit = fit_locally(s, part, weight, start, fixed, order, several ? 0.3 : 1e-2);
+    const LocalFit fit = fit_locally(s, part, weight, start, fixed, order, several ? 0.3 : 3e-3);
     const double mean = fit.usable && several ? fit.misfit.mean() : 0;
     if (!(mean > 0)) return fit;
     weight = mean / (fit.misfit.array() + 0.1 * mean);
-    return fit_locally(s, part, weight, fit.poles, fixed, order, 1e-2);
+    return fit_locally(s, part, weight, fit.poles, fixed, order, 3e-3);
   }
 
   /// The weakest pole of a group that does not stand out; -1: all do.
