@@ -70,12 +70,11 @@ void require_own_report(const fs::path& folder, const std::string& title,
   std::ifstream file(folder / "report.json");
   if (!file) return;
   const Json before = Json::parse(file, nullptr, false);
-  const bool report = before.is_object() && before.value("command", Json()) == "report" &&
-                      before.contains("title") && before.contains("inputs");
+  const bool report =
+      before.is_object() && before.value("command", Json()) == "report" && before.contains("title");
+  const Json inputs = report ? before.value("inputs", Json::array()) : Json::array();
   const auto from_this = [&](const Json& input) { return input.value("path", "") == campaign; };
-  if (report &&
-      (before["title"] == Json(title) || std::ranges::any_of(before["inputs"], from_this)))
-    return;
+  if (report && (before["title"] == Json(title) || std::ranges::any_of(inputs, from_this))) return;
   throw UsageError(fmt::format(
       "{} holds {}, this campaign is {}: name another folder by --out, or "
       "replace that report by --force",
