@@ -180,7 +180,7 @@ struct PointFit {
     // keeps a column that is fitted by chance from deciding alone.
     VectorXd weight = VectorXd::Ones(H.cols());
     const bool several = H.cols() > 1;
-    const LocalFit fit = fit_locally(s, part, weight, start, fixed, order, several ? 0.3 : 3e-3);
+    LocalFit fit = fit_locally(s, part, weight, start, fixed, order, several ? 0.3 : 3e-3);
     const double mean = fit.usable && several ? fit.misfit.mean() : 0;
     if (!(mean > 0)) return fit;
     weight = mean / (fit.misfit.array() + 0.1 * mean);
