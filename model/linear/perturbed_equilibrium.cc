@@ -80,6 +80,7 @@ Neighbours neighbours_of(const Scene& scene, const ChainModes& modes, const Bord
   }
   Neighbours out;
   ParameterStep& step = out.step = parameter_step(access, scene, extent);
+  // To a ten-thousandth of the step at least: below it differences are rounding.
   for (int attempt = 0; attempt < 5; ++attempt) {
     out.comparable = beside(scene, modes, access, step.low, out.rigs[0]) &&
                      beside(scene, modes, access, step.high, out.rigs[1]);
