@@ -10,23 +10,24 @@
 #include <Eigen/SparseCore>
 
 #include "model/algebra/envelope_matrix.h"
+#include "model/algebra/numbers.h"
 
 namespace rigfit::model {
 
 class BorderedSolver {
  public:
   /// `border` B and `gradient` G: unknowns x lengths. `diagonal`: that of D, which has no others.
-  void factor(const EnvelopeMatrix& k, Eigen::MatrixXd border, const Eigen::MatrixXd& gradient,
-              const Eigen::VectorXd& diagonal);
+  void factor(const EnvelopeMatrix& k, MatrixXd border, const MatrixXd& gradient,
+              const VectorXd& diagonal);
   /// From right sides f, t to q, l.
-  void solve_in_place(Eigen::VectorXd& q, Eigen::VectorXd& l) const;
-  [[nodiscard]] Eigen::Index size() const { return border_.rows(); }  ///< unknowns
+  void solve_in_place(VectorXd& q, VectorXd& l) const;
+  [[nodiscard]] Index size() const { return border_.rows(); }  ///< unknowns
 
  private:
   EnvelopeFactor factor_;
-  Eigen::MatrixXd border_;
+  MatrixXd border_;
   Eigen::SparseMatrix<double> gradient_;  // few are not zero
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> small_;
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> small_;
 };
 
 }  // namespace rigfit::model

@@ -1,9 +1,6 @@
 #include "model/algebra/eigenpairs.h"
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <random>
 
 namespace rigfit::model {
@@ -46,7 +43,7 @@ class Lanczos {
   /// Ritz values nu = 1 / (lambda - shift) of largest magnitude first, with error bounds.
   void ritz() {
     const int s = done_;
-    Eigen::MatrixXd h = projected_.topLeftCorner(s, s);
+    MatrixXd h = projected_.topLeftCorner(s, s);
     h = 0.5 * (h + h.transpose()).eval();
     if (coupled_) {
       eigen_.computeFromTridiagonal(h.diagonal(), h.diagonal(-1));
@@ -66,11 +63,11 @@ class Lanczos {
     return beta_ * std::abs(eigen_.eigenvectors()(done_ - 1, order_[std::size_t(i)]));
   }
   bool converged(int i) const { return bound(i) <= 1e-10 * std::abs(nu(i)); }
-  Eigen::VectorXd vector(int i) const {
+  VectorXd vector(int i) const {
     return v_.leftCols(done_) * eigen_.eigenvectors().col(order_[std::size_t(i)]);
   }
   int done() const { return done_; }
-  Eigen::Index rows() const { return v_.rows(); }
+  Index rows() const { return v_.rows(); }
   bool exhausted() const { return exhausted_; }
   /// Continue from a random vector: finds what the first start could not see.
   void renew() { renew_ = true; }
@@ -87,7 +84,7 @@ class Lanczos {
 
   /// Removes the space so far from work_, coefficients added to `coefficients`: what the three-term
   /// recurrence says first, then everything, and again where that took much away.
-  void orthogonalise(Eigen::VectorXd* coefficients) {
+  void orthogonalise(VectorXd* coefficients) {
     for (int j = std::max(0, size_ - 2); j < size_; ++j) {
       const double along = mv_.col(j).dot(work_);
       work_.noalias() -= along * v_.col(j);
@@ -117,8 +114,8 @@ class Lanczos {
 
   bool random_start() {
     std::uniform_real_distribution<double> uniform(-1, 1);
-    Eigen::VectorXd start(m_.rows());
-    for (Eigen::Index i = 0; i < start.size(); ++i) start[i] = uniform(random_);
+    VectorXd start(m_.rows());
+    for (Index i = 0; i < start.size(); ++i) start[i] = uniform(random_);
     work_.noalias() = m_ * start;
     factor_.solve_in_place(work_);  // into the space of finite eigenvalues
     const double before = norm();
@@ -159,9 +156,9 @@ class Lanczos {
   bool coupled_;  // projected_ is tridiagonal
   bool renew_ = false, exhausted_ = false;
   EnvelopeFactor factor_;
-  Eigen::MatrixXd v_, mv_, projected_;
-  Eigen::VectorXd work_, product_, small_, coefficients_;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_;
+  MatrixXd v_, mv_, projected_;
+  VectorXd work_, product_, small_, coefficients_;
+  Eigen::SelfAdjointEigenSolver<MatrixXd> eigen_;
   std::vector<int> order_;
   int size_ = 0, done_ = 0;
   double beta_ = 0;
@@ -171,18 +168,18 @@ Eigenpairs collect(const Lanczos& lanczos, std::vector<int> chosen) {
   std::sort(chosen.begin(), chosen.end(),
             [&](int a, int b) { return lanczos.lambda(a) < lanczos.lambda(b); });
   Eigenpairs out;
-  const auto n = static_cast<Eigen::Index>(chosen.size());
+  const auto n = static_cast<Index>(chosen.size());
   out.values.resize(n);
   out.vectors.resize(lanczos.rows(), n);
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Index i = 0; i < n; ++i) {
     const int k = chosen[std::size_t(i)];
     out.values[i] = lanczos.lambda(k);
-    const Eigen::VectorXd x = lanczos.vector(k);
+    const VectorXd x = lanczos.vector(k);
     // The sign: first large entry positive.
     const double large = 0.5 * x.cwiseAbs().maxCoeff();
-    Eigen::Index first = 0;
+    Index first = 0;
     while (first + 1 < x.size() && std::abs(x[first]) < large) ++first;
-    out.vectors.col(i) = x[first] < 0 ? Eigen::VectorXd(-x) : x;
+    out.vectors.col(i) = x[first] < 0 ? VectorXd(-x) : x;
   }
   out.steps = lanczos.done();
   return out;
@@ -252,11 +249,11 @@ class Slices {
               [](const auto& x, const auto& y) { return x.first < y.first; });
     if (static_cast<int>(found_.size()) > count) found_.resize(std::size_t(count));
     Eigenpairs out;
-    out.values.resize(static_cast<Eigen::Index>(found_.size()));
+    out.values.resize(static_cast<Index>(found_.size()));
     out.vectors.resize(k_.size(), out.values.size());
     for (std::size_t i = 0; i < found_.size(); ++i) {
-      out.values[Eigen::Index(i)] = found_[i].first;
-      out.vectors.col(Eigen::Index(i)) = found_[i].second;
+      out.values[Index(i)] = found_[i].first;
+      out.vectors.col(Index(i)) = found_[i].second;
     }
     out.complete = complete_;
     out.steps = steps_;
@@ -297,7 +294,7 @@ class Slices {
     steps_ += lanczos.done();
     complete_ = complete_ && static_cast<int>(inside.size()) == wanted;
     const Eigenpairs pairs = collect(lanczos, inside);
-    for (Eigen::Index i = 0; i < pairs.values.size(); ++i) {
+    for (Index i = 0; i < pairs.values.size(); ++i) {
       found_.emplace_back(pairs.values[i], pairs.vectors.col(i));
     }
   }
@@ -306,7 +303,7 @@ class Slices {
   const EnvelopeMatrix& m_;
   EnvelopeMatrix shifted_;
   EnvelopeFactor factor_;
-  std::vector<std::pair<double, Eigen::VectorXd>> found_;
+  std::vector<std::pair<double, VectorXd>> found_;
   bool complete_ = true;
   int steps_ = 0;
 };

@@ -11,16 +11,15 @@
 // 15, 1994), so that time grows with the number of unknowns and not with the crowd.
 #pragma once
 
-#include <Eigen/Core>
-
 #include "model/algebra/envelope_matrix.h"
+#include "model/algebra/numbers.h"
 
 namespace rigfit::model {
 
 struct Eigenpairs {
-  Eigen::VectorXd values;   ///< rising
-  Eigen::MatrixXd vectors;  ///< unknowns x pairs, x' M x = 1
-  bool complete = false;    ///< a Sturm count agrees
+  VectorXd values;        ///< rising
+  MatrixXd vectors;       ///< unknowns x pairs, x' M x = 1
+  bool complete = false;  ///< a Sturm count agrees
   int steps = 0;
 };
 

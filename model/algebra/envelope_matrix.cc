@@ -1,8 +1,6 @@
 #include "model/algebra/envelope_matrix.h"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
 
 namespace rigfit::model {
 namespace {
@@ -21,7 +19,7 @@ inline Scalar dot(const Scalar* x, const Scalar* y, int n) {
 }
 
 inline double real_part(double x) { return x; }
-inline double real_part(const std::complex<double>& x) { return x.real(); }
+inline double real_part(const Complex& x) { return x.real(); }
 
 }  // namespace
 
@@ -161,8 +159,8 @@ void EnvelopeFactorOf<Scalar>::solve_in_place(Scalar* x) const {
 }
 
 template class EnvelopeMatrixOf<double>;
-template class EnvelopeMatrixOf<std::complex<double>>;
+template class EnvelopeMatrixOf<Complex>;
 template class EnvelopeFactorOf<double>;
-template class EnvelopeFactorOf<std::complex<double>>;
+template class EnvelopeFactorOf<Complex>;
 
 }  // namespace rigfit::model

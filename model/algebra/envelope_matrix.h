@@ -6,11 +6,10 @@
 // Problem, ch. 3. Complex symmetric matrices (K + i omega C) factor the same way, without a count.
 #pragma once
 
-#include <Eigen/Core>
 #include <Eigen/SparseCore>
-#include <complex>
 #include <memory>
-#include <vector>
+
+#include "model/algebra/numbers.h"
 
 namespace rigfit::model {
 
@@ -70,7 +69,7 @@ class EnvelopeFactorOf {
   void solve_in_place(Vector& x) const { solve_in_place(x.data()); }
   /// The same for each column.
   void solve_in_place(Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& x) const {
-    for (Eigen::Index c = 0; c < x.cols(); ++c) solve_in_place(x.col(c).data());
+    for (Index c = 0; c < x.cols(); ++c) solve_in_place(x.col(c).data());
   }
   [[nodiscard]] int negative_pivots() const { return negative_; }  ///< real matrices only
   /// Smallest |pivot| over the diagonal it started from, and its row.
@@ -91,12 +90,12 @@ class EnvelopeFactorOf {
 
 using EnvelopeMatrix = EnvelopeMatrixOf<double>;
 using EnvelopeFactor = EnvelopeFactorOf<double>;
-using ComplexEnvelopeMatrix = EnvelopeMatrixOf<std::complex<double>>;
-using ComplexEnvelopeFactor = EnvelopeFactorOf<std::complex<double>>;
+using ComplexEnvelopeMatrix = EnvelopeMatrixOf<Complex>;
+using ComplexEnvelopeFactor = EnvelopeFactorOf<Complex>;
 
 extern template class EnvelopeMatrixOf<double>;
-extern template class EnvelopeMatrixOf<std::complex<double>>;
+extern template class EnvelopeMatrixOf<Complex>;
 extern template class EnvelopeFactorOf<double>;
-extern template class EnvelopeFactorOf<std::complex<double>>;
+extern template class EnvelopeFactorOf<Complex>;
 
 }  // namespace rigfit::model

@@ -5,13 +5,13 @@
 
 namespace rigfit::model {
 
-GeneralEigenpairs general_eigenpairs(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {
+GeneralEigenpairs general_eigenpairs(const MatrixXd& matrix, const MatrixXd& right) {
   GeneralEigenpairs out;
-  const Eigen::EigenSolver<Eigen::MatrixXd> eigen(matrix);
+  const Eigen::EigenSolver<MatrixXd> eigen(matrix);
   out.values = eigen.eigenvalues();
   out.vectors = eigen.eigenvectors();
   if (right.cols() > 0) {
-    out.coordinates = out.vectors.partialPivLu().solve(right.cast<std::complex<double>>());
+    out.coordinates = out.vectors.partialPivLu().solve(right.cast<Complex>());
   }
   return out;
 }

@@ -2,18 +2,17 @@
 // one place.
 #pragma once
 
-#include <Eigen/Core>
+#include "model/algebra/numbers.h"
 
 namespace rigfit::model {
 
 struct GeneralEigenpairs {
-  Eigen::VectorXcd values;
-  Eigen::MatrixXcd vectors;      ///< columns
-  Eigen::MatrixXcd coordinates;  ///< vectors^-1 right: `right` expressed in the vectors
+  VectorXcd values;
+  MatrixXcd vectors;      ///< columns
+  MatrixXcd coordinates;  ///< vectors^-1 right: `right` expressed in the vectors
 };
 
 /// `right` may have no columns.
-[[nodiscard]] GeneralEigenpairs general_eigenpairs(const Eigen::MatrixXd& matrix,
-                                                   const Eigen::MatrixXd& right);
+[[nodiscard]] GeneralEigenpairs general_eigenpairs(const MatrixXd& matrix, const MatrixXd& right);
 
 }  // namespace rigfit::model

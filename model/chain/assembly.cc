@@ -1,7 +1,6 @@
 #include "model/chain/assembly.h"
 
 #include <cassert>
-#include <cmath>
 
 #include "model/chain/assembly_scatter.h"
 
@@ -13,8 +12,8 @@ void supports(const Chain& chain, const Numbering& numbering, const ChainState& 
   Scatter<Sink> scatter(chain, numbering, sink);
   sink.member(-1);
   for (const NodeSupport& support : chain.supports) {
-    const Eigen::Vector3d u = state.position.col(support.node) - chain.drawn.col(support.node);
-    const Eigen::Vector3d force = support.translational.cwiseProduct(u);
+    const Vector3d u = state.position.col(support.node) - chain.drawn.col(support.node);
+    const Vector3d force = support.translational.cwiseProduct(u);
     sink.add_energy(0.5 * u.dot(force));
     scatter.node_force(support.node, force);
     if constexpr (Sink::tangent) {
@@ -22,9 +21,9 @@ void supports(const Chain& chain, const Numbering& numbering, const ChainState& 
     }
     if (support.rotation < 0 || !(support.rotational.maxCoeff() > 0)) continue;
     const auto r = static_cast<std::size_t>(support.rotation);
-    const Eigen::Vector3d w =
+    const Vector3d w =
         director_weights(support.rotational[1], support.rotational[2], support.rotational[0]);
-    const Eigen::Matrix3d ground = Eigen::Matrix3d::Identity();
+    const Matrix3d ground = Matrix3d::Identity();
     sink.add_energy(joint_energy(ground, state.rotation[r], w));
     const RotationDerivatives d = joint_derivatives(ground, state.rotation[r], w);
     scatter.rotation_force(support.rotation, d.gradient_b);
@@ -34,7 +33,7 @@ void supports(const Chain& chain, const Numbering& numbering, const ChainState& 
 
 template <class Sink>
 void evaluate(const Chain& chain, const Numbering& numbering, const ChainState& state,
-              const Eigen::VectorXd* axial_force, Sink& sink) {
+              const VectorXd* axial_force, Sink& sink) {
   Scatter<Sink> scatter(chain, numbering, sink);
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
     const ChainMember& member = chain.members[m];
@@ -43,14 +42,14 @@ void evaluate(const Chain& chain, const Numbering& numbering, const ChainState& 
       const int index = member.first_segment + i;
       const Segment& s = chain.segments[static_cast<std::size_t>(index)];
       const Directed here = directed(chain, state, index);
-      const Eigen::Vector3d t = here.directors.col(0);
+      const Vector3d t = here.directors.col(0);
       const double stiffness = s.EA / s.length, stretch = here.length - s.length;
       const double force = stiffness * stretch;
       sink.add_energy(0.5 * force * stretch);
       scatter.edge_force(s, force * t);
       if constexpr (Sink::tangent) {
         const double geometric = (axial_force ? (*axial_force)[index] : force) / here.length;
-        Eigen::Matrix3d block = (stiffness - geometric) * t * t.transpose();
+        Matrix3d block = (stiffness - geometric) * t * t.transpose();
         block.diagonal().array() += geometric;
         scatter.edge(s, block);
       }
@@ -78,8 +77,8 @@ void each_weight(const Chain& chain, const F& f) {
 Assembly::Assembly(const Chain& chain, Motion motion)
     : chain_(&chain), numbering_(number_unknowns(chain, motion)) {}
 
-Eigen::VectorXd Assembly::weight() const {
-  Eigen::VectorXd weight = Eigen::VectorXd::Zero(size());
+VectorXd Assembly::weight() const {
+  VectorXd weight = VectorXd::Zero(size());
   each_weight(*chain_, [&](int node, double mass) {
     for (int axis = 0; axis < 3; ++axis) {
       const int row = numbering_.displacement(axis, node);
@@ -98,16 +97,15 @@ double Assembly::potential(const ChainState& state) const {
   return sink.energy;
 }
 
-void Assembly::force(const ChainState& state, Eigen::VectorXd& force) const {
+void Assembly::force(const ChainState& state, VectorXd& force) const {
   assert(force.size() == size());
   force = -weight();
   ForceSink sink{{}, force.data()};
   evaluate(*chain_, numbering_, state, nullptr, sink);
 }
 
-void Assembly::force_and_tangent(const ChainState& state, Eigen::VectorXd& force,
-                                 EnvelopeMatrix& tangent,
-                                 const Eigen::VectorXd* axial_force) const {
+void Assembly::force_and_tangent(const ChainState& state, VectorXd& force, EnvelopeMatrix& tangent,
+                                 const VectorXd* axial_force) const {
   assert(force.size() == size() && tangent.size() == size());
   force = -weight();
   tangent.set_zero();
@@ -115,11 +113,10 @@ void Assembly::force_and_tangent(const ChainState& state, Eigen::VectorXd& force
   evaluate(*chain_, numbering_, state, axial_force, sink);
 }
 
-Eigen::MatrixXd Assembly::stiffness_energy(const ChainState& state,
-                                           const Eigen::MatrixXd& q) const {
+MatrixXd Assembly::stiffness_energy(const ChainState& state, const MatrixXd& q) const {
   const QuadraticSink::Rows rows = q;
   QuadraticSink::Rows energy =
-      QuadraticSink::Rows::Zero(static_cast<Eigen::Index>(chain_->members.size()) + 1, q.cols());
+      QuadraticSink::Rows::Zero(static_cast<Index>(chain_->members.size()) + 1, q.cols());
   QuadraticSink sink{{}, &rows, &energy};
   evaluate(*chain_, numbering_, state, nullptr, sink);
   return energy;
@@ -138,7 +135,7 @@ void Assembly::mass(EnvelopeMatrix& mass) const {
     block(s.a, s.a, (0.5 - s.coupling) * s.mass);
     block(s.b, s.b, (0.5 - s.coupling) * s.mass);
     block(s.a, s.b, s.coupling * s.mass);
-    const int twist = numbering_.twist[static_cast<Eigen::Index>(k)];
+    const int twist = numbering_.twist[static_cast<Index>(k)];
     if (twist >= 0 && s.polar > 0) mass.add(twist, twist, s.polar);
   }
   for (const PointMass& m : chain_->masses) {
@@ -157,22 +154,21 @@ void Assembly::damping(const ChainState& state, EnvelopeMatrix& damping) const {
   for (std::size_t k = 0; k < chain_->segments.size(); ++k) {
     const Segment& s = chain_->segments[k];
     if (!(s.axial_damping > 0)) continue;
-    const Eigen::Vector3d t = directed(*chain_, state, static_cast<int>(k)).directors.col(0);
+    const Vector3d t = directed(*chain_, state, static_cast<int>(k)).directors.col(0);
     scatter.edge(s, s.axial_damping * t * t.transpose());
   }
   // Rates of bend and twist: the difference of both sides' angular velocities, normal to and along
   // the mean tangent.
-  const auto dissipation = [](const JointSprings& k, const Eigen::Vector3d& ta,
-                              const Eigen::Vector3d& tb) {
-    const Eigen::Vector3d m = (ta + tb).normalized();
-    return Eigen::Matrix3d(k.bending_damping * (Eigen::Matrix3d::Identity() - m * m.transpose()) +
-                           k.torsion_damping * m * m.transpose());
+  const auto dissipation = [](const JointSprings& k, const Vector3d& ta, const Vector3d& tb) {
+    const Vector3d m = (ta + tb).normalized();
+    return Matrix3d(k.bending_damping * (Matrix3d::Identity() - m * m.transpose()) +
+                    k.torsion_damping * m * m.transpose());
   };
   for (const InnerJoint& joint : chain_->inner_joints) {
     if (!(joint.springs.bending_damping + joint.springs.torsion_damping > 0)) continue;
     const Directed a = directed(*chain_, state, joint.segment[0]);
     const Directed b = directed(*chain_, state, joint.segment[1]);
-    const Eigen::Matrix3d d = dissipation(joint.springs, a.directors.col(0), b.directors.col(0));
+    const Matrix3d d = dissipation(joint.springs, a.directors.col(0), b.directors.col(0));
     const auto ja = segment_rotation(a.directors.col(0), a.length);
     const auto jb = segment_rotation(b.directors.col(0), b.length);
     scatter.two_segments(joint, ja.transpose() * d * ja, -ja.transpose() * d * jb,
@@ -181,16 +177,16 @@ void Assembly::damping(const ChainState& state, EnvelopeMatrix& damping) const {
   for (const EndJoint& joint : chain_->end_joints) {
     if (!(joint.springs.bending_damping + joint.springs.torsion_damping > 0)) continue;
     const Directed b = directed(*chain_, state, joint.segment);
-    const Eigen::Vector3d t = b.directors.col(0);
-    const Eigen::Matrix3d d = dissipation(joint.springs, node_side(joint, state).col(0), t);
+    const Vector3d t = b.directors.col(0);
+    const Matrix3d d = dissipation(joint.springs, node_side(joint, state).col(0), t);
     const auto j = segment_rotation(t, b.length);
     scatter.node_segment(joint.rotation, joint.segment, d, -d * j, j.transpose() * d * j);
   }
 }
 
-void Assembly::advance(const ChainState& state, const Eigen::VectorXd& increment, double factor,
+void Assembly::advance(const ChainState& state, const VectorXd& increment, double factor,
                        ChainState& out) const {
-  const auto moved = [&](int node) -> Eigen::Vector3d {
+  const auto moved = [&](int node) -> Vector3d {
     return state.position.col(node) + factor * numbering_.displacement_in(increment, node);
   };
   if (&out != &state) {
@@ -201,10 +197,10 @@ void Assembly::advance(const ChainState& state, const Eigen::VectorXd& increment
   for (std::size_t k = 0; chain_->frames > 0 && k < chain_->segments.size(); ++k) {
     const Segment& s = chain_->segments[k];
     if (s.frame < 0) continue;
-    const Eigen::Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
-    const Eigen::Vector3d after = (moved(s.b) - moved(s.a)).normalized();
-    Eigen::Vector3d d = state.director.col(s.frame);
-    const int twist = numbering_.twist[static_cast<Eigen::Index>(k)];
+    const Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
+    const Vector3d after = (moved(s.b) - moved(s.a)).normalized();
+    Vector3d d = state.director.col(s.frame);
+    const int twist = numbering_.twist[static_cast<Index>(k)];
     if (twist >= 0) {
       const double angle = factor * increment[twist];
       d = std::cos(angle) * d + std::sin(angle) * t.cross(d);
@@ -214,12 +210,12 @@ void Assembly::advance(const ChainState& state, const Eigen::VectorXd& increment
   }
   for (int node = 0; node < chain_->nodes; ++node) out.position.col(node) = moved(node);
   for (std::size_t r = 0; r < state.rotation.size(); ++r) {
-    Eigen::Vector3d local = Eigen::Vector3d::Zero();
+    Vector3d local = Vector3d::Zero();
     for (int axis = 0; axis < 3; ++axis) {
-      const int i = numbering_.rotation(axis, static_cast<Eigen::Index>(r));
+      const int i = numbering_.rotation(axis, static_cast<Index>(r));
       if (i >= 0) local[axis] = factor * increment[i];
     }
-    const Eigen::Vector3d psi = chain_->rotation_basis[r] * local;
+    const Vector3d psi = chain_->rotation_basis[r] * local;
     const double angle = psi.norm();
     if (angle > 0) {
       out.rotation[r] =
@@ -231,12 +227,12 @@ void Assembly::advance(const ChainState& state, const Eigen::VectorXd& increment
 }
 
 Eigen::SparseMatrix<double, Eigen::RowMajor> Assembly::elongations(const ChainState& state) const {
-  const auto segments = static_cast<Eigen::Index>(chain_->segments.size());
+  const auto segments = static_cast<Index>(chain_->segments.size());
   Eigen::SparseMatrix<double, Eigen::RowMajor> result(segments, size());
-  result.reserve(Eigen::VectorXi::Constant(segments, 6));
-  for (Eigen::Index k = 0; k < segments; ++k) {
+  result.reserve(VectorXi::Constant(segments, 6));
+  for (Index k = 0; k < segments; ++k) {
     const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
-    const Eigen::Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
+    const Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
     for (int axis = 0; axis < 3; ++axis) {
       const int a = numbering_.displacement(axis, s.a), b = numbering_.displacement(axis, s.b);
       if (a >= 0) result.insert(k, a) = -t[axis];
@@ -246,8 +242,8 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> Assembly::elongations(const ChainSt
   return result;
 }
 
-Eigen::VectorXd Assembly::row_of(const ChainPoint& point, const Eigen::Vector3d& direction) const {
-  Eigen::VectorXd row = Eigen::VectorXd::Zero(size());
+VectorXd Assembly::row_of(const ChainPoint& point, const Vector3d& direction) const {
+  VectorXd row = VectorXd::Zero(size());
   for (int i = 0; i < point.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     for (int axis = 0; axis < 3; ++axis) {

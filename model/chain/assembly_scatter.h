@@ -10,10 +10,10 @@
 //   psi = t x de / |e| + theta t - (t . de)(t x de) / |e|^2 + theta de_normal / (2 |e|) + O(3).
 #pragma once
 
-#include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include "model/algebra/envelope_matrix.h"
+#include "model/algebra/numbers.h"
 #include "model/chain/chain.h"
 #include "model/chain/numbering.h"
 
@@ -22,26 +22,25 @@ namespace rigfit::model {
 using Matrix4 = Eigen::Matrix4d;
 
 /// Weights w of the three director pairs.
-inline Eigen::Vector3d director_weights(double about_1, double about_2, double torsion) {
-  return 0.5 * Eigen::Vector3d(about_1 + about_2 - torsion, about_2 + torsion - about_1,
-                               about_1 + torsion - about_2);
+inline Vector3d director_weights(double about_1, double about_2, double torsion) {
+  return 0.5 * Vector3d(about_1 + about_2 - torsion, about_2 + torsion - about_1,
+                        about_1 + torsion - about_2);
 }
 
 /// 1 - a . b = |a - b|^2 / 2 of unit vectors, without cancellation.
-inline double joint_energy(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b,
-                           const Eigen::Vector3d& w) {
+inline double joint_energy(const Matrix3d& a, const Matrix3d& b, const Vector3d& w) {
   return 0.5 * w.dot((a - b).colwise().squaredNorm().transpose());
 }
 
 struct RotationDerivatives {
-  Eigen::Vector3d gradient_b;   ///< gradient with respect to side B; that of side A is its negative
-  Eigen::Matrix3d same, cross;  ///< d2/dA2 = d2/dB2; d2/dA dB (rows A)
+  Vector3d gradient_b;   ///< gradient with respect to side B; that of side A is its negative
+  Matrix3d same, cross;  ///< d2/dA2 = d2/dB2; d2/dA dB (rows A)
 };
 
-inline RotationDerivatives joint_derivatives(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b,
-                                             const Eigen::Vector3d& w) {
+inline RotationDerivatives joint_derivatives(const Matrix3d& a, const Matrix3d& b,
+                                             const Vector3d& w) {
   RotationDerivatives d;
-  const Eigen::Matrix3d s = b * w.asDiagonal() * a.transpose();
+  const Matrix3d s = b * w.asDiagonal() * a.transpose();
   // sum w a x b is the axial vector of S - S'.
   d.gradient_b << s(2, 1) - s(1, 2), s(0, 2) - s(2, 0), s(1, 0) - s(0, 1);
   const double trace = s.trace();
@@ -53,8 +52,8 @@ inline RotationDerivatives joint_derivatives(const Eigen::Matrix3d& a, const Eig
 }
 
 /// Columns de (3), as t x de / |e| = [t] de / |e|, and twist of d psi.
-inline Eigen::Matrix<double, 3, 4> segment_rotation(const Eigen::Vector3d& t, double length) {
-  const Eigen::Vector3d f = t / length;
+inline Eigen::Matrix<double, 3, 4> segment_rotation(const Vector3d& t, double length) {
+  const Vector3d f = t / length;
   Eigen::Matrix<double, 3, 4> j;
   j << 0, -f.z(), f.y(), t.x(), f.z(), 0, -f.x(), t.y(), -f.y(), f.x(), 0, t.z();
   return j;
@@ -62,11 +61,11 @@ inline Eigen::Matrix<double, 3, 4> segment_rotation(const Eigen::Vector3d& t, do
 
 /// Adds what the second-order part of psi gives to the Hessian in (de, twist), for a moment
 /// `gradient` = dW/dpsi.
-inline void add_second_order(const Eigen::Vector3d& gradient, const Eigen::Vector3d& t,
-                             double length, Eigen::Matrix4d& hessian) {
-  const Eigen::Vector3d c = gradient.cross(t) / (length * length);
+inline void add_second_order(const Vector3d& gradient, const Vector3d& t, double length,
+                             Eigen::Matrix4d& hessian) {
+  const Vector3d c = gradient.cross(t) / (length * length);
   hessian.topLeftCorner<3, 3>() -= c * t.transpose() + t * c.transpose();
-  const Eigen::Vector3d half = (gradient - t * t.dot(gradient)) / (2 * length);
+  const Vector3d half = (gradient - t * t.dot(gradient)) / (2 * length);
   hessian.topRightCorner<3, 1>() += half;
   hessian.bottomLeftCorner<1, 3>() += half.transpose();
 }
@@ -122,7 +121,7 @@ class Scatter {
       : chain_(chain), numbering_(numbering), sink_(sink) {}
 
   /// A block between nodes p and q (p == q: symmetric).
-  void nodes(int p, int q, const Eigen::Matrix3d& block) {
+  void nodes(int p, int q, const Matrix3d& block) {
     for (int i = 0; i < 3; ++i) {
       const int row = numbering_.displacement(i, p);
       if (row < 0) continue;
@@ -132,13 +131,13 @@ class Scatter {
       }
     }
   }
-  void node_force(int p, const Eigen::Vector3d& f) {
+  void node_force(int p, const Vector3d& f) {
     for (int i = 0; i < 3; ++i) {
       const int row = numbering_.displacement(i, p);
       if (row >= 0) sink_.add_force(row, f[i]);
     }
   }
-  void node_single(int p, int other, const Eigen::Vector3d& column) {
+  void node_single(int p, int other, const Vector3d& column) {
     if (other < 0) return;
     for (int i = 0; i < 3; ++i) {
       const int row = numbering_.displacement(i, p);
@@ -146,18 +145,18 @@ class Scatter {
     }
   }
   /// d2/de2 of one edge.
-  void edge(const Segment& s, const Eigen::Matrix3d& block) {
+  void edge(const Segment& s, const Matrix3d& block) {
     nodes(s.a, s.a, block);
     nodes(s.b, s.b, block);
     nodes(s.a, s.b, -block);
   }
-  void edge_force(const Segment& s, const Eigen::Vector3d& g) {
+  void edge_force(const Segment& s, const Vector3d& g) {
     node_force(s.b, g);
     node_force(s.a, -g);
   }
   /// Two successive edges (s.b == r.a): their own and mixed blocks.
-  void two_edges(const Segment& s, const Segment& r, const Eigen::Matrix3d& ss,
-                 const Eigen::Matrix3d& sr, const Eigen::Matrix3d& rr) {
+  void two_edges(const Segment& s, const Segment& r, const Matrix3d& ss, const Matrix3d& sr,
+                 const Matrix3d& rr) {
     nodes(s.a, s.a, ss);
     nodes(r.b, r.b, rr);
     nodes(s.b, s.b, ss + rr - sr - sr.transpose());
@@ -166,8 +165,8 @@ class Scatter {
     nodes(s.b, r.b, sr - rr);
   }
   /// From the moment on a segment: psi = t x de / |e| + theta t.
-  void segment_force(int segment, const Directed& at, const Eigen::Vector3d& moment) {
-    const Eigen::Vector3d t = at.directors.col(0);
+  void segment_force(int segment, const Directed& at, const Vector3d& moment) {
+    const Vector3d t = at.directors.col(0);
     edge_force(chain_.segments[static_cast<std::size_t>(segment)], moment.cross(t) / at.length);
     single_force(numbering_.twist[segment], t.dot(moment));
   }
@@ -186,9 +185,9 @@ class Scatter {
     two_edges(s, r, aa.topLeftCorner<3, 3>(), ab.topLeftCorner<3, 3>(), bb.topLeftCorner<3, 3>());
     const int ts = numbering_.twist[joint.segment[0]], tr = numbering_.twist[joint.segment[1]];
     if (ts < 0 && tr < 0) return;
-    const Eigen::Vector3d s_ts = aa.topRightCorner<3, 1>(), s_tr = ab.topRightCorner<3, 1>();
-    const Eigen::Vector3d r_ts = ab.bottomLeftCorner<1, 3>().transpose();
-    const Eigen::Vector3d r_tr = bb.topRightCorner<3, 1>();
+    const Vector3d s_ts = aa.topRightCorner<3, 1>(), s_tr = ab.topRightCorner<3, 1>();
+    const Vector3d r_ts = ab.bottomLeftCorner<1, 3>().transpose();
+    const Vector3d r_tr = bb.topRightCorner<3, 1>();
     node_single(s.a, ts, -s_ts);
     node_single(s.b, ts, s_ts - r_ts);
     node_single(r.b, ts, r_ts);
@@ -200,12 +199,12 @@ class Scatter {
     pair(ts, tr, ab(3, 3));
   }
   /// A node's rotation (maybe fixed: -1) and a segment's (edge, twist).
-  void node_segment(int rotation, int segment, const Eigen::Matrix3d& nn,
+  void node_segment(int rotation, int segment, const Matrix3d& nn,
                     const Eigen::Matrix<double, 3, 4>& ns, const Matrix4& ss) {
     const Segment& s = chain_.segments[static_cast<std::size_t>(segment)];
     const int twist = numbering_.twist[segment];
     edge(s, ss.topLeftCorner<3, 3>());
-    const Eigen::Vector3d edge_twist = ss.topRightCorner<3, 1>();
+    const Vector3d edge_twist = ss.topRightCorner<3, 1>();
     node_single(s.a, twist, -edge_twist);
     node_single(s.b, twist, edge_twist);
     pair(twist, twist, ss(3, 3));
@@ -216,23 +215,23 @@ class Scatter {
     for (int i = 0; i < 3; ++i) {
       const int row = numbering_.rotation(i, rotation);
       if (row < 0) continue;
-      const Eigen::Vector3d e = mixed.row(i).head<3>().transpose();
+      const Vector3d e = mixed.row(i).head<3>().transpose();
       node_single(s.a, row, -e);
       node_single(s.b, row, e);
       pair(row, twist, mixed(i, 3));
     }
   }
-  void node_rotation(int rotation, const Eigen::Matrix3d& block) {
-    const Eigen::Matrix3d& basis = chain_.rotation_basis[static_cast<std::size_t>(rotation)];
-    const Eigen::Matrix3d local = basis.transpose() * block * basis;
+  void node_rotation(int rotation, const Matrix3d& block) {
+    const Matrix3d& basis = chain_.rotation_basis[static_cast<std::size_t>(rotation)];
+    const Matrix3d local = basis.transpose() * block * basis;
     const auto unknown = numbering_.rotation.col(rotation);
     for (int i = 0; i < 3; ++i) {
       for (int j = i; j < 3; ++j) pair(unknown[i], unknown[j], local(i, j));
     }
   }
-  void rotation_force(int rotation, const Eigen::Vector3d& moment) {
+  void rotation_force(int rotation, const Vector3d& moment) {
     if (rotation < 0) return;
-    const Eigen::Vector3d local =
+    const Vector3d local =
         chain_.rotation_basis[static_cast<std::size_t>(rotation)].transpose() * moment;
     for (int i = 0; i < 3; ++i) single_force(numbering_.rotation(i, rotation), local[i]);
   }
@@ -250,7 +249,7 @@ inline JointSprings acting(const Chain& chain, const EndJoint& joint) {
   return springs;
 }
 
-inline Eigen::Matrix3d node_side(const EndJoint& joint, const ChainState& state) {
+inline Matrix3d node_side(const EndJoint& joint, const ChainState& state) {
   if (joint.rotation < 0) return joint.directors;
   return state.rotation[static_cast<std::size_t>(joint.rotation)] * joint.directors;
 }
@@ -260,12 +259,12 @@ template <class Sink>
 void member_joints(const Chain& chain, const ChainState& state, const ChainMember& member,
                    double factor, Scatter<Sink>& scatter, Sink& sink) {
   const auto weights = [factor](const JointSprings& k) {
-    return Eigen::Vector3d(factor * director_weights(k.about_1, k.about_2, k.torsion));
+    return Vector3d(factor * director_weights(k.about_1, k.about_2, k.torsion));
   };
   for (int i = 1; i < member.segments; ++i) {
     const InnerJoint& joint =
         chain.inner_joints[static_cast<std::size_t>(member.first_joint + i - 1)];
-    const Eigen::Vector3d w = weights(joint.springs);
+    const Vector3d w = weights(joint.springs);
     if (w.isZero(0)) continue;
     const Directed a = directed(chain, state, joint.segment[0]);
     const Directed b = directed(chain, state, joint.segment[1]);
@@ -274,7 +273,7 @@ void member_joints(const Chain& chain, const ChainState& state, const ChainMembe
     scatter.segment_force(joint.segment[0], a, -d.gradient_b);
     scatter.segment_force(joint.segment[1], b, d.gradient_b);
     if constexpr (Sink::tangent) {
-      const Eigen::Vector3d ta = a.directors.col(0), tb = b.directors.col(0);
+      const Vector3d ta = a.directors.col(0), tb = b.directors.col(0);
       const Eigen::Matrix<double, 3, 4> ja = segment_rotation(ta, a.length);
       const Eigen::Matrix<double, 3, 4> jb = segment_rotation(tb, b.length);
       Matrix4 aa = ja.transpose() * d.same * ja, bb = jb.transpose() * d.same * jb;
@@ -286,16 +285,16 @@ void member_joints(const Chain& chain, const ChainState& state, const ChainMembe
   for (const int index : member.end_joint) {
     if (index < 0) continue;
     const EndJoint& joint = chain.end_joints[static_cast<std::size_t>(index)];
-    const Eigen::Vector3d w = weights(acting(chain, joint));
+    const Vector3d w = weights(acting(chain, joint));
     if (w.isZero(0)) continue;
-    const Eigen::Matrix3d node = node_side(joint, state);
+    const Matrix3d node = node_side(joint, state);
     const Directed b = directed(chain, state, joint.segment);
     const RotationDerivatives d = joint_derivatives(node, b.directors, w);
     sink.add_energy(joint_energy(node, b.directors, w));
     scatter.segment_force(joint.segment, b, d.gradient_b);
     scatter.rotation_force(joint.rotation, -d.gradient_b);
     if constexpr (Sink::tangent) {
-      const Eigen::Vector3d t = b.directors.col(0);
+      const Vector3d t = b.directors.col(0);
       const Eigen::Matrix<double, 3, 4> j = segment_rotation(t, b.length);
       Matrix4 ss = j.transpose() * d.same * j;
       add_second_order(d.gradient_b, t, b.length, ss);

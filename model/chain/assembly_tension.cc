@@ -1,12 +1,13 @@
 // How the tension of cables whose unstretched length is sought goes with the unknowns and with that
 // length.
+#include "model/algebra/numbers.h"
 #include "model/chain/assembly.h"
 #include "model/chain/assembly_scatter.h"
 
 namespace rigfit::model {
 
 void Assembly::length_derivative(const ChainState& state, int index,
-                                 Eigen::Ref<Eigen::VectorXd> derivative) const {
+                                 Ref<VectorXd> derivative) const {
   derivative.setZero();
   // Axial force EA (|e| / l - 1): -EA |e| / l^2 by l = L / n; joints go with 1 / L, gravity with L.
   const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
@@ -17,9 +18,9 @@ void Assembly::length_derivative(const ChainState& state, int index,
     const int k = member.first_segment + i;
     const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
     const Directed here = directed(*chain_, state, k);
-    const Eigen::Vector3d t = here.directors.col(0);
+    const Vector3d t = here.directors.col(0);
     scatter.edge_force(s, -s.EA * here.length / s.length * by_length * t);
-    const Eigen::Vector3d weight = -s.mass / 2 * by_length * chain_->gravity;
+    const Vector3d weight = -s.mass / 2 * by_length * chain_->gravity;
     scatter.node_force(s.a, weight);
     scatter.node_force(s.b, weight);
   }
@@ -27,22 +28,22 @@ void Assembly::length_derivative(const ChainState& state, int index,
 }
 
 double Assembly::tension(const ChainState& state, int member) const {
-  Eigen::VectorXd unused;
+  VectorXd unused;
   double by_length = 0;
   return tension_gradient(state, member, unused, by_length);
 }
 
-double Assembly::tension_gradient(const ChainState& state, int index,
-                                  Eigen::Ref<Eigen::VectorXd> gradient, double& by_length) const {
+double Assembly::tension_gradient(const ChainState& state, int index, Ref<VectorXd> gradient,
+                                  double& by_length) const {
   const ChainMember& member = chain_->members[static_cast<std::size_t>(index)];
-  const Eigen::Vector3d h = member.tension_direction;
+  const Vector3d h = member.tension_direction;
   int middle = member.segments / 2;
   while (middle > 0 && member.places[std::size_t(middle)] > 0.5) --middle;
   while (member.places[std::size_t(middle) + 1] <= 0.5) ++middle;
   const int k = member.first_segment + middle;
   const Segment& s = chain_->segments[static_cast<std::size_t>(k)];
   const Directed here = directed(*chain_, state, k);
-  const Eigen::Vector3d t = here.directors.col(0);
+  const Vector3d t = here.directors.col(0);
   const double force = s.EA * (here.length / s.length - 1);
   // The weight between the segment's middle and the member's.
   const double from = member.places[std::size_t(middle)],
@@ -51,7 +52,7 @@ double Assembly::tension_gradient(const ChainState& state, int index,
   double tension = force * t.dot(h) + between;
   by_length = (between - s.EA * here.length / s.length * t.dot(h)) / member.unstretched_length;
   // d (h . internal force) / de of the segment and of its neighbours.
-  Eigen::Vector3d own =
+  Vector3d own =
       h * (force / here.length) + t * (t.dot(h) * (s.EA / s.length - force / here.length));
   const bool wanted = gradient.size() == size();
   gradient.setZero();

@@ -2,9 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "model/chain/segment_lumping.h"
 #include "model/scene/actual_state.h"
@@ -165,10 +162,10 @@ PointMass point_mass_on(const ChainMember& member, int index, const AttachedMass
 
 /// Numbers along the scene's axes along the chain's, which are a permutation of them wherever a
 /// support is elastic and the plane is not the scene's z.
-Eigen::Vector3d permuted(const Eigen::Matrix3d& axes, const Eigen::Vector3d& numbers) {
-  Eigen::Vector3d out;
+Vector3d permuted(const Matrix3d& axes, const Vector3d& numbers) {
+  Vector3d out;
   for (int row = 0; row < 3; ++row) {
-    Eigen::Index column = 0;
+    Index column = 0;
     axes.row(row).cwiseAbs().maxCoeff(&column);
     out[row] = numbers[column];
   }
@@ -281,8 +278,8 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     out.first_segment = static_cast<int>(chain.segments.size());
     out.first_joint = static_cast<int>(chain.inner_joints.size());
     out.segments = n;
-    const Eigen::Vector3d from = chain.drawn.col(ends[m][0]), to = chain.drawn.col(ends[m][1]);
-    const Eigen::Vector3d chord = to - from;
+    const Vector3d from = chain.drawn.col(ends[m][0]), to = chain.drawn.col(ends[m][1]);
+    const Vector3d chord = to - from;
     if (!(chord.norm() > 0)) {
       throw SceneError({scene.file, 0, 0, "member \"" + member.name + "\".nodes"},
                        "both nodes are at the same place", "give the nodes different positions");
@@ -301,13 +298,13 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     // Horizontal part of the chord; the chord itself where it is within 5 degrees of vertical.
     out.tension_direction = chord.normalized();
     if (chain.gravity.norm() > 0) {
-      const Eigen::Vector3d up = chain.gravity.normalized();
-      const Eigen::Vector3d level = chord - up * up.dot(chord);
+      const Vector3d up = chain.gravity.normalized();
+      const Vector3d level = chord - up * up.dot(chord);
       if (level.norm() > 0.0872 * chord.norm()) out.tension_direction = level.normalized();
     }
 
     const bool framed = reduction.torsion[m];
-    const Eigen::Matrix3d axes = chain.axes * material_axes(chain.axes.transpose() * chord);
+    const Matrix3d axes = chain.axes * material_axes(chain.axes.transpose() * chord);
     out.even = m >= options.places.size() || options.places[m].empty();
     out.places = places_of(out.even ? std::vector<double>{} : options.places[m], n);
     const std::vector<double>& places = out.places;
@@ -387,13 +384,13 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
   }
 
   // Axes of each turning node, by its rotational stiffness as drawn.
-  const auto rotations = static_cast<Eigen::Index>(chain.rotating_node.size());
-  chain.rotation_basis.assign(chain.rotating_node.size(), Eigen::Matrix3d::Identity());
+  const auto rotations = static_cast<Index>(chain.rotating_node.size());
+  chain.rotation_basis.assign(chain.rotating_node.size(), Matrix3d::Identity());
   chain.rotation_fixed.setConstant(3, rotations, false);
-  std::vector<Eigen::Matrix3d> stiffness(chain.rotating_node.size(), Eigen::Matrix3d::Zero());
+  std::vector<Matrix3d> stiffness(chain.rotating_node.size(), Matrix3d::Zero());
   for (const EndJoint& joint : chain.end_joints) {
     if (joint.rotation < 0) continue;
-    const Eigen::Vector3d k(joint.springs.torsion, joint.springs.about_1, joint.springs.about_2);
+    const Vector3d k(joint.springs.torsion, joint.springs.about_1, joint.springs.about_2);
     stiffness[static_cast<std::size_t>(joint.rotation)] +=
         joint.directors * k.asDiagonal() * joint.directors.transpose();
   }
@@ -404,7 +401,7 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
           std::isinf(support.rotational[axis]) ? 0.0 : support.rotational[axis];
     }
   }
-  for (Eigen::Index r = 0; r < rotations; ++r) {
+  for (Index r = 0; r < rotations; ++r) {
     const auto k = static_cast<std::size_t>(r);
     bool held_axis = false;
     for (NodeSupport& support : chain.supports) {
@@ -417,14 +414,14 @@ Chain Chain::from_scene(const Scene& scene, const ChainOptions& options) {
     }
     if (held_axis) continue;  // about coordinate axes
     // The plane's normal stays an axis; the solver returns rising eigenvalues.
-    Eigen::Vector3d values;
+    Vector3d values;
     if (chain.planar) {
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
       eigen.computeDirect(stiffness[k].topLeftCorner<2, 2>());
       chain.rotation_basis[k].topLeftCorner<2, 2>() = eigen.eigenvectors();
       values << eigen.eigenvalues(), stiffness[k](2, 2);
     } else {
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(stiffness[k]);
+      const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(stiffness[k]);
       chain.rotation_basis[k] = eigen.eigenvectors();
       values = eigen.eigenvalues();
     }

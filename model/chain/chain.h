@@ -17,11 +17,10 @@
 // flexibility for which frequencies err by l^4 (segment_lumping.h); rigid_rod is the paper's.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <optional>
-#include <vector>
 
+#include "model/algebra/numbers.h"
 #include "model/chain/segment_lumping.h"
 #include "model/scene/scene.h"
 
@@ -69,15 +68,15 @@ struct EndJoint {
   JointSprings springs;
   bool stress_free_at_equilibrium = false;  ///< a hanging cable's: no moment at the equilibrium
   /// The node's side at no rotation of the node: columns tangent, axis 1, axis 2.
-  Eigen::Matrix3d directors = Eigen::Matrix3d::Identity();
+  Matrix3d directors = Matrix3d::Identity();
 };
 
 /// A spring between a node and the ground.
 struct NodeSupport {
   int node = 0;
   int rotation = -1;
-  Eigen::Vector3d translational = Eigen::Vector3d::Zero();  ///< N / m along the chain's axes
-  Eigen::Vector3d rotational = Eigen::Vector3d::Zero();     ///< N m / rad about them
+  Vector3d translational = Vector3d::Zero();  ///< N / m along the chain's axes
+  Vector3d rotational = Vector3d::Zero();     ///< N m / rad about them
 };
 
 /// A point of the chain that a load acts on or a sensor sits at: weights of up to four nodes
@@ -105,30 +104,30 @@ struct ChainMember {
   std::vector<int> nodes;                ///< segments + 1, from the first node to the second
   /// Places of the nodes, 0..1 of the unstretched length.
   std::vector<double> places;
-  bool even = true;                            ///< segments alike, to the last digit
-  double unstretched_length = 0;               ///< m
-  std::optional<double> target_tension;        ///< N: the unstretched length is to be found
-  Eigen::Vector3d tension_direction{1, 0, 0};  ///< unit: horizontal, or the chord if that is steep
+  bool even = true;                      ///< segments alike, to the last digit
+  double unstretched_length = 0;         ///< m
+  std::optional<double> target_tension;  ///< N: the unstretched length is to be found
+  Vector3d tension_direction{1, 0, 0};   ///< unit: horizontal, or the chord if that is steep
 };
 
 /// Everything of a rig that does not move. The unstretched lengths may be set anew (they are
 /// unknowns of the equilibrium), which rescales the member's segments; end joints are set to rest.
 struct Chain {
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< chain axes = axes * scene axes
-  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();   ///< m/s^2, chain axes
+  Matrix3d axes = Matrix3d::Identity();  ///< chain axes = axes * scene axes
+  Vector3d gravity = Vector3d::Zero();   ///< m/s^2, chain axes
   bool planar = false;  ///< chain's x, y plane is one of symmetry of the scene at rest
 
-  int nodes = 0;                    ///< the scene's, in its order, then those inside members
-  int scene_nodes = 0;              ///< how many those of the scene are
-  int frames = 0;                   ///< zero: no torsion
-  std::vector<int> along;           ///< all nodes, neighbours near each other
-  Eigen::Matrix3Xd drawn;           ///< 3 x nodes, chain axes: straight between the scene's nodes
-  Eigen::Matrix3Xd drawn_director;  ///< 3 x frames: material axis 1 of the straight members
+  int nodes = 0;             ///< the scene's, in its order, then those inside members
+  int scene_nodes = 0;       ///< how many those of the scene are
+  int frames = 0;            ///< zero: no torsion
+  std::vector<int> along;    ///< all nodes, neighbours near each other
+  Matrix3Xd drawn;           ///< 3 x nodes, chain axes: straight between the scene's nodes
+  Matrix3Xd drawn_director;  ///< 3 x frames: material axis 1 of the straight members
   Eigen::Matrix<bool, 3, Eigen::Dynamic> fixed;  ///< displacement held, 3 x nodes
   std::vector<int> rotating_node;                ///< chain node of each node rotation
   /// Axes a node may turn about (columns) and which of them it may not: those without stiffness,
   /// such as a cable's own axis where it transmits no torque.
-  std::vector<Eigen::Matrix3d> rotation_basis;
+  std::vector<Matrix3d> rotation_basis;
   Eigen::Matrix<bool, 3, Eigen::Dynamic> rotation_fixed;  ///< 3 x rotations
   /// False while the equilibrium is sought: joints stress-free at equilibrium bear no bending
   /// moment yet.
@@ -140,8 +139,8 @@ struct Chain {
   std::vector<EndJoint> end_joints;
   std::vector<NodeSupport> supports;
   std::vector<PointMass> masses;
-  std::vector<ChainPoint> loads, sensors;                         ///< in the scene's order
-  std::vector<Eigen::Vector3d> load_direction, sensor_direction;  ///< chain axes
+  std::vector<ChainPoint> loads, sensors;                  ///< in the scene's order
+  std::vector<Vector3d> load_direction, sensor_direction;  ///< chain axes
   RotaryInertia rotary_inertia = RotaryInertia::accurate;
 
   /// `members` are the scene's, in its order. Throws SceneError for a member or place that names no
@@ -155,10 +154,10 @@ struct Chain {
 
 /// Where a chain is. Directors and rotations are updated by increments (`advance` in assembly.h).
 struct ChainState {
-  Eigen::Matrix3Xd position;  ///< m, 3 x nodes, chain axes
-  Eigen::Matrix3Xd director;  ///< 3 x frames: unit, normal to its segment
+  Matrix3Xd position;  ///< m, 3 x nodes, chain axes
+  Matrix3Xd director;  ///< 3 x frames: unit, normal to its segment
   /// Rotation of each rotating node from its drawn attitude.
-  std::vector<Eigen::Matrix3d> rotation;
+  std::vector<Matrix3d> rotation;
 };
 
 /// Sets the directors of all joints stress-free at equilibrium to the given equilibrium, and
@@ -167,22 +166,20 @@ void settle(Chain& chain, const ChainState& state);
 /// A segment's direction: columns tangent, axis 1, axis 2 (axes zero where it has no frame), and
 /// |e|.
 struct Directed {
-  Eigen::Matrix3d directors;
+  Matrix3d directors;
   double length = 0;
 };
 [[nodiscard]] Directed directed(const Chain& chain, const ChainState& state, int segment);
 /// EA/l (|e| - l) of every segment, N.
-[[nodiscard]] Eigen::VectorXd axial_forces(const Chain& chain, const ChainState& state);
+[[nodiscard]] VectorXd axial_forces(const Chain& chain, const ChainState& state);
 /// Directors of `from` in `to`, whose segments have turned without twisting.
 void carry_frames(const Chain& chain, const ChainState& from, ChainState& to);
 /// A vector normal to the unit vector `from`, after parallel transport normal to `to`.
-[[nodiscard]] Eigen::Vector3d transported(const Eigen::Vector3d& d, const Eigen::Vector3d& from,
-                                          const Eigen::Vector3d& to);
+[[nodiscard]] Vector3d transported(const Vector3d& d, const Vector3d& from, const Vector3d& to);
 
 /// As drawn: members straight, nothing turned.
 [[nodiscard]] ChainState drawn_state(const Chain& chain);
 /// Position of a place, chain axes.
-[[nodiscard]] Eigen::Vector3d position_of(const ChainPoint& point,
-                                          const Eigen::Matrix3Xd& position);
+[[nodiscard]] Vector3d position_of(const ChainPoint& point, const Matrix3Xd& position);
 
 }  // namespace rigfit::model

@@ -1,6 +1,7 @@
 // Where a chain is: its drawn state, directors, places; its numbers (declared in chain.h).
 #include <Eigen/Geometry>
 
+#include "model/algebra/numbers.h"
 #include "model/chain/chain.h"
 
 namespace rigfit::model {
@@ -16,7 +17,7 @@ void settle(Chain& chain, const ChainState& state) {
     if (!joint.stress_free_at_equilibrium) continue;
     joint.directors = directed(chain, state, joint.segment).directors;
     if (joint.rotation >= 0) {
-      const Eigen::Matrix3d& turn = state.rotation[static_cast<std::size_t>(joint.rotation)];
+      const Matrix3d& turn = state.rotation[static_cast<std::size_t>(joint.rotation)];
       joint.directors = (turn.transpose() * joint.directors).eval();
     }
   }
@@ -25,7 +26,7 @@ void settle(Chain& chain, const ChainState& state) {
 
 Directed directed(const Chain& chain, const ChainState& state, int segment) {
   const Segment& s = chain.segments[static_cast<std::size_t>(segment)];
-  const Eigen::Vector3d e = state.position.col(s.b) - state.position.col(s.a);
+  const Vector3d e = state.position.col(s.b) - state.position.col(s.a);
   Directed out;
   out.length = e.norm();
   out.directors.col(0) = e / out.length;
@@ -38,9 +39,9 @@ Directed directed(const Chain& chain, const ChainState& state, int segment) {
   return out;
 }
 
-Eigen::VectorXd axial_forces(const Chain& chain, const ChainState& state) {
-  Eigen::VectorXd forces(static_cast<Eigen::Index>(chain.segments.size()));
-  for (Eigen::Index k = 0; k < forces.size(); ++k) {
+VectorXd axial_forces(const Chain& chain, const ChainState& state) {
+  VectorXd forces(static_cast<Index>(chain.segments.size()));
+  for (Index k = 0; k < forces.size(); ++k) {
     const Segment& s = chain.segments[static_cast<std::size_t>(k)];
     const double length = (state.position.col(s.b) - state.position.col(s.a)).norm();
     forces[k] = s.EA * (length / s.length - 1);
@@ -51,14 +52,13 @@ Eigen::VectorXd axial_forces(const Chain& chain, const ChainState& state) {
 void carry_frames(const Chain& chain, const ChainState& from, ChainState& to) {
   for (const Segment& s : chain.segments) {
     if (s.frame < 0) continue;
-    const Eigen::Vector3d t = (from.position.col(s.b) - from.position.col(s.a)).normalized();
-    const Eigen::Vector3d after = (to.position.col(s.b) - to.position.col(s.a)).normalized();
+    const Vector3d t = (from.position.col(s.b) - from.position.col(s.a)).normalized();
+    const Vector3d after = (to.position.col(s.b) - to.position.col(s.a)).normalized();
     to.director.col(s.frame) = transported(from.director.col(s.frame), t, after);
   }
 }
 
-Eigen::Vector3d transported(const Eigen::Vector3d& d, const Eigen::Vector3d& from,
-                            const Eigen::Vector3d& to) {
+Vector3d transported(const Vector3d& d, const Vector3d& from, const Vector3d& to) {
   return d - d.dot(to) / (1 + from.dot(to)) * (from + to);
 }
 
@@ -66,12 +66,12 @@ ChainState drawn_state(const Chain& chain) {
   ChainState state;
   state.position = chain.drawn;
   state.director = chain.drawn_director;
-  state.rotation.assign(chain.rotating_node.size(), Eigen::Matrix3d::Identity());
+  state.rotation.assign(chain.rotating_node.size(), Matrix3d::Identity());
   return state;
 }
 
-Eigen::Vector3d position_of(const ChainPoint& point, const Eigen::Matrix3Xd& position) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+Vector3d position_of(const ChainPoint& point, const Matrix3Xd& position) {
+  Vector3d sum = Vector3d::Zero();
   for (int k = 0; k < point.count; ++k) {
     const auto i = static_cast<std::size_t>(k);
     sum += point.weight[i] * position.col(point.node[i]);

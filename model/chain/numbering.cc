@@ -1,9 +1,5 @@
 #include "model/chain/numbering.h"
 
-#include <algorithm>
-#include <utility>
-#include <vector>
-
 namespace rigfit::model {
 namespace {
 
@@ -78,8 +74,8 @@ std::vector<bool> borne_rotations(const Chain& chain) {
 Numbering number_unknowns(const Chain& chain, Motion motion) {
   Numbering out;
   out.motion = motion;
-  const auto segments = static_cast<Eigen::Index>(chain.segments.size());
-  const auto rotations = static_cast<Eigen::Index>(chain.rotating_node.size());
+  const auto segments = static_cast<Index>(chain.segments.size());
+  const auto rotations = static_cast<Index>(chain.rotating_node.size());
   out.displacement.setConstant(3, chain.nodes, -1);
   out.twist.setConstant(segments, -1);
   out.rotation.setConstant(3, rotations, -1);
@@ -92,8 +88,8 @@ Numbering number_unknowns(const Chain& chain, Motion motion) {
     if (borne[r]) rotation[std::size_t(chain.rotating_node[r])] = static_cast<int>(r);
   }
   // Segments that twist, by the rank of their first node.
-  std::vector<std::pair<int, Eigen::Index>> twisting;
-  for (Eigen::Index s = 0; motion != Motion::in_plane && s < segments; ++s) {
+  std::vector<std::pair<int, Index>> twisting;
+  for (Index s = 0; motion != Motion::in_plane && s < segments; ++s) {
     const Segment& segment = chain.segments[static_cast<std::size_t>(s)];
     const int first = std::min(rank[std::size_t(segment.a)], rank[std::size_t(segment.b)]);
     if (segment.frame >= 0) twisting.emplace_back(first, s);

@@ -1,10 +1,10 @@
 // Which unknowns a motion of a chain has, and their order.
 #pragma once
 
-#include <Eigen/Core>
 #include <memory>
 
 #include "model/algebra/envelope_matrix.h"
+#include "model/algebra/numbers.h"
 #include "model/chain/chain.h"
 
 namespace rigfit::model {
@@ -17,14 +17,13 @@ struct Numbering {
   Motion motion = Motion::space;
   int size = 0;
   Eigen::Matrix3Xi displacement;  ///< 3 x nodes
-  Eigen::VectorXi twist;          ///< segments
+  VectorXi twist;                 ///< segments
   Eigen::Matrix3Xi rotation;      ///< 3 x rotating nodes
   std::shared_ptr<const Envelope> envelope;
 
   /// A node's part of increments q of the unknowns; zero where it has none.
-  [[nodiscard]] Eigen::Vector3d displacement_in(const Eigen::Ref<const Eigen::VectorXd>& q,
-                                                int node) const {
-    Eigen::Vector3d v = Eigen::Vector3d::Zero();
+  [[nodiscard]] Vector3d displacement_in(const Ref<const VectorXd>& q, int node) const {
+    Vector3d v = Vector3d::Zero();
     for (int axis = 0; axis < 3; ++axis) {
       if (displacement(axis, node) >= 0) v[axis] = q[displacement(axis, node)];
     }

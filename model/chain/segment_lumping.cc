@@ -1,8 +1,6 @@
 #include "model/chain/segment_lumping.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
 
 namespace rigfit::model {
 namespace {
@@ -44,8 +42,7 @@ ClampFlexibility clamp_flexibility(double q2) {
   return {(q * s - excess) / (1 + s) / q2, next / q2, second / q2};
 }
 
-double nominal_tension(const Member& member, const Eigen::Vector3d& ends,
-                       const Eigen::Vector3d& gravity) {
+double nominal_tension(const Member& member, const Vector3d& ends, const Vector3d& gravity) {
   if (member.kind != Member::Kind::cable) return 0;
   const double chord = ends.norm();
   const double across = gravity.cross(ends / chord).norm();
@@ -78,19 +75,19 @@ AxialForce nominal_axial_force(const Scene& scene, const std::vector<std::array<
   const auto [first, second] = ends[member];
   if (beam.kind == Member::Kind::cable || held(first) == held(second)) return {};
   const int tip = held(first) ? second : first, foot = held(first) ? first : second;
-  Eigen::Vector3d force = node(tip).mass * scene.gravity;
+  Vector3d force = node(tip).mass * scene.gravity;
   for (std::size_t m = 0; m < ends.size(); ++m) {
     if (m == member || (ends[m][0] != tip && ends[m][1] != tip)) continue;
     const Member& other = scene.members[m];
     const int far = ends[m][0] == tip ? ends[m][1] : ends[m][0];
-    const Eigen::Vector3d chord = node(far).position - node(tip).position;
+    const Vector3d chord = node(far).position - node(tip).position;
     const double length = chord.norm();
     if (!(length > 0)) continue;
     force += 0.5 * mean_mass(other) * length * scene.gravity;
     if (other.kind != Member::Kind::cable) continue;
     force += nominal_tension(other, chord, scene.gravity) / length * chord;
   }
-  const Eigen::Vector3d axis = node(tip).position - node(foot).position;
+  const Vector3d axis = node(tip).position - node(foot).position;
   const double length = axis.norm();
   if (!(length > 0)) return {};
   const double at_tip = force.dot(axis) / length;

@@ -27,11 +27,10 @@
 // (those of sin(kl/2) / (kl/2)): such coarse chains are extrapolated to l = 0.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstddef>
-#include <vector>
 
+#include "model/algebra/numbers.h"
 #include "model/scene/scene.h"
 
 namespace rigfit::model {
@@ -52,8 +51,8 @@ struct ClampFlexibility {
 
 /// Estimated tension of a member, N, before the equilibrium is known: from its stated tension or
 /// length, sag included; zero for a beam. `chord` m, `gravity` m/s^2, in the same axes.
-[[nodiscard]] double nominal_tension(const Member& member, const Eigen::Vector3d& chord,
-                                     const Eigen::Vector3d& gravity);
+[[nodiscard]] double nominal_tension(const Member& member, const Vector3d& chord,
+                                     const Vector3d& gravity);
 
 /// Axial force that varies linearly along a member, tension positive, N.
 struct AxialForce {

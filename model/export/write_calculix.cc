@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <map>
 
@@ -81,11 +79,11 @@ class DeckWriter {
     }
   }
 
-  Eigen::Vector3d position(const std::string& node) const {
+  Vector3d position(const std::string& node) const {
     for (const auto& candidate : scene_.nodes) {
       if (candidate.name == node) return candidate.position;
     }
-    return Eigen::Vector3d::Zero();  // the reader has made sure that it exists
+    return Vector3d::Zero();  // the reader has made sure that it exists
   }
 
   int node_number(const std::string& node) {
@@ -94,7 +92,7 @@ class DeckWriter {
     return entry->second;
   }
 
-  int add_node(const Eigen::Vector3d& at) {
+  int add_node(const Vector3d& at) {
     nodes_ += fmt::format("{},{:.12g},{:.12g},{:.12g}\n", next_node_, at.x(), at.y(), at.z());
     return next_node_++;
   }
@@ -103,8 +101,8 @@ class DeckWriter {
     std::string elements, sections;
     for (std::size_t i = 0; i < scene_.members.size(); ++i) {
       const Member& member = scene_.members[i];
-      const Eigen::Vector3d from = position(member.nodes[0]);
-      const Eigen::Vector3d span = position(member.nodes[1]) - from;
+      const Vector3d from = position(member.nodes[0]);
+      const Vector3d span = position(member.nodes[1]) - from;
       const int steps = 2 * options_.elements_per_member;
       std::vector<int> line_nodes{node_number(member.nodes[0])};
       for (int k = 1; k < steps; ++k) line_nodes.push_back(add_node(from + span * k / steps));
@@ -126,7 +124,7 @@ class DeckWriter {
 
   // Local direction 1 of the section is the horizontal one across the member (z for the rig's
   // plane), about which EI[0] bends.
-  std::string section(const Member& member, std::size_t i, const Eigen::Vector3d& span) {
+  std::string section(const Member& member, std::size_t i, const Vector3d& span) {
     const double total_mass = member.mass_per_length * unstretched_of(member);
     const double height = std::sqrt(12 * member.EI[0] / member.EA);
     const double width = std::sqrt(12 * member.EI[1] / member.EA);
@@ -138,9 +136,9 @@ class DeckWriter {
         member.EA * ratio * ratio * ratio / ((1 + e) * (1 + e / 2)) / (height * width);
     const double density = total_mass / (height * width * span.norm());
     add_rest(member, modulus * height * width, span.norm());
-    const Eigen::Vector3d axis = span.normalized();
-    Eigen::Vector3d across = Eigen::Vector3d::UnitZ() - axis.z() * axis;
-    if (across.norm() < 1e-6) across = Eigen::Vector3d::UnitX();
+    const Vector3d axis = span.normalized();
+    Vector3d across = Vector3d::UnitZ() - axis.z() * axis;
+    if (across.norm() < 1e-6) across = Vector3d::UnitX();
     across.normalize();
     return fmt::format(
         "*MATERIAL,NAME=MAT{0}\n*ELASTIC\n{1:.12g},{2:.12g}\n*DENSITY\n{3:.12g}\n"
@@ -249,9 +247,8 @@ class DeckWriter {
   void hold_twist(const std::string& node, int number) {
     for (const auto& member : scene_.members) {
       if (member.nodes[0] != node && member.nodes[1] != node) continue;
-      const Eigen::Vector3d axis =
-          (position(member.nodes[1]) - position(member.nodes[0])).normalized();
-      Eigen::Index main = 0;
+      const Vector3d axis = (position(member.nodes[1]) - position(member.nodes[0])).normalized();
+      Index main = 0;
       axis.cwiseAbs().maxCoeff(&main);
       if (member.kind == Member::Kind::beam && std::abs(std::abs(axis[main]) - 1) < 1e-12) {
         line(fmt::format("*BOUNDARY\n{0},{1},{1}", number, main + 4));
@@ -275,7 +272,7 @@ class DeckWriter {
     const double gravity = scene_.gravity.norm();
     if (gravity > 0) {
       line("*DLOAD");
-      const Eigen::Vector3d down = scene_.gravity / gravity;
+      const Vector3d down = scene_.gravity / gravity;
       for (std::size_t i = 0; i < scene_.members.size(); ++i) {
         line(fmt::format("M{},GRAV,{:.12g},{:.12g},{:.12g},{:.12g}", i + 1, gravity, down.x(),
                          down.y(), down.z()));

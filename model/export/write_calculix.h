@@ -20,9 +20,9 @@
 #include <string>
 #include <string_view>
 #include <tuple>
-#include <vector>
 
 #include "document/describe.h"
+#include "model/algebra/numbers.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
 

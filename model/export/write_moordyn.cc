@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "model/scene/actual_state.h"
 #include "model/scene/scene_error.h"
 

@@ -9,8 +9,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
+#include "model/algebra/numbers.h"
 #include "model/scene/scene.h"
 #include "model/statics/equilibrium_result.h"
 

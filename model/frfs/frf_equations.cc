@@ -1,8 +1,6 @@
 #include "model/frfs/frf_equations.h"
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
 
 #include "model/linear/damped_modes.h"
 #include "model/linear/segment_choice.h"
@@ -10,12 +8,10 @@
 
 namespace rigfit::model {
 
-using Complex = std::complex<double>;
-
 namespace {
 
 /// Real parts above imaginary parts.
-Eigen::Map<Eigen::Matrix2Xd> real_rows(Eigen::Ref<Eigen::VectorXcd> x) {
+Map<Eigen::Matrix2Xd> real_rows(Ref<VectorXcd> x) {
   return {reinterpret_cast<double*>(x.data()), 2, x.size()};
 }
 
@@ -41,19 +37,19 @@ FrfEquations frf_equations(const MotionModes& motion, const ChainState& state, c
   if (motion.omega2.size() > 0)
     out.zeta = modal_ratios(*motion.assembly, motion.shapes, state, scene);
   out.dampers.resize(n, out.zeta.size());
-  for (Eigen::Index r = 0; r < out.zeta.size(); ++r) {
-    out.dampers.col(r) = motion.mass * Eigen::VectorXd(motion.shapes.col(r));
+  for (Index r = 0; r < out.zeta.size(); ++r) {
+    out.dampers.col(r) = motion.mass * VectorXd(motion.shapes.col(r));
   }
   return out;
 }
 
-FrfSolver::FrfSolver(const FrfEquations& equations, const Eigen::MatrixXd& right, double farthest)
+FrfSolver::FrfSolver(const FrfEquations& equations, const MatrixXd& right, double farthest)
     : equations_(equations),
       wanted_(right.cols()),
       joint_(!equations.damping.values().isZero(0)),
       dynamic_(equations.motion->stiffness.envelope()),
       gain_(equations.zeta.size()) {
-  const Eigen::Index dampers = equations.zeta.size();
+  const Index dampers = equations.zeta.size();
   right_.resize(right.rows(), wanted_ + dampers);
   right_.leftCols(wanted_) = right.cast<Complex>();
   right_.rightCols(dampers) = equations.dampers.cast<Complex>();
@@ -63,19 +59,19 @@ FrfSolver::FrfSolver(const FrfEquations& equations, const Eigen::MatrixXd& right
   expand(right - equations.dampers * modal_, farthest);
 }
 
-void FrfSolver::expand(const Eigen::MatrixXd& outside, double farthest) {
+void FrfSolver::expand(const MatrixXd& outside, double farthest) {
   const MotionModes& motion = *equations_.motion;
   EnvelopeFactor stiffness;
   stiffness.factor(motion.stiffness);
-  std::vector<Eigen::MatrixXd> terms;
+  std::vector<MatrixXd> terms;
   double size = 1, first = 0;
   while (size > 1e-14 * first) {
     const auto k = terms.size();
     if (k == 64) return;
-    Eigen::MatrixXd term = outside;
-    for (Eigen::Index c = 0; c < wanted_; ++c) {
-      Eigen::VectorXd x = outside.col(c);
-      if (k > 0) x = motion.mass * Eigen::VectorXd(terms.back().col(c));
+    MatrixXd term = outside;
+    for (Index c = 0; c < wanted_; ++c) {
+      VectorXd x = outside.col(c);
+      if (k > 0) x = motion.mass * VectorXd(terms.back().col(c));
       stiffness.solve_in_place(x);
       // Rounding along the modes, which would grow by (|s| / omega_r)^2 a term, is taken out.
       term.col(c) = x - motion.shapes * (equations_.dampers.transpose() * x);
@@ -86,18 +82,18 @@ void FrfSolver::expand(const Eigen::MatrixXd& outside, double farthest) {
   }
   const auto count = std::ssize(terms);
   parts_.resize(count + gain_.size());
-  for (Eigen::Index c = 0; c < wanted_; ++c) {
+  for (Index c = 0; c < wanted_; ++c) {
     auto& basis = basis_.emplace_back(parts_.size(), outside.rows());
-    for (Eigen::Index k = 0; k < count; ++k) {
+    for (Index k = 0; k < count; ++k) {
       basis.row(k) = terms[static_cast<std::size_t>(k)].col(c).transpose();
     }
     basis.bottomRows(gain_.size()) = motion.shapes.transpose();
   }
 }
 
-const Eigen::MatrixXcd& FrfSolver::solve(Complex s) {
+const MatrixXcd& FrfSolver::solve(Complex s) {
   const MotionModes& motion = *equations_.motion;
-  for (Eigen::Index r = 0; r < gain_.size(); ++r) {
+  for (Index r = 0; r < gain_.size(); ++r) {
     gain_[r] = 2 * equations_.zeta[r] * std::sqrt(motion.omega2[r]) * s;
   }
   if (basis_.empty()) {
@@ -113,33 +109,33 @@ void FrfSolver::solve_jointly(Complex s) {
   dynamic_.values() = motion.stiffness.values().cast<Complex>() + s * s * motion.mass.values();
   if (joint_) dynamic_.values() += s * equations_.damping.values();
   factor_.factor(dynamic_);
-  Eigen::MatrixXcd all = right_;
+  MatrixXcd all = right_;
   factor_.solve_in_place(all);
   solution_ = all.leftCols(wanted_);
-  const Eigen::Index dampers = gain_.size();
+  const Index dampers = gain_.size();
   if (dampers == 0 || s == Complex(0)) return;
   // (D + B G B')^-1 = D^-1 - D^-1 B (I + G B' D^-1 B)^-1 G B' D^-1.
   const auto b = right_.rightCols(dampers);
   const auto db = all.rightCols(dampers);
   small_ = gain_.asDiagonal() * (b.transpose() * db);
   small_.diagonal().array() += Complex(1);
-  const Eigen::MatrixXcd part = gain_.asDiagonal() * (b.transpose() * solution_);
+  const MatrixXcd part = gain_.asDiagonal() * (b.transpose() * solution_);
   solution_ -= db * small_.partialPivLu().solve(part);
 }
 
 void FrfSolver::solve_by_modes(Complex s) {
   const auto dampers = gain_.size();
   parts_[0] = 1;
-  for (Eigen::Index k = 1; k < parts_.size() - dampers; ++k) parts_[k] = -s * s * parts_[k - 1];
-  for (Eigen::Index c = 0; c < wanted_; ++c) {
-    for (Eigen::Index r = 0; r < dampers; ++r) {
+  for (Index k = 1; k < parts_.size() - dampers; ++k) parts_[k] = -s * s * parts_[k - 1];
+  for (Index c = 0; c < wanted_; ++c) {
+    for (Index r = 0; r < dampers; ++r) {
       parts_.tail(dampers)[r] = modal_(r, c) / (equations_.motion->omega2[r] + s * s + gain_[r]);
     }
     real_rows(solution_.col(c)).noalias() = real_rows(parts_) * basis_[static_cast<std::size_t>(c)];
   }
 }
 
-ChainModes frf_modes(const Scene& scene, const Eigen::VectorXd& frequency_hz,
+ChainModes frf_modes(const Scene& scene, const VectorXd& frequency_hz,
                      const ModesOptions& options) {
   ModesOptions wanted = options;
   const bool ratios = std::any_of(scene.members.begin(), scene.members.end(),

@@ -13,20 +13,17 @@
 // joint dampers the sum is inverted by Woodbury's formula, line by line.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-#include <vector>
-
+#include "model/algebra/numbers.h"
 #include "model/linear/modes.h"
 
 namespace rigfit::model {
 
 struct FrfEquations {
   const MotionModes* motion = nullptr;
-  EnvelopeMatrix damping;          ///< joint dampers
-  Eigen::MatrixXd sensors, loads;  ///< unknowns x sensors, unknowns x loads
-  Eigen::MatrixXd dampers;         ///< M phi_r: unknowns x modes; empty without modal ratios
-  Eigen::VectorXd zeta;            ///< modal ratio of each damper
+  EnvelopeMatrix damping;   ///< joint dampers
+  MatrixXd sensors, loads;  ///< unknowns x sensors, unknowns x loads
+  MatrixXd dampers;         ///< M phi_r: unknowns x modes; empty without modal ratios
+  VectorXd zeta;            ///< modal ratio of each damper
 };
 
 /// `motion` must outlive the result.
@@ -37,39 +34,38 @@ struct FrfEquations {
 class FrfSolver {
  public:
   /// `farthest`: the largest |s|.
-  FrfSolver(const FrfEquations& equations, const Eigen::MatrixXd& right, double farthest);
+  FrfSolver(const FrfEquations& equations, const MatrixXd& right, double farthest);
   /// unknowns x right sides; valid until the next call.
-  [[nodiscard]] const Eigen::MatrixXcd& solve(std::complex<double> s);
+  [[nodiscard]] const MatrixXcd& solve(Complex s);
 
  private:
   /// The vectors of the series; none where it does not converge.
-  void expand(const Eigen::MatrixXd& outside, double farthest);
-  void solve_jointly(std::complex<double> s);
-  void solve_by_modes(std::complex<double> s);
+  void expand(const MatrixXd& outside, double farthest);
+  void solve_jointly(Complex s);
+  void solve_by_modes(Complex s);
 
   const FrfEquations& equations_;
-  Eigen::Index wanted_;
+  Index wanted_;
   bool joint_;  ///< there are joint dampers
-  Eigen::MatrixXcd right_, solution_, small_;
+  MatrixXcd right_, solution_, small_;
   ComplexEnvelopeMatrix dynamic_;
   ComplexEnvelopeFactor factor_;
-  Eigen::VectorXcd gain_;
-  Eigen::MatrixXd modal_;  ///< the right sides' part along the damped modes
+  VectorXcd gain_;
+  MatrixXd modal_;  ///< the right sides' part along the damped modes
   /// By right side: the series' vectors, by power of -s^2, and the modes' shapes, row by row.
-  std::vector<Eigen::MatrixXd> basis_;
-  Eigen::VectorXcd parts_;  ///< their factors at a line
+  std::vector<MatrixXd> basis_;
+  VectorXcd parts_;  ///< their factors at a line
 };
 
 /// The rig at rest with what its FRFs at these lines need: its motions' matrices and, where a
 /// member has a modal damping ratio, all modes up to twice the highest line.
-[[nodiscard]] ChainModes frf_modes(const Scene& scene, const Eigen::VectorXd& frequency_hz,
+[[nodiscard]] ChainModes frf_modes(const Scene& scene, const VectorXd& frequency_hz,
                                    const ModesOptions& options);
 
 /// From displacement (or force) to a sensor's quantity.
-[[nodiscard]] std::complex<double> quantity_factor(Sensor::Quantity quantity,
-                                                   std::complex<double> s);
+[[nodiscard]] Complex quantity_factor(Sensor::Quantity quantity, Complex s);
 
 /// i omega + a of a line, 1/s.
-[[nodiscard]] std::complex<double> laplace_variable(double frequency_hz, double decay_rate_1_s);
+[[nodiscard]] Complex laplace_variable(double frequency_hz, double decay_rate_1_s);
 
 }  // namespace rigfit::model

@@ -1,8 +1,6 @@
 #include "model/frfs/frf_sensitivities.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 
 #include "model/frfs/frf_equations.h"
@@ -12,17 +10,15 @@
 namespace rigfit::model {
 namespace {
 
-using Complex = std::complex<double>;
-
 constexpr double kEqual = 1e-9;  // relative distance of squared frequencies found to 1e-10
 
 /// The rates of one motion's equations with one parameter.
 struct EquationRates {
   EnvelopeMatrix stiffness, mass, damping;
-  Eigen::MatrixXd sensors, loads;
+  MatrixXd sensors, loads;
   // Modal dampers: sum_r g_r m_r m_r' has the rate sum_rs pair_rs (m_r m_s') + sum_r g_r (n_r m_r'
   // + m_r n_r'), n_r the rate of m_r = M phi_r less what the other damped modes take of it.
-  Eigen::MatrixXd pair, normal;
+  MatrixXd pair, normal;
 };
 
 /// What does not depend on the parameter: factors of K - omega_r^2 M, for the damped modes' rates.
@@ -33,16 +29,15 @@ class ShapeSolver {
     factors_.resize(static_cast<std::size_t>(equations.zeta.size()));
     EnvelopeMatrix shifted = motion.stiffness;
     for (std::size_t r = 0; r < factors_.size(); ++r) {
-      shifted.values() =
-          motion.stiffness.values() - motion.omega2[Eigen::Index(r)] * motion.mass.values();
+      shifted.values() = motion.stiffness.values() - motion.omega2[Index(r)] * motion.mass.values();
       factors_[r].factor(shifted);
     }
   }
 
   /// phi_r's rate outside of the damped modes' space, for the right side -(K_p - omega_r^2 M_p)
   /// phi_r. K - omega_r^2 M is singular along phi_r alone, which the projections take out.
-  Eigen::VectorXd outside(std::size_t r, Eigen::VectorXd right) const {
-    const Eigen::MatrixXd& shapes = equations_.motion->shapes;
+  VectorXd outside(std::size_t r, VectorXd right) const {
+    const MatrixXd& shapes = equations_.motion->shapes;
     right -= equations_.dampers * (shapes.transpose() * right);
     factors_[r].solve_in_place(right);
     right -= shapes * (equations_.dampers.transpose() * right);
@@ -56,10 +51,10 @@ class ShapeSolver {
 
 /// Derivative of the modal ratios that comes from the turning shapes alone. Shapes of close
 /// frequencies turn fast, so that they have a step of their own.
-Eigen::VectorXd turning_rate(const MotionModes& motion, const Eigen::MatrixXd& shape_rate,
-                             const ChainState& rest, const Scene& scene) {
+VectorXd turning_rate(const MotionModes& motion, const MatrixXd& shape_rate, const ChainState& rest,
+                      const Scene& scene) {
   const double fastest = shape_rate.cwiseAbs().maxCoeff() / motion.shapes.cwiseAbs().maxCoeff();
-  if (!(fastest > 0)) return Eigen::VectorXd::Zero(motion.omega2.size());
+  if (!(fastest > 0)) return VectorXd::Zero(motion.omega2.size());
   const double part = 1e-4 / fastest;
   const auto at = [&](double factor) {
     return modal_ratios(*motion.assembly, motion.shapes + factor * shape_rate, rest, scene);
@@ -73,27 +68,27 @@ void damper_rates(const FrfEquations& equations, const ShapeSolver& solver, cons
                   const std::array<PerturbedEquilibrium, 2>& rigs,
                   const std::array<MotionModes, 2>& moved, EquationRates& rates) {
   const MotionModes& motion = *equations.motion;
-  const Eigen::Index count = equations.zeta.size();
-  const Eigen::MatrixXd& phi = motion.shapes;
-  Eigen::MatrixXd dk_phi(phi.rows(), count), dm_phi(phi.rows(), count);
-  for (Eigen::Index r = 0; r < count; ++r) {
-    const Eigen::VectorXd shape = phi.col(r);
+  const Index count = equations.zeta.size();
+  const MatrixXd& phi = motion.shapes;
+  MatrixXd dk_phi(phi.rows(), count), dm_phi(phi.rows(), count);
+  for (Index r = 0; r < count; ++r) {
+    const VectorXd shape = phi.col(r);
     dk_phi.col(r) = rates.stiffness * shape;
     dm_phi.col(r) = rates.mass * shape;
   }
-  const Eigen::MatrixXd k = phi.transpose() * dk_phi, m = phi.transpose() * dm_phi;
-  const Eigen::VectorXd& lambda = motion.omega2;
-  const Eigen::VectorXd lambda_rate = k.diagonal() - lambda.cwiseProduct(m.diagonal());
+  const MatrixXd k = phi.transpose() * dk_phi, m = phi.transpose() * dm_phi;
+  const VectorXd& lambda = motion.omega2;
+  const VectorXd lambda_rate = k.diagonal() - lambda.cwiseProduct(m.diagonal());
 
   // Shapes to first order, for the ratios' weights by strain energy: equal frequencies share their
   // damped space, in which they are not turned.
-  Eigen::MatrixXd shape_rate(phi.rows(), count);
+  MatrixXd shape_rate(phi.rows(), count);
   rates.normal.resize(phi.rows(), count);
-  for (Eigen::Index r = 0; r < count; ++r) {
-    const Eigen::VectorXd outside =
+  for (Index r = 0; r < count; ++r) {
+    const VectorXd outside =
         solver.outside(std::size_t(r), lambda[r] * dm_phi.col(r) - dk_phi.col(r));
-    Eigen::VectorXd inside = Eigen::VectorXd::Zero(count);
-    for (Eigen::Index s = 0; s < count; ++s) {
+    VectorXd inside = VectorXd::Zero(count);
+    for (Index s = 0; s < count; ++s) {
       const double gap = lambda[r] - lambda[s];
       if (s == r) {
         inside[s] = -0.5 * m(r, r);
@@ -108,15 +103,15 @@ void damper_rates(const FrfEquations& equations, const ShapeSolver& solver, cons
   const auto ratios_on = [&](std::size_t side) {
     return modal_ratios(*moved[side].assembly, phi, rigs[side].state, rigs[side].scene);
   };
-  const Eigen::VectorXd zeta_rate =
+  const VectorXd zeta_rate =
       (ratios_on(1) - ratios_on(0)) / step.width() + turning_rate(motion, shape_rate, rest, scene);
 
-  const Eigen::VectorXd omega = lambda.cwiseSqrt();
-  const Eigen::VectorXd gain = 2 * equations.zeta.cwiseProduct(omega);
+  const VectorXd omega = lambda.cwiseSqrt();
+  const VectorXd gain = 2 * equations.zeta.cwiseProduct(omega);
   rates.pair.setZero(count, count);
-  for (Eigen::Index r = 0; r < count; ++r) {
+  for (Index r = 0; r < count; ++r) {
     rates.pair(r, r) = 2 * zeta_rate[r] * omega[r] + equations.zeta[r] * lambda_rate[r] / omega[r];
-    for (Eigen::Index s = 0; s < r; ++s) {
+    for (Index s = 0; s < r; ++s) {
       const double gap = lambda[r] - lambda[s];
       double value = 0;
       if (std::abs(gap) > kEqual * lambda[r]) {
@@ -133,22 +128,21 @@ void damper_rates(const FrfEquations& equations, const ShapeSolver& solver, cons
 }
 
 /// v' A u for one envelope matrix and many columns.
-void add_form(const EnvelopeMatrix& a, Complex factor, const Eigen::MatrixXcd& v,
-              const Eigen::MatrixXcd& u, Eigen::MatrixXcd& sum) {
+void add_form(const EnvelopeMatrix& a, Complex factor, const MatrixXcd& v, const MatrixXcd& u,
+              MatrixXcd& sum) {
   if (a.values().isZero(0)) return;  // most parameters move one matrix or none
-  for (Eigen::Index c = 0; c < u.cols(); ++c) {
-    const Eigen::VectorXd re = u.col(c).real(), im = u.col(c).imag();
-    const Eigen::VectorXd a_re = a * re, a_im = a * im;
+  for (Index c = 0; c < u.cols(); ++c) {
+    const VectorXd re = u.col(c).real(), im = u.col(c).imag();
+    const VectorXd a_re = a * re, a_im = a * im;
     sum.col(c) += factor * (v.transpose() * (a_re.cast<Complex>() + Complex(0, 1) * a_im));
   }
 }
 
 /// By differences of FRFs synthesised anew, for what leaves the plane of symmetry. The step is
 /// wider than that at fixed unknowns: what the solvers leave is about 1e-10.
-std::vector<Eigen::MatrixXcd> rate_anew(Scene scene, const Chain& chain,
-                                        const Eigen::VectorXd& frequency_hz,
-                                        const ParameterAccess& access, const ParameterStep& step,
-                                        const ModesOptions& options, double decay_rate_1_s) {
+std::vector<MatrixXcd> rate_anew(Scene scene, const Chain& chain, const VectorXd& frequency_hz,
+                                 const ParameterAccess& access, const ParameterStep& step,
+                                 const ModesOptions& options, double decay_rate_1_s) {
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
     scene.members[m].segments = chain.members[m].segments;
   }
@@ -169,8 +163,7 @@ std::vector<Eigen::MatrixXcd> rate_anew(Scene scene, const Chain& chain,
 
 }  // namespace
 
-FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
-                                              const Eigen::VectorXd& frequency_hz,
+FrfSensitivities synthesize_frf_sensitivities(const Scene& scene, const VectorXd& frequency_hz,
                                               const std::vector<ParameterAccess>& wanted,
                                               const ModesOptions& options, double decay_rate_1_s) {
   FrfSensitivities out;
@@ -179,18 +172,19 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
   out.frfs.equilibrium = describe(*modes.chain, modes.equilibrium, scene);
   if (modes.equilibrium.status != EquilibriumStatus::converged) return out;
   const ChainState& state = modes.equilibrium.state;
-  const auto sensors = static_cast<Eigen::Index>(scene.sensors.size());
-  const auto loads = static_cast<Eigen::Index>(scene.loads.size());
+  const auto sensors = static_cast<Index>(scene.sensors.size());
+  const auto loads = static_cast<Index>(scene.loads.size());
   const auto lines = static_cast<std::size_t>(frequency_hz.size());
-  const std::vector<Eigen::MatrixXcd> none(lines, Eigen::MatrixXcd::Zero(sensors, loads));
+  const std::vector<MatrixXcd> none(lines, MatrixXcd::Zero(sensors, loads));
   out.frfs.H = none;
   out.rate.assign(wanted.size(), none);
 
-  const BorderedSolver tangent = tangent_at_rest(*modes.chain, state);
+  std::optional<BorderedSolver> tangent;
+  if (!wanted.empty()) tangent.emplace(tangent_at_rest(*modes.chain, state));
   std::vector<Neighbours> neighbours;
   for (std::size_t p = 0; p < wanted.size(); ++p) {
     const Neighbours& near =
-        neighbours.emplace_back(neighbours_of(scene, modes, tangent, wanted[p]));
+        neighbours.emplace_back(neighbours_of(scene, modes, *tangent, wanted[p]));
     if (near.comparable) continue;
     out.rate[p] =
         rate_anew(scene, *modes.chain, frequency_hz, wanted[p], near.step, options, decay_rate_1_s);
@@ -227,37 +221,37 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
       }
     }
 
-    Eigen::MatrixXd right = equations.loads;
+    MatrixXd right = equations.loads;
     if (!wanted.empty()) {
       right.conservativeResize(Eigen::NoChange, loads + sensors);
       right.rightCols(sensors) = equations.sensors;
     }
     const double highest = lines > 0 ? frequency_hz.maxCoeff() : 0;
     FrfSolver solver(equations, right, std::abs(laplace_variable(highest, decay_rate_1_s)));
-    const Eigen::VectorXd gain =
+    const VectorXd gain =
         2 * equations.zeta.cwiseProduct(motion.omega2.head(equations.zeta.size()).cwiseSqrt());
     for (std::size_t line = 0; line < lines; ++line) {
-      const Complex laplace = laplace_variable(frequency_hz[Eigen::Index(line)], decay_rate_1_s);
-      const Eigen::MatrixXcd& solution = solver.solve(laplace);
-      const Eigen::MatrixXcd u = solution.leftCols(loads);
-      const Eigen::MatrixXcd v = solution.rightCols(solution.cols() - loads);
-      Eigen::VectorXcd factor(sensors);
-      for (Eigen::Index s = 0; s < sensors; ++s) {
+      const Complex laplace = laplace_variable(frequency_hz[Index(line)], decay_rate_1_s);
+      const MatrixXcd& solution = solver.solve(laplace);
+      const MatrixXcd u = solution.leftCols(loads);
+      const MatrixXcd v = solution.rightCols(solution.cols() - loads);
+      VectorXcd factor(sensors);
+      for (Index s = 0; s < sensors; ++s) {
         factor[s] = quantity_factor(scene.sensors[std::size_t(s)].quantity, laplace);
       }
       out.frfs.H[line] += factor.asDiagonal() * (equations.sensors.transpose() * u);
       for (std::size_t p = 0; p < wanted.size(); ++p) {
         if (!neighbours[p].comparable) continue;
         const EquationRates& r = rates[p];
-        Eigen::MatrixXcd h = r.sensors.transpose() * u + v.transpose() * r.loads;
+        MatrixXcd h = r.sensors.transpose() * u + v.transpose() * r.loads;
         add_form(r.stiffness, -1.0, v, u, h);
         add_form(r.mass, -laplace * laplace, v, u, h);
         add_form(r.damping, -laplace, v, u, h);
         if (modal && laplace != Complex(0)) {
-          const Eigen::MatrixXcd mu = equations.dampers.transpose() * u;
-          const Eigen::MatrixXcd mv = equations.dampers.transpose() * v;
-          const Eigen::MatrixXcd nu = gain.asDiagonal() * (r.normal.transpose() * u);
-          const Eigen::MatrixXcd nv = gain.asDiagonal() * (r.normal.transpose() * v);
+          const MatrixXcd mu = equations.dampers.transpose() * u;
+          const MatrixXcd mv = equations.dampers.transpose() * v;
+          const MatrixXcd nu = gain.asDiagonal() * (r.normal.transpose() * u);
+          const MatrixXcd nv = gain.asDiagonal() * (r.normal.transpose() * v);
           h -= laplace * (mv.transpose() * (r.pair * mu + nu) + nv.transpose() * mu);
         }
         out.rate[p][line] += factor.asDiagonal() * h;
@@ -267,7 +261,7 @@ FrfSensitivities synthesize_frf_sensitivities(const Scene& scene,
   return out;
 }
 
-SynthesizedFrfs synthesize_frfs(const Scene& scene, const Eigen::VectorXd& frequency_hz,
+SynthesizedFrfs synthesize_frfs(const Scene& scene, const VectorXd& frequency_hz,
                                 const ModesOptions& options, double decay_rate_1_s) {
   return synthesize_frf_sensitivities(scene, frequency_hz, {}, options, decay_rate_1_s).frfs;
 }

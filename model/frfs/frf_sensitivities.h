@@ -11,10 +11,9 @@
 // Journal 38, 2000).
 #pragma once
 
-#include <Eigen/Core>
 #include <string>
-#include <vector>
 
+#include "model/algebra/numbers.h"
 #include "model/frfs/frf_synthesis.h"
 
 namespace rigfit::model {
@@ -23,13 +22,13 @@ namespace rigfit::model {
 struct FrfSensitivities {
   SynthesizedFrfs frfs;  ///< as from `synthesize_frfs`; H empty without an equilibrium
   /// By parameter, then line: sensors x loads, unit of H per unit of the parameter. Empty like H.
-  std::vector<std::vector<Eigen::MatrixXcd>> rate;
+  std::vector<std::vector<MatrixXcd>> rate;
 };
 
 /// Lines must not be negative. Of `options`, segments, rotary inertia and torsion are used. For a
 /// node moved out of the plane of symmetry the derivative comes from differences of FRFs.
 [[nodiscard]] FrfSensitivities synthesize_frf_sensitivities(
-    const Scene& scene, const Eigen::VectorXd& frequency_hz,
+    const Scene& scene, const VectorXd& frequency_hz,
     const std::vector<ParameterAccess>& parameters, const ModesOptions& options = {},
     double decay_rate_1_s = 0);
 

@@ -15,9 +15,7 @@
 // mode's residue times exp((p-s)T), where p is its pole and T the block.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
+#include "model/algebra/numbers.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
 
@@ -26,15 +24,14 @@ namespace rigfit::model {
 /// FRFs of a scene from its loads to its sensors.
 struct SynthesizedFrfs {
   Equilibrium equilibrium;  ///< H is empty unless converged
-  Eigen::VectorXd frequency_hz;
-  std::vector<Eigen::MatrixXcd> H;  ///< per line: sensors x loads
+  VectorXd frequency_hz;
+  std::vector<MatrixXcd> H;  ///< per line: sensors x loads
 };
 
 /// Of `options`, segments, rotary inertia and torsion are used; "auto" members get the segments
 /// that the scene's accuracy requires for the modes within the lines. Lines and the window's decay
 /// rate must not be negative.
-[[nodiscard]] SynthesizedFrfs synthesize_frfs(const Scene& scene,
-                                              const Eigen::VectorXd& frequency_hz,
+[[nodiscard]] SynthesizedFrfs synthesize_frfs(const Scene& scene, const VectorXd& frequency_hz,
                                               const ModesOptions& options = {},
                                               double decay_rate_1_s = 0);
 

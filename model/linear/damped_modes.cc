@@ -1,28 +1,21 @@
 #include "model/linear/damped_modes.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "model/algebra/general_eigen.h"
 
 namespace rigfit::model {
 namespace {
 
-using Complex = std::complex<double>;
-
 /// A u, A real.
-Eigen::VectorXcd times(const EnvelopeMatrix& a, const Eigen::VectorXcd& u) {
-  const Eigen::VectorXd re = u.real(), im = u.imag();
-  Eigen::VectorXcd out(u.size());
+VectorXcd times(const EnvelopeMatrix& a, const VectorXcd& u) {
+  const VectorXd re = u.real(), im = u.imag();
+  VectorXcd out(u.size());
   out.real() = a * re;
   out.imag() = a * im;
   return out;
 }
 
 /// u' A u without conjugation.
-Complex form(const EnvelopeMatrix& a, const Eigen::VectorXcd& u) {
-  return u.transpose() * times(a, u);
-}
+Complex form(const EnvelopeMatrix& a, const VectorXcd& u) { return u.transpose() * times(a, u); }
 
 }  // namespace
 
@@ -34,19 +27,19 @@ bool has_joint_dampers(const Scene& scene) {
 
 double damping_ratio_of(Complex pole) { return -pole.real() / std::abs(pole); }
 
-Eigen::VectorXd modal_ratios(const Assembly& assembly, const Eigen::MatrixXd& shapes,
-                             const ChainState& state, const Scene& scene) {
-  const Eigen::Index modes = shapes.cols();
-  Eigen::VectorXd ratios = Eigen::VectorXd::Zero(modes);
+VectorXd modal_ratios(const Assembly& assembly, const MatrixXd& shapes, const ChainState& state,
+                      const Scene& scene) {
+  const Index modes = shapes.cols();
+  VectorXd ratios = VectorXd::Zero(modes);
   const auto ratio_of = [](const Member& member) { return member.damping_ratio.value_or(0); };
   const double first = scene.members.empty() ? 0 : ratio_of(scene.members[0]);
   const bool same = std::all_of(scene.members.begin(), scene.members.end(),
                                 [&](const Member& member) { return ratio_of(member) == first; });
   if (same && (first == 0 || assembly.chain().supports.empty())) return ratios.setConstant(first);
-  const Eigen::MatrixXd energy = assembly.stiffness_energy(state, shapes);
-  for (Eigen::Index i = 0; i < modes; ++i) {
+  const MatrixXd energy = assembly.stiffness_energy(state, shapes);
+  for (Index i = 0; i < modes; ++i) {
     double sum = 0, weighted = 0;
-    for (Eigen::Index m = 0; m < energy.rows(); ++m) {
+    for (Index m = 0; m < energy.rows(); ++m) {
       // A part that softens (a compressed beam's) stores nothing that could be lost.
       const double part = std::max(0.0, energy(m, i));
       sum += part;
@@ -59,14 +52,13 @@ Eigen::VectorXd modal_ratios(const Assembly& assembly, const Eigen::MatrixXd& sh
   return ratios;
 }
 
-Eigen::VectorXcd damped_poles(const MotionModes& motion, const ChainState& state,
-                              const Scene& scene) {
-  const Eigen::Index modes = motion.omega2.size();
-  const Eigen::VectorXd ratios = modal_ratios(*motion.assembly, motion.shapes, state, scene);
-  Eigen::VectorXcd poles(modes);
-  const Eigen::VectorXd omega = motion.omega2.cwiseSqrt();
+VectorXcd damped_poles(const MotionModes& motion, const ChainState& state, const Scene& scene) {
+  const Index modes = motion.omega2.size();
+  const VectorXd ratios = modal_ratios(*motion.assembly, motion.shapes, state, scene);
+  VectorXcd poles(modes);
+  const VectorXd omega = motion.omega2.cwiseSqrt();
   if (!has_joint_dampers(scene) || modes == 0) {
-    for (Eigen::Index i = 0; i < modes; ++i) {
+    for (Index i = 0; i < modes; ++i) {
       const double z = ratios[i];
       poles[i] = omega[i] * Complex(-z, std::sqrt(std::max(0.0, 1 - z * z)));
     }
@@ -76,25 +68,24 @@ Eigen::VectorXcd damped_poles(const MotionModes& motion, const ChainState& state
   motion.assembly->damping(state, c);
 
   // The quadratic problem among the modes asked for, as a first-order one.
-  Eigen::MatrixXd modal(modes, modes);
-  for (Eigen::Index i = 0; i < modes; ++i) {
-    modal.col(i).noalias() =
-        motion.shapes.transpose() * (c * Eigen::VectorXd(motion.shapes.col(i)));
+  MatrixXd modal(modes, modes);
+  for (Index i = 0; i < modes; ++i) {
+    modal.col(i).noalias() = motion.shapes.transpose() * (c * VectorXd(motion.shapes.col(i)));
   }
-  Eigen::MatrixXd first_order = Eigen::MatrixXd::Zero(2 * modes, 2 * modes);
+  MatrixXd first_order = MatrixXd::Zero(2 * modes, 2 * modes);
   first_order.topRightCorner(modes, modes).setIdentity();
   first_order.bottomLeftCorner(modes, modes).diagonal() = -motion.omega2;
   first_order.bottomRightCorner(modes, modes) = -modal;
   const GeneralEigenpairs eigen = general_eigenpairs(first_order, {});
-  const Eigen::MatrixXcd& vectors = eigen.vectors;
+  const MatrixXcd& vectors = eigen.vectors;
   std::vector<bool> taken(static_cast<std::size_t>(2 * modes), false);
   ComplexEnvelopeMatrix dynamic(motion.stiffness.envelope());
   ComplexEnvelopeFactor factor;
-  for (Eigen::Index i = 0; i < modes; ++i) {
+  for (Index i = 0; i < modes; ++i) {
     // The root with the largest part of this undamped mode, of those above the real axis.
-    Eigen::Index best = -1;
+    Index best = -1;
     double most = -1;
-    for (Eigen::Index r = 0; r < 2 * modes; ++r) {
+    for (Index r = 0; r < 2 * modes; ++r) {
       const Complex s = eigen.values[r];
       if (taken[static_cast<std::size_t>(r)] || s.imag() < 0) continue;
       const auto v = vectors.col(r).head(modes);
@@ -106,18 +97,18 @@ Eigen::VectorXcd damped_poles(const MotionModes& motion, const ChainState& state
     if (best < 0) continue;
     taken[static_cast<std::size_t>(best)] = true;
     Complex s = poles[i];
-    Eigen::VectorXcd u = motion.shapes.cast<Complex>() * vectors.col(best).head(modes);
+    VectorXcd u = motion.shapes.cast<Complex>() * vectors.col(best).head(modes);
     u /= u.norm();
     bool converged = false;
     for (int iteration = 0; iteration < 30 && !converged; ++iteration) {
       const Complex s2 = s * s;
-      for (Eigen::Index e = 0; e < dynamic.values().size(); ++e) {
+      for (Index e = 0; e < dynamic.values().size(); ++e) {
         dynamic.values()[e] =
             s2 * motion.mass.values()[e] + s * c.values()[e] + motion.stiffness.values()[e];
       }
       factor.factor(dynamic, 1e-15);
       // Newton's right-hand side: the derivative of the matrix by s, times the vector.
-      Eigen::VectorXcd right = 2.0 * s * times(motion.mass, u) + times(c, u);
+      VectorXcd right = 2.0 * s * times(motion.mass, u) + times(c, u);
       factor.solve_in_place(right);
       const double size = right.norm();
       if (!(size > 0) || !std::isfinite(size)) break;

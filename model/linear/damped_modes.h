@@ -8,24 +8,22 @@
 // their part of the strain energy; both kinds may be in one scene.
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-
+#include "model/algebra/numbers.h"
 #include "model/linear/modes.h"
 
 namespace rigfit::model {
 
 /// By undamped mode of the motion: s = -zeta omega + i omega sqrt(1 - zeta^2), 1/s. Overdamped
 /// modes have an imaginary part of zero; their pair's slower root is given.
-[[nodiscard]] Eigen::VectorXcd damped_poles(const MotionModes& motion, const ChainState& state,
-                                            const Scene& scene);
+[[nodiscard]] VectorXcd damped_poles(const MotionModes& motion, const ChainState& state,
+                                     const Scene& scene);
 
 /// Modal damping ratios from the members' `damping_ratio` alone.
-[[nodiscard]] Eigen::VectorXd modal_ratios(const Assembly& assembly, const Eigen::MatrixXd& shapes,
-                                           const ChainState& state, const Scene& scene);
+[[nodiscard]] VectorXd modal_ratios(const Assembly& assembly, const MatrixXd& shapes,
+                                    const ChainState& state, const Scene& scene);
 [[nodiscard]] bool has_joint_dampers(const Scene& scene);
 
 /// |s| and zeta = -Re s / |s| of a pole.
-[[nodiscard]] double damping_ratio_of(std::complex<double> pole);
+[[nodiscard]] double damping_ratio_of(Complex pole);
 
 }  // namespace rigfit::model

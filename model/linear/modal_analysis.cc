@@ -1,9 +1,5 @@
 #include "model/linear/modal_analysis.h"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 #include "model/linear/damped_modes.h"
 #include "model/linear/modes.h"
 #include "model/linear/segment_extrapolation.h"
@@ -22,7 +18,7 @@ struct Motions {
 };
 
 Motions motions_of(const Chain& chain, const ChainState& state, const Assembly& assembly,
-                   const Eigen::VectorXd& q) {
+                   const VectorXd& q) {
   Motions sum;
   const Numbering& numbering = assembly.numbering();
   const auto at = [&](int node) { return numbering.displacement_in(q, node); };
@@ -30,14 +26,13 @@ Motions motions_of(const Chain& chain, const ChainState& state, const Assembly& 
   sum.member.assign(chain.members.size(), 0);
   for (const PointMass& mass : chain.masses) {
     if (mass.member < 0) continue;
-    const Eigen::Vector3d v =
-        (1 - mass.fraction) * at(mass.node[0]) + mass.fraction * at(mass.node[1]);
+    const Vector3d v = (1 - mass.fraction) * at(mass.node[0]) + mass.fraction * at(mass.node[1]);
     sum.member[std::size_t(mass.member)] += mass.mass * v.squaredNorm();
   }
   for (std::size_t k = 0; k < chain.segments.size(); ++k) {
     const Segment& s = chain.segments[k];
-    const Eigen::Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
-    const Eigen::Vector3d va = at(s.a), vb = at(s.b), v = 0.5 * (va + vb);
+    const Vector3d t = (state.position.col(s.b) - state.position.col(s.a)).normalized();
+    const Vector3d va = at(s.a), vb = at(s.b), v = 0.5 * (va + vb);
     double& own = sum.member[std::size_t(s.member)];
     own += s.mass * ((0.5 - s.coupling) * (va.squaredNorm() + vb.squaredNorm()) +
                      2 * s.coupling * va.dot(vb));
@@ -45,7 +40,7 @@ Motions motions_of(const Chain& chain, const ChainState& state, const Assembly& 
     sum.in += s.mass * v.head<2>().squaredNorm();
     sum.along += s.mass * v.dot(t) * v.dot(t);
     total += s.mass * v.squaredNorm();
-    const int twist = numbering.twist[static_cast<Eigen::Index>(k)];
+    const int twist = numbering.twist[static_cast<Index>(k)];
     if (twist >= 0) {
       sum.twist += s.polar * q[twist] * q[twist];
       total += s.polar * q[twist] * q[twist];
@@ -69,10 +64,10 @@ ModePlane plane_of(const Motions& share, Motion motion) {
 }
 
 void fill_shape(const ChainModes& modes, const MotionModes& motion, const Scene& scene,
-                const Eigen::VectorXd& q, NaturalMode& out) {
+                const VectorXd& q, NaturalMode& out) {
   const Chain& chain = *modes.chain;
   const Numbering& numbering = motion.assembly->numbering();
-  const Eigen::Matrix3d back = chain.axes.transpose();
+  const Matrix3d back = chain.axes.transpose();
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
     const ChainMember& member = chain.members[m];
     ModeShape shape;
@@ -100,8 +95,8 @@ std::vector<NaturalMode> natural_modes(const ResolvedModes& resolved, const Scen
   const Chain& chain = *modes.chain;
   const ChainState& state = modes.equilibrium.state;
   struct Prepared {
-    Eigen::VectorXcd poles;
-    Eigen::MatrixXd sensors, loads;  // rows by sensor, load
+    VectorXcd poles;
+    MatrixXd sensors, loads;  // rows by sensor, load
   };
   std::vector<Prepared> prepared(modes.motions.size());
   for (std::size_t k = 0; k < prepared.size(); ++k) {
@@ -114,7 +109,7 @@ std::vector<NaturalMode> natural_modes(const ResolvedModes& resolved, const Scen
     const auto& which = modes.order[i];
     const auto k = std::size_t(which.motion);
     const MotionModes& motion = modes.motions[k];
-    const Eigen::VectorXd q = motion.shapes.col(which.mode);
+    const VectorXd q = motion.shapes.col(which.mode);
     NaturalMode mode;
     mode.frequency_hz = resolved.frequency_hz[i];
     mode.extrapolated_hz = resolved.limit_hz[i];

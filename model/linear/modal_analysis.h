@@ -6,10 +6,9 @@
 // the joint dampers' C, or carry the members' modal ratios weighted by strain energy.
 #pragma once
 
-#include <Eigen/Core>
 #include <string>
-#include <vector>
 
+#include "model/algebra/numbers.h"
 #include "model/linear/natural_mode.h"
 #include "model/scene/left_out.h"
 #include "model/scene/parameters.h"
@@ -48,9 +47,9 @@ struct ResolvedModes;
 /// Modes and their derivatives by the given parameters.
 struct ModeSensitivities {
   ModalAnalysis analysis;
-  Eigen::MatrixXd
+  MatrixXd
       frequency;  ///< modes x parameters: d frequency_hz / d p, the change of equilibrium included
-  Eigen::MatrixXd damping_ratio;  ///< modes x parameters
+  MatrixXd damping_ratio;  ///< modes x parameters
 };
 
 /// Modes and their derivatives by `parameters`; zero unless the equilibrium converged.

@@ -1,8 +1,5 @@
 #include "model/linear/modes.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
@@ -114,7 +111,7 @@ ChainModes find_chain_modes(const Scene& scene, const ModesOptions& options,
     }
   }
   for (std::size_t k = 0; k < out.motions.size(); ++k) {
-    for (Eigen::Index i = 0; i < out.motions[k].omega2.size(); ++i) {
+    for (Index i = 0; i < out.motions[k].omega2.size(); ++i) {
       out.order.push_back({static_cast<int>(k), static_cast<int>(i)});
     }
   }
@@ -130,12 +127,12 @@ ChainModes find_chain_modes(const Scene& scene, const ModesOptions& options,
   return out;
 }
 
-Eigen::MatrixXd sensor_rows(const Assembly& assembly, const ChainState& state, const Scene& scene) {
+MatrixXd sensor_rows(const Assembly& assembly, const ChainState& state, const Scene& scene) {
   const Chain& chain = assembly.chain();
-  const auto count = static_cast<Eigen::Index>(chain.sensors.size());
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(assembly.size(), count);
+  const auto count = static_cast<Index>(chain.sensors.size());
+  MatrixXd rows = MatrixXd::Zero(assembly.size(), count);
   const auto elongations = assembly.elongations(state);
-  for (Eigen::Index i = 0; i < count; ++i) {
+  for (Index i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const ChainPoint& point = chain.sensors[k];
     if (described(scene.sensors[k].quantity).reading == SensorReading::displacement) {
@@ -149,12 +146,11 @@ Eigen::MatrixXd sensor_rows(const Assembly& assembly, const ChainState& state, c
   return rows;
 }
 
-Eigen::MatrixXd load_rows(const Assembly& assembly) {
+MatrixXd load_rows(const Assembly& assembly) {
   const Chain& chain = assembly.chain();
-  Eigen::MatrixXd rows(assembly.size(), static_cast<Eigen::Index>(chain.loads.size()));
+  MatrixXd rows(assembly.size(), static_cast<Index>(chain.loads.size()));
   for (std::size_t k = 0; k < chain.loads.size(); ++k) {
-    rows.col(static_cast<Eigen::Index>(k)) =
-        assembly.row_of(chain.loads[k], chain.load_direction[k]);
+    rows.col(static_cast<Index>(k)) = assembly.row_of(chain.loads[k], chain.load_direction[k]);
   }
   return rows;
 }

@@ -4,10 +4,9 @@
 #pragma once
 
 #include <memory>
-#include <utility>
-#include <vector>
 
 #include "model/algebra/eigenpairs.h"
+#include "model/algebra/numbers.h"
 #include "model/chain/assembly.h"
 #include "model/linear/natural_mode.h"
 #include "model/scene/scene.h"
@@ -17,9 +16,9 @@ namespace rigfit::model {
 
 struct MotionModes : RestMotion {
   EnvelopeMatrix mass;
-  Eigen::VectorXd omega2;  ///< (rad/s)^2, rising
-  Eigen::MatrixXd shapes;  ///< unknowns x modes, mass-normalised
-  bool complete = false;   ///< Sturm count agrees
+  VectorXd omega2;        ///< (rad/s)^2, rising
+  MatrixXd shapes;        ///< unknowns x modes, mass-normalised
+  bool complete = false;  ///< Sturm count agrees
 
   void take(Eigenpairs pairs) {
     omega2 = std::move(pairs.values);
@@ -64,9 +63,9 @@ struct ResolvedModes {
 
 /// By sensor (columns) its quantity in a motion's unknowns: displacement along its direction, or
 /// for a force sensor the change of axial force, N per m.
-[[nodiscard]] Eigen::MatrixXd sensor_rows(const Assembly& assembly, const ChainState& state,
-                                          const Scene& scene);
+[[nodiscard]] MatrixXd sensor_rows(const Assembly& assembly, const ChainState& state,
+                                   const Scene& scene);
 /// By load (columns) the displacement along its direction.
-[[nodiscard]] Eigen::MatrixXd load_rows(const Assembly& assembly);
+[[nodiscard]] MatrixXd load_rows(const Assembly& assembly);
 
 }  // namespace rigfit::model

@@ -1,16 +1,14 @@
 // A natural mode of a scene, and the options of modal analysis.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <tuple>
-#include <utility>
-#include <vector>
 
 #include "document/describe.h"
+#include "model/algebra/numbers.h"
 #include "model/chain/segment_lumping.h"
 
 namespace rigfit::model {
@@ -33,15 +31,15 @@ enum class ModeFamily { cable, beam, hybrid };
 /// The shape of a mode on one member.
 struct ModeShape {
   std::string member;
-  Eigen::Matrix3Xd displacement;  ///< 3 x (segments + 1), mass-normalised, kg^-1/2
-  Eigen::VectorXd twist;          ///< segments; empty when torsion is not modelled
+  Matrix3Xd displacement;  ///< 3 x (segments + 1), mass-normalised, kg^-1/2
+  VectorXd twist;          ///< segments; empty when torsion is not modelled
 
   static constexpr auto fields() {
     using T = ModeShape;
-    return std::tuple{field("member", &T::member),
-                      field("displacement",
-                            [](const T& s) { return Eigen::MatrixXd(s.displacement.transpose()); }),
-                      field("twist", &T::twist)};
+    return std::tuple{
+        field("member", &T::member),
+        field("displacement", [](const T& s) { return MatrixXd(s.displacement.transpose()); }),
+        field("twist", &T::twist)};
   }
 };
 
@@ -58,10 +56,9 @@ struct NaturalMode {
   describe::ByName kinetic_energy;  ///< fraction by member, in the scene's order; sums to one less
                                     ///< that of node masses
   std::vector<ModeShape> shape;     ///< by member
-  Eigen::VectorXd
-      sensor_shape;  ///< modal displacement at each of the scene's sensors along its direction; at
-                     ///< a force sensor the change of axial force, N kg^-1/2
-  Eigen::VectorXd load_shape;  ///< modal displacement at each of the scene's loads, likewise
+  VectorXd sensor_shape;            ///< modal displacement at each of the scene's sensors along its
+                          ///< direction; at a force sensor the change of axial force, N kg^-1/2
+  VectorXd load_shape;  ///< modal displacement at each of the scene's loads, likewise
 
   static constexpr auto fields() {
     using T = NaturalMode;

@@ -1,7 +1,5 @@
 #include "model/linear/perturbed_equilibrium.h"
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "model/statics/equilibrium.h"
@@ -89,7 +87,7 @@ Neighbours neighbours_of(const Scene& scene, const ChainModes& modes, const Bord
     if (std::ranges::all_of(out.rigs, [&](PerturbedEquilibrium& rig) {
           return come_to_rest(rig.chain, rig.state, tangent);
         })) {
-      const Eigen::Matrix3Xd moved = out.rigs[1].state.position - out.rigs[0].state.position;
+      const Matrix3Xd moved = out.rigs[1].state.position - out.rigs[0].state.position;
       const double moves = moved.cwiseAbs().maxCoeff() / 2;
       if (!(moves > 1.5 * kFarthest * extent)) return out;
       part = kFarthest * extent / moves;
@@ -108,7 +106,7 @@ MotionModes motion_of(const PerturbedEquilibrium& rig, const MotionModes& like) 
   out.assembly = std::make_unique<Assembly>(rig.chain, like.motion);
   out.stiffness = out.assembly->matrix();
   out.mass = out.assembly->matrix();
-  Eigen::VectorXd force(out.assembly->size());
+  VectorXd force(out.assembly->size());
   out.assembly->force_and_tangent(rig.state, force, out.stiffness);
   out.assembly->mass(out.mass);
   return out;

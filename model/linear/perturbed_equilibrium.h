@@ -7,9 +7,9 @@
 // of the equilibrium in them.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 
+#include "model/algebra/numbers.h"
 #include "model/linear/modes.h"
 #include "model/scene/parameters.h"
 

@@ -1,7 +1,5 @@
 #include "model/linear/segment_choice.h"
 
-#include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "model/algebra/eigenpairs.h"
@@ -31,11 +29,10 @@ double total(const std::vector<int>& segments) {
 }
 
 /// The lowest omega^2 of each motion, as many as asked; empty when there is no equilibrium.
-std::vector<Eigen::VectorXd> lowest(const Scene& scene, const ModesOptions& options,
-                                    const std::vector<int>& segments,
-                                    const std::vector<int>& counts) {
+std::vector<VectorXd> lowest(const Scene& scene, const ModesOptions& options,
+                             const std::vector<int>& segments, const std::vector<int>& counts) {
   const ChainModes prepared = prepare_motions(scene, options, segments);
-  std::vector<Eigen::VectorXd> out;
+  std::vector<VectorXd> out;
   if (prepared.motions.size() != counts.size()) return out;
   for (std::size_t k = 0; k < counts.size(); ++k) {
     out.push_back(
@@ -75,7 +72,7 @@ void estimate_error(const Scene& scene, const ModesOptions& options, ResolvedMod
     }
     if (counts[k] > 0) counts[k] += offset[k];
   }
-  std::vector<std::vector<Eigen::VectorXd>> others;
+  std::vector<std::vector<VectorXd>> others;
   const std::vector<int> segments = modes.chain->segment_counts();
   std::vector<double> h{1 / total(segments)};
   // Very short chains are not yet on the asymptote: those twice and four times as long are.
@@ -94,7 +91,7 @@ void estimate_error(const Scene& scene, const ModesOptions& options, ResolvedMod
   for (std::size_t i = 0; i < asked; ++i) {
     const auto& which = modes.order[i];
     const auto k = std::size_t(which.motion);
-    const Eigen::Index row = which.mode + offset[k];
+    const Index row = which.mode + offset[k];
     if (others[0][k].size() <= row || others[1][k].size() <= row) {
       out.known = false;
       continue;

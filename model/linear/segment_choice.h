@@ -7,8 +7,7 @@
 // rather than coarser ones, as the estimate is then within a tenth for any order from two to six.
 #pragma once
 
-#include <vector>
-
+#include "model/algebra/numbers.h"
 #include "model/linear/modes.h"
 
 namespace rigfit::model {

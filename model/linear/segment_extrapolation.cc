@@ -1,9 +1,6 @@
 #include "model/linear/segment_extrapolation.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "model/linear/segment_choice.h"
@@ -18,13 +15,13 @@ constexpr double kRounding = 1e-11;  // relative, of eigenvalues
 
 /// Displacements of a motion's modes at `samples` evenly spaced places of each member, columns of
 /// unit length (zero where nothing but twist moves).
-Eigen::MatrixXd sampled_shapes(const ChainModes& modes, const MotionModes& motion,
-                               const std::vector<int>& samples) {
+MatrixXd sampled_shapes(const ChainModes& modes, const MotionModes& motion,
+                        const std::vector<int>& samples) {
   const Chain& chain = *modes.chain;
   const auto& numbering = motion.assembly->numbering();
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(
-      3 * std::accumulate(samples.begin(), samples.end(), Eigen::Index{0}), motion.omega2.size());
-  Eigen::Index row = 0;
+  MatrixXd out = MatrixXd::Zero(3 * std::accumulate(samples.begin(), samples.end(), Index{0}),
+                                motion.omega2.size());
+  Index row = 0;
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
     const ChainMember& member = chain.members[m];
     std::size_t i = 0;
@@ -40,7 +37,7 @@ Eigen::MatrixXd sampled_shapes(const ChainModes& modes, const MotionModes& motio
       }
     }
   }
-  for (Eigen::Index k = 0; k < out.cols(); ++k) {
+  for (Index k = 0; k < out.cols(); ++k) {
     const double size = out.col(k).norm();
     if (size > 0) out.col(k) /= size;
   }
@@ -49,14 +46,13 @@ Eigen::MatrixXd sampled_shapes(const ChainModes& modes, const MotionModes& motio
 
 /// The mode of `after` that each of `before` is, columns as of `sampled_shapes`: by shape, then by
 /// order and frequency (squares in (rad/s)^2); -1: none.
-std::vector<int> following_modes(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after,
-                                 const Eigen::VectorXd& omega2_before,
-                                 const Eigen::VectorXd& omega2_after) {
-  Eigen::MatrixXd overlap = (before.transpose() * after).cwiseAbs2();
+std::vector<int> following_modes(const MatrixXd& before, const MatrixXd& after,
+                                 const VectorXd& omega2_before, const VectorXd& omega2_after) {
+  MatrixXd overlap = (before.transpose() * after).cwiseAbs2();
   std::vector<int> next(static_cast<std::size_t>(overlap.rows()), -1);
   std::vector<bool> taken(static_cast<std::size_t>(overlap.cols()), false);
-  for (Eigen::Index round = 0; round < std::min(overlap.rows(), overlap.cols()); ++round) {
-    Eigen::Index i = 0, j = 0;
+  for (Index round = 0; round < std::min(overlap.rows(), overlap.cols()); ++round) {
+    Index i = 0, j = 0;
     if (overlap.maxCoeff(&i, &j) < 0.5) break;
     next[static_cast<std::size_t>(i)] = static_cast<int>(j);
     taken[static_cast<std::size_t>(j)] = true;
@@ -69,8 +65,7 @@ std::vector<int> following_modes(const Eigen::MatrixXd& before, const Eigen::Mat
     if (next[i] >= 0) continue;
     while (j < taken.size() && taken[j]) ++j;
     if (j == taken.size()) break;
-    const double ratio =
-        omega2_after[static_cast<Eigen::Index>(j)] / omega2_before[static_cast<Eigen::Index>(i)];
+    const double ratio = omega2_after[static_cast<Index>(j)] / omega2_before[static_cast<Index>(i)];
     if (std::abs(ratio - 1) > 0.2) continue;
     next[i] = static_cast<int>(j);
     taken[j] = true;
@@ -191,8 +186,8 @@ class Extrapolation {
 
   void follow(double h) {
     std::vector<Track> tracks;
-    std::vector<Eigen::MatrixXd> shapes;
-    std::vector<Eigen::VectorXd> omega2;
+    std::vector<MatrixXd> shapes;
+    std::vector<VectorXd> omega2;
     for (std::size_t k = 0; k < chain_.motions.size(); ++k) {
       const MotionModes& motion = chain_.motions[k];
       shapes.push_back(sampled_shapes(chain_, motion, start_.samples));
@@ -210,7 +205,7 @@ class Extrapolation {
         now[i].motion = static_cast<int>(k);
         now[i].mode = static_cast<int>(i);
         now[i].h.push_back(h);
-        now[i].hz.push_back(std::sqrt(motion.omega2[static_cast<Eigen::Index>(i)]) / (2 * M_PI));
+        now[i].hz.push_back(std::sqrt(motion.omega2[static_cast<Index>(i)]) / (2 * M_PI));
         tracks.push_back(std::move(now[i]));
       }
     }
@@ -223,10 +218,10 @@ class Extrapolation {
   const ModesOptions& options_;
   const SequenceStart& start_;
   std::size_t chains_ = 0;
-  ChainModes chain_;                     // the last one, until it is kept
-  std::vector<Track> tracks_;            // tracks in the last chain, motion by motion
-  std::vector<Eigen::MatrixXd> shapes_;  // likewise, at the samples
-  std::vector<Eigen::VectorXd> omega2_;
+  ChainModes chain_;              // the last one, until it is kept
+  std::vector<Track> tracks_;     // tracks in the last chain, motion by motion
+  std::vector<MatrixXd> shapes_;  // likewise, at the samples
+  std::vector<VectorXd> omega2_;
   ResolvedModes out_;
 };
 

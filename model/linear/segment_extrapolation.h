@@ -16,8 +16,7 @@
 // where v_(w+1) errs by u at most. w is the one of the smallest such estimate.
 #pragma once
 
-#include <vector>
-
+#include "model/algebra/numbers.h"
 #include "model/linear/modes.h"
 
 namespace rigfit::model {

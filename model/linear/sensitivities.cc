@@ -1,11 +1,9 @@
 // d omega^2 / dp = phi' (dK/dp - omega^2 dM/dp) phi with the change of the equilibrium with p in
 // dK/dp (perturbed_equilibrium.h): no eigenvalue problem and no equilibrium is solved again. Shapes
 // follow by Nelson's method (R. B. Nelson, AIAA Journal 14, 1976).
-#include <algorithm>
-#include <cmath>
 #include <optional>
-#include <vector>
 
+#include "model/algebra/numbers.h"
 #include "model/linear/damped_modes.h"
 #include "model/linear/modal_analysis.h"
 #include "model/linear/perturbed_equilibrium.h"
@@ -16,8 +14,8 @@ namespace {
 
 /// Rates of one motion's modes, by the matrices' rates.
 struct ModeRates {
-  Eigen::VectorXd omega2;
-  Eigen::MatrixXd shapes;
+  VectorXd omega2;
+  MatrixXd shapes;
 };
 
 /// The rates of a motion's modes by any parameter: what does not depend on it is found once.
@@ -26,24 +24,24 @@ class ModeRateFinder {
   explicit ModeRateFinder(const MotionModes& motion)
       : motion_(motion), factors_(static_cast<std::size_t>(motion.omega2.size())) {
     mass_shapes_.resize(motion.shapes.rows(), motion.shapes.cols());
-    for (Eigen::Index i = 0; i < mass_shapes_.cols(); ++i) {
-      mass_shapes_.col(i) = motion.mass * Eigen::VectorXd(motion.shapes.col(i));
+    for (Index i = 0; i < mass_shapes_.cols(); ++i) {
+      mass_shapes_.col(i) = motion.mass * VectorXd(motion.shapes.col(i));
     }
   }
 
   ModeRates find(const EnvelopeMatrix& dk, const EnvelopeMatrix& dm, bool shapes) {
     ModeRates rates;
-    const Eigen::Index count = motion_.omega2.size();
+    const Index count = motion_.omega2.size();
     rates.omega2.setZero(count);
     rates.shapes.setZero(motion_.shapes.rows(), count);
     if (dk.values().isZero(0) && dm.values().isZero(0)) return rates;  // such as a damping ratio
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Eigen::VectorXd phi = motion_.shapes.col(i);
-      const Eigen::VectorXd dk_phi = dk * phi, dm_phi = dm * phi;
+    for (Index i = 0; i < count; ++i) {
+      const VectorXd phi = motion_.shapes.col(i);
+      const VectorXd dk_phi = dk * phi, dm_phi = dm * phi;
       rates.omega2[i] = phi.dot(dk_phi) - motion_.omega2[i] * phi.dot(dm_phi);
       if (!shapes) continue;
       const auto m_phi = mass_shapes_.col(i);
-      Eigen::VectorXd v = -(dk_phi - motion_.omega2[i] * dm_phi) + rates.omega2[i] * m_phi;
+      VectorXd v = -(dk_phi - motion_.omega2[i] * dm_phi) + rates.omega2[i] * m_phi;
       factor(i).solve_in_place(v);
       rates.shapes.col(i) = v - (m_phi.dot(v) + 0.5 * phi.dot(dm_phi)) * phi;
     }
@@ -53,12 +51,12 @@ class ModeRateFinder {
  private:
   /// (K - omega^2 M) v = right, with v = 0 where phi is largest: any stiffness added there makes
   /// the matrix regular and, the right side being normal to phi, changes nothing.
-  const EnvelopeFactor& factor(Eigen::Index i) {
+  const EnvelopeFactor& factor(Index i) {
     auto& found = factors_[static_cast<std::size_t>(i)];
     if (found) return *found;
     EnvelopeMatrix shifted = motion_.stiffness;
     shifted.values() -= motion_.omega2[i] * motion_.mass.values();
-    Eigen::Index largest = 0;
+    Index largest = 0;
     mass_shapes_.col(i).cwiseAbs().maxCoeff(&largest);
     shifted.add(int(largest), int(largest), motion_.stiffness.at(int(largest), int(largest)));
     found.emplace().factor(shifted);
@@ -66,7 +64,7 @@ class ModeRateFinder {
   }
 
   const MotionModes& motion_;
-  Eigen::MatrixXd mass_shapes_;
+  MatrixXd mass_shapes_;
   std::vector<std::optional<EnvelopeFactor>> factors_;
 };
 
@@ -74,7 +72,7 @@ class ModeRateFinder {
 /// not compare: a node leaves the plane of symmetry, to either side alike, so that frequencies and
 /// damping are even in p.
 void difference_anew(const Scene& scene, const ParameterAccess& access, const ParameterStep& step,
-                     const ChainModes& modes, const ModesOptions& options, Eigen::Index p,
+                     const ChainModes& modes, const ModesOptions& options, Index p,
                      ModeSensitivities& out) {
   const std::vector<int> segments = modes.chain->segment_counts();
   const auto at = [&](double value) {
@@ -87,7 +85,7 @@ void difference_anew(const Scene& scene, const ParameterAccess& access, const Pa
   const double low = step.value + reach * (step.low - step.value);
   const double high = step.value + reach * (step.high - step.value);
   const ChainModes below = at(low), above = at(high);
-  for (Eigen::Index i = 0; i < out.frequency.rows(); ++i) {
+  for (Index i = 0; i < out.frequency.rows(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (below.order.size() > k && above.order.size() > k) {
       out.frequency(i, p) = (above.frequency_hz(k) - below.frequency_hz(k)) / (high - low);
@@ -104,15 +102,15 @@ ModeSensitivities mode_sensitivities_by(const Scene& scene,
   const ResolvedModes resolved = resolve_modes(scene, options);
   const ChainModes& modes = resolved.modes;
   out.analysis = analysis_of(resolved, scene, options);
-  const auto count = static_cast<Eigen::Index>(modes.order.size());
-  const auto columns = static_cast<Eigen::Index>(wanted.size());
+  const auto count = static_cast<Index>(modes.order.size());
+  const auto columns = static_cast<Index>(wanted.size());
   out.frequency.setZero(count, columns);
   out.damping_ratio.setZero(count, columns);
   if (modes.equilibrium.status != EquilibriumStatus::converged) return out;
 
   const BorderedSolver tangent = tangent_at_rest(*modes.chain, modes.equilibrium.state);
   std::vector<ModeRateFinder> finders(modes.motions.begin(), modes.motions.end());
-  for (Eigen::Index p = 0; p < columns; ++p) {
+  for (Index p = 0; p < columns; ++p) {
     const ParameterAccess& access = wanted[std::size_t(p)];
     const auto [step, rigs, comparable] = neighbours_of(scene, modes, tangent, access);
     if (!comparable) {
@@ -130,19 +128,19 @@ ModeSensitivities mode_sensitivities_by(const Scene& scene,
       dm.values() = (above.mass.values() - below.mass.values()) / step.width();
       const ModeRates rates = finders[m].find(dk, dm, options.damped);
 
-      Eigen::VectorXd damping_rate = Eigen::VectorXd::Zero(motion.omega2.size());
+      VectorXd damping_rate = VectorXd::Zero(motion.omega2.size());
       if (options.damped) {  // the shapes move too
         below.omega2 = motion.omega2 + (step.low - step.value) * rates.omega2;
         above.omega2 = motion.omega2 + (step.high - step.value) * rates.omega2;
         below.shapes = motion.shapes + (step.low - step.value) * rates.shapes;
         above.shapes = motion.shapes + (step.high - step.value) * rates.shapes;
-        const Eigen::VectorXcd p0 = damped_poles(below, rigs[0].state, rigs[0].scene);
-        const Eigen::VectorXcd p1 = damped_poles(above, rigs[1].state, rigs[1].scene);
-        for (Eigen::Index i = 0; i < damping_rate.size(); ++i) {
+        const VectorXcd p0 = damped_poles(below, rigs[0].state, rigs[0].scene);
+        const VectorXcd p1 = damped_poles(above, rigs[1].state, rigs[1].scene);
+        for (Index i = 0; i < damping_rate.size(); ++i) {
           damping_rate[i] = (damping_ratio_of(p1[i]) - damping_ratio_of(p0[i])) / step.width();
         }
       }
-      for (Eigen::Index i = 0; i < count; ++i) {
+      for (Index i = 0; i < count; ++i) {
         const auto& which = modes.order[std::size_t(i)];
         if (which.motion != int(m)) continue;
         const double omega = std::sqrt(motion.omega2[which.mode]);

@@ -1,9 +1,8 @@
 // Into how many segments the chains of a sequence are cut, and where.
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <array>
-#include <cmath>
 
+#include "model/algebra/numbers.h"
 #include "model/linear/segment_choice.h"
 #include "model/linear/segment_extrapolation.h"
 #include "model/scene/actual_state.h"

@@ -1,9 +1,5 @@
 #include "model/motion/explicit_motion.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "model/motion/motion_kernel.h"
 #include "model/motion/step_forces.h"
 #include "model/scene/sensor_quantity.h"
@@ -26,23 +22,23 @@ constexpr double kStability = 3.2;    // omega h at the highest frequency of the
 /// y += A x as the processor runs it best (AVX-512). Eigen's for any x86-64 in its place takes 1.4
 /// times as long in `rigfit synthesize testdata/jalali2021/scenes/cable.toml` (143 against 104 s of
 /// processor time, side by side).
-RIGFIT_VECTOR_CLONES void add_columns(Eigen::Index rows, Eigen::Index columns, const float* A,
-                                      const float* x, float* __restrict y) {
-  Eigen::Index c = 0;
+RIGFIT_VECTOR_CLONES void add_columns(Index rows, Index columns, const float* A, const float* x,
+                                      float* __restrict y) {
+  Index c = 0;
   for (; c + 4 <= columns; c += 4, A += 4 * rows) {
     const float *a1 = A + rows, *a2 = a1 + rows, *a3 = a2 + rows;
     const float x0 = x[c], x1 = x[c + 1], x2 = x[c + 2], x3 = x[c + 3];
-    for (Eigen::Index i = 0; i < rows; ++i) {
+    for (Index i = 0; i < rows; ++i) {
       y[i] += (A[i] * x0 + a1[i] * x1) + (a2[i] * x2 + a3[i] * x3);
     }
   }
   for (; c < columns; ++c, A += rows) {
-    for (Eigen::Index i = 0; i < rows; ++i) y[i] += A[i] * x[c];
+    for (Index i = 0; i < rows; ++i) y[i] += A[i] * x[c];
   }
 }
 
 struct Dampers {
-  Eigen::VectorXd lost;  // the share of each mode's velocity that an interval takes, negative
+  VectorXd lost;  // the share of each mode's velocity that an interval takes, negative
   // Impulses that an interval gives to the unknowns and along the segments: the product of the
   // velocities and the elongations' rates with one after the other. In single precision, which
   // rounds what is lost and halves what is read from memory.
@@ -51,16 +47,16 @@ struct Dampers {
 };
 // `number`: by entry its unknown's, counted from 1; 0: held. What no entry has turns a node,
 // without mass: its momentum is zero, whichever entry is read for it.
-Dampers dampers_of(const DampedModes& modes, double interval, const Eigen::VectorXd& number) {
+Dampers dampers_of(const DampedModes& modes, double interval, const VectorXd& number) {
   const auto& unknowns = modes.unknowns;
   Dampers out{(-interval * modes.rate).array().expm1(), {}, std::vector<int>(unknowns.size())};
   for (int entry = 0; entry < number.size(); ++entry) {
     const auto at = std::ranges::find(unknowns, static_cast<int>(number(entry)) - 1);
     if (at != unknowns.end()) out.entries[static_cast<std::size_t>(at - unknowns.begin())] = entry;
   }
-  Eigen::MatrixXd of_modes(modes.momentum.rows() + modes.axial.rows(), modes.rate.size());
+  MatrixXd of_modes(modes.momentum.rows() + modes.axial.rows(), modes.rate.size());
   of_modes << modes.momentum, modes.axial;
-  const Eigen::MatrixXd to_modes = out.lost.asDiagonal() * of_modes.transpose();
+  const MatrixXd to_modes = out.lost.asDiagonal() * of_modes.transpose();
   if (2 * to_modes.rows() < to_modes.cols()) {
     out.factors = {to_modes.cast<float>(), of_modes.cast<float>()};
   } else {
@@ -85,7 +81,7 @@ class ExplicitRun {
     rest_ = kernel_.positions(problem.rest);
     if (kappa > 0) kernel_.slow_axial(kappa, rest_);
     v_ = problem.start_velocity.size() > 0 ? kernel_.entry_values(problem.start_velocity)
-                                           : Eigen::VectorXd::Zero(kernel_.size());
+                                           : VectorXd::Zero(kernel_.size());
     const Chain& chain = *problem.chain;
     stretch_.setZero(std::ssize(chain.segments));
     moving_.setZero(kernel_.size() + stretch_.size());
@@ -98,9 +94,8 @@ class ExplicitRun {
     for (const auto quantity : problem_.quantities) {
       velocity_wanted_ = velocity_wanted_ || described(quantity).derivatives == 1;
     }
-    const Eigen::Index n = kernel_.unknowns(v_).size();
-    const Eigen::VectorXd number =
-        kernel_.entry_values(Eigen::VectorXd::LinSpaced(n, 1, static_cast<double>(n)));
+    const Index n = kernel_.unknowns(v_).size();
+    const VectorXd number = kernel_.entry_values(VectorXd::LinSpaced(n, 1, static_cast<double>(n)));
     for (const DampedModes& modes : problem.damped_modes) {
       dampers_.push_back(dampers_of(modes, h_ * static_cast<double>(period_), number));
     }
@@ -115,7 +110,7 @@ class ExplicitRun {
     MotionOutput out;
     out.step_s = h_;
     out.axial_slowing_s2 = kernel_.kappa();
-    out.samples.resize(rows, static_cast<Eigen::Index>(sensor_rows_.size()));
+    out.samples.resize(rows, static_cast<Index>(sensor_rows_.size()));
     out.steps = (rows - 1) * substeps_;
     const StepForces forces(problem_, h_, out.steps);
     out.energy.rounding = rounding() * static_cast<double>(out.steps);
@@ -171,7 +166,7 @@ class ExplicitRun {
   // against each other, m (omega d)^2 / 2 with omega h < 2 sqrt(3), EA/l d^2 / 2 in slowed waves.
   [[nodiscard]] double rounding() const {
     const double d = std::numeric_limits<double>::epsilon() * q_.cwiseAbs().maxCoeff();
-    const Eigen::VectorXd all = Eigen::VectorXd::Constant(kernel_.size(), d / h_);
+    const VectorXd all = VectorXd::Constant(kernel_.size(), d / h_);
     double sum = 6 * kernel_.mass_product(all, all);
     for (const Segment& s : problem_.chain->segments) sum += s.EA / s.length * d * d / 2;
     return sum;
@@ -205,7 +200,7 @@ class ExplicitRun {
 
   // The scheme's own variables for the start: q - h^2/12 a(q), v + h^2/12 da/dt.
   void preprocess() {
-    const Eigen::VectorXd start = q_;
+    const VectorXd start = q_;
     for (int i = 0; i < 3; ++i) {
       kernel_.acceleration(q_.data(), nullptr, first_.data());
       q_ = start - h_ * h_ / 12 * first_;
@@ -234,7 +229,7 @@ class ExplicitRun {
     kernel_.stretch(v_.data(), stretch_);
     change_.setZero();
     for (const Dampers& dampers : dampers_) {
-      const auto n = static_cast<Eigen::Index>(dampers.entries.size());
+      const auto n = static_cast<Index>(dampers.entries.size());
       Eigen::VectorXf impulse(n + stretch_.size());
       impulse << v_(dampers.entries).template cast<float>(), stretch_.template cast<float>();
       for (const Eigen::MatrixXf& factor : dampers.factors) {
@@ -253,7 +248,7 @@ class ExplicitRun {
     dissipated_ -= kernel_.slowed_product(change_, sum_) / 2;
   }
   // w - h^2/12 (da/dq) w, by a difference from a(q) of the last step; loads do not change with q.
-  void processed(Eigen::Ref<Eigen::VectorXd> w) {
+  void processed(Ref<VectorXd> w) {
     const double* external = loaded_ ? external_.data() : nullptr;
     scratch_ = q_ + h_ * w;
     kernel_.acceleration(scratch_.data(), external, other_.data());
@@ -264,21 +259,21 @@ class ExplicitRun {
   // force, a part of the interval's loss between -1/2 just after they have acted and 1/2 just
   // before (`part`).
   struct Drag {
-    Eigen::VectorXd now, part;
+    VectorXd now, part;
   };
   Drag drag(std::size_t sensor) const {
     const int derivatives = described(problem_.quantities[sensor]).derivatives;
-    const Eigen::VectorXd weights = kernel_.unknowns(sensor_rows_[sensor]);
-    Eigen::VectorXd now = Eigen::VectorXd::Zero(moving_.size()), part = now;
+    const VectorXd weights = kernel_.unknowns(sensor_rows_[sensor]);
+    VectorXd now = VectorXd::Zero(moving_.size()), part = now;
     for (std::size_t k = 0; derivatives > 0 && k < dampers_.size(); ++k) {
       const DampedModes& modes = problem_.damped_modes[k];
-      const auto add = [&](const Eigen::VectorXd& mode, Eigen::VectorXd& all) {
-        Eigen::VectorXd momentum = Eigen::VectorXd::Zero(weights.size());
+      const auto add = [&](const VectorXd& mode, VectorXd& all) {
+        VectorXd momentum = VectorXd::Zero(weights.size());
         momentum(modes.unknowns) = modes.momentum * mode;
         all.head(kernel_.size()) += kernel_.covector(momentum);
         all.tail(stretch_.size()) += modes.axial * mode;
       };
-      Eigen::VectorXd mode = modes.shapes.transpose() * weights(modes.unknowns);
+      VectorXd mode = modes.shapes.transpose() * weights(modes.unknowns);
       if (derivatives == 2) {
         mode = -mode.cwiseProduct(modes.rate);
         add(mode, now);
@@ -295,8 +290,8 @@ class ExplicitRun {
         0.5;
     for (std::size_t s = 0; s < sensor_rows_.size(); ++s) {
       const SensorQuantity& q = described(problem_.quantities[s]);
-      const Eigen::VectorXd& sensor = sensor_rows_[s];
-      double& value = out.samples(row, static_cast<Eigen::Index>(s));
+      const VectorXd& sensor = sensor_rows_[s];
+      double& value = out.samples(row, static_cast<Index>(s));
       if (q.reading == SensorReading::axial_force) {
         value = kernel_.axial_force(problem_.chain->sensors[s].segment, ahead_.data());
       } else if (q.derivatives == 0) {
@@ -308,7 +303,7 @@ class ExplicitRun {
     }
   }
 
-  Eigen::Map<Eigen::VectorXd> take() {
+  Map<VectorXd> take() {
     const auto n = static_cast<std::size_t>(kernel_.size());
     return {memory_.data() + n * taken_++, kernel_.size()};
   }
@@ -325,22 +320,21 @@ class ExplicitRun {
   static constexpr std::size_t kArrays = 13;
   LaneVector memory_;
   std::size_t taken_ = 0;
-  Eigen::Map<Eigen::VectorXd> q_ = take(), v_ = take(), a_ = take(), first_ = take(),
-                              ahead_ = take(), external_ = take(), rest_ = take(), vp_ = take(),
-                              rate_ = take(), other_ = take(), scratch_ = take(), change_ = take(),
-                              sum_ = take();
-  std::vector<Eigen::VectorXd> load_rows_, sensor_rows_;
-  Eigen::VectorXd stretch_, moving_;  // elongations' rates; behind all velocities, at a sample
-  std::vector<Dampers> dampers_;      // by the problem's damped modes
-  std::vector<Drag> drags_;           // by sensor
+  Map<VectorXd> q_ = take(), v_ = take(), a_ = take(), first_ = take(), ahead_ = take(),
+                external_ = take(), rest_ = take(), vp_ = take(), rate_ = take(), other_ = take(),
+                scratch_ = take(), change_ = take(), sum_ = take();
+  std::vector<VectorXd> load_rows_, sensor_rows_;
+  VectorXd stretch_, moving_;     // elongations' rates; behind all velocities, at a sample
+  std::vector<Dampers> dampers_;  // by the problem's damped modes
+  std::vector<Drag> drags_;       // by sensor
 };
 
 template <int D>
 double power_method(MotionKernel<D>& kernel, const ChainState& state) {
-  const Eigen::VectorXd q = kernel.positions(state);
-  Eigen::VectorXd x(q.size()), plus(q.size()), minus(q.size());
+  const VectorXd q = kernel.positions(state);
+  VectorXd x(q.size()), plus(q.size()), minus(q.size());
   // Neighbouring nodes against each other: near the highest axial mode of every member.
-  for (Eigen::Index i = 0; i < x.size(); ++i) {
+  for (Index i = 0; i < x.size(); ++i) {
     x(i) = (i % 2 == 0 ? 1 : -1) * (1 + 0.3 * std::sin(1.7 * static_cast<double>(i)));
   }
   x = kernel.entry_values(kernel.unknowns(x));  // without what is held
@@ -349,10 +343,10 @@ double power_method(MotionKernel<D>& kernel, const ChainState& state) {
   const double size = 1e-6 * (q.maxCoeff() - q.minCoeff());
   for (int i = 0; i < 80; ++i) {
     const double factor = size / x.cwiseAbs().maxCoeff();
-    const Eigen::VectorXd up = q + factor * x, down = q - factor * x;
+    const VectorXd up = q + factor * x, down = q - factor * x;
     kernel.acceleration(up.data(), nullptr, plus.data());
     kernel.acceleration(down.data(), nullptr, minus.data());
-    const Eigen::VectorXd next = (minus - plus) / (2 * factor);
+    const VectorXd next = (minus - plus) / (2 * factor);
     const double norm = kernel.slowed_product(next, next), own = kernel.slowed_product(next, x);
     if (!(norm > 0) || !(own > 0)) break;
     // |K x|_M^2 / (x K x): a Rayleigh quotient one half-step ahead.
@@ -366,7 +360,7 @@ template <int D>
 MotionOutput run_explicit(const MotionProblem& problem, const ExplicitOptions& options) {
   const double sample = 1 / options.sampling.rate_hz;
   MotionKernel<D> kernel(*problem.chain);
-  const Eigen::VectorXd rest = kernel.positions(problem.rest);
+  const VectorXd rest = kernel.positions(problem.rest);
   const auto highest = [&](double kappa) {
     kernel.slow_axial(kappa, rest);
     return std::max(power_method<D>(kernel, problem.start), power_method<D>(kernel, problem.rest));

@@ -26,9 +26,9 @@
 // balance with the elastic forces that they would be split from.
 #pragma once
 
-#include <limits>
 #include <optional>
 
+#include "model/algebra/numbers.h"
 #include "model/motion/motion_problem.h"
 
 namespace rigfit::model {

@@ -1,7 +1,5 @@
 #include "model/motion/lane_loops.h"
 
-#include <cmath>
-
 // Compiled without errno, floating-point traps and contraction (CMakeLists.txt): a square root is
 // one instruction, a product and a sum are two.
 #if defined(__x86_64__)

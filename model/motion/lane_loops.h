@@ -15,7 +15,8 @@
 
 #include <cstddef>
 #include <new>
-#include <vector>
+
+#include "model/algebra/numbers.h"
 
 namespace rigfit::model {
 

@@ -1,7 +1,6 @@
 #include "model/motion/motion_kernel.h"
 
 #include <cassert>
-#include <cmath>
 
 namespace rigfit::model {
 namespace {
@@ -29,7 +28,7 @@ MotionKernel<D>::MotionKernel(const Chain& chain)
   turning_.resize(chain.rotating_node.size());
   if constexpr (D == 2) {
     for (std::size_t r = 0; r < turning_.size(); ++r) {
-      turning_[r].held = chain.rotation_fixed(2, static_cast<Eigen::Index>(r));
+      turning_[r].held = chain.rotation_fixed(2, static_cast<Index>(r));
     }
   }
   make_members();
@@ -197,8 +196,7 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
                    acceleration + plan.offset);
   }
   if (external) {
-    Eigen::Map<Eigen::VectorXd>(acceleration, size()) +=
-        Eigen::Map<const Eigen::VectorXd>(external, size());
+    Map<VectorXd>(acceleration, size()) += Map<const VectorXd>(external, size());
   }
   if (springs_) {
     for (const SharedNode& node : shared_) {
@@ -213,8 +211,8 @@ void MotionKernel<D>::acceleration(const double* positions, const double* extern
 }
 
 template <int D>
-Eigen::VectorXd MotionKernel<D>::positions(const ChainState& state) const {
-  Eigen::VectorXd result(size());
+VectorXd MotionKernel<D>::positions(const ChainState& state) const {
+  VectorXd result(size());
   for (std::size_t m = 0; m < members_.size(); ++m) {
     const MemberPlan& plan = members_[m];
     const std::vector<int>& nodes = chain_->members[m].nodes;
@@ -246,9 +244,9 @@ ChainState MotionKernel<D>::state(const Entries& positions) {
 }
 
 template <int D>
-Eigen::VectorXd MotionKernel<D>::unknowns(const Entries& entries) const {
+VectorXd MotionKernel<D>::unknowns(const Entries& entries) const {
   const Numbering& numbering = assembly_.numbering();
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(numbering.size);
+  VectorXd result = VectorXd::Zero(numbering.size);
   for (int node = 0; node < chain_->nodes; ++node) {
     const int entry = entry_of_node_[at(node)];
     if (entry < 0) continue;
@@ -261,9 +259,9 @@ Eigen::VectorXd MotionKernel<D>::unknowns(const Entries& entries) const {
 }
 
 template <int D>
-Eigen::VectorXd MotionKernel<D>::entry_values(const Eigen::VectorXd& unknowns) const {
+VectorXd MotionKernel<D>::entry_values(const VectorXd& unknowns) const {
   const Numbering& numbering = assembly_.numbering();
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(size());
+  VectorXd result = VectorXd::Zero(size());
   for (std::size_t m = 0; m < members_.size(); ++m) {
     for (int i = 0; i <= members_[m].segments; ++i) {
       const int node = chain_->members[m].nodes[at(i)];
@@ -277,8 +275,8 @@ Eigen::VectorXd MotionKernel<D>::entry_values(const Eigen::VectorXd& unknowns) c
 }
 
 template <int D>
-Eigen::VectorXd MotionKernel<D>::covector(const Eigen::VectorXd& weights) const {
-  Eigen::VectorXd result = entry_values(weights);
+VectorXd MotionKernel<D>::covector(const VectorXd& weights) const {
+  VectorXd result = entry_values(weights);
   for (const SharedNode& node : shared_) {
     for (std::size_t k = 1; k < node.entries.size(); ++k) {
       for (int c = 0; c < D; ++c) result(c * entries_ + node.entries[k]) = 0;
@@ -290,7 +288,7 @@ Eigen::VectorXd MotionKernel<D>::covector(const Eigen::VectorXd& weights) const 
 template <int D>
 template <class Visit>
 void MotionKernel<D>::each_segment(const Visit& visit) const {
-  Eigen::Index segment = 0;
+  Index segment = 0;
   for (const MemberPlan& plan : members_) {
     for (int i = 0; i < plan.segments; ++i, ++segment) {
       for (int c = 0; c < D; ++c) {
@@ -303,16 +301,16 @@ void MotionKernel<D>::each_segment(const Visit& visit) const {
 }
 
 template <int D>
-void MotionKernel<D>::stretch(const double* velocities, Eigen::VectorXd& rates) const {
+void MotionKernel<D>::stretch(const double* velocities, VectorXd& rates) const {
   rates.setZero();
-  each_segment([&](Eigen::Index segment, int from, int to, double direction) {
+  each_segment([&](Index segment, int from, int to, double direction) {
     rates(segment) += direction * (velocities[to] - velocities[from]);
   });
 }
 
 template <int D>
 void MotionKernel<D>::push(const float* thrusts, double* forces) const {
-  each_segment([&](Eigen::Index segment, int from, int to, double direction) {
+  each_segment([&](Index segment, int from, int to, double direction) {
     const double force = direction * thrusts[segment];
     forces[from] -= force;
     forces[to] += force;

@@ -11,19 +11,16 @@
 // The mass is constant (node_mass.h).
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
+#include "model/algebra/numbers.h"
 #include "model/chain/assembly.h"
 #include "model/chain/chain.h"
-#include "model/chain/index.h"
 #include "model/motion/lane_loops.h"
 #include "model/motion/node_mass.h"
 
 namespace rigfit::model {
 
 /// Values of all entries, read.
-using Entries = Eigen::Ref<const Eigen::VectorXd>;
+using Entries = Ref<const VectorXd>;
 
 /// In the plane (2) always, unless the plane is not one of symmetry; in space (3) for chains
 /// without torsion and without turning nodes.
@@ -38,15 +35,15 @@ class MotionKernel {
   /// Length of the arrays below: D times the entries, component after component.
   [[nodiscard]] int size() const { return D * entries_; }
 
-  [[nodiscard]] Eigen::VectorXd positions(const ChainState& state) const;
+  [[nodiscard]] VectorXd positions(const ChainState& state) const;
   /// The state with these positions; rotations as they follow.
   [[nodiscard]] ChainState state(const Entries& positions);
   /// Rates of its unknowns for velocities of the entries (those of turning nodes zero).
-  [[nodiscard]] Eigen::VectorXd unknowns(const Entries& entries) const;
+  [[nodiscard]] VectorXd unknowns(const Entries& entries) const;
   /// The way back: entries from the unknowns.
-  [[nodiscard]] Eigen::VectorXd entry_values(const Eigen::VectorXd& unknowns) const;
+  [[nodiscard]] VectorXd entry_values(const VectorXd& unknowns) const;
   /// Weights of the unknowns as weights of entries: those of a shared node are in its first.
-  [[nodiscard]] Eigen::VectorXd covector(const Eigen::VectorXd& weights) const;
+  [[nodiscard]] VectorXd covector(const VectorXd& weights) const;
 
   /// acceleration = M^-1 (external - dV/dx), zero where held. Entries' arrays; `external` (N, may
   /// be null) is given in any one of a shared node's entries or split among them. Not thread-safe:
@@ -73,13 +70,12 @@ class MotionKernel {
   }
 
   /// Weights of a point's motion along a direction, without what is held: displacement = row . x.
-  [[nodiscard]] Eigen::VectorXd row(const ChainPoint& point,
-                                    const Eigen::Vector3d& direction) const {
+  [[nodiscard]] VectorXd row(const ChainPoint& point, const Vector3d& direction) const {
     return covector(assembly_.row_of(point, direction));
   }
   /// Rates of the segments' lengths, m/s, for velocities of the entries; in the directions that
   /// the last acceleration was taken at.
-  void stretch(const double* velocities, Eigen::VectorXd& rates) const;
+  void stretch(const double* velocities, VectorXd& rates) const;
   /// Adds thrusts that lengthen the segments (or impulses) to the entries' forces, in these
   /// directions.
   void push(const float* thrusts, double* forces) const;
@@ -103,8 +99,8 @@ class MotionKernel {
   };
   struct SharedNode : NodeMass<D>::Shared {
     int node = 0;
-    Eigen::Vector3d spring = Eigen::Vector3d::Zero();  // to the ground
-    Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
+    Vector3d spring = Vector3d::Zero();  // to the ground
+    Vector3d anchor = Vector3d::Zero();
   };
   struct Turning {
     struct End {
@@ -132,7 +128,7 @@ class MotionKernel {
   std::vector<SharedNode> shared_;
   std::vector<Turning> turning_;
   std::vector<int> entry_of_node_;
-  Eigen::VectorXd gravity_;  // D x entries
+  VectorXd gravity_;  // D x entries
   NodeMass<D> mass_;
   bool springs_ = false;
   const LaneLoops<D>* loops_ = &lane_loops<D>();

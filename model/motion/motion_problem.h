@@ -6,9 +6,7 @@
 // a beam's chord, and in M phi that would be damped as an axial wave's motion.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
+#include "model/algebra/numbers.h"
 #include "model/chain/assembly.h"
 #include "model/chain/chain.h"
 #include "model/motion/sampling.h"
@@ -20,10 +18,10 @@ namespace rigfit::model {
 /// chain's motions (in the plane, out of it), which do not move the others' unknowns.
 struct DampedModes {
   std::vector<int> unknowns;  ///< those of the problem's motion that the modes move
-  Eigen::MatrixXd shapes;     ///< these unknowns x modes, mass-normalised
-  Eigen::MatrixXd momentum;   ///< M times the shapes, without what the elongations give
-  Eigen::MatrixXd axial;      ///< segments x modes: axial stiffness times elongation over omega^2
-  Eigen::VectorXd rate;       ///< 2 zeta omega, 1/s
+  MatrixXd shapes;            ///< these unknowns x modes, mass-normalised
+  MatrixXd momentum;          ///< M times the shapes, without what the elongations give
+  MatrixXd axial;             ///< segments x modes: axial stiffness times elongation over omega^2
+  VectorXd rate;              ///< 2 zeta omega, 1/s
 };
 
 struct MotionProblem {
@@ -31,7 +29,7 @@ struct MotionProblem {
   Motion motion = Motion::in_plane;  ///< in_plane or space
   ChainState rest;                   ///< equilibrium; displacements are counted from here
   ChainState start;
-  Eigen::VectorXd start_velocity;            ///< velocity of the motion's unknowns; empty: at rest
+  VectorXd start_velocity;                   ///< velocity of the motion's unknowns; empty: at rest
   std::vector<Load> loads;                   ///< in the order of the chain's loads
   std::vector<const ForceHistory*> records;  ///< one a load, null where it has none
   std::vector<Sensor::Quantity> quantities;  ///< one a sensor of the chain

@@ -2,11 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
 
 #include "model/algebra/envelope_matrix.h"
-#include "model/chain/index.h"
 
 namespace rigfit::model {
 
@@ -64,7 +61,7 @@ LaneFactors lane_factors(const std::vector<double>& diagonal, const std::vector<
   out.separators.assign(at(kLanes * kLanes), 0);
   for (int lane = 0; lane < kLanes; ++lane) {
     const int own = lane * rows + rest;
-    Eigen::VectorXd column = Eigen::VectorXd::Unit(kLanes * rows, own);
+    VectorXd column = VectorXd::Unit(kLanes * rows, own);
     factor.solve_in_place(column);
     for (int k = 0; k < kLanes; ++k) {
       const int other = (lane + k) % kLanes * rows + rest;
@@ -154,9 +151,9 @@ void NodeMass<D>::slow_axial(double kappa, const double* positions) {
     if (plan.along >= 0) continue;
     plan.along = 0;
     plan.rotated = any_rotated_ = true;
-    Eigen::Vector3d to = Eigen::Vector3d::Zero();
+    Vector3d to = Vector3d::Zero();
     to.head<D>() = chord;
-    plan.axes = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), to)
+    plan.axes = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), to)
                     .toRotationMatrix()
                     .template topLeftCorner<D, D>();
   }
@@ -166,13 +163,13 @@ void NodeMass<D>::slow_axial(double kappa, const double* positions) {
 // The mass of the components of shared nodes that move, the inner nodes following them.
 template <int D>
 void NodeMass<D>::reduce() {
-  const auto count = static_cast<Eigen::Index>(free_.size());
+  const auto count = static_cast<Index>(free_.size());
   std::vector<int> row(shared_.size() * D, -1);
-  for (Eigen::Index i = 0; i < count; ++i) {
+  for (Index i = 0; i < count; ++i) {
     const Free& f = free_[static_cast<std::size_t>(i)];
     row[at(f.node * D + f.component)] = static_cast<int>(i);
   }
-  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(count, count);
+  MatrixXd mass = MatrixXd::Zero(count, count);
   for (std::size_t m = 0; m < members_.size(); ++m) {
     const Plan& plan = plans_[m];
     Eigen::Matrix<double, D, D> block[3];
@@ -199,7 +196,7 @@ void NodeMass<D>::reduce() {
       }
     }
   }
-  inverse_ = mass.llt().solve(Eigen::MatrixXd::Identity(count, count));
+  inverse_ = mass.llt().solve(MatrixXd::Identity(count, count));
 }
 
 template <int D>
@@ -224,7 +221,7 @@ void NodeMass<D>::solve(double* values) {
     const Shared& node = shared_[at(free_[i].node)];
     double sum = 0;
     for (const int entry : node.entries) sum += values[free_[i].component * entries_ + entry];
-    force_(static_cast<Eigen::Index>(i)) = sum;
+    force_(static_cast<Index>(i)) = sum;
   }
   for (std::size_t m = 0; m < members_.size(); ++m) {
     const Plan& plan = plans_[m];
@@ -244,7 +241,7 @@ void NodeMass<D>::solve(double* values) {
   // Without the rounding of their members' turns: a node's entries stay the same.
   for (std::size_t i = 0; i < free_.size(); ++i) {
     for (const int entry : shared_[at(free_[i].node)].entries) {
-      values[free_[i].component * entries_ + entry] = motion_(static_cast<Eigen::Index>(i));
+      values[free_[i].component * entries_ + entry] = motion_(static_cast<Index>(i));
     }
   }
 }
@@ -290,9 +287,8 @@ void NodeMass<D>::solve_ends(double* values) {
         const Inner& inner = c == plan.along ? plan.slowed : plan.plain;
         const LaneVector& from = end == 0 ? inner.from_first : inner.from_last;
         double* a = values + std::ptrdiff_t{c} * entries_ + member.offset;
-        const Eigen::Index slots = std::ssize(from);
-        Eigen::Map<Eigen::VectorXd>(a, slots) -=
-            own(c) * Eigen::Map<const Eigen::VectorXd>(from.data(), slots);
+        const Index slots = std::ssize(from);
+        Map<VectorXd>(a, slots) -= own(c) * Map<const VectorXd>(from.data(), slots);
       }
     }
   }

@@ -12,9 +12,7 @@
 // what is fast no longer sets the step.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
+#include "model/algebra/numbers.h"
 #include "model/motion/lane_loops.h"
 
 namespace rigfit::model {
@@ -82,8 +80,8 @@ class NodeMass {
   bool any_rotated_ = false;
   std::vector<Free> free_;       // components of shared nodes that move, node by node
   std::vector<int> first_free_;  // first free component of each shared node; -1: held altogether
-  Eigen::MatrixXd inverse_;      // inverse of the free components' reduced mass
-  Eigen::VectorXd force_, motion_;
+  MatrixXd inverse_;             // inverse of the free components' reduced mass
+  VectorXd force_, motion_;
   const LaneLoops<D>* loops_ = &lane_loops<D>();
 };
 

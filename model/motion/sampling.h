@@ -1,11 +1,10 @@
 // Sampling of a time history, its energy balance, and what came of a motion.
 #pragma once
 
-#include <Eigen/Core>
-#include <algorithm>
-#include <cmath>
 #include <optional>
 #include <string>
+
+#include "model/algebra/numbers.h"
 
 namespace rigfit::model {
 
@@ -47,7 +46,7 @@ struct EnergyBalance {
 
 /// A motion that was computed.
 struct MotionOutput {
-  Eigen::MatrixXd samples;  ///< rows x sensors, at 0, 1/rate, ...
+  MatrixXd samples;  ///< rows x sensors, at 0, 1/rate, ...
   EnergyBalance energy;
   double step_s = 0;
   double axial_slowing_s2 = 0;  ///< kappa of node_mass.h; 0: axial waves at their own speed

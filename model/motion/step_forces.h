@@ -3,11 +3,7 @@
 // difference that the average adds.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <vector>
-
+#include "model/algebra/numbers.h"
 #include "model/motion/motion_problem.h"
 
 namespace rigfit::model {

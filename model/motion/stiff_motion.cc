@@ -1,4 +1,5 @@
 #include "model/motion/stiff_motion.h"
+#include "model/algebra/numbers.h"
 
 #include <ida/ida.h>
 #include <nvector/nvector_serial.h>
@@ -6,8 +7,6 @@
 #include <sundials/sundials_linearsolver.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "model/scene/sensor_quantity.h"
@@ -63,7 +62,7 @@ class StiffRun {
       sensor_rows_.push_back(assembly_.row_of(chain.sensors[s], chain.sensor_direction[s]));
       if (described(problem.quantities[s]).derivatives == 2) acceleration_wanted_ = true;
     }
-    force_ = drag_ = full_ = rest_ = u_ = Eigen::VectorXd::Zero(n_);
+    force_ = drag_ = full_ = rest_ = u_ = VectorXd::Zero(n_);
     w_ = problem.start_velocity.size() == n_ ? problem.start_velocity : rest_;
   }
 
@@ -103,7 +102,7 @@ class StiffRun {
     // The integrator does not start towards a time that rounding alone tells from its own.
     const double close = 1e-12 * options_.sampling.duration_s;
     const long rows = options_.sampling.rows(), stride = options_.sampling.energy_stride();
-    out.samples.resize(rows, static_cast<Eigen::Index>(sensor_rows_.size()));
+    out.samples.resize(rows, static_cast<Index>(sensor_rows_.size()));
     auto stop = stops.begin();
     double t = 0;
     for (long row = 0; row < rows; ++row) {
@@ -141,7 +140,7 @@ class StiffRun {
   }
 
  private:
-  using Values = Eigen::Map<Eigen::VectorXd>;
+  using Values = Map<VectorXd>;
   Values of(N_Vector vector) const { return {N_VGetArrayPointer(vector), size_}; }
   // The velocities of the unknowns with inertia, behind the increments of all.
   [[nodiscard]] Values velocities(Values y) const { return {y.data() + n_, moving_}; }
@@ -170,12 +169,12 @@ class StiffRun {
     const Numbering& numbering = assembly_.numbering();
     double shortest = kFar;
     for (const Segment& s : problem_.chain->segments) shortest = std::min(shortest, s.length);
-    const auto own = [&](Eigen::Index i) {
+    const auto own = [&](Index i) {
       return (numbering.displacement.array() == static_cast<int>(i)).any() ? 1.0 : 1 / shortest;
     };
-    for (Eigen::Index i = 0; i < n_; ++i) absolute(i) = r * options_.displacement_m * own(i);
+    for (Index i = 0; i < n_; ++i) absolute(i) = r * options_.displacement_m * own(i);
     for (std::size_t k = 0; k < massive_.size(); ++k) {
-      absolute(n_ + static_cast<Eigen::Index>(k)) = r * options_.velocity_m_s * own(massive_[k]);
+      absolute(n_ + static_cast<Index>(k)) = r * options_.velocity_m_s * own(massive_[k]);
     }
     absolute.tail<2>().setConstant(kFar);
   }
@@ -192,28 +191,27 @@ class StiffRun {
 
   // u = T(q) q': a twist's parallel transport from the anchor's tangent t0 to t turns by
   // -(t0 x t) . t' / (1 + t0 . t); a rotation vector's rate is its left Jacobian times.
-  void turn_rates(const Eigen::VectorXd& q) {
+  void turn_rates(const VectorXd& q) {
     const Chain& chain = *problem_.chain;
     const Numbering& numbering = assembly_.numbering();
     for (std::size_t k = 0; chain.frames > 0 && k < chain.segments.size(); ++k) {
-      const int twist = numbering.twist[static_cast<Eigen::Index>(k)];
+      const int twist = numbering.twist[static_cast<Index>(k)];
       if (twist < 0) continue;
       const Segment& s = chain.segments[k];
-      const Eigen::Vector3d e = state_.position.col(s.b) - state_.position.col(s.a);
-      const Eigen::Vector3d t = e.normalized(), t0 = tangent_at_anchor(s);
-      const Eigen::Vector3d de =
-          numbering.displacement_in(u_, s.b) - numbering.displacement_in(u_, s.a);
+      const Vector3d e = state_.position.col(s.b) - state_.position.col(s.a);
+      const Vector3d t = e.normalized(), t0 = tangent_at_anchor(s);
+      const Vector3d de = numbering.displacement_in(u_, s.b) - numbering.displacement_in(u_, s.a);
       u_(twist) -= t0.cross(t).dot(de) / (e.norm() * (1 + t0.dot(t)));
     }
-    for (Eigen::Index r = 0; r < numbering.rotation.cols(); ++r) {
-      Eigen::Vector3d psi = Eigen::Vector3d::Zero(), d = psi;
+    for (Index r = 0; r < numbering.rotation.cols(); ++r) {
+      Vector3d psi = Vector3d::Zero(), d = psi;
       for (int axis = 0; axis < 3; ++axis) {
         const int i = numbering.rotation(axis, r);
         if (i >= 0) psi[axis] = q(i), d[axis] = u_(i);
       }
       const double a = psi.norm();
       if (a < 1e-6) continue;  // below, psi x d / 2 is a millionth of d
-      const Eigen::Vector3d across = psi.cross(d);
+      const Vector3d across = psi.cross(d);
       d += (1 - std::cos(a)) / (a * a) * across +
            (a - std::sin(a)) / (a * a * a) * psi.cross(across);
       for (int axis = 0; axis < 3; ++axis) {
@@ -222,7 +220,7 @@ class StiffRun {
       }
     }
   }
-  [[nodiscard]] Eigen::Vector3d tangent_at_anchor(const Segment& s) const {
+  [[nodiscard]] Vector3d tangent_at_anchor(const Segment& s) const {
     return (anchor_.position.col(s.b) - anchor_.position.col(s.a)).normalized();
   }
 
@@ -231,11 +229,11 @@ class StiffRun {
     const Chain& chain = *problem_.chain;
     for (const Segment& s : chain.segments) {
       if (s.frame < 0) continue;
-      const Eigen::Vector3d t = (state_.position.col(s.b) - state_.position.col(s.a)).normalized();
+      const Vector3d t = (state_.position.col(s.b) - state_.position.col(s.a)).normalized();
       if (t.dot(tangent_at_anchor(s)) < std::cos(kTurned)) return true;
     }
     for (std::size_t r = 0; r < anchor_.rotation.size(); ++r) {
-      const Eigen::Matrix3d by = state_.rotation[r] * anchor_.rotation[r].transpose();
+      const Matrix3d by = state_.rotation[r] * anchor_.rotation[r].transpose();
       if (by.trace() < 1 + 2 * std::cos(kTurned)) return true;
     }
     return false;
@@ -265,7 +263,7 @@ class StiffRun {
     }
     const auto elongations = assembly_.elongations(state_);
     for (const DampedModes& modes : problem_.damped_modes) {
-      const Eigen::VectorXd force =
+      const VectorXd force =
           modes.rate.cwiseProduct(modes.momentum.transpose() * w_(modes.unknowns) +
                                   modes.axial.transpose() * (elongations * w_));
       drag_(modes.unknowns) += modes.momentum * force;
@@ -286,7 +284,7 @@ class StiffRun {
     auto& self = *static_cast<StiffRun*>(user);
     const Values values = self.of(y), rates = self.of(rate);
     Values out = self.of(r);
-    const Eigen::Index n = self.n_;
+    const Index n = self.n_;
     self.set(values, rates);
     const double power = self.forces(t);
     self.full_.setZero();
@@ -321,11 +319,11 @@ class StiffRun {
     }
     const Values right = self.of(b);
     Values left = self.of(x);
-    const Eigen::Index n = self.n_;
+    const Index n = self.n_;
     self.full_.setZero();
     self.full_(self.massive_) = self.velocities(right);
     self.mass_.multiply(self.full_, self.rest_);
-    Eigen::VectorXd q = right.head(n) + cj * self.rest_;
+    VectorXd q = right.head(n) + cj * self.rest_;
     if (self.problem_.joint_damping) {
       self.damping_.multiply(self.full_, self.rest_);
       q += self.rest_;
@@ -354,7 +352,7 @@ class StiffRun {
         value = chain.sensor_direction[s].dot(
             position_of(chain.sensors[s], state_.position - problem_.rest.position));
       }
-      out.samples(row, static_cast<Eigen::Index>(s)) = value;
+      out.samples(row, static_cast<Index>(s)) = value;
     }
   }
 
@@ -364,11 +362,11 @@ class StiffRun {
   ChainState anchor_, state_;
   EnvelopeMatrix mass_, inertia_, damping_, tangent_, system_;
   EnvelopeFactor mass_factor_, factor_;
-  Eigen::Index n_, moving_ = 0, size_ = 0;
+  Index n_, moving_ = 0, size_ = 0;
   std::vector<int> massive_;
-  std::vector<Eigen::VectorXd> load_rows_, sensor_rows_;
+  std::vector<VectorXd> load_rows_, sensor_rows_;
   std::vector<LoadForce> forces_;
-  Eigen::VectorXd u_, w_, force_, drag_, full_, rest_;
+  VectorXd u_, w_, force_, drag_, full_, rest_;
   bool acceleration_wanted_ = false;
   void* memory_ = nullptr;
   long finished_ = 0, factored_step_ = -1;

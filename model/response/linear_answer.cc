@@ -1,7 +1,5 @@
 #include "model/response/linear_answer.h"
 
-#include <cmath>
-
 #include "model/algebra/general_eigen.h"
 #include "model/linear/damped_modes.h"
 #include "model/scene/sensor_quantity.h"
@@ -9,34 +7,32 @@
 namespace rigfit::model {
 namespace {
 
-using Complex = std::complex<double>;
-
 // Poles of q'' + D q' + diag(omega^2) q = L f, started from q0 at rest.
-PoleModel coupled_poles(const Eigen::VectorXd& omega, const Eigen::MatrixXd& damping,
-                        const Eigen::MatrixXd& load, const Eigen::VectorXd& start) {
-  const Eigen::Index n = omega.size();
+PoleModel coupled_poles(const VectorXd& omega, const MatrixXd& damping, const MatrixXd& load,
+                        const VectorXd& start) {
+  const Index n = omega.size();
   // In (omega q, q'): of one size, so that the eigenvectors are well scaled.
-  Eigen::MatrixXd state = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+  MatrixXd state = MatrixXd::Zero(2 * n, 2 * n);
   state.topRightCorner(n, n) = omega.asDiagonal();
-  state.bottomLeftCorner(n, n) = -Eigen::MatrixXd(omega.asDiagonal());
+  state.bottomLeftCorner(n, n) = -MatrixXd(omega.asDiagonal());
   state.bottomRightCorner(n, n) = -damping;
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(2 * n, load.cols() + 1);
+  MatrixXd right = MatrixXd::Zero(2 * n, load.cols() + 1);
   right.bottomLeftCorner(n, load.cols()) = load;
   right.col(load.cols()).head(n) = omega.cwiseProduct(start);
   const auto [values, vectors, left] = general_eigenpairs(state, right);
 
-  std::vector<Eigen::Index> keep;
-  for (Eigen::Index k = 0; k < 2 * n; ++k) {
+  std::vector<Index> keep;
+  for (Index k = 0; k < 2 * n; ++k) {
     if (values(k).imag() >= 0) keep.push_back(k);
   }
-  const auto poles = static_cast<Eigen::Index>(keep.size());
+  const auto poles = static_cast<Index>(keep.size());
   PoleModel model;
   model.poles.resize(poles);
   model.input.resize(poles, load.cols());
   model.output.resize(n, poles);
   model.initial.resize(poles);
-  for (Eigen::Index p = 0; p < poles; ++p) {
-    const Eigen::Index k = keep[static_cast<std::size_t>(p)];
+  for (Index p = 0; p < poles; ++p) {
+    const Index k = keep[static_cast<std::size_t>(p)];
     model.poles(p) = values(k);
     model.input.row(p) = left.row(k).head(load.cols());
     model.initial(p) = left(k, load.cols());
@@ -48,19 +44,19 @@ PoleModel coupled_poles(const Eigen::VectorXd& omega, const Eigen::MatrixXd& dam
 
 }  // namespace
 
-Eigen::VectorXd hung_weights(const Scene& scene) {
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(scene.loads.size()));
-  for (Eigen::Index l = 0; l < weights.size(); ++l) {
+VectorXd hung_weights(const Scene& scene) {
+  VectorXd weights = VectorXd::Zero(static_cast<Index>(scene.loads.size()));
+  for (Index l = 0; l < weights.size(); ++l) {
     const Load& load = scene.loads[static_cast<std::size_t>(l)];
     if (load.kind == Load::Kind::release) weights(l) = load.mass * scene.gravity.norm();
   }
   return weights;
 }
 
-Eigen::VectorXd renumbered(const Eigen::VectorXd& x, const Numbering& from, const Numbering& to) {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(to.size);
+VectorXd renumbered(const VectorXd& x, const Numbering& from, const Numbering& to) {
+  VectorXd result = VectorXd::Zero(to.size);
   const auto move = [&](const auto& a, const auto& b) {
-    for (Eigen::Index i = 0; i < a.size(); ++i) {
+    for (Index i = 0; i < a.size(); ++i) {
       if (a.data()[i] >= 0 && b.data()[i] >= 0) result(b.data()[i]) = x(a.data()[i]);
     }
   };
@@ -73,40 +69,40 @@ Eigen::VectorXd renumbered(const Eigen::VectorXd& x, const Numbering& from, cons
 LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
   LinearAnswer out;
   const ChainState& rest = modes.equilibrium.state;
-  const auto loads = static_cast<Eigen::Index>(scene.loads.size());
-  const auto sensors = static_cast<Eigen::Index>(scene.sensors.size());
+  const auto loads = static_cast<Index>(scene.loads.size());
+  const auto sensors = static_cast<Index>(scene.sensors.size());
   for (std::size_t k = 0; k < modes.motions.size(); ++k) {
     for (int i = 0; i < modes.motions[k].omega2.size(); ++i) {
       out.mode.push_back({static_cast<int>(k), i});
     }
   }
-  const auto count = static_cast<Eigen::Index>(out.mode.size());
+  const auto count = static_cast<Index>(out.mode.size());
   out.omega.resize(count);
   out.ratio.resize(count);
-  Eigen::MatrixXd sensor_shape(sensors, count), load_shape(count, loads);
+  MatrixXd sensor_shape(sensors, count), load_shape(count, loads);
   const bool coupled = has_joint_dampers(scene);  // by the dampers
-  Eigen::MatrixXd damping = Eigen::MatrixXd::Zero(coupled ? count : 0, coupled ? count : 0);
+  MatrixXd damping = MatrixXd::Zero(coupled ? count : 0, coupled ? count : 0);
 
-  Eigen::MatrixXd direct = Eigen::MatrixXd::Zero(sensors, loads);
-  Eigen::Index first = 0;
+  MatrixXd direct = MatrixXd::Zero(sensors, loads);
+  Index first = 0;
   for (const MotionModes& motion : modes.motions) {
-    const Eigen::Index n = motion.omega2.size();
+    const Index n = motion.omega2.size();
     if (n == 0) continue;
-    const Eigen::MatrixXd& shapes = motion.shapes;
-    const Eigen::VectorXd omega2 = motion.omega2.cwiseMax(0.0);
+    const MatrixXd& shapes = motion.shapes;
+    const VectorXd omega2 = motion.omega2.cwiseMax(0.0);
     out.ratio.segment(first, n) = modal_ratios(*motion.assembly, shapes, rest, scene);
     out.omega.segment(first, n) = omega2.cwiseSqrt();
-    const Eigen::MatrixXd load = load_rows(*motion.assembly);
-    const Eigen::MatrixXd sensor = sensor_rows(*motion.assembly, rest, scene);
-    const Eigen::MatrixXd own_load = shapes.transpose() * load;
-    const Eigen::MatrixXd own_sensor = sensor.transpose() * shapes;
+    const MatrixXd load = load_rows(*motion.assembly);
+    const MatrixXd sensor = sensor_rows(*motion.assembly, rest, scene);
+    const MatrixXd own_load = shapes.transpose() * load;
+    const MatrixXd own_sensor = sensor.transpose() * shapes;
     load_shape.middleRows(first, n) = own_load;
     sensor_shape.middleCols(first, n) = own_sensor;
     if (coupled) {
       EnvelopeMatrix c = motion.assembly->matrix();
       motion.assembly->damping(rest, c);
-      Eigen::MatrixXd product(shapes.rows(), n);
-      for (Eigen::Index i = 0; i < n; ++i) product.col(i) = c * Eigen::VectorXd(shapes.col(i));
+      MatrixXd product(shapes.rows(), n);
+      for (Index i = 0; i < n; ++i) product.col(i) = c * VectorXd(shapes.col(i));
       damping.block(first, first, n, n) = shapes.transpose() * product;
     }
     int inertial = 0;
@@ -116,7 +112,7 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
       // The modes left out follow a force without delay: K^-1 less what the others give.
       EnvelopeFactor factor;
       factor.factor(motion.stiffness);
-      Eigen::MatrixXd x = load;
+      MatrixXd x = load;
       factor.solve_in_place(x);
       direct += sensor.transpose() * x -
                 own_sensor * omega2.cwiseMax(1e-300).cwiseInverse().asDiagonal() * own_load;
@@ -124,23 +120,23 @@ LinearAnswer linear_answer(const ChainModes& modes, const Scene& scene) {
     first += n;
   }
 
-  const Eigen::VectorXd start =
+  const VectorXd start =
       (load_shape * hung_weights(scene)).cwiseQuotient(out.omega.cwiseAbs2().cwiseMax(1e-300));
   if (coupled) {
     damping.diagonal() += 2 * out.ratio.cwiseProduct(out.omega);
     out.modal = coupled_poles(out.omega, damping, load_shape, start);
   } else {
-    out.modal = pole_model(out.omega, out.ratio, load_shape,
-                           Eigen::MatrixXd::Identity(count, count), start);
+    out.modal =
+        pole_model(out.omega, out.ratio, load_shape, MatrixXd::Identity(count, count), start);
   }
   out.sensors = out.modal;
   out.sensors.output.resize(sensors, out.modal.output.cols());
   out.sensors.output.real() = sensor_shape * out.modal.output.real();
   out.sensors.output.imag() = sensor_shape * out.modal.output.imag();
   if (out.truncated) out.sensors.direct = direct;
-  out.sensors.offset = Eigen::VectorXd::Zero(sensors);
-  const Eigen::VectorXd axial = axial_forces(*modes.chain, rest);
-  for (Eigen::Index s = 0; s < sensors; ++s) {
+  out.sensors.offset = VectorXd::Zero(sensors);
+  const VectorXd axial = axial_forces(*modes.chain, rest);
+  for (Index s = 0; s < sensors; ++s) {
     const int segment = modes.chain->sensors[static_cast<std::size_t>(s)].segment;
     const auto quantity = scene.sensors[static_cast<std::size_t>(s)].quantity;
     if (described(quantity).reading == SensorReading::axial_force && segment >= 0) {

@@ -1,17 +1,11 @@
 #include "model/response/modal_response.h"
 #include "model/scene/sensor_quantity.h"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
-#include <complex>
-#include <limits>
-#include <numbers>
 
 namespace rigfit::model {
 namespace {
 
-using Complex = std::complex<double>;
 using std::numbers::pi;
 
 // (e^x - 1)/x and (e^x - 1 - x)/x^2, by their series where the closed forms cancel.
@@ -41,51 +35,51 @@ Complex sine_integral(Complex s, double Omega, double a, double T) {
 
 // Samples of a system left to itself: y_n = Re sum_r w_r z_r lambda_r^n, all sensors, `z` its state
 // at the first row. The powers of a block of rows are those of every block.
-void free_samples(const PoleModel& model, const Eigen::MatrixXcd& weights, double step,
-                  const Eigen::VectorXcd& z, Eigen::Ref<Eigen::MatrixXd> out) {
-  constexpr Eigen::Index kBlock = 256;
-  const Eigen::Index sensors = weights.rows(), rows = out.rows(), poles = z.size();
-  const Eigen::Index blocks = (rows + kBlock - 1) / kBlock;
-  Eigen::MatrixXd powers(kBlock, 2 * poles), states(2 * poles, blocks * sensors);
-  for (Eigen::Index p = 0; p < poles; ++p) {
+void free_samples(const PoleModel& model, const MatrixXcd& weights, double step, const VectorXcd& z,
+                  Ref<MatrixXd> out) {
+  constexpr Index kBlock = 256;
+  const Index sensors = weights.rows(), rows = out.rows(), poles = z.size();
+  const Index blocks = (rows + kBlock - 1) / kBlock;
+  MatrixXd powers(kBlock, 2 * poles), states(2 * poles, blocks * sensors);
+  for (Index p = 0; p < poles; ++p) {
     const Complex s = model.poles(p), lambda = std::exp(s * step);
     Complex power = 1;
-    for (Eigen::Index k = 0; k < kBlock; ++k, power *= lambda) {
+    for (Index k = 0; k < kBlock; ++k, power *= lambda) {
       powers(k, 2 * p) = power.real();
       powers(k, 2 * p + 1) = -power.imag();
     }
-    for (Eigen::Index j = 0; j < blocks; ++j) {
+    for (Index j = 0; j < blocks; ++j) {
       const Complex state = z(p) * std::exp(s * (step * static_cast<double>(kBlock * j)));
-      for (Eigen::Index k = 0; k < sensors; ++k) {
+      for (Index k = 0; k < sensors; ++k) {
         const Complex value = weights(k, p) * state;
         states(2 * p, k * blocks + j) = value.real();
         states(2 * p + 1, k * blocks + j) = value.imag();
       }
     }
   }
-  const Eigen::MatrixXd samples = powers * states;
-  for (Eigen::Index k = 0; k < sensors; ++k) {
-    out.col(k) = Eigen::Map<const Eigen::VectorXd>(samples.data() + k * blocks * kBlock, rows);
+  const MatrixXd samples = powers * states;
+  for (Index k = 0; k < sensors; ++k) {
+    out.col(k) = Map<const VectorXd>(samples.data() + k * blocks * kBlock, rows);
   }
 }
 
 }  // namespace
 
-PoleModel pole_model(const Eigen::VectorXd& omega, const Eigen::VectorXd& damping_ratio,
-                     const Eigen::MatrixXd& load_shape, const Eigen::MatrixXd& sensor_shape,
-                     const Eigen::VectorXd& displacement) {
-  const Eigen::Index modes = omega.size();
+PoleModel pole_model(const VectorXd& omega, const VectorXd& damping_ratio,
+                     const MatrixXd& load_shape, const MatrixXd& sensor_shape,
+                     const VectorXd& displacement) {
+  const Index modes = omega.size();
   assert(load_shape.rows() == modes && sensor_shape.cols() == modes);
   assert(displacement.size() == modes);
-  Eigen::Index poles = 0;
-  for (Eigen::Index r = 0; r < modes; ++r) poles += damping_ratio(r) < 1 ? 1 : 2;
+  Index poles = 0;
+  for (Index r = 0; r < modes; ++r) poles += damping_ratio(r) < 1 ? 1 : 2;
   PoleModel model;
   model.poles.resize(poles);
   model.input.resize(poles, load_shape.cols());
   model.output.resize(sensor_shape.rows(), poles);
-  model.initial = Eigen::VectorXcd::Zero(poles);
-  Eigen::Index p = 0;
-  for (Eigen::Index r = 0; r < modes; ++r) {
+  model.initial = VectorXcd::Zero(poles);
+  Index p = 0;
+  for (Index r = 0; r < modes; ++r) {
     const double w = omega(r);
     double zeta = damping_ratio(r);
     // Two equal poles have no such expansion; 1e-8 beside them the response differs by as much.
@@ -109,7 +103,7 @@ PoleModel pole_model(const Eigen::VectorXd& omega, const Eigen::VectorXd& dampin
 ModalPropagator::ModalPropagator(const PoleModel& model, const std::vector<Load>& loads,
                                  const std::vector<const ForceHistory*>& records)
     : model_(model), loads_(loads), records_(records) {
-  assert(model.input.cols() == static_cast<Eigen::Index>(loads.size()));
+  assert(model.input.cols() == static_cast<Index>(loads.size()));
   assert(records.size() == loads.size());
   for (std::size_t l = 0; l < loads.size(); ++l) {
     forces_.emplace_back(loads[l], records[l]);
@@ -117,20 +111,20 @@ ModalPropagator::ModalPropagator(const PoleModel& model, const std::vector<Load>
   }
 }
 
-void ModalPropagator::advance(Eigen::VectorXcd& z, double t0, double t1) const {
+void ModalPropagator::advance(VectorXcd& z, double t0, double t1) const {
   const double h = t1 - t0;
   if (!(h > 0)) return;
-  const Eigen::Index poles = model_.poles.size();
-  for (Eigen::Index r = 0; r < poles; ++r) z(r) *= std::exp(model_.poles(r) * h);
+  const Index poles = model_.poles.size();
+  for (Index r = 0; r < poles; ++r) z(r) *= std::exp(model_.poles(r) * h);
   for (std::size_t l = 0; l < loads_.size(); ++l) {
     const Load& load = loads_[l];
-    const auto column = static_cast<Eigen::Index>(l);
+    const auto column = static_cast<Index>(l);
     if (load.kind == Load::Kind::impact) {
       const double from = std::max(t0, load.start);
       const double to = std::min(t1, load.start + load.duration);
       if (!(to > from)) continue;
       const double Omega = pi / load.duration;
-      for (Eigen::Index r = 0; r < poles; ++r) {
+      for (Index r = 0; r < poles; ++r) {
         const Complex s = model_.poles(r);
         z(r) += model_.input(r, column) * load.peak * std::exp(s * (t1 - to)) *
                 sine_integral(s, Omega, from - load.start, to - from);
@@ -141,8 +135,8 @@ void ModalPropagator::advance(Eigen::VectorXcd& z, double t0, double t1) const {
   }
 }
 
-void ModalPropagator::add_record(Eigen::VectorXcd& z, const ForceHistory& record,
-                                 Eigen::Index column, double t0, double t1) const {
+void ModalPropagator::add_record(VectorXcd& z, const ForceHistory& record, Index column, double t0,
+                                 double t1) const {
   const auto& t = record.time_s;
   const auto& f = record.force_N;
   if (t1 <= t.front() || t0 >= t.back()) return;
@@ -153,7 +147,7 @@ void ModalPropagator::add_record(Eigen::VectorXcd& z, const ForceHistory& record
     if (!(h > 0)) continue;
     const double slope = (f[i] - f[i - 1]) / (t[i] - t[i - 1]);
     const double f0 = f[i - 1] + slope * (from - t[i - 1]), rise = slope * h;
-    for (Eigen::Index r = 0; r < model_.poles.size(); ++r) {
+    for (Index r = 0; r < model_.poles.size(); ++r) {
       const Complex s = model_.poles(r), x = s * h;
       z(r) +=
           model_.input(r, column) * std::exp(s * (t1 - to)) * h * (phi1(x) * f0 + phi2(x) * rise);
@@ -161,20 +155,19 @@ void ModalPropagator::add_record(Eigen::VectorXcd& z, const ForceHistory& record
   }
 }
 
-Eigen::MatrixXd modal_response(const PoleModel& model,
-                               const std::vector<Sensor::Quantity>& quantities,
-                               const std::vector<Load>& loads,
-                               const std::vector<const ForceHistory*>& records, double step_s,
-                               Eigen::Index rows) {
-  const Eigen::Index sensors = model.output.rows(), poles = model.poles.size();
-  assert(static_cast<Eigen::Index>(quantities.size()) == sensors && step_s > 0);
+MatrixXd modal_response(const PoleModel& model, const std::vector<Sensor::Quantity>& quantities,
+                        const std::vector<Load>& loads,
+                        const std::vector<const ForceHistory*>& records, double step_s,
+                        Index rows) {
+  const Index sensors = model.output.rows(), poles = model.poles.size();
+  assert(static_cast<Index>(quantities.size()) == sensors && step_s > 0);
   const ModalPropagator propagator(model, loads, records);
 
   // Derivatives of Re(c z): Re(c s z) + Re(c b) f, and so on; the first feed-through vanishes for
   // displacements, the second is the unit force's acceleration.
-  Eigen::MatrixXcd weights = model.output;
-  Eigen::MatrixXd direct = Eigen::MatrixXd::Zero(sensors, model.input.cols());
-  for (Eigen::Index k = 0; k < sensors; ++k) {
+  MatrixXcd weights = model.output;
+  MatrixXd direct = MatrixXd::Zero(sensors, model.input.cols());
+  for (Index k = 0; k < sensors; ++k) {
     const int derivatives = described(quantities[static_cast<std::size_t>(k)]).derivatives;
     if (derivatives == 0) {
       if (model.direct.size() > 0) direct.row(k) = model.direct.row(k);
@@ -187,17 +180,17 @@ Eigen::MatrixXd modal_response(const PoleModel& model,
     }
   }
 
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows, sensors);
-  Eigen::VectorXcd z = model.initial;
-  Eigen::Index row = 0;
+  MatrixXd out = MatrixXd::Zero(rows, sensors);
+  VectorXcd z = model.initial;
+  Index row = 0;
   // Sample by sample while any force acts, then freely.
   const double last_force = propagator.last_force_s();
   for (double t = 0; row < rows && t < last_force; ++row, t = step_s * static_cast<double>(row)) {
     if (row > 0) propagator.advance(z, step_s * static_cast<double>(row - 1), t);
-    for (Eigen::Index k = 0; k < sensors; ++k) out(row, k) = (weights.row(k) * z).real().value();
+    for (Index k = 0; k < sensors; ++k) out(row, k) = (weights.row(k) * z).real().value();
     for (std::size_t l = 0; l < loads.size(); ++l) {
       const double f = propagator.force(l).at(t);
-      if (f != 0) out.row(row) += f * direct.col(static_cast<Eigen::Index>(l)).transpose();
+      if (f != 0) out.row(row) += f * direct.col(static_cast<Index>(l)).transpose();
     }
   }
   if (row < rows) {

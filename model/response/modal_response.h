@@ -10,40 +10,36 @@
 // in a block are one real matrix (powers of e^{s h}) times the states at the blocks' starts.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
+#include "model/algebra/numbers.h"
 #include "model/scene/force_history.h"
 #include "model/scene/scene.h"
 
 namespace rigfit::model {
 
 struct PoleModel {
-  Eigen::VectorXcd poles;   ///< rad/s; one of each conjugate pair, and all real ones
-  Eigen::MatrixXcd input;   ///< poles x loads: b
-  Eigen::MatrixXcd output;  ///< sensors x poles: c of the displacement along the sensor's direction
-                            ///< (of the tension for a force sensor)
-  Eigen::VectorXcd initial;  ///< z at t = 0
-  Eigen::VectorXd offset;    ///< sensors: added to every sample (static tension); empty: zero
-  Eigen::MatrixXd direct;    ///< sensors x loads: what the force adds at once to a displacement
-                             ///< or tension, for modes left out; empty: nothing
+  VectorXcd poles;    ///< rad/s; one of each conjugate pair, and all real ones
+  MatrixXcd input;    ///< poles x loads: b
+  MatrixXcd output;   ///< sensors x poles: c of the displacement along the sensor's direction
+                      ///< (of the tension for a force sensor)
+  VectorXcd initial;  ///< z at t = 0
+  VectorXd offset;    ///< sensors: added to every sample (static tension); empty: zero
+  MatrixXd direct;    ///< sensors x loads: what the force adds at once to a displacement
+                      ///< or tension, for modes left out; empty: nothing
 };
 
 /// Poles of mass-normalised modes: `load_shape` modes x loads, `sensor_shape` sensors x modes,
 /// started from the modal displacements `displacement`.
-[[nodiscard]] PoleModel pole_model(const Eigen::VectorXd& omega,
-                                   const Eigen::VectorXd& damping_ratio,
-                                   const Eigen::MatrixXd& load_shape,
-                                   const Eigen::MatrixXd& sensor_shape,
-                                   const Eigen::VectorXd& displacement);
+[[nodiscard]] PoleModel pole_model(const VectorXd& omega, const VectorXd& damping_ratio,
+                                   const MatrixXd& load_shape, const MatrixXd& sensor_shape,
+                                   const VectorXd& displacement);
 
 /// Samples at 0, h, 2 h ...: rows x sensors. `quantities`: one a sensor; an acceleration of a
 /// truncated model leaves out the inertia of the modes that are not in it.
-[[nodiscard]] Eigen::MatrixXd modal_response(const PoleModel& model,
-                                             const std::vector<Sensor::Quantity>& quantities,
-                                             const std::vector<Load>& loads,
-                                             const std::vector<const ForceHistory*>& records,
-                                             double step_s, Eigen::Index rows);
+[[nodiscard]] MatrixXd modal_response(const PoleModel& model,
+                                      const std::vector<Sensor::Quantity>& quantities,
+                                      const std::vector<Load>& loads,
+                                      const std::vector<const ForceHistory*>& records,
+                                      double step_s, Index rows);
 
 /// z from one time to another, exact for every load.
 class ModalPropagator {
@@ -54,10 +50,10 @@ class ModalPropagator {
 
   [[nodiscard]] double last_force_s() const { return last_force_; }  ///< 0: no force at all
   [[nodiscard]] const LoadForce& force(std::size_t load) const { return forces_[load]; }
-  void advance(Eigen::VectorXcd& z, double t0, double t1) const;
+  void advance(VectorXcd& z, double t0, double t1) const;
 
  private:
-  void add_record(Eigen::VectorXcd& z, const ForceHistory& record, Eigen::Index column, double t0,
+  void add_record(VectorXcd& z, const ForceHistory& record, Index column, double t0,
                   double t1) const;
 
   const PoleModel& model_;

@@ -1,8 +1,5 @@
 #include "model/response/nonlinearity.h"
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
+#include "model/algebra/numbers.h"
 
 #include "model/algebra/eigenpairs.h"
 
@@ -14,17 +11,17 @@ constexpr std::size_t kCompared = 6;  // modes whose shift is looked at
 // The eigenvalues of K x = lambda M x whose vectors are nearest to the given mass-normalised
 // shapes; empty when K is not positive definite. Among the lowest: as many again and more, because
 // a motion in space has modes between that no load drives.
-Eigen::VectorXd nearest_eigenvalues(const EnvelopeMatrix& stiffness, const EnvelopeMatrix& mass,
-                                    const Eigen::MatrixXd& shapes) {
+VectorXd nearest_eigenvalues(const EnvelopeMatrix& stiffness, const EnvelopeMatrix& mass,
+                             const MatrixXd& shapes) {
   EnvelopeFactor factor;
   if (!factor.factor(stiffness) || factor.negative_pivots() > 0) return {};
   const Eigenpairs pairs =
       lowest_eigenpairs(stiffness, mass, 2 * static_cast<int>(shapes.cols()) + 4);
   if (pairs.values.size() == 0) return {};
-  Eigen::VectorXd values(shapes.cols()), momentum(shapes.rows());
-  for (Eigen::Index i = 0; i < shapes.cols(); ++i) {
+  VectorXd values(shapes.cols()), momentum(shapes.rows());
+  for (Index i = 0; i < shapes.cols(); ++i) {
     mass.multiply(shapes.col(i), momentum);
-    Eigen::Index nearest = 0;
+    Index nearest = 0;
     (pairs.vectors.transpose() * momentum).cwiseAbs().maxCoeff(&nearest);
     values(i) = pairs.values(nearest);
   }
@@ -38,7 +35,7 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
                                    const std::vector<const ForceHistory*>& records,
                                    double duration_s, const Assembly& assembly) {
   Nonlinearity out;
-  const Eigen::Index count = answer.omega.size();
+  const Index count = answer.omega.size();
   if (count == 0) return out;
   const ModalPropagator propagator(answer.modal, scene.loads, records);
   const double last_force = propagator.last_force_s();
@@ -48,12 +45,12 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
   }
 
   // Modal coordinates where the strain energy is greatest. A hung mass' own state is the start.
-  Eigen::VectorXcd z = answer.modal.initial;
-  const auto coordinates = [&]() -> Eigen::VectorXd { return (answer.modal.output * z).real(); };
-  const auto energies = [&](const Eigen::VectorXd& q) -> Eigen::VectorXd {
+  VectorXcd z = answer.modal.initial;
+  const auto coordinates = [&]() -> VectorXd { return (answer.modal.output * z).real(); };
+  const auto energies = [&](const VectorXd& q) -> VectorXd {
     return 0.5 * (answer.omega.cwiseProduct(q)).cwiseAbs2();
   };
-  Eigen::VectorXd q = coordinates();
+  VectorXd q = coordinates();
   double greatest = energies(q).sum();
   if (last_force > 0) {
     const double lowest = answer.omega.minCoeff();
@@ -64,21 +61,21 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
     for (int i = 1; i <= instants; ++i) {
       const double t = begin + (end - begin) * i / instants;
       propagator.advance(z, begin + (end - begin) * (i - 1) / instants, t);
-      const Eigen::VectorXd here = coordinates();
+      const VectorXd here = coordinates();
       const double energy = energies(here).sum();
       if (energy > greatest) greatest = energy, q = here;
     }
   }
   out.energy_J = greatest;
   if (!(greatest > 0)) return out;
-  const Eigen::VectorXd share = energies(q) / greatest;
+  const VectorXd share = energies(q) / greatest;
 
-  std::vector<Eigen::Index> rising(static_cast<std::size_t>(count));
-  for (Eigen::Index i = 0; i < count; ++i) rising[static_cast<std::size_t>(i)] = i;
+  std::vector<Index> rising(static_cast<std::size_t>(count));
+  for (Index i = 0; i < count; ++i) rising[static_cast<std::size_t>(i)] = i;
   std::sort(rising.begin(), rising.end(),
-            [&](Eigen::Index a, Eigen::Index b) { return answer.omega(a) < answer.omega(b); });
+            [&](Index a, Index b) { return answer.omega(a) < answer.omega(b); });
   double held = 0;
-  for (Eigen::Index i : rising) {
+  for (Index i : rising) {
     held += share(i);
     out.upper_frequency_hz = answer.omega(i) / (2 * std::numbers::pi);
     if (held >= 0.99) break;
@@ -87,17 +84,16 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
   // Elastic forces of the linear answer in the motion's unknowns, and its lowest shapes.
   const Numbering& to = assembly.numbering();
   EnvelopeMatrix stiffness = assembly.matrix(), mass = assembly.matrix();
-  Eigen::VectorXd force(assembly.size());
+  VectorXd force(assembly.size());
   assembly.force_and_tangent(modes.equilibrium.state, force, stiffness);
   assembly.mass(mass);
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(assembly.size());
-  std::vector<Eigen::Index> lowest;
-  Eigen::MatrixXd shapes(assembly.size(), 0);
-  for (Eigen::Index i : rising) {
+  VectorXd u = VectorXd::Zero(assembly.size());
+  std::vector<Index> lowest;
+  MatrixXd shapes(assembly.size(), 0);
+  for (Index i : rising) {
     const auto [m, k] = answer.mode[static_cast<std::size_t>(i)];
     const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
-    const Eigen::VectorXd shape =
-        renumbered(motion.shapes.col(k), motion.assembly->numbering(), to);
+    const VectorXd shape = renumbered(motion.shapes.col(k), motion.assembly->numbering(), to);
     if (q(i) != 0) u += q(i) * shape;
     if (lowest.size() < kCompared && !shape.isZero(0)) {
       lowest.push_back(i);
@@ -105,7 +101,7 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
       shapes.rightCols(1) = shape;
     }
   }
-  Eigen::VectorXd load(assembly.size());
+  VectorXd load(assembly.size());
   if (last_force > 0 || answer.truncated) {
     stiffness.multiply(u, load);
   }
@@ -114,10 +110,10 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
   }
   if (lowest.empty()) return out;
   // Eigenvalues in both extremes; one alone when there is no equilibrium the other way.
-  Eigen::VectorXd values[2];
+  VectorXd values[2];
   for (int side = 0; side < 2; ++side) {
     const LoadedState loaded =
-        loaded_state(assembly, modes.equilibrium.state, side == 0 ? load : Eigen::VectorXd(-load));
+        loaded_state(assembly, modes.equilibrium.state, side == 0 ? load : VectorXd(-load));
     if (!loaded.converged) continue;
     assembly.force_and_tangent(loaded.state, force, stiffness);
     values[side] = nearest_eigenvalues(stiffness, mass, shapes);
@@ -127,9 +123,9 @@ Nonlinearity estimate_nonlinearity(const ChainModes& modes, const LinearAnswer& 
     return out;
   }
   double weighted = 0, weight = 0, most = -1;
-  const auto compared = static_cast<Eigen::Index>(lowest.size());
-  for (Eigen::Index i = 0; i < std::min({compared, values[0].size(), values[1].size()}); ++i) {
-    const Eigen::Index mode = lowest[static_cast<std::size_t>(i)];
+  const auto compared = static_cast<Index>(lowest.size());
+  for (Index i = 0; i < std::min({compared, values[0].size(), values[1].size()}); ++i) {
+    const Index mode = lowest[static_cast<std::size_t>(i)];
     const double rest = answer.omega(mode) * answer.omega(mode);
     const double even = ((values[0](i) + values[1](i)) / (2 * rest) - 1) / 8;
     const double half = (values[0](i) - values[1](i)) / (2 * rest), odd = 5 * half * half / 48;

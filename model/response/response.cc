@@ -1,9 +1,6 @@
 #include "model/response/response.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <numbers>
 #include <sstream>
 
 #include "model/linear/damped_modes.h"
@@ -46,9 +43,8 @@ std::vector<const ForceHistory*> records_of(const Scene& scene, const ResponseOp
 // Nothing pushes the scene out of its plane.
 bool plane_is_enough(const Chain& chain) {
   if (!chain.planar) return false;
-  return std::all_of(
-      chain.load_direction.begin(), chain.load_direction.end(),
-      [](const Eigen::Vector3d& direction) { return std::abs(direction.z()) <= 1e-12; });
+  return std::all_of(chain.load_direction.begin(), chain.load_direction.end(),
+                     [](const Vector3d& direction) { return std::abs(direction.z()) <= 1e-12; });
 }
 
 std::vector<DampedModes> damped_modes(const ChainModes& modes, const LinearAnswer& answer,
@@ -58,30 +54,30 @@ std::vector<DampedModes> damped_modes(const ChainModes& modes, const LinearAnswe
   assembly.mass(mass);
   const auto elongations = assembly.elongations(modes.equilibrium.state);
   const auto& segments = modes.chain->segments;
-  Eigen::VectorXd stiffness(std::ssize(segments));
+  VectorXd stiffness(std::ssize(segments));
   std::ranges::transform(segments, stiffness.begin(),
                          [](const Segment& s) { return s.EA / s.length; });
-  Eigen::Index first = 0;
+  Index first = 0;
   for (const MotionModes& motion : modes.motions) {
-    const Eigen::Index count = motion.omega2.size();
+    const Index count = motion.omega2.size();
     const auto own = Eigen::seqN(first, count);
     first += count;
     if (answer.ratio(own).isZero(0)) continue;
-    const auto to_problem = [&](const Eigen::VectorXd& x) {
+    const auto to_problem = [&](const VectorXd& x) {
       return renumbered(x, motion.assembly->numbering(), assembly.numbering());
     };
     DampedModes damped;
-    const Eigen::VectorXd moved = to_problem(Eigen::VectorXd::Ones(motion.assembly->size()));
+    const VectorXd moved = to_problem(VectorXd::Ones(motion.assembly->size()));
     for (int i = 0; i < assembly.size(); ++i) {
       if (moved(i) > 0) damped.unknowns.push_back(i);
     }
-    damped.shapes.resize(static_cast<Eigen::Index>(damped.unknowns.size()), count);
+    damped.shapes.resize(static_cast<Index>(damped.unknowns.size()), count);
     damped.momentum = damped.shapes;
     damped.axial.resize(stiffness.size(), count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Eigen::VectorXd shape = to_problem(motion.shapes.col(i));
-      const Eigen::VectorXd axial = stiffness.cwiseProduct(elongations * shape) / motion.omega2(i);
-      const Eigen::VectorXd momentum = mass * shape - elongations.transpose() * axial;
+    for (Index i = 0; i < count; ++i) {
+      const VectorXd shape = to_problem(motion.shapes.col(i));
+      const VectorXd axial = stiffness.cwiseProduct(elongations * shape) / motion.omega2(i);
+      const VectorXd momentum = mass * shape - elongations.transpose() * axial;
       damped.shapes.col(i) = shape(damped.unknowns);
       damped.momentum.col(i) = momentum(damped.unknowns);
       damped.axial.col(i) = axial;
@@ -188,7 +184,7 @@ class Simulation {
 
   bool run_modal() {
     out_.step_s = 1 / options_.sampling.rate_hz;
-    const auto rows = static_cast<Eigen::Index>(options_.sampling.rows());
+    const auto rows = static_cast<Index>(options_.sampling.rows());
     out_.samples = modal_response(answer_.sensors, problem_.quantities, scene_.loads, records_,
                                   out_.step_s, rows);
     out_.steps = static_cast<long>(rows) - 1;
@@ -206,7 +202,7 @@ class Simulation {
     problem_.records = records_;
     problem_.joint_damping = has_joint_dampers(scene_);
     problem_.damped_modes = damped_modes(modes_, answer_, *assembly_);
-    const Eigen::VectorXd weight = load_rows(*assembly_) * hung_weights(scene_);
+    const VectorXd weight = load_rows(*assembly_) * hung_weights(scene_);
     LoadedState loaded = loaded_state(*assembly_, rest, weight);
     if (!loaded.converged) {
       out_.reason = "no equilibrium was found with the hung mass on";

@@ -16,8 +16,8 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
+#include "model/algebra/numbers.h"
 #include "model/motion/sampling.h"
 #include "model/scene/force_history.h"
 #include "model/scene/left_out.h"

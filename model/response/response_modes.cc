@@ -1,9 +1,5 @@
 #include "model/response/response_modes.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "model/algebra/eigenpairs.h"
 #include "model/scene/sensor_quantity.h"
 
@@ -20,10 +16,10 @@ bool driven(const MotionModes& motion) { return !load_rows(*motion.assembly).isZ
 double stretching(const ChainModes& modes, const LinearAnswer& answer, int mode) {
   const auto [m, k] = answer.mode[static_cast<std::size_t>(mode)];
   const MotionModes& motion = modes.motions[static_cast<std::size_t>(m)];
-  const Eigen::VectorXd stretch =
+  const VectorXd stretch =
       motion.assembly->elongations(modes.equilibrium.state) * motion.shapes.col(k);
   double sum = 0;
-  for (Eigen::Index s = 0; s < stretch.size(); ++s) {
+  for (Index s = 0; s < stretch.size(); ++s) {
     const Segment& segment = modes.chain->segments[static_cast<std::size_t>(s)];
     sum += segment.EA / segment.length * stretch(s) * stretch(s);
   }
@@ -52,24 +48,24 @@ ModeWeights mode_weights(const LinearAnswer& answer, const Scene& scene,
                          const std::vector<const ForceHistory*>& records, double duration_s) {
   ModeWeights out;
   const PoleModel& model = answer.modal;
-  const Eigen::Index modes = answer.omega.size(), poles = model.poles.size();
-  out.energy = Eigen::VectorXd::Zero(modes);
-  out.sensors = Eigen::VectorXd::Zero(poles);
+  const Index modes = answer.omega.size(), poles = model.poles.size();
+  out.energy = VectorXd::Zero(modes);
+  out.sensors = VectorXd::Zero(poles);
   out.mode_of_pole.assign(static_cast<std::size_t>(poles), 0);
   if (poles == 0) return out;
   const ModalPropagator propagator(model, scene.loads, records);
-  Eigen::VectorXcd z = model.initial;
+  VectorXcd z = model.initial;
   const double begin = std::min(duration_s, propagator.last_force_s());
   propagator.advance(z, 0, begin);
 
   const double span = std::max(duration_s - begin, 1e-9);
-  const auto mean_decay = [&](Eigen::Index p) {
+  const auto mean_decay = [&](Index p) {
     const double decay = -2 * model.poles(p).real() * span;
     return decay > 1e-9 ? -std::expm1(-decay) / decay : 1;
   };
   double all = 0;
-  for (Eigen::Index p = 0; p < poles; ++p) {
-    Eigen::Index mode = 0;
+  for (Index p = 0; p < poles; ++p) {
+    Index mode = 0;
     model.output.col(p).cwiseAbs().cwiseProduct(answer.omega).maxCoeff(&mode);
     out.mode_of_pole[static_cast<std::size_t>(p)] = static_cast<int>(mode);
     // Amplitude, not the displacement of the moment.
@@ -82,11 +78,11 @@ ModeWeights mode_weights(const LinearAnswer& answer, const Scene& scene,
   if (all > 0) out.mean_omega2 /= all;
   if (out.energy.sum() > 0) out.energy /= out.energy.sum();
 
-  for (Eigen::Index s = 0; s < answer.sensors.output.rows(); ++s) {
+  for (Index s = 0; s < answer.sensors.output.rows(); ++s) {
     const int derivatives =
         described(scene.sensors[static_cast<std::size_t>(s)].quantity).derivatives;
-    Eigen::VectorXd own(poles);
-    for (Eigen::Index p = 0; p < poles; ++p) {
+    VectorXd own(poles);
+    for (Index p = 0; p < poles; ++p) {
       own(p) = std::norm(answer.sensors.output(s, p) * z(p)) *
                std::pow(std::norm(model.poles(p)), derivatives) * mean_decay(p);
     }
@@ -103,19 +99,19 @@ double resolution_error(const Scene& scene, const ChainModes& modes, const Linea
   const ChainModes fine = prepare_motions(scene, ModesOptions{}, finer);
   if (fine.motions.size() != modes.motions.size()) return 1;
   double error = 0;
-  Eigen::Index first = 0;
+  Index first = 0;
   for (std::size_t k = 0; k < modes.motions.size(); ++k) {
-    const Eigen::Index own = modes.motions[k].omega2.size();
-    const Eigen::VectorXd energy = weights.energy.segment(first, own);
+    const Index own = modes.motions[k].omega2.size();
+    const VectorXd energy = weights.energy.segment(first, own);
     // The lowest modes that hold all but a thousandth of this motion's energy.
     int count = 0;
     for (double held = 0; count < own && held < 0.999 * energy.sum(); ++count) {
       held += energy(count);
     }
-    const Eigen::VectorXd values =
+    const VectorXd values =
         lowest_eigenpairs(fine.motions[k].stiffness, fine.motions[k].mass, count).values;
     if (values.size() < count) return 1;
-    for (Eigen::Index i = 0; i < count; ++i) {
+    for (Index i = 0; i < count; ++i) {
       const double other = std::sqrt(std::max(values(i), 0.0));
       if (!(other > 0)) continue;
       error += energy(i) * std::abs(answer.omega(first + i) / other - 1) * 4 / 3;
@@ -155,7 +151,7 @@ StepErrors explicit_step_errors(const ChainModes& modes, const LinearAnswer& ans
                                 const ModeWeights& weights, double shift, double step_s,
                                 double kappa) {
   StepErrors out;
-  for (Eigen::Index p = 0; p < weights.sensors.size(); ++p) {
+  for (Index p = 0; p < weights.sensors.size(); ++p) {
     const double weight = weights.sensors(p);
     if (!(weight > 1e-12)) continue;
     const double omega2 = std::norm(answer.modal.poles(p)), x = omega2 * step_s * step_s;
@@ -181,10 +177,10 @@ double slowed_step(const ChainModes& modes, const LinearAnswer& answer, const Mo
 
 double damper_interval(const LinearAnswer& answer, const ModeWeights& weights, double upper_hz,
                        double sample_s, double accuracy) {
-  const Eigen::VectorXcd& s = answer.modal.poles;
+  const VectorXcd& s = answer.modal.poles;
   const auto seen = (s.cwiseAbs().array() * sample_s <= std::numbers::pi).cast<double>();
-  const Eigen::VectorXd weight = weights.sensors.array() * seen;
-  const Eigen::VectorXd rate2 = s.real().cwiseAbs2();
+  const VectorXd weight = weights.sensors.array() * seen;
+  const VectorXd rate2 = s.real().cwiseAbs2();
   const double sixteenth = 1 / (16 * std::max(upper_hz, 1e-3));
   return std::min(
       {sample_s, sixteenth, std::sqrt(2 * accuracy / std::max(weight.dot(rate2), 1e-12))});
@@ -194,7 +190,7 @@ double truncated_part(const LinearAnswer& answer, const ModeWeights& weights, co
   if (!answer.truncated) return 0;
   const double top = answer.modal.poles.cwiseAbs().maxCoeff();
   double upper = 0;
-  for (Eigen::Index p = 0; p < weights.sensors.size(); ++p) {
+  for (Index p = 0; p < weights.sensors.size(); ++p) {
     if (std::abs(answer.modal.poles(p)) > top / 2) upper += weights.sensors(p);
   }
   // Mean squares per mode fall by r^-4, -2, 0 in displacement, velocity, acceleration: beyond the

@@ -12,8 +12,7 @@
 // weighted by what the sensors read of a mode.
 #pragma once
 
-#include <vector>
-
+#include "model/algebra/numbers.h"
 #include "model/linear/modes.h"
 #include "model/response/linear_answer.h"
 
@@ -26,11 +25,11 @@ namespace rigfit::model {
 
 /// What each mode and each pole of a linear answer has of the motion after the last force.
 struct ModeWeights {
-  Eigen::VectorXd energy;  ///< by mode: share of the energy
+  VectorXd energy;         ///< by mode: share of the energy
   double mean_omega2 = 0;  ///< (rad/s)^2, by energy and its mean over the duration
   /// By pole: share of what the sensors read (mean square over the duration, decay included, each
   /// sensor in its own quantity and counting the same).
-  Eigen::VectorXd sensors;
+  VectorXd sensors;
   std::vector<int> mode_of_pole;
 };
 [[nodiscard]] ModeWeights mode_weights(const LinearAnswer& answer, const Scene& scene,

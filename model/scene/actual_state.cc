@@ -1,16 +1,13 @@
 #include "model/scene/actual_state.h"
 
-#include <algorithm>
-#include <utility>
-
 #include <fmt/format.h>
 
 #include "model/scene/scene_error.h"
 
 namespace rigfit::model {
 
-Eigen::Vector3d chord_of(const Scene& scene, const Member& member) {
-  Eigen::Vector3d along = Eigen::Vector3d::Zero();
+Vector3d chord_of(const Scene& scene, const Member& member) {
+  Vector3d along = Vector3d::Zero();
   for (const SceneNode& node : scene.nodes) {
     if (node.name == member.nodes[0]) along -= node.position;
     if (node.name == member.nodes[1]) along += node.position;

@@ -11,6 +11,7 @@
 // corrected.
 #pragma once
 
+#include "model/algebra/numbers.h"
 #include "model/scene/scene.h"
 
 namespace rigfit::model {
@@ -22,7 +23,7 @@ namespace rigfit::model {
 [[nodiscard]] Scene actual_state(const Scene& scene);
 
 /// From a member's first node to its second, m.
-[[nodiscard]] Eigen::Vector3d chord_of(const Scene& scene, const Member& member);
+[[nodiscard]] Vector3d chord_of(const Scene& scene, const Member& member);
 
 /// Strain of a cable as it hangs between its nodes, from its tension or length; zero for a beam.
 [[nodiscard]] double installed_strain(const Scene& scene, const Member& member);

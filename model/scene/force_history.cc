@@ -1,10 +1,6 @@
 #include "model/scene/force_history.h"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
-#include <numbers>
-#include <utility>
 
 namespace rigfit::model {
 

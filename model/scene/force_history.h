@@ -1,8 +1,7 @@
 // Force of a load over time: a half-sine pulse, samples joined by straight lines, or none.
 #pragma once
 
-#include <vector>
-
+#include "model/algebra/numbers.h"
 #include "model/scene/scene.h"
 
 namespace rigfit::model {

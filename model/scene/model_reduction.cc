@@ -1,7 +1,6 @@
 #include "model/scene/model_reduction.h"
 
 #include <Eigen/Geometry>
-#include <cmath>
 
 #include "model/scene/actual_state.h"
 
@@ -16,10 +15,10 @@ bool rigid_end(const Member& member, int end) {
 }
 
 /// True when mirroring at the plane normal to n maps the scene at rest onto itself.
-bool symmetric_about(const Scene& scene, const Eigen::Vector3d& n, bool coordinate_axis) {
+bool symmetric_about(const Scene& scene, const Vector3d& n, bool coordinate_axis) {
   if (std::abs(scene.gravity.dot(n)) > kParallel * scene.gravity.norm()) return false;
   for (const Member& member : scene.members) {
-    const Eigen::Vector3d chord = chord_of(scene, member);
+    const Vector3d chord = chord_of(scene, member);
     if (std::abs(chord.dot(n)) > kParallel * chord.norm()) return false;
     if (member.EI[0] != member.EI[1]) {
       const double along = std::abs(material_axes(chord).col(1).dot(n));
@@ -46,12 +45,12 @@ std::vector<std::array<int, 2>> member_nodes(const Scene& scene) {
   return ends;
 }
 
-Eigen::Matrix3d material_axes(const Eigen::Vector3d& chord) {
-  const Eigen::Vector3d t = chord.normalized();
-  Eigen::Vector3d about_z = Eigen::Vector3d::UnitZ() - t.z() * t;
-  if (about_z.norm() < 1e-6) about_z = Eigen::Vector3d::UnitX() - t.x() * t;
+Matrix3d material_axes(const Vector3d& chord) {
+  const Vector3d t = chord.normalized();
+  Vector3d about_z = Vector3d::UnitZ() - t.z() * t;
+  if (about_z.norm() < 1e-6) about_z = Vector3d::UnitX() - t.x() * t;
   about_z.normalize();
-  Eigen::Matrix3d axes;
+  Matrix3d axes;
   axes << t, about_z, t.cross(about_z);
   return axes;
 }
@@ -117,21 +116,21 @@ ModelReduction reduce_model(const Scene& scene, std::optional<bool> torsion) {
 
   // The plane of symmetry: z first, then the other axes, then that of the first inclined member.
   for (const int k : {2, 0, 1}) {
-    if (!symmetric_about(scene, Eigen::Vector3d::Unit(k), true)) continue;
+    if (!symmetric_about(scene, Vector3d::Unit(k), true)) continue;
     reduction.planar = true;
     for (int row = 0; row < 3; ++row) {
-      reduction.axes.row(row) = Eigen::Vector3d::Unit((k + 1 + row) % 3).transpose();
+      reduction.axes.row(row) = Vector3d::Unit((k + 1 + row) % 3).transpose();
     }
     return reduction;
   }
   for (const Member& member : scene.members) {
-    const Eigen::Vector3d chord = chord_of(scene, member);
-    const Eigen::Vector3d normal = chord.cross(-scene.gravity);
+    const Vector3d chord = chord_of(scene, member);
+    const Vector3d normal = chord.cross(-scene.gravity);
     if (normal.norm() < 1e-9 * chord.norm() * scene.gravity.norm()) continue;
-    const Eigen::Vector3d n = normal.normalized();
+    const Vector3d n = normal.normalized();
     if (!symmetric_about(scene, n, false)) break;
     reduction.planar = true;
-    const Eigen::Vector3d up = (-scene.gravity).normalized();
+    const Vector3d up = (-scene.gravity).normalized();
     reduction.axes.row(0) = up.cross(n).transpose();
     reduction.axes.row(1) = up.transpose();
     reduction.axes.row(2) = n.transpose();

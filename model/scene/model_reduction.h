@@ -7,13 +7,11 @@
 // stiffnesses bends without torque and its twist decouples exactly.
 #pragma once
 
-#include <Eigen/Core>
-#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
-#include <vector>
 
+#include "model/algebra/numbers.h"
 #include "model/scene/scene.h"
 #include "model/scene/scene_error.h"
 
@@ -32,7 +30,7 @@ struct ModelReduction {
   std::vector<bool> torsion;           ///< by member
   bool torsion_left_out = false;       ///< some member has GJ or polar inertia that is not modelled
   /// Chain axes in scene axes (rows): the third is the normal of the plane of symmetry if `planar`.
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  Matrix3d axes = Matrix3d::Identity();
   bool planar = false;
 };
 
@@ -54,6 +52,6 @@ template <class Thing>
 
 /// Material axes of a straight member: columns tangent, "about z" (z made normal to the tangent; x
 /// for a member along z), and their product ("about the horizontal in-plane axis"). Scene axes.
-[[nodiscard]] Eigen::Matrix3d material_axes(const Eigen::Vector3d& chord);
+[[nodiscard]] Matrix3d material_axes(const Vector3d& chord);
 
 }  // namespace rigfit::model

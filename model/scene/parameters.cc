@@ -1,9 +1,6 @@
 #include "model/scene/parameters.h"
 
-#include <algorithm>
-#include <cmath>
 #include <tuple>
-#include <utility>
 
 #include "model/scene/scene_error.h"
 #include "model/scene/scene_numbers.h"
@@ -90,7 +87,7 @@ std::vector<ParameterAccess> scene_parameters(const Scene& scene) {
       all.push_back({load.name + ".direction_" + axis_name[axis], "",
                      [k, axis](const Scene& s) { return s.loads[k].direction[axis]; },
                      [k, axis](Scene& s, double v) {
-                       Eigen::Vector3d& direction = s.loads[k].direction;
+                       Vector3d& direction = s.loads[k].direction;
                        direction[axis] = v;
                        if (direction.norm() > 0) direction.normalize();
                      }});

@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include "model/algebra/numbers.h"
 #include "model/scene/scene.h"
 
 namespace rigfit::model {

@@ -1,9 +1,8 @@
 #include "model/scene/read_scene.h"
+#include "model/algebra/numbers.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
@@ -16,21 +15,20 @@
 namespace rigfit::model {
 namespace {
 
-Eigen::Vector3d vector3(TomlTable& table, const std::string& key, const std::string& unit) {
+Vector3d vector3(TomlTable& table, const std::string& key, const std::string& unit) {
   const auto v = table.numbers(key, 3, 3, Bound::any, unit);
   return {v[0], v[1], v[2]};
 }
 
-Eigen::Vector3d unit_vector(TomlTable& table, const std::string& key,
-                            const Eigen::Vector3d& fallback) {
+Vector3d unit_vector(TomlTable& table, const std::string& key, const Vector3d& fallback) {
   if (!table.has(key)) return fallback;
-  const Eigen::Vector3d direction = vector3(table, key, "");
+  const Vector3d direction = vector3(table, key, "");
   const double length = direction.stableNorm();
   if (!(length > 0)) {
     throw table.error(key, "has no length", "give a direction such as [0, -1, 0] (down)");
   }
   // A unit vector stays as written, so that a scene reads back to the same numbers.
-  return std::abs(length - 1) < 1e-14 ? direction : Eigen::Vector3d(direction / length);
+  return std::abs(length - 1) < 1e-14 ? direction : Vector3d(direction / length);
 }
 
 Support support_of(TomlTable& node) {
@@ -93,7 +91,7 @@ Place read_place(TomlTable& table) {
 }
 
 Load read_load(TomlTable& table, std::size_t index, const std::filesystem::path& folder,
-               const Eigen::Vector3d& gravity) {
+               const Vector3d& gravity) {
   Load load;
   load.name = name_in(table, fmt::format("load-{}", index + 1));
   static_cast<void>(table.string("kind"));
@@ -296,8 +294,8 @@ class Reader {
         }
         used[index[name]] = true;
       }
-      const Eigen::Vector3d chord = scene_.nodes[index[member.nodes[1]]].position -
-                                    scene_.nodes[index[member.nodes[0]]].position;
+      const Vector3d chord = scene_.nodes[index[member.nodes[1]]].position -
+                             scene_.nodes[index[member.nodes[0]]].position;
       if (member.nodes[0] == member.nodes[1] || !(chord.stableNorm() > 0)) {
         throw table.error("nodes", "\"" + member.name + "\" has no length: its ends coincide",
                           "join two nodes at different positions");

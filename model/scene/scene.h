@@ -4,12 +4,11 @@
 // Axes: x along the cables, y up, z out of plane. Mass and stiffness are per unstretched length.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
-#include <limits>
 #include <optional>
 #include <string>
-#include <vector>
+
+#include "model/algebra/numbers.h"
 
 namespace rigfit::model {
 
@@ -20,14 +19,14 @@ struct Support {
   /// What kind it is; the keys of the scene file.
   enum class Kind { free, pinned, clamped, elastic };
   Kind kind = Kind::free;
-  Eigen::Vector3d translational = Eigen::Vector3d::Zero();  ///< N/m along x, y, z (elastic only)
-  Eigen::Vector3d rotational = Eigen::Vector3d::Zero();  ///< N m/rad about x, y, z (elastic only)
+  Vector3d translational = Vector3d::Zero();  ///< N/m along x, y, z (elastic only)
+  Vector3d rotational = Vector3d::Zero();     ///< N m/rad about x, y, z (elastic only)
 };
 
 /// A point where members end.
 struct SceneNode {
   std::string name;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m
+  Vector3d position = Vector3d::Zero();  ///< m
   Support support;
   double mass = 0;  ///< kg (sensor, clamp)
 };
@@ -101,11 +100,11 @@ struct Load {
   std::string name;
   Kind kind = Kind::impact;
   Place place;
-  Eigen::Vector3d direction{0, -1, 0};  ///< unit vector
-  double peak = 0;                      ///< N (impact)
-  double duration = 0;                  ///< s (impact, half-sine)
-  double start = 0;                     ///< s (impact)
-  double mass = 0;                      ///< kg (release: hung there, released at t = 0)
+  Vector3d direction{0, -1, 0};  ///< unit vector
+  double peak = 0;               ///< N (impact)
+  double duration = 0;           ///< s (impact, half-sine)
+  double start = 0;              ///< s (impact)
+  double mass = 0;               ///< kg (release: hung there, released at t = 0)
   std::string file;  ///< record: CSV of time, force; resolved against the scene's folder
 };
 
@@ -115,7 +114,7 @@ struct Sensor {
   enum class Quantity { acceleration, velocity, displacement, force };
   std::string name;
   Place place;
-  Eigen::Vector3d direction{0, 1, 0};  ///< unit vector
+  Vector3d direction{0, 1, 0};  ///< unit vector
   Quantity quantity = Quantity::acceleration;
 };
 
@@ -130,8 +129,8 @@ struct LoadCell {
 /// A rig: nodes, members, loads and sensors.
 struct Scene {
   std::string title;
-  std::string file;  ///< where it was read from, empty: made in memory
-  Eigen::Vector3d gravity{0, -kStandardGravity, 0};  ///< m/s^2
+  std::string file;                           ///< where it was read from, empty: made in memory
+  Vector3d gravity{0, -kStandardGravity, 0};  ///< m/s^2
   double accuracy = 1e-4;  ///< relative error in frequency that "auto" segments and the choice of
                            ///< solver must keep
   LoadCell load_cell;

@@ -1,9 +1,8 @@
 #include "model/scene/scene_repeat.h"
+#include "model/algebra/numbers.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 
 namespace rigfit::model {
@@ -33,7 +32,7 @@ void repeat(Scene& scene, TomlTable& table) {
   }
   const int count = table.integer_or("count", 1, kMostCopies, 1);
   const auto shift = table.numbers("offset", 3, 3, Bound::any, "m");
-  const Eigen::Vector3d offset(shift[0], shift[1], shift[2]);
+  const Vector3d offset(shift[0], shift[1], shift[2]);
   if (!(offset.norm() > 0)) {
     throw table.error("offset", "has no length", "give the distance to the next one");
   }

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
-#include <cmath>
-
+#include "model/algebra/numbers.h"
 #include "model/scene/read_scene.h"
 #include "model/scene/scene_numbers.h"
 #include "model/scene/sensor_quantity.h"
@@ -35,7 +34,7 @@ std::string number(double value) {
   return fmt::format("{}", value);
 }
 
-std::string vector(const Eigen::Vector3d& v) {
+std::string vector(const Vector3d& v) {
   return fmt::format("[{}, {}, {}]", number(v[0]), number(v[1]), number(v[2]));
 }
 

@@ -1,9 +1,5 @@
 #include "model/statics/equilibrium.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "model/statics/hanging_chain.h"
 
 namespace rigfit::model {
@@ -55,7 +51,7 @@ class Solver {
         targets_.push_back(static_cast<int>(m));
     }
     const auto n = assembly_.size();
-    const auto k = static_cast<Eigen::Index>(targets_.size());
+    const auto k = static_cast<Index>(targets_.size());
     mismatch_.resize(k);
     diagonal_.resize(k);
     gradient_.resize(n, k);
@@ -83,7 +79,7 @@ class Solver {
   BorderedSolver tangent_at(const ChainState& state) {
     assembly_.force_and_tangent(state, force_, tangent_);
     stiffen_idle_rotations();
-    for (Eigen::Index i = 0; i < diagonal_.size(); ++i) {
+    for (Index i = 0; i < diagonal_.size(); ++i) {
       assembly_.tension_gradient(state, targets_[std::size_t(i)], gradient_.col(i), diagonal_[i]);
     }
     factor_tangent(state);
@@ -93,9 +89,9 @@ class Solver {
   /// Newton from `state`. `hold`: stiffness with which scene nodes are held where drawn, N/m;
   /// `load`: forces on the unknowns, or none; `near`: the tangent to use throughout, that of a
   /// state and a chain near by.
-  bool solve(ChainState& state, double hold, const Eigen::VectorXd& load = {},
+  bool solve(ChainState& state, double hold, const VectorXd& load = {},
              const BorderedSolver* near = nullptr) {
-    const auto k = static_cast<Eigen::Index>(targets_.size());
+    const auto k = static_cast<Index>(targets_.size());
     axial_ = axial_forces(chain_, state);
     double last_step = std::numeric_limits<double>::infinity(), step_before = last_step;
     for (int iteration = 0; iteration <= kMostIterations; ++iteration) {
@@ -108,7 +104,7 @@ class Solver {
       if (hold > 0) add_hold(state, hold);
       if (load.size() > 0) force_ -= load;
       measure(state);
-      for (Eigen::Index i = 0; i < k; ++i) {
+      for (Index i = 0; i < k; ++i) {
         const int target = targets_[std::size_t(i)];
         const double value =
             assembly_.tension_gradient(state, target, gradient_.col(i), diagonal_[i]);
@@ -141,11 +137,11 @@ class Solver {
   double residual = 0;
   int iterations = 0;
   [[nodiscard]] double extent() const { return extent_; }  ///< m
-  [[nodiscard]] Eigen::Index size() const { return assembly_.size(); }
+  [[nodiscard]] Index size() const { return assembly_.size(); }
 
  private:
   void factor_tangent(const ChainState& state) {
-    for (Eigen::Index i = 0; i < border_.cols(); ++i) {
+    for (Index i = 0; i < border_.cols(); ++i) {
       assembly_.length_derivative(state, targets_[std::size_t(i)], border_.col(i));
     }
     bordered_.factor(tangent_, border_, gradient_, diagonal_);
@@ -158,7 +154,7 @@ class Solver {
       largest = std::max({largest, joint.springs.about_1, joint.springs.about_2});
     }
     const Eigen::Matrix3Xi& rotation = assembly_.numbering().rotation;
-    for (Eigen::Index i = 0; i < rotation.size(); ++i) {
+    for (Index i = 0; i < rotation.size(); ++i) {
       if (rotation(i) >= 0) tangent_.add(rotation(i), rotation(i), 1e-10 * largest);
     }
   }
@@ -205,19 +201,19 @@ class Solver {
     };
     for (std::size_t k = 0; k < chain_.segments.size(); ++k) {
       const Segment& s = chain_.segments[k];
-      const Eigen::Vector3d e = state.position.col(s.b) - state.position.col(s.a);
-      const Eigen::Vector3d de = shift(s.b) - shift(s.a);
+      const Vector3d e = state.position.col(s.b) - state.position.col(s.a);
+      const Vector3d de = shift(s.b) - shift(s.a);
       const double turn = (de - e * e.dot(de) / e.squaredNorm()).norm() / e.norm();
       if (turn * factor > 0.5) factor = 0.5 / turn;
     }
     const Eigen::Matrix3Xi& rotation = assembly_.numbering().rotation;
-    for (Eigen::Index i = 0; i < rotation.size(); ++i) {
+    for (Index i = 0; i < rotation.size(); ++i) {
       if (rotation(i) >= 0) {
         const double turn = std::abs(column_[rotation(i)]);
         if (turn * factor > 0.5) factor = 0.5 / turn;
       }
     }
-    for (Eigen::Index i = 0; i < lengths_.size(); ++i) {
+    for (Index i = 0; i < lengths_.size(); ++i) {
       const double part = std::abs(lengths_[i]) /
                           chain_.members[std::size_t(targets_[std::size_t(i)])].unstretched_length;
       if (part * factor > 1.0 / 3) factor = 1.0 / (3 * part);
@@ -225,11 +221,10 @@ class Solver {
     axial_ = axial_forces(chain_, state);
     for (std::size_t k = 0; k < chain_.segments.size(); ++k) {
       const Segment& s = chain_.segments[k];
-      const Eigen::Vector3d e = state.position.col(s.b) - state.position.col(s.a);
-      axial_[Eigen::Index(k)] +=
-          factor * s.EA / s.length * e.dot(shift(s.b) - shift(s.a)) / e.norm();
+      const Vector3d e = state.position.col(s.b) - state.position.col(s.a);
+      axial_[Index(k)] += factor * s.EA / s.length * e.dot(shift(s.b) - shift(s.a)) / e.norm();
     }
-    for (Eigen::Index i = 0; i < lengths_.size(); ++i) {
+    for (Index i = 0; i < lengths_.size(); ++i) {
       const int m = targets_[std::size_t(i)];
       const ChainMember& member = chain_.members[std::size_t(m)];
       for (int j = 0; j < member.segments; ++j) {
@@ -240,11 +235,11 @@ class Solver {
       }
     }
     size = 0;
-    for (Eigen::Index i = 0; i < unknown.size(); ++i) {
+    for (Index i = 0; i < unknown.size(); ++i) {
       if (unknown(i) >= 0) size = std::max(size, std::abs(column_[unknown(i)]));
     }
     assembly_.advance(state, column_, factor, state);
-    for (Eigen::Index i = 0; i < lengths_.size(); ++i) {
+    for (Index i = 0; i < lengths_.size(); ++i) {
       const int m = targets_[std::size_t(i)];
       chain_.set_unstretched_length(
           m, chain_.members[std::size_t(m)].unstretched_length + factor * lengths_[i]);
@@ -255,9 +250,9 @@ class Solver {
   Assembly assembly_;
   EnvelopeMatrix tangent_;
   std::vector<int> targets_;
-  Eigen::VectorXd force_, column_, axial_, mismatch_, lengths_, diagonal_;
-  Eigen::VectorXd support_rounding_;  ///< rounding of the supports' spring forces
-  Eigen::MatrixXd gradient_,
+  VectorXd force_, column_, axial_, mismatch_, lengths_, diagonal_;
+  VectorXd support_rounding_;  ///< rounding of the supports' spring forces
+  MatrixXd gradient_,
       border_;  // gradients of the targets' tensions, forces by their lengths
   BorderedSolver bordered_;
   double extent_ = 0, unbalanced_ = 0, scale_ = 0, rounding_ = 0;
@@ -373,13 +368,13 @@ bool come_to_rest(Chain& chain, ChainState& state, const BorderedSolver& near) {
 }
 
 LoadedState loaded_state(const Assembly& assembly, const ChainState& equilibrium,
-                         const Eigen::VectorXd& load) {
+                         const VectorXd& load) {
   LoadedState out;
   out.state = equilibrium;
   out.converged = load.isZero(0);
   Chain chain = assembly.chain();
   Solver solver(chain, assembly.numbering().motion);
-  Eigen::VectorXd force(assembly.size());
+  VectorXd force(assembly.size());
   EnvelopeMatrix tangent = assembly.matrix();
   EnvelopeFactor factor;
   double done = 0, step = 1;
@@ -410,8 +405,8 @@ Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium, co
   Equilibrium out = equilibrium;
   if (equilibrium.status != EquilibriumStatus::converged) return out;
   const Assembly assembly(chain, motion_at_rest(chain));
-  const Eigen::VectorXd axial = axial_forces(chain, equilibrium.state);
-  const Eigen::Matrix3d back = chain.axes.transpose();
+  const VectorXd axial = axial_forces(chain, equilibrium.state);
+  const Matrix3d back = chain.axes.transpose();
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
     const ChainMember& member = chain.members[m];
     MemberEquilibrium at;
@@ -423,10 +418,10 @@ Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium, co
       at.positions.col(i) =
           back * equilibrium.state.position.col(member.nodes[static_cast<std::size_t>(i)]);
     }
-    const Eigen::Vector3d from = at.positions.col(0);
-    const Eigen::Vector3d chord = (at.positions.rightCols<1>() - from).normalized();
+    const Vector3d from = at.positions.col(0);
+    const Vector3d chord = (at.positions.rightCols<1>() - from).normalized();
     for (int i = 0; i < member.segments; ++i) {
-      const Eigen::Vector3d d = at.positions.col(i) - from;
+      const Vector3d d = at.positions.col(i) - from;
       at.sag_m = std::max(at.sag_m, (d - chord * chord.dot(d)).norm());
     }
     at.tension_max_N = axial.segment(member.first_segment, member.segments).maxCoeff();

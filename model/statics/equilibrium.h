@@ -10,6 +10,7 @@
 #pragma once
 
 #include "model/algebra/bordered_solver.h"
+#include "model/algebra/numbers.h"
 #include "model/chain/chain.h"
 #include "model/scene/scene.h"
 #include "model/statics/equilibrium_check.h"
@@ -39,7 +40,7 @@ struct LoadedState {
 /// moves anything by more than a quarter of the rig or ends in an unstable state: a slender beam
 /// that its load bends through ninety degrees has other equilibria too.
 [[nodiscard]] LoadedState loaded_state(const Assembly& assembly, const ChainState& equilibrium,
-                                       const Eigen::VectorXd& load);
+                                       const VectorXd& load);
 
 /// What a user sees of it, in the scene's axes.
 [[nodiscard]] Equilibrium describe(const Chain& chain, const ChainEquilibrium& equilibrium,

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <string>
-#include <utility>
-#include <vector>
 
 namespace rigfit::model {
 namespace {
@@ -17,7 +15,7 @@ std::string name_at(const Chain& chain, const Numbering& numbering, int row, con
                       (numbering.displacement.col(s.b).array() == row).any();
     if (here) return scene.members[static_cast<std::size_t>(s.member)].name;
   }
-  for (Eigen::Index r = 0; r < numbering.rotation.cols(); ++r) {
+  for (Index r = 0; r < numbering.rotation.cols(); ++r) {
     if ((numbering.rotation.col(r).array() == row).any()) {
       return scene.nodes[static_cast<std::size_t>(chain.rotating_node[std::size_t(r)])].name;
     }
@@ -35,7 +33,7 @@ const Member* free_to_twist(const Scene& scene) {
 
 }  // namespace
 
-double mean_force(const Chain& chain, const ChainMember& member, const Eigen::VectorXd& axial) {
+double mean_force(const Chain& chain, const ChainMember& member, const VectorXd& axial) {
   double mean = 0;
   for (int k = member.first_segment; k < member.first_segment + member.segments; ++k) {
     mean += axial[k] * chain.segments[std::size_t(k)].length / member.unstretched_length;
@@ -56,7 +54,7 @@ std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
     result.reason = std::move(reason);
     return std::vector<RestMotion>{};
   };
-  const Eigen::VectorXd axial = axial_forces(chain, result.state);
+  const VectorXd axial = axial_forces(chain, result.state);
   for (std::size_t m = 0; m < chain.members.size(); ++m) {
     const ChainMember& member = chain.members[m];
     if (!member.cable) continue;
@@ -78,7 +76,7 @@ std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
   for (const Motion motion : motions) {
     auto assembly = std::make_unique<Assembly>(chain, motion);
     if (assembly->size() == 0) continue;
-    Eigen::VectorXd force(assembly->size());
+    VectorXd force(assembly->size());
     EnvelopeMatrix tangent = assembly->matrix();
     assembly->force_and_tangent(result.state, force, tangent);
     EnvelopeFactor factor;

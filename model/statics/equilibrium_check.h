@@ -4,8 +4,8 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
+#include "model/algebra/numbers.h"
 #include "model/chain/assembly.h"
 #include "model/chain/chain.h"
 #include "model/scene/scene.h"
@@ -32,7 +32,7 @@ std::vector<RestMotion> judge_rest(const Chain& chain, const Scene& scene,
 
 /// Mean of the segments' axial forces along a member, N.
 [[nodiscard]] double mean_force(const Chain& chain, const ChainMember& member,
-                                const Eigen::VectorXd& axial);
+                                const VectorXd& axial);
 
 /// What to change about a slack cable.
 [[nodiscard]] const char* how_to_tighten(const Member& cable);

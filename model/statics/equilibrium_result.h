@@ -1,12 +1,11 @@
 // Result of the static equilibrium: status, and sag and tension of every member.
 #pragma once
 
-#include <Eigen/Core>
 #include <string>
 #include <tuple>
-#include <vector>
 
 #include "document/describe.h"
+#include "model/algebra/numbers.h"
 
 namespace rigfit::model {
 
@@ -23,7 +22,7 @@ struct MemberEquilibrium {
   double tension_max_N = 0;  ///< along the member
   double unstretched_length_m = 0;
   int segments = 0;
-  Eigen::Matrix3Xd positions;  ///< m, 3 x (segments + 1), from the first node to the second
+  Matrix3Xd positions;  ///< m, 3 x (segments + 1), from the first node to the second
 
   static constexpr auto fields() {
     using T = MemberEquilibrium;

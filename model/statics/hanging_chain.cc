@@ -1,10 +1,9 @@
 #include "model/statics/hanging_chain.h"
+#include "model/algebra/numbers.h"
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <string>
-#include <vector>
 
 #include "model/scene/actual_state.h"
 
@@ -105,12 +104,11 @@ bool catenary(const Problem& p, double h, double& v0, double& length) {
 std::string hang(Chain& chain, int index, double extra, ChainState& state) {
   const ChainMember& member = chain.members[static_cast<std::size_t>(index)];
   const auto n = static_cast<std::size_t>(member.segments);
-  const Eigen::Vector3d from = chain.drawn.col(member.nodes.front());
-  const Eigen::Vector3d chord = chain.drawn.col(member.nodes.back()) - from;
+  const Vector3d from = chain.drawn.col(member.nodes.front());
+  const Vector3d chord = chain.drawn.col(member.nodes.back()) - from;
   const double g = chain.gravity.norm();
-  const Eigen::Vector3d up =
-      g > 0 ? Eigen::Vector3d(-chain.gravity / g) : Eigen::Vector3d(Eigen::Vector3d::Zero());
-  const Eigen::Vector3d level = chord - up * up.dot(chord);
+  const Vector3d up = g > 0 ? Vector3d(-chain.gravity / g) : Vector3d(Vector3d::Zero());
+  const Vector3d level = chord - up * up.dot(chord);
   const auto segment = [&](std::size_t i) -> const Segment& {
     return chain.segments[static_cast<std::size_t>(member.first_segment) + i];
   };
@@ -159,7 +157,7 @@ std::string hang(Chain& chain, int index, double extra, ChainState& state) {
     return {};
   }
 
-  const Eigen::Vector3d h = level.normalized();
+  const Vector3d h = level.normalized();
   p.across = level.norm();
   p.up = up.dot(chord);
   double v0 = 0, length = 0;
@@ -197,7 +195,7 @@ std::string hang(Chain& chain, int index, double extra, ChainState& state) {
   }
 
   double v = v0;
-  Eigen::Vector3d x = from;
+  Vector3d x = from;
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const double f = std::hypot(horizontal, v);
     x += length * p.share[i] * (1 / f + 1 / p.EA[i]) * (horizontal * h + v * up);
