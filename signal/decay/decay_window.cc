@@ -17,7 +17,8 @@ namespace {
 constexpr double kLeastShare = 0.05;
 // Cycles on either side of an impact that are fitted.
 constexpr Index kCycles = 10;
-// Modes that such a stretch is given: with twelve one decay imitates a blow.
+// Modes that such a stretch is given: with twelve one decay imitates a blow. Sides with more than
+// half of them may beat.
 constexpr int kModes = 6;
 // Chance that noise alone passes for an impact, for each place that is tested.
 constexpr double kImpactChance = 1e-6;
@@ -119,9 +120,9 @@ Complex amplitude_near(const DampedSinusoidsFit& fit, double w, Index at) {
 }
 
 // Whether two decays, the second behind the jump, explain the samples of [from, to) better than
-// one.
-bool is_impact(const Ref<const VectorXd>& y, const Jump& place, Index from, Index to,
-               Index half_cycle, double largest) {
+// one. `x`: y without its trend.
+bool is_impact(const Ref<const VectorXd>& y, const VectorXd& x, const Jump& place, Index from,
+               Index to, Index half_cycle, double largest) {
   const Index at = place.at;
   const Index gap_from = at - half_cycle, gap_to = at + half_cycle;
   if (gap_from - from < 4 * half_cycle || to - gap_to < 4 * half_cycle) return false;
@@ -132,6 +133,13 @@ bool is_impact(const Ref<const VectorXd>& y, const Jump& place, Index from, Inde
              behind = fitted(y.segment(gap_to, to - gap_to));
   // An impact sets something off.
   if (!before || !one || !behind || behind->poles.empty()) return false;
+  // Beats of many modes look like blows, and one fit lacks some of them: a blow doubles the motion.
+  const auto many = [](const auto& fit) { return std::ssize(fit->poles) > kModes / 2; };
+  const auto power = [&](Index first, Index last) {
+    return x.segment(first, last - first).squaredNorm() / static_cast<double>(last - first);
+  };
+  const bool doubles = power(gap_to, to) > 4 * power(from, gap_from);
+  if ((many(before) || many(behind)) && !doubles) return false;
   const double apart = before->residual_sum_squares + behind->residual_sum_squares;
   const auto degrees = static_cast<double>(before->degrees + behind->degrees);
   const double more = std::max(2.0, static_cast<double>(one->degrees) - degrees);
@@ -184,7 +192,7 @@ std::vector<Index> with_further(std::vector<Index> hits, const Ref<const VectorX
       if (hit < jump.at) from = std::max(from, hit + half_cycle);
       if (hit > jump.at) to = std::min(to, hit - half_cycle);
     }
-    if (is_impact(y, jump, from, to, half_cycle, largest)) hits.push_back(jump.at);
+    if (is_impact(y, x, jump, from, to, half_cycle, largest)) hits.push_back(jump.at);
   }
   std::ranges::sort(hits);
   return hits;

@@ -16,7 +16,8 @@
 // a ten cycles before and behind are fitted apart and together. It is an impact when two fits
 // explain more than one (Fisher's test) and the amplitudes of both, taken to t, differ by more than
 // a twentieth of the record's largest, a loss that leaves the phase as it is (friction) aside.
-// Missing samples are left out of these fits: a gap is no impact.
+// Where a side has more than three modes, whose beats look like blows, the motion must double
+// besides. Missing samples are left out of these fits: a gap is no impact.
 #pragma once
 
 #include "signal/recording/recording.h"

@@ -28,6 +28,18 @@ VectorXd decays(unsigned seed, const std::vector<Mode>& modes, double rate, Inde
 
 double noise_of(double snr_db) { return std::sqrt(0.5 * std::pow(10, -snr_db / 10)); }
 
+// Twelve modes of a tapped plate beat within the cycles on either side of a place.
+TEST(Decay, BeatsOfManyModesAreNoFurtherTap) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> f(400, 9000), logarithm(-3.3, -2.5), size(0.3, 1);
+    std::vector<Mode> modes(12);
+    for (auto& m : modes) m = {f(random), std::pow(10, logarithm(random)), size(random)};
+    const VectorXd y = decays(seed, modes, 48000, 48000, 0.05);
+    EXPECT_EQ(find_decays(y).size(), 1u) << seed;
+  }
+}
+
 TEST(Decay, AxialTestReachesTheCramerRaoBound) {
   // 200 seeds a level: scatter known to 5 %, bias to 0.07 of the bound. The bound is a floor that
   // an unbiased estimate cannot pass: 1.1 of it plus two standard deviations of the scatter's own
