@@ -4,11 +4,9 @@
 #include <malloc.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <iostream>
-#include <optional>
 #include <sstream>
 
 #include "apps/cli/exit_code.h"

@@ -7,15 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
-#include <map>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <tuple>
-#include <utility>
 #include <variant>
-#include <vector>
 
 #include "apps/describe/option.h"
 #include "document/describe.h"

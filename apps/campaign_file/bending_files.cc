@@ -1,10 +1,5 @@
 #include "apps/campaign_file/bending_files.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "apps/campaign_file/recordings.h"
 #include "apps/cli/exit_code.h"
 #include "apps/results/results_json.h"

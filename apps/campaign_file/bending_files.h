@@ -2,11 +2,6 @@
 // `rigfit bending --json` wrote. The verb, the report and what takes EI(T) read them here.
 #pragma once
 
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "apps/campaign_file/recordings.h"
 #include "apps/cli/verb_context.h"
 #include "ident/campaign/modal/modal_model.h"

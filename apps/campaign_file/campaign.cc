@@ -1,9 +1,5 @@
 #include "apps/campaign/campaign.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
 #include <set>
 #include <stdexcept>
 

@@ -1,11 +1,6 @@
 #include "apps/campaign_file/measured_modes.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
 #include <fstream>
 
 #include "apps/results/text_table.h"

@@ -10,11 +10,6 @@
 // nodes are (signal/readers/read_uff_modes.h).
 #pragma once
 
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "apps/cli/verb_context.h"
 #include "ident/update/model_update.h"
 

@@ -1,12 +1,10 @@
 #include "apps/campaign_file/recordings.h"
 
-#include <fmt/format.h>
 #include <glob.h>
 
 #include <ostream>
 #include <system_error>
 #include <unordered_set>
-#include <utility>
 
 #include "apps/cli/progress.h"
 #include "model/scene/read_scene.h"

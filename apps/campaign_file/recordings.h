@@ -4,13 +4,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
-#include <functional>
-#include <map>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "apps/campaign/campaign.h"
 #include "apps/cli/verb_context.h"

@@ -1,14 +1,5 @@
 #include "apps/campaign_file/update_data.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
-#include <cmath>
-#include <iterator>
-#include <limits>
-#include <utility>
-
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/bending_files.h"
 #include "apps/campaign_file/measured_modes.h"

@@ -2,10 +2,6 @@
 // takes as known: readings, lengths, masses, and what the tests before gave (EI over tension, EA).
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "apps/cli/verb.h"
 #include "ident/stiffness/stiffness_curve.h"
 #include "ident/update/model_update.h"

@@ -1,10 +1,5 @@
-#include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <map>
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/usage.h"

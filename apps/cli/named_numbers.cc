@@ -1,9 +1,5 @@
 #include "apps/cli/named_numbers.h"
 
-#include <fmt/format.h>
-
-#include <cmath>
-
 #include "apps/cli/exit_code.h"
 #include "signal/readers/csv_fields.h"
 

@@ -1,9 +1,7 @@
 // Texts of options that name something: "cable.EI=0.6,0.02", "tip.mass=5%", "left.EI,-right.EI".
 #pragma once
 
-#include <string>
-#include <utility>
-#include <vector>
+#include "apps/describe/standard.h"
 
 namespace rigfit::apps {
 

@@ -1,13 +1,12 @@
 #include "apps/cli/progress.h"
 
-#include <fmt/format.h>
+#include "apps/describe/standard.h"
+
 #include <unistd.h>
 
-#include <algorithm>
 #include <condition_variable>
 #include <cstdio>
 #include <mutex>
-#include <utility>
 
 namespace rigfit::apps {
 namespace {

@@ -1,15 +1,10 @@
 #include "apps/cli/usage.h"
 
-#include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
-#include <iterator>
 #include <regex>
 #include <sstream>
-#include <string_view>
 
 #include "apps/campaign/campaign.h"
 #include "apps/cli/assets.h"

@@ -2,10 +2,7 @@
 // All of it from the described options of the verbs.
 #pragma once
 
-#include <cstddef>
 #include <ostream>
-#include <string>
-#include <vector>
 
 #include "apps/cli/verb.h"
 

@@ -1,12 +1,7 @@
 // What a verb is: described options, and a function from them to its JSON result.
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "apps/cli/verb_context.h"
 #include "apps/describe/option.h"

@@ -1,6 +1,5 @@
 #include "apps/cli/verb_context.h"
 
-#include <fmt/format.h>
 #include <openssl/evp.h>
 
 #include <array>

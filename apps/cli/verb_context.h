@@ -1,16 +1,10 @@
 // What every verb gets from the common options, and what it leaves behind besides its result.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
-#include <string>
-#include <string_view>
 #include <unordered_set>
-#include <vector>
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/warning_lines.h"

@@ -1,8 +1,5 @@
 #include "apps/cli/warning_lines.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <array>
 
 namespace rigfit::apps {

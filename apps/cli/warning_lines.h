@@ -4,12 +4,9 @@
 // enough. --verbose, which says notes too, and the JSON document of a verb hold each by itself.
 #pragma once
 
-#include <cstddef>
 #include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
+#include "apps/describe/standard.h"
 #include "ident/statistics/finding.h"
 
 namespace rigfit::apps {

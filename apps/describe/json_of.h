@@ -2,15 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <complex>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
-#include <string_view>
 #include <type_traits>
-#include <vector>
 
+#include "apps/describe/standard.h"
 #include "document/describe.h"
 
 namespace rigfit::describe {

@@ -1,8 +1,5 @@
 #include "apps/describe/option.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "document/toml_table.h"
 
 namespace rigfit::describe {

@@ -8,14 +8,7 @@
 //   }
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <optional>
-#include <string>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 #include "apps/describe/json_of.h"
 

@@ -1,10 +1,5 @@
 #include "apps/describe/sheet.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-
 namespace rigfit::describe {
 namespace {
 

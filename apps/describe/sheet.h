@@ -3,9 +3,6 @@
 #pragma once
 
 #include <ostream>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "apps/describe/json_of.h"
 

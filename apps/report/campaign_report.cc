@@ -1,13 +1,8 @@
 #include "apps/report/campaign_report.h"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <chrono>
 #include <fstream>
-#include <functional>
-#include <iterator>
-#include <memory>
 #include <span>
 
 #include "apps/cli/output_file.h"

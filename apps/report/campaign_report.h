@@ -1,8 +1,6 @@
 // The main job: everything a campaign names, computed part by part and written as one report.
 #pragma once
 
-#include <filesystem>
-
 #include "apps/campaign/campaign.h"
 #include "apps/cli/verb.h"
 #include "apps/report/drawing/svg_plot.h"

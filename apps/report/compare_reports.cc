@@ -1,10 +1,5 @@
 #include "apps/report/campaign_report.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "apps/describe/sheet.h"
 #include "apps/report/drawing/html_text.h"
 #include "signal/numerics/estimate.h"

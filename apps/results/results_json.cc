@@ -1,6 +1,5 @@
 #include "apps/results/results_json.h"
 
-#include <cmath>
 #include <fstream>
 
 #include "apps/describe/json_of.h"

@@ -2,8 +2,6 @@
 // report's document hold the same. And such documents read again.
 #pragma once
 
-#include <filesystem>
-
 #include "apps/cli/verb_context.h"
 #include "ident/campaign/modal/modal_campaign.h"
 #include "ident/campaign/single_tests/axial_campaign.h"

@@ -1,12 +1,5 @@
 #include "apps/results/text_table.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "model/scene/toml_table.h"
 #include "signal/readers/csv_fields.h"
 #include "signal/readers/read_recording.h"

@@ -7,13 +7,6 @@
 // (kN)", and of a force or frequency behind an underscore, "tension_kN".
 #pragma once
 
-#include <cstddef>
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "apps/describe/option.h"
 #include "signal/recording/units.h"
 

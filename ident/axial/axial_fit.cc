@@ -4,10 +4,6 @@
 #include <gsl/gsl_fit.h>
 
 #include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
-
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
@@ -19,7 +15,7 @@ enum Shared { kLogEA, kSeries, kPlace, kMass, kPerLength, kAdapter, kFrame, kRat
 constexpr double kLeastStd = 1e-5;
 
 // An input known exactly still has a sensitivity.
-double relative(const signal::Estimate& input) {
+double relative(const Estimate& input) {
   return input.value > 0 ? std::max(input.std / input.value, 1e-7) : 0;
 }
 
@@ -47,7 +43,7 @@ struct Residuals {
   bool operator()(T const* const* parameters, T* residuals) const {
     using std::exp, std::log, std::erf;
     const T* z = parameters[0];
-    const auto input = [](const signal::Estimate& x, const T& by) {
+    const auto input = [](const Estimate& x, const T& by) {
       return x.value * exp(relative(x) * by);
     };
     const std::size_t n = lengths.size();
@@ -78,12 +74,12 @@ struct Residuals {
 };
 
 // Contributions to EA, whose logarithm moves with each residual of unit variance by its gain.
-void add_budget(const Residuals& model, const Eigen::VectorXd& gain, AxialFit& fit) {
+void add_budget(const Residuals& model, const VectorXd& gain, AxialFit& fit) {
   const AxialSetup& setup = model.setup;
-  const auto n = static_cast<Eigen::Index>(model.lengths.size());
+  const auto n = static_cast<Index>(model.lengths.size());
   const double each = 1 / static_cast<double>(n), length_std = setup.length_std_m.value_or(0);
   double own = 0, between = 0, cut = 0, by_length = 0, length = 0, frequency = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Index i = 0; i < n; ++i) {
     const Length& one = model.lengths[static_cast<std::size_t>(i)];
     const double part = std::pow(one.scatter / one.std, 2), g = gain[n + kShared + i];
     own += (1 - part) * gain[i] * gain[i];
@@ -91,24 +87,24 @@ void add_budget(const Residuals& model, const Eigen::VectorXd& gain, AxialFit& f
     cut += length_std > 0 ? g * g : 0;
     by_length += g / (relative({one.length_m, length_std}) * one.length_m);
     length += each * one.length_m;
-    frequency += each * std::sqrt(one.W) / signal::kTwoPi;
+    frequency += each * std::sqrt(one.W) / kTwoPi;
   }
-  const auto push = [&](const char* source, const char* unit, const signal::Estimate& input,
+  const auto push = [&](const char* source, const char* unit, const Estimate& input,
                         double by_input, double variance) {
     fit.budget.push_back({source, unit, input.value, input.std, fit.EA_N * by_input,
                           fit.EA_N * std::sqrt(variance), variance});
     fit.EA_relative_std = std::hypot(fit.EA_relative_std, std::sqrt(variance));
   };
   push("frequency", "Hz", {frequency, std::sqrt(own) * frequency / 2}, 2 / frequency, own);
-  push("between lengths", "N", {signal::kNaN, fit.EA_N * fit.between_std}, 1 / fit.EA_N, between);
+  push("between lengths", "N", {kNaN, fit.EA_N * fit.between_std}, 1 / fit.EA_N, between);
   push("length", "m", {length, length_std}, by_length, cut);
-  const auto add = [&](Shared which, const char* source, const char* unit,
-                       const signal::Estimate& input, double step) {
+  const auto add = [&](Shared which, const char* source, const char* unit, const Estimate& input,
+                       double step) {
     const double g = gain[n + which];
     if (step > 0) push(source, unit, input, g / step, input.std > 0 ? g * g : 0);
   };
   const auto value = [&](Shared which, const char* source, const char* unit,
-                         const signal::Estimate& input) {
+                         const Estimate& input) {
     add(which, source, unit, input, relative(input) * input.value);
   };
   value(kMass, "hung mass", "kg", setup.mass_kg);
@@ -137,7 +133,7 @@ AxialFit fit_axial(std::span<const AxialLengthData> data, const AxialSetup& setu
   std::vector<Length> lengths;
   double unit = 0;  // m/N
   std::vector<double> at_m, compliance;
-  Eigen::VectorXd z = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(kShared + data.size()));
+  VectorXd z = VectorXd::Zero(static_cast<Index>(kShared + data.size()));
   for (const auto& one : data) {
     Length length{one};
     length.W = std::exp(one.log_omega_squared);
@@ -157,7 +153,7 @@ AxialFit fit_axial(std::span<const AxialLengthData> data, const AxialSetup& setu
   if (series && slope > 0) z[kLogEA] = -std::log(slope), z[kSeries] = offset / unit;
   AxialFit fit;
   fit.between_std = between_std;
-  const auto n = static_cast<Eigen::Index>(lengths.size()), rows = n + z.size();
+  const auto n = static_cast<Index>(lengths.size()), rows = n + z.size();
   const bool free = series && !setup.series_compliance_std_m_N;
   fit.degrees = static_cast<int>(n) - 1 - (free ? 1 : 0);
   auto* const model = new Residuals{setup, lengths, unit, series};
@@ -178,11 +174,11 @@ AxialFit fit_axial(std::span<const AxialLengthData> data, const AxialSetup& setu
   fit.EA_N = std::exp(z[kLogEA]);
   fit.chi2 = 2 * summary.final_cost;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(rows, z.size());
-  Eigen::VectorXd residuals(rows);
+  VectorXd residuals(rows);
   const double* const at = z.data();
   double* by = J.data();
   (void)cost->Evaluate(&at, residuals.data(), &by);
-  const Eigen::MatrixXd gains = J.householderQr().solve(Eigen::MatrixXd::Identity(rows, rows));
+  const MatrixXd gains = J.householderQr().solve(MatrixXd::Identity(rows, rows));
   if (series) {
     fit.compliance_m_N = {unit * z[kSeries], unit * gains.row(kSeries).norm()};
   }

@@ -13,28 +13,23 @@
 // prior is the sensitivity. An input without a standard uncertainty enters with 1e-7 of its value.
 #pragma once
 
-#include <optional>
 #include <span>
-#include <string>
-#include <tuple>
-#include <vector>
 
-#include "document/describe.h"
 #include "ident/axial/rod_stiffness.h"
-#include "signal/numerics/estimate.h"
+#include "ident/statistics/numbers.h"
 
 namespace rigfit::ident {
 
 struct AxialSetup {
-  signal::Estimate mass_kg{0, 0};               ///< hung, adapter and clamp included; one for all
-  signal::Estimate mass_per_length_kg_m{0, 0};  ///< cable; 0: massless
+  Estimate mass_kg{0, 0};               ///< hung, adapter and clamp included; one for all
+  Estimate mass_per_length_kg_m{0, 0};  ///< cable; 0: massless
   /// Standard uncertainty of a length, m; independent between lengths (each is cut and
   /// measured anew). Not given: the uncertainty of EA is unknown.
   std::optional<double> length_std_m;
   /// Std of the sample rate, common to all frequencies.
   double rate_relative_std = 0;
-  signal::Estimate adapter_stiffness_N_m{0, 0};  ///< in series, below; 0: rigid
-  signal::Estimate frame_stiffness_N_m{0, 0};    ///< in series, above; 0: rigid
+  Estimate adapter_stiffness_N_m{0, 0};  ///< in series, below; 0: rigid
+  Estimate frame_stiffness_N_m{0, 0};    ///< in series, above; 0: rigid
   /// The user states that the frame is as above (0: rigid), so that one length gives EA. Several
   /// lengths test this statement.
   bool frame_stated = false;
@@ -87,10 +82,10 @@ struct BudgetRow {
 };
 
 struct AxialFit {
-  bool converged = false;                 ///< false: nothing below holds
-  double EA_N = 0;                        ///< per unit strain, of the cable alone
-  double EA_relative_std = 0;             ///< without what stands in for exact inputs
-  signal::Estimate compliance_m_N{0, 0};  ///< s
+  bool converged = false;         ///< false: nothing below holds
+  double EA_N = 0;                ///< per unit strain, of the cable alone
+  double EA_relative_std = 0;     ///< without what stands in for exact inputs
+  Estimate compliance_m_N{0, 0};  ///< s
   double chi2 = 0;
   int degrees = 0;                ///< lengths less free parameters
   double between_std = 0;         ///< relative

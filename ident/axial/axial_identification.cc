@@ -4,21 +4,13 @@
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_statistics_double.h>
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <numbers>
-#include <stdexcept>
-
 #include "ident/statistics/root.h"
 #include "ident/statistics/uncertainty.h"
 #include "signal/estimation/groups.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
-using signal::coverage_factor, signal::kNaN;
 constexpr double kLengthStd = 1e-3;     // m, stands for one that is not given; never shown as one
 constexpr double kSteelDensity = 7850;  // kg/m3
 // A stranded rope has it over its metallic area (makers give 60 to 100 GPa for 7x19), and solid
@@ -32,12 +24,10 @@ void require(bool good, const std::string& what) {
 
 bool positive(double x) { return std::isfinite(x) && x > 0; }
 bool not_negative(double x) { return std::isfinite(x) && x >= 0; }
-bool not_negative(const signal::Estimate& x) {
-  return not_negative(x.value) && not_negative(x.std);
-}
+bool not_negative(const Estimate& x) { return not_negative(x.value) && not_negative(x.std); }
 
 double omega_squared(const AxialDecay& d) {
-  const double wd = 2 * std::numbers::pi * d.damped_frequency_hz.value;
+  const double wd = kTwoPi * d.damped_frequency_hz.value;
   return wd * wd / (1 - d.damping_ratio.value * d.damping_ratio.value);
 }
 
@@ -195,7 +185,7 @@ class Identification {
                     {EA / (1 + U), U < 1 ? EA / (1 - U) : std::numeric_limits<double>::infinity()}};
     result_.coverage_factor = U / best.EA_relative_std;
     result_.between_lengths_std_N = EA * best.between_std;
-    result_.series_compliance_m_N = series ? best.compliance_m_N : signal::Estimate{};
+    result_.series_compliance_m_N = series ? best.compliance_m_N : Estimate{};
     budget(best);
     if (lengths_.size() == 1) assembly();
     if (!length_std_) {

@@ -21,13 +21,9 @@
 #pragma once
 
 #include <span>
-#include <string>
-#include <vector>
 
-#include "document/describe.h"
 #include "ident/axial/axial_fit.h"
 #include "ident/statistics/uncertainty.h"
-#include "signal/numerics/estimate.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::ident {
@@ -35,22 +31,22 @@ namespace rigfit::ident {
 struct AxialDecay {
   std::string name;  ///< name of the record, for messages
   double length_m = 0;
-  signal::Estimate damped_frequency_hz, damping_ratio;
+  Estimate damped_frequency_hz, damping_ratio;
 };
 
 struct AxialSample {
   double length_m = 0;
   double stiffness_N_m = 0;        ///< k, static, adapter included
   double cable_stiffness_N_m = 0;  ///< kc
-  signal::Estimate EA_N;           ///< std from the record alone
+  Estimate EA_N;                   ///< std from the record alone
   double damping_Ns_m = 0;
 };
 
 struct AxialLength {
   double length_m = 0;
   int records = 0;
-  signal::Estimate EA_N;  ///< std from repeats and this length, not from shared inputs
-  signal::Estimate damping_ratio;
+  Estimate EA_N;  ///< std from repeats and this length, not from shared inputs
+  Estimate damping_ratio;
   double damping_Ns_m = 0;
 
   static constexpr std::string_view title = "by length, the cable alone giving way";
@@ -75,11 +71,11 @@ struct AxialTestResult {
   bool conditional = false;
   BoundedEstimate EA_if_rigid_N;  ///< if `conditional`: EA without other compliance
   /// Static stiffness of the whole chain (cable, adapter, frame) at the one length; 0 for several.
-  signal::Estimate assembly_stiffness_N_m;
+  Estimate assembly_stiffness_N_m;
   /// Compliance in series from the lengths, beside the stated one; NaN: not fitted.
-  signal::Estimate series_compliance_m_N;
+  Estimate series_compliance_m_N;
   BoundedEstimate damping_ratio;
-  signal::Estimate damping_Ns_m;  ///< at `reference_length_m`
+  Estimate damping_Ns_m;          ///< at `reference_length_m`
   double reference_length_m = 0;  ///< mean of the lengths
   std::vector<AxialSample> samples;
   std::vector<AxialLength> lengths;

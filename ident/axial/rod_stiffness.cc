@@ -2,10 +2,7 @@
 
 #include <ceres/jet.h>
 
-#include <algorithm>
-#include <limits>
-#include <numbers>
-
+#include "ident/statistics/numbers.h"
 #include "ident/statistics/root.h"
 
 namespace rigfit::ident {
@@ -23,7 +20,7 @@ RodStiffness rod_stiffness(const RodOnMass& rod) {
   double high = low;
   for (int i = 0; i < 200 && !(over(high) > 0); ++i) high *= 2;
   if (!(seen > 0) || !(inertia >= 0) || !(over(high) > 0)) {
-    result.cable_N_m = result.series_N_m = std::numeric_limits<double>::quiet_NaN();
+    result.cable_N_m = result.series_N_m = kNaN;
     return result;
   }
   const double kc = result.cable_N_m = root_between(low, high, 4e-16, over);

@@ -2,13 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numeric>
 #include <set>
-#include <stdexcept>
-#include <utility>
 
 #include "ident/bending/table_line.h"
 #include "ident/stiffness/stiffness_law.h"
@@ -42,7 +37,7 @@ class Analysis {
 
   BendingTestResult run() {
     leave_spikes_out();
-    const Eigen::Index n = d_.size();
+    const Index n = d_.size();
     if (n < 3) {
       refuse("too_few_points",
              "Add rows: {} are complete in tension, load and deflection, 3 are needed", n);
@@ -82,7 +77,7 @@ class Analysis {
   [[nodiscard]] bool beam() const { return options_.ends != BeamEnds::tensioned; }
 
   void take_complete_rows(const BendingRecord& record) {
-    const Eigen::Index n = record.load_N.size();
+    const Index n = record.load_N.size();
     Q_ = record.load_N, d_ = record.deflection_m, P_ = record.tension_N;
     if (beam()) P_.setZero(n);
     if (d_.size() != n || P_.size() != n) {
@@ -91,7 +86,7 @@ class Analysis {
     if (!(options_.span_m.value > 0)) {
       throw std::invalid_argument("bending test: the span must be positive");
     }
-    keep([&](Eigen::Index i) { return std::isfinite(P_[i] + Q_[i] + d_[i]); });
+    keep([&](Index i) { return std::isfinite(P_[i] + Q_[i] + d_[i]); });
     if (d_.size() < n) {
       note("missing", "Check the channels for gaps: {} of {} rows miss a value and are left out",
            n - d_.size(), n);
@@ -99,24 +94,24 @@ class Analysis {
   }
 
   void leave_spikes_out() {
-    std::set<Eigen::Index> rows;
+    std::set<Index> rows;
     if (d_.size() < kShortStroke) return;  // rows off the line are left out
-    for (const Eigen::VectorXd* channel : {&d_, &Q_, &P_}) {
+    for (const VectorXd* channel : {&d_, &Q_, &P_}) {
       for (const auto i : find_spikes(*channel)) rows.insert(i);
     }
     if (rows.empty()) return;
-    const Eigen::Index first = *rows.begin();
+    const Index first = *rows.begin();
     note(
         "spike",
         "Check row {} ({:.4g} N, {:.4g} m): it is the first of {} with a spike, which are left out",
         first + 1, Q_[first], d_[first], rows.size());
-    keep([&](Eigen::Index i) { return !rows.contains(i); });
+    keep([&](Index i) { return !rows.contains(i); });
   }
 
   /// The rows that are good.
   void keep(const auto& good) {
-    std::vector<Eigen::Index> kept;
-    for (Eigen::Index i = 0; i < d_.size(); ++i) {
+    std::vector<Index> kept;
+    for (Index i = 0; i < d_.size(); ++i) {
       if (good(i)) kept.push_back(i);
     }
     P_ = P_(kept).eval(), Q_ = Q_(kept).eval(), d_ = d_(kept).eval();
@@ -137,10 +132,10 @@ class Analysis {
   // the deflection begins: where its square from there shows more of the tension. Strokes may go
   // both ways.
   void find_zero() {
-    Eigen::Index unloaded = 0;
+    Index unloaded = 0;
     Q_.cwiseAbs().minCoeff(&unloaded);
     const auto likeness = [&](double zero) {
-      const Eigen::ArrayXd square = (d_.array() - zero).square(), off = square - square.mean();
+      const ArrayXd square = (d_.array() - zero).square(), off = square - square.mean();
       return (off * (P_.array() - mean_tension_)).sum() / off.matrix().norm();
     };
     zero_ = d_.minCoeff();
@@ -154,7 +149,7 @@ class Analysis {
     double worst = 0;
     for (const StrokeRange& run : runs_) {
       double highest = -std::numeric_limits<double>::infinity();
-      for (Eigen::Index i = run.first + 2; i + 2 <= run.last; ++i) {
+      for (Index i = run.first + 2; i + 2 <= run.last; ++i) {
         if (run.direction * (d_[i] - zero_) < 0) continue;  // unloaded
         const double local = signal::median({P_[i - 2], P_[i - 1], P_[i], P_[i + 1], P_[i + 2]});
         highest = std::max(highest, local);
@@ -175,12 +170,12 @@ class Analysis {
   }
 
   // g(P): compliance at the mean tension over that at the tension of the moment.
-  Eigen::VectorXd tension_corrected(double EI) const {
+  VectorXd tension_corrected(double EI) const {
     if (beam()) return d_.array() - zero_;
     const double span = options_.span_m.value;
-    Eigen::VectorXd x(d_.size());
+    VectorXd x(d_.size());
     const double mean = EI > 0 ? midspan_compliance(EI, mean_tension_, span) : 1 / mean_tension_;
-    for (Eigen::Index i = 0; i < d_.size(); ++i) {
+    for (Index i = 0; i < d_.size(); ++i) {
       const double P = std::max(P_[i], 0.0);
       const double g = EI > 0 ? mean / midspan_compliance(EI, P, span) : P / mean_tension_;
       x[i] = (d_[i] - zero_) * g;
@@ -190,7 +185,7 @@ class Analysis {
 
   /// False where there is no line.
   bool fit_strokes() {
-    Eigen::Index longest = 0;
+    Index longest = 0;
     for (const auto& run : runs_) longest = std::max(longest, run.last - run.first + 1);
     averaged_ = longest >= kShortStroke;
     if (averaged_) {
@@ -211,7 +206,7 @@ class Analysis {
         averaged_ ? 0 : std::hypot(read_step(Q_, false), read_step(d_, true) * slope);
     double EI = 0, before = -1;
     for (int pass = 0; pass < 8; ++pass) {
-      const Eigen::VectorXd x = tension_corrected(EI);
+      const VectorXd x = tension_corrected(EI);
       std::vector<TableStroke> strokes;
       off_ = 0;
       toe_ = stop_ = far_end_ = 0, straight_ = 1;
@@ -259,12 +254,12 @@ class Analysis {
 
   /// Strokes of a short table.
   void arrange_table() {
-    Eigen::Index in_runs = 0;
+    Index in_runs = 0;
     for (const auto& run : runs_) in_runs += run.last - run.first + 1;
     if (10 * in_runs < 7 * d_.size()) runs_ = {{0, d_.size() - 1, 1}};  // weights in any order
     // Weights that are added at a stop move nothing any more; they belong to the loading.
     for (std::size_t k = 0; k < runs_.size(); ++k) {
-      Eigen::Index& last = runs_[k].last;
+      Index& last = runs_[k].last;
       while (runs_[k].direction > 0 && last + 1 < d_.size() && d_[last + 1] == d_[last] &&
              Q_[last + 1] > Q_[last]) {
         ++last;
@@ -279,7 +274,7 @@ class Analysis {
       result_.tension_N = {mean_tension_,
                            std::hypot(options_.tension_calibration_std * mean_tension_,
                                       options_.tension_zero_std_N)};
-      const Eigen::Index first = runs_.front().first, last = runs_.back().last;
+      const Index first = runs_.front().first, last = runs_.back().last;
       result_.tension_spread_N =
           tension_spread(P_.segment(first, last - first + 1), sample_noise(P_));
     }
@@ -392,7 +387,7 @@ class Analysis {
 
   BendingTestOptions options_;
   BendingTestResult result_;
-  Eigen::VectorXd P_, Q_, d_;
+  VectorXd P_, Q_, d_;
   std::vector<StrokeRange> runs_;
   TableLine line_;
   bool averaged_ = false;  // rows are averages of long strokes
@@ -411,14 +406,14 @@ BendingTestResult analyse_bending_test(const BendingRecord& record,
 }
 
 std::vector<BendingRecord> split_by_tension(const BendingRecord& table) {
-  const Eigen::Index n = table.tension_N.size();
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
+  const Index n = table.tension_N.size();
+  std::vector<Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
     return table.tension_N[a] < table.tension_N[b];  // NaN never compares; such rows stay together
   });
-  std::vector<std::vector<Eigen::Index>> clusters;
-  for (Eigen::Index index : order) {
+  std::vector<std::vector<Index>> clusters;
+  for (Index index : order) {
     const double P = table.tension_N[index];
     if (!std::isfinite(P)) continue;
     bool apart = clusters.empty();

@@ -15,10 +15,6 @@
 // EI = L^3 / (c s).
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-#include <vector>
-
 #include "ident/bending/bending_equation.h"
 #include "ident/statistics/finding.h"
 
@@ -27,11 +23,11 @@ namespace rigfit::ident {
 /// One record at one tension, SI, samples in order of time. Rows with NaN are left out and counted.
 /// For a beam without tension `tension_N` may be empty.
 struct BendingRecord {
-  Eigen::VectorXd tension_N, load_N, deflection_m;
+  VectorXd tension_N, load_N, deflection_m;
 };
 
 struct BendingTestOptions {
-  signal::Estimate span_m;
+  Estimate span_m;
   BeamEnds ends = BeamEnds::tensioned;
   // Relative standard uncertainties of calibration, common to all samples of a channel.
   double load_calibration_std = 0;
@@ -47,13 +43,13 @@ struct BendingTestResult {
   bool refused = false;
   BeamEnds ends = BeamEnds::tensioned;  ///< from the options; tensions are zero unless `tensioned`
   std::vector<Finding> findings;        ///< "toe", "stop", "clamp_slip", "curved", "missing" ...
-  signal::Estimate tension_N;           ///< mean over the samples; std from calibration
+  Estimate tension_N;                   ///< mean over the samples; std from calibration
   /// Standard uncertainty of the tension at which EI holds, within the strokes.
   double tension_spread_N = 0;
-  signal::Estimate compliance_m_N;  ///< 1/K, calibration included
-  double degrees_of_freedom = 0;    ///< for the compliance; 0: many
-  double hysteresis_N = 0;          ///< half the distance between loading and unloading lines
-  StiffnessFromBending stiffness;   ///< solved only when not refused
+  Estimate compliance_m_N;         ///< 1/K, calibration included
+  double degrees_of_freedom = 0;   ///< for the compliance; 0: many
+  double hysteresis_N = 0;         ///< half the distance between loading and unloading lines
+  StiffnessFromBending stiffness;  ///< solved only when not refused
 };
 
 /// Throws std::invalid_argument for channels of different lengths or a span that is not positive.

@@ -5,12 +5,8 @@
 #include <gsl/gsl_qrng.h>
 #include <gsl/gsl_statistics_double.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <memory>
-#include <stdexcept>
-#include <vector>
 
 namespace rigfit::ident {
 namespace {
@@ -206,8 +202,8 @@ StiffnessFromBending stiffness_from_compliance(const ComplianceMeasurement& meas
         "Load further, or average more loadings: the slope d/Q = {:.4g} +- {:.2g} m/N is not "
         "known to be positive, so EI has no upper bound",
         slope, measured.compliance_m_N.std);
-    result.EI_Nm2.std = std::numeric_limits<double>::quiet_NaN();
-    result.high = std::numeric_limits<double>::quiet_NaN();
+    result.EI_Nm2.std = kNaN;
+    result.high = kNaN;
   } else if (result.low <= 0) {
     result.status = BendingStatus::upper_bound_only;
     result.low = 0;

@@ -17,10 +17,7 @@
 // place for every positive lambda.
 #pragma once
 
-#include <limits>
-#include <string>
-
-#include "signal/numerics/estimate.h"
+#include "ident/statistics/numbers.h"
 
 namespace rigfit::ident {
 
@@ -66,9 +63,9 @@ enum class BeamEnds {
 /// Measurement at one tension. A standard uncertainty of zero means exactly known, one that is not
 /// finite means unknown: then no interval is given.
 struct ComplianceMeasurement {
-  signal::Estimate compliance_m_N;  ///< slope d/Q
-  signal::Estimate tension_N;
-  signal::Estimate span_m;
+  Estimate compliance_m_N;  ///< slope d/Q
+  Estimate tension_N;
+  Estimate span_m;
   double degrees_of_freedom = 0;  ///< for the slope's uncertainty (Student's t); 0: normal
   /// For other ends than `tensioned` the tension is ignored, EI = L^3 / (c s).
   BeamEnds ends = BeamEnds::tensioned;
@@ -86,18 +83,18 @@ enum class BendingStatus {
 
 struct StiffnessFromBending {
   BendingStatus status = BendingStatus::not_positive;
-  std::string reason;                                       ///< for a person; empty when solved
-  double ratio = std::numeric_limits<double>::quiet_NaN();  ///< 4 P d / (Q l)
-  double lambda = std::numeric_limits<double>::quiet_NaN();
+  std::string reason;   ///< for a person; empty when solved
+  double ratio = kNaN;  ///< 4 P d / (Q l)
+  double lambda = kNaN;
   /// std is half of the central 68.27 % interval; where a linear formula holds, both agree.
-  signal::Estimate EI_Nm2;
-  double low = std::numeric_limits<double>::quiet_NaN();   ///< N m^2, 95 % interval
-  double high = std::numeric_limits<double>::quiet_NaN();  ///< N m^2; given also for string_like
+  Estimate EI_Nm2;
+  double low = kNaN;   ///< N m^2, 95 % interval
+  double high = kNaN;  ///< N m^2; given also for string_like
   /// Relative change of EI per relative change of each input; the first is -1 for a beam without
   /// tension and falls without bound as the ratio approaches 1.
-  double log_sensitivity_compliance = std::numeric_limits<double>::quiet_NaN();
-  double log_sensitivity_tension = std::numeric_limits<double>::quiet_NaN();
-  double log_sensitivity_span = std::numeric_limits<double>::quiet_NaN();
+  double log_sensitivity_compliance = kNaN;
+  double log_sensitivity_tension = kNaN;
+  double log_sensitivity_span = kNaN;
 };
 
 /// EI with its interval. The interval propagates the distributions of slope, tension, span and

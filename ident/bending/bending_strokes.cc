@@ -1,10 +1,5 @@
 #include "ident/bending/table_line.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <utility>
-
 #include "signal/estimation/robust.h"
 
 namespace rigfit::ident {
@@ -16,11 +11,11 @@ constexpr double kOffRow = 8;
 
 }  // namespace
 
-double sample_noise(const Eigen::VectorXd& x) {
+double sample_noise(const VectorXd& x) {
   if (x.size() < 20) return 0;
   std::vector<double> seconds;
   double squares = 0;
-  for (Eigen::Index i = 1; i + 1 < x.size(); ++i) {
+  for (Index i = 1; i + 1 < x.size(); ++i) {
     seconds.push_back(std::abs(x[i - 1] - 2 * x[i] + x[i + 1]));
     squares += seconds.back() * seconds.back();
   }
@@ -29,7 +24,7 @@ double sample_noise(const Eigen::VectorXd& x) {
   return robust > 0 ? robust : std::sqrt(squares / static_cast<double>(seconds.size()) / 6);
 }
 
-double read_step(const Eigen::VectorXd& values, bool read) {
+double read_step(const VectorXd& values, bool read) {
   // Euclid's algorithm, to what units round.
   const double least = 1e-9 * values.cwiseAbs().maxCoeff();
   double step = 0;
@@ -38,7 +33,7 @@ double read_step(const Eigen::VectorXd& values, bool read) {
   }
   step = std::abs(step);
   std::vector<double> changes;
-  for (Eigen::Index i = 1; i < values.size(); ++i) {
+  for (Index i = 1; i < values.size(); ++i) {
     if (values[i] != values[i - 1]) changes.push_back(std::abs(values[i] - values[i - 1]));
   }
   if (signal::quantile(changes, 0.25) > 1.5 * step) return step;
@@ -49,12 +44,12 @@ double read_step(const Eigen::VectorXd& values, bool read) {
   return ten;
 }
 
-std::vector<Eigen::Index> find_spikes(const Eigen::VectorXd& x) {
-  std::vector<Eigen::Index> spikes;
-  const Eigen::Index n = x.size();
+std::vector<Index> find_spikes(const VectorXd& x) {
+  std::vector<Index> spikes;
+  const Index n = x.size();
   if (n < 20) return spikes;
   std::vector<double> off(static_cast<std::size_t>(n));
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Index i = 0; i < n; ++i) {
     double least = std::numeric_limits<double>::infinity();
     if (i >= 2) least = std::min(least, std::abs(x[i] - 2 * x[i - 1] + x[i - 2]));
     if (i + 2 < n) least = std::min(least, std::abs(x[i] - 2 * x[i + 1] + x[i + 2]));
@@ -65,27 +60,27 @@ std::vector<Eigen::Index> find_spikes(const Eigen::VectorXd& x) {
   const std::vector<double> values(x.begin(), x.end());
   const double central = signal::quantile(values, 0.9) - signal::quantile(values, 0.1);
   const double limit = std::max(12 * scale, 0.05 * central);
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Index i = 0; i < n; ++i) {
     const bool end = i == 0 || i == n - 1;
     if (!(off[static_cast<std::size_t>(i)] > (end ? std::max(limit, central) : limit))) continue;
     // A spike has one or two samples; what falls over more is on its way between two strokes.
-    const double before = x[std::max<Eigen::Index>(i - 2, 0)];
+    const double before = x[std::max<Index>(i - 2, 0)];
     const double behind = x[std::min(i + 2, n - 1)];
     if (end || (x[i] - before) * (x[i] - behind) > 0) spikes.push_back(i);
   }
   return spikes;
 }
 
-std::vector<StrokeRange> find_strokes(const Eigen::VectorXd& d, double least) {
+std::vector<StrokeRange> find_strokes(const VectorXd& d, double least) {
   std::vector<StrokeRange> runs;
-  Eigen::Index start = 0, extreme = 0;
+  Index start = 0, extreme = 0;
   int direction = 0;
-  for (Eigen::Index i = 1; i < d.size(); ++i) {
+  for (Index i = 1; i < d.size(); ++i) {
     if (direction == 0) {
       if (std::abs(d[i] - d[start]) >= least) {
         direction = d[i] > d[start] ? 1 : -1;
         // The stroke begins at the last sample before it left.
-        for (Eigen::Index k = start; k <= i; ++k) {
+        for (Index k = start; k <= i; ++k) {
           if (direction * (d[k] - d[start]) <= 0) start = k;
         }
         extreme = i;
@@ -104,28 +99,28 @@ std::vector<StrokeRange> find_strokes(const Eigen::VectorXd& d, double least) {
   return runs;
 }
 
-TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x, const Eigen::VectorXd& load,
+TableStroke rows_of(const StrokeRange& run, const VectorXd& x, const VectorXd& load,
                     bool averaged) {
-  const Eigen::Index samples = run.last - run.first + 1;
-  const Eigen::Index n = averaged ? std::min(samples, kShortStroke) : samples;
-  TableStroke stroke{run.direction > 0, Eigen::VectorXd(n), Eigen::VectorXd(n), {}, {}};
+  const Index samples = run.last - run.first + 1;
+  const Index n = averaged ? std::min(samples, kShortStroke) : samples;
+  TableStroke stroke{run.direction > 0, VectorXd(n), VectorXd(n), {}, {}};
   const auto u = x.segment(run.first, samples), v = load.segment(run.first, samples);
   // Distance of each sample from the median of its row, along the stroke's mean slope.
   std::vector<double> off;
   const double slope = (v[samples - 1] - v[0]) / (u[samples - 1] - u[0]);
-  for (Eigen::Index k = 0; averaged && k < n; ++k) {
-    const Eigen::Index from = k * samples / n, count = (k + 1) * samples / n - from;
-    const Eigen::VectorXd rest = v.segment(from, count) - slope * u.segment(from, count);
+  for (Index k = 0; averaged && k < n; ++k) {
+    const Index from = k * samples / n, count = (k + 1) * samples / n - from;
+    const VectorXd rest = v.segment(from, count) - slope * u.segment(from, count);
     const double middle = signal::median({rest.begin(), rest.end()});
     for (const double r : rest) off.push_back(std::abs(r - middle));
   }
   const double most = averaged ? kOffRow * 1.4826 * signal::median(off) : 0;
-  Eigen::Index rows = 0;
+  Index rows = 0;
   int off_here = 0;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Eigen::Index from = k * samples / n, to = (k + 1) * samples / n;
+  for (Index k = 0; k < n; ++k) {
+    const Index from = k * samples / n, to = (k + 1) * samples / n;
     double count = 0, x_sum = 0, load_sum = 0;
-    for (Eigen::Index i = from; i < to; ++i) {
+    for (Index i = from; i < to; ++i) {
       if (most > 0 && off[static_cast<std::size_t>(i)] > most) continue;
       x_sum += u[i], load_sum += v[i], ++count;
     }
@@ -142,23 +137,23 @@ TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x, const Eige
 
 bool leave_ends_out(TableStroke& stroke, double turn, double limit, StraightPart& part) {
   constexpr double kLeastLoad = 0.25;  // share of the stroke's load
-  const Eigen::Index n = stroke.x_m.size();
-  Eigen::ArrayXd x = stroke.x_m, y = stroke.load_N;
+  const Index n = stroke.x_m.size();
+  ArrayXd x = stroke.x_m, y = stroke.load_N;
   const double travel = std::abs(x[n - 1] - x[0]), load = y.maxCoeff() - y.minCoeff();
-  Eigen::Index from = 0, to = n - 1;
-  for (Eigen::Index i = 0; i < n && std::abs(x[i] - x[0]) < turn * travel; ++i) {
+  Index from = 0, to = n - 1;
+  for (Index i = 0; i < n && std::abs(x[i] - x[0]) < turn * travel; ++i) {
     stroke.loading ? ++from : --to;
   }
   if (!stroke.loading) x = x.reverse().eval(), y = y.reverse().eval();
-  const auto straight = [&](Eigen::Index i, Eigen::Index j) {
-    Eigen::ArrayXd u = x.segment(i, j - i + 1), v = y.segment(i, j - i + 1);
+  const auto straight = [&](Index i, Index j) {
+    ArrayXd u = x.segment(i, j - i + 1), v = y.segment(i, j - i + 1);
     u -= u.mean(), v -= v.mean();
     return (v - (u * v).sum() / u.square().sum() * u).abs().maxCoeff() <= limit;
   };
-  Eigen::Index first = 0, last = -1;
+  Index first = 0, last = -1;
   double most = kLeastLoad * load;
-  for (Eigen::Index i = from; i + 3 <= to && (last < 0 || i <= (first + last) / 2); ++i) {
-    for (Eigen::Index j = to; j >= i + 3; --j) {
+  for (Index i = from; i + 3 <= to && (last < 0 || i <= (first + last) / 2); ++i) {
+    for (Index j = to; j >= i + 3; --j) {
       if (!(y[j] - y[i] > most) || !straight(i, j)) continue;
       first = i, last = j, most = y[j] - y[i];
       break;
@@ -171,7 +166,7 @@ bool leave_ends_out(TableStroke& stroke, double turn, double limit, StraightPart
   part = {(x[first] - x[from]) / travel, (x[to] - x[last]) / travel,
           std::max((x[last] - x[first]) / travel, (y[last] - y[first]) / load)};
   if (!stroke.loading) std::swap(part.at_turn, part.at_end);
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Index i = 0; i < n; ++i) {
     if (i >= first && i <= last) continue;
     stroke.used[static_cast<std::size_t>(stroke.loading ? i : n - 1 - i)] = 0;
   }

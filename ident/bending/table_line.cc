@@ -2,19 +2,13 @@
 
 #include <gsl/gsl_cdf.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "signal/estimation/groups.h"
 #include "signal/estimation/robust.h"
-#include "signal/numerics/estimate.h"
 #include "signal/numerics/factorisations.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
-using signal::kNaN;
 using Mask = std::vector<std::vector<char>>;
 
 /// Least squares of a line (and parabola) common to the strokes.
@@ -25,7 +19,7 @@ struct Fit {
   double bend = 0, bend_variance_factor = 0;    // relative change of slope over the range
   std::vector<double> offsets;
   std::vector<std::pair<std::size_t, std::size_t>> rows;  // stroke, row
-  Eigen::VectorXd residual, leverage;
+  VectorXd residual, leverage;
 };
 
 class Table {
@@ -62,8 +56,8 @@ class Table {
   [[nodiscard]] Fit fit(const Mask& mask, Bend bend = Bend::none, bool over_load = false) const {
     const bool parabola = bend != Bend::none;
     Fit fit;
-    std::vector<Eigen::Index> column(strokes_.size(), -1);
-    Eigen::Index offsets = 0;
+    std::vector<Index> column(strokes_.size(), -1);
+    Index offsets = 0;
     for (std::size_t s = 0; s < strokes_.size(); ++s) {
       for (std::size_t i = 0; i < mask[s].size(); ++i) {
         if (!mask[s][i]) continue;
@@ -71,17 +65,17 @@ class Table {
         fit.rows.emplace_back(s, i);
       }
     }
-    const auto rows = static_cast<Eigen::Index>(fit.rows.size());
-    const Eigen::Index parameters = offsets + 1 + (parabola ? 1 : 0);
+    const auto rows = static_cast<Index>(fit.rows.size());
+    const Index parameters = offsets + 1 + (parabola ? 1 : 0);
     fit.freedom = static_cast<double>(rows - parameters);
     if (rows < parameters) return fit;
-    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(rows, parameters);
-    Eigen::VectorXd y(rows);
+    MatrixXd A = MatrixXd::Zero(rows, parameters);
+    VectorXd y(rows);
     double least = 1, most = 0;
-    for (Eigen::Index r = 0; r < rows; ++r) {
+    for (Index r = 0; r < rows; ++r) {
       const auto [s, i] = fit.rows[static_cast<std::size_t>(r)];
-      const double x = (strokes_[s].x_m[static_cast<Eigen::Index>(i)] - low_) / range_;
-      const double Q = strokes_[s].load_N[static_cast<Eigen::Index>(i)];
+      const double x = (strokes_[s].x_m[static_cast<Index>(i)] - low_) / range_;
+      const double Q = strokes_[s].load_N[static_cast<Index>(i)];
       const double u = over_load ? (Q - least_) / load_range_ : x;
       least = std::min(least, u), most = std::max(most, u);
       A(r, column[s]) = 1;
@@ -92,8 +86,8 @@ class Table {
     }
     const signal::ScaledGram gram(A.transpose() * A);
     if (!gram.usable()) return fit;
-    const Eigen::MatrixXd inverse = gram.inverse();
-    Eigen::VectorXd p = gram.solve_vector(A.transpose() * y);
+    const MatrixXd inverse = gram.inverse();
+    VectorXd p = gram.solve_vector(A.transpose() * y);
     p += gram.solve_vector(A.transpose() * (y - A * p));  // takes off what rounding left
     fit.residual = y - A * p;
     fit.squares = fit.residual.squaredNorm();
@@ -122,8 +116,8 @@ class Table {
   }
 
   struct Curve {
-    double chance = 1;                     // that the line is right
-    signal::Estimate change{0, INFINITY};  // relative change of slope, half its 95 % interval
+    double chance = 1;             // that the line is right
+    Estimate change{0, INFINITY};  // relative change of slope, half its 95 % interval
   };
 
   /// A parabola against the line, of the load over the deflection (a toe, a curve), of the
@@ -156,8 +150,8 @@ class Table {
   void leave_block_out() {
     std::vector<double> slopes, off;
     for (const auto& stroke : strokes_) {
-      for (Eigen::Index i = 0; i < stroke.x_m.size(); ++i) {
-        for (Eigen::Index k = i + 1; k < stroke.x_m.size(); ++k) {
+      for (Index i = 0; i < stroke.x_m.size(); ++i) {
+        for (Index k = i + 1; k < stroke.x_m.size(); ++k) {
           const double step = stroke.x_m[k] - stroke.x_m[i];
           if (step != 0) slopes.push_back((stroke.load_N[k] - stroke.load_N[i]) / step);
         }
@@ -165,7 +159,7 @@ class Table {
     }
     const double slope = signal::median(slopes);
     for (const auto& stroke : strokes_) {
-      const Eigen::VectorXd rest = stroke.load_N - slope * stroke.x_m;
+      const VectorXd rest = stroke.load_N - slope * stroke.x_m;
       const double offset = signal::median({rest.begin(), rest.end()});
       for (const double r : rest) off.push_back(std::abs(r - offset));
     }
@@ -190,7 +184,7 @@ class Table {
     if (!line.usable || line.freedom < 2) return false;
     double worst = 1;
     std::size_t row = 0;
-    for (Eigen::Index r = 0; r < line.residual.size(); ++r) {
+    for (Index r = 0; r < line.residual.size(); ++r) {
       const double rest = std::max(1e-12, 1 - line.leverage[r]);
       const double own = line.residual[r] * line.residual[r] / rest;
       const double t = std::sqrt(own / tested(std::max(0.0, line.squares - own), line.freedom - 1));
@@ -225,7 +219,7 @@ class Table {
     for (std::size_t s = 0; s < mask.size(); ++s) {
       const auto& x = strokes_[s].x_m;
       for (std::size_t i = 0; i < mask[s].size(); ++i) {
-        const double way = std::abs(x[static_cast<Eigen::Index>(i)] - x[0]);
+        const double way = std::abs(x[static_cast<Index>(i)] - x[0]);
         if (way < kFrictionShare * std::abs(x[x.size() - 1] - x[0])) mask[s][i] = 0;
       }
     }
@@ -243,11 +237,11 @@ class Table {
     double chi = 0;
     std::vector<double> slopes, variances;
     for (std::size_t s = 0; s < strokes_.size(); ++s) {
-      std::vector<Eigen::Index> used;
+      std::vector<Index> used;
       for (std::size_t i = 0; i < line_.used[s].size(); ++i) {
-        if (line_.used[s][i]) used.push_back(static_cast<Eigen::Index>(i));
+        if (line_.used[s][i]) used.push_back(static_cast<Index>(i));
       }
-      Eigen::ArrayXd x = strokes_[s].x_m(used), y = strokes_[s].load_N(used);
+      ArrayXd x = strokes_[s].x_m(used), y = strokes_[s].load_N(used);
       if (!used.empty()) x -= x.mean(), y -= y.mean();
       const double xx = x.square().sum(), slope = (x * y).sum() / xx;
       if (!(xx > 0)) continue;

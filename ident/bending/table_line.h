@@ -19,8 +19,7 @@
 // part of a stroke (bending_strokes.cc).
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
+#include "ident/statistics/numbers.h"
 
 namespace rigfit::ident {
 
@@ -32,7 +31,7 @@ inline constexpr double kFrictionShare = 0.35;
 /// Rows in the order they were taken.
 struct TableStroke {
   bool loading = true;
-  Eigen::VectorXd x_m, load_N;
+  VectorXd x_m, load_N;
   std::vector<char> used;  ///< 0: left out before
   std::vector<int> off;    ///< samples far off the others of their average, not in it; or empty
 };
@@ -53,31 +52,30 @@ struct TableLine {
 };
 
 struct StrokeRange {
-  Eigen::Index first, last;  ///< inclusive
-  int direction;             ///< sign of the deflection's change
+  Index first, last;  ///< inclusive
+  int direction;      ///< sign of the deflection's change
 };
 
 /// Strokes of fewer samples are analysed row by row: the noise is not seen from row to row.
-inline constexpr Eigen::Index kShortStroke = 40;
+inline constexpr Index kShortStroke = 40;
 
 /// Runs of one direction: a turn counts when the signal has come back by `least`.
-[[nodiscard]] std::vector<StrokeRange> find_strokes(const Eigen::VectorXd& deflection,
-                                                    double least);
+[[nodiscard]] std::vector<StrokeRange> find_strokes(const VectorXd& deflection, double least);
 
 /// Standard deviation of the noise of one sample, from second differences, which a smooth signal
 /// hardly has; 0 under 20 samples.
-[[nodiscard]] double sample_noise(const Eigen::VectorXd& x);
+[[nodiscard]] double sample_noise(const VectorXd& x);
 
 /// The step to which the values of a table were read: the largest number of which all are
 /// multiples. Values that change from row to row by no more than that (a quarter of them, or more)
 /// were set: 0. Where they were not, as `read` says, a dial was steady by chance: the largest power
 /// of ten of which they are multiples, unless they are round (1, 2 or 5 times it).
-[[nodiscard]] double read_step(const Eigen::VectorXd& values, bool read);
+[[nodiscard]] double read_step(const VectorXd& values, bool read);
 
 /// The samples of a stroke, or `averaged` over as many that 40 remain, without those that lie eight
 /// robust standard deviations off the others of their average.
-[[nodiscard]] TableStroke rows_of(const StrokeRange& run, const Eigen::VectorXd& x,
-                                  const Eigen::VectorXd& load, bool averaged);
+[[nodiscard]] TableStroke rows_of(const StrokeRange& run, const VectorXd& x, const VectorXd& load,
+                                  bool averaged);
 
 struct StraightPart {
   double at_turn = 0, at_end = 0;  ///< share of the travel left out where the stroke begins, ends
@@ -97,7 +95,7 @@ struct StraightPart {
 /// between those two samples before and behind. A turn is on one of the two lines, a step too; the
 /// first and the last sample, which have one neighbour, must be off by that central part: friction
 /// begins with a jump.
-[[nodiscard]] std::vector<Eigen::Index> find_spikes(const Eigen::VectorXd& channel);
+[[nodiscard]] std::vector<Index> find_spikes(const VectorXd& channel);
 
 /// `averaged`: rows are averages of a record, whose ends are left out already. `rounding_N`: std of
 /// a row by the steps to which it was read; the noise is no less.

@@ -1,10 +1,7 @@
 #include "ident/campaign/campaign.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <iterator>
-#include <utility>
 
 #include "ident/statistics/in_parallel.h"
 #include "ident/update/model_update.h"

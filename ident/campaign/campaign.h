@@ -8,13 +8,8 @@
 // The report calls this. A caller fills in the tests that were made and leaves the others empty.
 #pragma once
 
-#include <cstddef>
 #include <functional>
-#include <map>
-#include <optional>
-#include <string>
 #include <variant>
-#include <vector>
 
 #include "ident/campaign/modal/modal_model.h"
 #include "ident/campaign/single_tests/axial_campaign.h"

@@ -2,16 +2,9 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <optional>
 #include <set>
-#include <stdexcept>
-#include <utility>
 
 #include "ident/plan/plan_candidates.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
@@ -49,10 +42,10 @@ class Planner {
  public:
   /// `targets`: coordinates of the goals, and the std to be reached.
   Planner(const PlanCandidates& candidates, const PlanOptions& options,
-          std::vector<std::pair<Eigen::Index, double>> targets)
+          std::vector<std::pair<Index, double>> targets)
       : candidates_(candidates), options_(options), targets_(std::move(targets)) {}
 
-  [[nodiscard]] Eigen::MatrixXd covariance(const Tests& tests) const {
+  [[nodiscard]] MatrixXd covariance(const Tests& tests) const {
     return plan_covariance(candidates_, planned_modes(candidates_, options_, tests));
   }
 
@@ -131,7 +124,7 @@ class Planner {
 
   const PlanCandidates& candidates_;
   const PlanOptions& options_;
-  std::vector<std::pair<Eigen::Index, double>> targets_;
+  std::vector<std::pair<Index, double>> targets_;
 };
 
 std::string text_of(const PlanTest& test, const PlanCandidates& candidates,
@@ -164,19 +157,19 @@ void part_by_state(const std::vector<UpdateState>& states, std::vector<FreeParam
   }
 }
 
-double by_coordinate(const PlanCandidates& candidates, Eigen::Index i) {
+double by_coordinate(const PlanCandidates& candidates, Index i) {
   return std::abs(
       candidates.problem.coordinates()[static_cast<std::size_t>(i)].derivative(candidates.q[i]));
 }
 
-std::vector<PlannedStd> planned_stds(const PlanCandidates& candidates, const Eigen::MatrixXd& C) {
+std::vector<PlannedStd> planned_stds(const PlanCandidates& candidates, const MatrixXd& C) {
   const auto names = candidates.problem.names();
   std::vector<PlannedStd> stds;
-  for (Eigen::Index i = 0; i < C.rows(); ++i) {
+  for (Index i = 0; i < C.rows(); ++i) {
     const auto j = static_cast<std::size_t>(i);
-    stds.push_back({names[j], candidates.problem.coordinates()[j].value(candidates.q[i]),
-                    is_determined(C(i, i)) ? by_coordinate(candidates, i) * std::sqrt(C(i, i))
-                                           : signal::kNaN});
+    stds.push_back(
+        {names[j], candidates.problem.coordinates()[j].value(candidates.q[i]),
+         is_determined(C(i, i)) ? by_coordinate(candidates, i) * std::sqrt(C(i, i)) : kNaN});
   }
   return stds;
 }
@@ -200,17 +193,17 @@ PlannedGoal planned_goal(const PlanCandidates& candidates, const std::vector<Fre
 // What no measurement determines: the null space of all data, without priors.
 std::vector<OpenDirection> plan_gaps(const PlanCandidates& candidates,
                                      const std::vector<PlannedMode>& modes) {
-  const Eigen::Index n = candidates.problem.parameter_count();
+  const Index n = candidates.problem.parameter_count();
   auto names = candidates.problem.names();
   names.resize(static_cast<std::size_t>(n));
-  const Eigen::MatrixXd rows = plan_rows(candidates, modes).leftCols(n);
-  return identifiability(rows, Eigen::VectorXd::Ones(n), names).open;
+  const MatrixXd rows = plan_rows(candidates, modes).leftCols(n);
+  return identifiability(rows, VectorXd::Ones(n), names).open;
 }
 
 // What would reach a goal that the plan misses. `least`: covariance with everything measured.
 std::string what_it_takes(const PlanCandidates& candidates, const PlannedGoal& goal,
-                          const Eigen::MatrixXd& least) {
-  const auto i = static_cast<Eigen::Index>(goal.parameter);
+                          const MatrixXd& least) {
+  const auto i = static_cast<Index>(goal.parameter);
   const double wanted = goal.wanted_std / by_coordinate(candidates, i);
   const double excess = least(i, i) - wanted * wanted;
   if (excess <= 0) {
@@ -220,9 +213,9 @@ std::string what_it_takes(const PlanCandidates& candidates, const PlannedGoal& g
   }
   // A prior of variance v on parameter j lowers the variance by c^2 / (var_j + v). One that is
   // wider than the value says nothing, and the condition is then rounding.
-  Eigen::Index easiest = -1;
+  Index easiest = -1;
   double widest = 0;
-  for (Eigen::Index j = 0; j < least.rows(); ++j) {
+  for (Index j = 0; j < least.rows(); ++j) {
     const double prior = least(i, j) * least(i, j) / excess - least(j, j);
     if (j != i && prior > widest && is_determined(prior)) easiest = j, widest = prior;
   }
@@ -272,7 +265,7 @@ std::vector<UpdateState> plan_states(const model::Scene& scene,
           return std::find_if(state.scene.nodes.begin(), state.scene.nodes.end(),
                               [&](const auto& one) { return one.name == first.nodes[end]; });
         };
-        const Eigen::Vector3d from = node(0)->position, along = node(1)->position - from;
+        const Vector3d from = node(0)->position, along = node(1)->position - from;
         node(1)->position = from + *length * along.normalized();
         state.name += fmt::format(", {:g} m", *length);
       }
@@ -296,12 +289,12 @@ PlanResult plan_measurements(const std::vector<UpdateState>& states,
   }
   const Tests everything = all_tests(candidates, options);
   const auto all_modes = planned_modes(candidates, options, everything);
-  const Eigen::MatrixXd least = plan_covariance(candidates, all_modes);
+  const MatrixXd least = plan_covariance(candidates, all_modes);
   result.not_identifiable = plan_gaps(candidates, all_modes);
-  std::vector<std::pair<Eigen::Index, double>> targets;
+  std::vector<std::pair<Index, double>> targets;
   for (const auto& one : goals) {
     const auto goal = planned_goal(candidates, free, one);
-    const auto i = static_cast<Eigen::Index>(goal.parameter);
+    const auto i = static_cast<Index>(goal.parameter);
     targets.emplace_back(i, std::max(goal.wanted_std / by_coordinate(candidates, i),
                                      kNearBest * std::sqrt(least(i, i))));
     result.goals.push_back(goal);

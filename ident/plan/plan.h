@@ -19,8 +19,6 @@
 // apart, and that every mode is recognised. Masses of further sensors are not added to the rig.
 #pragma once
 
-#include <vector>
-
 #include "ident/plan/plan_data.h"
 
 namespace rigfit::ident {

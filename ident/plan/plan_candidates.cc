@@ -4,10 +4,6 @@
 #include <gsl/gsl_sf_trig.h>
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <stdexcept>
 
 #include "ident/statistics/in_parallel.h"
 
@@ -29,7 +25,7 @@ void place_candidates(const model::Scene& scene, const PlanOptions& options,
     if (options.as_drawn || std::abs(load.direction.z()) > std::sqrt(0.5)) continue;
     candidates.loads.push_back(load);
     candidates.loads.back().name += " along z";
-    candidates.loads.back().direction = Eigen::Vector3d::UnitZ();
+    candidates.loads.back().direction = Vector3d::UnitZ();
   }
   candidates.sensors = scene.sensors;
   for (const auto& member : scene.members) {
@@ -39,7 +35,7 @@ void place_candidates(const model::Scene& scene, const PlanOptions& options,
       candidates.sensors.push_back(
           {fmt::format("{} {:.1f} {}", member.name, position, "xyz"[k % 3]),
            {"", member.name, position},
-           Eigen::Vector3d::Unit(k % 3)});
+           Vector3d::Unit(k % 3)});
     }
   }
   if (candidates.loads.empty() || candidates.sensors.empty()) {
@@ -48,17 +44,17 @@ void place_candidates(const model::Scene& scene, const PlanOptions& options,
 }
 
 // Amplitudes over the noise, loads x sensors, after a hit of each load.
-Eigen::MatrixXd decay_amplitudes(const model::NaturalMode& mode, const PlanCandidates& candidates,
-                                 const PlanOptions& options) {
+MatrixXd decay_amplitudes(const model::NaturalMode& mode, const PlanCandidates& candidates,
+                          const PlanOptions& options) {
   using Quantity = model::Sensor::Quantity;
   const VirtualInstruments instruments;
   const double omega = 2 * M_PI * mode.frequency_hz;
-  Eigen::MatrixXd amplitude = mode.load_shape * mode.sensor_shape.transpose();
-  for (Eigen::Index l = 0; l < amplitude.rows(); ++l) {
+  MatrixXd amplitude = mode.load_shape * mode.sensor_shape.transpose();
+  for (Index l = 0; l < amplitude.rows(); ++l) {
     const auto& load = candidates.loads[static_cast<std::size_t>(l)];
     amplitude.row(l) *= half_sine_impulse(load.peak, load.duration, omega);
   }
-  for (Eigen::Index s = 0; s < amplitude.cols(); ++s) {
+  for (Index s = 0; s < amplitude.cols(); ++s) {
     const auto quantity = candidates.sensors[static_cast<std::size_t>(s)].quantity;
     double by_quantity = omega, noise = instruments.accelerometer.noise_std;
     if (quantity == Quantity::velocity) {  // as good as an accelerometer at that frequency
@@ -158,10 +154,9 @@ std::vector<PlannedMode> planned_modes(const PlanCandidates& candidates, const P
       for (const auto& test : tests) {
         if (test.state != mode.state) continue;
         for (const auto sensor : test.sensors) {
-          const auto information =
-              decay_information(state.amplitude[i](static_cast<Eigen::Index>(test.load),
-                                                   static_cast<Eigen::Index>(sensor)),
-                                rate, options.durations_s[test.duration], options.sample_rate_hz);
+          const auto information = decay_information(
+              state.amplitude[i](static_cast<Index>(test.load), static_cast<Index>(sensor)), rate,
+              options.durations_s[test.duration], options.sample_rate_hz);
           if (information.energy > kSeenEnergy) {
             pole += options.hits[test.hits] * information.pole;
           }
@@ -180,10 +175,10 @@ std::vector<PlannedMode> planned_modes(const PlanCandidates& candidates, const P
   return planned;
 }
 
-Eigen::MatrixXd plan_rows(const PlanCandidates& candidates, const std::vector<PlannedMode>& modes) {
-  const auto count = static_cast<Eigen::Index>(modes.size());
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2 * count, candidates.problem.size());
-  for (Eigen::Index i = 0; i < count; ++i) {
+MatrixXd plan_rows(const PlanCandidates& candidates, const std::vector<PlannedMode>& modes) {
+  const auto count = static_cast<Index>(modes.size());
+  MatrixXd rows = MatrixXd::Zero(2 * count, candidates.problem.size());
+  for (Index i = 0; i < count; ++i) {
     const auto& mode = modes[static_cast<std::size_t>(i)];
     rows.row(2 * i) = mode.dlog_frequency / mode.frequency_std;
     if (mode.damping_std > 0) rows.row(2 * i + 1) = mode.dlog_damping / mode.damping_std;
@@ -191,12 +186,11 @@ Eigen::MatrixXd plan_rows(const PlanCandidates& candidates, const std::vector<Pl
   return rows;
 }
 
-Eigen::MatrixXd plan_covariance(const PlanCandidates& candidates,
-                                const std::vector<PlannedMode>& modes) {
-  const Eigen::MatrixXd rows = plan_rows(candidates, modes);
-  const Eigen::Index n = candidates.problem.parameter_count();
-  Eigen::MatrixXd information = rows.transpose() * rows;
-  for (Eigen::Index j = 0; j < rows.cols(); ++j) {
+MatrixXd plan_covariance(const PlanCandidates& candidates, const std::vector<PlannedMode>& modes) {
+  const MatrixXd rows = plan_rows(candidates, modes);
+  const Index n = candidates.problem.parameter_count();
+  MatrixXd information = rows.transpose() * rows;
+  for (Index j = 0; j < rows.cols(); ++j) {
     const double prior = candidates.problem.coordinates()[static_cast<std::size_t>(j)].prior_std;
     if (prior > 0) information(j, j) += 1 / (prior * prior);
   }

@@ -22,10 +22,6 @@
 // Trans. Inf. Theory 20 (1974) 591.
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-#include <vector>
-
 #include "ident/plan/plan_data.h"
 #include "ident/update/problem/update_problem.h"
 
@@ -53,14 +49,14 @@ struct PlanTest {
 
 /// Every mode of a state that a test may identify.
 struct PlanStateModes {
-  std::string failure;                     ///< empty: there are modes
-  std::vector<PlannedMode> modes;          ///< no standard uncertainties
-  std::vector<Eigen::MatrixXd> amplitude;  ///< by mode: loads x sensors, over the noise
+  std::string failure;              ///< empty: there are modes
+  std::vector<PlannedMode> modes;   ///< no standard uncertainties
+  std::vector<MatrixXd> amplitude;  ///< by mode: loads x sensors, over the noise
 };
 
 struct PlanCandidates {
-  UpdateProblem problem;   ///< with the inputs as coordinates
-  Eigen::VectorXd q = {};  ///< the scenes' own values
+  UpdateProblem problem;  ///< with the inputs as coordinates
+  VectorXd q = {};        ///< the scenes' own values
   std::vector<PlanStateModes> states = {};
   std::vector<model::Load> loads = {};
   std::vector<model::Sensor> sensors = {};
@@ -78,12 +74,12 @@ struct PlanCandidates {
 
 /// Derivatives over standard uncertainties, by coordinate: a row for each frequency and damping
 /// ratio, zero where no damping is free.
-[[nodiscard]] Eigen::MatrixXd plan_rows(const PlanCandidates& candidates,
-                                        const std::vector<PlannedMode>& modes);
+[[nodiscard]] MatrixXd plan_rows(const PlanCandidates& candidates,
+                                 const std::vector<PlannedMode>& modes);
 
 /// Covariance of the parameters' coordinates by `modes` and priors, as an update states it.
 /// Directions without information get a standard uncertainty of 1000, so that it is finite.
-[[nodiscard]] Eigen::MatrixXd plan_covariance(const PlanCandidates& candidates,
-                                              const std::vector<PlannedMode>& modes);
+[[nodiscard]] MatrixXd plan_covariance(const PlanCandidates& candidates,
+                                       const std::vector<PlannedMode>& modes);
 
 }  // namespace rigfit::ident

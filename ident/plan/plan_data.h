@@ -1,23 +1,12 @@
 // Options and result of a plan of measurements.
 #pragma once
 
-#include <cmath>
-#include <cstddef>
-#include <optional>
-#include <string>
-#include <tuple>
-#include <vector>
-
-#include "document/describe.h"
 #include "ident/statistics/uncertainty.h"
 #include "ident/update/problem/update_data.h"
 #include "ident/virtual_rig/virtual_rig.h"
 #include "model/linear/natural_mode.h"
-#include "signal/numerics/estimate.h"
 
 namespace rigfit::ident {
-
-using describe::field;
 
 /// The standard uncertainty to which a free parameter (of one per state: that of the first) is to
 /// be known.
@@ -54,18 +43,14 @@ struct PlanOptions {
 struct PlannedMode {
   std::size_t state = 0;
   std::string state_name = {};
-  Eigen::VectorXd dlog_frequency, dlog_damping;  ///< d ln f, d ln zeta by coordinate
+  VectorXd dlog_frequency, dlog_damping;  ///< d ln f, d ln zeta by coordinate
   model::ModePlane plane = model::ModePlane::in;
   int order = 0;  ///< among the modes of its plane, from 0
   double frequency_hz = 0, damping_ratio = 0;
   double frequency_std = 0, damping_std = 0;  ///< relative, the model's error included
 
-  [[nodiscard]] signal::Estimate frequency() const {
-    return {frequency_hz, frequency_std * frequency_hz};
-  }
-  [[nodiscard]] signal::Estimate damping() const {
-    return {damping_ratio, damping_std * damping_ratio};
-  }
+  [[nodiscard]] Estimate frequency() const { return {frequency_hz, frequency_std * frequency_hz}; }
+  [[nodiscard]] Estimate damping() const { return {damping_ratio, damping_std * damping_ratio}; }
   [[nodiscard]] int order_from_one() const { return order + 1; }
   static constexpr auto fields() {
     using T = PlannedMode;

@@ -3,15 +3,10 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <map>
-#include <stdexcept>
 
 #include "ident/update/pairing/mode_assignment.h"
 #include "model/scene/parameters.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
@@ -43,12 +38,12 @@ Targets targets_in(const model::Scene& scene, const KnownParameter& parameter) {
 /// The parameters that a scene has, with the targets that each moves.
 struct Selection {
   std::vector<Targets> targets;
-  Eigen::VectorXd value;
-  Eigen::MatrixXd covariance;
+  VectorXd value;
+  MatrixXd covariance;
   std::vector<std::string> used, not_used;
 
-  [[nodiscard]] model::Scene scene(model::Scene base, const Eigen::VectorXd& values) const {
-    for (Eigen::Index p = 0; p < values.size(); ++p) {
+  [[nodiscard]] model::Scene scene(model::Scene base, const VectorXd& values) const {
+    for (Index p = 0; p < values.size(); ++p) {
       for (const auto& [target, factor] : targets[static_cast<std::size_t>(p)]) {
         model::set_parameter(base, target, factor * values[p]);
       }
@@ -76,23 +71,21 @@ Selection select(const model::Scene& scene, const FittedParameters& fitted) {
         "has \"{}\"",
         fmt::join(selection.not_used, "\" \""), fmt::join(model::parameter_names(scene), "\" \"")));
   }
-  selection.value =
-      Eigen::Map<Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  selection.value = Map<VectorXd>(values.data(), static_cast<Index>(values.size()));
   selection.covariance = fitted.covariance(kept, kept);
   return selection;
 }
 
 /// Independent moves of one standard uncertainty each, as columns.
-Eigen::MatrixXd directions_of(const Eigen::MatrixXd& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+MatrixXd directions_of(const MatrixXd& covariance) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(covariance);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
 /// `base` with the parameters moved; those that are positive stay so.
-model::Scene moved(const model::Scene& base, const Selection& selection,
-                   const Eigen::VectorXd& change) {
-  Eigen::VectorXd values = selection.value;
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
+model::Scene moved(const model::Scene& base, const Selection& selection, const VectorXd& change) {
+  VectorXd values = selection.value;
+  for (Index i = 0; i < values.size(); ++i) {
     values[i] = values[i] > 0 ? values[i] * std::exp(change[i] / values[i]) : values[i] + change[i];
   }
   return selection.scene(base, values);
@@ -100,27 +93,26 @@ model::Scene moved(const model::Scene& base, const Selection& selection,
 
 /// Changes of quantities by the parameters' uncertainty: see the header.
 struct Spread {
-  Eigen::ArrayXd std, below, above;
+  ArrayXd std, below, above;
 };
 
 /// `evaluate`: the quantities of a scene; empty where it has none, which the other side then
 /// stands for; not known (NaN) where neither side has them.
 template <class Evaluate>
 Spread spread_of(const model::Scene& scene, const Selection& selection, const Evaluate& evaluate) {
-  const Eigen::ArrayXd here = evaluate(selection.scene(scene, selection.value));
+  const ArrayXd here = evaluate(selection.scene(scene, selection.value));
   Spread spread;
-  spread.std = spread.below = spread.above = Eigen::ArrayXd::Zero(here.size());
-  const Eigen::MatrixXd directions = directions_of(selection.covariance);
+  spread.std = spread.below = spread.above = ArrayXd::Zero(here.size());
+  const MatrixXd directions = directions_of(selection.covariance);
   const double factor = coverage_factor(0.95, 0);
-  for (Eigen::Index k = 0; k < directions.cols(); ++k) {
+  for (Index k = 0; k < directions.cols(); ++k) {
     if (!(directions.col(k).norm() > 0)) continue;
-    const Eigen::VectorXd step = factor * directions.col(k);
-    Eigen::ArrayXd up = evaluate(moved(scene, selection, step)),
-                   down = evaluate(moved(scene, selection, -step));
+    const VectorXd step = factor * directions.col(k);
+    ArrayXd up = evaluate(moved(scene, selection, step)),
+            down = evaluate(moved(scene, selection, -step));
     const bool above = up.size() == here.size(), below = down.size() == here.size();
     if (!above && !below) {
-      spread.std = spread.below = spread.above =
-          Eigen::ArrayXd::Constant(here.size(), signal::kNaN);
+      spread.std = spread.below = spread.above = ArrayXd::Constant(here.size(), kNaN);
       return spread;
     }
     if (!above) up = 2 * here - down;
@@ -135,15 +127,15 @@ Spread spread_of(const model::Scene& scene, const Selection& selection, const Ev
 
 /// ln of the frequencies of the modes of these planes, in their order, then the damping ratios;
 /// empty where one is not there.
-Eigen::ArrayXd modes_of(const model::Scene& scene, const std::vector<model::NaturalMode>& wanted,
-                        const model::ModesOptions& options) {
+ArrayXd modes_of(const model::Scene& scene, const std::vector<model::NaturalMode>& wanted,
+                 const model::ModesOptions& options) {
   std::map<model::ModePlane, std::vector<const model::NaturalMode*>> found;
   const auto analysis = model::analyse_modes(scene, options);
   for (const auto& mode : analysis.modes) found[mode.plane].push_back(&mode);
-  const auto count = static_cast<Eigen::Index>(wanted.size());
-  Eigen::ArrayXd values(2 * count);
+  const auto count = static_cast<Index>(wanted.size());
+  ArrayXd values(2 * count);
   std::map<model::ModePlane, std::size_t> seen;
-  for (Eigen::Index i = 0; i < count; ++i) {
+  for (Index i = 0; i < count; ++i) {
     const auto plane = wanted[static_cast<std::size_t>(i)].plane;
     const std::size_t order = seen[plane]++;
     if (order >= found[plane].size()) return {};
@@ -155,15 +147,15 @@ Eigen::ArrayXd modes_of(const model::Scene& scene, const std::vector<model::Natu
 
 }  // namespace
 
-void add_effect(const std::string& input, Eigen::Index parameter, double change,
+void add_effect(const std::string& input, Index parameter, double change,
                 FittedParameters& fitted) {
-  const auto size = static_cast<Eigen::Index>(fitted.parameters.size());
-  fitted.inputs.try_emplace(input, Eigen::VectorXd::Zero(size)).first->second[parameter] = change;
+  const auto size = static_cast<Index>(fitted.parameters.size());
+  fitted.inputs.try_emplace(input, VectorXd::Zero(size)).first->second[parameter] = change;
 }
 
 std::vector<SceneInput> add_scene_inputs(const model::Scene& scene, std::vector<SceneInput> inputs,
                                          FittedParameters& fitted) {
-  const auto of_fit = static_cast<Eigen::Index>(fitted.parameters.size());
+  const auto of_fit = static_cast<Index>(fitted.parameters.size());
   for (auto& one : inputs) {
     const double value = one.value.value_or(model::parameter(scene, one.name));
     one.value = value;
@@ -176,9 +168,9 @@ std::vector<SceneInput> add_scene_inputs(const model::Scene& scene, std::vector<
       return std::ranges::count(targets, one.name, &Targets::value_type::first) > 0;
     });
     if (one.fitted) continue;
-    const auto n = static_cast<Eigen::Index>(fitted.parameters.size());
+    const auto n = static_cast<Index>(fitted.parameters.size());
     fitted.parameters.push_back({one.name, value});
-    fitted.covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(n + 1, n + 1));
+    fitted.covariance.conservativeResizeLike(MatrixXd::Zero(n + 1, n + 1));
     fitted.covariance(n, n) = one.std * one.std;
     const auto effect = fitted.inputs.find(one.name);
     one.of_fit = effect != fitted.inputs.end();
@@ -192,7 +184,7 @@ std::vector<SceneInput> add_scene_inputs(const model::Scene& scene, std::vector<
 std::vector<Finding> replaced_states(const model::Scene& scene, const FittedParameters& fitted) {
   constexpr std::array kStates{"tension", "stretch", "unstretched_length", "temperature_change"};
   std::vector<Finding> findings;
-  for (Eigen::Index p = 0; p < std::ssize(fitted.parameters); ++p) {
+  for (Index p = 0; p < std::ssize(fitted.parameters); ++p) {
     const auto& parameter = fitted.parameters[static_cast<std::size_t>(p)];
     for (const auto& [target, factor] : targets_in(scene, parameter)) {
       if (std::ranges::count(kStates, target.substr(target.rfind('.') + 1)) == 0) continue;
@@ -233,13 +225,13 @@ ModePrediction predict_modes(const model::Scene& scene, const FittedParameters& 
   const auto spread = spread_of(
       scene, selection, [&](const model::Scene& at) { return modes_of(at, found.modes, modes); });
   for (std::size_t i = 0; i < found.modes.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
+    const auto k = static_cast<Index>(i);
     const auto& mode = found.modes[i];
     const double f = mode.frequency_hz;
     prediction.modes.push_back(
         {mode,
          {{f, f * spread.std[k]}, {f * std::exp(-spread.below[k]), f * std::exp(spread.above[k])}},
-         {mode.damping_ratio, spread.std[k + static_cast<Eigen::Index>(found.modes.size())]}});
+         {mode.damping_ratio, spread.std[k + static_cast<Index>(found.modes.size())]}});
   }
   return prediction;
 }

@@ -14,22 +14,11 @@
 // adds. All other numbers of the scene count as exact. Source: GUM (JCGM 100:2008), 5.
 #pragma once
 
-#include <Eigen/Core>
-#include <cmath>
-#include <map>
-#include <optional>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
-
-#include "document/describe.h"
 #include "ident/statistics/finding.h"
 #include "ident/statistics/uncertainty.h"
 #include "ident/update/problem/update_data.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 
@@ -45,15 +34,14 @@ struct KnownParameter {
 
 struct FittedParameters {
   std::vector<KnownParameter> parameters;
-  Eigen::MatrixXd covariance;  ///< parameters x parameters, finite
+  MatrixXd covariance;  ///< parameters x parameters, finite
   /// Change of each parameter when an input of the fit, by its name, is larger by one standard
   /// uncertainty.
-  std::map<std::string, Eigen::VectorXd> inputs = {};
+  std::map<std::string, VectorXd> inputs = {};
 };
 
 /// Sets the effect of an input on a parameter, which is counted from 0.
-void add_effect(const std::string& input, Eigen::Index parameter, double change,
-                FittedParameters& fitted);
+void add_effect(const std::string& input, Index parameter, double change, FittedParameters& fitted);
 
 struct PredictionOptions {
   int count = 6;                     ///< modes
@@ -63,7 +51,7 @@ struct PredictionOptions {
 struct PredictedMode {
   model::NaturalMode mode;  ///< at the fitted values
   BoundedEstimate frequency_hz;
-  signal::Estimate damping_ratio;
+  Estimate damping_ratio;
 
   [[nodiscard]] describe::Ends interval() const {
     return {frequency_hz.low, frequency_hz.high, frequency_hz.std};
@@ -127,21 +115,21 @@ std::vector<SceneInput> add_scene_inputs(const model::Scene& scene, std::vector<
 
 /// A measured frequency compared with a prediction.
 struct HeldAgainst {
-  signal::Estimate measured_hz;
+  Estimate measured_hz;
   int mode = -1;  ///< index in the prediction; -1: not paired, and what follows is NaN
-  signal::Estimate predicted_hz{signal::kNaN, signal::kNaN};
-  double relative_error = signal::kNaN;  ///< predicted over measured - 1
-  bool inside = false;                   ///< the measured frequency in the predicted 95 % interval
+  Estimate predicted_hz{kNaN, kNaN};
+  double relative_error = kNaN;  ///< predicted over measured - 1
+  bool inside = false;           ///< the measured frequency in the predicted 95 % interval
 
   [[nodiscard]] bool paired() const { return mode >= 0; }
   [[nodiscard]] int number() const { return mode + 1; }
-  [[nodiscard]] signal::Estimate error() const {
+  [[nodiscard]] Estimate error() const {
     const double std = std::isfinite(measured_hz.std) ? measured_hz.std : 0;
     return {relative_error, std::hypot(std, predicted_hz.std) / measured_hz.value};
   }
   static constexpr auto fields() {
     using T = HeldAgainst;
-    using signal::Estimate, describe::where, describe::within;
+    using describe::where, describe::within;
     return std::tuple{field("", &T::measured_hz, "Hz", "measured", ""),
                       field("", &T::predicted_hz, "Hz", "predicted", ""),
                       field("measured_hz", within(&T::measured_hz, &Estimate::value)),

@@ -1,14 +1,9 @@
 // Warnings and refusals that accompany the numbers of an analysis.
 #pragma once
 
-#include <algorithm>
 #include <initializer_list>
-#include <string>
-#include <string_view>
-#include <tuple>
-#include <vector>
 
-#include "document/describe.h"
+#include "ident/statistics/numbers.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::ident {

@@ -3,27 +3,16 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/SVD>
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numeric>
-#include <stdexcept>
-
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
-using signal::kNaN;
-
 /// Named are those that this direction alone makes undetermined, and that matter in it.
-OpenDirection open_direction(const Eigen::VectorXd& direction,
-                             const std::vector<std::string>& names) {
+OpenDirection open_direction(const VectorXd& direction, const std::vector<std::string>& names) {
   std::vector<std::size_t> order(names.size());
   std::iota(order.begin(), order.end(), 0);
-  const auto size = [&](std::size_t j) {
-    return std::abs(direction[static_cast<Eigen::Index>(j)]);
-  };
+  const auto size = [&](std::size_t j) { return std::abs(direction[static_cast<Index>(j)]); };
   std::ranges::stable_sort(order, std::greater(), size);
   const double least = 0.05 * size(order[0]);
   OpenDirection open;
@@ -31,9 +20,9 @@ OpenDirection open_direction(const Eigen::VectorXd& direction,
   std::erase_if(order, [&](std::size_t j) { return size(j) < least; });
   for (const std::size_t j : order) {
     open.parameters.push_back(names[j]);
-    changes.push_back(fmt::format(
-        "{} by {:+.2g} %", names[j],
-        direction[static_cast<Eigen::Index>(j)] / direction[static_cast<Eigen::Index>(order[0])]));
+    changes.push_back(
+        fmt::format("{} by {:+.2g} %", names[j],
+                    direction[static_cast<Index>(j)] / direction[static_cast<Index>(order[0])]));
   }
   const std::string& last = open.parameters.back();
   open.message = order.size() == 1
@@ -48,25 +37,24 @@ OpenDirection open_direction(const Eigen::VectorXd& direction,
 
 }  // namespace
 
-Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
-                                const Eigen::Ref<const Eigen::VectorXd>& scales,
+Identifiability identifiability(const Ref<const MatrixXd>& jacobian,
+                                const Ref<const VectorXd>& scales,
                                 const std::vector<std::string>& names, double max_relative_std) {
-  const Eigen::Index n = jacobian.cols();
-  if (scales.size() != n || static_cast<Eigen::Index>(names.size()) != n ||
-      !(scales.array() > 0).all()) {
+  const Index n = jacobian.cols();
+  if (scales.size() != n || static_cast<Index>(names.size()) != n || !(scales.array() > 0).all()) {
     throw std::invalid_argument("identifiability: one positive scale and one name a parameter");
   }
   Identifiability result;
   result.identifiable.resize(static_cast<std::size_t>(n));
   if (n == 0) return result;
 
-  Eigen::MatrixXd scaled = jacobian * scales.asDiagonal();
+  MatrixXd scaled = jacobian * scales.asDiagonal();
   if (!scaled.allFinite()) scaled.setZero();
   // Fewer residuals than parameters: rows of zeros complete V to the null space.
-  if (scaled.rows() < n) scaled.conservativeResizeLike(Eigen::MatrixXd::Zero(n, n));
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinV);
-  const Eigen::VectorXd& s = svd.singularValues();
-  const Eigen::MatrixXd& V = svd.matrixV();
+  if (scaled.rows() < n) scaled.conservativeResizeLike(MatrixXd::Zero(n, n));
+  const Eigen::JacobiSVD<MatrixXd> svd(scaled, Eigen::ComputeThinV);
+  const VectorXd& s = svd.singularValues();
+  const MatrixXd& V = svd.matrixV();
   // Smaller singular values are zero as far as a Jacobian's accuracy goes.
   const double floor = s[0] * std::sqrt(std::numeric_limits<double>::epsilon());
   result.directions = scales.asDiagonal() * V;
@@ -75,28 +63,27 @@ Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobia
   // A direction that is zero to the Jacobian's accuracy keeps the floor, which makes every
   // parameter in it hopeless without spoiling those that merely touch it by rounding.
   const double smallest = std::max(floor, std::numeric_limits<double>::min() * 1e20);
-  const Eigen::VectorXd inverse = s.cwiseMax(smallest).cwiseInverse();
-  const Eigen::MatrixXd relative =
-      V * inverse.array().square().matrix().asDiagonal() * V.transpose();
+  const VectorXd inverse = s.cwiseMax(smallest).cwiseInverse();
+  const MatrixXd relative = V * inverse.array().square().matrix().asDiagonal() * V.transpose();
 
-  for (Eigen::Index i = n - 1; i >= 0; --i) {
+  for (Index i = n - 1; i >= 0; --i) {
     if (inverse[i] > max_relative_std) result.open.push_back(open_direction(V.col(i), names));
   }
 
-  const Eigen::VectorXd own = relative.diagonal().cwiseSqrt();
+  const VectorXd own = relative.diagonal().cwiseSqrt();
   const auto kept = own.array() <= max_relative_std;
-  const Eigen::VectorXd unit = kept.select(scales, kNaN);  // NaN for what is not determined
-  for (Eigen::Index j = 0; j < n; ++j) result.identifiable[static_cast<std::size_t>(j)] = kept[j];
+  const VectorXd unit = kept.select(scales, kNaN);  // NaN for what is not determined
+  for (Index j = 0; j < n; ++j) result.identifiable[static_cast<std::size_t>(j)] = kept[j];
   result.std = unit.cwiseProduct(own);
   result.covariance = unit.asDiagonal() * relative * unit.asDiagonal();
   return result;
 }
 
-double Identifiability::std_of(const Eigen::Ref<const Eigen::VectorXd>& gradient) const {
+double Identifiability::std_of(const Ref<const VectorXd>& gradient) const {
   if (gradient.size() != directions.rows() || !gradient.allFinite()) return kNaN;
-  const Eigen::VectorXd by = directions.transpose() * gradient;
+  const VectorXd by = directions.transpose() * gradient;
   double variance = 0;
-  for (Eigen::Index i = 0; i < by.size(); ++i) {
+  for (Index i = 0; i < by.size(); ++i) {
     if (singular_values[i] > 0) {
       variance += std::pow(by[i] / singular_values[i], 2);
     } else if (std::abs(by[i]) > 1e-6 * by.norm()) {

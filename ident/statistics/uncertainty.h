@@ -9,19 +9,13 @@
 // Parameter Estimation, 7.
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-#include <tuple>
-#include <vector>
-
-#include "document/describe.h"
+#include "ident/statistics/numbers.h"
 #include "signal/estimation/groups.h"
-#include "signal/numerics/estimate.h"
 
 namespace rigfit::ident {
 
 /// An estimate with its 95 % interval.
-struct BoundedEstimate : signal::Estimate, signal::Interval {
+struct BoundedEstimate : Estimate, signal::Interval {
   bool one_sided = false;  ///< only `low` is known of the quantity
 };
 
@@ -43,22 +37,22 @@ struct OpenDirection {
 
 struct Identifiability {
   std::vector<bool> identifiable;
-  Eigen::VectorXd std;         ///< NaN where not identifiable
-  Eigen::MatrixXd covariance;  ///< rows and columns of unidentifiable parameters are NaN
+  VectorXd std;         ///< NaN where not identifiable
+  MatrixXd covariance;  ///< rows and columns of unidentifiable parameters are NaN
   std::vector<OpenDirection> open;
-  Eigen::MatrixXd directions;       ///< columns of S V
-  Eigen::VectorXd singular_values;  ///< of J S, falling; 0 where they are that to its accuracy
+  MatrixXd directions;       ///< columns of S V
+  VectorXd singular_values;  ///< of J S, falling; 0 where they are that to its accuracy
 
   /// Standard uncertainty of a quantity with this gradient by the parameters. It may be determined
   /// even where the parameters are not; NaN when it is not.
-  [[nodiscard]] double std_of(const Eigen::Ref<const Eigen::VectorXd>& gradient) const;
+  [[nodiscard]] double std_of(const Ref<const VectorXd>& gradient) const;
 };
 
 /// `jacobian` residuals x parameters, whitened; `scales` (> 0): parameters' change that counts
 /// as 1. Throws std::invalid_argument when sizes differ. A Jacobian with values that are not finite
 /// determines no parameter.
-[[nodiscard]] Identifiability identifiability(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
-                                              const Eigen::Ref<const Eigen::VectorXd>& scales,
+[[nodiscard]] Identifiability identifiability(const Ref<const MatrixXd>& jacobian,
+                                              const Ref<const VectorXd>& scales,
                                               const std::vector<std::string>& names,
                                               double max_relative_std = kMaxRelativeStd);
 

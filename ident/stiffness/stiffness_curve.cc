@@ -4,19 +4,14 @@
 #include <gsl/gsl_cdf.h>
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <stdexcept>
 
 #include "ident/statistics/uncertainty.h"
 #include "signal/estimation/groups.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
-using signal::kNaN;
 constexpr const char* kByTension = "EI(T), tension within the bending tests";
 
 bool has_covariance(const FittedLaw& law) {
@@ -192,14 +187,13 @@ StiffnessAtTension StiffnessCurve::at(double tension) const {
 std::vector<StiffnessTerm> StiffnessCurve::uncertainty(std::span<const double> tensions) const {
   std::vector<StiffnessTerm> terms;
   if (empty()) return terms;
-  const auto n = static_cast<Eigen::Index>(tensions.size());
+  const auto n = static_cast<Index>(tensions.size());
   const auto each = [&](const auto& function) {
-    Eigen::VectorXd change(n);
-    for (Eigen::Index i = 0; i < n; ++i)
-      change[i] = function(tensions[static_cast<std::size_t>(i)]);
+    VectorXd change(n);
+    for (Index i = 0; i < n; ++i) change[i] = function(tensions[static_cast<std::size_t>(i)]);
     return change;
   };
-  const auto add = [&](std::string name, Eigen::VectorXd change) {
+  const auto add = [&](std::string name, VectorXd change) {
     if (change.cwiseAbs().maxCoeff() > 0) terms.push_back({std::move(name), std::move(change)});
   };
   if (n == 0) return terms;
@@ -224,8 +218,8 @@ std::vector<StiffnessTerm> StiffnessCurve::uncertainty(std::span<const double> t
       add(fmt::format("EI(T), choice of the {} law", name_of(law.kind)),
           each([&](double T) { return std::sqrt(weight) * (law_value(law, T) - value(T)); }));
       const double scale = std::sqrt(weight) * law.coverage_factor / coverage_factor(0.95, 0);
-      const Eigen::MatrixXd factor = law.covariance.llt().matrixL();
-      for (Eigen::Index j = 0; j < factor.cols(); ++j) {
+      const MatrixXd factor = law.covariance.llt().matrixL();
+      for (Index j = 0; j < factor.cols(); ++j) {
         add(fmt::format("EI(T), {} law, term {}", name_of(law.kind), j + 1), each([&](double T) {
               return scale * predict(law, clamped(T)).by_parameter.dot(factor.col(j));
             }));

@@ -19,10 +19,7 @@
 // point's EI.
 #pragma once
 
-#include <Eigen/Core>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "ident/stiffness/stiffness_law.h"
 
@@ -43,7 +40,7 @@ struct StiffnessAtTension {
 /// One independent source of uncertainty.
 struct StiffnessTerm {
   std::string name;
-  Eigen::VectorXd change_Nm2;  ///< of EI at each tension by one standard uncertainty
+  VectorXd change_Nm2;  ///< of EI at each tension by one standard uncertainty
 };
 
 class StiffnessCurve {

@@ -5,21 +5,14 @@
 #include <fmt/ranges.h>
 #include <gsl/gsl_fit.h>
 
-#include <Eigen/Core>
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <memory>
-#include <numbers>
-#include <stdexcept>
 
 #include "ident/statistics/uncertainty.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
-using signal::kNaN;
 using Bounds = std::optional<StiffnessBounds>;
 
 double reference_tension(const std::vector<StiffnessPoint>& points) {
@@ -30,8 +23,8 @@ double reference_tension(const std::vector<StiffnessPoint>& points) {
 
 struct Data {
   std::vector<StiffnessPoint> points;
-  Eigen::VectorXd sigma;   // std of each point by itself
-  Eigen::VectorXd change;  // change of EI by one std of where the tests' tension lies
+  VectorXd sigma;   // std of each point by itself
+  VectorXd change;  // change of EI by one std of where the tests' tension lies
   double reference_tension = 1;
   bool weighted = true;
 };
@@ -111,7 +104,7 @@ struct LawResiduals {
     using std::isfinite;
     for (std::size_t i = 0; i < data.points.size(); ++i) {
       const auto& point = data.points[i];
-      const auto k = static_cast<Eigen::Index>(i);
+      const auto k = static_cast<Index>(i);
       const S EI = stiffness(kind, point.tension_N, data.reference_tension, x[0]);
       residuals[i] = (EI + data.change[k] * x[1][0] - point.EI_Nm2) / data.sigma[k];
       if (!isfinite(residuals[i])) return false;
@@ -133,9 +126,9 @@ ceres::CostFunction* cost_of(LawKind kind, const Data& data, int parameters) {
 Data prepare(const std::vector<StiffnessPoint>& points, const StiffnessLawOptions& options) {
   Data data;
   data.points = points;
-  const auto n = static_cast<Eigen::Index>(points.size());
-  data.sigma.resize(n), data.change = Eigen::VectorXd::Zero(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
+  const auto n = static_cast<Index>(points.size());
+  data.sigma.resize(n), data.change = VectorXd::Zero(n);
+  for (Index i = 0; i < n; ++i) {
     const auto& point = points[static_cast<std::size_t>(i)];
     if (!(std::isfinite(point.tension_N) && point.tension_N > 0 && std::isfinite(point.EI_Nm2) &&
           point.EI_Nm2 > 0)) {
@@ -148,9 +141,9 @@ Data prepare(const std::vector<StiffnessPoint>& points, const StiffnessLawOption
   data.reference_tension = reference_tension(points);
   if (data.weighted) {
     const auto change = change_by_tension(points);
-    data.change = Eigen::Map<const Eigen::VectorXd>(change.data(), n);
+    data.change = Map<const VectorXd>(change.data(), n);
   } else {  // one without an interval: none can be compared, all by their value
-    for (Eigen::Index i = 0; i < n; ++i) {
+    for (Index i = 0; i < n; ++i) {
       data.sigma[i] = points[static_cast<std::size_t>(i)].EI_Nm2;
     }
   }
@@ -213,19 +206,19 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   law.formula = formula_of(kind, law.reference_tension_N, best);
 
   // Free parameters, then where the tension lies within the tests.
-  const auto n = static_cast<Eigen::Index>(data.points.size());
-  const auto p = static_cast<Eigen::Index>(free.size());
+  const auto n = static_cast<Index>(data.points.size());
+  const auto p = static_cast<Index>(free.size());
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  Eigen::VectorXd residuals(n + 1), by_place(n + 1);
+  VectorXd residuals(n + 1), by_place(n + 1);
   RowMajor by_law(n + 1, size);
   const double* const at[] = {best.data(), &best_place};
   double* const by[] = {by_law.data(), by_place.data()};
   (void)cost->Evaluate(at, residuals.data(), const_cast<double**>(by));
-  Eigen::MatrixXd jacobian(n + 1, p + 1);
+  MatrixXd jacobian(n + 1, p + 1);
   jacobian << by_law(Eigen::all, free), by_place;
 
   double squares = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Index i = 0; i < n; ++i) {
     const double EI = data.points[static_cast<std::size_t>(i)].EI_Nm2;
     const double misfit = residuals[i] * data.sigma[i] - data.change[i] * best_place;
     squares += misfit * misfit / (EI * EI);
@@ -243,12 +236,12 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
   const bool from_scatter = !data.weighted || variance > 1;
   law.coverage_factor = coverage_factor(0.95, from_scatter ? law.degrees_of_freedom : 0);
 
-  law.covariance = Eigen::MatrixXd::Constant(p, p, kNaN);
+  law.covariance = MatrixXd::Constant(p, p, kNaN);
   if (std::isfinite(variance)) {
     std::vector<std::string> names;
-    Eigen::VectorXd scales = Eigen::VectorXd::Constant(p + 1, 10);  // a prior of 1 is no open end
+    VectorXd scales = VectorXd::Constant(p + 1, 10);  // a prior of 1 is no open end
     for (const int j : free) {
-      scales[static_cast<Eigen::Index>(names.size())] =
+      scales[static_cast<Index>(names.size())] =
           std::max(std::abs(best[static_cast<std::size_t>(j)]), 1e-12);
       names.push_back(law.parameters[static_cast<std::size_t>(j)].name);
     }
@@ -259,7 +252,7 @@ FittedLaw fit(LawKind kind, const Data& data, const StiffnessLawOptions& options
     const auto known =
         identifiability(jacobian / std::sqrt(std::max(variance, 1e-300)), scales, names, limit);
     law.covariance = known.covariance.topLeftCorner(p, p);
-    for (Eigen::Index j = 0; j < p; ++j) {
+    for (Index j = 0; j < p; ++j) {
       law.parameters[static_cast<std::size_t>(free[static_cast<std::size_t>(j)])].std =
           known.std[j];
     }
@@ -342,7 +335,7 @@ StiffnessPrediction predict(const FittedLaw& law, double tension_N) {
   const Jet EI = stiffness(law.kind, tension_N, law.reference_tension_N, values.data());
   StiffnessPrediction prediction;
   prediction.EI_Nm2 = EI.a;
-  const Eigen::VectorXd by = prediction.by_parameter = EI.v(free);
+  const VectorXd by = prediction.by_parameter = EI.v(free);
   const double own = law.covariance.rows() == by.size() ? by.dot(law.covariance * by) : kNaN;
   const double common = law.common_relative_std * prediction.EI_Nm2;
   prediction.std = std::sqrt(own + common * common);
@@ -379,7 +372,7 @@ StiffnessBounds stiffness_bounds(const StrandGeometry& geometry) {
           .EI_max_Nm2 = factor * std::pow(geometry.strand_diameter_m, 4)};
 }
 
-double tension_spread(const Eigen::Ref<const Eigen::VectorXd>& tension, double noise) {
+double tension_spread(const Ref<const VectorXd>& tension, double noise) {
   if (tension.size() == 0) return 0;
   // The largest of n normal deviates is about sqrt(2 ln n).
   const double extreme = noise * std::sqrt(2 * std::log(static_cast<double>(tension.size())));

@@ -24,13 +24,7 @@
 // all laws, so that their chi-squares compare. Repeats do not average it.
 #pragma once
 
-#include <Eigen/Core>
-#include <limits>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "document/describe.h"
+#include "ident/statistics/numbers.h"
 
 namespace rigfit::ident {
 
@@ -65,9 +59,9 @@ enum class LawKind { linear, square_root, power, saturating };
 struct StiffnessPoint {
   double tension_N = 0;
   double EI_Nm2 = 0;
-  double std = std::numeric_limits<double>::quiet_NaN();
-  double low = std::numeric_limits<double>::quiet_NaN();
-  double high = std::numeric_limits<double>::quiet_NaN();
+  double std = kNaN;
+  double low = kNaN;
+  double high = kNaN;
   /// Uncertainty shared with the other points (span, calibration), relative to EI. It does not
   /// enter the weight but every band.
   double shared_relative_std = 0;
@@ -106,7 +100,7 @@ struct FittedLaw {
   LawKind kind = LawKind::linear;
   std::string formula;  ///< with numbers
   std::vector<LawParameter> parameters;
-  Eigen::MatrixXd covariance;      ///< covariance of the free parameters in their order
+  MatrixXd covariance;             ///< covariance of the free parameters in their order
   double reference_tension_N = 1;  ///< T0 of the power law
   bool converged = false;
   std::string message;     ///< if not converged, or a parameter is not determined
@@ -114,9 +108,9 @@ struct FittedLaw {
   double degrees_of_freedom = 0;
   double rms_relative_error = 0;  ///< rms of the points about the law
   /// NaN when there are too few points for it (n <= k + 1).
-  double aicc = std::numeric_limits<double>::quiet_NaN();
+  double aicc = kNaN;
   /// Weight among the laws that AICc ranks; NaN when it ranks fewer than two of several.
-  double akaike_weight = std::numeric_limits<double>::quiet_NaN();
+  double akaike_weight = kNaN;
 
   double common_relative_std = 0;
   double coverage_factor = 1.96;  ///< for 95 %
@@ -140,9 +134,9 @@ struct FittedLaw {
 
 struct StiffnessPrediction {
   double EI_Nm2 = 0;
-  double std = 0;                ///< std of the law
-  double low = 0, high = 0;      ///< 95 % band of the law
-  Eigen::VectorXd by_parameter;  ///< d EI / d (free parameter), in the order of the covariance
+  double std = 0;            ///< std of the law
+  double low = 0, high = 0;  ///< 95 % band of the law
+  VectorXd by_parameter;     ///< d EI / d (free parameter), in the order of the covariance
 };
 
 struct StiffnessLaws {
@@ -162,8 +156,7 @@ struct StiffnessLaws {
 
 /// u_T of the tension's samples in a test, N; `noise_N` is that of one sample, whose extremes are
 /// taken off the range.
-[[nodiscard]] double tension_spread(const Eigen::Ref<const Eigen::VectorXd>& tension_N,
-                                    double noise_N);
+[[nodiscard]] double tension_spread(const Ref<const VectorXd>& tension_N, double noise_N);
 
 /// Change of each point's EI, N m2, by its `tension_std_N`: d EI / d T times it. Zero where the
 /// tensions lie within 5 % of each other: dEI/dT is not known.

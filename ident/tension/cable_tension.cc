@@ -4,25 +4,13 @@
 #include <gsl/gsl_cdf.h>
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
-#include <numbers>
-#include <stdexcept>
-#include <string>
-#include <utility>
 
 #include "ident/update/model_candidates.h"
 #include "signal/estimation/groups.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 
 namespace {
-
-using signal::Estimate;
-using signal::kNaN;
 
 // Strain at the tension that is assumed where no EA is given (a steel cable at a third of its
 // strength), and the std of its logarithm: within a factor of 2 or so.
@@ -32,9 +20,7 @@ constexpr double kSoundModel = 5e-3;      // error of the model that the chance 
 // L sqrt(T / EI) of cables without EI: hardly more than beams to strings.
 constexpr double kStiffest = 2, kSlackest = 2000;
 
-double angle_of(const CableDescription& cable) {
-  return cable.inclination_deg * signal::kTwoPi / 360;
-}
+double angle_of(const CableDescription& cable) { return cable.inclination_deg * kTwoPi / 360; }
 
 /// EA as given or assumed, at a tension.
 double axial_rigidity(const CableDescription& cable, double tension_N) {
@@ -132,7 +118,7 @@ CableProblem problem_of(const CableDescription& cable, const std::vector<Measure
   }
   known_to("mass per length", {"cable.mass_per_length"}, cable.mass_per_length);
   if (cable.length_m.std > 0) {
-    const double angle = cable.inclination_deg * signal::kTwoPi / 360;
+    const double angle = cable.inclination_deg * kTwoPi / 360;
     inputs.push_back({"length",
                       {{0, "end.x", cable.length_m.std * std::cos(angle)},
                        {0, "end.y", cable.length_m.std * std::sin(angle)}}});
@@ -307,7 +293,7 @@ double zui_factor(double ratio, double string) {
 void describe(const CableDescription& cable, TensionResult& result) {
   const auto& best = result.candidates.front();
   const double L = cable.length_m.value, T = result.tension_N.value,
-               angle = cable.inclination_deg * signal::kTwoPi / 360;
+               angle = cable.inclination_deg * kTwoPi / 360;
   const double weight = cable.mass_per_length.value * cable.gravity;
   result.sag_m = weight_across(cable) * L * L / (8 * T);
   const double rise = L * std::sin(angle), middle = rise / 2 - result.sag_m * std::cos(angle);

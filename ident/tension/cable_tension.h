@@ -13,18 +13,11 @@
 // Structures, 1981, ch. 1).
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "document/describe.h"
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"
 #include "model/scene/scene.h"
-#include "signal/numerics/estimate.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 
@@ -51,13 +44,11 @@ inline constexpr std::array<const char*, 5> kCableEndsWords = {"compare", "pinne
 enum class MassReference { installed, unstretched };
 
 struct CableDescription {
-  signal::Estimate length_m;         ///< chord between the ends, > 0
-  signal::Estimate mass_per_length;  ///< kg/m, > 0
+  Estimate length_m;         ///< chord between the ends, > 0
+  Estimate mass_per_length;  ///< kg/m, > 0
   std::optional<MassReference> mass_reference = std::nullopt;
-  std::optional<signal::Estimate> EI_Nm2 =
-      std::nullopt;  ///< none: fitted, L sqrt(T / EI) within 2..2000
-  std::optional<signal::Estimate> EA_N =
-      std::nullopt;  ///< none: a strain of 0.001 within a factor of 2
+  std::optional<Estimate> EI_Nm2 = std::nullopt;  ///< none: fitted, L sqrt(T / EI) within 2..2000
+  std::optional<Estimate> EA_N = std::nullopt;    ///< none: a strain of 0.001 within a factor of 2
   /// Inclination of the chord, 0 horizontal, 90 vertical.
   double inclination_deg = 0;
   double gravity = model::kStandardGravity;      ///< m/s^2
@@ -74,8 +65,8 @@ struct TensionOptions {
 struct TensionMode {
   int order = 0;  ///< among the modes of its plane, from 1; 0: paired with none
   model::ModePlane plane = model::ModePlane::in;
-  double measured_hz = 0, measured_std_hz = 0;                    ///< std NaN: not stated
-  double model_hz = signal::kNaN, relative_error = signal::kNaN;  ///< NaN when paired with none
+  double measured_hz = 0, measured_std_hz = 0;    ///< std NaN: not stated
+  double model_hz = kNaN, relative_error = kNaN;  ///< NaN when paired with none
 
   static constexpr std::string_view title = "modes";
   static constexpr auto fields() {
@@ -111,10 +102,10 @@ struct TensionBudgetRow {
 struct TensionCandidate {
   CableEnds ends = CableEnds::pinned;
   bool solved = false;
-  std::string message;             ///< why it is not solved, or a warning of the fit
-  BoundedEstimate tension_N;       ///< at mid-span
-  signal::Estimate EI_Nm2;         ///< std 0: given as exact
-  signal::Estimate spring_Nm_rad;  ///< rotational spring at each end; value NaN unless `springs`
+  std::string message;        ///< why it is not solved, or a warning of the fit
+  BoundedEstimate tension_N;  ///< at mid-span
+  Estimate EI_Nm2;            ///< std 0: given as exact
+  Estimate spring_Nm_rad;     ///< rotational spring at each end; value NaN unless `springs`
   UpdateFit fit;
   double weight = 0;               ///< probability among the candidates
   std::vector<TensionMode> modes;  ///< by measured mode
@@ -169,7 +160,7 @@ struct TensionResult {
   /// Tension at mid-span, over the answers of all candidates (update/model_candidates.h).
   BoundedEstimate tension_N;
   double start_N = 0, end_N = 0;  ///< at the first (lower) and at the second end
-  signal::Estimate EI_Nm2;
+  Estimate EI_Nm2;
   double sag_m = 0;
   double irvine_parameter = 0;   ///< (w L / T)^2 L EA / (T Le), of the heaviest candidate
   double bending_parameter = 0;  ///< L sqrt(T / EI)

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "ident/statistics/uncertainty.h"
 
 namespace rigfit::ident {

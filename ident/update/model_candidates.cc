@@ -1,10 +1,6 @@
 #include "ident/update/model_candidates.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <set>
-#include <stdexcept>
 
 #include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/model_update.h"

@@ -11,10 +11,6 @@
 // Science 14 (1999) 382; Kass and Raftery, JASA 90 (1995) 773.
 #pragma once
 
-#include <string>
-#include <tuple>
-#include <vector>
-
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"
 

@@ -2,28 +2,22 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
-#include <stdexcept>
 
 #include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/problem/update_problem.h"
 #include "ident/update/uncertainty/update_uncertainty.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
-
-using signal::kNaN;
 
 // The answer's values, and its pairs.
 void state_values(const UpdateProblem& problem, const UpdateAnswer& answer, UpdateResult& result) {
   const auto& coordinates = problem.coordinates();
   result.coordinates = answer.q;
   for (std::size_t j = 0; j < result.parameters.size(); ++j) {
-    result.parameters[j].value = coordinates[j].value(answer.q[static_cast<Eigen::Index>(j)]);
+    result.parameters[j].value = coordinates[j].value(answer.q[static_cast<Index>(j)]);
   }
   result.pairs = problem.pairs(answer.q, answer.matches.matches);
   result.unpaired = answer.matches.unpaired;
@@ -62,7 +56,7 @@ void state_answer(const UpdateProblem& problem, const UpdateOptions& options,
 // Moves the answer, pairs kept, to the minimum of `trial`, which `problem` becomes; neither moves
 // where no minimum is found.
 bool move_to(UpdateProblem trial, UpdateProblem& problem, UpdateAnswer& answer) {
-  Eigen::VectorXd q = answer.q;
+  VectorXd q = answer.q;
   double cost = 0;
   if (!minimise(trial, answer.matches.matches, q, cost)) return false;
   answer.q = std::move(q);
@@ -116,7 +110,7 @@ HeldOut hold_out(const UpdateProblem& problem, const UpdateOptions& options,
   std::erase_if(rest.matches.matches, [&](const auto& match) { return match.state == s; });
   held.status =
       move_to(others, others, rest) ? UpdateStatus::converged : UpdateStatus::not_converged;
-  for (Eigen::Index j = 0; j < problem.size(); ++j) {
+  for (Index j = 0; j < problem.size(); ++j) {
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
     if (coordinate.state == s) rest.q[j] = coordinate.start;
   }
@@ -126,7 +120,7 @@ HeldOut hold_out(const UpdateProblem& problem, const UpdateOptions& options,
   std::erase_if(before, [&](const auto& pair) { return pair.state != s; });
   held.rms_before = rms_of_pairs(before);
   if (problem.has_frfs()) {
-    const Eigen::VectorXd start = problem.start();
+    const VectorXd start = problem.start();
     held.frf_before = alone.rms_log_frf_error(start);
     held.frf_fitted = others.rms_log_frf_error(rest.q);
     held.frf_predicted = alone.rms_log_frf_error(rest.q);
@@ -220,7 +214,7 @@ void state_segment_shifts(const UpdateProblem& settled, const UpdateOptions& opt
   for (std::size_t j = 0; j < result.parameters.size(); ++j) {
     auto& parameter = result.parameters[j];
     parameter.segment_shift =
-        parameter.value - settled.coordinates()[j].value(there.q[static_cast<Eigen::Index>(j)]);
+        parameter.value - settled.coordinates()[j].value(there.q[static_cast<Index>(j)]);
   }
 }
 
@@ -237,10 +231,10 @@ UpdateResult update_model(const std::vector<UpdateState>& states,
   UpdateResult result;
   const auto& coordinates = problem.coordinates();
   if (free.empty()) throw std::invalid_argument("update: no free parameter");
-  const Eigen::VectorXd start = problem.start();
+  const VectorXd start = problem.start();
   const auto names = problem.names();
   for (std::size_t j = 0; j < static_cast<std::size_t>(problem.parameter_count()); ++j) {
-    const double value = coordinates[j].value(start[static_cast<Eigen::Index>(j)]);
+    const double value = coordinates[j].value(start[static_cast<Index>(j)]);
     result.parameters.push_back({.name = names[j],
                                  .state = coordinates[j].state,
                                  .start = value,

@@ -23,9 +23,6 @@
 // Mottershead, Link, Friswell 2011.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "ident/statistics/finding.h"
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"

@@ -1,14 +1,9 @@
 #include "ident/virtual_rig/sensor_model.h"
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
-
 namespace rigfit::ident {
 
-Eigen::VectorXd recorded(const Eigen::Ref<const Eigen::VectorXd>& signal,
-                         const Eigen::Ref<const Eigen::VectorXd>& transverse, double dt_s,
-                         const SensorModel& sensor, Random& random) {
+VectorXd recorded(const Ref<const VectorXd>& signal, const Ref<const VectorXd>& transverse,
+                  double dt_s, const SensorModel& sensor, Random& random) {
   if (transverse.size() != 0 && transverse.size() != signal.size()) {
     throw std::invalid_argument("sensor model: transverse signal of another length");
   }
@@ -21,9 +16,9 @@ Eigen::VectorXd recorded(const Eigen::Ref<const Eigen::VectorXd>& signal,
   const double walk_step = sensor.random_walk_per_root_s * std::sqrt(dt_s);
   const double lsb = sensor.bits > 0 ? 2 * sensor.full_scale / std::exp2(sensor.bits) : 0;
 
-  Eigen::VectorXd out(signal.size());
+  VectorXd out(signal.size());
   double walk = 0;
-  for (Eigen::Index i = 0; i < signal.size(); ++i) {
+  for (Index i = 0; i < signal.size(); ++i) {
     double y = signal[i] + offset + slope * static_cast<double>(i) * dt_s + walk;
     if (transverse.size() != 0) y += sensor.transverse_sensitivity * transverse[i];
     y += sensor.noise_std * normal(random);
@@ -43,9 +38,8 @@ signal::Recording virtual_recording(double sample_rate_hz) {
 }
 
 void add_channel(signal::Recording& recording, std::string name, signal::Quantity quantity,
-                 const Eigen::Ref<const Eigen::VectorXd>& signal, const SensorModel* sensor,
-                 Random& random, const Eigen::Vector3d& direction,
-                 const Eigen::Ref<const Eigen::VectorXd>& transverse) {
+                 const Ref<const VectorXd>& signal, const SensorModel* sensor, Random& random,
+                 const Vector3d& direction, const Ref<const VectorXd>& transverse) {
   auto& channel = recording.channels.emplace_back();
   channel.name = std::move(name);
   channel.unit = channel.source_unit = signal::si_of(quantity);

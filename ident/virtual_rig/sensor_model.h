@@ -6,11 +6,10 @@
 // Drift is a straight line plus a random walk; noise is white over the logger's band.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <random>
-#include <string>
 
+#include "ident/statistics/numbers.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::ident {
@@ -64,9 +63,9 @@ using Random = std::mt19937_64;
 /// Samples that the logger writes for `signal` (one per step of `dt_s`); `transverse` has the same
 /// length or is empty. Throws std::invalid_argument for different lengths or a converter without
 /// full scale.
-[[nodiscard]] Eigen::VectorXd recorded(const Eigen::Ref<const Eigen::VectorXd>& signal,
-                                       const Eigen::Ref<const Eigen::VectorXd>& transverse,
-                                       double dt_s, const SensorModel& sensor, Random& random);
+[[nodiscard]] VectorXd recorded(const Ref<const VectorXd>& signal,
+                                const Ref<const VectorXd>& transverse, double dt_s,
+                                const SensorModel& sensor, Random& random);
 
 /// A virtual recording without channels.
 [[nodiscard]] signal::Recording virtual_recording(double sample_rate_hz);
@@ -74,9 +73,9 @@ using Random = std::mt19937_64;
 /// Adds what the logger writes for `signal` to a recording; the other arguments as of `recorded`,
 /// null: `signal` itself.
 void add_channel(signal::Recording& recording, std::string name, signal::Quantity quantity,
-                 const Eigen::Ref<const Eigen::VectorXd>& signal, const SensorModel* sensor,
-                 Random& random, const Eigen::Vector3d& direction = {0, 0, 0},
-                 const Eigen::Ref<const Eigen::VectorXd>& transverse = Eigen::VectorXd());
+                 const Ref<const VectorXd>& signal, const SensorModel* sensor, Random& random,
+                 const Vector3d& direction = {0, 0, 0},
+                 const Ref<const VectorXd>& transverse = VectorXd());
 
 /// A generator for one part of a laboratory, independent of the others for the same seed.
 [[nodiscard]] Random random_stream(std::uint64_t seed, std::uint64_t stream);

@@ -1,11 +1,6 @@
 #include "ident/virtual_rig/virtual_bench.h"
 
-#include <algorithm>
-#include <cmath>
 #include <initializer_list>
-#include <numbers>
-#include <stdexcept>
-#include <string>
 
 #include "ident/axial/rod_stiffness.h"
 #include "ident/bending/bending_equation.h"
@@ -61,8 +56,7 @@ double after(double friction, double step, const VirtualBendingTest& test) {
 }  // namespace
 
 double axial_frequency_hz(const VirtualAxialTest& test) {
-  return natural_omega(test) * std::sqrt(1 - test.damping_ratio * test.damping_ratio) /
-         (2 * std::numbers::pi);
+  return natural_omega(test) * std::sqrt(1 - test.damping_ratio * test.damping_ratio) / kTwoPi;
 }
 
 signal::Recording virtual_axial_record(const VirtualAxialTest& test, Random& random) {
@@ -74,15 +68,15 @@ signal::Recording virtual_axial_record(const VirtualAxialTest& test, Random& ran
   const double velocity = impulse / test.hung_mass_kg;
   const double weight = test.hung_mass_kg * test.gravity_m_s2;
   const double swing_omega = std::sqrt(test.gravity_m_s2 / test.length_m);
-  const double swing_phase = 2 * std::numbers::pi * std::uniform_real_distribution<>()(random);
+  const double swing_phase = kTwoPi * std::uniform_real_distribution<>()(random);
 
   // The tap falls between two samples, as it does in a laboratory.
   const double dt = 1 / test.sample_rate_hz;
   const double tap_time = test.before_s + dt * std::uniform_real_distribution<>()(random);
   const auto samples =
-      static_cast<Eigen::Index>(std::floor((test.before_s + test.after_s) * test.sample_rate_hz));
-  Eigen::VectorXd tension(samples);
-  for (Eigen::Index i = 0; i < samples; ++i) {
+      static_cast<Index>(std::floor((test.before_s + test.after_s) * test.sample_rate_hz));
+  VectorXd tension(samples);
+  for (Index i = 0; i < samples; ++i) {
     const double t = static_cast<double>(i) * dt;
     // T = M g (cos a + a'^2 L / g), to second order in the swing's amplitude.
     tension[i] = weight * (1 + test.swing_rad * test.swing_rad *
@@ -109,14 +103,14 @@ signal::Recording virtual_bending_record(const VirtualBendingTest& test, Random&
             test.friction_exponent >= 0 && test.friction_exponent <= 3,
         "negative value or no cycle");
   const double dt = 1 / test.sample_rate_hz;
-  const auto samples = static_cast<Eigen::Index>(std::floor(test.cycles * test.cycle_s / dt)) + 1;
+  const auto samples = static_cast<Index>(std::floor(test.cycles * test.cycle_s / dt)) + 1;
   const double peak_deflection =
       test.peak_load_N * midspan_compliance(test.EI_Nm2, test.tension_N, test.span_m);
 
   Eigen::MatrixX3d truth(samples, 3);  // tension, load, deflection
   double friction = 0;
   double before = 0;
-  for (Eigen::Index i = 0; i < samples; ++i) {
+  for (Index i = 0; i < samples; ++i) {
     // The cylinder moves up and down at constant speed.
     const double phase = std::fmod(static_cast<double>(i) * dt / test.cycle_s, 1.0);
     const double d = peak_deflection * (1 - std::abs(2 * phase - 1));

@@ -3,11 +3,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <stdexcept>
 
 #include "model/scene/actual_state.h"
 #include "model/scene/force_history.h"
@@ -36,10 +31,10 @@ int oversampling(const model::Scene& scene, double sample_rate_hz) {
 }
 
 // A unit vector normal to v.
-Eigen::Vector3d normal_to(const Eigen::Vector3d& v) {
-  Eigen::Index smallest = 0;
+Vector3d normal_to(const Vector3d& v) {
+  Index smallest = 0;
   v.cwiseAbs().minCoeff(&smallest);
-  return v.cross(Eigen::Vector3d::Unit(smallest)).normalized();
+  return v.cross(Vector3d::Unit(smallest)).normalized();
 }
 
 // A blow as a person strikes it, a little off: 20 % in strength, 5 % in duration, 0.03 rad in
@@ -52,9 +47,8 @@ model::Load struck(const model::Scene& scene, const model::Load& meant,
   load.duration *= std::max(0.5, 1 + 0.05 * normal(random));
   load.start = options.pre_trigger_s;
   const double angle = 0.03 * normal(random);
-  const double around = 2 * std::numbers::pi * std::uniform_real_distribution<>()(random);
-  const Eigen::Vector3d off =
-      Eigen::AngleAxisd(around, meant.direction) * normal_to(meant.direction);
+  const double around = kTwoPi * std::uniform_real_distribution<>()(random);
+  const Vector3d off = Eigen::AngleAxisd(around, meant.direction) * normal_to(meant.direction);
   load.direction = (std::cos(angle) * meant.direction + std::sin(angle) * off).normalized();
   double length = 0;
   for (const auto& member : scene.members) {
@@ -69,16 +63,15 @@ model::Load struck(const model::Scene& scene, const model::Load& meant,
 
 // Every `factor`-th sample of a zero-phase low-pass of x (stop band -80 dB from the new Nyquist
 // frequency on, pass band up to 0.8 of it); the ends repeat their last value.
-Eigen::VectorXd decimated(const Eigen::Ref<const Eigen::VectorXd>& x, int factor) {
+VectorXd decimated(const Ref<const VectorXd>& x, int factor) {
   const signal::LowPass filter(0.4 / factor, 0.5 / factor, 80);
   const int half = static_cast<int>(filter.half_length());
-  Eigen::VectorXd taps(2 * half + 1), longer(x.size() + 2 * half);
+  VectorXd taps(2 * half + 1), longer(x.size() + 2 * half);
   for (int k = -half; k <= half; ++k) taps[half + k] = filter.at(std::abs(k));
   taps /= taps.sum();
-  longer << Eigen::VectorXd::Constant(half, x[0]), x,
-      Eigen::VectorXd::Constant(half, x[x.size() - 1]);
-  Eigen::VectorXd out((x.size() + factor - 1) / factor);
-  for (Eigen::Index j = 0; j < out.size(); ++j) {
+  longer << VectorXd::Constant(half, x[0]), x, VectorXd::Constant(half, x[x.size() - 1]);
+  VectorXd out((x.size() + factor - 1) / factor);
+  for (Index j = 0; j < out.size(); ++j) {
     out[j] = taps.dot(longer.segment(j * factor, taps.size()));
   }
   return out;
@@ -100,7 +93,7 @@ class Laboratory {
     for (const auto& sensor : sensors_) {
       // Each accelerometer is most sensitive, beside its axis, to one direction across it.
       model::Sensor across = sensor;
-      const double around = 2 * std::numbers::pi * std::uniform_real_distribution<>()(random);
+      const double around = kTwoPi * std::uniform_real_distribution<>()(random);
       across.direction = Eigen::AngleAxisd(around, sensor.direction) * normal_to(sensor.direction);
       across.name += " across";
       scene_.sensors.push_back(sensor);
@@ -131,14 +124,14 @@ class Laboratory {
     }
     const int oversampled = oversampling(scene_, options_.sample_rate_hz);
     const double rate = options_.sample_rate_hz * oversampled;
-    const Eigen::MatrixXd response = simulate_(scene_, options_.record_s, rate);
+    const MatrixXd response = simulate_(scene_, options_.record_s, rate);
     record.recording = virtual_recording(options_.sample_rate_hz);
     if (hit > 0) {
       // The load cell sits along the hammer, whatever the blow's direction.
-      Eigen::VectorXd blows = Eigen::VectorXd::Zero(response.rows());
+      VectorXd blows = VectorXd::Zero(response.rows());
       for (const auto& blow : scene_.loads) {
         const model::LoadForce pulse(blow, nullptr);
-        for (Eigen::Index i = 0; i < blows.size(); ++i) {
+        for (Index i = 0; i < blows.size(); ++i) {
           blows[i] += pulse.at(static_cast<double>(i) / rate);
         }
       }
@@ -151,7 +144,7 @@ class Laboratory {
     const auto& own = options_.instruments;
     const SensorModel* instruments[] = {&own.accelerometer, nullptr, &own.lvdt, &own.tension_cell};
     for (std::size_t i = 0; i < sensors_.size(); ++i) {
-      const auto column = static_cast<Eigen::Index>(2 * i);
+      const auto column = static_cast<Index>(2 * i);
       const auto kind = static_cast<std::size_t>(sensors_[i].quantity);
       add_channel(record.recording, sensors_[i].name, quantities[kind],
                   decimated(response.col(column), oversampled), instruments[kind], random,

@@ -8,8 +8,6 @@
 #pragma once
 
 #include <functional>
-#include <string>
-#include <vector>
 
 #include "ident/virtual_rig/sensor_model.h"
 #include "model/scene/scene.h"
@@ -43,7 +41,7 @@ struct VirtualRigRecord {
 /// Response of a scene at its sensors: rows = duration * rate, columns = sensors. Loads act as in
 /// the scene, sensors read SI.
 using Simulate =
-    std::function<Eigen::MatrixXd(const model::Scene& scene, double duration_s, double rate_hz)>;
+    std::function<MatrixXd(const model::Scene& scene, double duration_s, double rate_hz)>;
 
 /// Throws std::invalid_argument for a scene without loads or sensors and for options out of range.
 /// `advance` (may be empty) is called after each record.

@@ -1,18 +1,12 @@
 #include "apps/cli/plots/plot_option.h"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
-#include <memory>
 #include <stdexcept>
-#include <string_view>
 #include <system_error>
 
 #include "apps/cli/output_file.h"

@@ -3,11 +3,6 @@
 // Chromium makes.
 #pragma once
 
-#include <filesystem>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "apps/cli/verb_context.h"
 #include "apps/report/page/report_part.h"
 

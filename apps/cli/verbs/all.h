@@ -1,26 +1,12 @@
 // The verbs, each in the file of its name, and what nearly every one of them uses.
 #pragma once
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <iterator>
-#include <limits>
-#include <map>
-#include <optional>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
-
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/recordings.h"
 #include "apps/cli/named_numbers.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/verb.h"
+#include "apps/describe/json_of.h"
 #include "apps/describe/sheet.h"
 #include "apps/report/figures/figures.h"
 #include "apps/results/results_json.h"

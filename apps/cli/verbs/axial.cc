@@ -1,7 +1,6 @@
 // rigfit axial: EA, damping ratio and damper of a cable from hanging-mass records.
 
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 
 namespace rigfit::apps {

@@ -7,7 +7,6 @@
 
 #include "apps/cli/assets.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 #include "apps/report/drawing/plot.h"
 #include "document/describe.h"
 #include "model/response/response.h"

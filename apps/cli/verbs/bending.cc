@@ -2,7 +2,6 @@
 
 #include "apps/campaign_file/bending_files.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 #include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::apps {

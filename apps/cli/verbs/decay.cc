@@ -2,7 +2,6 @@
 #include "ident/campaign/single_tests/decay_campaign.h"
 
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 
 namespace rigfit::apps {
 namespace {

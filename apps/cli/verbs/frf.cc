@@ -2,7 +2,6 @@
 // other verbs begin with one (ident/campaign/modal/modal_campaign.h).
 
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 #include "signal/writers/write_csv.h"
 #include "signal/writers/write_uff.h"
 

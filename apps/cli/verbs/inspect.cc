@@ -2,7 +2,6 @@
 
 #include "apps/campaign_file/bending_files.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 #include "signal/quality/quality.h"
 #include "signal/readers/read_recording.h"
 

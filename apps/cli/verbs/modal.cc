@@ -2,7 +2,6 @@
 // from ambient motion.
 
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 #include "signal/ambient/ambient_modes.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/modes/modal_synthesis.h"

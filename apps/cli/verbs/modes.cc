@@ -1,7 +1,6 @@
 // rigfit modes: static equilibrium of a scene, then its natural modes.
 
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 #include "model/linear/modal_analysis.h"
 
 namespace rigfit::apps {

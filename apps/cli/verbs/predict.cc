@@ -3,7 +3,6 @@
 
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 #include "ident/predict/scene_prediction.h"
 #include "model/scene/scene_error.h"
 

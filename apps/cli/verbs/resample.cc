@@ -1,9 +1,7 @@
 // rigfit resample: a recording at another rate, or at an even one.
 
-#include <memory>
-
-#include "apps/cli/verbs/all.h"
 #include "signal/recording/resample.h"
+#include "apps/cli/verbs/all.h"
 #include "signal/writers/write_csv.h"
 
 namespace rigfit::apps {

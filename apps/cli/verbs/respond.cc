@@ -1,7 +1,6 @@
 // rigfit respond: the time response of a scene at its sensors.
 
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 #include "model/response/response.h"
 #include "model/scene/scene_error.h"
 #include "model/scene/sensor_quantity.h"

@@ -2,7 +2,6 @@
 
 #include "apps/campaign_file/measured_modes.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 #include "ident/campaign/single_tests/tension_campaign.h"
 #include "signal/readers/csv_fields.h"
 

@@ -1,11 +1,9 @@
 // rigfit update: a scene's uncertain parameters fitted to measured modes.
 
 #include <Eigen/Core>
-#include <cmath>
 
 #include "apps/campaign_file/update_data.h"
 #include "apps/cli/verbs/all.h"
-#include "apps/describe/json_of.h"
 #include "ident/update/model_candidates.h"
 #include "ident/update/model_update.h"
 #include "model/scene/read_scene.h"

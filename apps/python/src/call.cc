@@ -2,17 +2,13 @@
 
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <exception>
 #include <future>
-#include <memory>
 #include <new>
-#include <optional>
 #include <sstream>
 #include <thread>
-#include <utility>
 
 #include "apps/cli/exit_code.h"
 #include "apps/cli/plots/plot_option.h"

@@ -8,9 +8,6 @@
 
 #include <pybind11/pybind11.h>
 
-#include <functional>
-#include <string>
-
 #include "apps/cli/verb.h"
 #include "apps/cli/verb_context.h"
 #include "apps/describe/option.h"

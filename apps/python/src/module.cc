@@ -5,10 +5,6 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <memory>
-#include <string>
-#include <utility>
-
 #include "apps/campaign_file/recordings.h"
 #include "apps/python/src/call.h"
 

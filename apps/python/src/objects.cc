@@ -5,11 +5,6 @@
 #include <pybind11/stl.h>
 
 #include <array>
-#include <functional>
-#include <memory>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "apps/campaign_file/recordings.h"
 #include "apps/cli/exit_code.h"

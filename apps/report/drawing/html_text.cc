@@ -1,12 +1,8 @@
 #include "apps/report/drawing/html_text.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <utility>
 
+#include "apps/describe/standard.h"
 #include "signal/recording/units.h"
 
 namespace rigfit::apps {

@@ -1,12 +1,8 @@
 #include "apps/report/drawing/plot.h"
 
 #include <fmt/compile.h>
-#include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <iterator>
 
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"

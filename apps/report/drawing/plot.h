@@ -1,10 +1,7 @@
 // A figure as data: drawn as SVG for page and papers, and kept as CSV.
 #pragma once
 
-#include <string>
-#include <utility>
-#include <vector>
-
+#include "apps/describe/standard.h"
 #include "ident/campaign/single_tests/test_recording.h"
 
 namespace rigfit::apps {

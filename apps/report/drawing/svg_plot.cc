@@ -1,11 +1,6 @@
 #include "apps/report/drawing/svg_plot.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <set>
 
 #include "apps/report/drawing/html_text.h"

@@ -3,9 +3,6 @@
 // and the page's script (assets/figures.js) zooms it and reads its values.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "apps/report/drawing/plot.h"
 
 namespace rigfit::apps {

@@ -2,20 +2,9 @@
 // is drawn in both is one function here.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <Eigen/Core>
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <iterator>
-#include <limits>
 #include <numbers>
-#include <optional>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
 
 #include "apps/campaign/campaign.h"
 #include "apps/report/drawing/html_text.h"

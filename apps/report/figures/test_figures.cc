@@ -1,4 +1,3 @@
-#include <filesystem>
 
 #include "apps/report/figures/figures.h"
 #include "ident/bending/bending_equation.h"

@@ -1,9 +1,6 @@
 #include "apps/report/page/answer.h"
 
-#include <fmt/format.h>
-
 #include <cctype>
-#include <cmath>
 
 #include "apps/describe/sheet.h"
 #include "apps/report/drawing/html_text.h"

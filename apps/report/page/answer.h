@@ -2,13 +2,7 @@
 // compares two campaigns.
 #pragma once
 
-#include <limits>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <tuple>
-#include <vector>
-
+#include "apps/describe/standard.h"
 #include "document/describe.h"
 #include "ident/campaign/single_tests/test_recording.h"
 

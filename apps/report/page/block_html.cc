@@ -1,11 +1,5 @@
 #include "apps/report/page/block_html.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 #include "apps/cli/assets.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"

@@ -2,9 +2,6 @@
 // page that a verb writes by --plot are made of them, so that a figure looks the same in both.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "apps/report/page/report_part.h"
 
 namespace rigfit::apps {

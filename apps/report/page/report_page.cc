@@ -1,9 +1,7 @@
 #include "apps/report/page/report_page.h"
 
 #include <fmt/chrono.h>
-#include <fmt/format.h>
 
-#include <algorithm>
 #include <ctime>
 #include <set>
 

@@ -5,11 +5,7 @@
 // the first two take eight pages at most.
 #pragma once
 
-#include <cstddef>
 #include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "apps/campaign/campaign.h"
 #include "apps/cli/warning_lines.h"

@@ -3,11 +3,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
-#include <utility>
 #include <variant>
-#include <vector>
 
 #include "apps/report/drawing/plot.h"
 #include "apps/report/page/answer.h"

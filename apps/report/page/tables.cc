@@ -1,12 +1,5 @@
 #include "apps/report/page/tables.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string_view>
-#include <utility>
-
 #include "apps/report/drawing/html_text.h"
 
 namespace rigfit::apps {

@@ -1,11 +1,6 @@
 // Tables of the report: walks over described lists.
 #pragma once
 
-#include <cstddef>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "apps/describe/sheet.h"
 #include "apps/report/page/report_part.h"
 

@@ -2,15 +2,7 @@
 // campaign is worked out (ident/campaign/campaign.h), and what came of the test is shown.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <functional>
-#include <map>
-#include <memory>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/recordings.h"

@@ -2,24 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
-#include <stdexcept>
-
 #include "signal/ambient/ambient_modes.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::ident {
 namespace {
 
-using Eigen::Index;
-using signal::Hit;
-using signal::HitFault;
-using signal::ImpactTest;
-using signal::Recording;
-using signal::StruckPoint;
+using signal::Hit, signal::HitFault, signal::ImpactTest, signal::Recording, signal::StruckPoint;
 
 /// The responses asked for, else every channel besides the force that all recordings have.
 std::vector<std::string> response_names(const std::vector<StruckPoint>& places,
@@ -151,9 +140,7 @@ std::vector<ModalTestState> sorted(std::vector<TestRecording>& recordings,
   return states;
 }
 
-Eigen::Vector3d direction_of(const signal::Channel& channel) {
-  return Eigen::Vector3d(channel.direction.data());
-}
+Vector3d direction_of(const signal::Channel& channel) { return Vector3d(channel.direction.data()); }
 
 void analyse(ModalTestState& state, const ModalTestOptions& options) {
   const bool unnamed = state.places.size() == 1 && state.places.front().name.empty();
@@ -190,7 +177,7 @@ void analyse_ambient(ModalTestState& state, const ModalTestOptions& options) {
   if (const auto& band = options.hammer.impact.hits.band_hz) {
     ambient.low_hz = band->first, ambient.high_hz = band->second;
   }
-  std::map<std::string, Eigen::Vector3d> directions;
+  std::map<std::string, Vector3d> directions;
   auto& found = state.ambient.emplace();
   try {
     std::vector<signal::AmbientResult> setups;
@@ -224,7 +211,7 @@ void analyse_ambient(ModalTestState& state, const ModalTestOptions& options) {
 /// couples all frequencies.
 void add_rate_to_model(double relative_std, signal::ModalModel& model) {
   const auto modes = static_cast<Index>(model.modes.size());
-  Eigen::VectorXd by_rate = Eigen::VectorXd::Zero(2 * modes);
+  VectorXd by_rate = VectorXd::Zero(2 * modes);
   for (Index r = 0; r < modes; ++r) {
     auto& mode = model.modes[static_cast<std::size_t>(r)];
     by_rate[2 * r] = relative_std * mode.frequency_hz.value;

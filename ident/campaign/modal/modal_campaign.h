@@ -8,12 +8,6 @@
 // that the force of every accepted hit excites.
 #pragma once
 
-#include <Eigen/Core>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "ident/campaign/single_tests/test_recording.h"
 #include "signal/ambient/ambient_result.h"
 #include "signal/impact/roving_hammer.h"
@@ -75,7 +69,7 @@ struct ModalTestState {
   std::optional<signal::AmbientResult> ambient;  ///< its modes are `modal`'s
   std::vector<std::string> channels;             ///< responses, in the order of the FRFs
   /// Axes of positive values from the recordings, by response and by input; zero if not stated.
-  std::vector<Eigen::Vector3d> directions, force_directions;
+  std::vector<Vector3d> directions, force_directions;
   std::vector<Finding> findings;  ///< findings on hits, FRFs and modes
 
   [[nodiscard]] bool has_modes() const { return modal && !modal->model.modes.empty(); }

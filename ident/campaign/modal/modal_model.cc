@@ -2,20 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <set>
 #include <type_traits>
 
 #include "ident/update/pairing/mode_assignment.h"
 #include "model/scene/parameters.h"
 #include "signal/estimation/robust.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
-
-using signal::kNaN;
 
 /// The state of that tension, made when there is none; tensions that agree to a part in 200 are
 /// one.
@@ -145,7 +140,7 @@ Instrumented instrumented(model::Scene scene, const ModalInputs& test,
   const auto quantity = form == signal::FrfForm::receptance ? model::Sensor::Quantity::displacement
                         : form == signal::FrfForm::mobility ? model::Sensor::Quantity::velocity
                                                             : model::Sensor::Quantity::acceleration;
-  const auto oriented = [&](Eigen::Vector3d& direction, const Eigen::Vector3d& recorded_direction) {
+  const auto oriented = [&](Vector3d& direction, const Vector3d& recorded_direction) {
     if (recorded_direction.norm() > 0.5) direction = recorded_direction.normalized();
     // A test said to go along one direction: as the scene's, it is struck and measured there.
     if (test.direction) {
@@ -161,7 +156,7 @@ Instrumented instrumented(model::Scene scene, const ModalInputs& test,
         if (one.name != names[i]) continue;
         kept.push_back(one);
         oriented(kept.back().direction, directions[i]);
-        indices.push_back(static_cast<Eigen::Index>(i));
+        indices.push_back(static_cast<Index>(i));
       }
     }
     all = std::move(kept);

@@ -4,24 +4,18 @@
 // in the same way (`SceneUse`).
 #pragma once
 
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "ident/campaign/modal/modal_campaign.h"
 #include "ident/campaign/single_tests/test_recording.h"
 #include "ident/stiffness/stiffness_curve.h"
 #include "ident/update/problem/update_data.h"
 #include "model/linear/modal_analysis.h"
 #include "model/scene/scene.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 
 struct KnownValues {
-  StiffnessCurve EI;                     ///< empty: no bending test
-  signal::Estimate EA_N, damping_ratio;  ///< from the axial test; NaN: none
+  StiffnessCurve EI;             ///< empty: no bending test
+  Estimate EA_N, damping_ratio;  ///< from the axial test; NaN: none
 };
 
 /// A scene and its parameters (such as "cable.EI") that take a state's tension and known values.
@@ -50,8 +44,8 @@ struct StateUse {
 /// A frequency of a table, with those of published models beside it.
 struct PublishedMode {
   std::optional<double> tension_N;
-  double measured_hz = signal::kNaN;  ///< NaN: dash
-  std::vector<double> models_hz;      ///< by published model; NaN: dash
+  double measured_hz = kNaN;      ///< NaN: dash
+  std::vector<double> models_hz;  ///< by published model; NaN: dash
 };
 
 /// A hammer test; with a scene, its modes are compared with the model's.
@@ -62,7 +56,7 @@ struct ModalInputs {
   std::vector<PublishedMode> published;
   std::optional<SceneUse> scene;
   /// Direction of hits and sensors, overriding the scene's; unit vector.
-  std::optional<Eigen::Vector3d> direction;
+  std::optional<Vector3d> direction;
   std::map<std::string, std::string> sensors;  ///< channel -> sensor, where names differ
   std::optional<model::ModePlane> plane;       ///< plane of all measured modes, except for leakage
 };
@@ -70,7 +64,7 @@ struct ModalInputs {
 /// The scene with the sensors and loads that a test had, in the order of its FRFs.
 struct Instrumented {
   model::Scene scene;
-  std::vector<Eigen::Index> response, input;  ///< FRFs' sensor and load, as indices in `scene`
+  std::vector<Index> response, input;  ///< FRFs' sensor and load, as indices in `scene`
 };
 
 /// `scene` with the sensors and loads of these FRFs; those missing in the scene are left out.
@@ -82,7 +76,7 @@ struct MeasuredRow : MeasuredMode {
   Origin origin = Origin::published;
   std::vector<double> models_hz;    ///< by published model; NaN: dash
   std::optional<std::size_t> mode;  ///< index of the modelled mode paired with it
-  double mac = signal::kNaN;        ///< MAC of that pair; NaN: fewer than two sensors
+  double mac = kNaN;                ///< MAC of that pair; NaN: fewer than two sensors
   bool other_plane = false;         ///< that mode lies in another plane than the test's
 };
 

@@ -2,19 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <map>
-#include <numbers>
-#include <stdexcept>
 
 #include "ident/axial/rod_stiffness.h"
 #include "ident/statistics/in_parallel.h"
 #include "model/linear/modal_analysis.h"
 #include "signal/decay/decay_window.h"
 #include "signal/estimation/robust.h"
-#include "signal/numerics/numbers.h"
 #include "signal/recording/recording.h"
 #include "signal/sinusoids/decay_modes.h"
 
@@ -83,7 +77,7 @@ std::vector<ModeOfDecay> possible_modes(const AxialInputs& inputs,
     for (const auto& mode : d.result.modes) energy += mode.energy;
     for (std::size_t m = 0; m < d.result.modes.size(); ++m) {
       const auto& mode = d.result.modes[m];
-      const double omega = 2 * std::numbers::pi * mode.frequency_hz.value;
+      const double omega = kTwoPi * mode.frequency_hz.value;
       const bool swings = model::kStandardGravity > 0.1 * omega * omega * d.length_m;
       if (swings && inputs.band_high_hz == 0 && inputs.band_low_hz == 0) continue;
       const auto rod = rod_stiffness(
@@ -140,12 +134,12 @@ constexpr double kLongest = 100;  // m: in a hanging-mass test 0.1 m of cable, g
 // cell that was set to zero under the mass. Such a cell swings by a share of the weight about a
 // mean of next to nothing; what swings by a thousandth of it has another unit.
 double share_of_weight(const signal::Channel& channel, double weight) {
-  if (channel.unit != "N" && channel.quantity != signal::Quantity::force) return signal::kNaN;
+  if (channel.unit != "N" && channel.quantity != signal::Quantity::force) return kNaN;
   const auto samples = signal::finite_values(channel.samples);
-  if (samples.empty()) return signal::kNaN;
+  if (samples.empty()) return kNaN;
   const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
   const double swing = (*high - *low) / weight, share = std::abs(signal::median(samples)) / weight;
-  return share < 0.05 && swing > 0.02 ? signal::kNaN : share;
+  return share < 0.05 && swing > 0.02 ? kNaN : share;
 }
 
 // Inputs that contradict the recordings; each is refused before an EA is shown.

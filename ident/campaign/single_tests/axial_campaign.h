@@ -8,11 +8,6 @@
 // the tension 1/4).
 #pragma once
 
-#include <cstddef>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "ident/axial/axial_identification.h"
 #include "ident/campaign/single_tests/decay_campaign.h"
 

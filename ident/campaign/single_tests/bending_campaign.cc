@@ -3,22 +3,16 @@
 #include <fmt/format.h>
 #include <gsl/gsl_statistics_double.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-
 #include "ident/bending/bending_equation.h"
 #include "ident/statistics/uncertainty.h"
 #include "ident/stiffness/stiffness_law.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
 
 // A table of at most this many rows is split by tension; a longer one is a record of one test, in
 // which a spike of the tension is no test of its own (a logger at 20 Hz writes as much in 20 s).
-constexpr Eigen::Index kLongestTable = 400;
+constexpr Index kLongestTable = 400;
 
 /// Uncertainty of a test's EI that it shares with others of the same span and instruments, relative
 /// to EI: root of the sum of squares.
@@ -59,7 +53,7 @@ void add_record(const BendingSource& source, BendingPoint one, const BendingCamp
     one.record = std::move(record);
     const auto& result = one.analysis.emplace(analyse_bending_test(one.record, options));
     one.point = {.tension_N = result.tension_N.value,
-                 .EI_Nm2 = signal::kNaN,
+                 .EI_Nm2 = kNaN,
                  .shared_relative_std = shared_relative_std(result, options),
                  .tension_std_N = result.tension_spread_N};
     one.slope_N_m = one.modulus_Pa = {};
@@ -163,7 +157,7 @@ void gather_specimens(BendingCampaignResult& result) {
 
 }  // namespace
 
-signal::Estimate BeamSection::second_moment() const {
+Estimate BeamSection::second_moment() const {
   double moment = second_moment_m4;
   if (!rectangle_m.empty()) {
     moment = rectangle_m[0] * std::pow(rectangle_m[1], 3) / 12;

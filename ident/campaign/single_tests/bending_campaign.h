@@ -10,11 +10,6 @@
 // curve is empty, and EI and modulus come with the scatter between specimens.
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "document/describe.h"
 #include "ident/bending/bending_analysis.h"
 #include "ident/campaign/single_tests/test_recording.h"
 #include "ident/stiffness/stiffness_curve.h"
@@ -32,7 +27,7 @@ struct BeamSection {
 
   /// Second moment of area about the axis of bending, m^4: w h^3 / 12 (h along the load) or
   /// pi d^4 / 64; NaN where no section is given.
-  [[nodiscard]] signal::Estimate second_moment() const;
+  [[nodiscard]] Estimate second_moment() const;
 };
 
 /// One file: a load-deflection record or table, or (`record` empty) EI values.
@@ -58,8 +53,8 @@ struct BendingPoint {
   std::optional<std::size_t> row;  ///< of EI values, from 1; empty: from a record
   BendingRecord record;            ///< the rows at this tension; empty: EI values
   std::optional<BendingTestResult> analysis;
-  StiffnessPoint point;                    ///< NaN where refused
-  signal::Estimate slope_N_m, modulus_Pa;  ///< NaN: not known, or with tension
+  StiffnessPoint point;            ///< NaN where refused
+  Estimate slope_N_m, modulus_Pa;  ///< NaN: not known, or with tension
 
   [[nodiscard]] bool refused() const { return analysis && analysis->refused; }
   /// Whether laws and curve use this EI.

@@ -2,22 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <stdexcept>
-#include <utility>
 
 #include "ident/statistics/in_parallel.h"
 #include "signal/estimation/groups.h"
 #include "signal/impact/impact_hits.h"
-#include "signal/numerics/numbers.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::ident {
 namespace {
-
-using Eigen::Index;
 
 Index sample_at(const signal::Recording& recording, double time_s, bool up) {
   const double j = (time_s - recording.start_time_s) * recording.sample_rate_hz;
@@ -29,7 +22,7 @@ Index sample_at(const signal::Recording& recording, double time_s, bool up) {
 
 /// Pools a quantity of modes of several decays; returns its scatter between them.
 double pool(const std::vector<const signal::DecayMode*>& modes,
-            signal::Estimate signal::DecayMode::*quantity, BoundedEstimate& mean) {
+            Estimate signal::DecayMode::*quantity, BoundedEstimate& mean) {
   std::vector<double> values, variances;
   for (const auto* mode : modes) {
     values.push_back((mode->*quantity).value);
@@ -129,11 +122,11 @@ constexpr double kAlike_s = 0.5;
 
 /// Where the model's answer starts in the record: the shift at which they are most alike over the
 /// model's first `length` samples.
-Index best_shift(const Eigen::VectorXd& record, const Eigen::VectorXd& model, Index length) {
+Index best_shift(const VectorXd& record, const VectorXd& model, Index length) {
   const Index n = std::min({length, record.size(), model.size()});
   Index best = 0;
   double most = -1;
-  const Eigen::VectorXd head = model.head(n).array() - model.head(n).mean();
+  const VectorXd head = model.head(n).array() - model.head(n).mean();
   for (Index shift = 0; shift + n <= record.size(); ++shift) {
     const auto part = record.segment(shift, n);
     // Where the model starts, the record moves most: alike in size as well as in shape.
@@ -194,7 +187,7 @@ std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
   // Missing samples lie on the mean.
   const auto samples = decays.samples.array();
   const double count = static_cast<double>(samples.isFinite().count());
-  const Eigen::VectorXd record =
+  const VectorXd record =
       samples.isFinite().select(samples, samples.isFinite().select(samples, 0).sum() / count);
   const double rate = decays.sample_rate_hz;
   std::vector<ReleaseAnswer> answers(versions.size());
@@ -207,9 +200,8 @@ std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
     double lasts = static_cast<double>(found.end - found.start) / rate;
     if (!found.modes.empty() && found.modes.front().damping_ratio.value > 0) {
       const auto& mode = found.modes.front();
-      lasts = std::min(lasts,
-                       -std::log(signal::kRungDown) /
-                           (signal::kTwoPi * mode.frequency_hz.value * mode.damping_ratio.value));
+      lasts = std::min(lasts, -std::log(signal::kRungDown) /
+                                  (kTwoPi * mode.frequency_hz.value * mode.damping_ratio.value));
     }
     response.sampling.duration_s = kAlike_s + lasts;
     ReleaseAnswer& answer = answers[k];
@@ -219,7 +211,7 @@ std::vector<ReleaseAnswer> release_answers(const ChannelDecays& decays,
       answer.failure = "the model gives no answer: " + answer.response.reason;
       return;
     }
-    const Eigen::VectorXd model = answer.response.samples.col(0);
+    const VectorXd model = answer.response.samples.col(0);
     answer.start = best_shift(record, model, static_cast<Index>(std::lround(kAlike_s * rate)));
     // The same stretch of the motion as in the record: a large motion's frequency falls with it.
     const Index first = std::max<Index>(0, decays.result.start - answer.start);

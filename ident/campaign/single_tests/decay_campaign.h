@@ -13,11 +13,6 @@
 // rate.
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "document/describe.h"
 #include "ident/campaign/single_tests/test_recording.h"
 #include "ident/statistics/uncertainty.h"
 #include "model/response/response.h"
@@ -96,25 +91,25 @@ struct RecordedDecay {
   Origin origin = Origin::measured;
   double sample_rate_hz = 0;
   double start_time_s = 0;  ///< time of samples[0], s
-  Eigen::VectorXd samples = {};
+  VectorXd samples = {};
   signal::DecayResult result = {};  ///< the strongest decay (signal/decay/decay.h)
   double start_s = 0, end_s = 0;    ///< window of `result`
   std::size_t recording = 0;        ///< index of a test's recordings
 
-  [[nodiscard]] double time_s(Eigen::Index sample) const {
+  [[nodiscard]] double time_s(Index sample) const {
     return start_time_s + static_cast<double>(sample) / sample_rate_hz;
   }
 };
 /// `samples`: of the channel, the first of them sample `from` of the recording.
 [[nodiscard]] RecordedDecay estimated_decay(const TestRecording& recorded,
-                                            const signal::Channel& channel, Eigen::Index from,
-                                            Eigen::Index to, signal::DecayOptions options);
+                                            const signal::Channel& channel, Index from, Index to,
+                                            signal::DecayOptions options);
 
 /// Response of one version of the model to a release or tap.
 struct ReleaseAnswer {
   std::string label;               ///< the version's
   model::ResponseResult response;  ///< first sensor only
-  Eigen::Index start = 0;          ///< sample of the record where it begins
+  Index start = 0;                 ///< sample of the record where it begins
   signal::DecayResult found;  ///< decay of the response, from the record's estimator and window
   std::string failure;        ///< why there is no answer; empty: there is one
 };

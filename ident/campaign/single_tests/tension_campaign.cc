@@ -2,15 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <stdexcept>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
-
 #include "ident/statistics/uncertainty.h"
 #include "signal/ambient/ambient_modes.h"
 #include "signal/recording/recording.h"
@@ -65,7 +56,7 @@ void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
       if ((mode.mode.doubtful && mode.code != "too_short") || !inside(frequency.value)) continue;
       if (mode.decay_times < kSteady) continue;
       const double half = -mode.mode.pole_rad_s.real();
-      const double least = half / (2 * std::numbers::pi * std::sqrt(mode.decay_times));
+      const double least = half / (kTwoPi * std::sqrt(mode.decay_times));
       MeasuredMode measured;
       measured.frequency_hz = {frequency.value, std::hypot(frequency.std, least)};
       measured.plane = inputs.plane;

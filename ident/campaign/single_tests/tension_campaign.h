@@ -4,12 +4,6 @@
 // their numbers are the same.
 #pragma once
 
-#include <cstddef>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "document/describe.h"
 #include "ident/campaign/single_tests/test_recording.h"
 #include "ident/tension/cable_tension.h"
 
@@ -29,7 +23,7 @@ struct TensionInputs {
 
 struct TensionPeak {
   std::string file;
-  signal::Estimate frequency_hz;
+  Estimate frequency_hz;
   double damping_ratio = 0;
 
   static constexpr std::string_view title = "modes of the recordings";

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
-#include <cmath>
-
 namespace rigfit::ident {
 
 std::optional<Finding> not_uniform(const signal::Recording& recording, const std::string& where) {
@@ -16,7 +14,7 @@ std::optional<Finding> not_uniform(const signal::Recording& recording, const std
                  where, true};
 }
 
-void add_rate_uncertainty(double relative_std, signal::Estimate& frequency_hz,
+void add_rate_uncertainty(double relative_std, Estimate& frequency_hz,
                           signal::Interval* interval_95_hz) {
   const double more = relative_std * frequency_hz.value;
   frequency_hz.std = std::hypot(frequency_hz.std, more);
@@ -28,7 +26,7 @@ void add_rate_uncertainty(double relative_std, signal::Estimate& frequency_hz,
       frequency_hz.value + std::hypot(interval_95_hz->high - frequency_hz.value, half);
 }
 
-void tell_rate(double relative_std, const signal::Estimate& frequency_hz, const std::string& where,
+void tell_rate(double relative_std, const Estimate& frequency_hz, const std::string& where,
                std::vector<Finding>& findings) {
   const double more = relative_std * frequency_hz.value;
   if (!(more > 0.1 * frequency_hz.std)) return;

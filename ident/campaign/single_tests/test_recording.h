@@ -7,12 +7,7 @@
 //   u(f)^2 = u0(f)^2 + (e f)^2      common to all frequencies
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "ident/statistics/finding.h"
-#include "signal/numerics/estimate.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::ident {
@@ -40,12 +35,12 @@ struct TestRecording {
                                                  const std::string& where = {});
 
 /// Adds e to a frequency and, half by half, to its 95 % interval; null: none.
-void add_rate_uncertainty(double relative_std, signal::Estimate& frequency_hz,
+void add_rate_uncertainty(double relative_std, Estimate& frequency_hz,
                           signal::Interval* interval_95_hz = nullptr);
 
 /// Adds "rate_uncertainty" where it adds half a percent and more to the standard uncertainty of the
 /// first frequency, which comes without it; `where`: as of a Finding.
-void tell_rate(double relative_std, const signal::Estimate& frequency_hz, const std::string& where,
+void tell_rate(double relative_std, const Estimate& frequency_hz, const std::string& where,
                std::vector<Finding>& findings);
 
 }  // namespace rigfit::ident

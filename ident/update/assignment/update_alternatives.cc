@@ -1,14 +1,8 @@
 #include "ident/update/assignment/update_alternatives.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
-#include <limits>
-#include <map>
-#include <string>
-#include <utility>
 
 #include "ident/statistics/in_parallel.h"
 #include "signal/numerics/factorisations.h"
@@ -52,7 +46,7 @@ class Search {
 
   std::vector<UpdateAnswer> run(int& fits, std::string& failure) {
     std::vector<UpdateAnswer> answers;
-    Eigen::VectorXd start = problem_.start();
+    VectorXd start = problem_.start();
     // Two that start alike would stay so: their difference has no slope there.
     for (const auto& [what, exchange] : exchanges()) {
       for (const auto& [i, j] : exchange) {
@@ -100,12 +94,12 @@ class Search {
   }
 
   static bool near(const UpdateAnswer& heavier, const UpdateAnswer& other) {
-    const Eigen::VectorXd d = heavier.q - other.q;
+    const VectorXd d = heavier.q - other.q;
     return d.dot(heavier.hessian * d) < 9;
   }
 
-  Eigen::VectorXd within_bounds(Eigen::VectorXd q) const {
-    for (Eigen::Index j = 0; j < q.size(); ++j) {
+  VectorXd within_bounds(VectorXd q) const {
+    for (Index j = 0; j < q.size(); ++j) {
       const auto& coordinate = problem_.coordinates()[static_cast<std::size_t>(j)];
       q[j] = std::clamp(q[j], coordinate.low, coordinate.high);
     }
@@ -114,11 +108,11 @@ class Search {
 
   // What the data may not tell apart: pairs of positive parameters of one quantity, at two owners
   // (the springs of both ends) or about two axes (the planes of a beam); all of two at once.
-  using Exchange = std::vector<std::pair<Eigen::Index, Eigen::Index>>;
+  using Exchange = std::vector<std::pair<Index, Index>>;
   std::map<std::pair<std::string, std::string>, Exchange> exchanges() const {
     const auto& coordinates = problem_.coordinates();
     const auto names = problem_.names();
-    const auto parts = [&](Eigen::Index i) {  // owner, quantity, axis
+    const auto parts = [&](Index i) {  // owner, quantity, axis
       std::string name = names[static_cast<std::size_t>(i)];
       if (coordinates[static_cast<std::size_t>(i)].state >= 0) name.resize(name.find(" ["));
       const auto dot = name.rfind('.') + 1, size = name.size();
@@ -126,8 +120,8 @@ class Search {
       return std::array{name.substr(0, dot), name.substr(dot, end - dot), name.substr(end)};
     };
     std::map<std::pair<std::string, std::string>, Exchange> all;
-    for (Eigen::Index i = 0; i < problem_.parameter_count(); ++i) {
-      for (Eigen::Index j = 0; j < i; ++j) {
+    for (Index i = 0; i < problem_.parameter_count(); ++i) {
+      for (Index j = 0; j < i; ++j) {
         const auto &one = coordinates[static_cast<std::size_t>(i)],
                    &other = coordinates[static_cast<std::size_t>(j)];
         if (one.parameter == other.parameter || one.state != other.state ||
@@ -146,7 +140,7 @@ class Search {
   void add_exchanged(std::vector<UpdateAnswer>& answers) const {
     for (std::size_t k = 0, found = answers.size(); k < found; ++k) {
       for (const auto& [what, exchange] : exchanges()) {
-        Eigen::VectorXd q = answers[k].q;
+        VectorXd q = answers[k].q;
         for (const auto& [i, j] : exchange) std::swap(q[i], q[j]);
         std::string failure;
         for (auto& seed : seeds_at(within_bounds(std::move(q)), failure)) {
@@ -162,8 +156,8 @@ class Search {
   }
 
   // A positive parameter that the data leave free stays near q: the prior of the evidence.
-  static UpdateProblem held_about(const Eigen::VectorXd& q, UpdateProblem problem) {
-    for (Eigen::Index j = 0; j < q.size(); ++j) {
+  static UpdateProblem held_about(const VectorXd& q, UpdateProblem problem) {
+    for (Index j = 0; j < q.size(); ++j) {
       const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
       if (coordinate.prior_std == 0 && coordinate.logarithmic)
         problem.set_prior(j, q[j], width_of(coordinate));
@@ -208,7 +202,7 @@ class Search {
   // Whether chance cannot have made the answer fit.
   bool explained(const UpdateAnswer& answer) const {
     const UpdateProblem plain = problem_.with_model_std(0);
-    Eigen::VectorXd r;
+    VectorXd r;
     if (!plain.residuals(answer.q, answer.matches.matches, r, nullptr)) return false;
     double squares = 0;
     const auto rows = plain.frequency_rows(answer.matches.matches);
@@ -226,7 +220,7 @@ class Search {
   }
 
   // Assignments at q, with its frequencies as they are and scaled; none without a model there.
-  std::vector<UpdateAnswer> seeds_at(const Eigen::VectorXd& q, std::string& failure) const {
+  std::vector<UpdateAnswer> seeds_at(const VectorXd& q, std::string& failure) const {
     const UpdateProblem wide = problem_.with_model_std(kSearchError).remembering();
     std::string here;
     std::vector<UpdateAnswer> seeds{{q, wide.assign(q, here)}, {q, wide.assign(q, here, true)}};
@@ -239,7 +233,7 @@ class Search {
   }
 
   // Points all over the range, at the same places whatever the start: see the header.
-  std::vector<Eigen::VectorXd> places() const {
+  std::vector<VectorXd> places() const {
     const auto& coordinates = problem_.coordinates();
     const auto parameters = static_cast<std::size_t>(problem_.parameter_count());
     std::vector<int> dimension(parameters);  // values of one parameter in all states: one
@@ -252,10 +246,10 @@ class Search {
     const double reach = std::log(dimensions <= 2 ? 100.0 : 10.0);
     const int each = dimensions == 1 ? 27 : 8;
     const int count = dimensions == 1 ? each : 64;
-    std::vector<Eigen::VectorXd> all;
+    std::vector<VectorXd> all;
     for (int k = 0; k < count; ++k) {
-      Eigen::VectorXd q = problem_.start();
-      for (Eigen::Index j = 0; j < problem_.parameter_count(); ++j) {
+      VectorXd q = problem_.start();
+      for (Index j = 0; j < problem_.parameter_count(); ++j) {
         const auto& coordinate = coordinates[static_cast<std::size_t>(j)];
         const int d = dimension[static_cast<std::size_t>(j)];
         // -1 .. 1: of a lattice, or of Kronecker's sequence with the roots of primes.
@@ -310,11 +304,11 @@ class Search {
          ++out) {
       const UpdateProblem here =
           problem_.with_model_std(answer.error, kDampingErrors * answer.error);
-      Eigen::VectorXd r;
-      Eigen::MatrixXd J;
+      VectorXd r;
+      MatrixXd J;
       const auto& all = answer.matches.matches;
       if (!here.residuals(answer.q, all, r, &J) || J.rows() < J.cols()) return;
-      const Eigen::MatrixXd Q = signal::thin_qr(J).Q;
+      const MatrixXd Q = signal::thin_qr(J).Q;
       double most = 0, sum = 0;
       bool dampings = false;
       std::size_t worst = all.size();
@@ -348,16 +342,16 @@ class Search {
 bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
   const UpdateProblem plain = problem.with_model_std(0);
   const UpdateMatches& found = answer.matches;
-  Eigen::VectorXd r;
-  Eigen::MatrixXd J;
+  VectorXd r;
+  MatrixXd J;
   if (!plain.residuals(answer.q, found.matches, r, &J)) return false;
   const auto rows = plain.frequency_rows(found.matches);
   answer.log_evidence = -std::numeric_limits<double>::infinity();
   double best = answer.log_evidence;
   for (const auto& [error, probability] : model_errors()) {
-    Eigen::VectorXd w = Eigen::VectorXd::Ones(r.size());
+    VectorXd w = VectorXd::Ones(r.size());
     double log_likelihood = found.without_densities() + std::log(probability);
-    const auto weigh = [&](Eigen::Index row, double std, double own, double range) {
+    const auto weigh = [&](Index row, double std, double own, double range) {
       const double all = std::hypot(std, own);
       w[row] = std / all;
       log_likelihood -= std::log(all * std::sqrt(2 * M_PI) / range);
@@ -370,16 +364,16 @@ bool weigh(const UpdateProblem& problem, UpdateAnswer& answer) {
             kDampingErrors * error, kDampingRange);
     }
     log_likelihood -= 0.5 * w.cwiseProduct(r).squaredNorm();
-    const Eigen::MatrixXd K = w.asDiagonal() * J;
-    Eigen::MatrixXd H = K.transpose() * K;
-    for (Eigen::Index j = 0; j < H.cols(); ++j) {
+    const MatrixXd K = w.asDiagonal() * J;
+    MatrixXd H = K.transpose() * K;
+    for (Index j = 0; j < H.cols(); ++j) {
       const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
       const bool prior = coordinate.prior_std > 0;
       const double width = prior ? coordinate.prior_std : width_of(coordinate);
       log_likelihood -= std::log(width);  // the roots of 2 pi of prior and integral cancel
       if (!prior) H(j, j) += 1 / (width * width);
     }
-    const Eigen::LDLT<Eigen::MatrixXd> factored(H);
+    const Eigen::LDLT<MatrixXd> factored(H);
     const double log_det = factored.vectorD().cwiseAbs().array().max(1e-300).log().sum();
     const double log_part = log_likelihood - 0.5 * log_det;
     if (log_part > best) {

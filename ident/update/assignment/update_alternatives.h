@@ -34,8 +34,6 @@
 // 455. For the update and its checks, not for users.
 #pragma once
 
-#include <vector>
-
 #include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {

@@ -7,10 +7,6 @@
 // that noise made large. Near the answer H - H_measured over the stated uncertainty is exactly
 // normal for every line, so that none has to be left out; lines of s < 0.1, whose logarithm agrees
 // with that to 1 %, stay as they are.
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <utility>
 
 #include "ident/update/problem/update_problem.h"
 #include "model/frfs/frf_sensitivities.h"
@@ -25,7 +21,7 @@ bool solved_together(const MeasuredFrf& a, const MeasuredFrf& b) {
 
 const double kRateStep = std::sqrt(std::numeric_limits<double>::epsilon());
 
-model::FrfSensitivities frfs_at(const model::Scene& scene, const Eigen::VectorXd& lines,
+model::FrfSensitivities frfs_at(const model::Scene& scene, const VectorXd& lines,
                                 const std::vector<model::ParameterAccess>& parameters,
                                 double decay_rate_1_s) {
   if (!parameters.empty()) {
@@ -47,7 +43,7 @@ UpdateProblem::FrfRows UpdateProblem::rows_of(int state, const MeasuredFrf& frf)
   constexpr double kNoisy = 0.1, kAssumed = 0.05;  // assumed: it only sets the weight
   constexpr double kLargest = 0.5;                 // beyond, a logarithm has no information
   FrfRows rows{.state = state, .frf = &frf};
-  for (Eigen::Index k = 0; k < frf.H.size(); ++k) {
+  for (Index k = 0; k < frf.H.size(); ++k) {
     const double size = std::abs(frf.H[k]);
     if (!(size > 0) || !std::isfinite(size)) continue;
     double own = kAssumed;
@@ -71,22 +67,22 @@ UpdateProblem::FrfRows UpdateProblem::rows_of(int state, const MeasuredFrf& frf)
 
 std::vector<UpdateProblem::FrfRows> UpdateProblem::frf_rows() const {
   std::vector<FrfRows> all;
-  Eigen::Index row = 0;
+  Index row = 0;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     if (!takes_part(s)) continue;
     for (const auto& frf : states_[static_cast<std::size_t>(s)].frfs) {
       all.push_back(rows_of(s, frf));
       all.back().first = row;
-      row += 2 * static_cast<Eigen::Index>(all.back().line.size());
+      row += 2 * static_cast<Index>(all.back().line.size());
     }
   }
   return all;
 }
 
-Eigen::Index UpdateProblem::frf_lines() const {
+Index UpdateProblem::frf_lines() const {
   std::size_t count = 0;
   for (const auto& rows : frf_rows()) count += rows.line.size();
-  return static_cast<Eigen::Index>(count);
+  return static_cast<Index>(count);
 }
 
 double UpdateProblem::shared_residuals() const {
@@ -97,11 +93,11 @@ double UpdateProblem::shared_residuals() const {
   return shared;
 }
 
-bool UpdateProblem::frf_residuals(const Eigen::VectorXd& q, const std::vector<FrfRows>& all,
-                                  Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
+bool UpdateProblem::frf_residuals(const VectorXd& q, const std::vector<FrfRows>& all, VectorXd& r,
+                                  MatrixXd* jacobian) const {
   const FrfRows* last = nullptr;
   Targets targets;
-  std::vector<std::pair<Eigen::Index, double>> rates;
+  std::vector<std::pair<Index, double>> rates;
   model::Scene scene;
   model::FrfSensitivities solved, beside;  // beside: at a slightly higher sample rate
   for (const auto& rows : all) {
@@ -116,7 +112,7 @@ bool UpdateProblem::frf_residuals(const Eigen::VectorXd& q, const std::vector<Fr
       }
     }
     if (!same_state || !solved_together(frf, *last->frf)) {
-      const Eigen::VectorXd lines_hz = rate * frf.frequency_hz;
+      const VectorXd lines_hz = rate * frf.frequency_hz;
       solved = frfs_at(scene, lines_hz, targets.access, frf.decay_rate_1_s);
       if (solved.frfs.equilibrium.status != model::EquilibriumStatus::converged) return false;
       if (!rates.empty()) {
@@ -125,11 +121,11 @@ bool UpdateProblem::frf_residuals(const Eigen::VectorXd& q, const std::vector<Fr
       }
     }
     last = &rows;
-    const auto sensor = static_cast<Eigen::Index>(frf.sensor);
-    const auto load = static_cast<Eigen::Index>(frf.load);
+    const auto sensor = static_cast<Index>(frf.sensor);
+    const auto load = static_cast<Index>(frf.load);
     for (std::size_t i = 0; i < rows.line.size(); ++i) {
       const auto k = static_cast<std::size_t>(rows.line[i]);
-      const Eigen::Index row = rows.first + 2 * static_cast<Eigen::Index>(i);
+      const Index row = rows.first + 2 * static_cast<Index>(i);
       const std::complex<double> H = solved.frfs.H[k](sensor, load);
       const std::complex<double> measured = frf.H[rows.line[i]];
       const bool difference = rows.difference[i] != 0;
@@ -138,7 +134,7 @@ bool UpdateProblem::frf_residuals(const Eigen::VectorXd& q, const std::vector<Fr
       r[row] = off.real() / std;
       r[row + 1] = off.imag() / std;
       if (jacobian == nullptr) continue;
-      const auto add = [&](Eigen::Index j, std::complex<double> change) {
+      const auto add = [&](Index j, std::complex<double> change) {
         const std::complex<double> slope = change / (difference ? measured : H);
         (*jacobian)(row, j) += slope.real() / std;
         (*jacobian)(row + 1, j) += slope.imag() / std;
@@ -156,17 +152,16 @@ bool UpdateProblem::frf_residuals(const Eigen::VectorXd& q, const std::vector<Fr
   return true;
 }
 
-double UpdateProblem::rms_log_frf_error(const Eigen::VectorXd& q) const {
+double UpdateProblem::rms_log_frf_error(const VectorXd& q) const {
   const UpdateProblem logarithms = with(&UpdateVariant::frf_differences, false);
   const auto all = logarithms.frf_rows();
   double squares = 0, count = 0;
   for (const auto& rows : all) count += static_cast<double>(rows.line.size());
-  Eigen::VectorXd r(static_cast<Eigen::Index>(2 * count));
-  if (!logarithms.frf_residuals(q, all, r, nullptr))
-    return std::numeric_limits<double>::quiet_NaN();
+  VectorXd r(static_cast<Index>(2 * count));
+  if (!logarithms.frf_residuals(q, all, r, nullptr)) return kNaN;
   for (const auto& rows : all) {
     for (std::size_t i = 0; i < rows.line.size(); ++i) {
-      squares += r.segment<2>(rows.first + 2 * static_cast<Eigen::Index>(i)).squaredNorm() *
+      squares += r.segment<2>(rows.first + 2 * static_cast<Index>(i)).squaredNorm() *
                  std::pow(rows.relative_std[i], 2);
     }
   }

@@ -1,12 +1,5 @@
 #include "ident/update/pairing/mode_assignment.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <stdexcept>
-
-#include "signal/numerics/numbers.h"
-
 namespace rigfit::ident {
 namespace {
 
@@ -102,14 +95,14 @@ ModeAssignment assign_test(const std::vector<int>& test, const std::pair<double,
   for (const int i : test) mean_std += relative_std[static_cast<std::size_t>(i)];
   mean_std /= static_cast<double>(test.size());
   const Sight sight = sight_of(plane, band, modelled, mean_std, options);
-  const auto rows = static_cast<Eigen::Index>(test.size());
-  const auto columns = static_cast<Eigen::Index>(modelled.size());
+  const auto rows = static_cast<Index>(test.size());
+  const auto columns = static_cast<Index>(modelled.size());
   // What a pair gains over both unpaired; columns beyond the modelled: unpaired.
-  Eigen::MatrixXd cost = Eigen::MatrixXd::Zero(rows, columns + rows);
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(rows, columns), macs = normal;
-  for (Eigen::Index r = 0; r < rows; ++r) {
+  MatrixXd cost = MatrixXd::Zero(rows, columns + rows);
+  MatrixXd normal = MatrixXd::Zero(rows, columns), macs = normal;
+  for (Index r = 0; r < rows; ++r) {
     const auto i = static_cast<std::size_t>(test[static_cast<std::size_t>(r)]);
-    for (Eigen::Index c = 0; c < columns; ++c) {
+    for (Index c = 0; c < columns; ++c) {
       const auto j = static_cast<std::size_t>(c);
       const double off =
           std::log(modelled[j].frequency_hz / measured[i].frequency_hz) / relative_std[i];
@@ -123,7 +116,7 @@ ModeAssignment assign_test(const std::vector<int>& test, const std::pair<double,
     }
   }
   const auto chosen = least_cost_assignment(cost);
-  for (Eigen::Index r = 0; r < rows; ++r) {
+  for (Index r = 0; r < rows; ++r) {
     const int i = test[static_cast<std::size_t>(r)];
     const int c = chosen[static_cast<std::size_t>(r)];
     if (c >= columns || !(cost(r, c) < 0)) {
@@ -153,24 +146,23 @@ ModeAssignment assign_test(const std::vector<int>& test, const std::pair<double,
 
 }  // namespace
 
-double shape_correlation(const Eigen::Ref<const Eigen::VectorXcd>& a,
-                         const Eigen::Ref<const Eigen::VectorXcd>& b) {
-  if (a.size() < 2 || a.size() != b.size()) return signal::kNaN;
+double shape_correlation(const Ref<const VectorXcd>& a, const Ref<const VectorXcd>& b) {
+  if (a.size() < 2 || a.size() != b.size()) return kNaN;
   const double scale = a.squaredNorm() * b.squaredNorm();
-  if (!(std::isfinite(scale) && scale > 0)) return signal::kNaN;
+  if (!(std::isfinite(scale) && scale > 0)) return kNaN;
   return std::min(1.0, std::norm(a.dot(b)) / scale);
 }
 
 // Shortest augmenting paths with potentials; O(rows^2 columns). Rows and columns are counted from
 // 1, 0 stands for none.
-std::vector<int> least_cost_assignment(const Eigen::Ref<const Eigen::MatrixXd>& cost) {
+std::vector<int> least_cost_assignment(const Ref<const MatrixXd>& cost) {
   const auto n = static_cast<int>(cost.rows()), m = static_cast<int>(cost.cols());
   if (n > m) throw std::invalid_argument("assignment: more rows than columns");
-  Eigen::VectorXd of_row = Eigen::VectorXd::Zero(n + 1), of_column = Eigen::VectorXd::Zero(m + 1);
+  VectorXd of_row = VectorXd::Zero(n + 1), of_column = VectorXd::Zero(m + 1);
   Eigen::VectorXi row_of = Eigen::VectorXi::Zero(m + 1), previous = row_of;
   for (int row = 1; row <= n; ++row) {
     const double far = std::numeric_limits<double>::infinity();
-    Eigen::VectorXd slack = Eigen::VectorXd::Constant(m + 1, far);
+    VectorXd slack = VectorXd::Constant(m + 1, far);
     Eigen::VectorXi visited = Eigen::VectorXi::Zero(m + 1);
     row_of[0] = row;
     int column = 0;

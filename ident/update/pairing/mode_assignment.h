@@ -20,12 +20,7 @@
 // Katafygiotis, J. Eng. Mech. 124 (1998) 455.
 #pragma once
 
-#include <Eigen/Core>
-#include <limits>
-#include <optional>
-#include <utility>
-#include <vector>
-
+#include "ident/statistics/numbers.h"
 #include "model/linear/modal_analysis.h"
 
 namespace rigfit::ident {
@@ -33,24 +28,24 @@ namespace rigfit::ident {
 struct PairingMode {
   double frequency_hz = 0;
   std::optional<model::ModePlane> plane = std::nullopt;  ///< measured: the plane of the test
-  Eigen::VectorXcd shape = {};  ///< at the same points on both sides; empty: not known
-  double visibility = 1;        ///< how well a modelled mode is seen
+  VectorXcd shape = {};   ///< at the same points on both sides; empty: not known
+  double visibility = 1;  ///< how well a modelled mode is seen
   int order = 0;  ///< among the modes of its plane, from 1; measured: as stated, 0 where it is not
 };
 
 struct ModePair {
   int measured = 0, model = 0;  ///< indices of the input
-  double mac = std::numeric_limits<double>::quiet_NaN();
+  double mac = kNaN;
   bool cross_plane = false;  ///< leakage: the modelled mode lies in another plane than the test
 };
 
 /// |a^H b|^2 / (a^H a b^H b), 0..1; NaN when either is empty, zero, of another length, or too short
 /// (one point) to say anything.
-[[nodiscard]] double shape_correlation(const Eigen::Ref<const Eigen::VectorXcd>& a,
-                                       const Eigen::Ref<const Eigen::VectorXcd>& b);
+[[nodiscard]] double shape_correlation(const Ref<const VectorXcd>& a,
+                                       const Ref<const VectorXcd>& b);
 
 /// Column of each row in an assignment of least total cost; rows x columns with rows <= columns.
-[[nodiscard]] std::vector<int> least_cost_assignment(const Eigen::Ref<const Eigen::MatrixXd>& cost);
+[[nodiscard]] std::vector<int> least_cost_assignment(const Ref<const MatrixXd>& cost);
 
 struct AssignmentOptions {
   double missed = 0.1;       ///< probability that a test misses a mode that it can see

@@ -2,17 +2,8 @@
 // state of the rig, and options.
 #pragma once
 
-#include <Eigen/Core>
-#include <limits>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
-
 #include "ident/update/pairing/mode_assignment.h"
 #include "model/linear/modal_analysis.h"
-#include "signal/numerics/estimate.h"
 
 namespace rigfit::ident {
 
@@ -23,9 +14,9 @@ struct FreeParameter {
   /// Factor from the value to each target, such as -1 for the other end of a symmetric rig;
   /// empty: 1.
   std::vector<double> factors = {};
-  bool per_state = false;                                ///< a value of its own in every state
-  std::optional<double> start = std::nullopt;            ///< empty: the scene's value
-  std::optional<signal::Estimate> prior = std::nullopt;  ///< from an earlier test
+  bool per_state = false;                        ///< a value of its own in every state
+  std::optional<double> start = std::nullopt;    ///< empty: the scene's value
+  std::optional<Estimate> prior = std::nullopt;  ///< from an earlier test
   /// Without `prior`: relative standard uncertainty of a prior at the scene's own value (in each
   /// state if `per_state`), such as a load cell's reading; 0: no prior.
   double prior_relative_std = 0;
@@ -58,19 +49,19 @@ struct UncertainInput {
 inline constexpr std::string_view kSampleRateTarget = "sample rate";
 
 struct MeasuredMode {
-  signal::Estimate frequency_hz;                         ///< std not finite: unknown
-  signal::Estimate damping_ratio;                        ///< value not finite: not measured
+  Estimate frequency_hz;                                 ///< std not finite: unknown
+  Estimate damping_ratio;                                ///< value not finite: not measured
   std::optional<model::ModePlane> plane = std::nullopt;  ///< plane of the test
-  Eigen::VectorXcd shape = {};  ///< at the scene's sensors, in their order; empty: not measured
-  int order = 0;                ///< among the modes of its plane, from 1; 0: not stated
+  VectorXcd shape = {};  ///< at the scene's sensors, in their order; empty: not measured
+  int order = 0;         ///< among the modes of its plane, from 1; 0: not stated
 };
 
 /// One measured FRF, from a load of the scene to a sensor of it, in the sensor's quantity per N.
 struct MeasuredFrf {
   std::size_t sensor = 0, load = 0;  ///< indices in the scene
-  Eigen::VectorXd frequency_hz;      ///< positive
-  Eigen::VectorXcd H;
-  Eigen::VectorXd std = {};  ///< std of the real and of the imaginary part; empty: unknown
+  VectorXd frequency_hz;             ///< positive
+  VectorXcd H;
+  VectorXd std = {};  ///< std of the real and of the imaginary part; empty: unknown
   /// Decay rate of an exponential window on force and response. The model is evaluated at
   /// s = i omega + decay_rate (model/frfs/frf_synthesis.h), so that the window's damping is not
   /// fitted.

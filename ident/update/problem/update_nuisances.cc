@@ -17,10 +17,6 @@
 // A pulse that excites lines up to f lasts 1.5 / f at most (half sine), and windows keep three
 // pulses, faded over half as long: T = 6.75 / f. The a_j are independent; what they add up to in a
 // line is bounded as the place is, by the 5 % quantile of the lines' relative uncertainties.
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <utility>
 
 #include "ident/update/problem/update_problem.h"
 #include "model/frfs/frf_sensitivities.h"
@@ -43,12 +39,12 @@ std::string in_state(const UpdateState& state) {
 
 }  // namespace
 
-UpdateProblem UpdateProblem::with_hits(Eigen::VectorXd& q) const {
+UpdateProblem UpdateProblem::with_hits(VectorXd& q) const {
   UpdateProblem other = *this;
   if (!has_frfs()) return other;
   other.add_places_of_hits(q);
   other.add_forces();
-  const Eigen::Index before = q.size();
+  const Index before = q.size();
   q.conservativeResize(other.size());
   q.tail(q.size() - before).setZero();
   return other;
@@ -65,7 +61,7 @@ void UpdateProblem::add_nuisance(UpdateCoordinate coordinate) {
   ++priors_;
 }
 
-void UpdateProblem::add_places_of_hits(const Eigen::VectorXd& q) {
+void UpdateProblem::add_places_of_hits(const VectorXd& q) {
   std::vector<UpdateCoordinate> places;  // added when q is no longer asked for
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
     const auto& state = states_[static_cast<std::size_t>(s)];
@@ -86,8 +82,8 @@ void UpdateProblem::add_places_of_hits(const Eigen::VectorXd& q) {
         if (solved.frfs.H.empty()) continue;
         for (const auto line : rows_of(s, frf).line) {
           const auto k = static_cast<std::size_t>(line);
-          const double slope = std::abs(solved.rate[0][k](static_cast<Eigen::Index>(frf.sensor),
-                                                          static_cast<Eigen::Index>(l)));
+          const double slope =
+              std::abs(solved.rate[0][k](static_cast<Index>(frf.sensor), static_cast<Index>(l)));
           if (slope > 0) largest.push_back(frf.std[line] / slope);
         }
       }
@@ -111,7 +107,7 @@ void UpdateProblem::add_forces() {
       double highest = 0;
       for (const auto& frf : state.frfs) {
         if (frf.load != l || frf.std.size() == 0) continue;
-        for (Eigen::Index k = 0; k < frf.H.size(); ++k) {
+        for (Index k = 0; k < frf.H.size(); ++k) {
           const double own = frf.std[k] / std::abs(frf.H[k]);
           if (std::isfinite(own) && own > 0) relative.push_back(own);
         }
@@ -129,14 +125,14 @@ void UpdateProblem::add_forces() {
   }
 }
 
-void UpdateProblem::add_force_noise(const Eigen::VectorXd& q, const std::vector<FrfRows>& all,
-                                    Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
+void UpdateProblem::add_force_noise(const VectorXd& q, const std::vector<FrfRows>& all, VectorXd& r,
+                                    MatrixXd* jacobian) const {
   for (const auto& rows : all) {
-    for (Eigen::Index j = parameters_; j < size(); ++j) {
+    for (Index j = parameters_; j < size(); ++j) {
       const auto& force = coordinates_[static_cast<std::size_t>(j)].force;
       if (!(force.std > 0) || force.state != rows.state || force.load != rows.frf->load) continue;
       for (std::size_t k = 0; k < rows.line.size(); ++k) {
-        const auto row = rows.first + 2 * static_cast<Eigen::Index>(k);
+        const auto row = rows.first + 2 * static_cast<Index>(k);
         const std::complex<double> slope =
             std::polar(force.std / rows.relative_std[k],
                        -2 * M_PI * rows.frf->frequency_hz[rows.line[k]] * force.delay_s);

@@ -2,23 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <map>
 #include <set>
-#include <stdexcept>
-#include <utility>
 
 #include "model/scene/actual_state.h"
 #include "model/scene/scene_error.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
-using signal::kNaN;
-
 namespace {
 
-double largest_of(const Eigen::VectorXd& shape) {
+double largest_of(const VectorXd& shape) {
   return shape.size() > 0 ? shape.cwiseAbs().maxCoeff() : 0;
 }
 
@@ -116,7 +108,7 @@ UpdateProblem::UpdateProblem(const std::vector<UpdateState>& states,
       auto prior = parameter.prior;
       const double start = parameter.start ? *parameter.start : prior ? prior->value : own();
       if (!prior && parameter.prior_relative_std > 0) {
-        prior = signal::Estimate{own(), parameter.prior_relative_std * std::abs(own())};
+        prior = Estimate{own(), parameter.prior_relative_std * std::abs(own())};
       }
       UpdateCoordinate q{parameter.name, static_cast<int>(p)};
       if (parameter.per_state) {
@@ -174,9 +166,9 @@ const MeasuredMode& UpdateProblem::measured(int state, int mode) const {
   return states_[static_cast<std::size_t>(state)].measured[static_cast<std::size_t>(mode)];
 }
 
-Eigen::VectorXd UpdateProblem::start() const {
-  Eigen::VectorXd q(size());
-  for (Eigen::Index j = 0; j < size(); ++j) q[j] = coordinates_[static_cast<std::size_t>(j)].start;
+VectorXd UpdateProblem::start() const {
+  VectorXd q(size());
+  for (Index j = 0; j < size(); ++j) q[j] = coordinates_[static_cast<std::size_t>(j)].start;
   return q;
 }
 
@@ -186,7 +178,7 @@ std::vector<std::string> UpdateProblem::names() const {
   return names;
 }
 
-model::Scene UpdateProblem::scene_at(int state, const Eigen::VectorXd& q) const {
+model::Scene UpdateProblem::scene_at(int state, const VectorXd& q) const {
   model::Scene scene = states_[static_cast<std::size_t>(state)].scene;
   const auto [access, owner] = targets_of(state);
   for (std::size_t t = access.size(); t-- > 0;) {  // inputs first
@@ -198,7 +190,7 @@ model::Scene UpdateProblem::scene_at(int state, const Eigen::VectorXd& q) const 
   return scene;
 }
 
-bool UpdateProblem::fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
+bool UpdateProblem::fixed_scene(int state, const VectorXd& q, model::Scene& scene,
                                 std::string& failure) const {
   try {
     scene = scene_at(state, q);
@@ -223,7 +215,7 @@ bool UpdateProblem::fixed_scene(int state, const Eigen::VectorXd& q, model::Scen
 UpdateProblem::Targets UpdateProblem::targets_of(int state) const {
   Targets targets;
   std::vector<std::string> names;
-  for (Eigen::Index j = 0; j < size(); ++j) {
+  for (Index j = 0; j < size(); ++j) {
     for (const auto& effect : coordinates_[static_cast<std::size_t>(j)].effects) {
       if (effect.state != state || effect.target == kSampleRateTarget) continue;
       names.push_back(effect.target);
@@ -238,7 +230,7 @@ UpdateProblem::Targets UpdateProblem::targets_together(int state, const model::S
   Targets together;
   const auto [access, owner] = targets_of(state);
   for (std::size_t t = 0; t < owner.size();) {
-    const Eigen::Index j = owner[t].first;
+    const Index j = owner[t].first;
     std::vector<model::ParameterAccess> parts;
     std::vector<double> factors;
     for (; t < owner.size() && owner[t].first == j; ++t) {
@@ -277,7 +269,7 @@ int UpdateProblem::mode_count(int state) const {
   return std::min<int>(100, 3 * static_cast<int>(measured) + 8);
 }
 
-UpdateStateModes UpdateProblem::modes(int state, const Eigen::VectorXd& q, bool derivatives,
+UpdateStateModes UpdateProblem::modes(int state, const VectorXd& q, bool derivatives,
                                       const std::vector<UpdateMatch>* matches) const {
   const ModeNeed need = need_of(state, matches);
   UpdateStateModes result = modes_asked(state, q, derivatives, need);
@@ -297,7 +289,7 @@ UpdateProblem UpdateProblem::remembering() const {
   return other;
 }
 
-UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q, bool derivatives,
+UpdateStateModes UpdateProblem::modes_asked(int state, const VectorXd& q, bool derivatives,
                                             const ModeNeed& need) const {
   if (!last_) return solved_modes(state, q, derivatives, need);
   LastModes& last = (*last_)[2 * static_cast<std::size_t>(state) + derivatives];
@@ -307,7 +299,7 @@ UpdateStateModes UpdateProblem::modes_asked(int state, const Eigen::VectorXd& q,
   return last.modes;
 }
 
-UpdateStateModes UpdateProblem::solved_modes(int state, const Eigen::VectorXd& q, bool derivatives,
+UpdateStateModes UpdateProblem::solved_modes(int state, const VectorXd& q, bool derivatives,
                                              const ModeNeed& need) const {
   UpdateStateModes result;
   model::Scene scene;
@@ -344,12 +336,12 @@ UpdateStateModes UpdateProblem::solved_modes(int state, const Eigen::VectorXd& q
     if (natural.load_shape.size() > 0) mode.visibility *= largest_of(natural.load_shape);
     if (!known(mode.frequency_hz)) continue;  // a rigid motion: nothing that was measured
     if (derivatives) {
-      mode.dlog_frequency = mode.dlog_damping = Eigen::VectorXd::Zero(size());
-      const auto row = static_cast<Eigen::Index>(k);
+      mode.dlog_frequency = mode.dlog_damping = VectorXd::Zero(size());
+      const auto row = static_cast<Index>(k);
       for (std::size_t t = 0; t < targets.size(); ++t) {
         const auto [j, factor] = owner[t];
         const double by = factor * coordinates_[static_cast<std::size_t>(j)].derivative(q[j]);
-        const auto column = static_cast<Eigen::Index>(t);
+        const auto column = static_cast<Index>(t);
         mode.dlog_frequency[j] += solved.frequency(row, column) * by / mode.frequency_hz;
         if (damping_ && solved.damping_ratio.rows() > row && known(mode.damping_ratio)) {
           mode.dlog_damping[j] += solved.damping_ratio(row, column) * by / mode.damping_ratio;
@@ -369,7 +361,7 @@ UpdateStateModes UpdateProblem::solved_modes(int state, const Eigen::VectorXd& q
   return result;
 }
 
-UpdateMatches UpdateProblem::match(const Eigen::VectorXd& q, std::string& failure) const {
+UpdateMatches UpdateProblem::match(const VectorXd& q, std::string& failure) const {
   return with_model_std(kListStd).assign(q, failure);
 }
 
@@ -386,9 +378,9 @@ double UpdateProblem::damping_relative_std(int state, int mode) const {
   return std::hypot(own, variant_.model_std.second);
 }
 
-std::vector<std::pair<Eigen::Index, double>> UpdateProblem::rate_changes(int state) const {
-  std::vector<std::pair<Eigen::Index, double>> changes;
-  for (Eigen::Index j = parameters_; j < size(); ++j) {
+std::vector<std::pair<Index, double>> UpdateProblem::rate_changes(int state) const {
+  std::vector<std::pair<Index, double>> changes;
+  for (Index j = parameters_; j < size(); ++j) {
     for (const auto& effect : coordinates_[static_cast<std::size_t>(j)].effects) {
       if (effect.state == state && effect.target == kSampleRateTarget) {
         changes.emplace_back(j, effect.change);
@@ -398,13 +390,13 @@ std::vector<std::pair<Eigen::Index, double>> UpdateProblem::rate_changes(int sta
   return changes;
 }
 
-double UpdateProblem::measured_factor(int state, const Eigen::VectorXd& q) const {
+double UpdateProblem::measured_factor(int state, const VectorXd& q) const {
   double factor = 1;
   for (const auto& [j, change] : rate_changes(state)) factor += q[j] * change;
   return factor;
 }
 
-std::vector<UpdatedPair> UpdateProblem::pairs(const Eigen::VectorXd& q,
+std::vector<UpdatedPair> UpdateProblem::pairs(const VectorXd& q,
                                               const std::vector<UpdateMatch>& matches) const {
   std::vector<UpdatedPair> result;
   int current = -1;

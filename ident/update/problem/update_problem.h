@@ -3,16 +3,9 @@
 // Ceres. For the fit and its checks, not for users.
 #pragma once
 
-#include <Eigen/Core>
 #include <atomic>
-#include <cmath>
-#include <limits>
-#include <map>
 #include <memory>
-#include <string>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"
@@ -52,7 +45,7 @@ struct UpdateCoordinate {
 /// `visibility`: response at a sensor to a load of the scene; 0: none there.
 struct UpdateModelMode : PairingMode {
   double damping_ratio = 0;
-  Eigen::VectorXd dlog_frequency, dlog_damping;  ///< by coordinate
+  VectorXd dlog_frequency, dlog_damping;  ///< by coordinate
 };
 
 /// What damping ratios err by, relative to frequencies.
@@ -102,10 +95,10 @@ class UpdateProblem {
                 const UpdateOptions& options);
 
   [[nodiscard]] const std::vector<UpdateCoordinate>& coordinates() const { return coordinates_; }
-  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(coordinates_.size()); }
+  [[nodiscard]] Index size() const { return static_cast<Index>(coordinates_.size()); }
   /// Coordinates that are free parameters: the first.
-  [[nodiscard]] Eigen::Index parameter_count() const { return parameters_; }
-  [[nodiscard]] Eigen::VectorXd start() const;
+  [[nodiscard]] Index parameter_count() const { return parameters_; }
+  [[nodiscard]] VectorXd start() const;
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] const std::vector<UpdateState>& states() const { return states_; }
   [[nodiscard]] bool takes_part(int state) const {
@@ -125,63 +118,61 @@ class UpdateProblem {
   }
   /// This problem with the error of "auto" segments, found at q, taken off the frequencies that
   /// count as data (update_segments.cc); `given`: of segments that a scene gives as well.
-  [[nodiscard]] UpdateProblem with_resolved_modes(const Eigen::VectorXd& q,
-                                                  bool given = false) const;
+  [[nodiscard]] UpdateProblem with_resolved_modes(const VectorXd& q, bool given = false) const;
   /// Whether `finer` changes the residuals at q by less than a tenth of their standard deviation,
   /// all together: no parameter by more of its own.
   [[nodiscard]] bool resolved_as(const UpdateProblem& finer,
-                                 const std::vector<UpdateMatch>& matches,
-                                 const Eigen::VectorXd& q) const;
+                                 const std::vector<UpdateMatch>& matches, const VectorXd& q) const;
   /// This problem with so many segments of its "auto" members that twice as many change nothing.
   [[nodiscard]] UpdateProblem with_resolving_segments(const std::vector<UpdateMatch>& matches,
-                                                      const Eigen::VectorXd& q) const;
+                                                      const VectorXd& q) const;
   [[nodiscard]] bool is_resolved(int state) const;
   /// This problem with place and force of the hits of FRFs as further coordinates, each with its
   /// normal prior (update_nuisances.cc); q becomes a place in it.
-  [[nodiscard]] UpdateProblem with_hits(Eigen::VectorXd& q) const;
+  [[nodiscard]] UpdateProblem with_hits(VectorXd& q) const;
   /// Lines of one FRF that are fitted: two residuals each, from row `first` on.
   struct FrfRows {
     int state = 0;
     const MeasuredFrf* frf = nullptr;
-    Eigen::Index first = 0;
-    std::vector<Eigen::Index> line = {};
+    Index first = 0;
+    std::vector<Index> line = {};
     std::vector<double> relative_std = {};
     std::vector<char> difference = {};  ///< 1: residual H / H_measured - 1, else their logarithm
   };
   [[nodiscard]] std::vector<FrfRows> frf_rows() const;
-  [[nodiscard]] model::Scene scene_at(int state, const Eigen::VectorXd& q) const;
+  [[nodiscard]] model::Scene scene_at(int state, const VectorXd& q) const;
   /// `matches`: modes are asked for that these need; null: all that may pair.
-  [[nodiscard]] UpdateStateModes modes(int state, const Eigen::VectorXd& q, bool derivatives,
+  [[nodiscard]] UpdateStateModes modes(int state, const VectorXd& q, bool derivatives,
                                        const std::vector<UpdateMatch>* matches = nullptr) const;
 
   /// Pairs for lists of every state that takes part; `failure` says why there are none.
-  [[nodiscard]] UpdateMatches match(const Eigen::VectorXd& q, std::string& failure) const;
+  [[nodiscard]] UpdateMatches match(const VectorXd& q, std::string& failure) const;
 
   /// Residuals over their standard deviations: FRFs, frequencies and dampings of the fitted pairs
   /// in order, then priors. False when some state has no modes or a pair's mode is gone.
-  [[nodiscard]] bool residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
-                               Eigen::VectorXd& residuals, Eigen::MatrixXd* jacobian) const;
-  [[nodiscard]] Eigen::Index residual_count(const std::vector<UpdateMatch>& matches) const;
+  [[nodiscard]] bool residuals(const VectorXd& q, const std::vector<UpdateMatch>& matches,
+                               VectorXd& residuals, MatrixXd* jacobian) const;
+  [[nodiscard]] Index residual_count(const std::vector<UpdateMatch>& matches) const;
   [[nodiscard]] bool has_modes() const;
   [[nodiscard]] bool has_frfs() const;
   /// Rms of |ln(H_model / H_measured)| over the fitted lines of the states that take part; NaN
   /// without any or without a model.
-  [[nodiscard]] double rms_log_frf_error(const Eigen::VectorXd& q) const;
-  [[nodiscard]] Eigen::Index frf_lines() const;
+  [[nodiscard]] double rms_log_frf_error(const VectorXd& q) const;
+  [[nodiscard]] Index frf_lines() const;
   /// Residuals of FRF lines that share their noise with others, and say nothing of their own.
   [[nodiscard]] double shared_residuals() const;
-  [[nodiscard]] Eigen::Index prior_count() const { return priors_; }
-  [[nodiscard]] std::vector<UpdatedPair> pairs(const Eigen::VectorXd& q,
+  [[nodiscard]] Index prior_count() const { return priors_; }
+  [[nodiscard]] std::vector<UpdatedPair> pairs(const VectorXd& q,
                                                const std::vector<UpdateMatch>& matches) const;
 
   /// The assignment of the largest likelihood (mode_assignment.h) in every state that takes part;
   /// `scaled`: with all frequencies of a state times one factor of up to two either way.
-  [[nodiscard]] UpdateMatches assign(const Eigen::VectorXd& q, std::string& failure,
+  [[nodiscard]] UpdateMatches assign(const VectorXd& q, std::string& failure,
                                      bool scaled = false) const;
 
   /// Rows of the residuals that are frequencies of fitted pairs, with their match.
   struct FrequencyRow {
-    Eigen::Index row = 0, damping = -1;  ///< its damping ratio's row, where it is fitted
+    Index row = 0, damping = -1;  ///< its damping ratio's row, where it is fitted
     std::size_t match = 0;
   };
   [[nodiscard]] std::vector<FrequencyRow> frequency_rows(
@@ -196,11 +187,11 @@ class UpdateProblem {
   [[nodiscard]] double relative_std(int state, int measured) const;
   [[nodiscard]] double damping_relative_std(int state, int measured) const;
   /// Factor on a state's measured frequencies where the inputs change its sample rate at q.
-  [[nodiscard]] double measured_factor(int state, const Eigen::VectorXd& q) const;
+  [[nodiscard]] double measured_factor(int state, const VectorXd& q) const;
   [[nodiscard]] bool uncertainties_known() const { return uncertainties_known_; }
 
   /// A prior where there was none.
-  void set_prior(Eigen::Index coordinate, double q, double std) {
+  void set_prior(Index coordinate, double q, double std) {
     coordinates_[static_cast<std::size_t>(coordinate)].prior = q;
     coordinates_[static_cast<std::size_t>(coordinate)].prior_std = std;
     ++priors_;
@@ -209,7 +200,7 @@ class UpdateProblem {
  private:
   struct Targets {
     std::vector<model::ParameterAccess> access;
-    std::vector<std::pair<Eigen::Index, double>> owner;  // coordinate, factor
+    std::vector<std::pair<Index, double>> owner;  // coordinate, factor
   };
 
   // Modes asked of the model for fixed pairs, by plane; none: all that may pair.
@@ -218,14 +209,14 @@ class UpdateProblem {
     bool operator==(const ModeNeed&) const = default;
   };
   struct LastModes {
-    Eigen::VectorXd q;
+    VectorXd q;
     ModeNeed need;
     UpdateStateModes modes;
   };
   [[nodiscard]] ModeNeed need_of(int state, const std::vector<UpdateMatch>* matches) const;
-  [[nodiscard]] UpdateStateModes modes_asked(int state, const Eigen::VectorXd& q, bool derivatives,
+  [[nodiscard]] UpdateStateModes modes_asked(int state, const VectorXd& q, bool derivatives,
                                              const ModeNeed& need) const;
-  [[nodiscard]] UpdateStateModes solved_modes(int state, const Eigen::VectorXd& q, bool derivatives,
+  [[nodiscard]] UpdateStateModes solved_modes(int state, const VectorXd& q, bool derivatives,
                                               const ModeNeed& need) const;
   [[nodiscard]] UpdateMatches assign_state(int state, const UpdateStateModes& modelled) const;
   [[nodiscard]] const MeasuredMode& measured(int state, int mode) const;
@@ -237,24 +228,24 @@ class UpdateProblem {
   /// With one for all targets of a coordinate that can be moved together.
   [[nodiscard]] Targets targets_together(int state, const model::Scene& scene) const;
   /// Whether one of the first `count` coordinates moves a scene parameter of that state.
-  [[nodiscard]] bool is_moved(int state, const std::string& target, Eigen::Index count) const;
+  [[nodiscard]] bool is_moved(int state, const std::string& target, Index count) const;
   /// Changes of a state's sample rate by one standard uncertainty of each coordinate; empty: none.
-  [[nodiscard]] std::vector<std::pair<Eigen::Index, double>> rate_changes(int state) const;
-  void add_places_of_hits(const Eigen::VectorXd& q);
+  [[nodiscard]] std::vector<std::pair<Index, double>> rate_changes(int state) const;
+  void add_places_of_hits(const VectorXd& q);
   void add_forces();
   void add_nuisance(UpdateCoordinate coordinate);
-  void add_force_noise(const Eigen::VectorXd& q, const std::vector<FrfRows>& all,
-                       Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
-  [[nodiscard]] bool fixed_scene(int state, const Eigen::VectorXd& q, model::Scene& scene,
+  void add_force_noise(const VectorXd& q, const std::vector<FrfRows>& all, VectorXd& r,
+                       MatrixXd* jacobian) const;
+  [[nodiscard]] bool fixed_scene(int state, const VectorXd& q, model::Scene& scene,
                                  std::string& failure) const;
   [[nodiscard]] FrfRows rows_of(int state, const MeasuredFrf& frf) const;
-  [[nodiscard]] bool frf_residuals(const Eigen::VectorXd& q, const std::vector<FrfRows>& all,
-                                   Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
+  [[nodiscard]] bool frf_residuals(const VectorXd& q, const std::vector<FrfRows>& all, VectorXd& r,
+                                   MatrixXd* jacobian) const;
 
   std::vector<UpdateState> states_;
   UpdateOptions options_;
   std::vector<UpdateCoordinate> coordinates_;
-  Eigen::Index parameters_ = 0, priors_ = 0;
+  Index parameters_ = 0, priors_ = 0;
   bool uncertainties_known_ = true, damping_free_ = false, damping_ = false, joint_dampers_ = false;
   UpdateVariant variant_;
   // By copies of a problem too: asking for the paired modes alone has not failed yet.
@@ -268,14 +259,14 @@ class UpdateProblem {
 
 /// An assignment of the modes, and the minimum with it.
 struct UpdateAnswer {
-  Eigen::VectorXd q = {};  ///< empty: there is none, see `failure`
+  VectorXd q = {};  ///< empty: there is none, see `failure`
   UpdateMatches matches = {};
   double cost = std::numeric_limits<double>::infinity();
   bool converged = false;
   std::string failure = {};
   double error = 0;  ///< tau of largest posterior probability (update_alternatives.h)
   double log_evidence = 0;
-  Eigen::MatrixXd hessian = {};  ///< second derivatives of -ln(posterior), by coordinate
+  MatrixXd hessian = {};  ///< second derivatives of -ln(posterior), by coordinate
   double weight = 1;
 };
 
@@ -283,11 +274,10 @@ struct UpdateAnswer {
 /// `tolerance` of it. False when it did not converge. `held`: a coordinate that stays as it is; -1:
 /// none.
 [[nodiscard]] bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                            Eigen::VectorXd& q, double& cost, double tolerance = 1e-9,
-                            int held = -1);
+                            VectorXd& q, double& cost, double tolerance = 1e-9, int held = -1);
 
 /// Half the sum of squares; false when there is no model.
 [[nodiscard]] bool cost_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                           const Eigen::VectorXd& q, double& cost);
+                           const VectorXd& q, double& cost);
 
 }  // namespace rigfit::ident

@@ -2,11 +2,6 @@
 // (frequencies and damping ratios), then what update_frfs.cc adds, then priors.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <utility>
-
 #include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
@@ -48,8 +43,7 @@ UpdateMatches UpdateProblem::assign_state(int s, const UpdateStateModes& modelle
   return result;
 }
 
-UpdateMatches UpdateProblem::assign(const Eigen::VectorXd& q, std::string& failure,
-                                    bool scaled) const {
+UpdateMatches UpdateProblem::assign(const VectorXd& q, std::string& failure, bool scaled) const {
   constexpr double kStep = 0.1, kReach = 0.7;  // ln f: see update_alternatives.h
   UpdateMatches all;
   for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
@@ -95,7 +89,7 @@ bool UpdateProblem::has_frfs() const {
 std::vector<UpdateProblem::FrequencyRow> UpdateProblem::frequency_rows(
     const std::vector<UpdateMatch>& matches) const {
   std::vector<FrequencyRow> rows;
-  Eigen::Index row = 2 * frf_lines();
+  Index row = 2 * frf_lines();
   for (std::size_t m = 0; m < matches.size(); ++m) {
     const auto& match = matches[m];
     if (match.cross_plane || states_[static_cast<std::size_t>(match.state)].modes_lead_only) {
@@ -108,14 +102,14 @@ std::vector<UpdateProblem::FrequencyRow> UpdateProblem::frequency_rows(
   return rows;
 }
 
-Eigen::Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& matches) const {
-  Eigen::Index count = priors_ + 2 * frf_lines();
+Index UpdateProblem::residual_count(const std::vector<UpdateMatch>& matches) const {
+  Index count = priors_ + 2 * frf_lines();
   for (const auto& row : frequency_rows(matches)) count += row.damping < 0 ? 1 : 2;
   return count;
 }
 
-bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<UpdateMatch>& matches,
-                              Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const {
+bool UpdateProblem::residuals(const VectorXd& q, const std::vector<UpdateMatch>& matches,
+                              VectorXd& r, MatrixXd* jacobian) const {
   r.setZero(residual_count(matches));
   if (jacobian != nullptr) jacobian->setZero(r.size(), size());
   int current = -1;
@@ -148,8 +142,8 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
   const auto frfs = frf_rows();
   if (!frf_residuals(q, frfs, r, jacobian)) return false;
   add_force_noise(q, frfs, r, jacobian);
-  Eigen::Index prior = r.size() - priors_;
-  for (Eigen::Index j = 0; j < size(); ++j) {
+  Index prior = r.size() - priors_;
+  for (Index j = 0; j < size(); ++j) {
     const auto& coordinate = coordinates_[static_cast<std::size_t>(j)];
     if (coordinate.prior_std <= 0) continue;
     r[prior] = (q[j] - coordinate.prior) / coordinate.prior_std;
@@ -159,7 +153,7 @@ bool UpdateProblem::residuals(const Eigen::VectorXd& q, const std::vector<Update
   return r.allFinite() && (jacobian == nullptr || jacobian->allFinite());
 }
 
-bool UpdateProblem::is_moved(int state, const std::string& target, Eigen::Index count) const {
+bool UpdateProblem::is_moved(int state, const std::string& target, Index count) const {
   return std::any_of(coordinates_.begin(), coordinates_.begin() + count, [&](const auto& one) {
     return std::ranges::any_of(one.effects, [&](const auto& effect) {
       return effect.state == state && effect.target == target;

@@ -2,27 +2,16 @@
 // all answers that the data support.
 #pragma once
 
-#include <Eigen/Core>
-#include <cmath>
-#include <limits>
-#include <optional>
-#include <string>
-#include <tuple>
-#include <vector>
-
-#include "document/describe.h"
 #include "ident/statistics/uncertainty.h"
 #include "ident/update/pairing/mode_assignment.h"
 #include "model/linear/modal_analysis.h"
-#include "signal/numerics/estimate.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 
 /// A value and its std of members that hold them apart.
 template <class Value, class Std>
 constexpr auto estimate_of(Value value, Std std) {
-  return [=](const auto& x) { return signal::Estimate{x.*value, x.*std}; };
+  return [=](const auto& x) { return Estimate{x.*value, x.*std}; };
 }
 
 enum class UpdateStatus { converged, not_converged, no_model, too_little_data };
@@ -34,7 +23,7 @@ struct UpdateBudgetTerm {
   double std = 0;
   /// For an input: change of the value when the input is larger by one standard
   /// uncertainty; NaN for other sources and those of several parts.
-  double change = std::numeric_limits<double>::quiet_NaN();
+  double change = kNaN;
 
   static constexpr auto fields() {
     using T = UpdateBudgetTerm;
@@ -51,8 +40,8 @@ struct UpdatedParameter {
   double start = 0, value = 0;
   double std = 0;  ///< NaN when not identifiable
   /// 95 % interval; of all alternatives together where there are several; NaN: open on this side.
-  double low = std::numeric_limits<double>::quiet_NaN();
-  double high = std::numeric_limits<double>::quiet_NaN();
+  double low = kNaN;
+  double high = kNaN;
   bool interval_by_profile = false;  ///< else linear, in ln(value) where the value is positive
   bool identifiable = false;
   double std_from_data = 0;  ///< without priors; NaN if the data do not determine it
@@ -118,12 +107,12 @@ struct UpdateMatch {
 /// A measured mode with its partner in the model, or one of either that has none.
 struct UpdatedPair : UpdateMatch {
   std::string state_name = {};
-  double measured_hz = signal::kNaN, model_hz = signal::kNaN;  ///< NaN: there is none
-  double relative_error = signal::kNaN;
-  double measured_damping = signal::kNaN, model_damping = signal::kNaN;  ///< NaN: not measured
-  double measured_std_hz = signal::kNaN;
-  double model_std_hz = signal::kNaN;  ///< from parameters and inputs; NaN: unknown
-  std::string reason = {};             ///< why it has no partner
+  double measured_hz = kNaN, model_hz = kNaN;  ///< NaN: there is none
+  double relative_error = kNaN;
+  double measured_damping = kNaN, model_damping = kNaN;  ///< NaN: not measured
+  double measured_std_hz = kNaN;
+  double model_std_hz = kNaN;  ///< from parameters and inputs; NaN: unknown
+  std::string reason = {};     ///< why it has no partner
 
   [[nodiscard]] bool is_pair() const { return measured_hz > 0 && model_hz > 0; }
   /// A modelled mode that the test should have seen.
@@ -134,7 +123,7 @@ struct UpdatedPair : UpdateMatch {
     using T = UpdatedPair;
     // A member of a pair; nothing without one.
     constexpr auto of_pair = [](auto get) { return where(&T::is_pair, get); };
-    constexpr auto error = [](const T& p) -> signal::Estimate {
+    constexpr auto error = [](const T& p) -> Estimate {
       const auto known = [](double std) { return std::isfinite(std) ? std : 0; };
       return {p.relative_error,
               std::hypot(known(p.measured_std_hz), known(p.model_std_hz)) / p.measured_hz};
@@ -170,9 +159,9 @@ struct UpdatedPair : UpdateMatch {
 /// the states of a mode and by the modes of a state if that gives larger uncertainties.
 struct UpdateFit {
   double chi2 = 0, degrees_of_freedom = 0;
-  double p_value = std::numeric_limits<double>::quiet_NaN();  ///< NaN: no degree of freedom
-  bool stated = false;   ///< the uncertainties came with the data; else they are assumed
-  double model_std = 0;  ///< std of that random error, relative in frequency
+  double p_value = kNaN;  ///< NaN: no degree of freedom
+  bool stated = false;    ///< the uncertainties came with the data; else they are assumed
+  double model_std = 0;   ///< std of that random error, relative in frequency
   /// Std of such a random error of FRFs, relative in every line, beyond the lines' uncertainties
   /// and shared errors (inputs, place of the hits).
   double frf_model_std = 0;
@@ -237,11 +226,11 @@ struct HeldOut {
   int state = 0;
   std::string name;  ///< the state's
   UpdateStatus status = UpdateStatus::not_converged;
-  double rms_fitted = signal::kNaN;     ///< over the fitted states
-  double rms_predicted = signal::kNaN;  ///< held-out state
-  double rms_before = signal::kNaN;     ///< held-out state, at the start values
-  double frf_fitted = signal::kNaN, frf_predicted = signal::kNaN,
-         frf_before = signal::kNaN;                  ///< rms |ln FRF ratio| likewise
+  double rms_fitted = kNaN;     ///< over the fitted states
+  double rms_predicted = kNaN;  ///< held-out state
+  double rms_before = kNaN;     ///< held-out state, at the start values
+  double frf_fitted = kNaN, frf_predicted = kNaN,
+         frf_before = kNaN;                          ///< rms |ln FRF ratio| likewise
   std::vector<UpdatedPair> pairs;                    ///< held-out state
   std::optional<model::Scene> scene = std::nullopt;  ///< held-out state, as predicted
 
@@ -266,27 +255,27 @@ struct UpdateResult : FittedValues {
   /// By data and priors, in the fitted coordinates (relative): the parameters, then what is known
   /// to an uncertainty.
   Identifiability identifiability;
-  Eigen::MatrixXd covariance;             ///< parameters' values, all sources; NaN where not
+  MatrixXd covariance;                    ///< parameters' values, all sources; NaN where not
                                           ///< identifiable
-  Eigen::MatrixXd correlation;            ///< NaN like the covariance
+  MatrixXd correlation;                   ///< NaN like the covariance
   std::vector<std::string> open;          ///< what the data cannot separate, in words
   std::vector<UpdatedPair> pairs_before;  ///< at the start values
   double rms_relative_error_before = 0;   ///< likewise; NaN without pairs
-  double rms_held_out = signal::kNaN;     ///< over all pairs that were held out; NaN without
+  double rms_held_out = kNaN;             ///< over all pairs that were held out; NaN without
   /// Rms of |ln(H_model / H_measured)| over the lines that are fitted; NaN without FRFs.
-  double rms_log_frf_error = std::numeric_limits<double>::quiet_NaN();
-  double rms_log_frf_error_before = std::numeric_limits<double>::quiet_NaN();
-  Eigen::Index frf_lines = 0;
+  double rms_log_frf_error = kNaN;
+  double rms_log_frf_error_before = kNaN;
+  Index frf_lines = 0;
   UpdateFit fit;
   /// Answers of weight 0.001 or more, heaviest first; the first is this result. For fits to modes.
   std::vector<UpdateAlternative> alternatives;
-  double log_evidence = std::numeric_limits<double>::quiet_NaN();  ///< ln, over all answers
+  double log_evidence = kNaN;  ///< ln, over all answers
   double variance_factor = 1;
   double coverage_factor = 1.96;     ///< for 95 %
   int starts = 0;                    ///< local fits of the search
   std::vector<model::Scene> scenes;  ///< updated, by state
   std::vector<HeldOut> held = {};    ///< each state, if asked for
-  Eigen::VectorXd coordinates;       ///< solution, as identifiability has them, for refits
+  VectorXd coordinates;              ///< solution, as identifiability has them, for refits
 
   static constexpr auto fields() {
     using T = UpdateResult;

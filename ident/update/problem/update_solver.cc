@@ -5,9 +5,6 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
-#include <cmath>
-#include <vector>
-
 namespace rigfit::ident {
 namespace {
 
@@ -19,7 +16,7 @@ class UpdateCost : public ceres::CostFunction {
     mutable_parameter_block_sizes()->push_back(static_cast<int>(problem.size()));
   }
   bool Evaluate(double const* const* blocks, double* out, double** jacobians) const override {
-    const Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(blocks[0], problem_.size());
+    const VectorXd q = Map<const VectorXd>(blocks[0], problem_.size());
     // Most steps are taken: the Jacobian found with the residuals of a trial serves when it is
     // asked for.
     if (q_.size() == 0 || q != q_) {
@@ -27,15 +24,15 @@ class UpdateCost : public ceres::CostFunction {
       if (!problem_.residuals(q, matches_, r_, &J_)) return false;
       q_ = q;
     }
-    Eigen::Map<Eigen::VectorXd>(out, r_.size()) = r_;
+    Map<VectorXd>(out, r_.size()) = r_;
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     if (jacobians != nullptr && jacobians[0] != nullptr) {
-      Eigen::Map<RowMajor>(jacobians[0], J_.rows(), J_.cols()) = J_;
+      Map<RowMajor>(jacobians[0], J_.rows(), J_.cols()) = J_;
     }
     return true;
   }
   /// Where the cost falls by less than its tolerance, Ceres leaves the last step.
-  void take_last_step(Eigen::VectorXd& q, double& cost) const {
+  void take_last_step(VectorXd& q, double& cost) const {
     const double last = 0.5 * r_.squaredNorm();
     if (q_.size() > 0 && last < cost) q = q_, cost = last;
   }
@@ -43,16 +40,16 @@ class UpdateCost : public ceres::CostFunction {
  private:
   const UpdateProblem& problem_;
   const std::vector<UpdateMatch>& matches_;
-  mutable Eigen::VectorXd q_, r_;  // the last point; of one solver, on its thread
-  mutable Eigen::MatrixXd J_;
+  mutable VectorXd q_, r_;  // the last point; of one solver, on its thread
+  mutable MatrixXd J_;
 };
 
 }  // namespace
 
-bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-              Eigen::VectorXd& q, double& cost, double tolerance, int held) {
+bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches, VectorXd& q,
+              double& cost, double tolerance, int held) {
   if (held >= 0 && q.size() == 1) return cost_of(problem, matches, q, cost);
-  Eigen::VectorXd u = q;
+  VectorXd u = q;
   UpdateCost function(problem, matches);
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -91,8 +88,8 @@ bool minimise(const UpdateProblem& problem, const std::vector<UpdateMatch>& matc
 }
 
 bool cost_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-             const Eigen::VectorXd& q, double& cost) {
-  Eigen::VectorXd r;
+             const VectorXd& q, double& cost) {
+  VectorXd r;
   if (!problem.residuals(q, matches, r, nullptr)) return false;
   cost = 0.5 * r.squaredNorm();
   return true;

@@ -1,15 +1,9 @@
 #include "ident/update/uncertainty/update_uncertainty.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "ident/statistics/root.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
-
-using signal::kNaN;
 
 constexpr double kCurved = 0.12;    // in the root of the deviance: a quarter of the deviance
 constexpr double kStraight = 0.03;  // standard uncertainty in q below which models are linear
@@ -18,10 +12,10 @@ constexpr double kProfiled = 0.01;  // tolerance, root of the deviance
 // The deviance at q: squared residuals of the data over their variance factor, and those of the
 // priors, which are what they say; NaN without a model there.
 double deviance_at(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                   const Eigen::VectorXd& q, double variance_factor) {
-  Eigen::VectorXd r;
+                   const VectorXd& q, double variance_factor) {
+  VectorXd r;
   if (!problem.residuals(q, matches, r, nullptr)) return kNaN;
-  const Eigen::Index priors = problem.prior_count();
+  const Index priors = problem.prior_count();
   return r.head(r.size() - priors).squaredNorm() / variance_factor + r.tail(priors).squaredNorm();
 }
 
@@ -31,13 +25,13 @@ bool at_bound(const UpdateCoordinate& coordinate, double q, double reach) {
 
 // One end of the profile interval of coordinate j, in q; NaN: the cost stays below.
 double profile_end(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                   const UpdateResult& solution, Eigen::Index j, double direction, double least) {
+                   const UpdateResult& solution, Index j, double direction, double least) {
   const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
   const double goal = solution.coverage_factor;
   const double at = solution.coordinates[j];
   const double bound = direction > 0 ? coordinate.high : coordinate.low;
   const double own = solution.identifiability.std[j];
-  Eigen::VectorXd q = solution.coordinates;
+  VectorXd q = solution.coordinates;
   const auto above_goal = [&](double step) {  // the root of the deviance over its goal; < 0: inside
     q[j] = at + direction * step;
     double cost = 0;
@@ -69,14 +63,14 @@ double profile_end(const UpdateProblem& problem, const std::vector<UpdateMatch>&
 
 // Whether the cost is no parabola between the linear ends of coordinate j.
 bool is_curved(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-               const UpdateResult& result, Eigen::Index j, double least) {
+               const UpdateResult& result, Index j, double least) {
   const auto& known = result.identifiability;
   const double k = result.coverage_factor, std = known.std[j];
-  Eigen::VectorXd along = known.covariance.col(j) * (k / std);
+  VectorXd along = known.covariance.col(j) * (k / std);
   for (double& step : along) step = std::isfinite(step) ? step : 0;
   for (const double sign : {-1.0, 1.0}) {
-    const Eigen::VectorXd q = result.coordinates + sign * along;
-    for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const VectorXd q = result.coordinates + sign * along;
+    for (Index i = 0; i < q.size(); ++i) {
       const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
       if (q[i] <= coordinate.low || q[i] >= coordinate.high) return true;
     }
@@ -91,21 +85,21 @@ bool is_curved(const UpdateProblem& problem, const std::vector<UpdateMatch>& mat
 void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
                      const std::vector<UpdateMatch>& matches, UpdateResult& result) {
   const auto& known = result.identifiability;
-  const Eigen::Index n = problem.parameter_count();
+  const Index n = problem.parameter_count();
   if (known.std.size() != problem.size()) return;
   const double least = problem.modes_only() ? deviance_at(problem, matches, result.coordinates,
                                                           result.variance_factor)
                                             : kNaN;
   const bool costs = !std::isnan(least);
   bool loose = false, bent = false;  // one that may be bends the others' intervals as well
-  for (Eigen::Index j = 0; j < n; ++j) {
+  for (Index j = 0; j < n; ++j) {
     const auto& parameter = result.parameters[static_cast<std::size_t>(j)];
     loose = loose || parameter.at_bound || !parameter.identifiable;
     bent = bent || known.std[j] > kStraight ||
            at_bound(problem.coordinates()[static_cast<std::size_t>(j)], result.coordinates[j],
                     result.coverage_factor * known.std[j]);
   }
-  for (Eigen::Index j = 0; j < n; ++j) {
+  for (Index j = 0; j < n; ++j) {
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
     auto& parameter = result.parameters[static_cast<std::size_t>(j)];
     const double q = result.coordinates[j];

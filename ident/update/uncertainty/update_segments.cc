@@ -8,11 +8,6 @@
 // chain, which is taken off wherever that chain is asked, until it no longer moves the parameters.
 // FRFs get 2, 4 or 8 times the segments.
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <utility>
-
 #include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
@@ -27,7 +22,7 @@ bool UpdateProblem::is_resolved(int state) const {
          !(*variant_.segment_errors)[static_cast<std::size_t>(state)].empty();
 }
 
-UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q, bool given) const {
+UpdateProblem UpdateProblem::with_resolved_modes(const VectorXd& q, bool given) const {
   UpdateProblem other = with(&UpdateVariant::segment_errors, nullptr);
   auto errors = std::make_shared<std::vector<SegmentErrors>>(states_.size());
   for (std::size_t s = 0; s < states_.size(); ++s) {
@@ -65,15 +60,15 @@ UpdateProblem UpdateProblem::with_resolved_modes(const Eigen::VectorXd& q, bool 
 }
 
 bool UpdateProblem::resolved_as(const UpdateProblem& finer, const std::vector<UpdateMatch>& matches,
-                                const Eigen::VectorXd& q) const {
+                                const VectorXd& q) const {
   constexpr double kSmall = 0.01;
-  Eigen::VectorXd here, fine;
+  VectorXd here, fine;
   return !residuals(q, matches, here, nullptr) || !finer.residuals(q, matches, fine, nullptr) ||
          (here - fine).squaredNorm() < kSmall;
 }
 
 UpdateProblem UpdateProblem::with_resolving_segments(const std::vector<UpdateMatch>& matches,
-                                                     const Eigen::VectorXd& q) const {
+                                                     const VectorXd& q) const {
   constexpr double kMostTimes = 8;
   UpdateProblem settled = *this;
   for (const auto& state : states_) {

@@ -3,26 +3,19 @@
 #include <gsl/gsl_cdf.h>
 
 #include <Eigen/QR>
-#include <algorithm>
-#include <cmath>
-#include <map>
 
 #include "ident/statistics/root.h"
 #include "signal/numerics/factorisations.h"
-#include "signal/numerics/numbers.h"
 
 namespace rigfit::ident {
 namespace {
-
-using signal::kNaN;
 
 // R_0 t: what lines of FRFs that err together, under a window or by a model that is a little off,
 // make of a variance over that of independent lines. With z_k the complex residual of line k,
 // R_l = mean Re(conj(z_k) z_(k+l)) / 2 correlates each FRF with itself, and t = 1 + 2 sum_l R_l /
 // R_0 up to the first R_l / R_0 that chance explains, 2 / sqrt(lines). Source: Bartlett, J. R.
 // Stat. Soc. 98 (1935) 536. 0 without FRFs.
-double correlated_variance(const std::vector<UpdateProblem::FrfRows>& all,
-                           const Eigen::VectorXd& r) {
+double correlated_variance(const std::vector<UpdateProblem::FrfRows>& all, const VectorXd& r) {
   std::size_t longest = 0, lines = 0;
   for (const auto& rows : all) {
     longest = std::max(longest, rows.line.size());
@@ -33,10 +26,10 @@ double correlated_variance(const std::vector<UpdateProblem::FrfRows>& all,
     double R = 0, count = 0;
     for (const auto& rows : all) {
       if (rows.line.size() <= lag) continue;
-      const auto pairs = static_cast<Eigen::Index>(rows.line.size() - lag);
+      const auto pairs = static_cast<Index>(rows.line.size() - lag);
       count += static_cast<double>(pairs);
       R += r.segment(rows.first, 2 * pairs)
-               .dot(r.segment(rows.first + 2 * static_cast<Eigen::Index>(lag), 2 * pairs)) /
+               .dot(r.segment(rows.first + 2 * static_cast<Index>(lag), 2 * pairs)) /
            2;
     }
     if (count > 0) R /= count;
@@ -48,7 +41,7 @@ double correlated_variance(const std::vector<UpdateProblem::FrfRows>& all,
 }
 
 void state_variance_factor(const UpdateProblem& problem, const UpdateOptions& options,
-                           const Eigen::VectorXd& r, UpdateResult& result) {
+                           const VectorXd& r, UpdateResult& result) {
   const double degrees =
       static_cast<double>(r.size() - problem.size()) - problem.shared_residuals();
   const double reduced = degrees > 0 ? r.squaredNorm() / degrees : kNaN;
@@ -74,10 +67,10 @@ void state_variance_factor(const UpdateProblem& problem, const UpdateOptions& op
 }  // namespace
 
 UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                    const Eigen::VectorXd& q) {
+                    const VectorXd& q) {
   UpdateFit fit;
   fit.stated = problem.uncertainties_known();
-  Eigen::VectorXd r;
+  VectorXd r;
   if (!problem.residuals(q, matches, r, nullptr)) return fit;
   fit.chi2 = r.squaredNorm();
   fit.degrees_of_freedom =
@@ -88,18 +81,18 @@ UpdateFit misfit_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
 }
 
 double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
-                    const Eigen::VectorXd& q) {
-  Eigen::VectorXd r;
-  Eigen::MatrixXd J;
+                    const VectorXd& q) {
+  VectorXd r;
+  MatrixXd J;
   if (!problem.residuals(q, matches, r, &J)) return 0;
-  for (Eigen::Index j = 0; j < problem.parameter_count(); ++j) {  // at its bound it stays there
+  for (Index j = 0; j < problem.parameter_count(); ++j) {  // at its bound it stays there
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
     if (q[j] <= coordinate.low + 1e-9 || q[j] >= coordinate.high - 1e-9) J.col(j).setZero();
   }
-  Eigen::VectorXd own = Eigen::VectorXd::Zero(r.size());  // relative uncertainty; 0: no data
+  VectorXd own = VectorXd::Zero(r.size());  // relative uncertainty; 0: no data
   for (const auto& rows : problem.frf_rows()) {
     for (std::size_t k = 0; k < rows.relative_std.size(); ++k) {
-      own.segment<2>(rows.first + 2 * static_cast<Eigen::Index>(k)).fill(rows.relative_std[k]);
+      own.segment<2>(rows.first + 2 * static_cast<Index>(k)).fill(rows.relative_std[k]);
     }
   }
   for (const auto& row : problem.frequency_rows(matches)) {
@@ -109,8 +102,8 @@ double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
   }
   const double dof = static_cast<double>(r.size() - problem.size()) - problem.shared_residuals();
   const auto excess = [&](double log_tau) {
-    Eigen::VectorXd w = Eigen::VectorXd::Ones(r.size());
-    for (Eigen::Index i = 0; i < r.size(); ++i) {
+    VectorXd w = VectorXd::Ones(r.size());
+    for (Index i = 0; i < r.size(); ++i) {
       if (own[i] > 0) w[i] = own[i] / std::hypot(own[i], std::exp(log_tau));
     }
     return signal::least_sum_squares(w.asDiagonal() * J, w.cwiseProduct(r)) - dof;
@@ -120,25 +113,23 @@ double model_std_of(const UpdateProblem& problem, const std::vector<UpdateMatch>
   return std::exp(root_between(low, high, 1e-6, excess));
 }
 
-Eigen::VectorXd clustered_variance(const UpdateProblem& problem,
-                                   const std::vector<UpdateMatch>& matches,
-                                   const Eigen::VectorXd& r, const Eigen::MatrixXd& J) {
+VectorXd clustered_variance(const UpdateProblem& problem, const std::vector<UpdateMatch>& matches,
+                            const VectorXd& r, const MatrixXd& J) {
   const auto rows = problem.frequency_rows(matches);
-  const Eigen::MatrixXd bread =
-      (J.transpose() * J).completeOrthogonalDecomposition().pseudoInverse();
-  Eigen::VectorXd largest = Eigen::VectorXd::Zero(J.cols());
+  const MatrixXd bread = (J.transpose() * J).completeOrthogonalDecomposition().pseudoInverse();
+  VectorXd largest = VectorXd::Zero(J.cols());
   const auto widen = [&](const auto& cluster_of) {
-    std::map<std::pair<int, int>, Eigen::VectorXd> scores;
+    std::map<std::pair<int, int>, VectorXd> scores;
     for (const auto& row : rows) {
-      const Eigen::VectorXd score = J.row(row.row).transpose() * r[row.row];
+      const VectorXd score = J.row(row.row).transpose() * r[row.row];
       const auto [at, first] = scores.try_emplace(cluster_of(matches[row.match]), score);
       if (!first) at->second += score;
     }
     const double count = static_cast<double>(scores.size());
     if (count < 3) return;
-    Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(J.cols(), J.cols());
+    MatrixXd meat = MatrixXd::Zero(J.cols(), J.cols());
     for (const auto& [name, score] : scores) meat += score * score.transpose();
-    const Eigen::MatrixXd covariance = bread * meat * bread * (count / (count - 1));
+    const MatrixXd covariance = bread * meat * bread * (count / (count - 1));
     largest = largest.cwiseMax(covariance.diagonal());
   };
   widen([](const auto& match) { return std::pair{static_cast<int>(match.plane), match.order}; });
@@ -148,20 +139,20 @@ Eigen::VectorXd clustered_variance(const UpdateProblem& problem,
 
 void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
                        const std::vector<UpdateMatch>& matches, UpdateResult& result) {
-  const Eigen::Index n = problem.size(), count = problem.parameter_count();
-  const Eigen::VectorXd& q = result.coordinates;
-  result.covariance = result.correlation = Eigen::MatrixXd::Constant(count, count, kNaN);
-  Eigen::VectorXd r;
-  Eigen::MatrixXd J;
+  const Index n = problem.size(), count = problem.parameter_count();
+  const VectorXd& q = result.coordinates;
+  result.covariance = result.correlation = MatrixXd::Constant(count, count, kNaN);
+  VectorXd r;
+  MatrixXd J;
   if (!problem.residuals(q, matches, r, &J)) return;
-  const Eigen::Index data = r.size() - problem.prior_count();
+  const Index data = r.size() - problem.prior_count();
   state_variance_factor(problem, options, r, result);
   // The factor is one of the data: priors are what they say.
   const double factor = std::sqrt(std::max(result.variance_factor, 1e-12));
   J.topRows(data) /= factor, r.head(data) /= factor;
 
-  Eigen::VectorXd scales = Eigen::VectorXd::Ones(n);
-  for (Eigen::Index j = 0; j < n; ++j) {
+  VectorXd scales = VectorXd::Ones(n);
+  for (Index j = 0; j < n; ++j) {
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
     if (j >= count) {
       scales[j] = 2 / kMaxRelativeStd;  // known to 1 by its prior: priors of inputs tell them
@@ -173,14 +164,14 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
   result.identifiability = identifiability(J, scales, names);
   const Identifiability& known = result.identifiability;
   for (const auto& open : known.open) result.open.push_back(open.message);
-  Eigen::VectorXd by(count);  // of the values, widened by errors of the model that modes share
-  for (Eigen::Index i = 0; i < count; ++i) {
+  VectorXd by(count);  // of the values, widened by errors of the model that modes share
+  for (Index i = 0; i < count; ++i) {
     by[i] = problem.coordinates()[static_cast<std::size_t>(i)].derivative(q[i]);
   }
-  const Eigen::VectorXd unwidened = by;
+  const VectorXd unwidened = by;
   if (result.fit.model_std > 0) {
-    const Eigen::VectorXd clustered = clustered_variance(problem, matches, r, J);
-    for (Eigen::Index i = 0; i < count; ++i) {
+    const VectorXd clustered = clustered_variance(problem, matches, r, J);
+    for (Index i = 0; i < count; ++i) {
       if (known.std[i] > 0) {
         by[i] *= std::sqrt(std::max(1.0, clustered[i] / (known.std[i] * known.std[i])));
       }
@@ -191,7 +182,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
 
   result.covariance =
       by.asDiagonal() * known.covariance.topLeftCorner(count, count) * by.asDiagonal();
-  for (Eigen::Index i = 0; i < count; ++i) {
+  for (Index i = 0; i < count; ++i) {
     const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(i)];
     auto& parameter = result.parameters[static_cast<std::size_t>(i)];
     parameter.identifiable = known.identifiable[static_cast<std::size_t>(i)];
@@ -199,14 +190,14 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
     parameter.std_from_data = std::abs(unwidened[i]) * alone.std[i];
     parameter.at_bound = q[i] <= coordinate.low + 1e-9 || q[i] >= coordinate.high - 1e-9;
     if (!parameter.identifiable) continue;
-    for (Eigen::Index j = 0; j < count; ++j) {
+    for (Index j = 0; j < count; ++j) {
       result.correlation(i, j) =
           result.covariance(i, j) / std::sqrt(result.covariance(i, i) * result.covariance(j, j));
     }
     // A prior's part: the covariance with what it is of, in its standard uncertainty.
     parameter.budget.push_back({"data", 0});
     double by_data = parameter.std * parameter.std;
-    for (Eigen::Index j = 0; j < n; ++j) {
+    for (Index j = 0; j < n; ++j) {
       const double prior_std = problem.coordinates()[static_cast<std::size_t>(j)].prior_std;
       if (!(prior_std > 0) || !std::isfinite(known.covariance(i, j))) continue;
       const double change = unwidened[i] * known.covariance(i, j) / prior_std;
@@ -227,7 +218,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
 }
 
 void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateResult& result,
-                                  const Eigen::VectorXd& q, int held_out,
+                                  const VectorXd& q, int held_out,
                                   std::vector<UpdatedPair>& pairs) {
   if (result.identifiability.directions.size() == 0) return;
   const std::vector<UpdateMatch> matches(pairs.begin(), pairs.end());
@@ -241,8 +232,8 @@ void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateResu
     }
     const auto* mode = modelled.find(pair.plane, pair.order);
     if (mode == nullptr) continue;
-    Eigen::VectorXd gradient = mode->dlog_frequency;
-    for (Eigen::Index j = 0; j < gradient.size() && held_out >= 0; ++j) {
+    VectorXd gradient = mode->dlog_frequency;
+    for (Index j = 0; j < gradient.size() && held_out >= 0; ++j) {
       const auto& coordinate = problem.coordinates()[static_cast<std::size_t>(j)];
       if (coordinate.state == held_out && !(coordinate.prior_std > 0)) gradient[j] = 0;
     }

@@ -26,9 +26,6 @@
 // 1988, 6.1.2.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "ident/update/problem/update_problem.h"
 
 namespace rigfit::ident {
@@ -38,21 +35,18 @@ inline constexpr double kUnlikelyMisfit = 0.05;
 
 /// Misfit at q, the minimum of a problem without an error of the model.
 [[nodiscard]] UpdateFit misfit_of(const UpdateProblem& problem,
-                                  const std::vector<UpdateMatch>& matches,
-                                  const Eigen::VectorXd& q);
+                                  const std::vector<UpdateMatch>& matches, const VectorXd& q);
 
 /// tau about that minimum, of frequencies, or of the lines of FRFs where there are any; 0 where
 /// chi2 is not above its degrees of freedom, or without any.
 [[nodiscard]] double model_std_of(const UpdateProblem& problem,
-                                  const std::vector<UpdateMatch>& matches,
-                                  const Eigen::VectorXd& q);
+                                  const std::vector<UpdateMatch>& matches, const VectorXd& q);
 
 /// The larger of the covariances by modes and by states, each coordinate's variance for itself; of
 /// the whitened residuals r and J of the problem. Zero with fewer than three clusters of a kind.
-[[nodiscard]] Eigen::VectorXd clustered_variance(const UpdateProblem& problem,
-                                                 const std::vector<UpdateMatch>& matches,
-                                                 const Eigen::VectorXd& r,
-                                                 const Eigen::MatrixXd& J);
+[[nodiscard]] VectorXd clustered_variance(const UpdateProblem& problem,
+                                          const std::vector<UpdateMatch>& matches,
+                                          const VectorXd& r, const MatrixXd& J);
 
 /// Fills everything in `result` that is uncertain, from its coordinates.
 void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& options,
@@ -61,8 +55,7 @@ void state_uncertainty(const UpdateProblem& problem, const UpdateOptions& option
 /// Fills model_std_hz of pairs as modelled at `q`. `held_out`: a state whose own values are taken
 /// as they are (where they have no prior); -1: none.
 void state_prediction_uncertainty(const UpdateProblem& problem, const UpdateResult& result,
-                                  const Eigen::VectorXd& q, int held_out,
-                                  std::vector<UpdatedPair>& pairs);
+                                  const VectorXd& q, int held_out, std::vector<UpdatedPair>& pairs);
 
 /// low, high and interval_by_profile of the result's parameters.
 void state_intervals(const UpdateProblem& problem, const UpdateOptions& options,
