@@ -1,6 +1,6 @@
-// rigfit bench: speed against error of every solver, on a standard set or on a scene. A study
-// solves one task by several methods and settings and compares each answer with a reference that is
-// better than all of them and whose own error is estimated.
+// rigfit bench: speed against error of every solver of a motion, on the paper's released cable or
+// on a scene. Each answer is compared with a reference that is better than all of them and whose
+// own error is estimated.
 
 #include <chrono>
 #include <numeric>
@@ -8,7 +8,6 @@
 #include "apps/cli/assets.h"
 #include "apps/cli/verbs/all.h"
 #include "apps/report/drawing/plot.h"
-#include "document/describe.h"
 #include "model/response/response.h"
 #include "model/scene/read_scene.h"
 #include "signal/estimation/robust.h"
@@ -22,8 +21,7 @@ using model::ResponseSolver;
 
 struct BenchRow {
   std::string method;
-  /// Segments in a member, the mean over members; 0: none in this task.
-  int segments = 0;
+  int segments = 0;                 ///< in a member, the mean over members
   std::optional<double> step_s;     ///< largest time step
   std::optional<double> tolerance;  ///< asked of the method
   double wall_s = 0;                ///< median, one thread, from the parsed inputs to the answer
@@ -34,9 +32,9 @@ struct BenchRow {
   static constexpr auto fields() {
     using T = BenchRow;
     return std::tuple{
+        field("task", [](const T&) { return std::string("nonlinear-response"); }),
         field("method", &T::method, "", "method", "with its setting"),
-        field("segments", describe::positive(&T::segments), "", "segments",
-              "of a member, on average"),
+        field("segments", &T::segments, "", "segments", "of a member, on average"),
         field("step_s", &T::step_s, "s", "step", "the largest", 3),
         field("tolerance", &T::tolerance, "", "tolerance", "asked of the method", 2),
         field("wall_s", &T::wall_s, "s", "time", "median, one thread", 3),
@@ -46,38 +44,37 @@ struct BenchRow {
   }
 };
 
-struct BenchStudy {
-  std::string task = "nonlinear-response";
-  std::string study;      ///< what varies: "steps", "segments"
-  std::string scene;      ///< title of the scene
+struct Bench {
+  std::string scene;      ///< its title
   std::string error_of;   ///< whose relative error
   std::string reference;  ///< what it is compared with
   double reference_error = 0;
   std::vector<BenchRow> rows;
 
   static constexpr auto fields() {
-    using T = BenchStudy;
+    using T = Bench;
     return std::tuple{
-        field("task", &T::task),           field("study", &T::study),
-        field("scene", &T::scene),         field("error_of", &T::error_of),
-        field("reference", &T::reference), field("reference_error", &T::reference_error)};
+        field("scene", &T::scene, "", "scene", "title"),
+        field("error_of", &T::error_of, "", "error of", ""),
+        field("reference", &T::reference, "", "against", "which the answers are compared with"),
+        field("reference_error", &T::reference_error, "", "itself good to", "estimated", 2),
+        field("rows", &T::rows, "", "rows", "a method and its setting each")};
   }
 };
 
-/// Time against error, a series a method; without series where nothing of the study has a time and
-/// an error.
-Plot plot_of(const BenchStudy& study) {
+/// Time against error, a series a method; without series where nothing has a time and an error.
+Plot plot_of(const Bench& bench) {
   Plot plot;
-  plot.id = study.task + "-" + study.study;
-  plot.title = study.task + ", by " + study.study;
+  plot.id = "nonlinear-response";
+  plot.title = "Response of " + bench.scene;
   plot.caption = fmt::format(
-      "{}: time of one core, and error of {}, against {}, itself good to {:.1e}. Further left is "
+      "Time of one core, and error of {}, against {}, itself good to {:.1e}. Further left is "
       "faster, further down is better.",
-      study.scene, study.error_of, study.reference, study.reference_error);
+      bench.error_of, bench.reference, bench.reference_error);
   plot.x_label = "time, s";
   plot.y_label = "relative error";
   plot.log_x = plot.log_y = true;
-  auto rows = study.rows;
+  auto rows = bench.rows;
   // What failed has no error of its own.
   std::erase_if(rows, [](const BenchRow& row) {
     return !(row.wall_s > 0) || !(row.relative_error > 0) || row.relative_error >= 1;
@@ -116,154 +113,91 @@ double median_time(std::size_t repeats, double most_s, const Work& work) {
   return signal::median(std::move(times));
 }
 
-int mean_segments(const std::vector<int>& by_member) {
-  const double sum = std::accumulate(by_member.begin(), by_member.end(), 0.0);
-  return static_cast<int>(std::lround(sum / std::max(1.0, double(by_member.size()))));
-}
-
-/// Large motions: "steps" compares integrators on the same segments with the explicit scheme at a
-/// fraction of its step (its own error: against a step one and a half times as long);
-/// "segments" compares numbers of segments with many (own error: against two thirds as many).
-/// Sensors of acceleration and velocity are read as displacements: the accelerations of a cut
-/// string hold frequencies up to where the segments end. A scene whose loads are records is
-/// refused. `quick`: few repeats, coarser references.
-class Studies {
- public:
-  Studies(model::Scene scene, double duration_s, bool quick)
-      : scene_(std::move(scene)), quick_(quick) {
-    base_.sampling = {.duration_s = duration_s, .rate_hz = 2000};
-    for (auto& sensor : scene_.sensors) {
-      if (sensor.quantity != model::Sensor::Quantity::force) {
-        sensor.quantity = model::Sensor::Quantity::displacement;
-      }
-    }
+/// Integrators on the same segments, against the explicit scheme at a fraction of its step (its own
+/// error: against a step one and a half times as long). Sensors of acceleration and velocity are
+/// read as displacements: the accelerations of a cut string hold frequencies up to where the
+/// segments end. A scene whose loads are records is refused. `quick`: few repeats, a coarser
+/// reference.
+Bench compared(model::Scene scene, double duration_s, bool quick) {
+  if (scene.loads.empty() || scene.sensors.empty()) {
+    throw Refused(scene.file + ": there is no load or no sensor, and so no motion: add them",
+                  "nothing_done");
   }
-
-  std::vector<BenchStudy> run() {
-    if (scene_.loads.empty() || scene_.sensors.empty()) {
-      throw Refused(scene_.file + ": there is no load or no sensor, and so no motion: add them",
-                    "nothing_done");
-    }
-    if (std::ranges::count(scene_.loads, model::Load::Kind::record, &model::Load::kind) > 0) {
-      throw Refused(
-          scene_.file + ": a load is a recording, which is not simulated here: replace it",
-          "nothing_done");
-    }
-    own_ = simulate(base_);
-    if (!own_.completed) throw NotConverged("the response fails: " + own_.reason);
-    return {steps_study(), segments_study()};
+  if (std::ranges::count(scene.loads, model::Load::Kind::record, &model::Load::kind) > 0) {
+    throw Refused(scene.file + ": a load is a recording, which is not simulated here: replace it",
+                  "nothing_done");
   }
-
- private:
-  BenchStudy started(const char* varied) const {
-    BenchStudy study;
-    study.study = varied;
-    study.scene = scene_.title;
-    study.error_of = fmt::format("{:g} s of the sensors' motion at {:g} Hz, rms",
-                                 base_.sampling.duration_s, base_.sampling.rate_hz);
-    return study;
+  for (auto& sensor : scene.sensors) {
+    if (sensor.quantity == model::Sensor::Quantity::force) continue;
+    sensor.quantity = model::Sensor::Quantity::displacement;
   }
-
-  ResponseResult simulate(const ResponseOptions& options) const {
-    return model::simulate_response(scene_, options);
+  const auto simulate = [&](const ResponseOptions& options) {
+    return model::simulate_response(scene, options);
+  };
+  ResponseOptions base;
+  base.sampling = {.duration_s = duration_s, .rate_hz = 2000};
+  const ResponseResult own = simulate(base);
+  if (!own.completed) throw NotConverged("the response fails: " + own.reason);
+  // The same segments for all, whatever the scene left open.
+  for (std::size_t m = 0; m < scene.members.size(); ++m) {
+    scene.members[m].segments = own.segments[m];
   }
-
-  /// The answer that a study compares with.
-  Eigen::MatrixXd reference(BenchStudy& study, const ResponseOptions& coarser,
-                            const ResponseOptions& finest, std::string name) const {
-    const ResponseResult check = simulate(coarser), truth = simulate(finest);
-    if (!truth.completed || !check.completed) {
-      throw NotConverged("the reference fails: " + truth.reason + check.reason);
-    }
-    study.reference = std::move(name);
-    study.reference_error = difference(check, truth.samples);
-    return truth.samples;
+  ResponseOptions fine = base;
+  fine.solver = ResponseSolver::explicit_motion;
+  fine.axial = true;
+  const ResponseResult natural = simulate(fine);
+  // As fine as a part of the time allows.
+  int parts = 12;
+  while (parts > 3 && (1 + 2.0 / 3) * parts * natural.wall_s > (quick ? 0.3 : 5)) parts /= 2;
+  ResponseOptions coarser = fine;
+  coarser.step_s = 1.5 * natural.step_s / parts;
+  fine.step_s = natural.step_s / parts;
+  const ResponseResult check = simulate(coarser), truth = simulate(fine);
+  if (!truth.completed || !check.completed) {
+    throw NotConverged("the reference fails: " + truth.reason + check.reason);
   }
-
-  void add(BenchStudy& study, const Eigen::MatrixXd& truth, std::string method,
-           const ResponseOptions& options, bool is_default = false) const {
+  Bench bench{
+      scene.title,
+      fmt::format("{:g} s of the sensors' motion at {:g} Hz, rms", duration_s,
+                  base.sampling.rate_hz),
+      fmt::format("{} scheme, steps of {:.2g} ms", name_of(fine.solver), 1e3 * *fine.step_s),
+      difference(check, truth.samples),
+      {}};
+  const auto add = [&](std::string method, const ResponseOptions& options) {
     const ResponseResult found = simulate(options);
     if (found.impossible) return;
-    BenchRow row;
+    BenchRow& row = bench.rows.emplace_back();
     row.method = std::move(method);
-    row.segments = mean_segments(found.segments);
-    if (study.study == "steps" && found.step_s > 0) row.step_s = found.step_s;
+    const double segments = std::accumulate(found.segments.begin(), found.segments.end(), 0.0);
+    row.segments = static_cast<int>(
+        std::lround(segments / std::max(1.0, static_cast<double>(found.segments.size()))));
+    if (found.step_s > 0) row.step_s = found.step_s;
     if (options.solver == ResponseSolver::stiff_motion) row.tolerance = options.relative_tolerance;
-    row.is_default = is_default;
-    row.relative_error = difference(found, truth);
+    row.relative_error = difference(found, truth.samples);
     if (!found.completed) row.note = found.reason;
-    row.wall_s =
-        median_time(quick_ ? 7 : 15, quick_ ? 0.01 : 0.2, [&] { (void)simulate(options); });
-    study.rows.push_back(std::move(row));
+    row.wall_s = median_time(quick ? 7 : 15, quick ? 0.01 : 0.2, [&] { (void)simulate(options); });
+  };
+  add(std::string("default: ") + name_of(own.solver), base);
+  bench.rows.front().is_default = true;
+  ResponseOptions options = base;
+  options.solver = ResponseSolver::modal;
+  add("modal recurrence (linear)", options);
+  for (const double part : {1.0, 1.5, 2.0, 3.0}) {
+    fine.step_s = natural.step_s / part;
+    add(name_of(fine.solver), fine);
   }
-
-  BenchStudy steps_study() {
-    BenchStudy study = started("steps");
-    // The same segments for all, whatever the scene left open.
-    for (std::size_t m = 0; m < scene_.members.size(); ++m) {
-      scene_.members[m].segments = own_.segments[m];
-    }
-    ResponseOptions fine = base_;
-    fine.solver = ResponseSolver::explicit_motion;
-    fine.axial = true;
-    const ResponseResult natural = simulate(fine);
-    // As fine as a part of the time allows.
-    int parts = 12;
-    while (parts > 3 && (1 + 2.0 / 3) * parts * natural.wall_s > (quick_ ? 0.3 : 5)) parts /= 2;
-    ResponseOptions coarser = fine;
-    coarser.step_s = 1.5 * natural.step_s / parts;
-    fine.step_s = natural.step_s / parts;
-    const auto truth = reference(
-        study, coarser, fine,
-        fmt::format("{} scheme, steps of {:.2g} ms", name_of(fine.solver), 1e3 * *fine.step_s));
-    add(study, truth, std::string("default: ") + name_of(own_.solver), base_, true);
-    ResponseOptions options = base_;
-    options.solver = ResponseSolver::modal;
-    add(study, truth, "modal recurrence (linear)", options);
-    for (const double part : {1.0, 1.5, 2.0, 3.0}) {
-      fine.step_s = natural.step_s / part;
-      add(study, truth, name_of(fine.solver), fine);
-    }
-    options.solver = ResponseSolver::explicit_motion;
-    options.axial = false;
-    add(study, truth, "explicit, axial waves slowed", options);
-    options = base_;
-    options.solver = ResponseSolver::stiff_motion;
-    for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
-      options.relative_tolerance = tolerance;
-      add(study, truth, "stiff (SUNDIALS IDA)", options);
-      if (quick_) break;
-    }
-    return study;
+  options.solver = ResponseSolver::explicit_motion;
+  options.axial = false;
+  add("explicit, axial waves slowed", options);
+  options = base;
+  options.solver = ResponseSolver::stiff_motion;
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    options.relative_tolerance = tolerance;
+    add("stiff (SUNDIALS IDA)", options);
+    if (quick) break;
   }
-
-  BenchStudy segments_study() {
-    BenchStudy study = started("segments");
-    for (auto& member : scene_.members) member.segments = 0;  // "auto"
-    // Finer than what is compared, "auto" too.
-    const int fine =
-        quick_ ? 120 : std::clamp(2 * mean_segments(simulate(base_).segments), 240, 600);
-    ResponseOptions options = base_, finest = base_;
-    options.solver = finest.solver = own_.solver;
-    options.segments = 2 * fine / 3;
-    finest.segments = fine;
-    const auto truth =
-        reference(study, options, finest,
-                  fmt::format("{} segments a member, {}", fine, name_of(own_.solver)));
-    for (const int n : {8, 15, 30, 60, 120}) {
-      if (n >= fine) continue;
-      options.segments = n;
-      add(study, truth, name_of(own_.solver), options);
-    }
-    add(study, truth, "segments = \"auto\"", base_, true);
-    return study;
-  }
-
-  model::Scene scene_;
-  bool quick_;
-  ResponseOptions base_;
-  ResponseResult own_;
-};
+  return bench;
+}
 
 /// The paper's cable at 200 N, 1 kg hung at its quarter span and cut at t = 0; 30 segments.
 model::Scene released_cable() {
@@ -286,35 +220,21 @@ struct BenchCommand {
   bool quick = false;
 };
 
-void print(std::ostream& out, const BenchStudy& study) {
-  out << fmt::format("{}, {} | {}\n", study.task, study.study, study.scene);
-  out << fmt::format("  error of {}; against {}, itself good to {:.1e}\n", study.error_of,
-                     study.reference, study.reference_error);
-  describe::print(out, describe::table_of(study.rows));
-  out << '\n';
-}
-
 Json run(BenchCommand& options, VerbContext& context) {
-  const model::Scene scene =
-      options.scene.empty() ? released_cable() : scene_of(options.scene, context);
   const double duration_s = options.quick ? std::min(options.duration_s, 0.1) : options.duration_s;
-  Json rows = Json::array();
-  for (const BenchStudy& study : Studies(scene, duration_s, options.quick).run()) {
-    print(context.out, study);
-    for (const BenchRow& row : study.rows) {
-      rows.push_back(describe::json_of(study));
-      rows.back().update(describe::json_of(row));
-    }
-    if (context.plots) context.plots->add(plot_of(study));
-  }
-  return {{"rows", std::move(rows)}};
+  const Bench bench =
+      compared(options.scene.empty() ? released_cable() : scene_of(options.scene, context),
+               duration_s, options.quick);
+  describe::print(context.out, describe::sheet_of(bench));
+  if (context.plots) context.plots->add(plot_of(bench));
+  return describe::json_of(bench);
 }
 
 describe::Options options_of(BenchCommand& c) {
   return {option("scene", c.scene, "Scene file (TOML); without: a released cable"),
           option("--duration", c.duration_s, "Seconds of motion").within(0.01, 1000.0),
           option("--quick", c.quick,
-                 "Few repeats, coarser references, short motions: seconds instead of a minute")};
+                 "Few repeats, a coarser reference, a short motion: seconds instead of ten")};
 }
 }  // namespace
 
@@ -326,9 +246,7 @@ Verb bench_verb() {
       "Examples:\n"
       "  rigfit bench --quick\n"
       "  rigfit bench testdata/scenes/cable-release.toml --plot time-error.svg",
-      run, true, false, []() -> Json {
-        return describe::schema_of_keys({{"rows", describe::schema_of<std::vector<BenchRow>>()}});
-      });
+      run, true, false, describe::schema_of<Bench>);
 }
 
 }  // namespace rigfit::apps
