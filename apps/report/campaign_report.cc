@@ -304,7 +304,7 @@ Json compared_campaigns(const Campaign& before, const Campaign& after, const fs:
                         const ReportOptions& options, VerbContext& context) {
   const std::string title = after.title == before.title ? before.title + ": before and after"
                                                         : before.title + " against " + after.title;
-  begin_folder(folder, title, after.file, options);
+  begin_folder(folder, title, "", options);  // no campaign by itself has its report there
   const auto compared = [](const Campaign& one) {
     return ComparedReport{one.title,
                           fs::path(one.file).filename().string(),
