@@ -176,9 +176,7 @@ ident::StiffnessCurve curve_of_result(const std::filesystem::path& path) {
     if (point.tension_N > 0 && point.EI_Nm2 > 0) points.push_back(point);
   }
   ident::StiffnessLawOptions options;
-  if (document.contains("assumed_relative_std")) {
-    options.assumed_relative_std = number_in(document, "assumed_relative_std");
-  }
+  options.assumed_relative_std = or_zero(number_in(document, "assumed_relative_std"));
   const Json bounds = document.value("bounds", Json());
   const double least = number_in(bounds, "EI_min_Nm2"), most = number_in(bounds, "EI_max_Nm2");
   if (least > 0 && most > least) options.bounds = ident::StiffnessBounds{least, most};

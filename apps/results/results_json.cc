@@ -13,25 +13,6 @@ Json axial_json(const ident::AxialCampaignResult& result) {
   return out;
 }
 
-Json bending_json(const ident::BendingCampaign& campaign,
-                  const ident::BendingCampaignResult& result) {
-  const auto& laws = result.curve.laws();
-  Json json{{"tests", describe::json_of(result.points)},
-            {"laws", describe::json_of(laws.laws)},
-            {"bounds", describe::json_of(result.bounds)}};
-  if (!laws.laws.empty() || !laws.sentence.empty()) {
-    json["law_choice"] = {{"decided", laws.decided}, {"sentence", laws.sentence}};
-  }
-  if (const auto& curve = result.curve; !curve.empty()) {  // as a model takes it
-    json["curve"] = {{"source", ident::name_of(curve.source())}, {"sentence", curve.sentence()}};
-  }
-  if (result.specimens) json["specimens"] = describe::json_of(*result.specimens);
-  if (campaign.assumed_relative_std > 0) {
-    json["assumed_relative_std"] = campaign.assumed_relative_std;
-  }
-  return json;
-}
-
 Json hits_json(const std::vector<signal::StruckPoint>& places, const ident::HammerTest& test) {
   Json hits = Json::array();
   for (std::size_t p = 0; p < test.tests.size(); ++p) {

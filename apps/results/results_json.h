@@ -5,16 +5,11 @@
 #include "apps/cli/verb_context.h"
 #include "ident/campaign/modal/modal_campaign.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
-#include "ident/campaign/single_tests/bending_campaign.h"
 
 namespace rigfit::apps {
 
 /// The test's fields and `samples`; of a test without a result the samples only.
 [[nodiscard]] Json axial_json(const ident::AxialCampaignResult& result);
-
-/// `tests[], laws[], law_choice, curve, bounds`.
-[[nodiscard]] Json bending_json(const ident::BendingCampaign& campaign,
-                                const ident::BendingCampaignResult& result);
 
 /// `hits[]` of a hammer test, accepted and rejected; each with the point `struck` when the hammer
 /// roves.

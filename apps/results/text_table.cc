@@ -116,14 +116,9 @@ void fill_row(const TextTable& table, const TextTable::Row& row, const describe:
       given[option.name] = whole ? Json(std::lround(x)) : Json(x);
     }
   }
-  const auto needed = [&](const std::string& name) {
-    return std::ranges::any_of(
-        options, [&](const auto& option) { return option.name == name && option.is_required; });
-  };
   if (const auto misfit = describe::fill(options, given)) {
-    throw model::SceneError(
-        {table.file, row.line, 0, misfit->name}, misfit->problem,
-        needed(misfit->name) ? "correct the cell" : "correct it, or leave the cell blank");
+    throw model::SceneError({table.file, row.line, 0, misfit->name}, misfit->problem,
+                            "correct the cell (blank where the value is optional)");
   }
 }
 

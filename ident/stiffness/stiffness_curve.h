@@ -65,6 +65,12 @@ class StiffnessCurve {
   /// The terms above at these tensions; empty where no uncertainty is known.
   [[nodiscard]] std::vector<StiffnessTerm> uncertainty(std::span<const double> tensions_N) const;
 
+  static constexpr auto fields() {
+    using T = StiffnessCurve;
+    return std::tuple{field("source", &T::source),
+                      field("sentence", &T::sentence, "", "for a model", "")};
+  }
+
  private:
   struct Knot {
     double tension_N = 0, EI_Nm2 = 0;

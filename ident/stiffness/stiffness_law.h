@@ -144,6 +144,11 @@ struct StiffnessLaws {
   bool decided = false;         ///< the points favour the first one clearly
   std::string sentence;         ///< the choice and its reason in words
   bool weighted = false;        ///< the points' own intervals were used
+
+  static constexpr auto fields() {
+    using T = StiffnessLaws;
+    return std::tuple{field("decided", &T::decided), field("sentence", &T::sentence)};
+  }
 };
 
 /// EI by a law at a tension > 0, with its bands, which are NaN where a parameter is not determined.

@@ -18,22 +18,22 @@ std::string percent(double ratio) {
 
 }  // namespace
 
-std::string fit_text(const UpdateFit& fit) {
-  std::string text = fmt::format("chi-square {:.4g} on {:.4g} degrees of freedom", fit.chi2,
-                                 fit.degrees_of_freedom);
-  if (std::isfinite(fit.p_value)) text += ", probability " + probability_text(fit.p_value);
-  if (!fit.stated) text += ", with assumed uncertainties";
-  if (!fit.stated && fit.rms_error > 0) {
-    text += fmt::format(", frequencies off by {} rms and {} at most", percent(fit.rms_error),
-                        percent(fit.worst_error));
+std::string UpdateFit::text() const {
+  std::string all =
+      fmt::format("chi-square {:.4g} on {:.4g} degrees of freedom", chi2, degrees_of_freedom);
+  if (std::isfinite(p_value)) all += ", probability " + probability_text(p_value);
+  if (!stated) all += ", with assumed uncertainties";
+  if (!stated && rms_error > 0) {
+    all += fmt::format(", frequencies off by {} rms and {} at most", percent(rms_error),
+                       percent(worst_error));
   }
-  if (fit.model_std > 0) {
-    text += fmt::format("; error of the model in frequency {}", percent(fit.model_std));
+  if (model_std > 0) {
+    all += fmt::format("; error of the model in frequency {}", percent(model_std));
   }
-  if (fit.frf_model_std > 0) {
-    text += fmt::format("; error of the model {} of the FRFs", percent(fit.frf_model_std));
+  if (frf_model_std > 0) {
+    all += fmt::format("; error of the model {} of the FRFs", percent(frf_model_std));
   }
-  return text;
+  return all;
 }
 
 std::vector<std::string> alternative_texts(const UpdateResult& result) {
@@ -65,7 +65,7 @@ std::vector<Finding> fit_findings(const UpdateResult& result) {
     warn("model_ruled_out",
          "Check end conditions, masses, lengths, priors, pairs and stated uncertainties: the data "
          "rule this model out (" +
-             fit_text(result.fit) + "), and the intervals hold only as far as its error is random");
+             result.fit.text() + "), and the intervals hold only as far as its error is random");
   }
   if (result.fit.frf_model_std > kFrfErrorRuledOut) {
     refuse(

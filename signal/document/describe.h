@@ -106,14 +106,6 @@ struct Bounded {
   bool one_sided = false;
 };
 
-template <class E, class L, class H>
-constexpr auto bounded(E estimate, L low, H high) {
-  return [=](const auto& x) {
-    const auto& e = std::invoke(estimate, x);
-    return Bounded{e.value, e.std, std::invoke(low, x), std::invoke(high, x)};
-  };
-}
-
 /// The ends of an interval, [low, high]; `std` says to how many digits they are known.
 struct Ends {
   double low, high, std = std::numeric_limits<double>::quiet_NaN();

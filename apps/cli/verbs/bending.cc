@@ -13,34 +13,25 @@ struct BendingCommand {
   std::vector<double> strand;  ///< E, elements, element diameter, strand diameter
 };
 
-/// Ends and section of a beam without tension.
-void take_beam(BendingCommand& command) {
-  auto& test = command.test;
-  if (test.channels.tension == "0") {
-    test.tension_N = 0;
-  } else if (test.ends != BendingTest().ends || test.section.second_moment().value > 0) {
-    throw UsageError("--ends and a cross-section belong to a beam without tension: --tension 0");
-  }
-  test.complete();
-}
-
-void read_source(const std::string& file, BendingCommand& command, VerbContext& context) {
-  std::vector<Finding> warnings;
-  auto source = bending_source(load_bending_file(file, context),
-                               {command.test.channels, command.test.beam()}, warnings);
-  if (source.values.empty() && !(command.test.test.span_m.value > 0)) {
-    throw UsageError(
-        "--span is needed for load-deflection records: the clear length between the clamps in "
-        "metres");
-  }
-  context.tell(warnings);
-  command.test.sources.push_back(std::move(source));
-}
-
 Json run(BendingCommand& command, VerbContext& context) {
   auto& campaign = command.test;
-  take_beam(command);  // before files are read
-  for (const auto& file : command.files) read_source(file, command, context);
+  if (campaign.channels.tension == "0") {
+    campaign.tension_N = 0;
+  } else if (campaign.ends != BendingTest().ends || campaign.section.second_moment().value > 0) {
+    throw UsageError("--ends and a cross-section belong to a beam without tension: --tension 0");
+  }
+  campaign.complete();
+  for (const auto& file : command.files) {
+    std::vector<Finding> warnings;
+    campaign.sources.push_back(bending_source(load_bending_file(file, context),
+                                              {campaign.channels, campaign.beam()}, warnings));
+    if (campaign.sources.back().values.empty() && !(campaign.test.span_m.value > 0)) {
+      throw UsageError(
+          "--span is needed for load-deflection records: the clear length between the clamps in "
+          "metres");
+    }
+    context.tell(warnings);
+  }
   if (!command.strand.empty()) {
     campaign.strand = {command.strand[0], static_cast<int>(command.strand[1]), command.strand[2],
                        command.strand[3]};
@@ -48,15 +39,8 @@ Json run(BendingCommand& command, VerbContext& context) {
   const auto found = ident::analyse_bending_campaign(campaign);
   context.tell(found.findings);
   if (context.plots) context.plots->add(bending_blocks("bending", campaign, found));
-  auto& out = context.out;
-  describe::print(out, describe::table_of(found.points));
-  if (found.specimens) describe::print(out, describe::sheet_of(*found.specimens));
-  if (found.bounds) describe::print(out, describe::sheet_of(*found.bounds));
-  if (const auto& laws = found.curve.laws().laws; !laws.empty()) {
-    describe::print(out, describe::table_of(laws));
-    out << "For a model: " << found.curve.sentence() << '\n';
-  }
-  return bending_json(campaign, found);
+  describe::print(context.out, describe::sheet_of(found));
+  return describe::json_of(found);
 }
 
 describe::Options options_of(BendingCommand& c) {
@@ -97,13 +81,7 @@ Verb bending_verb() {
       "Example:\n  printf 'tension_N,EI_Nm2\\n25,0.2549\\n100,0.4948\\n200,0.5972\\n300,0.8283\\n' "
       "> "
       "ei.csv\n  rigfit bending ei.csv --strand 195e9 133 0.397e-3 6.35e-3 --json ei.json",
-      run, true, true, []() -> Json {
-        using Result = ident::BendingCampaignResult;
-        return describe::schema_of_keys(
-            {{"tests", describe::schema_of<decltype(Result::points)>()},
-             {"laws", describe::schema_of<std::vector<ident::FittedLaw>>()},
-             {"bounds", describe::schema_of<decltype(Result::bounds)>()}});
-      });
+      run, true, true, describe::schema_of<ident::BendingCampaignResult>);
 }
 
 }  // namespace rigfit::apps

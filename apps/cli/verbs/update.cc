@@ -1,7 +1,5 @@
 // rigfit update: a scene's uncertain parameters fitted to measured modes.
 
-#include <Eigen/Core>
-
 #include "apps/campaign_file/update_data.h"
 #include "apps/cli/verbs/all.h"
 #include "ident/update/model_candidates.h"
@@ -16,7 +14,6 @@ struct UpdateCommand {
   std::vector<std::string> free, priors, inputs;
   std::string candidates;  ///< file; empty: none
   std::string out, axial;
-  bool hold_out = false;
   ident::UpdateOptions fit;
 };
 
@@ -38,34 +35,6 @@ Json candidates_json(const ident::CandidateComparison& comparison, VerbContext& 
   }
   return {{"candidates", describe::json_of(comparison.candidates)},
           {"averaged", describe::json_of(comparison.averaged)}};
-}
-
-void print_update(std::ostream& out, const ident::UpdateResult& result) {
-  if (result.fit.ruled_out())
-    out << "the data rule this model out: " << ident::fit_text(result.fit) << '\n';
-  describe::print(out, describe::table_of(result.parameters));
-  for (const auto& p : result.parameters) {
-    const auto shares = describe::shares_text(p.variance_shares());
-    if (p.budget.size() > 1) out << fmt::format("  variance of {}: {}\n", p.name, shares);
-  }
-  describe::print(out, describe::table_of(result.rows()));
-  if (!result.pairs.empty()) {
-    const double before = 100 * result.rms_relative_error_before;
-    out << fmt::format("rms of the paired errors: {} before, {:.2f} % fitted\n",
-                       std::isfinite(before) ? fmt::format("{:.2f} %", before) : "no pairs",
-                       100 * result.rms_relative_error);
-  }
-  out << "fit: " << ident::fit_text(result.fit) << '\n';
-  if (result.alternatives.size() > 1) {
-    out << fmt::format("this answer has a weight of {:.3f}; others that the data support:\n",
-                       result.alternatives.front().weight);
-    for (const auto& text : ident::alternative_texts(result)) out << "  " << text << '\n';
-  }
-  if (result.frf_lines > 0) {
-    out << fmt::format(
-        "rms of |ln(model / measured)| over {} FRF lines: {:.3f} before, {:.3f} fitted\n",
-        result.frf_lines, result.rms_log_frf_error_before, result.rms_log_frf_error);
-  }
 }
 
 /// The files written: of several states FILE-1-100N.toml, by number and tension where they differ.
@@ -104,7 +73,14 @@ ident::UpdateOptions fit_options(const UpdateCommand& options, UpdateStates& sta
 
 /// Text, figures, findings and JSON of a fit.
 Json told(const UpdateStates& states, const ident::UpdateResult& result, VerbContext& context) {
-  print_update(context.out, result);
+  describe::print(context.out, describe::sheet_of(result));
+  for (const auto& p : result.parameters) {
+    const auto shares = describe::shares_text(p.variance_shares());
+    if (p.budget.size() > 1) context.out << fmt::format("variance of {}: {}\n", p.name, shares);
+  }
+  for (const auto& text : ident::alternative_texts(result)) {
+    context.out << "also supported by the data, " << text << '\n';
+  }
   if (context.plots) context.plots->add(fit_blocks("fit", states.states, result));
   context.tell(ident::fit_findings(result));
   if (result.status == ident::UpdateStatus::not_converged) context.fail(result.message);
@@ -165,22 +141,13 @@ Json compare_models(UpdateStates& states, const UpdateCommand& options, VerbCont
 Json fitted_json(UpdateStates& states, const UpdateCommand& options, VerbContext& context,
                  ident::UpdateResult& result) {
   if (!options.candidates.empty()) return compare_models(states, options, context, result);
-  if (options.hold_out && states.states.size() < 2) {
+  if (options.fit.hold_out && states.states.size() < 2) {
     throw UsageError("--hold-out needs several states: a tension_N column or several scenes");
   }
   const auto free = free_parameters(options.free, options.priors, states.states.front().scene);
-  auto update = fit_options(options, states, context);
-  update.hold_out = options.hold_out;
-  result = ident::update_model(states.states, free, update);
+  result = ident::update_model(states.states, free, fit_options(options, states, context));
   if (result.status == ident::UpdateStatus::no_model) throw NotConverged(result.message);
-
-  Json json = told(states, result, context);
-  if (options.hold_out) {
-    describe::print(context.out, describe::table_of(result.held));
-    json["hold_out"] = describe::json_of(result.held);
-    json["rms_relative_error_held_out"] = result.rms_held_out;
-  }
-  return json;
+  return told(states, result, context);
 }
 
 Json run(UpdateCommand& options, VerbContext& context) {
@@ -269,7 +236,7 @@ describe::Options options_of(UpdateCommand& c) {
       option("--starts", c.fit.starts,
              "1: only the answer near the scene's own values is looked for")
           .within(1, 1000),
-      option("--hold-out", c.hold_out,
+      option("--hold-out", c.fit.hold_out,
              "Also leave out each state in turn and predict it from the others")
           .excludes("--candidates"),
       option("--out", c.out, "Updated scene").writes()};

@@ -16,7 +16,7 @@ class BendingPart : public TestPart {
     const auto& inputs = std::get<ident::BendingCampaign>(given);
     const auto& result = std::get<ident::BendingCampaignResult>(found);
     const auto& laws = result.curve.laws();
-    part_.json.update(bending_json(inputs, result));
+    part_.json.update(describe::json_of(result));
     part_.json["laws_decided"] = !kind_.beam() && laws.decided;
     tell(result.findings);
     for (std::size_t i = 0; i < result.points.size(); ++i) {

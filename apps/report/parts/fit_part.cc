@@ -30,7 +30,6 @@ class Fit {
       if (result_.scenes.empty() || result_.pairs.empty()) return std::move(part_);
     }
     part_.json.update(describe::json_of(result_));
-    if (!held_.empty()) part_.json["hold_out"] = describe::json_of(held_);
     for (const auto& finding : ident::fit_findings(result_)) {
       part_.warnings.push_back(
           {finding.code, finding.message,
@@ -127,7 +126,7 @@ class Fit {
     }
     part_.blocks.push_back(std::move(table));
     part_.blocks.push_back(
-        Paragraph{"Fit: " + ident::fit_text(result_.fit) + ".",
+        Paragraph{"Fit: " + result_.fit.text() + ".",
                   result_.fit.ruled_out() ? Paragraph::Kind::note : Paragraph::Kind::plain});
     if (result_.alternatives.size() < 2) return;
     std::string others = fmt::format("This answer has a weight of {:.3f}; the data also support:",
@@ -144,7 +143,6 @@ class Fit {
     const bool held = std::isfinite(held_rms);
     const std::string before = percent_words(result_.rms_relative_error_before),
                       fitted = percent_words(result_.rms_relative_error);
-    part_.json["rms_relative_error_held_out"] = held_rms;
     part_.summary.push_back(
         {SummaryItem::Kind::error, fit_.title + ", rms error",
          fmt::format("{} before, {} fitted", before, fitted) +

@@ -170,6 +170,7 @@ Estimate BeamSection::second_moment() const {
 
 BendingCampaignResult analyse_bending_campaign(const BendingCampaign& campaign) {
   BendingCampaignResult result;
+  result.assumed_relative_std = campaign.assumed_relative_std;
   for (const auto& source : campaign.sources) {
     BendingPoint point{source.name, source.origin, {}, {}, {}, {}, {}, {}};
     if (source.values.empty()) {

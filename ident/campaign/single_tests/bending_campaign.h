@@ -126,9 +126,29 @@ struct BendingCampaignResult {
   StiffnessCurve curve;              ///< law through the usable points; empty: none
   std::optional<StiffnessBounds> bounds;
   std::optional<BeamSpecimens> specimens;  ///< if two or more gave an EI without tension
+  double assumed_relative_std = 0;         ///< as given
   /// Those of the points, then on all together: "no_EI" (refused), "taken_as_exact",
   /// "outside_bounds", "length_suspected", "large_deflection".
   std::vector<Finding> findings;
+
+  [[nodiscard]] bool has_laws() const {
+    return !curve.laws().laws.empty() || !curve.laws().sentence.empty();
+  }
+  static constexpr auto fields() {
+    using namespace describe;
+    using T = BendingCampaignResult;
+    using Laws = StiffnessLaws;
+    return std::tuple{
+        field("tests", &T::points, "", "tests", "by rising tension"),
+        field("specimens", &T::specimens, "", "specimens", "without tension, two or more"),
+        field("bounds", &T::bounds, "", "bounds", "by the strand's geometry"),
+        field("laws", within(&T::curve, within(&StiffnessCurve::laws, &Laws::laws)), "", "laws",
+              "best first"),
+        field("law_choice", where(&T::has_laws, within(&T::curve, &StiffnessCurve::laws))),
+        field("curve", where([](const T& r) { return !r.curve.empty(); }, &T::curve), "", "curve",
+              "as a model takes it"),
+        field("assumed_relative_std", positive(&T::assumed_relative_std))};
+  }
 };
 
 /// Throws std::invalid_argument like analyse_bending_test, stiffness_bounds and fit_stiffness_laws.

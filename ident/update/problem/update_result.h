@@ -170,6 +170,8 @@ struct UpdateFit {
   /// largest error that is summed over, and a sound model reaches it in few modes only.
   [[nodiscard]] bool far_off() const { return rms_error > 0.02 || worst_error > 0.05; }
   [[nodiscard]] bool ruled_out() const { return stated ? p_value < 0.01 : far_off(); }
+  /// "chi-square 12.3 on 8 degrees of freedom, probability 0.14 ...".
+  [[nodiscard]] std::string text() const;
 
   static constexpr auto fields() {
     using T = UpdateFit;
@@ -278,21 +280,32 @@ struct UpdateResult : FittedValues {
   VectorXd coordinates;              ///< solution, as identifiability has them, for refits
 
   static constexpr auto fields() {
+    using namespace describe;
     using T = UpdateResult;
-    return std::tuple{field("status", &T::status),
-                      field("parameters", &T::parameters),
-                      field("fit", &T::fit),
-                      field("alternatives", &T::alternatives),
-                      field("log_evidence", &T::log_evidence),
-                      field("correlation", &T::correlation),
-                      field("not_identifiable", &T::open),
-                      field("pairs", &T::rows),
-                      field("rms_relative_error", &T::rms_relative_error),
-                      field("rms_relative_error_before", &T::rms_relative_error_before),
-                      field("starts", &T::starts),
-                      field("frf_lines", &T::frf_lines),
-                      field("rms_log_frf_error", &T::rms_log_frf_error),
-                      field("rms_log_frf_error_before", &T::rms_log_frf_error_before)};
+    constexpr auto of_frfs = [](auto get) {
+      return where([](const T& r) { return r.frf_lines > 0; }, get);
+    };
+    return std::tuple{
+        field("status", &T::status),
+        field("parameters", &T::parameters, "", "parameters", ""),
+        field("", within(&T::fit, &UpdateFit::text), "", "fit", ""),
+        field("fit", &T::fit),
+        field("alternatives", &T::alternatives),
+        field("log_evidence", &T::log_evidence),
+        field("correlation", &T::correlation),
+        field("not_identifiable", &T::open),
+        field("pairs", &T::rows, "", "pairs", ""),
+        field("rms_relative_error", &T::rms_relative_error, "%", "rms of the paired errors", "", 3),
+        field("rms_relative_error_before", &T::rms_relative_error_before, "%", "before the fit", "",
+              3),
+        field("hold_out", &T::held, "", "held out", "each state, predicted from the others"),
+        field("rms_relative_error_held_out", &T::rms_held_out),
+        field("starts", &T::starts),
+        field("frf_lines", &T::frf_lines),
+        field("rms_log_frf_error", of_frfs(&T::rms_log_frf_error), "",
+              "rms of |ln(model / measured)| of FRF lines", "", 3),
+        field("rms_log_frf_error_before", of_frfs(&T::rms_log_frf_error_before), "",
+              "before the fit", "", 3)};
   }
 };
 
