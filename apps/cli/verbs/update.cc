@@ -227,9 +227,6 @@ describe::Options options_of(UpdateCommand& c) {
       option("--model-std", c.fit.model_relative_std,
              "Relative error in frequency that the model itself is allowed")
           .within(0.0, 1.0),
-      option("--frf-model-std", c.fit.frf_model_relative_std,
-             "Relative error in FRFs that the model itself is allowed")
-          .within(0.0, 10.0),
       option("--segments", c.data.segments,
              "Of every member while fitting (default: the scene's); fewer are faster")
           .within(2, 10000),

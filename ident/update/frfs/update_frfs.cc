@@ -55,8 +55,7 @@ UpdateProblem::FrfRows UpdateProblem::rows_of(int state, const MeasuredFrf& frf)
     if (!difference && own > kLargest) continue;
     if (!difference)
       own *= std::sqrt(1 + own * own);  // std of ln(1 + n), n complex noise, parts' variance own^2
-    const double relative =
-        std::hypot(own, options_.frf_model_relative_std, variant_.frf_model_std);
+    const double relative = std::hypot(own, variant_.frf_model_std);
     if (!(relative > 0)) continue;  // exact lines have no weight beside others
     rows.line.push_back(k);
     rows.difference.push_back(difference ? 1 : 0);

@@ -99,8 +99,6 @@ struct UpdateOptions {
   /// Relative standard uncertainty of frequencies that come without one. It only sets their weight;
   /// the scatter about the fit gives the variance.
   double assumed_relative_std = 0.01;
-  /// Model error, relative in FRFs, added to every line's uncertainty.
-  double frf_model_relative_std = 0;
   /// Model error, relative in frequency, added to every measured uncertainty.
   double model_relative_std = 0;
   AssignmentOptions assignment = {};

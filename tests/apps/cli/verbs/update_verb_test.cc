@@ -199,8 +199,8 @@ TEST(UpdateVerb, FrfsOfTheVirtualLaboratoryGiveItsTruth) {
   ASSERT_EQ(run_line(averaging).exit_code, 0);
   const Document json = document_of(
       "update {}scenes/beam.toml --frf {} --band 8 25 --plane in --free beam.EI_z tip.mass "
-      "beam.damping_ratio --starts 1 --frf-model-std 0.02 --input hammer.position=0.002 "
-      "hammer.direction_z=0.0175 --out {}",
+      "beam.damping_ratio --starts 1 --input hammer.position=0.002 hammer.direction_z=0.0175 "
+      "--out {}",
       {data, frf, folder.at("o.toml")});
   EXPECT_NEAR(json["parameters"][0]["value"], 2.17, 0.01 * 2.17);
   EXPECT_GT(json["frf_lines"], 30);
