@@ -53,18 +53,15 @@ double nominal_tension(const Member& member, const Vector3d& ends, const Vector3
   const double length = member.unstretched_length ? *member.unstretched_length
                         : member.stretch          ? chord - *member.stretch
                                                   : chord;
-  // T / EA - (w L / T)^2 / 24 = chord / length - 1: rises with T.
+  // T / EA - (w L / T)^2 / 24 = chord / length - 1, a cubic in T: Newton's method from above.
   const double strain = chord / length - 1, pull = mean_mass(member) * across * chord;
   if (!(pull > 0)) return std::max(0.0, member.EA * strain);
-  const auto excess = [&](double tension) {
-    return tension / member.EA - pull * pull / (24 * tension * tension) - strain;
-  };
-  double low = 1e-12 * member.EA, high = member.EA * (1 + std::abs(strain)) + pull;
-  for (int i = 0; i < 200 && high - low > 1e-14 * high; ++i) {
-    const double middle = high > 4 * low ? std::sqrt(low * high) : 0.5 * (low + high);
-    (excess(middle) > 0 ? high : low) = middle;
+  const double taut = member.EA * strain, sag = member.EA * pull * pull / 24;
+  double tension = std::max(0.0, taut) + std::cbrt(sag);
+  for (double step = tension; step > 1e-14 * tension; tension -= step) {
+    step = (tension * tension * (tension - taut) - sag) / (tension * (3 * tension - 2 * taut));
   }
-  return 0.5 * (low + high);
+  return tension;
 }
 
 AxialForce nominal_axial_force(const Scene& scene, const std::vector<std::array<int, 2>>& ends,

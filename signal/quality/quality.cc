@@ -2,18 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <numeric>
-
 #include "signal/estimation/robust.h"
 #include "signal/recording/clipping.h"
 
 namespace rigfit::signal {
 namespace {
 
-// Samples of the same value in a row that can make a dropout, and the number of runs as long that
-// chance explains, given how often neighbours are equal around them, below which they do.
-constexpr Index kDropoutRun = 8;
-constexpr double kDropoutChance = 1e-3;
+// Samples of the same value in a row that can make a dropout, and how many times longer than the
+// others around it it then is: of runs by chance, each as likely to go on, the longest of a
+// thousand samples is five times as long once in 1e12 records.
+constexpr Index kDropoutRun = 8, kDropoutRatio = 5;
 // Quanta in a standard deviation below which quantisation is coarse: its rounding noise, q /
 // sqrt(12), is then more than 3 % of the signal.
 constexpr double kStepsPerRms = 10;
@@ -55,33 +53,27 @@ double quantum_of(const std::vector<double>& samples, double range, long& distin
   return quantum;
 }
 
-/// Runs of the same value that chance does not explain.
+/// Runs of the same value that are much longer than the others around them.
 std::vector<Run> improbable_runs(const VectorXd& x) {
-  std::vector<Run> runs;
-  const Index n = x.size();
-  for (Index k = 0, end = 1; k < n; k = end++) {
-    while (end < n && x[end] == x[k]) ++end;
-    const Index length = end - k;
+  std::vector<Run> runs, found;
+  for (Index k = 0, end = 1; k < x.size(); k = end++) {
+    while (end < x.size() && x[end] == x[k]) ++end;
+    if (end - k > 1) runs.push_back({k, end - k});
+  }
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const auto [first, length] = runs[k];
     if (length < kDropoutRun) continue;
     const Index reach = std::max<Index>(100, 10 * length);
-    double pairs = 0, equal = 0, from_value = 0, stays = 0;
-    for (Index j = std::max<Index>(k - reach, 0) + 1; j < std::min(end + reach, n); ++j) {
-      if ((j >= k && j <= end) || !std::isfinite(x[j]) || !std::isfinite(x[j - 1])) continue;
-      ++pairs;
-      equal += x[j] == x[j - 1] ? 1 : 0;
-      if (x[j - 1] != x[k]) continue;
-      ++from_value;
-      stays += x[j] == x[k] ? 1 : 0;
+    Index longest = 1;
+    for (std::size_t j = k; j-- > 0 && runs[j].first + runs[j].length > first - reach;) {
+      longest = std::max(longest, runs[j].length);
     }
-    // One more equal pair than seen: a rate of zero would make everything improbable. A value at
-    // which the signal often rests is kept longer than the others.
-    double chance = (equal + 1) / (pairs + 2);
-    if (from_value >= 20) chance = std::max(chance, (stays + 1) / (from_value + 2));
-    const double expected =
-        static_cast<double>(n) * std::pow(chance, static_cast<double>(length - 1));
-    if (expected < kDropoutChance && pairs > 2 * kDropoutRun) runs.push_back({k, length});
+    for (std::size_t j = k + 1; j < runs.size() && runs[j].first < first + length + reach; ++j) {
+      longest = std::max(longest, runs[j].length);
+    }
+    if (length > kDropoutRatio * longest) found.push_back(runs[k]);
   }
-  return runs;
+  return found;
 }
 
 ChannelQuality check_channel(const Recording& recording, const Channel& channel) {

@@ -182,44 +182,46 @@ class HeaderReader {
     }
   }
 
-  /// Whether a line names each column of data by itself, with fewer units among the names than
-  /// `units`.
-  bool has_titles(std::string_view line, long units) const {
-    Fields row = Row(trim_blanks(line), layout_.dialect).fields;
-    if (layout_.dialect.separator == ' ' && row.size() != columns_) {
-      row = titles_with_blanks(line, columns_);
-    }
-    std::set<std::string_view> names;
-    for (std::size_t c = 0; c < columns_; ++c) {
-      if (!layout_.columns[c].has_data()) continue;
-      if (c >= row.size() || kind_of(row[c].text, layout_.dialect.decimal) != FieldKind::text ||
-          !names.insert(row[c].text).second) {
-        return false;
-      }
-      units -= is_unit_text(row[c].text) ? 1 : 0;
-    }
-    return units > 0;
-  }
-
-  void read_line(std::string_view line, std::string_view above) {
+  /// Fields of a line without a comment sign in front; titles that hold blanks are not parted.
+  Fields fields_of(std::string_view line) const {
     Fields row = Row(trim_blanks(line), layout_.dialect).fields;
     const bool by_blanks = layout_.dialect.separator == ' ';
     if (!row.empty() && row[0].text.size() > (by_blanks ? 0 : 1) &&
         is_comment_sign(row[0].text[0])) {
-      // A comment sign in front of the titles is not part of the first; "%" alone is a unit.
+      // The sign is not part of the first title; "%" alone is a unit.
       row[0].text = trim_blanks(row[0].text.substr(1));
       if (row[0].text.empty()) row.erase(row.begin());
     }
+    if (!by_blanks || columns_ < 2 || row.size() == columns_) return row;
+    Fields titles = titles_with_blanks(line, columns_);
+    return titles.empty() ? row : titles;
+  }
+
+  /// What stands above the columns of data.
+  struct Counts {
+    long words = 0, figures = 0, units = 0, filled = 0, numbered = 0;
+  };
+  Counts counts_of(const Fields& row) const {
+    Counts n;
+    for (std::size_t c = 0; c < std::min(columns_, row.size()); ++c) {
+      if (!layout_.columns[c].has_data() || row[c].text.empty()) continue;
+      const FieldKind kind = kind_of(row[c].text, layout_.dialect.decimal);
+      ++n.filled;
+      n.words += kind == FieldKind::text ? 1 : 0;
+      n.figures += kind == FieldKind::number ? 1 : 0;
+      n.numbered += row[c].text == std::to_string(n.numbered + 1) ? 1 : 0;
+      n.units += is_unit_text(row[c].text) ? 1 : 0;
+    }
+    return n;
+  }
+
+  void read_line(std::string_view line, std::string_view above) {
+    Fields row = fields_of(line);
     fields_ = row.size();
     row = without_empty_end(std::move(row));
     if (row.empty()) return;
-    bool unmatched = by_blanks && columns_ > 1 && row.size() != columns_;
-    if (unmatched) {
-      auto titles = titles_with_blanks(line, columns_);
-      unmatched = titles.empty();
-      if (!unmatched) row = std::move(titles);
-      fields_ = std::max(fields_, row.size());
-    }
+    const bool by_blanks = layout_.dialect.separator == ' ';
+    const bool unmatched = by_blanks && columns_ > 1 && row.size() != columns_;
     // "Unit;V" or "Unit: V" above a table of other columns: of all channels.
     static const std::regex kCommon(R"(([^;:=,\t]*)[;:=,\t]\t*([^;,\t]*)[;,\t]*)");
     const std::string text(trim_blanks(line.substr(0, kLongestMatched)));
@@ -234,27 +236,16 @@ class HeaderReader {
         return;
       }
     }
-    // Texts, numbers and units above the columns of data.
-    long words = 0, unit_words = 0, filled = 0, figures = 0, data_columns = 0, numbered = 0;
-    for (std::size_t c = 0; c < columns_; ++c) {
-      if (!layout_.columns[c].has_data()) continue;
-      ++data_columns;
-      if (c >= row.size() || row[c].text.empty()) continue;
-      const FieldKind kind = kind_of(row[c].text, layout_.dialect.decimal);
-      ++filled;
-      words += kind == FieldKind::text ? 1 : 0;
-      figures += kind == FieldKind::number ? 1 : 0;
-      numbered += row[c].text == std::to_string(numbered + 1) ? 1 : 0;
-      unit_words += is_unit_text(row[c].text) ? 1 : 0;
-    }
+    const Counts here = counts_of(row);
+    const long data_columns = std::ranges::count_if(layout_.columns, &CsvColumn::has_data);
     const std::string label = row.size() > 1 ? normal_label(row[0].text) : "";
     for (const RowUse use : {kUnits, kRanges, kCoefficients, kNumbers, kNames}) {
       // A label in front of names stands above the times: it names that column only if it is one.
       const bool titles = use == kNumbers || use == kNames;
       if (label.empty() || !is_listed(kRowLabels[use], label) ||
-          (titles && words + figures <= 1 && columns_ > 2) ||
-          (is_listed("|sequence|ts|", label) && unit_words == 0) ||
-          (label == "no" && figures == 0)) {
+          (titles && here.words + here.figures <= 1 && columns_ > 2) ||
+          (is_listed("|sequence|ts|", label) && here.units == 0) ||
+          (label == "no" && here.figures == 0)) {
         continue;
       }
       // ";Headers, time, Ax": a label beside as many names as there are columns.
@@ -264,8 +255,9 @@ class HeaderReader {
     }
     // A line without a label: titles, or units where every field is one, or most are and names
     // stand above. Numbers are names where they count the channels: "x-axis,1,2" above units.
-    const bool counted = have_[kUnits] && words == 1 && numbered == data_columns - 1;
-    if (!counted && (2 * words < data_columns || words < figures || words == 0)) return;
+    const bool counted = have_[kUnits] && here.words == 1 && here.numbered == data_columns - 1;
+    if (!counted && (2 * here.words < data_columns || here.words < here.figures || here.words == 0))
+      return;
     // "Y-Axis Unit: m" is no row of titles.
     const auto is_label = [](const CsvField& field) {
       return field.text.ends_with(':') || field.text.ends_with('=');
@@ -273,8 +265,11 @@ class HeaderReader {
     if (row.size() > 1 && is_label(row[0]) && !is_label(row[1])) return;
     if (columns_ == 1 && line.find('=') != line.npos) return;  // "NPTS= 3164, DT= .0050 SEC"
     const bool untitled = !have_[kNames] && layout_.unmatched_titles.empty();
-    const bool only_units = unit_words == filled ||
-                            (untitled && 2 * unit_words >= filled && has_titles(above, unit_words));
+    bool only_units = here.units == here.filled;
+    if (untitled && 2 * here.units >= here.filled) {
+      const Counts titles = counts_of(fields_of(above));
+      only_units |= titles.words == data_columns && titles.units < here.units;
+    }
     if (unmatched) {
       if (!only_units && untitled && row.size() > 1) {
         layout_.unmatched_titles = unquoted(trim_blanks(line).substr(0, 200));
@@ -287,8 +282,8 @@ class HeaderReader {
       for (std::size_t c = 0; c < std::min(columns_, row.size()); ++c) {
         if (layout_.columns[c].has_data() && !row[c].text.empty()) names.insert(row[c].text);
       }
-      const bool same = std::ssize(names) < filled;
-      if (!untitled && (same || filled < data_columns)) return;
+      const bool same = std::ssize(names) < here.filled;
+      if (!untitled && (same || here.filled < data_columns)) return;
       layout_.more_titles = row.size() > columns_;
       same_names_ = same && line.find_first_of("([") == line.npos;
       have_[kNames] = false;

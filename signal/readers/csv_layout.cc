@@ -1,6 +1,7 @@
 #include "signal/readers/csv_table.h"
 
 #include <algorithm>
+#include <regex>
 
 #include "signal/recording/recording.h"
 
@@ -157,19 +158,18 @@ void refuse_decimal_commas(const std::vector<Row>& rows,
 
 /// Refuses a table by commas in quotes that all stand before three digits: decimals or thousands.
 void refuse_thousands(const std::vector<Row>& rows, long line, const std::string& file) {
-  std::string_view seen;
+  static const std::regex kBoth("[-+]*[1-9][0-9]{0,2},[0-9]{3}");
+  std::string seen;
   for (const auto& row : rows) {
     for (std::size_t c = 0; c < row.fields.size(); ++c) {
-      const auto text = row.fields[c].text;
-      const std::size_t comma = text.find(','), sign = text.find_first_not_of("+-");
-      if (comma == text.npos || row.kind(c) != FieldKind::number) continue;
-      // No thousands begin with a zero or have four digits in front.
-      if (text.size() != comma + 4 || comma - sign > 3 || text[sign] == '0') return;
+      const std::string text(row.fields[c].text);
+      if (row.kind(c) != FieldKind::number || text.find(',') == text.npos) continue;
+      if (!std::regex_match(text, kBoth)) return;
       seen = text;
     }
   }
   if (seen.empty()) return;
-  throw RecordingError({file, line, 0, "", std::string(seen)},
+  throw RecordingError({file, line, 0, "", seen},
                        "the commas in quotes may part thousands or be decimal signs",
                        "say --decimal comma (key decimal of the TOML file beside it) where they "
                        "are decimal signs; else export without signs between thousands");
@@ -192,39 +192,33 @@ bool is_csv_row(std::string_view line, const CsvLayout& layout) {
       return false;
     }
   }
-  return 2 * numbers >= columns && numbers > 0;
+  return numbers > 0 && (2 * numbers >= columns || row.fields.size() == layout.columns.size());
 }
 
-/// Begins the table at the lines directly above it that hold less than half of their numbers.
-/// Throws for one with words among its numbers or another separator than the others.
-void take_rows_above(std::string_view bytes, const std::string& file,
-                     std::vector<std::string_view>& header, CsvLayout& layout) {
-  const std::size_t columns = layout.columns.size();
-  for (; columns > 1 && !header.empty(); header.pop_back()) {
-    const auto line = header.back();
-    double value = 0;
-    if (parse_number(trim_blanks(line), '.', value) == 0) return;
-    const auto refuse = [&](std::string_view text, const char* problem) {
-      throw text_error(bytes, file, text, problem,
-                       "correct the line, or delete it where it is none of the table");
-    };
-    for (const char separator : {';', '\t', '|', ',', ' '}) {
-      if (separator == layout.dialect.separator) continue;
-      if (Row(line, {separator, layout.dialect.decimal}).numbers == std::ssize(layout.columns)) {
-        refuse(line, "is separated by another sign than the lines below");
-      }
+/// Refuses a line directly above the table that begins as one of it, with words among its numbers
+/// or another separator than the others.
+void refuse_row_above(std::string_view bytes, const std::string& file, std::string_view line,
+                      const CsvLayout& layout) {
+  double value = 0;
+  const auto columns = std::ssize(layout.columns);
+  if (columns < 2 || parse_number(trim_blanks(line), '.', value) == 0) return;
+  const auto refuse = [&](std::string_view text, const char* problem) {
+    throw text_error(bytes, file, text, problem,
+                     "correct the line, or delete it where it is none of the table");
+  };
+  for (const char separator : {';', '\t', '|', ',', ' '}) {
+    if (separator != layout.dialect.separator &&
+        Row(line, {separator, layout.dialect.decimal}).numbers == columns) {
+      refuse(line, "is separated by another sign than the lines below");
     }
-    const Row row(line, layout.dialect);
-    if (row.fields.size() != columns) return;
-    for (std::size_t c = 0; c < columns; ++c) {
-      const auto text = row.fields[c].text;
-      if (row.kind(c) == FieldKind::text && layout.columns[c].kind == FieldKind::number &&
-          !is_unit_text(text)) {
-        refuse(text, "is no number, in a line that seems to be one of the table");
-      }
+  }
+  const Row row(line, layout.dialect);
+  for (std::size_t c = 0; std::ssize(row.fields) == columns && c < row.fields.size(); ++c) {
+    const auto text = row.fields[c].text;
+    if (row.kind(c) == FieldKind::text && layout.columns[c].kind == FieldKind::number &&
+        !is_unit_text(text)) {
+      refuse(text, "is no number, in a line that seems to be one of the table");
     }
-    if (row.words > 0) return;
-    layout.body = static_cast<std::size_t>(line.data() - bytes.data());
   }
 }
 
@@ -267,7 +261,7 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
   // What the columns hold, lines of the header that look like rows do not say.
   rows = rows_of(sample_lines(bytes.substr(layout.body)), layout.dialect);
   layout.columns = columns_of(rows);
-  take_rows_above(bytes, file, header, layout);
+  if (!header.empty()) refuse_row_above(bytes, file, header.back(), layout);
   layout.body_line = static_cast<long>(header.size()) + 1;
   if (layout.dialect.separator == ',' && layout.dialect.decimal == '.' && options.decimal == 0 &&
       options.separator == 0) {

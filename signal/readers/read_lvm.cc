@@ -40,8 +40,10 @@ struct LvmHeader {
 class LvmReader {
  public:
   LvmReader(std::string_view bytes, const std::filesystem::path& path, const ReadOptions& options)
-      : bytes_(bytes), rest_(bytes), path_(path), options_(options) {
-    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
+      : bytes_(text_without_mark(bytes, path.string())),
+        rest_(bytes_),
+        path_(path),
+        options_(options) {
     table_.file = path.string();
     table_.layout.dialect.separator = '\t';
   }
@@ -149,9 +151,12 @@ class LvmReader {
 
   Recording recording_of(std::vector<VectorXd> columns) {
     CsvLayout& layout = table_.layout;
-    std::erase_if(x_columns_, [&](std::size_t c) { return columns[c].array().isNaN().all(); });
+    const auto is_empty = [&](std::size_t c) { return columns[c].array().isNaN().all(); };
+    std::erase_if(x_columns_, is_empty);
     const bool has_times = !x_columns_.empty();
-    const std::size_t first = values_.front();
+    // A channel without samples, of Delta_X 1, has no times.
+    const auto filled = std::ranges::find_if_not(values_, is_empty);
+    const std::size_t first = filled == values_.end() ? values_.front() : *filled;
     const double step = header_.number("Delta_X", first), start = header_.number("X0", first);
     const RateOfStep stated = header_.rate(first);
     const std::string delta = header_.text("Delta_X", first);
@@ -164,7 +169,7 @@ class LvmReader {
     }
     for (const std::size_t c : values_) {
       const double own = header_.number("Delta_X", c), later = header_.number("X0", c) - start;
-      if (step > 0 &&
+      if (step > 0 && !is_empty(c) &&
           ((own > 0 && std::abs(own / step - 1) > 1e-6) || std::abs(later) > kSameTimes * step)) {
         other = layout.columns[c].name;
       }

@@ -308,6 +308,29 @@ Recording read_mat(std::string_view bytes, const std::filesystem::path& path,
   return recording_of_arrays(std::move(table), path, "mat", options, rate);
 }
 
+namespace {
+
+/// Frequencies of an FFT where the file holds its rate ("fs", "freq") and block length N, a whole
+/// number with N / 2 + 1 lines. Empty: it does not.
+VectorXd frequencies_by_rate(const std::vector<MatArray>& arrays, const MatArray& frfs) {
+  std::vector<Note> ignored;
+  double rate = stated_rate(arrays, frfs, ignored), block = 0;
+  for (const auto& array : arrays) {
+    if (!array.is_scalar()) continue;
+    const double value = array.real(0, 0), lines = std::floor(value / 2) + 1;
+    if (value == std::floor(value) && lines == static_cast<double>(frfs.longer())) {
+      block = value;
+    } else if (rate == 0 && value > 0 && lower_case(array.last_name()).starts_with("freq")) {
+      rate = value;
+    }
+  }
+  if (!(rate > 0) || !(block > 0) || !std::isfinite(rate)) return {};
+  return ArrayXd::LinSpaced(frfs.longer(), 0, static_cast<double>(frfs.longer() - 1)) *
+         (rate / block);
+}
+
+}  // namespace
+
 FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
                      const ReadOptions& options) {
   const std::vector<MatArray> arrays = arrays_in(bytes, path);
@@ -334,6 +357,8 @@ FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
       frequency_hz = array.real.reshaped();
     }
   }
+  const bool by_rate = frequency_hz.size() == 0;
+  if (by_rate) frequency_hz = frequencies_by_rate(arrays, frfs);
   if (frequency_hz.size() == 0) {
     throw file_error(path, "holds " + frfs.text() + " but no vector of as many frequencies",
                      "save the frequencies in Hz beside it, as a vector named freq");
@@ -355,7 +380,14 @@ FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
                      {},
                      path.string()});
   }
-  return set_of_parts(parts, "");
+  FrfSet set = set_of_parts(parts, "");
+  if (by_rate) {
+    add_note(set.notes, "read_as", frfs.name,
+             "no vector of frequencies: by the sampling rate and block length in the file they go "
+             "to {:.9g} Hz",
+             frequency_hz[frequency_hz.size() - 1]);
+  }
+  return set;
 }
 
 }  // namespace rigfit::signal

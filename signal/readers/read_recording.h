@@ -100,7 +100,7 @@ void refuse_foreign(std::string_view bytes, const std::filesystem::path& path);
                                  const ReadOptions& options = {});
 
 /// FRFs of a MATLAB file: complex arrays (lines x points) beside a frequency vector of as many
-/// lines ("freq", "f").
+/// lines ("freq", "f"), or beside the sampling rate and block length of their FFT.
 [[nodiscard]] FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
                                    const ReadOptions& options = {});
 

@@ -68,12 +68,11 @@ void apply_channel(const ChannelDescription& given, const Recording& recording, 
                     channel.source_unit);
     };
     if (!file_unit) {
-      const std::string milli = by.over_text == by.over.si ? "m" + by.over_text : by.over_text;
-      refuse(fmt::format("the file gives no unit for it: its numbers may be in {} or in {}, which "
-                         "makes a factor of a thousand",
-                         by.over.si, milli),
-             fmt::format("say unit = \"{}\" (or \"{}\") beside sensitivity = ... {}", by.over.si,
-                         milli, given.sensitivity_unit));
+      refuse(
+          "the file gives no unit for it",
+          fmt::format("say in which unit its numbers are, as unit = \"{}\", beside sensitivity = "
+                      "... {}: V for mV makes a factor of a thousand",
+                      by.over_text, given.sensitivity_unit));
     }
     if (file_unit->si != by.over.si) {
       refuse("the file's unit does not fit a sensitivity in " + given.sensitivity_unit,
@@ -107,16 +106,10 @@ void apply_channel(const ChannelDescription& given, const Recording& recording, 
 }
 
 /// Notes values that hardly any laboratory measures: most often a sensitivity or unit off by a
-/// thousand. Zeros and channels without a number are not judged. `given`: by which the channel
-/// was scaled just now; null: it is as it was, and what is noted of it stays.
-void judge_values(const Channel& channel, const ChannelDescription* given, Recording& recording) {
-  const auto is_known = [&](const Note& note) {
-    return note.code == "unit_suspected" && note.where == channel.name;
-  };
-  if (given == nullptr && std::ranges::any_of(recording.notes, is_known)) return;
-  std::erase_if(recording.notes, is_known);
-  const bool by_voltage =
-      given != nullptr && given->sensitivity_unit.find("V/") != std::string::npos;
+/// thousand. Zeros and channels without a number are not judged.
+void judge_values(const Channel& channel, std::vector<Note>& notes) {
+  const auto unit = parse_unit(channel.source_unit);
+  const bool by_voltage = unit && unit->quantity == Quantity::voltage;
   struct Limits {
     Quantity quantity;
     double least, most;  // bounds of the largest magnitude
@@ -132,7 +125,7 @@ void judge_values(const Channel& channel, const ChannelDescription* given, Recor
   const auto x = channel.samples.array();
   const double largest = x.isNaN().select(0, x).abs().maxCoeff();
   if (!(largest > 0) || (largest >= limits->least && largest <= limits->most)) return;
-  add_note(recording.notes, "unit_suspected", channel.name,
+  add_note(notes, "unit_suspected", channel.name,
            "Check unit, sensitivity and scale (unit in the file: \"{}\"): it reaches {:.3g} {}{}, "
            "{} than such a channel measures; V for mV makes a factor of a thousand",
            channel.source_unit, largest, channel.unit,
@@ -230,9 +223,7 @@ void apply_description(const RecordingDescription& description, Recording& recor
     }
   }
   for (const auto& [at, given] : described) {
-    Channel& channel = recording.channels[static_cast<std::size_t>(at)];
-    apply_channel(*given, recording, channel);
-    judge_values(channel, given, recording);
+    apply_channel(*given, recording, recording.channels[static_cast<std::size_t>(at)]);
   }
   std::set<std::string> names;
   for (const auto& channel : recording.channels) {
@@ -241,7 +232,8 @@ void apply_description(const RecordingDescription& description, Recording& recor
                     "give each a name of its own, in the description");
     }
   }
-  for (const auto& channel : recording.channels) judge_values(channel, nullptr, recording);
+  std::erase_if(recording.notes, [](const Note& note) { return note.code == "unit_suspected"; });
+  for (const auto& channel : recording.channels) judge_values(channel, recording.notes);
   note_absent(absent, left, absent.size() == description.channels.size(), recording);
   note_unitless(recording);  // what is described has its unit from the description
 }

@@ -24,15 +24,18 @@ namespace {
 
 using Bytes = std::string_view;
 
+template <auto* Read>
+void read(Bytes bytes) {
+  signal::require_sound(Read(bytes, "fuzz", {}));
+}
+
 /// For readers whose libraries read files: the bytes are put into one in memory.
-template <typename Read>
-void read_file(Bytes bytes, Read&& read) {
+template <auto* Read>
+void read_file(Bytes bytes) {
   const int file = ::memfd_create("fuzz", 0);
-  if (file < 0 || ::write(file, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) {
-    return;
-  }
+  if (::write(file, bytes.data(), bytes.size()) != std::ssize(bytes)) return;
   const std::string path = "/proc/self/fd/" + std::to_string(file);
-  signal::read_or_refuse([&] { signal::require_sound(read(path)); });
+  signal::read_or_refuse([&] { signal::require_sound(Read(bytes, path, {})); });
   ::close(file);
 }
 
@@ -53,23 +56,16 @@ void frf(Bytes bytes) {
 }
 
 const std::map<std::string, void (*)(Bytes), std::less<>> kReaders{
-    {"csv", [](Bytes bytes) { signal::require_sound(signal::read_csv(bytes, "fuzz")); }},
-    {"lvm", [](Bytes bytes) { signal::require_sound(signal::read_lvm(bytes, "fuzz")); }},
-    {"npy", [](Bytes bytes) { signal::require_sound(signal::read_npy(bytes, "fuzz")); }},
-    {"uff_modes",
-     [](Bytes bytes) { signal::require_sound(signal::read_uff_modes(bytes, "fuzz")); }},
+    {"csv", read<signal::read_csv>},
+    {"lvm", read<signal::read_lvm>},
+    {"npy", read<signal::read_npy>},
+    {"wav", read_file<signal::read_wav>},
+    {"mat", read_file<signal::read_mat>},
     {"uff", uff},
+    {"uff_modes", [](Bytes b) { signal::require_sound(signal::read_uff_modes(b, "fuzz")); }},
     {"frf", frf},
-    {"wav",
-     [](Bytes bytes) {
-       read_file(bytes, [&](const std::string& path) { return signal::read_wav(bytes, path); });
-     }},
-    {"mat",
-     [](Bytes bytes) {
-       read_file(bytes, [&](const std::string& path) { return signal::read_mat(bytes, path); });
-     }},
-    {"scene", [](Bytes bytes) { model::require_scene_or_reason(bytes); }},
-    {"campaign", [](Bytes bytes) { apps::require_campaign_or_reason(bytes, "campaign.toml"); }},
+    {"scene", [](Bytes b) { model::require_scene_or_reason(b); }},
+    {"campaign", [](Bytes b) { apps::require_campaign_or_reason(b, "campaign.toml"); }},
 };
 void (*fuzzed)(Bytes) = nullptr;
 

@@ -59,6 +59,7 @@ TEST(Plausibility, ValuesAsTheFileGivesThem) {
     Recording recording = in_volts(0);
     recording.channels[0].quantity = quantity;
     recording.channels[0].unit = quantity == Quantity::force ? "N" : "m/s^2";
+    recording.channels[0].source_unit = recording.channels[0].unit;
     recording.channels[0].samples.setConstant(value);
     apply_description({}, recording);
     return suspected(recording);
