@@ -90,7 +90,7 @@ void add_numbers(const matvar_t& variable, const std::string& name, std::vector<
   // The data must be as many numbers of the class's own size.
   const std::size_t size = Mat_SizeOfClass(variable.class_type);
   if (!is_numeric(variable.class_type) || size == 0 ||
-      static_cast<double>(variable.nbytes / size) < count)
+      static_cast<double>(variable.nbytes) < count * static_cast<double>(size))
     return;
   const void *re = variable.data, *im = nullptr;
   if (variable.isComplex != 0) {
