@@ -53,7 +53,8 @@ double nominal_tension(const Member& member, const Vector3d& ends, const Vector3
   const double length = member.unstretched_length ? *member.unstretched_length
                         : member.stretch          ? chord - *member.stretch
                                                   : chord;
-  // T / EA - (w L / T)^2 / 24 = chord / length - 1, a cubic in T: Newton's method from above.
+  // T / EA - (w L / T)^2 / 24 = chord / length - 1, a cubic in T: Newton's method from above,
+  // where the cubic is convex, to rounding.
   const double strain = chord / length - 1, pull = mean_mass(member) * across * chord;
   if (!(pull > 0)) return std::max(0.0, member.EA * strain);
   const double taut = member.EA * strain, sag = member.EA * pull * pull / 24;

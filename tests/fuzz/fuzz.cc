@@ -86,7 +86,8 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const rigfit::Bytes bytes(reinterpret_cast<const char*>(data), size);
-  rigfit::signal::read_or_refuse([&] { rigfit::fuzzed(bytes); });
+  rigfit::signal::read_or_refuse([&] {
+    rigfit::fuzzed({reinterpret_cast<const char*>(data), size});
+  });
   return 0;
 }
