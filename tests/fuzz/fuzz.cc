@@ -1,5 +1,5 @@
 // Every reader under libFuzzer: RIGFIT_FUZZED names the one that is fed, `seeds` has a folder for
-// each.
+// each; campaigns name the files of `campaign_folder`.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -80,7 +80,6 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
     std::exit(2);
   }
   rigfit::fuzzed = found->second;
-  // A folder with a scene, tables and recordings for campaigns to name.
   if (::chdir(RIGFIT_FUZZ "/campaign_folder") != 0) std::abort();
   return 0;
 }

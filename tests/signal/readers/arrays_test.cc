@@ -226,16 +226,13 @@ TEST_F(Mat, FrfsAreComplexArraysOverFrequencies) {
   EXPECT_EQ(set.frequency_hz[2], 1);
   EXPECT_THAT(refusal_of([&] { return read(path_); }), HasSubstr("freq"));
   // Without them by the rate and the block length of the FFT: 30 lines are 58 / 2 + 1.
-  const auto write_block = [&](double length) {
+  for (const double length : {57, 58}) {
     write({Mat_VarCreate("yspec", MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, &split, MAT_F_COMPLEX),
            array("freq", {1160}, 1, 1), array("npts", {length}, 1, 1)});
-  };
-  write_block(58);
-  const FrfSet by_rate = read_mat_frfs(content(), path_);
-  EXPECT_NEAR(by_rate.frequency_hz[29], 580, 1e-9);
-  EXPECT_TRUE(says(by_rate.notes, "read_as"));
-  write_block(57);
-  EXPECT_THROW((void)read_mat_frfs(content(), path_), RecordingError);
+    if (length == 58) break;
+    EXPECT_THAT(refusal_of([&] { return read_mat_frfs(content(), path_); }), HasSubstr("freq"));
+  }
+  EXPECT_NEAR(read_mat_frfs(content(), path_).frequency_hz[29], 580, 1e-9);
 }
 
 TEST_F(Mat, ArraysThatStateOtherSizesThanTheyHoldAreRefused) {
