@@ -1,5 +1,4 @@
 #include "model/motion/stiff_motion.h"
-#include "model/algebra/numbers.h"
 
 #include <ida/ida.h>
 #include <nvector/nvector_serial.h>
@@ -9,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <memory>
 
+#include "model/algebra/numbers.h"
 #include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {

@@ -1,7 +1,8 @@
 #include "model/response/modal_response.h"
-#include "model/scene/sensor_quantity.h"
 
 #include <cassert>
+
+#include "model/scene/sensor_quantity.h"
 
 namespace rigfit::model {
 namespace {

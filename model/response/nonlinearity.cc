@@ -1,7 +1,7 @@
 #include "model/response/nonlinearity.h"
-#include "model/algebra/numbers.h"
 
 #include "model/algebra/eigenpairs.h"
+#include "model/algebra/numbers.h"
 
 namespace rigfit::model {
 namespace {

@@ -1,5 +1,4 @@
 #include "model/scene/read_scene.h"
-#include "model/algebra/numbers.h"
 
 #include <fmt/format.h>
 
@@ -7,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "model/algebra/numbers.h"
 #include "model/scene/read_member.h"
 #include "model/scene/scene_repeat.h"
 #include "model/scene/sensor_quantity.h"

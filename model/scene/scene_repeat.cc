@@ -1,9 +1,10 @@
 #include "model/scene/scene_repeat.h"
-#include "model/algebra/numbers.h"
 
 #include <fmt/format.h>
 
 #include <map>
+
+#include "model/algebra/numbers.h"
 
 namespace rigfit::model {
 namespace {

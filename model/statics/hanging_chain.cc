@@ -1,10 +1,10 @@
 #include "model/statics/hanging_chain.h"
-#include "model/algebra/numbers.h"
 
 #include <fmt/format.h>
 
 #include <string>
 
+#include "model/algebra/numbers.h"
 #include "model/scene/actual_state.h"
 
 namespace rigfit::model {

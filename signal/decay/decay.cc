@@ -38,7 +38,9 @@ class Estimation {
   DecayResult run() {
     if (!usable()) return result_;
     choose_window();
-    if (!take_samples() || !find_modes() || !leave_out_clipped()) return result_;
+    if (!take_samples() || !find_modes() || !leave_out_clipped() || !place_samples()) {
+      return result_;
+    }
     add_background();
     trim_start();
     if (moved_start_) {
@@ -161,6 +163,21 @@ class Estimation {
              clipped.size(), time_of(result_.start + *std::ranges::max_element(clipped)));
     samples_ = samples_from(result_.start);
     return enough() && find_modes();
+  }
+
+  /// Takes each sample from its own time to its place by what was found, from which the rest
+  /// follows: three times, as the first modes are those of samples at the wrong times.
+  bool place_samples() {
+    const VectorXd given = y_;
+    for (int turn = 0; options_.late.size() > 0 && turn < 3; ++turn) {
+      for (Index j = 0; j < fit_->samples; ++j) {
+        const Index at = result_.start + j;
+        y_(at) = given(at) - fit_->change(static_cast<double>(j), options_.late(at));
+      }
+      samples_ = samples_from(result_.start);
+      if (!find_modes()) return false;
+    }
+    return true;
   }
 
   // Steady tones and an offset that dies away; more modes are looked for beside them.
@@ -293,7 +310,8 @@ DecayResult estimate_decay(const Ref<const VectorXd>& y, double sample_rate_hz,
     throw std::invalid_argument("decay: the sample rate must be positive");
   }
   const DecayBand band = band_of(options, sample_rate_hz);
-  if (const auto narrow = narrow_record(y, band)) {
+  const bool at_even_times = options.late.size() == 0;
+  if (const auto narrow = at_even_times ? narrow_record(y, band) : std::nullopt) {
     const double rate = sample_rate_hz / static_cast<double>(narrow->step);
     DecayOptions there = options;
     there.start_time_s += static_cast<double>(narrow->first) / sample_rate_hz;

@@ -14,6 +14,8 @@ struct DecayOptions {
   double band_low_hz = 0;   ///< modes below are not reported; 0: no limit
   double band_high_hz = 0;  ///< modes above are not reported; 0: no limit
   double start_time_s = 0;  ///< time of the first sample, for messages
+  /// Each sample's time behind its place, in steps of the rate, at most half a step; empty: none.
+  VectorXd late = {};
 };
 
 struct DecayMode {

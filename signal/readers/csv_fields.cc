@@ -131,7 +131,8 @@ bool is_missing_word(std::string_view field) {
   if (word.front() == '-' || word.front() == '+') word.erase(0, 1);
   static constexpr std::string_view kWords =
       "|nan|na|n/a|#n/a|null|none|nil|inf|infinity|1.#inf|1.#qnan|1.#ind|1.#snan|nan(ind)|"
-      "missing|invalid|ol|ovl|overload|#value!|#div/0!|#num!|#ref!|?|ovr|over|err|\u221E|";
+      "missing|invalid|ol|ovl|overload|overflow|#nv|#value!|#div/"
+      "0!|#num!|#ref!|?|ovr|over|err|\u221E|";
   return is_listed(kWords, word);
 }
 

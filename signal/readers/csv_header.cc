@@ -378,7 +378,7 @@ double rate_of_label(const std::string& text, double number, const std::string& 
 bool is_time_name(const std::string& name) {
   const std::string word = lower_case(name);
   static constexpr std::string_view kWords =
-      "|t|time|zeit|temps|tiempo|tempo|tid|sec|secs|second|seconds|s|ms|msec|elapsed|"
+      "|t|time|zeit|temps|tiempo|tempo|tid|sec|secs|second|seconds|s|ms|us|\u00B5s|msec|elapsed|"
       "timestamp|clock|uhrzeit|datetime|date/time|date time|x_value|x value|time_s|"
       "elapsed time|t_s|relative time|time stamp|rel time|time_ms|millis|micros|milliseconds|"
       "microseconds|";

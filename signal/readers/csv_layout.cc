@@ -127,12 +127,13 @@ bool is_whole(std::string_view text) {
 void refuse_decimal_commas(const std::vector<Row>& rows,
                            const std::vector<std::string_view>& header, const std::string& file,
                            const CsvDialect& dialect) {
-  const std::size_t columns = without_empty_end(rows.front().fields).size();
+  std::size_t columns = 0;
+  for (const auto& row : rows) columns = std::max(columns, without_empty_end(row.fields).size());
   bool whole = columns % 2 == 0;
   bool zero = false;  // "05", or "-0" in front: no column of whole numbers is so written
   for (const auto& row : rows) {
     const auto fields = without_empty_end(row.fields);
-    whole = whole && fields.size() == columns;
+    whole = whole && (fields.size() == columns || (columns == 2 && fields.size() == 1));
     for (std::size_t c = 0; c < fields.size(); ++c) {
       const auto text = fields[c].text;
       if (text.find('.') != std::string_view::npos) return;
@@ -193,6 +194,19 @@ bool is_csv_row(std::string_view line, const CsvLayout& layout) {
     }
   }
   return numbers > 0 && (2 * numbers >= columns || row.fields.size() == layout.columns.size());
+}
+
+/// Whether a line has a number in each of the table's columns beside a setting and its value, which
+/// the columns in front of them hold: oscilloscopes write theirs beside the first samples.
+bool is_row_beside_settings(std::string_view line, const CsvLayout& layout) {
+  const Row row(line, layout.dialect);
+  long absent = 0, settings = 0;
+  for (std::size_t c = 0; c < layout.columns.size(); ++c) {
+    const FieldKind kind = row.kind(c);
+    if (layout.columns[c].kind == FieldKind::empty) settings += kind != FieldKind::empty ? 1 : 0;
+    if (layout.columns[c].has_data()) absent += kind != layout.columns[c].kind ? 1 : 0;
+  }
+  return settings >= 2 && absent == 0;
 }
 
 /// Refuses a line directly above the table that begins as one of it, with words among its numbers
@@ -261,7 +275,15 @@ CsvLayout find_csv_layout(std::string_view bytes, const std::string& file,
   // What the columns hold, lines of the header that look like rows do not say.
   rows = rows_of(sample_lines(bytes.substr(layout.body)), layout.dialect);
   layout.columns = columns_of(rows);
+  while (!header.empty() && is_row_beside_settings(header.back(), layout)) {
+    layout.body = static_cast<std::size_t>(header.back().data() - bytes.data());
+    header.pop_back();
+  }
   if (!header.empty()) refuse_row_above(bytes, file, header.back(), layout);
+  for (std::size_t k = header.size(); k-- > 0; ++layout.numbers_above) {
+    const Row row(header[k], layout.dialect);
+    if (row.numbers == 0 || row.numbers < std::ssize(row.fields)) break;
+  }
   layout.body_line = static_cast<long>(header.size()) + 1;
   if (layout.dialect.separator == ',' && layout.dialect.decimal == '.' && options.decimal == 0 &&
       options.separator == 0) {

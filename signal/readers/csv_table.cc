@@ -290,6 +290,13 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
   refuse_series(table, columns);
   const std::size_t n = layout.columns.size();
 
+  if (layout.numbers_above > 0 && layout.stated_rate_hz == 0) {
+    add_note(
+        table.notes, "data_left_out", "",
+        "left out: {} lines of numbers above line {} do not have the table's columns; complete "
+        "them if they are part of it",
+        layout.numbers_above, layout.body_line);
+  }
   if (!layout.unmatched_titles.empty()) {
     add_note(table.notes, "titles_not_matched", "",
              "the titles \"{}\" do not part into {} columns: columns are named by their number; "

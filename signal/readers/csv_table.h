@@ -43,6 +43,7 @@ struct CsvLayout {
   std::vector<CsvColumn> columns;
   std::size_t body = 0;       ///< offset of the first line of numbers
   long body_line = 1;         ///< its 1-based number
+  long numbers_above = 0;     ///< lines of numbers directly above it, of other columns
   double stated_rate_hz = 0;  ///< by the header; 0: none
   long rate_line = 0;         ///< where
   std::string rate_text;      ///< as written

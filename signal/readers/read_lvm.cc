@@ -162,25 +162,27 @@ class LvmReader {
     const std::string delta = header_.text("Delta_X", first);
     layout.stated_rate_hz = stated.rate_hz;
     layout.rate_text = "Delta_X = " + delta;
-    std::string other;  // channel or X column of other times than the first
-    for (const std::size_t c : x_columns_) {
-      const auto apart = (columns[c] - columns[x_columns_.front()]).array().abs();
-      if ((apart > kSameTimes * step).any()) other = layout.columns[c].name;
-    }
-    for (const std::size_t c : values_) {
+    std::vector<std::string> others;  // of other times than the first
+    std::erase_if(values_, [&](std::size_t c) {
       const double own = header_.number("Delta_X", c), later = header_.number("X0", c) - start;
-      if (step > 0 && !is_empty(c) &&
-          ((own > 0 && std::abs(own / step - 1) > 1e-6) || std::abs(later) > kSameTimes * step)) {
-        other = layout.columns[c].name;
+      const auto x = std::find_if(x_columns_.rbegin(), x_columns_.rend(),
+                                  [c](std::size_t k) { return k < c; });
+      bool differs =
+          std::abs(later) > kSameTimes * step || (own > 0 && std::abs(own / step - 1) > 1e-6);
+      differs = step > 0 && !is_empty(c) && differs;
+      if (x != x_columns_.rend() && !differs) {
+        const auto apart = (columns[*x] - columns[x_columns_.front()]).array().abs();
+        differs = (apart > kSameTimes * step).any();
       }
-    }
-    if (!other.empty()) {
-      throw RecordingError(
-          {table_.file, layout.body_line - 1, 0, other},
-          fmt::format("is sampled at other times than \"{}\" (X0, Delta_X or X values)",
-                      layout.columns[first].name),
-          "export the channels with one X column, resampled to one rate, or each rate to a file of "
-          "its own");
+      if (differs) others.push_back(layout.columns[c].name);
+      return differs;
+    });
+    if (!others.empty()) {
+      add_note(
+          table_.notes, "data_left_out", listed(others),
+          "Export each rate to a file of its own: left out, sampled at other times than \"{}\" "
+          "(X0, Delta_X or X values)",
+          layout.columns[first].name);
     }
     if (has_times) {
       CsvColumn title = layout.columns[x_columns_.front()];

@@ -186,15 +186,6 @@ double exact(const Uff58& f, const char* key, double printed) {
   return std::abs(noted - printed) <= 1e-5 * std::abs(printed) ? noted : printed;
 }
 
-/// One over the step, taken for a whole number of hertz where the printed digits allow it.
-double rate_of(const Uff58& f) {
-  if (!(f.abscissa_step > 0)) return 0;
-  const double rate = 1 / f.abscissa_step, whole = std::round(rate);
-  const bool fits =
-      whole > 0 && std::abs(1 / whole - f.abscissa_step) <= f.abscissa_step_half_digit;
-  return exact(f, "rate", fits ? whole : rate);
-}
-
 Channel channel_of(const Uff58& f, std::vector<Note>& notes) {
   Channel channel;
   channel.name = name_of_response(f);
@@ -264,7 +255,9 @@ void take_abscissa(const Uff58& first, Recording& recording) {
              first.abscissa.unit);
   }
   if (first.even) {
-    recording.sample_rate_hz = rate_of(first) / to_seconds;
+    const RateOfStep stated = rate_of_step(first.abscissa_step, first.abscissa_step_half_digit);
+    recording.sample_rate_hz = exact(first, "rate", stated.rate_hz) / to_seconds;
+    recording.sample_rate_relative_std = first.noted("rate") > 0 ? 0 : stated.relative_std;
     recording.start_time_s = exact(first, "start", first.abscissa_start) * to_seconds;
     return;
   }

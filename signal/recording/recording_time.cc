@@ -265,10 +265,17 @@ RateOfStep rate_of_step(double step_s, double half_digit) {
   const double decade = std::pow(10.0, std::floor(std::log10(result.rate_hz)) - 1);
   // Powers of two, those times 25 (51200 Hz and its parts), and rates of two digits.
   const double times25 = 25 * std::exp2(std::round(std::log2(result.rate_hz / 25)));
+  const auto prints_so = [&](double rate) {
+    return std::abs(1 / rate - step_s) <= half_digit * (1 + 1e-9);
+  };
   std::set<double> usual;
   for (const double rate : {power, times25, std::round(result.rate_hz / decade) * decade}) {
-    if (std::abs(1 / rate - step_s) <= half_digit * (1 + 1e-9)) usual.insert(rate);
+    if (prints_so(rate)) usual.insert(rate);
   }
+  // Whole hertz, where the digits tell them apart.
+  const double whole = std::round(result.rate_hz);
+  const bool told = tolerance * result.rate_hz < 0.25;
+  if (usual.empty() && told && prints_so(whole)) usual.insert(whole);
   if (usual.size() == 1) result.rate_hz = *usual.begin();
   return result;
 }

@@ -65,7 +65,8 @@ struct RateOfStep {
 
 /// `half_digit`: half a unit of the step's last printed digit. A step that is the exact decimal of
 /// one over a round rate (0.001) gives that rate. Else the one rate that prints as this step and is
-/// a power of two or has two digits is taken, if there is exactly one; else one over the step.
+/// a power of two or has two digits is taken, if there is exactly one; else the whole number of
+/// hertz that does, where the digits tell these apart; else one over the step.
 [[nodiscard]] RateOfStep rate_of_step(double step_s, double half_digit);
 
 /// The roundest rate within `tolerance` (relative) of `rate_hz`: 65535.95 -> 65536 at 1e-5.

@@ -158,4 +158,29 @@ ResampleResult resampled(const Recording& recording, double rate_hz) {
   return result;
 }
 
+std::optional<Recording> placed_evenly(const Recording& recording) {
+  const Index n = recording.time_s.size();
+  if (n < 2 || !(recording.sample_rate_hz > 0) || !recording.time_s.allFinite()) return {};
+  const ArrayXd steps = (recording.time_s.array() - recording.time_s[0]) * recording.sample_rate_hz;
+  const ArrayXd places = steps.round();
+  if (!(places.tail(n - 1) > places.head(n - 1)).all() ||
+      places[n - 1] > 2 * static_cast<double>(n)) {
+    return {};
+  }
+  const auto size = static_cast<Index>(places[n - 1]) + 1;
+  Recording placed = recording;
+  placed.time_s.resize(0);
+  placed.start_time_s = recording.time_s[0];
+  placed.late = VectorXd::Zero(size);
+  for (auto& channel : placed.channels) channel.samples = VectorXd::Constant(size, kNaN);
+  for (Index k = 0; k < n; ++k) {
+    const auto at = static_cast<Index>(places[k]);
+    placed.late[at] = steps[k] - places[k];
+    for (std::size_t c = 0; c < placed.channels.size(); ++c) {
+      placed.channels[c].samples[at] = recording.channels[c].samples[k];
+    }
+  }
+  return placed;
+}
+
 }  // namespace rigfit::signal

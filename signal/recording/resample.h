@@ -50,4 +50,9 @@ struct ResampleResult {
 /// with times that do not rise or have gaps.
 [[nodiscard]] ResampleResult resampled(const Recording& recording, double rate_hz);
 
+/// The recording with each of its samples at the nearest of even times, the values as they are and
+/// NaN where there is none; `late` says what that leaves of their own times. Empty: the times are
+/// even or do not rise, two samples have one place, or most places would be empty.
+[[nodiscard]] std::optional<Recording> placed_evenly(const Recording& recording);
+
 }  // namespace rigfit::signal

@@ -304,6 +304,14 @@ VectorXd DampedSinusoidsFit::mode_signal(std::size_t m) const {
   return (amplitudes[m] * powers(poles[m], samples)).real();
 }
 
+double DampedSinusoidsFit::change(double j, double late) const {
+  double change = drift * late / static_cast<double>(samples);
+  for (std::size_t m = 0; m < poles.size(); ++m) {
+    change += (amplitudes[m] * std::exp(poles[m] * j) * (std::exp(poles[m] * late) - 1.0)).real();
+  }
+  return change;
+}
+
 VectorXd DampedSinusoidsFit::signal() const {
   const double last = 1 - 1 / static_cast<double>(samples);
   VectorXd y = VectorXd::LinSpaced(samples, offset, offset + drift * last);

@@ -56,6 +56,8 @@ struct DampedSinusoidsFit {
 
   /// Mode m alone at every sample.
   [[nodiscard]] VectorXd mode_signal(std::size_t m) const;
+  /// Of modes and background, from the time `j` to `late` samples behind.
+  [[nodiscard]] double change(double j, double late) const;
   /// All modes on the background, at every sample.
   [[nodiscard]] VectorXd signal() const;
   /// `count` rows of J from `first` on; columns in the order of `jacobian_gram`.

@@ -89,7 +89,8 @@ struct Files {
     folder.write("two.csv", two);
     std::string uneven = "t (s),a (m/s2)\n", stiff = "tension_N,load_mm,deflection_mm\n";
     for (int k = 0; k < 100; ++k) {
-      uneven += std::to_string(k / 500.0 + (k > 50 ? 0.05 : 0)) + ",1." + std::to_string(k) + "\n";
+      uneven +=
+          std::to_string(k / 500.0 + (k % 2 == 0 ? 0 : 0.0015)) + ",1." + std::to_string(k) + "\n";
       stiff += "100," + std::to_string(0.5 * k) + "," + std::to_string(0.005 * k) + "\n";
     }
     folder.write("uneven.csv", uneven);

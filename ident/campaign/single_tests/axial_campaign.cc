@@ -17,7 +17,8 @@ namespace {
 
 /// The decays of one recording.
 AxialCampaignResult find(const AxialInputs& inputs, std::size_t index) {
-  const auto& entry = inputs.recordings[index];
+  const std::optional<TestRecording> placed = placed_evenly(inputs.recordings[index]);
+  const TestRecording& entry = placed ? *placed : inputs.recordings[index];
   const auto& recording = entry.recording;
   const double rate = recording.sample_rate_hz;
   AxialCampaignResult found;

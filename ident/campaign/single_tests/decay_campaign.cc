@@ -145,14 +145,19 @@ RecordedDecay estimated_decay(const TestRecording& recorded, const signal::Chann
   RecordedDecay decay{recorded.name,   channel.name, channel.unit,
                       recorded.origin, rate,         options.start_time_s};
   decay.samples = channel.samples.segment(from, to - from);
+  if (recorded.recording.late.size() > 0) {
+    options.late = recorded.recording.late.segment(from, to - from);
+  }
   decay.result = signal::estimate_decay(decay.samples, rate, options);
   decay.start_s = decay.time_s(decay.result.start),
   decay.end_s = decay.time_s(decay.result.end - 1);
   return decay;
 }
 
-DecayTest run_decay_test(const TestRecording& recorded, const DecayTestOptions& options) {
+DecayTest run_decay_test(const TestRecording& given, const DecayTestOptions& options) {
   DecayTest test;
+  const std::optional<TestRecording> placed = placed_evenly(given);
+  const TestRecording& recorded = placed ? *placed : given;
   const auto& recording = recorded.recording;
   if (auto refused = not_uniform(recording, recorded.name)) {
     test.findings.push_back(std::move(*refused));

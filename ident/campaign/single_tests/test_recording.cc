@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gsl/gsl_cdf.h>
 
+#include "signal/recording/resample.h"
+
 namespace rigfit::ident {
 
 std::optional<Finding> not_uniform(const signal::Recording& recording, const std::string& where) {
@@ -12,6 +14,14 @@ std::optional<Finding> not_uniform(const signal::Recording& recording, const std
                      ? "Resample the recording first: its samples are not evenly spaced in time"
                      : "State the sample rate (sample_rate_hz, --sample-rate): the file gives none",
                  where, true};
+}
+
+std::optional<TestRecording> placed_evenly(const TestRecording& recorded) {
+  auto even = signal::placed_evenly(recorded.recording);
+  if (!even) return {};
+  TestRecording placed = recorded;
+  placed.recording = std::move(*even);
+  return placed;
 }
 
 void add_rate_uncertainty(double relative_std, Estimate& frequency_hz,

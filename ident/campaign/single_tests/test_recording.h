@@ -34,6 +34,9 @@ struct TestRecording {
 [[nodiscard]] std::optional<Finding> not_uniform(const signal::Recording& recording,
                                                  const std::string& where = {});
 
+/// With its samples at even places (signal/recording/resample.h), where its times are uneven.
+[[nodiscard]] std::optional<TestRecording> placed_evenly(const TestRecording& recorded);
+
 /// Adds e to a frequency and, half by half, to its 95 % interval; null: none.
 void add_rate_uncertainty(double relative_std, Estimate& frequency_hz,
                           signal::Interval* interval_95_hz = nullptr);

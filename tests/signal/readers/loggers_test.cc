@@ -52,6 +52,23 @@ TEST(Oscilloscopes, TheHeaderStandsBesideTheSamples) {
       "Vertical Units,V,,-0.002096,0.1,\n";
   text += lines(",,,{1:.6f},{2:.5f},", 2e-6, -0.002094);
   expect_channels(read(text), {"column 5"}, {""}, 5e5);
+  EXPECT_EQ(read(text).samples(), 63);  // those beside the header among them
+  EXPECT_EQ(read(text).channels[0].samples[2], 0.1);
+}
+
+TEST(Tables, NumbersAboveOfOtherColumnsAreSaidToBeLeftOut) {
+  const std::string table = lines("{1:.3f},{2:.4f},{2:.3f}");
+  EXPECT_TRUE(says(read("0.0\n0.005\n" + table).notes, "data_left_out"));
+  EXPECT_FALSE(says(read(table).notes, "data_left_out"));
+  EXPECT_FALSE(says(read("dt = 0.01\n0.01\n" + table).notes, "data_left_out"));  // the step
+}
+
+TEST(Numbers, WordsForNoneAreMissing) {
+  for (const char* word : {"#NV", "Overflow", "Inf"}) {
+    const auto recording =
+        read("Time,F\n" + lines("{1:.3f},{2:.4f}") + "0.6," + word + "\n0.61,1\n");
+    EXPECT_EQ(recording.channels[0].missing_samples, 1) << word;
+  }
 }
 
 TEST(Oscilloscopes, OneUnitOfAllChannels) {
@@ -123,7 +140,9 @@ TEST(Times, RoundedSoThatTheRateIsUncertainAreWarnedOf) {
 
 TEST(Times, CalledByTheirUnit) {
   expect_channels(read("millis,ax\n" + lines("{1:.0f},{2:.3f}", 5, 1034)), {"ax"}, {""}, 200);
-  expect_channels(read("micros,ax\n" + lines("{1:.0f},{2:.3f}", 5000, 1034)), {"ax"}, {""}, 200);
+  for (const std::string unit : {"micros", "us", "\u00B5s"}) {
+    expect_channels(read(unit + ",ax\n" + lines("{1:.0f},{2:.3f}", 5000, 1034)), {"ax"}, {""}, 200);
+  }
 }
 
 TEST(Times, SinceTheEpochTellTheirUnit) {

@@ -24,7 +24,7 @@ TEST(Malformed, SeedsAndMutationsGiveARecordingOrAReason) {
   std::istringstream others("nan 1e999 -1e-999 \" , ; 58b 9999999999 ***End_of_Header*** \xFF 0 -");
   for (std::string word; others >> word;) words.push_back(word);
   for (const char* reader : {"csv", "lvm", "uff", "uff_modes"}) {
-    expect_sound_or_reason(reader, words, 300, read_with_all);
+    expect_sound_or_reason(reader, words, 100, read_with_all);
   }
 }
 

@@ -30,17 +30,19 @@ TEST(ReadLvm, ChannelsOfOneNameAreToldApart) {
   EXPECT_THAT(codes(r.notes), ElementsAre("duplicate_name"));
 }
 
-TEST(ReadLvm, ChannelsOfOtherTimesAreRefused) {
+TEST(ReadLvm, ChannelsOfOtherTimesAreLeftOutAndSaidToBe) {
   const std::string two = "X_Value\tF\ta\n\t1\t2\n\t3\t4\n\t5\t6\n";
   const std::string each =
       "X_Value\tF\tX_Value\ta\n0.000\t1\t0.5\t2\n0.001\t3\t0.501\t4\n0.002\t5\t0.502\t6\n";
   for (const auto& text : {lvm("Channels\t2\nDelta_X\t0.001\t0.002\n", two),
                            lvm("Channels\t2\nX0\t0\t0.5\nDelta_X\t0.001\t0.001\n", two),
                            lvm("Channels\t2\nX0\t0\t\t0\nDelta_X\t0.001\t\t0.001\n", each)}) {
-    const auto error = error_of(text);
-    EXPECT_THAT(error.what(), HasSubstr("other times than \"F\""));
-    EXPECT_THAT(error.remedy(), HasSubstr("one X column"));
-    EXPECT_EQ(error.where().channel, text.ends_with("0.502\t6\n") ? "X_Value" : "a");
+    const Recording r = read_lvm(text, "x");
+    ASSERT_EQ(r.channels.size(), 1u);
+    EXPECT_EQ(r.channels[0].samples, Eigen::Vector3d(1, 3, 5));
+    const auto note = std::ranges::find(r.notes, "data_left_out", &Note::code);
+    ASSERT_NE(note, r.notes.end());
+    EXPECT_EQ(note->where, "\"a\"");
   }
   // Channels without samples, as LabVIEW writes them.
   const auto text = lvm("Channels\t2\nDelta_X\t1\t0.001\n", "X_Value\tF\ta\n\t\t2\n\t\t4\n");

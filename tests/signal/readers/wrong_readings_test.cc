@@ -25,6 +25,8 @@ TEST(DecimalCommas, WhatCanBeReadInTwoWaysIsAskedAbout) {
   ReadOptions separator;
   separator.separator = ',';
   EXPECT_EQ(read(text, separator).channels.size(), 2u);
+  // Whole numbers among them have no comma.
+  EXPECT_THAT(refusal_of([] { return read("1,05\n2\n3,07\n"); }), HasSubstr("decimal"));
   // A sign behind the comma.
   EXPECT_EQ(read("1,-5\n4,7\n3,2\n").channels.size(), 2u);
 }
@@ -136,6 +138,9 @@ TEST(RateOfStep, OfFewDigitsIsTheUsualRateWithItsUncertainty) {
   EXPECT_NEAR(open.rate_hz, 1 / 0.000244, 1e-6);
   EXPECT_GT(open.relative_std * open.rate_hz, 2);
   EXPECT_EQ(rate_of_step(0.0009765625, 5e-11).rate_hz, 1024);
+  EXPECT_EQ(rate_of_step(1.95312e-05, 5e-11).rate_hz, 51200);
+  EXPECT_EQ(rate_of_step(2.26757e-05, 5e-11).rate_hz, 44100);
+  EXPECT_EQ(rate_of_step(3.32e-05, 5e-8).rate_hz, 1 / 3.32e-05);  // 30075 to 30166 Hz
 }
 
 std::string refusal_of(const std::string& text) {

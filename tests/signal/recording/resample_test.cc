@@ -53,6 +53,25 @@ TEST(Resample, UnevenTimesAreMadeEvenWithAnErrorThatHolds) {
   EXPECT_LT(even.channels[0].error_rms, 0.02);
 }
 
+TEST(PlacedEvenly, KeepsValuesAndTheirOwnTimes) {
+  const VectorXd t{{2, 2.012, 2.018, 2.041}};
+  Recording uneven = record(t, 100, 3);
+  EXPECT_FALSE(placed_evenly(uneven));
+  uneven.time_s = t;
+  const auto placed = placed_evenly(uneven).value();
+  const VectorXd &x = placed.channels[0].samples, &given = uneven.channels[0].samples;
+  ASSERT_EQ(x.size(), 5);
+  EXPECT_EQ(placed.time_s.size(), 0);
+  for (const auto& [from, to, late] :
+       {std::tuple{0, 0, 0.0}, {1, 1, 0.2}, {2, 2, -0.2}, {3, 4, 0.1}}) {
+    EXPECT_EQ(x[to], given[from]);
+    EXPECT_NEAR(placed.late[to], late, 1e-9);
+  }
+  EXPECT_TRUE(std::isnan(x[3]));
+  uneven.time_s[2] = 2.0125;  // two at one place
+  EXPECT_FALSE(placed_evenly(uneven));
+}
+
 TEST(Resample, GapsAndMissingOrClippedSamplesAreNotFilledIn) {
   VectorXd t(100);
   for (int k = 0; k < 100; ++k) t[k] = 0.01 * k + (k < 50 ? 0 : 0.2) + (k % 7 == 0 ? 1e-3 : 0);
