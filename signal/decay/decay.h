@@ -14,8 +14,8 @@
 
 namespace rigfit::signal {
 
-/// `y`: uniform samples, NaN where missing. Throws std::invalid_argument for a rate or a band that
-/// makes no sense; unsuitable data lead to a refusal or a note.
+/// `y`: samples, NaN where missing, uniform but for `options.late`. Throws std::invalid_argument
+/// for a rate or a band that makes no sense; unsuitable data lead to a refusal or a note.
 [[nodiscard]] DecayResult estimate_decay(const Ref<const VectorXd>& y, double sample_rate_hz,
                                          const DecayOptions& options = {});
 

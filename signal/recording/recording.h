@@ -83,8 +83,8 @@ struct Recording {
   double start_time_s = 0;
   double time_jitter_s = 0;  ///< rms departure of the time column from uniform sampling
   VectorXd time_s;           ///< kept only when sampling is not uniform, else empty
-  /// Of uneven times placed evenly (resample.h): samples' times behind those of their places, in
-  /// steps; else empty.
+  /// Times of samples behind those of their places, in steps, where uneven times were placed evenly
+  /// (resample.h); else empty.
   VectorXd late;
   std::vector<Channel> channels;  ///< all of the same length
   std::vector<Note> notes;

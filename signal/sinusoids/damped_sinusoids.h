@@ -56,7 +56,7 @@ struct DampedSinusoidsFit {
 
   /// Mode m alone at every sample.
   [[nodiscard]] VectorXd mode_signal(std::size_t m) const;
-  /// Of modes and background, from the time `j` to `late` samples behind.
+  /// What modes and background change by from the time `j` to `late` samples behind it.
   [[nodiscard]] double change(double j, double late) const;
   /// All modes on the background, at every sample.
   [[nodiscard]] VectorXd signal() const;

@@ -17,7 +17,7 @@ namespace {
 void add_recorded_modes(const TensionInputs& inputs, std::size_t index,
                         TensionCampaignResult& campaign) {
   constexpr double kFewestCycles = 20;  // cycles of the lowest mode, where no band is given
-  // Of 4, 8 and 16, 16 found most modes of short records; bands reach beyond their ends, so that a
+  // 16, of 4, 8 and 16, found most modes of short records; bands reach beyond their ends, so that a
   // mode at an end is not cut (else it is missed, or its std is 2.5 times as large).
   constexpr double kWidest = 16, kBeyond = 1.15;
   constexpr double kSteady =

@@ -1,6 +1,5 @@
 #include "apps/report/drawing/svg_plot.h"
 
-#include "apps/report/drawing/palette.h"
 #include "apps/report/figures/figures.h"
 #include "tests/test.h"
 
@@ -194,38 +193,6 @@ TEST(FrfFigures, PhaseHasNoJumpsAndGapsWhereItIsNotKnown) {
         EXPECT_NEAR(s.y[i] - s.y[i - 1], -14.4, 1e-9);
       }
     }
-  }
-}
-
-// Colours of figures are readable on their paper.
-
-Eigen::Vector3d linear(const std::string& colour) {
-  Eigen::Vector3d rgb;
-  for (int k = 0; k < 3; ++k) {
-    const double c =
-        std::stoi(colour.substr(1 + 2 * static_cast<std::size_t>(k), 2), nullptr, 16) / 255.0;
-    rgb[k] = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-  }
-  return rgb;
-}
-
-double luminance(const std::string& colour) {
-  return linear(colour).dot(Eigen::Vector3d(0.2126729, 0.7151522, 0.0721750));
-}
-
-double contrast(const std::string& a, const std::string& b) {
-  const double x = luminance(a), y = luminance(b);
-  return (std::max(x, y) + 0.05) / (std::min(x, y) + 0.05);
-}
-
-TEST(Palette, EveryColourIsReadableOnItsPaper) {
-  for (const auto& one : kOriginColours) {
-    EXPECT_GE(contrast(one.on_light, "#ffffff"), 4.5) << one.on_light;
-    EXPECT_GE(contrast(one.on_dark, kDarkPaper), 4.5) << one.on_dark;
-  }
-  for (const auto& one : kSeriesColours) {
-    EXPECT_GE(contrast(one.on_light, "#ffffff"), 3) << one.on_light;
-    EXPECT_GE(contrast(one.on_dark, kDarkPaper), 3) << one.on_dark;
   }
 }
 
