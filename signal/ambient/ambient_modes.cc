@@ -137,12 +137,19 @@ MatrixXd AmbientAnalysis::filters() {
 /// The row that takes a mode's residue from half spectra on the lines of its band.
 VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& poles, bool last) const {
   const auto& band = bands_[static_cast<std::size_t>(mode)];
+  std::vector<Index> used{mode};
+  const auto use = [&](Index other) {
+    if (other != mode && std::ssize(used) + 3 < band.count) used.push_back(other);
+  };
+  // Modes that the filter suppresses reach the spectra by forces that correlate; within the
+  // bandwidth nothing tells them apart.
+  for (Index j = 0; j < size(); ++j) {
+    if (band.nulled[static_cast<std::size_t>(j)] && gap_(mode, j) >= 1) use(j);
+  }
   // Those of the fit in its band and, in the last pass, the nearest on either side, whose tails
   // bend more than a straight line does. (Noise beside a mode would spoil its filter.)
-  std::vector<Index> used{mode};
   for (Index a = 0; a < (last ? std::ssize(band.modes) : band.moving); ++a) {
-    const Index other = band.modes[static_cast<std::size_t>(a)];
-    if (other != mode && std::ssize(used) + 3 < band.count) used.push_back(other);
+    use(band.modes[static_cast<std::size_t>(a)]);
   }
   const auto n = static_cast<Index>(used.size());
   const VectorXd weight = band.S0.cwiseSqrt().cwiseInverse();
