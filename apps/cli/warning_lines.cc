@@ -1,7 +1,5 @@
 #include "apps/cli/warning_lines.h"
 
-#include <array>
-
 namespace rigfit::apps {
 namespace {
 

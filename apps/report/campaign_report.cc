@@ -1,6 +1,5 @@
 #include "apps/report/campaign_report.h"
 
-#include <array>
 #include <chrono>
 #include <fstream>
 #include <span>

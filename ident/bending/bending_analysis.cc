@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <numeric>
-#include <set>
 
 #include "ident/bending/table_line.h"
 #include "ident/stiffness/stiffness_law.h"

@@ -5,7 +5,6 @@
 #include <gsl/gsl_qrng.h>
 #include <gsl/gsl_statistics_double.h>
 
-#include <array>
 #include <memory>
 
 namespace rigfit::ident {

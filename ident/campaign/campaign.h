@@ -8,7 +8,6 @@
 // The report calls this. A caller fills in the tests that were made and leaves the others empty.
 #pragma once
 
-#include <functional>
 #include <variant>
 
 #include "ident/campaign/modal/modal_model.h"

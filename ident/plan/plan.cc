@@ -2,8 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include <set>
-
 #include "ident/plan/plan_candidates.h"
 
 namespace rigfit::ident {

@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
-#include <array>
 
 #include "ident/update/pairing/mode_assignment.h"
 #include "model/scene/parameters.h"

@@ -4,7 +4,6 @@
 #include <gsl/gsl_cdf.h>
 
 #include <Eigen/Cholesky>
-#include <array>
 
 #include "ident/statistics/uncertainty.h"
 #include "signal/estimation/groups.h"

@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 #include <gsl/gsl_fit.h>
 
-#include <array>
 #include <memory>
 
 #include "ident/statistics/uncertainty.h"

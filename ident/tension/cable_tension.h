@@ -13,8 +13,6 @@
 // Structures, 1981, ch. 1).
 #pragma once
 
-#include <array>
-
 #include "ident/update/problem/update_data.h"
 #include "ident/update/problem/update_result.h"
 #include "model/scene/scene.h"

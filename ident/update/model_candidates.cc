@@ -1,7 +1,5 @@
 #include "ident/update/model_candidates.h"
 
-#include <set>
-
 #include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/model_update.h"
 #include "ident/update/uncertainty/update_uncertainty.h"

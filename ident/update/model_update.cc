@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <functional>
-
 #include "ident/update/assignment/update_alternatives.h"
 #include "ident/update/problem/update_problem.h"
 #include "ident/update/uncertainty/update_uncertainty.h"

@@ -7,8 +7,6 @@
 // (linear phase, -80 dB) acts on all channels alike.
 #pragma once
 
-#include <functional>
-
 #include "ident/virtual_rig/sensor_model.h"
 #include "model/scene/scene.h"
 #include "signal/recording/recording.h"

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <Eigen/SparseCore>
-#include <memory>
 
 #include "model/algebra/numbers.h"
 

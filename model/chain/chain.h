@@ -17,9 +17,6 @@
 // flexibility for which frequencies err by l^4 (segment_lumping.h); rigid_rod is the paper's.
 #pragma once
 
-#include <array>
-#include <optional>
-
 #include "model/algebra/numbers.h"
 #include "model/chain/segment_lumping.h"
 #include "model/scene/scene.h"

@@ -1,8 +1,6 @@
 // Which unknowns a motion of a chain has, and their order.
 #pragma once
 
-#include <memory>
-
 #include "model/algebra/envelope_matrix.h"
 #include "model/algebra/numbers.h"
 #include "model/chain/chain.h"

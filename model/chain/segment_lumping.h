@@ -27,9 +27,6 @@
 // (those of sin(kl/2) / (kl/2)): such coarse chains are extrapolated to l = 0.
 #pragma once
 
-#include <array>
-#include <cstddef>
-
 #include "model/algebra/numbers.h"
 #include "model/scene/scene.h"
 

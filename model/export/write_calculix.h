@@ -17,7 +17,6 @@
 // are even, 0.35 % when odd). This adds a spinning mode that the scene does not have.
 #pragma once
 
-#include <string>
 #include <string_view>
 #include <tuple>
 

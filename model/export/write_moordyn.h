@@ -8,8 +8,6 @@
 // itself.
 #pragma once
 
-#include <string>
-
 #include "model/algebra/numbers.h"
 #include "model/scene/scene.h"
 #include "model/statics/equilibrium_result.h"

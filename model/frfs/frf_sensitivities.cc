@@ -1,8 +1,5 @@
 #include "model/frfs/frf_sensitivities.h"
 
-#include <array>
-#include <optional>
-
 #include "model/frfs/frf_equations.h"
 #include "model/linear/damped_modes.h"
 #include "model/linear/perturbed_equilibrium.h"

@@ -11,8 +11,6 @@
 // Journal 38, 2000).
 #pragma once
 
-#include <string>
-
 #include "model/algebra/numbers.h"
 #include "model/frfs/frf_synthesis.h"
 

@@ -6,8 +6,6 @@
 // the joint dampers' C, or carry the members' modal ratios weighted by strain energy.
 #pragma once
 
-#include <string>
-
 #include "model/algebra/numbers.h"
 #include "model/linear/natural_mode.h"
 #include "model/scene/left_out.h"

@@ -3,8 +3,6 @@
 // sensitivities, FRFs).
 #pragma once
 
-#include <memory>
-
 #include "model/algebra/eigenpairs.h"
 #include "model/algebra/numbers.h"
 #include "model/chain/assembly.h"

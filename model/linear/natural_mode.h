@@ -1,10 +1,6 @@
 // A natural mode of a scene, and the options of modal analysis.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <optional>
-#include <string>
 #include <tuple>
 
 #include "document/describe.h"

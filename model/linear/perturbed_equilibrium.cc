@@ -1,7 +1,5 @@
 #include "model/linear/perturbed_equilibrium.h"
 
-#include <memory>
-
 #include "model/statics/equilibrium.h"
 
 namespace rigfit::model {

@@ -7,8 +7,6 @@
 // of the equilibrium in them.
 #pragma once
 
-#include <array>
-
 #include "model/algebra/numbers.h"
 #include "model/linear/modes.h"
 #include "model/scene/parameters.h"

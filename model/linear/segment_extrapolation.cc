@@ -1,6 +1,5 @@
 #include "model/linear/segment_extrapolation.h"
 
-#include <array>
 #include <numeric>
 
 #include "model/linear/segment_choice.h"

@@ -1,7 +1,6 @@
 // d omega^2 / dp = phi' (dK/dp - omega^2 dM/dp) phi with the change of the equilibrium with p in
 // dK/dp (perturbed_equilibrium.h): no eigenvalue problem and no equilibrium is solved again. Shapes
 // follow by Nelson's method (R. B. Nelson, AIAA Journal 14, 1976).
-#include <optional>
 
 #include "model/algebra/numbers.h"
 #include "model/linear/damped_modes.h"

@@ -1,6 +1,5 @@
 // Into how many segments the chains of a sequence are cut, and where.
 #include <Eigen/Geometry>
-#include <array>
 
 #include "model/algebra/numbers.h"
 #include "model/linear/segment_choice.h"

@@ -26,8 +26,6 @@
 // balance with the elastic forces that they would be split from.
 #pragma once
 
-#include <optional>
-
 #include "model/algebra/numbers.h"
 #include "model/motion/motion_problem.h"
 

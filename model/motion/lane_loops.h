@@ -13,7 +13,6 @@
 // processor) give the same bits.
 #pragma once
 
-#include <cstddef>
 #include <new>
 
 #include "model/algebra/numbers.h"

@@ -1,9 +1,6 @@
 // Sampling of a time history, its energy balance, and what came of a motion.
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include "model/algebra/numbers.h"
 
 namespace rigfit::model {

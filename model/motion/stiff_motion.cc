@@ -6,7 +6,6 @@
 #include <sundials/sundials_linearsolver.h>
 
 #include <Eigen/Geometry>
-#include <memory>
 
 #include "model/algebra/numbers.h"
 #include "model/scene/sensor_quantity.h"

@@ -14,9 +14,6 @@
 // read displacements from the unloaded equilibrium, or the axial force with its static part.
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include "model/algebra/numbers.h"
 #include "model/motion/sampling.h"
 #include "model/scene/force_history.h"

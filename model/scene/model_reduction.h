@@ -7,10 +7,6 @@
 // stiffnesses bends without torque and its twist decouples exactly.
 #pragma once
 
-#include <array>
-#include <optional>
-#include <string>
-
 #include "model/algebra/numbers.h"
 #include "model/scene/scene.h"
 #include "model/scene/scene_error.h"

@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <map>
-#include <optional>
 #include <set>
 
 #include "model/algebra/numbers.h"
 #include "model/scene/read_member.h"
-#include "model/scene/scene_repeat.h"
 #include "model/scene/sensor_quantity.h"
 #include "model/scene/toml_table.h"
 

@@ -4,10 +4,6 @@
 // Axes: x along the cables, y up, z out of plane. Mass and stiffness are per unstretched length.
 #pragma once
 
-#include <array>
-#include <optional>
-#include <string>
-
 #include "model/algebra/numbers.h"
 
 namespace rigfit::model {

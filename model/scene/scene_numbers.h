@@ -3,7 +3,6 @@
 // (parameters.h) walk these tables.
 #pragma once
 
-#include <optional>
 #include <variant>
 
 #include "model/scene/scene.h"

@@ -1,4 +1,4 @@
-#include "model/scene/scene_repeat.h"
+#include "model/scene/read_member.h"
 
 #include <fmt/format.h>
 

@@ -7,9 +7,6 @@
 // both schemes (model/motion).
 #pragma once
 
-#include <array>
-#include <cstddef>
-
 #include "model/scene/scene.h"
 
 namespace rigfit::model {

@@ -3,8 +3,6 @@
 // change.
 #pragma once
 
-#include <memory>
-
 #include "model/algebra/numbers.h"
 #include "model/chain/assembly.h"
 #include "model/chain/chain.h"

@@ -1,7 +1,6 @@
 // Result of the static equilibrium: status, and sag and tension of every member.
 #pragma once
 
-#include <string>
 #include <tuple>
 
 #include "document/describe.h"

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <string>
-
 #include "model/algebra/numbers.h"
 #include "model/scene/actual_state.h"
 

@@ -2,8 +2,6 @@
 // LSCF over orders, clusters of poles and participation vectors, shapes from the residues.
 #pragma once
 
-#include <optional>
-
 #include "signal/ambient/ambient_signals.h"
 #include "signal/ambient/resonance_fit.h"
 #include "signal/poles/pole_clusters.h"

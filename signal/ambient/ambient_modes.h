@@ -22,9 +22,6 @@
 // Efron, The Jackknife (1982); Satterthwaite, Biometrics Bulletin 2 (1946) 110.
 #pragma once
 
-#include <span>
-#include <vector>
-
 #include "signal/ambient/ambient_result.h"
 
 namespace rigfit::signal {

@@ -27,8 +27,6 @@
 // to lags.
 #pragma once
 
-#include <functional>
-
 #include "signal/ambient/ambient_result.h"
 
 namespace rigfit::signal {

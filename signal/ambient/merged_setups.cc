@@ -1,6 +1,5 @@
 #include <fmt/ranges.h>
 
-#include <map>
 #include <numeric>
 #include <set>
 

@@ -3,11 +3,8 @@
 #include <gsl/gsl_cdf.h>
 
 #include <iterator>
-#include <stdexcept>
 
-#include "signal/decay/decay_background.h"
-#include "signal/decay/decay_judgement.h"
-#include "signal/decay/narrow_record.h"
+#include "signal/decay/decay_steps.h"
 #include "signal/estimation/robust.h"
 #include "signal/recording/add_note.h"
 
@@ -310,8 +307,7 @@ DecayResult estimate_decay(const Ref<const VectorXd>& y, double sample_rate_hz,
     throw std::invalid_argument("decay: the sample rate must be positive");
   }
   const DecayBand band = band_of(options, sample_rate_hz);
-  const bool at_even_times = options.late.size() == 0;
-  if (const auto narrow = at_even_times ? narrow_record(y, band) : std::nullopt) {
+  if (const auto narrow = options.late.size() > 0 ? std::nullopt : narrow_record(y, band)) {
     const double rate = sample_rate_hz / static_cast<double>(narrow->step);
     DecayOptions there = options;
     there.start_time_s += static_cast<double>(narrow->first) / sample_rate_hz;

@@ -7,7 +7,7 @@
 // are added strongest first as long as the residual holds a peak that noise of its own colour
 // would not show. Uncertainties follow from the residual, its colour and where in the record it is
 // large (residual_noise.h). Where the band asked for lies far below the sample rate, the fit is
-// made there (narrow_record.h).
+// made there (decay_steps.h).
 #pragma once
 
 #include "signal/decay/decay_result.h"

@@ -1,4 +1,4 @@
-#include "signal/decay/decay_background.h"
+#include "signal/decay/decay_steps.h"
 
 #include <gsl/gsl_cdf.h>
 

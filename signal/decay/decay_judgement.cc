@@ -1,8 +1,6 @@
-#include "signal/decay/decay_judgement.h"
+#include "signal/decay/decay_steps.h"
 
 #include <gsl/gsl_cdf.h>
-
-#include <functional>
 
 #include "signal/recording/add_note.h"
 #include "signal/sinusoids/decay_search.h"

@@ -2,7 +2,6 @@
 
 #include <gsl/gsl_cdf.h>
 
-#include <optional>
 #include <tuple>
 
 #include "signal/estimation/robust.h"

@@ -1,4 +1,4 @@
-#include "signal/decay/narrow_record.h"
+#include "signal/decay/decay_steps.h"
 
 #include "signal/decay/decay_window.h"
 #include "signal/numerics/low_pass.h"

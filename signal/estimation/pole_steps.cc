@@ -1,8 +1,5 @@
 #include "signal/estimation/pole_steps.h"
 
-#include <cmath>
-#include <vector>
-
 #include "signal/numerics/factorisations.h"
 
 namespace rigfit::signal {

@@ -2,10 +2,7 @@
 
 #include <gsl/gsl_statistics_double.h>
 
-#include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <utility>
 
 namespace rigfit::signal {
 

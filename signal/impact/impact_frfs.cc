@@ -2,8 +2,6 @@
 
 #include <gsl/gsl_cdf.h>
 
-#include <functional>
-
 #include "signal/estimation/robust.h"
 #include "signal/readers/uff58.h"
 #include "signal/recording/add_note.h"

@@ -1,9 +1,5 @@
 #include "signal/impact/impact_hits.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "signal/estimation/robust.h"
 #include "signal/impact/pulse_shape.h"
 #include "signal/recording/add_note.h"

@@ -8,8 +8,6 @@
 // Guidance on what makes a hit good: ISO 7626-5 (impact excitation).
 #pragma once
 
-#include <span>
-
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {

@@ -1,9 +1,5 @@
 #include "signal/impact/pulse_shape.h"
 
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "signal/estimation/robust.h"
 
 namespace rigfit::signal {

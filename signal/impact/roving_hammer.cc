@@ -1,8 +1,5 @@
 #include "signal/impact/roving_hammer.h"
 
-#include <algorithm>
-#include <limits>
-
 #include "signal/recording/add_note.h"
 
 namespace rigfit::signal {

@@ -3,7 +3,6 @@
 #include "signal/modal/band_background.h"
 #include "signal/modal/local_modes.h"
 #include "signal/modal/mode_hits.h"
-#include "signal/modal/mode_warnings.h"
 #include "signal/modes/mac.h"
 #include "signal/modes/modal_synthesis.h"
 #include "signal/numerics/factorisations.h"

@@ -1,4 +1,4 @@
-#include "signal/modal/mode_warnings.h"
+#include "signal/modal/mode_hits.h"
 
 #include <fmt/ranges.h>
 

@@ -1,7 +1,5 @@
 #include "signal/modal/point_poles.h"
 
-#include <optional>
-
 #include "signal/estimation/pole_steps.h"
 #include "signal/numerics/factorisations.h"
 #include "signal/refinement/modal_noise.h"

@@ -1,7 +1,5 @@
 #include "signal/modes/mac.h"
 
-#include <cmath>
-
 namespace rigfit::signal {
 
 double mac(const Ref<const VectorXcd>& a, const Ref<const VectorXcd>& b) {

@@ -1,7 +1,5 @@
 #include "signal/modes/modal_band.h"
 
-#include <stdexcept>
-
 #include "signal/estimation/robust.h"
 #include "signal/recording/add_note.h"
 #include "signal/refinement/modal_basis.h"

@@ -1,7 +1,5 @@
 #include "signal/modes/mode_search.h"
 
-#include <functional>
-
 namespace rigfit::signal {
 namespace {
 

@@ -2,8 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <optional>
-#include <stdexcept>
 
 #include "signal/spectra/fft.h"
 

@@ -1,8 +1,5 @@
 #include "signal/poles/pole_clusters.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <tuple>
 
 #include "signal/estimation/robust.h"

@@ -1,11 +1,9 @@
 #include "signal/readers/csv_fields.h"
 
-#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
-#include <utility>
 
 namespace rigfit::signal {
 namespace {

@@ -2,8 +2,6 @@
 // decimal commas and exponents by d go through a copy.
 #pragma once
 
-#include <vector>
-
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {

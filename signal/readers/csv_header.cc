@@ -1,8 +1,6 @@
 // The lines above a table: names, units and ranges of its columns, and the rate that they state.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <regex>
 
 #include "signal/readers/csv_table.h"

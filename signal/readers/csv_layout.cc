@@ -1,6 +1,5 @@
 #include "signal/readers/csv_table.h"
 
-#include <algorithm>
 #include <regex>
 
 #include "signal/recording/recording.h"
@@ -200,13 +199,13 @@ bool is_csv_row(std::string_view line, const CsvLayout& layout) {
 /// the columns in front of them hold: oscilloscopes write theirs beside the first samples.
 bool is_row_beside_settings(std::string_view line, const CsvLayout& layout) {
   const Row row(line, layout.dialect);
-  long absent = 0, settings = 0;
+  long settings = 0;
   for (std::size_t c = 0; c < layout.columns.size(); ++c) {
-    const FieldKind kind = row.kind(c);
-    if (layout.columns[c].kind == FieldKind::empty) settings += kind != FieldKind::empty ? 1 : 0;
-    if (layout.columns[c].has_data()) absent += kind != layout.columns[c].kind ? 1 : 0;
+    const FieldKind kind = row.kind(c), expected = layout.columns[c].kind;
+    if (layout.columns[c].has_data() && kind != expected) return false;
+    settings += expected == FieldKind::empty && kind != FieldKind::empty ? 1 : 0;
   }
-  return settings >= 2 && absent == 0;
+  return settings >= 2;
 }
 
 /// Refuses a line directly above the table that begins as one of it, with words among its numbers

@@ -1,7 +1,6 @@
 #include "signal/readers/frequency_table.h"
 
 #include <cctype>
-#include <map>
 #include <regex>
 
 #include "signal/recording/recording_time.h"

@@ -7,8 +7,6 @@
 // the real or imaginary part, the magnitude, the phase or the coherence of which function.
 #pragma once
 
-#include <optional>
-
 #include "signal/readers/csv_table.h"
 #include "signal/spectra/frf_set.h"
 

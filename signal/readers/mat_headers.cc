@@ -1,9 +1,7 @@
 #include <zlib.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <vector>
 
 #include "signal/readers/csv_table.h"
 #include "signal/recording/recording.h"

@@ -3,8 +3,6 @@
 #include <fmt/ranges.h>
 #include <sndfile.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>

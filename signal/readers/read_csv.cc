@@ -1,8 +1,5 @@
 #include "signal/readers/read_recording.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "signal/readers/frequency_table.h"
 #include "signal/recording/recording_time.h"
 

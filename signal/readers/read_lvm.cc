@@ -1,6 +1,4 @@
 
-#include <map>
-
 #include "signal/readers/csv_table.h"
 #include "signal/readers/read_recording.h"
 #include "signal/recording/recording_time.h"
@@ -167,9 +165,8 @@ class LvmReader {
       const double own = header_.number("Delta_X", c), later = header_.number("X0", c) - start;
       const auto x = std::find_if(x_columns_.rbegin(), x_columns_.rend(),
                                   [c](std::size_t k) { return k < c; });
-      bool differs =
-          std::abs(later) > kSameTimes * step || (own > 0 && std::abs(own / step - 1) > 1e-6);
-      differs = step > 0 && !is_empty(c) && differs;
+      bool differs = own > 0 && std::abs(own / step - 1) > 1e-6;
+      differs = step > 0 && !is_empty(c) && (differs || std::abs(later) > kSameTimes * step);
       if (x != x_columns_.rend() && !differs) {
         const auto apart = (columns[*x] - columns[x_columns_.front()]).array().abs();
         differs = (apart > kSameTimes * step).any();

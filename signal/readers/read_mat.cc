@@ -3,8 +3,6 @@
 #include <hdf5.h>
 #include <matio.h>
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "signal/readers/frequency_table.h"

@@ -1,9 +1,5 @@
 #include "signal/readers/recording_description.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-
 #include "document/toml_table.h"
 #include "signal/recording/recording_time.h"
 

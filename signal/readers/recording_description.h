@@ -3,10 +3,6 @@
 // campaign, with the keys of `rigfit help sidecar` (apps/README.md).
 #pragma once
 
-#include <functional>
-#include <optional>
-#include <vector>
-
 #include "signal/recording/recording.h"
 
 namespace rigfit::document {

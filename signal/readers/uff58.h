@@ -8,8 +8,6 @@
 #pragma once
 
 #include <climits>
-#include <functional>
-#include <map>
 
 #include "signal/spectra/frf_set.h"
 

@@ -1,10 +1,5 @@
 #include "signal/recording/clipping.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <vector>
-
 #include "signal/estimation/robust.h"
 
 namespace rigfit::signal {

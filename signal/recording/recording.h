@@ -83,9 +83,7 @@ struct Recording {
   double start_time_s = 0;
   double time_jitter_s = 0;  ///< rms departure of the time column from uniform sampling
   VectorXd time_s;           ///< kept only when sampling is not uniform, else empty
-  /// Times of samples behind those of their places, in steps, where uneven times were placed evenly
-  /// (resample.h); else empty.
-  VectorXd late;
+  VectorXd late;  ///< as DecayOptions::late, of uneven times placed evenly (resample.h); else empty
   std::vector<Channel> channels;  ///< all of the same length
   std::vector<Note> notes;
 

@@ -1,8 +1,6 @@
 #include "signal/recording/recording_time.h"
 
 #include <charconv>
-#include <functional>
-#include <map>
 
 #include "signal/estimation/robust.h"
 

@@ -173,12 +173,10 @@ std::optional<Recording> placed_evenly(const Recording& recording) {
   placed.start_time_s = recording.time_s[0];
   placed.late = VectorXd::Zero(size);
   for (auto& channel : placed.channels) channel.samples = VectorXd::Constant(size, kNaN);
-  for (Index k = 0; k < n; ++k) {
-    const auto at = static_cast<Index>(places[k]);
-    placed.late[at] = steps[k] - places[k];
-    for (std::size_t c = 0; c < placed.channels.size(); ++c) {
-      placed.channels[c].samples[at] = recording.channels[c].samples[k];
-    }
+  const std::vector<Index> at(places.begin(), places.end());
+  placed.late(at) = steps - places;
+  for (std::size_t c = 0; c < placed.channels.size(); ++c) {
+    placed.channels[c].samples(at) = recording.channels[c].samples;
   }
   return placed;
 }

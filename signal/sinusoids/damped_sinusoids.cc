@@ -1,10 +1,6 @@
 #include "signal/sinusoids/damped_sinusoids.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <numbers>
-#include <stdexcept>
 
 #include "signal/numerics/factorisations.h"
 #include "signal/numerics/power_sums.h"

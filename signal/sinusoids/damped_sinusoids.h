@@ -10,8 +10,6 @@
 // imaginary part is 0 (its amplitude real) an offset that dies away.
 #pragma once
 
-#include <span>
-
 #include "signal/estimation/pole_steps.h"
 
 namespace rigfit::signal {

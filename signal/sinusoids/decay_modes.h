@@ -8,8 +8,6 @@
 // (residual_noise.h), is removed at the end, unless it is the only one.
 #pragma once
 
-#include <optional>
-
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/sinusoids/decay_search.h"
 

@@ -2,8 +2,6 @@
 
 #include <gsl/gsl_fit.h>
 
-#include <functional>
-
 #include "signal/estimation/robust.h"
 #include "signal/sinusoids/damped_sinusoids.h"
 #include "signal/spectra/fft.h"

@@ -8,8 +8,6 @@
 // a peak is the noise there, so that coloured noise is not taken for modes.
 #pragma once
 
-#include <span>
-
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {

@@ -1,10 +1,5 @@
 #include "signal/spectra/coherence_errors.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <vector>
-
 #include "signal/estimation/robust.h"
 #include "signal/recording/add_note.h"
 #include "signal/spectra/line_means.h"

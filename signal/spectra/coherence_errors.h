@@ -6,9 +6,6 @@
 // averaged over lines before it becomes an error bar.
 #pragma once
 
-#include <optional>
-#include <utility>
-
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {

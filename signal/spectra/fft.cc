@@ -3,9 +3,7 @@
 #include <fftw3.h>
 
 #include <cassert>
-#include <map>
 #include <mutex>
-#include <stdexcept>
 
 namespace rigfit::signal {
 

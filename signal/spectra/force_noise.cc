@@ -2,8 +2,6 @@
 
 #include <gsl/gsl_cdf.h>
 
-#include <algorithm>
-
 #include "signal/spectra/fft.h"
 #include "signal/spectra/line_means.h"
 #include "signal/spectra/window.h"

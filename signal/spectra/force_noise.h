@@ -8,8 +8,6 @@
 // Random Data, 4th ed., sec. 11.4 (correlation functions by transforms).
 #pragma once
 
-#include <span>
-
 #include "signal/numerics/numbers.h"
 
 namespace rigfit::signal {

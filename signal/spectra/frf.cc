@@ -1,10 +1,5 @@
 #include "signal/spectra/frf.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <stdexcept>
-
 #include "signal/spectra/fft.h"
 #include "signal/spectra/line_means.h"
 #include "signal/spectra/window.h"

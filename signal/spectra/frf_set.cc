@@ -1,7 +1,5 @@
 #include "signal/spectra/frf_set.h"
 
-#include <stdexcept>
-
 namespace rigfit::signal {
 namespace {
 

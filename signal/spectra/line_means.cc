@@ -3,7 +3,6 @@
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_movstat.h>
 
-#include <algorithm>
 #include <memory>
 
 namespace rigfit::signal {

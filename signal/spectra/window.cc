@@ -1,10 +1,5 @@
 #include "signal/spectra/window.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <stdexcept>
-
 namespace rigfit::signal {
 
 VectorXd exponential_window(Index length, double sample_rate_hz, double decay_rate_1_s) {

@@ -2,9 +2,6 @@
 // with units, a time column, then one column per channel in the channel's source unit.
 #pragma once
 
-#include <utility>
-#include <vector>
-
 #include "signal/recording/recording.h"
 
 namespace rigfit::signal {

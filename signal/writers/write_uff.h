@@ -6,8 +6,6 @@
 // back without loss.
 #pragma once
 
-#include <vector>
-
 #include "signal/modes/modal_model.h"
 
 namespace rigfit::signal {

@@ -1,7 +1,5 @@
 #include "apps/report/drawing/html_text.h"
 
-#include <array>
-
 #include "apps/describe/standard.h"
 #include "signal/recording/units.h"
 

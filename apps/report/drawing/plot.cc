@@ -2,8 +2,6 @@
 
 #include <fmt/compile.h>
 
-#include <array>
-
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/palette.h"
 

@@ -1,6 +1,5 @@
 #include "apps/report/drawing/svg_plot.h"
 
-#include <array>
 #include <set>
 
 #include "apps/report/drawing/html_text.h"

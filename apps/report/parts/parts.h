@@ -2,8 +2,6 @@
 // campaign is worked out (ident/campaign/campaign.h), and what came of the test is shown.
 #pragma once
 
-#include <array>
-
 #include "apps/campaign/campaign.h"
 #include "apps/campaign_file/recordings.h"
 #include "apps/report/figures/figures.h"

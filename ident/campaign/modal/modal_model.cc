@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <set>
 #include <type_traits>
 
 #include "ident/update/pairing/mode_assignment.h"

@@ -1,8 +1,6 @@
 #include "ident/update/assignment/update_alternatives.h"
 
 #include <Eigen/Cholesky>
-#include <array>
-#include <functional>
 
 #include "ident/statistics/in_parallel.h"
 #include "signal/numerics/factorisations.h"

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <set>
-
 #include "model/scene/actual_state.h"
 #include "model/scene/scene_error.h"
 

@@ -1,4 +1,4 @@
-#include "signal/decay/narrow_record.h"
+#include "signal/decay/decay_steps.h"
 
 #include "signal/decay/decay.h"
 #include "tests/signal/decays.h"

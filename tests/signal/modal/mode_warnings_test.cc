@@ -1,4 +1,4 @@
-#include "signal/modal/mode_warnings.h"
+#include "signal/modal/mode_hits.h"
 
 #include "signal/modal/modal_identification.h"
 #include "signal/numerics/numbers.h"
