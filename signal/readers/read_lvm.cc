@@ -160,7 +160,7 @@ class LvmReader {
     const std::string delta = header_.text("Delta_X", first);
     layout.stated_rate_hz = stated.rate_hz;
     layout.rate_text = "Delta_X = " + delta;
-    std::vector<std::string> others;  // of other times than the first
+    std::vector<std::string> others;  // their times are not those of the first
     std::erase_if(values_, [&](std::size_t c) {
       const double own = header_.number("Delta_X", c), later = header_.number("X0", c) - start;
       const auto x = std::find_if(x_columns_.rbegin(), x_columns_.rend(),
