@@ -162,11 +162,15 @@ class Estimation {
     return enough() && find_modes();
   }
 
-  /// Takes each sample from its own time to its place by what was found, from which the rest
-  /// follows: three times, as the first modes are those of samples at the wrong times.
+  /// Takes each sample from its own time to its place by what was found, until what the fit leaves
+  /// stays within a hundredth: the noise's std is then known to half of that. Six times serve at 80
+  /// dB with times off by 0.3 steps, after three one in four still has false modes.
   bool place_samples() {
     const VectorXd given = y_;
-    for (int turn = 0; options_.late.size() > 0 && turn < 3; ++turn) {
+    double left = 0;
+    for (int turn = 0; turn < 12 && options_.late.size() > 0; ++turn) {
+      if (std::abs(fit_->residual_sum_squares - left) < 0.01 * left) break;
+      left = fit_->residual_sum_squares;
       for (Index j = 0; j < fit_->samples; ++j) {
         const Index at = result_.start + j;
         y_(at) = given(at) - fit_->change(static_cast<double>(j), options_.late(at));

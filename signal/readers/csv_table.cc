@@ -290,7 +290,7 @@ CsvTable read_csv_columns(std::string_view bytes, const std::string& file,
   refuse_series(table, columns);
   const std::size_t n = layout.columns.size();
 
-  if (layout.numbers_above > 0 && layout.stated_rate_hz == 0) {
+  if (layout.numbers_above > 0 && layout.rate_line < layout.body_line - layout.numbers_above) {
     add_note(
         table.notes, "data_left_out", "",
         "left out: {} lines of numbers above line {} do not have the table's columns; complete "

@@ -46,10 +46,10 @@ TEST(Decay, BeatsOfManyModesAreNoFurtherTap) {
 }
 
 // Samples off their places by up to 0.3 steps, every twentieth lost: errors and stated ones are
-// those of even times, at 60 dB and at 20.
+// those of even times, at 20 to 80 dB.
 TEST(Decay, UnevenTimesAreUsedAsTheyAre) {
   const Mode truth{37, 0.011}, other{91, 0.008, 0.4};
-  for (const double snr : {20.0, 60.0}) {
+  for (const double snr : {20.0, 60.0, 80.0}) {
     std::mt19937_64 random(5);
     std::uniform_real_distribution<double> late(-0.3, 0.3);
     DecayOptions options;
