@@ -201,8 +201,9 @@ class Analysis {
     });
     const double slope = range_Q_ / range_d_;
     const double noise = std::hypot(load_noise_, deflection_noise_ * slope);
-    const double step =
-        averaged_ ? 0 : std::hypot(read_step(Q_, false), read_step(d_, true) * slope);
+    // Where loads go up evenly they were set, and the deflection was read.
+    const double of_load = read_step(Q_, false), of_deflection = read_step(d_, of_load == 0);
+    const double step = averaged_ ? 0 : std::hypot(of_load, of_deflection * slope);
     double EI = 0, before = -1;
     for (int pass = 0; pass < 8; ++pass) {
       const VectorXd x = tension_corrected(EI);

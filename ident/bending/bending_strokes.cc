@@ -37,11 +37,12 @@ double read_step(const VectorXd& values, bool read) {
     if (values[i] != values[i - 1]) changes.push_back(std::abs(values[i] - values[i - 1]));
   }
   if (signal::quantile(changes, 0.25) > 1.5 * step) return step;
-  double ten = std::pow(10, std::floor(std::log10(step) + 1e-6));
-  const double lead = step / ten;
-  if (!read || std::min({lead - 1, std::abs(lead - 2), std::abs(lead - 5)}) < 1e-6) return 0;
-  while (std::abs(std::remainder(step, ten)) > 1e-6 * step) ten /= 10;
-  return ten;
+  if (!read || !(step > 0)) return 0;
+  for (double ten = std::pow(10, std::ceil(std::log10(step)));; ten /= 10) {
+    for (const double dial : {5 * ten, 2 * ten, ten}) {
+      if (std::abs(std::remainder(step, dial)) < 1e-6 * step) return dial;
+    }
+  }
 }
 
 std::vector<Index> find_spikes(const VectorXd& x) {

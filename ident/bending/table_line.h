@@ -68,8 +68,8 @@ inline constexpr Index kShortStroke = 40;
 
 /// The step to which the values of a table were read: the largest number of which all are
 /// multiples. Values that change from row to row by no more than that (a quarter of them, or more)
-/// were set: 0. Where they were not, as `read` says, a dial was steady by chance: the largest power
-/// of ten of which they are multiples, unless they are round (1, 2 or 5 times it).
+/// were set: 0. Where they were `read` all the same, as evenly as the other channel was set: the
+/// largest 1, 2 or 5 times a power of ten of which they are multiples.
 [[nodiscard]] double read_step(const VectorXd& values, bool read);
 
 /// The samples of a stroke, or `averaged` over as many that 40 remain, without those that lie eight

@@ -14,20 +14,6 @@ void solve(MotionModes& motion, int count) {
   motion.take(lowest_eigenpairs(motion.stiffness, motion.mass, count));
 }
 
-}  // namespace
-
-double ChainModes::frequency_hz(std::size_t i) const {
-  const Which& which = order[i];
-  return std::sqrt(motions[std::size_t(which.motion)].omega2[which.mode]) / (2 * M_PI);
-}
-
-bool ChainModes::complete() const {
-  return !motions.empty() && std::all_of(motions.begin(), motions.end(),
-                                         [](const MotionModes& m) { return m.complete; });
-}
-
-namespace {
-
 ChainOptions chain_options_of(const ModesOptions& options, const std::vector<int>& segments) {
   ChainOptions out;
   out.segments = segments;
@@ -52,6 +38,16 @@ ChainModes prepare(const Scene& scene, const ChainOptions& chain_options) {
 }
 
 }  // namespace
+
+double ChainModes::frequency_hz(std::size_t i) const {
+  const Which& which = order[i];
+  return std::sqrt(motions[std::size_t(which.motion)].omega2[which.mode]) / (2 * M_PI);
+}
+
+bool ChainModes::complete() const {
+  return !motions.empty() && std::all_of(motions.begin(), motions.end(),
+                                         [](const MotionModes& m) { return m.complete; });
+}
 
 ChainModes prepare_motions(const Scene& scene, const ModesOptions& options,
                            const std::vector<int>& segments) {

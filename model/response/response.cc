@@ -96,15 +96,6 @@ std::string not_explicit(const MotionProblem& problem) {
   return problem.joint_damping ? "the explicit solver takes no joint dampers" : "";
 }
 
-}  // namespace
-
-const char* name_of(ResponseSolver solver) {
-  constexpr const char* kNames[] = {"auto", "modal", "explicit", "stiff"};
-  return kNames[static_cast<std::size_t>(solver)];
-}
-
-namespace {
-
 // One simulation, step by step: what is decided in one is needed by the next.
 class Simulation {
  public:
@@ -323,6 +314,11 @@ class Simulation {
 };
 
 }  // namespace
+
+const char* name_of(ResponseSolver solver) {
+  constexpr const char* kNames[] = {"auto", "modal", "explicit", "stiff"};
+  return kNames[static_cast<std::size_t>(solver)];
+}
 
 ResponseResult simulate_response(const Scene& scene, const ResponseOptions& options) {
   return Simulation(scene, options).run();

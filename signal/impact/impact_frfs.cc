@@ -17,13 +17,12 @@ double level_beside(const FrfBlock& block, double otherwise) {
   const Index last = std::clamp<Index>(block.pulse_last + 1, first, size);
   const Map<const VectorXd> x(block.force.data(), size);
   const Index beside = first + size - last;
-  if (beside < 32) return otherwise;
+  if (beside < kFewestForNoise) return otherwise;
   return (x.head(first).sum() + x.tail(size - last).sum()) / static_cast<double>(beside);
 }
 
 double scatter(const Ref<const VectorXd>& x) {
-  constexpr Index kFewest = 16;  // a standard deviation from fewer is off by a fifth or more
-  if (x.size() < kFewest) return 0;
+  if (x.size() < kFewestForNoise) return 0;
   return std::sqrt((x.array() - x.mean()).square().sum() / static_cast<double>(x.size() - 1));
 }
 
@@ -314,6 +313,11 @@ class Analysis {
 
   void judge(const FrfEstimate& estimate) {
     test_.usable_hz = usable_hz();
+    for (Index c = 0; c < test_.frfs.H.cols(); ++c) {
+      if (!test_.frfs.H.col(c).isZero(0)) continue;
+      add_note(test_.notes, "dead_frf", test_.frfs.responses[static_cast<std::size_t>(c)].name,
+               "Check the sensor: its signal does not change, and the FRF is zero throughout");
+    }
     double end_level = 0, hidden = 0, behind = 0;
     for (const Hit& hit : test_.search.hits) {
       if (!hit.accepted) continue;

@@ -5,6 +5,7 @@
 #include "signal/recording/add_note.h"
 #include "signal/recording/clipping.h"
 #include "signal/spectra/fft.h"
+#include "signal/spectra/force_noise.h"
 #include "signal/spectra/window.h"
 
 namespace rigfit::signal {

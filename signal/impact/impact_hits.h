@@ -45,9 +45,6 @@ struct HitOptions {
 /// A block cut by the next hit or the end of the record is accepted, and filled with zeros, when
 /// the responses have fallen to this part of their largest value (or to the noise before the hit).
 inline constexpr double kRungDown = 0.01;
-/// Largest drop of the force spectrum in the band, dB below its maximum. ISO 7626-5 asks for a
-/// spectrum that is reasonably flat; 20 dB is the customary outer limit.
-inline constexpr double kMostSpectrumDrop = 20;
 
 struct Hit {
   std::size_t recording = 0;  ///< index of the recording it is in

@@ -19,21 +19,10 @@ bool is_bracketed(std::string_view text) {
                              (text.front() == '(' && text.back() == ')'));
 }
 
-}  // namespace
-
-bool is_unit_text(std::string_view text) {
-  constexpr std::string_view kOthers =
-      "|-|none|count|counts|eu|cycles|a|ma|ohm|w|db|dba|l/min|gpm|";
-  return is_bracketed(text) || parse_unit(text) || is_listed(kOthers, lower_case(to_utf8(text)));
-}
-
-namespace {
-
 /// Lower case, words parted by one blank, no colon at the end, no bracketed unit.
 std::string normal_label(std::string_view text) {
-  constexpr std::size_t kLongest = 200;
   static const std::regex kNoWord(R"([(\[{].*|[:=])"), kBetween("[-_.#% ]+");
-  std::string label = lower_case(to_utf8(text.substr(0, kLongest)));
+  std::string label = lower_case(to_utf8(text.substr(0, kLongestMatched)));
   label = std::regex_replace(std::regex_replace(label, kNoWord, ""), kBetween, " ");
   return std::string(trim_blanks(label));
 }
@@ -46,7 +35,7 @@ constexpr std::string_view kRateLabels =
 constexpr std::string_view kIntervalLabels =
     "|samplinginterval|sampleinterval|samplingperiod|sampleperiod|timestep|timeincrement|dt|deltat|"
     "deltax|interval|abtastintervall|messintervall|samplingtime|sampletime|timeinterval|delta|"
-    "increment|xaxisdelta|samplingintervals|tsample|";
+    "increment|xaxisdelta|samplingintervals|tsample|tinterval|";
 
 /// What a row of the header gives for each column.
 enum RowUse : std::size_t { kUnits, kRanges, kCoefficients, kNumbers, kNames, kUses };
@@ -344,6 +333,12 @@ void refuse_broken_titles(std::string_view bytes, const std::string& file,
 }
 
 }  // namespace
+
+bool is_unit_text(std::string_view text) {
+  constexpr std::string_view kOthers =
+      "|-|none|count|counts|eu|cycles|a|ma|ohm|w|db|dba|l/min|gpm|";
+  return is_bracketed(text) || parse_unit(text) || is_listed(kOthers, lower_case(to_utf8(text)));
+}
 
 void read_csv_header(const std::vector<std::string_view>& lines, std::string_view bytes,
                      const std::string& file, const ReadOptions& options, CsvLayout& layout) {

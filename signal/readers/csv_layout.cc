@@ -7,8 +7,7 @@
 namespace rigfit::signal {
 namespace {
 
-constexpr std::size_t kSampledLines = 64;
-constexpr long kLastLines = 32;  // whose printed digits count
+constexpr long kSampledLines = 64;  // of a large file, and again as its last ones
 
 using Row = CsvRow;
 
@@ -17,7 +16,7 @@ using Row = CsvRow;
 /// Every line of a small file, else runs of lines at even distances and the last ones.
 std::vector<std::string_view> sample_lines(std::string_view bytes) {
   std::vector<std::string_view> sample;
-  const auto take = [&](std::size_t at, std::size_t count) {
+  const auto take = [&](std::size_t at, std::ptrdiff_t count) {
     for (std::string_view rest = bytes.substr(at); count > 0 && !rest.empty();) {
       const auto line = take_line(rest);
       if (trim_blanks(line).empty()) continue;
@@ -25,17 +24,16 @@ std::vector<std::string_view> sample_lines(std::string_view bytes) {
       --count;
     }
   };
-  constexpr std::size_t kSmall = 1 << 14, kRuns = 16;
-  if (bytes.size() <= kSmall) {
-    take(0, bytes.size());
+  if (bytes.size() <= 1 << 14) {
+    take(0, std::ssize(bytes));
     return sample;
   }
-  for (std::size_t run = 1; run <= kRuns; ++run) {
-    const std::size_t at = bytes.size() / (kRuns + 1) * run;
-    take(next_line(bytes, line_end(bytes, at)), kSampledLines / kRuns);
+  for (std::size_t run = 1; run <= 16; ++run) {
+    const std::size_t at = bytes.size() / 17 * run;
+    take(next_line(bytes, line_end(bytes, at)), kSampledLines / 16);
   }
   std::size_t at = bytes.size();
-  for (long k = 0; k < 2 * kLastLines && at > 0; ++k) {
+  for (long k = 0; k < kSampledLines && at > 0; ++k) {
     at = bytes.find_last_of("\r\n", at - 1);
     if (at == std::string_view::npos) return sample;
   }
@@ -311,7 +309,8 @@ void find_csv_decimals(std::string_view bytes, CsvLayout& layout) {
       if (is_number) decimals = printed_decimals(row.fields[c].text, layout.dialect.decimal);
       if (!is_number && !parse_clock(row.fields[c].text, seconds, decimals)) continue;
       int& most = layout.columns[c].decimals;
-      if (looked_at[c] < kLastLines) most = looked_at[c] == 0 ? decimals : std::max(most, decimals);
+      if (looked_at[c] < kSampledLines / 2)
+        most = looked_at[c] == 0 ? decimals : std::max(most, decimals);
       ++looked_at[c];
     }
   }

@@ -57,7 +57,10 @@ std::string word_in(const std::string& text, const std::regex& word) {
   return std::regex_search(text, found, word) ? found[1].str() : "";
 }
 
-bool is_hertz(const std::string& unit) { return is_listed("|hz|khz|hertz|", lower_case(unit)); }
+bool is_hertz(const std::string& unit) {
+  const auto parsed = parse_unit(unit);
+  return parsed && parsed->si == "Hz";
+}
 
 bool is_frequency_name(const std::string& name) {
   static const std::regex kBeginning("^(freq|frek|fréq|frec|f_hz|hz)");
@@ -149,12 +152,22 @@ std::vector<Columns> pairs_of(const CsvTable& table) {
   return found;
 }
 
-VectorXcd values_of(const Columns& columns, FrfSet& set, const std::string& where) {
+/// Values in SI; `known` is the channel whose unit is that of the real or imaginary part without
+/// one.
+VectorXcd values_of(const Columns& columns, const Channel& known, FrfSet& set,
+                    const std::string& where) {
   const Channel& first = *columns.first;
   const auto parts = [](const auto& real, const auto& imaginary) -> VectorXcd {
     return real.template cast<Complex>() + imaginary * Complex(0, 1);
   };
-  if (!columns.polar) return parts(first.samples, columns.second->samples);
+  const auto si = [&](const Channel& part) -> VectorXd {
+    if (part.source_unit.empty()) return known.si_per_source * part.samples;
+    if (part.source_unit == known.source_unit) return part.samples;
+    throw RecordingError({where, 0, 0, part.name, part.source_unit},
+                         "is of another unit than \"" + known.name + "\", " + known.source_unit,
+                         "write one unit into the titles of both parts");
+  };
+  if (!columns.polar) return parts(si(first), si(*columns.second));
   if (columns.second->quantity != Quantity::angle) {
     throw RecordingError({where, 0, 0, columns.second->name}, "the phase has no unit",
                          "write it into its title: Phase (deg) or Phase (rad)");
@@ -265,10 +278,17 @@ std::optional<std::size_t> frequency_column(const CsvTable& table) {
   // The frequencies stand first, or behind a column of line numbers.
   for (std::size_t k = 0; k < std::min<std::size_t>(2, table.channels.size() - 1); ++k) {
     const CsvColumn& column = table.columns[k];
-    if (!is_hertz(column.unit) && !(column.unit.empty() && is_frequency_name(column.name)))
+    const bool hertz = is_hertz(column.unit), named = is_frequency_name(column.name);
+    if (!hertz && !named) continue;
+    const bool other = !hertz && (!column.unit.empty() || column.name.ends_with(')'));
+    if (!rises(table.channels[k].samples)) {
+      if (!other) refuse_repeated(table, k);
       continue;
-    if (rises(table.channels[k].samples)) return k;
-    refuse_repeated(table, k);
+    }
+    if (!other) return k;
+    throw RecordingError({table.file, table.layout.body_line, 0, column.name, column.unit},
+                         "the frequencies are in no unit of frequency that is known",
+                         "give them in Hz, and write Hz into their title");
   }
   const Channel& first = table.channels[0];
   return first.source_unit.empty() && speaks_of_spectra(titles) && rises(first.samples)
@@ -289,8 +309,8 @@ std::string spectrum_without_frequencies(const CsvTable& table) {
 }
 
 FrfSet frfs_of(const std::vector<CsvTable>& tables) {
-  FrfSet about;                 // notes
-  std::optional<FrfUnit> unit;  // of the first; where it is known the numbers are in SI already
+  FrfSet about;            // notes
+  std::string first_unit;  // the numbers are in SI already where it is known
   std::vector<FrfPart> parts;
   for (const auto& table : tables) {
     const std::string stem = std::filesystem::path(table.file).stem().string();
@@ -299,24 +319,29 @@ FrfSet frfs_of(const std::vector<CsvTable>& tables) {
       throw file_error(table.file, "is a spectrum without phase, not an FRF",
                        "export frequency, real and imaginary part (or magnitude and phase)");
     }
-    if (parts.empty()) unit = parse_frf_unit(pairs.front().first->source_unit);
     about.notes.insert(about.notes.end(), table.notes.begin(), table.notes.end());
+    const Channel* known = nullptr;
     for (const auto& columns : pairs) {
       const std::string name = columns.base.empty() ? stem
                                : tables.size() == 1 ? columns.base
                                                     : stem + " " + columns.base;
+      const bool is_first = columns.polar || !columns.first->source_unit.empty();
+      const Channel& own = is_first ? *columns.first : *columns.second;
+      if (known == nullptr || columns.polar || !own.source_unit.empty()) known = &own;
+      const FrfUnit unit = parse_frf_unit(known->source_unit).value_or(FrfUnit());
+      if (parts.empty()) first_unit = unit.unit;
       FrfPart part;
       part.response = {name, static_cast<int>(parts.size()) + 1, 0};
       part.input.name = "force";
-      part.form = unit.value_or(FrfUnit()).form;
+      part.form = unit.form;
       part.frequency_hz = table.channels[0].samples;
-      part.H = values_of(columns, about, table.file);
+      part.H = values_of(columns, *known, about, table.file);
       part.file = table.file;
       if (columns.coherence != nullptr) part.coherence = columns.coherence->samples;
       parts.push_back(std::move(part));
     }
   }
-  FrfSet set = set_of_parts(parts, unit.value_or(FrfUnit()).unit);
+  FrfSet set = set_of_parts(parts, first_unit);
   set.notes.insert(set.notes.begin(), about.notes.begin(), about.notes.end());
   return set;
 }

@@ -12,10 +12,17 @@ namespace {
 using namespace std::string_view_literals;
 
 // Types of elements and classes of arrays (MAT-File Format, The MathWorks, version 5).
-constexpr std::uint32_t kInt8 = 1, kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15;
-constexpr std::uint32_t kCell = 1, kStruct = 2, kObject = 3, kFunction = 16, kOpaque = 17;
-constexpr std::uint32_t kDouble = 6, kUint64Array = 15;  // and between them the other numbers
-constexpr std::size_t kTagBytes = 8, kMostDimensions = 32;
+enum Type : std::uint32_t { int8 = 1, int32 = 5, uint32 = 6, matrix = 14, compressed = 15 };
+enum Class : std::uint32_t {
+  cell = 1,
+  structure = 2,
+  object = 3,
+  numbers_from = 6,  // double
+  numbers_to = 15,   // uint64
+  function = 16,
+  opaque = 17
+};
+constexpr std::size_t kTagBytes = 8;
 constexpr int kDeepestHeader = 64;
 constexpr std::size_t kPiece = 1 << 16;  // bytes unpacked at once
 
@@ -61,7 +68,7 @@ class Elements {
       const std::uint32_t type = word(rest, 0);
       const std::size_t small = type >> 16;  // bytes of data in the tag itself, up to four
       const std::size_t size = small > 0 ? small : word(rest, 1);
-      const bool is_padded = type != kMatrix && type != kCompressed;
+      const bool is_padded = type != matrix && type != compressed;
       const std::size_t stated = small > 0 ? 0 : is_padded ? (size + 7) / 8 * 8 : size;
       if (small > 4 || stated > rest.size() - kTagBytes) return {};
       found.push_back({type & 0xffffU, rest.substr(small > 0 ? 4 : kTagBytes, size)});
@@ -73,37 +80,36 @@ class Elements {
   /// Whether a variable, packed or not, can hold what its header states, and so can the variables
   /// that it is made of.
   [[nodiscard]] bool can_hold(const Element& variable, int depth = 0) const {
-    if (variable.type == kCompressed) {
+    if (variable.type == compressed) {
       const std::string text = unpacked(variable.data);
       const auto inside = in(text);
-      return !inside.empty() && inside[0].type == kMatrix && can_hold(inside[0], depth);
+      return !inside.empty() && inside[0].type == matrix && can_hold(inside[0], depth);
     }
-    if (variable.type != kMatrix) return true;
+    if (variable.type != matrix) return true;
     if (variable.data.empty()) return depth > 0;
     const auto parts = in(variable.data);
     const auto is = [&](std::size_t k, std::uint32_t type) {
       return k < parts.size() && parts[k].type == type;
     };
-    if (depth > kDeepestHeader || !is(0, kUint32) || parts[0].data.size() != 8) return false;
+    if (depth > kDeepestHeader || !is(0, uint32) || parts[0].data.size() != 8) return false;
     const std::uint32_t array_class = word(parts[0].data, 0) & 0xffU;
-    if (array_class == kOpaque) return true;  // without dimensions
-    const bool has_fields = array_class == kStruct || array_class == kObject;
-    if (!is(1, kInt32) || parts[1].data.size() > 4 * kMostDimensions || !is(2, kInt8)) return false;
+    if (array_class == opaque) return true;  // without dimensions
+    const bool has_fields = array_class == structure || array_class == object;
+    if (!is(1, int32) || parts[1].data.size() > 4 * 32 || !is(2, int8)) return false;
     double count = 1;
     for (std::size_t d = 0; d < parts[1].data.size() / 4; ++d) count *= word(parts[1].data, d);
-    if (array_class >= kDouble && array_class <= kUint64Array) {
+    if (array_class >= numbers_from && array_class <= numbers_to) {
       // Real parts, and where there are some the imaginary ones.
       return std::all_of(parts.begin() + 3, parts.end(), [&](const Element& part) {
         return count * static_cast<double>(bytes_of(part.type)) ==
                static_cast<double>(part.data.size());
       });
     }
-    if (!has_fields && array_class != kCell && array_class != kFunction) return true;
+    if (!has_fields && array_class != cell && array_class != function) return true;
     std::size_t first = 3;  // first of the parts that are variables
-    if (array_class == kObject && !is(first++, kInt8)) return false;  // name of its class
+    if (array_class == object && !is(first++, int8)) return false;  // name of its class
     if (has_fields) {
-      if (!is(first, kInt32) || parts[first].data.size() != 4 || !is(first + 1, kInt8))
-        return false;
+      if (!is(first, int32) || parts[first].data.size() != 4 || !is(first + 1, int8)) return false;
       const std::size_t length = word(parts[first].data, 0);  // a field's name has so many bytes
       if (length == 0) return false;
       const std::size_t fields = parts[first + 1].data.size() / length;

@@ -57,13 +57,15 @@ std::optional<std::size_t> find_times(const CsvTable& table, const ReadOptions& 
                                       std::vector<Note>& notes,
                                       std::vector<std::size_t>& left_out) {
   std::optional<std::size_t> time;
-  for (std::size_t k = 0; k < table.channels.size() && !time; ++k) {
-    const Channel& channel = table.channels[k];
-    const bool named = is_time_name(channel.name) &&
-                       (channel.source_unit.empty() || channel.quantity == Quantity::time);
-    if (table.columns[k].kind == FieldKind::clock ||
-        (named && table.columns[k].kind != FieldKind::empty))
-      time = k;
+  for (const bool any : {false, true}) {  // "Elapsed Cycles" are no times beside those in seconds
+    for (std::size_t k = 0; k < table.channels.size() && !time; ++k) {
+      const Channel& channel = table.channels[k];
+      const bool named = is_time_name(channel.name) && (channel.quantity == Quantity::time ||
+                                                        (any && channel.source_unit.empty()));
+      if (table.columns[k].kind == FieldKind::clock ||
+          (named && table.columns[k].kind != FieldKind::empty))
+        time = k;
+    }
   }
   refuse_shifted_titles(table, time);
   const std::size_t channels = table.channels.size();
@@ -102,8 +104,10 @@ std::optional<std::size_t> find_times(const CsvTable& table, const ReadOptions& 
   return time;
 }
 
-/// Notes columns of other times than those taken, which rise as well.
-void note_other_times(const CsvTable& table, std::size_t time, std::vector<Note>& notes) {
+/// Leaves out columns of the times taken again, and those of others with the channels behind them;
+/// notes what rises and may be times.
+void leave_out_other_times(const CsvTable& table, std::size_t time, std::vector<Note>& notes,
+                           std::vector<std::size_t>& left_out) {
   const auto since = [&](std::size_t k) {
     const ArrayXd times = table.channels[k].samples;
     return ArrayXd(times - (table.columns[k].kind == FieldKind::clock ? times[0] : 0));
@@ -113,7 +117,22 @@ void note_other_times(const CsvTable& table, std::size_t time, std::vector<Note>
     const ArrayXd steps = steps_of(since(k)), apart = (since(k) - since(time)).abs();
     const double least = steps.isNaN().select(1, steps).minCoeff();
     const double most = apart.isNaN().select(0, apart).maxCoeff();
-    if (!(least > 0 && most > 0.01 * least)) continue;
+    const bool others = least > 0 && most > 0.01 * least;
+    std::size_t end = k + 1;
+    while (others && end < table.channels.size() && !table.is_time(end)) ++end;
+    const std::size_t behind = end - k - 1;
+    if (table.channels[k].quantity == Quantity::time && least > 0 && rises_evenly(table, k) &&
+        (!others || behind > 0)) {
+      for (std::size_t c = k; c < end; ++c) left_out.push_back(c);
+      if (!others) continue;
+      add_note(notes, "data_left_out", table.channels[k].name,
+               "Export a file for each rate: the {} channel{} behind these times, which are not "
+               "those of \"{}\", {} left out",
+               behind, behind == 1 ? "" : "s", table.channels[time].name,
+               behind == 1 ? "is" : "are");
+      continue;
+    }
+    if (!others) continue;
     add_note(notes, "time_axis", table.channels[k].name,
              "Split the file if channels have these times: they differ from those of \"{}\", which "
              "are taken for all, by up to {:.6g} s",
@@ -154,6 +173,11 @@ void take_times_in(std::size_t time, const ReadOptions& options, CsvTable& table
   }
   TimeAxis axis = axis_in(unit_s);
   if (options.time_unit_s == 0 && column.source_unit.empty() && !is_clock && axis.rate_hz > 0) {
+    if (column.name.ends_with(')')) {
+      add_note(recording.notes, "time_axis", column.name,
+               "Give --time-unit (key time_unit): the title has no unit of time that is known, and "
+               "the times are taken as seconds");
+    }
     if (axis.start_s > 1e12) {
       // Since 1970, by clocks of the years 2001 to 2286.
       double unit = 1e-3;
@@ -221,7 +245,7 @@ Recording recording_of_table(CsvTable table, const std::filesystem::path& path,
   recording.notes = std::move(table.notes);
   std::vector<std::size_t> left_out;
   if (const auto time = find_times(table, options, recording.notes, left_out)) {
-    note_other_times(table, *time, recording.notes);
+    leave_out_other_times(table, *time, recording.notes, left_out);
     take_times_in(*time, options, table, recording);
     left_out.push_back(*time);
   }

@@ -182,11 +182,26 @@ std::string list_of(const Arrays& arrays) {
   return listed(texts);
 }
 
+/// What Testlab exports: the axis x_values.start_value, .increment of y_values.values. NaN: none.
+std::array<double, 2> testlab_axis(const std::vector<MatArray>& arrays, const MatArray& of) {
+  const std::string values = "y_values.values";
+  std::array<double, 2> axis{kNaN, kNaN};
+  if (!of.name.ends_with(values)) return axis;
+  const std::string x = of.name.substr(0, of.name.size() - values.size()) + "x_values.";
+  for (const auto& array : arrays) {
+    if (!array.is_scalar()) continue;
+    if (array.name == x + "start_value") axis[0] = array.real(0, 0);
+    if (array.name == x + "increment") axis[1] = array.real(0, 0);
+  }
+  return axis;
+}
+
 /// The rate by a scalar of a usual name; 0: none. A second one that disagrees is noted.
 double stated_rate(const std::vector<MatArray>& arrays, const MatArray& of,
                    std::vector<Note>& notes) {
   double rate = 0;
   std::string by;
+  if (const auto [start, step] = testlab_axis(arrays, of); step > 0) return 1 / step;
   for (const auto& array : arrays) {
     if (!array.is_scalar() || !array.concerns(of)) continue;
     std::string label = lower_case(array.last_name());
@@ -283,6 +298,25 @@ void check_times(const Arrays& taken, const std::filesystem::path& path) {
   }
 }
 
+/// Frequencies of an FFT where the file holds its rate ("fs", "freq") and block length N, a whole
+/// number with N / 2 + 1 lines. Empty: it does not.
+VectorXd frequencies_by_rate(const std::vector<MatArray>& arrays, const MatArray& frfs) {
+  std::vector<Note> ignored;
+  double rate = stated_rate(arrays, frfs, ignored), block = 0;
+  for (const auto& array : arrays) {
+    if (!array.is_scalar()) continue;
+    const double value = array.real(0, 0), lines = std::floor(value / 2) + 1;
+    if (value == std::floor(value) && lines == static_cast<double>(frfs.longer())) {
+      block = value;
+    } else if (rate == 0 && value > 0 && lower_case(array.last_name()).starts_with("freq")) {
+      rate = value;
+    }
+  }
+  if (!(rate > 0) || !(block > 0) || !std::isfinite(rate)) return {};
+  return ArrayXd::LinSpaced(frfs.longer(), 0, static_cast<double>(frfs.longer() - 1)) *
+         (rate / block);
+}
+
 }  // namespace
 
 Recording read_mat(std::string_view bytes, const std::filesystem::path& path,
@@ -305,29 +339,6 @@ Recording read_mat(std::string_view bytes, const std::filesystem::path& path,
   const double rate = stated_rate(arrays, *taken.front(), table.notes);
   return recording_of_arrays(std::move(table), path, "mat", options, rate);
 }
-
-namespace {
-
-/// Frequencies of an FFT where the file holds its rate ("fs", "freq") and block length N, a whole
-/// number with N / 2 + 1 lines. Empty: it does not.
-VectorXd frequencies_by_rate(const std::vector<MatArray>& arrays, const MatArray& frfs) {
-  std::vector<Note> ignored;
-  double rate = stated_rate(arrays, frfs, ignored), block = 0;
-  for (const auto& array : arrays) {
-    if (!array.is_scalar()) continue;
-    const double value = array.real(0, 0), lines = std::floor(value / 2) + 1;
-    if (value == std::floor(value) && lines == static_cast<double>(frfs.longer())) {
-      block = value;
-    } else if (rate == 0 && value > 0 && lower_case(array.last_name()).starts_with("freq")) {
-      rate = value;
-    }
-  }
-  if (!(rate > 0) || !(block > 0) || !std::isfinite(rate)) return {};
-  return ArrayXd::LinSpaced(frfs.longer(), 0, static_cast<double>(frfs.longer() - 1)) *
-         (rate / block);
-}
-
-}  // namespace
 
 FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
                      const ReadOptions& options) {
@@ -354,6 +365,10 @@ FrfSet read_mat_frfs(std::string_view bytes, const std::filesystem::path& path,
     if (named && array.is_vector() && array.longer() == frfs.longer()) {
       frequency_hz = array.real.reshaped();
     }
+  }
+  if (const auto [start, step] = testlab_axis(arrays, frfs); step > 0 && start >= 0) {
+    const auto last = static_cast<double>(frfs.longer() - 1);
+    frequency_hz = start + step * ArrayXd::LinSpaced(frfs.longer(), 0, last);
   }
   const bool by_rate = frequency_hz.size() == 0;
   if (by_rate) frequency_hz = frequencies_by_rate(arrays, frfs);

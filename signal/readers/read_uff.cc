@@ -144,7 +144,9 @@ class Uff58Reader {
       numbers.data()[k] = *value;
     }
     if (rest.empty() && !mark) throw text_.broken_off(rest);
-    if (text_.next_number(rest)) {
+    // Zeros that fill the last line are no values.
+    for (int fill = 0; const auto more = text_.next_number(rest); ++fill) {
+      if (*more == 0 && fill < 5) continue;
       throw text_.error(rest, fmt::format("the dataset holds more than {} values", count),
                         "export the file again");
     }
@@ -161,10 +163,9 @@ class Uff58Reader {
 using Functions = std::vector<const Uff58*>;
 
 bool is_time_history(const Uff58& f) {
-  constexpr int kTimeAxis = 17;
   return !f.complex &&
-         (f.function_type == uff58_function::kTimeResponse ||
-          (f.function_type == uff58_function::kGeneral && f.abscissa.data_type == kTimeAxis));
+         (f.function_type == uff58_function::time_response ||
+          (f.function_type == uff58_function::general && f.abscissa.data_type == uff58_time));
 }
 
 std::string point_text(const MeasuredPoint& point) {
@@ -307,7 +308,7 @@ FrfPart part_of(const Uff58& f, const std::string& file) {
         exact(f, "dx", f.abscissa_step) * ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
   }
   const auto unit = parse_unit(f.abscissa.unit);
-  if (unit && unit->si == "rad/s") part.frequency_hz /= 2 * std::numbers::pi;
+  if (unit && unit->si == "rad/s") part.frequency_hz *= unit->factor / kTwoPi;
   if (unit && unit->si == "Hz") part.frequency_hz *= unit->factor;
   return part;
 }
@@ -383,7 +384,7 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
   const Uff58* first = nullptr;
   std::vector<FrfPart> parts;
   for (const auto& f : functions) {
-    if (f.function_type != uff58_function::kFrf || !f.complex) continue;
+    if (f.function_type != uff58_function::frf || !f.complex) continue;
     if (first == nullptr) first = &f;
     FrfPart part = part_of(f, name);
     part.H.resize(f.real.size());
@@ -399,14 +400,20 @@ FrfSet read_uff_frfs(std::string_view bytes, const std::filesystem::path& path) 
   }
   for (const auto& f : functions) {
     const auto what = f.remark.find("what");
-    if (f.function_type == uff58_function::kCoherence && !f.complex) {
+    if (f.function_type == uff58_function::coherence && !f.complex) {
       add_to_parts(f, name, &FrfPart::coherence, parts);
-    } else if (f.function_type == uff58_function::kGeneral && what != f.remark.end() &&
+    } else if (f.function_type == uff58_function::general && what != f.remark.end() &&
                what->second == "std") {
       add_to_parts(f, name, &FrfPart::H_std, parts);
     }
   }
   FrfSet set = set_of_parts(parts, scale_of(*first).unit);
+  const auto unit = parse_unit(first->abscissa.unit);
+  if (!first->abscissa.unit.empty() && (!unit || (unit->si != "Hz" && unit->si != "rad/s"))) {
+    add_note(set.notes, "no_unit", name,
+             "the abscissa's unit \"{}\" is no unit of frequency: taken as Hz",
+             first->abscissa.unit);
+  }
   const auto positive = [&](const char* key) { return std::max(0.0, first->noted(key)); };
   set.averages = static_cast<int>(std::min(positive("averages"), 1e9));
   set.sample_rate_hz = positive("rate");

@@ -75,8 +75,11 @@ class UffText {
 
 /// Function types (record 6, field 1) that we name.
 namespace uff58_function {
-inline constexpr int kGeneral = 0, kTimeResponse = 1, kFrf = 4, kCoherence = 6;
+enum Type { general = 0, time_response = 1, frf = 4, coherence = 6 };
 }
+
+/// Specific data type of a time axis.
+enum { uff58_time = 17 };
 
 /// Words for a function type, such as "power spectral density".
 [[nodiscard]] const char* uff58_function_name(int type);

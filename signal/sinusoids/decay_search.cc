@@ -19,29 +19,6 @@ double local_median(const VectorXd& power, Index k, Index reach) {
   return median({power.data() + lo, power.data() + hi + 1});
 }
 
-}  // namespace
-
-double detection_threshold(Index samples, double false_alarm) {
-  // chi-squared with two degrees: P(> x) = exp(-x/2); N/2 independent lines times the handful of
-  // independent decay rates (a factor of e apart: ln N of them).
-  const double n = static_cast<double>(std::max<Index>(samples, 4));
-  return 2 * std::log(0.5 * n * std::log(n) / false_alarm);
-}
-
-VectorXd without_trend(const Ref<const VectorXd>& y) {
-  const Index n = y.size();
-  const ArrayXd present = y.array().isFinite().cast<double>();
-  if (present.sum() < 2) return VectorXd::Zero(n);
-  const ArrayXd values = (present > 0).select(y.array(), 0);
-  const ArrayXd t = ArrayXd::LinSpaced(n, -1, 1);
-  double level = 0, slope = 0, unused[4];
-  gsl_fit_wlinear(t.data(), 1, present.data(), 1, values.data(), 1, static_cast<std::size_t>(n),
-                  &level, &slope, &unused[0], &unused[1], &unused[2], &unused[3]);
-  return present * (values - level - slope * t);
-}
-
-namespace {
-
 // So many peaks are kept: what is distinct among them is enough.
 constexpr std::ptrdiff_t kKeep = 64;
 
@@ -101,6 +78,25 @@ LineSpectrum filtered(const Ref<const VectorXd>& y, double a) {
 }
 
 }  // namespace
+
+double detection_threshold(Index samples, double false_alarm) {
+  // chi-squared with two degrees: P(> x) = exp(-x/2); N/2 independent lines times the handful of
+  // independent decay rates (a factor of e apart: ln N of them).
+  const double n = static_cast<double>(std::max<Index>(samples, 4));
+  return 2 * std::log(0.5 * n * std::log(n) / false_alarm);
+}
+
+VectorXd without_trend(const Ref<const VectorXd>& y) {
+  const Index n = y.size();
+  const ArrayXd present = y.array().isFinite().cast<double>();
+  if (present.sum() < 2) return VectorXd::Zero(n);
+  const ArrayXd values = (present > 0).select(y.array(), 0);
+  const ArrayXd t = ArrayXd::LinSpaced(n, -1, 1);
+  double level = 0, slope = 0, unused[4];
+  gsl_fit_wlinear(t.data(), 1, present.data(), 1, values.data(), 1, static_cast<std::size_t>(n),
+                  &level, &slope, &unused[0], &unused[1], &unused[2], &unused[3]);
+  return present * (values - level - slope * t);
+}
 
 LineSpectrum line_spectrum(const Ref<const VectorXd>& y) { return filtered(y, 0); }
 

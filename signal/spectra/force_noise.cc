@@ -51,7 +51,6 @@ ArrayXd window_lags(std::span<const FrfBlock> blocks, Index n, const VectorXd& e
 
 /// Autocovariance of the noise; empty where too little of it is seen.
 ArrayXd noise_lags(std::span<const FrfBlock> blocks, Index n) {
-  constexpr double kFewest = 32;  // a variance from fewer is off by a quarter and more
   Correlation values(n), counts(n);
   double total = 0;
   for (const FrfBlock& block : blocks) {
@@ -68,11 +67,11 @@ ArrayXd noise_lags(std::span<const FrfBlock> blocks, Index n) {
     const double mean = x.dot(outside) / std::max(outside.sum(), 1.0);
     values.add(((x.array() - mean) * outside.array()).matrix());
   }
-  if (total < kFewest) return {};
+  if (total < static_cast<double>(kFewestForNoise)) return {};
   ArrayXd r = values.lags();
   const ArrayXd pairs = counts.lags();
   // Lags that few pairs make up are left out: they scatter without bound.
-  const double least = std::max(kFewest / 4, 0.02 * total);
+  const double least = std::max(0.5 * kFewestForNoise, 0.02 * total);
   return (pairs >= least).select(r / pairs.max(1.0), 0.0);
 }
 

@@ -12,6 +12,13 @@
 
 namespace rigfit::signal {
 
+/// Samples from fewer of which noise is not known: its standard deviation is off by a fifth or
+/// more.
+inline constexpr Index kFewestForNoise = 16;
+/// A line whose force lies this far below its maximum, dB, is not excited. ISO 7626-5 asks for a
+/// spectrum that is reasonably flat; 20 dB is the customary outer limit.
+inline constexpr double kMostSpectrumDrop = 20;
+
 /// One hit: views into recordings, all beginning at the same instant. A view shorter than the block
 /// is continued by zeros (after its offset is subtracted).
 struct FrfBlock {
@@ -36,8 +43,9 @@ struct ForceNoise {
 
 /// Mean over the blocks, unscaled sums as `FrfEstimate::force_power`, `block_samples` / 2 + 1
 /// lines: of the noise that each block's force window and the exponential window leave. Smoothed
-/// over some `smoothing_lines` on either side. Empty where it is not known: fewer than 32 samples
-/// outside the pulses of all blocks, or a block that does not say where its pulse is.
+/// over some `smoothing_lines` on either side. Empty where it is not known: fewer than
+/// kFewestForNoise samples outside the pulses of all blocks, or a block that does not say where its
+/// pulse is.
 [[nodiscard]] ForceNoise force_noise_power(std::span<const FrfBlock> blocks, Index block_samples,
                                            const VectorXd& exponential, Index smoothing_lines);
 

@@ -7,9 +7,6 @@
 namespace rigfit::signal {
 namespace {
 
-// Lines whose force lies this far below its maximum do not count in leave-one-out, dB.
-constexpr double kWeakForce = 20;
-
 double mean_square(std::span<const FrfBlock> blocks, Index response) {
   double sum = 0;
   for (const FrfBlock& block : blocks) {
@@ -165,7 +162,7 @@ class Averager {
   /// Residual power per degree of freedom relative to the response's power: all hits and without
   /// each.
   void leave_one_out(const ArrayXd& left, const ArrayXXd& deleted, const ArrayXd& gyy) {
-    const double weakest = gxx_.maxCoeff() * std::pow(10, -kWeakForce / 10);
+    const double weakest = gxx_.maxCoeff() * std::pow(10, -kMostSpectrumDrop / 10);
     ArrayXd counts = (gxx_ >= weakest).cast<double>();
     counts[0] = 0;
     const double power = (counts * gyy).sum() * static_cast<double>(result_.H.cols());

@@ -77,7 +77,7 @@ void append_binary(std::string& out, double value) {
 void append_function(std::string& out, const Uff58& f) {
   const Index n = f.real.size();
   const int values = (f.complex ? 2 : 1) + (f.even ? 0 : 1);
-  const bool single = f.function_type == uff58_function::kTimeResponse && f.even;
+  const bool single = f.function_type == uff58_function::time_response && f.even;
   const Index bytes = n * values * (single ? 4 : 8);
   // Byte order (1: little, 2: big endian), floating-point format 2 (IEEE 754), 11 lines of text.
   out += fmt::format("{}    58b{:6d}{:6d}{:12d}{:12d}{:6d}{:6d}{:12d}{:12d}\n", kMark,
@@ -119,7 +119,7 @@ std::string uff_text(const Recording& recording, const std::string& remark) {
   const double rate = recording.sample_rate_hz;
   for (const auto& channel : recording.channels) {
     Uff58 f;
-    f.function_type = uff58_function::kTimeResponse;
+    f.function_type = uff58_function::time_response;
     f.even = recording.time_s.size() == 0;
     f.id[0] = channel.name;
     f.id[1] = remark;
@@ -188,15 +188,15 @@ std::string uff_text(const FrfSet& frfs) {
       };
       const bool has_form = frfs.form != FrfForm::unknown;
       Uff58Axis ordinate = ordinate_of(frfs);
-      append(uff58_function::kFrf, "frf", ordinate, has_form, frfs.H.col(column).real(),
+      append(uff58_function::frf, "frf", ordinate, has_form, frfs.H.col(column).real(),
              frfs.H.col(column).imag());
       if (frfs.coherence.size() > 0) {
-        append(uff58_function::kCoherence, "coherence", {0, "Coherence", ""}, false,
+        append(uff58_function::coherence, "coherence", {0, "Coherence", ""}, false,
                frfs.coherence.col(column));
       }
       if (frfs.H_std.size() > 0) {
         ordinate.label = "Std of re and of im";
-        append(uff58_function::kGeneral, "std", ordinate, has_form, frfs.H_std.col(column));
+        append(uff58_function::general, "std", ordinate, has_form, frfs.H_std.col(column));
       }
     }
   }

@@ -113,6 +113,10 @@ void add_findings(const TensionInputs& inputs, TensionCampaignResult& campaign) 
                      mode.measured_hz));
   }
   const bool exact = cable.length_m.std == 0 || cable.mass_per_length.std == 0;
+  // Polyethylene fibres bear 3.5 GPa at 970 kg/m3; nylon breaks at a strain of 0.3.
+  const double T = result.tension_N.value;
+  const bool borne =
+      T < 4e6 * cable.mass_per_length.value && !(cable.EA_N && T > 0.3 * cable.EA_N->value);
   for (const auto& [is, code, message] : {
            std::tuple{!cable.EA_N, "EA_assumed",
                       "Give EA: a strain of 0.001 is taken, within a factor of 2 or so; this "
@@ -120,6 +124,10 @@ void add_findings(const TensionInputs& inputs, TensionCampaignResult& campaign) 
            {!cable.EI_Nm2 && best.modes.size() < 3, "EI_assumed",
             "Give EI, or three frequencies: fewer cannot tell it, so that the interval covers L "
             "sqrt(T / EI) anywhere in 2 to 2000"},
+           {!borne, "unit_suspected",
+            "Check the units of length (m), mass per length (kg/m), EA (N) and frequencies (Hz): "
+            "no "
+            "cable of this mass and EA bears the tension"},
            {result.mass_reference_matters, "assumed",
             "Say with mass_of whether the mass per length is that of the installed or of the "
             "unstretched cable: here the answers differ"},

@@ -29,7 +29,6 @@ TEST(Usage, HelpIsThereForEveryVerbAndFile) {
   const std::string modal = run_line("help modal").out;
   EXPECT_THAT(modal, HasSubstr("Usage: rigfit modal FILE ... [OPTIONS]"));
   EXPECT_THAT(modal, HasSubstr("--band"));
-  // Types in words.
   for (const char* internal : {"FLOAT", "TEXT:", "(1x)"}) {
     EXPECT_THAT(modal + run_line("help report").out, Not(HasSubstr(internal)));
   }

@@ -384,12 +384,13 @@ TEST(BendingTest, FrictionIsInTheIntervalOrRefused) {
   EXPECT_GE(held_or_refused, 36);  // as many of 40
 }
 
-// Six weights in grams on a dial: steady at 0.7 mm each by chance, as straight as 0.1 mm lets one
-// see; and in steps of 0.05 mm.
+// Six weights in grams on a dial, steady by chance: at 0.7, 1 and 2.5 mm each, as straight as steps
+// of 0.1, 1 and 0.5 mm let one see; and in steps of 0.05 mm.
 TEST(BendingTest, ReadingsAreNoFinerThanTheyAreWritten) {
   Eigen::VectorXd steady = Eigen::VectorXd::LinSpaced(6, 0, 350), dial = steady;
   dial << 15, 85, 155, 225, 295, 365;
-  for (const auto& [hundredths, step] : {std::pair{steady, 10}, {dial, 5}}) {
+  for (const auto& [hundredths, step] :
+       {std::pair{steady, 10}, {steady / 0.7, 100}, {steady / 0.28, 50}, {dial, 5}}) {
     const auto result =
         analyse_bending_test({{}, 9.80665e-3 * 500 * steady / 70, 1e-5 * hundredths},
                              {.span_m = {0.6, 0}, .ends = BeamEnds::pinned});

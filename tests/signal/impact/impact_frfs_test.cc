@@ -153,11 +153,11 @@ TEST(ImpactTest, SaysWhatCannotBeTrusted) {
   const ImpactTest mixed = analyse(recording, 2, {});
   EXPECT_EQ(mixed.frfs.form, FrfForm::accelerance);
   EXPECT_TRUE(says(mixed.notes, "frf_form"));
-
   std::vector<Recording> two{recording, recording};
   std::swap(two[1].channels[0], two[1].channels[2]);
-  const auto all = names(1);
-  EXPECT_THROW((void)analyse_impact_test(two, "force", all), RecordingError);
+  EXPECT_THROW((void)analyse_impact_test(two, "force", names(1)), RecordingError);
+  recording.channels[2].samples.setConstant(1);
+  EXPECT_TRUE(says(analyse(recording, 2, {}).notes, "dead_frf"));
 }
 
 // A hammer that goes on to swing is cut off by the window, a quiet one is not.

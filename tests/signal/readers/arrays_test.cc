@@ -197,6 +197,21 @@ TEST_F(Mat, SamplesGetTheTimesOfTheirOwnStructure) {
   }
 }
 
+TEST_F(Mat, TestlabStatesItsAxis) {
+  const auto made = [](const char* name, std::vector<matvar_t*> fields) {
+    std::vector<const char*> names;
+    for (const auto* field : fields) names.push_back(field->name);
+    std::size_t one[2] = {1, 1};
+    matvar_t* const of = Mat_VarCreateStruct(name, 2, one, names.data(), unsigned(names.size()));
+    for (auto* field : fields) Mat_VarSetStructFieldByName(of, field->name, 0, field);
+    return of;
+  };
+  write({made("Signal", {made("x_values",
+                              {array("start_value", {0}, 1, 1), array("increment", {0.01}, 1, 1)}),
+                         made("y_values", {array("values", ramp(40, 1), 40, 1)})})});
+  EXPECT_NEAR(read(path_).sample_rate_hz, 100, 1e-9);
+}
+
 TEST_F(Mat, CutShortIsRefused) {
   write({array("acc", ramp(400, 0.5), 400, 1), array("fs", {2000}, 1, 1)});
   fs::resize_file(path_, fs::file_size(path_) - 40);

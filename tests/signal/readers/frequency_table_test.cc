@@ -65,6 +65,9 @@ TEST(FrfTables, DecibelsAndSeveralResponses) {
   ASSERT_EQ(set.responses.size(), 2u);
   EXPECT_EQ(set.responses[1].name, "b");
   EXPECT_EQ(set.H(3, 1), Complex(3, -3));
+  const auto ones = [](double) { return std::string(",1,1"); };
+  EXPECT_EQ(frfs(table("Frequency (Hz),Real,Imag (mm/N)\n", ones)).H(1, 0), Complex(1e-3, 1e-3));
+  EXPECT_THROW(frfs(table("Frequency (Hz),Real (m/N),Imag (mm/N)\n", ones)), RecordingError);
   const FrfSet decibels = frfs(table("Frequency (Hz),Magnitude (dB),Phase (deg)\n",
                                      [](double) { return std::string(",20,90"); }));
   EXPECT_NEAR(std::abs(decibels.H(1, 0) - Complex(0, 10)), 0, 1e-12);

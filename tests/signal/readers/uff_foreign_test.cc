@@ -150,8 +150,19 @@ TEST(UffForeign, FrequenciesAreTakenInTheirUnit) {
   Dataset d;
   d.abscissa = {18, "omega", "rad/s"};
   EXPECT_NEAR(read_uff_frfs(d.text(), "x.uff").frequency_hz[2], 3 / (2 * kPi), 1e-15);
-  d.abscissa.unit = "kHz";
-  EXPECT_NEAR(read_uff_frfs(d.text(), "x.uff").frequency_hz[2], 3000, 1e-12);
+  for (const auto& [unit, hz] : {std::pair{"kHz", 1e3}, {"rpm", 1 / 60.0}, {"orders", 1.0}}) {
+    d.abscissa.unit = unit;
+    const FrfSet f = read_uff_frfs(d.text(), "x.uff");
+    EXPECT_NEAR(f.frequency_hz[2], 3 * hz, 1e-12);
+    EXPECT_EQ(says(f.notes, "no_unit"), hz == 1);
+  }
+}
+
+TEST(UffForeign, ZerosThatFillTheLastLineAreNoValues) {
+  std::string text = time_history({"1", "2", "4"}).text();
+  const auto end = text.rfind("    -1");
+  EXPECT_EQ(read_uff(text.insert(end, "  0.0  0.0\n"), "x.uff").samples(), 3);
+  EXPECT_THROW(read_uff(text.insert(end, "  1.0\n"), "x.uff"), RecordingError);
 }
 
 TEST(UffForeign, FrfsThatDoNotFitEachOtherSayWhich) {

@@ -109,9 +109,13 @@ TEST(Times, OfOtherChannelsAreNotTakenForAll) {
       text += fmt::format("{:.3f};{}.5;{:.3f};1.5\n", 0.01 * k, k % 7, start + step * k);
     return read(text);
   };
-  EXPECT_TRUE(says(table(0.02, 0).notes, "time_axis"));
-  EXPECT_TRUE(says(table(0.01, 0.5).notes, "time_axis"));
-  EXPECT_FALSE(says(table(0.01, 0).notes, "time_axis"));
+  for (const auto& other : {table(0.02, 0), table(0.01, 0.5)}) {
+    EXPECT_TRUE(says(other.notes, "data_left_out"));
+    EXPECT_EQ(other.channels.size(), 1u);
+  }
+  EXPECT_EQ(table(0.01, 0).channels.size(), 2u);
+  EXPECT_TRUE(says(read("Time (foo),a\n0,1\n1,2\n2,4\n").notes, "time_axis"));
+  EXPECT_EQ(read("Elapsed Cycles,Start Time (s),a\n0,0,1\n1,4,2\n2,8,4\n").sample_rate_hz, 0.25);
 }
 
 TEST(Times, WithoutAUnitInWholeNumbersAreSuspected) {
@@ -240,6 +244,7 @@ TEST(FrfTables, FrequenciesThatRepeatAreNamed) {
   EXPECT_THAT(refusal_of(text), HasSubstr("test.csv:5"));
   EXPECT_THAT(refusal_of("Frequency (Hz),Real,Imag\n1,1,0\n2,2,0\n2,3,0\n3,1,0\n"),
               HasSubstr("repeats"));
+  EXPECT_THAT(refusal_of("Frequency (foo),Real,Imag\n1,1,0\n2,2,0\n3,1,0\n"), HasSubstr("in Hz"));
 }
 
 // A message stays readable however many columns a table has.

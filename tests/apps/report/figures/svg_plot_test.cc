@@ -105,44 +105,6 @@ TEST(SvgPlot, HasTheSizeAndFontThatAPaperAsksFor) {
   for (const double x : numbers_after(svg, "<text class=\"t\" x=\"")) EXPECT_LT(x, 361.5);
 }
 
-TEST(SvgPlot, MarksStandAtTheirPlaceWithTheirName) {
-  Plot plot{.id = "marks"};
-  PlotSeries line{.name = "test", .x = {0, 100}, .y = {0, 1}};
-  plot.series = {line};
-  plot.marks = {{25, "25 Hz"}, {1000, "outside"}};
-  const std::string svg = svg_plot(plot);
-  EXPECT_THAT(svg, HasSubstr(">25 Hz<"));
-  EXPECT_THAT(svg, Not(HasSubstr("outside")));
-}
-
-TEST(SvgPlot, LegendShowsWhatThePlotShows) {
-  PlotSeries points{.style = PlotSeries::Style::points};
-  points.x.assign(400, 1.0);
-  points.y.assign(400, 1.0);
-  EXPECT_EQ(look_of(points).marker, SeriesLook::Marker::dot);
-  points.x.resize(20);
-  points.y.resize(20);
-  points.origin = Origin::synthetic;
-  EXPECT_EQ(look_of(points).marker, SeriesLook::Marker::diamond);
-  // Marker and dash say where a series comes from, colour which one it is.
-  PlotSeries model = points;
-  model.origin = Origin::modelled;
-  EXPECT_NE(look_of(points).marker, look_of(model).marker);
-  points.style = model.style = PlotSeries::Style::line;
-  EXPECT_STREQ(look_of(points, true).dash, "");
-  EXPECT_STRNE(look_of(model, true).dash, "");
-  Plot plot{.id = "three"};
-  for (const int sensor : {0, 1, 2}) {
-    points.name = fmt::format("sensor {}", sensor);
-    points.variant = sensor;
-    plot.series.push_back(points);
-  }
-  const std::string svg = svg_plot(plot);
-  for (const int sensor : {0, 1, 2}) {
-    EXPECT_EQ(count(svg, fmt::format("class=\"s{}\"", sensor)), 1u);
-  }
-}
-
 TEST(PlotCsv, HoldsEveryValueExactly) {
   Plot plot{.x_label = "x"};
   plot.y_label = "y, \"units\"";

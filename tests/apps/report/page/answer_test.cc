@@ -168,13 +168,4 @@ TEST(HtmlText, ShowsNumbersWithTheirDigits) {
   EXPECT_EQ(within_percent(0.12), "12 %");
 }
 
-TEST(ParameterWords, AreNamesAndSymbols) {
-  EXPECT_EQ(parameter_words("beam.EI_z"), "Beam bending stiffness EI_z");
-  EXPECT_EQ(parameter_words("left cable.damping_ratio"), "Left cable damping ratio ζ");
-  EXPECT_EQ(parameter_words("tip.mass"), "Tip mass");
-  EXPECT_EQ(parameter_words("cable span"), "Cable span");
-  EXPECT_EQ(state_words("beam, as built"), "beam");
-  EXPECT_EQ(state_words("200 N"), "200 N");
-}
-
 }  // namespace rigfit::apps::answer_test

@@ -92,6 +92,15 @@ signal::Recording driven(const std::vector<double>& frequencies, double damping,
 // A hanger for a minute, 11 to 45 decay times, and one of little damping for two, 2 to 9: 95 % of 4
 // x 25 intervals, three binomial deviations of which are 6.5 %, a mode that is lost counting as not
 // held. What is found besides is for the orders of the tension's modes to leave out.
+TEST(TensionCampaign, UnitsOfATensionThatNoCableBearsAreSuspected) {
+  for (const auto& [length, EA, said] :
+       {std::tuple{kLength, 1e6, false}, {1e3 * kLength, 1e12, true}, {kLength, 1e3, true}}) {
+    auto inputs = plucked_string();
+    inputs.cable.length_m = {length, 1e-3 * length}, inputs.cable.EA_N = signal::Estimate{EA, 0};
+    EXPECT_EQ(says(tension_campaign(inputs).findings, "unit_suspected"), said) << length;
+  }
+}
+
 TEST(TensionCampaign, FrequenciesOfShortRecordingsHold) {
   const std::vector<double> truth{7.36, 14.59, 22.15, 29.9};
   for (const auto& [damping, seconds] : {std::pair{0.004, 60.0}, std::pair{4e-4, 120.0}}) {
