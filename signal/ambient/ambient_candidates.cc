@@ -1,4 +1,4 @@
-#include "signal/ambient/ambient_candidates.h"
+#include "signal/ambient/ambient_steps.h"
 
 #include <Eigen/QR>
 

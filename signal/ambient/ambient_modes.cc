@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <numeric>
 
-#include "signal/ambient/ambient_candidates.h"
+#include "signal/ambient/ambient_steps.h"
 #include "signal/estimation/groups.h"
 #include "signal/modes/mac.h"
 #include "signal/numerics/factorisations.h"

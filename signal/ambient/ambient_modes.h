@@ -12,7 +12,7 @@
 // linear combination of the channels that passes it with gain 1, suppresses its neighbours and has
 // the least power otherwise in the mode's band: its auto-spectrum is one resonance, whatever the
 // correlation of the forces. 4. Poles common to these spectra by Whittle's weights, residues
-// eliminated (resonance_fit.h). 5. Shapes: residues of all channels' half spectra with the filtered
+// eliminated (ambient_steps.h). 5. Shapes: residues of all channels' half spectra with the filtered
 // signals. 6. Uncertainty: jackknife over the groups, joined until they hold five decay times; the
 // degrees of freedom are those of the energy in the groups (gusts leave fewer), the intervals
 // Student's. Forces need to be white in a mode's band only.

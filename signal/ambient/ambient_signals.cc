@@ -1,4 +1,4 @@
-#include "signal/ambient/ambient_signals.h"
+#include "signal/ambient/ambient_steps.h"
 
 #include <future>
 

@@ -1,4 +1,4 @@
-#include "signal/ambient/resonance_fit.h"
+#include "signal/ambient/ambient_steps.h"
 
 #include "signal/numerics/factorisations.h"
 #include "signal/spectra/fft.h"

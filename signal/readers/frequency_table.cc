@@ -316,7 +316,8 @@ FrfSet frfs_of(const std::vector<CsvTable>& tables) {
     const std::string stem = std::filesystem::path(table.file).stem().string();
     const auto pairs = pairs_of(table);
     if (pairs.empty()) {
-      throw file_error(table.file, "is a spectrum without phase, not an FRF",
+      throw file_error(table.file,
+                       "is a spectrum without phase, or its titles do not name the parts",
                        "export frequency, real and imaginary part (or magnitude and phase)");
     }
     about.notes.insert(about.notes.end(), table.notes.begin(), table.notes.end());

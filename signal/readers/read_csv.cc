@@ -124,7 +124,11 @@ void leave_out_other_times(const CsvTable& table, std::size_t time, std::vector<
     if (table.channels[k].quantity == Quantity::time && least > 0 && rises_evenly(table, k) &&
         (!others || behind > 0)) {
       for (std::size_t c = k; c < end; ++c) left_out.push_back(c);
-      if (!others) continue;
+      if (!others) {
+        add_note(notes, "left_out", table.channels[k].name,
+                 "ignored: they are the times once more");
+        continue;
+      }
       add_note(notes, "data_left_out", table.channels[k].name,
                "Export a file for each rate: the {} channel{} behind these times, which are not "
                "those of \"{}\", {} left out",

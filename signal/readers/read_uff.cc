@@ -358,7 +358,7 @@ Recording read_uff(std::string_view bytes, const std::filesystem::path& path,
     throw RecordingError(
         {name, any ? functions.front().line : 1},
         any ? "holds no time history, but: " + kinds_in(functions) : "holds no dataset 58",
-        "give a recording over time (FRFs are taken by `modal`)");
+        "give a recording over time (`modal` takes FRFs, `update` mode shapes)");
   }
   const double written = histories.front()->noted("channels");
   if (written > static_cast<double>(histories.size())) {
