@@ -403,6 +403,15 @@ TEST(Decay, StartsAtATapBesideStrongerMotion) {
   }
 }
 
+TEST(Decay, StepsThatNoNoiseBlursAreSaid) {
+  for (const auto& [step, noise, said] :
+       {std::tuple{0.1, 0.03, true}, {0.1, 0.08, false}, {0.05, 0.01, false}}) {
+    const VectorXd y = decays(4, {{20, 0.01}}, 200, 2000, noise);
+    const VectorXd rounded = (y / step).array().round() * step;
+    EXPECT_EQ(says(estimate_decay(rounded, 200).notes, "coarse_quantisation"), said) << noise;
+  }
+}
+
 // A bump of a second: four modes between 0.2 and 0.8 Hz follow it, as a polynomial does.
 TEST(Decay, ASmoothDriftBesideAModeIsNoMode) {
   VectorXd y = decays(3, {{12.3, 0.005}}, 500, 4000, 0.007);

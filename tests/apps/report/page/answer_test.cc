@@ -39,15 +39,6 @@ TEST(Answer, VerdictsSayHowWellAValueIsKnownAndWhetherItAgrees) {
   EXPECT_EQ(verdict_words(stiffness(2, Answer::kNone)), "uncertainty not known");
 }
 
-TEST(Answer, RatiosAreShownInPercent) {
-  Answer answer = stiffness(0.012, 0.0003);
-  answer.unit.clear();
-  answer.unit = "%";
-  EXPECT_EQ(value_words(answer), "1.200 ± 0.030");
-  EXPECT_EQ(interval_words(answer), "1.141 to 1.259");
-  EXPECT_EQ(describe::json_of(answer)["unit"], "1");
-}
-
 ComparedReport report_of(const std::vector<Answer>& answers) {
   return {"title", "campaign.toml", "2026-05-18", "A", answers};
 }
