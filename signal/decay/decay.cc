@@ -267,9 +267,9 @@ class Estimation {
     return first > level * gsl_cdf_chisq_Qinv(1e-6, static_cast<double>(half)) ? half : 0;
   }
 
-  /// Notes steps of the converter that the noise does not blur: below half a step the mean of a
-  /// rounded value follows the motion (to 0.7 % of a step there). With such steps 70 % of intervals
-  /// hold where the motion has 5 of them, 90 % at 10 and 96 % at 20.
+  /// Notes steps of the converter that the noise does not blur: with noise of half a step the mean
+  /// of a rounded value follows the motion to exp(-pi^2 / 2) / pi = 0.2 % of a step. Fifteen steps
+  /// in the motion: between ten, where intervals are too narrow, and twenty, where they hold.
   void judge_steps() {
     const double motion = result_.fitted.cwiseAbs().maxCoeff();
     double step = std::numeric_limits<double>::infinity();

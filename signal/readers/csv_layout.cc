@@ -28,9 +28,10 @@ std::vector<std::string_view> sample_lines(std::string_view bytes) {
     take(0, std::ssize(bytes));
     return sample;
   }
-  for (std::size_t run = 1; run <= 16; ++run) {
-    const std::size_t at = bytes.size() / 17 * run;
-    take(next_line(bytes, line_end(bytes, at)), kSampledLines / 16);
+  constexpr std::size_t kRuns = 16;
+  for (std::size_t run = 1; run <= kRuns; ++run) {
+    const std::size_t at = bytes.size() / (kRuns + 1) * run;
+    take(next_line(bytes, line_end(bytes, at)), kSampledLines / kRuns);
   }
   std::size_t at = bytes.size();
   for (long k = 0; k < kSampledLines && at > 0; ++k) {

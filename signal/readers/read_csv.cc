@@ -121,8 +121,10 @@ void leave_out_other_times(const CsvTable& table, std::size_t time, std::vector<
     std::size_t end = k + 1;
     while (others && end < table.channels.size() && !table.is_time(end)) ++end;
     const std::size_t behind = end - k - 1;
+    // Behind other times without a channel of their own, as seconds behind a clock, they are one.
+    const bool of_others = behind > 0 && k > time && !table.is_time(k - 1);
     if (table.channels[k].quantity == Quantity::time && least > 0 && rises_evenly(table, k) &&
-        (!others || behind > 0)) {
+        (!others || of_others)) {
       for (std::size_t c = k; c < end; ++c) left_out.push_back(c);
       if (!others) {
         add_note(notes, "left_out", table.channels[k].name,

@@ -201,7 +201,11 @@ double stated_rate(const std::vector<MatArray>& arrays, const MatArray& of,
                    std::vector<Note>& notes) {
   double rate = 0;
   std::string by;
-  if (const auto [start, step] = testlab_axis(arrays, of); step > 0) return 1 / step;
+  if (const auto [start, step] = testlab_axis(arrays, of); step > 0) {
+    add_note(notes, "assumed", of.name,
+             "x_values.increment, {:g}, is taken as s; of a spectrum it is Hz", step);
+    return 1 / step;
+  }
   for (const auto& array : arrays) {
     if (!array.is_scalar() || !array.concerns(of)) continue;
     std::string label = lower_case(array.last_name());

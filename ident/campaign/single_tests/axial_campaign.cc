@@ -182,8 +182,9 @@ void contradictions(const AxialInputs& inputs, AxialCampaignResult& result) {
     }
   }
   const double share = shares.empty() ? 1 : signal::median(shares);
+  // EA is off by as much as the share: within a tenth is what cells drift by, to a factor of 2 it
+  // is warned of.
   if (std::abs(share - 1) < 0.1) return;
-  // A cell that is somewhat off is warned of.
   result.findings.push_back(
       {"force_mismatch",
        fmt::format("Check the hung mass (kg) and the unit or sensitivity of the tension channel: "

@@ -114,6 +114,8 @@ TEST(Times, OfOtherChannelsAreNotTakenForAll) {
     EXPECT_EQ(other.channels.size(), 1u);
   }
   EXPECT_EQ(table(0.01, 0).channels.size(), 2u);
+  const std::string clock = "Clock,Time (s),a\n10:11:12,0.0,1\n10:11:12,0.4,2\n10:11:12,0.8,4\n";
+  EXPECT_EQ(read(clock + "10:11:13,1.2,5\n").channels.size(), 2u);
   EXPECT_TRUE(says(read("Time (foo),a\n0,1\n1,2\n2,4\n").notes, "time_axis"));
   EXPECT_EQ(read("Elapsed Cycles,Start Time (s),a\n0,0,1\n1,4,2\n2,8,4\n").sample_rate_hz, 0.25);
 }
