@@ -95,7 +95,7 @@ class Elements {
     const std::uint32_t array_class = word(parts[0].data, 0) & 0xffU;
     if (array_class == opaque) return true;  // without dimensions
     const bool has_fields = array_class == structure || array_class == object;
-    const bool has_size = is(1, int32) && parts[1].data.size() <= 4 * 32;  // 32 dimensions
+    const bool has_size = is(1, int32) && parts[1].data.size() <= 128;  // 32 dimensions of 4 bytes
     if (!has_size || !is(2, int8)) return false;
     double count = 1;
     for (std::size_t d = 0; d < parts[1].data.size() / 4; ++d) count *= word(parts[1].data, d);
