@@ -165,7 +165,6 @@ class Search {
 
   // Fitted and assigned anew until the assignment stays; of those that were seen the best.
   UpdateAnswer settled(UpdateAnswer from, double error = kSearchError) const {
-    const UpdateProblem problem = problem_.remembering();
     UpdateAnswer best{.failure = "no measured mode lies near any modelled one",
                       .log_evidence = -std::numeric_limits<double>::infinity()};
     std::vector<std::vector<UpdateMatch>> seen;
@@ -173,11 +172,11 @@ class Search {
       if (std::ranges::all_of(from.matches.matches, &UpdateMatch::cross_plane)) break;
       UpdateAnswer here{from.q, from.matches};
       here.converged =
-          minimise(held_about(from.q, problem.with_model_std(error, kDampingErrors * error)),
+          minimise(held_about(from.q, problem_.with_model_std(error, kDampingErrors * error)),
                    from.matches.matches, here.q, here.cost, kSearched);
-      if (!weigh(problem, here)) break;
+      if (!weigh(problem_, here)) break;
       auto& found = here.matches;
-      found = problem.with_model_std(std::max(here.error, kLeastStd)).assign(here.q, here.failure);
+      found = problem_.with_model_std(std::max(here.error, kLeastStd)).assign(here.q, here.failure);
       if (!here.failure.empty()) {
         best.failure = here.failure;
         break;
@@ -189,7 +188,7 @@ class Search {
       if (same) here.log_evidence += found.without_densities() - from.matches.without_densities();
       here.converged = here.converged && same;
       from = {here.q, found}, error = here.error;
-      const bool usable = same || (again && best.q.size() == 0 && weigh(problem, here));
+      const bool usable = same || (again && best.q.size() == 0 && weigh(problem_, here));
       if (usable && (done || here.log_evidence > best.log_evidence)) best = std::move(here);
       if (done || again) break;
       if (!same) seen.push_back(from.matches.matches);
@@ -219,7 +218,7 @@ class Search {
 
   // Assignments at q, with its frequencies as they are and scaled; none without a model there.
   std::vector<UpdateAnswer> seeds_at(const VectorXd& q, std::string& failure) const {
-    const UpdateProblem wide = problem_.with_model_std(kSearchError).remembering();
+    const UpdateProblem wide = problem_.with_model_std(kSearchError);
     std::string here;
     std::vector<UpdateAnswer> seeds{{q, wide.assign(q, here)}, {q, wide.assign(q, here, true)}};
     if (!here.empty()) {

@@ -281,20 +281,24 @@ UpdateStateModes UpdateProblem::modes(int state, const VectorXd& q, bool derivat
   return result;
 }
 
-UpdateProblem UpdateProblem::remembering() const {
-  UpdateProblem other = *this;
-  other.last_ = std::make_shared<std::vector<LastModes>>(2 * states_.size());
-  return other;
-}
-
 UpdateStateModes UpdateProblem::modes_asked(int state, const VectorXd& q, bool derivatives,
                                             const ModeNeed& need) const {
-  if (!last_) return solved_modes(state, q, derivatives, need);
-  LastModes& last = (*last_)[2 * static_cast<std::size_t>(state) + derivatives];
-  if (last.q.size() == 0 || last.q != q || last.need != need) {
-    last = {q, need, solved_modes(state, q, derivatives, need)};
+  constexpr std::size_t kRemembered = 8;  // a search asks again at its last points only
+  {
+    const std::scoped_lock lock(last_->mutex);
+    for (const auto& one : last_->by_state[state]) {
+      if (one.derivatives == derivatives && one.need == need && one.variant.solves_as(variant_) &&
+          one.q.size() == q.size() && one.q == q) {
+        return one.modes;
+      }
+    }
   }
-  return last.modes;
+  auto modes = solved_modes(state, q, derivatives, need);
+  const std::scoped_lock lock(last_->mutex);
+  auto& last = last_->by_state[state];
+  last.push_back({q, derivatives, need, variant_, modes});
+  if (last.size() > kRemembered) last.pop_front();
+  return modes;
 }
 
 UpdateStateModes UpdateProblem::solved_modes(int state, const VectorXd& q, bool derivatives,

@@ -4,7 +4,10 @@
 #pragma once
 
 #include <atomic>
+#include <deque>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <type_traits>
 
 #include "ident/update/problem/update_data.h"
@@ -75,6 +78,12 @@ using SegmentErrors = std::map<std::pair<model::ModePlane, int>, double>;
 
 /// What problems of one fit differ by.
 struct UpdateVariant {
+  /// Whether the modes of a scene are the same.
+  [[nodiscard]] bool solves_as(const UpdateVariant& other) const {
+    return segment_factor == other.segment_factor && coarse == other.coarse &&
+           segment_errors == other.segment_errors;
+  }
+
   int held_out = -1;  ///< a state that takes no part; -1: none
   int only = -1;      ///< the state that alone takes part; -1: all
   /// Times the segments of the scenes (at least 8, where there are as many).
@@ -180,9 +189,6 @@ class UpdateProblem {
   [[nodiscard]] bool modes_only() const { return has_modes() && !has_frfs(); }
   /// The same without FRFs, with modes that only lead as data.
   [[nodiscard]] UpdateProblem modes_alone() const;
-  /// The same, which with its copies remembers each state's last modes; for one thread, and copies
-  /// that differ in weights alone.
-  [[nodiscard]] UpdateProblem remembering() const;
 
   [[nodiscard]] double relative_std(int state, int measured) const;
   [[nodiscard]] double damping_relative_std(int state, int measured) const;
@@ -208,10 +214,17 @@ class UpdateProblem {
     int in = 0, out = 0;
     bool operator==(const ModeNeed&) const = default;
   };
+  // The modes that were asked for last, a list by state; copies of a problem share them.
   struct LastModes {
-    VectorXd q;
-    ModeNeed need;
-    UpdateStateModes modes;
+    struct Solved {
+      VectorXd q;
+      bool derivatives;
+      ModeNeed need;
+      UpdateVariant variant;
+      UpdateStateModes modes;
+    };
+    std::mutex mutex;
+    std::map<int, std::deque<Solved>> by_state;
   };
   [[nodiscard]] ModeNeed need_of(int state, const std::vector<UpdateMatch>* matches) const;
   [[nodiscard]] UpdateStateModes modes_asked(int state, const VectorXd& q, bool derivatives,
@@ -250,8 +263,7 @@ class UpdateProblem {
   UpdateVariant variant_;
   // By copies of a problem too: asking for the paired modes alone has not failed yet.
   std::shared_ptr<std::atomic<bool>> narrow_ = std::make_shared<std::atomic<bool>>(true);
-  std::shared_ptr<std::vector<LastModes>>
-      last_;  // a state's without derivatives, then with; null: none
+  std::shared_ptr<LastModes> last_ = std::make_shared<LastModes>();
 };
 
 /// Root mean square of the relative errors of pairs that are no leakage; NaN without any.
