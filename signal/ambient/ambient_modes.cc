@@ -5,7 +5,6 @@
 
 #include "signal/ambient/ambient_steps.h"
 #include "signal/estimation/groups.h"
-#include "signal/modes/mac.h"
 #include "signal/numerics/factorisations.h"
 #include "signal/recording/add_note.h"
 

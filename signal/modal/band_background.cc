@@ -2,7 +2,6 @@
 
 #include <iterator>
 
-#include "signal/modes/mode_search.h"
 #include "signal/numerics/factorisations.h"
 
 namespace rigfit::signal {
