@@ -5,7 +5,6 @@
 #include "signal/ambient/ambient_modes.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/readers/read_recording.h"
-#include "signal/spectra/coherence_errors.h"
 #include "signal/writers/write_uff.h"
 
 namespace rigfit::apps {
