@@ -241,8 +241,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   band.beside = poles_beside(frfs, band, options);
   set_background(background, band);
   result.stabilisation = stabilise(band, H, first, options.lscf, 0, result.lines_used);
-  const std::vector<PoleCluster> clusters =
-      cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
+  const std::vector<PoleCluster> clusters = cluster_poles(result.stabilisation, band.spacing_hz);
   const auto search_all = [&] {
     Search found = search_of(band, clusters, first, options);
     const FoundModes& modes = found.found;

@@ -11,7 +11,6 @@ struct ModalOptions {
   double low_hz = 0;   ///< band; lines at 0 Hz are never used
   double high_hz = 0;  ///< 0: to the last line
   LscfOptions lscf;
-  PoleClusterOptions clusters;
   PoleStepOptions refine;  ///< iterations and the step that ends them
   /// Smallest accepted peak of a mode, relative to the rms FRF within its half bandwidth, over all
   /// FRFs. Transducers and structures are linear to about this; in data with less noise, everything

@@ -252,7 +252,7 @@ std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& le
   for (Index i = 0; i <= steps; ++i) {
     const Index first = std::min(i * width / 2, lines - width);
     const LscfResult diagram = stabilise(band, left, noise, lscf_options, first, width);
-    for (const PoleCluster& cluster : cluster_poles(diagram, band.spacing_hz, options.clusters)) {
+    for (const PoleCluster& cluster : cluster_poles(diagram, band.spacing_hz)) {
       // The outer eighths belong to the neighbours; the ends of the band have none.
       const double f = cluster.pole_rad_s.imag() / kTwoPi;
       const double margin = static_cast<double>(width) / 8 * band.spacing_hz;
@@ -261,7 +261,7 @@ std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& le
         continue;
       }
       const auto twin = std::ranges::find_if(found, [&](const PoleCluster& other) {
-        return apart(other.pole_rad_s, cluster.pole_rad_s) < options.clusters.radius;
+        return apart(other.pole_rad_s, cluster.pole_rad_s) < kClusterRadius;
       });
       if (twin == found.end()) {
         found.push_back(cluster);
