@@ -2,7 +2,7 @@
 // (ambient_candidates.cc), the fit of their poles (resonance_fit.cc).
 #pragma once
 
-#include "signal/ambient/ambient_result.h"
+#include "signal/ambient/ambient_modes.h"
 #include "signal/estimation/pole_steps.h"
 #include "signal/poles/pole_clusters.h"
 

@@ -6,7 +6,6 @@
 #include "signal/ambient/ambient_modes.h"
 #include "signal/estimation/groups.h"
 #include "signal/estimation/robust.h"
-#include "signal/modes/mac.h"
 #include "signal/recording/add_note.h"
 
 namespace rigfit::signal {

@@ -68,10 +68,12 @@ class Analysis {
     if (recordings_.empty()) return std::move(test_);
     test_.search = find_hits(recordings_, force_, test_.responses, options_.hits);
     test_.notes = test_.search.notes;
-    const FrfEstimate estimate = average_without_outliers();
-    for (const Hit& hit : test_.search.hits) {
-      if (hit.accepted && hit.has(HitFault::unresolved_pulse)) test_.amplitudes = false;
+    for (Hit& hit : test_.search.hits) {
+      if (hit.accepted) accepted_.push_back(&hit);
     }
+    const FrfEstimate estimate = average_without_outliers();
+    test_.amplitudes = std::ranges::none_of(
+        accepted_, [](const Hit* hit) { return hit->has(HitFault::unresolved_pulse); });
     describe(estimate);
     if (estimate.H.rows() > 0) judge(estimate);
     return std::move(test_);
@@ -91,9 +93,7 @@ class Analysis {
 
   double decay_rate() const {
     if (options_.exponential_end_level > 0) {
-      return decay_rate_for(
-          options_.exponential_end_level,
-          static_cast<double>(test_.search.block_samples) / test_.search.sample_rate_hz);
+      return decay_rate_for(options_.exponential_end_level, block_duration());
     }
     return options_.exponential_decay_rate_1_s;
   }
@@ -154,15 +154,6 @@ class Analysis {
     return behind > 3 * scatter(x.tail(size - from - count)) ? behind / std::abs(hit.peak) : 0;
   }
 
-  FrfOptions frf_options() const {
-    FrfOptions frf;
-    frf.estimator = options_.estimator;
-    frf.sample_rate_hz = test_.search.sample_rate_hz;
-    frf.block_samples = test_.search.block_samples;
-    frf.exponential_decay_rate_1_s = decay_rate();
-    return frf;
-  }
-
   /// Noise over force, powers, at the lines of the band.
   std::vector<double> noise_shares(const FrfEstimate& estimate) const {
     std::vector<double> shares{0};
@@ -180,9 +171,7 @@ class Analysis {
 
   double usable_hz() const {
     double usable = 0.5 * test_.search.sample_rate_hz;
-    for (const Hit& hit : test_.search.hits) {
-      if (hit.accepted) usable = std::min(usable, hit.usable_hz);
-    }
+    for (const Hit* hit : accepted_) usable = std::min(usable, hit->usable_hz);
     return usable;
   }
 
@@ -219,19 +208,17 @@ class Analysis {
 
   FrfEstimate average_without_outliers() {
     constexpr double kLeastIncoherence = 1e-3;  // share of the response power
-    FrfOptions frf = frf_options();
-    frf.by_hit_lines = lines_of_hits();
+    const FrfOptions frf{.estimator = options_.estimator,
+                         .sample_rate_hz = test_.search.sample_rate_hz,
+                         .block_samples = test_.search.block_samples,
+                         .exponential_decay_rate_1_s = decay_rate(),
+                         .by_hit_lines = lines_of_hits()};
     for (;;) {
       std::vector<FrfBlock> blocks;
-      std::vector<Hit*> hits;
-      for (Hit& hit : test_.search.hits) {
-        if (!hit.accepted) continue;
-        hits.push_back(&hit);
-        blocks.push_back(block_of(hit));
-      }
+      for (const Hit* hit : accepted_) blocks.push_back(block_of(*hit));
       if (blocks.empty()) return {};
       FrfEstimate estimate = average_frfs(blocks, frf);
-      if (hits.size() < 3) return estimate;
+      if (blocks.size() < 3) return estimate;
       Index worst = 0;
       const double without = estimate.incoherence_without.minCoeff(&worst);
       const double noise = noise_share(blocks);
@@ -240,10 +227,12 @@ class Analysis {
           without >= outlier_ratio(blocks.size(), others_differ) * estimate.incoherence) {
         return estimate;
       }
-      hits[static_cast<std::size_t>(worst)]->reject(
-          HitFault::outlier, fmt::format("outlier: without it the part of the response that the "
-                                         "force does not explain falls from {:.2g} % to {:.2g} %",
-                                         100 * estimate.incoherence, 100 * without));
+      const auto outlier = accepted_.begin() + worst;
+      (*outlier)->reject(HitFault::outlier,
+                         fmt::format("outlier: without it the part of the response that the "
+                                     "force does not explain falls from {:.2g} % to {:.2g} %",
+                                     100 * estimate.incoherence, 100 * without));
+      accepted_.erase(outlier);
     }
   }
 
@@ -252,14 +241,12 @@ class Analysis {
     frfs = estimate;
     frfs.sample_rate_hz = test_.search.sample_rate_hz;
     double pre_trigger = 0;
-    for (const Hit& hit : test_.search.hits) {
-      if (hit.accepted) pre_trigger += static_cast<double>(hit.peak_sample - hit.block_first);
+    frfs.hit_impulse.emplace_back();
+    for (const Hit* hit : accepted_) {
+      pre_trigger += static_cast<double>(hit->peak_sample - hit->block_first);
+      frfs.hit_impulse.back().push_back(impulse_of(*hit));
     }
     frfs.pre_trigger_s = pre_trigger / std::max(1, frfs.averages) / test_.search.sample_rate_hz;
-    frfs.hit_impulse.emplace_back();
-    for (const Hit& hit : test_.search.hits) {
-      if (hit.accepted) frfs.hit_impulse.back().push_back(impulse_of(hit));
-    }
     const Channel& force = channel(0, force_);
     std::vector<FrfForm> forms;
     for (std::size_t r = 0; r < test_.responses.size(); ++r) {
@@ -282,10 +269,19 @@ class Analysis {
   void set_form(const std::vector<FrfForm>& forms, const Channel& force) {
     FrfSet& frfs = test_.frfs;
     if (forms.empty()) return;
-    const bool known = std::ranges::find(forms, FrfForm::unknown) == forms.end();
-    const bool same =
-        std::adjacent_find(forms.begin(), forms.end(), std::not_equal_to<>()) == forms.end();
-    if (known && !same) {
+    const auto unknown = std::ranges::find(forms, FrfForm::unknown);
+    if (unknown != forms.end()) {
+      const Channel& response =
+          channel(0, test_.responses[static_cast<std::size_t>(unknown - forms.begin())]);
+      frfs.unit = ratio_of_units(response.unit, force.unit);
+      add_note(test_.notes, "frf_form", force.unit != "N" ? force.name : response.name,
+               "State units and sensitivities beside the recording: force in \"{}\" and response "
+               "in \"{}\" do not form a receptance, mobility or accelerance",
+               force.unit.empty() ? "?" : force.unit, response.unit.empty() ? "?" : response.unit);
+      return;
+    }
+    frfs.form = forms.front();
+    if (std::ranges::count(forms, frfs.form) < std::ssize(forms)) {
       // One form for all: accelerances, to which the others are multiplied.
       for (std::size_t r = 0; r < forms.size(); ++r) {
         const int derivatives = static_cast<int>(forms[r]);
@@ -294,19 +290,6 @@ class Analysis {
       frfs.form = FrfForm::accelerance;
       add_note(test_.notes, "frf_form", "",
                "responses of different quantities are all given as accelerances");
-    } else if (known) {
-      frfs.form = forms.front();
-    } else {
-      frfs.form = FrfForm::unknown;
-      const auto unknown =
-          static_cast<std::size_t>(std::ranges::find(forms, FrfForm::unknown) - forms.begin());
-      const Channel& response = channel(0, test_.responses[unknown]);
-      frfs.unit = ratio_of_units(response.unit, force.unit);
-      add_note(test_.notes, "frf_form", force.unit != "N" ? force.name : response.name,
-               "State units and sensitivities beside the recording: force in \"{}\" and response "
-               "in \"{}\" do not form a receptance, mobility or accelerance",
-               force.unit.empty() ? "?" : force.unit, response.unit.empty() ? "?" : response.unit);
-      return;
     }
     frfs.unit = unit_of(frfs.form);
   }
@@ -319,12 +302,11 @@ class Analysis {
                "Check the sensor: its signal does not change, and the FRF is zero throughout");
     }
     double end_level = 0, hidden = 0, behind = 0;
-    for (const Hit& hit : test_.search.hits) {
-      if (!hit.accepted) continue;
-      behind = std::max(behind, force_behind(hit));
-      test_.force_window_s += kept_force(hit) / test_.frfs.averages;
-      end_level = std::max(end_level, hit.end_level);
-      hidden = std::max(hidden, hit.smallest_second_hit);
+    for (const Hit* hit : accepted_) {
+      behind = std::max(behind, force_behind(*hit));
+      test_.force_window_s += kept_force(*hit) / test_.frfs.averages;
+      end_level = std::max(end_level, hit->end_level);
+      hidden = std::max(hidden, hit->smallest_second_hit);
     }
     judge_force_noise(estimate);
     // Over three pulses and more that is an error of H of 0.1 % and more.
@@ -339,9 +321,8 @@ class Analysis {
     // What is cut off at the end of a block, R / (s - p) exp(p T) exp(i w t) of a mode, T from the
     // hit to the end and t from the block's beginning to the hit, is smooth over lines as well.
     if (left > 1e-3 && left > 3 * test_.search.rest_level) {
-      for (const Hit& hit : test_.search.hits) {
-        if (!hit.accepted) continue;
-        const auto before = static_cast<double>(hit.peak_sample - hit.block_first);
+      for (const Hit* hit : accepted_) {
+        const auto before = static_cast<double>(hit->peak_sample - hit->block_first);
         test_.frfs.force_noise_span_s =
             std::max(test_.frfs.force_noise_span_s, before / test_.search.sample_rate_hz);
       }
@@ -404,10 +385,9 @@ class Analysis {
   /// From a hit's peak to where its force window has faded out, the longest of all hits.
   double force_noise_span() const {
     Index longest = 0;
-    for (const Hit& hit : test_.search.hits) {
-      if (!hit.accepted) continue;
-      const FrfBlock block = block_of(hit);
-      const Index peak = hit.peak_sample - hit.block_first;
+    for (const Hit* hit : accepted_) {
+      const FrfBlock block = block_of(*hit);
+      const Index peak = hit->peak_sample - hit->block_first;
       longest = std::max({longest, block.force_last + block.force_taper - peak,
                           peak - std::max<Index>(0, block.force_first - block.force_taper)});
     }
@@ -422,6 +402,7 @@ class Analysis {
   const ImpactTestOptions& options_;
   Index force_ = 0;
   ImpactTest test_;
+  std::vector<Hit*> accepted_;  ///< of `test_.search`
 };
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "signal/impact/impact_hits.h"
 
 #include "signal/estimation/robust.h"
-#include "signal/impact/pulse_shape.h"
 #include "signal/recording/add_note.h"
 #include "signal/recording/clipping.h"
 #include "signal/spectra/fft.h"
@@ -24,7 +23,7 @@ struct ChannelFacts {
         clipped(clipped_samples(channel.samples, channel.nominal_range)) {}
 };
 
-/// One recording's force as the search sees it: offset removed, missing samples zero.
+/// Samples as the search sees them: offset removed, missing ones zero.
 struct ForceTrace {
   VectorXd x;
   double offset = 0, noise = 0;
@@ -36,6 +35,124 @@ struct ForceTrace {
     x = samples.unaryExpr([this](double v) { return std::isfinite(v) ? v - offset : 0.0; });
   }
 };
+
+// Whether a channel looks like a hammer's force around a hit, or like a response.
+//
+// A hammer pushes to one side, shortly, and its force is zero before and after. A response swings
+// to both sides and rings on. Two figures tell them apart: the largest swing to the other side over
+// the peak, and the part of the energy that comes more than five pulse widths away from the pulse,
+// both beyond what the channel's noise gives.
+
+/// A pulse ends below this part of its peak.
+constexpr double kPulseEdge = 0.1;
+
+/// As it is made: neither.
+struct PulseShape {
+  double opposite = 0.4;  ///< largest swing to the other side, of the peak, 0..1
+  double outside = 0.25;  ///< energy outside of pulse and surroundings, of all, 0..1
+  /// Hammers that ring in their own handle, filters and AC-coupled amplifiers stay below 0.3 in
+  /// both, a mode of 10 % damping swings back by 0.73; modes damped by more leave nothing outside
+  /// and are not told.
+  [[nodiscard]] bool rings() const { return opposite > 0.5 && outside > 0.3; }
+  [[nodiscard]] bool is_pulse() const { return opposite < 0.3 && outside < 0.2; }
+};
+
+/// Shape of the samples first .. first + length - 1 with their largest absolute value as the peak.
+/// Rest and noise are taken where the block is quietest: before the hit or at its end. Missing
+/// samples count as rest. No signal: neither rings nor is a pulse.
+PulseShape pulse_shape(const VectorXd& samples, Index first, Index length) {
+  first = std::clamp<Index>(first, 0, samples.size());
+  length = std::min(length, samples.size() - first);
+  if (length < 8) return {};
+  const Index quiet = std::max<Index>(4, length / 40);
+  const ForceTrace begin(samples.segment(first, quiet));
+  const ForceTrace end(samples.segment(first + length - quiet, quiet));
+  const ForceTrace& still = begin.noise < end.noise ? begin : end;
+  const double rest = still.offset, noise = still.noise;
+  const VectorXd x = samples.segment(first, length).unaryExpr([&](double v) {
+    return std::isfinite(v) ? v - rest : 0.0;
+  });
+  Index peak = 0;
+  const double height = x.cwiseAbs().maxCoeff(&peak);
+  if (!(height > 6 * noise)) return {};
+  const double sign = x[peak] > 0 ? 1 : -1;
+  Index pulse_first = peak, pulse_last = peak;
+  while (pulse_first > 0 && sign * x[pulse_first - 1] > kPulseEdge * height) --pulse_first;
+  while (pulse_last + 1 < length && sign * x[pulse_last + 1] > kPulseEdge * height) ++pulse_last;
+  const Index width = pulse_last - pulse_first + 1;
+  const Index inner_first = std::max<Index>(0, pulse_first - 5 * width);
+  const Index inner_last = std::min(length, pulse_last + 5 * width + 1);
+  const auto energy = [&](Index from, Index to) {
+    return std::max(0.0, x.segment(from, to - from).squaredNorm() -
+                             noise * noise * static_cast<double>(to - from));
+  };
+  PulseShape shape;
+  const double inside = energy(inner_first, inner_last);
+  const double outside = energy(0, inner_first) + energy(inner_last, length);
+  shape.outside = inside + outside > 0 ? outside / (inside + outside) : 0;
+  shape.opposite = std::max(0.0, (-sign * x).maxCoeff() - 3 * noise) / height;
+  return shape;
+}
+
+// Second contacts of a hammer with the structure, before or after the hit:
+// y(k) = sum_i p_i x(k + i) / sum_i p_i^2 with p the hit's own pulse scaled to one: a second
+// contact of the same shape and a times the height peaks at y = a times the hit's peak, white noise
+// falls by sqrt(sum p^2).
+
+VectorXd correlate(const VectorXd& force, Index pulse_first, Index peak, Index width) {
+  const Index before = peak - pulse_first;
+  const VectorXd pulse = force.segment(pulse_first, width) / force[peak];
+  const double scale = 1 / pulse.squaredNorm();
+  VectorXd y(force.size());
+  for (Index k = 0; k < y.size(); ++k) {
+    const Index first = std::max<Index>(0, before - k);
+    const Index last = std::min(width, force.size() - (k - before));
+    y[k] = last > first ? scale * pulse.segment(first, last - first)
+                                      .dot(force.segment(k - before + first, last - first))
+                        : 0;
+  }
+  return y;
+}
+
+/// Fills a hit's largest second contact from `smallest` on, relative to the peak. `force`: its
+/// block, offset removed, pulses upwards, finite.
+void find_second_contact(const VectorXd& force, double smallest, double rate, Hit& hit) {
+  constexpr double kNoise = 6;      // it exceeds so many standard deviations of the filtered noise
+  constexpr double kRinging = 0.5;  // swings to the other side of this part of its height
+  const Index peak = hit.peak_sample - hit.block_first;
+  const double height = force[peak];
+  if (!(height > 0)) return;
+  const Index n = force.size(), width = hit.pulse_last - hit.pulse_first + 1;
+  const VectorXd y = correlate(force, hit.pulse_first - hit.block_first, peak, width);
+
+  // The hit itself: a half sine ends 3.5 % of its length beyond its 10 % crossings.
+  const Index guard = width + width / 10 + 1;
+  const Index hit_first = std::max<Index>(0, peak - guard),
+              hit_last = std::min(n - 1, peak + guard);
+  std::vector<double> rest(y.begin(), y.begin() + hit_first);
+  rest.insert(rest.end(), y.begin() + hit_last + 1, y.end());
+  const double level = median(rest);
+  const double least = std::max(smallest * height, kNoise * robust_std(rest, level));
+  hit.smallest_second_hit = least / height;
+
+  for (Index k = 1; k + 1 < n; ++k) {
+    const double rise = y[k] - level;
+    if (rise < least || (k >= hit_first && k <= hit_last)) continue;
+    if (y[k] <= y[k - 1] || y[k] < y[k + 1]) continue;
+    Index left = k, right = k;
+    while (left > 0 && y[left] - level > rise / 2) --left;
+    while (right + 1 < n && y[right] - level > rise / 2) ++right;
+    // Ringing dies away from the hit, so the swing between it and the hit is the larger one.
+    const Index reach = 2 * (right - left + 1) + width;
+    const Index from = k > peak ? std::max(peak, k - reach) : k + 1;
+    const Index to = k > peak ? k : std::min(peak, k + reach) + 1;
+    if (level - y.segment(from, to - from).minCoeff() >= kRinging * rise) continue;
+    if (rise / height > hit.second_hit) {
+      hit.second_hit = rise / height;
+      hit.second_hit_delay_s = static_cast<double>(k - peak) / rate;
+    }
+  }
+}
 
 /// Peaks above the level, none closer to a larger one than `apart`. `sign` 0: either side.
 std::vector<Index> find_peaks(const ForceTrace& trace, int sign, double trigger, Index apart) {
@@ -78,15 +195,16 @@ void measure_pulse(const VectorXd& force, int sign, double rate, Index earliest,
     if (before.size() >= 16) hit.offset = median(before);
   }
   const double edge = edges();
-  double begin = static_cast<double>(hit.pulse_first), end = static_cast<double>(hit.pulse_last);
-  if (hit.pulse_first > 0) {
-    const double inside = value(hit.pulse_first), outside = value(hit.pulse_first - 1);
-    if (inside > outside) begin -= (inside - edge) / (inside - outside);
-  }
-  if (hit.pulse_last + 1 < n) {
-    const double inside = value(hit.pulse_last), outside = value(hit.pulse_last + 1);
-    if (inside > outside) end += (inside - edge) / (inside - outside);
-  }
+  // Part of a sample interval from the last sample inside to where the edge is crossed.
+  const auto beyond = [&](Index last_inside, Index next) {
+    if (next < 0 || next >= n) return 0.0;
+    const double inside = value(last_inside), outside = value(next);
+    return inside > outside ? (inside - edge) / (inside - outside) : 0.0;
+  };
+  const double begin =
+      static_cast<double>(hit.pulse_first) - beyond(hit.pulse_first, hit.pulse_first - 1);
+  const double end =
+      static_cast<double>(hit.pulse_last) + beyond(hit.pulse_last, hit.pulse_last + 1);
   hit.pulse_duration_s = (end - begin) / rate;
   hit.peak = force[hit.peak_sample] - hit.offset;
 }
@@ -98,29 +216,22 @@ void judge_spectrum(const VectorXd& force, double rate,
   const Index first = std::max<Index>(0, hit.pulse_first - width);
   const Index last = std::min(force.size(), hit.pulse_last + 4 * width);
   const Index flat = hit.pulse_last + 2 * width - first;
-  RealFft fft(good_fft_length(std::max<Index>(4096, 4 * (last - first))));
-  fft.time().setZero();
-  fft.time().head(last - first) =
+  const VectorXd pulse =
       (force.segment(first, last - first).array() - hit.offset) *
       force_window(last - first, hit.pulse_first - first, flat, 2 * width).array();
-  fft.forward();
-  const ArrayXd power = fft.spectrum().array().abs2();
-  const VectorXd f = line_frequencies(fft.length(), rate);
-  const double largest = power.maxCoeff();
+  const Index length = good_fft_length(std::max<Index>(4096, 4 * (last - first)));
+  const ArrayXd power = real_spectra(pulse, length).array().abs2();
+  const ArrayXd f = line_frequencies(length, rate);
+  Index top = 0;
+  const double largest = power.maxCoeff(&top);
   const double least = largest * std::pow(10, -kMostSpectrumDrop / 10);
   // From the maximum on, where a dip is the end of what can be used.
-  Index top = 0;
-  power.maxCoeff(&top);
   while (top + 1 < power.size() && power[top + 1] >= least) ++top;
   hit.usable_hz = f[top];
   if (!band_hz) return;
   const auto [low, high] = *band_hz;
-  for (Index k = 0; k < f.size(); ++k) {
-    if (f[k] < low || f[k] > high) continue;
-    const double drop =
-        power[k] > 0 ? -10 * std::log10(power[k] / largest) : std::numeric_limits<double>::max();
-    hit.spectrum_drop_db = std::max(hit.spectrum_drop_db, std::min(drop, 300.0));
-  }
+  const double weakest = (f < low || f > high).select(largest, power).minCoeff();
+  hit.spectrum_drop_db = std::min(300.0, -10 * std::log10(weakest / largest));
   if (hit.spectrum_drop_db > kMostSpectrumDrop) {
     hit.reject(HitFault::force_spectrum,
                fmt::format("the force spectrum falls by {:.1f} dB within {:g} to {:g} Hz (at most "
@@ -204,17 +315,13 @@ void judge_double_hit(const Channel& force, Index block_samples, int sign, doubl
   const Index length = std::min(block_samples, hit.available);
   const VectorXd block =
       sign * (force.samples.segment(hit.block_first, length).array() - hit.offset).matrix();
-  const SecondContact second = find_second_contact(
-      block, hit.pulse_first - hit.block_first, hit.peak_sample - hit.block_first,
-      hit.pulse_last - hit.block_first, std::min(kContact, smallest));
-  hit.smallest_second_hit = std::max(smallest, second.smallest_visible);
-  hit.second_hit = second.ratio;
-  hit.second_hit_delay_s = static_cast<double>(second.delay) / rate;
-  if (second.ratio >= smallest) {
+  find_second_contact(block, std::min(kContact, smallest), rate, hit);
+  hit.smallest_second_hit = std::max(smallest, hit.smallest_second_hit);
+  if (hit.second_hit >= smallest) {
     hit.reject(HitFault::double_hit,
-               fmt::format("double hit: {:.3g} % of the peak {:.4g} ms {}", 100 * second.ratio,
+               fmt::format("double hit: {:.3g} % of the peak {:.4g} ms {}", 100 * hit.second_hit,
                            1e3 * std::abs(hit.second_hit_delay_s),
-                           second.delay > 0 ? "later" : "earlier"));
+                           hit.second_hit_delay_s > 0 ? "later" : "earlier"));
   }
 }
 

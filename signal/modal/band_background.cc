@@ -2,7 +2,6 @@
 
 #include <iterator>
 
-#include "signal/modes/mode_search.h"
 #include "signal/numerics/factorisations.h"
 
 namespace rigfit::signal {
@@ -64,8 +63,7 @@ VectorXcd poles_between(const FrfSet& frfs, double low_hz, double high_hz,
   once.searches = 1;
   const LscfResult diagram =
       stabilise(part, part.lines.H, noise, options.lscf, 0, part.frequency_hz.size());
-  const FoundModes found =
-      search_modes(part, cluster_poles(diagram, part.spacing_hz, options.clusters), noise, once);
+  const FoundModes found = search_modes(part, cluster_poles(diagram, part.spacing_hz), noise, once);
   if (found.exhausted || !found.covariance.full_rank) return {};
   return found.fit.poles;
 }

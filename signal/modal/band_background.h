@@ -35,8 +35,7 @@
 // Testing, 2nd ed., sec. 4.5 (residuals, pseudo-modes).
 #pragma once
 
-#include "signal/modes/modal_band.h"
-#include "signal/modes/modal_result.h"
+#include "signal/modes/mode_search.h"
 
 namespace rigfit::signal {
 

@@ -183,7 +183,7 @@ bool global_fit_holds(const std::vector<LocalMode>& checked) {
 }
 
 FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& local,
-                          const FrfNoise& noise, bool exhausted) {
+                          bool exhausted) {
   FoundModes found;
   found.exhausted = exhausted;
   const auto count = static_cast<Index>(local.size());
@@ -195,10 +195,8 @@ FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& l
     const LocalMode& mode = local[static_cast<std::size_t>(r)];
     fit.poles[r] = {-mode.decay.mean, mode.frequency.mean};
   }
-  ModalRefineOptions held;
-  held.max_iterations = 0;
   const FrfNoise unknown = noise_unknown(H, band.lines.inputs, band.correlation_lines);
-  fit.residues = refine_modes(band.lines, unknown, fit.poles, held).residues;
+  fit.residues = refine_modes(band.lines, unknown, fit.poles, {.max_iterations = 0}).residues;
   if (fit.residues.size() == 0) fit.residues.setZero(count, H.cols());
   found.covariance.full_rank = true;
   found.covariance.poles = MatrixXd::Zero(2 * count, 2 * count);
@@ -233,10 +231,7 @@ FoundModes as_found_modes(const ModalBand& band, const std::vector<LocalMode>& l
   fit.background = rest.background;
   found.model = fitted_frfs(band.lines, fit);
   found.noise = noise_from_residuals(found.model, H - found.model, VectorXd::Zero(H.rows()),
-                                     band.lines.inputs, band.correlation_lines);
-  found.noise.lead = noise.lead;
-  const double frfs = static_cast<double>(H.cols());
-  found.penalty = (2 * frfs + 2) * std::log(2 * static_cast<double>(H.rows()) * frfs);
+                                     band.lines.inputs, band.correlation_lines, band.lead);
   return found;
 }
 

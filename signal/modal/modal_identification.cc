@@ -3,8 +3,6 @@
 #include "signal/modal/band_background.h"
 #include "signal/modal/local_modes.h"
 #include "signal/modal/mode_hits.h"
-#include "signal/modes/mac.h"
-#include "signal/modes/modal_synthesis.h"
 #include "signal/numerics/factorisations.h"
 #include "signal/recording/add_note.h"
 #include "signal/refinement/modal_basis.h"
@@ -67,7 +65,7 @@ Search search_of(const ModalBand& band, const std::vector<PoleCluster>& clusters
       find_local_modes(band, local_candidates(band, clusters, found, noise, options), options);
   if (holds && std::ssize(local) >= found.fit.poles.size()) return keep();
   search.local = true;
-  found = as_found_modes(band, local, noise, found.exhausted);
+  found = as_found_modes(band, local, found.exhausted);
   search.points = std::move(local);
   return search;
 }
@@ -151,7 +149,7 @@ void export_modes(const FrfSet& frfs, const ModalBand& band, const Search& searc
                       (factor * mode.shape.array().abs()).square().replicate(1, 2))
                          .sqrt();
     mode.presence = found.presence[static_cast<std::size_t>(r)];
-    mode.significance = std::sqrt(covariance.significance[r] / found.penalty);
+    mode.significance = std::sqrt(covariance.significance[r] / least_significance(band.lines.H));
     mode.refinement = search.local ? "local" : "global";
     fill_points(frfs, band, search.points[static_cast<std::size_t>(r)], mode);
     model.modes.push_back(std::move(mode));
@@ -243,8 +241,7 @@ ModalResult identify_modes(const FrfSet& frfs, const ModalOptions& options) {
   band.beside = poles_beside(frfs, band, options);
   set_background(background, band);
   result.stabilisation = stabilise(band, H, first, options.lscf, 0, result.lines_used);
-  const std::vector<PoleCluster> clusters =
-      cluster_poles(result.stabilisation, band.spacing_hz, options.clusters);
+  const std::vector<PoleCluster> clusters = cluster_poles(result.stabilisation, band.spacing_hz);
   const auto search_all = [&] {
     Search found = search_of(band, clusters, first, options);
     const FoundModes& modes = found.found;

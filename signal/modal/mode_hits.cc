@@ -17,6 +17,13 @@ struct HitsOnInput {
   std::vector<MatrixXcd> H;     ///< on the lines of the band
   std::vector<MatrixXd> moved;  ///< changes of (Re p, Im p) by each hit, by mode: 2 x modes
   VectorXd weight;              ///< in the average; sum 1
+
+  /// Jackknife variance of an average over the hits.
+  [[nodiscard]] double variance_of(const ArrayXd& by_hit) const {
+    const ArrayXd weighted = by_hit * weight.array();
+    const ArrayXd without = (weighted.sum() - weighted) / (1 - weight.array());
+    return jackknife_variance({without.data(), static_cast<std::size_t>(without.size())});
+  }
 };
 
 /// What the hits say of one mode.
@@ -82,9 +89,7 @@ void add_jackknife(const HitsOnInput& hits, Index r, Complex pole, ModeOfHits& m
     change.col(h) = pole_jacobian(pole) * hits.moved[static_cast<std::size_t>(h)].col(r);
   }
   for (Index part = 0; part < 2; ++part) {
-    const ArrayXd weighted = change.row(part).transpose().cwiseProduct(hits.weight);
-    const ArrayXd without = (weighted.sum() - weighted) / (1 - hits.weight.array());
-    const double variance = jackknife_variance({without.data(), hits.moved.size()});
+    const double variance = hits.variance_of(change.row(part).transpose());
     mode.variance[part] += variance;
     if (part == 0) mode.squares += variance * variance / static_cast<double>(count - 1);
   }
@@ -161,11 +166,8 @@ void widen_shapes(const ModalBand& band, const std::vector<HitsOnInput>& all,
         const auto at = static_cast<std::size_t>(h);
         part[h] = fit.dot(hits.H[at].col(o).segment(first, lines)) / size;
       }
-      const ArrayXcd weighted = part * hits.weight.array();
-      const ArrayXcd without = (weighted.sum() - weighted) / (1 - hits.weight.array());
-      const ArrayXd re = without.real(), im = without.imag();
-      variance(o, 0) = jackknife_variance({re.data(), hits.H.size()});
-      variance(o, 1) = jackknife_variance({im.data(), hits.H.size()});
+      variance(o, 0) = hits.variance_of(part.real());
+      variance(o, 1) = hits.variance_of(part.imag());
       const double noise =
           fit.cwiseAbs().cwiseProduct(band.H_std.col(c).segment(first, lines)).squaredNorm();
       squares += variance.row(o).sum() * size * size / std::max(noise, 1e-300);

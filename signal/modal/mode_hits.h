@@ -4,7 +4,7 @@
 // of the average's own fit (pole_errors()), one Gauss-Newton step to the poles that the hit would
 // have given; leaving out one hit at a time (weighed by their squared impulses, as H1 weighs them)
 // gives the variance. Hits differ where that variance is more than the fit's noise gives. Then
-// every hit's own poles are fitted on the lines around each mode (point_poles.h): where those
+// every hit's own poles are fitted on the lines around each mode (local_modes.h): where those
 // differ by more than their own errors the mode becomes their random-effects mean, since the
 // average of FRFs that differ is no FRF of one structure (its peaks are wider). Points struck one
 // after the other are independent. Where several were struck and resonances of two modes touch, a
@@ -14,7 +14,6 @@
 // hammer's gain and with the place that is met; their jackknife variance is added.
 #pragma once
 
-#include "signal/modes/modal_result.h"
 #include "signal/modes/mode_search.h"
 
 namespace rigfit::signal {

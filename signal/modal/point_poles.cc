@@ -1,4 +1,4 @@
-#include "signal/modal/point_poles.h"
+#include "signal/modal/local_modes.h"
 
 #include "signal/estimation/pole_steps.h"
 #include "signal/numerics/factorisations.h"
@@ -133,9 +133,7 @@ LocalFit fit_locally(const VectorXcd& s, const MatrixXcd& H, const VectorXd& wei
 
 /// Variance of a mean of lines that an exponential window correlates over that of independent ones.
 double line_inflation(const ModalBand& band, Index lines) {
-  FrfNoise noise;
-  noise.correlation_lines = band.correlation_lines;
-  noise.lead = band.lead;
+  const FrfNoise noise{{}, {}, {}, band.correlation_lines, band.lead};
   double sum = 1;
   for (Index d = 1; d <= std::min<Index>(8, lines / 5); ++d) {
     sum += 2 * line_correlation(noise, d).real();
@@ -148,8 +146,7 @@ struct PointFit {
   const ModalBand& band;
   const MatrixXcd& H;
   double twin_misfit, max_damping_ratio;
-  double penalty =
-      (2 * static_cast<double>(H.cols()) + 2) * std::log(2 * static_cast<double>(H.size()));
+  double penalty = least_significance(H);
 
   LocalFit fit(const std::vector<Complex>& group, const std::vector<Complex>& others,
                double bandwidths, int order) const {

@@ -5,12 +5,27 @@
 // force and response are this at i w + decay rate. An FRF set of unknown form is treated as
 // receptance: poles and MAC values are then right, while the units of shapes are unknown. Source:
 // Heylen, Lammens, Sas, Modal Analysis Theory and Testing.
+//
+// MAC(a, b) = |a^H b|^2 / (a^H a b^H b), 1: proportional. MPC (modal phase collinearity), from the
+// 2 x 2 scatter of the real and imaginary parts about 0: ((Sxx - Syy)^2 + 4 Sxy^2) / (Sxx + Syy)^2,
+// 1: all components in phase or in opposition (a normal mode), 0: a shape that travels. Both do not
+// depend on a complex scale of the shape. Source: Allemang, The modal assurance criterion, 2003;
+// Pappa, Elliott, Schenk 1993.
 #pragma once
 
 #include "signal/numerics/estimate.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
+
+/// MAC of two shapes; 0 when either is zero.
+[[nodiscard]] double mac(const Ref<const VectorXcd>& a, const Ref<const VectorXcd>& b);
+
+/// MAC of shapes in columns with each other: symmetric, ones on the diagonal.
+[[nodiscard]] MatrixXd auto_mac(const Ref<const MatrixXcd>& shapes);
+
+/// MPC of a shape, 0..1; 0 for a zero shape.
+[[nodiscard]] double modal_phase_collinearity(const Ref<const VectorXcd>& shape);
 
 /// A mode as identified from one measured point alone.
 struct ModeAtPoint {

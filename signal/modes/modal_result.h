@@ -11,8 +11,7 @@ struct ModalOptions {
   double low_hz = 0;   ///< band; lines at 0 Hz are never used
   double high_hz = 0;  ///< 0: to the last line
   LscfOptions lscf;
-  PoleClusterOptions clusters;
-  ModalRefineOptions refine;
+  PoleStepOptions refine;  ///< iterations and the step that ends them
   /// Smallest accepted peak of a mode, relative to the rms FRF within its half bandwidth, over all
   /// FRFs. Transducers and structures are linear to about this; in data with less noise, everything
   /// that the model leaves out would look like a mode.
@@ -51,5 +50,16 @@ struct ModalResult {
                       field("stabilisation", &T::stabilisation)};
   }
 };
+
+/// FRFs of `model` in `form` at `frequency_hz` (lines at 0 Hz are dropped where the form divides by
+/// zero), as measured under a window of `decay_rate_1_s`.
+/// Throws std::invalid_argument when the model's form is unknown and `form` is another one.
+[[nodiscard]] FrfSet synthesised(const ModalModel& model, const Ref<const VectorXd>& frequency_hz,
+                                 FrfForm form, double decay_rate_1_s = 0);
+
+/// FRFs of a whole fit, under the window of that fit. Its background (`ModalResult::background`) is
+/// added from the first to the last line used, linearly interpolated, and is 0 at other lines.
+[[nodiscard]] FrfSet synthesised(const ModalResult& fit, const Ref<const VectorXd>& frequency_hz,
+                                 FrfForm form);
 
 }  // namespace rigfit::signal

@@ -1,5 +1,9 @@
 #include "signal/modes/mode_search.h"
 
+#include "signal/estimation/robust.h"
+#include "signal/recording/add_note.h"
+#include "signal/refinement/modal_basis.h"
+
 namespace rigfit::signal {
 namespace {
 
@@ -13,9 +17,6 @@ class ModeSearch {
   ModeSearch(const ModalBand& band, const ModalOptions& options, const FrfNoise& noise)
       : band_(band), options_(options) {
     found.noise = noise;
-    const double frfs = static_cast<double>(band.lines.H.cols());
-    found.penalty =
-        (2 * frfs + 2) * std::log(2 * static_cast<double>(band.frequency_hz.size()) * frfs);
   }
 
   void add(const std::vector<PoleCluster>& clusters) {
@@ -29,13 +30,16 @@ class ModeSearch {
   /// Candidates that are no modes never settle down, so poles are refined to the end only
   /// afterwards.
   void settle() {
-    ModalRefineOptions rough = options_.refine;
-    rough.max_iterations = std::min(rough.max_iterations, 6);
     for (bool settled = false;;) {
-      const ModalRefineOptions& refine_options = settled ? options_.refine : rough;
-      bool determined = refine(refine_options);
-      if (determined) update_noise();
-      if (determined && settled) determined = refine(refine_options);
+      PoleStepOptions steps = options_.refine;
+      if (!settled) steps.max_iterations = std::min(steps.max_iterations, 6);
+      bool determined = refine(steps);
+      if (determined) {
+        found.noise =
+            noise_from_residuals(found.model, band_.lines.H - found.model, found.fit.leverage,
+                                 band_.lines.inputs, band_.correlation_lines, band_.lead);
+      }
+      if (determined && settled) determined = refine(steps);
       if (exhausted()) return;
       if (determined) {
         found.covariance = modal_covariance(band_.lines, found.noise, found.fit, true);
@@ -59,7 +63,7 @@ class ModeSearch {
       count += 2 * static_cast<double>(H.rows());
     }
     return count * std::log(std::max(sum, 1e-300)) +
-           found.penalty * static_cast<double>(candidates.size());
+           penalty_ * static_cast<double>(candidates.size());
   }
   bool exhausted() const { return work > options_.max_work; }
 
@@ -69,11 +73,9 @@ class ModeSearch {
 
  private:
   /// Whether the lines determine the poles within the work allowed.
-  bool refine(ModalRefineOptions refine_options) {
-    VectorXcd start(static_cast<Index>(candidates.size()));
-    for (std::size_t r = 0; r < candidates.size(); ++r) {
-      start[static_cast<Index>(r)] = candidates[r].pole;
-    }
+  bool refine(PoleStepOptions steps) {
+    VectorXcd start(std::ssize(candidates));
+    std::ranges::transform(candidates, start.begin(), &Candidate::pole);
     // Gram matrices and products with the FRFs of each step, and as much for noise and covariance.
     const double columns = 2 * static_cast<double>(candidates.size()) + 4 +
                            2 * static_cast<double>(band_.lines.background.cols());
@@ -81,10 +83,8 @@ class ModeSearch {
                         (columns + static_cast<double>(band_.lines.H.cols()));
     // What goes beyond the work allowed is given up: no step after the one that does.
     const double affordable = std::max(0.0, (options_.max_work - work) / step - 3);
-    if (affordable < refine_options.max_iterations) {
-      refine_options.max_iterations = static_cast<int>(affordable) + 1;
-    }
-    found.fit = refine_modes(band_.lines, found.noise, start, refine_options);
+    if (affordable < steps.max_iterations) steps.max_iterations = static_cast<int>(affordable) + 1;
+    found.fit = refine_modes(band_.lines, found.noise, start, steps);
     found.iterations += found.fit.iterations;
     work += (found.fit.iterations + 3.0) * step;
     for (std::size_t r = 0; r < candidates.size(); ++r) {
@@ -95,62 +95,134 @@ class ModeSearch {
     return true;
   }
 
-  void update_noise() {
-    found.noise = noise_from_residuals(found.model, band_.lines.H - found.model, found.fit.leverage,
-                                       band_.lines.inputs, band_.correlation_lines);
-    found.noise.lead = band_.lead;
-  }
+  Index place_of(const Candidate& one) const { return &one - candidates.data(); }
 
   /// All that left the band, became a background or are no larger than what no model explains.
   bool drop_implausible() {
     const VectorXd& f = band_.frequency_hz;
-    std::vector<Candidate> kept;
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const Complex pole = found.fit.poles[static_cast<Index>(i)], raw = pole - band_.window;
-      const double damped = raw.imag() / kTwoPi, ratio = -raw.real() / std::abs(raw);
-      const double residues = found.fit.residues.row(static_cast<Index>(i)).norm();
-      if (damped > f[0] && damped < f[f.size() - 1] && ratio <= options_.lscf.max_damping_ratio &&
-          prominence(band_, pole, residues, 0) >= options_.min_prominence) {
-        kept.push_back(candidates[i]);
-      }
-    }
-    if (kept.size() == candidates.size()) return false;
-    candidates = std::move(kept);
-    return true;
-  }
-
-  /// Distance of two candidates in their bandwidths.
-  double distance(std::size_t a, std::size_t b) const {
-    return apart(candidates[a].pole, candidates[b].pole, band_.window);
+    return std::erase_if(candidates, [&](const Candidate& one) {
+             const Complex raw = one.pole - band_.window;
+             const double damped = raw.imag() / kTwoPi, ratio = -raw.real() / std::abs(raw);
+             const double residues = found.fit.residues.row(place_of(one)).norm();
+             return !(damped > f[0] && damped < f[f.size() - 1] &&
+                      ratio <= options_.lscf.max_damping_ratio &&
+                      prominence(band_, one.pole, residues, 0) >= options_.min_prominence);
+           }) > 0;
   }
 
   /// The weakest first; of candidates whose resonances overlap only one at a time, since two that
   /// share one mode both look dispensable.
   bool drop_weak() {
-    const auto significance = [&](std::size_t r) {
-      return found.covariance.significance[static_cast<Index>(r)];
+    const auto significance = [&](const Candidate* one) {
+      return found.covariance.significance[place_of(*one)];
     };
-    std::vector<std::size_t> weak, drop;
-    for (std::size_t r = 0; r < candidates.size(); ++r) {
-      if (significance(r) < found.penalty) weak.push_back(r);
+    std::vector<const Candidate*> weak, drop;
+    for (const Candidate& one : candidates) {
+      if (significance(&one) < penalty_) weak.push_back(&one);
     }
     std::ranges::sort(weak, {}, significance);
-    for (const std::size_t r : weak) {
-      if (std::ranges::none_of(drop, [&](std::size_t q) { return distance(r, q) < 3; })) {
-        drop.push_back(r);
+    for (const Candidate* one : weak) {
+      if (std::ranges::none_of(drop, [&](const Candidate* other) {
+            return apart(one->pole, other->pole, band_.window) < 3;
+          })) {
+        drop.push_back(one);
       }
     }
-    std::ranges::sort(drop, std::greater());
-    for (const std::size_t r : drop)
-      candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(r));
+    std::erase_if(candidates, [&](const Candidate& one) {
+      return std::ranges::find(drop, &one) != drop.end();
+    });
     return !drop.empty();
   }
 
   const ModalBand& band_;
   const ModalOptions& options_;
+  double penalty_ = least_significance(band_.lines.H);
 };
 
 }  // namespace
+
+ModalBand select_band(const FrfSet& frfs, double low_hz, double high_hz, std::vector<Note>& notes) {
+  const Index inputs = static_cast<Index>(frfs.inputs.size());
+  const Index columns = static_cast<Index>(frfs.responses.size()) * inputs;
+  const auto fits = [&](const auto& H) {
+    return H.cols() == columns && H.rows() == frfs.frequency_hz.size();
+  };
+  if (columns == 0 || !fits(frfs.H) || (frfs.H_std.size() > 0 && !fits(frfs.H_std))) {
+    throw std::invalid_argument("identify_modes: no FRFs, or sizes that do not fit");
+  }
+  const double high = high_hz > 0 ? high_hz : frfs.frequency_hz.maxCoeff();
+  std::vector<Index> rows;
+  for (Index k = 0; k < frfs.frequency_hz.size(); ++k) {
+    const double f = frfs.frequency_hz[k];
+    if (!(f > 0) || f < low_hz || f > high) continue;
+    if (!rows.empty() && !(f > frfs.frequency_hz[rows.back()])) {
+      throw std::invalid_argument("identify_modes: frequencies do not rise");
+    }
+    rows.push_back(k);
+  }
+  const auto unusable = std::erase_if(rows, [&](Index k) { return !frfs.H.row(k).allFinite(); });
+  if (unusable > 0) {
+    add_note(notes, "data_left_out", "", "{} lines with values that are not finite are left out",
+             unusable);
+  }
+  if (rows.size() < 8) {
+    throw std::invalid_argument(
+        fmt::format("{} usable lines in the band, at least 8 are needed", rows.size()));
+  }
+  ModalBand band;
+  const auto count = static_cast<Index>(rows.size());
+  band.frequency_hz = frfs.frequency_hz(rows);
+  band.lines.H = frfs.H(rows, Eigen::all);
+  if (frfs.H_std.size() > 0) band.H_std = frfs.H_std(rows, Eigen::all);
+  // A line without an error bar among others that have one cannot be weighed against them.
+  if (band.H_std.size() && !(band.H_std.allFinite() && band.H_std.maxCoeff() > 0)) {
+    band.H_std.resize(0, 0);
+    add_note(notes, "error_bars_unusable", "",
+             "some error bars of the FRFs are missing: the noise is estimated from the fit");
+  }
+  band.rows = std::move(rows);
+  band.window = frfs.exponential_decay_rate_1_s;
+  const VectorXd steps = band.frequency_hz.tail(count - 1) - band.frequency_hz.head(count - 1);
+  band.spacing_hz = median({steps.begin(), steps.end()});
+  band.correlation_lines = band.window / band.spacing_hz;
+  band.lead = frfs.pre_trigger_s * band.spacing_hz;
+  band.lines.s = laplace_lines(band.frequency_hz, band.window);
+  band.lines.power = power_of_s(frfs.form);
+  band.lines.inputs = inputs;
+  return band;
+}
+
+FrfNoise first_noise(const ModalBand& band) {
+  const MatrixXcd& H = band.lines.H;
+  const Index inputs = band.lines.inputs;
+  return band.H_std.size() > 0
+             ? noise_from_std(H, band.H_std, inputs, band.correlation_lines, band.lead)
+             : noise_unknown(H, inputs, band.correlation_lines, band.lead);
+}
+
+double least_significance(const Ref<const MatrixXcd>& H) {
+  return (2 * static_cast<double>(H.cols()) + 2) * std::log(2 * static_cast<double>(H.size()));
+}
+
+std::pair<Index, Index> lines_around(const ModalBand& band, Complex pole, double least,
+                                     double half_bandwidths) {
+  const VectorXd& f = band.frequency_hz;
+  const double centre = pole.imag() / kTwoPi;
+  const double half =
+      std::max(half_bandwidths * (band.window - pole.real()) / kTwoPi, least * band.spacing_hz);
+  const auto low = std::lower_bound(f.begin(), f.end(), centre - half);
+  const auto high = std::upper_bound(low, f.end(), centre + half);
+  return {low - f.begin(), high - low};
+}
+
+double prominence(const ModalBand& band, Complex pole, double residues, double none) {
+  const auto [first, count] = lines_around(band, pole);
+  const double power = band.lines.H.middleRows(first, count).squaredNorm();
+  if (!(power > 0)) return none;
+  const Complex raw = pole - band.window;
+  const double peak = residues / std::abs(raw.real()) * std::pow(std::abs(raw), band.lines.power);
+  return peak / std::sqrt(power / static_cast<double>(count));
+}
 
 LscfResult stabilise(const ModalBand& band, const MatrixXcd& all, const FrfNoise& noise,
                      const LscfOptions& options, Index first, Index count) {
@@ -180,7 +252,7 @@ std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& le
   for (Index i = 0; i <= steps; ++i) {
     const Index first = std::min(i * width / 2, lines - width);
     const LscfResult diagram = stabilise(band, left, noise, lscf_options, first, width);
-    for (const PoleCluster& cluster : cluster_poles(diagram, band.spacing_hz, options.clusters)) {
+    for (const PoleCluster& cluster : cluster_poles(diagram, band.spacing_hz)) {
       // The outer eighths belong to the neighbours; the ends of the band have none.
       const double f = cluster.pole_rad_s.imag() / kTwoPi;
       const double margin = static_cast<double>(width) / 8 * band.spacing_hz;
@@ -189,7 +261,7 @@ std::vector<PoleCluster> search_parts(const ModalBand& band, const MatrixXcd& le
         continue;
       }
       const auto twin = std::ranges::find_if(found, [&](const PoleCluster& other) {
-        return apart(other.pole_rad_s, cluster.pole_rad_s) < options.clusters.radius;
+        return apart(other.pole_rad_s, cluster.pole_rad_s) < kClusterRadius;
       });
       if (twin == found.end()) {
         found.push_back(cluster);

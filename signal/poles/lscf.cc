@@ -146,18 +146,18 @@ VectorXcd reciprocal_zeros(const MatrixXd& A, Index size, MatrixXcd* left) {
   return solver.eigenvalues();
 }
 
-/// Compares the poles of an order with those of the order `below`.
-void mark_stable(std::span<StabilisationPole> poles, std::span<const StabilisationPole> below,
-                 const LscfOptions& options) {
+/// Compares the poles of an order with those of the order `below`: stable is what the nearest one
+/// there differs from by less than 1 % (damping: 5 %), the customary limits of a diagram.
+void mark_stable(std::span<StabilisationPole> poles, std::span<const StabilisationPole> below) {
   if (below.empty()) return;
   for (StabilisationPole& pole : poles) {
     const StabilisationPole& nearest = *std::ranges::min_element(
         below, {}, [&](const auto& other) { return std::abs(other.pole_rad_s - pole.pole_rad_s); });
-    pole.stable_frequency = std::abs(nearest.frequency_hz - pole.frequency_hz) <
-                            options.stable_frequency * pole.frequency_hz;
+    pole.stable_frequency =
+        std::abs(nearest.frequency_hz - pole.frequency_hz) < 0.01 * pole.frequency_hz;
     pole.stable_damping =
-        pole.stable_frequency && std::abs(nearest.damping_ratio - pole.damping_ratio) <
-                                     options.stable_damping * pole.damping_ratio;
+        pole.stable_frequency &&
+        std::abs(nearest.damping_ratio - pole.damping_ratio) < 0.05 * pole.damping_ratio;
   }
 }
 
@@ -229,7 +229,7 @@ LscfResult lscf(const Ref<const VectorXd>& frequency_hz, const Ref<const MatrixX
     }
     const std::span all(result.poles), now = all.subspan(present);
     std::ranges::sort(now, {}, &StabilisationPole::frequency_hz);
-    mark_stable(now, all.subspan(below, present - below), options);
+    mark_stable(now, all.subspan(below, present - below));
     below = present;
     result.orders_solved = n;
   }

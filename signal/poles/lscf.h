@@ -22,10 +22,6 @@ struct LscfOptions {
   int max_order = 60;
   /// Poles above this damping ratio describe the band, not a structure.
   double max_damping_ratio = 0.2;
-  /// A pole is stable when the nearest one of the order below differs by less than this,
-  /// relatively; the customary limits of a stabilisation diagram. They only mark the diagram.
-  double stable_frequency = 0.01;
-  double stable_damping = 0.05;
   bool participation = false;  ///< find participation vectors as well
 };
 

@@ -7,8 +7,14 @@
 namespace rigfit::signal {
 namespace {
 
-bool alike(const VectorXcd& a, const VectorXcd& b, double least) {
-  return a.size() == 0 || b.size() == 0 || std::norm(a.dot(b)) > least;
+/// Smallest share of the upper half of the orders in which a cluster must have a pole.
+constexpr double kFewestOrders = 0.4;
+constexpr int kMostMissed = 3;  // orders that a track may miss in between
+
+/// Distance and participation vectors (MAC) allow for one mode.
+bool linked(Complex p, const VectorXcd& a, Complex q, const VectorXcd& b, double spacing) {
+  return apart(p, q, 0, spacing) < kClusterRadius &&
+         (a.size() == 0 || b.size() == 0 || std::norm(a.dot(b)) > 0.8);
 }
 
 struct Track {
@@ -20,8 +26,7 @@ struct Track {
 
 /// Links the poles of each order, from the highest down, to the nearest track end; each track takes
 /// at most one pole of an order, nearest pairs first.
-std::vector<Track> track_poles(const LscfResult& stabilisation, double spacing,
-                               const PoleClusterOptions& options) {
+std::vector<Track> track_poles(const LscfResult& stabilisation, double spacing) {
   std::vector<Track> tracks;
   const auto& all = stabilisation.poles;
   std::size_t end = all.size();
@@ -32,12 +37,11 @@ std::vector<Track> track_poles(const LscfResult& stabilisation, double spacing,
 
     std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
     for (std::size_t t = 0; t < tracks.size(); ++t) {
-      if (tracks[t].orders.back() - order > options.max_gap + 1) continue;
+      if (tracks[t].orders.back() - order > kMostMissed + 1) continue;
       for (std::size_t i = begin; i < end; ++i) {
-        const double d = apart(tracks[t].poles.back(), all[i].pole_rad_s, 0, spacing);
-        if (d < options.radius &&
-            alike(tracks[t].participation, all[i].participation, options.min_alike)) {
-          pairs.emplace_back(d, t, i);
+        const Complex p = tracks[t].poles.back(), q = all[i].pole_rad_s;
+        if (linked(p, tracks[t].participation, q, all[i].participation, spacing)) {
+          pairs.emplace_back(apart(p, q, 0, spacing), t, i);
         }
       }
     }
@@ -63,13 +67,12 @@ std::vector<Track> track_poles(const LscfResult& stabilisation, double spacing,
 
 }  // namespace
 
-std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation, double line_spacing_hz,
-                                       const PoleClusterOptions& options) {
+std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation, double line_spacing_hz) {
   const double spacing = 2 * std::numbers::pi * line_spacing_hz;
   const int top = stabilisation.orders_solved;
   const int half = top / 2;  // orders above this count
   std::vector<PoleCluster> clusters;
-  for (const Track& track : track_poles(stabilisation, spacing, options)) {
+  for (const Track& track : track_poles(stabilisation, spacing)) {
     std::vector<double> real, imag;
     for (std::size_t i = 0; i < track.poles.size() && track.orders[i] > half; ++i) {
       real.push_back(track.poles[i].real());
@@ -78,7 +81,7 @@ std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation, double l
     if (real.empty()) continue;
     PoleCluster cluster;
     cluster.presence = static_cast<double>(real.size()) / static_cast<double>(top - half);
-    if (cluster.presence < options.min_presence) continue;
+    if (cluster.presence < kFewestOrders) continue;
     cluster.pole_rad_s = {median(real), median(imag)};
     cluster.participation = track.first;
     double sum = 0;
@@ -95,8 +98,8 @@ std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation, double l
   std::vector<PoleCluster> kept;
   for (const PoleCluster& cluster : clusters) {
     const bool again = std::ranges::any_of(kept, [&](const PoleCluster& other) {
-      return apart(cluster.pole_rad_s, other.pole_rad_s, 0, spacing) < options.radius &&
-             alike(cluster.participation, other.participation, options.min_alike);
+      return linked(cluster.pole_rad_s, cluster.participation, other.pole_rad_s,
+                    other.participation, spacing);
     });
     if (!again) kept.push_back(cluster);
   }

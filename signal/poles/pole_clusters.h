@@ -15,13 +15,8 @@
 
 namespace rigfit::signal {
 
-struct PoleClusterOptions {
-  double radius = 0.25;  ///< largest distance of linked poles (1: bandwidths touch)
-  /// Smallest share of the upper half of the orders in which a cluster must have a pole.
-  double min_presence = 0.4;
-  int max_gap = 3;         ///< orders that a track may miss in between
-  double min_alike = 0.8;  ///< least MAC of the participation vectors of linked poles
-};
+/// Largest distance of linked poles (1: bandwidths touch).
+inline constexpr double kClusterRadius = 0.25;
 
 struct PoleCluster {
   Complex pole_rad_s;            ///< medians over the upper half of the orders, window included
@@ -39,7 +34,6 @@ struct PoleCluster {
 
 /// Clusters by rising frequency. `line_spacing_hz` is that of the FRFs.
 [[nodiscard]] std::vector<PoleCluster> cluster_poles(const LscfResult& stabilisation,
-                                                     double line_spacing_hz,
-                                                     const PoleClusterOptions& options = {});
+                                                     double line_spacing_hz);
 
 }  // namespace rigfit::signal

@@ -95,19 +95,16 @@ void update_by_line(FrfNoise& noise, const Evidence& of) {
 
 }  // namespace
 
-FrfNoise noise_unknown(const Ref<const MatrixXcd>& H, Index inputs, double correlation_lines) {
-  FrfNoise noise;
-  noise.line.setOnes(H.rows());
-  noise.column = floor_of(H) * 1e26;
-  noise.common.setZero(inputs);
-  noise.correlation_lines = correlation_lines;
-  return noise;
+FrfNoise noise_unknown(const Ref<const MatrixXcd>& H, Index inputs, double correlation_lines,
+                       double lead) {
+  return {VectorXd::Ones(H.rows()), floor_of(H) * 1e26, VectorXd::Zero(inputs), correlation_lines,
+          lead};
 }
 
 FrfNoise noise_from_std(const Ref<const MatrixXcd>& H, const Ref<const MatrixXd>& H_std,
-                        Index inputs, double correlation_lines) {
+                        Index inputs, double correlation_lines, double lead) {
   const Evidence of{H_std.array().square(), H.array().abs2(), ArrayXd::Ones(H.rows()), floor_of(H)};
-  FrfNoise noise = noise_unknown(H, inputs, correlation_lines);
+  FrfNoise noise = noise_unknown(H, inputs, correlation_lines, lead);
   noise.column = of.squares.colwise().mean().transpose().matrix().cwiseMax(of.least);
   update_by_line(noise, of);
   return noise;
@@ -116,10 +113,10 @@ FrfNoise noise_from_std(const Ref<const MatrixXcd>& H, const Ref<const MatrixXd>
 FrfNoise noise_from_residuals(const Ref<const MatrixXcd>& model,
                               const Ref<const MatrixXcd>& residual,
                               const Ref<const VectorXd>& leverage, Index inputs,
-                              double correlation_lines) {
+                              double correlation_lines, double lead) {
   const Evidence of{0.5 * residual.array().abs2(), model.array().abs2(),
                     (1 - leverage.array()).max(0.02), floor_of(model)};
-  FrfNoise noise = noise_unknown(model, inputs, correlation_lines);
+  FrfNoise noise = noise_unknown(model, inputs, correlation_lines, lead);
   noise.column =
       (of.squares.colwise().sum().transpose() / of.freedom.sum()).matrix().cwiseMax(of.least);
   if (model.cols() == inputs) {

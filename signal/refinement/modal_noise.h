@@ -32,18 +32,18 @@ struct FrfNoise {
 /// Noise from the standard deviations (same size as `H`) of an average over hits.
 [[nodiscard]] FrfNoise noise_from_std(const Ref<const MatrixXcd>& H,
                                       const Ref<const MatrixXd>& H_std, Index inputs,
-                                      double correlation_lines);
+                                      double correlation_lines, double lead = 0);
 
 /// Noise from the `residual` of a fit `model`. `leverage`: lines, the share (0..1) of each line's
 /// freedom that the fit has used up, mean over FRFs.
 [[nodiscard]] FrfNoise noise_from_residuals(const Ref<const MatrixXcd>& model,
                                             const Ref<const MatrixXcd>& residual,
                                             const Ref<const VectorXd>& leverage, Index inputs,
-                                            double correlation_lines);
+                                            double correlation_lines, double lead = 0);
 
 /// Noise when nothing is known: each FRF's variance is its mean square, the same at all lines.
 [[nodiscard]] FrfNoise noise_unknown(const Ref<const MatrixXcd>& H, Index inputs,
-                                     double correlation_lines);
+                                     double correlation_lines, double lead = 0);
 
 /// Weight of each line, shared by all FRFs: 1 / sqrt(q (1 + sum_i b_i h_i)), h_i = sum_c |H|^2 /
 /// a_c. With it the direction of H across the FRFs, which carries what a resonance tells about its

@@ -67,12 +67,9 @@ struct PoleFilter {
 
 /// Rows of stacked columns times the root of each line's variance: weighted errors have the
 /// variance a_c (w^2 q) at a line.
-MatrixXd spread_rows(const PoleFilter& of, const FrfNoise& noise, MatrixXd columns) {
-  const Index lines = of.weight.size();
-  const VectorXd spread = of.weight.cwiseProduct(noise.line.cwiseSqrt());
-  columns.topRows(lines) = spread.asDiagonal() * columns.topRows(lines);
-  columns.bottomRows(lines) = spread.asDiagonal() * columns.bottomRows(lines);
-  return columns;
+MatrixXd spread_rows(const PoleFilter& of, const FrfNoise& noise, const MatrixXd& columns) {
+  const VectorXd spread = of.weight.cwiseProduct(noise.line.cwiseSqrt()).replicate(2, 1);
+  return spread.asDiagonal() * columns;
 }
 
 /// From errors to residues at fixed poles: factor^-1 basis' error.
@@ -117,10 +114,8 @@ MatrixXd turned_columns(const MatrixXd& X, const Ref<const VectorXcd>& residues)
 
 /// Stacked columns as complex ones.
 MatrixXcd unstacked(const Ref<const MatrixXd>& columns) {
-  MatrixXcd result(columns.rows() / 2, columns.cols());
-  result.real() = columns.topRows(result.rows());
-  result.imag() = columns.bottomRows(result.rows());
-  return result;
+  const Index lines = columns.rows() / 2;
+  return columns.topRows(lines) + Complex(0, 1) * columns.bottomRows(lines);
 }
 
 /// sum_c conj(d model_c / d p_j) model_c / a_c at each line, over the FRFs of input `i`: what a
@@ -163,17 +158,13 @@ MatrixXcd fitted_frfs(const FrfLines& data, const ModalRefineResult& fit) {
 }
 
 ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
-                               const Ref<const VectorXcd>& start,
-                               const ModalRefineOptions& options) {
+                               const Ref<const VectorXcd>& start, PoleStepOptions steps) {
   const Index lines = data.s.size();
   const VectorXd weight = line_weight(noise, data.H);
   const MatrixXd y = stacked(data.H, weight);
   const VectorXd y_squared = y.colwise().squaredNorm().transpose();
   const VectorXd inverse_variance = inverse_variance_of(noise);
   const Index size = 2 * start.size();
-  PoleStepOptions steps;
-  steps.max_iterations = options.max_iterations;
-  steps.step_in_std = options.step_tolerance;
   steps.freedom =
       std::max(1.0, static_cast<double>((inverse_variance.array() > 0).count()) *
                             static_cast<double>(2 * lines - size - 4 - 2 * data.background.cols()) -

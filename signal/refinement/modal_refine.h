@@ -31,12 +31,6 @@ struct FrfLines {
   MatrixXcd background;
 };
 
-struct ModalRefineOptions {
-  int max_iterations = 50;
-  /// Stops when a step changes no pole by more than this times its standard deviation.
-  double step_tolerance = 1e-3;
-};
-
 struct ModalRefineResult {
   VectorXcd poles;     ///< structure's poles, rad/s (s contains the window)
   MatrixXcd residues;  ///< modes x FRFs
@@ -51,10 +45,10 @@ struct ModalRefineResult {
 [[nodiscard]] MatrixXcd fitted_frfs(const FrfLines& data, const ModalRefineResult& fit);
 
 /// Fits from the poles `start` (positive imaginary part). FRFs with infinite `noise.column` do not
-/// influence the poles.
+/// influence the poles. `steps`: iterations and the step that ends them; the rest is set here.
 [[nodiscard]] ModalRefineResult refine_modes(const FrfLines& data, const FrfNoise& noise,
                                              const Ref<const VectorXcd>& start,
-                                             const ModalRefineOptions& options = {});
+                                             PoleStepOptions steps = {});
 
 struct ModalCovariance {
   /// Of (Re p_1, Im p_1, Re p_2, ...).

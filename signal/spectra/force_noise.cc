@@ -9,28 +9,26 @@
 namespace rigfit::signal {
 namespace {
 
-/// Correlation of samples with themselves, summed over signals, lags 0 .. length - 1.
-class Correlation {
- public:
-  explicit Correlation(Index length) : fft_(2 * length), power_(ArrayXd::Zero(fft_.lines())) {}
+/// Spectrum of an autocovariance of n lags: n + 1 lines, half a line of a block apart.
+ArrayXd power_of(const ArrayXd& r) {
+  const Index n = r.size();
+  VectorXd time(2 * n);
+  time << r.matrix(), 0, r.tail(n - 1).reverse().matrix();
+  return real_spectra(time, 2 * n).real().array().max(0.0);
+}
 
-  void add(const Ref<const VectorXd>& samples) {
-    auto time = fft_.time();
-    time.setZero();
-    time.head(samples.size()) = samples;
-    fft_.forward();
-    power_ += fft_.spectrum().array().abs2();
-  }
-  [[nodiscard]] ArrayXd lags() {
-    fft_.spectrum() = power_.matrix().cast<Complex>();
-    fft_.inverse();
-    return fft_.time().head(fft_.length() / 2).array();
-  }
+/// The reverse.
+ArrayXd lags_of(const ArrayXd& power) {
+  RealFft fft(2 * (power.size() - 1));
+  fft.spectrum() = power.matrix().cast<Complex>();
+  fft.inverse();
+  return fft.time().head(power.size() - 1).array();
+}
 
- private:
-  RealFft fft_;
-  ArrayXd power_;
-};
+/// Adds the power of samples on the lines of `power`, whose lags are their correlation.
+void add_power(const VectorXd& samples, ArrayXd& power) {
+  power += real_spectra(samples, 2 * (power.size() - 1)).array().abs2();
+}
 
 Index samples_of(const FrfBlock& block, Index n) {
   return std::min(n, static_cast<Index>(block.force.size()));
@@ -38,20 +36,20 @@ Index samples_of(const FrfBlock& block, Index n) {
 
 /// Sum over the blocks of the correlation of their windows with themselves.
 ArrayXd window_lags(std::span<const FrfBlock> blocks, Index n, const VectorXd& exponential) {
-  Correlation correlation(n);
+  ArrayXd power = ArrayXd::Zero(n + 1);
   for (const FrfBlock& block : blocks) {
     VectorXd window = block.force_last < 0
                           ? VectorXd(VectorXd::Ones(n))
                           : force_window(n, block.force_first, block.force_last, block.force_taper);
     window.array() *= exponential.array();
-    correlation.add(window.head(samples_of(block, n)));
+    add_power(window.head(samples_of(block, n)), power);
   }
-  return correlation.lags();
+  return lags_of(power);
 }
 
 /// Autocovariance of the noise; empty where too little of it is seen.
 ArrayXd noise_lags(std::span<const FrfBlock> blocks, Index n) {
-  Correlation values(n), counts(n);
+  ArrayXd values = ArrayXd::Zero(n + 1), counts = values;
   double total = 0;
   for (const FrfBlock& block : blocks) {
     if (block.pulse_last < block.pulse_first) return {};
@@ -61,38 +59,17 @@ ArrayXd noise_lags(std::span<const FrfBlock> blocks, Index n) {
     VectorXd outside = VectorXd::Ones(length);
     outside.segment(first, last - first).setZero();
     total += outside.sum();
-    counts.add(outside);
+    add_power(outside, counts);
     const Map<const VectorXd> x(block.force.data(), length);
     // A constant lies in the line at 0 Hz alone; smoothing would spread it over its neighbours.
     const double mean = x.dot(outside) / std::max(outside.sum(), 1.0);
-    values.add(((x.array() - mean) * outside.array()).matrix());
+    add_power(((x.array() - mean) * outside.array()).matrix(), values);
   }
   if (total < static_cast<double>(kFewestForNoise)) return {};
-  ArrayXd r = values.lags();
-  const ArrayXd pairs = counts.lags();
+  const ArrayXd r = lags_of(values), pairs = lags_of(counts);
   // Lags that few pairs make up are left out: they scatter without bound.
   const double least = std::max(0.5 * kFewestForNoise, 0.02 * total);
   return (pairs >= least).select(r / pairs.max(1.0), 0.0);
-}
-
-/// Spectrum of an autocovariance of n lags: n + 1 lines, half a line of a block apart.
-ArrayXd power_of(const ArrayXd& r) {
-  const Index n = r.size();
-  RealFft fft(2 * n);
-  auto time = fft.time();
-  time.setZero();
-  time.head(n) = r.matrix();
-  time.tail(n - 1) = r.tail(n - 1).reverse().matrix();
-  fft.forward();
-  return fft.spectrum().real().array().max(0.0);
-}
-
-/// The reverse.
-ArrayXd lags_of(const ArrayXd& power) {
-  RealFft fft(2 * (power.size() - 1));
-  fft.spectrum() = power.matrix().cast<Complex>();
-  fft.inverse();
-  return fft.time().head(power.size() - 1).array();
 }
 
 /// Largest power of a line over the median that noise of `freedom` degrees of freedom gives, but

@@ -2,7 +2,6 @@
 // Cramer-Rao bound of an isolated mode are they? A chain of five storeys and its variations, with
 // exact truth.
 #include "signal/ambient/ambient_modes.h"
-#include "signal/modes/mac.h"
 #include "tests/bench/study.h"
 #include "tests/reference/ambient_motion.h"
 

@@ -2,7 +2,6 @@
 // how often do 95 % intervals of frequency, damping and residues hold the truth?
 #include "signal/impact/impact_frfs.h"
 #include "signal/modal/modal_identification.h"
-#include "signal/modes/mac.h"
 #include "tests/bench/study.h"
 #include "tests/reference/ten_mode_truth.h"
 

@@ -4,9 +4,7 @@
 #include "apps/cli/verbs/all.h"
 #include "signal/ambient/ambient_modes.h"
 #include "signal/modal/modal_identification.h"
-#include "signal/modes/modal_synthesis.h"
 #include "signal/readers/read_recording.h"
-#include "signal/spectra/coherence_errors.h"
 #include "signal/writers/write_uff.h"
 
 namespace rigfit::apps {

@@ -18,7 +18,7 @@
 #include "model/linear/modal_analysis.h"
 #include "model/response/response.h"
 #include "model/scene/scene.h"
-#include "signal/ambient/ambient_result.h"
+#include "signal/ambient/ambient_modes.h"
 #include "signal/decay/decay.h"
 #include "signal/modal/modal_identification.h"
 #include "signal/quality/quality.h"

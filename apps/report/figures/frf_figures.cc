@@ -1,7 +1,6 @@
 #include "apps/report/figures/figures.h"
 #include "model/frfs/frf_synthesis.h"
 #include "signal/estimation/groups.h"
-#include "signal/modes/modal_synthesis.h"
 
 namespace rigfit::apps {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "signal/ambient/ambient_modes.h"
 #include "signal/recording/recording.h"
 
 namespace rigfit::ident {

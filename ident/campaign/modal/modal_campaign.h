@@ -9,7 +9,7 @@
 #pragma once
 
 #include "ident/campaign/single_tests/test_recording.h"
-#include "signal/ambient/ambient_result.h"
+#include "signal/ambient/ambient_modes.h"
 #include "signal/impact/roving_hammer.h"
 #include "signal/modal/modal_identification.h"
 

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 
-#include "signal/modes/mac.h"
 #include "signal/numerics/numbers.h"
 #include "tests/reference/ambient_motion.h"
 #include "tests/signal/readers/reading.h"

@@ -1,7 +1,6 @@
 #include "signal/modal/band_background.h"
 
 #include "signal/modal/modal_identification.h"
-#include "signal/modes/modal_synthesis.h"
 #include "signal/numerics/numbers.h"
 #include "tests/reference/defective_frfs.h"
 #include "tests/test.h"

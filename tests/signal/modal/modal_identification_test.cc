@@ -1,7 +1,6 @@
 #include "signal/modal/modal_identification.h"
 
 #include "signal/impact/impact_frfs.h"
-#include "signal/modes/modal_synthesis.h"
 #include "tests/reference/ten_mode_truth.h"
 #include "tests/test.h"
 

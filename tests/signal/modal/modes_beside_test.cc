@@ -129,7 +129,7 @@ TEST(ModesBeside, OneWhoseResonanceReachesIntoTheBandIsNamed) {
 TEST(ModesBeside, AFitThatDoesNotConvergeWithThemSaysSo) {
   ModalOptions options = to_50_hz();
   options.refine.max_iterations = 1;  // no fit settles
-  options.refine.step_tolerance = 1e-12;
+  options.refine.step_in_std = 1e-12;
   const ModalResult result = identify_modes(struck_cable(1e-4), options);
   EXPECT_TRUE(says(result.model.notes, "modes_beside"));
   EXPECT_GE(result.model.modes.size(), 4u);  // five are there; the diagram's poles are near them

@@ -1,4 +1,4 @@
-#include "signal/modes/mac.h"
+#include "signal/modes/modal_model.h"
 
 #include "tests/test.h"
 

@@ -74,7 +74,7 @@ TEST(ModalRefine, PoleErrorsAreThoseOfASecondFit) {
   FrfLines other = data;
   const FrfLines exact = problem.noisy(0, 0, 1);
   const FrfNoise noise = problem.noise(1e-3, 0.05);
-  ModalRefineOptions options{.step_tolerance = 1e-10};
+  PoleStepOptions options{.step_in_std = 1e-10};
   const auto fit = refine_modes(exact, noise, problem.start(), options);
   const MatrixXcd error = 1e-3 * (data.H - exact.H);
   other.H = exact.H + error;

@@ -1,5 +1,4 @@
 #include "signal/spectra/frf_set.h"
-#include "signal/spectra/coherence_errors.h"
 #include "tests/reference/ten_mode_truth.h"
 #include "tests/test.h"
 

@@ -1,4 +1,4 @@
-#include "signal/modes/modal_synthesis.h"
+#include "signal/modes/modal_result.h"
 
 #include "signal/recording/add_note.h"
 #include "signal/refinement/modal_basis.h"

@@ -1,11 +1,8 @@
-#include "signal/ambient/ambient_modes.h"
-
 #include <Eigen/Cholesky>
 #include <numeric>
 
 #include "signal/ambient/ambient_steps.h"
 #include "signal/estimation/groups.h"
-#include "signal/modes/mac.h"
 #include "signal/numerics/factorisations.h"
 #include "signal/recording/add_note.h"
 
@@ -33,7 +30,8 @@ double jackknife_std(const VectorXd& without, Index together) {
   return std::sqrt((G - 1) * (G - 1) / (G * (G - static_cast<double>(together)))) * d.norm();
 }
 
-class AmbientAnalysis {
+/// Its modes begin as the candidates.
+class AmbientAnalysis : AmbientCandidates {
  public:
   AmbientAnalysis(const Recording& recording, const AmbientOptions& options,
                   const std::vector<Index>& channels, AmbientResult& result)
@@ -46,19 +44,14 @@ class AmbientAnalysis {
   void set_bands();
   MatrixXd filters();
   void fit_pass(int groups);
-  VectorXcd shape_row(Index mode, const VectorXcd& poles, bool last) const;
+  VectorXcd shape_row(Index mode, const VectorXcd& at, bool last) const;
   void judge();
-  [[nodiscard]] Index size() const { return poles_.size(); }
+  [[nodiscard]] Index size() const { return poles.size(); }
 
   const AmbientOptions& options_;
   AmbientSignals signals_;
   AmbientResult& result_;
-  std::optional<LagSpectrum> spectrum_;
-  MatrixXcd pairs_;  ///< half spectra of all pairs: lines x channels^2
-  VectorXcd poles_;
-  VectorXd presence_;
-  MatrixXcd shapes_;  ///< channels x modes, of scaled channels
-  MatrixXd gap_;      ///< distance of the modes in half bandwidths at the pass's beginning
+  MatrixXd gap_;  ///< distance of the modes in half bandwidths at the pass's beginning
   std::vector<FilteredSpectrum> bands_;
   ResonanceFit fit_;
   // The last pass has by group: poles (modes x groups), shapes (channels x groups, by mode),
@@ -69,25 +62,25 @@ class AmbientAnalysis {
 };
 
 void AmbientAnalysis::keep(const std::vector<Index>& modes) {
-  poles_ = poles_(modes).eval();
-  presence_ = presence_(modes).eval();
-  shapes_ = shapes_(Eigen::all, modes).eval();
+  poles = poles(modes).eval();
+  presence = presence(modes).eval();
+  shapes = shapes(Eigen::all, modes).eval();
 }
 
 void AmbientAnalysis::set_bands() {
-  const VectorXd& w = spectrum_->omega;
+  const VectorXd& w = spectrum->omega;
   const double spacing = w[1] - w[0];
   std::vector<Index> wide_enough;
   bands_.clear();
   for (Index i = 0; i < size(); ++i) {
-    const double reach = kBandHalfBandwidths * -poles_[i].real() + 3 * spectrum_->decay;
+    const double reach = kBandHalfBandwidths * -poles[i].real() + 3 * spectrum->decay;
     const auto line = [&](double omega) {
       return std::clamp<Index>(static_cast<Index>(std::ceil((omega - w[0]) / spacing)), 0,
                                w.size());
     };
     FilteredSpectrum band;
-    band.from = line(poles_[i].imag() - reach);
-    band.count = line(poles_[i].imag() + reach) - band.from;
+    band.from = line(poles[i].imag() - reach);
+    band.count = line(poles[i].imag() + reach) - band.from;
     if (band.count < kFewestLines) continue;
     wide_enough.push_back(i);
     bands_.push_back(std::move(band));
@@ -95,7 +88,7 @@ void AmbientAnalysis::set_bands() {
   keep(wide_enough);
   gap_.resize(size(), size());
   for (Index i = 0; i < size(); ++i) {
-    for (Index j = 0; j < size(); ++j) gap_(i, j) = apart(poles_[i], poles_[j]);
+    for (Index j = 0; j < size(); ++j) gap_(i, j) = apart(poles[i], poles[j]);
     bands_[static_cast<std::size_t>(i)].nulled.assign(static_cast<std::size_t>(size()), false);
   }
 }
@@ -106,18 +99,17 @@ MatrixXd AmbientAnalysis::filters() {
   MatrixXd F(No, size());
   for (Index i = 0; i < size(); ++i) {
     auto& band = bands_[static_cast<std::size_t>(i)];
-    const VectorXcd b = spectrum_->basis(poles_[i], band.from, band.count);
-    const VectorXcd c = spectrum_->basis(std::conj(poles_[i]), band.from, band.count);
+    const VectorXcd b = spectrum->basis(poles[i], band.from, band.count);
+    const VectorXcd c = spectrum->basis(std::conj(poles[i]), band.from, band.count);
     const VectorXd own = (2 * (b + c).real().array() - 2).abs().max(1e-12);
-    const MatrixXd spectra = pairs_.middleRows(band.from, band.count).real();
+    const MatrixXd spectra = pairs.middleRows(band.from, band.count).real();
     const VectorXd power = spectra.transpose() * own.cwiseInverse();
     MatrixXd B = power.reshaped(No, No);
     B += B.transpose().eval();
     B.diagonal().array() += kFilterLoad * B.trace() / static_cast<double>(No);
     std::vector<Index> near;
     for (Index j = 0; j < size(); ++j) {
-      if (j != i && gap_(i, j) < kNullHalfBandwidths &&
-          mac(shapes_.col(i), shapes_.col(j)) < 0.95) {
+      if (j != i && gap_(i, j) < kNullHalfBandwidths && mac(shapes.col(i), shapes.col(j)) < 0.95) {
         near.push_back(j);
       }
     }
@@ -126,7 +118,7 @@ MatrixXd AmbientAnalysis::filters() {
     near.resize(std::min(near.size(), static_cast<std::size_t>(std::max<Index>(No - 2, No > 1))));
     for (const Index j : near) band.nulled[static_cast<std::size_t>(j)] = true;
     near.insert(near.begin(), i);
-    const MatrixXd phi = shapes_(Eigen::all, near).real();
+    const MatrixXd phi = shapes(Eigen::all, near).real();
     const MatrixXd weighted = B.ldlt().solve(phi);
     const MatrixXd inner = phi.transpose() * weighted;
     F.col(i) = weighted * inner.ldlt().solve(VectorXd::Unit(inner.rows(), 0));
@@ -135,7 +127,7 @@ MatrixXd AmbientAnalysis::filters() {
 }
 
 /// The row that takes a mode's residue from half spectra on the lines of its band.
-VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& poles, bool last) const {
+VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& at, bool last) const {
   const auto& band = bands_[static_cast<std::size_t>(mode)];
   std::vector<Index> used{mode};
   const auto use = [&](Index other) {
@@ -155,7 +147,7 @@ VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& poles, bool la
   const VectorXd weight = band.S0.cwiseSqrt().cwiseInverse();
   MatrixXcd X(band.count, n + 2);
   for (Index a = 0; a < n; ++a) {
-    X.col(a) = spectrum_->basis(poles[used[static_cast<std::size_t>(a)]], band.from, band.count);
+    X.col(a) = spectrum->basis(at[used[static_cast<std::size_t>(a)]], band.from, band.count);
   }
   X.col(n).setOnes();
   X.col(n + 1) = VectorXd::LinSpaced(band.count, -1, 1).cast<Complex>();
@@ -170,7 +162,7 @@ VectorXcd AmbientAnalysis::shape_row(Index mode, const VectorXcd& poles, bool la
 /// Filters, correlations by group, fit, shapes; of several groups the jackknife as well.
 void AmbientAnalysis::fit_pass(int groups) {
   set_bands();
-  const Index n = size(), No = signals_.channels(), L = spectrum_->lags, G = groups;
+  const Index n = size(), No = signals_.channels(), L = spectrum->lags, G = groups;
   if (n == 0) return;
   // By mode: half spectra of all channels and the two-sided one of the filtered signal.
   struct Spectra {
@@ -190,19 +182,19 @@ void AmbientAnalysis::fit_pass(int groups) {
                          const VectorXd own = of_mode * F.col(i);
                          const VectorXd both = own.tail(L + 1) + own.head(L + 1).reverse();
                          auto& [half, S] = of_group[static_cast<std::size_t>(g)][mode];
-                         half = spectrum_->half(of_mode.bottomRows(L + 1), band.from, band.count);
-                         S = spectrum_->half(both, band.from, band.count).real();
+                         half = spectrum->half(of_mode.bottomRows(L + 1), band.from, band.count);
+                         S = spectrum->half(both, band.from, band.count).real();
                          energy_(g, i) = own[L];
                          auto& sum = whole[mode];
                          sum = g == 0 ? Spectra{half, S} : Spectra{sum.half + half, sum.S + S};
                        }
                      });
   for (std::size_t i = 0; i < bands_.size(); ++i) bands_[i].S = whole[i].S;
-  fit_ = fit_resonances(*spectrum_, bands_, poles_);
-  poles_ = fit_.poles;
+  fit_ = fit_resonances(*spectrum, bands_, poles);
+  poles = fit_.poles;
   for (Index i = 0; i < n; ++i) {
-    shapes_.col(i) = phase_real(whole[static_cast<std::size_t>(i)].half.transpose() *
-                                shape_row(i, poles_, G > 1));
+    shapes.col(i) = phase_real(whole[static_cast<std::size_t>(i)].half.transpose() *
+                               shape_row(i, poles, G > 1));
   }
   if (G == 1) return;
   // A group's part of the whole is left out; scales are eliminated in the fit and of no shape.
@@ -213,14 +205,14 @@ void AmbientAnalysis::fit_pass(int groups) {
     const auto& group = of_group[static_cast<std::size_t>(g)];
     std::vector<VectorXd> change;
     for (const Spectra& one : group) change.push_back(-others * one.S);
-    VectorXcd poles = poles_ + fit_.change(change);
-    poles.real() = poles.real().cwiseMin(0.05 * poles_.real()).eval();
+    VectorXcd moved = poles + fit_.change(change);
+    moved.real() = moved.real().cwiseMin(0.05 * poles.real()).eval();
     for (Index i = 0; i < n; ++i) {
       const auto mode = static_cast<std::size_t>(i);
       shapes_without_[mode].col(g) =
-          (whole[mode].half - group[mode].half).transpose() * shape_row(i, poles, true);
+          (whole[mode].half - group[mode].half).transpose() * shape_row(i, moved, true);
     }
-    poles_without_.col(g) = poles;
+    poles_without_.col(g) = moved;
   }
 }
 
@@ -231,7 +223,7 @@ void AmbientAnalysis::judge() {
   for (Index i = 0; i < size(); ++i) {
     AmbientMode found;
     IdentifiedMode& mode = found.mode;
-    const Complex pole = poles_[i];
+    const Complex pole = poles[i];
     const double half = -pole.real(), f = std::abs(pole) / kTwoPi, zeta = half / std::abs(pole);
     const double group_s = length / static_cast<double>(G);
     found.joined = static_cast<int>(std::clamp<Index>(
@@ -248,7 +240,7 @@ void AmbientAnalysis::judge() {
     set_pole(mode, pole, 0);
     mode.frequency_hz.std = f_std;
     mode.damping_ratio.std = zeta * found.log_damping_std;
-    mode.presence = presence_[i];
+    mode.presence = presence[i];
     mode.refinement = "ambient";
     found.frequency_95 = {f - t * f_std, f + t * f_std};
     found.damping_95 = {zeta * std::exp(-t * found.log_damping_std),
@@ -258,7 +250,7 @@ void AmbientAnalysis::judge() {
     mode.reconstruction_error =
         (band.S - fit_.model[static_cast<std::size_t>(i)]).norm() / band.S.norm();
 
-    VectorXcd shape = shapes_.col(i).cwiseProduct(unit);
+    VectorXcd shape = shapes.col(i).cwiseProduct(unit);
     Index top = 0;
     shape.cwiseAbs().maxCoeff(&top);
     shape /= shape[top];
@@ -296,20 +288,20 @@ void AmbientAnalysis::judge() {
             fmt::format("damping is known to {:.0f} %", 100 * found.log_damping_std));
     }
     for (Index j = 0; j < size(); ++j) {
-      const double distance = apart(pole, poles_[j]);
+      const double distance = apart(pole, poles[j]);
       if (j == i || distance > 1) continue;
-      const bool alike = mac(shapes_.col(i), shapes_.col(j)) > 0.9;
+      const bool alike = mac(shapes.col(i), shapes.col(j)) > 0.9;
       if (distance < 0.5 && alike &&
-          (presence_[j] > presence_[i] || (presence_[j] == presence_[i] && j < i))) {
+          (presence[j] > presence[i] || (presence[j] == presence[i] && j < i))) {
         doubt("close_modes",
               fmt::format("cannot be told from the mode at {:.4g} Hz, which has its shape",
-                          std::abs(poles_[j]) / kTwoPi));
+                          std::abs(poles[j]) / kTwoPi));
       }
       if (j > i) {
         add_note(result_.notes, "close_modes", where,
                  "check the shapes of the modes at {:.5g} and {:.5g} Hz, {:.2f} bandwidths apart: "
                  "within their bandwidths shapes mix",
-                 f, std::abs(poles_[j]) / kTwoPi, distance);
+                 f, std::abs(poles[j]) / kTwoPi, distance);
       }
     }
     result_.modes.push_back(std::move(found));
@@ -322,16 +314,14 @@ void AmbientAnalysis::run(std::vector<Index> references) {
   const double rate = signals_.rate_hz();
   result_.high_hz = options_.high_hz > 0 ? std::min(options_.high_hz, rate / 2) : 0.4 * rate;
   result_.tones = signals_.take_out_tones(result_.low_hz, result_.high_hz);
-  AmbientCandidates found = find_candidates(signals_, options_, result_, std::move(references));
-  spectrum_ = std::move(found.spectrum), pairs_ = std::move(found.pairs);
-  poles_ = std::move(found.poles), presence_ = std::move(found.presence);
-  shapes_ = std::move(found.shapes);
-  if (pairs_.rows() > 0) {
-    const Index No = signals_.channels(), lines = spectrum_->omega.size();
-    result_.spectra.push_back({spectrum_->omega / kTwoPi, MatrixXd(lines, No)});
+  static_cast<AmbientCandidates&>(*this) =
+      find_candidates(signals_, options_, result_, std::move(references));
+  if (pairs.rows() > 0) {
+    const Index No = signals_.channels(), lines = spectrum->omega.size();
+    result_.spectra.push_back({spectrum->omega / kTwoPi, MatrixXd(lines, No)});
     auto& shown = result_.spectra.back();
     for (Index l = 0; l < lines; ++l) {
-      const VectorXcd row = pairs_.row(l);
+      const VectorXcd row = pairs.row(l);
       const MatrixXcd S = row.reshaped(No, No);
       shown.singular_values.row(l) = hermitian_eigen(S + S.adjoint()).values.reverse().transpose();
     }
@@ -343,11 +333,11 @@ void AmbientAnalysis::run(std::vector<Index> references) {
       fit_pass(1);
       double least = 2;
       for (Index i = 0; i < size(); ++i) {
-        if (fit_.own_share[i] < kLeastOwnShare) least = std::min(least, presence_[i]);
+        if (fit_.own_share[i] < kLeastOwnShare) least = std::min(least, presence[i]);
       }
       std::vector<Index> holding;
       for (Index i = 0; i < size(); ++i) {
-        if (fit_.own_share[i] > kLeastOwnShare || presence_[i] > least) holding.push_back(i);
+        if (fit_.own_share[i] > kLeastOwnShare || presence[i] > least) holding.push_back(i);
       }
       more = !holding.empty() && std::ssize(holding) < size();
       if (more) keep(holding);
