@@ -188,15 +188,6 @@ void take_inputs(const Campaign& campaign, VerbContext& context) {
   }
 }
 
-std::unique_ptr<TestPart> part_of(const Campaign& campaign, const CampaignTest& test,
-                                  const VerbContext& context) {
-  if (test.is<BendingTest>()) return bending_part(test);
-  if (test.is<AxialTest>()) return axial_part(test, context.threads);
-  if (test.is<DecayTest>()) return decay_part(campaign, test);
-  if (test.is<TensionTest>()) return tension_part(test);
-  return modal_part(campaign, test);
-}
-
 /// Reads the recordings, works out the campaign, shows what came of it: the parts in the order of
 /// the page. `times`: what each stage took.
 std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbContext& context,
@@ -218,7 +209,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
   const auto advance = [&] { progress.advance(); };
   std::vector<std::unique_ptr<TestPart>> shown;
   for (std::size_t i = 0; i < tests; ++i) {
-    shown.push_back(part_of(campaign, campaign.tests[i], context));
+    shown.push_back(test_part(campaign, campaign.tests[i], context.threads));
   }
   ident::in_parallel(tests, context.threads, [&](std::size_t i) { shown[i]->read(advance); });
   took("recordings read", since(begin));
