@@ -13,6 +13,14 @@ using ident::Origin;
 /// The CSS class and JSON word, such as "published-model".
 [[nodiscard]] const char* word_of(Origin origin);
 
+/// The place of a series in the palette, which begins again beyond its end.
+[[nodiscard]] std::size_t palette_place(int number);
+/// Its colour on white.
+[[nodiscard]] const char* series_colour(int number);
+/// Style sheet with a custom property per origin (--measured ...) and classes .s0 .s1 ... for
+/// series, for light and dark screens and for print.
+[[nodiscard]] std::string palette_css();
+
 struct PlotSeries {
   enum class Style { line, dashed, points, line_and_points };
   std::string name = {};

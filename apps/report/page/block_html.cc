@@ -2,9 +2,7 @@
 
 #include "apps/cli/assets.h"
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/drawing/palette.h"
 #include "apps/report/drawing/svg_plot.h"
-#include "apps/report/page/tables.h"
 
 namespace rigfit::apps {
 namespace {
@@ -12,6 +10,7 @@ namespace {
 // px of a figure on the page: in a column of a screen, a phone or half a sheet of paper its letters
 // of 12 px are 9 to 15 px high; on paper 6.8 pt.
 constexpr double kPageWidth = 440, kPageHeight = 290;
+constexpr std::size_t kMostTabs = 60;  // states of a group of figures on the page
 
 /// What a sheet shows of a figure, as large as it is by itself.
 Picture picture_of(const Plot& plot) { return {plot.id, plot.title, "", svg_plot(plot), ""}; }

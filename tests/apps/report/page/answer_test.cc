@@ -4,7 +4,6 @@
 #include "apps/report/campaign_report.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/page/report_page.h"
-#include "apps/report/page/tables.h"
 #include "tests/test.h"
 
 namespace rigfit::apps::answer_test {
