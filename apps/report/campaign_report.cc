@@ -295,14 +295,7 @@ Json compared_campaigns(const Campaign& before, const Campaign& after, const fs:
   const std::string title = after.title == before.title ? before.title + ": before and after"
                                                         : before.title + " against " + after.title;
   begin_folder(folder, title, "", options);  // no campaign by itself has its report there
-  const auto compared = [](const Campaign& one) {
-    return ComparedReport{one.title,
-                          fs::path(one.file).filename().string(),
-                          one.report.date,
-                          one.report.revision,
-                          {}};
-  };
-  ComparedReport first = compared(before), second = compared(after);
+  ComparedReport first{before}, second{after};
   static_cast<void>(campaign_report(before, folder / "before", options, context, &first.answers));
   static_cast<void>(campaign_report(after, folder / "after", options, context, &second.answers));
   std::vector<ReportPart> parts{{}, compare_reports(first, second)};

@@ -36,9 +36,8 @@ struct ReportOptions {
 /// state, the nearest ones. A difference has the variance of both values; what both campaigns share
 /// (a span, a load cell) makes its real uncertainty smaller than that.
 struct ComparedReport {
-  std::string title;
-  std::string file, date, revision;  ///< the campaign's file, date and revision
-  std::vector<Answer> answers;
+  const Campaign& campaign;
+  std::vector<Answer> answers = {};
 };
 
 /// The comparison as a part: a table, a figure, JSON under "comparison" with, by value,

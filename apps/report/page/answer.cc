@@ -171,6 +171,4 @@ std::string state_words(std::string name) {
   return name;
 }
 
-bool shown_in_percent(std::string_view name) { return name.ends_with("damping_ratio"); }
-
 }  // namespace rigfit::apps
