@@ -113,7 +113,7 @@ TestPart::TestPart(const CampaignTest& test, const char* json_key)
   part_.json["test"] = test.name;
 }
 
-void TestPart::read(const FileRead& file_read) {
+void TestPart::read(const std::function<void()>& file_read) {
   if (test_.recordings.empty()) return;
   auto loaded = load_recordings(test_.recordings, file_read);
   files_ = loaded.size();

@@ -18,10 +18,9 @@ class TestPart {
   TestPart& operator=(const TestPart&) = delete;
   virtual ~TestPart() = default;
 
-  /// Called after each recording that was read.
-  using FileRead = std::function<void()>;
-  /// Reads files; may run beside that of other tests. What cannot be used is refused in its place.
-  void read(const FileRead& file_read);
+  /// Reads files, with a call of `file_read` after each; may run beside that of other tests. What
+  /// cannot be used is refused in its place.
+  void read(const std::function<void()>& file_read);
   /// Hands over what was read.
   ident::TestInputs inputs() { return std::move(inputs_); }
   /// What is on the page, of those inputs and their result; may run beside that of other tests.
