@@ -3,7 +3,7 @@
 
 #include "apps/campaign/campaign.h"
 #include "apps/cli/verb.h"
-#include "apps/report/drawing/svg_plot.h"
+#include "apps/report/drawing/plot.h"
 #include "apps/report/page/report_page.h"
 
 namespace rigfit::apps {

@@ -18,7 +18,7 @@
 #include "apps/cli/exit_code.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
-#include "apps/cli/usage.h"
+#include "apps/cli/verb.h"
 #include "document/document_error.h"
 #include "signal/recording/recording.h"
 

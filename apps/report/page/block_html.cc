@@ -2,7 +2,7 @@
 
 #include "apps/cli/assets.h"
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/drawing/svg_plot.h"
+#include "apps/report/drawing/plot.h"
 
 namespace rigfit::apps {
 namespace {
