@@ -44,13 +44,12 @@ void write_pdfs(const fs::path& folder, const ReportOptions& options, VerbContex
   for (const auto& name : names) {
     const fs::path part = folder / (name + ".part.pdf"), pdf = folder / (name + ".pdf");
     std::error_code error;
-    if (run_chromium(browser,
-                     {"--no-pdf-header-footer", "--generate-pdf-document-outline",
-                      "--print-to-pdf=" + fs::absolute(part).string()},
-                     fs::absolute(folder / (name + ".html")))) {
-      fs::rename(part, pdf, error);
-    }
-    if (error || !fs::exists(pdf)) {
+    const bool printed = run_chromium(browser,
+                                      {"--no-pdf-header-footer", "--generate-pdf-document-outline",
+                                       "--print-to-pdf=" + fs::absolute(part).string()},
+                                      fs::absolute(folder / (name + ".html")));
+    if (printed) fs::rename(part, pdf, error);
+    if (!printed || error) {
       fs::remove(part, error);
       context.refuse("not_printed", fmt::format("{} did not print {}.html", browser.string(), name),
                      name + ".pdf");
