@@ -12,7 +12,6 @@
 #include "apps/cli/exit_code.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
-#include "apps/cli/usage.h"
 #include "apps/cli/verb.h"
 
 namespace rigfit::apps {

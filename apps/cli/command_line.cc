@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/cli/exit_code.h"
-#include "apps/cli/usage.h"
+#include "apps/cli/verb.h"
 
 namespace rigfit::apps {
 namespace fs = std::filesystem;

@@ -1,5 +1,3 @@
-#include "apps/cli/usage.h"
-
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -9,6 +7,7 @@
 #include "apps/campaign/campaign.h"
 #include "apps/cli/assets.h"
 #include "apps/cli/exit_code.h"
+#include "apps/cli/verb.h"
 #include "document/toml_table.h"
 
 namespace rigfit::apps {

@@ -44,13 +44,12 @@ void write_pdfs(const fs::path& folder, const ReportOptions& options, VerbContex
   for (const auto& name : names) {
     const fs::path part = folder / (name + ".part.pdf"), pdf = folder / (name + ".pdf");
     std::error_code error;
-    if (run_chromium(browser,
-                     {"--no-pdf-header-footer", "--generate-pdf-document-outline",
-                      "--print-to-pdf=" + fs::absolute(part).string()},
-                     fs::absolute(folder / (name + ".html")))) {
-      fs::rename(part, pdf, error);
-    }
-    if (error || !fs::exists(pdf)) {
+    const bool printed = run_chromium(browser,
+                                      {"--no-pdf-header-footer", "--generate-pdf-document-outline",
+                                       "--print-to-pdf=" + fs::absolute(part).string()},
+                                      fs::absolute(folder / (name + ".html")));
+    if (printed) fs::rename(part, pdf, error);
+    if (!printed || error) {
       fs::remove(part, error);
       context.refuse("not_printed", fmt::format("{} did not print {}.html", browser.string(), name),
                      name + ".pdf");
@@ -188,15 +187,6 @@ void take_inputs(const Campaign& campaign, VerbContext& context) {
   }
 }
 
-std::unique_ptr<TestPart> part_of(const Campaign& campaign, const CampaignTest& test,
-                                  const VerbContext& context) {
-  if (test.is<BendingTest>()) return bending_part(test);
-  if (test.is<AxialTest>()) return axial_part(test, context.threads);
-  if (test.is<DecayTest>()) return decay_part(campaign, test);
-  if (test.is<TensionTest>()) return tension_part(test);
-  return modal_part(campaign, test);
-}
-
 /// Reads the recordings, works out the campaign, shows what came of it: the parts in the order of
 /// the page. `times`: what each stage took.
 std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbContext& context,
@@ -218,7 +208,7 @@ std::vector<ReportPart> campaign_parts(const Campaign& campaign, const VerbConte
   const auto advance = [&] { progress.advance(); };
   std::vector<std::unique_ptr<TestPart>> shown;
   for (std::size_t i = 0; i < tests; ++i) {
-    shown.push_back(part_of(campaign, campaign.tests[i], context));
+    shown.push_back(test_part(campaign, campaign.tests[i], context.threads));
   }
   ident::in_parallel(tests, context.threads, [&](std::size_t i) { shown[i]->read(advance); });
   took("recordings read", since(begin));
@@ -304,14 +294,7 @@ Json compared_campaigns(const Campaign& before, const Campaign& after, const fs:
   const std::string title = after.title == before.title ? before.title + ": before and after"
                                                         : before.title + " against " + after.title;
   begin_folder(folder, title, "", options);  // no campaign by itself has its report there
-  const auto compared = [](const Campaign& one) {
-    return ComparedReport{one.title,
-                          fs::path(one.file).filename().string(),
-                          one.report.date,
-                          one.report.revision,
-                          {}};
-  };
-  ComparedReport first = compared(before), second = compared(after);
+  ComparedReport first{before}, second{after};
   static_cast<void>(campaign_report(before, folder / "before", options, context, &first.answers));
   static_cast<void>(campaign_report(after, folder / "after", options, context, &second.answers));
   std::vector<ReportPart> parts{{}, compare_reports(first, second)};

@@ -3,7 +3,7 @@
 
 #include "apps/campaign/campaign.h"
 #include "apps/cli/verb.h"
-#include "apps/report/drawing/svg_plot.h"
+#include "apps/report/drawing/plot.h"
 #include "apps/report/page/report_page.h"
 
 namespace rigfit::apps {
@@ -36,9 +36,8 @@ struct ReportOptions {
 /// state, the nearest ones. A difference has the variance of both values; what both campaigns share
 /// (a span, a load cell) makes its real uncertainty smaller than that.
 struct ComparedReport {
-  std::string title;
-  std::string file, date, revision;  ///< the campaign's file, date and revision
-  std::vector<Answer> answers;
+  const Campaign& campaign;
+  std::vector<Answer> answers = {};
 };
 
 /// The comparison as a part: a table, a figure, JSON under "comparison" with, by value,

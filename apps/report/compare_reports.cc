@@ -15,9 +15,6 @@ double mark_of(const Answer& answer) {
   return std::isfinite(answer.mode_hz) ? answer.mode_hz : answer.value;
 }
 
-struct Change;
-std::string quantity_of(const Change& change);
-
 /// A value before, after, or both, and what became of it.
 struct Change {
   const Answer* before = nullptr;
@@ -29,22 +26,27 @@ struct Change {
   [[nodiscard]] bool both() const { return before && after; }
   [[nodiscard]] const Answer& one() const { return after ? *after : *before; }
 
-  [[nodiscard]] const std::string& key() const { return one().key; }
-  [[nodiscard]] std::string unit() const { return unit_of(one()); }
-  using Side = std::optional<signal::Estimate>;
-  static Side side(const Answer* a) {
-    return a ? Side(signal::Estimate{a->value, a->std}) : Side();
+  /// The quantity; a mode by its frequency before, as its number depends on what else was found.
+  [[nodiscard]] std::string quantity() const {
+    const Answer& named = before ? *before : *after;
+    if (!std::isfinite(named.mode_hz)) return quantity_words(named);
+    return fmt::format("{}, mode near {} Hz", named.quantity.substr(0, named.quantity.rfind(' ')),
+                       shown(named.mode_hz, 3));
   }
-  [[nodiscard]] Side side_before() const { return side(before); }
-  [[nodiscard]] Side side_after() const { return side(after); }
   static constexpr auto fields() {
     using T = Change;
     using describe::field;
-    return std::tuple{field("key", &T::key),
-                      field("quantity", quantity_of),
-                      field("unit", &T::unit),
-                      field("before", &T::side_before),
-                      field("after", &T::side_after),
+    constexpr auto side = [](const Answer* const T::*one) {
+      return [one](const T& change) {
+        const Answer* a = change.*one;
+        return a ? std::optional(signal::Estimate{a->value, a->std}) : std::nullopt;
+      };
+    };
+    return std::tuple{field("key", [](const T& change) { return change.one().key; }),
+                      field("quantity", &T::quantity),
+                      field("unit", [](const T& change) { return unit_of(change.one()); }),
+                      field("before", side(&T::before)),
+                      field("after", side(&T::after)),
                       field("change", &T::value),
                       field("change_std", &T::std, "", "", "both independent"),
                       field("relative_change", &T::relative),
@@ -98,21 +100,13 @@ std::vector<Change> changes_of(const std::vector<Answer>& before,
   return changes;
 }
 
-/// The quantity; a mode by its frequency before, as its number depends on what else was found.
-std::string quantity_of(const Change& change) {
-  const Answer& one = change.before ? *change.before : *change.after;
-  if (!std::isfinite(one.mode_hz)) return quantity_words(one);
-  return fmt::format("{}, mode near {} Hz", one.quantity.substr(0, one.quantity.rfind(' ')),
-                     shown(one.mode_hz, 3));
-}
-
 std::string shown_side(const Answer* answer) { return answer ? value_words(*answer) : "–"; }
 
 /// The change for the first page.
 Answer answer_of(const Change& change) {
   Answer answer;
   answer.key = change.after->key;
-  answer.quantity = quantity_of(change);
+  answer.quantity = change.quantity();
   answer.how =
       fmt::format("{} before, {} after", shown_side(change.before), shown_side(change.after));
   answer.unit = change.after->unit;
@@ -136,10 +130,10 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
   part.id = "comparison";
   part.title = "Before and after";
   part.json_key = "comparison";
-  const auto head = [](const char* side, const ComparedReport& report) {
-    std::string text = std::string(side) + ": " + report.file;
-    if (!report.date.empty()) text += ", " + report.date;
-    if (!report.revision.empty()) text += ", revision " + report.revision;
+  const auto head = [](const std::string& side, const Campaign& campaign) {
+    std::string text = side + ": " + std::filesystem::path(campaign.file).filename().string();
+    if (const auto& date = campaign.report.date; !date.empty()) text += ", " + date;
+    if (const auto& one = campaign.report.revision; !one.empty()) text += ", revision " + one;
     return Column{std::move(text)};
   };
   ReportTable table{
@@ -147,11 +141,11 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
       fmt::format("Before: {}. After: {}. Changed: the difference is three of its standard "
                   "uncertainties or more; perhaps changed: between 1.96 and three, as one value in "
                   "twenty is by chance.",
-                  before.title, after.title),
+                  before.campaign.title, after.campaign.title),
       {{"quantity", {}, false},
        {"unit", {}, false},
-       head("before", before),
-       head("after", after),
+       head("before", before.campaign),
+       head("after", after.campaign),
        {"change"},
        {"relative"},
        {"verdict", {}, false}}};
@@ -161,7 +155,7 @@ ReportPart compare_reports(const ComparedReport& before, const ComparedReport& a
     const Answer& one = change.one();
     Cell verdict(change.verdict);
     verdict.doubtful = change.changed;
-    table.rows.push_back({quantity_of(change), std::string(describe::shown_unit(one.unit).name),
+    table.rows.push_back({change.quantity(), std::string(describe::shown_unit(one.unit).name),
                           shown_side(change.before), shown_side(change.after),
                           with_signs(describe::estimate_text(change.value, change.std, one.unit)),
                           shown_percent(change.relative), std::move(verdict)});

@@ -146,16 +146,16 @@ def verb(name, result, raw=None, without=()):
         options = {key: one for key, one in options_of(name).items() if key not in without}
         own = [p for p in inspect.signature(function).parameters.values() if p.name not in ("options", "folder")]
         placed = {p.name for p in own}
-        parameters = [p.replace(annotation=raw.get(p.name) or (_type_of(options[p.name]) if p.name in options else _FIRST[p.name])[1])
-                      for p in own]
+
+        def types(key):
+            return (raw[key].replace(" | ", " or "), raw[key]) if key in raw else _type_of(options[key]) if key in options else _FIRST[key]
+        parameters = [p.replace(annotation=types(p.name)[1]) for p in own]
         for key, one in options.items():
-            if key in placed:
-                continue
-            kind = raw.get(key) or _type_of(one)[1]
-            empty = one["required"]
-            parameters.append(inspect.Parameter(
-                key, inspect.Parameter.KEYWORD_ONLY, default=inspect.Parameter.empty if empty else None,
-                annotation=kind if empty else f"{kind} | None"))
+            if key not in placed:
+                empty, kind = one["required"], types(key)[1]
+                parameters.append(inspect.Parameter(
+                    key, inspect.Parameter.KEYWORD_ONLY, default=inspect.Parameter.empty if empty else None,
+                    annotation=kind if empty else f"{kind} | None"))
         parameters.sort(key=lambda p: p.kind)
         signature = inspect.Signature(parameters, return_annotation=result.__name__)
 
@@ -186,9 +186,8 @@ def verb(name, result, raw=None, without=()):
         called.__signature__ = signature
         lines = [inspect.cleandoc(function.__doc__ or ""), "", "Parameters", "----------"]
         for p in parameters:
-            shown = p.annotation if p.name in raw else (_type_of(options[p.name]) if p.name in options else _FIRST[p.name])[0]
             optional = "" if p.default is inspect.Parameter.empty else ", optional"
-            lines.append(f"{p.name} : {shown.replace(' | None', '').replace(' | ', ' or ')}{optional}")
+            lines.append(f"{p.name} : {types(p.name)[0]}{optional}")
             if p.name in options:
                 lines += textwrap.wrap(_text_of(options[p.name]), 118, initial_indent="    ", subsequent_indent="    ")
         lines += ["", "Returns", "-------", result.__name__, "    " + (result.__doc__ or "").split("\n")[0]]

@@ -1,5 +1,9 @@
+// The module rigfit._core: what the package's Python files call. Its functions take arguments that
+// these have checked.
 #include "apps/python/src/call.h"
 
+#include <glog/logging.h>
+#include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
 #include <atomic>
@@ -10,10 +14,11 @@
 #include <sstream>
 #include <thread>
 
+#include "apps/campaign_file/recordings.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/plots/plot_option.h"
 #include "apps/cli/progress.h"
-#include "apps/cli/usage.h"
+#include "apps/cli/verb.h"
 #include "document/document_error.h"
 #include "signal/recording/recording.h"
 
@@ -60,26 +65,14 @@ std::atomic<int> abandoned{0};
   }
 }
 
-/// Work on a thread of its own. It may own objects of Python: destroyed with the lock held.
-struct Job {
-  std::function<void()> work;
-  std::promise<void> done;
-  std::atomic<bool> stop{false};
-};
-
-}  // namespace
-
-py::object to_python(const Json& value) {
-  const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
-  return py::module_::import("json").attr("loads")(text);
-}
-
+/// "mass_per_length" of "--mass-per-length".
 std::string key_of(const std::string& option) {
   std::string key = option.starts_with("--") ? option.substr(2) : option;
   std::replace(key.begin(), key.end(), '-', '_');
   return key;
 }
 
+/// Values by such names into these options.
 void take(describe::Options options, const py::dict& given) {
   using namespace py::literals;
   // The signature says what a call needs: files that come back as arrays are not written.
@@ -103,6 +96,20 @@ void take(describe::Options options, const py::dict& given) {
     raise("ArgumentError", key + ": " + misfit->problem,
           py::dict("argument"_a = key, "problem"_a = misfit->problem));
   }
+}
+
+/// Work on a thread of its own. It may own objects of Python: destroyed with the lock held.
+struct Job {
+  std::function<void()> work;
+  std::promise<void> done;
+  std::atomic<bool> stop{false};
+};
+
+}  // namespace
+
+py::object to_python(const Json& value) {
+  const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return py::module_::import("json").attr("loads")(text);
 }
 
 void run_unlocked(std::function<void()> work) {
@@ -150,7 +157,7 @@ void run_unlocked(std::function<void()> work) {
   }
 }
 
-py::tuple run_work(const char* name, const py::dict& given,
+py::tuple run_work(const std::string& name, const py::dict& given,
                    std::function<Json(apps::VerbContext&)> work) {
   struct State {
     std::ostringstream out;
@@ -174,6 +181,70 @@ py::tuple run_work(const char* name, const py::dict& given,
                         state->out.str());
 }
 
+namespace {
+
+/// Runs the verb of that name: its document {rigfit, command, inputs, warnings, ...}, its exit
+/// code, what the program prints, and a dict of results that no document carries (`frfs`,
+/// `recording`, `samples`, `covariance`, `scenes`). `given`: what the Python layer has checked, by
+/// names of options with _ for -; `inputs`, where not None, is the option that stands first, by its
+/// place. Recordings, scenes and FRFs stand where the program takes files.
+py::tuple run(const std::string& verb, const py::dict& given, const py::object& inputs) {
+  struct State {
+    apps::Verb verb;
+    apps::AtHand objects;
+  };
+  auto state = std::make_shared<State>();
+  state->verb = apps::verb_named(apps::all_verbs(), verb);
+  // A file's name, or the key of an object that stands in its place.
+  const auto name_of = [&](const py::handle& one) -> py::object {
+    const std::string key =
+        "<" + std::to_string(state->objects.recordings.size() + state->objects.scenes.size()) + ">";
+    if (py::isinstance<signal::Recording>(one)) {
+      state->objects.recordings[key] = one.cast<std::shared_ptr<signal::Recording>>();
+    } else if (py::isinstance<model::Scene>(one)) {
+      state->objects.scenes[key] = one.cast<std::shared_ptr<model::Scene>>();
+    } else {
+      return py::reinterpret_borrow<py::object>(one);
+    }
+    return py::str(key);
+  };
+  py::dict values = given.attr("copy")();
+  const std::string key = key_of(state->verb.options.front().name);
+  if (py::isinstance<signal::FrfSet>(inputs)) {
+    state->objects.frfs = inputs.cast<std::shared_ptr<signal::FrfSet>>();
+    values[key.c_str()] = "<FRFs>";
+  } else if (py::isinstance<py::list>(inputs)) {
+    py::list names;
+    for (const py::handle one : inputs) names.append(name_of(one));
+    values[key.c_str()] = names;
+  } else if (!inputs.is_none()) {
+    values[key.c_str()] = name_of(inputs);
+  }
+  take(state->verb.options, values);
+  const py::tuple answer = run_work(verb, given, [state](apps::VerbContext& context) {
+    context.at_hand = &state->objects;
+    return state->verb.run(context);
+  });
+  auto& objects = state->objects;
+  py::dict more;
+  if (verb == "frf" || verb == "modal") {
+    const bool any = objects.frfs && objects.frfs->frequency_hz.size() > 0;
+    more["frfs"] = any ? py::cast(objects.frfs) : py::object(py::none());
+  }
+  if (objects.resampled) more["recording"] = py::cast(objects.resampled);
+  if (objects.samples.size() > 0) more["samples"] = py::cast(std::move(objects.samples));
+  if (verb == "update") {
+    more["covariance"] = py::cast(std::move(objects.covariance));
+    py::list scenes;
+    for (const auto& scene : objects.fitted_scenes) {
+      scenes.append(std::make_shared<model::Scene>(scene));
+    }
+    more["scenes"] = std::move(scenes);
+  }
+  return py::make_tuple(answer[0], answer[1], answer[2], more);
+}
+
+/// What the Python layer makes arguments, checks and docstrings of: each option of a verb.
 py::list described_options(const std::string& verb) {
   using namespace py::literals;
   std::ostringstream none;
@@ -191,19 +262,29 @@ py::list described_options(const std::string& verb) {
   if (options.empty()) add(shared.options(context, false, false));
   py::list list;
   for (const auto& o : options) {
-    list.append(py::dict(
-        "name"_a = o.name, "kind"_a = describe::name_of(o.kind), "text"_a = o.text(),
-        "lowest"_a = o.lowest, "highest"_a = o.highest, "positive"_a = o.above_lowest,
-        "words"_a = o.words, "numbers"_a = o.numbers, "required"_a = o.is_required,
-        "written"_a = o.is_written, "type"_a = o.value_name, "default"_a = o.default_text()));
+    list.append(py::dict("name"_a = o.name, "kind"_a = describe::name_of(o.kind),
+                         "text"_a = o.text(), "lowest"_a = o.lowest, "highest"_a = o.highest,
+                         "words"_a = o.words, "numbers"_a = o.numbers, "required"_a = o.is_required,
+                         "written"_a = o.is_written, "default"_a = o.default_text()));
   }
   return list;
 }
 
+/// The JSON schema of a verb's result.
 py::object result_schema(const std::string& verb) {
   return to_python(apps::verb_named(apps::all_verbs(), verb).schema());
 }
 
-int abandoned_calls() { return abandoned; }
-
+}  // namespace
 }  // namespace rigfit::python
+
+PYBIND11_MODULE(_core, module) {
+  // Ceres logs why it gave up even when told to be silent: how a fit ended is in its result.
+  FLAGS_minloglevel = google::FATAL;
+  module.attr("version") = RIGFIT_VERSION;
+  module.def("run", &rigfit::python::run);
+  module.def("options", &rigfit::python::described_options);
+  module.def("schema", &rigfit::python::result_schema);
+  module.def("abandoned_calls", [] { return rigfit::python::abandoned.load(); });
+  rigfit::python::bind_objects(module);
+}

@@ -9,8 +9,6 @@
 #include <pybind11/pybind11.h>
 
 #include "apps/cli/verb.h"
-#include "apps/cli/verb_context.h"
-#include "apps/describe/option.h"
 
 namespace rigfit::python {
 
@@ -25,24 +23,9 @@ void run_unlocked(std::function<void()> work);
 
 /// A document {rigfit, command, inputs, warnings, ...} of that name with what `work` gives, the
 /// exit code, and what is printed. `given` has the options of every verb and those of reading.
-[[nodiscard]] py::tuple run_work(const char* name, const py::dict& given,
+[[nodiscard]] py::tuple run_work(const std::string& name, const py::dict& given,
                                  std::function<Json(apps::VerbContext&)> work);
 
-/// What the Python layer makes arguments, checks and docstrings of: each option of a verb.
-[[nodiscard]] py::list described_options(const std::string& verb);
-
-/// The JSON schema of a verb's result.
-[[nodiscard]] py::object result_schema(const std::string& verb);
-
-/// "mass_per_length" of "--mass-per-length".
-[[nodiscard]] std::string key_of(const std::string& option);
-
-/// Values by such names into these options.
-void take(describe::Options options, const py::dict& given);
-
 void bind_objects(py::module_& module);  ///< Recording, FrfSet, Scene and what makes them
-
-/// Calls that were interrupted and still work.
-[[nodiscard]] int abandoned_calls();
 
 }  // namespace rigfit::python

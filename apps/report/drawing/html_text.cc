@@ -29,6 +29,11 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
+double characters(std::string_view text) {
+  return static_cast<double>(std::ranges::count_if(
+      text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; }));
+}
+
 std::string shown(double value, int digits) {
   if (!std::isfinite(value)) return "–";
   if (value == 0) return "0";

@@ -10,6 +10,9 @@ namespace rigfit::apps {
 /// characters as blanks.
 [[nodiscard]] std::string escaped(std::string_view text);
 
+/// Of a UTF-8 text.
+[[nodiscard]] double characters(std::string_view text);
+
 /// A number with so many significant digits, thin-spaced thousands left out; "–" when not finite.
 [[nodiscard]] std::string shown(double value, int digits = 4);
 /// A ratio as percent with sign: "+1.24 %".

@@ -3,31 +3,47 @@
 #include <fmt/compile.h>
 
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/drawing/palette.h"
 
 namespace rigfit::apps {
 
 namespace {
 
-struct OriginWords {
+// Colours: of words by origin, of series in figures by their number. Any two origins, and any two
+// series, stay apart for readers with normal vision, deuteranopia and protanopia (distance in
+// CIELAB of at least 20 under the matrices of Machado, Oliveira and Fernandes, IEEE Trans. Vis.
+// Comput. Graph. 15 (2009) 1291). Contrast against the paper: words 4.5 : 1 (WCAG 2), series 3 : 1
+// (WCAG 2.1, 1.4.11). The first four series have the hues of Okabe and Ito (Color Universal Design,
+// 2008).
+struct Colour {
+  const char *on_light, *on_dark;  ///< "#rrggbb", on white and on #14181c
+};
+
+struct OriginLook {
   const char *name, *word;
   SeriesLook::Marker marker;
+  Colour colour;
 };
 using Marker = SeriesLook::Marker;
 /// By ident::Origin. A model's cross reaches out of a point that it lies on.
-constexpr std::array<OriginWords, 5> kOrigins{
-    {{"measured", "measured", Marker::circle},
-     {"published test", "published", Marker::square},
-     {"published model", "published-model", Marker::square},
-     {"synthetic", "synthetic", Marker::diamond},
-     {"rigfit model", "modelled", Marker::cross}}};
+constexpr std::array<OriginLook, 5> kOrigins{
+    {{"measured", "measured", Marker::circle, {"#0c54d6", "#8cbcf0"}},
+     {"published test", "published", Marker::square, {"#128174", "#86efb8"}},
+     {"published model", "published-model", Marker::square, {"#9a6b00", "#ffe14a"}},
+     {"synthetic", "synthetic", Marker::diamond, {"#5c1a78", "#c06bff"}},
+     {"rigfit model", "modelled", Marker::cross, {"#a31028", "#ff7043"}}}};
+constexpr std::array<Colour, 6> kSeriesColours{{{"#0072b2", "#56b4e9"},
+                                                {"#d55e00", "#ff8a3d"},
+                                                {"#111111", "#f2f2f2"},
+                                                {"#009e73", "#1fbf8f"},
+                                                {"#7300e6", "#a855f7"},
+                                                {"#6b2b00", "#fff04a"}}};
 
-const OriginWords& words_of(Origin origin) { return kOrigins[static_cast<std::size_t>(origin)]; }
+const OriginLook& look_by(Origin origin) { return kOrigins[static_cast<std::size_t>(origin)]; }
 
 }  // namespace
 
-const char* name_of(Origin origin) { return words_of(origin).name; }
-const char* word_of(Origin origin) { return words_of(origin).word; }
+const char* name_of(Origin origin) { return look_by(origin).name; }
+const char* word_of(Origin origin) { return look_by(origin).word; }
 
 SeriesLook look_of(const PlotSeries& series, bool overlaid) {
   using Style = PlotSeries::Style;
@@ -42,7 +58,7 @@ SeriesLook look_of(const PlotSeries& series, bool overlaid) {
     look.dash = "9 3 2 3";
   }
   if (series.style == Style::line || series.style == Style::dashed) return look;
-  look.marker = series.x.size() > kManyPoints ? Marker::dot : words_of(series.origin).marker;
+  look.marker = series.x.size() > kManyPoints ? Marker::dot : look_by(series.origin).marker;
   look.hollow = look.marker != Marker::dot && series.origin == Origin::published_model;
   return look;
 }
@@ -77,17 +93,17 @@ std::string plot_csv(const Plot& plot) {
   return text;
 }
 
-const char* series_colour(int number) {
-  return kSeriesColours[static_cast<std::size_t>(number) % kSeriesColours.size()].on_light;
+std::size_t palette_place(int number) {
+  return static_cast<std::size_t>(number) % kSeriesColours.size();
 }
+
+const char* series_colour(int number) { return kSeriesColours[palette_place(number)].on_light; }
 
 std::string palette_css() {
   std::string light, dark, series;
-  for (const Origin origin : {Origin::measured, Origin::published, Origin::published_model,
-                              Origin::synthetic, Origin::modelled}) {
-    const Colour& colour = kOriginColours[static_cast<std::size_t>(origin)];
-    light += fmt::format("--{}:{};", word_of(origin), colour.on_light);
-    dark += fmt::format("--{}:{};", word_of(origin), colour.on_dark);
+  for (const auto& origin : kOrigins) {
+    light += fmt::format("--{}:{};", origin.word, origin.colour.on_light);
+    dark += fmt::format("--{}:{};", origin.word, origin.colour.on_dark);
   }
   for (std::size_t k = 0; k < kSeriesColours.size(); ++k) {
     light += fmt::format("--s{}:{};", k, kSeriesColours[k].on_light);

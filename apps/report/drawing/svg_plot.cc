@@ -1,9 +1,8 @@
-#include "apps/report/drawing/svg_plot.h"
+#include "apps/report/drawing/plot.h"
 
 #include <set>
 
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/drawing/palette.h"
 
 namespace rigfit::apps {
 namespace {
@@ -78,13 +77,6 @@ std::vector<std::string> tick_labels(const SvgAxis& axis) {
     labels.push_back(std::move(label));
   }
   return labels;
-}
-
-/// Characters of a UTF-8 text.
-double length_of(const std::string& text) {
-  return static_cast<double>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U;
-  }));
 }
 
 struct Pixel {
@@ -251,7 +243,7 @@ class SvgFigure {
   void lay_out() {
     y_.ticks = axis_ticks(y_.low, y_.high, ticks_along(options_.height, 62), y_.logarithmic);
     double longest = 6;
-    for (const auto& label : tick_labels(y_)) longest = std::max(longest, length_of(label));
+    for (const auto& label : tick_labels(y_)) longest = std::max(longest, characters(label));
     const double left = 30 + kCharacter * longest, right = 16;
     const double top = (plot_.marks.empty() ? 12 : 26);
     // The legend stands below in rows; one entry a group.
@@ -261,7 +253,7 @@ class SvgFigure {
     for (const auto& one : plot_.series) {
       const std::string name = group_of(one);
       if (!listed.insert(name).second) continue;
-      const double width = 44 + kCharacter * length_of(name);
+      const double width = 44 + kCharacter * characters(name);
       if (row_width + width > options_.width - left - right && row_width > 0) {
         rows_.emplace_back();
         row_width = 0;
@@ -347,7 +339,7 @@ class SvgFigure {
       svg_ += fmt::format(
           "<path class=\"mark\" d=\"M{:.1f} {:.1f}V{:.1f}\" fill=\"none\" stroke=\"#888\"{}/>\n",
           at, y_.from, y_.to, mark.doubtful ? " stroke-dasharray=\"3 3\"" : "");
-      const double half = 0.5 * kCharacter * length_of(mark.label);
+      const double half = 0.5 * kCharacter * characters(mark.label);
       if (at - half < last) continue;  // no room beside the one before
       last = at + half + 4;
       labels += fmt::format(
@@ -372,8 +364,7 @@ class SvgFigure {
   [[nodiscard]] static std::string opened(const PlotSeries& one, const char* more) {
     const char* ink = series_colour(one.variant);
     return fmt::format("<g class=\"s{}{}\" data-k=\"{}\" fill=\"{}\" stroke=\"{}\">",
-                       static_cast<std::size_t>(one.variant) % kSeriesColours.size(), more,
-                       escaped(group_of(one)), ink, ink);
+                       palette_place(one.variant), more, escaped(group_of(one)), ink, ink);
   }
 
   /// Lines first, points over them.

@@ -8,7 +8,7 @@
 #include "apps/campaign/campaign.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/drawing/plot.h"
-#include "apps/report/page/tables.h"
+#include "apps/report/page/report_part.h"
 #include "ident/campaign/modal/modal_model.h"
 #include "ident/campaign/single_tests/axial_campaign.h"
 #include "ident/campaign/single_tests/bending_campaign.h"

@@ -2,7 +2,6 @@
 #include <complex>
 
 #include "apps/campaign_file/measured_modes.h"
-#include "apps/report/drawing/palette.h"
 #include "apps/report/figures/figures.h"
 #include "model/scene/sensor_quantity.h"
 
@@ -216,9 +215,7 @@ class RigDrawing {
 
   /// As near as it can be, over nothing else; nowhere where there is no room.
   void write(const Vector2d& where, const std::string& words, const char* css) {
-    const auto letters =
-        std::count_if(words.begin(), words.end(), [](char c) { return (c & 0xc0) != 0x80; });
-    const Vector2d size(0.68 * kFont * static_cast<double>(letters) + 4, kFont + 4);
+    const Vector2d size(0.68 * kFont * characters(words) + 4, kFont + 4);
     for (const double distance : {8.0, 14.0, 20.0, 28.0, 38.0, 50.0}) {
       for (const int eighth : {1, 3, 7, 5, 2, 6, 0, 4}) {
         const Vector2d out = Eigen::Rotation2Dd(-eighth * M_PI / 4) * Vector2d(1, 0);

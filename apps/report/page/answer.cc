@@ -101,12 +101,12 @@ void recommend(std::vector<Answer*>& answers) {
            (!(a.of_structure || b.of_structure) || a.structure == b.structure);
   };
   const auto known = [](const Answer& a) { return a.determined && a.std > 0; };
-  for (auto* one : answers) {
-    for (const auto* other : answers) {
-      if (one == other || !same(*one, *other) || !known(*other)) continue;
-      const bool later = known(*one) && other->std == one->std && other > one;
-      if (known(*one) && (other->std > one->std || later)) continue;
-      one->recommended = false;
+  for (auto one = answers.begin(); one != answers.end(); ++one) {
+    for (auto other = answers.begin(); other != answers.end(); ++other) {
+      if (one == other || !same(**one, **other) || !known(**other)) continue;
+      const bool later = (*other)->std == (*one)->std && other > one;
+      if (known(**one) && ((*other)->std > (*one)->std || later)) continue;
+      (*one)->recommended = false;
     }
   }
   for (auto* one : answers) {
@@ -170,7 +170,5 @@ std::string state_words(std::string name) {
   }
   return name;
 }
-
-bool shown_in_percent(std::string_view name) { return name.ends_with("damping_ratio"); }
 
 }  // namespace rigfit::apps

@@ -64,9 +64,6 @@ void recommend(std::vector<Answer*>& answers);
 /// The name of a state without the word for the only one: "beam, as built" is "beam".
 [[nodiscard]] std::string state_words(std::string name);
 
-/// True for ratios that are shown in percent: damping ratios.
-[[nodiscard]] bool shown_in_percent(std::string_view name);
-
 }  // namespace rigfit::apps
 
 namespace rigfit::describe {

@@ -2,9 +2,7 @@
 
 #include "apps/cli/assets.h"
 #include "apps/report/drawing/html_text.h"
-#include "apps/report/drawing/palette.h"
-#include "apps/report/drawing/svg_plot.h"
-#include "apps/report/page/tables.h"
+#include "apps/report/drawing/plot.h"
 
 namespace rigfit::apps {
 namespace {
@@ -12,6 +10,7 @@ namespace {
 // px of a figure on the page: in a column of a screen, a phone or half a sheet of paper its letters
 // of 12 px are 9 to 15 px high; on paper 6.8 pt.
 constexpr double kPageWidth = 440, kPageHeight = 290;
+constexpr std::size_t kMostTabs = 60;  // states of a group of figures on the page
 
 /// What a sheet shows of a figure, as large as it is by itself.
 Picture picture_of(const Plot& plot) { return {plot.id, plot.title, "", svg_plot(plot), ""}; }
@@ -46,12 +45,22 @@ std::string BlockHtml::head(const std::string& title, const std::string& more) {
 
 std::string BlockHtml::script() { return fmt::format("<script>{}</script>\n", assets::figures_js); }
 
-void BlockHtml::add(const Picture& picture) {
+void BlockHtml::add_figure(const auto& figure, const std::string& content) {
   html_ += fmt::format(
       "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{1} id=\"{0}-title\">{2}</h{1}>\n"
-      "<div class=\"picture\">{3}</div>\n<figcaption>{5} {4}{6}</figcaption>\n</figure>\n",
-      escaped(picture.id), heading_, escaped(picture.title), picture.svg, escaped(picture.caption),
-      number("Figure", ++figures_), links_to(picture.id));
+      "{3}\n<figcaption>{5} {4}{6}</figcaption>\n</figure>\n",
+      escaped(figure.id), heading_, escaped(figure.title), content, escaped(figure.caption),
+      number("Figure", ++figures_), links_to(figure.id));
+}
+
+void BlockHtml::add(const Picture& picture) {
+  add_figure(picture, fmt::format("<div class=\"picture\">{}</div>", picture.svg));
+}
+
+void BlockHtml::add(const Plot& plot) {
+  add_figure(plot, fmt::format("<div class=\"plot\">{}</div><div class=\"readout\" "
+                               "aria-live=\"polite\"></div>",
+                               svg_plot(plot, {.width = kPageWidth, .height = kPageHeight})));
 }
 
 std::string BlockHtml::number(const char* what, int number) {
@@ -152,16 +161,6 @@ void BlockHtml::add(const PlotGroup& group) {
     if (several) html_ += "</div>\n";
   }
   html_ += "</div>\n";
-}
-
-void BlockHtml::add(const Plot& plot) {
-  html_ += fmt::format(
-      "<figure id=\"{0}\" aria-labelledby=\"{0}-title\"><h{4} id=\"{0}-title\">{1}</h{4}>\n"
-      "<div class=\"plot\">{2}</div><div class=\"readout\" aria-live=\"polite\"></div>\n"
-      "<figcaption>{5} {3}{6}</figcaption>\n</figure>\n",
-      escaped(plot.id), escaped(plot.title),
-      svg_plot(plot, {.width = kPageWidth, .height = kPageHeight}), escaped(plot.caption), heading_,
-      number("Figure", ++figures_), links_to(plot.id));
 }
 
 std::string figures_page(const std::string& title, const std::string& repeat,

@@ -32,6 +32,8 @@ class BlockHtml {
 
  private:
   [[nodiscard]] std::string links_to(const std::string& id) const;
+  /// A plot or picture with its title, number and caption around `content`.
+  void add_figure(const auto& figure, const std::string& content);
 
   bool files_;
   std::string html_;

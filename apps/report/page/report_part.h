@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <variant>
 
+#include "apps/describe/sheet.h"
 #include "apps/report/drawing/plot.h"
 #include "apps/report/page/answer.h"
 #include "ident/statistics/finding.h"
@@ -44,6 +45,19 @@ struct ReportTable {
   std::vector<std::vector<Cell>> rows = {};
   std::string fold = {};  ///< words on the fold that a long table stands behind; empty: open
 };
+
+/// Rows of a described list below those that the table has, the first one with `front` before it.
+/// The first list gives the columns. Remarks stand out.
+void add_rows(ReportTable& table, std::vector<Cell> front, const describe::Table& rows,
+              std::optional<Origin> origin);
+/// A described list (apps/describe/sheet.h) as a table of the report.
+[[nodiscard]] ReportTable described_table(const std::string& id, const std::string& caption,
+                                          const describe::Table& table,
+                                          std::optional<Origin> origin = std::nullopt);
+/// The single values of a described result.
+[[nodiscard]] ReportTable described_table(const std::string& id, const std::string& caption,
+                                          const std::vector<describe::Sheet::Line>& lines,
+                                          std::optional<Origin> origin = std::nullopt);
 
 /// Figures of one kind for several states: one state is looked at at a time.
 struct PlotTab {

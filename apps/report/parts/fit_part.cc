@@ -85,7 +85,7 @@ class Fit {
     if (parameter.state >= 0) answer.quantity += ", " + state_of(parameter.state);
     answer.how = "fitted to " + counted(measured_, "mode");
     answer.unit = named ? unit_of(target) : "";
-    if (answer.unit.empty() && shown_in_percent(target)) answer.unit = "%";
+    if (answer.unit.empty() && target.ends_with("damping_ratio")) answer.unit = "%";
     answer.value = parameter.value;
     answer.std = parameter.std;
     answer.low = parameter.low;

@@ -150,10 +150,10 @@ class ModalPart : public TestPart {
     for (const auto& mode : found.modal->model.modes) {
       Answer f = answer(label + "/frequency",
                         fmt::format("{}, {}: natural frequency {}", test_.title, label, ++number),
-                        how, "Hz", mode.frequency_hz, found.origin);
+                        how, "Hz", {mode.frequency_hz, {}}, found.origin);
       Answer damping = answer(label + "/damping",
                               fmt::format("{}, {}: damping ratio ζ {}", test_.title, label, number),
-                              how, "", mode.damping_ratio, found.origin);
+                              how, "", {mode.damping_ratio, {}}, found.origin);
       for (auto* one : {&f, &damping}) {
         one->mode_hz = mode.frequency_hz.value;
         one->rank = test_.scene ? 2 : 0;
@@ -172,7 +172,7 @@ class ModalPart : public TestPart {
 
 }  // namespace
 
-TestPartPtr modal_part(const Campaign& campaign, const CampaignTest& test) {
+std::unique_ptr<TestPart> modal_part(const Campaign& campaign, const CampaignTest& test) {
   return std::make_unique<ModalPart>(campaign, test);
 }
 

@@ -3,11 +3,6 @@
 namespace rigfit::apps {
 namespace {
 
-/// Labels of the published models in the test's table; empty without a table.
-const std::vector<std::string>& published_models(const CampaignTest& test) {
-  return test.as<ModalTest>().models;
-}
-
 using ident::MeasuredRow, ident::ModalState;
 using ModalStates = std::vector<ModalState>;
 using Style = PlotSeries::Style;
@@ -55,7 +50,7 @@ Plot frequency_plot(const CampaignTest& test, const ModalStates& states) {
     }
     plot.add(std::move(series));
   };
-  const auto published = published_models(test);
+  const auto& published = test.as<ModalTest>().models;
   for (std::size_t k = 0; k < published.size(); ++k) {
     points({published[k] + " (published model)", Origin::published_model, 2 + static_cast<int>(k)},
            [&](const MeasuredRow& row) {
@@ -82,7 +77,7 @@ ReportTable pairs_table(const CampaignTest& test, const ModalStates& states) {
                      {"model, Hz", Origin::modelled},
                      {"error", Origin::modelled},
                      {"mode", {}, false}}};
-  const auto& published = published_models(test);
+  const auto& published = test.as<ModalTest>().models;
   for (const auto& name : published) {
     table.columns.push_back({name + ", Hz", Origin::published_model});
     table.columns.push_back({"error", Origin::published_model});
@@ -130,7 +125,7 @@ ReportTable error_table(const CampaignTest& test, const ModalStates& states) {
                     "Root-mean-square relative error in frequency against the test (modes "
                     "compared).",
                     {{"state", {}, false}, {"rigfit", Origin::modelled}}};
-  const auto published = published_models(test);
+  const auto& published = test.as<ModalTest>().models;
   for (const auto& name : published) table.columns.push_back({name, Origin::published_model});
   const auto add = [&](const std::string& label, const ModalStates& some) {
     const auto cell = [](const ident::RmsError& error) {
@@ -225,7 +220,7 @@ void tell(ReportPart& part, const CampaignTest& test, const ModalStates& states)
 
 ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                       const ModalStates& states) {
-  const auto published = published_models(test);
+  const auto& published = test.as<ModalTest>().models;
   const auto& scene = campaign.scenes[*test.scene].name;
   const auto& plane = test.as<ModalTest>().plane;
   ReportPart part;
@@ -251,7 +246,6 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
 
   part.json = {{"test", test.name}, {"scene", scene}, {"states", Json::array()}};
   for (const auto& state : states) {
-    const std::string label = label_of(state.tension_N);
     for (const auto& row : state.rows) {
       if (row.other_plane) continue;
       if (row.mode) {
@@ -263,9 +257,10 @@ ReportPart model_part(const Campaign& campaign, const CampaignTest& test,
                               row.frequency_hz.value, row.models_hz[k]});
       }
     }
-    add(part.blocks, shapes_pictures(fmt::format("{}-shapes-{}", test.name,
-                                                 file_word(ident::state_label(state.tension_N))),
-                                     label, state.rig.scene, state.analysis, state.rows));
+    add(part.blocks,
+        shapes_pictures(
+            fmt::format("{}-shapes-{}", test.name, file_word(ident::state_label(state.tension_N))),
+            label_of(state.tension_N), state.rig.scene, state.analysis, state.rows));
     part.json["states"].push_back(state_json(state, published));
   }
   const auto ours = rms_error(states);

@@ -113,7 +113,7 @@ TestPart::TestPart(const CampaignTest& test, const char* json_key)
   part_.json["test"] = test.name;
 }
 
-void TestPart::read(const FileRead& file_read) {
+void TestPart::read(const std::function<void()>& file_read) {
   if (test_.recordings.empty()) return;
   auto loaded = load_recordings(test_.recordings, file_read);
   files_ = loaded.size();
@@ -148,7 +148,7 @@ void TestPart::tell(std::vector<ident::Finding> findings) {
 }
 
 Answer TestPart::answer(const std::string& name, std::string quantity, std::string how,
-                        std::string unit, const signal::Estimate& value, Origin origin,
+                        std::string unit, const ident::BoundedEstimate& value, Origin origin,
                         std::optional<double> reference) const {
   return {.key = test_.name + "/" + name,
           .quantity = std::move(quantity),
@@ -156,6 +156,8 @@ Answer TestPart::answer(const std::string& name, std::string quantity, std::stri
           .unit = unit.empty() ? "%" : std::move(unit),
           .value = value.value,
           .std = value.std,
+          .low = value.low,
+          .high = value.high,
           .reference = reference,
           .reference_name = reference ? test_.reference_name : "",
           .origin = origin,

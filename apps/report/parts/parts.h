@@ -18,10 +18,9 @@ class TestPart {
   TestPart& operator=(const TestPart&) = delete;
   virtual ~TestPart() = default;
 
-  /// Called after each recording that was read.
-  using FileRead = std::function<void()>;
-  /// Reads files; may run beside that of other tests. What cannot be used is refused in its place.
-  void read(const FileRead& file_read);
+  /// Reads files, with a call of `file_read` after each; may run beside that of other tests. What
+  /// cannot be used is refused in its place.
+  void read(const std::function<void()>& file_read);
   /// Hands over what was read.
   ident::TestInputs inputs() { return std::move(inputs_); }
   /// What is on the page, of those inputs and their result; may run beside that of other tests.
@@ -34,7 +33,7 @@ class TestPart {
   /// `name`: the key within the test; `unit`: empty for a ratio in percent; `reference`: as known
   /// otherwise.
   [[nodiscard]] Answer answer(const std::string& name, std::string quantity, std::string how,
-                              std::string unit, const signal::Estimate& value, Origin origin,
+                              std::string unit, const ident::BoundedEstimate& value, Origin origin,
                               std::optional<double> reference = std::nullopt) const;
 
   const CampaignTest& test_;
@@ -42,17 +41,13 @@ class TestPart {
   std::size_t files_ = 0;     ///< recordings that the campaign names
   ReportPart part_;
 };
-using TestPartPtr = std::unique_ptr<TestPart>;
 
-[[nodiscard]] TestPartPtr axial_part(const CampaignTest& test, int threads);
-/// EI of a strand against its tension, or of a beam without tension.
-[[nodiscard]] TestPartPtr bending_part(const CampaignTest& test);
-/// Free decays; where a scene stands for the test, its answer by the same estimator.
-[[nodiscard]] TestPartPtr decay_part(const Campaign& campaign, const CampaignTest& test);
+/// The part of a test of any kind, worked out on `threads` threads.
+[[nodiscard]] std::unique_ptr<TestPart> test_part(const Campaign& campaign,
+                                                  const CampaignTest& test, int threads);
 /// Recordings of hits, FRFs and modes state by state; then the model's modes against them.
-[[nodiscard]] TestPartPtr modal_part(const Campaign& campaign, const CampaignTest& test);
-/// The tension of a cable from its frequencies.
-[[nodiscard]] TestPartPtr tension_part(const CampaignTest& test);
+[[nodiscard]] std::unique_ptr<TestPart> modal_part(const Campaign& campaign,
+                                                   const CampaignTest& test);
 
 /// Modes of a scene against a test, tension by tension: natural modes, measured frequencies paired
 /// with modelled ones, published models beside them. `states`: of the model, by rising tension.

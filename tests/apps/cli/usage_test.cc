@@ -1,5 +1,5 @@
 // What the program says of itself and of mistakes on its command line.
-#include "apps/cli/usage.h"
+#include "apps/cli/verb.h"
 
 #include "apps/cli/verb_context.h"
 #include "apps/cli/warning_lines.h"

@@ -1,5 +1,5 @@
 // A field or an option that is described is found wherever it is shown, without another line.
-#include "apps/cli/usage.h"
+#include "apps/cli/verb.h"
 #include "apps/describe/sheet.h"
 #include "signal/numerics/estimate.h"
 #include "tests/test.h"

@@ -1,4 +1,4 @@
-#include "apps/report/drawing/svg_plot.h"
+#include "apps/report/drawing/plot.h"
 
 #include "apps/report/figures/figures.h"
 #include "tests/test.h"

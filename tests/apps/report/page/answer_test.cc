@@ -4,7 +4,6 @@
 #include "apps/report/campaign_report.h"
 #include "apps/report/drawing/html_text.h"
 #include "apps/report/page/report_page.h"
-#include "apps/report/page/tables.h"
 #include "tests/test.h"
 
 namespace rigfit::apps::answer_test {
@@ -40,7 +39,8 @@ TEST(Answer, VerdictsSayHowWellAValueIsKnownAndWhetherItAgrees) {
 }
 
 ComparedReport report_of(const std::vector<Answer>& answers) {
-  return {"title", "campaign.toml", "2026-05-18", "A", answers};
+  static const Campaign campaign{.file = "campaign.toml", .title = "title"};
+  return {campaign, answers};
 }
 
 // Differences of 1, 2.5 and 8 standard uncertainties of the difference; a mode that is not there

@@ -1,4 +1,4 @@
-#include "apps/report/page/tables.h"
+#include "apps/report/page/report_part.h"
 
 #include "apps/report/drawing/html_text.h"
 
