@@ -44,7 +44,6 @@ struct AmbientOptions {
 struct AmbientTone {
   double frequency_hz = 0;
   double amplitude = 0;  ///< the largest of the channels, in its unit
-  Index channel = 0;     ///< the one with that amplitude, of those analysed
 
   static constexpr std::string_view title = "steady tones, taken out";
   static constexpr auto fields() {

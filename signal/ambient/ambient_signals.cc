@@ -250,9 +250,7 @@ std::vector<AmbientTone> AmbientSignals::take_out_tones(double low_hz, double hi
     if (left.segment(kSide - 2, 5).mean() > 4 * beside) continue;
     amplitude *= 2 / present();  // both halves of the spectrum, of what samples there are
     tones_.emplace_back(kTwoPi * f / static_cast<double>(n), amplitude);
-    Index strongest = 0;
-    const double largest = amplitude.cwiseAbs().cwiseProduct(scale()).maxCoeff(&strongest);
-    tones.push_back({f * line_hz, largest, strongest});
+    tones.push_back({f * line_hz, amplitude.cwiseAbs().cwiseProduct(scale()).maxCoeff()});
   }
   std::ranges::sort(tones, {}, &AmbientTone::frequency_hz);
   return tones;

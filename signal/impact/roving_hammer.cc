@@ -21,7 +21,8 @@ void same_rate(std::span<const StruckPoint> points) {
   const Recording& first = points.front().recordings.front();
   for (const StruckPoint& point : points) {
     const Recording& recording = point.recordings.front();
-    if (recording.sample_rate_hz == first.sample_rate_hz) continue;
+    const double other = std::abs(recording.sample_rate_hz - first.sample_rate_hz);
+    if (other <= 1e-5 * first.sample_rate_hz) continue;  // as of the hits of one point
     throw RecordingError(
         {recording.path.string(), 0, 0, "", fmt::format("{}", recording.sample_rate_hz)},
         fmt::format("is sampled at another rate than {} ({} Hz)", first.path.string(),

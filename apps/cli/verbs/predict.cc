@@ -23,7 +23,7 @@ constexpr const char* kWrittenBy = "rigfit update SCENE ... --json FIT.json";
 void tell_outcome(const Json& json, const std::string& path, bool accepted, VerbContext& context) {
   for (const auto& warning : json.value("warnings", Json::array())) {
     const std::string code = warning.value("code", "");
-    if (code != "model_ruled_out" && code != "not_converged" && code != "mode_unpaired") continue;
+    if (code != "model_ruled_out" && code != "not_converged") continue;
     context.warn("fit_" + code, "in the fit: " + warning.value("message", ""), path);
   }
   const double exit_code = number_in(json.value("error", Json::object()), "exit_code");
