@@ -7,7 +7,6 @@
 // Heylen, Lammens, Sas, Modal Analysis Theory and Testing.
 #pragma once
 
-#include "signal/numerics/estimate.h"
 #include "signal/spectra/frf_set.h"
 
 namespace rigfit::signal {
