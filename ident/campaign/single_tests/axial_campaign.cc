@@ -4,7 +4,6 @@
 
 #include <iterator>
 
-#include "ident/axial/rod_stiffness.h"
 #include "ident/statistics/in_parallel.h"
 #include "model/linear/modal_analysis.h"
 #include "signal/decay/decay.h"
